@@ -1,0 +1,126 @@
+# Everything a person or CI runs by name. Each target sets up what it needs first.
+#
+#   make            build                    make bench    benchmarks, into build/bench
+#   make demo       a small pick dataset     make soak     the tests that take minutes
+#   make test       all tests                make format   rewrite files in the project's style
+#   make check      everything that finds    make docs     redraw pictures, check links
+#                   faults without a robot   make clean    remove what was built (not .venv)
+#
+# make check is the sum of: check-format check-lint check-types check-rules check-docs check-tidy
+# check-sanitizers; each can be run alone.
+
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DEFAULT_GOAL := build
+MAKEFLAGS += --no-print-directory
+.NOTPARALLEL:
+
+JOBS ?= $(shell nproc)
+ROOT := $(CURDIR)
+PYTHON := .venv/bin/python
+
+export PATH := $(ROOT)/.venv/bin:$(PATH)
+export PYTHONPATH := $(ROOT)/python
+export PYTHONDONTWRITEBYTECODE := 1
+# Two checkouts share compiler results.
+export CCACHE_BASEDIR := $(ROOT)
+export CCACHE_NOHASHDIR := 1
+
+CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
+headline = printf '\n=== %s ===\n' "$(1)"
+
+.PHONY: build setup demo test test-cc test-python check check-format check-lint check-types \
+  check-rules check-docs check-tidy check-sanitizers bench soak clean format docs
+
+setup:
+	@scripts/setup
+
+build: setup
+	@$(call headline,build)
+	@$(call configure,release) -DROBOCELL_PYTHON=ON
+	@cmake --build --preset release -j $(JOBS)
+
+# configure PRESET [options]: quiet when it goes well, the whole log when it does not
+configure = configure() { preset=$$1; shift; mkdir -p build/$$preset; \
+  cmake --preset $$preset -DPython_EXECUTABLE=$(ROOT)/$(PYTHON) "$$@" \
+    >build/$$preset/configure.log 2>&1 || { cat build/$$preset/configure.log; exit 1; }; }; \
+  configure $(1)
+
+demo: build
+	@$(call headline,demo)
+	@$(PYTHON) -m robocell generate examples/demo.yaml
+
+test: test-cc test-python
+
+test-cc: build
+	@$(call headline,C++ tests)
+	@scripts/fetch_test_robots
+	@ctest --preset release -j $(JOBS) --no-tests=error --progress
+
+test-python: build
+	@$(call headline,Python tests)
+	@scripts/fetch_test_robots
+	@$(PYTHON) -m pytest -n $(JOBS) --dist loadfile
+
+check: check-format check-lint check-rules check-docs check-types check-tidy check-sanitizers
+	@$(call headline,make check: nothing found)
+
+check-format: setup
+	@$(call headline,format)
+	@clang-format --dry-run -Werror $(CXX_FILES)
+	@$(PYTHON) scripts/wrap_comments.py --check $(CXX_FILES)
+	@ruff format --check --quiet . || { ruff format --check .; exit 1; }
+
+check-lint: setup
+	@$(call headline,lint)
+	@ruff check .
+
+check-rules: setup
+	@$(call headline,includes and house rules)
+	@$(PYTHON) scripts/check_includes.py
+	@$(PYTHON) scripts/check_rules.py
+
+check-docs: setup
+	@$(call headline,docs)
+	@$(PYTHON) scripts/check_docs.py
+
+# Types come from the extension's stubs, so it is built first.
+check-types: build
+	@$(call headline,types)
+	@mypy
+
+check-tidy: build
+	@$(call headline,clang-tidy)
+	@$(PYTHON) scripts/tidy.py --build build/release --jobs $(JOBS)
+
+check-sanitizers: setup
+	@$(call headline,C++ tests under ASan and UBSan)
+	@$(call configure,asan)
+	@cmake --build --preset asan -j $(JOBS)
+	@scripts/fetch_test_robots
+	@ctest --preset asan -j $(JOBS) --no-tests=error --progress
+
+bench: setup
+	@$(call headline,benchmarks)
+	@$(call configure,release) -DROBOCELL_BENCHMARKS=ON
+	@cmake --build --preset release -j $(JOBS)
+	@$(PYTHON) benchmarks/run.py
+
+soak: build
+	@$(call headline,soak)
+	@$(PYTHON) -m pytest -m soak
+
+format: setup
+	@$(PYTHON) scripts/wrap_comments.py $(CXX_FILES)
+	@clang-format -i $(CXX_FILES)
+	@ruff check --fix-only --quiet .
+	@ruff format .
+
+docs: build
+	@$(call headline,docs)
+	@$(PYTHON) scripts/make_pictures.py
+	@for script in docs/make_*.py; do if [ -e "$$script" ]; then $(PYTHON) "$$script"; fi; done
+	@$(PYTHON) scripts/check_docs.py
+
+clean:
+	rm -rf build dist python/robocell/*.so python/robocell/_core python/robocell/_core.pyi

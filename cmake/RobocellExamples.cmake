@@ -1,0 +1,12 @@
+# Each examples/NN_name/main.cc or examples/NN_name.cc becomes a program that is also a test.
+file(GLOB examples CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/examples/*.cc")
+foreach(source ${examples})
+  get_filename_component(name "${source}" NAME_WE)
+  add_executable(example_${name} "${source}")
+  target_link_libraries(example_${name} PRIVATE robocell robocell_flags)
+  set_target_properties(example_${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
+  if(ROBOCELL_TESTS)
+    add_test(NAME example_${name} COMMAND example_${name} WORKING_DIRECTORY "${CMAKE_BINARY_DIR}")
+    set_tests_properties(example_${name} PROPERTIES LABELS examples TIMEOUT 300 SKIP_RETURN_CODE 77)
+  endif()
+endforeach()

@@ -1,0 +1,43 @@
+# Where things go: `cmake --install` for C++ users, or the Python wheel (SKBUILD), in which the package's folder holds
+# everything: library and extension at its top, include/, lib/cmake/robocell/, models/. MuJoCo is never copied; it is
+# found beside the package (mujoco's own wheel) or where it was at build time.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+if(SKBUILD)
+  set(lib_dir ".")
+  set(include_dir "include")
+  set(cmake_dir "lib/cmake/robocell")
+  set(models_dir ".")
+else()
+  set(lib_dir "${CMAKE_INSTALL_LIBDIR}")
+  set(include_dir "${CMAKE_INSTALL_INCLUDEDIR}")
+  set(cmake_dir "${CMAKE_INSTALL_LIBDIR}/cmake/robocell")
+  set(models_dir "${CMAKE_INSTALL_DATADIR}/robocell")
+endif()
+
+if(SKBUILD)
+  set(namelink NAMELINK_SKIP)  # a wheel knows no links: it would hold the library twice
+else()
+  set(namelink NAMELINK_COMPONENT development)
+endif()
+install(TARGETS robocell EXPORT robocellTargets
+  LIBRARY DESTINATION "${lib_dir}" ${namelink} INCLUDES DESTINATION "${include_dir}")
+install(DIRECTORY "${CMAKE_SOURCE_DIR}/src/robocell" DESTINATION "${include_dir}"
+  FILES_MATCHING PATTERN "*.h" PATTERN "testing" EXCLUDE)
+if(EXISTS "${CMAKE_SOURCE_DIR}/models")
+  install(DIRECTORY "${CMAKE_SOURCE_DIR}/models" DESTINATION "${models_dir}")
+endif()
+
+# One config file for the installed tree, the wheel and the build folder: it uses no path of its own.
+configure_file("${CMAKE_SOURCE_DIR}/cmake/robocellConfig.cmake.in" "${CMAKE_BINARY_DIR}/robocellConfig.cmake" @ONLY)
+write_basic_package_version_file("${CMAKE_BINARY_DIR}/robocellConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(EXPORT robocellTargets NAMESPACE robocell:: DESTINATION "${cmake_dir}")
+install(FILES "${CMAKE_BINARY_DIR}/robocellConfig.cmake" "${CMAKE_BINARY_DIR}/robocellConfigVersion.cmake"
+  DESTINATION "${cmake_dir}")
+export(EXPORT robocellTargets NAMESPACE robocell:: FILE "${CMAKE_BINARY_DIR}/robocellTargets.cmake")
+
+if(SKBUILD AND TARGET _core)
+  install(TARGETS _core LIBRARY DESTINATION .)
+  install(DIRECTORY "${CMAKE_BINARY_DIR}/stubs/" DESTINATION .)
+endif()

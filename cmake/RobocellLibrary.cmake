@@ -1,0 +1,24 @@
+# librobocell: every source under src/robocell that is not a test. Folders are the layers; tests check the includes.
+file(GLOB_RECURSE ROBOCELL_SOURCES CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/*.cc")
+list(FILTER ROBOCELL_SOURCES EXCLUDE REGEX "_test\\.cc$|/testing/")
+
+add_library(robocell SHARED ${ROBOCELL_SOURCES})
+add_library(robocell::robocell ALIAS robocell)
+target_compile_features(robocell PUBLIC cxx_std_20)
+target_include_directories(robocell PUBLIC
+  "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>" "$<INSTALL_INTERFACE:include>")
+target_include_directories(robocell SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
+target_link_libraries(robocell
+  PUBLIC mujoco::mujoco Eigen3::Eigen fmt::fmt
+  PRIVATE robocell_flags spdlog::spdlog yaml-cpp nlohmann_json::nlohmann_json orocos-kdl OpenSSL::Crypto
+          ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads ${CMAKE_DL_LIBS})
+# In the wheel MuJoCo's package is a neighbour; an installed library finds MuJoCo where it was when it was built.
+set(ROBOCELL_INSTALL_RPATH "$ORIGIN;$ORIGIN/../mujoco")
+if(NOT SKBUILD)
+  list(APPEND ROBOCELL_INSTALL_RPATH "${MUJOCO_DIR}")
+endif()
+set_target_properties(robocell PROPERTIES
+  BUILD_RPATH "${MUJOCO_DIR}" INSTALL_RPATH "${ROBOCELL_INSTALL_RPATH}"
+  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION})
+set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/base/version.cc" PROPERTIES
+  COMPILE_DEFINITIONS "ROBOCELL_VERSION=\"${PROJECT_VERSION}\"")

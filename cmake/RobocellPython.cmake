@@ -1,0 +1,36 @@
+# The Python extension robocell._core: one source per C++ folder, built in place so that python/ can be put on the path.
+file(GLOB binding_sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/python/bindings/*.cc")
+if(NOT binding_sources)
+  message(STATUS "python/bindings holds no sources: the Python extension is not built")
+  return()
+endif()
+if(NOT Python_Development.Module_FOUND)
+  message(FATAL_ERROR "Python's headers are missing for ${Python_EXECUTABLE}. Install them (Debian: python3-dev) "
+                      "or configure with -DROBOCELL_PYTHON=OFF.")
+endif()
+execute_process(COMMAND "${Python_EXECUTABLE}" -m nanobind --cmake_dir
+  OUTPUT_VARIABLE nanobind_ROOT OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+find_package(nanobind CONFIG REQUIRED)
+
+nanobind_add_module(_core NB_STATIC NOMINSIZE ${binding_sources})
+target_link_libraries(_core PRIVATE robocell orocos-kdl)
+target_include_directories(_core SYSTEM PRIVATE ${orocos_kdl_INCLUDE_DIRS})
+set_target_properties(_core PROPERTIES BUILD_RPATH "${MUJOCO_DIR};${CMAKE_BINARY_DIR}"
+  INSTALL_RPATH "${ROBOCELL_INSTALL_RPATH}")
+if(NOT SKBUILD)
+  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${CMAKE_SOURCE_DIR}/python/robocell")
+endif()
+
+# Type stubs: beside the extension in place, else in the build folder from where they are installed.
+if(SKBUILD)
+  set(stub_dir "${CMAKE_BINARY_DIR}/stubs")
+else()
+  set(stub_dir "${CMAKE_SOURCE_DIR}/python/robocell")
+endif()
+add_custom_command(OUTPUT "${CMAKE_BINARY_DIR}/core_stubs.stamp"
+  COMMAND "${CMAKE_COMMAND}" -E env PYTHONDONTWRITEBYTECODE=1
+          "${Python_EXECUTABLE}" "${CMAKE_SOURCE_DIR}/scripts/make_stubs.py" "$<TARGET_FILE_DIR:_core>" "${stub_dir}"
+  COMMAND "${CMAKE_COMMAND}" -E touch "${CMAKE_BINARY_DIR}/core_stubs.stamp"
+  DEPENDS _core "${CMAKE_SOURCE_DIR}/scripts/make_stubs.py"
+  COMMENT "Writing the type stubs of robocell._core" VERBATIM)
+add_custom_target(_core_stubs ALL DEPENDS "${CMAKE_BINARY_DIR}/core_stubs.stamp")

@@ -1,0 +1,31 @@
+# One test program per layer, made from every *_test.cc in its folder; new files need no change here.
+find_package(GTest REQUIRED)
+include(GoogleTest)
+
+# What tests share: where the Menagerie is, how a test is skipped. Never part of the library.
+file(GLOB testing_sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/testing/*.cc")
+list(FILTER testing_sources EXCLUDE REGEX "_test\\.cc$")
+add_library(robocell_testing STATIC ${testing_sources})
+target_compile_definitions(robocell_testing PUBLIC ROBOCELL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest PRIVATE robocell_flags)
+
+file(GLOB layers RELATIVE "${CMAKE_SOURCE_DIR}/src/robocell" CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/*")
+foreach(layer ${layers})
+  file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/${layer}/*_test.cc")
+  if(NOT sources)
+    continue()
+  endif()
+  add_executable(${layer}_test ${sources})
+  target_include_directories(${layer}_test SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
+  target_link_libraries(${layer}_test PRIVATE robocell robocell_testing robocell_flags spdlog::spdlog yaml-cpp
+    nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
+  set_target_properties(${layer}_test PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
+  if(ROBOCELL_SANITIZE)
+    # One process per layer: starting one with sanitizers costs more than most tests.
+    add_test(NAME ${layer}_test COMMAND ${layer}_test --gtest_brief=1 WORKING_DIRECTORY "${CMAKE_BINARY_DIR}")
+    set_tests_properties(${layer}_test PROPERTIES LABELS ${layer} TIMEOUT 900)
+  else()
+    gtest_discover_tests(${layer}_test WORKING_DIRECTORY "${CMAKE_BINARY_DIR}" DISCOVERY_TIMEOUT 60
+      PROPERTIES LABELS ${layer} TIMEOUT 300)
+  endif()
+endforeach()

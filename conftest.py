@@ -1,0 +1,33 @@
+"""Fixtures and rules of every Python test (python/tests, tests, examples)."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "python" / "tests"))
+
+import menagerie as _menagerie
+
+_menagerie.adopt_shared_root()
+
+
+@pytest.fixture
+def menagerie() -> _menagerie.Menagerie:
+    """The Menagerie's robots; the test is skipped when they are not on this machine."""
+    return _menagerie.require_menagerie()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Iterator[pytest.TestReport]:
+    """With CI=true a skipped test is a failed one: nothing may go untested unnoticed."""
+    report = yield
+    if report.skipped and not hasattr(report, "wasxfail") and _menagerie.skips_are_failures():
+        report.outcome = "failed"
+        report.longrepr = f"{item.nodeid} was skipped, and CI allows no skip: {report.longrepr}"
+    return report

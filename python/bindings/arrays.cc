@@ -1,0 +1,37 @@
+#include "arrays.h"
+
+namespace robocell::python {
+namespace {
+
+// PyKDL.JntArray has rows() and indexing, but numpy does not know it.
+nb::object AsSequence(nb::handle value) {
+  if (!nb::hasattr(value, "rows") || nb::hasattr(value, "__array__")) return nb::borrow(value);
+  nb::list list;
+  const int rows = nb::cast<int>(value.attr("rows")());
+  for (int i = 0; i < rows; ++i) list.append(value[nb::int_(i)]);
+  return list;
+}
+
+}  // namespace
+
+std::vector<double> ToDoubles(nb::handle value, const char* what, std::vector<size_t>& shape) {
+  nb::module_ numpy = nb::module_::import_("numpy");
+  nb::object array;
+  try {
+    array = numpy.attr("ascontiguousarray")(AsSequence(value), "float64");
+  } catch (nb::python_error& e) {
+    throw ArgumentError(std::string(what) + " must be numbers, got " +
+                        nb::cast<std::string>(nb::repr(value)));
+  }
+  const auto view = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
+  shape.clear();
+  for (size_t i = 0; i < view.ndim(); ++i) shape.push_back(view.shape(i));
+  return {view.data(), view.data() + view.size()};
+}
+
+std::vector<double> ToDoubles(nb::handle value, const char* what) {
+  std::vector<size_t> shape;
+  return ToDoubles(value, what, shape);
+}
+
+}  // namespace robocell::python

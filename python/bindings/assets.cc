@@ -1,0 +1,23 @@
+// Where models are found.
+
+#include "bindings.h"
+#include "robocell/assets/resolve.h"
+
+namespace robocell::python {
+
+void BindAssets(nb::module_& m) {
+  m.def("resolve_model", &assets::Resolve, nb::arg("name"), nb::arg("directory") = "",
+        "Absolute path of a model file: a path, `menagerie:dir/file.xml`, a path below a root of "
+        "ROBOCELL_MODEL_PATH, or a built-in name.\n\n"
+        "Relative paths start at `directory`. NotFoundError lists where it looked and the command "
+        "that fetches.");
+  m.def("models_root", &assets::ModelsRoot, "Folder of the built-in models.");
+  m.def("builtin_robots", &assets::BuiltinRobots, "Names of the built-in robots.");
+  m.def("builtin_objects", &assets::BuiltinObjects, "Names of the built-in objects.");
+  m.def("builtin_scenes", &assets::BuiltinScenes, "Names of the built-in scenes.");
+  m.def("builtin_robot_file", &assets::BuiltinRobotFile, nb::arg("name"),
+        "The YAML file of a built-in robot.");
+  m.def("menagerie_model_path", &menagerie::ModelPath, nb::arg("name"));
+}
+
+}  // namespace robocell::python

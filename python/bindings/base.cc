@@ -1,0 +1,90 @@
+// Errors with Python's own classes as further bases, so that `except ValueError` and the like work.
+#include <nanobind/nanobind.h>
+
+#include <cstring>
+
+#include "bindings.h"
+#include "python_owner.h"
+#include "robocell/base/error.h"
+#include "robocell/base/log.h"
+#include "robocell/base/version.h"
+
+namespace nb = nanobind;
+
+namespace robocell::python {
+namespace {
+
+// The classes live as long as the interpreter.
+struct ErrorClasses {
+  PyObject *error, *spec, *not_found, *argument, *closed, *diverged, *engine, *io;
+};
+ErrorClasses classes;
+
+PyObject* NewClass(nb::module_& m, const char* name, const char* doc, PyObject* base,
+                   PyObject* also = nullptr) {
+  nb::object bases = also ? nb::make_tuple(nb::handle(base), nb::handle(also)) : nb::borrow(base);
+  PyObject* type = PyErr_NewExceptionWithDoc((std::string("robocell.") + name).c_str(), doc,
+                                             bases.ptr(), nullptr);
+  if (!type) throw nb::python_error();
+  m.attr(name) = nb::handle(type);
+  return type;
+}
+
+// Messages may quote a file whose bytes are no UTF-8.
+void Raise(PyObject* type, const char* what) {
+  const nb::object text =
+      nb::steal(PyUnicode_DecodeUTF8(what, Py_ssize_t(strlen(what)), "replace"));
+  if (text.is_valid()) PyErr_SetObject(type, text.ptr());
+}
+
+void Translate(const std::exception_ptr& p, void*) {
+  try {
+    std::rethrow_exception(p);
+  } catch (const SpecError& e) {
+    Raise(classes.spec, e.what());
+  } catch (const NotFoundError& e) {
+    Raise(classes.not_found, e.what());
+  } catch (const ArgumentError& e) {
+    Raise(classes.argument, e.what());
+  } catch (const ClosedError& e) {
+    Raise(classes.closed, e.what());
+  } catch (const DivergedError& e) {
+    Raise(classes.diverged, e.what());
+  } catch (const EngineError& e) {
+    Raise(classes.engine, e.what());
+  } catch (const IoError& e) {
+    Raise(classes.io, e.what());
+  } catch (const Error& e) {
+    Raise(classes.error, e.what());
+  }
+}
+
+}  // namespace
+
+void BindBase(nb::module_& m) {
+  classes.error = NewClass(m, "Error", "Base of everything robocell raises.", PyExc_RuntimeError);
+  classes.spec = NewClass(m, "SpecError", "A spec or file is wrong; lists every problem found.",
+                          classes.error, PyExc_ValueError);
+  classes.not_found = NewClass(m, "NotFoundError", "A name that does not exist was asked for.",
+                               classes.error, PyExc_LookupError);
+  classes.argument = NewClass(m, "ArgumentError", "An argument has the wrong shape, range or kind.",
+                              classes.error, PyExc_ValueError);
+  classes.closed =
+      NewClass(m, "ClosedError", "The object was closed or removed from its scene.", classes.error);
+  classes.diverged = NewClass(m, "DivergedError", "The simulation diverged.", classes.error);
+  classes.engine = NewClass(m, "EngineError", "MuJoCo reported an error.", classes.error);
+  classes.io = NewClass(m, "IoError", "A file, folder or child process failed.", classes.error,
+                        PyExc_OSError);
+  nb::register_exception_translator(Translate);
+  nb::module_::import_("atexit").attr("register")(nb::cpp_function(&ReleaseCallbacks));
+  m.attr("__version__") = std::string(Version());
+  m.def(
+      "set_log_level", [](const std::string& level) { SetLogLevel(LogLevelFromName(level)); },
+      nb::arg("level"),
+      "Show messages of this level and everything more severe: 'debug', 'info', 'warn', 'error'.");
+  m.def(
+      "log_level", [] { return std::string(LogLevelName(GetLogLevel())); },
+      "The level in force: 'debug', 'info', 'warn' or 'error'.");
+}
+
+}  // namespace robocell::python

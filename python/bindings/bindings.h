@@ -1,0 +1,34 @@
+// The parts of the extension robocell._core: one function per C++ folder. core.cc calls them in the
+// order of the layers, so that a class is known before it appears in a signature.
+#pragma once
+
+#include <nanobind/nanobind.h>
+// Type casters are templates: a file that forgets one makes another meaning of the same cast, and
+// the linker keeps either. So all files see all of them.
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/string_view.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+namespace robocell::python {
+
+namespace nb = nanobind;
+
+void BindBase(nb::module_& m);        // errors, log, version
+void BindMath(nb::module_& m);        // Pose
+void BindSpec(nb::module_& m);        // SceneSpec, RobotConfig, ...
+void BindAssets(nb::module_& m);      // where models are found
+void BindScene(nb::module_& m);       // scenes, compiled and alive
+void BindKinematics(nb::module_& m);  // inverse kinematics
+void BindRobot(nb::module_& m);       // robots and groups, with the stepper
+void BindRender(nb::module_& m);      // images and videos
+void BindTask(nb::module_& m);        // tasks and experts
+void BindData(nb::module_& m);        // datasets and episodes
+void BindDatagen(nb::module_& m);     // plans and the runner
+
+}  // namespace robocell::python

@@ -1,0 +1,21 @@
+// The extension module robocell._core: everything of the C++ library that Python sees. Users import
+// the package robocell, which re-exports it.
+#include "bindings.h"
+#include "robocell/mujoco/version.h"
+
+NB_MODULE(_core, m) {
+  using namespace robocell::python;
+  m.doc() = "robocell's C++ core. Use it through the package `robocell`.";
+  BindBase(m);
+  robocell::CheckEngineVersion();
+  BindMath(m);
+  BindSpec(m);
+  BindAssets(m);
+  BindScene(m);
+  BindKinematics(m);
+  BindRobot(m);
+  BindRender(m);
+  BindTask(m);
+  BindData(m);
+  BindDatagen(m);
+}

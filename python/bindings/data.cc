@@ -1,0 +1,215 @@
+// Datasets and episodes: read-only; writing is the runner's business.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/function.h>
+
+#include "bindings.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/verify.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace robocell::python {
+namespace {
+
+// A new array that owns `values`; bool columns come back as bool.
+template <class T, class Shown = T>
+nb::object Array(std::vector<T> values, const std::vector<size_t>& shape) {
+  auto* owned = new std::vector<T>(std::move(values));
+  nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<T>*>(p); });
+  return nb::cast(nb::ndarray<nb::numpy, Shown>(reinterpret_cast<Shown*>(owned->data()),
+                                                shape.size(), shape.data(), owner));
+}
+
+nb::object ReadColumn(const Episode& episode, const std::string& name, int64_t first,
+                      std::optional<int64_t> count) {
+  const ColumnInfo& info = episode.column(name);
+  const bool constant = info.table.empty();
+  const RowRange range = constant ? RowRange{} : RowRange{first, count};
+  std::vector<size_t> shape;
+  if (!constant) shape.push_back(static_cast<size_t>(count.value_or(info.rows - first)));
+  for (const int64_t n : info.spec.shape) shape.push_back(static_cast<size_t>(n));
+  switch (info.spec.type) {
+    case ColumnType::kFloat64:
+      return Array(episode.Read<double>(name, range), shape);
+    case ColumnType::kFloat32:
+      return Array(episode.Read<float>(name, range), shape);
+    case ColumnType::kInt64:
+      return Array(episode.Read<int64_t>(name, range), shape);
+    case ColumnType::kInt32:
+      return Array(episode.Read<int32_t>(name, range), shape);
+    case ColumnType::kUint8:
+      return Array(episode.Read<uint8_t>(name, range), shape);
+    case ColumnType::kBool:
+      break;
+  }
+  std::vector<uint8_t> values(episode.ValueCount(name, range));
+  episode.ReadBytes(name, range, ColumnType::kBool, std::as_writable_bytes(std::span(values)));
+  return Array<uint8_t, bool>(std::move(values), shape);
+}
+
+nb::object ReadFrames(const Episode& episode, const std::string& camera) {
+  const CameraInfo& info = episode.camera(camera);
+  const size_t size = 3 * static_cast<size_t>(info.width) * static_cast<size_t>(info.height);
+  std::vector<uint8_t> all(size * static_cast<size_t>(info.frames));
+  {
+    nb::gil_scoped_release release;
+    VideoReader video = episode.Video(camera);
+    for (int64_t i = 0; i < info.frames; ++i)
+      video.Next(std::span(all).subspan(size * static_cast<size_t>(i), size));
+  }
+  return Array(std::move(all), {static_cast<size_t>(info.frames), static_cast<size_t>(info.height),
+                                static_cast<size_t>(info.width), 3});
+}
+
+std::vector<std::string> ColumnNames(const Episode& episode) {
+  std::vector<std::string> names;
+  for (const ColumnInfo& info : episode.columns()) names.push_back(info.spec.name);
+  return names;
+}
+
+nb::object Json(const std::string& text) {
+  return nb::module_::import_("json").attr("loads")(text);
+}
+
+nb::dict ColumnDict(const ColumnInfo& info) {
+  nb::dict d;
+  d["name"] = info.spec.name;
+  d["dtype"] = std::string(NameOf(info.spec.type));
+  d["shape"] = nb::tuple(nb::cast(info.spec.shape));
+  d["units"] = info.spec.units;
+  d["frame"] = info.spec.frame;
+  d["names"] = nb::cast(info.spec.names);
+  d["values"] = nb::cast(info.spec.values);
+  d["description"] = info.spec.description;
+  d["table"] = info.table;
+  d["rows"] = info.rows;
+  return d;
+}
+
+void BindEpisode(nb::module_& m) {
+  nb::class_<Episode>(
+      m, "Episode",
+      "One committed episode: a folder with steps.h5, one mp4 per camera and episode.json.")
+      .def(
+          "__init__",
+          [](Episode* self, const std::filesystem::path& folder) { new (self) Episode(folder); },
+          "folder"_a,
+          "Opens the episode in a folder. IoError names the file that is missing or damaged.")
+      .def_prop_ro("folder", &Episode::folder)
+      .def_prop_ro("id", &Episode::id)
+      .def_prop_ro("success", &Episode::success)
+      .def_prop_ro("terminated", &Episode::terminated)
+      .def_prop_ro("truncated", &Episode::truncated)
+      .def_prop_ro("end_reason", &Episode::end_reason)
+      .def_prop_ro("warnings", &Episode::warnings)
+      .def_prop_ro(
+          "json", [](const Episode& e) { return Json(e.json()); }, "The content of episode.json.")
+      .def_prop_ro(
+          "metadata", [](const Episode& e) { return Json(e.metadata_json()); },
+          "Seeds, scene, task and whatever else describes the episode.")
+      .def("rows", &Episode::rows, "table"_a = "steps", "Number of rows of a table.")
+      .def("__len__", [](const Episode& e) { return e.rows(); })
+      .def_prop_ro("tables", &Episode::tables)
+      .def_prop_ro("columns", &ColumnNames, "Names of all columns and constants.")
+      .def(
+          "column",
+          [](const Episode& e, const std::string& name) { return ColumnDict(e.column(name)); },
+          "name"_a,
+          "What is known of a column: dtype, shape of a row, units, frame, component names, table, "
+          "rows.")
+      .def(
+          "__getitem__",
+          [](const Episode& e, const std::string& name) {
+            return ReadColumn(e, name, 0, std::nullopt);
+          },
+          "name"_a, nb::sig("def __getitem__(self, name: str) -> numpy.typing.NDArray[typing.Any]"),
+          "A whole column as an array (rows, ...). NotFoundError with the nearest names.")
+      .def("read", &ReadColumn, "name"_a, "first"_a = 0, "count"_a = nb::none(),
+           nb::sig("def read(self, name: str, first: int = 0, count: int | None = None) -> "
+                   "numpy.typing.NDArray[typing.Any]"),
+           "A range of rows of a column as an array.")
+      .def_prop_ro("cameras",
+                   [](const Episode& e) {
+                     std::vector<std::string> names;
+                     for (const CameraInfo& info : e.cameras()) names.push_back(info.name);
+                     return names;
+                   })
+      .def("frames", &ReadFrames, "camera"_a,
+           nb::sig("def frames(self, camera: str) -> numpy.typing.NDArray[numpy.uint8]"),
+           "All frames of a camera, uint8 (frames, height, width, 3).")
+      .def_prop_ro("files", &Episode::files)
+      .def("__repr__", [](const Episode& e) {
+        return "<Episode " + e.id() + ": " + std::to_string(e.rows()) + " rows, " +
+               (e.success() ? "success" : e.end_reason()) + ">";
+      });
+}
+
+void BindVerify(nb::module_& m) {
+  nb::class_<VerifyProblem>(m, "VerifyProblem", "What is wrong with one file of a dataset.")
+      .def_ro("episode", &VerifyProblem::episode)
+      .def_ro("file", &VerifyProblem::file)
+      .def_ro("reason", &VerifyProblem::reason)
+      .def("__str__", &VerifyProblem::Text);
+  nb::class_<VerifyReport>(m, "VerifyReport", "The state of a dataset on disk.")
+      .def_ro("good", &VerifyReport::good)
+      .def_ro("bad", &VerifyReport::bad)
+      .def_ro("problems", &VerifyReport::problems)
+      .def_ro("leftovers", &VerifyReport::leftovers)
+      .def_ro("others", &VerifyReport::others)
+      .def_prop_ro("ok", &VerifyReport::ok)
+      .def("__str__", &VerifyReport::Text);
+  nb::class_<RepairResult>(m, "RepairResult", "What repair found and moved aside.")
+      .def_ro("found", &RepairResult::found)
+      .def_ro("moved", &RepairResult::moved);
+  m.def(
+      "verify",
+      [](const std::filesystem::path& dataset, bool decode_videos) {
+        return Verify(dataset, {.decode_videos = decode_videos, .progress = {}});
+      },
+      "dataset"_a, "decode_videos"_a = false, nb::call_guard<nb::gil_scoped_release>(),
+      "Checks every episode of a dataset: sizes, hashes, rows and frame counts.");
+  m.def(
+      "repair", [](const std::filesystem::path& dataset) { return Repair(dataset); }, "dataset"_a,
+      nb::call_guard<nb::gil_scoped_release>(),
+      "Moves damaged episodes aside, into <dataset>/.quarantine.");
+}
+
+}  // namespace
+
+void BindData(nb::module_& m) {
+  BindEpisode(m);
+  nb::class_<Dataset>(m, "Dataset",
+                      "The committed episodes of a folder, in the order of their ids.")
+      .def(
+          "__init__",
+          [](Dataset* self, const std::filesystem::path& folder) { new (self) Dataset(folder); },
+          "folder"_a)
+      .def_prop_ro("folder", &Dataset::folder)
+      .def_prop_ro("ids", &Dataset::ids)
+      .def("__len__", &Dataset::size)
+      .def(
+          "__iter__", [](nb::handle self) { return nb::steal(PySeqIter_New(self.ptr())); },
+          nb::sig("def __iter__(self) -> collections.abc.Iterator[Episode]"))
+      .def("__contains__", [](const Dataset& d, const std::string& id) { return d.Contains(id); })
+      .def(
+          "__getitem__", [](const Dataset& d, const std::string& id) { return d.Open(id); }, "id"_a)
+      .def(
+          "__getitem__",
+          [](const Dataset& d, int64_t i) {
+            const int64_t n = static_cast<int64_t>(d.size());
+            if (i < -n || i >= n)
+              throw nb::index_error(
+                  ("episode " + std::to_string(i) + " of " + std::to_string(n)).c_str());
+            return d.Open(d.ids()[static_cast<size_t>(i < 0 ? i + n : i)]);
+          },
+          "index"_a)
+      .def("refresh", &Dataset::Refresh, "Looks at the folder again.")
+      .def("__repr__", [](const Dataset& d) {
+        return "<Dataset " + d.folder().string() + ": " + std::to_string(d.size()) + " episodes>";
+      });
+  BindVerify(m);
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,145 @@
+// Plans and the runner. A run is interrupted through a StopFlag, which signal handlers and other
+// threads may set.
+#include <nanobind/nanobind.h>
+
+#include <atomic>
+#include <memory>
+
+#include "bindings.h"
+#include "robocell/datagen/plan.h"
+#include "robocell/datagen/prepare.h"
+#include "robocell/datagen/runner.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace robocell::python {
+namespace {
+
+struct StopFlag {
+  std::atomic<bool> value{false};
+};
+
+void BindReport(nb::module_& m) {
+  nb::class_<EpisodeReport>(m, "EpisodeReport", "What became of one item of a plan.")
+      .def_ro("item", &EpisodeReport::item)
+      .def_ro("committed", &EpisodeReport::committed, "An episode is on the disk.")
+      .def_ro("success", &EpisodeReport::success)
+      .def_ro("stopped", &EpisodeReport::stopped, "Ended by the stop flag; nothing was kept.")
+      .def_ro("resumed", &EpisodeReport::resumed, "It was complete before.")
+      .def_ro("kept", &EpisodeReport::kept, "Episodes written now.")
+      .def_ro("attempts", &EpisodeReport::attempts)
+      .def_ro("accepted", &EpisodeReport::accepted, "Attempts whose start the sampler accepted.")
+      .def_ro("refusals", &EpisodeReport::refusals, "Reason -> count, of refused starts.")
+      .def_ro("failures", &EpisodeReport::failures, "Reason -> count, of failed rollouts.")
+      .def_ro("rows", &EpisodeReport::rows)
+      .def_ro("seconds_sampling", &EpisodeReport::seconds_sampling)
+      .def_ro("seconds_acting", &EpisodeReport::seconds_acting)
+      .def_ro("seconds_rendering", &EpisodeReport::seconds_rendering)
+      .def_ro("seconds_writing", &EpisodeReport::seconds_writing);
+}
+
+// An expert that a Python object implements: keeps the object and forwards to it.
+class BorrowedExpert : public Expert {
+ public:
+  explicit BorrowedExpert(nb::object object)
+      : object_(std::move(object)), expert_(nb::cast<Expert*>(object_)) {}
+  ~BorrowedExpert() override {
+    nb::gil_scoped_acquire gil;
+    object_.reset();
+  }
+  void Begin(const Scene& scene, Rng& rng) override { expert_->Begin(scene, rng); }
+  Action Act(const Scene& scene, Rng& rng) override { return expert_->Act(scene, rng); }
+  bool done() const override { return expert_->done(); }
+  std::string failure() const override { return expert_->failure(); }
+  int phase() const override { return expert_->phase(); }
+  std::vector<std::string> phase_names() const override { return expert_->phase_names(); }
+
+ private:
+  nb::object object_;
+  Expert* expert_;
+};
+
+// The factory outlives no call of Runner, but the runner may be destroyed without the GIL.
+RunnerParts PartsWithExpert(nb::object make_expert) {
+  if (make_expert.is_none()) return {};
+  auto* held = new nb::object(std::move(make_expert));
+  const std::shared_ptr<nb::object> factory(held, [](nb::object* o) {
+    nb::gil_scoped_acquire gil;
+    delete o;
+  });
+  RunnerParts parts;
+  parts.expert = [factory](const RunConfig& run, const EpisodeStart& start) {
+    nb::gil_scoped_acquire gil;
+    nb::object made = (*factory)(nb::cast(run), nb::cast(&start, nb::rv_policy::reference));
+    if (!nb::isinstance<Expert>(made)) {
+      throw ArgumentError("Runner: expert() must return an Expert, got " +
+                          nb::cast<std::string>(nb::repr(made)));
+    }
+    return std::unique_ptr<Expert>(std::make_unique<BorrowedExpert>(std::move(made)));
+  };
+  return parts;
+}
+
+void BindStart(nb::module_& m) {
+  nb::class_<EpisodeStart>(m, "EpisodeStart", "Where and with what an episode starts.")
+      .def_ro("scene", &EpisodeStart::scene)
+      .def_prop_ro(
+          "task", [](EpisodeStart& s) { return s.task.get(); }, nb::rv_policy::reference_internal)
+      .def_ro("target_object", &EpisodeStart::target_object)
+      .def_ro("object_kinds", &EpisodeStart::object_kinds)
+      .def_ro("base_in_world", &EpisodeStart::base_in_world);
+}
+
+}  // namespace
+
+void BindDatagen(nb::module_& m) {
+  nb::class_<PlanItem>(m, "PlanItem", "One episode to be made.")
+      .def_ro("index", &PlanItem::index, "In the plan.")
+      .def_ro("scene", &PlanItem::scene)
+      .def_ro("episode", &PlanItem::episode, "In its scene.")
+      .def_ro("id", &PlanItem::id, "Name of the episode's folder.")
+      .def("__repr__", [](const PlanItem& item) { return "<PlanItem " + item.id + ">"; });
+  m.def("make_plan", &MakePlan, "run"_a,
+        "The episodes of a run: same file, same plan, same seeds.");
+  m.def("shard_plan", &Shard, "plan"_a, "shard"_a, "count"_a,
+        "The items of shard `shard` of `count`.");
+  m.def(
+      "parse_shard",
+      [](const std::string& text) {
+        const ShardSpec spec = ParseShard(text);
+        return nb::make_tuple(spec.shard, spec.count);
+      },
+      "text"_a, "(i, N) of 'i/N'.");
+  m.def("run_identity", &RunIdentity, "run"_a,
+        "What identifies a run, as YAML: its fields without workers and output.");
+  m.def("prepare_dataset", &PrepareDataset, "run"_a,
+        "Creates the run's output folder, or checks that the one there belongs to the same run "
+        "(SpecError shows what differs).");
+  m.def("is_complete", &IsComplete, "run"_a, "item"_a,
+        "Whether nothing is left to do for an item: its episode is on the disk.");
+  nb::class_<StopFlag>(m, "StopFlag", "Asks a running Runner to stop at the next action.")
+      .def(nb::init<>())
+      .def("set", [](StopFlag& flag) { flag.value = true; })
+      .def_prop_ro("is_set", [](const StopFlag& flag) { return flag.value.load(); });
+  BindReport(m);
+  BindStart(m);
+  nb::class_<Runner>(m, "Runner",
+                     "Makes the episodes of a plan in this process, one after the other.")
+      .def(
+          "__init__",
+          [](Runner* self, const RunConfig& run, nb::object expert) {
+            new (self) Runner(run, PartsWithExpert(std::move(expert)));
+          },
+          "run"_a, "expert"_a = nb::none(),
+          "`expert`: a function (run, start) -> Expert that replaces the scripted one.")
+      .def(
+          "run",
+          [](Runner& runner, const PlanItem& item, const StopFlag* stop) {
+            return runner.Run(item, stop ? &stop->value : nullptr);
+          },
+          "item"_a, "stop"_a = nb::none(), nb::call_guard<nb::gil_scoped_release>(),
+          "Tries attempts until an episode is kept; returns an EpisodeReport.");
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,120 @@
+// Kinematics of a robot's arm: forward kinematics, Jacobian, inverse kinematics for one pose and
+// for batches.
+#include "kinematics.h"
+
+#include <nanobind/nanobind.h>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "robocell/kinematics/ik_batch.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace robocell::python {
+namespace {
+
+std::vector<std::string> LockedNames(const Robot& robot, const std::vector<std::string>& groups) {
+  std::vector<std::string> names;
+  for (const std::string& group : groups) {
+    for (const std::string& joint : robot.group(group).joint_names()) names.push_back(joint);
+  }
+  return names;
+}
+
+IkResult SolveIk(const Kinematics& k, const Pose& target, nb::handle seed,
+                 const std::vector<std::string>& locked_groups, double tolerance,
+                 bool position_only, bool prefer_near_seed) {
+  IkOptions options{
+      .tolerance = tolerance, .position_only = position_only, .prefer_near_seed = prefer_near_seed};
+  if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
+  const std::vector<std::string> locked = LockedNames(k.robot, locked_groups);
+  if (!locked.empty()) options.locked = LockJoints(k.robot.chain(), locked);
+  return k.robot.Ik(target, options);
+}
+
+nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds, double tolerance,
+                      int threads) {
+  const std::vector<Pose> poses = PosesFromMatrices(ToDoubles(targets, "targets"), "targets");
+  const std::vector<double> seed_values =
+      seeds.is_none() ? k.robot.arm().joint_pos() : ToDoubles(seeds, "seeds");
+  IkBatchResult result;
+  {
+    nb::gil_scoped_release release;
+    result = IkBatch(k.robot.chain(), poses, seed_values,
+                     {.ik = {.tolerance = tolerance}, .threads = threads});
+  }
+  const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
+  nb::object make = nb::module_::import_("types").attr("SimpleNamespace");
+  const nb::object numpy = nb::module_::import_("numpy");
+  return make(
+      "q"_a = NewArray<double>(result.q, {b, n}),
+      "success"_a = NewArray<uint8_t>(result.success, {b}).attr("astype")(numpy.attr("bool_")),
+      "position_error"_a = NewArray<double>(result.position_error, {b}),
+      "rotation_error"_a = NewArray<double>(result.rotation_error, {b}),
+      "iterations"_a = NewArray<int>(result.iterations, {b}));
+}
+
+nb::object JacobianAt(const Kinematics& k, nb::handle q) {
+  const Chain& chain = k.robot.chain();
+  Eigen::Matrix<double, 6, Eigen::Dynamic> j(6, chain.n_joints());
+  chain.Jacobian(ToDoubles(q, "q"), j);
+  std::vector<double> flat;
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c < j.cols(); ++c) flat.push_back(j(r, c));
+  }
+  return NewArray<double>(flat, {6, static_cast<size_t>(j.cols())});
+}
+
+}  // namespace
+
+void BindKinematics(nb::module_& m) {
+  nb::class_<IkResult>(
+      m, "IkResult",
+      "The answer of inverse kinematics; not finding a solution is a value, no exception.")
+      .def_prop_ro(
+          "q",
+          [](const IkResult& r) {
+            return NewArray<double>(std::span(r.q.data(), static_cast<size_t>(r.q.size())),
+                                    {static_cast<size_t>(r.q.size())});
+          },
+          nb::for_getter(nb::sig("def q(self) -> numpy.typing.NDArray[numpy.float64]")),
+          "Joint values in chain order, rad or m; the best met when there is no solution.")
+      .def_ro("success", &IkResult::success)
+      .def_ro("position_error", &IkResult::position_error, "Metres.")
+      .def_ro("rotation_error", &IkResult::rotation_error, "Radians.")
+      .def_ro("iterations", &IkResult::iterations)
+      .def("__bool__", [](const IkResult& r) { return r.success; })
+      .def("__repr__", [](const IkResult& r) {
+        return "<IkResult " + std::string(r.success ? "success" : "no solution") + ", " +
+               std::to_string(r.position_error) + " m, " + std::to_string(r.rotation_error) +
+               " rad>";
+      });
+  nb::class_<Kinematics>(m, "Kinematics",
+                         "Kinematics of a robot's arm, from the robot base frame to the TCP.")
+      .def_prop_ro("joint_names", [](const Kinematics& k) { return k.robot.chain().joint_names(); })
+      .def(
+          "fk",
+          [](const Kinematics& k, nb::handle q) { return k.robot.FkFrame(ToDoubles(q, "q")); },
+          "q"_a, "Pose of the TCP in the robot base frame for joint values q (n,).")
+      .def("jacobian", &JacobianAt, "q"_a,
+           "(6, n) at the TCP, axes of the robot base frame, linear rows first.")
+      .def("ik", &SolveIk, "target"_a, "seed"_a = nb::none(),
+           "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
+           "position_only"_a = false, "prefer_near_seed"_a = false,
+           "Joint values that put the TCP at `target` (in the robot base frame). Starts at `seed`, "
+           "else where the arm is.\n\n"
+           "Limits are always obeyed; the same question has the same answer. Damped least squares "
+           "(Sugihara 2011) with\n"
+           "evenly spread restarts.")
+      .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(), "tolerance"_a = 1e-5,
+           "threads"_a = 1,
+           "targets (B, 4, 4) in the robot base frame, seeds (B, n) or (n,). Returns q (B, n), "
+           "success (B,), position_error,\n"
+           "rotation_error and iterations. An answer does not depend on the batch it is in.")
+      .def_prop_ro(
+          "reach", [](const Kinematics& k) { return k.robot.reach(); },
+          "Farthest the TCP gets from the root body, metres.");
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,224 @@
+// Pose.
+#include "robocell/math/pose.h"
+
+#include <fmt/format.h>
+#include <nanobind/operators.h>
+
+#include "bindings.h"
+#include "values.h"
+#include "robocell/base/error.h"
+
+namespace robocell::python {
+namespace {
+
+Eigen::Vector3d ToVector(nb::handle value, const char* name) {
+  const FieldPath path(name);
+  const Numbers numbers(value, path, 3);
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+nb::object Vector(const Eigen::Vector3d& v) { return NumberCopy({v.data(), 3}); }
+
+template <int N>
+nb::object Matrix(const Eigen::Matrix<double, N, N>& m) {
+  const Eigen::Matrix<double, N, N, Eigen::RowMajor> rows = m;
+  return NumberCopy({rows.data(), N * N}, {N, N});
+}
+
+template <int N>
+Eigen::Matrix<double, N, N> ToSquare(nb::handle value, const char* name) {
+  const FieldPath path(name);
+  const std::vector<double> numbers = ToMatrix(value, path, N, N);
+  return Eigen::Map<const Eigen::Matrix<double, N, N, Eigen::RowMajor>>(numbers.data());
+}
+
+// PyKDL.Frame, told by what it has.
+bool IsFrame(nb::handle value) {
+  return nb::hasattr(value, "M") && nb::hasattr(value, "p") &&
+         nb::hasattr(value.attr("M"), "GetQuaternion");
+}
+
+Pose FromFrame(nb::handle frame) {
+  const FieldPath path("frame");
+  const Numbers q(frame.attr("M").attr("GetQuaternion")(), path, 4);
+  const nb::object p = frame.attr("p");
+  const Numbers xyz(nb::make_tuple(p[0], p[1], p[2]), path, 3);
+  return Pose({xyz[0], xyz[1], xyz[2]}, {q[0], q[1], q[2], q[3]});
+}
+
+int Given(nb::handle a, nb::handle b, nb::handle c, nb::handle d) {
+  return !a.is_none() + !b.is_none() + !c.is_none() + !d.is_none();
+}
+
+Pose MakePose(nb::handle matrix, nb::handle translation, nb::handle quaternion, nb::handle rpy,
+              nb::handle rotvec, nb::handle rotation) {
+  if (!matrix.is_none()) {
+    if (Given(quaternion, rpy, rotvec, rotation) > 0 || !translation.is_none()) {
+      throw ArgumentError("Pose: a matrix is the whole pose; give nothing else with it");
+    }
+    if (const Pose* pose = nullptr; nb::try_cast(matrix, pose) && pose) return *pose;
+    return IsFrame(matrix) ? FromFrame(matrix) : Pose(ToSquare<4>(matrix, "matrix"));
+  }
+  if (Given(quaternion, rpy, rotvec, rotation) > 1) {
+    throw ArgumentError("Pose: give only one of quaternion, rpy, rotvec and rotation");
+  }
+  const Eigen::Vector3d xyz =
+      translation.is_none() ? Eigen::Vector3d::Zero() : ToVector(translation, "translation");
+  if (!rpy.is_none()) return Pose::FromRpy(xyz, ToVector(rpy, "rpy"));
+  if (!rotvec.is_none()) return Pose::FromRotvec(xyz, ToVector(rotvec, "rotvec"));
+  if (!rotation.is_none()) return Pose(xyz, ToSquare<3>(rotation, "rotation"));
+  if (quaternion.is_none()) return Pose(xyz);
+  const FieldPath path("quaternion");
+  const Numbers q(quaternion, path, 4);
+  return Pose(xyz, Quaternion{q[0], q[1], q[2], q[3]});
+}
+
+std::string Repr(const Pose& pose) {
+  const auto& t = pose.translation();
+  const auto& q = pose.quaternion();
+  return fmt::format("Pose(translation=[{}, {}, {}], quaternion=[{}, {}, {}, {}])", t[0], t[1],
+                     t[2], q[0], q[1], q[2], q[3]);
+}
+
+// Exact: the state is the numbers themselves.
+nb::tuple State(const Pose& pose) {
+  const auto& t = pose.translation();
+  const auto& q = pose.quaternion();
+  return nb::make_tuple(t[0], t[1], t[2], q[0], q[1], q[2], q[3]);
+}
+
+void SetState(Pose& pose, nb::handle state) {
+  const FieldPath path("state");
+  const Numbers n(state, path, 7);
+  new (&pose) Pose({n[0], n[1], n[2]}, Quaternion{n[3], n[4], n[5], n[6]});
+}
+
+constexpr const char* kDoc =
+    R"(A rigid transform in SE(3), immutable; X_AB is the pose of B in A and X_AC = X_AB * X_BC.
+
+Metres and radians; quaternions are xyzw. The quaternion is kept at unit length with w >= 0.
+
+    Pose()                                     the identity
+    Pose(translation=[x, y, z], quaternion=[x, y, z, w])
+    Pose(translation=[x, y, z], rpy=[r, p, y]) extrinsic xyz: Rz(y) @ Ry(p) @ Rx(r)
+    Pose(matrix)                               4x4; also a PyKDL.Frame
+
+Raises ArgumentError for a quaternion whose length is not 1 within 1e-6, a matrix that is no
+rigid transform, and numbers that are not finite.)";
+
+constexpr const char* kInitSignature =
+    "def __init__(self, matrix: numpy.typing.ArrayLike | Pose | None = None, *, "
+    "translation: numpy.typing.ArrayLike | None = None, "
+    "quaternion: numpy.typing.ArrayLike | None = None, "
+    "rpy: numpy.typing.ArrayLike | None = None, rotvec: numpy.typing.ArrayLike | None = None, "
+    "rotation: numpy.typing.ArrayLike | None = None) -> None";
+
+template <class F>
+void DefArray(nb::class_<Pose>& c, const char* name, F getter, const char* doc) {
+  static std::vector<std::unique_ptr<std::string>> signatures;
+  const std::string& text = *signatures.emplace_back(std::make_unique<std::string>(
+      std::string("def ") + name + "(self, /) -> numpy.typing.NDArray[numpy.float64]"));
+  c.def_prop_ro(name, getter, nb::sig(text.c_str()), doc);
+}
+
+void DefReaders(nb::class_<Pose>& c) {
+  DefArray(
+      c, "translation", [](const Pose& p) { return Vector(p.translation()); },
+      "(3,) metres, a copy.");
+  DefArray(
+      c, "quaternion", [](const Pose& p) { return NumberCopy(p.quaternion()); },
+      "(4,) xyzw, w >= 0, a copy.");
+  DefArray(
+      c, "quaternion_wxyz", [](const Pose& p) { return NumberCopy(p.quaternion_wxyz()); },
+      "(4,) in MuJoCo's order.");
+  DefArray(
+      c, "rotation", [](const Pose& p) { return Matrix<3>(p.rotation()); }, "(3, 3).");
+  DefArray(
+      c, "rpy", [](const Pose& p) { return Vector(p.rpy()); },
+      "(3,) rad, extrinsic xyz; at gimbal lock roll is 0.");
+  DefArray(
+      c, "rotvec", [](const Pose& p) { return Vector(p.rotvec()); },
+      "(3,) axis times angle, rad, angle in [0, pi].");
+  DefArray(
+      c, "matrix", [](const Pose& p) { return Matrix<4>(p.matrix()); }, "(4, 4) homogeneous.");
+  DefArray(
+      c, "xyzrpy", [](const Pose& p) { return NumberCopy(p.xyzrpy()); }, "(6,) metres and rad.");
+  c.def_prop_ro("angle", &Pose::angle, "Angle of the rotation in [0, pi], rad.");
+}
+
+void DefOperations(nb::class_<Pose>& c) {
+  c.def("inverse", &Pose::inverse, "X_BA of X_AB.")
+      .def(nb::self * nb::self, "X_AC = X_AB * X_BC.")
+      .def(
+          "__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, nb::is_operator(),
+          "The same as *.")
+      .def(
+          "transform",
+          [](const Pose& p, nb::handle point) { return Vector(p * ToVector(point, "point")); },
+          nb::arg("point"),
+          nb::sig("def transform(self, point: numpy.typing.ArrayLike) -> "
+                  "numpy.typing.NDArray[numpy.float64]"),
+          "A point given in B, (3,) metres, in A.")
+      .def("interpolate", &Pose::interpolate, nb::arg("to"), nb::arg("s"),
+           "s = 0 gives this pose, s = 1 gives `to`: straight line and shortest arc.")
+      .def("limit_translation", &Pose::limit_translation, nb::arg("metres"),
+           "The same pose with the translation shortened to at most so much.")
+      .def("limit_rotation", &Pose::limit_rotation, nb::arg("radians"),
+           "The same pose with the rotation shortened to at most so much.")
+      .def("is_close", &Pose::is_close, nb::arg("other"), nb::arg("rotation_tolerance") = 1e-8,
+           nb::arg("translation_tolerance") = 1e-8,
+           "Angle between the rotations and distance are within their tolerance (rad, m).")
+      .def("to_kdl", &ToKdl, nb::sig("def to_kdl(self) -> typing.Any"),
+           "A PyKDL.Frame. ImportError with the install line when PyKDL is missing.")
+      .def_static("from_kdl", &FromFrame, nb::arg("frame"),
+                  nb::sig("def from_kdl(frame: typing.Any) -> Pose"), "From a PyKDL.Frame.");
+}
+
+}  // namespace
+
+nb::object ImportPyKdl() {
+  try {
+    return nb::module_::import_("PyKDL");
+  } catch (nb::python_error& e) {
+    if (!e.matches(PyExc_ImportError)) throw;
+    nb::raise_from(e, PyExc_ImportError,
+                   "this needs PyKDL, which is not importable here. Install it for the system's "
+                   "Python (Debian, Ubuntu: apt-get install python3-pykdl) and run scripts/setup, "
+                   "which links it into .venv (same Python minor version)");
+  }
+}
+
+nb::object ToKdl(const Pose& pose) {
+  const nb::object kdl = ImportPyKdl();
+  const auto& q = pose.quaternion();
+  const auto& p = pose.translation();
+  return kdl.attr("Frame")(kdl.attr("Rotation").attr("Quaternion")(q[0], q[1], q[2], q[3]),
+                           kdl.attr("Vector")(p[0], p[1], p[2]));
+}
+
+void BindMath(nb::module_& m) {
+  nb::class_<Pose> c(m, "Pose", kDoc);
+  c.def(
+      "__init__",
+      [](Pose* self, nb::handle matrix, nb::handle translation, nb::handle quaternion,
+         nb::handle rpy, nb::handle rotvec, nb::handle rotation) {
+        new (self) Pose(MakePose(matrix, translation, quaternion, rpy, rotvec, rotation));
+      },
+      nb::arg("matrix") = nb::none(), nb::kw_only(), nb::arg("translation") = nb::none(),
+      nb::arg("quaternion") = nb::none(), nb::arg("rpy") = nb::none(),
+      nb::arg("rotvec") = nb::none(), nb::arg("rotation") = nb::none(), nb::sig(kInitSignature));
+  DefReaders(c);
+  DefOperations(c);
+  c.def(nb::self == nb::self, "Exact equality.");
+  c.def("__hash__", [](const Pose& p) { return nb::hash(State(p)); });
+  c.def("__repr__", &Repr);
+  c.def("__getstate__", &State, nb::sig("def __getstate__(self) -> tuple[float, ...]"));
+  c.def("__setstate__", &SetState,
+        nb::sig("def __setstate__(self, state: tuple[float, ...]) -> None"));
+  c.def("__copy__", [](const Pose& p) { return p; });
+  c.def(
+      "__deepcopy__", [](const Pose& p, nb::handle) { return p; },
+      nb::sig("def __deepcopy__(self, memo: typing.Any, /) -> Pose"));
+}
+
+}  // namespace robocell::python

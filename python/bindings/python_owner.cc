@@ -1,0 +1,74 @@
+#include "python_owner.h"
+
+#include <mutex>
+#include <vector>
+
+namespace robocell::python {
+namespace {
+
+std::mutex mutex;
+std::vector<PyObject*> abandoned;  // guarded by mutex
+
+int ReleaseAbandonedPending(void*) {
+  ReleaseAbandoned();
+  return 0;
+}
+
+struct Release {
+  void operator()(void* object) const noexcept {
+    if (!Py_IsInitialized()) return;
+    if (PyGILState_Check()) return Py_DECREF(static_cast<PyObject*>(object));
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      abandoned.push_back(static_cast<PyObject*>(object));
+    }
+    Py_AddPendingCall(&ReleaseAbandonedPending,
+                      nullptr);  // when its queue is full, a later call does it
+  }
+};
+
+// Guarded by the GIL; never destroyed, for callbacks that outlive static objects.
+auto& Slots() {
+  static auto* slots = new std::vector<std::weak_ptr<void>>;
+  return *slots;
+}
+
+}  // namespace
+
+Callback::Callback(nb::object callable) : slot_(std::make_shared<Slot>()) {
+  slot_->callable = {callable.release().ptr(), Release()};
+  std::erase_if(Slots(), [](const auto& slot) { return slot.expired(); });
+  Slots().push_back(slot_);
+}
+
+void Callback::operator()(const std::function<nb::object()>& make_argument) const {
+  const nb::gil_scoped_acquire gil;
+  const std::shared_ptr<PyObject> callable = slot_->callable;  // it may replace itself
+  if (callable) nb::handle(callable.get())(make_argument());
+}
+
+void ReleaseCallbacks() {
+  for (const auto& weak : Slots()) {
+    if (const auto slot = weak.lock()) static_cast<Callback::Slot*>(slot.get())->callable.reset();
+  }
+}
+
+std::shared_ptr<void> KeepAlive(nb::object object) {
+  return {static_cast<void*>(object.release().ptr()), Release()};
+}
+
+nb::object ObjectOf(const std::shared_ptr<void>& keeper) {
+  if (!keeper || !std::get_deleter<Release>(keeper)) return {};
+  return nb::borrow(static_cast<PyObject*>(keeper.get()));
+}
+
+void ReleaseAbandoned() {
+  std::vector<PyObject*> objects;
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    objects.swap(abandoned);
+  }
+  for (PyObject* object : objects) Py_DECREF(object);
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,46 @@
+// Python objects that C++ keeps alive, released safely on any thread.
+//
+// A thread that does not hold the GIL must not wait for it (whoever holds it may be joining that
+// thread): the object is put aside and released by the next thread that runs Python.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "bindings.h"
+
+namespace robocell::python {
+
+// Holds a reference to `object`; get() is the PyObject. Copies share it. Needs the GIL to make, not
+// to copy or destroy.
+std::shared_ptr<void> KeepAlive(nb::object object);
+
+// The object of such a keeper; invalid for any other pointer.
+nb::object ObjectOf(const std::shared_ptr<void>& keeper);
+
+// A reference to a Python callable from C++. The collector does not see it, so a cycle through it may
+// live until the interpreter ends; then it is let go of, and calls do nothing.
+class Callback {
+ public:
+  explicit Callback(nb::object callable);  // with the GIL; copies need none
+
+  // Takes the GIL. Python's exceptions come through.
+  void operator()(const std::function<nb::object()>& make_argument) const;
+  // What is referred to; null when it was let go of.
+  PyObject* target() const { return slot_->callable ? slot_->callable.get() : nullptr; }
+
+ private:
+  friend void ReleaseCallbacks();
+  struct Slot {
+    std::shared_ptr<PyObject> callable;
+  };
+  std::shared_ptr<Slot> slot_;
+};
+
+// Lets go of all callbacks; called when the interpreter ends.
+void ReleaseCallbacks();
+
+// Releases what other threads have put aside.
+void ReleaseAbandoned();
+
+}  // namespace robocell::python

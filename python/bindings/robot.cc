@@ -1,0 +1,330 @@
+// Robots, move groups and controllers.
+#include <nanobind/nanobind.h>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "kinematics.h"
+#include "move_group_trampoline.h"
+#include "robocell/env/stepper.h"
+#include "robocell/robot/robot.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace robocell::python {
+namespace {
+
+nb::object IntervalArray(const std::vector<Interval>& intervals) {
+  std::vector<double> flat;
+  for (const Interval& i : intervals) flat.insert(flat.end(), {i.lower, i.upper});
+  return NewArray<double>(flat, {intervals.size(), 2});
+}
+
+nb::object GroupJacobian(const MoveGroup& group) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> j(6, group.nv());
+  group.Jacobian(j);
+  std::vector<double> flat;
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c < j.cols(); ++c) flat.push_back(j(r, c));
+  }
+  return NewArray<double>(flat, {6, static_cast<size_t>(j.cols())});
+}
+
+// A MoveGroup that a Python object implements: keeps the object and forwards to it.
+class BorrowedGroup : public MoveGroup {
+ public:
+  explicit BorrowedGroup(nb::object object)
+      : object_(std::move(object)), group_(nb::cast<MoveGroup*>(object_)) {}
+  ~BorrowedGroup() override {
+    nb::gil_scoped_acquire gil;
+    object_.reset();
+  }
+  const std::string& name() const override { return group_->name(); }
+  MoveGroupKind kind() const override { return group_->kind(); }
+  int nq() const override { return group_->nq(); }
+  int nv() const override { return group_->nv(); }
+  int nu() const override { return group_->nu(); }
+  const std::vector<std::string>& joint_names() const override { return group_->joint_names(); }
+  const std::vector<std::string>& actuator_names() const override {
+    return group_->actuator_names();
+  }
+  void GetJointPos(std::span<double> out) const override { group_->GetJointPos(out); }
+  void GetJointVel(std::span<double> out) const override { group_->GetJointVel(out); }
+  void GetJointTorque(std::span<double> out) const override { group_->GetJointTorque(out); }
+  void GetCtrl(std::span<double> out) const override { group_->GetCtrl(out); }
+  void SetJointPos(std::span<const double> q) override { group_->SetJointPos(q); }
+  void SetJointVel(std::span<const double> v) override { group_->SetJointVel(v); }
+  void SetCtrl(std::span<const double> ctrl) override { group_->SetCtrl(ctrl); }
+  std::vector<Interval> joint_pos_limits() const override { return group_->joint_pos_limits(); }
+  std::vector<Interval> ctrl_limits() const override { return group_->ctrl_limits(); }
+  void NoopCtrl(std::span<double> out) const override { group_->NoopCtrl(out); }
+  void CtrlForJointPos(std::span<const double> q, std::span<double> c) const override {
+    group_->CtrlForJointPos(q, c);
+  }
+  void Integrate(std::span<double> q, std::span<const double> v) const override {
+    group_->Integrate(q, v);
+  }
+  Pose leaf_frame_to_world() const override { return group_->leaf_frame_to_world(); }
+  Pose root_frame_to_world() const override { return group_->root_frame_to_world(); }
+  Pose leaf_frame_to_robot() const override { return group_->leaf_frame_to_robot(); }
+  void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const override {
+    group_->Jacobian(out);
+  }
+
+ private:
+  nb::object object_;
+  MoveGroup* group_;
+};
+
+void BindGroups(nb::module_& m) {
+  nb::class_<MoveGroup, PyMoveGroup>(
+      m, "MoveGroup",
+      "A named set of joints and actuators that move together.\n\n"
+      "To write your own, subclass it and define get_name, get_joint_names, get_actuator_names, "
+      "get_joint_pos, get_joint_vel,\n"
+      "get_joint_torque, get_ctrl, set_joint_pos, set_joint_vel, set_ctrl, get_noop_ctrl, "
+      "ctrl_for_joint_pos,\n"
+      "get_joint_pos_limits, get_ctrl_limits, get_leaf_frame_to_world, get_root_frame_to_world, "
+      "get_leaf_frame_to_robot,\n"
+      "get_jacobian and integrate as needed; then robot.set_group(group).")
+      .def(nb::init<>())
+      .def_prop_ro("name", [](const MoveGroup& g) { return g.name(); })
+      .def_prop_ro("kind", [](const MoveGroup& g) { return std::string(ToString(g.kind())); })
+      .def_prop_ro("nq", [](const MoveGroup& g) { return g.nq(); })
+      .def_prop_ro("nv", [](const MoveGroup& g) { return g.nv(); })
+      .def_prop_ro("nu", [](const MoveGroup& g) { return g.nu(); })
+      .def_prop_ro("joint_names", [](const MoveGroup& g) { return g.joint_names(); })
+      .def_prop_ro("actuator_names", [](const MoveGroup& g) { return g.actuator_names(); })
+      .def_prop_rw(
+          "joint_pos", [](const MoveGroup& g) { return NewArray(g.joint_pos()); },
+          [](MoveGroup& g, nb::handle q) { g.SetJointPos(ToDoubles(q, "joint_pos")); },
+          "Joint positions (nq,), rad or m. Setting them teleports the joints.")
+      .def_prop_rw(
+          "joint_vel", [](const MoveGroup& g) { return NewArray(g.joint_vel()); },
+          [](MoveGroup& g, nb::handle v) { g.SetJointVel(ToDoubles(v, "joint_vel")); },
+          "Joint velocities (nv,).")
+      .def_prop_ro(
+          "joint_torque", [](const MoveGroup& g) { return NewArray(g.joint_torque()); },
+          "What the actuators apply (nv,), Nm or N.")
+      .def_prop_rw(
+          "ctrl", [](const MoveGroup& g) { return NewArray(g.ctrl()); },
+          [](MoveGroup& g, nb::handle c) { g.SetCtrl(ToDoubles(c, "ctrl")); },
+          "Raw actuator controls (nu,).")
+      .def_prop_ro(
+          "noop_ctrl", [](const MoveGroup& g) { return NewArray(g.noop_ctrl()); },
+          "The control that leaves the group where it is.")
+      .def_prop_ro(
+          "joint_pos_limits",
+          [](const MoveGroup& g) { return IntervalArray(g.joint_pos_limits()); },
+          "(nq, 2); infinite where there are none.")
+      .def_prop_ro(
+          "ctrl_limits", [](const MoveGroup& g) { return IntervalArray(g.ctrl_limits()); },
+          "(nu, 2).")
+      .def_prop_ro("leaf_frame_to_world", &MoveGroup::leaf_frame_to_world)
+      .def_prop_ro("root_frame_to_world", &MoveGroup::root_frame_to_world)
+      .def_prop_ro("leaf_frame_to_robot", &MoveGroup::leaf_frame_to_robot)
+      .def_prop_ro("leaf_frame_to_root", &MoveGroup::leaf_frame_to_root)
+      .def("jacobian", &GroupJacobian, "(6, nv) at the leaf, world axes, linear rows first.");
+  nb::class_<GripperGroup, MoveGroup>(
+      m, "GripperGroup", "A gripper: opening 0 closed ... 1 open whatever the raw control means.")
+      .def_prop_rw("opening", &GripperGroup::opening, &GripperGroup::SetOpening,
+                   "Measured opening; setting it commands the actuator.")
+      .def("open", &GripperGroup::Open)
+      .def("close", &GripperGroup::Close)
+      .def_prop_ro("inter_finger_dist", &GripperGroup::inter_finger_dist, "Metres.")
+      .def_prop_ro(
+          "inter_finger_dist_range",
+          [](const GripperGroup& g) {
+            const Interval range = g.inter_finger_dist_range();
+            return nb::make_tuple(range.lower, range.upper);
+          },
+          "(closed, open) in metres; measured once when the robot's configuration does not say.")
+      .def_prop_ro("is_open", &GripperGroup::is_open)
+      .def("is_grasping", &GripperGroup::is_grasping, "body"_a = "",
+           "Both fingers touch `body`, or any body that is not the robot's.");
+  nb::class_<BaseGroup, MoveGroup>(m, "BaseGroup", "What a robot stands on.")
+      .def_prop_rw("pose", &BaseGroup::pose, &BaseGroup::SetPose,
+                   "Pose in the world; only a mocap, free or planar base can be set.")
+      .def_prop_ro("is_mobile", &BaseGroup::is_mobile);
+}
+
+void BindAction(nb::module_& m) {
+  nb::class_<GroupCommand>(m, "GroupCommand",
+                           "What one group is asked to do until the next policy tick.")
+      .def_static(
+          "joints", [](nb::handle q) { return GroupCommand::Joints(ToDoubles(q, "joints")); },
+          "q"_a, "Absolute joint positions.")
+      .def_static(
+          "relative_joints",
+          [](nb::handle dq) {
+            return GroupCommand::RelativeJoints(ToDoubles(dq, "relative_joints"));
+          },
+          "dq"_a, "Added to the present target.")
+      .def_static("leaf_pose", &GroupCommand::LeafPose, "leaf_in_robot"_a,
+                  "Pose of the leaf in the robot base frame, through IK.")
+      .def_static("opening", &GroupCommand::Opening, "opening"_a,
+                  "Of a gripper: 0 closed ... 1 open.")
+      .def_prop_ro("values", [](const GroupCommand& c) { return NewArray(c.values); })
+      .def_ro("pose", &GroupCommand::pose);
+}
+
+nb::object Values(std::span<const double> values) {
+  return NewArray<double>(values, {values.size()});
+}
+
+// As the most specific class that Python knows.
+nb::object GroupObject(const Robot& robot, const std::string& name) {
+  MoveGroup* group = &robot.group(name);
+  if (auto* gripper = dynamic_cast<GripperGroup*>(group)) {
+    return nb::cast(gripper, nb::rv_policy::reference);
+  }
+  if (auto* base = dynamic_cast<BaseGroup*>(group)) {
+    return nb::cast(base, nb::rv_policy::reference);
+  }
+  return nb::cast(group, nb::rv_policy::reference);
+}
+
+void SetPort(Robot& robot, nb::handle q) { robot.SetJntPosCmd(ToDoubles(q, "jnt_pos_cmd")); }
+
+// A writable view of the command port; it keeps the robot alive.
+nb::ndarray<nb::numpy, double, nb::ndim<1>> CommandPort(nb::handle self) {
+  const std::span<double> target = nb::cast<Robot&>(self).jnt_pos_cmd();
+  return {target.data(), {target.size()}, self};
+}
+
+void BindRobotClass(nb::module_& m) {
+  nb::class_<ToolFrameSpec>(m, "ToolFrameSpec", "A tool in a robot's hand.")
+      .def(
+          "__init__",
+          [](ToolFrameSpec* self, std::string body, std::string site) {
+            new (self) ToolFrameSpec{std::move(body), std::move(site)};
+          },
+          "tool_body"_a = "", "tcp_site"_a = "")
+      .def_rw("tool_body", &ToolFrameSpec::tool_body, "Its subtree's inertia joins the chain.")
+      .def_rw("tcp_site", &ToolFrameSpec::tcp_site, "Becomes the TCP.");
+  nb::class_<Robot>(m, "Robot",
+                    "A robot of a scene: its move groups, kinematics and controllers.\n\nAll "
+                    "handles to one robot of one scene share their state.")
+      .def_static("of", &Robot::Of, "scene"_a, "name"_a,
+                  "A configured robot by its name in the scene.")
+      .def_static(
+          "from_scene",
+          [](const Scene& scene, const std::string& base, const std::string& tip,
+             const std::string& prefix, const ToolFrameSpec* tool) {
+            return Robot::FromScene(scene, base, tip,
+                                    {.prefix = prefix, .tool = tool ? *tool : ToolFrameSpec{}});
+          },
+          "scene"_a, "base_body"_a, "tip_body"_a, "prefix"_a = "", "tool"_a = nb::none(),
+          "A robot without configuration: the chain between two bodies.")
+      .def_prop_ro("name", &Robot::name)
+      .def_prop_ro("prefix", &Robot::prefix)
+      .def_prop_ro("scene", &Robot::scene)
+      .def_prop_ro("group_names", &Robot::group_names)
+      .def("group", &GroupObject, "name"_a, nb::keep_alive<0, 1>(),
+           nb::sig("def group(self, name: str) -> MoveGroup"),
+           "A group by name: a GripperGroup, a BaseGroup or a plain MoveGroup.")
+      .def_prop_ro("groups",
+                   [](nb::handle self) {
+                     nb::dict groups;
+                     for (const std::string& name : nb::cast<Robot&>(self).group_names())
+                       groups[nb::str(name.c_str())] = self.attr("group")(name);
+                     return groups;
+                   })
+      .def_prop_ro("arm", &Robot::arm, nb::rv_policy::reference_internal)
+      .def_prop_ro("gripper", &Robot::gripper, nb::rv_policy::reference_internal)
+      .def_prop_ro("has_gripper", &Robot::has_gripper)
+      .def_prop_ro("base", &Robot::base, nb::rv_policy::reference_internal)
+      .def(
+          "set_group",
+          [](Robot& r, nb::object group) {
+            r.SetGroup(std::make_unique<BorrowedGroup>(std::move(group)));
+          },
+          "group"_a, "Adds or replaces a group by one written in Python.")
+      .def(
+          "apply",
+          [](Robot& r, const RobotAction& action) {
+            const Robot::ApplyResult result = r.Apply(action);
+            return nb::make_tuple(result.ok, result.failed_group);
+          },
+          "action"_a,
+          "Sets the targets of the groups named: {group: GroupCommand}. Returns (ok, failed "
+          "group).")
+      .def("update", &Robot::Update,
+           "Reads the state into the ports and runs every group's controller once.")
+      .def(
+          "step", [](Robot& r) { return r.Step(); }, nb::call_guard<nb::gil_scoped_release>(),
+          "Steps the whole scene.")
+      .def_prop_ro("n_joints", &Robot::n_joints)
+      .def_prop_ro("joint_names", &Robot::joint_names)
+      .def_prop_ro("joint_limits", [](const Robot& r) { return IntervalArray(r.joint_limits()); })
+      .def_prop_ro("jnt_pos_msr", [](const Robot& r) { return Values(r.jnt_pos_msr()); })
+      .def_prop_ro("jnt_vel_msr", [](const Robot& r) { return Values(r.jnt_vel_msr()); })
+      .def_prop_ro("jnt_trq_msr", [](const Robot& r) { return Values(r.jnt_trq_msr()); })
+      .def_prop_rw("jnt_pos_cmd", &CommandPort, &SetPort,
+                   "Target of the arm; a view that can be written in place.")
+      .def(
+          "set_joint_pos", [](Robot& r, nb::handle q) { r.SetJointPos(ToDoubles(q, "q")); }, "q"_a,
+          "Teleports the arm.")
+      .def(
+          "fk_frame",
+          [](const Robot& r, nb::handle q) {
+            return q.is_none() ? r.FkFrame() : r.FkFrame(ToDoubles(q, "q"));
+          },
+          "q"_a = nb::none(), "Pose of the TCP in the robot base frame.")
+      .def_prop_ro("kinematics", [](const Robot& r) { return Kinematics{r}; })
+      .def(
+          "ik",
+          [](const Robot& r, const Pose& target, nb::handle seed) {
+            IkOptions options;
+            if (!seed.is_none())
+              options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
+            return r.Ik(target, options);
+          },
+          "pose"_a, "seed"_a = nb::none(),
+          "Joint values that put the TCP at `pose` (in the robot base frame).")
+      .def_prop_ro("base_in_world", &Robot::base_in_world)
+      .def_prop_ro("tcp_in_world", &Robot::tcp_in_world)
+      .def_prop_ro("reach", &Robot::reach)
+      .def(
+          "gravity_torques",
+          [](const Robot& r) {
+            std::vector<double> torques(static_cast<size_t>(r.n_joints()));
+            r.GravityTorques(torques);
+            return NewArray(torques);
+          },
+          "Torques (n,) that hold the arm against gravity.")
+      .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
+  m.def("robots_of", &RobotsOf, "scene"_a, "All configured robots of a scene.");
+}
+
+void BindStepper(nb::module_& m) {
+  nb::class_<StepOutcome>(m, "StepOutcome", "How a policy tick went.")
+      .def_ro("step", &StepOutcome::step)
+      .def_ro("failed_robot", &StepOutcome::failed_robot)
+      .def_ro("failed_group", &StepOutcome::failed_group)
+      .def_prop_ro("ok", &StepOutcome::ok);
+  nb::class_<Stepper>(
+      m, "Stepper",
+      "Drives robots and engine: per control tick every robot's update, then the engine's steps.")
+      .def(
+          "__init__",
+          [](Stepper* self, const Scene& scene, const std::vector<Robot>& robots, int ticks,
+             int steps) {
+            new (self) Stepper(scene, robots, {ticks, steps});
+          },
+          "scene"_a, "robots"_a, "control_ticks"_a = 33, "sim_steps"_a = 1)
+      .def("advance", &Stepper::Advance, "action"_a, nb::call_guard<nb::gil_scoped_release>(),
+           "Applies {robot: {group: GroupCommand}} and advances by one policy tick.")
+      .def_prop_ro("policy_ticks", &Stepper::policy_ticks);
+}
+
+}  // namespace
+
+void BindRobot(nb::module_& m) {
+  BindGroups(m);
+  BindAction(m);
+  BindRobotClass(m);
+  BindStepper(m);
+}
+
+}  // namespace robocell::python

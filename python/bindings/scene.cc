@@ -1,0 +1,351 @@
+// Scene, what it is compiled to, and what its calls return.
+#include "robocell/scene/scene.h"
+
+#include <atomic>
+
+#include <fmt/format.h>
+#include <nanobind/operators.h>
+
+#include "bindings.h"
+#include "python_owner.h"
+#include "scene_sharing.h"
+#include "values.h"
+#include "robocell/base/error.h"
+#include "robocell/robot/robot.h"
+
+namespace robocell::python {
+namespace {
+
+using Path = std::filesystem::path;
+using Unlocked = nb::call_guard<nb::gil_scoped_release>;
+
+// --- Reset hooks ---------------------------------------------------------------------------------
+
+// What a Python hook gets; copies, so that keeping it is harmless.
+struct HookContext {
+  Scene scene;
+  ResetOptions options;
+  ResetInfo info;
+};
+
+struct PythonHook {
+  Callback callback;
+
+  void operator()(ResetContext& reset) const {
+    callback([&] { return nb::cast(HookContext{reset.scene, reset.options, reset.info}); });
+  }
+};
+
+// A hook may refer to its scene. The cycle is visible to Python's collector while one object holds
+// the scene; robots and renderers hold it too, then close() or RemoveResetHook breaks it.
+int TraverseScene(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self)) return 0;
+  const Scene& scene = *nb::inst_ptr<Scene>(self);
+  if (!scene.sole_handle()) return 0;
+  for (const auto& [id, hook] : scene.reset_hooks()) {
+    const auto* python = hook.target<PythonHook>();
+    if (python) Py_VISIT(python->callback.target());
+  }
+  return 0;
+}
+
+int ClearScene(PyObject* self) {
+  if (nb::inst_ready(self)) nb::inst_ptr<Scene>(self)->ClearResetHooks();
+  return 0;
+}
+
+PyType_Slot scene_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseScene)},
+                             {Py_tp_clear, reinterpret_cast<void*>(&ClearScene)},
+                             {0, nullptr}};
+
+// --- Calls ---------------------------------------------------------------------------------------
+
+Scene Build(const SceneSpec& spec) {
+  ImportMujoco();  // before the work is done
+  const SceneSpec copy = spec;
+  const nb::gil_scoped_release release;
+  return Scene::Build(copy, PythonData());
+}
+
+std::shared_ptr<CompiledScene> Compile(const SceneSpec& spec) {
+  const SceneSpec copy = spec;
+  const nb::gil_scoped_release release;
+  return CompileScene(copy);
+}
+
+Scene FromCompiled(std::shared_ptr<CompiledScene> compiled) {
+  ImportMujoco();
+  const nb::gil_scoped_release release;
+  return Scene::FromCompiled(std::move(compiled), PythonData());
+}
+
+ResetInfo Reset(Scene& scene, const ResetOptions* options, std::optional<int> keyframe,
+                bool use_keyframe, std::optional<uint64_t> seed) {
+  const ResetOptions given = options ? *options : ResetOptions{keyframe, use_keyframe, seed};
+  if (options && (keyframe || seed || !use_keyframe)) {
+    throw ArgumentError("reset: give either options or keyframe, use_keyframe and seed");
+  }
+  const nb::gil_scoped_release release;
+  return scene.Reset(given);
+}
+
+Pose ToPose(nb::handle pose_or_pos, nb::handle quat) {
+  if (const Pose* pose = nullptr; nb::try_cast(pose_or_pos, pose) && pose) return *pose;
+  const Numbers xyz(pose_or_pos, FieldPath("pos"), 3);
+  if (quat.is_none()) return Pose(Eigen::Vector3d(xyz[0], xyz[1], xyz[2]));
+  const Numbers q(quat, FieldPath("quat"), 4);
+  return Pose({xyz[0], xyz[1], xyz[2]}, Quaternion{q[0], q[1], q[2], q[3]});
+}
+
+void SetBodyWrench(Scene& scene, const std::string& body, nb::handle force, nb::handle torque) {
+  const Numbers f(force, FieldPath("force"), 3), t(torque, FieldPath("torque"), 3);
+  scene.SetBodyWrench(body, {f[0], f[1], f[2]}, {t[0], t[1], t[2]});
+}
+
+// --- Classes -------------------------------------------------------------------------------------
+
+void BindStepResult(nb::module_& m) {
+  nb::class_<StepResult>(m, "StepResult",
+                         "How engine steps went. True when all is well; divergence is a value, no "
+                         "exception.")
+      .def_prop_ro("ok", &StepResult::ok)
+      .def_prop_ro("diverged", [](const StepResult& r) { return !r.ok(); })
+      .def_ro("steps", &StepResult::steps, "Engine steps done, a diverged one included.")
+      .def_ro("time", &StepResult::time, "Simulated seconds after the last good step.")
+      .def_ro("joint", &StepResult::joint, "Id of the first joint that shows it, else -1.")
+      .def_ro("joint_name", &StepResult::joint_name, "Its name, '' when it has none.")
+      .def_ro("message", &StepResult::message, "What diverged, '' when nothing did.")
+      .def("__bool__", &StepResult::ok)
+      .def("__repr__", [](const StepResult& r) {
+        return r.ok() ? fmt::format("<StepResult ok, t={:g} s>", r.time)
+                      : fmt::format("<StepResult {}>", r.message);
+      });
+}
+
+void BindReset(nb::module_& m) {
+  nb::class_<ResetOptions>(m, "ResetOptions", "How a scene is reset.")
+      .def(
+          "__init__",
+          [](ResetOptions* self, std::optional<int> keyframe, bool use_keyframe,
+             std::optional<uint64_t> seed) {
+            new (self) ResetOptions{keyframe, use_keyframe, seed};
+          },
+          nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
+          nb::arg("seed") = nb::none())
+      .def_rw("keyframe", &ResetOptions::keyframe, nb::arg("value").none(),
+              "Number of the keyframe; None: the scene's home.")
+      .def_rw("use_keyframe", &ResetOptions::use_keyframe,
+              "False: the model's default configuration.")
+      .def_rw("seed", &ResetOptions::seed, nb::arg("value").none(),
+              "For the robots' home noise; None: no noise.");
+  nb::class_<ResetInfo>(m, "ResetInfo", "What a reset started from.")
+      .def_ro("used_keyframe", &ResetInfo::used_keyframe, "Whether it was a keyframe.")
+      .def_ro("keyframe", &ResetInfo::keyframe, "Its number, else -1.")
+      .def("__repr__", [](const ResetInfo& info) {
+        return fmt::format("ResetInfo(used_keyframe={}, keyframe={})",
+                           info.used_keyframe ? "True" : "False", info.keyframe);
+      });
+  nb::class_<HookContext>(
+      m, "ResetContext", "What a reset hook gets: it may change the scene's state through `scene`.")
+      .def_ro("scene", &HookContext::scene, "The scene that is being reset.")
+      .def_ro("options", &HookContext::options, "What was asked for.")
+      .def_ro("info", &HookContext::info, "What was restored.");
+}
+
+void BindContact(nb::module_& m) {
+  nb::class_<Contact>(m, "Contact", "Two geoms that touch.")
+      .def_ro("geom1", &Contact::geom1, "Full name, or 'body/geom#i' when unnamed.")
+      .def_ro("geom2", &Contact::geom2, "Full name, or 'body/geom#i' when unnamed.")
+      .def_ro("body1", &Contact::body1, "Body of geom1.")
+      .def_ro("body2", &Contact::body2, "Body of geom2.")
+      .def_ro("distance", &Contact::distance, "Metres, negative when they penetrate.")
+      .def_prop_ro(
+          "position",
+          [](const Contact& c) {
+            return NumberCopy({c.position.data(), 3});
+          },
+          "(3,) in the world, metres.")
+      .def_prop_ro(
+          "force",
+          [](const Contact& c) {
+            return NumberCopy({c.force.data(), 3});
+          },
+          "(3,) on body2, in the world, N.")
+      .def("__repr__", [](const Contact& c) {
+        return fmt::format("<Contact '{}' - '{}', {:.3g} m>", c.geom1, c.geom2, c.distance);
+      });
+}
+
+void BindCompiled(nb::module_& m) {
+  nb::class_<CompiledScene>(
+      m, "CompiledScene",
+      "The model made from a SceneSpec, with its names. freeze() makes it shareable: "
+      "Scene.from_compiled gives scenes that step independently on one model.")
+      .def("freeze", &CompiledScene::Freeze, "Refuse writes to the model from now on.")
+      .def_prop_ro("frozen", &CompiledScene::frozen)
+      .def_prop_ro("model", &ModelOf, nb::sig("def model(self, /) -> mujoco.MjModel"),
+                   "The mujoco.MjModel, shared without a copy.")
+      .def_prop_ro("warnings", &CompiledScene::warnings,
+                   "What the parts asked for and did not get, and the engine's own warnings.")
+      .def_prop_ro("home_key", &CompiledScene::home_key, "Number of the home keyframe.");
+  m.def("compile_scene", &Compile, nb::arg("spec"),
+        "Compile a scene once, for several Scene.from_compiled. SpecError, NotFoundError and "
+        "EngineError as Scene.build.");
+}
+
+void DefStepping(nb::class_<Scene>& c) {
+  c.def("time", &Scene::time, "Simulated seconds.")
+      .def("timestep", &Scene::timestep, "Seconds per engine step.")
+      .def("step", &Scene::Step, Unlocked(), "One engine step.")
+      .def("step_n", &Scene::StepN, nb::arg("n"), Unlocked(),
+           "n engine steps; ends early when the state diverges.")
+      .def("forward", &Scene::Forward, Unlocked(),
+           "Recompute what follows from qpos, qvel and ctrl. Call it after writing to `data`.")
+      .def("reset", &Reset, nb::arg("options") = nb::none(), nb::kw_only(),
+           nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
+           nb::arg("seed") = nb::none(),
+           "Restore the keyframe (home unless given) or the default configuration, add the robots' "
+           "home noise (with a seed), call the hooks, clear stale forces.\n\n"
+           "The trajectory after a reset does not depend on what was before.")
+      .def(
+          "on_reset",
+          [](Scene& s, nb::callable hook) {
+            return s.AddResetHook(PythonHook{Callback(std::move(hook))});
+          },
+          nb::arg("hook"),
+          nb::sig("def on_reset(self, hook: collections.abc.Callable[[ResetContext], typing.Any]) "
+                  "-> int"),
+          "Call hook(ResetContext) in every reset, after the keyframe. Returns an id for "
+          "remove_reset_hook.")
+      .def("remove_reset_hook", &Scene::RemoveResetHook, nb::arg("id"));
+}
+
+void DefFrames(nb::class_<Scene>& c) {
+  c.def("body_pose", &Scene::body_pose, nb::arg("name"), "Pose of a body in the world.")
+      .def("site_pose", &Scene::site_pose, nb::arg("name"), "Pose of a site in the world.")
+      .def("camera_pose", &Scene::camera_pose, nb::arg("name"),
+           "Pose of a camera in the world, MuJoCo's axes: x right, y up, looking along -z.")
+      .def(
+          "body_frame", [](const Scene& s, const std::string& n) { return ToKdl(s.body_pose(n)); },
+          nb::arg("name"), nb::sig("def body_frame(self, name: str) -> typing.Any"),
+          "body_pose as a PyKDL.Frame.")
+      .def(
+          "site_frame", [](const Scene& s, const std::string& n) { return ToKdl(s.site_pose(n)); },
+          nb::arg("name"), nb::sig("def site_frame(self, name: str) -> typing.Any"),
+          "site_pose as a PyKDL.Frame.")
+      .def(
+          "set_body_pose",
+          [](Scene& s, const std::string& name, nb::handle pos, nb::handle quat) {
+            s.SetBodyPose(name, ToPose(pos, quat));
+          },
+          nb::arg("name"), nb::arg("pos"), nb::arg("quat") = nb::none(),
+          nb::sig("def set_body_pose(self, name: str, pos: Pose | numpy.typing.ArrayLike, quat: "
+                  "numpy.typing.ArrayLike | None = None) -> None"),
+          "Move a free or mocap body (a Pose, or position and quaternion xyzw) and stop it.")
+      .def_prop_ro("root_frame_to_world", &Scene::root_frame_to_world)
+      .def_prop_ro("shared_base_frame_to_world", &Scene::shared_base_frame_to_world)
+      .def("body_names", &Scene::body_names)
+      .def("joint_names", &Scene::joint_names)
+      .def("camera_names", &Scene::camera_names);
+}
+
+void DefActuation(nb::class_<Scene>& c) {
+  c.def("has_actuator", &Scene::has_actuator, nb::arg("name"))
+      .def("actuator_ctrl", &Scene::actuator_ctrl, nb::arg("name"), "Raw control value.")
+      .def("set_actuator_ctrl", &Scene::SetActuatorCtrl, nb::arg("name"), nb::arg("value"),
+           "Set a raw control value; NaN is refused.")
+      .def("set_body_wrench", &SetBodyWrench, nb::arg("body"), nb::arg("force"), nb::arg("torque"),
+           nb::sig("def set_body_wrench(self, body: str, force: numpy.typing.ArrayLike, torque: "
+                   "numpy.typing.ArrayLike) -> None"),
+           "Force (3,) N and torque (3,) N m in the world at the body's centre of mass, kept until "
+           "changed or reset.")
+      .def("contacts", &Scene::contacts, nb::arg("of") = "",
+           "Active contacts, or those of one body's subtree.")
+      .def(
+          "state", [](const Scene& s) { return NumberCopy(s.state()); },
+          nb::sig("def state(self) -> numpy.typing.NDArray[numpy.float64]"),
+          "Everything the engine needs to go on bit-equally, a copy.")
+      .def(
+          "set_state",
+          [](Scene& s, nb::handle state) { s.SetState(Numbers(state, FieldPath("state"))); },
+          nb::arg("state"), nb::sig("def set_state(self, state: numpy.typing.ArrayLike) -> None"),
+          "Go on from what state() returned.");
+}
+
+void DefSharing(nb::class_<Scene>& c) {
+  c.def_prop_ro(
+       "model", [](const Scene& s) { return ModelOf(*s.compiled()); },
+       nb::sig("def model(self, /) -> mujoco.MjModel"),
+       "The mujoco.MjModel that is simulated, no copy.")
+      .def_prop_ro(
+          "data", &DataOf, nb::sig("def data(self, /) -> mujoco.MjData"),
+          "The mujoco.MjData that is simulated, no copy. One that you keep after the scene "
+          "was rebuilt or closed is the old data. After writing to it call forward().")
+      .def_prop_ro("compiled", [](const Scene& s) { return s.compiled(); })
+      .def_prop_ro(
+          "spec", [](const Scene& s) { return SceneSpec(s.spec()); },
+          "A copy of the spec the scene was built from.")
+      .def_prop_ro("name", [](const Scene& s) { return s.name(); })
+      .def_prop_ro(
+          "warnings", [](const Scene& s) { return s.compiled()->warnings(); },
+          "What the parts asked for and did not get, and the engine's own warnings.")
+      .def_prop_ro("generation", &Scene::generation, "Grows with every rebuild.")
+      .def(
+          "save_xml", [](const Scene& s, const Path& path) { s.SaveXml(path.string()); },
+          nb::arg("path"), Unlocked(),
+          "An MJCF file that stock MuJoCo loads; assets by absolute path.")
+      .def(
+          "save_binary", [](const Scene& s, const Path& path) { s.SaveBinary(path.string()); },
+          nb::arg("path"), Unlocked(), "An .mjb file that stock MuJoCo loads, exact.")
+      .def("to_xml", &Scene::ToXml, Unlocked(), "The MJCF text.");
+}
+
+void DefRobots(nb::class_<Scene>& c) {
+  c.def(
+       "robot", [](const Scene& s, const std::string& name) { return Robot::Of(s, name); },
+       nb::arg("name"), nb::sig("def robot(self, name: str) -> Robot"),
+       "A configured robot by its name; NotFoundError lists the robots.")
+      .def_prop_ro(
+          "robots", [](const Scene& s) { return RobotsOf(s); },
+          nb::sig("def robots(self, /) -> list[Robot]"),
+          "All robots that have a configuration, in order.");
+}
+
+}  // namespace
+
+void BindScene(nb::module_& m) {
+  BindStepResult(m);
+  BindReset(m);
+  BindContact(m);
+  BindCompiled(m);
+  nb::class_<Scene> c(
+      m, "Scene",
+      "A simulation that is alive. A handle: copies share the simulation, which lives as long as "
+      "any of them.\n\nPoses are world poses; metres, seconds, radians, quaternions xyzw. One "
+      "scene is used by one thread at a time. Raises NotFoundError for unknown names and "
+      "ClosedError after close().",
+      nb::type_slots(scene_slots), nb::is_weak_referenceable());
+  c.def_static("build", &Build, nb::arg("spec"),
+               "Compile a SceneSpec and reset it. SpecError lists all that is wrong with the spec; "
+               "EngineError has the engine's text.");
+  c.def_static("from_compiled", &FromCompiled, nb::arg("compiled"),
+               "A simulation of its own on a compiled model.");
+  DefStepping(c);
+  DefFrames(c);
+  DefActuation(c);
+  DefSharing(c);
+  DefRobots(c);
+  c.def("close", &Scene::Close, "Let go of model and data now. Nothing must be closed.")
+      .def_prop_ro("closed", &Scene::closed)
+      .def(nb::self == nb::self, "Handles to the same simulation are equal.")
+      .def("__hash__", [](const Scene& s) { return s.id(); })
+      .def("__enter__", [](nb::handle_t<Scene> self) { return nb::borrow(self); })
+      .def("__exit__", [](Scene& s, nb::args) { s.Close(); })
+      .def("__repr__", [](const Scene& s) {
+        return s.closed() ? fmt::format("<Scene '{}', closed>", s.name())
+                          : fmt::format("<Scene '{}', t={:g} s>", s.name(), s.time());
+      });
+}
+
+}  // namespace robocell::python

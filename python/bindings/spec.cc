@@ -1,0 +1,170 @@
+// The specs' enums and value types; the spec classes are in spec_robot.cc, spec_scene.cc and
+// spec_run.cc.
+#include <cctype>
+
+#include <nanobind/operators.h>
+
+#include "bindings.h"
+#include "spec_class.h"
+#include "spec_parts.h"
+#include "robocell/base/error.h"
+
+namespace robocell::python {
+namespace {
+
+// "shared_base" -> "SHARED_BASE".
+std::string Upper(std::string_view name) {
+  std::string out(name);
+  for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return out;
+}
+
+// "shared_base" -> "SharedBase".
+std::string Camel(std::string_view name) {
+  std::string out;
+  bool start = true;
+  for (const char c : name) {
+    if (c != '_') out += start ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+    start = c == '_';
+  }
+  return out;
+}
+
+template <HasEnumNames E>
+void BindEnum(nb::module_& m, const char* doc, std::string (*style)(std::string_view) = Upper) {
+  nb::enum_<E> e(m, kEnumName<E>, doc);
+  for (const auto& [value, name] : EnumNames<E>::kNames) e.value(KeepText(style(name)), value);
+}
+
+void BindEnums(nb::module_& m) {
+  BindEnum<AttachKind>(m, "What a thing is attached to.", Camel);
+  BindEnum<ElementKind>(m, "Kinds of elements of a model.");
+  BindEnum<Shape>(m, "Shapes of primitive objects.");
+  BindEnum<Condim>(m, "Which friction acts at contacts; the values are MuJoCo's condim.");
+  BindEnum<Integrator>(m, "MuJoCo's integrators.");
+  BindEnum<FrictionCone>(m, "Shapes of friction cones.");
+  BindEnum<Solver>(m, "MuJoCo's constraint solvers.");
+  BindEnum<BaseKind>(m, "What a robot's base can do.");
+  BindEnum<MoveGroupKind>(m, "Kinds of move groups.");
+  BindEnum<ControlKind>(m, "Default controllers of move groups.");
+  BindEnum<TaskKind>(m, "Kinds of tasks.");
+  BindEnum<SceneSourceKind>(m, "Where a run's scenes come from.");
+  BindEnum<Keep>(m, "Which episodes a run keeps.");
+}
+
+void BindAttachTarget(nb::module_& m) {
+  nb::class_<AttachTarget>(
+      m, "AttachTarget",
+      "What a thing is attached to, immutable: AttachTarget(AttachKind.Site, 'pinch_site').\n\n"
+      "World, Root and SharedBase are frames of their own and have no name.")
+      .def(
+          "__init__",
+          [](AttachTarget* self, nb::handle kind, const std::string& name) {
+            AttachTarget target{.name = name};
+            Convert<AttachKind>::Set(target.kind, kind, FieldPath("kind"));
+            new (self) AttachTarget(std::move(target));
+          },
+          nb::arg("kind") = AttachKind::kWorld, nb::arg("name") = "",
+          nb::sig("def __init__(self, kind: AttachKind | str = ..., name: str = '') "
+                  "-> None"))
+      .def_ro("kind", &AttachTarget::kind, "What kind of thing.")
+      .def_ro("name", &AttachTarget::name, "Its name; '' for the frames.")
+      .def(nb::self == nb::self)
+      .def("__hash__",
+           [](const AttachTarget& t) {
+             return nb::hash(nb::make_tuple(static_cast<int>(t.kind), Text(t.name)));
+           })
+      .def("__repr__",
+           [](const AttachTarget& t) {
+             const std::string kind = "AttachKind." + Camel(ToString(t.kind));
+             if (t.name.empty()) return fmt::format("AttachTarget({})", kind);
+             return fmt::format("AttachTarget({}, {})", kind, nb::repr(Text(t.name)).c_str());
+           })
+      .def(
+          "__getstate__",
+          [](const AttachTarget& t) {
+            return std::make_pair(std::string(ToString(t.kind)), t.name);
+          },
+          nb::sig("def __getstate__(self) -> tuple[str, str]"))
+      .def(
+          "__setstate__",
+          [](AttachTarget& self, const std::pair<std::string, std::string>& state) {
+            AttachTarget target{.name = state.second};
+            Convert<AttachKind>::Set(target.kind, Text(state.first), FieldPath("kind"));
+            new (&self) AttachTarget(std::move(target));
+          },
+          nb::sig("def __setstate__(self, state: tuple[str, str]) -> None"));
+}
+
+nb::tuple StateOf(const ElementRef& ref) {
+  const nb::object kind = ref.kind ? nb::object(Text(ToString(*ref.kind))) : nb::none();
+  return nb::make_tuple(Text(ref.name), kind, Text(ref.body), ref.index);
+}
+
+ElementRef MakeElementRef(nb::handle name, nb::handle kind, nb::handle body, nb::handle index) {
+  ElementRef ref{.name = ToText(name, FieldPath("name")), .body = ToText(body, FieldPath("body"))};
+  Convert<std::optional<ElementKind>>::Set(ref.kind, kind, FieldPath("kind"));
+  ref.index = static_cast<int>(ToInt(index, FieldPath("index"), 0, INT32_MAX));
+  return ref;
+}
+
+void BindElementRef(nb::module_& m) {
+  nb::class_<ElementRef>(
+      m, "ElementRef",
+      "Points at an element of a model, immutable: by name, or the index-th of its kind in a "
+      "body.\n\n    ElementRef('link_tcp', kind=ElementKind.SITE)\n"
+      "    ElementRef(kind=ElementKind.GEOM, body='left_finger', index=3)")
+      .def(
+          "__init__",
+          [](ElementRef* self, nb::handle name, nb::handle kind, nb::handle body,
+             nb::handle index) { new (self) ElementRef(MakeElementRef(name, kind, body, index)); },
+          nb::arg("name") = "", nb::kw_only(), nb::arg("kind") = nb::none(), nb::arg("body") = "",
+          nb::arg("index") = 0,
+          nb::sig("def __init__(self, name: str = '', *, kind: ElementKind | str | None = None, "
+                  "body: str = '', index: int = 0) -> None"))
+      .def_ro("kind", &ElementRef::kind, "Unset: any kind that the field allows.")
+      .def_ro("name", &ElementRef::name, "Name of the element; '' for an unnamed one.")
+      .def_ro("body", &ElementRef::body, "The body that an unnamed element sits in.")
+      .def_ro("index", &ElementRef::index, "Which of that body's elements of this kind, from 0.")
+      .def(nb::self == nb::self)
+      .def("__hash__", [](const ElementRef& ref) { return nb::hash(StateOf(ref)); })
+      .def("__repr__",
+           [](const ElementRef& ref) {
+             const std::string kind =
+                 ref.kind ? ", kind=ElementKind." + Upper(ToString(*ref.kind)) : "";
+             if (ref.body.empty()) {
+               return fmt::format("ElementRef({}{})", nb::repr(Text(ref.name)).c_str(), kind);
+             }
+             return fmt::format("ElementRef(body={}, index={}{})", nb::repr(Text(ref.body)).c_str(),
+                                ref.index, kind);
+           })
+      .def("__getstate__", &StateOf, nb::sig("def __getstate__(self) -> tuple[typing.Any, ...]"))
+      .def(
+          "__setstate__",
+          [](ElementRef& self, nb::tuple state) {
+            new (&self) ElementRef(MakeElementRef(state[0], state[1], state[2], state[3]));
+          },
+          nb::sig("def __setstate__(self, state: tuple[typing.Any, ...]) -> None"));
+}
+
+}  // namespace
+
+void BindSpec(nb::module_& m) {
+  BindEnums(m);
+  BindAttachTarget(m);
+  BindElementRef(m);
+  BindSpecContainers(m);
+  BindRobotSpecs(m);
+  BindSceneSpecs(m);
+  BindRunSpecs(m);
+  m.def("scene_object_element_name", &SceneObjectElementName, nb::arg("object"), nb::arg("element"),
+        "Full name of an element of a model object, without a scene: ('table', 'table_top') -> "
+        "'table_table_top'.");
+  m.def(
+      "expand_names",
+      [](const std::string& text) { return ToTuple(NameList::Expand(text).names, Text); },
+      nb::arg("text"), nb::sig("def expand_names(text: str) -> tuple[str, ...]"),
+      "'joint1..joint7' as names; a name without '..' stands for itself.");
+}
+
+}  // namespace robocell::python

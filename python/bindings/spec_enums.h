@@ -1,0 +1,41 @@
+// Names of the specs' enums in Python.
+#pragma once
+
+#include "robocell/spec/robot_config.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/scene_object.h"
+#include "robocell/spec/sim_options.h"
+#include "robocell/spec/types.h"
+
+namespace robocell::python {
+
+template <HasEnumNames E>
+inline constexpr const char* kEnumName = nullptr;
+template <>
+inline constexpr const char* kEnumName<AttachKind> = "AttachKind";
+template <>
+inline constexpr const char* kEnumName<ElementKind> = "ElementKind";
+template <>
+inline constexpr const char* kEnumName<Shape> = "Shape";
+template <>
+inline constexpr const char* kEnumName<Condim> = "Condim";
+template <>
+inline constexpr const char* kEnumName<Integrator> = "Integrator";
+template <>
+inline constexpr const char* kEnumName<FrictionCone> = "FrictionCone";
+template <>
+inline constexpr const char* kEnumName<Solver> = "Solver";
+template <>
+inline constexpr const char* kEnumName<BaseKind> = "BaseKind";
+template <>
+inline constexpr const char* kEnumName<MoveGroupKind> = "MoveGroupKind";
+template <>
+inline constexpr const char* kEnumName<ControlKind> = "ControlKind";
+template <>
+inline constexpr const char* kEnumName<TaskKind> = "TaskKind";
+template <>
+inline constexpr const char* kEnumName<SceneSourceKind> = "SceneSourceKind";
+template <>
+inline constexpr const char* kEnumName<Keep> = "Keep";
+
+}  // namespace robocell::python

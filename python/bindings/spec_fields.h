@@ -1,0 +1,474 @@
+// A spec's fields in Python, made from its field declaration (robocell/spec/fields.h): how each kind
+// of field is read, written and annotated. Included by spec*.cc only.
+//
+// Reading gives a reference wherever something can be edited: nested specs, lists and mappings as
+// live views, fixed arrays as NumPy views. What is read as a value cannot be changed (tuples, Pose,
+// AttachTarget, ElementRef), so that no edit is ever lost silently.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "spec_containers.h"
+#include "spec_enums.h"
+#include "values.h"
+#include "robocell/base/names.h"
+#include "robocell/spec/validate.h"
+
+namespace robocell::python {
+
+// One field of a spec class, its type hidden.
+struct Field {
+  const char* name;
+  const char* doc;
+  std::string type, set_type;  // annotations
+  std::function<nb::object(void* spec, nb::handle self)> get;
+  std::function<void(void* spec, nb::handle value, const FieldPath& path)> set;
+  std::function<bool(const void* a, const void* b)> equal;
+};
+
+// Sets fields from keyword arguments or a dictionary. TypeError names an unknown one with the
+// nearest; `path` is what is being set, "" for a constructor.
+void SetFields(const std::vector<Field>& fields, void* spec, const char* type, nb::handle values,
+               const FieldPath* path);
+
+template <HasFields T>
+const std::vector<Field>& FieldsOf();
+
+// --- How each kind of field is converted ---------------------------------------------------------
+
+// Get(value, name, owner): `owner` is the Python object that holds the value.
+template <class T>
+struct Convert;
+
+AttachTarget ToAttachTarget(nb::handle value, const FieldPath& path);
+ElementRef ToElementRef(nb::handle value, const FieldPath& path);
+
+template <>
+struct Convert<bool> {
+  static std::string Type() { return "bool"; }
+  static std::string SetType() { return Type(); }
+  static nb::object Get(bool& value, const char*, nb::handle) { return nb::bool_(value); }
+  static void Set(bool& out, nb::handle value, const FieldPath& path) { out = ToBool(value, path); }
+};
+
+template <std::integral T>
+struct Convert<T> {
+  static std::string Type() { return "int"; }
+  static std::string SetType() { return Type(); }
+  static nb::object Get(T& value, const char*, nb::handle) { return nb::int_(value); }
+  static void Set(T& out, nb::handle value, const FieldPath& path) {
+    using Limits = std::numeric_limits<T>;
+    out = static_cast<T>(ToInt(value, path, Limits::min(), Limits::max()));
+  }
+};
+
+template <>
+struct Convert<double> {
+  static std::string Type() { return "float"; }
+  static std::string SetType() { return Type(); }
+  static nb::object Get(double& value, const char*, nb::handle) { return nb::float_(value); }
+  static void Set(double& out, nb::handle value, const FieldPath& path) {
+    out = ToDouble(value, path);
+  }
+};
+
+template <>
+struct Convert<std::string> {
+  static std::string Type() { return "str"; }
+  static std::string SetType() { return "str | os.PathLike[str]"; }
+  static nb::object Get(std::string& value, const char*, nb::handle) {
+    return nb::str(value.c_str(), value.size());
+  }
+  static void Set(std::string& out, nb::handle value, const FieldPath& path) {
+    out = ToText(value, path);
+  }
+};
+
+// A value of the enum, or its name as in YAML.
+template <HasEnumNames E>
+struct Convert<E> {
+  static std::string Type() { return kEnumName<E>; }
+  static std::string SetType() { return Type() + " | str"; }
+  static nb::object Get(E& value, const char*, nb::handle) { return nb::cast(value); }
+  static void Set(E& out, nb::handle value, const FieldPath& path) {
+    if (nb::try_cast(value, out, /*convert=*/false)) return;
+    if (!IsText(value)) ThrowType(path, WithArticle(kEnumName<E>), value);
+    const std::string text = ToText(value, path);
+    for (const auto& [known, name] : EnumNames<E>::kNames) {
+      if (text == name) return void(out = known);
+    }
+    const std::vector<std::string> names = ValueNames<E>();
+    ThrowValue(path, "must be one of " + ListNames(names) + ", got '" + text + "'." +
+                         DidYouMean(text, names));
+  }
+};
+
+template <class T>
+requires(std::is_arithmetic_v<T>) inline constexpr const
+    char* kArrayType = std::is_same_v<T, double> ? "numpy.typing.NDArray[numpy.float64]"
+                                                 : "numpy.typing.NDArray[numpy.int32]";
+
+// Fixed numbers: a view that writes through.
+template <class T, size_t N>
+requires(std::is_arithmetic_v<T>) struct Convert<std::array<T, N>> {
+  static std::string Type() { return kArrayType<T>; }
+  static std::string SetType() { return "numpy.typing.ArrayLike"; }
+  static nb::object Get(std::array<T, N>& value, const char*, nb::handle owner) {
+    return NumberView(value.data(), N, owner);
+  }
+  static void Set(std::array<T, N>& out, nb::handle value, const FieldPath& path) {
+    if constexpr (std::is_same_v<T, double>) {
+      const Numbers numbers(value, path, N);
+      std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
+    } else {
+      const std::vector<nb::object> items = ToItems(value, path, "whole numbers");
+      if (items.size() != N) {
+        ThrowValue(path, "must be " + std::to_string(N) + " whole numbers, got " +
+                             std::to_string(items.size()));
+      }
+      std::array<T, N> numbers;
+      for (size_t i = 0; i < N; ++i) {
+        Convert<T>::Set(numbers[i], items[i], FieldPath(path, static_cast<Py_ssize_t>(i)));
+      }
+      out = numbers;
+    }
+  }
+};
+
+// Immutable sequences of small values: tuples.
+template <class Sequence, class Item>
+nb::object ToTuple(Sequence&& values, Item&& item) {
+  nb::list out;
+  for (auto& value : values) out.append(item(value));
+  return nb::tuple(out);
+}
+
+inline nb::str Text(const std::string& text) { return nb::str(text.c_str(), text.size()); }
+
+template <>
+struct Convert<std::array<std::string, 2>> {
+  static std::string Type() { return "tuple[str, str]"; }
+  static std::string SetType() { return "collections.abc.Sequence[str]"; }
+  static nb::object Get(std::array<std::string, 2>& value, const char*, nb::handle) {
+    return nb::make_tuple(Text(value[0]), Text(value[1]));
+  }
+  static void Set(std::array<std::string, 2>& out, nb::handle value, const FieldPath& path) {
+    if (IsText(value)) ThrowType(path, "a pair of names", value);
+    const std::vector<std::string> names = ToTexts(value, path);
+    if (names.size() != 2) {
+      ThrowValue(path, "must be a pair of names, got " + std::to_string(names.size()));
+    }
+    out = {names[0], names[1]};
+  }
+};
+
+template <>
+struct Convert<AttachTarget> {
+  static std::string Type() { return "AttachTarget"; }
+  static std::string SetType() { return "AttachTarget | dict[str, str] | str"; }
+  static nb::object Get(AttachTarget& value, const char*, nb::handle) { return nb::cast(value); }
+  static void Set(AttachTarget& out, nb::handle value, const FieldPath& path) {
+    out = ToAttachTarget(value, path);
+  }
+};
+
+template <>
+struct Convert<ElementRef> {
+  static std::string Type() { return "ElementRef"; }
+  static std::string SetType() { return "ElementRef | dict[str, typing.Any] | str"; }
+  static nb::object Get(ElementRef& value, const char*, nb::handle) { return nb::cast(value); }
+  static void Set(ElementRef& out, nb::handle value, const FieldPath& path) {
+    out = ToElementRef(value, path);
+  }
+};
+
+template <>
+struct Convert<Pose> {
+  static std::string Type() { return "Pose"; }
+  static std::string SetType() { return Type(); }
+  static nb::object Get(Pose& value, const char*, nb::handle) { return nb::cast(Pose(value)); }
+  static void Set(Pose& out, nb::handle value, const FieldPath& path) {
+    const Pose* pose = nullptr;
+    if (!nb::try_cast(value, pose) || !pose) ThrowType(path, "a Pose", value);
+    out = *pose;
+  }
+};
+
+// A single item stands for a list of one where YAML allows it too.
+template <class T>
+requires(!std::is_arithmetic_v<T>) struct Convert<std::vector<T>> {
+  static constexpr bool kSingle = !std::is_same_v<T, std::array<std::string, 2>>;
+  static std::string Type() { return "tuple[" + Convert<T>::Type() + ", ...]"; }
+  static std::string SetType() {
+    const std::string item = Convert<T>::SetType();
+    return "collections.abc.Iterable[" + item + "]" + (kSingle ? " | " + item : "");
+  }
+  static nb::object Get(std::vector<T>& value, const char* name, nb::handle owner) {
+    return ToTuple(value, [&](T& item) { return Convert<T>::Get(item, name, owner); });
+  }
+  static void Set(std::vector<T>& out, nb::handle value, const FieldPath& path) {
+    std::vector<T> values;
+    if (kSingle && (IsText(value) || nb::isinstance<nb::dict>(value))) {
+      Convert<T>::Set(values.emplace_back(), value, path);
+    } else {
+      for (const nb::object& item : ToItems(value, path, "a list")) {
+        const FieldPath at(path, static_cast<Py_ssize_t>(values.size()));
+        Convert<T>::Set(values.emplace_back(), item, at);
+      }
+    }
+    out = std::move(values);
+  }
+};
+
+template <>
+struct Convert<NameList> {
+  static std::string Type() { return "tuple[str, ...]"; }
+  static std::string SetType() { return "collections.abc.Iterable[str] | str"; }
+  static nb::object Get(NameList& value, const char*, nb::handle) {
+    return ToTuple(value.names, Text);
+  }
+  static void Set(NameList& out, nb::handle value, const FieldPath& path) {
+    out = IsText(value) ? NameList::Expand(ToText(value, path)) : NameList(ToTexts(value, path));
+  }
+};
+
+template <>
+struct Convert<IndexList> {
+  static std::string Type() { return "tuple[int, ...]"; }
+  static std::string SetType() { return "collections.abc.Iterable[int]"; }
+  static nb::object Get(IndexList& value, const char*, nb::handle) {
+    return ToTuple(value.values, [](int i) { return nb::int_(i); });
+  }
+  static void Set(IndexList& out, nb::handle value, const FieldPath& path) {
+    IndexList list;
+    for (const nb::object& item : ToItems(value, path, "whole numbers")) {
+      const FieldPath at(path, static_cast<Py_ssize_t>(list.size()));
+      Convert<int>::Set(list.values.emplace_back(), item, at);
+    }
+    out = std::move(list);
+  }
+};
+
+// --- Specs inside specs --------------------------------------------------------------------------
+
+// An object of class S, or a dictionary of its fields.
+template <HasFields S>
+Box<S> ToSpecBox(nb::handle value, const FieldPath& path) {
+  Box<S> box;
+  if (nb::isinstance<nb::dict>(value)) {
+    box = std::make_shared<S>();
+    SetFields(FieldsOf<S>(), box.get(), S::kTypeName, value, &path);
+  } else if (value.is_none() || !nb::try_cast(value, box, /*convert=*/false) || !box) {
+    ThrowType(path, WithArticle(S::kTypeName), value);
+  }
+  return box;
+}
+
+template <HasFields S>
+struct Convert<S> {
+  static std::string Type() { return S::kTypeName; }
+  static std::string SetType() { return Type() + " | dict[str, typing.Any]"; }
+  static nb::object Get(S& value, const char*, nb::handle owner) {
+    return nb::cast(&value, nb::rv_policy::reference_internal, owner);
+  }
+  static void Set(S& out, nb::handle value, const FieldPath& path) {
+    const S copy = *ToSpecBox<S>(value, path);
+    out = copy;
+  }
+};
+
+template <class T>
+struct Convert<std::optional<T>> {
+  static std::string Type() { return Convert<T>::Type() + " | None"; }
+  static std::string SetType() { return Convert<T>::SetType() + " | None"; }
+  static nb::object Get(std::optional<T>& value, const char* name, nb::handle owner) {
+    return value ? Convert<T>::Get(*value, name, owner) : nb::object(nb::none());
+  }
+  static void Set(std::optional<T>& out, nb::handle value, const FieldPath& path) {
+    if (value.is_none()) return out.reset();
+    T item = out.value_or(T{});
+    Convert<T>::Set(item, value, path);
+    out = std::move(item);
+  }
+};
+
+template <class S>
+struct Convert<Maybe<S>> {
+  static std::string Type() { return std::string(S::kTypeName) + " | None"; }
+  static std::string SetType() { return Convert<S>::SetType() + " | None"; }
+  static nb::object Get(Maybe<S>& value, const char*, nb::handle) {
+    return value ? nb::cast(value.box()) : nb::object(nb::none());
+  }
+  static void Set(Maybe<S>& out, nb::handle value, const FieldPath& path) {
+    Box<S> box = value.is_none() ? nullptr : ToSpecBox<S>(value, path);
+    std::swap(out.box(), box);
+  }
+};
+
+template <class S>
+const ListOps* ListOpsOf() {
+  using Boxes = std::vector<Box<S>>;
+  static const ListOps kOps = {
+      S::kTypeName,
+      [](const void* list) { return static_cast<const List<S>*>(list)->size(); },
+      [](void* list, size_t i) { return nb::cast(static_cast<List<S>*>(list)->boxes()[i]); },
+      [](nb::handle value, const FieldPath& path) -> AnyBox { return ToSpecBox<S>(value, path); },
+      [](void* list, size_t at, size_t count, const std::vector<AnyBox>& boxes) {
+        // Built aside and swapped: what is dropped may run Python code, which must see a whole list.
+        const Boxes& old = static_cast<List<S>*>(list)->boxes();
+        Boxes result(old.begin(), old.begin() + at);
+        for (const AnyBox& box : boxes) result.push_back(std::static_pointer_cast<S>(box));
+        result.insert(result.end(), old.begin() + at + count, old.end());
+        std::swap(static_cast<List<S>*>(list)->boxes(), result);
+      },
+      [](const void* a, const void* b) {
+        return *static_cast<const List<S>*>(a) == *static_cast<const List<S>*>(b);
+      }};
+  return &kOps;
+}
+
+template <class S>
+struct Convert<List<S>> {
+  static std::string Type() { return std::string("SpecList[") + S::kTypeName + "]"; }
+  static std::string SetType() { return "collections.abc.Iterable[" + Convert<S>::SetType() + "]"; }
+  static nb::object Get(List<S>& value, const char* name, nb::handle owner) {
+    return nb::cast(SpecList{nb::borrow(owner), name, &value, ListOpsOf<S>()});
+  }
+  static void Set(List<S>& out, nb::handle value, const FieldPath& path) {
+    AssignList(&out, *ListOpsOf<S>(), value, path);
+  }
+};
+
+// What a mapping's values are: specs, enums, or lists of numbers.
+template <class T>
+struct MapValue {
+  static std::string Type() { return Convert<T>::Type(); }
+  static std::string SetType() { return Convert<T>::SetType(); }
+  static nb::object Get(Box<T>& box) { return Convert<T>::Get(*box, "", nb::handle()); }
+  static Box<T> ToBox(nb::handle value, const FieldPath& path) {
+    auto box = std::make_shared<T>();
+    Convert<T>::Set(*box, value, path);
+    return box;
+  }
+};
+
+template <HasFields S>
+struct MapValue<S> {
+  static std::string Type() { return S::kTypeName; }
+  static std::string SetType() { return Convert<S>::SetType(); }
+  static nb::object Get(Box<S>& box) { return nb::cast(box); }
+  static Box<S> ToBox(nb::handle value, const FieldPath& path) { return ToSpecBox<S>(value, path); }
+};
+
+template <>
+struct MapValue<std::vector<double>> {
+  static std::string Type() { return kArrayType<double>; }
+  static std::string SetType() { return "numpy.typing.ArrayLike"; }
+  static nb::object Get(Box<std::vector<double>>& box) {
+    return NumberView(box->data(), box->size(), Keeper(box));
+  }
+  static Box<std::vector<double>> ToBox(nb::handle value, const FieldPath& path) {
+    const Numbers numbers(value, path);
+    return std::make_shared<std::vector<double>>(numbers.span().begin(), numbers.span().end());
+  }
+};
+
+template <class T>
+const MapOps* MapOpsOf() {
+  static const std::string kElement = MapValue<T>::Type();
+  static const MapOps kOps = {
+      kElement.c_str(),
+      [](const void* map) { return static_cast<const Map<T>*>(map)->size(); },
+      [](const void* map, size_t i) { return static_cast<const Map<T>*>(map)->entries()[i].first; },
+      [](void* map, size_t i) {
+        return MapValue<T>::Get(static_cast<Map<T>*>(map)->entries()[i].second);
+      },
+      [](nb::handle value, const FieldPath& path) -> AnyBox {
+        return MapValue<T>::ToBox(value, path);
+      },
+      [](void* map, const std::string& key, const AnyBox& box) {
+        Box<T> item = std::static_pointer_cast<T>(box);
+        auto& entries = static_cast<Map<T>*>(map)->entries();
+        for (auto& entry : entries) {
+          if (entry.first == key) return std::swap(entry.second, item);
+        }
+        entries.emplace_back(key, std::move(item));
+      },
+      [](void* map, size_t i) {
+        auto& entries = static_cast<Map<T>*>(map)->entries();
+        const auto dropped = std::move(entries[i]);
+        entries.erase(entries.begin() + i);
+      },
+      [](const void* a, const void* b) {
+        return *static_cast<const Map<T>*>(a) == *static_cast<const Map<T>*>(b);
+      }};
+  return &kOps;
+}
+
+template <class T>
+struct Convert<Map<T>> {
+  static std::string Type() { return "SpecMap[" + MapValue<T>::Type() + "]"; }
+  static std::string SetType() {
+    return "collections.abc.Mapping[str, " + MapValue<T>::SetType() + "]";
+  }
+  static nb::object Get(Map<T>& value, const char* name, nb::handle owner) {
+    return nb::cast(SpecMap{nb::borrow(owner), name, &value, MapOpsOf<T>()});
+  }
+  static void Set(Map<T>& out, nb::handle value, const FieldPath& path) {
+    AssignMap(&out, *MapOpsOf<T>(), value, path);
+  }
+};
+
+// The robot of a run: its configuration by reference; set from a RobotConfig or a file's name.
+template <>
+struct Convert<RobotSource> {
+  static std::string Type() { return "RobotConfig"; }
+  static std::string SetType() {
+    return "RobotConfig | dict[str, typing.Any] | str | os.PathLike[str]";
+  }
+  static nb::object Get(RobotSource& value, const char* name, nb::handle owner) {
+    return Convert<RobotConfig>::Get(value.config, name, owner);
+  }
+  static void Set(RobotSource& out, nb::handle value, const FieldPath& path) {
+    if (IsText(value) || nb::hasattr(value, "__fspath__")) {
+      const std::string file = ToText(value, path);
+      out.config = RobotConfig::Load(file);
+      out.file = file;
+    } else {
+      Convert<RobotConfig>::Set(out.config, value, path);
+      out.file.clear();
+    }
+  }
+};
+
+// --- All fields of a class -----------------------------------------------------------------------
+
+template <HasFields T>
+const std::vector<Field>& FieldsOf() {
+  static const std::vector<Field> kFields = [] {
+    std::vector<Field> fields;
+    T::Fields([&](const char* name, auto member, const char* doc, Check = Check::kNone) {
+      using Value = std::remove_reference_t<decltype(std::declval<T&>().*member)>;
+      using C = Convert<Value>;
+      fields.push_back({name, doc, C::Type(), C::SetType(),
+                        [member, name](void* spec, nb::handle self) {
+                          return C::Get(static_cast<T*>(spec)->*member, name, self);
+                        },
+                        [member](void* spec, nb::handle value, const FieldPath& path) {
+                          C::Set(static_cast<T*>(spec)->*member, value, path);
+                        },
+                        [member](const void* a, const void* b) {
+                          return static_cast<const T*>(a)->*member ==
+                                 static_cast<const T*>(b)->*member;
+                        }});
+    });
+    return fields;
+  }();
+  return kFields;
+}
+
+}  // namespace robocell::python

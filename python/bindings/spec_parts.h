@@ -1,0 +1,12 @@
+// The spec classes in the order of what they hold.
+#pragma once
+
+#include "bindings.h"
+
+namespace robocell::python {
+
+void BindRobotSpecs(nb::module_& m);
+void BindSceneSpecs(nb::module_& m);
+void BindRunSpecs(nb::module_& m);
+
+}  // namespace robocell::python

@@ -1,0 +1,31 @@
+// RobotConfig, RobotSpec and what they hold.
+#include "spec_class.h"
+#include "spec_parts.h"
+#include "robocell/spec/robot_spec.h"
+
+namespace robocell::python {
+
+void BindRobotSpecs(nb::module_& m) {
+  BindSpecClass<BaseConfig>(m, "What a robot stands on.");
+  BindSpecClass<GripperCtrl>(m, "Raw control values of a gripper's actuator, open and closed.");
+  BindSpecClass<GripperDistance>(m, "Free distance between the fingers, closed and open, metres.");
+  BindSpecClass<MoveGroupConfig>(m, "A named group of joints and actuators of a robot.");
+  BindSpecClass<Edit>(m,
+                      "A small change to a model while it is loaded: one element changed, added or "
+                      "deleted.\n\nSI and radians; euler in degrees, quaternions xyzw.");
+  auto attachment = BindSpecClass<AttachmentSpec>(
+      m, "A tool, sensor or other model mounted on a robot or on an earlier attachment of it.");
+  DefYamlFile(attachment);
+  auto camera = BindSpecClass<CameraSpec>(
+      m,
+      "A camera added to a scene or robot. MuJoCo's camera axes: x right, y up, looking along -z.");
+  DefYamlFile(camera);
+  auto config = BindSpecClass<RobotConfig>(
+      m, "What a robot is: model, move groups, home, base. Usually a YAML file.");
+  DefYamlFile(config);
+  auto robot =
+      BindSpecClass<RobotSpec>(m, "A robot in a scene: which, called what, standing where.");
+  DefYamlFile(robot);
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,39 @@
+"""The command line `robocell`. One file per command; what they share is in `common`."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from robocell import Error
+from robocell.cli.check import check
+from robocell.cli.common import ExitCode, print_error
+from robocell.cli.doctor import doctor
+from robocell.cli.generate import generate
+from robocell.cli.gripper_range import gripper_range
+from robocell.cli.ik_test import ik_test
+from robocell.cli.verify import verify
+
+app = typer.Typer(
+    help="Robot cells in MuJoCo: check robots, generate and verify datasets.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+for command in (generate, verify, check, gripper_range, ik_test, doctor):
+    app.command()(command)
+
+
+def main() -> None:
+    """Runs a command. What the user can mend is told without a traceback; see `ExitCode`."""
+    try:
+        app(prog_name="robocell")
+    except OSError as error:
+        print_error(str(error))
+        sys.exit(ExitCode.OUTPUT)
+    except Error as error:
+        print_error(str(error))
+        sys.exit(ExitCode.USAGE)
+    except KeyboardInterrupt:
+        sys.exit(ExitCode.INTERRUPTED)

@@ -1,0 +1,42 @@
+"""`robocell check`: is this robot file right, and what does the model make of it?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from robocell.cli.common import print_warning
+from robocell.cli.robot_checks import CHECKS
+from robocell.cli.robot_picture import draw_robot
+from robocell.cli.robot_scene import load_robot
+from robocell.cli.robot_table import actuators_table, frames_table, joints_table, summary_lines
+
+
+def check(
+    robot_file: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", help="The robot file.")],
+    picture: Annotated[
+        Path | None, typer.Option(help="Draw the robot with its frames into this PNG.")
+    ] = None,
+) -> None:
+    """Load a robot file, print joints, actuators, frames, reach and gripper, and try it out.
+
+    A wrong file is an error (exit code 2); what looks wrong but works is a warning.
+    """
+    loaded = load_robot(robot_file)
+    loaded.scene.reset()
+    console = Console(soft_wrap=True)
+    for line in summary_lines(loaded):
+        console.print(line, markup=False, highlight=False)
+    for table in (joints_table(loaded), actuators_table(loaded), frames_table(loaded)):
+        console.print()
+        console.print(table)
+    if picture:
+        draw_robot(loaded, picture)
+        print(f"\npicture: {picture}")
+    warnings = [warning for find in CHECKS for warning in find(loaded)]
+    print("\nnothing found wrong" if not warnings else "")
+    for warning in warnings:
+        print_warning(warning)

@@ -1,0 +1,121 @@
+"""`robocell generate`: episodes from a run file, with worker processes. See docs/generate.md."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from collections.abc import Sequence
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from robocell.cli.common import ExitCode, fail, print_warning, require_file, top_keys
+from robocell.generate.dataset_lock import DatasetBusyError
+from robocell.generate.job import Job, Result
+from robocell.generate.progress import make_progress
+from robocell.generate.resume import DamagedEpisodesError
+from robocell.generate.summary import Summary
+from robocell.generate.supervisor import Limits
+
+
+class ProgressChoice(StrEnum):
+    """`--progress`."""
+
+    AUTO = "auto"
+    BAR = "bar"
+    PLAIN = "plain"
+    JSONL = "jsonl"
+
+
+def generate(
+    run_file: Annotated[Path, typer.Argument(metavar="RUN.yaml", help="The run file.")],
+    workers: Annotated[int | None, typer.Option(min=1, help="Worker processes.")] = None,
+    output: Annotated[Path | None, typer.Option(help="Folder of the dataset.")] = None,
+    episodes: Annotated[int | None, typer.Option(min=1, help="A cap on the whole run.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Everything random follows from it.")] = None,
+    shard: Annotated[
+        str | None, typer.Option(metavar="i/N", help="Only every N-th episode, from the i-th on.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="FIELD=VALUE", help="Replace a field: task.lift_height=0.05"),
+    ] = None,
+    progress: Annotated[
+        ProgressChoice, typer.Option(help="auto: a bar on a terminal, else plain lines.")
+    ] = ProgressChoice.AUTO,
+    item_timeout: Annotated[
+        float, typer.Option(min=1, help="Seconds for one episode; then it is made again.")
+    ] = Limits.item_timeout_s,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what there is to do.")] = False,
+    no_report: Annotated[bool, typer.Option("--no-report", help="No table at the end.")] = False,
+) -> None:
+    """Make the episodes of a run. The same command again goes on where it ended.
+
+    Exit codes: 0 all made, 1 some could not be made, 2 wrong command or spec, 3 reading or writing
+    failed, 130 interrupted.
+    """
+    require_file(run_file, "run file")
+    if "move_groups" in top_keys(run_file):
+        fail(f"'{run_file}' is a robot file; give a run file, which names it: `robot: {run_file}`")
+    named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
+    job = Job(run_file, [*(set_ or []), *overrides(named)], shard)
+    try:
+        if dry_run:
+            _say_plan(job)
+            return
+        result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
+    except DatasetBusyError as error:
+        fail(str(error), ExitCode.OUTPUT)
+    except DamagedEpisodesError as error:
+        remedy = shlex.join(["robocell", "verify", "--repair", str(job.dataset)])
+        fail(f"damaged episodes:\n{error}\nSet them aside: {remedy}", ExitCode.OUTPUT)
+    if progress is not ProgressChoice.JSONL and not no_report:
+        summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)
+        Console().print(summary.table())
+    _end(result)
+
+
+def overrides(named: dict[str, Path | int | None]) -> list[str]:
+    """The options that were given, as `--set` texts: {'workers': 2} -> ['workers=2']."""
+    # A quoted JSON string is also a YAML string, whatever is in the path.
+    return [
+        f"{field}={json.dumps(str(value)) if isinstance(value, Path) else value}"
+        for field, value in named.items()
+        if value is not None
+    ]
+
+
+def _say_plan(job: Job) -> None:
+    made = len(job.made())
+    print(f"run:      {job.run.run}")
+    print(f"dataset:  {job.dataset}")
+    print(f"episodes: {len(job.items)}, {made} of them made, {len(job.items) - made} to do")
+    print(f"workers:  {job.run.workers}")
+
+
+def _end(result: Result) -> None:
+    """The last words and the exit code."""
+    outcome, planned = result.outcome, result.outcome.totals.planned
+    if outcome.fatal:
+        codes = {"spec": ExitCode.USAGE, "io": ExitCode.OUTPUT, "other": ExitCode.INCOMPLETE}
+        kept = f"\n{result.on_disk} episodes are on the disk." if result.on_disk else ""
+        fail(outcome.fatal.message + kept, codes[outcome.fatal.kind])
+    if outcome.interrupted:
+        again = resume_command(sys.argv[1:])
+        print_warning(
+            f"interrupted: {result.on_disk} of {planned} episodes are on the disk.\n"
+            f"This goes on from there: {again}"
+        )
+        raise typer.Exit(ExitCode.INTERRUPTED)
+    if result.on_disk < planned:
+        missing = planned - result.on_disk
+        fail(f"{missing} of {planned} episodes could not be made, see above", ExitCode.INCOMPLETE)
+
+
+def resume_command(arguments: Sequence[str]) -> str:
+    """The command that was given."""
+    return shlex.join(["robocell", *arguments])

@@ -1,0 +1,167 @@
+"""What `robocell doctor` looks at. Each probe returns findings and never raises."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.metadata
+import os
+import platform
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+
+PROBE_TIMEOUT_S = 60
+GL_BACKENDS = ("egl", "osmesa")
+GB = 1 << 30
+
+
+class State(StrEnum):
+    """How a finding is meant."""
+
+    OK = "ok"
+    MISSING = "missing"  # something optional
+    BROKEN = "broken"  # generating datasets will fail
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One line of the report; `remedy` says what to do about it."""
+
+    what: str
+    state: State
+    detail: str
+    remedy: str = ""
+
+
+def versions() -> list[Finding]:
+    """robocell, Python, the engine, and packages it works with."""
+    import mujoco
+
+    import robocell
+
+    built, loaded = mujoco.__version__, mujoco.mj_versionString()
+    packages = ("numpy", "h5py", "gymnasium", "rich")
+    installed = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in packages)
+    return [
+        Finding(
+            "robocell", State.OK, f"{robocell.__version__} in {Path(robocell.__file__).parent}"
+        ),
+        Finding("python", State.OK, f"{platform.python_version()} ({sys.executable})"),
+        Finding("mujoco", State.OK, loaded if built == loaded else f"{loaded}, package {built}"),
+        Finding("packages", State.OK, installed),
+    ]
+
+
+def graphics() -> list[Finding]:
+    """Every GL back end, each in a process of its own: one process can use one only."""
+    found = [_graphics(backend) for backend in GL_BACKENDS]
+    if any(finding.state is State.OK for finding in found):
+        return found
+    remedy = "apt install libegl1 libosmesa6"
+    return [Finding(f.what, State.BROKEN, f.detail, remedy) for f in found]
+
+
+def _graphics(backend: str) -> Finding:
+    code = "import robocell; print(robocell.describe_gl())"
+    what = f"graphics: {backend}"
+    try:
+        child = subprocess.run(
+            [sys.executable, "-c", code],
+            env={**os.environ, "ROBOCELL_GL": backend},
+            capture_output=True,
+            text=True,
+            timeout=PROBE_TIMEOUT_S,
+            check=False,
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        return Finding(what, State.MISSING, str(error))
+    said = (child.stdout if child.returncode == 0 else child.stderr).strip().splitlines()
+    last = said[-1] if said else f"ended with code {child.returncode}"
+    state = State.OK if child.returncode == 0 else State.MISSING
+    return Finding(what, state, last.removeprefix("robocell.Error: "))
+
+
+def video() -> list[Finding]:
+    """The ffmpeg program that the writer would use, and its H.264 encoder."""
+    program = find_ffmpeg()
+    remedy = "apt install ffmpeg, or set ROBOCELL_FFMPEG to the program"
+    if program is None:
+        return [Finding("video", State.BROKEN, "no ffmpeg found", remedy)]
+    try:
+        version = _ask(program, "-version").split(" Copyright")[0]
+        encoders = _ask(program, "-encoders")
+    except (OSError, subprocess.SubprocessError) as error:
+        return [Finding("video", State.BROKEN, f"{program}: {error}", remedy)]
+    if "libx264" not in encoders:
+        return [Finding("video", State.BROKEN, f"{program} has no encoder libx264", remedy)]
+    return [Finding("video", State.OK, f"{version} with libx264 ({program})")]
+
+
+def find_ffmpeg() -> str | None:
+    """The program, by the rule of media/ffmpeg.h."""
+    if chosen := os.environ.get("ROBOCELL_FFMPEG"):
+        return chosen
+    return shutil.which("ffmpeg") or os.environ.get("IMAGEIO_FFMPEG_EXE") or None
+
+
+def _ask(program: str, option: str) -> str:
+    child = subprocess.run(
+        [program, "-hide_banner", option],
+        capture_output=True,
+        text=True,
+        timeout=PROBE_TIMEOUT_S,
+        check=True,
+    )
+    return child.stdout
+
+
+def robots() -> list[Finding]:
+    """Where `menagerie:` models would be found."""
+    remedy = "set MENAGERIE_ROOT to a checkout, or: mujoco-menagerie prefetch NAME"
+    root = os.environ.get("MENAGERIE_ROOT")
+    if root:
+        count = len(list(Path(root).glob("*/*.xml"))) if Path(root).is_dir() else 0
+        state = State.OK if count else State.MISSING
+        return [Finding("menagerie", state, f"{root} (MENAGERIE_ROOT): {count} models", remedy)]
+    cache = os.environ.get("MENAGERIE_CACHE_DIR")
+    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "mujoco_menagerie"
+    models = (Path(cache) if cache else user) / "models"
+    names = sorted({path.parent.name.rpartition("-")[0] for path in models.glob("*/.complete")})
+    if names:
+        return [Finding("menagerie", State.OK, f"{', '.join(names)} in {models}")]
+    return [Finding("menagerie", State.MISSING, f"nothing in {models}", remedy)]
+
+
+def kdl() -> list[Finding]:
+    """PyKDL, which only the functions that return KDL objects need."""
+    try:
+        module = importlib.import_module("PyKDL")
+    except ImportError as error:
+        return [Finding("PyKDL", State.MISSING, str(error), "apt install python3-pykdl")]
+    return [Finding("PyKDL", State.OK, getattr(module, "__file__", "") or "")]
+
+
+def machine() -> list[Finding]:
+    """Cores, memory, and room for a dataset here."""
+    disk = shutil.disk_usage(".")
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    cores = len(os.sched_getaffinity(0))
+    state = State.OK if disk.free > GB else State.BROKEN
+    return [
+        Finding("machine", State.OK, f"{cores} cores, {memory / GB:.1f} GB memory"),
+        Finding("disk", state, f"{disk.free / GB:.1f} GB free in {Path.cwd()}", "make room"),
+    ]
+
+
+PROBES: tuple[Callable[[], list[Finding]], ...] = (
+    versions,
+    machine,
+    graphics,
+    video,
+    robots,
+    kdl,
+)

@@ -1,0 +1,119 @@
+"""What a robot file says and what its model makes of it, as tables."""
+
+from __future__ import annotations
+
+import math
+
+import mujoco
+import numpy as np
+from rich.table import Table
+
+from robocell import Pose, RobotConfig
+from robocell.cli.gripper_range import range_lines
+from robocell.cli.robot_scene import RobotScene
+
+JOINT_KINDS = {
+    mujoco.mjtJoint.mjJNT_FREE: "free",
+    mujoco.mjtJoint.mjJNT_BALL: "ball",
+    mujoco.mjtJoint.mjJNT_SLIDE: "slide, m",
+    mujoco.mjtJoint.mjJNT_HINGE: "hinge, rad",
+}
+
+CAMERA_TO_OPENCV = Pose(rpy=[math.pi, 0, 0])
+
+
+def joints_table(loaded: RobotScene) -> Table:
+    """Every joint of every group: kind, limits, home."""
+    table = _table("joints")
+    for column in ("group", "joint", "kind", "lower", "upper", "home"):
+        table.add_column(
+            column, justify="right" if column in ("lower", "upper", "home") else "left"
+        )
+    model, robot = loaded.scene.model, loaded.robot
+    for name in robot.group_names:
+        group = robot.group(name)
+        values = zip(group.joint_names, np.array(group.joint_pos_limits), strict=False)
+        for joint, (lower, upper) in values:
+            entry = model.joint(joint)
+            home = loaded.scene.data.qpos[int(entry.qposadr[0])]
+            kind = JOINT_KINDS[mujoco.mjtJoint(int(entry.type[0]))]
+            table.add_row(name, joint, kind, _number(lower), _number(upper), _number(home))
+    return table
+
+
+def actuators_table(loaded: RobotScene) -> Table:
+    """Every actuator of every group: range of its control, and who controls it."""
+    table = _table("actuators")
+    for column in ("group", "actuator", "lowest", "highest", "controller"):
+        table.add_column(column, justify="right" if column.endswith("est") else "left")
+    control = {name: kind.name.lower() for name, kind in loaded.config.control.items()}
+    for name in loaded.robot.group_names:
+        group = loaded.robot.group(name)
+        ranges = zip(group.actuator_names, np.array(group.ctrl_limits), strict=True)
+        for actuator, (lowest, highest) in ranges:
+            controller = control.get(name, "")
+            table.add_row(name, actuator, _number(lowest), _number(highest), controller)
+    return table
+
+
+def frames(loaded: RobotScene) -> dict[str, Pose]:
+    """The robot's frames at home, in the world: base, the leaf of each group, cameras.
+
+    Cameras have OpenCV's axes: x right, y down, looking along z.
+    """
+    robot, scene = loaded.robot, loaded.scene
+    found = {"base": robot.base_in_world}
+    for name in robot.group_names:
+        group = robot.group(name)
+        if group.kind == "arm":
+            found["tcp" if "tcp" not in found else f"tcp of {name}"] = group.leaf_frame_to_world
+    for camera in scene.camera_names():
+        found[camera] = scene.camera_pose(camera) * CAMERA_TO_OPENCV
+    return found
+
+
+def frames_table(loaded: RobotScene) -> Table:
+    """The frames in the robot base frame."""
+    table = _table("frames at home, in the robot base frame; cameras look along z")
+    for column in ("frame", "x, y, z in m", "roll, pitch, yaw in degrees"):
+        table.add_column(column)
+    X_BW = loaded.robot.base_in_world.inverse()
+    for name, X_WF in frames(loaded).items():
+        X_BF = X_BW * X_WF
+        table.add_row(name, _numbers(X_BF.translation), _numbers(np.degrees(X_BF.rpy), 1))
+    return table
+
+
+def summary_lines(loaded: RobotScene) -> list[str]:
+    """Name, model, base, groups, reach, gripper range."""
+    config, robot = loaded.config, loaded.robot
+    groups = (f"{name} ({robot.group(name).kind})" for name in robot.group_names)
+    lines = [
+        f"robot '{robot.name}' from {config.model}",
+        f"base: {base_text(config)}",
+        f"move groups: {', '.join(groups)}",
+        f"reach: {robot.reach:.3f} m from the base to the TCP",
+    ]
+    ranges = range_lines(robot)
+    return [*lines, "Gripper finger ranges:", *ranges] if ranges else lines
+
+
+def base_text(config: RobotConfig) -> str:
+    """'mocap, on a box of 0.25 x 0.25 x 0.25 m'."""
+    kind = config.base.kind.name.lower()
+    if config.base.size is None:
+        return kind
+    return f"{kind}, on a box of {' x '.join(f'{length:g}' for length in config.base.size)} m"
+
+
+def _table(title: str) -> Table:
+    return Table(title=title, title_justify="left", box=None, pad_edge=False, title_style="bold")
+
+
+def _number(value: float) -> str:
+    """Short; '-' for what is not limited."""
+    return f"{value:.4g}" if math.isfinite(value) else "-"
+
+
+def _numbers(values: np.ndarray, digits: int = 3) -> str:
+    return ", ".join(f"{round(value, digits) + 0.0:.{digits}f}" for value in values)

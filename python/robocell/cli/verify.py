@@ -1,0 +1,34 @@
+"""`robocell verify`: is every byte of a dataset what was written?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import robocell
+from robocell.cli.common import ExitCode, require_folder
+
+
+def verify(
+    dataset: Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of the dataset.")],
+    decode_videos: Annotated[
+        bool, typer.Option("--decode-videos", help="Also decode every frame (slow).")
+    ] = False,
+    repair: Annotated[
+        bool, typer.Option("--repair", help="Move damaged episodes into DATASET/.quarantine.")
+    ] = False,
+) -> None:
+    """Check every file of a dataset and name what is damaged. Exit code 1 when something is."""
+    require_folder(dataset, "dataset")
+    if repair:
+        result = robocell.repair(dataset)
+        print(str(result.found).rstrip())
+        for moved in result.moved:
+            print(f"moved aside: {dataset / moved}")
+        return
+    report = robocell.verify(dataset, decode_videos=decode_videos)
+    print(str(report).rstrip())
+    if not report.ok:
+        raise typer.Exit(ExitCode.INCOMPLETE)

@@ -1,0 +1,31 @@
+"""Can the dataset's disk take another episode?"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+from pathlib import Path
+
+# Less than this is as good as full: an episode with videos is a few megabytes.
+FREE_BYTES_NEEDED = 16 << 20
+PROBE_BYTES = 64 << 10
+
+
+def disk_trouble(folder: Path) -> str | None:
+    """Why nothing can be written into the folder, or None. Tries it with a small file."""
+    probe = folder / f".probe.{os.getpid()}"
+    try:
+        free = shutil.disk_usage(folder).free
+        if free < FREE_BYTES_NEEDED:
+            return f"the disk of '{folder}' is full: {free >> 10} kB are free"
+        with probe.open("wb") as file:
+            file.write(bytes(PROBE_BYTES))
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        return f"cannot write into '{folder}': {error.strerror or error}"
+    finally:
+        with contextlib.suppress(OSError):
+            probe.unlink()
+    return None

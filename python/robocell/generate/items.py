@@ -1,0 +1,96 @@
+"""What travels between supervisor and worker: an item of the plan, and what became of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+STAGES = ("sampling", "acting", "rendering", "writing")
+
+
+@dataclass(frozen=True)
+class Item:
+    """One episode to be made: its id and its index in the whole plan."""
+
+    id: str
+    index: int
+
+    def to_json(self) -> dict[str, Any]:
+        """As a JSON object."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Item:
+        """From a JSON object; KeyError when a key is missing."""
+        return cls(id=str(values["id"]), index=int(values["index"]))
+
+
+@dataclass(frozen=True)
+class Report:
+    """What became of one item.
+
+    Attributes:
+        id: The item's id.
+        success: A successful episode is on the disk.
+        stopped: The item was ended by a stop request; nothing was decided about it.
+        resumed: It was decided before: all its attempts are on the disk.
+        attempts: Starts sampled.
+        accepted: Starts that the sampler accepted, that is rollouts.
+        refusals: Reason -> number of starts refused.
+        failures: Reason -> number of rollouts that failed.
+        rows: Rows of the episode.
+        seconds: Stage (see `STAGES`) -> seconds spent in it.
+    """
+
+    id: str
+    success: bool = False
+    stopped: bool = False
+    resumed: bool = False
+    attempts: int = 0
+    accepted: int = 0
+    refusals: Mapping[str, int] = field(default_factory=dict)
+    failures: Mapping[str, int] = field(default_factory=dict)
+    rows: int = 0
+    seconds: Mapping[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def from_core(cls, report: Any) -> Report:
+        """From an `EpisodeReport` of the runner."""
+        return cls(
+            id=report.item.id,
+            success=report.committed and report.success,
+            stopped=report.stopped,
+            resumed=report.resumed,
+            attempts=report.attempts,
+            accepted=report.accepted,
+            refusals=dict(report.refusals),
+            failures=dict(report.failures),
+            rows=report.rows,
+            seconds={stage: getattr(report, f"seconds_{stage}") for stage in STAGES},
+        )
+
+    def to_json(self) -> dict[str, Any]:
+        """As a JSON object."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Report:
+        """From a JSON object; TypeError for keys that a report does not have."""
+        return cls(**values)
+
+    def why_unmade(self) -> str:
+        """'no success in 5 attempts: dropped 3, too far 2'."""
+        if self.resumed:
+            return "its attempts were used up before; all of them are kept, and none succeeded"
+        reasons = counts_text({**self.refusals, **self.failures}) or "no reason was given"
+        tried = f"{self.attempts} attempt" + ("s" if self.attempts != 1 else "")
+        return f"no success in {tried}: {reasons}"
+
+
+def counts_text(counts: Mapping[str, int], limit: int | None = None) -> str:
+    """'dropped 3, too far 2': the most frequent first; `limit` of them, then 'and 4 more'."""
+    ordered = sorted(counts.items(), key=lambda entry: (-entry[1], entry[0]))
+    shown = [f"{reason} {count}" for reason, count in ordered[:limit]]
+    hidden = sum(count for _, count in ordered[len(shown) :])
+    return ", ".join([*shown, f"and {hidden} more"] if hidden else shown)

@@ -1,0 +1,97 @@
+"""A run file with its plan and its dataset: what there is to do, and doing it."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from robocell import RunConfig, make_plan, parse_shard, prepare_dataset, shard_plan
+from robocell.generate import work
+from robocell.generate.dataset_lock import DatasetLock
+from robocell.generate.disk import disk_trouble
+from robocell.generate.items import Item
+from robocell.generate.leftovers import sweep
+from robocell.generate.observer import Observer
+from robocell.generate.resume import is_made, made_items
+from robocell.generate.signals import stop_on_signals
+from robocell.generate.supervisor import Limits, Outcome, Supervisor
+
+
+@dataclass(frozen=True)
+class Result:
+    """How a job ended; `on_disk` of its items have an episode there."""
+
+    outcome: Outcome
+    on_disk: int
+
+
+class Job:
+    """The items of a run, or of a shard of it.
+
+    Args:
+        run_file: The YAML file.
+        overrides: Replaced fields, as in 'task.lift_height=0.05'.
+        shard: 'i/N': every N-th item, beginning with the i-th. None: all.
+
+    Raises SpecError for what the files say, ArgumentError for the shard.
+    """
+
+    def __init__(self, run_file: Path, overrides: Sequence[str], shard: str | None = None) -> None:
+        self.run_file = run_file
+        self.overrides = tuple(overrides)
+        self.run = RunConfig.load(run_file, list(overrides))
+        self.dataset = Path(self.run.output)
+        plan = make_plan(self.run)
+        self.plan_size = len(plan)
+        self.shard = parse_shard(shard) if shard is not None else (0, 1)
+        chosen = shard_plan(plan, *self.shard) if shard is not None else plan
+        self.items = [Item(item.id, item.index) for item in chosen]
+
+    def made(self) -> set[str]:
+        """The items that are on the disk. DamagedEpisodesError for what is there but unreadable."""
+        if not self.dataset.is_dir():
+            return set()
+        return made_items(self.dataset, {item.id for item in self.items})
+
+    def reproduce(self, item: Item) -> str:
+        """The command that makes one item alone."""
+        sets = [part for override in self.overrides for part in ("--set", override)]
+        shard = ["--shard", f"{item.index}/{self.plan_size}"]
+        return shlex.join(["robocell", "generate", str(self.run_file), *sets, *shard])
+
+    def do(self, observer: Observer, limits: Limits | None = None) -> Result:
+        """Makes what is missing. SpecError when the dataset belongs to another configuration.
+
+        IoError and OSError when it cannot be written, DatasetBusyError when another process is at
+        it. Ctrl-C and SIGTERM stop it; see `Supervisor`.
+        """
+        prepare_dataset(self.run)
+        with DatasetLock(self.dataset, *self.shard):
+            if self.shard[1] == 1:
+                sweep(self.dataset)
+            made = self.made()
+            supervisor = Supervisor(
+                [item for item in self.items if item.id not in made],
+                work.command(str(self.run_file), self.overrides, self.run),
+                workers=self.run.workers,
+                logs=self._logs(),
+                is_made=lambda item_id: is_made(self.dataset, item_id),
+                observer=observer,
+                already=len(made),
+                reproduce=self.reproduce,
+                clean_up=lambda item_id, pid: sweep(self.dataset, item_id, pid),
+                disk_trouble=lambda: disk_trouble(self.dataset),
+                limits=limits,
+            )
+            with stop_on_signals(supervisor.request_stop):
+                outcome = supervisor.run()
+            return Result(outcome, len(self.made()))
+
+    def _logs(self) -> Path:
+        shard, count = self.shard
+        name = ".logs" if count == 1 else f".logs/shard-{shard}-of-{count}"
+        folder = self.dataset / name
+        folder.mkdir(parents=True, exist_ok=True)
+        return folder

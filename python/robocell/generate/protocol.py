@@ -1,0 +1,83 @@
+"""The messages between supervisor and worker: one JSON object per line.
+
+From the supervisor, on the worker's standard input:
+    {"do": {"id": ..., "index": ...}}   make this episode
+    {"stop": true}                      end the present one quickly, then exit
+    (end of file)                       the same: the supervisor has no more work, or is gone
+
+From the worker, on what was its standard output:
+    {"ready": true}                     the run is loaded; hand me an item
+    {"done": {...}}                     a Report; hand me the next
+    {"failed": {...}}                   a Failure: the item in hand raised; the worker exits
+    {"refused": {...}}                  a Failure: the run cannot be loaded; the worker exits
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Literal
+
+FailureKind = Literal["spec", "io", "other"]
+
+
+class ProtocolError(Exception):
+    """The other side sent something that is no message."""
+
+
+@dataclass(frozen=True)
+class Failure:
+    """An exception, told to the other process.
+
+    Attributes:
+        kind: 'spec' when what the user wrote is wrong, 'io' for the disk and child processes.
+        message: What to tell the user.
+    """
+
+    kind: FailureKind
+    message: str
+
+    @classmethod
+    def of(cls, error: BaseException) -> Failure:
+        """Sorts an exception; those outside robocell's hierarchy are told with their class."""
+        from robocell import ArgumentError, Error, NotFoundError, SpecError
+
+        if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
+            return cls("spec", str(error))
+        kind: FailureKind = "io" if isinstance(error, OSError) else "other"
+        known = isinstance(error, Error | OSError)
+        return cls(kind, str(error) if known else f"{type(error).__name__}: {error}")
+
+    def to_json(self) -> dict[str, Any]:
+        """As a JSON object."""
+        return asdict(self)
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Failure:
+        """From a JSON object."""
+        return cls(**values)
+
+
+def encode(message: Mapping[str, Any]) -> bytes:
+    """A message as a line."""
+    return json.dumps(message, separators=(",", ":")).encode() + b"\n"
+
+
+class LineReader:
+    """Puts bytes that arrive in pieces together to messages."""
+
+    def __init__(self) -> None:
+        self._rest = b""
+
+    def feed(self, data: bytes) -> Iterator[dict[str, Any]]:
+        """The messages completed by `data`; ProtocolError for a line that is no JSON object."""
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        for line in lines:
+            try:
+                message = json.loads(line)
+            except ValueError:
+                message = None
+            if not isinstance(message, dict):
+                raise ProtocolError(f"not a message: {line[:200]!r}")
+            yield message

@@ -1,0 +1,79 @@
+"""The table at the end of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.box import SIMPLE
+from rich.table import Table
+from rich.text import Text
+
+from robocell.generate.items import STAGES, counts_text
+from robocell.generate.totals import Totals, counted, duration, percent
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What the table is made from.
+
+    Attributes:
+        run: The run's name.
+        dataset: Folder.
+        on_disk: Episodes of the plan that are on the disk, counted there.
+        totals: What this command did.
+    """
+
+    run: str
+    dataset: Path
+    on_disk: int
+    totals: Totals
+
+    def rows(self) -> dict[str, str]:
+        """Label -> text, in order."""
+        totals = self.totals
+        before = f" ({totals.already} were there before)" if totals.already else ""
+        rows = {
+            "episodes": f"{self.on_disk} of {totals.planned}{before}",
+            **self._tried(),
+            "refusals": counts_text(totals.refusals),
+            "failures": counts_text(totals.failures),
+            "made again": str(totals.retries) if totals.retries else "",
+            "given up": ", ".join(unmade.id for unmade in totals.unmade),
+            "time": stages_text(totals.seconds),
+            "dataset": str(self.dataset),
+        }
+        return {label: text for label, text in rows.items() if text}
+
+    def _tried(self) -> dict[str, str]:
+        """Nothing when all was there before."""
+        totals = self.totals
+        if not totals.attempts:
+            return {}
+        return {
+            "success": f"{percent(totals.success_rate)} of {counted(totals.accepted, 'rollout')}",
+            "starts accepted": f"{percent(totals.acceptance_rate)} of {totals.attempts} sampled",
+            "rate": f"{totals.per_hour:.0f} episodes/h: {totals.made} in "
+            f"{duration(totals.elapsed_s)} on {counted(totals.workers, 'worker')}",
+        }
+
+    def table(self) -> Table:
+        """For a rich console."""
+        table = Table(title=self.run, box=SIMPLE, show_header=False, title_justify="left")
+        table.add_column(style="bold", no_wrap=True)
+        table.add_column(overflow="fold")
+        for label, text in self.rows().items():
+            table.add_row(label, Text(text))
+        return table
+
+
+def stages_text(seconds: Mapping[str, float]) -> str:
+    """'acting 41 s (62 %), rendering 20 s (30 %)', the stages in order; empty without any."""
+    total = sum(seconds.values())
+    if total <= 0:
+        return ""
+    return ", ".join(
+        f"{stage} {seconds.get(stage, 0):.1f} s ({percent(seconds.get(stage, 0) / total)})"
+        for stage in STAGES
+    )

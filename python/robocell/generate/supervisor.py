@@ -1,0 +1,333 @@
+"""Supervisor: keeps worker processes busy with the items of a plan until all are decided.
+
+    supervisor = Supervisor(items, command, workers=4, logs=dataset / ".logs", is_made=on_disk)
+    outcome = supervisor.run()
+
+An item that a worker could not finish, because it died, raised or took too long, is made again by a
+fresh worker, three times at most; then it is listed with the command that tries it alone. What is
+made is decided by the disk (`is_made`), so a worker that dies between commit and report loses
+nothing and doubles nothing.
+
+`request_stop` may be called from any thread or signal handler. Not for: what an item is, and what
+is on the disk; see `robocell.cli.generate`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import selectors
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from robocell.generate.items import Item, Report
+from robocell.generate.observer import Observer
+from robocell.generate.protocol import Failure, FailureKind, ProtocolError
+from robocell.generate.totals import Totals, Unmade
+from robocell.generate.worker_process import WorkerProcess
+
+TICK_S = 0.2
+STARTS_WITHOUT_SUCCESS = 3
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How patient a supervisor is.
+
+    Attributes:
+        tries: Of an item that workers do not finish.
+        item_timeout_s: For one item, and for a worker to become ready.
+        stop_grace_s: For workers to end after a stop request; then they are killed.
+    """
+
+    tries: int = 3
+    item_timeout_s: float = 1800.0
+    stop_grace_s: float = 10.0
+
+
+@dataclass(frozen=True)
+class Fatal:
+    """Why a run could not go on."""
+
+    kind: FailureKind
+    message: str
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended. `interrupted`: by a stop request, with items left."""
+
+    totals: Totals
+    interrupted: bool
+    fatal: Fatal | None
+
+
+class Supervisor:
+    """Makes the items with worker processes. One `run` per object.
+
+    Args:
+        items: What is to be made.
+        command: Starts a worker that speaks `robocell.generate.protocol`.
+        workers: How many at a time.
+        logs: Existing folder for the workers' standard error, a file each.
+        is_made: Whether an item's episode is on the disk.
+        observer: Who is told.
+        already: Items of the plan that were made before, for the totals.
+        reproduce: The command that tries one item alone.
+        clean_up: Called with an item's id and the process that died while making it.
+        disk_trouble: Why nothing can be written, or None; asked after an input/output error.
+        limits: How patient to be.
+    """
+
+    def __init__(
+        self,
+        items: Sequence[Item],
+        command: Sequence[str],
+        *,
+        workers: int,
+        logs: Path,
+        is_made: Callable[[str], bool],
+        observer: Observer | None = None,
+        already: int = 0,
+        reproduce: Callable[[Item], str] = lambda item: "",
+        clean_up: Callable[[str, int], object] = lambda item_id, pid: None,
+        disk_trouble: Callable[[], str | None] = lambda: None,
+        limits: Limits | None = None,
+    ) -> None:
+        self._pending = deque(items)
+        self._command = list(command)
+        self._count = min(workers, len(items))
+        self._logs = logs
+        self._is_made = is_made
+        self._observer = observer or Observer()
+        self._reproduce = reproduce
+        self._clean_up = clean_up
+        self._disk_trouble = disk_trouble
+        self._limits = limits or Limits()
+        self._totals = Totals(planned=len(items) + already, already=already, workers=self._count)
+        self._workers: dict[int, WorkerProcess] = {}
+        self._tries: Counter[str] = Counter()
+        self._bad_starts = 0
+        self._fatal: Fatal | None = None
+        self._stop_reason: str | None = None
+        self._stop_deadline: float | None = None
+        self._selector = selectors.DefaultSelector()
+        self._woken, self._waker = os.pipe()
+        os.set_blocking(self._waker, False)
+
+    def run(self) -> Outcome:
+        """Returns when every item is decided, or after a stop request or a fatal error."""
+        self._observer.started(self._totals)
+        self._selector.register(self._woken, selectors.EVENT_READ)
+        try:
+            self._start_missing()
+            while self._workers:
+                self._listen()
+                self._enforce_limits()
+                self._start_missing()
+                self._observer.tick(self._totals)
+        finally:
+            self._close()
+        self._totals.ended = time.monotonic()
+        self._observer.finished(self._totals)
+        interrupted = self._stop_reason is not None and bool(self._pending)
+        return Outcome(self._totals, interrupted and self._fatal is None, self._fatal)
+
+    def request_stop(self, reason: str = "stop requested") -> None:
+        """Ends the run soon: present items are stopped. The second call kills the workers."""
+        if self._stop_reason is None:
+            self._stop_reason = reason
+        else:
+            self._stop_deadline = 0.0
+        with contextlib.suppress(OSError):  # full, or closed
+            os.write(self._waker, b"!")
+
+    @property
+    def _stopping(self) -> bool:
+        return self._stop_reason is not None
+
+    # Workers come and go.
+
+    def _start_missing(self) -> None:
+        """Starts workers for pending items that no starting worker will take."""
+        free = sum(worker.item is None for worker in self._workers.values())
+        while not self._stopping and free < len(self._pending) and len(self._workers) < self._count:
+            number = next(n for n in range(self._count) if n not in self._workers)
+            worker = WorkerProcess(number, self._command, self._logs / f"worker-{number}.log")
+            self._workers[number] = worker
+            self._selector.register(worker, selectors.EVENT_READ, worker)
+            free += 1
+
+    def _listen(self) -> None:
+        for key, _ in self._selector.select(TICK_S):
+            if key.data is None:
+                os.read(self._woken, 4096)
+                continue
+            self._hear(key.data)
+
+    def _hear(self, worker: WorkerProcess) -> None:
+        try:
+            messages = worker.messages()
+            if messages is None:
+                self._bury(worker)
+                return
+            for message in messages:
+                self._obey(worker, message)
+        except ProtocolError as error:
+            worker.kill(str(error))
+
+    def _bury(self, worker: WorkerProcess) -> None:
+        """A worker has ended; its item is decided or tried again."""
+        self._selector.unregister(worker)
+        del self._workers[worker.number]
+        end = f"worker {worker.number} (pid {worker.pid}) {worker.bury()}"
+        if not worker.ready and not self._stopping:
+            self._count_bad_start(worker, end)
+        if worker.item is not None:
+            self._clean_up(worker.item.id, worker.pid)
+            self._drop_item(worker, end)
+
+    def _count_bad_start(self, worker: WorkerProcess, end: str) -> None:
+        self._bad_starts += 1
+        if self._bad_starts >= STARTS_WITHOUT_SUCCESS:
+            tail = worker.log_tail()
+            said = f" It said:\n{tail}" if tail else ""
+            text = f"{end} before it could take an item, as did {self._bad_starts - 1} before it."
+            self._give_up_run("other", f"{text}{said}\nIts log: {worker.log}")
+
+    def _close(self) -> None:
+        """No worker outlives the run, however it ends."""
+        deadline = time.monotonic() + self._limits.stop_grace_s
+        for worker in self._workers.values():
+            worker.stop()
+        while self._workers:
+            for number, worker in list(self._workers.items()):
+                if time.monotonic() >= deadline:
+                    worker.kill("the run is over")
+                elif worker.messages() is not None:
+                    continue
+                worker.bury()
+                del self._workers[number]
+            time.sleep(0.01)
+        self._selector.close()
+        os.close(self._woken)
+        os.close(self._waker)
+        self._waker = -1  # a late stop request must not write into somebody else's file
+
+    # What workers say.
+
+    def _obey(self, worker: WorkerProcess, message: dict[str, Any]) -> None:
+        match message:
+            case {"ready": True}:
+                worker.ready = True
+                self._bad_starts = 0
+                self._hand_next(worker)
+            case {"done": values}:
+                self._take_report(worker, Report.from_json(values))
+            case {"failed": values}:
+                self._take_failure(worker, Failure.from_json(values))
+            case {"refused": values}:
+                worker.ready = True  # no death to wonder about
+                worker.finish()
+                failure = Failure.from_json(values)
+                self._give_up_run(failure.kind, failure.message)
+            case _:
+                raise ProtocolError(f"unknown message: {message}")
+
+    def _hand_next(self, worker: WorkerProcess) -> None:
+        worker.item = None
+        if self._stopping or not self._pending:
+            worker.finish()
+        else:
+            worker.hand(self._pending.popleft())
+
+    def _take_report(self, worker: WorkerProcess, report: Report) -> None:
+        item = worker.item
+        if item is None or report.id != item.id:
+            raise ProtocolError(f"a report about {report.id}, which it was not asked for")
+        self._totals.add(report)
+        if report.stopped:
+            self._drop_item(worker, f"worker {worker.number} was told to stop by another process")
+            return
+        if not report.success:
+            self._give_up(item, report.why_unmade())
+        self._observer.episode(report, self._totals)
+        self._hand_next(worker)
+
+    def _take_failure(self, worker: WorkerProcess, failure: Failure) -> None:
+        worker.finish()
+        item = worker.item
+        if failure.kind == "spec" and self._totals.made == 0:
+            # Nothing has worked yet: what the user wrote is to blame, not this item.
+            self._give_up_run("spec", failure.message)
+        elif failure.kind == "io" and (trouble := self._disk_trouble()):
+            self._give_up_run("io", f"{failure.message}\n{trouble}")
+        elif failure.kind == "io" and item and self._tries[item.id] + 1 >= self._limits.tries:
+            self._give_up_run("io", failure.message)
+        self._drop_item(worker, failure.message)
+
+    # Items that a worker did not finish.
+
+    def _drop_item(self, worker: WorkerProcess, reason: str) -> None:
+        """Takes the item from a worker that did not finish it."""
+        item, worker.item = worker.item, None
+        if item is None:
+            return
+        if self._is_made(item.id):  # it died between commit and report
+            report = Report(item.id, success=True)
+            self._totals.add(report)
+            self._observer.episode(report, self._totals)
+        elif self._stopping:
+            self._pending.appendleft(item)
+        else:
+            self._try_again(item, worker, reason)
+
+    def _try_again(self, item: Item, worker: WorkerProcess, reason: str) -> None:
+        self._tries[item.id] += 1
+        if self._tries[item.id] < self._limits.tries:
+            self._totals.retries += 1
+            self._pending.appendleft(item)
+            self._observer.retry(item.id, reason, self._totals)
+            return
+        tail = worker.log_tail()
+        self._give_up(item, reason + (f"\n{tail}" if tail and tail not in reason else ""))
+
+    def _give_up(self, item: Item, reason: str) -> None:
+        unmade = Unmade(item.id, reason, self._reproduce(item))
+        self._totals.unmade.append(unmade)
+        self._observer.unmade(unmade, self._totals)
+
+    def _give_up_run(self, kind: FailureKind, message: str) -> None:
+        if self._fatal is None:
+            self._fatal = Fatal(kind, message)
+            self._stop_reason = self._stop_reason or "it cannot go on"
+
+    # Time.
+
+    def _enforce_limits(self) -> None:
+        now = time.monotonic()
+        if self._stopping:
+            self._enforce_stop(now)
+            return
+        for worker in self._workers.values():
+            waited = now - worker.since
+            if worker.leaving:
+                if waited > self._limits.stop_grace_s:
+                    worker.kill("did not end")
+            elif (worker.item or not worker.ready) and waited > self._limits.item_timeout_s:
+                what = worker.item.id if worker.item else "its start"
+                worker.kill(f"{what} took more than {self._limits.item_timeout_s:g} s")
+
+    def _enforce_stop(self, now: float) -> None:
+        if self._stop_deadline is None:
+            self._stop_deadline = now + self._limits.stop_grace_s
+            self._observer.stopping(self._stop_reason or "", self._totals)
+            for worker in self._workers.values():
+                worker.stop()
+        elif now > self._stop_deadline:
+            for worker in self._workers.values():
+                worker.kill("did not stop")

@@ -1,0 +1,134 @@
+"""The counts of a run while it goes on and when it is over."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from dataclasses import dataclass, field
+from typing import Any
+
+from robocell.generate.items import Report
+
+
+@dataclass(frozen=True)
+class Unmade:
+    """An item that could not be made, why, and the command that tries it alone."""
+
+    id: str
+    reason: str
+    reproduce: str
+
+
+@dataclass
+class Totals:
+    """Counts of one run of the command; episodes of earlier runs are in `already` only.
+
+    Attributes:
+        planned: Items of the plan (of this shard).
+        already: Of these, on the disk before the start.
+        workers: Worker processes.
+        made: Episodes made now.
+        attempts: Starts sampled.
+        accepted: Starts accepted by the sampler, that is rollouts.
+        rows: Rows of the episodes made now.
+        refusals: Reason -> starts refused.
+        failures: Reason -> rollouts failed.
+        seconds: Stage -> seconds, summed over the workers.
+        retries: Items taken up again after a worker died or failed.
+        unmade: Items given up.
+    """
+
+    planned: int
+    already: int = 0
+    workers: int = 1
+    made: int = 0
+    attempts: int = 0
+    accepted: int = 0
+    rows: int = 0
+    refusals: Counter[str] = field(default_factory=Counter)
+    failures: Counter[str] = field(default_factory=Counter)
+    seconds: Counter[str] = field(default_factory=Counter)
+    retries: int = 0
+    unmade: list[Unmade] = field(default_factory=list)
+    started: float = field(default_factory=time.monotonic)
+    ended: float | None = None
+
+    def add(self, report: Report) -> None:
+        """Counts a report; what a stopped item did before the stop counts too."""
+        self.made += report.success
+        self.attempts += report.attempts
+        self.accepted += report.accepted
+        self.rows += report.rows
+        self.refusals.update(report.refusals)
+        self.failures.update(report.failures)
+        for stage, seconds in report.seconds.items():
+            self.seconds[stage] += seconds  # type: ignore[assignment]
+
+    @property
+    def done(self) -> int:
+        """Episodes on the disk."""
+        return self.already + self.made
+
+    @property
+    def elapsed_s(self) -> float:
+        """Since the start, until the end if it is over."""
+        return (self.ended or time.monotonic()) - self.started
+
+    @property
+    def success_rate(self) -> float | None:
+        """Successes per accepted rollout, 0 to 1; None before the first."""
+        return self.made / self.accepted if self.accepted else None
+
+    @property
+    def acceptance_rate(self) -> float | None:
+        """Starts accepted per start sampled, 0 to 1; None before the first."""
+        return self.accepted / self.attempts if self.attempts else None
+
+    @property
+    def per_hour(self) -> float:
+        """Episodes made per hour."""
+        return 3600 * self.made / self.elapsed_s if self.elapsed_s > 0 else 0.0
+
+    @property
+    def eta_s(self) -> float | None:
+        """Seconds to go at the rate so far; None before the first episode."""
+        left = self.planned - self.done - len(self.unmade)
+        return left * self.elapsed_s / self.made if self.made else None
+
+    def to_json(self) -> dict[str, Any]:
+        """What machines are told."""
+        return {
+            "planned": self.planned,
+            "already": self.already,
+            "made": self.made,
+            "unmade": len(self.unmade),
+            "attempts": self.attempts,
+            "accepted": self.accepted,
+            "success_rate": self.success_rate,
+            "acceptance_rate": self.acceptance_rate,
+            "refusals": dict(self.refusals),
+            "failures": dict(self.failures),
+            "retries": self.retries,
+            "elapsed_s": round(self.elapsed_s, 3),
+            "per_hour": round(self.per_hour, 1),
+        }
+
+
+def counted(number: int, noun: str) -> str:
+    """'1 worker', '2 workers'."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def percent(share: float | None) -> str:
+    """'95 %', or '-' when there is nothing to divide by."""
+    return "-" if share is None else f"{100 * share:.0f} %"
+
+
+def duration(seconds: float | None) -> str:
+    """'1 h 05 min', '3 min 20 s', '12 s'; '-' for None."""
+    if seconds is None:
+        return "-"
+    whole = round(seconds)
+    if whole >= 3600:
+        return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
+    return f"{whole // 60} min {whole % 60:02d} s" if whole >= 60 else f"{whole} s"

@@ -1,0 +1,44 @@
+"""Robots of the MuJoCo Menagerie: where their model files are.
+
+Looked for below the folder named by ``MENAGERIE_ROOT``, then in the cache of the package
+``mujoco-menagerie``, which is asked to download what is missing.
+"""
+
+from __future__ import annotations
+
+from robocell._core import NotFoundError, menagerie_model_path
+
+__all__ = ["model_path"]
+
+
+def model_path(name: str) -> str:
+    """Path of a robot's main model file.
+
+    Args:
+        name: The robot, such as ``"kinova_gen3"``, or one of its files, such as
+            ``"ufactory_xarm7/xarm7.xml"``.
+
+    Returns:
+        An absolute path. Downloads the robot when it is nowhere on this machine.
+
+    Raises:
+        NotFoundError: It is nowhere, and could not be downloaded.
+        ArgumentError: The robot has several models and none is named.
+    """
+    try:
+        return menagerie_model_path(name)
+    except NotFoundError as missing:
+        _download(name.partition("/")[0], missing)
+    return menagerie_model_path(name)
+
+
+def _download(robot: str, missing: NotFoundError) -> None:
+    """Let the package fetch a robot; raise `missing` when there is none to fetch it."""
+    try:
+        import mujoco_menagerie
+    except ImportError:
+        raise missing from None
+    try:
+        mujoco_menagerie.get(robot).path()
+    except (mujoco_menagerie.MenagerieError, OSError) as error:
+        raise NotFoundError(f"{missing}\nDownloading it failed: {error}") from error

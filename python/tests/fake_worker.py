@@ -1,0 +1,108 @@
+"""A worker without simulation, for tests of the supervisor.
+
+    python fake_worker.py FOLDER '{"e1": ["kill", "make"], "e2": ["hang"]}'
+
+An item does what its list says, one entry per try, the last one again and again; `make` when it is
+not listed. An episode is a folder of its id. FOLDER/tries holds a line per try: `<id> <pid>`.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+
+from robocell import IoError, SpecError
+from robocell.generate.items import Item, Report
+from robocell.generate.worker import serve
+
+
+class Stop:
+    """Stands in for robocell.StopFlag."""
+
+    def __init__(self) -> None:
+        self.event = threading.Event()
+
+    def set(self) -> None:
+        """Asks the present episode to end."""
+        self.event.set()
+
+
+def tries_of(folder: Path) -> list[str]:
+    """The ids tried, in order."""
+    path = folder / "tries"
+    return [line.split()[0] for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def made(folder: Path, item: Item, **values: object) -> Report:
+    """Commits the episode; FileExistsError when there is one."""
+    (folder / item.id).mkdir()
+    return Report(item.id, success=True, attempts=2, accepted=1, refusals={"too far": 1}, rows=9)
+
+
+class Maker:
+    """Makes the episodes of a folder as the script says."""
+
+    def __init__(self, folder: Path, script: dict[str, list[str]], stop: Stop) -> None:
+        self.folder, self.script, self.stop = folder, script, stop
+
+    def __call__(self, item: Item) -> Report:
+        """One item."""
+        before = tries_of(self.folder).count(item.id)
+        with (self.folder / "tries").open("a") as file:
+            file.write(f"{item.id} {os.getpid()}\n")
+        acts = self.script.get(item.id, self.script.get("*", ["make"]))
+        return self.act(acts[min(before, len(acts) - 1)], item)
+
+    def act(self, what: str, item: Item) -> Report:
+        """One behaviour."""
+        match what:
+            case "kill":
+                print("about to die", flush=True)
+                os.kill(os.getpid(), signal.SIGKILL)
+            case "commit, kill":
+                made(self.folder, item)
+                os.kill(os.getpid(), signal.SIGKILL)
+            case "hang":
+                time.sleep(1000)
+            case "patient":  # works until it is told to stop
+                self.stop.event.wait(1000)
+                return Report(item.id, stopped=True, attempts=1)
+            case "slow":
+                time.sleep(0.3)
+            case "fail":
+                failures = {"dropped": 3, "not lifted": 2}
+                return Report(item.id, attempts=6, accepted=5, failures=failures)
+            case "raise":
+                raise ValueError("a bug")
+            case "spec":
+                raise SpecError("camera 'wirst': no such camera. Did you mean 'wrist'?")
+            case "io":
+                raise IoError("cannot write 'steps.h5': No space left on device")
+            case "print":
+                print("chatter of a library", flush=True)
+                os.system("echo chatter of a child")
+        return made(self.folder, item)
+
+
+def main() -> int:
+    """As a worker process."""
+    folder, script, stop = Path(sys.argv[1]), json.loads(sys.argv[2]), Stop()
+
+    def open_maker() -> Maker:
+        if "refuse" in script:
+            raise SpecError("run.yaml:3:1: no field 'tsak'. Did you mean 'task'?")
+        if "crash" in script:
+            print("libGL is missing", file=sys.stderr)
+            os._exit(7)
+        return Maker(folder, script, stop)
+
+    return serve(open_maker, stop)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,98 @@
+"""Where tests find the MuJoCo Menagerie's robots: the rule of src/robocell/testing/menagerie.h.
+
+Looked at in this order: the environment variable MENAGERIE_ROOT, ``../shared/menagerie`` beside the
+repository, the cache of the package mujoco-menagerie. Nothing is downloaded here.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+SHARED_ROOT = REPOSITORY.parent / "shared" / "menagerie"
+TEST_MODELS = (
+    "ufactory_xarm7",
+    "kinova_gen3",
+    "robotiq_2f85",
+    "franka_fr3",
+    "franka_emika_panda",
+)
+
+
+class MissingModelError(LookupError):
+    """A Menagerie model is on none of the places looked at."""
+
+
+def adopt_shared_root() -> None:
+    """Set MENAGERIE_ROOT to ``../shared/menagerie`` when it is unset and that folder exists.
+
+    ``menagerie:`` names in specs and robot files then resolve to the same files in this process and
+    in those it starts.
+    """
+    if not os.environ.get("MENAGERIE_ROOT") and SHARED_ROOT.is_dir():
+        os.environ["MENAGERIE_ROOT"] = str(SHARED_ROOT)
+
+
+def cache_models() -> Path:
+    """The folder in which the package mujoco-menagerie keeps what it has fetched."""
+    cache = os.environ.get("MENAGERIE_CACHE_DIR")
+    if cache:
+        return Path(cache) / "models"
+    user = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(user) / "mujoco_menagerie" / "models"
+
+
+def find_model(name: str) -> Path | None:
+    """The folder of a model, or None."""
+    root = os.environ.get("MENAGERIE_ROOT")
+    if root:
+        folder = Path(root) / name
+        return folder if folder.is_dir() else None
+    done = cache_models().glob(f"{name}-*/.complete")
+    found = sorted(p.parent for p in done if p.parent.name.rpartition("-")[0] == name)
+    return found[-1] if found else None
+
+
+def missing_text(names: tuple[str, ...]) -> str:
+    """Empty when every model is there; else what is missing, where it was looked for, a remedy."""
+    missing = [name for name in names if find_model(name) is None]
+    if not missing:
+        return ""
+    root = os.environ.get("MENAGERIE_ROOT")
+    looked = (
+        f"MENAGERIE_ROOT={root} lacks them"
+        if root
+        else f"MENAGERIE_ROOT is not set, {SHARED_ROOT} is not there, "
+        f"and {cache_models()} lacks them"
+    )
+    return (
+        f"Menagerie models missing: {', '.join(missing)}. Looked: {looked}. "
+        f"Fetch them: mujoco-menagerie prefetch {' '.join(missing)}"
+    )
+
+
+class Menagerie:
+    """What the fixture ``menagerie`` gives a test."""
+
+    def path(self, model: str, file: str = "") -> Path:
+        """Full path of a model's folder or of one file in it; MissingModelError when absent."""
+        folder = find_model(model)
+        if folder is None:
+            raise MissingModelError(missing_text((model,)))
+        return folder / file if file else folder
+
+
+def skips_are_failures() -> bool:
+    """Whether a skipped test counts as a failure (CI=true)."""
+    return os.environ.get("CI") in ("true", "1")
+
+
+def require_menagerie(*models: str) -> Menagerie:
+    """The Menagerie when the models (none given: TEST_MODELS) are there; else skip the test."""
+    text = missing_text(models or TEST_MODELS)
+    if text:
+        pytest.skip(text)
+    return Menagerie()

@@ -1,0 +1,277 @@
+"""The command line as a person meets it: exit codes and the text of messages."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+import robocell
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+RC7 = Path(robocell.models.robot_file("rc7"))
+
+RUN = {
+    "run": "tiny",
+    "robot": str(RC7),
+    "task": {
+        "kind": "pick",
+        "base_distance": [0.3, 0.55],
+        "base_height_offset": -0.25,
+        "base_height_noise": [-0.15, 0.1],
+    },
+    "scenes": {"source": "tabletop"},
+    "episodes_per_scene": 2,
+    "cameras": {"resolution": [64, 48], "streams": [{"name": "wrist", "camera": "wrist_camera"}]},
+    "rates": {"policy_ms": 66, "control_ms": 2, "sim_ms": 2, "max_steps": 500},
+}
+
+
+def write_run(folder: Path, **changes: object) -> Path:
+    """A run file; `changes` replace top-level fields."""
+    path = folder / "run.yaml"
+    path.write_text(yaml.safe_dump({**RUN, "output": str(folder / "out"), **changes}))
+    return path
+
+
+def robocell_command(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
+    """Runs the command line in a process of its own."""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "COLUMNS": "200"}
+    return subprocess.run(
+        [sys.executable, "-m", "robocell", *map(str, arguments)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+        **options,  # type: ignore[call-overload]
+    )
+
+
+def refused(*arguments: object, code: int = 2) -> str:
+    """Standard error of a command that must end with `code` and without a traceback."""
+    result = robocell_command(*arguments)
+    assert result.returncode == code, result.stdout + result.stderr
+    assert "Traceback" not in result.stderr
+    return result.stderr
+
+
+def test_every_command_is_listed_with_what_it_does():
+    text = robocell_command("--help").stdout
+    for command in ("generate", "verify", "check", "gripper-range", "ik-test", "doctor"):
+        assert command in text
+    assert "Set them" not in text
+    assert robocell_command("generate", "--help").returncode == 0
+
+
+def test_an_unknown_file_is_told_with_what_is_there(tmp_path: Path):
+    write_run(tmp_path)
+    text = refused("generate", tmp_path / "runn.yaml")
+    assert f"no run file '{tmp_path}/runn.yaml'. In {tmp_path}/: run.yaml." in text
+    assert f"Did you mean '{tmp_path}/run.yaml'?" in text
+    assert f"there is no folder '{tmp_path}/none'" in refused(
+        "generate", tmp_path / "none" / "a.yaml"
+    )
+    assert "is a folder; give a run file" in refused("generate", tmp_path)
+    assert "no dataset" in refused("verify", tmp_path / "none")
+    assert "is a file; give the folder" in refused("verify", tmp_path / "run.yaml")
+
+
+def test_the_wrong_kind_of_file_is_told_by_its_kind(tmp_path: Path):
+    assert f"'{RC7}' is a robot file; give a run file" in refused("generate", RC7)
+    run = write_run(tmp_path)
+    assert f"'{run}' is a run file; give the robot file" in refused("check", run)
+    (tmp_path / "image.yaml").write_bytes(bytes(range(256)))
+    text = refused("check", tmp_path / "image.yaml")
+    assert "image.yaml" in text, "also when the message quotes bytes that are no text"
+
+
+def test_an_unknown_key_is_told_with_its_line_and_the_nearest_key(tmp_path: Path):
+    path = write_run(tmp_path)
+    lines = path.read_text().splitlines()
+    number = 1 + next(i for i, line in enumerate(lines) if line.startswith("task:"))
+    path.write_text(path.read_text().replace("task:", "tsak:"))
+    text = refused("generate", path)
+    assert f"run.yaml:{number}:1" in text
+    assert "tsak" in text
+    assert "Did you mean 'task'?" in text
+
+
+def test_an_override_goes_through_the_same_checks(tmp_path: Path):
+    path = write_run(tmp_path)
+    text = refused("generate", path, "--set", "task.lift_hight=0.05")
+    assert "--set task.lift_hight" in text
+    assert "Did you mean 'lift_height'?" in text
+    text = refused("generate", path, "--set", "rates.sim_ms=-1")
+    assert "--set rates.sim_ms" in text
+    assert "nonsense" in refused("generate", path, "--set", "nonsense")
+    assert "--workers" in refused("generate", path, "--workers", "0")
+
+
+def test_an_odd_video_size_is_refused_before_anything_is_made(tmp_path: Path):
+    cameras = {**RUN["cameras"], "resolution": [65, 48]}  # type: ignore[dict-item]
+    text = refused("generate", write_run(tmp_path, cameras=cameras))
+    assert "65" in text
+    assert "even" in text
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_camera_that_does_not_exist_is_told_with_the_robots_cameras(tmp_path: Path):
+    cameras = {"resolution": [64, 48], "streams": [{"name": "wrist", "camera": "wirst_camera"}]}
+    text = refused("generate", write_run(tmp_path, cameras=cameras))
+    assert "wirst_camera" in text
+    assert "wrist_camera" in text
+
+
+def test_an_unwritable_output_is_refused_with_its_path(tmp_path: Path):
+    (tmp_path / "file").write_text("")
+    (tmp_path / "locked").mkdir(mode=0o500)
+    folders = ["file"] if os.geteuid() == 0 else ["file", "locked"]  # root writes everywhere
+    for folder in folders:
+        output = tmp_path / folder / "out"
+        text = refused("generate", write_run(tmp_path), "--output", output, code=3)
+        assert f"'{output}'" in text
+
+
+def test_a_shard_that_does_not_exist_is_refused(tmp_path: Path):
+    path = write_run(tmp_path)
+    assert "shard" in refused("generate", path, "--shard", "2/2")
+    assert "write i/N" in refused("generate", path, "--shard", "half")
+
+
+def test_a_changed_configuration_is_refused_with_the_lines_that_differ(tmp_path: Path):
+    path = write_run(tmp_path)
+    robocell.prepare_dataset(robocell.RunConfig.load(path))
+    text = refused("generate", path, "--seed", 7)
+    assert "+ seed: 7" in text
+    assert "give another `output`" in text
+
+
+def test_a_dry_run_tells_what_there_is_to_do_and_does_nothing(tmp_path: Path):
+    result = robocell_command("generate", write_run(tmp_path), "--dry-run", "--shard", "0/2")
+    assert result.returncode == 0
+    assert "episodes: 1, 0 of them made, 1 to do" in result.stdout
+    assert not (tmp_path / "out").exists()
+
+
+def test_damaged_episodes_are_told_with_the_command_that_sets_them_aside(tmp_path: Path):
+    path = write_run(tmp_path)
+    robocell.prepare_dataset(robocell.RunConfig.load(path))
+    damaged = tmp_path / "out" / "s0000_e0000"
+    damaged.mkdir()
+    (damaged / "episode.json").write_text("{")
+    text = refused("generate", path, code=3)
+    assert "s0000_e0000" in text
+    command = f"robocell verify --repair {tmp_path / 'out'}"
+    assert command in text
+    assert robocell_command("verify", tmp_path / "out").returncode == 1
+    assert robocell_command(*command.split()[1:]).returncode == 0
+    assert not damaged.exists()
+    assert robocell_command("verify", tmp_path / "out").returncode == 0
+
+
+def write_robot(folder: Path, change: Callable[[dict[str, Any]], object]) -> Path:
+    """The built-in robot's file with a change."""
+    config = yaml.safe_load(RC7.read_text())
+    config["model"] = str(RC7.parent / config["model"])
+    change(config)
+    path = folder / "robot.yaml"
+    path.write_text(yaml.safe_dump(config))
+    return path
+
+
+def set_in(*keys: str | int, value: object) -> Callable[[dict[str, Any]], object]:
+    """A change: config[key][key]... = value."""
+
+    def change(config: Any) -> None:
+        for key in keys[:-1]:
+            config = config[key]
+        config[keys[-1]] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (set_in("move_groups", "arm", "joints", value="joint2..joint8"), "no joint 'joint8'"),
+        (set_in("move_groups", "arm", "leaf", value={"body": "base_link"}), "nothing moves"),
+        (set_in("model", value="menagerie:no_robot/no.xml"), "mujoco-menagerie prefetch no_robot"),
+        (set_in("base", "size", value=[0.2, 0.2]), "base.size: expected a list of 3 numbers"),
+        (set_in("home", "arm", 0, value=float("nan")), "home.arm[0]: nan is not a finite number"),
+    ],
+)
+def test_a_wrong_robot_file_is_told_with_the_place(
+    tmp_path: Path, change: Callable[[dict[str, Any]], object], told: str
+):
+    assert told in refused("check", write_robot(tmp_path, change))
+
+
+def test_a_robot_without_gripper_is_told_with_its_groups(tmp_path: Path):
+    def remove_gripper(config: dict[str, Any]) -> None:
+        for field in ("move_groups", "home", "control", "home_noise"):
+            config[field].pop("gripper")
+
+    path = write_robot(tmp_path, remove_gripper)
+    assert "robot 'rc7' has no gripper. Its move groups: arm (arm)" in refused(
+        "gripper-range", path
+    )
+    warnings = robocell_command("check", path).stderr
+    assert "no move group has the actuators gripper: nothing will command them" in warnings
+
+
+def test_check_warns_of_what_is_valid_but_looks_wrong(tmp_path: Path):
+    def spoil(config: dict[str, Any]) -> None:
+        config.update(gravcomp=False, stiffness=20.0)
+        config["move_groups"]["gripper"]["distance"] = {"closed": 0.0, "open": 0.2}
+
+    result = robocell_command("check", write_robot(tmp_path, spoil))
+    assert result.returncode == 0, result.stderr
+    assert "drifts by" in result.stderr
+    assert "gravcomp: true" in result.stderr
+    assert "but `distance` says 0.200" in result.stderr
+    assert "nothing found wrong" not in result.stdout
+
+
+def test_the_range_of_grippers_is_printed_in_this_form():
+    result = robocell_command("gripper-range", RC7)
+    assert result.returncode == 0, result.stderr
+    first, second = result.stdout.splitlines()
+    assert first == "Gripper finger ranges:"
+    config = robocell.RobotConfig.load(RC7)
+    assert second.startswith("    Gripper 'gripper': ")
+    closed, opened = map(float, second.rpartition(": ")[2].split(" - "))
+    if config.move_groups["gripper"].distance:
+        distance = config.move_groups["gripper"].distance
+        assert (closed, opened) == (distance.closed, distance.open)
+    assert 0 <= closed < opened < 0.2
+
+
+def test_check_shows_the_robot_and_finds_nothing_wrong_with_the_builtin_one(tmp_path: Path):
+    picture = tmp_path / "rc7.png"
+    result = robocell_command("check", RC7, "--picture", picture)
+    assert result.returncode == 0, result.stderr
+    for text in ("move groups: arm (arm), gripper (gripper)", "reach: ", "tcp", "wrist_camera"):
+        assert text in result.stdout
+    assert "nothing found wrong" in result.stdout, result.stderr
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_ik_test_solves_what_the_robot_can_reach():
+    for parallel in ((), ("--parallel",)):
+        result = robocell_command("ik-test", RC7, "--samples", 200, *parallel)
+        assert result.returncode == 0, result.stdout + result.stderr
+        assert "of 200 at 1e-05 m, rad" in result.stdout
+
+
+def test_the_doctor_names_versions_graphics_and_encoder():
+    result = robocell_command("doctor")
+    assert result.returncode == 0, result.stdout
+    for text in ("mujoco", "graphics: egl", "video", "libx264", "disk"):
+        assert text in result.stdout

@@ -1,0 +1,82 @@
+"""What generation asks of a dataset's folder: is it free, is there room, what is made already."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from robocell.generate.dataset_lock import DatasetBusyError, DatasetLock
+from robocell.generate.disk import disk_trouble
+from robocell.generate.leftovers import sweep
+from robocell.generate.resume import DamagedEpisodesError, is_made, made_items
+
+
+def test_a_folder_is_generated_by_one_run_at_a_time(tmp_path: Path):
+    with DatasetLock(tmp_path):
+        with pytest.raises(DatasetBusyError) as error, DatasetLock(tmp_path):
+            pass
+        assert f"process {os.getpid()} on" in str(error.value)
+        assert "give another --output" in str(error.value)
+    with DatasetLock(tmp_path):
+        pass
+
+
+def test_shards_share_a_folder_but_not_a_shard(tmp_path: Path):
+    with DatasetLock(tmp_path, 0, 2), DatasetLock(tmp_path, 1, 2):
+        with pytest.raises(DatasetBusyError), DatasetLock(tmp_path, 1, 2):
+            pass
+        with pytest.raises(DatasetBusyError), DatasetLock(tmp_path):
+            pass
+
+
+def test_the_lock_of_a_killed_process_is_free(tmp_path: Path):
+    code = (
+        "import sys, time; from pathlib import Path\n"
+        "from robocell.generate.dataset_lock import DatasetLock\n"
+        f"with DatasetLock(Path({str(tmp_path)!r})): print('held', flush=True); time.sleep(100)"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    owner = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, env=environment)
+    assert owner.stdout is not None
+    with owner.stdout:
+        assert owner.stdout.readline() == b"held\n"
+        with pytest.raises(DatasetBusyError), DatasetLock(tmp_path):
+            pass
+        owner.kill()
+        owner.wait()
+    with DatasetLock(tmp_path):
+        pass
+
+
+def test_a_folder_that_cannot_be_written_is_trouble_with_a_reason(tmp_path: Path):
+    assert disk_trouble(tmp_path) is None
+    assert list(tmp_path.iterdir()) == []
+    assert disk_trouble(tmp_path / "none") == (
+        f"cannot write into '{tmp_path}/none': No such file or directory"
+    )
+
+
+def test_damaged_episodes_are_named_and_never_taken_for_made_ones(tmp_path: Path):
+    (tmp_path / "e1").mkdir()
+    (tmp_path / "e1" / "episode.json").write_text("{")
+    (tmp_path / ".e2.7.1.partial").mkdir()
+    assert not is_made(tmp_path, "e1")
+    with pytest.raises(DamagedEpisodesError, match="e1"):
+        made_items(tmp_path, {"e1", "e2"})
+    assert made_items(tmp_path, {"e2"}) == set()
+
+
+def test_only_what_a_dead_process_was_writing_is_swept(tmp_path: Path):
+    for name in (".e1.7.1.partial", ".e1_a03.7.2.partial", ".e2.7.1.partial", ".e1.8.1.partial"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "steps.h5").write_bytes(b"half")
+    (tmp_path / "e1").mkdir()
+    assert sweep(tmp_path, "e1", 7) == [".e1.7.1.partial", ".e1_a03.7.2.partial"]
+    left = sorted(path.name for path in tmp_path.iterdir())
+    assert left == [".e1.8.1.partial", ".e2.7.1.partial", "e1"]
+    sweep(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["e1"]

@@ -1,0 +1,187 @@
+"""Generating for real: two tiny episodes, made in every way there is, have the same bytes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import robocell
+from test_cli import robocell_command, write_run
+
+IDS = ["s0000_e0000", "s0000_e0001"]
+
+
+def fingerprint(dataset: Path) -> dict[str, str]:
+    """Hashes of time series and videos; episode.json has a block of its own for the run."""
+    files = [*dataset.glob("s*/steps.h5"), *dataset.glob("s*/*.mp4")]
+    return {
+        str(file.relative_to(dataset)): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted(files)
+    }
+
+
+def generate(run: Path, output: Path, *options: object) -> list[dict[str, Any]]:
+    """The events of a run that must succeed."""
+    arguments = ("generate", run, "--output", output, "--progress", "jsonl", *options)
+    result = robocell_command(*arguments)
+    assert result.returncode == 0, result.stderr
+    return [json.loads(line) for line in result.stdout.splitlines()]
+
+
+@pytest.fixture(scope="module")
+def reference(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Made by one worker."""
+    folder = tmp_path_factory.mktemp("reference")
+    events = generate(write_run(folder), folder / "out", "--workers", 1)
+    assert [event["event"] for event in events] == ["started", "episode", "episode", "finished"]
+    totals = events[-1]["totals"]
+    assert (totals["planned"], totals["made"], totals["unmade"]) == (2, 2, 0)
+    return folder / "out"
+
+
+def test_the_dataset_is_complete_and_intact(reference: Path):
+    dataset = robocell.Dataset(reference)
+    assert dataset.ids == IDS
+    assert robocell.verify(reference, decode_videos=True).ok
+    for episode in (dataset[name] for name in IDS):
+        assert episode.success
+        assert episode.frames("wrist").shape == (len(episode), 48, 64, 3)
+    assert len(fingerprint(reference)) == 4
+
+
+def test_three_workers_make_the_same_bytes(reference: Path, tmp_path: Path):
+    generate(write_run(tmp_path), tmp_path / "out", "--workers", 3)
+    assert fingerprint(tmp_path / "out") == fingerprint(reference)
+
+
+def test_two_shards_make_the_same_bytes_into_one_folder(reference: Path, tmp_path: Path):
+    run = write_run(tmp_path)
+    for shard in ("0/2", "1/2"):
+        events = generate(run, tmp_path / "out", "--shard", shard)
+        assert events[-1]["totals"]["planned"] == 1
+    assert fingerprint(tmp_path / "out") == fingerprint(reference)
+
+
+def test_another_seed_makes_other_bytes(reference: Path, tmp_path: Path):
+    generate(write_run(tmp_path), tmp_path / "out", "--seed", 1)
+    other, first = fingerprint(tmp_path / "out"), fingerprint(reference)
+    assert other.keys() == first.keys()
+    assert not set(other.values()) & set(first.values())
+
+
+def test_the_same_command_again_makes_what_is_missing_only(reference: Path, tmp_path: Path):
+    run = write_run(tmp_path)
+    generate(run, tmp_path / "out", "--episodes", 1)
+    before = (tmp_path / "out" / IDS[0] / "episode.json").stat()
+    events = generate(run, tmp_path / "out")
+    assert events[0]["totals"]["already"] == 1
+    assert events[-1]["totals"]["made"] == 1
+    assert (tmp_path / "out" / IDS[0] / "episode.json").stat() == before
+    assert fingerprint(tmp_path / "out") == fingerprint(reference)
+    again = robocell_command("generate", run)
+    assert again.returncode == 0
+    assert "2 of 2 (2 were there before)" in again.stdout
+
+
+def test_the_summary_names_results_and_the_dataset(tmp_path: Path):
+    run = write_run(tmp_path, episodes_per_scene=1)
+    result = robocell_command("generate", run)
+    assert result.returncode == 0, result.stderr
+    for text in ("1 of 1", "rollout", "sampled", "episodes/h", "acting", str(tmp_path / "out")):
+        assert text in result.stdout
+    assert "1/1 episodes" in result.stderr, "plain lines without a terminal"
+    assert "\x1b" not in result.stdout + result.stderr
+
+
+def test_what_cannot_be_made_is_listed_and_told_by_the_exit_code(tmp_path: Path):
+    run = write_run(tmp_path, episodes_per_scene=1, max_attempts=1)
+    limits = ["--set", "rates.max_steps=3"]  # three actions lift nothing
+    result = robocell_command("generate", run, *limits)
+    assert result.returncode == 1
+    assert "s0000_e0000 could not be made: no success in 1 attempt: " in result.stderr
+    assert "try it alone: robocell generate" in result.stderr
+    assert "--shard 0/1" in result.stderr
+    assert "0 of 1" in result.stdout
+
+
+def test_with_keep_all_failures_stay_and_are_not_made_again(tmp_path: Path):
+    run = write_run(tmp_path, episodes_per_scene=1, max_attempts=2, keep="all")
+    limits = ["--set", "rates.max_steps=3"]  # three actions lift nothing
+    assert robocell_command("generate", run, *limits).returncode == 1
+    dataset = robocell.Dataset(tmp_path / "out")
+    assert dataset.ids == ["s0000_e0000_a00", "s0000_e0000_a01"]
+    assert [dataset[name].success for name in dataset.ids] == [False, False]
+    before = fingerprint(tmp_path / "out")
+    again = robocell_command("generate", run, *limits)
+    assert again.returncode == 1
+    assert "its attempts were used up before" in again.stderr
+    assert fingerprint(tmp_path / "out") == before
+
+
+def interrupt(run: Path, number: signal.Signals) -> subprocess.CompletedProcess[str]:
+    """Signals a long run after its first episode."""
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    # A test run in the background may have SIGINT ignored, which children inherit.
+    code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    code += "; from robocell.cli import main; main()"
+    command = [sys.executable, "-c", code, "generate", str(run), "--workers", "1"]
+    child = subprocess.Popen(
+        [*command, "--episodes", "50", "--set", "episodes_per_scene=50"],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    first = run.parent / "out" / IDS[0]
+    end = time.monotonic() + 60
+    while not first.is_dir():
+        assert time.monotonic() < end
+        assert child.poll() is None, child.communicate()
+        time.sleep(0.02)
+    if number is signal.SIGKILL:
+        child.kill()
+    else:
+        os.killpg(child.pid, number)
+    begin = time.monotonic()
+    out, err = child.communicate(timeout=30)
+    assert time.monotonic() - begin < 15
+    return subprocess.CompletedProcess(command, child.returncode, out, err)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_run_keeps_what_is_made_and_says_how_to_go_on(
+    reference: Path, tmp_path: Path, number: signal.Signals
+):
+    run = write_run(tmp_path)
+    result = interrupt(run, number)
+    assert result.returncode == 130
+    assert "Traceback" not in result.stderr
+    assert "of 50 episodes are on the disk" in result.stderr
+    assert f"robocell generate {run}" in result.stderr
+    report = robocell.verify(tmp_path / "out")
+    assert report.ok
+    assert report.leftovers == [], "nothing half-made stays"
+    made = fingerprint(tmp_path / "out")
+    steps = f"{IDS[0]}/steps.h5"
+    assert made[steps] == fingerprint(reference)[steps]
+
+
+def test_a_killed_run_can_go_on(reference: Path, tmp_path: Path):
+    run = write_run(tmp_path)
+    assert interrupt(run, signal.SIGKILL).returncode == -signal.SIGKILL
+    generate(run, tmp_path / "out")
+    report = robocell.verify(tmp_path / "out")
+    assert report.ok
+    assert report.leftovers == [], "what the killed workers were writing is gone"
+    made = fingerprint(tmp_path / "out")
+    assert {name: made[name] for name in fingerprint(reference)} == fingerprint(reference)

@@ -1,0 +1,325 @@
+"""Scenes from Python: real mujoco objects that are shared, lifetimes, hooks, threads."""
+
+import gc
+import threading
+import weakref
+
+import mujoco
+import numpy as np
+import pytest
+
+import robocell as rc
+
+
+def small_spec(**fields) -> rc.SceneSpec:
+    spec = rc.SceneSpec(name="small", timestep=0.002, add_floor=True, add_skybox=False, **fields)
+    spec.objects.append(
+        rc.SceneObject(
+            name="cube", shape="box", size=[0.02, 0.02, 0.02], pos=[0, 0, 0.5],
+            rgba=[1, 0, 0, 1], mass=0.1, friction=[1, 0.01, 0.001],
+        )
+    )  # fmt: skip
+    return spec
+
+
+@pytest.fixture
+def scene() -> rc.Scene:
+    return rc.Scene.build(small_spec())
+
+
+class TestSharing:
+    def test_model_and_data_are_the_real_ones_and_always_the_same(self, scene):
+        assert isinstance(scene.model, mujoco.MjModel)
+        assert isinstance(scene.data, mujoco.MjData)
+        assert scene.model is scene.model
+        assert scene.data is scene.data
+        assert scene.data.model is scene.model
+
+    def test_nothing_is_copied(self, scene):
+        scene.data.qpos[2] = 0.7
+        scene.forward()
+        assert scene.body_pose("cube").translation[2] == 0.7
+        scene.step_n(10)
+        assert scene.data.time == scene.time() == pytest.approx(0.02)
+        scene.model.opt.gravity[2] = 0
+        scene.reset()
+        scene.step_n(100)
+        assert scene.body_pose("cube").translation[2] == 0.5
+
+    def test_mujoco_can_step_it(self, scene):
+        other = rc.Scene.build(small_spec())
+        for _ in range(50):
+            mujoco.mj_step(scene.model, scene.data)
+        other.step_n(50)
+        np.testing.assert_array_equal(scene.data.qpos, other.data.qpos)
+
+    def test_data_outlives_its_scene(self):
+        scene = rc.Scene.build(small_spec())
+        scene.step_n(5)
+        data, model = scene.data, scene.model
+        ref = weakref.ref(scene)
+        del scene
+        gc.collect()
+        assert ref() is None
+        assert data.time == pytest.approx(0.01)
+        mujoco.mj_step(model, data)
+        assert data.time == pytest.approx(0.012)
+
+    def test_data_kept_after_close_is_still_alive(self, scene):
+        data = scene.data
+        scene.close()
+        gc.collect()
+        mujoco.mj_step(data.model, data)
+
+    def test_the_scene_outlives_the_objects_taken_from_it(self, scene):
+        address = scene.data._address
+        gc.collect()
+        scene.step()
+        assert scene.data._address == address
+
+    def test_many_scenes_come_and_go(self):
+        for _ in range(30):
+            scene = rc.Scene.build(small_spec())
+            scene.model, scene.data.qpos[0]
+            scene.step()
+
+    def test_scenes_on_one_frozen_model_are_independent(self):
+        compiled = rc.compile_scene(small_spec())
+        compiled.freeze()
+        a, b = rc.Scene.from_compiled(compiled), rc.Scene.from_compiled(compiled)
+        assert a.model is b.model is compiled.model
+        assert a.data is not b.data
+        a.step_n(10)
+        assert b.time() == 0
+        assert a != b
+        del a, compiled
+        gc.collect()
+        b.step()
+
+
+class TestThreads:
+    def test_a_scene_may_die_on_another_thread(self):
+        scenes = [rc.Scene.build(small_spec()) for _ in range(3)]
+        data = scenes[0].data
+        thread = threading.Thread(target=scenes.clear)
+        thread.start()
+        thread.join()
+        gc.collect()
+        assert data.time == 0
+
+    def test_collection_on_a_foreign_thread(self):
+        class Holder:
+            pass
+
+        holder = Holder()
+        holder.scene = rc.Scene.build(small_spec())
+        holder.self = holder
+        ref = weakref.ref(holder)
+        del holder
+        thread = threading.Thread(target=gc.collect)
+        thread.start()
+        thread.join()
+        assert ref() is None
+
+    def test_two_scenes_step_at_the_same_time(self):
+        """Stepping releases the interpreter; each scene has its own thread."""
+        results = {}
+
+        def run(name: str) -> None:
+            scene = rc.Scene.build(small_spec())
+            scene.step_n(500)
+            results[name] = scene.state()
+
+        threads = [threading.Thread(target=run, args=(name,)) for name in "ab"]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        np.testing.assert_array_equal(results["a"], results["b"])
+
+    def test_other_threads_run_while_it_steps(self, scene):
+        ticks = []
+        stop = threading.Event()
+
+        def tick() -> None:
+            while not stop.wait(0.001):
+                ticks.append(1)
+
+        thread = threading.Thread(target=tick)
+        thread.start()
+        scene.step_n(30_000)
+        stop.set()
+        thread.join()
+        assert len(ticks) > 3
+
+
+class TestReset:
+    def test_a_reset_forgets_everything(self, scene):
+        first = scene.state()
+        scene.step_n(100)
+        scene.data.qvel[:] = 5
+        info = scene.reset()
+        np.testing.assert_array_equal(scene.state(), first)
+        assert info.used_keyframe
+        assert not scene.reset(use_keyframe=False).used_keyframe
+
+    def test_hooks_are_called_with_the_scene(self, scene):
+        seen = []
+
+        def lift(reset: rc.ResetContext) -> None:
+            seen.append((reset.options.seed, reset.info.used_keyframe))
+            reset.scene.set_body_pose("cube", [0, 0, 1], [0, 0, 0, 1])
+
+        hook = scene.on_reset(lift)
+        scene.reset(seed=5)
+        assert scene.body_pose("cube").translation.tolist() == [0, 0, 1]
+        scene.remove_reset_hook(hook)
+        scene.reset(rc.ResetOptions(seed=6))
+        assert scene.body_pose("cube").translation.tolist() == [0, 0, 0.5]
+        assert seen == [(5, True)]
+
+    def test_an_error_in_a_hook_comes_out_of_reset(self, scene):
+        def fail(reset: rc.ResetContext) -> None:
+            raise KeyError("mine")
+
+        scene.on_reset(fail)
+        with pytest.raises(KeyError, match="mine"):
+            scene.reset()
+
+    def test_a_context_that_is_kept_is_harmless(self, scene):
+        kept = []
+        scene.on_reset(kept.append)
+        scene.reset(seed=1)
+        assert kept[0].options.seed == 1
+        assert kept[0].scene == scene
+
+    def test_a_hook_that_refers_to_its_scene_is_collected(self):
+        class Cell:
+            def __init__(self) -> None:
+                self.scene = rc.Scene.build(small_spec())
+                self.scene.on_reset(self.prepare)
+
+            def prepare(self, reset: rc.ResetContext) -> None:
+                reset.scene.time()
+
+        cell = Cell()
+        cell.scene.reset()
+        ref = weakref.ref(cell)
+        del cell
+        gc.collect()
+        assert ref() is None
+
+    def test_options_exclude_each_other(self, scene):
+        with pytest.raises(rc.ArgumentError, match="give either options or"):
+            scene.reset(rc.ResetOptions(), seed=1)
+
+
+class TestCalls:
+    def test_divergence_is_a_value(self, scene):
+        scene.data.qvel[0] = np.nan
+        result = scene.step_n(10)
+        assert not result
+        assert result.diverged
+        assert result.steps == 1
+        assert "cube_joint" in result.message
+        scene.reset()
+        assert scene.step()
+
+    def test_unknown_names_suggest_the_nearest(self, scene):
+        with pytest.raises(rc.NotFoundError, match=r"scene 'small'.*no body 'cub'.*mean 'cube'"):
+            scene.body_pose("cub")
+        with pytest.raises(rc.NotFoundError, match="no robot 'left'"):
+            scene.robot("left")
+        assert scene.robots == []
+
+    def test_poses_are_set_by_pose_or_by_numbers(self, scene):
+        scene.set_body_pose("cube", rc.Pose(translation=[1, 2, 3]))
+        assert scene.body_pose("cube").translation.tolist() == [1, 2, 3]
+        with pytest.raises(rc.ArgumentError, match="pos must be 3 numbers, got 2"):
+            scene.set_body_pose("cube", [1, 2])
+        with pytest.raises(rc.Error, match="world"):
+            scene.set_body_pose("world", [1, 2, 3])
+
+    def test_state_goes_back_and_forth(self, scene):
+        scene.step_n(20)
+        state = scene.state()
+        scene.step_n(20)
+        later = scene.state()
+        scene.set_state(state)
+        scene.step_n(20)
+        np.testing.assert_array_equal(scene.state(), later)
+        with pytest.raises(rc.ArgumentError):
+            scene.set_state([1, 2, 3])
+
+    def test_contacts_have_names_and_forces(self, scene):
+        scene.set_body_pose("cube", [0, 0, 0.02])
+        scene.step_n(300)
+        contacts = scene.contacts("cube")
+        assert {c.geom1 for c in contacts} | {c.geom2 for c in contacts} == {"floor", "cube_geom"}
+        weight = sum(abs(c.force[2]) for c in contacts)
+        assert weight == pytest.approx(0.1 * 9.81, rel=0.02)
+
+    def test_wrenches_push(self, scene):
+        scene.set_body_wrench("cube", force=[0, 0, 0.1 * 9.81], torque=[0, 0, 0])
+        scene.step_n(100)
+        assert scene.body_pose("cube").translation[2] == pytest.approx(0.5, abs=1e-6)
+
+    def test_saved_files_are_loaded_by_mujoco(self, scene, tmp_path):
+        scene.save_xml(tmp_path / "scene.xml")
+        scene.save_binary(tmp_path / "scene.mjb")
+        for model in (
+            mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml")),
+            mujoco.MjModel.from_binary_path(str(tmp_path / "scene.mjb")),
+            mujoco.MjModel.from_xml_string(scene.to_xml()),
+        ):
+            assert model.body("cube").mass == pytest.approx(0.1)
+        with pytest.raises(rc.IoError, match="nowhere"):
+            scene.save_binary(tmp_path / "nowhere" / "scene.mjb")
+
+    def test_frames_are_those_of_kdl(self, scene):
+        pytest.importorskip("PyKDL")
+        assert rc.Pose(scene.body_frame("cube")) == scene.body_pose("cube")
+
+    def test_everything_is_refused_after_close(self, scene):
+        with scene:
+            pass
+        assert scene.closed
+        assert repr(scene) == "<Scene 'small', closed>"
+        for call in (
+            scene.step, scene.reset, scene.time, scene.state, scene.contacts,
+            lambda: scene.model, lambda: scene.data, lambda: scene.robot("a"),
+            lambda: scene.on_reset(print), lambda: scene.body_pose("cube"),
+        ):  # fmt: skip
+            with pytest.raises(rc.ClosedError, match="scene 'small' is closed"):
+                call()
+
+    def test_the_spec_is_a_copy(self, scene):
+        scene.spec.objects.clear()
+        assert len(scene.spec.objects) == 1
+
+    def test_editing_the_spec_later_changes_no_scene(self):
+        spec = small_spec()
+        scene = rc.Scene.build(spec)
+        spec.objects.clear()
+        scene.reset()
+        assert "cube" in scene.body_names()
+
+    def test_an_invalid_spec_is_refused_with_everything_wrong(self):
+        spec = small_spec()
+        spec.timestep = None
+        spec.objects[0].mass = -1
+        with pytest.raises(rc.SpecError, match="2 problems"):
+            rc.Scene.build(spec)
+
+    def test_handles_are_equal_and_hash_alike(self, scene):
+        kept = []
+        scene.on_reset(kept.append)
+        scene.reset()
+        assert {scene, kept[0].scene} == {scene}
+        assert scene != rc.Scene.build(small_spec())
+
+
+def test_another_mujoco_is_refused_by_name(monkeypatch):
+    monkeypatch.setattr(mujoco, "mj_versionString", lambda: "3.9.9")
+    with pytest.raises(rc.EngineError, match=r"version 3\.9\.9, robocell was built for 4\.0\.0"):
+        rc.Scene.build(small_spec())

@@ -1,0 +1,383 @@
+"""The supervisor against workers that die, hang, raise and chatter."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import fake_worker
+from robocell.generate.items import Item, Report
+from robocell.generate.observer import Observer
+from robocell.generate.supervisor import Limits, Supervisor
+from robocell.generate.totals import Totals, Unmade
+
+SOON_S = 20.0
+
+
+class Recorder(Observer):
+    """Keeps what happened; can act when something does."""
+
+    def __init__(self) -> None:
+        self.events: list[tuple[str, str]] = []
+        self.on_episode: Callable[[], None] = lambda: None
+        self.on_tick: Callable[[], None] = lambda: None
+
+    def episode(self, report: Report, totals: Totals) -> None:
+        self.events.append(("episode", report.id))
+        self.on_episode()
+
+    def retry(self, item_id: str, reason: str, totals: Totals) -> None:
+        self.events.append(("retry", f"{item_id}: {reason}"))
+
+    def unmade(self, unmade: Unmade, totals: Totals) -> None:
+        self.events.append(("unmade", f"{unmade.id}: {unmade.reason}"))
+
+    def stopping(self, reason: str, totals: Totals) -> None:
+        self.events.append(("stopping", reason))
+
+    def tick(self, totals: Totals) -> None:
+        self.on_tick()
+
+    def of(self, kind: str) -> list[str]:
+        return [text for event, text in self.events if event == kind]
+
+
+@pytest.fixture(autouse=True)
+def _importable_in_children(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
+
+
+def ids(count: int) -> list[str]:
+    return [f"e{i}" for i in range(count)]
+
+
+def supervise(
+    folder: Path,
+    script: dict[str, Any],
+    count: int = 4,
+    workers: int = 2,
+    observer: Observer | None = None,
+    **options: Any,
+) -> Supervisor:
+    command = [sys.executable, fake_worker.__file__, str(folder), json.dumps(script)]
+    items = [Item(name, i) for i, name in enumerate(ids(count)) if not (folder / name).exists()]
+    return Supervisor(
+        items,
+        command,
+        workers=workers,
+        logs=folder,
+        is_made=lambda name: (folder / name).exists(),
+        observer=observer,
+        reproduce=lambda item: f"robocell generate run.yaml --shard {item.index}/{count}",
+        **options,
+    )
+
+
+def episodes(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir() if path.is_dir())
+
+
+def gone(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except FileNotFoundError:
+        return True
+    return state == "Z"
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + SOON_S
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.02)
+
+
+def test_every_item_is_made_once_whatever_the_number_of_workers(tmp_path: Path):
+    for workers in (1, 3):
+        folder = tmp_path / str(workers)
+        folder.mkdir()
+        outcome = supervise(folder, {}, count=7, workers=workers).run()
+        assert episodes(folder) == ids(7)
+        assert sorted(fake_worker.tries_of(folder)) == ids(7)
+        totals = outcome.totals
+        assert (totals.made, totals.attempts, totals.accepted, totals.rows) == (7, 14, 7, 63)
+        assert (totals.success_rate, totals.acceptance_rate) == (1.0, 0.5)
+        assert outcome.totals.refusals == {"too far": 7}
+        assert not outcome.interrupted
+        assert outcome.fatal is None
+
+
+def test_no_more_workers_than_items_and_none_without_items(tmp_path: Path):
+    supervise(tmp_path, {}, count=1, workers=5).run()
+    assert [path.name for path in tmp_path.glob("worker-*.log")] == ["worker-0.log"]
+    assert supervise(tmp_path, {}, count=1, workers=5).run().totals.made == 0
+
+
+def test_a_killed_worker_is_named_with_its_signal_and_its_item_made_again(tmp_path: Path):
+    recorder = Recorder()
+    outcome = supervise(tmp_path, {"e1": ["kill", "make"]}, observer=recorder).run()
+    assert episodes(tmp_path) == ids(4)
+    (retry,) = recorder.of("retry")
+    assert retry.startswith("e1: worker ")
+    assert retry.endswith("was killed by SIGKILL (out of memory?)")
+    assert outcome.totals.retries == 1
+    assert not outcome.totals.unmade
+
+
+def test_an_item_that_always_kills_is_listed_after_three_tries_and_stops_nobody(tmp_path: Path):
+    recorder = Recorder()
+    outcome = supervise(tmp_path, {"e1": ["kill"]}, observer=recorder).run()
+    assert episodes(tmp_path) == ["e0", "e2", "e3"]
+    assert fake_worker.tries_of(tmp_path).count("e1") == 3
+    (unmade,) = outcome.totals.unmade
+    assert unmade.id == "e1"
+    assert "killed by SIGKILL" in unmade.reason
+    assert unmade.reason.endswith("about to die"), "the end of its log is shown"
+    assert unmade.reproduce == "robocell generate run.yaml --shard 1/4"
+    assert not outcome.interrupted
+
+
+def test_a_worker_that_dies_between_commit_and_report_loses_and_doubles_nothing(tmp_path: Path):
+    recorder = Recorder()
+    outcome = supervise(tmp_path, {"e1": ["commit, kill"]}, observer=recorder).run()
+    assert fake_worker.tries_of(tmp_path).count("e1") == 1
+    assert outcome.totals.made == 4
+    assert sorted(recorder.of("episode")) == ids(4)
+    assert recorder.of("retry") == []
+
+
+def test_an_exception_costs_a_try_and_the_worker(tmp_path: Path):
+    recorder = Recorder()
+    supervise(tmp_path, {"e0": ["raise", "make"]}, workers=1, observer=recorder).run()
+    assert episodes(tmp_path) == ids(4)
+    assert recorder.of("retry") == ["e0: ValueError: a bug"]
+    pids = {line.split()[1] for line in (tmp_path / "tries").read_text().splitlines()}
+    assert len(pids) == 2, "a fresh worker went on"
+    assert "Traceback" in (tmp_path / "worker-0.log").read_text(), "for whoever looks into it"
+
+
+def test_attempts_used_up_are_no_reason_to_try_again(tmp_path: Path):
+    outcome = supervise(tmp_path, {"e2": ["fail"]}).run()
+    assert fake_worker.tries_of(tmp_path).count("e2") == 1
+    (unmade,) = outcome.totals.unmade
+    assert unmade.reason == "no success in 6 attempts: dropped 3, not lifted 2"
+    assert outcome.totals.success_rate == 3 / 8
+
+
+def test_a_hung_item_meets_its_deadline(tmp_path: Path):
+    recorder = Recorder()
+    limits = Limits(tries=2, item_timeout_s=1.5)
+    outcome = supervise(tmp_path, {"e1": ["hang"]}, observer=recorder, limits=limits).run()
+    assert episodes(tmp_path) == ["e0", "e2", "e3"]
+    assert len(recorder.of("retry")) == 1
+    assert "was killed: e1 took more than 1.5 s" in recorder.of("retry")[0]
+    assert "was killed: e1 took more than 1.5 s" in outcome.totals.unmade[0].reason
+
+
+def test_what_libraries_print_goes_to_the_log(tmp_path: Path):
+    outcome = supervise(tmp_path, {"*": ["print"]}, workers=1).run()
+    assert outcome.totals.made == 4
+    log = (tmp_path / "worker-0.log").read_text()
+    assert "chatter of a library" in log
+    assert "chatter of a child" in log
+
+
+def test_a_stop_request_ends_present_items_and_keeps_what_is_made(tmp_path: Path):
+    recorder = Recorder()
+    supervisor = supervise(tmp_path, {"e1": ["patient"]}, workers=1, observer=recorder)
+    recorder.on_tick = lambda: (
+        supervisor.request_stop("test") if "e1" in fake_worker.tries_of(tmp_path) else None
+    )
+    outcome = supervisor.run()
+    assert outcome.interrupted
+    assert episodes(tmp_path) == ["e0"]
+    assert recorder.of("stopping") == ["test"]
+    assert outcome.totals.unmade == [], "stopped is not failed"
+
+    assert not supervise(tmp_path, {}).run().interrupted
+    assert episodes(tmp_path) == ids(4)
+    assert fake_worker.tries_of(tmp_path).count("e0") == 1, "what was made was not made again"
+
+
+def test_a_worker_that_does_not_stop_is_killed(tmp_path: Path):
+    supervisor = supervise(tmp_path, {"*": ["hang"]}, limits=Limits(stop_grace_s=0.5))
+    timer = threading.Timer(1.5, supervisor.request_stop)
+    timer.start()
+    begin = time.monotonic()
+    assert supervisor.run().interrupted
+    assert time.monotonic() - begin < 10
+
+
+def test_the_second_stop_request_does_not_wait(tmp_path: Path):
+    supervisor = supervise(tmp_path, {"*": ["hang"]}, limits=Limits(stop_grace_s=1000))
+    for delay in (1.5, 2.0):
+        threading.Timer(delay, supervisor.request_stop).start()
+    assert supervisor.run().interrupted
+
+
+def test_a_stop_when_everything_is_made_is_no_interruption(tmp_path: Path):
+    recorder = Recorder()
+    supervisor = supervise(tmp_path, {}, count=1, observer=recorder)
+    recorder.on_episode = supervisor.request_stop
+    assert not supervisor.run().interrupted
+
+
+def test_a_run_that_cannot_be_loaded_ends_at_once_with_the_message(tmp_path: Path):
+    outcome = supervise(tmp_path, {"refuse": []}).run()
+    assert outcome.fatal is not None
+    assert outcome.fatal.kind == "spec"
+    assert outcome.fatal.message == "run.yaml:3:1: no field 'tsak'. Did you mean 'task'?"
+    assert not outcome.interrupted
+
+
+def test_workers_that_cannot_start_end_the_run_with_their_last_words(tmp_path: Path):
+    outcome = supervise(tmp_path, {"crash": []}).run()
+    assert outcome.fatal is not None
+    assert "ended with exit code 7 before it could take an item" in outcome.fatal.message
+    assert "libGL is missing" in outcome.fatal.message
+    assert "worker-" in outcome.fatal.message
+
+
+def test_a_wrong_spec_found_by_the_first_items_ends_the_run(tmp_path: Path):
+    outcome = supervise(tmp_path, {"*": ["spec"]}).run()
+    assert outcome.fatal is not None
+    assert outcome.fatal.kind == "spec"
+    assert "Did you mean 'wrist'?" in outcome.fatal.message
+    assert len(fake_worker.tries_of(tmp_path)) <= 2
+
+
+def test_the_same_after_a_success_concerns_that_item_only(tmp_path: Path):
+    outcome = supervise(tmp_path, {"e1": ["spec"]}, workers=1).run()
+    assert outcome.fatal is None
+    assert episodes(tmp_path) == ["e0", "e2", "e3"]
+
+
+def test_a_full_disk_ends_the_run_at_once(tmp_path: Path):
+    trouble = "the disk is full"
+    outcome = supervise(tmp_path, {"*": ["io"]}, disk_trouble=lambda: trouble).run()
+    assert outcome.fatal is not None
+    assert outcome.fatal.kind == "io"
+    assert "steps.h5" in outcome.fatal.message
+    assert trouble in outcome.fatal.message
+    assert len(fake_worker.tries_of(tmp_path)) <= 2
+
+
+def test_a_passing_write_error_is_tried_again_and_a_lasting_one_ends_the_run(tmp_path: Path):
+    passing, lasting = tmp_path / "passing", tmp_path / "lasting"
+    passing.mkdir()
+    lasting.mkdir()
+    assert supervise(passing, {"e0": ["io", "make"]}).run().fatal is None
+    assert episodes(passing) == ids(4)
+    outcome = supervise(lasting, {"e0": ["io"]}).run()
+    assert outcome.fatal is not None
+    assert outcome.fatal.kind == "io"
+    assert fake_worker.tries_of(lasting).count("e0") == 3
+
+
+def test_a_worker_that_talks_nonsense_is_replaced_and_never_believed(tmp_path: Path):
+    command = [sys.executable, "-c", "print('hello'); input()"]
+    supervisor = Supervisor(
+        [Item("e0", 0)], command, workers=1, logs=tmp_path, is_made=lambda name: False
+    )
+    fatal = supervisor.run().fatal
+    assert fatal is not None
+    assert "not a message: b'hello'" in fatal.message
+
+
+def test_an_error_in_the_observer_leaves_no_worker_behind(tmp_path: Path):
+    recorder = Recorder()
+
+    def broken() -> None:
+        raise BrokenPipeError
+
+    recorder.on_episode = broken
+    script = {"e1": ["patient"]}
+    with pytest.raises(BrokenPipeError):
+        supervise(tmp_path, script, observer=recorder).run()
+    pids = [int(line.split()[1]) for line in (tmp_path / "tries").read_text().splitlines()]
+    assert all(gone(pid) for pid in pids)
+
+
+# A test run in the background may have SIGINT ignored, which children inherit.
+DRIVER = """
+import signal, sys
+for number in (signal.SIGINT, signal.SIGHUP):
+    signal.signal(number, signal.SIG_IGN if number in {ignored!r} else signal.SIG_DFL)
+sys.path[:0] = {path!r}
+import test_supervisor as t
+from pathlib import Path
+supervisor = t.supervise(Path({folder!r}), {script!r}, limits=t.Limits(stop_grace_s=5))
+from robocell.generate.signals import stop_on_signals
+with stop_on_signals(supervisor.request_stop):
+    outcome = supervisor.run()
+sys.exit(130 if outcome.interrupted else 0)
+"""
+
+
+def drive(
+    folder: Path, script: dict[str, list[str]], ignored: tuple[int, ...] = ()
+) -> subprocess.Popen[bytes]:
+    """A supervisor in a process group of its own, as a terminal starts it."""
+    path = [str(Path(__file__).parent), *sys.path]
+    code = DRIVER.format(path=path, folder=str(folder), script=script, ignored=ignored)
+    return subprocess.Popen([sys.executable, "-c", code], start_new_session=True)
+
+
+def started(folder: Path, *names: str) -> Callable[[], bool]:
+    return lambda: set(names) <= set(fake_worker.tries_of(folder))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_ctrl_c_and_sigterm_end_the_run_tidily(tmp_path: Path, number: signal.Signals):
+    driver = drive(tmp_path, {"e2": ["patient"], "e3": ["patient"]})
+    wait_for(started(tmp_path, "e2", "e3"))
+    os.killpg(driver.pid, number)  # as a terminal does: to the whole group
+    assert driver.wait(SOON_S) == 130
+    assert episodes(tmp_path) == ["e0", "e1"]
+    log = "".join(path.read_text() for path in tmp_path.glob("worker-*.log"))
+    assert log == "", "no worker was hit by the signal itself"
+
+
+def test_a_signal_that_is_ignored_stays_ignored(tmp_path: Path):
+    driver = drive(tmp_path, {"*": ["slow"]}, ignored=(signal.SIGHUP.value,))
+    wait_for(started(tmp_path, "e0"))
+    os.killpg(driver.pid, signal.SIGHUP)  # the terminal of a `nohup` command closes
+    assert driver.wait(SOON_S) == 0
+    assert episodes(tmp_path) == ids(4)
+
+
+def test_workers_end_when_their_supervisor_is_killed(tmp_path: Path):
+    driver = drive(tmp_path, {"e2": ["patient"], "e3": ["patient"]})
+    wait_for(started(tmp_path, "e2", "e3"))
+    driver.kill()
+    driver.wait(SOON_S)
+    pids = [int(line.split()[1]) for line in (tmp_path / "tries").read_text().splitlines()]
+    wait_for(lambda: all(gone(pid) for pid in pids))
+    assert episodes(tmp_path) == ["e0", "e1"]
+
+
+def test_a_worker_told_to_end_by_the_system_gives_its_item_back(tmp_path: Path):
+    recorder = Recorder()
+    supervisor = supervise(tmp_path, {"e0": ["patient", "make"]}, workers=1, observer=recorder)
+
+    def terminate() -> None:
+        if fake_worker.tries_of(tmp_path):
+            pid = (tmp_path / "tries").read_text().split()[1]
+            recorder.on_tick = lambda: None
+            os.kill(int(pid), signal.SIGTERM)
+
+    recorder.on_tick = terminate
+    outcome = supervisor.run()
+    assert episodes(tmp_path) == ids(4)
+    assert outcome.totals.retries == 1
+    assert "told to stop by another process" in recorder.of("retry")[0]

@@ -1,0 +1,142 @@
+"""Check who includes whom: the table of layers in docs/architecture.md, enforced.
+
+Reads the ``#include`` lines of src/robocell and python/bindings and prints every forbidden one as
+``file:line: reason``. Exit code 1 when there is any. It does not parse C++; an include inside
+``#if 0`` counts too.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+# What each layer may include directly, beside itself. "+name": name and all that name may include.
+TABLE: dict[str, str] = {
+    "base": "",
+    "math": "base",
+    "media": "base",
+    "mujoco": "base",
+    "spec": "base math",
+    "assets": "base spec",
+    "scene": "base math mujoco spec assets",
+    "kinematics": "+scene",
+    "robot": "+kinematics",
+    "control": "+robot",
+    "render": "+scene media",
+    "task": "+control +render",
+    "env": "+task",
+    "data": "base math media",
+    "datagen": "+env +data",
+    "viewer": "+robot +render",
+}
+
+# Headers that cost seconds to parse or bind users to a library: in .cc files only.
+HEAVY = re.compile(
+    r"Eigen/(Dense|Eigenvalues|SVD|QR|LU|Cholesky|Sparse)|yaml-cpp/|nlohmann/|kdl/|hdf5|H5|spdlog/"
+)
+# Headers that only .cc files include: they may be heavy, and other headers may not include them.
+INTERNAL = (
+    "robocell/kinematics/kdl_bridge.h",
+    "robocell/spec/yaml_reader.h",
+    "robocell/spec/yaml_writer.h",
+)
+KDL_LAYERS = ("kinematics", "bindings")
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One forbidden include."""
+
+    path: Path
+    line: int
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: {self.reason}"
+
+
+def allowed(layer: str) -> set[str]:
+    """The layers that files of a layer may include, itself among them."""
+    result = {layer}
+    for word in TABLE[layer].split():
+        result |= allowed(word[1:]) if word.startswith("+") else {word}
+    return result
+
+
+def layer_of(path: Path) -> str:
+    """The layer a source file belongs to; its path is relative to the repository."""
+    if path.parts[:2] == ("python", "bindings"):
+        return "bindings"
+    return path.parts[2] if len(path.parts) > 3 else "umbrella"
+
+
+def reason_against(path: Path, header: str) -> str | None:
+    """Why the file may not include the header, or None when it may."""
+    layer = layer_of(path)
+    is_internal = path.as_posix().removeprefix("src/") in INTERNAL
+    is_header = path.suffix == ".h" and not is_internal
+    if header.startswith("kdl/") and layer not in KDL_LAYERS:
+        return f"<{header}>: only kinematics/ and python/bindings may include KDL"
+    if is_header and HEAVY.match(header) and layer != "bindings":
+        return f"<{header}> is heavy: include it in the .cc file"
+    if not header.startswith("robocell/"):
+        return None
+    if is_header and header in INTERNAL and layer != "bindings":
+        return f'"{header}" is internal: include it in .cc files only'
+    parts = Path(header).parts
+    if len(parts) == 2:
+        if layer == "umbrella":
+            return None
+        return f'"{header}" is for users of the library; include what is needed'
+    target = parts[1]
+    is_test = path.stem.endswith("_test") or "testing" in path.parts
+    if target == "testing":
+        ok = is_test or layer == "testing"
+        return None if ok else f'"{header}": testing/ is for tests only'
+    if target not in TABLE:
+        return f'"{header}": there is no layer {target}/'
+    if layer in ("bindings", "umbrella", "testing") or target in allowed(layer):
+        return None
+    may = ", ".join(sorted(allowed(layer) - {layer})) or "nothing of ours"
+    return f'{layer}/ may not include "{header}" (it may include {may})'
+
+
+def check_file(root: Path, path: Path) -> Iterator[Finding]:
+    """Forbidden includes of one file; path is relative to root."""
+    layer = layer_of(path)
+    if layer not in (*TABLE, "bindings", "umbrella", "testing"):
+        yield Finding(path, 1, f"there is no layer {layer}/; layers: {', '.join(TABLE)}")
+        return
+    for number, text in enumerate((root / path).read_text().splitlines(), start=1):
+        match = INCLUDE.match(text)
+        reason = reason_against(path, match.group(1)) if match else None
+        if reason:
+            yield Finding(path, number, reason)
+
+
+def check(root: Path) -> list[Finding]:
+    """Forbidden includes of all C++ files under root."""
+    files = [
+        file.relative_to(root)
+        for folder in ("src/robocell", "python/bindings")
+        for pattern in ("*.h", "*.cc")
+        for file in sorted((root / folder).rglob(pattern))
+    ]
+    return [finding for file in files for finding in check_file(root, file)]
+
+
+def main() -> int:
+    """Check the repository this script belongs to."""
+    findings = check(Path(__file__).resolve().parents[1])
+    for finding in findings:
+        print(finding)
+    print(f"includes: {len(findings)} forbidden" if findings else "includes: as they should be")
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,155 @@
+"""Check house rules that a compiler does not: engine strings, quaternion order, chance, paths.
+
+Prints each finding as ``file:line: reason`` and exits with 1 when there is any. A line that must
+break a rule says so itself: a comment with ``rule-ok:`` and the reason.
+
+- MuJoCo's strings and vectors (``mjString*``, ``mjDoubleVec*``) are C++ objects of another library:
+  they are read and written by ``mjs_get*`` and ``mjs_set*`` only, never dereferenced.
+- Quaternions are xyzw; wxyz lives in mujoco/ and in the conversions that everybody calls.
+- Chance comes from base/rng.h: ``std::*_distribution`` differs between standard libraries, and
+  global generators make results depend on history.
+- Nothing in the repository names a path of somebody's machine.
+"""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+ENGINE_STRINGS = (
+    "bodyname|bodyname1|bodyname2|childclass|comment|content_type|cubefiles|file|geomname1|"
+    "geomname2|hfieldname|info|material|meshdir|meshname|modelfiledir|modelname|name|name1|name2|"
+    "nodebody|objname|plugin_name|refname|refsite|slidersite|targetbody|texture|texturedir|"
+    "textures|userdata|vertbody"
+)
+USES_SPEC = re.compile(r"\bmjs[A-Z_]")
+# *body->name and (*body)->name, but not a * b->name; body->name->c_str().
+DEREFERENCE = re.compile(
+    rf"(?:(?:^|[=(,{{;!&|?:<>+]|\breturn|\bcase)\s*\*\s*\(?[\w.\->\[\]()]*->(?:{ENGINE_STRINGS})\b"
+    rf"(?!\s*(?:->|\[|\()))|->(?:{ENGINE_STRINGS})->"
+)
+WXYZ = re.compile(r"\w*wxyz\w*", re.IGNORECASE)
+WXYZ_CONVERSIONS = {
+    "FromWxyz",
+    "ToWxyz",
+    "QuaternionFromWxyz",
+    "QuaternionToWxyz",
+    "quaternion_wxyz",
+    "quat_wxyz",
+}
+WXYZ_FILES = re.compile(r"^src/robocell/(mujoco/|math/(rotation|pose)|spec/yaml_reader)|_test\.cc$")
+CPP_CHANCE = re.compile(
+    r"std::\w+_distribution|std::(mt19937|random_device|default_random_engine)|\bs?rand(48)?\s*\("
+)
+PYTHON_CHANCE = re.compile(
+    r"\b(?:np|numpy)\.random\.(?!Generator|default_rng|SeedSequence|PCG64|Philox)\w+"
+    r"|^\s*(?:import random\b|from random import)"
+)
+MACHINE_PATH = re.compile(r"(?<![\w.~])/(?:home|root|work|Users|mnt|media)/\w")
+MARKER = "rule-ok:"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One broken rule."""
+
+    path: str
+    line: int
+    reason: str
+
+    def __str__(self) -> str:
+        return f"{self.path}:{self.line}: {self.reason}"
+
+
+def without_comments(text: str) -> str:
+    """C++ text with comments blanked, line numbers kept."""
+    text = re.sub(r"/\*.*?\*/", lambda m: "\n" * m.group().count("\n"), text, flags=re.DOTALL)
+    return re.sub(r"//[^\n]*", "", text)
+
+
+def engine_strings(path: str, line: str) -> str | None:
+    """A dereferenced field of the engine's spec."""
+    match = DEREFERENCE.search(line)
+    return match and f"'{match.group().strip()}': use mjs_getString, mjs_setString and friends"
+
+
+def quaternion_order(path: str, line: str) -> str | None:
+    """A wxyz quaternion where only xyzw may be."""
+    if WXYZ_FILES.search(path):
+        return None
+    words = [word for word in WXYZ.findall(line) if word not in WXYZ_CONVERSIONS]
+    return f"'{words[0]}': quaternions are xyzw outside mujoco/" if words else None
+
+
+def cpp_chance(path: str, line: str) -> str | None:
+    """A source of chance other than base/rng.h."""
+    match = CPP_CHANCE.search(line)
+    return match and f"'{match.group().strip()}': use robocell/base/rng.h"
+
+
+def python_chance(path: str, line: str) -> str | None:
+    """A global random generator in the Python package."""
+    match = PYTHON_CHANCE.search(line)
+    return match and f"'{match.group().strip()}': use a seeded numpy.random.Generator"
+
+
+def machine_path(path: str, line: str) -> str | None:
+    """An absolute path that exists on one machine only."""
+    match = MACHINE_PATH.search(line)
+    return match and f"'{match.group()}...': a path of one machine"
+
+
+Rule = Callable[[str, str], str | None]
+
+
+def check_text(path: str, text: str) -> Iterator[Finding]:
+    """Broken rules in one file's text; path is relative to the repository."""
+    lines = text.splitlines()
+    rules: list[Rule] = []
+    code = lines
+    if path.endswith((".cc", ".h")):
+        stripped = without_comments(text)
+        code = stripped.splitlines()
+        rules = [quaternion_order, cpp_chance]
+        if USES_SPEC.search(stripped):
+            rules.append(engine_strings)
+    elif path.endswith(".py") and path.startswith("python/robocell/"):
+        rules = [python_chance]
+    for number, line in enumerate(lines, start=1):
+        if MARKER in line:
+            continue
+        found = [rule(path, code[number - 1]) for rule in rules if number <= len(code)]
+        found.append(machine_path(path, line))
+        yield from (Finding(path, number, reason) for reason in found if reason)
+
+
+def check(root: Path) -> list[Finding]:
+    """Broken rules in all text files that git knows or would add."""
+    command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
+    listing = subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout
+    findings: list[Finding] = []
+    for path in listing.splitlines():
+        file = root / path
+        if not file.is_file() or Path(path).stem == "test_check_rules":
+            continue
+        data = file.read_bytes()
+        if b"\0" not in data:
+            findings += check_text(path, data.decode(errors="replace"))
+    return findings
+
+
+def main() -> int:
+    """Check the repository this script belongs to."""
+    findings = check(Path(__file__).resolve().parents[1])
+    for finding in findings:
+        print(finding)
+    print(f"house rules: {len(findings)} broken" if findings else "house rules: kept")
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,79 @@
+// The models that come with robocell.
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "robocell/assets/resolve.h"
+#include "robocell/assets/roots.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+
+namespace robocell::assets {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool HoldsModels(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_directory(folder / "robots", error);
+}
+
+// The folder that holds the robocell library.
+fs::path LibraryFolder() {
+  Dl_info info;
+  std::error_code error;
+  if (!dladdr(reinterpret_cast<const void*>(&ModelsRoot), &info)) return fs::current_path(error);
+  return fs::weakly_canonical(info.dli_fname, error).parent_path();
+}
+
+fs::path FindModelsRoot() {
+  if (const std::string root = Environment("ROBOCELL_MODELS"); !root.empty()) {
+    if (HoldsModels(root)) return root;
+    throw NotFoundError(fmt::format("ROBOCELL_MODELS is {}, which holds no folder `robots`", root));
+  }
+  const fs::path library = LibraryFolder();
+  std::vector<std::string> looked;
+  for (const char* place :
+       {"models", "../share/robocell/models", "../models", "../../models", "../../../models"}) {
+    const fs::path folder = (library / place).lexically_normal();
+    if (HoldsModels(folder)) return folder;
+    looked.push_back(folder.string());
+  }
+  ThrowNotFound("the folder of built-in models", looked, "Set ROBOCELL_MODELS to it.");
+}
+
+// Names N of root/N/N.xml.
+std::vector<std::string> ModelsWithFolder(const char* kind) {
+  std::vector<std::string> names;
+  const fs::path root = fs::path(ModelsRoot()) / kind;
+  for (const std::string& name : ListFolder(root)) {
+    if (fs::exists(root / name / (name + ".xml"))) names.push_back(name);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string ModelsRoot() { return FindModelsRoot().string(); }
+
+std::vector<std::string> BuiltinRobots() { return ModelsWithFolder("robots"); }
+
+std::vector<std::string> BuiltinObjects() { return ModelsWithFolder("objects"); }
+
+std::vector<std::string> BuiltinScenes() {
+  std::vector<std::string> names;
+  for (const std::string& file : ListFolder(fs::path(ModelsRoot()) / "scenes")) {
+    if (fs::path(file).extension() == ".xml") names.push_back(fs::path(file).stem().string());
+  }
+  return names;
+}
+
+std::string BuiltinRobotFile(const std::string& name) {
+  if (const auto file = FindBelow(fs::path(ModelsRoot()) / "robots", name + "/" + name + ".yaml")) {
+    return file->string();
+  }
+  throw NotFoundError(NoSuchName("built-in models", "robot", name, BuiltinRobots()));
+}
+
+}  // namespace robocell::assets

@@ -1,0 +1,120 @@
+// The MuJoCo Menagerie on this machine: a checkout (MENAGERIE_ROOT) or the cache of the Python
+// package mujoco-menagerie, which publishes a model as models/<name>-<16 hex digits>/ with a file
+// `.complete` in it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "robocell/assets/resolve.h"
+#include "robocell/assets/roots.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+
+namespace robocell::menagerie {
+namespace {
+
+namespace fs = std::filesystem;
+using assets::Environment;
+
+fs::path CacheModels() {
+  if (const std::string dir = Environment("MENAGERIE_CACHE_DIR"); !dir.empty())
+    return fs::path(dir) / "models";
+  std::string cache = Environment("XDG_CACHE_HOME");
+  if (cache.empty()) cache = Environment("HOME") + "/.cache";
+  return fs::path(cache) / "mujoco_menagerie" / "models";
+}
+
+bool IsVersionOf(const std::string& folder, const std::string& robot) {
+  return folder.size() == robot.size() + 17 && folder.rfind(robot + "-", 0) == 0;
+}
+
+// The version of a robot that was published last; empty when there is none.
+fs::path CachedFolder(const std::string& robot) {
+  fs::path newest;
+  fs::file_time_type newest_time{};
+  for (const std::string& folder : assets::ListFolder(CacheModels())) {
+    std::error_code error;
+    const fs::path path = CacheModels() / folder;
+    const auto time = fs::last_write_time(path / ".complete", error);
+    if (error || !IsVersionOf(folder, robot)) continue;
+    if (newest.empty() || time >= newest_time) newest = path, newest_time = time;
+  }
+  return newest;
+}
+
+fs::path RobotFolder(const std::string& robot) {
+  std::vector<std::string> looked;
+  if (const std::string root = Environment("MENAGERIE_ROOT"); !root.empty()) {
+    std::error_code error;
+    if (fs::is_directory(fs::path(root) / robot, error)) return fs::path(root) / robot;
+    looked.push_back((fs::path(root) / robot).string() + " (MENAGERIE_ROOT)");
+  } else {
+    looked.push_back("MENAGERIE_ROOT (not set)");
+  }
+  if (const fs::path cached = CachedFolder(robot); !cached.empty()) return cached;
+  looked.push_back((CacheModels() / (robot + "-*")).string());
+  assets::ThrowNotFound("menagerie robot '" + robot + "'", looked,
+                        "Fetch it with: mujoco-menagerie prefetch " + robot);
+}
+
+// The robot models in a folder: neither scenes nor the variants for MJX.
+std::vector<std::string> ModelStems(const fs::path& folder) {
+  std::vector<std::string> stems;
+  for (const std::string& file : assets::ListFolder(folder)) {
+    const std::string stem = fs::path(file).stem().string();
+    if (fs::path(file).extension() != ".xml") continue;
+    if (stem.rfind("scene", 0) == 0 || stem.rfind("mjx_", 0) == 0) continue;
+    stems.push_back(stem);
+  }
+  return stems;
+}
+
+std::string WithoutUnderscores(std::string text) {
+  std::erase(text, '_');
+  return text;
+}
+
+bool EndsWith(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+// The model named like its folder without the maker (kinova_gen3/gen3.xml), else the only one.
+std::string MainFile(const std::string& robot, const fs::path& folder) {
+  const std::vector<std::string> stems = ModelStems(folder);
+  std::string best;
+  for (const std::string& stem : stems) {
+    if (EndsWith(WithoutUnderscores(robot), WithoutUnderscores(stem)) && stem.size() > best.size())
+      best = stem;
+  }
+  if (best.empty() && stems.size() == 1) best = stems[0];
+  if (!best.empty()) return best + ".xml";
+  if (stems.empty())
+    throw NotFoundError(
+        fmt::format("menagerie robot '{}': no model file in {}", robot, folder.string()));
+  throw ArgumentError(
+      fmt::format("menagerie robot '{0}' has several models; name one, for example "
+                  "menagerie:{0}/{1}.xml. Its models: {2}",
+                  robot, stems[0], ListNames(stems)));
+}
+
+}  // namespace
+
+std::string ModelPath(const std::string& name) {
+  const size_t slash = name.find('/');
+  const std::string robot = name.substr(0, slash);
+  if (robot.empty() || robot == "." || robot == "..") {
+    throw ArgumentError("'menagerie:" + name +
+                        "' names no robot; write for example menagerie:ufactory_xarm7/xarm7.xml");
+  }
+  const fs::path folder = RobotFolder(robot);
+  const std::string file =
+      slash == std::string::npos ? MainFile(robot, folder) : name.substr(slash + 1);
+  if (const auto found = assets::FindBelow(folder, file)) return found->string();
+  std::vector<std::string> files = ModelStems(folder);
+  for (std::string& stem : files) stem += ".xml";
+  throw NotFoundError(
+      NoSuchName("menagerie robot '" + robot + "' (" + folder.string() + ")", "file", file, files));
+}
+
+}  // namespace robocell::menagerie

@@ -1,0 +1,100 @@
+#include "robocell/assets/resolve.h"
+
+#include <filesystem>
+#include <optional>
+
+#include "robocell/assets/roots.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+
+namespace robocell::assets {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr std::string_view kMenagerie = "menagerie:";
+
+bool IsFile(const fs::path& path) {
+  std::error_code error;
+  return fs::is_regular_file(path, error);
+}
+
+// Looks in one place after the other and remembers them for the message.
+class Search {
+ public:
+  bool TryFile(const fs::path& path) {
+    std::error_code error;
+    const std::string full = fs::absolute(path, error).lexically_normal().string();
+    if (IsFile(path)) return found_ = full, true;
+    return looked_.push_back(full), false;
+  }
+  bool TryBelow(const fs::path& root, const std::string& name) {
+    if (const auto path = FindBelow(root, name)) return found_ = path->string(), true;
+    return looked_.push_back((root / name).string()), false;
+  }
+  const std::string& found() const { return found_; }
+  const std::vector<std::string>& looked() const { return looked_; }
+
+ private:
+  std::string found_;
+  std::vector<std::string> looked_;
+};
+
+bool IsPlainName(const std::string& name) {
+  return name.find('/') == std::string::npos && fs::path(name).extension() != ".xml";
+}
+
+bool TryBuiltin(Search& search, const std::string& name) {
+  const fs::path root = ModelsRoot();
+  const std::string file = name + "/" + name + ".xml";
+  return search.TryBelow(root / "robots", file) || search.TryBelow(root / "objects", file) ||
+         search.TryBelow(root / "scenes", name + ".xml");
+}
+
+std::string BuiltinHint(const std::string& name) {
+  std::vector<std::string> names = BuiltinRobots();
+  for (const auto& more : {BuiltinObjects(), BuiltinScenes()})
+    names.insert(names.end(), more.begin(), more.end());
+  return "Built-in models: " + ListNames(names) + "." + DidYouMean(name, names);
+}
+
+// A file of the Menagerie asked for without its prefix is a likely slip.
+std::string PathHint(const std::string& name) {
+  return "More roots can be given in ROBOCELL_MODEL_PATH; robots of the Menagerie are named like "
+         "menagerie:ufactory_xarm7/xarm7.xml" +
+         std::string(name.find('~') == 0 ? "; `~` is not expanded here." : ".");
+}
+
+}  // namespace
+
+std::vector<std::string> ModelPathRoots() {
+  std::vector<std::string> roots;
+  std::string rest = Environment("ROBOCELL_MODEL_PATH");
+  while (!rest.empty()) {
+    const size_t colon = rest.find(':');
+    if (const std::string root = rest.substr(0, colon); !root.empty()) roots.push_back(root);
+    rest = colon == std::string::npos ? "" : rest.substr(colon + 1);
+  }
+  return roots;
+}
+
+std::string Resolve(const std::string& name, const std::string& directory) {
+  if (name.empty()) throw ArgumentError("the name of a model is empty");
+  if (name.rfind(kMenagerie, 0) == 0) return menagerie::ModelPath(name.substr(kMenagerie.size()));
+  Search search;
+  const fs::path path = name;
+  if (path.is_absolute()) {
+    if (search.TryFile(path)) return search.found();
+    ThrowNotFound("model file '" + name + "'", search.looked(), "");
+  }
+  if (!directory.empty() && search.TryFile(fs::path(directory) / path)) return search.found();
+  if (search.TryFile(path)) return search.found();
+  for (const std::string& root : ModelPathRoots()) {
+    if (search.TryBelow(root, name)) return search.found();
+  }
+  if (!IsPlainName(name))
+    ThrowNotFound("model file '" + name + "'", search.looked(), PathHint(name));
+  if (TryBuiltin(search, name)) return search.found();
+  ThrowNotFound("model '" + name + "'", search.looked(), BuiltinHint(name));
+}
+
+}  // namespace robocell::assets

@@ -1,0 +1,49 @@
+// Where models are found. A model is named in one of these ways, tried in this order:
+//   menagerie:ufactory_xarm7/xarm7.xml   the MuJoCo Menagerie (menagerie.h)
+//   /abs/path.xml                        that file
+//   relative/path.xml                    from the referring file's folder, then from the working
+//                                        folder, then below each root of ROBOCELL_MODEL_PATH
+//                                        (folders separated by ':')
+//   rc7, tabletop, ...                   a built-in model by its name (builtin.h)
+//
+//   const std::string path = assets::Resolve("menagerie:ufactory_xarm7/xarm7.xml");
+//
+// A miss is a NotFoundError that lists where it was looked for and the command that fetches it.
+// Names below a root stay inside it: `..` and links that lead out are refused (ArgumentError).
+// Nothing is downloaded here. All functions read the file system and may be called from any thread.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace robocell::assets {
+
+// Absolute path of an existing file. `directory`: folder of the file that refers to the model.
+std::string Resolve(const std::string& name, const std::string& directory = "");
+
+// The roots of ROBOCELL_MODEL_PATH, in order.
+std::vector<std::string> ModelPathRoots();
+
+// Folder of the built-in models: ROBOCELL_MODELS, else beside the library (installed), else the
+// source tree that the library was built in. NotFoundError when there is none.
+std::string ModelsRoot();
+// Names of built-in robots, objects and scenes, sorted (models/robots/NAME/NAME.xml and
+// models/objects/NAME/NAME.xml, models/scenes/NAME.xml).
+std::vector<std::string> BuiltinRobots();
+std::vector<std::string> BuiltinObjects();
+std::vector<std::string> BuiltinScenes();
+// The YAML file of a built-in robot; NotFoundError with the nearest names.
+std::string BuiltinRobotFile(const std::string& name);
+
+}  // namespace robocell::assets
+
+namespace robocell::menagerie {
+
+// Main model file of a Menagerie robot: "kinova_gen3" -> .../kinova_gen3/gen3.xml; also
+// "ufactory_xarm7/xarm7.xml". Looked for below MENAGERIE_ROOT, then in the cache of the Python
+// package mujoco-menagerie (MENAGERIE_CACHE_DIR, else the user's cache folder).
+// NotFoundError with the command that fetches it; ArgumentError when a robot has several models and
+// none is named like it (the message lists them).
+std::string ModelPath(const std::string& name);
+
+}  // namespace robocell::menagerie

@@ -1,0 +1,150 @@
+#include "robocell/assets/resolve.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell::assets {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+// Sets an environment variable and puts the former value back.
+class ScopedEnv {
+ public:
+  ScopedEnv(const char* name, const std::string& value) : name_(name) {
+    if (const char* former = std::getenv(name)) former_ = former, had_ = true;
+    setenv(name, value.c_str(), 1);
+  }
+  ~ScopedEnv() { had_ ? setenv(name_, former_.c_str(), 1) : unsetenv(name_); }
+
+ private:
+  const char* name_;
+  std::string former_;
+  bool had_ = false;
+};
+
+class Resolving : public ::testing::Test {
+ protected:
+  Resolving() {
+    std::string name = (fs::temp_directory_path() / "resolve_test_XXXXXX").string();
+    folder_ = fs::canonical(mkdtemp(name.data()));
+  }
+  ~Resolving() override { fs::remove_all(folder_); }
+
+  std::string Write(const std::string& file) {
+    fs::create_directories((folder_ / file).parent_path());
+    std::ofstream(folder_ / file) << "<mujoco/>";
+    return (folder_ / file).string();
+  }
+  std::string At(const std::string& file) const { return (folder_ / file).string(); }
+
+  fs::path folder_;
+};
+
+TEST_F(Resolving, AnAbsolutePathIsThatFile) {
+  const std::string file = Write("a/arm.xml");
+  EXPECT_EQ(Resolve(file), file);
+  ExpectThrow<NotFoundError>(
+      [&] { Resolve(At("a/leg.xml")); },
+      "model file '" + At("a/leg.xml") + "' not found. Looked for: " + At("a/leg.xml"));
+}
+
+TEST_F(Resolving, ARelativePathStartsAtTheReferringFile) {
+  const std::string file = Write("robots/arm.xml");
+  Write("scenes/lab.xml");
+  EXPECT_EQ(Resolve("arm.xml", At("robots")), file);
+  EXPECT_EQ(Resolve("../robots/arm.xml", At("scenes")), file);
+}
+
+TEST_F(Resolving, TheModelPathIsSearchedRootByRoot) {
+  const std::string first = Write("one/arm.xml"), second = Write("two/hand.xml");
+  Write("two/arm.xml");
+  const ScopedEnv env("ROBOCELL_MODEL_PATH", At("one") + "::" + At("two"));
+  EXPECT_EQ(Resolve("arm.xml"), first);
+  EXPECT_EQ(Resolve("hand.xml"), second);
+}
+
+TEST_F(Resolving, AMissSaysWhereItLooked) {
+  const ScopedEnv env("ROBOCELL_MODEL_PATH", At("one"));
+  const std::string message =
+      ExpectThrow<NotFoundError>([&] { Resolve("arms/leg.xml", At("robots")); },
+                                 "model file 'arms/leg.xml' not found. Looked for: ");
+  EXPECT_THAT(message, HasSubstr(At("robots/arms/leg.xml")));
+  EXPECT_THAT(message, HasSubstr(At("one/arms/leg.xml")));
+  EXPECT_THAT(message, HasSubstr("ROBOCELL_MODEL_PATH"));
+}
+
+TEST_F(Resolving, NamesBelowARootStayInside) {
+  Write("secret.xml");
+  fs::create_directories(folder_ / "root");
+  fs::create_symlink(folder_ / "secret.xml", folder_ / "root" / "link.xml");
+  const ScopedEnv env("ROBOCELL_MODEL_PATH", At("root"));
+  ExpectThrow<ArgumentError>(
+      [] { Resolve("../secret.xml"); },
+      "path '../secret.xml' contains '..'; it must lead to a place inside '" + At("root"));
+  ExpectThrow<ArgumentError>([] { Resolve("link.xml"); }, "through a symbolic link");
+}
+
+TEST_F(Resolving, BuiltInModelsAreFoundByName) {
+  EXPECT_THAT(BuiltinRobots(), Contains("rc7"));
+  EXPECT_EQ(Resolve("rc7"), ModelsRoot() + "/robots/rc7/rc7.xml");
+  EXPECT_EQ(BuiltinRobotFile("rc7"), ModelsRoot() + "/robots/rc7/rc7.yaml");
+  ExpectThrow<NotFoundError>([] { Resolve("rc8"); }, "Did you mean 'rc7'?");
+  ExpectThrow<NotFoundError>([] { BuiltinRobotFile("rc8"); }, "no robot 'rc8'. Its robots: rc7");
+}
+
+TEST_F(Resolving, BuiltInModelsCanBeMoved) {
+  const std::string file = Write("robots/mine/mine.xml");
+  const ScopedEnv env("ROBOCELL_MODELS", folder_.string());
+  EXPECT_EQ(Resolve("mine"), file);
+  EXPECT_THAT(BuiltinRobots(), ::testing::ElementsAre("mine"));
+  const ScopedEnv wrong("ROBOCELL_MODELS", At("robots"));
+  ExpectThrow<NotFoundError>([] { Resolve("mine"); }, "ROBOCELL_MODELS is " + At("robots"));
+}
+
+TEST_F(Resolving, TheMenagerieRootComesFirst) {
+  const std::string file = Write("kinova_gen3/gen3.xml");
+  Write("kinova_gen3/scene.xml");
+  const ScopedEnv env("MENAGERIE_ROOT", folder_.string());
+  EXPECT_EQ(Resolve("menagerie:kinova_gen3/gen3.xml"), file);
+  EXPECT_EQ(Resolve("menagerie:kinova_gen3"), file);
+  EXPECT_EQ(menagerie::ModelPath("kinova_gen3"), file);
+  ExpectThrow<NotFoundError>([] { Resolve("menagerie:kinova_gen3/gen4.xml"); },
+                             "Did you mean 'gen3.xml'?");
+  ExpectThrow<ArgumentError>([] { Resolve("menagerie:kinova_gen3/../../etc/passwd"); },
+                             "it must lead to a place inside");
+  ExpectThrow<ArgumentError>([] { Resolve("menagerie:../x"); }, "names no robot");
+}
+
+TEST_F(Resolving, TheMenagerieCacheHoldsCompleteVersionsOnly) {
+  const std::string done = "models/franka_fr3-0123456789abcdef/";
+  const std::string file = Write(done + "fr3.xml");
+  const ScopedEnv root("MENAGERIE_ROOT", ""), cache("MENAGERIE_CACHE_DIR", folder_.string());
+  const std::string message = ExpectThrow<NotFoundError>([] { Resolve("menagerie:franka_fr3"); },
+                                                         "menagerie robot 'franka_fr3' not found");
+  EXPECT_THAT(message, HasSubstr(At("models/franka_fr3-*")));
+  EXPECT_THAT(message, HasSubstr("Fetch it with: mujoco-menagerie prefetch franka_fr3"));
+  Write(done + ".complete");
+  Write("models/franka_fr3_v2-0123456789abcdef/.complete");
+  EXPECT_EQ(Resolve("menagerie:franka_fr3"), file);
+}
+
+TEST_F(Resolving, ARobotWithSeveralModelsIsNotGuessed) {
+  Write("leap_hand/left_hand.xml");
+  Write("leap_hand/right_hand.xml");
+  const ScopedEnv env("MENAGERIE_ROOT", folder_.string());
+  ExpectThrow<ArgumentError>([] { Resolve("menagerie:leap_hand"); },
+                             "name one, for example menagerie:leap_hand/left_hand.xml");
+}
+
+}  // namespace
+}  // namespace robocell::assets

@@ -1,0 +1,45 @@
+#include "robocell/assets/roots.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "robocell/base/error.h"
+#include "robocell/base/paths.h"
+
+namespace robocell::assets {
+
+namespace fs = std::filesystem;
+
+std::string Environment(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value ? value : "";
+}
+
+std::optional<fs::path> FindBelow(const fs::path& root, const std::string& name) {
+  std::error_code error;
+  const fs::path path = fs::absolute(ConfinedPath(root, name), error).lexically_normal();
+  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  return path;
+}
+
+std::vector<std::string> ListFolder(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    names.push_back(entry.path().filename().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void ThrowNotFound(const std::string& what, const std::vector<std::string>& looked,
+                   const std::string& next_step) {
+  throw NotFoundError(fmt::format("{} not found. Looked for: {}.{}{}", what,
+                                  fmt::join(looked, ", "), next_step.empty() ? "" : " ",
+                                  next_step));
+}
+
+}  // namespace robocell::assets

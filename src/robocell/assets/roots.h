@@ -1,0 +1,26 @@
+// Private to assets: names below a root folder, environment variables.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace robocell::assets {
+
+// The value of an environment variable, "" when it is not set.
+std::string Environment(const char* variable);
+
+// The file `name` below `root` when there is one. ArgumentError when the name leads out of the root
+// (by "..", as an absolute path or through a link).
+std::optional<std::filesystem::path> FindBelow(const std::filesystem::path& root,
+                                               const std::string& name);
+
+// Names of the folder's entries, sorted; empty when the folder cannot be read.
+std::vector<std::string> ListFolder(const std::filesystem::path& folder);
+
+// NotFoundError: "<what> not found. Looked for: a, b. <next step>"
+[[noreturn]] void ThrowNotFound(const std::string& what, const std::vector<std::string>& looked,
+                                const std::string& next_step);
+
+}  // namespace robocell::assets

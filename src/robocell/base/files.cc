@@ -1,0 +1,193 @@
+#include "robocell/base/files.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "robocell/base/error.h"
+
+namespace robocell {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::string_view kSuffix = ".partial";
+
+enum SyncKind { kContent, kFolder };
+
+// Owns a descriptor.
+class File {
+ public:
+  File(const fs::path& path, int flags, std::string_view action) : File(path, flags) {
+    if (descriptor_ < 0) ThrowIoError(action, path, errno);
+  }
+  // Leaves the reason in errno when the file cannot be opened.
+  File(const fs::path& path, int flags) : path_(path) {
+    do {
+      descriptor_ = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+    } while (descriptor_ < 0 && errno == EINTR);
+  }
+  File(File&& other) noexcept
+      : descriptor_(std::exchange(other.descriptor_, -1)), path_(std::move(other.path_)) {}
+  File& operator=(File&&) = delete;
+  ~File() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+
+  int descriptor() const { return descriptor_; }
+
+  void Sync(SyncKind kind) {
+    int result;
+    do {
+      result = ::fsync(descriptor_);
+    } while (result != 0 && errno == EINTR);
+    if (result == 0) return;
+    // Some network file systems have no flush for folders: their entries need none.
+    if (kind == kFolder && (errno == EINVAL || errno == ENOTSUP)) return;
+    ThrowIoError("flush", path_, errno);
+  }
+
+  // Some file systems report a failed write only here.
+  void Close() {
+    if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) {
+      ThrowIoError("close", path_, errno);
+    }
+  }
+
+ private:
+  int descriptor_ = -1;
+  fs::path path_;
+};
+
+// A name that no other call of this process has; the caller retries when another process has it.
+fs::path TemporaryPath(const fs::path& parent, std::string_view name) {
+  static std::atomic<uint64_t> count = 0;
+  constexpr size_t kLongest = 180;  // of 255 bytes
+  return parent /
+         fmt::format(".{}.{}.{}{}", name.substr(0, kLongest), ::getpid(), ++count, kSuffix);
+}
+
+fs::path ParentOf(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+std::pair<File, fs::path> CreateTemporaryFile(const fs::path& target) {
+  for (;;) {
+    fs::path path = TemporaryPath(ParentOf(target), target.filename().native());
+    File file(path, O_WRONLY | O_CREAT | O_EXCL);
+    if (file.descriptor() >= 0) return {std::move(file), std::move(path)};
+    if (errno != EEXIST) ThrowIoError("write", target, errno);
+  }
+}
+
+void WriteAndSync(File& file, std::string_view bytes, const fs::path& path) {
+  WriteAll(file.descriptor(), bytes, path);
+  file.Sync(kContent);
+  file.Close();
+}
+
+void SyncTree(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const fs::file_type type = it->symlink_status().type();
+    if (type == fs::file_type::directory) {
+      SyncTree(it->path());
+    } else if (type == fs::file_type::regular) {
+      FsyncFile(it->path());
+    } else {
+      throw IoError(fmt::format("cannot commit '{}': it is neither a file nor a folder",
+                                it->path().native()));
+    }
+  }
+  if (error) ThrowIoError("list", folder, error.value());
+  FsyncDirectory(folder);
+}
+
+// rename(2) that never replaces anything, where the file system can do that; else a check and a
+// rename.
+void RenameToNew(const fs::path& from, const fs::path& to) {
+  if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return;
+  if (errno == EINVAL || errno == ENOSYS) {
+    std::error_code ignored;
+    if (fs::symlink_status(to, ignored).type() != fs::file_type::not_found) {
+      ThrowIoError("commit to", to, EEXIST);
+    }
+    if (::rename(from.c_str(), to.c_str()) == 0) return;
+  }
+  ThrowIoError("commit to", to, errno);
+}
+
+}  // namespace
+
+std::string ReadFile(const fs::path& path) {
+  File file(path, O_RDONLY, "read");
+  struct stat status = {};
+  if (::fstat(file.descriptor(), &status) != 0) ThrowIoError("read", path, errno);
+  std::string bytes;
+  bytes.resize(static_cast<size_t>(status.st_size) + 1);  // one more, so that the end is seen
+  size_t size = 0;
+  for (;;) {
+    const ssize_t count = ::read(file.descriptor(), bytes.data() + size, bytes.size() - size);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) ThrowIoError("read", path, errno);
+    if (count == 0) break;
+    size += static_cast<size_t>(count);
+    if (size == bytes.size()) bytes.resize(2 * size);  // it grows, or is one of /proc
+  }
+  bytes.resize(size);
+  return bytes;
+}
+
+void WriteAll(int descriptor, std::string_view bytes, const fs::path& path) {
+  while (!bytes.empty()) {
+    const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) ThrowIoError("write", path, errno, bytes.size());
+    bytes.remove_prefix(static_cast<size_t>(count));
+  }
+}
+
+void AtomicWrite(const fs::path& path, std::string_view bytes) {
+  auto [file, temporary] = CreateTemporaryFile(path);
+  try {
+    WriteAndSync(file, bytes, path);
+    if (::rename(temporary.c_str(), path.c_str()) != 0) ThrowIoError("write", path, errno);
+  } catch (...) {
+    ::unlink(temporary.c_str());
+    throw;
+  }
+  FsyncDirectory(ParentOf(path));
+}
+
+void FsyncFile(const fs::path& path) { File(path, O_RDONLY, "flush").Sync(kContent); }
+
+void FsyncDirectory(const fs::path& path) {
+  File(path, O_RDONLY | O_DIRECTORY, "flush").Sync(kFolder);
+}
+
+fs::path MakeTempDirectory(const fs::path& parent, std::string_view name) {
+  for (;;) {
+    fs::path path = TemporaryPath(parent, name);
+    if (::mkdir(path.c_str(), 0777) == 0) return path;
+    if (errno != EEXIST) ThrowIoError("create a folder in", parent, errno);
+  }
+}
+
+bool IsTemporaryName(std::string_view file_name) {
+  return file_name.starts_with('.') && file_name.ends_with(kSuffix);
+}
+
+void CommitDirectory(const fs::path& temporary, const fs::path& final) {
+  SyncTree(temporary);
+  RenameToNew(temporary, final);
+  FsyncDirectory(ParentOf(final));
+}
+
+}  // namespace robocell

@@ -1,0 +1,75 @@
+#include "robocell/base/hash.h"
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+
+#include <openssl/evp.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/io_error.h"
+
+namespace robocell {
+namespace {
+
+struct FreeContext {
+  void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
+};
+using Context = std::unique_ptr<EVP_MD_CTX, FreeContext>;
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+
+void Require(bool worked) {
+  if (!worked) throw Error("SHA-256: OpenSSL's library refused to compute it");
+}
+
+}  // namespace
+
+struct Sha256Stream::Impl {
+  Context context{EVP_MD_CTX_new()};
+};
+
+Sha256Stream::Sha256Stream() : impl_(std::make_unique<Impl>()) {
+  Require(impl_->context && EVP_DigestInit_ex(impl_->context.get(), EVP_sha256(), nullptr) == 1);
+}
+Sha256Stream::~Sha256Stream() = default;
+Sha256Stream::Sha256Stream(Sha256Stream&&) noexcept = default;
+Sha256Stream& Sha256Stream::operator=(Sha256Stream&&) noexcept = default;
+
+void Sha256Stream::Update(std::string_view bytes) {
+  Require(EVP_DigestUpdate(impl_->context.get(), bytes.data(), bytes.size()) == 1);
+}
+
+std::string Sha256Stream::Hex() const {
+  const Context copy(EVP_MD_CTX_new());
+  std::array<unsigned char, EVP_MAX_MD_SIZE> digest;
+  unsigned size = 0;
+  Require(copy && EVP_MD_CTX_copy_ex(copy.get(), impl_->context.get()) == 1 &&
+          EVP_DigestFinal_ex(copy.get(), digest.data(), &size) == 1);
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string hex;
+  for (unsigned i = 0; i < size; ++i) hex += {kDigits[digest[i] >> 4], kDigits[digest[i] & 15]};
+  return hex;
+}
+
+std::string Sha256(std::string_view bytes) {
+  Sha256Stream stream;
+  stream.Update(bytes);
+  return stream.Hex();
+}
+
+std::string Sha256File(const std::filesystem::path& path) {
+  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rbe"));
+  if (!file) ThrowIoError("read", path, errno);
+  Sha256Stream stream;
+  std::string block(1 << 16, '\0');
+  while (const size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
+    stream.Update({block.data(), count});
+  }
+  if (std::ferror(file.get())) ThrowIoError("read", path, errno);
+  return stream.Hex();
+}
+
+}  // namespace robocell

@@ -1,0 +1,33 @@
+// SHA-256 of bytes and files, as 64 lower-case hexadecimal digits: what `sha256sum` prints.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace robocell {
+
+std::string Sha256(std::string_view bytes);
+
+// Reads the file in blocks; its size does not matter. IoError when it cannot be read.
+std::string Sha256File(const std::filesystem::path& path);
+
+// The hash of what is handed over piece by piece.
+class Sha256Stream {
+ public:
+  Sha256Stream();
+  ~Sha256Stream();
+  Sha256Stream(Sha256Stream&&) noexcept;
+  Sha256Stream& operator=(Sha256Stream&&) noexcept;
+
+  void Update(std::string_view bytes);
+  // Of all bytes so far; more may follow.
+  std::string Hex() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,55 @@
+#include "robocell/base/hash.h"
+
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+constexpr char kEmpty[] = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+constexpr char kAbc[] = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
+constexpr char kMillionA[] = "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0";
+
+// The examples of FIPS 180-2, appendix B.
+TEST(Sha256, AgreesWithTheStandard) {
+  EXPECT_EQ(Sha256(""), kEmpty);
+  EXPECT_EQ(Sha256("abc"), kAbc);
+  EXPECT_EQ(Sha256(std::string(1000000, 'a')), kMillionA);
+}
+
+TEST(Sha256, OfAFileIsThatOfItsBytes) {
+  const TempDir temp;
+  AtomicWrite(temp.path() / "large", std::string(1000000, 'a'));
+  AtomicWrite(temp.path() / "empty", "");
+  EXPECT_EQ(Sha256File(temp.path() / "large"), kMillionA);
+  EXPECT_EQ(Sha256File(temp.path() / "empty"), kEmpty);
+}
+
+TEST(Sha256, OfWhatCannotBeReadNamesIt) {
+  const TempDir temp;
+  ExpectThrow<IoError>([&] { Sha256File(temp.path() / "gone"); },
+                       "gone': No such file or directory");
+  ExpectThrow<IoError>([&] { Sha256File(temp.path()); }, "Is a directory");
+}
+
+TEST(Sha256, PiecesAreTheSameAsTheWhole) {
+  Sha256Stream stream;
+  stream.Update("a");
+  stream.Update("");
+  Sha256Stream moved = std::move(stream);
+  moved.Update("bc");
+  EXPECT_EQ(moved.Hex(), kAbc);
+  EXPECT_EQ(moved.Hex(), kAbc);
+  moved.Update("d");
+  EXPECT_EQ(moved.Hex(), Sha256("abcd"));
+}
+
+}  // namespace
+}  // namespace robocell

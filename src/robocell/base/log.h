@@ -1,0 +1,56 @@
+// Logging: one process-wide level and one replaceable sink, spoken to by all layers.
+//
+// Nothing here is for data: what a run produced belongs into its episodes and reports, not into the
+// log.
+//
+//   LogWarn(fmt::format("robot '{}': actuator '{}' has no limits", robot, actuator));
+//   const ScopedLogSink capture([&](LogLevel, std::string_view text) { lines.emplace_back(text);
+//   });
+//
+// All functions may be called from any thread, also from a sink. They never throw.
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+namespace robocell {
+
+enum class LogLevel { kDebug = 0, kInfo = 1, kWarn = 2, kError = 3 };
+
+// "debug", "info", "warn", "error".
+std::string_view LogLevelName(LogLevel level);
+// The level of that name; an unknown one is a NotFoundError that lists the four.
+LogLevel LogLevelFromName(std::string_view name);
+
+// Messages below this level are dropped. The default is kInfo.
+void SetLogLevel(LogLevel level);
+LogLevel GetLogLevel();
+
+void Log(LogLevel level, std::string_view message) noexcept;
+void LogDebug(std::string_view message) noexcept;
+void LogInfo(std::string_view message) noexcept;
+void LogWarn(std::string_view message) noexcept;
+void LogError(std::string_view message) noexcept;
+
+// Receives each message that passes the level, on the thread that logs and with no lock held: it
+// may be called by several threads at once, may itself log, and may wait for Python's interpreter
+// lock. What it throws is written to stderr and goes no further.
+using LogSink = std::function<void(LogLevel, std::string_view)>;
+
+// Replaces the sink and returns the one before; an empty sink means stderr, which is the default.
+// Another thread may still be inside the old sink when this returns.
+LogSink SetLogSink(LogSink sink);
+
+// Replaces the sink for a scope and puts the former one back.
+class ScopedLogSink {
+ public:
+  explicit ScopedLogSink(LogSink sink) : former_(SetLogSink(std::move(sink))) {}
+  ~ScopedLogSink() { SetLogSink(std::move(former_)); }
+  ScopedLogSink(const ScopedLogSink&) = delete;
+  ScopedLogSink& operator=(const ScopedLogSink&) = delete;
+
+ private:
+  LogSink former_;
+};
+
+}  // namespace robocell

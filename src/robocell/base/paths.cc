@@ -1,0 +1,104 @@
+#include "robocell/base/paths.h"
+
+#include <algorithm>
+#include <deque>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/io_error.h"
+
+namespace robocell {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int kMostLinks = 40;  // as Linux itself
+
+[[noreturn]] void Refuse(const fs::path& root, std::string_view relative, std::string_view reason) {
+  // A NUL would cut the message short.
+  std::string shown(relative);
+  for (size_t at; (at = shown.find('\0')) != std::string::npos;) shown.replace(at, 1, "\\0");
+  throw ArgumentError(fmt::format("path '{}' {}; it must lead to a place inside '{}'", shown,
+                                  reason, root.native()));
+}
+
+bool IsInside(const fs::path& path, const fs::path& root) {
+  return std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
+}
+
+// Where `path`, an absolute one, leads when all links are followed. Unlike
+// std::filesystem::weakly_canonical it follows links whose target does not exist. "" when there are
+// too many links.
+fs::path FollowLinks(const fs::path& path) {
+  std::deque<fs::path> rest(path.begin(), path.end());
+  fs::path current;
+  int links = 0;
+  while (!rest.empty()) {
+    const fs::path part = rest.front();
+    rest.pop_front();
+    if (part.empty() || part == ".") continue;
+    if (part == "..") {
+      current = current.parent_path();
+      continue;
+    }
+    std::error_code error;
+    const fs::path target = fs::read_symlink(current / part, error);
+    if (error) {  // not a link
+      current /= part;
+      continue;
+    }
+    if (++links > kMostLinks) return {};
+    if (target.is_absolute()) current.clear();
+    rest.insert(rest.begin(), target.begin(), target.end());
+  }
+  return current;
+}
+
+fs::path Absolute(const fs::path& path) {
+  std::error_code error;
+  fs::path absolute = fs::absolute(path, error);
+  if (error) ThrowIoError("find", path, error.value());
+  return absolute;
+}
+
+std::string_view FileNameProblem(std::string_view name) {
+  if (name.empty()) return "is empty";
+  if (name == "." || name == "..") return "means a folder";
+  if (name.size() > 255) return "is longer than 255 bytes";
+  for (const char c : name) {
+    if (c == '/') return "contains '/'";
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) return "contains a control character";
+  }
+  return "";
+}
+
+}  // namespace
+
+fs::path ConfinedPath(const fs::path& root, std::string_view relative) {
+  if (relative.empty()) Refuse(root, relative, "is empty");
+  if (relative.find('\0') != std::string_view::npos) Refuse(root, relative, "contains a NUL byte");
+  const fs::path path(relative);
+  if (path.is_absolute()) Refuse(root, relative, "is absolute");
+  for (const fs::path& part : path) {
+    if (part == "..") Refuse(root, relative, "contains '..'");
+  }
+  const fs::path place = FollowLinks(Absolute(root / path));
+  if (place.empty()) Refuse(root, relative, "goes through too many symbolic links");
+  if (!IsInside(place, FollowLinks(Absolute(root)))) {
+    Refuse(root, relative, fmt::format("leads to '{}' through a symbolic link", place.native()));
+  }
+  return root / path.lexically_normal();
+}
+
+bool ValidFileName(std::string_view name) { return FileNameProblem(name).empty(); }
+
+void RequireFileName(std::string_view what, std::string_view name) {
+  const std::string_view problem = FileNameProblem(name);
+  if (problem.empty()) return;
+  throw ArgumentError(fmt::format("{} name '{}' {}, but it becomes a file name", what,
+                                  name.substr(0, name.find('\0')), problem));
+}
+
+}  // namespace robocell

@@ -1,0 +1,119 @@
+#include "robocell/base/paths.h"
+
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+// temp/root is the root, temp/outside is not in it.
+class ConfinedPathTest : public ::testing::Test {
+ protected:
+  ConfinedPathTest() {
+    fs::create_directories(root() / "assets");
+    fs::create_directory(outside());
+  }
+  fs::path root() const { return temp_.path() / "root"; }
+  fs::path outside() const { return temp_.path() / "outside"; }
+  void ExpectRefused(std::string_view relative, const std::string& reason) {
+    const std::string message =
+        ExpectThrow<ArgumentError>([&] { ConfinedPath(root(), relative); }, reason);
+    EXPECT_NE(message.find("inside '" + root().native() + "'"), std::string::npos) << message;
+  }
+
+ private:
+  TempDir temp_;
+};
+
+TEST_F(ConfinedPathTest, PathsInsideAreJoined) {
+  EXPECT_EQ(ConfinedPath(root(), "assets/link.stl"), root() / "assets/link.stl");
+  EXPECT_EQ(ConfinedPath(root(), "./assets//x"), root() / "assets/x");
+  EXPECT_EQ(ConfinedPath("models", "arm/arm.xml"), "models/arm/arm.xml");
+  EXPECT_EQ(ConfinedPath("/not/there", "x"), "/not/there/x");
+}
+
+TEST_F(ConfinedPathTest, StrangeNamesAreFine) {
+  for (const std::string name : {"with space", "'\"", "$(touch x)", "`x`", "..x", "x..", "...",
+                                 "\u00e4\u6f22\U0001F916", "-rf", "a\\..\\b", "%2e%2e", "a\nb"}) {
+    EXPECT_EQ(ConfinedPath(root(), name), root() / name);
+  }
+}
+
+TEST_F(ConfinedPathTest, PathsThatLeaveAreRefused) {
+  ExpectRefused("../outside/x",
+                "path '../outside/x' contains '..'; it must lead to a place inside");
+  ExpectRefused("assets/../../outside", "contains '..'");
+  ExpectRefused("assets/..", "contains '..'");
+  ExpectRefused("..", "contains '..'");
+  ExpectRefused("/etc/passwd", "path '/etc/passwd' is absolute");
+  ExpectRefused("", "path '' is empty");
+  ExpectRefused(std::string_view("a\0b", 3), "path 'a\\0b' contains a NUL byte");
+}
+
+TEST_F(ConfinedPathTest, LinksThatLeaveAreRefused) {
+  fs::create_symlink(outside(), root() / "absolute");
+  fs::create_symlink("../outside", root() / "relative");
+  fs::create_symlink("absolute/deeper", root() / "twice");
+  fs::create_symlink("/not/there/at/all", root() / "dangling");
+  const std::string to = "leads to '" + fs::canonical(outside()).native();
+  ExpectRefused("absolute", to + "' through a symbolic link");
+  ExpectRefused("absolute/x", to + "/x' through");
+  ExpectRefused("relative/x", to + "/x' through");
+  ExpectRefused("twice", to + "/deeper' through");
+  ExpectRefused("dangling", "leads to '/not/there/at/all' through a symbolic link");
+}
+
+TEST_F(ConfinedPathTest, LinksThatStayAreFollowed) {
+  fs::create_symlink("assets", root() / "link");
+  fs::create_symlink("../root/assets", root() / "around");
+  fs::create_symlink(root() / "assets", root() / "absolute");
+  fs::create_symlink(root(), outside() / "root_by_another_name");
+  EXPECT_EQ(ConfinedPath(root(), "link/x"), root() / "link/x");
+  EXPECT_EQ(ConfinedPath(root(), "around/x"), root() / "around/x");
+  EXPECT_EQ(ConfinedPath(root(), "absolute/x"), root() / "absolute/x");
+  const fs::path other = outside() / "root_by_another_name";
+  EXPECT_EQ(ConfinedPath(other, "absolute/x"), other / "absolute/x");
+}
+
+TEST_F(ConfinedPathTest, LinksInACircleAreRefused) {
+  fs::create_symlink("b", root() / "a");
+  fs::create_symlink("a", root() / "b");
+  ExpectRefused("a/x", "goes through too many symbolic links");
+}
+
+TEST_F(ConfinedPathTest, AFolderWhoseNameBeginsLikeTheRootIsOutside) {
+  fs::create_directory(root().native() + "_2");
+  fs::create_symlink("../root_2", root() / "sibling");
+  ExpectRefused("sibling/x", "root_2/x' through a symbolic link");
+}
+
+TEST(FileName, ValidOnesNameOneFile) {
+  for (const std::string name : {"a", "wrist camera", "\u00e4", ".hidden", "..x", "$(x)", "-n"}) {
+    EXPECT_TRUE(ValidFileName(name)) << name;
+  }
+  EXPECT_TRUE(ValidFileName(std::string(255, 'x')));
+}
+
+TEST(FileName, OthersAreRefusedWithTheReason) {
+  const auto refuse = [](std::string_view name) {
+    EXPECT_FALSE(ValidFileName(name));
+    RequireFileName("camera", name);
+  };
+  ExpectThrow<ArgumentError>([&] { refuse(""); }, "camera name '' is empty, but it becomes a file");
+  ExpectThrow<ArgumentError>([&] { refuse(".."); }, "camera name '..' means a folder");
+  ExpectThrow<ArgumentError>([&] { refuse("."); }, "means a folder");
+  ExpectThrow<ArgumentError>([&] { refuse("a/b"); }, "camera name 'a/b' contains '/'");
+  ExpectThrow<ArgumentError>([&] { refuse("a\nb"); }, "contains a control character");
+  ExpectThrow<ArgumentError>([&] { refuse({"a\0b", 3}); }, "contains a control character");
+  ExpectThrow<ArgumentError>([&] { refuse(std::string(256, 'x')); }, "is longer than 255 bytes");
+}
+
+}  // namespace
+}  // namespace robocell

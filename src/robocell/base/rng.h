@@ -1,0 +1,103 @@
+// Random streams named by keys: the only source of randomness for anything that ends up in data.
+//
+// A stream is a pure function of its keys, the same on every machine and with every standard
+// library. Who asks for "episode 17, attempt 0, object pose" gets the same numbers whatever was
+// drawn before, by whom, in which process.
+//
+//   Rng rng = Rng::Stream(run_seed, "scene", scene_name, index, attempt, "object pose");
+//   const double x = rng.Uniform(-0.2, 0.2);
+//   Rng noise = rng.Fork("camera noise");  // does not depend on what was drawn from rng
+//
+// Laws: Stream(seed, a, b) equals Stream(seed, a).Fork(b). Integer keys are equal when their values
+// are, whatever their type; 7 and "7" are different keys. Forking twice with the same key gives the
+// same stream twice.
+//
+// Keys are hashed with SipHash-2-4-128; numbers come from xoshiro256++ (D. Blackman and S. Vigna,
+// "Scrambled linear pseudorandom number generators", 2019). A Rng is a small value without
+// allocation; one thread at a time may draw from it.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "robocell/base/siphash.h"
+
+namespace robocell {
+
+template <typename T>
+concept RngInteger = std::integral<T> && !std::same_as<T, bool> && !std::same_as<T, char>;
+
+// One part of a stream's name: a whole number or a text, converted in place. A text must outlive
+// the call that takes the key.
+class RngKey {
+ public:
+  template <RngInteger T>
+  RngKey(T value)
+      : number_(static_cast<uint64_t>(value)), kind_(value < T{0} ? kNegative : kNonNegative) {}
+  RngKey(std::string_view text) : text_(text), kind_(kText) {}
+  RngKey(const std::string& text) : RngKey(std::string_view(text)) {}
+  RngKey(const char* text) : RngKey(std::string_view(text)) {}
+
+ private:
+  friend class Rng;
+  enum Kind : char { kNonNegative = 'u', kNegative = 'n', kText = 's' };
+
+  uint64_t number_ = 0;
+  std::string_view text_;
+  Kind kind_;
+};
+
+class Rng {
+ public:
+  // The stream of these keys.
+  static Rng Stream(uint64_t run_seed, std::span<const RngKey> keys);
+  template <std::convertible_to<RngKey>... Keys>
+  static Rng Stream(uint64_t run_seed, const Keys&... keys) {
+    const std::array<RngKey, sizeof...(Keys) + 1> all = {RngKey(keys)..., RngKey(0)};
+    return Stream(run_seed, std::span(all.data(), sizeof...(Keys)));
+  }
+
+  // The stream of this stream's keys and one more; what was drawn from this one does not matter.
+  Rng Fork(const RngKey& purpose) const;
+
+  // 64 random bits.
+  uint64_t NextBits();
+  // In [0, 1), a multiple of 2^-53.
+  double Uniform();
+  // In [low, high); low itself when they are equal. Refused (ArgumentError) unless low <= high and
+  // both are finite.
+  double Uniform(double low, double high);
+  // In {0, ..., count - 1}, without bias; count 0 is an ArgumentError.
+  uint64_t UniformInt(uint64_t count);
+  // Mean 0, standard deviation 1.
+  double Normal();
+  // An index drawn with probability proportional to its weight. Weights are finite and >= 0, one at
+  // least > 0 (ArgumentError otherwise).
+  size_t WeightedIndex(std::span<const double> weights);
+
+  // One of the elements of a container that has size() and operator[].
+  template <typename Container>
+  decltype(auto) Choice(Container&& items) {
+    return items[UniformInt(items.size())];
+  }
+  // All orders are equally likely (Fisher-Yates).
+  template <typename Container>
+  void Shuffle(Container&& items) {
+    using std::swap;
+    for (size_t i = items.size(); i > 1; --i) swap(items[i - 1], items[UniformInt(i)]);
+  }
+
+ private:
+  explicit Rng(const Hash128& id);
+
+  Hash128 id_;                     // hash of the keys
+  std::array<uint64_t, 4> state_;  // of xoshiro256++
+};
+
+}  // namespace robocell

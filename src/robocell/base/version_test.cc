@@ -1,0 +1,22 @@
+#include "robocell/base/version.h"
+
+#include <regex>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/files.h"
+
+namespace robocell {
+namespace {
+
+TEST(Version, IsThatOfTheBuildFile) {
+  const std::string build = ReadFile(ROBOCELL_SOURCE_DIR "/CMakeLists.txt");
+  std::smatch match;
+  ASSERT_TRUE(std::regex_search(build, match, std::regex("project\\(robocell VERSION ([0-9.]+)")));
+  EXPECT_EQ(Version(), match[1].str());
+}
+
+}  // namespace
+}  // namespace robocell

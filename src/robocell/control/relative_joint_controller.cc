@@ -1,0 +1,37 @@
+#include "robocell/control/relative_joint_controller.h"
+
+#include <algorithm>
+
+namespace robocell {
+namespace {
+
+// A gripper's opening is never relative: it has two ends, and a few steps between them.
+[[maybe_unused]] const bool kRegistered = [] {
+  RegisterController("relative_joint_position",
+                     [](MoveGroup& group) -> std::unique_ptr<Controller> {
+                       if (dynamic_cast<GripperGroup*>(&group))
+                         return MakeJointPositionController(group);
+                       return std::make_unique<RelativeJointController>(group);
+                     });
+  return true;
+}();
+
+}  // namespace
+
+void RelativeJointController::SetTarget(std::span<const double> delta) {
+  CheckValues([&] { return "group '" + group_.name() + "'"; }, "joint", delta, target_size(),
+              group_.joint_names());
+  const std::vector<Interval> limits = group_.joint_pos_limits();
+  const std::span<double> target = absolute_.command_port();
+  for (size_t i = 0; i < target.size(); ++i) {
+    target[i] = std::clamp(target[i] + delta[i], limits[i].lower, limits[i].upper);
+    delta_[i] = delta[i];
+  }
+}
+
+void RelativeJointController::Reset() {
+  absolute_.Reset();
+  std::fill(delta_.begin(), delta_.end(), 0.0);
+}
+
+}  // namespace robocell

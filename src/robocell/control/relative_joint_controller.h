@@ -1,0 +1,34 @@
+// Relative joint position: a target is added to the present target, so that errors of tracking do
+// not add up.
+#pragma once
+
+#include <vector>
+
+#include "robocell/robot/joint_position_controller.h"
+
+namespace robocell {
+
+class RelativeJointController : public Controller {
+ public:
+  explicit RelativeJointController(MoveGroup& group)
+      : group_(group), absolute_(group), delta_(group.nq()) {}
+
+  std::string_view kind() const override { return "relative_joint_position"; }
+  int target_size() const override { return absolute_.target_size(); }
+  // Adds `delta` (rad or m) to where the group is being driven, kept within the joint limits.
+  void SetTarget(std::span<const double> delta) override;
+  // The last one added.
+  std::span<const double> target() const override { return delta_; }
+  bool target_is_relative() const override { return true; }
+  std::span<const double> commanded_joint_pos() const override { return absolute_.target(); }
+  std::span<double> command_port() override { return absolute_.command_port(); }
+  void Reset() override;
+  void Compute(std::span<double> ctrl) override { absolute_.Compute(ctrl); }
+
+ private:
+  MoveGroup& group_;
+  JointPositionController absolute_;
+  std::vector<double> delta_;
+};
+
+}  // namespace robocell

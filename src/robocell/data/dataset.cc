@@ -1,0 +1,68 @@
+#include "robocell/data/dataset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <system_error>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/io_error.h"
+#include "robocell/base/names.h"
+#include "robocell/data/episode_files.h"
+#include "robocell/data/episode_writer.h"
+
+namespace robocell {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool IsObject(const std::string& text) {
+  const auto value = nlohmann::json::parse(text, nullptr, false);
+  return value.is_object();
+}
+
+}  // namespace
+
+Dataset::Dataset(fs::path folder) : folder_(std::move(folder)) { Refresh(); }
+
+void Dataset::Refresh() {
+  ids_.clear();
+  std::error_code error;
+  for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    std::error_code ignored;
+    if (IsEpisodeId(name) && fs::is_regular_file(it->path() / kEpisodeFile, ignored))
+      ids_.push_back(name);
+  }
+  if (error) ThrowIoError("list dataset", folder_, error.value());
+  std::sort(ids_.begin(), ids_.end());
+}
+
+bool Dataset::Contains(std::string_view id) const {
+  return std::binary_search(ids_.begin(), ids_.end(), id);
+}
+
+Episode Dataset::Open(const std::string& id) const {
+  if (Contains(id)) return Episode(folder_ / id);
+  throw NotFoundError(
+      NoSuchName(fmt::format("dataset '{}'", folder_.string()), "episode", id, ids_));
+}
+
+void WriteManifest(const fs::path& dataset, const std::string& json) {
+  if (!IsObject(json)) throw ArgumentError("dataset.json must be a JSON object");
+  AtomicWrite(dataset / kManifestFile, json);
+}
+
+std::optional<std::string> ReadManifest(const fs::path& dataset) {
+  const fs::path path = dataset / kManifestFile;
+  if (!fs::exists(fs::symlink_status(path))) return std::nullopt;
+  std::string text = ReadFile(path);
+  if (!IsObject(text))
+    throw IoError(fmt::format("'{}' is damaged: it is not a JSON object", path.string()));
+  return text;
+}
+
+}  // namespace robocell

@@ -1,0 +1,67 @@
+// A dataset: a folder of committed episodes. What counts is what is on the disk; dataset.json
+// describes the run that made it and is never asked how many episodes there are.
+//
+//   for (const Episode& episode : Dataset("out/pick_v1")) Use(episode.Read<double>("reward"));
+//
+// IoError names the folder. Ids are in byte order, so zero-padded numbers are in the order of their
+// numbers. A Dataset is a snapshot: episodes committed later are seen after Refresh().
+#pragma once
+
+#include <filesystem>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "robocell/data/episode_reader.h"
+
+namespace robocell {
+
+class Dataset {
+ public:
+  explicit Dataset(std::filesystem::path folder);
+
+  const std::filesystem::path& folder() const { return folder_; }
+  const std::vector<std::string>& ids() const { return ids_; }
+  size_t size() const { return ids_.size(); }
+  bool Contains(std::string_view id) const;
+  // NotFoundError with the nearest ids.
+  Episode Open(const std::string& id) const;
+  void Refresh();
+
+  class Iterator {
+   public:
+    using iterator_category = std::input_iterator_tag;
+    using value_type = Episode;
+    using difference_type = std::ptrdiff_t;
+    using pointer = const Episode*;
+    using reference = Episode;
+    Episode operator*() const { return dataset_->Open(dataset_->ids()[index_]); }
+    Iterator& operator++() {
+      ++index_;
+      return *this;
+    }
+    bool operator!=(const Iterator& other) const { return index_ != other.index_; }
+
+   private:
+    friend class Dataset;
+    Iterator(const Dataset* dataset, size_t index) : dataset_(dataset), index_(index) {}
+    const Dataset* dataset_;
+    size_t index_;
+  };
+  Iterator begin() const { return {this, 0}; }
+  Iterator end() const { return {this, size()}; }
+
+ private:
+  std::filesystem::path folder_;
+  std::vector<std::string> ids_;
+};
+
+// dataset.json: a JSON object as text, replaced in one step. ArgumentError if the text is no JSON
+// object.
+void WriteManifest(const std::filesystem::path& dataset, const std::string& json);
+// Unset if there is none; IoError if it is damaged.
+std::optional<std::string> ReadManifest(const std::filesystem::path& dataset);
+
+}  // namespace robocell

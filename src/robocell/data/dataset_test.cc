@@ -1,0 +1,58 @@
+#include "robocell/data/dataset.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/data/testing/sample_episode.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+
+TEST(Dataset, EpisodesComeInTheOrderOfTheirIds) {
+  TempDir folder;
+  for (const char* id : {"e-10", "e-02", "e-01"}) SampleEpisode(0, false).Write(folder.path(), id);
+  const Dataset dataset(folder.path());
+  std::vector<std::string> ids;
+  for (const Episode& episode : dataset) ids.push_back(episode.id());
+  EXPECT_THAT(ids, ElementsAre("e-01", "e-02", "e-10"));
+  ExpectThrow<NotFoundError>([&] { dataset.Open("e-03"); }, "no episode 'e-03'");
+}
+
+TEST(Dataset, OnlyCommittedEpisodesCount) {
+  TempDir folder;
+  const SampleEpisode sample(0, false);
+  EpisodeWriter unfinished(folder.path(), "b", sample.schema);
+  fs::create_directory(folder / "notes");
+  fs::create_directory(folder / "c");
+  AtomicWrite(folder / "c" / "steps.h5", "x");
+  Dataset dataset(folder.path());
+  EXPECT_EQ(dataset.size(), 0u);
+  sample.Write(folder.path(), "a");
+  EXPECT_FALSE(dataset.Contains("a"));  // a snapshot
+  dataset.Refresh();
+  EXPECT_THAT(dataset.ids(), ElementsAre("a"));
+}
+
+TEST(Dataset, AMissingFolderIsNamed) {
+  ExpectThrow<IoError>([] { Dataset("/no/such/folder"); }, "/no/such/folder");
+}
+
+TEST(Manifest, ItComesBackAsItWasWritten) {
+  TempDir folder;
+  EXPECT_EQ(ReadManifest(folder.path()), std::nullopt);
+  WriteManifest(folder.path(), R"({"run": "pick"})");
+  EXPECT_EQ(ReadManifest(folder.path()), R"({"run": "pick"})");
+  ExpectThrow<ArgumentError>([&] { WriteManifest(folder.path(), "[1]"); }, "must be a JSON object");
+  AtomicWrite(folder / "dataset.json", "{\"run\":");
+  ExpectThrow<IoError>([&] { ReadManifest(folder.path()); }, "dataset.json' is damaged");
+}
+
+}  // namespace
+}  // namespace robocell

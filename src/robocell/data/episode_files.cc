@@ -1,0 +1,39 @@
+#include "robocell/data/episode_files.h"
+
+#include "robocell/base/error.h"
+#include "robocell/base/hash.h"
+
+namespace robocell {
+namespace {
+
+constexpr std::string_view kKey = "\"json_sha256\": \"";
+
+// Where the hash begins: after the last such key, as `run` is written last. npos if there is none.
+size_t HashPosition(const std::string& text) {
+  const size_t key = text.rfind(kKey);
+  if (key == std::string::npos) return key;
+  const size_t begin = key + kKey.size();
+  return begin + kUnsigned.size() <= text.size() ? begin : std::string::npos;
+}
+
+}  // namespace
+
+std::string SignEpisodeJson(std::string text) {
+  const size_t at = HashPosition(text);
+  if (at == std::string::npos || text.compare(at, kUnsigned.size(), kUnsigned) != 0) {
+    throw Error("episode.json has no place for its hash");
+  }
+  text.replace(at, kUnsigned.size(), Sha256(text));
+  return text;
+}
+
+bool EpisodeJsonIsIntact(const std::string& text) {
+  const size_t at = HashPosition(text);
+  if (at == std::string::npos) return false;
+  std::string unsigned_text = text;
+  const std::string hash = text.substr(at, kUnsigned.size());
+  unsigned_text.replace(at, kUnsigned.size(), kUnsigned);
+  return Sha256(unsigned_text) == hash;
+}
+
+}  // namespace robocell

@@ -1,0 +1,236 @@
+#include "robocell/data/episode_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+#include <type_traits>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/names.h"
+#include "robocell/base/paths.h"
+#include "robocell/data/episode_files.h"
+#include "robocell/data/hdf5.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+CameraInfo ReadCamera(const std::string& name, const Json& json) {
+  return {.name = name,
+          .file = json.at("file"),
+          .table = json.at("table"),
+          .frames = json.at("frames"),
+          .width = json.at("width"),
+          .height = json.at("height"),
+          .fps_num = json.at("fps").at(0),
+          .fps_den = json.at("fps").at(1)};
+}
+
+ColumnInfo ReadColumn(const hdf5::File& file, const std::string& name) {
+  const hdf5::Dataset dataset = file.Open(name);
+  ColumnInfo info;
+  info.spec = {.name = name,
+               .type = dataset.type(),
+               .shape = dataset.shape(),
+               .units = dataset.Text("units"),
+               .frame = dataset.Text("frame"),
+               .names = dataset.Texts("names"),
+               .values = dataset.Texts("values"),
+               .description = dataset.Text("description")};
+  info.table = dataset.Text("table");
+  if (!info.table.empty() && !info.spec.shape.empty()) {
+    info.rows = info.spec.shape.front();
+    info.spec.shape.erase(info.spec.shape.begin());
+  }
+  return info;
+}
+
+template <typename Info>
+std::vector<std::string> Names(const std::vector<Info>& infos) {
+  std::vector<std::string> names;
+  for (const Info& info : infos) {
+    if constexpr (std::is_same_v<Info, ColumnInfo>) {
+      names.push_back(info.spec.name);
+    } else {
+      names.push_back(info.name);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+struct Episode::Impl {
+  fs::path folder;
+  std::string text;
+  Json json;
+  std::string id;
+  std::string end_reason;
+  std::vector<std::string> warnings;
+  std::vector<CameraInfo> cameras;
+
+  mutable std::once_flag opened;
+  mutable std::optional<hdf5::File> steps;
+  mutable std::vector<ColumnInfo> columns;
+
+  std::string Name() const { return fmt::format("episode '{}'", folder.string()); }
+
+  void Parse() {
+    try {
+      json = Json::parse(text);
+      if (json.at("format") != kEpisodeFormat)
+        throw IoError(Name() + ": episode.json is of another format");
+      const int version = json.at("format_version");
+      if (version != kEpisodeFormatVersion) {
+        throw IoError(fmt::format("{}: format version {} is not {}, which this robocell reads",
+                                  Name(), version, kEpisodeFormatVersion));
+      }
+      id = json.at("id");
+      end_reason = json.at("end_reason");
+      warnings = json.at("warnings").get<std::vector<std::string>>();
+      for (const auto& [name, camera] : json.at("cameras").items())
+        cameras.push_back(ReadCamera(name, camera));
+      for (const char* key : {"success", "terminated", "truncated", "metadata", "results", "tables",
+                              "versions", "run"}) {
+        json.at(key);  // asked for later, without a check
+      }
+      CheckFiles();
+    } catch (const nlohmann::json::exception& error) {
+      throw IoError(fmt::format("{}: episode.json is damaged: {}", Name(), error.what()));
+    }
+  }
+
+  void CheckFiles() const {
+    for (const auto& [file, facts] : json.at("files").items()) {
+      std::error_code error;
+      if (!ValidFileName(file))
+        throw IoError(fmt::format("{}: episode.json lists a file '{}'", Name(), file));
+      const auto size = fs::file_size(folder / file, error);
+      if (error) throw IoError(fmt::format("{}: '{}': {}", Name(), file, error.message()));
+      if (size != facts.at("bytes").get<uint64_t>()) {
+        throw IoError(fmt::format("{}: '{}' has {} bytes, {} were written", Name(), file, size,
+                                  facts.at("bytes").get<uint64_t>()));
+      }
+    }
+  }
+
+  // On first use: lists of episodes need episode.json only.
+  const hdf5::File& Steps() const {
+    std::call_once(opened, [&] {
+      hdf5::File file = hdf5::File::OpenReadOnly(folder / kStepsFile);
+      for (const std::string& name : file.DatasetNames()) columns.push_back(ReadColumn(file, name));
+      steps.emplace(std::move(file));
+    });
+    return *steps;
+  }
+
+  // The rows to read; ArgumentError if they are not all there.
+  std::pair<int64_t, int64_t> Rows(const ColumnInfo& info, const RowRange& range) const {
+    const int64_t count = range.count.value_or(info.rows - range.first);
+    if (range.first >= 0 && count >= 0 && count <= info.rows - range.first)
+      return {range.first, count};
+    throw ArgumentError(fmt::format("{}: rows {} ... {} of '{}' were asked for, it has {}", Name(),
+                                    range.first, range.first + count - 1, info.spec.name,
+                                    info.rows));
+  }
+};
+
+Episode::Episode(const fs::path& folder) : impl_(std::make_unique<Impl>()) {
+  impl_->folder = folder;
+  impl_->text = ReadFile(folder / kEpisodeFile);
+  impl_->Parse();
+}
+
+Episode::~Episode() = default;
+Episode::Episode(Episode&&) noexcept = default;
+Episode& Episode::operator=(Episode&&) noexcept = default;
+
+const fs::path& Episode::folder() const { return impl_->folder; }
+const std::string& Episode::id() const { return impl_->id; }
+bool Episode::success() const { return impl_->json["success"] == true; }
+bool Episode::terminated() const { return impl_->json["terminated"] == true; }
+bool Episode::truncated() const { return impl_->json["truncated"] == true; }
+const std::string& Episode::end_reason() const { return impl_->end_reason; }
+const std::vector<std::string>& Episode::warnings() const { return impl_->warnings; }
+const std::string& Episode::json() const { return impl_->text; }
+std::string Episode::metadata_json() const { return impl_->json["metadata"].dump(2); }
+std::string Episode::results_json() const { return impl_->json["results"].dump(2); }
+std::string Episode::versions_json() const { return impl_->json["versions"].dump(2); }
+std::string Episode::run_json() const { return impl_->json["run"].dump(2); }
+
+std::vector<std::string> Episode::tables() const {
+  std::vector<std::string> names;
+  for (const auto& [name, table] : impl_->json["tables"].items()) names.push_back(name);
+  return names;
+}
+
+int64_t Episode::rows(const std::string& table) const {
+  const Json& all = impl_->json["tables"];
+  if (const auto found = all.find(table); found != all.end())
+    return found->value("rows", int64_t{0});
+  throw NotFoundError(NoSuchName(impl_->Name(), "table", table, tables()));
+}
+
+std::vector<std::string> Episode::files() const {
+  std::vector<std::string> names;
+  for (const auto& [name, facts] : impl_->json["files"].items()) names.push_back(name);
+  return names;
+}
+
+const std::vector<ColumnInfo>& Episode::columns() const {
+  impl_->Steps();
+  return impl_->columns;
+}
+
+const ColumnInfo& Episode::column(const std::string& name) const {
+  for (const ColumnInfo& info : columns()) {
+    if (info.spec.name == name) return info;
+  }
+  throw NotFoundError(NoSuchName(impl_->Name(), "column", name, Names(columns())));
+}
+
+size_t Episode::ValueCount(const std::string& name, const RowRange& range) const {
+  const ColumnInfo& info = column(name);
+  const int64_t rows = info.table.empty() ? 1 : impl_->Rows(info, range).second;
+  return static_cast<size_t>(rows * RowValues(info.spec.shape));
+}
+
+void Episode::ReadBytes(const std::string& name, const RowRange& range, ColumnType type,
+                        std::span<std::byte> bytes) const {
+  const ColumnInfo& info = column(name);
+  const bool bool_as_byte = type == ColumnType::kUint8 && info.spec.type == ColumnType::kBool;
+  if (type != info.spec.type && !bool_as_byte) {
+    throw ArgumentError(fmt::format("{}: column '{}' holds {}, it cannot be read as {}",
+                                    impl_->Name(), name, NameOf(info.spec.type), NameOf(type)));
+  }
+  const size_t needed = ValueCount(name, range) * SizeOf(type);
+  if (bytes.size() != needed) {
+    throw ArgumentError(
+        fmt::format("{}: '{}' needs {} bytes, got {}", impl_->Name(), name, needed, bytes.size()));
+  }
+  const hdf5::Dataset dataset = impl_->Steps().Open(name);
+  if (info.table.empty()) return dataset.ReadAll(bytes);
+  const auto [first, count] = impl_->Rows(info, range);
+  dataset.ReadRows(first, count, bytes);
+}
+
+const std::vector<CameraInfo>& Episode::cameras() const { return impl_->cameras; }
+
+const CameraInfo& Episode::camera(const std::string& name) const {
+  for (const CameraInfo& info : cameras()) {
+    if (info.name == name) return info;
+  }
+  throw NotFoundError(NoSuchName(impl_->Name(), "camera", name, Names(cameras())));
+}
+
+VideoReader Episode::Video(const std::string& name) const {
+  const CameraInfo& info = camera(name);
+  return VideoReader(ConfinedPath(impl_->folder, info.file));
+}
+
+}  // namespace robocell

@@ -1,0 +1,103 @@
+// Reads one committed episode.
+//
+//   Episode episode("dataset/pick-000017");
+//   std::vector<double> qpos = episode.Read<double>("robots/xarm7/arm/qpos");        // rows() * 7
+//   values, row-major std::vector<double> row = episode.Read<double>("robots/xarm7/arm/qpos",
+//   {.first = 20, .count = 1}); VideoReader wrist = episode.Video("wrist"); // frame i belongs to
+//   row i
+//
+// Opening reads episode.json and checks that the files are there with their sizes; whether their
+// bytes are intact is Verify's question (data/verify.h). IoError names file and reason;
+// NotFoundError the nearest names; ArgumentError for another type or rows beyond the end. Const
+// functions may be called from several threads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/data/column.h"
+#include "robocell/media/video_reader.h"
+
+namespace robocell {
+
+struct ColumnInfo {
+  ColumnSpec spec;
+  std::string table;  // "steps", "control"; "" for a constant
+  int64_t rows = 0;   // of its table; 0 for a constant
+};
+
+struct CameraInfo {
+  std::string name;
+  std::string file;
+  std::string table;
+  int64_t frames = 0;
+  int width = 0;
+  int height = 0;
+  int fps_num = 0;
+  int fps_den = 1;
+};
+
+struct RowRange {
+  int64_t first = 0;
+  std::optional<int64_t> count;  // to the end if unset
+};
+
+class Episode {
+ public:
+  explicit Episode(const std::filesystem::path& folder);
+  ~Episode();
+  Episode(Episode&&) noexcept;
+  Episode& operator=(Episode&&) noexcept;
+
+  const std::filesystem::path& folder() const;
+  const std::string& id() const;
+  bool success() const;
+  bool terminated() const;
+  bool truncated() const;
+  const std::string& end_reason() const;
+  const std::vector<std::string>& warnings() const;
+  // The text of episode.json, and of its parts.
+  const std::string& json() const;
+  std::string metadata_json() const;
+  std::string results_json() const;
+  std::string versions_json() const;
+  std::string run_json() const;
+
+  int64_t rows(const std::string& table = "steps") const;
+  std::vector<std::string> tables() const;
+  // Constants included, by name.
+  const std::vector<ColumnInfo>& columns() const;
+  const ColumnInfo& column(const std::string& name) const;
+
+  // T must be the column's type: double, float, int64_t, int32_t, uint8_t or bool (as uint8_t:
+  // std::vector<bool> has no contiguous values). A constant has no rows: its range must be the
+  // default.
+  template <typename T>
+  std::vector<T> Read(const std::string& name, const RowRange& range = {}) const {
+    static_assert(!std::is_same_v<T, bool>, "read a bool column as uint8_t");
+    std::vector<T> values(ValueCount(name, range));
+    ReadBytes(name, range, ColumnTypeOf<T>(), std::as_writable_bytes(std::span(values)));
+    return values;
+  }
+  size_t ValueCount(const std::string& name, const RowRange& range = {}) const;
+  void ReadBytes(const std::string& name, const RowRange& range, ColumnType type,
+                 std::span<std::byte> bytes) const;
+
+  const std::vector<CameraInfo>& cameras() const;
+  const CameraInfo& camera(const std::string& name) const;
+  VideoReader Video(const std::string& camera) const;
+  // All files but episode.json, as listed in it.
+  std::vector<std::string> files() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace robocell

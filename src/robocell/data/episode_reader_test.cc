@@ -1,0 +1,74 @@
+#include "robocell/data/episode_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/data/testing/sample_episode.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+
+TEST(Episode, ItListsWhatItHolds) {
+  TempDir folder;
+  const Episode episode(SampleEpisode().Write(folder.path(), "a"));
+  EXPECT_THAT(episode.tables(), ElementsAre("steps", "control"));
+  EXPECT_THAT(episode.files(), ElementsAre("steps.h5", "wrist.mp4", "scene.mjb"));
+  std::vector<std::string> names;
+  for (const ColumnInfo& column : episode.columns()) names.push_back(column.spec.name);
+  EXPECT_THAT(names, ElementsAre("cameras/wrist/intrinsics", "control/ctrl", "control/time",
+                                 "image_mean", "objects/cube/pose", "phase", "reward",
+                                 "robots/arm/qpos", "success", "time"));
+  EXPECT_EQ(episode.camera("wrist").fps_num, 500);
+  EXPECT_EQ(episode.camera("wrist").table, "steps");
+}
+
+TEST(Episode, WhatItDoesNotHoldGetsASuggestion) {
+  TempDir folder;
+  const Episode episode(SampleEpisode().Write(folder.path(), "a"));
+  ExpectThrow<NotFoundError>([&] { episode.Read<double>("rewrad"); }, "Did you mean 'reward'?");
+  ExpectThrow<NotFoundError>([&] { episode.Video("wirst"); }, "Did you mean 'wrist'?");
+  ExpectThrow<NotFoundError>([&] { episode.rows("ctrl"); }, "no table 'ctrl'");
+}
+
+TEST(Episode, RowsBeyondTheEndAndOtherTypesAreRefused) {
+  TempDir folder;
+  const Episode episode(SampleEpisode().Write(folder.path(), "a", 20));
+  ExpectThrow<ArgumentError>([&] { episode.Read<double>("reward", {.first = 18, .count = 3}); },
+                             "rows 18 ... 20 of 'reward' were asked for, it has 20");
+  ExpectThrow<ArgumentError>([&] { episode.Read<double>("reward", {.first = -1}); }, "it has 20");
+  ExpectThrow<ArgumentError>([&] { episode.Read<double>("phase"); },
+                             "column 'phase' holds int32, it cannot be read as float64");
+  EXPECT_TRUE(episode.Read<double>("reward", {.first = 20}).empty());
+}
+
+TEST(Episode, AFolderThatIsNoEpisodeIsNamed) {
+  TempDir folder;
+  ExpectThrow<IoError>([&] { Episode(folder / "none"); }, (folder / "none").string());
+  SampleEpisode(0, false).Write(folder.path(), "a");
+  AtomicWrite(folder / "a" / "episode.json", "{\"format\": \"robocell-ep");
+  ExpectThrow<IoError>([&] { Episode(folder / "a"); }, "episode.json is damaged");
+  AtomicWrite(folder / "a" / "episode.json",
+              R"({"format": "robocell-episode", "format_version": 99})");
+  ExpectThrow<IoError>([&] { Episode(folder / "a"); },
+                       "format version 99 is not 1, which this robocell reads");
+}
+
+TEST(Episode, AFileThatIsMissingOrShortIsNamedWhenItIsOpened) {
+  TempDir folder;
+  const fs::path path = SampleEpisode().Write(folder.path(), "a");
+  fs::resize_file(path / "wrist.mp4", 100);
+  ExpectThrow<IoError>([&] { Episode episode(path); }, "'wrist.mp4' has 100 bytes");
+  fs::remove(path / "wrist.mp4");
+  ExpectThrow<IoError>([&] { Episode episode(path); }, "'wrist.mp4': No such file or directory");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,111 @@
+// What an episode will hold, declared before its first row: tables with columns, constants and
+// cameras.
+//
+// A table is one time base. Every episode has the table `steps` (row i is the state before action
+// i); others, such as `control` for what happens at control rate, live in a group of that name. All
+// columns of a table have the same length, and a camera has exactly one frame per row of its table.
+//
+//   EpisodeSchema schema;
+//   const ColumnId time = schema.AddColumn({.name = "time", .units = "s"});
+//   const ColumnId qpos = schema.AddColumn({.name = "robots/xarm7/arm/qpos", .shape = {7}, .units =
+//   "rad",
+//                                           .names = joint_names});
+//   const CameraId wrist = schema.AddCamera({.name = "wrist", .width = 320, .height = 240});
+//   const TableId control = schema.AddTable("control");
+//   const ColumnId ctrl = schema.AddColumn({.name = "ctrl", .shape = {8}}, control);      // stored
+//   as control/ctrl
+//
+// A wrong declaration is an ArgumentError that names it. A value type; copies are independent.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "robocell/data/column.h"
+
+namespace robocell {
+
+// Handles of one schema; copies of the schema understand them too.
+struct TableId {
+  int index = 0;
+  bool operator==(const TableId&) const = default;
+};
+
+struct ColumnId {
+  int table = 0;
+  int index = 0;
+  bool operator==(const ColumnId&) const = default;
+};
+
+struct CameraId {
+  int index = 0;
+  bool operator==(const CameraId&) const = default;
+};
+
+inline constexpr TableId kStepsTable{0};
+
+// A colour video, stored as <name>.mp4.
+struct CameraStream {
+  std::string name;  // a file name
+  int width = 0;     // px, even
+  int height = 0;    // px, even
+  int fps_num = 30;  // the rate the video is played at: the table's rows per second
+  int fps_den = 1;
+  // 3x3 in row-major order, px, OpenCV axes; stored as cameras/<name>/intrinsics. A per-row
+  // extrinsics column is added like any other column.
+  std::optional<std::array<double, 9>> intrinsics;
+};
+
+// A value without time axis.
+struct ConstantSpec {
+  ColumnSpec column;
+  std::vector<double> values;  // row-major
+};
+
+struct TableSpec {
+  std::string name;                 // "steps", "control"
+  std::string group;                // where its columns are: "" for steps, "control/" for others
+  int64_t chunk_rows;               // rows written to the file at a time
+  std::vector<ColumnSpec> columns;  // with their full names
+};
+
+struct CameraEntry {
+  CameraStream stream;
+  TableId table;
+};
+
+class EpisodeSchema {
+ public:
+  EpisodeSchema();
+
+  TableId AddTable(const std::string& name, int64_t chunk_rows = 512);
+  ColumnId AddColumn(ColumnSpec column, TableId table = kStepsTable);
+  // Numbers that do not change in the episode; column.type must be kFloat64.
+  void AddConstant(ColumnSpec column, std::span<const double> values);
+  CameraId AddCamera(CameraStream stream, TableId table = kStepsTable);
+
+  const std::vector<TableSpec>& tables() const { return tables_; }
+  const std::vector<ConstantSpec>& constants() const { return constants_; }
+  const std::vector<CameraEntry>& cameras() const { return cameras_; }
+  const ColumnSpec& column(ColumnId id) const;
+
+  // By full name; NotFoundError with the nearest names.
+  ColumnId FindColumn(std::string_view name) const;
+  CameraId FindCamera(std::string_view name) const;
+
+ private:
+  void RequireFreeName(const std::string& name) const;
+  void RequireOutsideOtherTables(const ColumnSpec& column, const TableSpec* own) const;
+  TableSpec& Target(TableId id);
+  std::vector<std::string> AllNames() const;
+
+  std::vector<TableSpec> tables_;
+  std::vector<ConstantSpec> constants_;
+  std::vector<CameraEntry> cameras_;
+};
+
+}  // namespace robocell

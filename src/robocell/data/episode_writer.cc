@@ -1,0 +1,344 @@
+#include "robocell/data/episode_writer.h"
+
+#include <unistd.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <ctime>
+#include <system_error>
+#include <utility>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/hash.h"
+#include "robocell/base/names.h"
+#include "robocell/base/paths.h"
+#include "robocell/base/version.h"
+#include "robocell/data/episode_files.h"
+#include "robocell/data/hdf5.h"
+#include "robocell/data/steps_file.h"
+#include "robocell/media/ffmpeg.h"
+#include "robocell/media/video_info.h"
+#include "robocell/media/video_writer.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+enum class State { kOpen, kFailed, kCommitted, kAborted };
+
+std::string UtcNow() {
+  const auto now = std::chrono::system_clock::now();
+  const auto seconds = std::chrono::floor<std::chrono::seconds>(now);
+  const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now - seconds).count();
+  return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
+                     fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)), ms);
+}
+
+std::string HostName() {
+  char name[256] = "";
+  return gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+// A JSON object from the caller, with sorted keys.
+Json ParseObject(const std::string& where, const std::string& what, const std::string& text) {
+  try {
+    const auto value = nlohmann::json::parse(text);
+    if (!value.is_object()) {
+      throw ArgumentError(
+          fmt::format("{}: {} must be a JSON object, got {}", where, what, value.type_name()));
+    }
+    return Json::parse(value.dump());
+  } catch (const nlohmann::json::exception& error) {
+    throw ArgumentError(fmt::format("{}: {} is not JSON: {}", where, what, error.what()));
+  }
+}
+
+}  // namespace
+
+bool IsEpisodeId(std::string_view id) { return ValidFileName(id) && !id.starts_with('.'); }
+
+struct EpisodeWriter::Impl {
+  fs::path final;
+  fs::path work;
+  std::string id;
+  std::string name;  // for messages
+  std::string started = UtcNow();
+  EpisodeSchema schema;
+  Json metadata;
+  Json versions;
+  std::unique_ptr<StepsFile> steps;
+  std::vector<VideoWriter> videos;
+  std::vector<std::string> extra_files;
+  State state = State::kOpen;
+  std::string failure;
+
+  ~Impl() { Remove(); }
+
+  void Remove() noexcept {
+    steps.reset();
+    videos.clear();
+    std::error_code ignored;
+    if (state != State::kCommitted && !work.empty()) fs::remove_all(work, ignored);
+    work.clear();
+  }
+
+  // Runs an action of the open episode; a failure ends the episode for good.
+  template <typename Action>
+  void Do(const char* call, Action action) {
+    if (state == State::kFailed) throw IoError(failure);
+    if (state != State::kOpen) {
+      throw ClosedError(fmt::format("{}: {} after it was {}", name, call,
+                                    state == State::kCommitted ? "committed" : "aborted"));
+    }
+    try {
+      action();
+    } catch (const ArgumentError&) {
+      throw;  // the caller's mistake: nothing was changed
+    } catch (const std::exception& error) {
+      Fail(error.what());
+    }
+  }
+
+  [[noreturn]] void Fail(const std::string& reason) {
+    failure = fmt::format("{} is not saved: {}", name, reason);
+    state = State::kFailed;
+    Remove();
+    throw IoError(failure);
+  }
+
+  void Open(const fs::path& dataset, const EpisodeOptions& options);
+  void RequireFramesMatchRows() const;
+  void CloseFiles();
+  Json Tables() const;
+  Json Cameras() const;
+  Json Files() const;
+  Json Versions() const;
+  Json Run(const Json& given) const;
+  std::string Description(const EpisodeSummary& summary, const Json& results,
+                          const Json& run) const;
+};
+
+void EpisodeWriter::Impl::Open(const fs::path& dataset, const EpisodeOptions& options) {
+  work = MakeTempDirectory(dataset, id);
+  steps = std::make_unique<StepsFile>(work / kStepsFile, name, schema);
+  for (const CameraEntry& camera : schema.cameras()) {
+    const CameraStream& stream = camera.stream;
+    videos.emplace_back(work / VideoFile(stream.name),
+                        VideoOptions{.width = stream.width,
+                                     .height = stream.height,
+                                     .fps_num = stream.fps_num,
+                                     .fps_den = stream.fps_den,
+                                     .preset = options.video_preset,
+                                     .crf = options.video_crf,
+                                     .keyframe_interval = options.video_keyframe_interval});
+  }
+}
+
+void EpisodeWriter::Impl::RequireFramesMatchRows() const {
+  if (steps->rows(kStepsTable) == 0) throw ArgumentError(fmt::format("{}: it has no row", name));
+  for (size_t i = 0; i < videos.size(); ++i) {
+    const CameraEntry& camera = schema.cameras()[i];
+    const int64_t rows = steps->rows(camera.table);
+    if (videos[i].frames() == rows) continue;
+    throw ArgumentError(fmt::format(
+        "{}: camera '{}' has {} frames for the {} rows of table '{}'; each row needs one", name,
+        camera.stream.name, videos[i].frames(), rows, schema.tables()[camera.table.index].name));
+  }
+}
+
+void EpisodeWriter::Impl::CloseFiles() {
+  steps->Close();
+  for (VideoWriter& video : videos) video.Finish();
+  steps->VerifyContent();
+}
+
+Json EpisodeWriter::Impl::Tables() const {
+  Json tables = Json::object();
+  for (size_t i = 0; i < schema.tables().size(); ++i) {
+    tables[schema.tables()[i].name] = {{"rows", steps->rows({static_cast<int>(i)})}};
+  }
+  return tables;
+}
+
+Json EpisodeWriter::Impl::Cameras() const {
+  Json cameras = Json::object();
+  for (size_t i = 0; i < videos.size(); ++i) {
+    const CameraEntry& camera = schema.cameras()[i];
+    const CameraStream& stream = camera.stream;
+    cameras[stream.name] = {
+        {"file", VideoFile(stream.name)}, {"table", schema.tables()[camera.table.index].name},
+        {"frames", videos[i].frames()},   {"width", stream.width},
+        {"height", stream.height},        {"fps", {stream.fps_num, stream.fps_den}}};
+  }
+  return cameras;
+}
+
+Json EpisodeWriter::Impl::Files() const {
+  std::vector<std::string> names = {std::string(kStepsFile)};
+  for (const CameraEntry& camera : schema.cameras()) names.push_back(VideoFile(camera.stream.name));
+  names.insert(names.end(), extra_files.begin(), extra_files.end());
+  Json files = Json::object();
+  for (const std::string& file : names) {
+    files[file] = {{"bytes", fs::file_size(work / file)}, {"sha256", Sha256File(work / file)}};
+  }
+  return files;
+}
+
+Json EpisodeWriter::Impl::Versions() const {
+  Json all = {{"robocell", std::string(Version())}, {"hdf5", hdf5::Version()}};
+  if (!videos.empty()) {
+    all["ffmpeg"] = FfmpegVersion();
+    all["encoder"] = ReadVideoInfo(videos[0].path()).encoder;
+  }
+  all.update(versions);
+  return all;
+}
+
+Json EpisodeWriter::Impl::Run(const Json& given) const {
+  Json run = {{"host", HostName()}, {"started", started}, {"finished", UtcNow()}};
+  for (const auto& [key, value] : given.items()) {
+    if (run.contains(key) || key == "json_sha256") {
+      throw ArgumentError(
+          fmt::format("{}: run_json must not have '{}', it is added by the writer", name, key));
+    }
+  }
+  run.update(given);
+  run["json_sha256"] = kUnsigned;
+  return run;
+}
+
+std::string EpisodeWriter::Impl::Description(const EpisodeSummary& summary, const Json& results,
+                                             const Json& run) const {
+  const Json description = {{"format", kEpisodeFormat},
+                            {"format_version", kEpisodeFormatVersion},
+                            {"id", id},
+                            {"success", summary.success},
+                            {"terminated", summary.terminated},
+                            {"truncated", summary.truncated},
+                            {"end_reason", summary.end_reason},
+                            {"warnings", summary.warnings},
+                            {"results", results},
+                            {"tables", Tables()},
+                            {"cameras", Cameras()},
+                            {"metadata", metadata},
+                            {"versions", Versions()},
+                            {"files", Files()},
+                            {"run", run}};
+  return SignEpisodeJson(description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
+                             const EpisodeSchema& schema, const EpisodeOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  if (!IsEpisodeId(id)) {
+    throw ArgumentError(
+        fmt::format("'{}' cannot be an episode's id: it becomes the name of a visible folder", id));
+  }
+  impl_->id = id;
+  impl_->name = fmt::format("episode '{}'", id);
+  impl_->final = dataset / id;
+  impl_->schema = schema;
+  impl_->metadata = ParseObject(impl_->name, "metadata_json", options.metadata_json);
+  impl_->versions = ParseObject(impl_->name, "versions_json", options.versions_json);
+  impl_->Do("opening", [&] {
+    if (fs::exists(fs::symlink_status(impl_->final))) {
+      throw IoError(fmt::format("'{}' exists already", impl_->final.string()));
+    }
+    impl_->Open(dataset, options);
+  });
+}
+
+EpisodeWriter::~EpisodeWriter() = default;
+EpisodeWriter::EpisodeWriter(EpisodeWriter&&) noexcept = default;
+EpisodeWriter& EpisodeWriter::operator=(EpisodeWriter&&) noexcept = default;
+
+void EpisodeWriter::PutBytes(ColumnId column, ColumnType type, std::span<const std::byte> bytes) {
+  impl_->Do("Put()", [&] { impl_->steps->Put(column, type, bytes); });
+}
+
+void EpisodeWriter::Put(ColumnId column, std::span<const double> values) {
+  PutBytes(column, ColumnType::kFloat64, std::as_bytes(values));
+}
+void EpisodeWriter::Put(ColumnId column, std::span<const float> values) {
+  PutBytes(column, ColumnType::kFloat32, std::as_bytes(values));
+}
+void EpisodeWriter::Put(ColumnId column, std::span<const int64_t> values) {
+  PutBytes(column, ColumnType::kInt64, std::as_bytes(values));
+}
+void EpisodeWriter::Put(ColumnId column, std::span<const int32_t> values) {
+  PutBytes(column, ColumnType::kInt32, std::as_bytes(values));
+}
+void EpisodeWriter::Put(ColumnId column, std::span<const uint8_t> values) {
+  PutBytes(column, ColumnType::kUint8, std::as_bytes(values));
+}
+void EpisodeWriter::Put(ColumnId column, std::span<const bool> values) {
+  PutBytes(column, ColumnType::kBool, std::as_bytes(values));
+}
+
+void EpisodeWriter::EndRow(TableId table) {
+  impl_->Do("EndRow()", [&] { impl_->steps->EndRow(table); });
+}
+
+void EpisodeWriter::WriteFrame(CameraId camera, std::span<const uint8_t> rgb) {
+  impl_->Do("WriteFrame()", [&] {
+    if (camera.index < 0 || camera.index >= static_cast<int>(impl_->videos.size())) {
+      throw ArgumentError(fmt::format("{}: there is no camera number {}; it has {}", impl_->name,
+                                      camera.index, impl_->videos.size()));
+    }
+    impl_->videos[camera.index].Write(rgb);
+  });
+}
+
+void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
+  impl_->Do("AddFile()", [&] {
+    RequireFileName("file", name);
+    if (name.starts_with('.') || name == kEpisodeFile || fs::exists(impl_->work / name)) {
+      throw ArgumentError(
+          fmt::format("{}: '{}' cannot be added, the name is taken", impl_->name, name));
+    }
+    for (const CameraEntry& camera : impl_->schema.cameras()) {
+      if (name == VideoFile(camera.stream.name)) {
+        throw ArgumentError(fmt::format("{}: '{}' is the video of camera '{}'", impl_->name, name,
+                                        camera.stream.name));
+      }
+    }
+    AtomicWrite(impl_->work / name, bytes);
+    impl_->extra_files.push_back(name);
+  });
+}
+
+fs::path EpisodeWriter::Commit(const EpisodeSummary& summary) {
+  impl_->Do("Commit()", [&] {
+    const Json results = ParseObject(impl_->name, "results_json", summary.results_json);
+    const Json given = ParseObject(impl_->name, "run_json", summary.run_json);
+    const Json run = impl_->Run(given);
+    impl_->RequireFramesMatchRows();
+    impl_->CloseFiles();
+    AtomicWrite(impl_->work / kEpisodeFile, impl_->Description(summary, results, run));
+    CommitDirectory(impl_->work, impl_->final);
+    impl_->state = State::kCommitted;
+    impl_->Remove();
+  });
+  return impl_->final;
+}
+
+void EpisodeWriter::Abort() noexcept {
+  if (impl_->state == State::kOpen) impl_->state = State::kAborted;
+  impl_->Remove();
+}
+
+int64_t EpisodeWriter::rows(TableId table) const {
+  return impl_->steps ? impl_->steps->rows(table) : 0;
+}
+int64_t EpisodeWriter::frames(CameraId camera) const {
+  return impl_->videos.empty() ? 0 : impl_->videos.at(camera.index).frames();
+}
+const std::string& EpisodeWriter::id() const { return impl_->id; }
+bool EpisodeWriter::is_open() const { return impl_->state == State::kOpen; }
+
+}  // namespace robocell

@@ -1,0 +1,114 @@
+// Writes one episode: a folder with steps.h5, one mp4 per camera and episode.json, complete or
+// absent.
+//
+// Everything is written under a hidden temporary name in the dataset's folder. Commit() closes and
+// reads back the files, compares rows and frames with what was given, writes episode.json, flushes
+// all to the disk and renames the folder. Until then, and after Abort(), a failure, a crash or the
+// destructor, no episode is visible. After an IoError the episode cannot be saved: every later call
+// throws the same error.
+//
+//   EpisodeWriter episode(dataset, "pick-000017", schema, {.metadata_json = R"({"seed": 17})"});
+//   while (!done) {
+//     episode.Put(time, t);
+//     episode.Put(qpos, robot_qpos);            // each column of the table once, in any order
+//     episode.EndRow();
+//     episode.WriteFrame(wrist, rgb);
+//   }
+//   episode.Commit({.success = true});
+//
+// The same calls give the same bytes in steps.h5 and the videos, and in episode.json but for its
+// `run` block. Put and EndRow allocate nothing of ours. One thread at a time per writer; writers in
+// several threads are independent.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "robocell/data/episode_schema.h"
+
+namespace robocell {
+
+struct EpisodeOptions {
+  // JSON objects, stored sorted by key. metadata: seeds, spec, task: whatever describes the
+  // episode, free of times and machine names. versions: of parts that this layer does not know
+  // ("mujoco"); robocell's, HDF5's and the encoder's are added.
+  std::string metadata_json = "{}";
+  std::string versions_json = "{}";
+  // Of the videos, as in VideoOptions.
+  std::string video_preset = "superfast";
+  int video_crf = 18;
+  int video_keyframe_interval = 30;
+};
+
+struct EpisodeSummary {
+  bool success = false;
+  bool terminated = false;
+  bool truncated = false;
+  std::string end_reason;             // one of the stepper's: "success", "timeout", "diverged" ...
+  std::vector<std::string> warnings;  // of the engine and of ours, one a line
+  std::string results_json = "{}";    // an object: numbers for the report
+  // An object for the `run` block: worker, attempt times. The only place for what differs between
+  // runs; `host`, `started`, `finished` and `json_sha256` are added.
+  std::string run_json = "{}";
+};
+
+class EpisodeWriter {
+ public:
+  // Creates the temporary folder and starts the encoders. `dataset` must exist. ArgumentError for a
+  // bad id or JSON, IoError if an episode of that id exists or the folder cannot be written.
+  EpisodeWriter(const std::filesystem::path& dataset, const std::string& id,
+                const EpisodeSchema& schema, const EpisodeOptions& options = {});
+  ~EpisodeWriter();  // aborts
+  EpisodeWriter(EpisodeWriter&&) noexcept;
+  EpisodeWriter& operator=(EpisodeWriter&&) noexcept;
+
+  // One column's values of the current row, row-major. ArgumentError, naming the column, for
+  // another type or length or a second value. Types must match exactly; NaN is allowed and means
+  // "there is none".
+  void Put(ColumnId column, std::span<const double> values);
+  void Put(ColumnId column, std::span<const float> values);
+  void Put(ColumnId column, std::span<const int64_t> values);
+  void Put(ColumnId column, std::span<const int32_t> values);
+  void Put(ColumnId column, std::span<const uint8_t> values);
+  void Put(ColumnId column, std::span<const bool> values);
+  void Put(ColumnId column, double value) { Put(column, std::span(&value, 1)); }
+  void Put(ColumnId column, int64_t value) { Put(column, std::span(&value, 1)); }
+  void Put(ColumnId column, int32_t value) { Put(column, std::span(&value, 1)); }
+  void Put(ColumnId column, uint8_t value) { Put(column, std::span(&value, 1)); }
+  void Put(ColumnId column, bool value) { Put(column, std::span(&value, 1)); }
+  // For callers that do not know types at compile time: the bytes of one row.
+  void PutBytes(ColumnId column, ColumnType type, std::span<const std::byte> bytes);
+  void EndRow(TableId table = kStepsTable);
+
+  // The frame of the next row that has none: row-major RGB. May come before or after EndRow().
+  void WriteFrame(CameraId camera, std::span<const uint8_t> rgb);
+
+  // Another file of the episode, such as "scene.mjb".
+  void AddFile(const std::string& name, std::string_view bytes);
+
+  // Makes the episode visible and returns its folder. ArgumentError if a row is unfinished, there
+  // is no row, or a camera has not one frame per row; the episode can then still be corrected. The
+  // writer is closed afterwards.
+  std::filesystem::path Commit(const EpisodeSummary& summary);
+  // Removes what was written. Does nothing after Commit().
+  void Abort() noexcept;
+
+  int64_t rows(TableId table = kStepsTable) const;
+  int64_t frames(CameraId camera) const;
+  const std::string& id() const;
+  bool is_open() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// Whether `id` can be an episode's: a valid file name that does not begin with a dot.
+bool IsEpisodeId(std::string_view id);
+
+}  // namespace robocell

@@ -1,0 +1,73 @@
+// Streams the tables of an episode into steps.h5. Internal to data/; EpisodeWriter is the public
+// face.
+//
+// Rows are collected in one buffer per column and written when a chunk is full, so memory does not
+// grow with the episode. Filling a row allocates nothing. After the file is closed, VerifyContent
+// reads it back and compares every byte with what was put.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/base/hash.h"
+#include "robocell/data/episode_schema.h"
+#include "robocell/data/hdf5.h"
+
+namespace robocell {
+
+class StepsFile {
+ public:
+  // `name` begins messages: "episode 'pick-3'".
+  StepsFile(std::filesystem::path path, std::string name, const EpisodeSchema& schema);
+
+  // What was not written by Close() is lost.
+  ~StepsFile();
+  StepsFile(const StepsFile&) = delete;
+  StepsFile& operator=(const StepsFile&) = delete;
+
+  // ArgumentError for an unknown column, another type, a wrong length, or a column put twice in a
+  // row.
+  void Put(ColumnId column, ColumnType type, std::span<const std::byte> values);
+  // Completes the row; ArgumentError naming the columns that were not put.
+  void EndRow(TableId table);
+  int64_t rows(TableId table) const;
+
+  // Writes everything out and closes the file. ArgumentError if a row was begun and not ended.
+  void Close();
+  // Opens the closed file and compares.
+  void VerifyContent() const;
+
+ private:
+  struct Column {
+    const ColumnSpec* spec;
+    size_t row_bytes;
+    std::vector<std::byte> chunk;
+    int64_t rows_put = 0;
+    hdf5::Dataset dataset;
+    Sha256Stream content;
+  };
+  struct Table {
+    const TableSpec* spec;
+    int64_t rows = 0;
+    int64_t rows_in_chunk = 0;
+    std::vector<Column> columns;
+  };
+
+  void Create();
+  Column MakeColumn(const ColumnSpec& spec, const TableSpec& table);
+  void Flush(Table& table);
+  void RequireNoOpenRow(const Table& table) const;
+  Table& At(TableId id);
+  void CheckColumn(const Column& column) const;
+
+  std::filesystem::path path_;
+  std::string name_;
+  EpisodeSchema schema_;
+  hdf5::File file_;
+  std::vector<Table> tables_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,256 @@
+#include "robocell/data/verify.h"
+
+#include <signal.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/hash.h"
+#include "robocell/base/io_error.h"
+#include "robocell/base/paths.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/episode_files.h"
+#include "robocell/data/episode_reader.h"
+#include "robocell/data/episode_writer.h"
+#include "robocell/media/video_info.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> List(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    names.push_back(it->path().filename().string());
+  }
+  if (error) ThrowIoError("list", folder, error.value());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// Checks one episode from the outside in: episode.json, the list of files, their bytes, then what
+// they hold.
+class EpisodeCheck {
+ public:
+  EpisodeCheck(fs::path folder, bool decode) : folder_(std::move(folder)), decode_(decode) {}
+
+  std::vector<VerifyProblem> Run() {
+    try {
+      if (ReadDescription()) CheckEverything();
+    } catch (const std::exception& error) {
+      Report("", error.what());
+    }
+    return problems_;
+  }
+
+ private:
+  void Report(const std::string& file, const std::string& reason) {
+    problems_.push_back({folder_.filename().string(), file, reason});
+  }
+
+  // False if nothing else can be asked.
+  bool ReadDescription() {
+    const std::string file(kEpisodeFile);
+    std::error_code error;
+    if (!fs::exists(folder_ / file, error)) {
+      Report(file, "it is missing: the episode was never finished, or it was removed");
+      return false;
+    }
+    const std::string text = ReadFile(folder_ / file);
+    if (!EpisodeJsonIsIntact(text)) {
+      Report(file, "its text is not what was written: its own hash does not fit");
+      return false;
+    }
+    description_ = Json::parse(text);
+    if (description_.value("id", "") != folder_.filename().string()) {
+      Report(file, fmt::format("it describes episode '{}'", description_.value("id", "")));
+    }
+    return true;
+  }
+
+  void CheckEverything() {
+    for (const auto& [name, facts] : description_.at("files").items()) CheckFile(name, facts);
+    CheckNothingElse();
+    if (problems_.empty()) CheckContents();
+  }
+
+  void CheckFile(const std::string& name, const Json& facts) {
+    if (!ValidFileName(name))
+      return Report(std::string(kEpisodeFile), "it lists a file '" + name + "'");
+    const fs::path path = folder_ / name;
+    std::error_code error;
+    if (!fs::is_regular_file(fs::symlink_status(path, error))) return Report(name, "it is missing");
+    const uint64_t expected = facts.at("bytes");
+    const uint64_t size = fs::file_size(path);
+    if (size < expected)
+      return Report(name, fmt::format("it is cut short: {} of {} bytes are there", size, expected));
+    if (size > expected)
+      return Report(name, fmt::format("it has {} bytes, {} were written", size, expected));
+    if (Sha256File(path) != facts.at("sha256").get<std::string>()) {
+      Report(name, "its bytes are not what was written: the hash does not fit");
+    }
+  }
+
+  void CheckNothingElse() {
+    for (const std::string& name : List(folder_)) {
+      if (name == kEpisodeFile || description_.at("files").contains(name)) continue;
+      Report(name, "it does not belong to the episode: episode.json does not list it");
+    }
+  }
+
+  void CheckContents() {
+    const Episode episode(folder_);
+    for (const ColumnInfo& column : episode.columns()) {
+      if (column.table.empty() || column.rows == episode.rows(column.table)) continue;
+      Report(std::string(kStepsFile),
+             fmt::format("column '{}' has {} rows, table '{}' {}", column.spec.name, column.rows,
+                         column.table, episode.rows(column.table)));
+    }
+    for (const CameraInfo& camera : episode.cameras()) CheckVideo(episode, camera);
+  }
+
+  void CheckVideo(const Episode& episode, const CameraInfo& camera) {
+    try {
+      const VideoInfo info = ReadVideoInfo(folder_ / camera.file);
+      const int64_t rows = episode.rows(camera.table);
+      if (info.frames != rows)
+        Report(camera.file, fmt::format("it has {} frames for {} rows", info.frames, rows));
+      if (decode_) Decode(episode, camera.name);
+    } catch (const IoError& error) {
+      Report(camera.file, error.what());
+    }
+  }
+
+  static void Decode(const Episode& episode, const std::string& camera) {
+    VideoReader video = episode.Video(camera);
+    std::vector<uint8_t> rgb(video.frame_bytes());
+    while (video.Next(rgb)) {
+    }
+  }
+
+  fs::path folder_;
+  bool decode_;
+  Json description_;
+  std::vector<VerifyProblem> problems_;
+};
+
+// Whether a visible folder is, or was, an episode, and not something that a user put there.
+bool LooksLikeEpisode(const fs::path& folder) {
+  for (const std::string& name : List(folder)) {
+    if (name == kEpisodeFile || name == kStepsFile || name.ends_with(".mp4")) return true;
+  }
+  return false;
+}
+
+// The process that writes a temporary name ".<name>.<process>.<n>.partial", if it says so.
+std::optional<int> WriterOf(const std::string& temporary) {
+  std::vector<std::string> parts;
+  for (size_t begin = 0; begin != std::string::npos;) {
+    const size_t dot = temporary.find('.', begin);
+    parts.push_back(temporary.substr(begin, dot - begin));
+    begin = dot == std::string::npos ? dot : dot + 1;
+  }
+  if (parts.size() < 5) return std::nullopt;
+  const std::string& process = parts[parts.size() - 3];
+  if (process.empty() || process.size() > 9 ||
+      process.find_first_not_of("0123456789") != std::string::npos) {
+    return std::nullopt;
+  }
+  return std::stoi(process);
+}
+
+bool IsBeingWritten(const std::string& temporary) {
+  const std::optional<int> process = WriterOf(temporary);
+  return process && *process > 0 && (kill(*process, 0) == 0 || errno == EPERM);
+}
+
+// Moves it into the quarantine under a name that is free there.
+std::string Quarantine(const fs::path& dataset, const std::string& name) {
+  const fs::path folder = dataset / kQuarantineFolder;
+  std::error_code error;
+  fs::create_directory(folder, error);
+  if (error) ThrowIoError("create", folder, error.value());
+  std::string target = name;
+  for (int i = 1; fs::exists(fs::symlink_status(folder / target)); ++i)
+    target = fmt::format("{}.{}", name, i);
+  fs::rename(dataset / name, folder / target, error);
+  if (error) ThrowIoError("move aside", dataset / name, error.value());
+  return target;
+}
+
+void CheckManifest(const fs::path& dataset, VerifyReport& report) {
+  try {
+    ReadManifest(dataset);
+  } catch (const Error& error) {
+    report.problems.push_back({"", std::string(kManifestFile), error.what()});
+  }
+}
+
+}  // namespace
+
+std::string VerifyProblem::Text() const {
+  const std::string place = episode + (episode.empty() || file.empty() ? "" : "/") + file;
+  return fmt::format("{}: {}", place, reason);
+}
+
+std::string VerifyReport::Text() const {
+  std::string text;
+  for (const VerifyProblem& problem : problems) text += problem.Text() + "\n";
+  for (const std::string& name : leftovers) {
+    text += fmt::format(
+        "{}: unfinished, {}\n", name,
+        IsBeingWritten(name) ? "a running process is writing it" : "left behind by a crash");
+  }
+  return text + fmt::format("{} episodes good, {} bad\n", good.size(), bad.size());
+}
+
+std::vector<VerifyProblem> VerifyEpisode(const fs::path& folder, bool decode_videos) {
+  return EpisodeCheck(folder, decode_videos).Run();
+}
+
+VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
+  VerifyReport report;
+  std::vector<std::string> episodes;
+  for (const std::string& name : List(dataset)) {
+    if (IsTemporaryName(name)) {
+      report.leftovers.push_back(name);
+    } else if (name == kManifestFile || name == kQuarantineFolder) {
+      continue;
+    } else if (IsEpisodeId(name) && fs::is_directory(dataset / name) &&
+               LooksLikeEpisode(dataset / name)) {
+      episodes.push_back(name);
+    } else {
+      report.others.push_back(name);
+    }
+  }
+  for (size_t i = 0; i < episodes.size(); ++i) {
+    const auto problems = VerifyEpisode(dataset / episodes[i], options.decode_videos);
+    (problems.empty() ? report.good : report.bad).push_back(episodes[i]);
+    report.problems.insert(report.problems.end(), problems.begin(), problems.end());
+    if (options.progress) options.progress(i + 1, episodes.size());
+  }
+  CheckManifest(dataset, report);
+  return report;
+}
+
+RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
+  RepairResult result{.found = Verify(dataset, options)};
+  for (const std::string& id : result.found.bad) result.moved.push_back(Quarantine(dataset, id));
+  for (const std::string& name : result.found.leftovers) {
+    if (!IsBeingWritten(name)) result.moved.push_back(Quarantine(dataset, name));
+  }
+  FsyncDirectory(dataset);
+  return result;
+}
+
+}  // namespace robocell

@@ -1,0 +1,191 @@
+#include "robocell/data/verify.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/testing/sample_episode.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+// Without the flush to the disk of AtomicWrite: hundreds of times.
+void Store(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+// A dataset of three episodes; `b` is the one that gets damaged.
+class VerifyTest : public ::testing::Test {
+ protected:
+  VerifyTest() { fs::copy(Original().path(), folder_.path(), fs::copy_options::recursive); }
+
+  // Written once: encoders take their time to start.
+  static const TempDir& Original() {
+    static const TempDir folder;
+    static const bool written = [] {
+      for (const char* id : {"a", "b", "c"}) SampleEpisode(id[0]).Write(folder.path(), id, 10);
+      return true;
+    }();
+    (void)written;
+    return folder;
+  }
+
+  fs::path B(const std::string& file) const { return folder_ / "b" / file; }
+
+  // The one problem there is, as text, after checking that the other episodes are still good and
+  // readable.
+  std::string OnlyProblem() {
+    const VerifyReport report = Verify(folder_.path());
+    EXPECT_THAT(report.good, ElementsAre("a", "c"));
+    EXPECT_THAT(report.bad, ElementsAre("b"));
+    EXPECT_EQ(report.problems.size(), 1u) << report.Text();
+    EXPECT_EQ(Dataset(folder_.path()).Open("c").Read<double>("time").size(), 10u);
+    return report.problems.empty() ? "" : report.problems[0].Text();
+  }
+
+  TempDir folder_;
+};
+
+TEST_F(VerifyTest, AnIntactDatasetHasNoProblems) {
+  WriteManifest(folder_.path(), "{}");
+  const VerifyReport report = Verify(folder_.path(), {.decode_videos = true});
+  EXPECT_TRUE(report.ok()) << report.Text();
+  EXPECT_THAT(report.good, ElementsAre("a", "b", "c"));
+  EXPECT_EQ(report.Text(), "3 episodes good, 0 bad\n");
+}
+
+TEST_F(VerifyTest, AFlippedBitIsFoundAnywhereInEveryFile) {
+  for (const std::string file : {"steps.h5", "wrist.mp4", "episode.json", "scene.mjb"}) {
+    const std::string whole = ReadFile(B(file));
+    for (int part = 0; part < 25; ++part) {
+      std::string flipped = whole;
+      const size_t at = whole.size() * part / 25;
+      flipped[at] ^= static_cast<char>(1 << part % 8);
+      Store(B(file), flipped);
+      const std::vector<VerifyProblem> problems = VerifyEpisode(folder_ / "b");
+      ASSERT_EQ(problems.size(), 1u) << file << " byte " << at;
+      EXPECT_EQ(problems[0].file, file);
+      EXPECT_THAT(problems[0].reason, HasSubstr("hash does not fit"));
+    }
+    Store(B(file), whole);
+  }
+  EXPECT_TRUE(Verify(folder_.path()).ok());
+}
+
+TEST_F(VerifyTest, ATruncatedFileIsFoundAtEveryLength) {
+  for (const std::string file : {"steps.h5", "wrist.mp4", "episode.json", "scene.mjb"}) {
+    const std::string whole = ReadFile(B(file));
+    for (int part = 0; part < 20; ++part) {
+      Store(B(file), whole.substr(0, whole.size() * part / 20));
+      const std::vector<VerifyProblem> problems = VerifyEpisode(folder_ / "b");
+      ASSERT_EQ(problems.size(), 1u) << file << " part " << part;
+      EXPECT_EQ(problems[0].file, file);
+    }
+    Store(B(file), whole);
+  }
+  fs::resize_file(B("steps.h5"), 4096);
+  EXPECT_THAT(OnlyProblem(), HasSubstr("b/steps.h5: it is cut short: 4096 of "));
+}
+
+TEST_F(VerifyTest, AMissingFileIsNamed) {
+  fs::remove(B("wrist.mp4"));
+  EXPECT_EQ(OnlyProblem(), "b/wrist.mp4: it is missing");
+}
+
+TEST_F(VerifyTest, AMissingDescriptionIsNamed) {
+  fs::remove(B("episode.json"));
+  EXPECT_THAT(OnlyProblem(),
+              HasSubstr("b/episode.json: it is missing: the episode was never finished"));
+}
+
+TEST_F(VerifyTest, AForeignFileIsNamed) {
+  Store(B("notes.txt"), "x");
+  EXPECT_THAT(OnlyProblem(), HasSubstr("b/notes.txt: it does not belong to the episode"));
+}
+
+TEST_F(VerifyTest, AFileThatBecameALinkIsMissing) {
+  fs::rename(B("scene.mjb"), folder_ / "elsewhere");
+  fs::create_symlink(folder_ / "elsewhere", B("scene.mjb"));
+  EXPECT_EQ(OnlyProblem(), "b/scene.mjb: it is missing");
+}
+
+TEST_F(VerifyTest, ARenamedEpisodeIsNamed) {
+  fs::rename(folder_ / "b", folder_ / "d");
+  const VerifyReport report = Verify(folder_.path());
+  ASSERT_EQ(report.problems.size(), 1u);
+  EXPECT_EQ(report.problems[0].Text(), "d/episode.json: it describes episode 'b'");
+}
+
+TEST_F(VerifyTest, SwappedVideosOfTwoEpisodesAreFound) {
+  fs::rename(B("wrist.mp4"), folder_ / "x");
+  fs::rename(folder_ / "a" / "wrist.mp4", B("wrist.mp4"));
+  fs::rename(folder_ / "x", folder_ / "a" / "wrist.mp4");
+  EXPECT_THAT(Verify(folder_.path()).bad, ElementsAre("a", "b"));
+}
+
+TEST_F(VerifyTest, LeftoversAndForeignFoldersAreToldButAreNoProblem) {
+  const SampleEpisode sample(0, false);
+  EpisodeWriter running(folder_.path(), "d", sample.schema);
+  fs::create_directory(folder_ / ".e.99999999.1.partial");
+  fs::create_directory(folder_ / "logs");
+  const VerifyReport report = Verify(folder_.path());
+  EXPECT_TRUE(report.ok());
+  EXPECT_EQ(report.leftovers.size(), 2u);
+  EXPECT_THAT(report.others, ElementsAre("logs"));
+  EXPECT_THAT(report.Text(),
+              HasSubstr(".e.99999999.1.partial: unfinished, left behind by a crash"));
+  EXPECT_THAT(report.Text(), HasSubstr("unfinished, a running process is writing it"));
+}
+
+TEST_F(VerifyTest, ADamagedManifestIsNamed) {
+  Store(folder_ / "dataset.json", "{");
+  const VerifyReport report = Verify(folder_.path());
+  EXPECT_FALSE(report.ok());
+  EXPECT_THAT(report.Text(), HasSubstr("dataset.json"));
+  EXPECT_THAT(report.good, ElementsAre("a", "b", "c"));
+}
+
+TEST_F(VerifyTest, RepairMovesBadEpisodesAsideAndDeletesNothing) {
+  fs::resize_file(B("steps.h5"), 10);
+  fs::create_directory(folder_ / ".e.99999999.1.partial");
+  const SampleEpisode sample(0, false);
+  EpisodeWriter running(folder_.path(), "d", sample.schema);
+  const RepairResult result = Repair(folder_.path());
+  EXPECT_THAT(result.moved, ElementsAre("b", ".e.99999999.1.partial"));
+  EXPECT_EQ(fs::file_size(folder_ / ".quarantine" / "b" / "steps.h5"), 10u);
+  const VerifyReport after = Verify(folder_.path());
+  EXPECT_TRUE(after.ok()) << after.Text();
+  EXPECT_THAT(after.good, ElementsAre("a", "c"));
+  sample.PutRow(running, 0);
+  running.Commit({});  // was not disturbed
+  SampleEpisode('b').Write(folder_.path(), "b", 10);
+  fs::resize_file(B("steps.h5"), 10);
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("b.1"));
+}
+
+TEST_F(VerifyTest, ProgressIsTold) {
+  std::vector<size_t> done;
+  Verify(folder_.path(), {.progress = [&](size_t n, size_t total) {
+           EXPECT_EQ(total, 3u);
+           done.push_back(n);
+         }});
+  EXPECT_THAT(done, ElementsAre(1, 2, 3));
+}
+
+TEST(Verify, AMissingDatasetIsNamed) {
+  ExpectThrow<IoError>([] { Verify("/no/such/folder"); }, "/no/such/folder");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,67 @@
+#include "robocell/datagen/episode_cameras.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/mujoco/names.h"
+
+namespace robocell {
+
+std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
+  const std::vector<std::string> cameras = scene.camera_names();
+  const auto has = [&](const std::string& name) {
+    return std::find(cameras.begin(), cameras.end(), name) != cameras.end();
+  };
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    if (has(robot.prefix + stream.camera)) return robot.prefix + stream.camera;
+  }
+  if (has(stream.camera)) return stream.camera;
+  throw NotFoundError(NoSuchName("scene '" + scene.name() + "' / stream '" + stream.name + "'",
+                                 "camera", stream.camera, cameras));
+}
+
+EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
+                               const CameraSystemConfig& config, Renderer* renderer, int fps_num,
+                               int fps_den)
+    : scene_(scene), renderer_(renderer) {
+  if (config.streams.empty()) return;
+  renderer_->SetModel(scene.model());
+  for (const CameraConfig& stream : config.streams) {
+    Stream s;
+    s.view =
+        NamedCamera(scene.model(), FindCameraName(scene, stream), "stream '" + stream.name + "'");
+    s.width = config.width(stream);
+    s.height = config.height(stream);
+    s.rgb.resize(3 * static_cast<size_t>(s.width) * static_cast<size_t>(s.height));
+    const Eigen::Matrix3d k =
+        ComputeCamera(scene.model(), scene.data(), s.view, s.width, s.height).intrinsics();
+    s.video = schema.AddCamera(
+        {.name = stream.name,
+         .width = s.width,
+         .height = s.height,
+         .fps_num = fps_num,
+         .fps_den = fps_den,
+         .intrinsics = std::array<double, 9>{k(0, 0), k(0, 1), k(0, 2), k(1, 0), k(1, 1), k(1, 2),
+                                             k(2, 0), k(2, 1), k(2, 2)}});
+    s.extrinsics = schema.AddColumn({.name = "cameras/" + stream.name + "/extrinsics",
+                                     .shape = {4, 4},
+                                     .units = "m, 1",
+                                     .frame = "world -> camera, OpenCV axes"});
+    streams_.push_back(std::move(s));
+  }
+}
+
+void EpisodeCameras::PutFrames(EpisodeWriter& writer) {
+  for (Stream& s : streams_) {
+    const CameraModel camera = renderer_->Render(
+        scene_.data(), {.camera = s.view, .width = s.width, .height = s.height}, {.rgb = s.rgb});
+    const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> extrinsics = camera.extrinsics();
+    writer.Put(s.extrinsics, std::span<const double>(extrinsics.data(), 16));
+    writer.WriteFrame(s.video, s.rgb);
+  }
+}
+
+}  // namespace robocell

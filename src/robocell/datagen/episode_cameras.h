@@ -1,0 +1,42 @@
+// The image streams of a recorded episode: renders each camera once per row and hands the frames to
+// the writer.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "robocell/data/episode_writer.h"
+#include "robocell/render/renderer.h"
+#include "robocell/robot/robot.h"
+#include "robocell/spec/camera_spec.h"
+
+namespace robocell {
+
+// The full name of a stream's camera: a robot's own (by its name without the prefix), else the
+// scene's. NotFoundError with the nearest names.
+std::string FindCameraName(const Scene& scene, const CameraConfig& stream);
+
+class EpisodeCameras {
+ public:
+  // `renderer` is shared by all episodes of a process; it must outlive this object. `fps` as a
+  // fraction.
+  EpisodeCameras(EpisodeSchema& schema, const Scene& scene, const CameraSystemConfig& config,
+                 Renderer* renderer, int fps_num, int fps_den);
+  // One frame and one extrinsics row per stream, of the present state.
+  void PutFrames(EpisodeWriter& writer);
+
+ private:
+  struct Stream {
+    CameraView view;
+    int width, height;
+    CameraId video;
+    ColumnId extrinsics;
+    std::vector<uint8_t> rgb;
+  };
+  Scene scene_;
+  Renderer* renderer_;
+  std::vector<Stream> streams_;
+};
+
+}  // namespace robocell

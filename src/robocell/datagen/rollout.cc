@@ -1,0 +1,156 @@
+#include "robocell/datagen/rollout.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <nlohmann/json.hpp>
+
+#include "robocell/datagen/episode_cameras.h"
+#include "robocell/datagen/episode_columns.h"
+#include "robocell/env/stepper.h"
+#include "robocell/mujoco/warnings.h"
+#include "robocell/spec/yaml.h"
+
+namespace robocell {
+namespace {
+
+// Adds the time until it goes out of scope.
+class Timer {
+ public:
+  explicit Timer(double& total) : total_(total) {}
+  ~Timer() {
+    total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  Timer(const Timer&) = delete;
+  Timer& operator=(const Timer&) = delete;
+
+ private:
+  double& total_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+struct Fraction {
+  int num, den;
+};
+
+// Rows per second: 66 ms -> 500/33.
+Fraction RowRate(double policy_ms) {
+  const int64_t microseconds = std::llround(policy_ms * 1000);
+  const int64_t divisor = std::gcd<int64_t, int64_t>(1'000'000, microseconds);
+  return {static_cast<int>(1'000'000 / divisor), static_cast<int>(microseconds / divisor)};
+}
+
+// Everything that is recorded of one rollout.
+class Recording {
+ public:
+  Recording(const RunConfig& run, const EpisodeStart& start, const std::vector<Robot>& robots,
+            const Expert& expert, const RolloutOptions& options)
+      : scene_(schema_, start.scene, start.task->objects(), expert.phase_names()),
+        cameras_(schema_, start.scene, run.cameras, options.renderer,
+                 RowRate(run.rates.policy_ms).num, RowRate(run.rates.policy_ms).den) {
+    for (const Robot& robot : robots) robots_.emplace_back(schema_, robot);
+    const std::vector<double> state = start.scene.state();
+    schema_.AddConstant(
+        {.name = "initial_state",
+         .shape = {static_cast<int64_t>(state.size())},
+         .description = "The engine's full state before the first action (mjSTATE_INTEGRATION)."},
+        state);
+    writer_.emplace(
+        options.dataset, options.episode_id, schema_,
+        EpisodeOptions{.metadata_json = options.metadata_json,
+                       .versions_json = nlohmann::json{{"mujoco", mj_versionString()}}.dump()});
+  }
+
+  void PutState(int phase, RolloutTimes& times) {
+    {
+      Timer timer(times.writing);
+      scene_.PutState(*writer_, phase);
+      for (RobotColumns& robot : robots_) robot.PutState(*writer_);
+    }
+    Timer timer(times.rendering);
+    cameras_.PutFrames(*writer_);
+  }
+  void PutControl(const mjModel* model, const mjData* data) {
+    scene_.PutControl(*writer_, model, data);
+  }
+  void PutOutcome(double reward, bool success, bool terminated, bool truncated) {
+    for (RobotColumns& robot : robots_) robot.PutAction(*writer_);
+    scene_.PutOutcome(*writer_, reward, success, terminated, truncated);
+    writer_->EndRow();
+  }
+  EpisodeWriter& writer() { return *writer_; }
+
+ private:
+  EpisodeSchema schema_;
+  SceneColumns scene_;
+  EpisodeCameras cameras_;
+  std::vector<RobotColumns> robots_;
+  std::optional<EpisodeWriter> writer_;
+};
+
+std::string Metadata(const RunConfig& run, const EpisodeStart& start,
+                     const RolloutOptions& options) {
+  nlohmann::json meta = nlohmann::json::parse(options.metadata_json);
+  meta["instruction"] = start.task->instruction();
+  meta["target_object"] = start.target_object;
+  meta["object_kinds"] = start.object_kinds;
+  meta["scene_spec"] = ToYaml(start.scene.spec());
+  meta["timestep"] = start.scene.timestep();
+  meta["rates"] = {{"policy_ms", run.rates.policy_ms},
+                   {"control_ms", run.rates.control_ms},
+                   {"sim_ms", run.rates.sim_ms}};
+  if (options.renderer) meta["renderer"] = options.renderer->description();
+  return meta.dump();
+}
+
+}  // namespace
+
+RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
+                         const RolloutOptions& given) {
+  RolloutOptions options = given;
+  options.metadata_json = Metadata(run, start, given);
+  Stepper stepper(start.scene, RobotsOf(start.scene),
+                  {run.rates.control_ticks(), run.rates.sim_steps()});
+  start.task->Begin(start.scene);
+  expert.Begin(start.scene, rng);
+  RolloutResult result;
+  Recording recording(run, start, stepper.robots(), expert, options);
+  stepper.set_on_control_tick(
+      [&](const mjModel* m, const mjData* d) { recording.PutControl(m, d); });
+  bool terminated = false, truncated = false;
+  while (!terminated && !truncated) {
+    if (options.stop && options.stop->load()) return result.stopped = true, result;
+    recording.PutState(expert.phase(), result.times);
+    Timer timer(result.times.acting);
+    const StepOutcome outcome = stepper.Advance(expert.Act(start.scene, rng));
+    ++result.rows;
+    result.success = outcome.ok() && start.task->Success(start.scene);
+    terminated = expert.done() || !outcome.ok();
+    truncated = !terminated && result.rows >= run.rates.max_steps;
+    if (!outcome.ok()) result.failure = "diverged";
+    recording.PutOutcome(outcome.ok() ? start.task->Reward(start.scene) : 0, result.success,
+                         terminated, truncated);
+  }
+  if (!result.success && result.failure.empty()) {
+    result.failure = truncated                   ? "timeout"
+                     : !expert.failure().empty() ? expert.failure()
+                                                 : "not lifted";
+  }
+  if (!result.success && !options.keep_failures) return result;
+  Timer timer(result.times.writing);
+  const EngineWarnings warnings = ReadWarnings(start.scene.data());
+  recording.writer().Commit({.success = result.success,
+                             .terminated = terminated,
+                             .truncated = truncated,
+                             .end_reason = result.success ? "success" : result.failure,
+                             .warnings = warnings.total()
+                                             ? std::vector<std::string>{warnings.Text()}
+                                             : std::vector<std::string>{}});
+  result.committed = true;
+  return result;
+}
+
+}  // namespace robocell

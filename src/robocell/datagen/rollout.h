@@ -1,0 +1,44 @@
+// Rollout: one attempt, recorded: expert and stepper from a start state to success, failure or the
+// last step.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+
+#include "robocell/base/rng.h"
+#include "robocell/data/episode_writer.h"
+#include "robocell/render/renderer.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/task/task.h"
+
+namespace robocell {
+
+struct RolloutTimes {
+  double acting = 0, rendering = 0, writing = 0;  // seconds
+};
+
+struct RolloutResult {
+  bool success = false;
+  bool stopped = false;  // by the stop request; nothing was kept
+  bool committed = false;
+  std::string failure;  // why it did not succeed; "" on success
+  int rows = 0;
+  RolloutTimes times;
+};
+
+struct RolloutOptions {
+  std::filesystem::path dataset;
+  std::string episode_id;
+  std::string metadata_json;  // what is known before the rollout: seeds, attempt, identity
+  bool keep_failures = false;
+  Renderer* renderer = nullptr;  // needed when the run has streams
+  const std::atomic<bool>* stop = nullptr;
+};
+
+// Commits the episode when it succeeded, or failed and failures are kept; else nothing stays on the
+// disk.
+RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
+                         const RolloutOptions& options);
+
+}  // namespace robocell

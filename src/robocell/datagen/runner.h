@@ -1,0 +1,71 @@
+// Runner: makes the episodes of a plan, one after the other, in this process. Per item it tries
+// attempts until one is a success: sample a start, let the expert act through the Stepper, record,
+// judge, commit or drop.
+//
+//   RunConfig run = RunConfig::Load("xarm7_pick.yaml");
+//   PrepareDataset(run);
+//   Runner runner(run);
+//   EpisodeReport report = runner.Run(MakePlan(run)[0]);
+//   if (report.committed) ...
+//
+// Everything random comes from AttemptStream, so an episode does not depend on which process makes
+// it, in what order, or what was made before. What is on the disk already is not made again: an
+// item with a success is reported as such, and with `keep: all`, where every attempt is an episode
+// of its own ("s0003_e0001_a02"), attempts go on after the last one that was kept. Errors:
+// SpecError before anything runs; IoError when the disk fails (nothing half-written stays). A stop
+// request ends Run at the next policy tick without a commit.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "robocell/datagen/plan.h"
+#include "robocell/datagen/prepare.h"
+#include "robocell/task/task.h"
+
+namespace robocell {
+
+struct EpisodeReport {
+  PlanItem item;
+  bool committed = false;  // something is on the disk
+  bool success = false;
+  bool stopped = false;  // by the stop request
+  bool resumed = false;  // it was complete before
+  int kept = 0;          // episodes written now
+  int attempts = 0;
+  int accepted = 0;                     // attempts whose start the sampler accepted (= rollouts)
+  std::map<std::string, int> refusals;  // reason -> count, of starts
+  std::map<std::string, int> failures;  // reason -> count, of rollouts
+  int rows = 0;                         // of the committed episode
+  double seconds_sampling = 0, seconds_acting = 0, seconds_rendering = 0, seconds_writing = 0;
+};
+
+// What can be replaced: both get the validated configuration.
+struct RunnerParts {
+  std::function<std::unique_ptr<TaskSampler>(const RunConfig&)> sampler = {};
+  std::function<std::unique_ptr<Expert>(const RunConfig&, const EpisodeStart&)> expert = {};
+};
+
+class Runner {
+ public:
+  explicit Runner(RunConfig run, RunnerParts parts = {});
+  ~Runner();
+  Runner(const Runner&) = delete;
+  Runner& operator=(const Runner&) = delete;
+
+  const RunConfig& run() const;
+  EpisodeReport Run(const PlanItem& item, const std::atomic<bool>* stop = nullptr);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// Whether nothing is left to do for an item: a success is on the disk, or, when failures are kept,
+// the last attempt.
+bool IsComplete(const RunConfig& run, const PlanItem& item);
+
+}  // namespace robocell

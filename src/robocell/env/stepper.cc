@@ -1,0 +1,62 @@
+#include "robocell/env/stepper.h"
+
+#include <fmt/format.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+
+namespace robocell {
+
+Stepper::Stepper(Scene scene, std::vector<Robot> robots, StepperRates rates)
+    : scene_(std::move(scene)), robots_(std::move(robots)), rates_(rates) {
+  if (rates_.control_ticks < 1 || rates_.sim_steps < 1) {
+    throw ArgumentError(fmt::format(
+        "stepper: {} control ticks of {} engine steps per policy tick; both must be at least 1",
+        rates_.control_ticks, rates_.sim_steps));
+  }
+  for (const Robot& robot : robots_) {
+    if (robot.scene() == scene_) continue;
+    throw ArgumentError(
+        fmt::format("stepper: robot '{}' belongs to another scene ('{}') than the stepper's ('{}')",
+                    robot.name(), robot.scene().name(), scene_.name()));
+  }
+}
+
+Robot& Stepper::Find(const std::string& name) {
+  std::vector<std::string> names;
+  for (Robot& robot : robots_) {
+    if (robot.name() == name) return robot;
+    names.push_back(robot.name());
+  }
+  throw NotFoundError(NoSuchName("action", "robot", name, names));
+}
+
+void Stepper::Apply(const Action& action, StepOutcome& outcome) {
+  for (const auto& [name, command] : action) Find(name);
+  for (const auto& [name, command] : action) {
+    const Robot::ApplyResult applied = Find(name).Apply(command);
+    if (applied.ok || !outcome.failed_robot.empty()) continue;
+    outcome.failed_robot = name;
+    outcome.failed_group = applied.failed_group;
+  }
+}
+
+void Stepper::RunControlTick(StepResult& step) {
+  for (Robot& robot : robots_) robot.Update();
+  if (on_control_tick_) on_control_tick_(scene_.model(), scene_.data());
+  const int before = step.steps;
+  step = scene_.StepN(rates_.sim_steps);
+  step.steps += before;
+}
+
+StepOutcome Stepper::Advance(const Action& action) {
+  StepOutcome outcome;
+  Apply(action, outcome);
+  for (int tick = 0; tick < rates_.control_ticks && outcome.ok(); ++tick) {
+    RunControlTick(outcome.step);
+  }
+  ++policy_ticks_;
+  return outcome;
+}
+
+}  // namespace robocell

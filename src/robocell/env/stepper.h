@@ -1,0 +1,68 @@
+// Stepper: the clock that drives robots and engine, for Env, the episode runner and batches alike.
+// Per control tick every robot's Update(), then the engine's steps; per policy tick the caller
+// reads sensors and cameras.
+//
+//   Stepper stepper(scene, robots, {.control_ticks = 33, .sim_steps = 1});
+//   StepOutcome outcome = stepper.Advance(action);
+//   if (!outcome.ok()) EndEpisode(outcome.step.message);
+//
+// Ticks are counted in whole engine steps, so they do not drift. Control ticks allocate nothing;
+// Robot::Apply, at the policy rate, does. Errors: those of Robot::Apply and Robot::Update.
+// Divergence is a value. Threads: those of the scene.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "robocell/robot/action.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+struct StepperRates {
+  int control_ticks = 33;  // per policy tick
+  int sim_steps = 1;       // per control tick
+};
+
+struct StepOutcome {
+  StepResult step = {};           // of the whole policy tick: engine steps done, diverged or not
+  std::string failed_robot = {};  // the first whose pose command had no IK solution; it kept its
+  std::string failed_group = {};  // target
+  bool ok() const { return step.ok(); }
+};
+
+class Stepper {
+ public:
+  // Called after every control tick's Update(), before the engine's steps: data->ctrl is what will
+  // act.
+  using ControlTick = std::function<void(const mjModel*, const mjData*)>;
+
+  // ArgumentError for rates below 1 and for robots of another scene.
+  Stepper(Scene scene, std::vector<Robot> robots, StepperRates rates);
+
+  void set_on_control_tick(ControlTick callback) { on_control_tick_ = std::move(callback); }
+  // Applies the action and advances by one policy tick. Stops at divergence. An unknown robot is a
+  // NotFoundError before anything is applied.
+  StepOutcome Advance(const Action& action);
+
+  // Calls of Advance that did not throw.
+  int64_t policy_ticks() const { return policy_ticks_; }
+  const std::vector<Robot>& robots() const { return robots_; }
+  const Scene& scene() const { return scene_; }
+
+ private:
+  Robot& Find(const std::string& name);
+  void Apply(const Action& action, StepOutcome& outcome);
+  void RunControlTick(StepResult& step);
+
+  Scene scene_;
+  std::vector<Robot> robots_;
+  StepperRates rates_;
+  ControlTick on_control_tick_;
+  int64_t policy_ticks_ = 0;
+};
+
+}  // namespace robocell

@@ -1,0 +1,82 @@
+#include "robocell/kinematics/chain.h"
+
+#include <fmt/format.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/kinematics/chain_builder.h"
+
+namespace robocell {
+
+Chain::Chain(const mjModel* model, std::string_view base_body, const ChainTip& tip,
+             const ChainOptions& options)
+    : base_body_(base_body == "world" ? "world" : options.prefix + std::string(base_body)),
+      tip_{tip.kind, options.prefix + tip.name} {
+  BuiltChain built = BuildChain(model, base_body_, tip_, options);
+  model_ = built.model;
+  joints_ = std::move(built.joints);
+}
+
+std::string Chain::description() const {
+  return fmt::format("chain '{}' -> {} '{}'", base_body_,
+                     tip_.kind == ChainTip::Kind::kSite ? "site" : "body", tip_.name);
+}
+
+std::vector<std::string> Chain::joint_names() const {
+  std::vector<std::string> names;
+  for (const ChainJoint& joint : joints_) names.push_back(joint.name);
+  return names;
+}
+
+int Chain::joint_index(std::string_view name) const {
+  for (int i = 0; i < n_joints(); ++i) {
+    if (joints_[i].name == name) return i;
+  }
+  throw NotFoundError(NoSuchName(description(), "joint", name, joint_names()));
+}
+
+void Chain::CheckSize(std::string_view what, std::size_t size) const {
+  if (size == joints_.size()) return;
+  throw ArgumentError(fmt::format("{}: {}: expected {} joint values, got {}", description(), what,
+                                  n_joints(), size));
+}
+
+Pose Chain::Fk(std::span<const double> q) const {
+  CheckSize("q", q.size());
+  return WalkChain(model_, q.data(), [](int, const Transform&) {}).pose();
+}
+
+Pose Chain::FkAll(std::span<const double> q, std::span<Pose> bodies) const {
+  CheckSize("q", q.size());
+  CheckSize("bodies", bodies.size());
+  return WalkChain(model_, q.data(),
+                   [&](int i, const Transform& frame) {
+                     bodies[i] = (frame * model_.joints[i].joint_to_body).pose();
+                   })
+      .pose();
+}
+
+Pose Chain::Jacobian(std::span<const double> q,
+                     Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {
+  CheckSize("q", q.size());
+  CheckSize("columns of the Jacobian", out.cols());
+  ChainFrames frames;
+  ComputeFrames(model_, q.data(), &frames);
+  for (int i = 0; i < n_joints(); ++i) {
+    const Eigen::Vector3d& z = frames.axis[i];
+    if (model_.joints[i].slide) {
+      out.col(i) << z, Eigen::Vector3d::Zero();
+    } else {
+      out.col(i) << z.cross(frames.tip.translation - frames.origin[i]), z;
+    }
+  }
+  return frames.tip.pose();
+}
+
+double Chain::moving_mass() const {
+  double mass = 0;
+  for (int i = 0; i < n_joints(); ++i) mass += model_.joints[i].link.mass;
+  return mass;
+}
+
+}  // namespace robocell

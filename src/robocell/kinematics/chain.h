@@ -1,0 +1,131 @@
+// Chain: the serial kinematics between two places of a compiled model, with forward kinematics,
+// Jacobian and dynamics.
+//
+// A chain is read from the model that is simulated: fixed transforms, joint anchors, axes,
+// reference positions, limits, and the inertia of everything that hangs on the chain (tools,
+// gripper, side branches). It is a snapshot: it keeps no pointer to the model, and changes to the
+// model need a new chain. Inverse kinematics is in ik.h.
+//
+// Frames and units: everything is expressed in the frame of the base body, wherever that body
+// stands or moves. Joint values are in chain order, radians for hinges and metres for slides, as
+// they stand in mjData.qpos. Six-vectors have the linear rows first.
+//
+// Joints that lie in side branches (a gripper's fingers) do not move: they are frozen at the
+// model's reference position, or where ChainOptions.qpos has them.
+//
+// Errors: NotFoundError for a missing body or site, ArgumentError for a chain that cannot be made
+// and for a wrong number of joint values. Threads: a Chain is immutable, its functions are const,
+// allocate nothing and may run in parallel.
+//
+//   Chain chain(model, "link_base", ChainTip::Site("link_tcp"));
+//   Pose tip_in_base = chain.Fk(q);
+//   Eigen::Matrix<double, 6, 7> jacobian;
+//   chain.Jacobian(q, jacobian);
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "robocell/kinematics/chain_model.h"
+#include "robocell/kinematics/joint_vector.h"
+#include "robocell/math/pose.h"
+#include "robocell/mujoco/forward.h"
+
+namespace robocell {
+
+// Where a chain ends.
+struct ChainTip {
+  enum class Kind { kBody, kSite };
+
+  static ChainTip Body(std::string_view name) { return {Kind::kBody, std::string(name)}; }
+  static ChainTip Site(std::string_view name) { return {Kind::kSite, std::string(name)}; }
+
+  Kind kind = Kind::kBody;
+  std::string name{};
+};
+
+struct ChainOptions {
+  // Names in the model's own scope are looked up as prefix + name.
+  std::string prefix{};
+  // A body that must hang on the chain behind its first joint (its subtree's inertia is then part
+  // of the chain, as is that of every body that does); an ArgumentError says if it does not. Empty:
+  // not checked.
+  std::string tool_body{};
+  // Positions of the whole model (nq values), for the joints that hang on the chain but are not in
+  // it. Empty: the model's reference positions.
+  std::span<const double> qpos{};
+};
+
+enum class ChainJointType { kHinge, kSlide };
+
+// What a chain knows of one of its joints.
+struct ChainJoint {
+  std::string name{};  // full name in the model; "<body>:joint<k>" for an unnamed one
+  std::string body{};  // the body that it moves
+  ChainJointType type = ChainJointType::kHinge;
+  bool limited = false;
+  double lower = 0, upper = 0;  // rad or m; +-infinity when not limited
+  int id = -1;                  // of the joint in the model
+  int qpos_address = -1;        // in mjData.qpos
+  int dof_address = -1;         // in mjData.qvel
+};
+
+class Chain {
+ public:
+  // The joints between `base_body` and `tip`. The base may be any body, also one that moves;
+  // "world" is allowed. 1 to kMaxChainJoints hinges and slides; a ball or free joint on the way is
+  // refused by name.
+  Chain(const mjModel* model, std::string_view base_body, const ChainTip& tip,
+        const ChainOptions& options = {});
+
+  int n_joints() const { return model_.n; }
+  const std::vector<ChainJoint>& joints() const { return joints_; }
+  std::vector<std::string> joint_names() const;
+  const std::string& base_body() const { return base_body_; }
+  const ChainTip& tip() const { return tip_; }
+  // The index of a joint by its full name; NotFoundError lists the names.
+  int joint_index(std::string_view name) const;
+
+  // Pose of the tip in the base frame.
+  Pose Fk(std::span<const double> q) const;
+  // For every joint the pose of the body that it moves, in the base frame (between the joints of a
+  // body with several: where the first of them alone would put it). `bodies` has n entries. Returns
+  // the tip.
+  Pose FkAll(std::span<const double> q, std::span<Pose> bodies) const;
+  // 6 x n at the tip point, axes of the base frame, linear rows first: twist = J * qdot. Returns
+  // the tip's pose.
+  Pose Jacobian(std::span<const double> q,
+                Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const;
+
+  // Torques (N m or N) that hold the chain still in a uniform field, e.g. the world's (0, 0, -9.81)
+  // rotated into the base frame, m/s^2. Each body weighs mass * (1 - gravcomp), so that
+  // compensation is never done twice.
+  void GravityTorques(std::span<const double> q, const Eigen::Vector3d& gravity_in_base,
+                      std::span<double> out) const;
+  // n x n joint-space inertia with armature, base held still.
+  void MassMatrix(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> out) const;
+  // Torques for a given motion, gravity (as above) and armature included; no friction, damping or
+  // contact.
+  void InverseDynamics(std::span<const double> q, std::span<const double> qd,
+                       std::span<const double> qdd, const Eigen::Vector3d& gravity_in_base,
+                       std::span<double> out) const;
+  // Mass of everything that the chain moves, kg.
+  double moving_mass() const;
+
+  // The folded numbers, for solvers.
+  const ChainModel& model() const { return model_; }
+  // "chain 'link_base' -> site 'link_tcp'", for messages.
+  std::string description() const;
+
+ private:
+  void CheckSize(std::string_view what, std::size_t size) const;
+
+  ChainModel model_;
+  std::vector<ChainJoint> joints_;
+  std::string base_body_;
+  ChainTip tip_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,90 @@
+// ChainModel: the numbers of a serial chain, folded so that forward kinematics is one product per
+// joint.
+//
+// Every joint has a frame whose z axis is the joint's axis and whose origin lies on it; the
+// transform from the moved frame of the joint before (for the first one: from the base body) is
+// constant. This is what solvers read. It holds no pointer and no name; Chain (chain.h) is what
+// users hold.
+#pragma once
+
+#include <array>
+
+#include "robocell/kinematics/joint_vector.h"
+#include "robocell/kinematics/transform.h"
+
+namespace robocell {
+
+// Everything that moves rigidly behind one joint and before the next, in the moved joint frame.
+struct LinkInertia {
+  double mass = 0;                                          // kg
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();         // mass * centre of mass, kg m
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();        // about the frame's origin, kg m^2
+  double weight_mass = 0;                                   // sum of mass * (1 - gravcomp), kg
+  Eigen::Vector3d weight_moment = Eigen::Vector3d::Zero();  // the same for mass * centre of mass
+};
+
+struct JointModel {
+  Transform
+      fixed;  // moved frame of the joint before -> this joint's frame at its reference position
+  Transform joint_to_body;  // moved joint frame -> the body that the joint moves
+  LinkInertia link;
+  bool slide = false;
+  double reference =
+      0;  // joint position at which the joint's transform is the identity (the model's qpos0)
+  double lower = 0, upper = 0;  // +-infinity without limits
+  double armature = 0;          // kg m^2 or kg
+};
+
+struct ChainModel {
+  int n = 0;
+  // No configuration in the limits puts the tip farther than this from the first joint's reference
+  // origin, m; infinity with a slide without limits.
+  double reach_bound = 0;
+  // What a metre is to this chain: weighs lengths against angles. The bound without the slides'
+  // travel, and never 0.
+  double length = 1;
+  std::array<JointModel, kMaxChainJoints> joints;
+  Transform last_to_tip;  // moved frame of the last joint -> tip
+};
+
+// Where a configuration puts the joints, in the base frame. Only the first n entries are written.
+struct ChainFrames {
+  std::array<Eigen::Vector3d, kMaxChainJoints> axis;    // unit vectors
+  std::array<Eigen::Vector3d, kMaxChainJoints> origin;  // a point on the axis, m
+  Transform tip;
+};
+
+// The joint's motion, applied to the frame in which the joint stands at its reference position.
+inline void MoveJoint(const JointModel& joint, double q, Transform* frame) {
+  const double d = q - joint.reference;
+  if (joint.slide) {
+    frame->translation += frame->rotation.col(2) * d;
+    return;
+  }
+  const double c = std::cos(d), s = std::sin(d);
+  const Eigen::Vector3d x = frame->rotation.col(0), y = frame->rotation.col(1);
+  frame->rotation.col(0) = c * x + s * y;
+  frame->rotation.col(1) = c * y - s * x;
+}
+
+// Calls visit(i, moved frame of joint i in the base frame) for each joint and returns the tip in
+// the base frame.
+template <typename Visit>
+Transform WalkChain(const ChainModel& chain, const double* q, Visit&& visit) {
+  Transform frame;
+  for (int i = 0; i < chain.n; ++i) {
+    frame = i == 0 ? chain.joints[0].fixed : frame * chain.joints[i].fixed;
+    MoveJoint(chain.joints[i], q[i], &frame);
+    visit(i, frame);
+  }
+  return frame * chain.last_to_tip;
+}
+
+inline void ComputeFrames(const ChainModel& chain, const double* q, ChainFrames* out) {
+  out->tip = WalkChain(chain, q, [out](int i, const Transform& frame) {
+    out->axis[i] = frame.rotation.col(2);
+    out->origin[i] = frame.translation;
+  });
+}
+
+}  // namespace robocell

@@ -1,0 +1,200 @@
+#include "robocell/kinematics/ik.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <numbers>
+
+#include "robocell/base/error.h"
+#include "robocell/kinematics/ik_descent.h"
+#include "robocell/kinematics/low_discrepancy.h"
+#include "robocell/kinematics/start_range.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+// A target that no stretched chain can touch is tried from a few starts only, for the best
+// approach.
+constexpr int kRestartsWhenTooFar = 8;
+// How many solutions are compared when the nearest to the seed is wanted.
+constexpr int kSolutionsCompared = 8;
+
+class Search {
+ public:
+  Search(const Chain& chain, const Transform& target, const IkOptions& options)
+      : chain_(chain.model()),
+        options_(options),
+        target_(target),
+        descent_(chain_, target_, options_),
+        seed_(SeedOf(options)) {}
+
+  IkResult Run() {
+    const int restarts =
+        TooFar() ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
+    const int wanted = options_.prefer_near_seed ? kSolutionsCompared : 1;
+    for (int k = 0, found = 0; k <= restarts && found < wanted; ++k) {
+      best_.restarts = k;
+      found += Try(Start(k));
+    }
+    best_.iterations = descent_.iterations();
+    return best_;
+  }
+
+ private:
+  JointVector SeedOf(const IkOptions& options) const {
+    JointVector seed = options.seed.empty() ? JointVector(chain_.n) : options.seed;
+    for (int i = 0; i < chain_.n; ++i) {
+      const JointModel& joint = chain_.joints[i];
+      const StartRange range = StartRangeOf(joint, chain_.length);
+      if (options.seed.empty()) seed[i] = range.middle();
+      if (!options.locked[i]) seed[i] = std::clamp(seed[i], joint.lower, joint.upper);
+    }
+    return seed;
+  }
+
+  bool TooFar() const {
+    const Eigen::Vector3d& root = chain_.joints[0].fixed.translation;
+    return (target_.translation - root).norm() > chain_.reach_bound + options_.tolerance;
+  }
+
+  // Start 0 is the seed. The others fill the joint space; when near solutions are wanted, a growing
+  // part of it.
+  JointVector Start(int k) const {
+    JointVector q = seed_;
+    if (k == 0) return q;
+    const double part = options_.prefer_near_seed ? std::min(1.0, 0.1 * k) : 1;
+    for (int i = 0; i < chain_.n; ++i) {
+      if (options_.locked[i]) continue;
+      const JointModel& joint = chain_.joints[i];
+      const StartRange range = StartRangeOf(joint, chain_.length);
+      const double anywhere = range.at(LowDiscrepancy(k, i));
+      q[i] = std::clamp(seed_[i] + part * (anywhere - seed_[i]), joint.lower, joint.upper);
+    }
+    return q;
+  }
+
+  // Whether a solution was found from this start.
+  bool Try(JointVector q) {
+    if (!descent_.Run(q.data())) {
+      if (!best_.success && (best_.q.empty() || descent_.cost() < best_cost_))
+        Keep(q, descent_.cost());
+      return false;
+    }
+    UnwindTowardsSeed(&q);
+    if (options_.prefer_near_seed) MoveTowardsSeed(&q);
+    const double distance = DistanceToSeed(q);
+    if (!best_.success || distance < best_cost_) Keep(q, distance);
+    return true;
+  }
+
+  void MoveTowardsSeed(JointVector* q) {
+    JointVector nearer = *q;
+    if (!descent_.Approach(seed_.data(), nearer.data())) return;
+    UnwindTowardsSeed(&nearer);
+    if (DistanceToSeed(nearer) < DistanceToSeed(*q)) *q = nearer;
+  }
+
+  // Whole turns do not move the tip: take as many as bring a hinge nearest to the seed, within its
+  // limits.
+  void UnwindTowardsSeed(JointVector* q) const {
+    for (int i = 0; i < chain_.n; ++i) {
+      const JointModel& joint = chain_.joints[i];
+      if (joint.slide || options_.locked[i]) continue;
+      const double turns = std::round((seed_[i] - (*q)[i]) / kTurn);
+      const double moved = (*q)[i] + turns * kTurn;
+      if (moved >= joint.lower && moved <= joint.upper) (*q)[i] = moved;
+    }
+  }
+
+  double DistanceToSeed(const JointVector& q) const {
+    double sum = 0;
+    for (int i = 0; i < chain_.n; ++i) {
+      const double d = (q[i] - seed_[i]) / (chain_.joints[i].slide ? chain_.length : 1);
+      sum += d * d;
+    }
+    return sum;
+  }
+
+  // Makes q the answer and judges it by a fresh forward kinematics.
+  void Keep(JointVector q, double cost) {
+    UnwindTowardsSeed(&q);
+    const PoseError error =
+        ErrorTo(target_, WalkChain(chain_, q.data(), [](int, const Transform&) {}));
+    best_cost_ = cost;
+    best_.q = q;
+    best_.position_error = error.linear.stableNorm();
+    best_.rotation_error = error.angular.norm();
+    best_.success = best_.position_error <= options_.tolerance &&
+                    (options_.position_only || best_.rotation_error <= options_.tolerance);
+  }
+
+  const ChainModel& chain_;
+  const IkOptions& options_;
+  Transform target_;
+  IkDescent descent_;
+  JointVector seed_;
+  IkResult best_;
+  double best_cost_ = std::numeric_limits<double>::infinity();
+};
+
+void CheckCount(std::string_view what, int value) {
+  if (value < 0)
+    throw ArgumentError(
+        fmt::format("inverse kinematics: {} is {}; it must be 0 or more", what, value));
+}
+
+}  // namespace
+
+LockedJoints LockJoints(const Chain& chain, std::span<const std::string> names) {
+  LockedJoints locked{};
+  for (const std::string& name : names) locked[chain.joint_index(name)] = true;
+  return locked;
+}
+
+bool IsFinite(const Pose& pose) {
+  const Quaternion& q = pose.quaternion();
+  return pose.translation().allFinite() && std::isfinite(q[0] + q[1] + q[2] + q[3]);
+}
+
+void CheckIkTarget(const Pose& tip_in_base, std::string_view name) {
+  if (IsFinite(tip_in_base)) return;
+  throw ArgumentError(fmt::format("inverse kinematics: {} has a number that is not finite", name));
+}
+
+void CheckIkOptions(const Chain& chain, const IkOptions& options) {
+  const JointVector& seed = options.seed;
+  if (!seed.empty() && seed.size() != chain.n_joints()) {
+    throw ArgumentError(
+        fmt::format("inverse kinematics of {}: seed: expected {} joint values, got {}",
+                    chain.description(), chain.n_joints(), seed.size()));
+  }
+  for (int i = 0; i < chain.n_joints(); ++i) {
+    const std::string& name = chain.joints()[i].name;
+    if (!seed.empty() && !std::isfinite(seed[i])) {
+      throw ArgumentError(
+          fmt::format("inverse kinematics: seed of joint '{}' is {}", name, seed[i]));
+    }
+    if (seed.empty() && options.locked[i]) {
+      throw ArgumentError(
+          fmt::format("inverse kinematics: joint '{}' is locked, but there is no seed that says "
+                      "where. Give a seed.",
+                      name));
+    }
+  }
+  if (!(options.tolerance > 0 && std::isfinite(options.tolerance))) {
+    throw ArgumentError(fmt::format("inverse kinematics: tolerance is {}; it must be more than 0",
+                                    options.tolerance));
+  }
+  CheckCount("max_restarts", options.max_restarts);
+  CheckCount("max_iterations", options.max_iterations);
+}
+
+IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& options) {
+  CheckIkTarget(tip_in_base, "target");
+  CheckIkOptions(chain, options);
+  return Search(chain, ToTransform(tip_in_base), options).Run();
+}
+
+}  // namespace robocell

@@ -1,0 +1,75 @@
+// Inverse kinematics of one pose: joint values that put the tip of a chain where it shall be.
+//
+// The target is the pose of the tip in the base frame. The search starts at the seed and goes on
+// from points that fill the joint space evenly, always the same ones: the same question has the
+// same answer, on every thread and at every time. Limits are always obeyed. The answer is judged by
+// a fresh forward kinematics.
+//
+// Not finding a solution is a value (success = false, with the best joint values met), never an
+// exception; it takes bounded time (at most max_iterations steps for the seed and each restart; a
+// step is below a microsecond). ArgumentError: a target or seed that is not finite, a wrong number
+// of seed values, locked joints without a seed, options out of range.
+//
+// Joints without limits: hinges start anywhere in a turn, slides within the chain's length; nothing
+// is clipped. Of positions that are whole turns apart and in the limits, the one nearest to the
+// seed is returned.
+//
+// Nothing is allocated. Method: damped least squares with joints that press on a limit taken out
+// (after T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt
+// Method", 2011), many short tries instead of a few long ones.
+//
+//   IkResult found = Ik(chain, target, {.seed = JointVector(q_now)});
+//   if (found.success) Command(found.q);
+#pragma once
+
+#include <array>
+#include <span>
+#include <string>
+
+#include "robocell/kinematics/chain.h"
+
+namespace robocell {
+
+// Which joints of a chain must stay where the seed has them.
+using LockedJoints = std::array<bool, kMaxChainJoints>;
+
+struct IkOptions {
+  // Largest position error (m) and rotation error (rad), each as a norm.
+  double tolerance = 1e-5;
+  // Where to start, and where locked joints are. Values outside the limits are moved to them, but
+  // those of locked joints are kept exactly. Empty: the middle of the limits, 0 for joints without.
+  JointVector seed{};
+  // Needs a seed. See LockJoints.
+  LockedJoints locked{};
+  // Reach the target's position with any rotation.
+  bool position_only = false;
+  // Look for several solutions and return the one nearest to the seed, moved closer to it where the
+  // chain has joints to spare. Takes some hundred steps.
+  bool prefer_near_seed = false;
+  // Starts after the one from the seed.
+  int max_restarts = 100;
+  // Steps of one start.
+  int max_iterations = 40;
+};
+
+struct IkResult {
+  JointVector q{};
+  bool success = false;
+  double position_error = 0;  // m, of q
+  double rotation_error = 0;  // rad, of q; not judged when only the position is asked for
+  int iterations = 0;         // over all starts
+  int restarts = 0;
+};
+
+// Locks the named joints; NotFoundError lists the chain's.
+LockedJoints LockJoints(const Chain& chain, std::span<const std::string> names);
+
+IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& options = {});
+
+// What Ik refuses with ArgumentError, for callers that check many questions before the work. `name`
+// begins the message.
+bool IsFinite(const Pose& pose);
+void CheckIkTarget(const Pose& tip_in_base, std::string_view name);
+void CheckIkOptions(const Chain& chain, const IkOptions& options);
+
+}  // namespace robocell

@@ -1,0 +1,147 @@
+#include "robocell/kinematics/ik_batch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "robocell/base/error.h"
+
+namespace robocell {
+namespace {
+
+// How the seeds are laid out for B questions about n joints.
+enum class Seeds { kNone, kOne, kEach };
+
+Seeds LayoutOf(const Chain& chain, std::size_t questions, std::size_t values) {
+  const std::size_t n = chain.n_joints();
+  if (values == 0) return Seeds::kNone;
+  if (values == n) return Seeds::kOne;
+  if (values == n * questions) return Seeds::kEach;
+  throw ArgumentError(
+      fmt::format("batched inverse kinematics of {}: expected {} seed values (one seed) or {} ({} "
+                  "seeds of {} joints), got {}",
+                  chain.description(), n, n * questions, questions, n, values));
+}
+
+class Batch {
+ public:
+  Batch(const Chain& chain, std::span<const Pose> targets, std::span<const double> seeds,
+        const IkBatchOptions& options, IkBatchResult* result)
+      : chain_(chain),
+        targets_(targets),
+        seeds_(seeds),
+        layout_(LayoutOf(chain, targets.size(), seeds.size())),
+        options_(options),
+        out_(*result) {
+    Check();
+    Resize();
+  }
+
+  void Run() {
+    const int threads = std::clamp(options_.threads, 1, std::max(1, out_.size));
+    std::vector<std::jthread> helpers;
+    for (int t = 1; t < threads; ++t)
+      helpers.emplace_back([this, t, threads] { SolveEvery(t, threads); });
+    SolveEvery(0, threads);
+  }
+
+ private:
+  IkOptions OptionsOf(int b) const {
+    IkOptions options = options_.ik;
+    const int n = chain_.n_joints();
+    if (layout_ != Seeds::kNone) {
+      options.seed =
+          JointVector(seeds_.subspan(layout_ == Seeds::kEach ? std::size_t(b) * n : 0, n));
+    }
+    return options;
+  }
+
+  void Check() const {
+    if (!options_.ik.seed.empty()) {
+      throw ArgumentError(
+          "batched inverse kinematics: options.ik.seed is set; pass seeds as the third argument");
+    }
+    if (options_.threads < 1) {
+      throw ArgumentError(fmt::format(
+          "batched inverse kinematics: threads is {}; it must be 1 or more", options_.threads));
+    }
+    for (std::size_t i = 0; i < seeds_.size(); ++i) {
+      if (std::isfinite(seeds_[i])) continue;
+      throw ArgumentError(fmt::format("batched inverse kinematics: seeds[{}][{}] is {}",
+                                      i / chain_.n_joints(), i % chain_.n_joints(), seeds_[i]));
+    }
+    if (!targets_.empty()) CheckIkOptions(chain_, OptionsOf(0));
+    for (std::size_t b = 0; b < targets_.size(); ++b) {
+      const Pose& target = targets_[b];
+      if (!IsFinite(target)) CheckIkTarget(target, fmt::format("targets[{}]", b));
+    }
+  }
+
+  void Resize() {
+    const std::size_t size = targets_.size();
+    out_.size = static_cast<int>(size);
+    out_.n_joints = chain_.n_joints();
+    out_.q.resize(size * out_.n_joints);
+    out_.success.resize(size);
+    out_.position_error.resize(size);
+    out_.rotation_error.resize(size);
+    out_.iterations.resize(size);
+  }
+
+  void SolveEvery(int first, int stride) {
+    for (int b = first; b < out_.size; b += stride) {
+      const IkResult found = Ik(chain_, targets_[b], OptionsOf(b));
+      std::copy(found.q.begin(), found.q.end(), out_.q.begin() + std::ptrdiff_t(b) * out_.n_joints);
+      out_.success[b] = found.success;
+      out_.position_error[b] = found.position_error;
+      out_.rotation_error[b] = found.rotation_error;
+      out_.iterations[b] = found.iterations;
+    }
+  }
+
+  const Chain& chain_;
+  std::span<const Pose> targets_;
+  std::span<const double> seeds_;
+  Seeds layout_;
+  const IkBatchOptions& options_;
+  IkBatchResult& out_;
+};
+
+}  // namespace
+
+int IkBatchResult::solved() const {
+  return static_cast<int>(std::count(success.begin(), success.end(), uint8_t{1}));
+}
+
+void IkBatch(const Chain& chain, std::span<const Pose> tips_in_base, std::span<const double> seeds,
+             const IkBatchOptions& options, IkBatchResult* result) {
+  Batch(chain, tips_in_base, seeds, options, result).Run();
+}
+
+IkBatchResult IkBatch(const Chain& chain, std::span<const Pose> tips_in_base,
+                      std::span<const double> seeds, const IkBatchOptions& options) {
+  IkBatchResult result;
+  IkBatch(chain, tips_in_base, seeds, options, &result);
+  return result;
+}
+
+std::vector<Pose> PosesFromMatrices(std::span<const double> matrices, std::string_view name) {
+  if (matrices.size() % 16 != 0) {
+    throw ArgumentError(
+        fmt::format("{}: expected 16 values for each 4x4 matrix, got {}", name, matrices.size()));
+  }
+  std::vector<Pose> poses;
+  poses.reserve(matrices.size() / 16);
+  for (std::size_t b = 0; b < matrices.size() / 16; ++b) {
+    using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+    try {
+      poses.push_back(Pose::FromMatrix(Eigen::Map<const RowMajor>(matrices.data() + 16 * b)));
+    } catch (const ArgumentError& error) {
+      throw ArgumentError(fmt::format("{}[{}]: {}", name, b, error.what()));
+    }
+  }
+  return poses;
+}
+
+}  // namespace robocell

@@ -1,0 +1,58 @@
+// Inverse kinematics of many poses at once.
+//
+// Every question is answered on its own: its answer does not depend on the other questions, on
+// their order or on the number of threads. Results are arrays with one row per question.
+//
+// Errors: ArgumentError before any work starts, naming the row that is wrong. See ik.h for the
+// options.
+//
+//   IkBatchResult r = IkBatch(chain, targets, seeds, {.threads = 2});
+//   for (int b = 0; b < r.size; ++b) if (r.success[b]) Use(r.row(b));
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "robocell/kinematics/ik.h"
+
+namespace robocell {
+
+struct IkBatchOptions {
+  // Of every question. The seed in here must be empty: seeds are an argument of their own.
+  IkOptions ik{};
+  // The caller's thread is one of them.
+  int threads = 1;
+};
+
+struct IkBatchResult {
+  int size = 0;                          // B questions
+  int n_joints = 0;                      // n
+  std::vector<double> q{};               // B x n, row by row
+  std::vector<uint8_t> success{};        // B, 0 or 1
+  std::vector<double> position_error{};  // B, m
+  std::vector<double> rotation_error{};  // B, rad
+  std::vector<int> iterations{};         // B
+
+  std::span<const double> row(int b) const {
+    return std::span(q).subspan(static_cast<std::size_t>(b) * n_joints, n_joints);
+  }
+  int solved() const;
+};
+
+// `seeds` holds no value (the middle of the limits), n values (the same seed for all) or B x n
+// values row by row.
+IkBatchResult IkBatch(const Chain& chain, std::span<const Pose> tips_in_base,
+                      std::span<const double> seeds = {}, const IkBatchOptions& options = {});
+// The same into a result whose memory is used again: no allocation when the size is the same and
+// threads is 1.
+void IkBatch(const Chain& chain, std::span<const Pose> tips_in_base, std::span<const double> seeds,
+             const IkBatchOptions& options, IkBatchResult* result);
+
+// Poses from B homogeneous 4x4 matrices, row by row. What is no rigid transform is an ArgumentError
+// that names the row: "targets[17]: ...".
+std::vector<Pose> PosesFromMatrices(std::span<const double> matrices,
+                                    std::string_view name = "targets");
+
+}  // namespace robocell

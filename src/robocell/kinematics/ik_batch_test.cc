@@ -1,0 +1,118 @@
+// Batched inverse kinematics: the same answers as one by one, whatever the batch, the order and the
+// threads.
+#include "robocell/kinematics/ik_batch.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "robocell/kinematics/testing/models.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+class IkBatchTest : public testing::Test {
+ protected:
+  IkBatchTest() {
+    for (int b = 0; b < 40; ++b) {
+      JointVector q(chain_.n_joints());
+      for (double& v : q) v = rng_.Uniform(-1, 1);
+      // Every fifth target is out of reach.
+      targets_.push_back(b % 5 == 4 ? Pose(Eigen::Vector3d(50, b, 0)) : chain_.Fk(q));
+      for (const double v : q) seeds_.push_back(v + rng_.Uniform(-0.3, 0.3));
+    }
+  }
+
+  Rng rng_ = Rng::Stream(1, "ik batch");
+  TestModel model_ =
+      TestModel::FromXml(RandomChainXml(&rng_, {.joints = 7, .slide_share = 0}).Write());
+  Chain chain_{model_.model(), "base", ChainTip::Site("tip")};
+  std::vector<Pose> targets_;
+  std::vector<double> seeds_;
+};
+
+TEST_F(IkBatchTest, AnswersEachQuestionAsIfItWereAlone) {
+  const IkBatchResult all = IkBatch(chain_, targets_, seeds_);
+  ASSERT_EQ(all.size, 40);
+  EXPECT_EQ(all.solved(), 32);
+  for (int b = 0; b < all.size; ++b) {
+    const std::span<const double> seed = std::span(seeds_).subspan(b * 7, 7);
+    const IkBatchResult alone = IkBatch(chain_, {&targets_[b], 1}, seed);
+    EXPECT_TRUE(std::ranges::equal(alone.q, all.row(b))) << b;
+    EXPECT_EQ(alone.success[0], all.success[b]);
+    EXPECT_EQ(alone.iterations[0], all.iterations[b]);
+    EXPECT_EQ(alone.position_error[0], all.position_error[b]);
+    EXPECT_EQ(alone.rotation_error[0], all.rotation_error[b]);
+    EXPECT_EQ(all.success[b], b % 5 != 4);
+  }
+}
+
+TEST_F(IkBatchTest, DoesNotDependOnOrderOrThreads) {
+  const IkBatchResult all = IkBatch(chain_, targets_);
+  const IkBatchResult threaded = IkBatch(chain_, targets_, {}, {.threads = 3});
+  EXPECT_EQ(all.q, threaded.q);
+  EXPECT_EQ(all.success, threaded.success);
+  std::ranges::reverse(targets_);
+  const IkBatchResult reversed = IkBatch(chain_, targets_);
+  for (int b = 0; b < all.size; ++b)
+    EXPECT_TRUE(std::ranges::equal(reversed.row(39 - b), all.row(b))) << b;
+}
+
+TEST_F(IkBatchTest, GivesOneSeedToAll) {
+  const std::span<const double> seed = std::span(seeds_).first(7);
+  const IkBatchResult result = IkBatch(chain_, targets_, seed);
+  EXPECT_TRUE(
+      std::ranges::equal(result.row(3), Ik(chain_, targets_[3], {.seed = JointVector(seed)}).q));
+}
+
+TEST_F(IkBatchTest, UsesTheResultsMemoryAgain) {
+  IkBatchResult result;
+  IkBatch(chain_, targets_, seeds_, {}, &result);
+  const double* memory = result.q.data();
+  IkBatch(chain_, std::span(targets_).first(10), {}, {}, &result);
+  EXPECT_EQ(result.size, 10);
+  EXPECT_EQ(result.q.size(), 70u);
+  EXPECT_EQ(result.q.data(), memory);
+}
+
+TEST_F(IkBatchTest, AnswersNothingToNothing) {
+  const IkBatchResult result = IkBatch(chain_, {});
+  EXPECT_EQ(result.size, 0);
+  EXPECT_EQ(result.solved(), 0);
+}
+
+TEST_F(IkBatchTest, NamesTheRowThatIsWrongBeforeItStarts) {
+  ExpectThrow<ArgumentError>(
+      [&] { IkBatch(chain_, targets_, std::span(seeds_).first(8)); },
+      "expected 7 seed values (one seed) or 280 (40 seeds of 7 joints), got 8");
+  seeds_[17 * 7 + 2] = INFINITY;
+  ExpectThrow<ArgumentError>([&] { IkBatch(chain_, targets_, seeds_); }, "seeds[17][2] is inf");
+  const Pose huge(Eigen::Vector3d(1.5e308, 0, 0));
+  targets_[12] = huge * huge;
+  ExpectThrow<ArgumentError>([&] { IkBatch(chain_, targets_); },
+                             "targets[12] has a number that is not finite");
+  ExpectThrow<ArgumentError>([&] { IkBatch(chain_, {}, {}, {.threads = 0}); },
+                             "threads is 0; it must be 1 or more");
+  ExpectThrow<ArgumentError>([&] { IkBatch(chain_, {}, {}, {.ik = {.seed = JointVector(7)}}); },
+                             "options.ik.seed is set; pass seeds as the third argument");
+}
+
+TEST(PosesFromMatrices, ReadsRowMajorMatricesAndNamesTheOneThatIsNoTransform) {
+  std::vector<double> matrices = {1, 0, 0, 5, 0, 0, -1, 6, 0, 1, 0, 7, 0, 0, 0, 1,
+                                  1, 0, 0, 5, 0, 1, 0,  6, 0, 0, 1, 7, 0, 0, 0, 1};
+  const std::vector<Pose> poses = PosesFromMatrices(matrices);
+  ASSERT_EQ(poses.size(), 2u);
+  EXPECT_EQ(poses[0].translation(), Eigen::Vector3d(5, 6, 7));
+  EXPECT_NEAR(poses[0].rpy()[0], std::acos(0), 1e-12);
+  matrices[16] = 2;
+  ExpectThrow<ArgumentError>([&] { PosesFromMatrices(matrices); }, "targets[1]: ");
+  matrices[16] = NAN;
+  ExpectThrow<ArgumentError>([&] { PosesFromMatrices(matrices, "goals"); }, "goals[1]: ");
+  matrices.pop_back();
+  ExpectThrow<ArgumentError>([&] { PosesFromMatrices(matrices); },
+                             "expected 16 values for each 4x4 matrix, got 31");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,25 @@
+// Points that fill the unit cube evenly, in a fixed order: where solvers and samplers of this
+// folder start from.
+//
+// Richtmyer's sequence (R. D. Richtmyer, "The Evaluation of Definite Integrals, and a Quasi-Monte-
+// Carlo Method Based on the Properties of Algebraic Numbers", 1951): the k-th point is the
+// fractional part of 1/2 + k * (sqrt 2, sqrt 3, sqrt 5, ...). Point 0 is the centre. Pure: no
+// state, no allocation.
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "robocell/kinematics/joint_vector.h"
+
+namespace robocell {
+
+// Coordinate `dimension` (less than kMaxChainJoints) of point k, in [0, 1).
+inline double LowDiscrepancy(int k, int dimension) {
+  constexpr std::array<int, kMaxChainJoints> kPrimes = {2,  3,  5,  7,  11, 13, 17, 19,
+                                                        23, 29, 31, 37, 41, 43, 47, 53};
+  const double x = 0.5 + k * std::sqrt(kPrimes[dimension]);
+  return x - std::floor(x);
+}
+
+}  // namespace robocell

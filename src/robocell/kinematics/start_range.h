@@ -1,0 +1,34 @@
+// Where solvers and samplers of this folder start a joint from: its limits, or a sensible range
+// where it has none.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "robocell/kinematics/chain_model.h"
+
+namespace robocell {
+
+struct StartRange {
+  double lower = 0, upper = 0;
+
+  double middle() const { return 0.5 * (lower + upper); }
+  double at(double part) const { return lower + part * (upper - lower); }  // part in [0, 1]
+};
+
+// Hinges start within one turn, as more of them repeat themselves; slides without limits within
+// `length` of their reference position.
+inline StartRange StartRangeOf(const JointModel& joint, double length) {
+  const bool limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+  const double middle = limited       ? 0.5 * (joint.lower + joint.upper)
+                        : joint.slide ? joint.reference
+                                      : 0;
+  double half = limited       ? 0.5 * (joint.upper - joint.lower)
+                : joint.slide ? length
+                              : std::numbers::pi;
+  if (!joint.slide) half = std::min(half, std::numbers::pi);
+  return {middle - half, middle + half};
+}
+
+}  // namespace robocell

@@ -1,0 +1,98 @@
+// Pose: a rigid transform in SE(3), immutable. Frames: `X_AB` is the pose of B in A, and
+// X_AC = X_AB * X_BC.
+//
+// Quaternions are xyzw in the whole API. Lengths are metres, angles radians. Roll-pitch-yaw is
+// extrinsic xyz, that is R = Rz(yaw) * Ry(pitch) * Rx(roll). The stored quaternion is of unit
+// length with w >= 0.
+//
+//   Pose tcp_in_world = base_in_world * tcp_in_base;
+//   Pose target(Eigen::Vector3d(0.4, 0, 0.3), Quaternion{1, 0, 0, 0});   // tool pointing down
+//   Pose step = Pose::FromRpy({0, 0, 0.01}, {0, 0, 0.1});
+//
+// All functions are free of allocation and safe to call from any thread.
+#pragma once
+
+#include <array>
+#include <iosfwd>
+
+#include <Eigen/Core>
+
+#include "robocell/math/rotation.h"
+
+namespace robocell {
+
+// A square matrix of that size, or an expression that gives one.
+template <typename T, int size>
+concept EigenMatrix = (T::RowsAtCompileTime == size) && (T::ColsAtCompileTime == size);
+
+class Pose {
+ public:
+  // The identity.
+  Pose() = default;
+  // Translation in metres and quaternion xyzw. A quaternion within 1e-6 of unit length is
+  // normalised; any other, or a non-finite number, is an ArgumentError.
+  Pose(const Eigen::Vector3d& translation, const Quaternion& quaternion);
+  explicit Pose(const Eigen::Vector3d& translation);
+  // Rotation must be orthonormal with determinant +1 within 1e-6 (ArgumentError otherwise).
+  template <EigenMatrix<3> Rotation>
+  Pose(const Eigen::Vector3d& translation, const Rotation& rotation)
+      : Pose(translation, QuaternionFromMatrix(rotation)) {}
+  // 4x4 homogeneous matrix; the last row must be 0 0 0 1.
+  template <EigenMatrix<4> Matrix>
+  explicit Pose(const Matrix& matrix) : Pose(FromMatrix(matrix)) {}
+
+  static Pose FromRpy(const Eigen::Vector3d& translation, const Eigen::Vector3d& rpy);
+  static Pose FromRotvec(const Eigen::Vector3d& translation, const Eigen::Vector3d& rotvec);
+  // MuJoCo's order. For code at the engine's border only.
+  static Pose FromWxyz(const double translation[3], const double quaternion_wxyz[4]);
+  // The other way round: writes into the engine's arrays.
+  void ToWxyz(double translation[3], double quaternion_wxyz[4]) const;
+  static Pose FromTranslationAndMatrix(const double translation[3],
+                                       const double row_major_rotation[9]);
+  static Pose FromMatrix(const Eigen::Matrix4d& homogeneous);
+
+  const Eigen::Vector3d& translation() const { return translation_; }
+  const Quaternion& quaternion() const { return quaternion_; }  // xyzw
+  Quaternion quaternion_wxyz() const;
+  Eigen::Matrix3d rotation() const;
+  Eigen::Vector3d rpy() const;     // extrinsic xyz; at gimbal lock roll is 0
+  Eigen::Vector3d rotvec() const;  // axis * angle, angle in [0, pi]
+  Eigen::Matrix4d matrix() const;
+  std::array<double, 6> xyzrpy() const;
+  double angle() const;  // of the rotation, in [0, pi]
+
+  Pose inverse() const;
+  Pose operator*(const Pose& other) const;
+  Eigen::Vector3d operator*(const Eigen::Vector3d& point) const;
+
+  // s = 0 gives *this, s = 1 gives `to`: straight line for the translation, shortest arc for the
+  // rotation. Other s continue the motion.
+  Pose interpolate(const Pose& to, double s) const;
+  // The same pose with the translation shortened to at most `metres`, or the rotation to at most
+  // `radians`; direction and axis stay. A negative limit is an ArgumentError.
+  Pose limit_translation(double metres) const;
+  Pose limit_rotation(double radians) const;
+
+  // The angle between the rotations and the distance are both within their tolerance (radians,
+  // metres).
+  bool is_close(const Pose& other, double rotation_tolerance, double translation_tolerance) const;
+  bool operator==(const Pose& other) const;  // exact
+
+ private:
+  struct Unchecked {};
+  Pose(const Eigen::Vector3d& translation, const Quaternion& quaternion, Unchecked);
+
+  Eigen::Vector3d translation_ = Eigen::Vector3d::Zero();
+  Quaternion quaternion_ = {0, 0, 0, 1};
+};
+
+std::ostream& operator<<(std::ostream& out, const Pose& pose);
+
+// Six numbers, linear part first: X_AB's twist from `from` to `to` in one unit of time, expressed
+// in the frame that both poses are given in: (translation difference, rotation vector of to.R *
+// from.R^T).
+Eigen::Matrix<double, 6, 1> PoseDifference(const Pose& from, const Pose& to);
+// The inverse: moves `pose` by a twist of that kind.
+Pose Integrate(const Pose& pose, const Eigen::Matrix<double, 6, 1>& difference);
+
+}  // namespace robocell

@@ -1,0 +1,75 @@
+// A child process with a pipe to its stdin or from its stdout, as VideoWriter and VideoReader need
+// it. Not a general process library: no shell, no environment changes, Linux only.
+//
+// Guarantees: the child gets no other file descriptor of ours; its stderr is collected; it has its
+// own process group, so that Ctrl-C in the terminal does not take it away from under us; writing to
+// a child that died never raises SIGPIPE; the destructor kills and reaps, so that no zombie is
+// left. A child that makes no progress for `stall_timeout_s` is killed and reported.
+//
+//   ChildProcess child({"/usr/bin/sort", "-n"}, {.pipe_stdin = true});
+//   child.Write(bytes);
+//   child.CloseStdin();
+//   if (child.Wait() != 0) throw IoError(child.DescribeEnd());
+//
+// One thread at a time.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace robocell {
+
+struct ChildProcessOptions {
+  bool pipe_stdin = false;   // otherwise stdin is /dev/null
+  bool pipe_stdout = false;  // otherwise stdout is /dev/null
+  double stall_timeout_s = 60;
+};
+
+class ChildProcess {
+ public:
+  // arguments[0] is the program's path; PATH is not searched. IoError if it cannot be started.
+  ChildProcess(const std::vector<std::string>& arguments, const ChildProcessOptions& options);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  pid_t pid() const { return pid_; }
+
+  // Writes all bytes to the child's stdin, blocking while it is busy. False if the child closed its
+  // end or died.
+  bool Write(std::span<const uint8_t> bytes);
+  void CloseStdin();
+  // Fills `bytes` from the child's stdout; fewer bytes than asked for mean its end was reached.
+  size_t Read(std::span<uint8_t> bytes);
+
+  // Waits for the end and gives the exit code, or 128 + signal. Later calls return the same.
+  int Wait();
+  void Kill();
+
+  // "exited with code 1", "was killed by signal 9 (Killed)", "is running".
+  std::string DescribeEnd() const;
+  // What the child wrote to stderr (the last 2000 characters, trimmed), "" if nothing.
+  std::string Errors() const;
+
+ private:
+  [[noreturn]] void Stalled(const char* doing);
+  bool PollFor(int fd, short events) const;
+  bool TryReap();
+  void CloseAll();
+
+  std::string program_;
+  double stall_timeout_s_;
+  pid_t pid_ = -1;
+  bool reaped_ = false;
+  int exit_code_ = 0;
+  int signal_ = 0;   // that ended it, or 0
+  int stdin_ = -1;   // our end of a socket: MSG_NOSIGNAL keeps SIGPIPE away
+  int stdout_ = -1;  // our end of a pipe
+  int errors_ = -1;  // a memory file
+};
+
+}  // namespace robocell

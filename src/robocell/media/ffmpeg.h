@@ -1,0 +1,18 @@
+// Where the ffmpeg program is, and which one it is. It is run as a child process and never linked:
+// its licence (GPL in most builds) stays its own.
+#pragma once
+
+#include <string>
+
+namespace robocell {
+
+// The program to use: ROBOCELL_FFMPEG if set (then nothing else is tried), else `ffmpeg` on PATH,
+// else IMAGEIO_FFMPEG_EXE (the binary of the imageio-ffmpeg package). IoError naming what was tried
+// if there is none.
+std::string FindFfmpeg();
+
+// "ffmpeg version 5.1.9-0+deb12u1": the first line of `program -version` up to the copyright. Asked
+// once per program. The same frames give the same bytes only with the same version.
+std::string FfmpegVersion(const std::string& program = FindFfmpeg());
+
+}  // namespace robocell

@@ -1,0 +1,225 @@
+#include "robocell/media/png.h"
+
+#include <png.h>
+#include <fmt/format.h>
+
+#include <csetjmp>
+#include <cstring>
+#include <new>
+#include <string>
+#include <string_view>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+
+// libpng reports errors by longjmp. Every function between setjmp and libpng's calls is plain C:
+// raw pointers only, no object with a destructor.
+namespace robocell {
+namespace {
+
+// Where libpng puts its error text and reads from or writes to.
+struct Channel {
+  char message[200] = "";
+  const uint8_t* input = nullptr;
+  size_t input_left = 0;
+  std::vector<uint8_t>* output = nullptr;
+};
+
+void OnError(png_structp png, png_const_charp message) {
+  auto* channel = static_cast<Channel*>(png_get_error_ptr(png));
+  std::strncpy(channel->message, message, sizeof channel->message - 1);
+  png_longjmp(png, 1);
+}
+
+void OnWarning(png_structp, png_const_charp) {}
+
+bool Append(std::vector<uint8_t>* output, const uint8_t* bytes, size_t count) {
+  try {
+    output->insert(output->end(), bytes, bytes + count);
+    return true;
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+}
+
+void OnWrite(png_structp png, png_bytep bytes, size_t count) {
+  auto* channel = static_cast<Channel*>(png_get_io_ptr(png));
+  if (!Append(channel->output, bytes, count)) png_error(png, "out of memory");
+}
+
+void OnFlush(png_structp) {}
+
+void OnRead(png_structp png, png_bytep bytes, size_t count) {
+  auto* channel = static_cast<Channel*>(png_get_io_ptr(png));
+  if (count > channel->input_left) png_error(png, "the file is cut short");
+  std::memcpy(bytes, channel->input, count);
+  channel->input += count;
+  channel->input_left -= count;
+}
+
+struct Format {
+  int width;
+  int height;
+  int depth;
+  int color;
+};
+
+bool Encode(Channel* channel, Format format, const uint8_t* pixels, size_t row_bytes) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, channel, OnError, OnWarning);
+  png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
+  if (info == nullptr || setjmp(png_jmpbuf(png))) {
+    png_destroy_write_struct(&png, &info);
+    return false;
+  }
+  png_set_write_fn(png, channel, OnWrite, OnFlush);
+  png_set_compression_level(png, 6);
+  png_set_IHDR(png, info, format.width, format.height, format.depth, format.color,
+               PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  if (format.depth == 16) png_set_swap(png);  // the file is big-endian
+  for (int y = 0; y < format.height; ++y) png_write_row(png, pixels + row_bytes * y);
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return true;
+}
+
+std::vector<uint8_t> Encode(Format format, const uint8_t* pixels, size_t row_bytes) {
+  std::vector<uint8_t> bytes;
+  Channel channel;
+  channel.output = &bytes;
+  if (!Encode(&channel, format, pixels, row_bytes)) {
+    throw Error(fmt::format("cannot encode a PNG: {}", channel.message));
+  }
+  return bytes;
+}
+
+void CheckPixels(int width, int height, int channels, size_t values) {
+  const bool fits = width > 0 && height > 0 && values == size_t{1} * width * height * channels;
+  if (fits) return;
+  throw ArgumentError(
+      fmt::format("PNG of {}x{} px with {} values per pixel needs {} values, got {}", width, height,
+                  channels, size_t{1} * width * height * channels, values));
+}
+
+// One decoder in two steps, so that the caller can allocate the pixels between them.
+class Decoder {
+ public:
+  // Delegates, so that the destructor also runs when this constructor throws.
+  Decoder(const std::filesystem::path& path, const std::string& file) : Decoder(path) {
+    channel_.input = reinterpret_cast<const uint8_t*>(file.data());
+    channel_.input_left = file.size();
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &channel_, OnError, OnWarning);
+    info_ = png_ == nullptr ? nullptr : png_create_info_struct(png_);
+    if (info_ == nullptr) Fail("out of memory");
+    if (!ReadHeader()) Fail(channel_.message);
+  }
+  ~Decoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
+  Decoder(const Decoder&) = delete;
+  Decoder& operator=(const Decoder&) = delete;
+
+  Format format() const {
+    return {static_cast<int>(png_get_image_width(png_, info_)),
+            static_cast<int>(png_get_image_height(png_, info_)), png_get_bit_depth(png_, info_),
+            png_get_color_type(png_, info_)};
+  }
+
+  // Rows lie `row_bytes` apart. With `to_rgb` every kind of image becomes 8-bit RGB.
+  void ReadPixels(uint8_t* pixels, size_t row_bytes, bool to_rgb) {
+    if (!Transform(to_rgb)) Fail(channel_.message);
+    if (png_get_rowbytes(png_, info_) != row_bytes) Fail("its rows have an unexpected length");
+    std::vector<uint8_t*> rows(png_get_image_height(png_, info_));
+    for (size_t y = 0; y < rows.size(); ++y) rows[y] = pixels + row_bytes * y;
+    if (!ReadRows(rows.data())) Fail(channel_.message);
+  }
+
+  [[noreturn]] void Fail(const std::string& reason) const {
+    throw IoError(fmt::format("PNG '{}': {}", path_.string(), reason));
+  }
+
+ private:
+  explicit Decoder(const std::filesystem::path& path) : path_(path) {}
+
+  bool ReadHeader() {
+    if (setjmp(png_jmpbuf(png_))) return false;
+    png_set_read_fn(png_, &channel_, OnRead);
+    png_set_user_limits(png_, 1 << 16, 1 << 16);
+    png_read_info(png_, info_);
+    return true;
+  }
+  bool Transform(bool to_rgb) {
+    if (setjmp(png_jmpbuf(png_))) return false;
+    if (to_rgb) {
+      png_set_expand(png_);
+      png_set_strip_16(png_);
+      png_set_strip_alpha(png_);
+      png_set_gray_to_rgb(png_);
+    } else {
+      png_set_swap(png_);
+    }
+    png_read_update_info(png_, info_);
+    return true;
+  }
+  bool ReadRows(uint8_t** rows) {
+    if (setjmp(png_jmpbuf(png_))) return false;
+    png_read_image(png_, rows);
+    png_read_end(png_, nullptr);
+    return true;
+  }
+
+  const std::filesystem::path& path_;
+  Channel channel_;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+};
+
+std::string_view AsText(const std::vector<uint8_t>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint8_t> rgb) {
+  CheckPixels(width, height, 3, rgb.size());
+  return Encode({width, height, 8, PNG_COLOR_TYPE_RGB}, rgb.data(), size_t{3} * width);
+}
+
+std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint16_t> gray) {
+  CheckPixels(width, height, 1, gray.size());
+  return Encode({width, height, 16, PNG_COLOR_TYPE_GRAY},
+                reinterpret_cast<const uint8_t*>(gray.data()), size_t{2} * width);
+}
+
+void WritePng(const std::filesystem::path& path, const RgbImage& image) {
+  AtomicWrite(path, AsText(EncodePng(image.width, image.height, image.pixels)));
+}
+
+void WritePng(const std::filesystem::path& path, const GrayImage16& image) {
+  AtomicWrite(path, AsText(EncodePng(image.width, image.height, image.pixels)));
+}
+
+RgbImage ReadPngRgb(const std::filesystem::path& path) {
+  const std::string file = ReadFile(path);
+  Decoder decoder(path, file);
+  const Format format = decoder.format();
+  RgbImage image{format.width, format.height,
+                 std::vector<uint8_t>(size_t{3} * format.width * format.height)};
+  decoder.ReadPixels(image.pixels.data(), size_t{3} * format.width, true);
+  return image;
+}
+
+GrayImage16 ReadPngGray16(const std::filesystem::path& path) {
+  const std::string file = ReadFile(path);
+  Decoder decoder(path, file);
+  const Format format = decoder.format();
+  if (format.depth != 16 || format.color != PNG_COLOR_TYPE_GRAY) {
+    decoder.Fail(fmt::format("expected 16-bit gray, the file has {} bits and colour type {}",
+                             format.depth, format.color));
+  }
+  GrayImage16 image{format.width, format.height,
+                    std::vector<uint16_t>(size_t{1} * format.width * format.height)};
+  decoder.ReadPixels(reinterpret_cast<uint8_t*>(image.pixels.data()), size_t{2} * format.width,
+                     false);
+  return image;
+}
+
+}  // namespace robocell

@@ -1,0 +1,42 @@
+// PNG files with 8-bit colour and with 16-bit gray (depth in millimetres), through libpng. Files
+// appear complete or not at all. The same pixels give the same bytes.
+//
+//   WritePng("view.png", RgbImage{640, 480, pixels});
+//   GrayImage16 depth = ReadPngGray16("depth.png");
+//
+// IoError names the file and the reason. Safe from any thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace robocell {
+
+// Row-major from the top left; pixels.size() == 3 * width * height.
+struct RgbImage {
+  int width = 0;
+  int height = 0;
+  std::vector<uint8_t> pixels;
+};
+
+// Row-major from the top left; pixels.size() == width * height.
+struct GrayImage16 {
+  int width = 0;
+  int height = 0;
+  std::vector<uint16_t> pixels;
+};
+
+// ArgumentError if the number of pixels does not fit the size.
+std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint8_t> rgb);
+std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint16_t> gray);
+void WritePng(const std::filesystem::path& path, const RgbImage& image);
+void WritePng(const std::filesystem::path& path, const GrayImage16& image);
+
+// Any PNG as RGB: palettes and gray are expanded, transparency is dropped, 16 bits are cut to 8.
+RgbImage ReadPngRgb(const std::filesystem::path& path);
+// IoError unless the file is 16-bit gray: other depths would silently change units.
+GrayImage16 ReadPngGray16(const std::filesystem::path& path);
+
+}  // namespace robocell

@@ -1,0 +1,30 @@
+// What an mp4 file says about its video: size, frames, rate, encoder. Reads the file's tables
+// itself (a millisecond, no child process), so that every recording can be checked. Decoding is
+// VideoReader's.
+//
+//   VideoInfo info = ReadVideoInfo("wrist.mp4");    // info.frames == 120, info.fps_num /
+//   info.fps_den == 500 / 33
+//
+// IoError names the file and what is wrong: not an mp4, cut short, no video in it.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+namespace robocell {
+
+struct VideoInfo {
+  int width = 0;   // px
+  int height = 0;  // px
+  int64_t frames = 0;
+  // Frames per second, in lowest terms; exact if `constant_rate`, else the average.
+  int64_t fps_num = 0;
+  int64_t fps_den = 1;
+  bool constant_rate = false;
+  std::string encoder;  // "x264 - core 164 r3095 baee400" if the stream names it, else ""
+};
+
+VideoInfo ReadVideoInfo(const std::filesystem::path& path);
+
+}  // namespace robocell

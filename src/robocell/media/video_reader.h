@@ -1,0 +1,45 @@
+// Reads the frames of an mp4 as RGB through an ffmpeg child process, in order or by index.
+//
+//   VideoReader video("pick.mp4");
+//   std::vector<uint8_t> rgb(video.frame_bytes());
+//   while (video.Next(rgb)) Use(rgb);          // row-major RGB, width * height * 3 bytes
+//   video.Read(17, rgb);                       // frame 17; starts a new decoder unless 17 is near
+//   ahead
+//
+// A file that ends early or does not decode cleanly is an IoError, not a shorter video. One thread
+// at a time.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+#include "robocell/media/video_info.h"
+
+namespace robocell {
+
+class VideoReader {
+ public:
+  // IoError if the file is not a readable mp4 of constant rate, or ffmpeg is missing.
+  explicit VideoReader(std::filesystem::path path);
+  ~VideoReader();
+  VideoReader(VideoReader&&) noexcept;
+  VideoReader& operator=(VideoReader&&) noexcept;
+
+  const VideoInfo& info() const;
+  size_t frame_bytes() const;
+  // The index of the frame that Next() gives.
+  int64_t position() const;
+
+  // The next frame; false after the last. ArgumentError if `rgb` has not frame_bytes().
+  bool Next(std::span<uint8_t> rgb);
+  // Frame `index`; ArgumentError if there is no such frame. position() becomes index + 1.
+  void Read(int64_t index, std::span<uint8_t> rgb);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace robocell

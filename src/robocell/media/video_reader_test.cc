@@ -1,0 +1,160 @@
+#include "robocell/media/video_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/media/testing/frames.h"
+#include "robocell/media/video_writer.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/skip.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr VideoOptions kSmall{
+    .width = 96, .height = 64, .fps_num = 500, .fps_den = 33, .keyframe_interval = 10};
+
+void WriteVideo(const fs::path& path, int frames, const VideoOptions& options = kSmall) {
+  VideoWriter video(path, options);
+  for (int i = 0; i < frames; ++i) video.Write(TestFrame(options.width, options.height, i));
+  video.Finish();
+}
+
+std::string Bytes(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+void Store(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary | std::ios::trunc)
+      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+}
+
+int64_t CountFrames(const fs::path& path) {
+  VideoReader video(path);
+  std::vector<uint8_t> rgb(video.frame_bytes());
+  int64_t count = 0;
+  while (video.Next(rgb)) ++count;
+  return count;
+}
+
+TEST(VideoReader, AFrameReadByIndexIsTheFrameReadInOrder) {
+  TempDir folder;
+  WriteVideo(folder / "a.mp4", 95);
+  VideoReader in_order(folder / "a.mp4");
+  std::vector<std::vector<uint8_t>> frames(95, std::vector<uint8_t>(in_order.frame_bytes()));
+  for (auto& frame : frames) ASSERT_TRUE(in_order.Next(frame));
+  VideoReader by_index(folder / "a.mp4");
+  std::vector<uint8_t> rgb(by_index.frame_bytes());
+  for (const int index : {94, 0, 1, 9, 10, 11, 80, 3, 3, 29, 30, 93}) {
+    by_index.Read(index, rgb);
+    EXPECT_EQ(rgb, frames[index]) << "frame " << index;
+    EXPECT_EQ(by_index.position(), index + 1);
+  }
+  EXPECT_TRUE(by_index.Next(rgb));
+  EXPECT_EQ(rgb, frames[94]);
+  EXPECT_FALSE(by_index.Next(rgb));
+}
+
+TEST(VideoReader, SeekingIsExactAtAwkwardRates) {
+  TempDir folder;
+  for (const auto& [num, den] : {std::pair{30000, 1001}, {1, 3}, {997, 1}, {500, 33}}) {
+    VideoOptions options = kSmall;
+    options.fps_num = num;
+    options.fps_den = den;
+    WriteVideo(folder / "a.mp4", 25, options);
+    VideoReader video(folder / "a.mp4");
+    std::vector<uint8_t> rgb(video.frame_bytes());
+    video.Read(23, rgb);
+    EXPECT_GT(Psnr(rgb, TestFrame(96, 64, 23)), 3 + Psnr(rgb, TestFrame(96, 64, 22)))
+        << num << "/" << den;
+    EXPECT_GT(Psnr(rgb, TestFrame(96, 64, 23)), 3 + Psnr(rgb, TestFrame(96, 64, 24)))
+        << num << "/" << den;
+  }
+}
+
+TEST(VideoReader, WhatItIsAskedWronglyIsExplained) {
+  TempDir folder;
+  WriteVideo(folder / "a.mp4", 5);
+  VideoReader video(folder / "a.mp4");
+  std::vector<uint8_t> rgb(video.frame_bytes());
+  ExpectThrow<ArgumentError>([&] { video.Read(5, rgb); }, "no frame 5. It has frames 0 ... 4");
+  std::vector<uint8_t> small(7);
+  ExpectThrow<ArgumentError>([&] { video.Next(small); },
+                             "expected a buffer of 64x96x3 = 18432 bytes, got 7");
+  ExpectThrow<IoError>([&] { VideoReader(folder / "b.mp4"); }, "b.mp4': No such file or directory");
+}
+
+TEST(VideoReader, AVideoCutAnywhereIsAnErrorNotAShorterVideo) {
+  TempDir folder;
+  WriteVideo(folder / "a.mp4", 30);
+  const std::string whole = Bytes(folder / "a.mp4");
+  for (int percent = 0; percent < 100; percent += 7) {
+    Store(folder / "cut.mp4", whole.substr(0, whole.size() * percent / 100));
+    ExpectThrow<IoError>([&] { CountFrames(folder / "cut.mp4"); }, "cut.mp4");
+  }
+}
+
+TEST(VideoReader, AFlippedByteNeverChangesTheNumberOfFramesSilently) {
+  TempDir folder;
+  WriteVideo(folder / "a.mp4", 12);
+  const std::string whole = Bytes(folder / "a.mp4");
+  int found = 0;
+  for (int part = 0; part < 25; ++part) {
+    std::string damaged = whole;
+    damaged[whole.size() * part / 25] ^= 0x55;
+    Store(folder / "damaged.mp4", damaged);
+    try {
+      EXPECT_EQ(CountFrames(folder / "damaged.mp4"), 12);
+    } catch (const IoError&) {
+      ++found;
+    }
+  }
+  EXPECT_GT(found, 5);
+}
+
+std::string Answer(const std::string& command) {
+  FILE* pipe = popen(command.c_str(), "r");
+  char text[200] = "";
+  const bool got = fgets(text, sizeof text, pipe) != nullptr;
+  pclose(pipe);
+  return got ? text : "";
+}
+
+TEST(VideoInfo, AgreesWithFfprobe) {
+  if (Answer("command -v ffprobe").empty()) SKIP_OR_FAIL("ffprobe is not installed");
+  TempDir folder;
+  for (const auto& [num, den] : {std::pair{30, 1}, {30000, 1001}, {500, 33}, {1, 3}}) {
+    VideoOptions options{.width = 64, .height = 48, .fps_num = num, .fps_den = den};
+    WriteVideo(folder / "a.mp4", 7, options);
+    const VideoInfo info = ReadVideoInfo(folder / "a.mp4");
+    const std::string probed = Answer(
+        "ffprobe -v error -count_frames -show_entries "
+        "stream=width,height,r_frame_rate,nb_read_frames -of csv=p=0 " +
+        (folder / "a.mp4").string());
+    EXPECT_EQ(probed, std::to_string(info.width) + "," + std::to_string(info.height) + "," +
+                          std::to_string(info.fps_num) + "/" + std::to_string(info.fps_den) + "," +
+                          std::to_string(info.frames) + "\n");
+    EXPECT_TRUE(info.constant_rate);
+  }
+}
+
+TEST(VideoInfo, OtherFilesAreRefusedWithTheReason) {
+  TempDir folder;
+  Store(folder / "a.mp4", "");
+  ExpectThrow<IoError>([&] { ReadVideoInfo(folder / "a.mp4"); }, "it is empty");
+  Store(folder / "a.mp4", "this is a text, not a video, and long enough");
+  ExpectThrow<IoError>([&] { ReadVideoInfo(folder / "a.mp4"); },
+                       "it does not begin like an mp4 file");
+}
+
+}  // namespace
+}  // namespace robocell

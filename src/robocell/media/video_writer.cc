@@ -1,0 +1,220 @@
+#include "robocell/media/video_writer.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <numeric>
+#include <system_error>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/media/child_process.h"
+#include "robocell/media/ffmpeg.h"
+#include "robocell/media/video_info.h"
+
+namespace robocell {
+namespace {
+
+const std::vector<std::string> kPresets = {"ultrafast", "superfast", "veryfast", "faster",  "fast",
+                                           "medium",    "slow",      "slower",   "veryslow"};
+
+// BT.601 with its flags written into the file: readers that ignore the flags assume the same. All
+// of swscale's rounding shortcuts are off, so that the result does not depend on the processor.
+constexpr const char* kConvert =
+    "scale=out_color_matrix=smpte170m:out_range=tv:flags=bicubic+accurate_rnd+full_chroma_int+"
+    "bitexact,format=yuv420p";
+
+std::vector<std::string> Arguments(const std::string& ffmpeg, const std::string& output,
+                                   const VideoOptions& options) {
+  std::vector<std::string> arguments = {ffmpeg,      "-hide_banner", "-nostdin",
+                                        "-loglevel", "error",        "-y"};
+  auto add = [&](std::initializer_list<std::string> more) {
+    arguments.insert(arguments.end(), more);
+  };
+  add({"-f", "rawvideo", "-pix_fmt", "rgb24"});
+  add({"-s", fmt::format("{}x{}", options.width, options.height)});
+  add({"-framerate", fmt::format("{}/{}", options.fps_num, options.fps_den), "-i", "pipe:0"});
+  add({"-an", "-map_metadata", "-1", "-fps_mode", "passthrough"});
+  add({"-filter_threads", "1", "-vf", kConvert});
+  // One thread: x264's bytes depend on the number. No B-frames: frame i has time i / fps from the
+  // first byte on.
+  add({"-c:v", "libx264", "-threads", "1", "-preset", options.preset, "-crf",
+       std::to_string(options.crf)});
+  add({"-g", std::to_string(options.keyframe_interval), "-bf", "0"});
+  add({"-flags", "+bitexact", "-fflags", "+bitexact"});
+  add({"-color_range", "tv", "-colorspace", "smpte170m", "-color_primaries", "bt709", "-color_trc",
+       "iec61966-2-1"});
+  add({"-f", "mp4", "file:" + output});
+  return arguments;
+}
+
+// A hidden name in the same folder, unique on this machine.
+std::filesystem::path PartialPath(const std::filesystem::path& path) {
+  static std::atomic<int> counter{0};
+  return path.parent_path() /
+         fmt::format(".{}.{}-{}.partial", path.filename().string(), getpid(), counter.fetch_add(1));
+}
+
+void CreateEmpty(const std::string& name, const std::filesystem::path& path) {
+  const int fd = open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0644);
+  if (fd < 0) {
+    const std::string reason = std::strerror(errno);
+    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    throw IoError(
+        fmt::format("{}: cannot create a file in folder '{}': {}", name, folder.string(), reason));
+  }
+  close(fd);
+}
+
+std::string OddSize(const std::string& name, int width, int height) {
+  return fmt::format(
+      "{}: {}x{} px cannot be encoded, h264 with yuv420p needs an even width and height. Nearest "
+      "even size: {}x{}.",
+      name, width, height, std::max(2, width - width % 2), std::max(2, height - height % 2));
+}
+
+}  // namespace
+
+void CheckVideoOptions(const std::string& name, const VideoOptions& options) {
+  const int w = options.width;
+  const int h = options.height;
+  if (w < 1 || h < 1 || w > 16384 || h > 16384) {
+    throw ArgumentError(
+        fmt::format("{}: size {}x{} px is not between 2x2 and 16384x16384", name, w, h));
+  }
+  if (w % 2 != 0 || h % 2 != 0) throw ArgumentError(OddSize(name, w, h));
+  if (options.fps_num < 1 || options.fps_den < 1) {
+    throw ArgumentError(fmt::format("{}: rate {}/{} frames per second is not positive", name,
+                                    options.fps_num, options.fps_den));
+  }
+  if (std::find(kPresets.begin(), kPresets.end(), options.preset) == kPresets.end()) {
+    throw ArgumentError(NoSuchName(name, "preset", options.preset, kPresets));
+  }
+  if (options.crf < 0 || options.crf > 51) {
+    throw ArgumentError(fmt::format("{}: crf {} is not in 0 (lossless) ... 51", name, options.crf));
+  }
+  if (options.keyframe_interval < 1) {
+    throw ArgumentError(
+        fmt::format("{}: keyframe_interval {} is less than 1", name, options.keyframe_interval));
+  }
+}
+
+struct VideoWriter::Impl {
+  std::filesystem::path path;
+  std::filesystem::path partial;
+  std::string name;
+  VideoOptions options;
+  std::unique_ptr<ChildProcess> encoder;
+  int64_t frames = 0;
+  std::string failure;
+  bool finished = false;
+
+  ~Impl() {
+    encoder.reset();
+    std::error_code ignored;
+    if (!finished && !partial.empty()) std::filesystem::remove(partial, ignored);
+  }
+
+  [[noreturn]] void Fail(const std::string& what) {
+    failure = fmt::format("{}: {}", name, what);
+    throw IoError(failure);
+  }
+
+  // Keeps what went wrong, so that every later call says the same.
+  template <typename Action>
+  void Guarded(Action action) {
+    try {
+      action();
+    } catch (const IoError& error) {
+      if (failure.empty()) failure = fmt::format("{}: {}", name, error.what());
+      throw IoError(failure);
+    }
+  }
+
+  void RequireUsable(const char* call) const {
+    if (finished) throw ClosedError(fmt::format("{}: {} after Finish()", name, call));
+    if (!failure.empty()) throw IoError(failure);
+  }
+
+  [[noreturn]] void EncoderFailed() {
+    encoder->CloseStdin();
+    encoder->Wait();
+    const std::string said = encoder->Errors();
+    Fail(fmt::format("the encoder {} after {} frames; it said {}", encoder->DescribeEnd(), frames,
+                     said.empty() ? "nothing" : "'" + said + "'"));
+  }
+
+  void CheckResult() {
+    const VideoInfo info = ReadVideoInfo(partial);
+    const int divisor = std::gcd(options.fps_num, options.fps_den);
+    const bool same_rate = info.constant_rate && info.fps_num == options.fps_num / divisor &&
+                           info.fps_den == options.fps_den / divisor;
+    if (info.frames != frames || !same_rate || info.width != options.width ||
+        info.height != options.height) {
+      Fail(
+          fmt::format("wrote {} frames of {}x{} px at {}/{} fps, the file has {} of {}x{} at {}/{}",
+                      frames, options.width, options.height, options.fps_num, options.fps_den,
+                      info.frames, info.width, info.height, info.fps_num, info.fps_den));
+    }
+  }
+};
+
+VideoWriter::VideoWriter(std::filesystem::path path, const VideoOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+  impl_->name = fmt::format("video '{}'", path.string());
+  CheckVideoOptions(impl_->name, options);
+  impl_->path = std::move(path);
+  impl_->options = options;
+  const std::string ffmpeg = FindFfmpeg();
+  const std::filesystem::path partial = PartialPath(impl_->path);
+  CreateEmpty(impl_->name, partial);
+  impl_->partial = partial;
+  impl_->encoder = std::make_unique<ChildProcess>(
+      Arguments(ffmpeg, partial.string(), options),
+      ChildProcessOptions{.pipe_stdin = true, .stall_timeout_s = options.stall_timeout_s});
+}
+
+VideoWriter::~VideoWriter() = default;
+VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
+VideoWriter& VideoWriter::operator=(VideoWriter&&) noexcept = default;
+
+void VideoWriter::Write(std::span<const uint8_t> rgb) {
+  impl_->RequireUsable("Write()");
+  const size_t expected = size_t{3} * impl_->options.width * impl_->options.height;
+  if (rgb.size() != expected) {
+    throw ArgumentError(fmt::format("{}: expected a frame of {}x{}x3 = {} bytes, got {}",
+                                    impl_->name, impl_->options.height, impl_->options.width,
+                                    expected, rgb.size()));
+  }
+  impl_->Guarded([&] {
+    if (!impl_->encoder->Write(rgb)) impl_->EncoderFailed();
+  });
+  ++impl_->frames;
+}
+
+void VideoWriter::Finish() {
+  impl_->RequireUsable("Finish()");
+  if (impl_->frames == 0) throw ArgumentError(fmt::format("{}: no frame was written", impl_->name));
+  impl_->Guarded([&] {
+    impl_->encoder->CloseStdin();
+    if (impl_->encoder->Wait() != 0 || !impl_->encoder->Errors().empty()) impl_->EncoderFailed();
+    impl_->CheckResult();
+    std::error_code error;
+    std::filesystem::rename(impl_->partial, impl_->path, error);
+    if (error) impl_->Fail("cannot rename the finished file: " + error.message());
+  });
+  impl_->finished = true;
+}
+
+int64_t VideoWriter::frames() const { return impl_->frames; }
+const std::filesystem::path& VideoWriter::path() const { return impl_->path; }
+int VideoWriter::encoder_pid() const { return impl_->encoder->pid(); }
+
+}  // namespace robocell

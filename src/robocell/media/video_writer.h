@@ -1,0 +1,67 @@
+// Writes an h264 mp4 from RGB frames through an ffmpeg child process.
+//
+// Guarantees: the file has exactly the frames that were written, at exactly the rate that was asked
+// for (a ratio of integers: 66 ms per frame is 500/33), and the same frames give the same bytes in
+// every process, under any load, with the same ffmpeg. The file appears under its name when
+// Finish() has checked it; before that, and if the writer is destroyed without Finish(), there is
+// none (an older file of that name stays). A dying encoder is an IoError that quotes its last
+// words, never a signal, a zombie or a short video.
+//
+//   VideoWriter video("pick.mp4", {.width = 640, .height = 480, .fps_num = 500, .fps_den = 33});
+//   for (const auto& frame : frames) video.Write(frame);      // row-major RGB, width * height * 3
+//   bytes video.Finish();
+//
+// One thread at a time; writers are independent of each other.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+
+namespace robocell {
+
+struct VideoOptions {
+  int width = 0;   // px, even (yuv420p halves the colour planes)
+  int height = 0;  // px, even
+  int fps_num = 30;
+  int fps_den = 1;
+  std::string preset = "superfast";  // x264's: ultrafast ... veryslow
+  int crf = 18;                // x264's constant quality, 0 (lossless) ... 51; 18 gives about 40 dB
+  int keyframe_interval = 30;  // frames; smaller makes random access faster and files larger
+  double stall_timeout_s = 60;  // an encoder that takes no byte for so long is stopped
+};
+
+class VideoWriter {
+ public:
+  // ArgumentError if the size is odd or empty, the rate is not positive or the preset unknown;
+  // IoError if the folder does not exist or cannot be written, or ffmpeg is missing.
+  VideoWriter(std::filesystem::path path, const VideoOptions& options);
+  ~VideoWriter();
+  VideoWriter(VideoWriter&&) noexcept;
+  VideoWriter& operator=(VideoWriter&&) noexcept;
+
+  // Appends one frame. ArgumentError for a wrong number of bytes; IoError if the encoder failed,
+  // then and ever after; ClosedError after Finish().
+  void Write(std::span<const uint8_t> rgb);
+
+  // Ends the file, checks size, rate and frame count in it and gives it its name. A video without
+  // frames is an ArgumentError.
+  void Finish();
+
+  int64_t frames() const;
+  const std::filesystem::path& path() const;
+  // The encoder's process id, for tests and diagnosis.
+  int encoder_pid() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// ArgumentError unless the options describe a video that can be written; `name` is used in the
+// message. VideoWriter calls it; call it earlier to refuse a configuration before work begins.
+void CheckVideoOptions(const std::string& name, const VideoOptions& options);
+
+}  // namespace robocell

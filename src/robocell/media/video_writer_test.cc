@@ -1,0 +1,319 @@
+#include "robocell/media/video_writer.h"
+
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "robocell/base/error.h"
+#include "robocell/media/ffmpeg.h"
+#include "robocell/media/testing/frames.h"
+#include "robocell/media/video_reader.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr VideoOptions kSmall{.width = 96, .height = 64, .fps_num = 500, .fps_den = 33};
+
+std::string Bytes(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+void WriteVideo(const fs::path& path, int frames, const VideoOptions& options = kSmall) {
+  VideoWriter video(path, options);
+  for (int i = 0; i < frames; ++i) video.Write(TestFrame(options.width, options.height, i));
+  video.Finish();
+}
+
+// Nothing at all in the folder, hidden files included.
+void ExpectEmpty(const TempDir& folder) { EXPECT_TRUE(fs::is_empty(folder.path())); }
+
+void ExpectNoChildLeft() {
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
+}
+
+// Runs `body` in a process of its own and gives its exit code.
+template <typename Body>
+int InOwnProcess(Body body) {
+  const pid_t pid = fork();
+  if (pid == 0) _exit(body());
+  int status = 0;
+  waitpid(pid, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + WTERMSIG(status);
+}
+
+// A program that takes ffmpeg's place while the object lives.
+class FakeFfmpeg {
+ public:
+  explicit FakeFfmpeg(const std::string& script) {
+    const fs::path program = folder_ / "ffmpeg";
+    std::ofstream(program) << "#!/bin/sh\n" << script << "\n";
+    chmod(program.c_str(), 0755);
+    setenv("ROBOCELL_FFMPEG", program.c_str(), 1);
+  }
+  ~FakeFfmpeg() { unsetenv("ROBOCELL_FFMPEG"); }
+
+ private:
+  TempDir folder_;
+};
+
+TEST(VideoWriter, FramesComeBackInNumberRateAndLooks) {
+  TempDir folder;
+  const VideoOptions options{.width = 320, .height = 240, .fps_num = 500, .fps_den = 33};
+  WriteVideo(folder / "a.mp4", 40, options);
+  VideoReader video(folder / "a.mp4");
+  EXPECT_EQ(video.info().frames, 40);
+  EXPECT_EQ(video.info().fps_num, 500);
+  EXPECT_EQ(video.info().fps_den, 33);
+  EXPECT_THAT(video.info().encoder, StartsWith("x264 - core "));
+  std::vector<uint8_t> rgb(video.frame_bytes());
+  for (int i = 0; i < 40; ++i) {
+    ASSERT_TRUE(video.Next(rgb));
+    const double own = Psnr(rgb, TestFrame(320, 240, i));
+    EXPECT_GE(own, 35) << "frame " << i;
+    EXPECT_GT(own, 3 + Psnr(rgb, TestFrame(320, 240, i + 1))) << "frame " << i;
+  }
+  EXPECT_FALSE(video.Next(rgb));
+}
+
+TEST(VideoWriter, GrayStaysGrayAndColoursHaveNoBias) {
+  TempDir folder;
+  std::vector<uint8_t> flat;
+  for (int i = 0; i < 96 * 64; ++i) flat.insert(flat.end(), {200, 100, 50});
+  {
+    VideoWriter video(folder / "a.mp4", kSmall);
+    for (int i = 0; i < 5; ++i) video.Write(flat);
+    video.Finish();
+  }
+  VideoReader video(folder / "a.mp4");
+  std::vector<uint8_t> rgb(video.frame_bytes());
+  video.Read(4, rgb);
+  for (size_t i = 0; i < rgb.size(); ++i) EXPECT_NEAR(rgb[i], flat[i], 2) << "value " << i;
+}
+
+TEST(VideoWriter, SameFramesGiveSameBytesInAnyProcess) {
+  TempDir folder;
+  WriteVideo(folder / "a.mp4", 50);
+  {
+    std::thread load([&] { WriteVideo(folder / "load.mp4", 50); });
+    WriteVideo(folder / "b.mp4", 50);
+    load.join();
+  }
+  EXPECT_EQ(InOwnProcess([&] {
+              WriteVideo(folder / "c.mp4", 50);
+              return 0;
+            }),
+            0);
+  EXPECT_EQ(Bytes(folder / "a.mp4"), Bytes(folder / "b.mp4"));
+  EXPECT_EQ(Bytes(folder / "a.mp4"), Bytes(folder / "load.mp4"));
+  EXPECT_EQ(Bytes(folder / "a.mp4"), Bytes(folder / "c.mp4"));
+}
+
+TEST(VideoWriter, AnOddSizeIsRefusedBeforeEncodingWithTheNearestEvenOne) {
+  TempDir folder;
+  ExpectThrow<ArgumentError>(
+      [&] { VideoWriter(folder / "a.mp4", {.width = 321, .height = 241}); },
+      "321x241 px cannot be encoded, h264 with yuv420p needs an even width and height. "
+      "Nearest even size: 320x240.");
+  ExpectEmpty(folder);
+}
+
+TEST(VideoWriter, UnusableOptionsAreRefusedByName) {
+  TempDir folder;
+  const fs::path path = folder / "a.mp4";
+  ExpectThrow<ArgumentError>([&] { VideoWriter(path, {.width = 0, .height = 10}); },
+                             "size 0x10 px is not between");
+  ExpectThrow<ArgumentError>([&] { VideoWriter(path, {.width = 8, .height = 8, .fps_num = 0}); },
+                             "rate 0/1 frames per second is not positive");
+  ExpectThrow<ArgumentError>(
+      [&] { VideoWriter(path, {.width = 8, .height = 8, .preset = "supafast"}); },
+      "Did you mean 'superfast'?");
+  ExpectThrow<ArgumentError>([&] { VideoWriter(path, {.width = 8, .height = 8, .crf = 60}); },
+                             "crf 60 is not in 0");
+}
+
+TEST(VideoWriter, AFrameOfTheWrongSizeIsRefusedAndTheVideoGoesOn) {
+  TempDir folder;
+  VideoWriter video(folder / "a.mp4", kSmall);
+  ExpectThrow<ArgumentError>([&] { video.Write(std::vector<uint8_t>(10)); },
+                             "expected a frame of 64x96x3 = 18432 bytes, got 10");
+  video.Write(TestFrame(96, 64, 0));
+  video.Finish();
+  EXPECT_EQ(ReadVideoInfo(folder / "a.mp4").frames, 1);
+  ExpectThrow<ClosedError>([&] { video.Write(TestFrame(96, 64, 0)); }, "Write() after Finish()");
+}
+
+TEST(VideoWriter, AVideoWithoutFramesIsNotWritten) {
+  TempDir folder;
+  {
+    VideoWriter video(folder / "a.mp4", kSmall);
+    ExpectThrow<ArgumentError>([&] { video.Finish(); }, "no frame was written");
+  }
+  ExpectEmpty(folder);
+}
+
+TEST(VideoWriter, AMissingFolderIsNamed) {
+  TempDir folder;
+  ExpectThrow<IoError>([&] { VideoWriter(folder / "no" / "a.mp4", kSmall); },
+                       "No such file or directory");
+}
+
+TEST(VideoWriter, WithoutFinishThereIsNoFileAndNoZombie) {
+  TempDir folder;
+  {
+    VideoWriter video(folder / "a.mp4", kSmall);
+    video.Write(TestFrame(96, 64, 0));
+  }
+  ExpectEmpty(folder);
+  ExpectNoChildLeft();
+}
+
+TEST(VideoWriter, ADyingEncoderIsAnErrorAndLeavesNothing) {
+  signal(SIGPIPE, SIG_DFL);
+  TempDir folder;
+  {
+    VideoWriter video(folder / "a.mp4", {.width = 320, .height = 240});
+    video.Write(TestFrame(320, 240, 0));
+    kill(video.encoder_pid(), SIGKILL);
+    const std::string message = ExpectThrow<IoError>(
+        [&] {
+          for (int i = 0; i < 100; ++i) video.Write(TestFrame(320, 240, i));
+        },
+        "the encoder was killed by signal 9 (Killed) after");
+    EXPECT_THAT(message, HasSubstr("a.mp4"));
+    EXPECT_EQ(ExpectThrow<IoError>([&] { video.Finish(); }, "killed by signal 9"), message);
+  }
+  ExpectEmpty(folder);
+  ExpectNoChildLeft();
+}
+
+TEST(VideoWriter, AnEncoderKilledBeforeFinishIsAnError) {
+  TempDir folder;
+  VideoWriter video(folder / "a.mp4", kSmall);
+  video.Write(TestFrame(96, 64, 0));
+  kill(video.encoder_pid(), SIGKILL);
+  ExpectThrow<IoError>([&] { video.Finish(); }, "killed by signal 9");
+  EXPECT_FALSE(fs::exists(folder / "a.mp4"));
+}
+
+TEST(VideoWriter, AStoppedEncoderHitsTheDeadline) {
+  TempDir folder;
+  VideoOptions options = kSmall;
+  options.stall_timeout_s = 0.2;
+  VideoWriter video(folder / "a.mp4", options);
+  kill(video.encoder_pid(), SIGSTOP);
+  ExpectThrow<IoError>(
+      [&] {
+        for (int i = 0; i < 1000; ++i) video.Write(TestFrame(96, 64, i));
+      },
+      "made no progress for 0.2 s");
+  ExpectNoChildLeft();
+}
+
+TEST(VideoWriter, TheEncodersLastWordsAreQuoted) {
+  TempDir folder;
+  FakeFfmpeg fake("cat > /dev/null; echo 'Unknown encoder libx264' >&2; exit 1");
+  VideoWriter video(folder / "a.mp4", kSmall);
+  video.Write(TestFrame(96, 64, 0));
+  ExpectThrow<IoError>([&] { video.Finish(); },
+                       "exited with code 1 after 1 frames; it said 'Unknown encoder libx264'");
+}
+
+TEST(VideoWriter, AnEncoderThatWritesNothingButSaysSuccessIsCaught) {
+  TempDir folder;
+  FakeFfmpeg fake("cat > /dev/null");
+  VideoWriter video(folder / "a.mp4", kSmall);
+  video.Write(TestFrame(96, 64, 0));
+  ExpectThrow<IoError>([&] { video.Finish(); }, "is not a readable mp4: it is empty");
+  EXPECT_FALSE(fs::exists(folder / "a.mp4"));
+}
+
+// A disk that is full after `bytes`; SIGXFSZ ends ffmpeg, which inherits the limit.
+int WriteWithSpace(const fs::path& path, rlim_t bytes) {
+  const rlimit limit{bytes, bytes};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  try {
+    WriteVideo(path, 60);
+    return 0;
+  } catch (const IoError&) {
+    return fs::exists(path) ? 2 : 1;
+  }
+}
+
+TEST(VideoWriter, AFullDiskIsAnErrorAtEveryPoint) {
+  TempDir folder;
+  WriteVideo(folder / "whole.mp4", 60);
+  const auto size = fs::file_size(folder / "whole.mp4");
+  for (int i = 0; i < 5; ++i) {
+    const rlim_t space = i * size / 5;
+    EXPECT_EQ(InOwnProcess([&] { return WriteWithSpace(folder / "a.mp4", space); }), 1)
+        << space << " bytes";
+  }
+  EXPECT_EQ(InOwnProcess([&] { return WriteWithSpace(folder / "a.mp4", size + 100000); }), 0);
+}
+
+TEST(VideoWriter, HostileFileNamesAreOnlyNames) {
+  TempDir folder;
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path());
+  for (const std::string name :
+       {"-y.mp4", "$(touch injected) ' \".mp4", "concat:a|b.mp4", "ü %03d.mp4"}) {
+    WriteVideo(name, 3);
+    EXPECT_EQ(ReadVideoInfo(folder / name).frames, 3) << name;
+    VideoReader video(folder / name);
+    std::vector<uint8_t> rgb(video.frame_bytes());
+    EXPECT_TRUE(video.Next(rgb)) << name;
+  }
+  fs::current_path(before);
+  EXPECT_FALSE(fs::exists(folder / "injected"));
+}
+
+TEST(VideoWriter, ManyVideosLeaveNoDescriptorsOpen) {
+  TempDir folder;
+  auto open_descriptors = [] {
+    return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+  };
+  WriteVideo(folder / "a.mp4", 2);
+  const auto before = open_descriptors();
+  for (int i = 0; i < 5; ++i) WriteVideo(folder / "a.mp4", 2);
+  EXPECT_EQ(open_descriptors(), before);
+}
+
+TEST(Ffmpeg, TheVersionIsItsFirstLine) {
+  EXPECT_THAT(FfmpegVersion(), StartsWith("ffmpeg version "));
+}
+
+TEST(Ffmpeg, AWrongChoiceOrNoneIsExplained) {
+  setenv("ROBOCELL_FFMPEG", "/no/ffmpeg", 1);
+  ExpectThrow<IoError>([] { FindFfmpeg(); },
+                       "ROBOCELL_FFMPEG is '/no/ffmpeg', which is not an executable file");
+  unsetenv("ROBOCELL_FFMPEG");
+  const std::string path = getenv("PATH");
+  setenv("PATH", "/nowhere", 1);
+  ExpectThrow<IoError>([] { FindFfmpeg(); }, "apt install ffmpeg");
+  setenv("IMAGEIO_FFMPEG_EXE", "/bin/true", 1);
+  EXPECT_EQ(FindFfmpeg(), "/bin/true");
+  ExpectThrow<IoError>([] { FfmpegVersion("/bin/true"); }, "is not ffmpeg");
+  unsetenv("IMAGEIO_FFMPEG_EXE");
+  setenv("PATH", path.c_str(), 1);
+}
+
+}  // namespace
+}  // namespace robocell

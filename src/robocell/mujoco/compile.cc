@@ -1,0 +1,151 @@
+#include "robocell/mujoco/compile.h"
+
+#include <mujoco/mujoco.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/log.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/warnings.h"
+
+namespace robocell {
+namespace {
+
+using Path = std::filesystem::path;
+
+std::string Prefix(std::string_view context) {
+  return context.empty() ? "" : std::string(context) + ": ";
+}
+
+std::string Trim(std::string text) {
+  while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+  return text;
+}
+
+std::string Joined(const std::vector<std::string>& lines) {
+  std::string out;
+  for (const std::string& line : lines) out += (out.empty() ? "" : "; ") + line;
+  return out;
+}
+
+void CheckReadable(const Path& path, std::string_view context) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) {
+    throw IoError(Prefix(context) + "'" + path.string() + "' is a folder, not a model file");
+  }
+  if (!std::ifstream(path)) {
+    throw IoError(Prefix(context) + "cannot read model file '" + path.string() +
+                  "': " + std::strerror(errno));
+  }
+}
+
+// A file operation whose error says what it was for.
+template <class Function>
+auto InContext(std::string_view context, Function fn) {
+  try {
+    return fn();
+  } catch (const IoError& error) {
+    throw IoError(Prefix(context) + error.what());
+  }
+}
+
+void Report(const std::vector<std::string>& found, std::string_view context,
+            std::vector<std::string>* warnings) {
+  for (const std::string& text : found) {
+    if (warnings) {
+      warnings->push_back(text);
+    } else {
+      LogWarn(Prefix(context) + "MuJoCo: " + text);
+    }
+  }
+}
+
+template <class Parse>
+SpecPtr Parsed(Parse parse, const std::string& what, std::string_view context) {
+  std::array<char, 2048> error{};
+  const std::string place = Prefix(context) + what;
+  SpecPtr spec(Guarded(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
+  if (!spec) throw SpecError(place + ": " + Trim(error.data()));
+  return spec;
+}
+
+}  // namespace
+
+SpecPtr ParseXmlFile(const Path& path, std::string_view context, mjVFS* vfs) {
+  const std::string file = path.string();
+  if (!vfs || !mj_containsFileVFS(vfs, "", file.c_str())) CheckReadable(path, context);
+  return Parsed([&](char* error, int size) { return mj_parseXML(file.c_str(), vfs, error, size); },
+                "model file '" + file + "'", context);
+}
+
+SpecPtr ParseXmlString(const std::string& xml, std::string_view context, mjVFS* vfs) {
+  return Parsed(
+      [&](char* error, int size) { return mj_parseXMLString(xml.c_str(), vfs, error, size); },
+      "model text", context);
+}
+
+ModelPtr Compile(mjSpec* spec, mjVFS* vfs, std::string_view context,
+                 std::vector<std::string>* warnings) {
+  spec->option.disableflags |= mjDSBL_AUTORESET;
+  const std::string place = Prefix(context) + "building the model";
+  WarningCapture
+      replayed;  // the engine repeats the spec's warnings through the log; they are read below
+  ModelPtr model(Guarded(place, [&] { return mj_compile(spec, vfs); }));
+  if (!model) throw SpecError(place + ": " + Trim(mjs_getError(spec)));
+  Report(SpecWarnings(spec), context, warnings);
+  return model;
+}
+
+std::string SaveXmlString(const mjSpec* spec, std::string_view context) {
+  const std::string place = Prefix(context) + "saving as XML";
+  std::array<char, 2048> error{};
+  std::string xml(1 << 16, '\0');
+  for (;;) {
+    const int rc = Guarded(place, [&] {
+      return mj_saveXMLString(spec, xml.data(), static_cast<int>(xml.size()), error.data(),
+                              static_cast<int>(error.size()));
+    });
+    if (rc < 0) throw EngineError(place + ": " + Trim(error.data()));
+    if (rc == 0) return xml.c_str();
+    xml.resize(static_cast<size_t>(rc) + 1);
+  }
+}
+
+void SaveXml(const mjSpec* spec, const Path& path, std::string_view context) {
+  const std::string xml = SaveXmlString(spec, context);
+  InContext(context, [&] { AtomicWrite(path, xml); });
+}
+
+std::string SaveBinaryString(const mjModel* model) {
+  std::string bytes(static_cast<size_t>(mj_sizeModel(model)), '\0');
+  Guarded("saving a model as binary",
+          [&] { mj_saveModel(model, nullptr, bytes.data(), static_cast<mjtSize>(bytes.size())); });
+  return bytes;
+}
+
+void SaveBinary(const mjModel* model, const Path& path, std::string_view context) {
+  const std::string bytes = SaveBinaryString(model);
+  InContext(context, [&] { AtomicWrite(path, bytes); });
+}
+
+ModelPtr LoadBinaryString(std::string_view bytes, std::string_view context) {
+  const std::string place = Prefix(context) + "loading a binary model";
+  WarningCapture reasons;
+  ModelPtr model(Guarded(
+      place, [&] { return mj_loadModelBuffer(bytes.data(), static_cast<mjtSize>(bytes.size())); }));
+  if (!model) throw SpecError(place + ": " + Joined(reasons.messages()));
+  model->opt.disableflags |= mjDSBL_AUTORESET;
+  return model;
+}
+
+ModelPtr LoadBinary(const Path& path, std::string_view context) {
+  const std::string bytes = InContext(context, [&] { return ReadFile(path); });
+  return LoadBinaryString(bytes, Prefix(context) + "'" + path.string() + "'");
+}
+
+}  // namespace robocell

@@ -1,0 +1,137 @@
+#include "robocell/mujoco/guard.h"
+
+#include <mujoco/mujoco.h>
+
+#include <csetjmp>
+#include <cstdio>
+#include <cstdlib>
+
+#include "robocell/base/error.h"
+#include "robocell/base/log.h"
+#include "robocell/mujoco/version.h"
+
+// The engine's thread-local handler, which its documentation describes (programming/simulation,
+// "Error recovery") but no public header declares. Weak: without it the process-wide handler still
+// serves every guard that is not inside somebody else's.
+extern "C" __attribute__((weak)) mjfLogHandler _mjPRIVATE_setTlsLogHandler(mjfLogHandler handler);
+
+namespace robocell {
+namespace {
+
+struct Frame {
+  std::jmp_buf environment;
+  Frame* outer;
+  mjfLogHandler outer_handler;
+  char* text;
+  mjData* data;
+  size_t pstack, pbase;
+};
+
+thread_local Frame* top_frame = nullptr;
+thread_local WarningCapture* top_capture = nullptr;
+mjfLogHandler previous_handler = nullptr;
+
+bool IsWanted(const mjLogMessage& message) {
+  if (message.level != mjLOG_INFO || message.topic == mjTOPIC_NONE) return true;
+  return mju_getLogConfig().topics & (1 << (message.topic - 1));
+}
+
+std::string Text(const mjLogMessage& message) {
+  std::string text = message.subject;
+  if (message.body && *message.body) text += std::string("\n") + message.body;
+  return text;
+}
+
+void ForwardToLog(const mjLogMessage& message) {
+  if (message.level == mjLOG_WARNING && top_capture) {
+    top_capture->Add(Text(message));
+  } else if (message.level == mjLOG_WARNING) {
+    LogWarn("MuJoCo: " + Text(message));
+  } else if (IsWanted(message)) {
+    message.level == mjLOG_DEBUG ? LogDebug("MuJoCo: " + Text(message))
+                                 : LogInfo("MuJoCo: " + Text(message));
+  }
+}
+
+// Copies without allocating: the jump that follows would leak.
+[[noreturn]] void JumpBack(const mjLogMessage& message) {
+  Frame* frame = top_frame;
+  const char* body = message.body && *message.body ? message.body : nullptr;
+  std::snprintf(frame->text, guard_internal::kTextSize, "%s%s%s", message.subject, body ? "\n" : "",
+                body ? body : "");
+  std::longjmp(frame->environment, 1);
+}
+
+void OnMessage(const mjLogMessage* message) {
+  if (message->level != mjLOG_ERROR) {
+    try {
+      ForwardToLog(*message);
+    } catch (...) {  // nothing may be thrown into the engine
+    }
+    return;
+  }
+  if (top_frame) JumpBack(*message);
+  // Not ours: whoever was there before decides (the engine's default prints and ends the process).
+  if (previous_handler) previous_handler(message);
+  std::abort();
+}
+
+bool Install() {
+  CheckEngineVersion();
+  mjLogConfig config = mju_getLogConfig();
+  config.logto_file = 0;
+  mju_setLogConfig(config);
+  previous_handler = mju_setLogHandler(&OnMessage);
+  return true;
+}
+
+mjfLogHandler SetThreadHandler(mjfLogHandler handler) {
+  return _mjPRIVATE_setTlsLogHandler ? _mjPRIVATE_setTlsLogHandler(handler) : nullptr;
+}
+
+void Leave(const Frame& frame) {
+  top_frame = frame.outer;
+  SetThreadHandler(frame.outer_handler);
+}
+
+}  // namespace
+
+namespace guard_internal {
+
+bool Run(void (*call)(void*), void* argument, mjData* data, char* text) {
+  static const bool installed = Install();
+  (void)installed;
+  // Everything is stored before setjmp: what changes after it would be indeterminate after the
+  // jump.
+  Frame frame;
+  frame.outer = top_frame;
+  frame.text = text;
+  frame.data = data;
+  frame.pstack = data ? data->pstack : 0;
+  frame.pbase = data ? data->pbase : 0;
+  frame.outer_handler = SetThreadHandler(&OnMessage);
+  top_frame = &frame;
+  if (setjmp(frame.environment) == 0) {
+    call(argument);
+    Leave(frame);
+    return true;
+  }
+  Leave(frame);
+  if (frame.data) {
+    frame.data->pstack = frame.pstack;
+    frame.data->pbase = frame.pbase;
+  }
+  return false;
+}
+
+void Throw(std::string_view context, const char* text) {
+  throw EngineError(std::string(context) + (context.empty() ? "" : ": ") + text);
+}
+
+}  // namespace guard_internal
+
+WarningCapture::WarningCapture() : outer_(top_capture) { top_capture = this; }
+
+WarningCapture::~WarningCapture() { top_capture = outer_; }
+
+}  // namespace robocell

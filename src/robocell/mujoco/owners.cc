@@ -1,0 +1,68 @@
+#include "robocell/mujoco/owners.h"
+
+#include <mujoco/mujoco.h>
+
+#include <string>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/guard.h"
+
+namespace robocell {
+
+void SpecDeleter::operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
+void ModelDeleter::operator()(mjModel* model) const { mj_deleteModel(model); }
+void DataDeleter::operator()(mjData* data) const { mj_deleteData(data); }
+
+void VfsDeleter::operator()(mjVFS* vfs) const {
+  mj_deleteVFS(vfs);
+  delete vfs;
+}
+
+SpecPtr MakeSpec() {
+  SpecPtr spec(Guarded("making an empty model", [] { return mj_makeSpec(); }));
+  if (!spec) throw EngineError("making an empty model: out of memory");
+  spec->compiler.degree = 0;
+  return spec;
+}
+
+SpecPtr CopySpec(const mjSpec* spec) {
+  SpecPtr copy(Guarded("copying a model's spec", [&] { return mj_copySpec(spec); }));
+  if (!copy) throw EngineError("copying a model's spec: the engine refused");
+  return copy;
+}
+
+ModelPtr CopyModel(const mjModel* model) {
+  ModelPtr copy(Guarded("copying a model", [&] { return mj_copyModel(nullptr, model); }));
+  if (!copy) throw EngineError("copying a model: out of memory");
+  return copy;
+}
+
+DataPtr MakeData(const mjModel* model) {
+  DataPtr data(Guarded("making simulation data", [&] { return mj_makeData(model); }));
+  if (!data) throw EngineError("making simulation data: out of memory");
+  return data;
+}
+
+DataPtr CopyData(const mjModel* model, const mjData* data) {
+  DataPtr copy(
+      Guarded("copying simulation data", [&] { return mj_copyData(nullptr, model, data); }));
+  if (!copy) throw EngineError("copying simulation data: out of memory");
+  return copy;
+}
+
+VfsPtr MakeVfs() {
+  auto* vfs = new mjVFS;
+  mj_defaultVFS(vfs);
+  return VfsPtr(vfs);
+}
+
+void AddBuffer(mjVFS* vfs, std::string_view name, std::string_view content) {
+  const std::string file(name);
+  const int rc = Guarded("adding '" + file + "' to the virtual file system", [&] {
+    return mj_addBufferVFS(vfs, file.c_str(), content.data(), static_cast<int>(content.size()));
+  });
+  if (rc == 2) throw ArgumentError("virtual file system: there is already a file '" + file + "'");
+  if (rc != 0) throw EngineError("virtual file system: could not add '" + file + "'");
+}
+
+}  // namespace robocell

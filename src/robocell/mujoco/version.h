@@ -1,0 +1,24 @@
+// The version gate: robocell runs only against the MuJoCo it was compiled for, because struct
+// layouts change between releases without any other sign. Called by the first guarded engine call;
+// call it yourself to fail earlier.
+#pragma once
+
+#include <string>
+
+namespace robocell {
+
+// Throws Error naming both versions and the command that fixes it.
+void CheckEngineVersion();
+
+// "4.0.0": the version this library was compiled for.
+std::string CompiledEngineVersion();
+// "4.0.0": the version that is loaded.
+std::string LoadedEngineVersion();
+
+namespace version_internal {
+// 4000000 -> "4.0.0"
+std::string VersionText(int version);
+void CheckVersions(int compiled, int loaded);
+}  // namespace version_internal
+
+}  // namespace robocell

@@ -1,0 +1,93 @@
+// Where a camera looks and how it projects: intrinsics, extrinsics and projection, computed from
+// the simulation's model and state. No images here; the renderer draws with exactly this.
+//
+// Pixels: the centre of the upper left pixel is (0, 0), u goes right and v down, so that
+// image[v][u] is pixel (u, v) and the principal point of a symmetric camera is ((W-1)/2, (H-1)/2).
+// Axes: poses are in MuJoCo's camera axes (x right, y up, looking along -z) like all placement in
+// robocell; only `extrinsics()` and what it projects use OpenCV's (x right, y down, looking along
+// +z).
+//
+//   CameraModel camera = ComputeCamera(model, data, NamedCamera(model, "wrist", "robot 'left'"),
+//   640, 480); Eigen::Vector2d uv = camera.Project(cube_in_world); Eigen::Matrix3d k =
+//   camera.intrinsics();       // for perspective cameras Eigen::Matrix4d world_to_camera =
+//   camera.extrinsics();
+//
+// `data` must be up to date with its qpos (mj_kinematics, mj_comPos and mj_camlight, or
+// mj_forward): after mj_step the engine's poses are still those of the state before.
+// Renderer::Render takes care of that itself and returns the camera that it drew with.
+//
+// No allocation, any thread. A lens is the engine's ideal one: no distortion.
+#pragma once
+
+#include <string_view>
+#include <variant>
+#include <Eigen/Core>
+
+#include "robocell/math/pose.h"
+#include "robocell/mujoco/forward.h"
+
+namespace robocell {
+
+// A camera of the model, by id. Ids change when the model is compiled again.
+struct ModelCamera {
+  int id = 0;
+};
+
+// A camera anywhere: pose in the world in MuJoCo's camera axes, vertical field of view in degrees.
+struct FreeCamera {
+  Pose camera_in_world;
+  double fovy = 45;
+};
+
+// A camera that looks at a point: the view of MuJoCo's interactive viewer. Degrees and metres.
+// Azimuth 90 looks along +y, negative elevation looks down.
+struct OrbitCamera {
+  Eigen::Vector3d lookat = Eigen::Vector3d::Zero();
+  double distance = 2;
+  double azimuth = 90;
+  double elevation = -45;
+  double fovy = 45;
+
+  Pose camera_in_world() const;
+};
+
+using CameraView = std::variant<ModelCamera, FreeCamera, OrbitCamera>;
+
+// NotFoundError that lists the model's cameras.
+CameraView NamedCamera(const mjModel* model, std::string_view name, std::string_view place);
+
+struct CameraModel {
+  int width = 0, height = 0;     // pixels
+  Pose camera_in_world;          // MuJoCo's camera axes
+  double fx = 0, fy = 0;         // pixels; with an orthographic camera pixels per metre
+  double cx = 0, cy = 0;         // principal point, pixels
+  double near_m = 0, far_m = 0;  // clip planes: what is nearer or farther is not drawn
+  bool orthographic = false;
+
+  // [fx 0 cx; 0 fy cy; 0 0 1].
+  Eigen::Matrix3d intrinsics() const;
+  // World -> camera in OpenCV's axes; p_camera = extrinsics * (p_world, 1).
+  Eigen::Matrix4d extrinsics() const;
+
+  // Pixel of a point in the world; also of points outside of the image. NaN for points not in front
+  // of the camera.
+  Eigen::Vector2d Project(const Eigen::Vector3d& point_in_world) const;
+  // Distance to the camera's plane, metres: what a depth image holds.
+  double Depth(const Eigen::Vector3d& point_in_world) const;
+  // The point in the world that is seen in a pixel at a depth.
+  Eigen::Vector3d Unproject(const Eigen::Vector2d& pixel, double depth) const;
+  // Whether the point falls into a pixel of the image, between the clip planes.
+  bool Contains(const Eigen::Vector3d& point_in_world) const;
+};
+
+// Throws ArgumentError for a camera id that does not exist or an image without pixels.
+CameraModel ComputeCamera(const mjModel* model, const mjData* data, const CameraView& view,
+                          int width, int height);
+
+// The pose of a camera at `eye` that looks at `target` with `up` upwards in the image; MuJoCo's
+// camera axes. ArgumentError when eye and target coincide. Looking straight along `up` takes the
+// world's y axis instead.
+Pose LookAt(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
+            const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ());
+
+}  // namespace robocell

@@ -1,0 +1,111 @@
+#include "robocell/render/gl_context.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <cstdlib>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/render/egl_context.h"
+#include "robocell/render/osmesa_context.h"
+
+namespace robocell {
+namespace {
+
+// The library that MuJoCo's GL functions come from in this process; kAuto until there is one.
+std::atomic<GlBackend> process_backend = GlBackend::kAuto;
+
+std::string Lower(std::string_view text) {
+  std::string out(text);
+  std::transform(out.begin(), out.end(), out.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return out;
+}
+
+std::unique_ptr<GlContext> CreateOne(GlBackend backend) {
+  return backend == GlBackend::kEgl ? CreateEglContext() : CreateOsmesaContext();
+}
+
+const char* InstallHint(GlBackend backend) {
+  return backend == GlBackend::kEgl ? "apt-get install libegl1 libgl1-mesa-dri"
+                                    : "apt-get install libosmesa6";
+}
+
+std::vector<GlBackend> Order(GlBackend wanted) {
+  const GlBackend fixed = process_backend;
+  if (wanted == GlBackend::kAuto) wanted = GlBackendFromEnvironment();
+  if (fixed != GlBackend::kAuto) {
+    if (wanted != GlBackend::kAuto && wanted != fixed) {
+      throw Error(std::string("rendering with ") + GlBackendName(wanted) +
+                  ": this process already renders with " + GlBackendName(fixed) +
+                  ", and MuJoCo can use only one OpenGL library per process. Start a new process "
+                  "for the other one.");
+    }
+    return {fixed};
+  }
+  if (wanted != GlBackend::kAuto) return {wanted};
+  return {GlBackend::kEgl, GlBackend::kOsmesa};
+}
+
+}  // namespace
+
+const char* GlBackendName(GlBackend backend) {
+  switch (backend) {
+    case GlBackend::kEgl:
+      return "egl";
+    case GlBackend::kOsmesa:
+      return "osmesa";
+    case GlBackend::kAuto:
+      break;
+  }
+  return "auto";
+}
+
+GlBackend GlBackendFromName(std::string_view name, std::string_view place) {
+  for (GlBackend backend : {GlBackend::kAuto, GlBackend::kEgl, GlBackend::kOsmesa}) {
+    if (Lower(name) == GlBackendName(backend)) return backend;
+  }
+  throw NotFoundError(NoSuchName(place, "GL back end", name, {"auto", "egl", "osmesa"}));
+}
+
+GlBackend GlBackendFromEnvironment() {
+  const char* ours = std::getenv("ROBOCELL_GL");
+  if (ours && *ours) return GlBackendFromName(ours, "environment variable ROBOCELL_GL");
+  const char* theirs =
+      std::getenv("MUJOCO_GL");  // also says glfw, glx, off ..., which mean nothing here
+  if (theirs && Lower(theirs) == "egl") return GlBackend::kEgl;
+  if (theirs && Lower(theirs) == "osmesa") return GlBackend::kOsmesa;
+  return GlBackend::kAuto;
+}
+
+std::unique_ptr<GlContext> GlContext::Create(GlBackend wanted) {
+  std::string tried, install;
+  for (GlBackend backend : Order(wanted)) {
+    try {
+      auto context = CreateOne(backend);
+      process_backend = backend;
+      return context;
+    } catch (
+        const ArgumentError&) {  // the caller asked for what does not exist: no silent replacement
+      throw;
+    } catch (const Error& error) {
+      tried += std::string("\n  ") + GlBackendName(backend) + ": " + error.what();
+      install += std::string(install.empty() ? "" : "  or  ") + InstallHint(backend);
+    }
+  }
+  throw Error("no OpenGL for off-screen rendering. Tried:" + tried +
+              "\nInstall one of them (Debian, Ubuntu): " + install +
+              "\nROBOCELL_GL=egl or ROBOCELL_GL=osmesa chooses one.");
+}
+
+std::string DescribeGl(GlBackend backend) {
+  try {
+    return GlContext::Create(backend)->description();
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+}  // namespace robocell

@@ -1,0 +1,77 @@
+// Off-screen OpenGL contexts for MuJoCo's renderer: EGL (a GPU, or Mesa's software renderer), then
+// OSMesa. No window, no display server. The libraries are loaded at first use, so that robocell
+// runs where they do not exist.
+//
+// Which one: `GlBackend` if it names one; kAuto asks the environment variable ROBOCELL_GL (egl,
+// osmesa, auto), then MUJOCO_GL when it says egl or osmesa, and else tries EGL, then OSMesa. With
+// several GPUs, MUJOCO_EGL_DEVICE_ID (or ROBOCELL_EGL_DEVICE) is the index of the EGL device to
+// use.
+//
+//   std::unique_ptr<GlContext> context = GlContext::Create();
+//   {
+//     GlContext::Current scope(*context);   // current on this thread until the end of the scope
+//     ... OpenGL ...
+//   }
+//
+// MuJoCo looks its GL functions up once per process, in the library of the first context. Therefore
+// one process can use EGL or OSMesa, not both; asking for the other one later is an Error that says
+// so.
+//
+// Errors: Error naming everything that was tried, why it failed and what to install. Threads: a
+// context is current on one thread at a time; within that rule it may move between threads.
+// Whatever context was current before a scope is current again after it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+
+namespace robocell {
+
+enum class GlBackend { kAuto, kEgl, kOsmesa };
+
+// "auto", "egl", "osmesa".
+const char* GlBackendName(GlBackend backend);
+// NotFoundError with suggestions for any other name; case does not matter.
+GlBackend GlBackendFromName(std::string_view name, std::string_view place);
+// What kAuto means in this process's environment; still kAuto when that says nothing.
+GlBackend GlBackendFromEnvironment();
+
+class GlContext {
+ public:
+  static std::unique_ptr<GlContext> Create(GlBackend backend = GlBackend::kAuto);
+
+  virtual ~GlContext() = default;
+  GlContext(const GlContext&) = delete;
+  GlContext& operator=(const GlContext&) = delete;
+
+  virtual GlBackend backend() const = 0;
+  // What draws, for records and reports: "egl: llvmpipe (LLVM 15.0.6, 256 bits), 4.5 Mesa 22.3.6".
+  const std::string& description() const { return description_; }
+
+  // Makes a context current on this thread for a scope.
+  class Current {
+   public:
+    explicit Current(GlContext& context) : context_(context) { context_.Enter(saved_); }
+    ~Current() { context_.Leave(saved_); }
+    Current(const Current&) = delete;
+    Current& operator=(const Current&) = delete;
+
+   private:
+    GlContext& context_;
+    void* saved_[4] = {};  // what was current before, for the back end
+  };
+
+ protected:
+  GlContext() = default;
+  using Saved = void* [4];
+  virtual void Enter(Saved& saved) = 0;
+  virtual void Leave(Saved& saved) noexcept = 0;
+
+  std::string description_;
+};
+
+// One line for `doctor`: the description, or the error's text.
+std::string DescribeGl(GlBackend backend = GlBackend::kAuto);
+
+}  // namespace robocell

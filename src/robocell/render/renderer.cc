@@ -1,0 +1,44 @@
+#include "robocell/render/renderer.h"
+
+#include <fmt/format.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/render/gl_renderer.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kLargest = 16384;  // pixels a side
+
+void CheckSize(const char* image, size_t have, const RenderRequest& request, size_t per_pixel) {
+  const size_t want =
+      static_cast<size_t>(request.width) * static_cast<size_t>(request.height) * per_pixel;
+  if (have == 0 || have == want) return;
+  throw ArgumentError(fmt::format("{} buffer has {} elements, an image of {} x {} pixels needs {}",
+                                  image, have, request.width, request.height, want));
+}
+
+}  // namespace
+
+std::vector<std::string> RendererBackends() { return {"gl"}; }
+
+std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
+  if (options.backend == "gl") return std::make_unique<GlRenderer>(options);
+  throw NotFoundError(NoSuchName("renderer", "back end", options.backend, RendererBackends()));
+}
+
+void CheckOutputs(const RenderRequest& request, const RenderOutputs& outputs) {
+  if (request.width < 1 || request.height < 1 || request.width > kLargest ||
+      request.height > kLargest) {
+    throw ArgumentError(
+        fmt::format("an image of {} x {} pixels; each side must be between 1 and {}", request.width,
+                    request.height, kLargest));
+  }
+  CheckSize("rgb", outputs.rgb.size(), request, 3);
+  CheckSize("depth", outputs.depth.size(), request, 1);
+  CheckSize("depth_mm", outputs.depth_mm.size(), request, 1);
+  CheckSize("segmentation", outputs.segmentation.size(), request, 1);
+}
+
+}  // namespace robocell

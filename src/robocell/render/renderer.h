@@ -1,0 +1,101 @@
+// Renderer: images of a simulation's state. An interface, so that back ends can be exchanged at run
+// time.
+//
+// Images are rows from the top, pixels from the left, without padding:
+//   rgb            3 bytes a pixel, sRGB
+//   depth          float metres along the camera's axis (distance to its plane, not along the ray);
+//   0 where nothing is depth_mm       the same in whole millimetres, at most 65535; 0 where nothing
+//   is segmentation   id of the body that is seen (0: the world's own geoms, e.g. the floor), -1
+//   where nothing is and for
+//                  things of no body (tendons, flexes, skins)
+//
+//   std::unique_ptr<Renderer> renderer = MakeRenderer({.backend = "gl"});
+//   renderer->SetModel(model);                                          // again after every
+//   compile CameraView view = NamedCamera(model, "wrist", "robot 'left'"); std::vector<uint8_t>
+//   rgb(640 * 480 * 3); CameraModel camera = renderer->Render(data, {.camera = view, .width = 640,
+//   .height = 480}, {.rgb = rgb});
+//
+// What is drawn follows from qpos and the mocap poses in `data`; poses are recomputed in the
+// renderer's own scratch data, so that images are never a step behind (after mj_step the engine's
+// poses are) and `data` is only read. Colours, sizes and lights are read from the model at each
+// call; meshes and textures when SetModel is called. Same state, same model, same renderer: the
+// same bytes, whatever was rendered before and on whichever thread.
+//
+// Lifetime: the model must live until the next SetModel or the end of the renderer. Errors:
+// ArgumentError for buffers of the wrong size and data of another model, EngineError, Error when
+// there is no OpenGL. Threads: one at a time, any. No allocation of ours once the largest image has
+// been rendered.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/mujoco/forward.h"
+#include "robocell/render/camera_model.h"
+#include "robocell/render/markers.h"
+#include "robocell/spec/camera_spec.h"
+
+namespace robocell {
+
+struct RenderRequest {
+  CameraView camera = OrbitCamera{};
+  int width = 320, height = 240;
+  std::span<const Marker> markers = {};  // colour only
+};
+
+// The caller's buffers; an empty one means that this image is not wanted.
+struct RenderOutputs {
+  std::span<uint8_t> rgb = {};
+  std::span<float> depth = {};
+  std::span<uint16_t> depth_mm = {};
+  std::span<int32_t> segmentation = {};
+};
+
+// Which of the model's elements are drawn, in all kinds of images.
+struct Visibility {
+  std::array<bool, 6> geom_groups = {true,  true,  true,
+                                     false, false, false};  // 3 and up: collision geoms, by custom
+  bool sites = false;                                       // reference points, no matter
+  bool skybox = true;
+};
+
+struct RendererOptions {
+  std::string backend = "gl";  // one of RendererBackends()
+  std::string gl = "auto";     // for backend gl: auto, egl, osmesa (render/gl_context.h)
+  // Shadows, reflections and multisampling are off unless asked for: on a CPU they cost up to 19
+  // times the rest.
+  RenderQuality quality = {};
+  Visibility visibility = {};
+};
+
+class Renderer {
+ public:
+  virtual ~Renderer() = default;
+
+  // Uploads meshes and textures. Needed again after a model was compiled anew, even at the same
+  // address.
+  virtual void SetModel(const mjModel* model) = 0;
+  // Returns the camera that was drawn with: intrinsics and extrinsics of these very images.
+  virtual CameraModel Render(const mjData* data, const RenderRequest& request,
+                             const RenderOutputs& outputs) = 0;
+
+  // For records: the settings in use, and what draws, e.g. "gl: egl: llvmpipe (LLVM 15.0.6, 256
+  // bits), OpenGL 4.5 ...".
+  virtual const RenderQuality& quality() const = 0;
+  virtual const std::string& description() const = 0;
+};
+
+// Names for RendererOptions::backend.
+std::vector<std::string> RendererBackends();
+
+// NotFoundError for an unknown back end; Error when it does not work on this machine.
+std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options = {});
+
+// ArgumentError unless each buffer is empty or holds exactly one image; for back ends.
+void CheckOutputs(const RenderRequest& request, const RenderOutputs& outputs);
+
+}  // namespace robocell

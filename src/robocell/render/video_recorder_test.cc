@@ -1,0 +1,94 @@
+#include "robocell/render/video_recorder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/media/video_reader.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/mujoco/step.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/skip.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+constexpr char kScene[] = R"(<mujoco><statistic extent="2"/><worldbody>
+  <light pos="0 0 3"/><geom type="plane" size="2 2 .1" rgba=".5 .6 .7 1"/>
+  <body pos="0 0 1"><freejoint/><geom size=".2" rgba="1 0 0 1"/></body>
+  <camera name="side" pos="0 -3 .7" xyaxes="1 0 0 0 0 1"/></worldbody></mujoco>)";
+
+constexpr VideoRecorderOptions kSmall{.width = 64, .height = 48, .fps_num = 500, .fps_den = 33};
+
+class Recording : public testing::Test {
+ protected:
+  Recording() : model_(Compile(ParseXmlString(kScene).get())), data_(MakeData(model_.get())) {}
+  void SetUp() override {
+    try {
+      VideoRecorder(model_.get(), folder_ / "probe.mp4", kSmall);
+    } catch (const Error& error) {
+      SKIP_OR_FAIL(error.what());
+    }
+  }
+  TempDir folder_;
+  ModelPtr model_;
+  DataPtr data_;
+};
+
+double Psnr(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.size()) / sum);
+}
+
+TEST_F(Recording, EachCallIsOneFrameAndShowsThatState) {
+  VideoRecorder video(model_.get(), folder_ / "fall.mp4", kSmall);
+  video.UseCamera("side");
+  const auto renderer = MakeRenderer();
+  renderer->SetModel(model_.get());
+  std::vector<std::vector<uint8_t>> frames;
+  for (int i = 0; i < 6; ++i) {
+    video.RecordFrame(data_.get());
+    frames.emplace_back(3 * 64 * 48);
+    renderer->Render(data_.get(), {.camera = ModelCamera{0}, .width = 64, .height = 48},
+                     {.rgb = frames.back()});
+    Step(model_.get(), data_.get(), 40);
+  }
+  video.Finish();
+  VideoReader reader(folder_ / "fall.mp4");
+  EXPECT_EQ(video.frames(), 6);
+  std::vector<uint8_t> rgb(reader.frame_bytes());
+  for (size_t i = 0; i < frames.size(); ++i) {
+    ASSERT_TRUE(reader.Next(rgb)) << i;
+    EXPECT_GT(Psnr(rgb, frames[i]), 28) << i;
+    if (i + 1 < frames.size()) {
+      EXPECT_GT(Psnr(rgb, frames[i]), Psnr(rgb, frames[i + 1])) << i;
+    }
+  }
+  EXPECT_FALSE(reader.Next(rgb));
+}
+
+TEST_F(Recording, OddSizesAndUnknownCamerasAreErrorsThatTell) {
+  ExpectThrow<ArgumentError>(
+      [&] { VideoRecorder(model_.get(), folder_ / "odd.mp4", {.width = 63, .height = 48}); }, "63");
+  VideoRecorder video(model_.get(), folder_ / "a.mp4", kSmall);
+  ExpectThrow<NotFoundError>([&] { video.UseCamera("sied"); },
+                             "no camera 'sied'. Its cameras: side.");
+}
+
+TEST(VideoResolutions, AreSixteenToNineAndEven) {
+  EXPECT_EQ(SizeOf(VideoResolution::kR720p).width, 1280);
+  for (VideoResolution r :
+       {VideoResolution::kR360p, VideoResolution::kR480p, VideoResolution::kR1080p,
+        VideoResolution::kR2K, VideoResolution::kR4K}) {
+    EXPECT_EQ(SizeOf(r).width % 2 + SizeOf(r).height % 2, 0);
+    EXPECT_NEAR(SizeOf(r).width * 9.0 / 16, SizeOf(r).height, 0.5);
+  }
+}
+
+}  // namespace
+}  // namespace robocell

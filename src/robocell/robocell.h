@@ -1,0 +1,31 @@
+// Everything a user of the library needs, in one include. For users; the library's own files
+// include what they need. KDL users add "robocell/kinematics/kdl_bridge.h", which needs KDL's
+// headers.
+#pragma once
+
+#include "robocell/assets/resolve.h"
+#include "robocell/base/error.h"
+#include "robocell/base/log.h"
+#include "robocell/base/rng.h"
+#include "robocell/base/version.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/episode_writer.h"
+#include "robocell/data/verify.h"
+#include "robocell/datagen/plan.h"
+#include "robocell/datagen/runner.h"
+#include "robocell/env/stepper.h"
+#include "robocell/kinematics/chain.h"
+#include "robocell/kinematics/ik.h"
+#include "robocell/kinematics/ik_batch.h"
+#include "robocell/math/interpolation.h"
+#include "robocell/math/pose.h"
+#include "robocell/math/twist.h"
+#include "robocell/media/png.h"
+#include "robocell/render/renderer.h"
+#include "robocell/render/video_recorder.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/scene_spec.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/task/task.h"

@@ -1,0 +1,39 @@
+// Action: what robots are asked to do until the next policy tick: robot -> group -> command. A
+// group without a command keeps its target and so holds still.
+//
+//   Action action;
+//   action["xarm7"]["arm"] = GroupCommand::Joints({...});
+//   action["xarm7"]["gripper"] = GroupCommand::Opening(1);
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "robocell/math/pose.h"
+
+namespace robocell {
+
+struct GroupCommand {
+  enum Kind {
+    kJoints,          // absolute joint positions, rad or m
+    kRelativeJoints,  // added to the present target
+    kPose,            // of the leaf in the robot base frame, reached through IK
+    kOpening,         // of a gripper, 0 closed ... 1 open
+  };
+  Kind kind = kJoints;
+  std::vector<double> values = {};
+  Pose pose = {};
+
+  static GroupCommand Joints(std::vector<double> q) { return {kJoints, std::move(q), {}}; }
+  static GroupCommand RelativeJoints(std::vector<double> dq) {
+    return {kRelativeJoints, std::move(dq), {}};
+  }
+  static GroupCommand LeafPose(const Pose& leaf_in_robot) { return {kPose, {}, leaf_in_robot}; }
+  static GroupCommand Opening(double opening) { return {kOpening, {opening}, {}}; }
+};
+
+using RobotAction = std::map<std::string, GroupCommand>;
+using Action = std::map<std::string, RobotAction>;
+
+}  // namespace robocell

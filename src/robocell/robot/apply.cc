@@ -1,0 +1,73 @@
+// Robot::Apply: from commands at the policy rate to targets of controllers.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/robot/robot_state.h"
+
+namespace robocell {
+namespace {
+
+using Values = std::vector<double>;
+
+Values Sum(std::span<const double> a, std::span<const double> b, double sign) {
+  Values sum(a.begin(), a.end());
+  for (size_t i = 0; i < sum.size(); ++i) sum[i] += sign * b[i];
+  return sum;
+}
+
+Values Clamped(Values q, const std::vector<Interval>& limits) {
+  for (size_t i = 0; i < q.size(); ++i) q[i] = std::clamp(q[i], limits[i].lower, limits[i].upper);
+  return q;
+}
+
+void CheckKind(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
+  const bool gripper = slot.group->kind() == MoveGroupKind::kGripper;
+  if ((command.kind == GroupCommand::kOpening) == gripper) return;
+  throw ArgumentError(place + (gripper ? " is a gripper: command it with an opening"
+                                       : " is no gripper: command it with joints or a pose"));
+}
+
+// The target for the slot's controller in the controller's own terms. Checks the values.
+Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
+  CheckValues([&] { return place; }, "joint", command.values, slot.group->nq(),
+              slot.group->joint_names());
+  const std::span<const double> now = slot.controller->commanded_joint_pos();
+  const bool as_delta = slot.controller->target_is_relative();
+  if ((command.kind == GroupCommand::kRelativeJoints) == as_delta) return command.values;
+  if (as_delta) return Sum(command.values, now, -1);
+  return Clamped(Sum(now, command.values, 1), slot.group->joint_pos_limits());
+}
+
+}  // namespace
+
+Robot::ApplyResult Robot::Apply(const RobotAction& action) {
+  ApplyResult result;
+  std::vector<std::pair<Controller*, Values>> targets;
+  for (const auto& [name, command] : action) {
+    GroupSlot& slot = state_->Require(name);
+    Controller& controller = state_->RequireController(slot);
+    const std::string place = state_->place(slot);
+    CheckKind(place, slot, command);
+    if (command.kind == GroupCommand::kOpening) {
+      CheckValues([&] { return place; }, "opening", command.values, 1);
+      targets.emplace_back(&controller, command.values);
+    } else if (command.kind == GroupCommand::kPose) {
+      const JointVector seed(controller.commanded_joint_pos());
+      const IkResult ik = robocell::Ik(state_->RequireChain(slot), command.pose, {.seed = seed});
+      if (!ik.success) {
+        if (result.ok) result = {.ok = false, .failed_group = name, .ik = ik};
+        continue;
+      }
+      const GroupCommand joints = GroupCommand::Joints(Values(ik.q.begin(), ik.q.end()));
+      targets.emplace_back(&controller, JointTarget(place, slot, joints));
+    } else {
+      targets.emplace_back(&controller, JointTarget(place, slot, command));
+    }
+  }
+  for (const auto& [controller, values] : targets) controller->SetTarget(values);
+  return result;
+}
+
+}  // namespace robocell

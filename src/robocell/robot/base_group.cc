@@ -1,0 +1,89 @@
+#include "robocell/robot/base_group.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/robot/joint_group.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kInPlane = 1e-6;  // m and rad; numbers in files are rounded
+
+class FixedBase : public JointGroupOf<BaseGroup> {
+ public:
+  FixedBase(Scene scene, GroupNames names)
+      : JointGroupOf(std::move(scene), std::move(names), MoveGroupKind::kBase) {}
+  Pose pose() const override { return leaf_frame_to_world(); }
+  void SetPose(const Pose&) override {
+    throw ArgumentError(core().place() +
+                        ": a fixed base cannot be moved; give the robot `base: {kind: mocap}` to "
+                        "place it");
+  }
+  bool is_mobile() const override { return false; }
+};
+
+// Mocap and free bodies: Scene moves them by name.
+class MovableBody : public JointGroupOf<BaseGroup> {
+ public:
+  MovableBody(Scene scene, GroupNames names, bool mobile)
+      : JointGroupOf(std::move(scene), std::move(names), MoveGroupKind::kBase), mobile_(mobile) {}
+  Pose pose() const override { return leaf_frame_to_world(); }
+  void SetPose(const Pose& pose) override {
+    Scene(core().scene()).SetBodyPose(core().names().leaf.name, pose);
+  }
+  bool is_mobile() const override { return mobile_; }
+
+ private:
+  bool mobile_;
+};
+
+// Two slides (x, y) and a hinge about z in the frame that the base is attached to.
+class PlanarBase : public JointGroupOf<BaseGroup> {
+ public:
+  PlanarBase(Scene scene, GroupNames names)
+      : JointGroupOf(std::move(scene), std::move(names), MoveGroupKind::kBase) {
+    if (nq() == 3) return;
+    throw ArgumentError(
+        fmt::format("{}: a planar base has the joints x, y and yaw, this one has {} joint values",
+                    core().place(), nq()));
+  }
+  Pose pose() const override { return leaf_frame_to_world(); }
+  void SetPose(const Pose& pose) override {
+    std::array<double, 3> q;
+    GetJointPos(q);
+    const Pose mount = this->pose() * Pose::FromRpy({q[0], q[1], 0}, {0, 0, q[2]}).inverse();
+    const Pose wanted = mount.inverse() * pose;
+    const Eigen::Vector3d& at = wanted.translation();
+    const Eigen::Vector3d rpy = wanted.rpy();
+    if (std::abs(at.z()) > kInPlane || std::hypot(rpy[0], rpy[1]) > kInPlane) {
+      throw ArgumentError(
+          fmt::format("{}: a planar base moves in its plane only; the pose is "
+                      "{:.4g} m above it and tilted by {:.4g} rad",
+                      core().place(), at.z(), std::hypot(rpy[0], rpy[1])));
+    }
+    SetJointPos(std::array{at.x(), at.y(), rpy[2]});
+  }
+  bool is_mobile() const override { return true; }
+};
+
+}  // namespace
+
+std::unique_ptr<BaseGroup> MakeBaseGroup(const Scene& scene, BaseKind kind, GroupNames names) {
+  switch (kind) {
+    case BaseKind::kMocap:
+      return std::make_unique<MovableBody>(scene, std::move(names), false);
+    case BaseKind::kFree:
+      return std::make_unique<MovableBody>(scene, std::move(names), true);
+    case BaseKind::kPlanar:
+      return std::make_unique<PlanarBase>(scene, std::move(names));
+    case BaseKind::kFixed:
+      break;
+  }
+  return std::make_unique<FixedBase>(scene, std::move(names));
+}
+
+}  // namespace robocell

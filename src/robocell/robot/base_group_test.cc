@@ -1,0 +1,112 @@
+// The bases: what can be moved, how, and what is said of the others.
+#include "robocell/robot/base_group.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+Robot OnBase(const BaseConfig& base, const Vec3& pos = {}, const Vec3& euler = {}) {
+  RobotConfig config = Rc7();
+  config.base = base;
+  const Scene scene = Scene::Build(
+      SceneWith({.name = "rc7", .config = config, .prefix = "r_", .pos = pos, .euler = euler}));
+  return Robot::Of(scene, "rc7");
+}
+
+TEST(MocapBase, IsTeleportedAndKeepsItsPlaceWhileTheArmMoves) {
+  Robot robot = OnBase({.kind = BaseKind::kMocap, .size = Vec3{0.2, 0.2, 0.3}}, {1, 0, 0});
+  BaseGroup& base = robot.base();
+  EXPECT_FALSE(base.is_mobile());
+  EXPECT_EQ(base.nq(), 0);
+  EXPECT_TRUE(base.pose().is_close(Pose(Eigen::Vector3d(1, 0, 0)), 1e-12, 1e-12));
+  EXPECT_NEAR(robot.base_in_world().translation().z(), 0.3, 1e-12) << "on the pedestal";
+  const Pose placed = Pose::FromRpy({0.5, 0.5, 0.1}, {0, 0.2, 1});
+  base.SetPose(placed);
+  robot.Apply({{"arm", GroupCommand::RelativeJoints({1, 0, 0, 0, 0, 0, 0})}});
+  for (int i = 0; i < 200; ++i) {
+    robot.Update();
+    robot.Step();
+  }
+  EXPECT_EQ(base.pose(), placed);
+}
+
+TEST(FixedBase, CannotBeMovedAndSaysWhatToDo) {
+  for (const auto& size : {std::optional<Vec3>(), std::optional<Vec3>({0.2, 0.2, 0.3})}) {
+    Robot robot = OnBase({.kind = BaseKind::kFixed, .size = size}, {0, 1, 0}, {0, 0, 90});
+    EXPECT_TRUE(
+        robot.base().pose().is_close(Pose::FromRpy({0, 1, 0}, {0, 0, M_PI / 2}), 1e-9, 1e-9));
+    EXPECT_FALSE(robot.base().is_mobile());
+    ExpectThrow<ArgumentError>([&] { robot.base().SetPose(Pose()); },
+                               "robot 'rc7' / group 'base': a fixed base cannot be moved; give the "
+                               "robot `base: {kind: mocap}` to place it");
+  }
+}
+
+TEST(FreeBase, FliesWhereItIsPutAndFallsFromThere) {
+  Robot robot = OnBase({.kind = BaseKind::kFree, .size = Vec3{0.2, 0.2, 0.1}});
+  BaseGroup& base = robot.base();
+  EXPECT_TRUE(base.is_mobile());
+  EXPECT_EQ(base.nq(), 7);
+  EXPECT_EQ(base.nv(), 6);
+  const Pose mount = base.pose().inverse() * robot.base_in_world();
+  const Pose placed = Pose::FromRpy({0.3, -0.2, 5}, {0.5, 0.1, 2});
+  base.SetPose(placed);
+  EXPECT_TRUE(base.pose().is_close(placed, 1e-12, 1e-12));
+  EXPECT_TRUE(robot.base_in_world().is_close(placed * mount, 1e-12, 1e-12));
+  EXPECT_EQ(base.joint_vel(), std::vector<double>(6, 0.0));
+  for (int i = 0; i < 50; ++i) {
+    robot.Update();
+    robot.Step();
+  }
+  EXPECT_LT(base.pose().translation().z(), 5);
+}
+
+TEST(PlanarBase, DrivesInItsPlaneOnly) {
+  Robot robot =
+      OnBase({.kind = BaseKind::kPlanar, .size = Vec3{0.4, 0.4, 0.3}}, {1, 2, 0.5}, {0, 0, 30});
+  BaseGroup& base = robot.base();
+  EXPECT_TRUE(base.is_mobile());
+  EXPECT_EQ(base.joint_names(), (std::vector<std::string>{"r_base_x", "r_base_y", "r_base_yaw"}));
+  const Pose mount = base.pose().inverse() * robot.base_in_world();
+  for (const double yaw : {0.4, -2.9, 3.1}) {
+    const Pose placed = Pose::FromRpy({-1, 0.7, 0.5}, {0, 0, yaw});
+    base.SetPose(placed);
+    EXPECT_TRUE(base.pose().is_close(placed, 1e-9, 1e-9));
+    EXPECT_TRUE(robot.base_in_world().is_close(placed * mount, 1e-9, 1e-9));
+  }
+  const Pose before = base.pose();
+  ExpectThrow<ArgumentError>(
+      [&] {
+        base.SetPose(Pose::FromRpy({0, 0, 0.7}, {0.1, 0, 0}));
+      },
+      "group 'base': a planar base moves in its plane only; the pose is 0.2 m above it and tilted "
+      "by 0.1 rad");
+  EXPECT_EQ(base.pose(), before);
+}
+
+TEST(PlanarBase, ThatIsConfiguredNeedsThreeJoints) {
+  RobotConfig config = Rc7();
+  config.base = {.kind = BaseKind::kPlanar};
+  config.move_groups["wheels"] = {.kind = MoveGroupKind::kBase, .joints = {"base_x", "base_y"}};
+  ExpectThrow<ArgumentError>([&] { RobotAlone(config); },
+                             "group 'wheels': a planar base has the joints x, y and yaw, this one "
+                             "has 2 joint values");
+}
+
+TEST(ConfiguredBase, StandsOnTheBodyMadeForIt) {
+  RobotConfig config = Rc7();
+  config.move_groups["stand"] = {.kind = MoveGroupKind::kBase};
+  Robot robot = RobotAlone(config);
+  EXPECT_EQ(&robot.base(), &robot.group("stand"));
+  EXPECT_FALSE(robot.has_group("base"));
+  robot.base().SetPose(Pose(Eigen::Vector3d(0, 0, 1)));
+  EXPECT_NEAR(robot.base_in_world().translation().z(), 1.25, 1e-12);
+}
+
+}  // namespace
+}  // namespace robocell

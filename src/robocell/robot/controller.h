@@ -1,0 +1,74 @@
+// Controller: turns the state and a target into the control of one move group. It never steps the
+// simulation. Robot::Update() runs each group's controller once per control tick.
+//
+// A controller keeps only its own state (target, start of a motion); Reset() re-seeds it so that a
+// group without a command holds still. It may keep a reference to its group, which outlives it.
+// Controllers are made by name through the registry, where users can add their own:
+//
+//   RegisterController("mine", [](MoveGroup& g) { return std::make_unique<Mine>(g); });
+//   robot.SetController("arm", "mine");
+//
+// Errors: see each function. Threads: the registry may be used from any; a controller belongs to
+// its scene's thread.
+#pragma once
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "robocell/robot/move_group.h"
+
+namespace robocell {
+
+class Controller {
+ public:
+  virtual ~Controller() = default;
+
+  virtual std::string_view kind() const = 0;  // "joint_position", ...
+  // Number of values in a target.
+  virtual int target_size() const = 0;
+  // ArgumentError for a wrong size or a value that is not finite, naming group and joint.
+  virtual void SetTarget(std::span<const double> target) = 0;
+  virtual std::span<const double> target() const = 0;
+  // Whether a target is added to what is commanded now.
+  virtual bool target_is_relative() const { return false; }
+  // What the group is being driven to: nq() absolute joint positions, or a gripper's opening.
+  virtual std::span<const double> commanded_joint_pos() const = 0;
+  // The same numbers for writing in place (the robot's command port). What is written is checked
+  // when it is used.
+  virtual std::span<double> command_port() = 0;
+  // Forget the target and hold: the present joint positions, or what a gripper is commanded to.
+  virtual void Reset() = 0;
+  // The control for this tick, nu() values. No allocation.
+  virtual void Compute(std::span<double> ctrl) = 0;
+};
+
+// Throws the ArgumentError for values that are too few, too many or not finite: "robot 'left' /
+// group 'arm': expected 7 joint values, got 3".
+[[noreturn]] void ThrowBadValues(std::string_view place, std::string_view what,
+                                 std::span<const double> values, int expected,
+                                 const std::vector<std::string>& names);
+
+// Checks that there are `expected` finite values. `place()` says what is being told, and is called
+// only for an error; `what` is "joint", "opening" ...; `names` are those of the values, if any.
+template <class Place>
+void CheckValues(const Place& place, std::string_view what, std::span<const double> values,
+                 int expected, const std::vector<std::string>& names = {}) {
+  bool good = values.size() == static_cast<size_t>(expected);
+  for (const double v : values) good &= std::isfinite(v);
+  if (!good) ThrowBadValues(place(), what, values, expected, names);
+}
+
+using ControllerFactory = std::function<std::unique_ptr<Controller>(MoveGroup&)>;
+
+// Adds a kind of controller; ArgumentError when the name is taken or the factory empty.
+void RegisterController(const std::string& kind, ControllerFactory factory);
+// NotFoundError lists the kinds; else what the factory throws.
+std::unique_ptr<Controller> MakeController(const std::string& kind, MoveGroup& group);
+std::vector<std::string> ControllerKinds();
+
+}  // namespace robocell

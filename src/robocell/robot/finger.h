@@ -1,0 +1,34 @@
+// The two fingers of a gripper: the geoms, bodies or sites that a configuration names, as ids in
+// the present model, and the free distance between them. How they are moved is gripper_group.h's.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "robocell/mujoco/forward.h"
+#include "robocell/scene/element_lookup.h"
+
+namespace robocell {
+
+struct Finger {
+  int site = -1;           // set when the finger is named by a site
+  int body = -1;           // the body that carries it
+  std::vector<int> geoms;  // what the distance is measured between: the geom named, or the body's
+                           // colliding geoms
+  std::vector<int> side;   // all geoms between hand and fingertip: what touches for this finger
+};
+
+struct FingerPair {
+  int hand = -1;  // the lowest body that carries both
+  std::array<Finger, 2> fingers;
+};
+
+// From two geoms, bodies or sites. ArgumentError when both are parts of one rigid body.
+FingerPair MakeFingers(const mjModel* model, ElementId first, ElementId second,
+                       const std::string& place);
+
+// Metres; 0 when they overlap. Needs data at position stage. No allocation.
+double FingerDistance(const mjModel* model, mjData* data, const Finger& a, const Finger& b);
+
+}  // namespace robocell

@@ -1,0 +1,161 @@
+#include "robocell/robot/gripper_group.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kOpenFrom = 0.9;      // opening above which a gripper counts as open
+constexpr double kLeastTravel = 1e-4;  // metres; fingers that move less do not move
+
+// Whether a geom of the finger's side is in contact with a geom on a body that `accept` takes.
+template <class Accept>
+bool Touches(const mjModel* m, const mjData* d, const Finger& finger, const Accept& accept) {
+  const auto on_side = [&](int geom) {
+    return std::find(finger.side.begin(), finger.side.end(), geom) != finger.side.end();
+  };
+  for (int c = 0; c < d->ncon; ++c) {
+    const mjContact& contact = d->contact[c];
+    if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
+    for (int i = 0; i < 2; ++i) {
+      if (on_side(contact.geom[i]) && accept(m->geom_bodyid[contact.geom[1 - i]])) return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+ActuatedGripper::ActuatedGripper(Scene scene, GroupNames names, MoveGroupConfig config)
+    : JointGroupOf(std::move(scene), std::move(names), MoveGroupKind::kGripper),
+      config_(std::move(config)) {
+  if (nu() == 0) {
+    throw ArgumentError(core().place() +
+                        ": a gripper needs the actuator that moves it, in `actuators`");
+  }
+  ResolveFingers();
+}
+
+const GripperParts& ActuatedGripper::Parts() const {
+  core().Bind();
+  if (generation_ != core().scene().generation()) ResolveFingers();
+  return parts_;
+}
+
+void ActuatedGripper::ResolveFingers() const {
+  const mjModel* m = core().model();
+  const RobotRecord& robot = core().scene().compiled()->robot(core().names().robot);
+  const std::vector<int>& joints = core().joint_ids();
+  ElementId ends[2];
+  for (int i = 0; i < 2; ++i) {
+    if (config_.fingers.size() == 2) {
+      ends[i] = FindElement(m, robot, config_.fingers[i], {mjOBJ_GEOM, mjOBJ_BODY, mjOBJ_SITE});
+    } else if (joints.size() == 2) {
+      ends[i] = {mjOBJ_BODY, m->jnt_bodyid[joints[i]]};
+    } else {
+      throw ArgumentError(
+          fmt::format("{}: which are its fingers? Name two geoms, bodies or sites in `fingers` "
+                      "(they can be guessed only for a gripper with two joints; this one has {})",
+                      core().place(), joints.size()));
+    }
+  }
+  parts_ = {RequireId(m, mjOBJ_BODY, robot.base_body, core().place()), core().ctrl_addresses(),
+            MakeFingers(m, ends[0], ends[1], core().place())};
+  generation_ = core().scene().generation();
+}
+
+const GripperRange& ActuatedGripper::Measured() const {
+  if (!measured_) measured_ = Measure();
+  return *measured_;
+}
+
+GripperRange ActuatedGripper::Measure() const {
+  const Interval limits = ctrl_limits()[0];
+  const GripperCtrl ends = config_.ctrl.value_or(GripperCtrl{limits.upper, limits.lower});
+  if (!std::isfinite(ends.open) || !std::isfinite(ends.closed)) {
+    throw ArgumentError(fmt::format(
+        "{}: actuator '{}' has no control range; give `ctrl: {{open: ..., closed: ...}}`",
+        core().place(), actuator_names()[0]));
+  }
+  const auto [at_open, at_closed] =
+      SettledFingerDistances(core().scene(), Parts(), {ends.open, ends.closed});
+  if (std::abs(at_open - at_closed) < kLeastTravel) {
+    throw ArgumentError(
+        fmt::format("{}: the finger distance stays at {:.4f} m between control {} and {}; are "
+                    "`fingers` and `ctrl` right?",
+                    core().place(), at_open, ends.open, ends.closed));
+  }
+  if (at_open > at_closed) return {ends, {at_closed, at_open}};
+  if (!config_.ctrl) return {{ends.closed, ends.open}, {at_open, at_closed}};
+  throw ArgumentError(fmt::format(
+      "{}: the fingers are {:.4f} m apart at ctrl.open = {} and {:.4f} m at ctrl.closed = {}; open "
+      "and closed are swapped",
+      core().place(), at_open, ends.open, at_closed, ends.closed));
+}
+
+double ActuatedGripper::inter_finger_dist() const {
+  const FingerPair& pair = Parts().pair;
+  core().scene().SyncPoses();
+  return FingerDistance(core().model(), core().data(), pair.fingers[0], pair.fingers[1]);
+}
+
+Interval ActuatedGripper::inter_finger_dist_range() const {
+  return {Distances().closed, Distances().open};
+}
+
+double ActuatedGripper::opening() const {
+  const GripperDistance& d = Distances();
+  return std::clamp((inter_finger_dist() - d.closed) / (d.open - d.closed), 0.0, 1.0);
+}
+
+double ActuatedGripper::ctrl_for_opening(double opening) const {
+  if (!std::isfinite(opening)) {
+    throw ArgumentError(fmt::format("{}: opening cannot be {}; it goes from 0 (closed) to 1 (open)",
+                                    core().place(), opening));
+  }
+  const GripperCtrl& c = CtrlEnds();
+  return c.closed + (c.open - c.closed) * std::clamp(opening, 0.0, 1.0);
+}
+
+void ActuatedGripper::SetOpening(double opening) {
+  core().Bind();
+  const double ctrl = ctrl_for_opening(opening);
+  for (const int a : core().ctrl_addresses()) core().data()->ctrl[a] = ctrl;
+}
+
+bool ActuatedGripper::is_open() const { return opening() >= kOpenFrom; }
+
+bool ActuatedGripper::is_grasping(const std::string& body) const {
+  const FingerPair& pair = Parts().pair;
+  if (body.empty()) return IsGraspingAnything();
+  const mjModel* m = core().model();
+  const mjData* d = core().data();
+  const int wanted = RequireId(m, mjOBJ_BODY, body, core().place());
+  const auto is_wanted = [&](int touched) { return IsInSubtree(m, touched, wanted); };
+  return Touches(m, d, pair.fingers[0], is_wanted) && Touches(m, d, pair.fingers[1], is_wanted);
+}
+
+// Both fingers touch parts of one thing that can move and is not the robot.
+bool ActuatedGripper::IsGraspingAnything() const {
+  const mjModel* m = core().model();
+  const mjData* d = core().data();
+  const auto can_be_held = [&](int body) {
+    return m->body_weldid[body] != 0 && !IsInSubtree(m, body, parts_.robot_body);
+  };
+  return Touches(m, d, parts_.pair.fingers[0], [&](int touched) {
+    if (!can_be_held(touched)) return false;
+    return Touches(m, d, parts_.pair.fingers[1], [&](int other) {
+      return can_be_held(other) && m->body_rootid[other] == m->body_rootid[touched];
+    });
+  });
+}
+
+}  // namespace robocell

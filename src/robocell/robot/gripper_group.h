@@ -1,0 +1,61 @@
+// ActuatedGripper: a gripper moved by actuators whose raw control runs from one value (open) to
+// another (closed), with two fingers: parallel slides and linkages alike.
+//
+// What the configuration leaves out is found when it is first needed. Fingers: the bodies of the
+// group's joints, when these are two. Control: the actuator's range, open being the end at which
+// the fingers are farther apart. Distance: measured (gripper_range.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/robot/finger.h"
+#include "robocell/robot/gripper_range.h"
+#include "robocell/robot/joint_group.h"
+#include "robocell/spec/robot_config.h"
+
+namespace robocell {
+
+class ActuatedGripper : public JointGroupOf<GripperGroup> {
+ public:
+  // `names.robot` is a robot of the scene; `config` uses names without its prefix. ArgumentError
+  // without an actuator or when the fingers cannot be told.
+  ActuatedGripper(Scene scene, GroupNames names, MoveGroupConfig config);
+
+  double opening() const override;
+  void SetOpening(double opening) override;
+  double ctrl_for_opening(double opening) const override;
+  double inter_finger_dist() const override;
+  Interval inter_finger_dist_range() const override;
+  bool is_open() const override;
+  bool is_grasping(const std::string& body = "") const override;
+
+  // The fingers in the present model, 0 or 1 in the order of the configuration, and the lowest body
+  // that carries both.
+  const Finger& finger(int index) const { return Parts().pair.fingers[index == 0 ? 0 : 1]; }
+  int hand_body() const { return Parts().pair.hand; }
+
+  // Opens and closes the gripper in a copy of the simulation, whatever the configuration says of
+  // its distances. ArgumentError when the fingers do not move, or when the configured open and
+  // closed are swapped.
+  GripperRange Measure() const;
+
+ private:
+  const GripperParts& Parts() const;
+  void ResolveFingers() const;
+  // Measured once.
+  const GripperRange& Measured() const;
+  const GripperCtrl& CtrlEnds() const { return config_.ctrl ? *config_.ctrl : Measured().ctrl; }
+  const GripperDistance& Distances() const {
+    return config_.distance ? *config_.distance : Measured().distance;
+  }
+  bool IsGraspingAnything() const;
+
+  MoveGroupConfig config_;
+  mutable std::optional<GripperRange> measured_;
+  mutable uint64_t generation_ = ~uint64_t{0};
+  mutable GripperParts parts_;
+};
+
+}  // namespace robocell

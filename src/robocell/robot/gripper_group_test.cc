@@ -1,0 +1,267 @@
+// Grippers: openings, distances, what is measured and guessed, what is held, and what is said.
+#include "robocell/robot/gripper_group.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::Contains;
+using ::testing::Not;
+
+ActuatedGripper& GripperOf(const Robot& robot) {
+  return dynamic_cast<ActuatedGripper&>(robot.gripper());
+}
+
+void Simulate(Robot& robot, double seconds) {
+  const int steps = static_cast<int>(seconds / robot.scene().timestep());
+  for (int i = 0; i < steps; ++i) {
+    robot.Update();
+    robot.Step();
+  }
+}
+
+MoveGroupConfig& GripperConfig(RobotConfig& config) { return config.move_groups.at("gripper"); }
+
+// The four grippers: two slides on a tendon twice (0..100 and 0..255 percent), two linkages.
+struct GripperCase {
+  RobotCase robot;
+  Interval closed, open;  // where the measured distances must lie
+  double ctrl_open;
+};
+
+std::vector<GripperCase> Grippers() {
+  const std::vector<RobotCase> robots = AllRobots();
+  return {{robots[0], {0.0019, 0.0021}, {0.0899, 0.0901}, 100},
+          {robots[1], {0.002, 0.0045}, {0.0885, 0.0895}, 0},
+          {robots[2], {0, 0.001}, {0.083, 0.087}, 0},
+          {robots[3], {0, 0.004}, {0.079, 0.085}, 255}};
+}
+void PrintTo(const GripperCase& g, std::ostream* out) { *out << g.robot.name; }
+
+class AnyGripper : public ::testing::TestWithParam<GripperCase> {
+ protected:
+  // Without what its file says of distances.
+  Robot Unmeasured() {
+    RobotConfig config = *GetParam().robot.spec().config;
+    GripperConfig(config).distance.reset();
+    return RobotAlone(config);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Robots, AnyGripper, ::testing::ValuesIn(Grippers()),
+                         [](const auto& info) { return info.param.robot.name; });
+
+TEST_P(AnyGripper, MeasuresItsRangeWhateverTheStateAndAlwaysTheSame) {
+  REQUIRE_ROBOT(GetParam().robot);
+  Robot robot = Unmeasured();
+  const Interval range = robot.gripper().inter_finger_dist_range();
+  EXPECT_GE(range.lower, GetParam().closed.lower);
+  EXPECT_LE(range.lower, GetParam().closed.upper);
+  EXPECT_GE(range.upper, GetParam().open.lower);
+  EXPECT_LE(range.upper, GetParam().open.upper);
+  robot.gripper().Close();
+  robot.Apply({{"arm", GroupCommand::RelativeJoints({0.5, 0.3, 0, 0.4, 0, 0, 0})}});
+  Simulate(robot, 0.3);
+  const GripperRange again = GripperOf(robot).Measure();
+  EXPECT_EQ(again.distance.closed, range.lower);
+  EXPECT_EQ(again.distance.open, range.upper);
+  EXPECT_EQ(again.ctrl.open, GetParam().ctrl_open);
+}
+
+TEST_P(AnyGripper, OpensAndClosesByItsOpening) {
+  REQUIRE_ROBOT(GetParam().robot);
+  Robot robot = Unmeasured();
+  GripperGroup& gripper = robot.gripper();
+  const Interval range = gripper.inter_finger_dist_range();
+  robot.Apply({{"gripper", GroupCommand::Opening(1)}});
+  Simulate(robot, 1);
+  EXPECT_NEAR(gripper.opening(), 1, 0.01);
+  EXPECT_NEAR(gripper.inter_finger_dist(), range.upper, 1e-3);
+  EXPECT_TRUE(gripper.is_open());
+  EXPECT_FALSE(gripper.is_grasping());
+  robot.Apply({{"gripper", GroupCommand::Opening(0.5)}});
+  Simulate(robot, 1);
+  EXPECT_NEAR(gripper.opening(), 0.5, 0.1) << "linkages are not linear";
+  EXPECT_FALSE(gripper.is_open());
+  robot.Apply({{"gripper", GroupCommand::Opening(0)}});
+  Simulate(robot, 1);
+  EXPECT_NEAR(gripper.opening(), 0, 0.01);
+  EXPECT_NEAR(gripper.inter_finger_dist(), range.lower, 1e-3);
+  EXPECT_FALSE(gripper.is_open());
+  EXPECT_FALSE(gripper.is_grasping()) << "fingers that touch each other hold nothing";
+}
+
+// A cube between the fingers, held by closing them, then nothing.
+TEST_P(AnyGripper, HoldsACubeBetweenItsFingers) {
+  REQUIRE_ROBOT(GetParam().robot);
+  SceneSpec spec = SceneWith(GetParam().robot.spec());
+  spec.robots[0].name = "robot";
+  spec.gravity = {0, 0, 0};
+  for (const char* name : {"cube", "other"}) spec.objects.push_back(BoxObject(name, {3, 3, 1}));
+  Scene scene = Scene::Build(spec);
+  Robot robot = Robot::Of(scene, "robot");
+  ActuatedGripper& gripper = GripperOf(robot);
+  gripper.Open();
+  Simulate(robot, 0.5);
+  const mjModel* m = scene.model();
+  const Eigen::Vector3d middle =
+      (Eigen::Vector3d(scene.data()->geom_xpos + 3 * gripper.finger(0).geoms[0]) +
+       Eigen::Vector3d(scene.data()->geom_xpos + 3 * gripper.finger(1).geoms[0])) /
+      2;
+  const Pose hand = scene.body_pose(ElementName(m, mjOBJ_BODY, gripper.hand_body()));
+  scene.SetBodyPose("cube", Pose(middle, hand.quaternion()));
+  EXPECT_FALSE(gripper.is_grasping());
+  gripper.Close();
+  Simulate(robot, 0.7);
+  EXPECT_TRUE(gripper.is_grasping());
+  EXPECT_TRUE(gripper.is_grasping("cube"));
+  EXPECT_FALSE(gripper.is_grasping("other"));
+  EXPECT_NEAR(gripper.inter_finger_dist(), 0.04, 0.005);
+  gripper.Open();
+  Simulate(robot, 0.5);
+  EXPECT_FALSE(gripper.is_grasping());
+}
+
+// Sides are the branches below the hand: what a finger carries belongs to it, the hand does not.
+TEST_P(AnyGripper, FingersHaveSidesThatShareNothing) {
+  REQUIRE_ROBOT(GetParam().robot);
+  const Robot robot = Unmeasured();
+  const ActuatedGripper& gripper = GripperOf(robot);
+  const mjModel* m = robot.scene().model();
+  for (const int geom : gripper.finger(0).side) {
+    EXPECT_THAT(gripper.finger(1).side, Not(Contains(geom)));
+    EXPECT_NE(m->geom_bodyid[geom], gripper.hand_body());
+  }
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_THAT(gripper.finger(i).side, Contains(gripper.finger(i).geoms[0]));
+  }
+}
+
+TEST(Gripper, SidesOfALinkageReachToTheHand) {
+  REQUIRE_MENAGERIE("ufactory_xarm7");
+  const Robot robot = RobotAlone(XArm7());
+  const ActuatedGripper& gripper = GripperOf(robot);
+  const mjModel* m = robot.scene().model();
+  EXPECT_EQ(ElementName(m, mjOBJ_BODY, gripper.hand_body()), "xarm_gripper_base_link");
+  std::vector<std::string> bodies;
+  for (const int g : gripper.finger(0).side) {
+    bodies.push_back(ElementName(m, mjOBJ_BODY, m->geom_bodyid[g]));
+  }
+  EXPECT_THAT(bodies, ::testing::Each(::testing::AnyOf("left_outer_knuckle", "left_finger")));
+  EXPECT_THAT(bodies, Contains("left_outer_knuckle"));
+  const int pad = RequireId(m, mjOBJ_GEOM, "left_finger_pad_1", "");
+  EXPECT_THAT(gripper.finger(0).side, Contains(pad)) << "the pad that was not named, too";
+}
+
+TEST(Gripper, IsNotMeasuredWhenTheConfigurationSaysAll) {
+  RobotConfig config = Rc7();
+  GripperConfig(config).distance = GripperDistance{0.01, 0.05};
+  Robot robot = RobotAlone(config);
+  EXPECT_EQ(robot.gripper().inter_finger_dist_range().lower, 0.01);
+  EXPECT_EQ(robot.gripper().opening(), 1) << "clamped";
+  EXPECT_NEAR(GripperOf(robot).Measure().distance.open, 0.09, 1e-4);
+}
+
+TEST(Gripper, KeepsConfiguredDistancesWhenItMustGuessTheControl) {
+  RobotConfig config = Rc7();
+  GripperConfig(config).ctrl.reset();
+  GripperConfig(config).distance = GripperDistance{0, 0.1};
+  Robot robot = RobotAlone(config);
+  EXPECT_EQ(robot.gripper().ctrl_for_opening(1), 100);
+  EXPECT_EQ(robot.gripper().ctrl_for_opening(0), 0);
+  EXPECT_EQ(robot.gripper().inter_finger_dist_range().upper, 0.1);
+}
+
+TEST(Gripper, MeasuringIsNotDisturbedByThingsInTheWayNorByOthers) {
+  RobotConfig config = Rc7();
+  GripperConfig(config).distance.reset();
+  const Interval alone = RobotAlone(config).gripper().inter_finger_dist_range();
+  SceneSpec spec = SceneWith({.name = "rc7", .config = config});
+  const Eigen::Vector3d tcp = RobotAlone(config).tcp_in_world().translation();
+  spec.objects.push_back(BoxObject("between", ToVec3(tcp)));
+  spec.robots.push_back({.config = config, .prefix = "other_", .pos = {0, 1, 0}});
+  const Interval crowded = Robot::Of(Scene::Build(spec), "rc7").gripper().inter_finger_dist_range();
+  EXPECT_NEAR(crowded.lower, alone.lower, 1e-9);
+  EXPECT_NEAR(crowded.upper, alone.upper, 1e-9);
+}
+
+TEST(Gripper, FingersCanBeGeomsBodiesSitesOrTheBodiesOfTwoJoints) {
+  RobotConfig config = Rc7();
+  MoveGroupConfig& gripper = GripperConfig(config);
+  const double pads = RobotAlone(config).gripper().inter_finger_dist();
+  gripper.fingers = {{.name = "left_finger"}, {.name = "right_finger"}};
+  const double bodies = RobotAlone(config).gripper().inter_finger_dist();
+  gripper.fingers = {};
+  EXPECT_EQ(RobotAlone(config).gripper().inter_finger_dist(), bodies);
+  EXPECT_NEAR(bodies, pads, 0.01);
+  for (const char* side : {"left", "right"}) {
+    const std::string name = side;
+    Edit tip;
+    tip.body = ElementRef{.name = name + "_finger"};
+    tip.add_site = name + "_tip";
+    config.edits.push_back(tip);
+    gripper.fingers.push_back({.kind = ElementKind::kSite, .name = name + "_tip"});
+  }
+  EXPECT_NEAR(RobotAlone(config).gripper().inter_finger_dist(), 0.002 + 2 * 0.044, 1e-9);
+}
+
+TEST(Gripper, SaysWhenFingersCannotBeTold) {
+  RobotConfig config = Rc7();
+  MoveGroupConfig& gripper = GripperConfig(config);
+  gripper.fingers = {};
+  gripper.joints = {"left_finger_joint"};
+  config.home = {};
+  config.home_noise = {};
+  ExpectThrow<ArgumentError>(
+      [&] { RobotAlone(config); },
+      "robot 'rc7' / group 'gripper': which are its fingers? Name two geoms, bodies or sites in "
+      "`fingers` (they can be guessed only for a gripper with two joints; this one has 1)");
+  gripper.fingers = {{.name = "left_finger_pad"}, {.name = "left_finger_blade"}};
+  ExpectThrow<ArgumentError>(
+      [&] { RobotAlone(config); },
+      "group 'gripper': the fingers geom 'left_finger_pad' and geom 'left_finger_blade' are parts "
+      "of one rigid body, so nothing moves between them; name one element of each finger");
+}
+
+TEST(Gripper, SaysWhenOpenAndClosedAreSwapped) {
+  RobotConfig config = Rc7();
+  GripperConfig(config).ctrl = GripperCtrl{.open = 0, .closed = 100};
+  GripperConfig(config).distance.reset();
+  Robot robot = RobotAlone(config);
+  ExpectThrow<ArgumentError>(
+      [&] { robot.gripper().opening(); },
+      "robot 'rc7' / group 'gripper': the fingers are 0.0020 m apart at ctrl.open = 0 and 0.0900 m "
+      "at ctrl.closed = 100; open and closed are swapped");
+}
+
+TEST(Gripper, SaysWhenItsFingersDoNotMove) {
+  RobotConfig config = Rc7();
+  GripperConfig(config).ctrl = GripperCtrl{.open = 100, .closed = 99.999};
+  GripperConfig(config).distance.reset();
+  Robot robot = RobotAlone(config);
+  ExpectThrow<ArgumentError>(
+      [&] { robot.gripper().opening(); },
+      "the finger distance stays at 0.0900 m between control 100 and 99.999; "
+      "are `fingers` and `ctrl` right?");
+}
+
+TEST(Gripper, RefusesOpeningsThatAreNoNumbersAndClampsOthers) {
+  Robot robot = RobotAlone(Rc7());
+  ExpectThrow<ArgumentError>([&] { robot.gripper().SetOpening(NAN); },
+                             "robot 'rc7' / group 'gripper': opening cannot be nan; it goes from 0 "
+                             "(closed) to 1 (open)");
+  robot.gripper().SetOpening(7);
+  EXPECT_EQ(robot.scene().actuator_ctrl("gripper"), 100);
+  ExpectThrow<NotFoundError>([&] { robot.gripper().is_grasping("cub"); },
+                             "robot 'rc7' / group 'gripper': no body 'cub'");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,36 @@
+// The position port of a gripper: its target is an opening, 0 closed ... 1 open.
+//
+// Fingers stop at what they hold, so the opening to keep is the one commanded, not the one
+// measured: Reset() takes it from the actuator's present control, and an opening commanded at the
+// group itself (GripperGroup::Open) or at the actuator is taken over at the next tick.
+#pragma once
+
+#include <vector>
+
+#include "robocell/robot/controller.h"
+#include "robocell/robot/move_group.h"
+
+namespace robocell {
+
+class GripperOpeningController : public Controller {
+ public:
+  explicit GripperOpeningController(GripperGroup& group);
+
+  std::string_view kind() const override { return "joint_position"; }
+  int target_size() const override { return 1; }
+  // Clamped to 0..1.
+  void SetTarget(std::span<const double> target) override;
+  std::span<const double> target() const override { return {&opening_, 1}; }
+  std::span<const double> commanded_joint_pos() const override { return target(); }
+  std::span<double> command_port() override { return {&opening_, 1}; }
+  void Reset() override;
+  void Compute(std::span<double> ctrl) override;
+
+ private:
+  GripperGroup& group_;
+  double opening_ = 1;
+  std::vector<double> present_;  // control of the actuators, scratch
+  double seen_ = 0;              // control of the first one, as this controller knows it
+};
+
+}  // namespace robocell

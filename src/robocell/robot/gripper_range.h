@@ -1,0 +1,35 @@
+// Measuring a gripper: how far apart its fingers are at two values of its control.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "robocell/robot/finger.h"
+#include "robocell/scene/scene.h"
+#include "robocell/spec/robot_config.h"
+
+namespace robocell {
+
+// What a gripper does at the two ends of its control.
+struct GripperRange {
+  GripperCtrl ctrl;
+  GripperDistance distance;
+};
+
+// What moves and what is measured, as ids in the scene's present model.
+struct GripperParts {
+  int robot_body = -1;  // the robot is this body's subtree
+  std::vector<int> ctrl_addresses;
+  FingerPair pair;
+};
+
+// The finger distance (m) one second after the control was set to the first value, and one second
+// after it was then set to the second. Done in a copy of the model without gravity, in which the
+// robot touches nothing but itself, from the scene's home: the present state plays no part, and the
+// numbers are the same each time. Linkages go on creeping by fractions of a millimetre for seconds,
+// which is why the time is fixed. EngineError when the copy diverges. Takes milliseconds to a
+// second, for large models.
+std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
+                                             std::array<double, 2> ctrl);
+
+}  // namespace robocell

@@ -1,0 +1,273 @@
+#include "robocell/robot/group_core.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/hold_ctrl.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+int PositionsOf(int type) { return type == mjJNT_FREE ? 7 : type == mjJNT_BALL ? 4 : 1; }
+int VelocitiesOf(int type) { return type == mjJNT_FREE ? 6 : type == mjJNT_BALL ? 3 : 1; }
+
+void AddRange(std::vector<int>& list, int first, int count) {
+  for (int k = 0; k < count; ++k) list.push_back(first + k);
+}
+
+void Gather(const double* from, const std::vector<int>& addresses, std::span<double> out) {
+  for (size_t i = 0; i < addresses.size(); ++i) out[i] = from[addresses[i]];
+}
+
+void Scatter(std::span<const double> values, const std::vector<int>& addresses, double* to) {
+  for (size_t i = 0; i < addresses.size(); ++i) to[addresses[i]] = values[i];
+}
+
+// Where, among the group's positions, the hinge or slide is that an actuator drives; -1 when it
+// drives something else.
+int DrivenPosition(const mjModel* m, int actuator, const std::vector<int>& qpos_addresses) {
+  const int type = m->actuator_trntype[actuator], joint = m->actuator_trnid[2 * actuator];
+  if (type != mjTRN_JOINT && type != mjTRN_JOINTINPARENT) return -1;
+  if (PositionsOf(m->jnt_type[joint]) != 1) return -1;
+  const auto at = std::find(qpos_addresses.begin(), qpos_addresses.end(), m->jnt_qposadr[joint]);
+  return at == qpos_addresses.end() ? -1 : static_cast<int>(at - qpos_addresses.begin());
+}
+
+}  // namespace
+
+GroupCore::GroupCore(Scene scene, GroupNames names)
+    : scene_(std::move(scene)), names_(std::move(names)) {
+  Resolve();
+}
+
+std::string GroupCore::place() const {
+  const std::string group = "group '" + names_.group + "'";
+  return names_.robot.empty() ? group : "robot '" + names_.robot + "' / " + group;
+}
+
+void GroupCore::Resolve() const {
+  const std::string where = "scene '" + scene_.name() + "' / " + place();
+  ResolveJoints(where);
+  ResolveActuators(where);
+  root_ = Find(names_.root, where);
+  leaf_ = Find(names_.leaf, where);
+  base_ = Find(names_.robot_base, where);
+  jacobian_.resize(6 * static_cast<size_t>(model()->nv));
+  generation_ = scene_.generation();
+}
+
+void GroupCore::ResolveJoints(const std::string& where) const {
+  const mjModel* m = model();
+  joint_ids_.clear();
+  qpos_addresses_.clear();
+  dof_addresses_.clear();
+  for (const std::string& joint : names_.joints) {
+    const int id = RequireId(m, mjOBJ_JOINT, joint, where);
+    joint_ids_.push_back(id);
+    AddRange(qpos_addresses_, m->jnt_qposadr[id], PositionsOf(m->jnt_type[id]));
+    AddRange(dof_addresses_, m->jnt_dofadr[id], VelocitiesOf(m->jnt_type[id]));
+  }
+}
+
+void GroupCore::ResolveActuators(const std::string& where) const {
+  const mjModel* m = model();
+  actuator_ids_.clear();
+  ctrl_addresses_.clear();
+  driven_.clear();
+  for (const std::string& actuator : names_.actuators) {
+    const int id = RequireId(m, mjOBJ_ACTUATOR, actuator, where);
+    actuator_ids_.push_back(id);
+    AddRange(ctrl_addresses_, m->actuator_ctrladr[id], m->actuator_ctrlnum[id]);
+    driven_.push_back(DrivenPosition(m, id, qpos_addresses_));
+  }
+}
+
+GroupCore::FrameId GroupCore::Find(const FrameName& frame, const std::string& where) const {
+  const mjtObj kind = frame.is_site ? mjOBJ_SITE : mjOBJ_BODY;
+  return {frame.is_site, RequireId(model(), kind, frame.name, where)};
+}
+
+void GroupCore::CheckSize(size_t got, int expected, const char* what) const {
+  if (got == static_cast<size_t>(expected)) return;
+  throw ArgumentError(
+      fmt::format("{}: expected {} {} values, got {}", place(), expected, what, got));
+}
+
+void GroupCore::CheckFinite(std::span<const double> values,
+                            const std::vector<std::string>& element_names, const char* kind) const {
+  for (size_t i = 0; i < values.size(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    const std::string name = values.size() == element_names.size()
+                                 ? fmt::format("{} '{}'", kind, element_names[i])
+                                 : fmt::format("value {}", i);
+    throw ArgumentError(
+        fmt::format("{}: {} cannot be set to {}; values must be finite", place(), name, values[i]));
+  }
+}
+
+void GroupCore::GetJointPos(std::span<double> out) const {
+  Bind();
+  CheckSize(out.size(), nq(), "joint");
+  Gather(data()->qpos, qpos_addresses_, out);
+}
+
+void GroupCore::GetJointVel(std::span<double> out) const {
+  Bind();
+  CheckSize(out.size(), nv(), "joint velocity");
+  Gather(data()->qvel, dof_addresses_, out);
+}
+
+void GroupCore::GetJointTorque(std::span<double> out) const {
+  Bind();
+  CheckSize(out.size(), nv(), "joint torque");
+  Gather(data()->qfrc_actuator, dof_addresses_, out);
+}
+
+void GroupCore::GetCtrl(std::span<double> out) const {
+  Bind();
+  CheckSize(out.size(), nu(), "control");
+  Gather(data()->ctrl, ctrl_addresses_, out);
+}
+
+void GroupCore::SetJointPos(std::span<const double> q) const {
+  Bind();
+  CheckSize(q.size(), nq(), "joint");
+  CheckFinite(q, names_.joints, "joint");
+  Scatter(q, qpos_addresses_, data()->qpos);
+  Scene(scene_).Forward();
+}
+
+void GroupCore::SetJointVel(std::span<const double> v) const {
+  Bind();
+  CheckSize(v.size(), nv(), "joint velocity");
+  CheckFinite(v, names_.joints, "joint");
+  Scatter(v, dof_addresses_, data()->qvel);
+}
+
+void GroupCore::SetCtrl(std::span<const double> ctrl) const {
+  Bind();
+  CheckSize(ctrl.size(), nu(), "control");
+  CheckFinite(ctrl, names_.actuators, "actuator");
+  Scatter(ctrl, ctrl_addresses_, data()->ctrl);
+}
+
+std::vector<Interval> GroupCore::joint_pos_limits() const {
+  Bind();
+  const mjModel* m = model();
+  std::vector<Interval> limits;
+  for (const int id : joint_ids_) {
+    const int count = PositionsOf(m->jnt_type[id]);
+    const bool limited = m->jnt_limited[id] && count == 1;
+    const mjtNum* range = m->jnt_range + 2 * id;
+    limits.insert(limits.end(), count,
+                  limited ? Interval{range[0], range[1]} : Interval{-kInfinity, kInfinity});
+  }
+  return limits;
+}
+
+std::vector<Interval> GroupCore::ctrl_limits() const {
+  Bind();
+  const mjModel* m = model();
+  std::vector<Interval> limits;
+  for (const int a : ctrl_addresses_) {
+    const mjtNum* range = m->actuator_ctrlrange + 2 * a;
+    limits.push_back(m->actuator_ctrllimited[a] ? Interval{range[0], range[1]}
+                                                : Interval{-kInfinity, kInfinity});
+  }
+  return limits;
+}
+
+void GroupCore::NoopCtrl(std::span<double> out) const {
+  Bind();
+  CheckSize(out.size(), nu(), "control");
+  scene_.SyncPoses();
+  const mjModel* m = model();
+  mjData* d = data();
+  // After a teleport inside of a reset, lengths are those of before.
+  Guarded("lengths of the actuators", d, [&] {
+    mj_tendon(m, d);
+    mj_transmission(m, d);
+  });
+  std::fill(out.begin(), out.end(), 0.0);
+  size_t at = 0;
+  for (const int id : actuator_ids_) {
+    if (const auto ctrl = HoldingCtrl(m, d, id)) out[at] = *ctrl;
+    at += m->actuator_ctrlnum[id];
+  }
+}
+
+void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const {
+  Bind();
+  CheckSize(q.size(), nq(), "joint");
+  CheckSize(ctrl.size(), nu(), "control");
+  const mjModel* m = model();
+  for (size_t i = 0; i < actuator_ids_.size(); ++i) {
+    const int id = actuator_ids_[i];
+    std::optional<double> rest;
+    if (driven_[i] >= 0) rest = RestingCtrl(m, id, m->actuator_gear[6 * id] * q[driven_[i]]);
+    if (!rest) {
+      throw ArgumentError(fmt::format(
+          "{}: actuator '{}' is no position servo of one of its joints, so it cannot be driven to "
+          "a joint position; give the group another controller, or the model a servo",
+          place(), names_.actuators[i]));
+    }
+    ctrl[i] = *rest;
+  }
+}
+
+void GroupCore::Integrate(std::span<double> q, std::span<const double> v) const {
+  Bind();
+  CheckSize(q.size(), nq(), "joint");
+  CheckSize(v.size(), nv(), "joint velocity");
+  size_t iq = 0, iv = 0;
+  for (const int id : joint_ids_) {
+    const int type = model()->jnt_type[id];
+    const int linear = type == mjJNT_FREE ? 3 : type == mjJNT_BALL ? 0 : 1;
+    for (int k = 0; k < linear; ++k) q[iq + k] += v[iv + k];
+    if (PositionsOf(type) > 1) mju_quatIntegrate(&q[iq + linear], &v[iv + linear], 1);
+    iq += PositionsOf(type);
+    iv += VelocitiesOf(type);
+  }
+}
+
+// The frame by reference: Bind may have to look it up again first.
+Pose GroupCore::FramePose(FrameId& frame) const {
+  Bind();
+  scene_.SyncPoses();
+  const mjData* d = data();
+  const int id = frame.id;
+  if (frame.is_site) {
+    return Pose::FromTranslationAndMatrix(d->site_xpos + 3 * id, d->site_xmat + 9 * id);
+  }
+  return Pose::FromWxyz(d->xpos + 3 * id, d->xquat + 4 * id);
+}
+
+void GroupCore::Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {
+  Bind();
+  CheckSize(static_cast<size_t>(out.cols()), nv(), "Jacobian column");
+  scene_.SyncPoses();
+  const mjModel* m = model();
+  const mjData* d = data();
+  double* linear = jacobian_.data();
+  double* angular = linear + 3 * static_cast<size_t>(m->nv);
+  const double* point = leaf_.is_site ? d->site_xpos + 3 * leaf_.id : d->xpos + 3 * leaf_.id;
+  mj_jac(m, d, linear, angular, point, leaf_.is_site ? m->site_bodyid[leaf_.id] : leaf_.id);
+  for (int c = 0; c < nv(); ++c) {
+    for (int r = 0; r < 3; ++r) {
+      out(r, c) = linear[r * m->nv + dof_addresses_[c]];
+      out(r + 3, c) = angular[r * m->nv + dof_addresses_[c]];
+    }
+  }
+}
+
+}  // namespace robocell

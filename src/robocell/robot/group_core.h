@@ -1,0 +1,103 @@
+// GroupCore: what all move groups share: joints, actuators and frames of one group, found by name
+// in the scene's present model, and the reading and writing of mjData. Groups hold one and forward
+// to it; it knows nothing of arms or grippers.
+//
+// Members mean what move_group.h says of the functions of the same name. Errors begin with place().
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+#include <Eigen/Core>
+
+#include "robocell/robot/move_group.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+// A body or site of the model.
+struct FrameName {
+  bool is_site = false;
+  std::string name = {};  // full name
+};
+
+// What a group is made of, in full names.
+struct GroupNames {
+  std::string robot = {};  // for messages; may be empty
+  std::string group = {};
+  std::vector<std::string> joints = {};
+  std::vector<std::string> actuators = {};
+  FrameName root = {}, leaf = {};
+  FrameName robot_base = {};
+};
+
+class GroupCore {
+ public:
+  // NotFoundError when the scene lacks one of the names.
+  GroupCore(Scene scene, GroupNames names);
+
+  const GroupNames& names() const { return names_; }
+  const Scene& scene() const { return scene_; }
+  const mjModel* model() const { return scene_.model(); }
+  mjData* data() const { return scene_.data(); }
+  // Looks the names up again when the scene was rebuilt. Every public function calls it.
+  void Bind() const {
+    if (scene_.generation() != generation_) Resolve();
+  }
+
+  int nq() const { return static_cast<int>(qpos_addresses_.size()); }
+  int nv() const { return static_cast<int>(dof_addresses_.size()); }
+  int nu() const { return static_cast<int>(ctrl_addresses_.size()); }
+  const std::vector<int>& joint_ids() const { return joint_ids_; }
+  const std::vector<int>& actuator_ids() const { return actuator_ids_; }
+  const std::vector<int>& ctrl_addresses() const { return ctrl_addresses_; }
+
+  void GetJointPos(std::span<double> out) const;
+  void GetJointVel(std::span<double> out) const;
+  void GetJointTorque(std::span<double> out) const;
+  void GetCtrl(std::span<double> out) const;
+  void SetJointPos(std::span<const double> q) const;
+  void SetJointVel(std::span<const double> v) const;
+  void SetCtrl(std::span<const double> ctrl) const;
+
+  std::vector<Interval> joint_pos_limits() const;
+  std::vector<Interval> ctrl_limits() const;
+  void NoopCtrl(std::span<double> out) const;
+  void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const;
+  void Integrate(std::span<double> q, std::span<const double> v) const;
+
+  Pose leaf_frame_to_world() const { return FramePose(leaf_); }
+  Pose root_frame_to_world() const { return FramePose(root_); }
+  Pose leaf_frame_to_robot() const { return FramePose(base_).inverse() * FramePose(leaf_); }
+  void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const;
+
+  // "robot 'left' / group 'arm'".
+  std::string place() const;
+
+ private:
+  struct FrameId {
+    bool is_site = false;
+    int id = -1;
+  };
+
+  void Resolve() const;
+  void ResolveJoints(const std::string& where) const;
+  void ResolveActuators(const std::string& where) const;
+  FrameId Find(const FrameName& frame, const std::string& where) const;
+  Pose FramePose(FrameId& frame) const;
+  void CheckSize(size_t got, int expected, const char* what) const;
+  void CheckFinite(std::span<const double> values, const std::vector<std::string>& element_names,
+                   const char* kind) const;
+
+  Scene scene_;
+  GroupNames names_;
+  mutable uint64_t generation_ = ~uint64_t{0};
+  mutable std::vector<int> joint_ids_, actuator_ids_;
+  // One per number, in the order of joints and actuators.
+  mutable std::vector<int> qpos_addresses_, dof_addresses_, ctrl_addresses_;
+  mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
+  mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
+  mutable FrameId root_, leaf_, base_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,162 @@
+#include "robocell/robot/group_factory.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/base_group.h"
+#include "robocell/robot/gripper_group.h"
+#include "robocell/robot/joint_group.h"
+#include "robocell/scene/element_lookup.h"
+#include "robocell/scene/hold_ctrl.h"
+
+namespace robocell {
+namespace {
+
+// The named position servo on a joint; "" when there is none.
+std::string ServoOf(const mjModel* m, const std::string& joint) {
+  const int id = FindId(m, mjOBJ_JOINT, joint);
+  for (int a = 0; a < m->nactuator; ++a) {
+    const int type = m->actuator_trntype[a];
+    const bool on_joint = type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT;
+    if (!on_joint || m->actuator_trnid[2 * a] != id || !IsPositionServo(m, a)) continue;
+    return ElementName(m, mjOBJ_ACTUATOR, a);
+  }
+  return "";
+}
+
+std::vector<std::string> ServosOf(const mjModel* m, const std::vector<std::string>& joints) {
+  std::vector<std::string> servos;
+  for (const std::string& joint : joints) {
+    if (std::string servo = ServoOf(m, joint); !servo.empty()) servos.push_back(std::move(servo));
+  }
+  return servos;
+}
+
+// Makes one configured group.
+class GroupMaker {
+ public:
+  GroupMaker(const Scene& scene, const RobotRecord& robot, const std::string& name,
+             const MoveGroupConfig& config)
+      : scene_(scene),
+        robot_(robot),
+        config_(config),
+        place_("robot '" + robot.name + "' / group '" + name + "'") {
+    const FrameName root{false, robot.root_body};
+    names_ = {.robot = robot.name, .group = name, .root = root, .leaf = root, .robot_base = root};
+  }
+
+  MadeGroup Make() {
+    for (const std::string& joint : config_.joints) names_.joints.push_back(robot_.prefix + joint);
+    for (const std::string& actuator : config_.actuators) {
+      names_.actuators.push_back(robot_.prefix + actuator);
+    }
+    if (config_.root) names_.root = Frame("root", *config_.root, {mjOBJ_BODY, mjOBJ_SITE});
+    switch (config_.kind) {
+      case MoveGroupKind::kArm:
+        return MakeArm();
+      case MoveGroupKind::kGripper:
+        names_.leaf = LeafOr(ToolFrame());
+        return {std::make_shared<ActuatedGripper>(scene_, names_, config_)};
+      case MoveGroupKind::kBase:
+        return MakeBase();
+      case MoveGroupKind::kGeneric:
+        break;
+    }
+    names_.leaf = LeafOr(LastBody());
+    return {std::make_shared<JointGroup>(scene_, names_, config_.kind)};
+  }
+
+  MadeGroup MakeBase() {
+    names_.leaf = {false, robot_.base_body};
+    const bool moves_by_joints =
+        robot_.base.kind == BaseKind::kFree || robot_.base.kind == BaseKind::kPlanar;
+    if (names_.joints.empty() && moves_by_joints) AddJointsOf(robot_.base_body);
+    return {MakeBaseGroup(scene_, robot_.base.kind, names_)};
+  }
+
+ private:
+  const mjModel* model() const { return scene_.model(); }
+
+  MadeGroup MakeArm() {
+    names_.leaf = LeafOr(ToolFrame());
+    if (names_.actuators.empty()) names_.actuators = ServosOf(model(), names_.joints);
+    const ChainTip tip =
+        names_.leaf.is_site ? ChainTip::Site(names_.leaf.name) : ChainTip::Body(names_.leaf.name);
+    return {std::make_shared<JointGroup>(scene_, names_, config_.kind), tip};
+  }
+
+  FrameName Frame(const char* field, const ElementRef& ref, std::initializer_list<mjtObj> kinds) {
+    const ElementId element = FindElement(model(), robot_, ref, kinds);
+    const std::string name = ElementName(model(), element.kind, element.id);
+    if (!name.empty()) return {element.kind == mjOBJ_SITE, name};
+    throw ArgumentError(fmt::format("{}: its {} is {}, which has no name; give it one in `edits`",
+                                    place_, field, Describe(model(), element.kind, element.id)));
+  }
+
+  FrameName LeafOr(const FrameName& otherwise) {
+    return config_.leaf ? Frame("leaf", *config_.leaf, {mjOBJ_SITE, mjOBJ_BODY}) : otherwise;
+  }
+
+  FrameName ToolFrame() const {
+    if (robot_.tcp_site) return {true, *robot_.tcp_site};
+    if (robot_.attachment_site) return {true, *robot_.attachment_site};
+    return LastBody();
+  }
+
+  FrameName LastBody() const {
+    if (names_.joints.empty()) return {false, robot_.root_body};
+    const int joint = RequireId(model(), mjOBJ_JOINT, names_.joints.back(), place_);
+    return {false, ElementName(model(), mjOBJ_BODY, model()->jnt_bodyid[joint])};
+  }
+
+  // A model's own free joint often has no name; the body can be moved without it.
+  void AddJointsOf(const std::string& body) {
+    const mjModel* m = model();
+    const int id = RequireId(m, mjOBJ_BODY, body, place_);
+    for (int j = 0; j < m->body_jntnum[id]; ++j) {
+      std::string joint = ElementName(m, mjOBJ_JOINT, m->body_jntadr[id] + j);
+      if (!joint.empty()) names_.joints.push_back(std::move(joint));
+    }
+  }
+
+  const Scene& scene_;
+  const RobotRecord& robot_;
+  const MoveGroupConfig& config_;
+  std::string place_;
+  GroupNames names_;
+};
+
+}  // namespace
+
+std::vector<MadeGroup> MakeGroups(const Scene& scene, const RobotRecord& robot) {
+  std::vector<MadeGroup> groups;
+  bool has_base = false;
+  for (const auto& [name, config] : robot.config.move_groups.entries()) {
+    groups.push_back(GroupMaker(scene, robot, name, *config).Make());
+    has_base |= config->kind == MoveGroupKind::kBase || name == "base";
+  }
+  if (!has_base) groups.push_back(MakeImplicitBase(scene, robot));
+  return groups;
+}
+
+MadeGroup MakeImplicitBase(const Scene& scene, const RobotRecord& robot) {
+  const MoveGroupConfig config{.kind = MoveGroupKind::kBase};
+  return GroupMaker(scene, robot, "base", config).MakeBase();
+}
+
+MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
+                       std::vector<std::string> joints, const ChainTip& tip) {
+  const FrameName base{false, robot.root_body};
+  GroupNames names{.robot = robot.name,
+                   .group = "arm",
+                   .joints = std::move(joints),
+                   .root = base,
+                   .leaf = {tip.kind == ChainTip::Kind::kSite, tip.name},
+                   .robot_base = base};
+  names.actuators = ServosOf(scene.model(), names.joints);
+  return {std::make_shared<JointGroup>(scene, std::move(names), MoveGroupKind::kArm), tip};
+}
+
+}  // namespace robocell

@@ -1,0 +1,32 @@
+// Makes the move groups of a robot from its record in the compiled scene.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/kinematics/chain.h"
+#include "robocell/robot/move_group.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+struct MadeGroup {
+  std::shared_ptr<MoveGroup> group;
+  std::optional<ChainTip> tip = {};  // where an arm's chain ends; unset for the other kinds
+};
+
+// The groups of RobotConfig.move_groups in their order, and a group "base" when none is configured.
+// Errors: those of the groups' constructors; ArgumentError for a leaf or root without a name.
+std::vector<MadeGroup> MakeGroups(const Scene& scene, const RobotRecord& robot);
+
+// What is under a robot whose configuration names no base group.
+MadeGroup MakeImplicitBase(const Scene& scene, const RobotRecord& robot);
+
+// An arm over the given joints, driven by the servos found on them, for robots without a
+// configuration.
+MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
+                       std::vector<std::string> joints, const ChainTip& tip);
+
+}  // namespace robocell

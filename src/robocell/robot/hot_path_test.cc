@@ -1,0 +1,47 @@
+// What runs every control tick allocates nothing.
+#include <gtest/gtest.h>
+
+#include "robocell/robot/testing/robots.h"
+#include "robocell/testing/count_allocations.h"
+
+namespace robocell {
+namespace {
+
+void ExpectNoAllocation(Robot& robot) {
+  MoveGroup& arm = robot.arm();
+  std::vector<double> q = arm.joint_pos(), ctrl = arm.ctrl(), torques(robot.n_joints());
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, arm.nv());
+  robot.Update();
+  const AllocationCount count;
+  for (int i = 0; i < 100; ++i) {
+    robot.Update();
+    robot.jnt_pos_cmd()[0] += 1e-4;
+    robot.SetJntPosCmd(robot.jnt_pos_msr());
+    robot.GravityTorques(torques);
+    arm.GetJointPos(q);
+    arm.NoopCtrl(ctrl);
+    arm.SetCtrl(ctrl);
+    arm.Jacobian(jacobian);
+    (void)arm.leaf_frame_to_robot();
+    (void)robot.FkFrame();
+    (void)robot.base_in_world();
+    if (robot.has_gripper()) (void)robot.gripper().opening();
+    if (robot.has_gripper()) (void)robot.gripper().is_grasping();
+    robot.Step();
+  }
+  EXPECT_EQ(count.allocations(), 0);
+}
+
+TEST(HotPath, OfTheBuiltInRobotAllocatesNothing) {
+  Robot robot = RobotAlone(Rc7());
+  ExpectNoAllocation(robot);
+}
+
+TEST(HotPath, OfALinkageGripperAllocatesNothing) {
+  REQUIRE_MENAGERIE("ufactory_xarm7");
+  Robot robot = RobotAlone(XArm7());
+  ExpectNoAllocation(robot);
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,34 @@
+// The position port: drives each joint of a group to a target through its own servo.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "robocell/robot/controller.h"
+#include "robocell/robot/move_group.h"
+
+namespace robocell {
+
+// For a gripper the target is its opening (gripper_opening_controller.h); for every other group its
+// joint positions. ArgumentError when an actuator is no position servo of one of the joints.
+std::unique_ptr<Controller> MakeJointPositionController(MoveGroup& group);
+
+class JointPositionController : public Controller {
+ public:
+  explicit JointPositionController(MoveGroup& group);
+
+  std::string_view kind() const override { return "joint_position"; }
+  int target_size() const override { return group_.nq(); }
+  void SetTarget(std::span<const double> target) override;
+  std::span<const double> target() const override { return target_; }
+  std::span<const double> commanded_joint_pos() const override { return target_; }
+  std::span<double> command_port() override { return target_; }
+  void Reset() override { group_.GetJointPos(target_); }
+  void Compute(std::span<double> ctrl) override { group_.CtrlForJointPos(target_, ctrl); }
+
+ private:
+  MoveGroup& group_;
+  std::vector<double> target_;
+};
+
+}  // namespace robocell

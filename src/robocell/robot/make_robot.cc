@@ -1,0 +1,79 @@
+// Making robots: from their configuration in the scene, or ad hoc from two bodies.
+#include <mujoco/mujoco.h>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/robot/robot_state.h"
+
+namespace robocell {
+namespace {
+
+constexpr const char* kDefaultControl = "joint_position";
+
+// A record for a robot that has none, or whose configuration is not to be used. What the scene
+// knows of where it stands is kept.
+RobotRecord AdHocRecord(const Scene& scene, const std::string& prefix,
+                        const std::string& base_body) {
+  const mjModel* m = scene.model();
+  const int root = RequireId(m, mjOBJ_BODY, prefix + base_body, "scene '" + scene.name() + "'");
+  RobotRecord record;
+  record.name = prefix.empty() ? "robot" : prefix;
+  record.base_body = prefix + base_body;
+  for (const RobotRecord& known : scene.compiled()->robots()) {
+    if (known.prefix != prefix) continue;
+    if (IsInSubtree(m, root, FindId(m, mjOBJ_BODY, known.base_body))) record = known;
+  }
+  record.config = {};
+  record.prefix = prefix;
+  record.root_body = prefix + base_body;
+  return record;
+}
+
+ChainTip TipOf(const Scene& scene, const std::string& tip_body, const RobotOptions& options) {
+  const std::string place = "scene '" + scene.name() + "'";
+  const std::string& site = options.tool.tcp_site;
+  RequireId(scene.model(), mjOBJ_BODY, options.prefix + tip_body, place);
+  if (site.empty()) return ChainTip::Body(options.prefix + tip_body);
+  RequireId(scene.model(), mjOBJ_SITE, options.prefix + site, place);
+  return ChainTip::Site(options.prefix + site);
+}
+
+}  // namespace
+
+Robot Robot::Of(const Scene& scene, const std::string& name) {
+  const RobotRecord& record = scene.compiled()->robot(name);
+  const std::string key = "robot:" + record.name;
+  if (auto known = std::dynamic_pointer_cast<State>(scene.FindObserver(key))) return Robot(known);
+  auto state = std::make_shared<State>(scene, record);
+  for (MadeGroup& made : MakeGroups(scene, record)) {
+    const ControlKind* control = record.config.control.find(made.group->name());
+    state->AddGroup(std::move(made), control ? ToString(*control) : kDefaultControl,
+                    control != nullptr);
+  }
+  Scene(scene).AddObserver(state, key);
+  return Robot(state);
+}
+
+Robot Robot::FromScene(const Scene& scene, const std::string& base_body,
+                       const std::string& tip_body, const RobotOptions& options) {
+  const RobotRecord record = AdHocRecord(scene, options.prefix, base_body);
+  const std::string& tool = options.tool.tool_body;
+  const ChainOptions chain_options{.tool_body = tool.empty() ? "" : options.prefix + tool};
+  const ChainTip tip = TipOf(scene, tip_body, options);
+  const Chain chain(scene.model(), record.root_body, tip, chain_options);
+  auto state = std::make_shared<State>(scene, record, chain_options);
+  state->AddGroup(MakeAdHocArm(scene, record, chain.joint_names(), tip), kDefaultControl, false);
+  state->AddGroup(MakeImplicitBase(scene, record), kDefaultControl, false);
+  Scene(scene).AddObserver(state);
+  return Robot(state);
+}
+
+std::vector<Robot> RobotsOf(const Scene& scene) {
+  std::vector<Robot> robots;
+  for (const RobotRecord& record : scene.compiled()->robots()) {
+    if (!record.config.move_groups.empty()) robots.push_back(Robot::Of(scene, record.name));
+  }
+  return robots;
+}
+
+}  // namespace robocell

@@ -1,0 +1,31 @@
+#include "robocell/robot/move_group.h"
+
+namespace robocell {
+namespace {
+
+template <class Get>
+std::vector<double> Filled(int size, Get get) {
+  std::vector<double> out(size);
+  get(std::span<double>(out));
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> MoveGroup::joint_pos() const {
+  return Filled(nq(), [&](std::span<double> out) { GetJointPos(out); });
+}
+std::vector<double> MoveGroup::joint_vel() const {
+  return Filled(nv(), [&](std::span<double> out) { GetJointVel(out); });
+}
+std::vector<double> MoveGroup::joint_torque() const {
+  return Filled(nv(), [&](std::span<double> out) { GetJointTorque(out); });
+}
+std::vector<double> MoveGroup::ctrl() const {
+  return Filled(nu(), [&](std::span<double> out) { GetCtrl(out); });
+}
+std::vector<double> MoveGroup::noop_ctrl() const {
+  return Filled(nu(), [&](std::span<double> out) { NoopCtrl(out); });
+}
+
+}  // namespace robocell

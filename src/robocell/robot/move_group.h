@@ -1,0 +1,117 @@
+// MoveGroup: a named set of joints and actuators that move together, with a root and a leaf frame.
+// An interface: simply actuated groups (arms), grippers and bases are its kinds, and users may
+// write their own, in C++ or Python.
+//
+// A group reads and writes the mjData of its scene. Joint values are in the order of joint_names(),
+// radians or metres as in mjData.qpos; groups whose joints are not all one-dimensional (ball, free)
+// have nq() != nv(). Frames are X_WT etc.; six-vectors have the linear rows first. After a rebuild
+// of the scene a group finds its elements again by name.
+//
+//   MoveGroup& arm = robot.group("arm");
+//   Pose tcp_in_world = arm.leaf_frame_to_world();
+//   arm.SetJointPos(q);            // teleports and updates the poses
+//   arm.SetCtrl(ctrl);             // raw actuator values
+//
+// Errors: ArgumentError for a wrong number of values ("group 'arm': expected 7 joint values, got
+// 3"), ClosedError after the scene was closed. Threads: those of the scene.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+#include <Eigen/Core>
+
+#include "robocell/math/pose.h"
+#include "robocell/spec/robot_config.h"
+
+namespace robocell {
+
+struct Interval {
+  double lower, upper;
+};
+
+class MoveGroup {
+ public:
+  virtual ~MoveGroup() = default;
+
+  virtual const std::string& name() const = 0;  // as in RobotConfig.move_groups
+  virtual MoveGroupKind kind() const = 0;
+
+  // Sizes and names (full names in the model).
+  virtual int nq() const = 0;
+  virtual int nv() const = 0;
+  virtual int nu() const = 0;
+  virtual const std::vector<std::string>& joint_names() const = 0;
+  virtual const std::vector<std::string>& actuator_names() const = 0;
+
+  // State. `out` has nq(), nv(), nv() and nu() entries.
+  virtual void GetJointPos(std::span<double> out) const = 0;
+  virtual void GetJointVel(std::span<double> out) const = 0;
+  virtual void GetJointTorque(
+      std::span<double> out) const = 0;  // what the actuators apply, N or Nm
+  virtual void GetCtrl(std::span<double> out) const = 0;
+  virtual void SetJointPos(std::span<const double> q) = 0;
+  virtual void SetJointVel(std::span<const double> v) = 0;
+  virtual void SetCtrl(std::span<const double> ctrl) = 0;  // refuses NaN by actuator name
+
+  virtual std::vector<Interval> joint_pos_limits() const = 0;  // +-infinity where there are none
+  virtual std::vector<Interval> ctrl_limits() const = 0;
+  // The control that leaves the group where it is now.
+  virtual void NoopCtrl(std::span<double> out) const = 0;
+  // The controls whose servos rest at the joint positions `q`, within the control limits.
+  // ArgumentError when an actuator is not a position servo. No allocation.
+  virtual void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const = 0;
+  // q moved by the velocity v (nv entries) for a unit of time.
+  virtual void Integrate(std::span<double> q, std::span<const double> v) const = 0;
+
+  // Frames.
+  virtual Pose leaf_frame_to_world() const = 0;
+  virtual Pose root_frame_to_world() const = 0;
+  virtual Pose leaf_frame_to_robot() const = 0;  // in the robot base frame
+  Pose leaf_frame_to_root() const {
+    return root_frame_to_world().inverse() * leaf_frame_to_world();
+  }
+  // 6 x nv at the leaf, world axes, linear rows first.
+  virtual void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const = 0;
+
+  // Conveniences that allocate.
+  std::vector<double> joint_pos() const;
+  std::vector<double> joint_vel() const;
+  std::vector<double> joint_torque() const;
+  std::vector<double> ctrl() const;
+  std::vector<double> noop_ctrl() const;
+};
+
+// A gripper: `opening` is 0 closed ... 1 open whatever the raw control means.
+class GripperGroup : public MoveGroup {
+ public:
+  // Measured, from the finger distance.
+  virtual double opening() const = 0;
+  // Commands the actuator; clamps to 0..1, refuses NaN. The robot's controller takes it over.
+  virtual void SetOpening(double opening) = 0;
+  void Open() { SetOpening(1); }
+  void Close() { SetOpening(0); }
+  virtual double ctrl_for_opening(double opening) const = 0;
+  // Free distance between the fingers, metres; its range is {closed, open}, measured once when not
+  // configured.
+  virtual double inter_finger_dist() const = 0;
+  virtual Interval inter_finger_dist_range() const = 0;
+  virtual bool is_open() const = 0;
+  // Both fingers touch `body` or parts of it (a full name); when empty, any one thing that can move
+  // and is not the robot. Contacts are those of the last step.
+  virtual bool is_grasping(const std::string& body = "") const = 0;
+};
+
+// What the robot stands on.
+class BaseGroup : public MoveGroup {
+ public:
+  // Of the pedestal's bottom, of the mocap, free or planar body, or else of the robot's root.
+  virtual Pose pose() const = 0;
+  // An ArgumentError for a fixed base, and for a pose outside a planar base's plane.
+  virtual void SetPose(const Pose& pose_in_world) = 0;
+  // Whether it can drive, or fly, by itself: free and planar bases.
+  virtual bool is_mobile() const = 0;
+};
+
+}  // namespace robocell

@@ -1,0 +1,167 @@
+// Robot: what handles do; making them is in make_robot.cc, Apply in apply.cc.
+#include "robocell/robot/robot.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/kinematics/reach.h"
+#include "robocell/robot/robot_state.h"
+
+namespace robocell {
+namespace {
+
+// A gripper that is no GripperGroup could not be used as one.
+void CheckInterface(const MoveGroup* group) {
+  if (!group) throw ArgumentError("a robot's group cannot be null");
+  const std::string place = "group '" + group->name() + "'";
+  if (group->kind() == MoveGroupKind::kGripper && !dynamic_cast<const GripperGroup*>(group)) {
+    throw ArgumentError(place + ": a group of kind gripper derives from GripperGroup");
+  }
+  if (group->kind() == MoveGroupKind::kBase && !dynamic_cast<const BaseGroup*>(group)) {
+    throw ArgumentError(place + ": a group of kind base derives from BaseGroup");
+  }
+}
+
+JointVector Positions(const MoveGroup& group) {
+  JointVector q(group.nq());
+  group.GetJointPos(std::span<double>(q.begin(), q.end()));
+  return q;
+}
+
+}  // namespace
+
+const std::string& Robot::name() const { return state_->record.name; }
+const std::string& Robot::prefix() const { return state_->record.prefix; }
+Scene Robot::scene() const { return state_->scene; }
+const RobotConfig& Robot::config() const { return state_->record.config; }
+
+std::vector<std::string> Robot::group_names() const { return state_->group_names(); }
+bool Robot::has_group(const std::string& name) const { return state_->Find(name) != nullptr; }
+MoveGroup& Robot::group(const std::string& name) const { return *state_->Require(name).group; }
+std::shared_ptr<MoveGroup> Robot::shared_group(const std::string& name) const {
+  return {state_, &group(name)};
+}
+MoveGroup& Robot::arm() const { return *state_->RequireKind(MoveGroupKind::kArm).group; }
+bool Robot::has_gripper() const { return state_->FindKind(MoveGroupKind::kGripper) != nullptr; }
+
+GripperGroup& Robot::gripper() const {
+  return dynamic_cast<GripperGroup&>(*state_->RequireKind(MoveGroupKind::kGripper).group);
+}
+
+BaseGroup& Robot::base() const {
+  return dynamic_cast<BaseGroup&>(*state_->RequireKind(MoveGroupKind::kBase).group);
+}
+
+void Robot::SetGroup(std::shared_ptr<MoveGroup> group) {
+  CheckInterface(group.get());
+  MadeGroup made{std::move(group)};
+  const GroupSlot* old = state_->Find(made.group->name());
+  const bool same_arm = old && old->tip && made.group->kind() == MoveGroupKind::kArm &&
+                        old->group->joint_names() == made.group->joint_names();
+  if (same_arm) made.tip = old->tip;
+  state_->AddGroup(std::move(made), "joint_position", false);
+}
+
+Controller& Robot::controller(const std::string& group) const {
+  return state_->RequireController(state_->Require(group));
+}
+
+void Robot::SetController(const std::string& group, std::unique_ptr<Controller> controller) {
+  if (!controller) throw ArgumentError(state_->place() + ": a controller cannot be null");
+  std::swap(state_->Require(group).controller, controller);
+  state_->retired_controllers.push_back(std::move(controller));
+}
+
+void Robot::SetController(const std::string& group, const std::string& kind) {
+  SetController(group, MakeController(kind, this->group(group)));
+}
+
+std::vector<std::shared_ptr<MoveGroup>> Robot::groups_of_sole_handle() const {
+  std::vector<std::shared_ptr<MoveGroup>> groups;
+  if (state_.use_count() > 1) return groups;
+  for (const auto* slots : {&state_->slots, &state_->retired}) {
+    for (const auto& slot : *slots) groups.push_back(slot->group);
+  }
+  return groups;
+}
+
+void Robot::Update() {
+  state_->ReadPorts();
+  for (const auto& slot : state_->slots) {
+    if (!slot->controller) continue;
+    slot->controller->Compute(slot->ctrl);
+    slot->group->SetCtrl(slot->ctrl);
+  }
+}
+
+int Robot::n_joints() const { return arm().nq(); }
+const std::vector<std::string>& Robot::joint_names() const { return arm().joint_names(); }
+std::vector<Interval> Robot::joint_limits() const { return arm().joint_pos_limits(); }
+std::span<const double> Robot::jnt_pos_msr() const { return state_->pos; }
+std::span<const double> Robot::jnt_vel_msr() const { return state_->vel; }
+std::span<const double> Robot::jnt_trq_msr() const { return state_->trq; }
+
+std::span<double> Robot::jnt_pos_cmd() const {
+  return state_->RequireController(state_->RequireKind(MoveGroupKind::kArm)).command_port();
+}
+
+void Robot::SetJntPosCmd(std::span<const double> q) {
+  const std::span<double> port = jnt_pos_cmd();
+  CheckValues([&] { return state_->place(); }, "joint", q, static_cast<int>(port.size()),
+              joint_names());
+  std::copy(q.begin(), q.end(), port.begin());
+}
+
+void Robot::SetJointPos(std::span<const double> q) {
+  GroupSlot& slot = state_->RequireKind(MoveGroupKind::kArm);
+  slot.group->SetJointPos(q);
+  if (slot.controller) slot.controller->Reset();
+  state_->ReadPorts();
+}
+
+const Chain& Robot::chain() const {
+  return state_->RequireChain(state_->RequireKind(MoveGroupKind::kArm));
+}
+
+const Chain& Robot::chain(const std::string& group) const {
+  return state_->RequireChain(state_->Require(group));
+}
+
+Pose Robot::FkFrame() const { return chain().Fk(Positions(arm())); }
+Pose Robot::FkFrame(std::span<const double> q) const { return chain().Fk(q); }
+
+IkResult Robot::Ik(const Pose& tcp_in_robot_base, IkOptions options) const {
+  const Chain& arm_chain = chain();
+  if (options.seed.empty()) options.seed = Positions(arm());
+  return robocell::Ik(arm_chain, tcp_in_robot_base, options);
+}
+
+Pose Robot::base_in_world() const {
+  state_->scene.SyncPoses();
+  const mjData* d = state_->scene.data();
+  const int id = state_->root_body;
+  return Pose::FromWxyz(d->xpos + 3 * id, d->xquat + 4 * id);
+}
+
+Pose Robot::tcp_in_world() const { return arm().leaf_frame_to_world(); }
+
+void Robot::GravityTorques(std::span<double> out, std::optional<double> gravity_z) const {
+  const mjtNum* scene_gravity = state_->scene.model()->opt.gravity;
+  Eigen::Vector3d gravity(scene_gravity[0], scene_gravity[1], scene_gravity[2]);
+  if (gravity_z) gravity = Eigen::Vector3d(0, 0, *gravity_z);
+  chain().GravityTorques(Positions(arm()), base_in_world().rotation().transpose() * gravity, out);
+}
+
+double Robot::reach() const {
+  std::optional<double>& reach = state_->reach;
+  if (!reach) reach = config().reach;
+  if (!reach) reach = ApproximateReach(chain());
+  return *reach;
+}
+
+const std::vector<int>& Robot::body_ids() const { return state_->bodies; }
+const std::vector<int>& Robot::geom_ids() const { return state_->geoms; }
+
+}  // namespace robocell

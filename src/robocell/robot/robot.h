@@ -1,0 +1,146 @@
+// Robot: a robot of a scene: its move groups, kinematics and controllers. A handle, cheap to copy.
+// It follows resets and rebuilds of its scene (names stay, ids are looked up again).
+//
+//   Robot robot = Robot::Of(scene, "xarm7");             // groups from its RobotConfig
+//   robot.Apply({{"arm", GroupCommand::Joints(q)}, {"gripper", GroupCommand::Opening(1)}});
+//   for (int i = 0; i < 33; ++i) { robot.Update(); scene.Step(); }
+//
+//   Robot arm = Robot::FromScene(scene, "base_link", "bracelet_link",
+//                                {.tool = {.tool_body = "g_base", .tcp_site = "g_pinch"}});
+//   arm.Update();  arm.jnt_pos_cmd()[3] += 0.1;  arm.Step();
+//
+// Update() is the one path from commands to the engine: it reads the state into the ports and runs
+// every group's controller once. No allocation.
+//
+// Lifetime: all handles from Of() to one robot of one scene share their state (groups, controllers,
+// targets), which lives as long as one of them; a handle keeps its scene alive. FromScene() makes a
+// robot of its own each time. A reset hook of the scene that holds a handle keeps both alive until
+// Scene::Close().
+//
+// Frames: the robot base frame is the root body's. Joint values in chain order, rad or m.
+//
+// Errors: NotFoundError for names and for what the robot does not have, ArgumentError for sizes and
+// values that are not finite, ClosedError after the scene was closed. Threads: those of the scene.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/kinematics/chain.h"
+#include "robocell/kinematics/ik.h"
+#include "robocell/robot/action.h"
+#include "robocell/robot/controller.h"
+#include "robocell/robot/move_group.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+// A tool in a robot's hand: its inertia joins the chain, its site becomes the TCP.
+struct ToolFrameSpec {
+  std::string tool_body = {};
+  std::string tcp_site = {};
+};
+
+struct RobotOptions {
+  std::string prefix = {};
+  ToolFrameSpec tool = {};
+};
+
+class Robot {
+ public:
+  // A robot by its name in the scene, with the groups of its configuration. NotFoundError lists the
+  // robots.
+  static Robot Of(const Scene& scene, const std::string& name);
+  // A robot without configuration: one arm group from the chain between two bodies.
+  static Robot FromScene(const Scene& scene, const std::string& base_body,
+                         const std::string& tip_body, const RobotOptions& options = {});
+
+  const std::string& name() const;
+  const std::string& prefix() const;
+  Scene scene() const;
+  const RobotConfig& config() const;
+
+  // Groups by name, and the first of each kind. References stay valid as long as a handle to this
+  // robot lives.
+  std::vector<std::string> group_names() const;
+  bool has_group(const std::string& name) const;
+  MoveGroup& group(const std::string& name) const;
+  // The same, keeping the robot alive.
+  std::shared_ptr<MoveGroup> shared_group(const std::string& name) const;
+  MoveGroup& arm() const;
+  GripperGroup& gripper() const;
+  bool has_gripper() const;
+  BaseGroup& base() const;
+  // Replaces or adds a group, e.g. the user's own kind. Its controller is made anew: joint
+  // position, or none when its actuators are no position servos. What was replaced is kept, out of
+  // use, until the robot goes; so are controllers that are replaced.
+  void SetGroup(std::shared_ptr<MoveGroup> group);
+
+  // NotFoundError says why a group has none.
+  Controller& controller(const std::string& group) const;
+  void SetController(const std::string& group, std::unique_ptr<Controller> controller);
+  // By the name of its kind (controller.h).
+  void SetController(const std::string& group, const std::string& kind);
+  // For garbage collectors of other languages: all groups that this handle alone keeps alive; none
+  // when other handles to the robot live too.
+  std::vector<std::shared_ptr<MoveGroup>> groups_of_sole_handle() const;
+
+  // Sets targets of the groups named; the others hold. An action that is refused changes nothing.
+  // Pose commands go through IK from the present target; a failed IK leaves that group's target and
+  // is reported.
+  struct ApplyResult {
+    bool ok = true;
+    std::string failed_group = {};  // the first one
+    IkResult ik = {};               // its
+  };
+  ApplyResult Apply(const RobotAction& action);
+  // Reads the state and runs every controller once. Then Step() steps the whole scene.
+  void Update();
+  StepResult Step() { return scene().Step(); }
+
+  // Ports of the arm, in chain order. `msr` are what Update() read; `cmd` is what the arm's
+  // controller drives it to, for writing in place.
+  int n_joints() const;
+  const std::vector<std::string>& joint_names() const;
+  std::vector<Interval> joint_limits() const;
+  std::span<const double> jnt_pos_msr() const;
+  std::span<const double> jnt_vel_msr() const;
+  std::span<const double> jnt_trq_msr() const;
+  std::span<double> jnt_pos_cmd() const;
+  void SetJntPosCmd(std::span<const double> q);
+  // Teleports the arm, re-seeds its port and updates the poses. Velocities stay.
+  void SetJointPos(std::span<const double> q);
+
+  // Kinematics of the arm: from the root body (robot base frame) to the TCP.
+  const Chain& chain() const;
+  const Chain& chain(const std::string& group) const;  // of another arm
+  Pose FkFrame() const;                                // TCP in the robot base frame, present state
+  Pose FkFrame(std::span<const double> q) const;
+  // Starts at `options.seed`, else at the present joint positions.
+  IkResult Ik(const Pose& tcp_in_robot_base, IkOptions options = {}) const;
+  Pose base_in_world() const;  // the robot base frame
+  Pose tcp_in_world() const;
+  // Torques that hold the arm against gravity: the scene's, or one along the world's z axis, m/s^2.
+  // Bodies with gravcomp count less.
+  void GravityTorques(std::span<double> out, std::optional<double> gravity_z = {}) const;
+  // Farthest the TCP gets from the root body, metres: configured, else measured once.
+  double reach() const;
+
+  // Bodies and geoms of this robot (ids in the present model): its subtree with attachments and
+  // pedestal.
+  const std::vector<int>& body_ids() const;
+  const std::vector<int>& geom_ids() const;
+
+ private:
+  class State;
+  explicit Robot(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  std::shared_ptr<State> state_;
+};
+
+// All robots of a scene that have a configuration, in order.
+std::vector<Robot> RobotsOf(const Scene& scene);
+
+}  // namespace robocell

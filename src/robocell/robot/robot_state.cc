@@ -1,0 +1,152 @@
+#include "robocell/robot/robot_state.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+
+namespace robocell {
+
+Robot::State::State(Scene s, RobotRecord r, ChainOptions options)
+    : scene(std::move(s)), record(std::move(r)), chain_options(std::move(options)) {
+  FindBodies();
+}
+
+void Robot::State::OnReset() {
+  for (const auto& slot : slots) {
+    if (slot->controller) slot->controller->Reset();
+  }
+  ReadPorts();
+}
+
+void Robot::State::OnRebuild() {
+  FindBodies();
+  for (const auto& slot : slots) {
+    if (slot->tip) slot->chain.emplace(scene.model(), record.root_body, *slot->tip, chain_options);
+  }
+  ReadPorts();
+}
+
+void Robot::State::FindBodies() {
+  const mjModel* m = scene.model();
+  root_body = RequireId(m, mjOBJ_BODY, record.root_body, place());
+  const int base = RequireId(m, mjOBJ_BODY, record.base_body, place());
+  bodies.clear();
+  geoms.clear();
+  const std::vector<bool> inside = SubtreeMask(m, base);
+  for (int b = base; b < m->nbody; ++b) {
+    if (inside[b]) bodies.push_back(b);
+  }
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (inside[m->geom_bodyid[g]]) geoms.push_back(g);
+  }
+}
+
+std::optional<Chain> Robot::State::MakeChain(const MadeGroup& made) const {
+  if (!made.tip) return std::nullopt;
+  Chain chain(scene.model(), record.root_body, *made.tip, chain_options);
+  const std::vector<std::string>& joints = made.group->joint_names();
+  if (chain.joint_names() == joints) return chain;
+  throw ArgumentError(fmt::format(
+      "{} / group '{}': it lists the joints {}, but the joints from '{}' to its leaf are {}; list "
+      "those, in this order",
+      place(), made.group->name(), ListNames(joints), chain.base_body(),
+      ListNames(chain.joint_names())));
+}
+
+void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool must_be_driven) {
+  auto slot = std::make_unique<GroupSlot>();
+  slot->chain = MakeChain(made);
+  slot->tip = std::move(made.tip);
+  slot->group = std::move(made.group);
+  slot->ctrl.resize(slot->group->nu());
+  if (slot->ctrl.empty()) {
+    slot->why_no_controller = "it has no actuators";
+  } else {
+    try {
+      slot->controller = MakeController(controller, *slot->group);
+    } catch (const ArgumentError& error) {
+      if (must_be_driven) throw;
+      slot->why_no_controller = error.what();
+    }
+  }
+  const std::string& name = slot->group->name();
+  const auto same = std::find_if(slots.begin(), slots.end(),
+                                 [&](const auto& s) { return s->group->name() == name; });
+  if (same == slots.end()) {
+    slots.push_back(std::move(slot));
+  } else {
+    std::swap(*same, slot);
+    retired.push_back(std::move(slot));
+  }
+  ListKinds();
+}
+
+void Robot::State::ListKinds() {
+  first_ = {};
+  for (const auto& slot : slots) {
+    GroupSlot*& first = first_[static_cast<size_t>(slot->group->kind())];
+    if (!first) first = slot.get();
+  }
+  const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
+  pos.resize(arm ? arm->group->nq() : 0);
+  vel.resize(arm ? arm->group->nv() : 0);
+  trq.resize(arm ? arm->group->nv() : 0);
+  ReadPorts();
+}
+
+GroupSlot* Robot::State::Find(const std::string& name) {
+  for (const auto& slot : slots) {
+    if (slot->group->name() == name) return slot.get();
+  }
+  return nullptr;
+}
+
+GroupSlot& Robot::State::Require(const std::string& name) {
+  if (GroupSlot* slot = Find(name)) return *slot;
+  throw NotFoundError(NoSuchName(place(), "group", name, group_names()));
+}
+
+GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
+  if (GroupSlot* slot = FindKind(kind)) return *slot;
+  const std::string next =
+      record.config.move_groups.empty()
+          ? "It has no configuration: give its RobotSpec a `config`, or use Robot::FromScene"
+          : fmt::format("Declare one under `move_groups` with `kind: {}`", ToString(kind));
+  throw NotFoundError(fmt::format("{}: has no {} group. Its groups: {}. {}", place(),
+                                  ToString(kind), ListNames(group_names()), next));
+}
+
+Controller& Robot::State::RequireController(GroupSlot& slot) {
+  if (slot.controller) return *slot.controller;
+  throw NotFoundError(fmt::format("{} has no controller: {}", place(slot), slot.why_no_controller));
+}
+
+const Chain& Robot::State::RequireChain(GroupSlot& slot) {
+  if (slot.chain) return *slot.chain;
+  throw NotFoundError(place(slot) +
+                      " has no chain: kinematics need a configured group of kind arm");
+}
+
+void Robot::State::ReadPorts() {
+  if (scene.closed())
+    throw ClosedError("robot '" + record.name + "' is closed: its scene was closed");
+  const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
+  if (!arm) return;
+  arm->group->GetJointPos(pos);
+  arm->group->GetJointVel(vel);
+  arm->group->GetJointTorque(trq);
+}
+
+std::vector<std::string> Robot::State::group_names() const {
+  std::vector<std::string> names;
+  for (const auto& slot : slots) names.push_back(slot->group->name());
+  return names;
+}
+
+}  // namespace robocell

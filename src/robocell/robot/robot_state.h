@@ -1,0 +1,74 @@
+// Private to robot: what all handles to one robot share.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/robot/group_factory.h"
+#include "robocell/robot/robot.h"
+
+namespace robocell {
+
+// A group with its controller and the buffer that carries the control to the engine.
+struct GroupSlot {
+  std::shared_ptr<MoveGroup> group;
+  std::unique_ptr<Controller> controller;  // declared after the group: destroyed before it
+  std::string why_no_controller;
+  std::vector<double> ctrl;
+  std::optional<ChainTip> tip;  // of arms whose chain is known
+  std::optional<Chain> chain;   // from the root body to `tip`
+};
+
+// Holds the scene; the scene holds it weakly, as an observer.
+class Robot::State : public SceneObserver {
+ public:
+  // `record.root_body` and `record.base_body` are bodies of the scene.
+  State(Scene scene, RobotRecord record, ChainOptions chain_options = {});
+
+  void OnReset() override;
+  void OnRebuild() override;
+
+  // Adds the group or takes the place of the one of that name. A group that `controller` cannot
+  // drive gets none; with `must_be_driven` that is an error.
+  void AddGroup(MadeGroup made, const std::string& controller, bool must_be_driven);
+  GroupSlot* Find(const std::string& name);
+  GroupSlot* FindKind(MoveGroupKind kind) { return first_[static_cast<size_t>(kind)]; }
+  // NotFoundError with the alternatives.
+  GroupSlot& Require(const std::string& name);
+  GroupSlot& RequireKind(MoveGroupKind kind);
+  Controller& RequireController(GroupSlot& slot);
+  const Chain& RequireChain(GroupSlot& slot);
+
+  // State of the arm into the ports.
+  void ReadPorts();
+  std::vector<std::string> group_names() const;
+  // "scene 'pick' / robot 'left'".
+  std::string place() const { return "scene '" + scene.name() + "' / robot '" + record.name + "'"; }
+  std::string place(const GroupSlot& slot) const {
+    return place() + " / group '" + slot.group->name() + "'";
+  }
+
+  Scene scene;
+  RobotRecord record;
+  ChainOptions chain_options;
+  std::vector<std::unique_ptr<GroupSlot>> slots;
+  // What was replaced: references and ports that were given out stay valid.
+  std::vector<std::unique_ptr<GroupSlot>> retired;
+  std::vector<std::unique_ptr<Controller>> retired_controllers;  // go before their groups
+  std::vector<double> pos, vel, trq;                             // the arm's measurement ports
+  int root_body = -1;
+  std::vector<int> bodies, geoms;
+  std::optional<double> reach;
+
+ private:
+  void FindBodies();
+  void ListKinds();
+  std::optional<Chain> MakeChain(const MadeGroup& made) const;
+
+  std::array<GroupSlot*, 4> first_ = {};  // of each MoveGroupKind
+};
+
+}  // namespace robocell

@@ -1,0 +1,289 @@
+// Robots as handles: making and finding them, what they share, their groups, ports and life time.
+#include "robocell/robot/robot.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/joint_group.h"
+#include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+SceneSpec TwoRc7() {
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.config = Rc7(), .prefix = "left_", .pos = {0, 0.6, 0}});
+  spec.robots.push_back({.config = Rc7(), .prefix = "right/", .pos = {0, -0.6, 0}});
+  return spec;
+}
+
+TEST(Robot, HasTheGroupsOfItsConfigurationAndABase) {
+  Robot robot = RobotAlone(Rc7());
+  EXPECT_EQ(robot.name(), "rc7");
+  EXPECT_EQ(robot.config().name, "rc7");
+  EXPECT_THAT(robot.group_names(), ElementsAre("arm", "gripper", "base"));
+  EXPECT_EQ(&robot.arm(), &robot.group("arm"));
+  EXPECT_EQ(&robot.gripper(), &robot.group("gripper"));
+  EXPECT_EQ(&robot.base(), &robot.group("base"));
+  EXPECT_EQ(robot.arm().actuator_names().size(), 7u);
+  EXPECT_EQ(robot.joint_names().front(), "joint1");
+  EXPECT_EQ(robot.joint_limits()[1].upper, 1.9);
+}
+
+TEST(Robot, IsFoundByNameWithSuggestions) {
+  const Scene scene = Scene::Build(TwoRc7());
+  EXPECT_EQ(Robot::Of(scene, "left").prefix(), "left_");
+  EXPECT_EQ(RobotsOf(scene).size(), 2u);
+  ExpectThrow<NotFoundError>(
+      [&] { Robot::Of(scene, "lefft"); },
+      "scene 'test': no robot 'lefft'. Its robots: left, right. Did you mean 'left'?");
+}
+
+TEST(Robot, NamesItsGroupsWhenOneIsMissing) {
+  Robot robot = RobotAlone(Rc7());
+  ExpectThrow<NotFoundError>([&] { robot.group("gripperr"); },
+                             "scene 'test' / robot 'rc7': no group 'gripperr'. Its groups: arm, "
+                             "gripper, base. Did you mean 'gripper'?");
+  ExpectThrow<NotFoundError>([&] { robot.controller("base"); },
+                             "robot 'rc7' / group 'base' has no controller: it has no actuators");
+  ExpectThrow<NotFoundError>([&] { robot.chain("gripper"); },
+                             "group 'gripper' has no chain: kinematics need a configured group");
+}
+
+TEST(Robot, HandlesToOneRobotShareTheirState) {
+  const Scene scene = Scene::Build(TwoRc7());
+  Robot first = Robot::Of(scene, "left");
+  Robot second = Robot::Of(scene, "left");
+  first.jnt_pos_cmd()[2] = 0.25;
+  EXPECT_EQ(second.jnt_pos_cmd()[2], 0.25);
+  EXPECT_EQ(&first.arm(), &second.arm());
+  EXPECT_NE(Robot::Of(scene, "right").jnt_pos_cmd()[2], 0.25);
+}
+
+TEST(Robot, TwoOfTheSameInOneSceneAreIndependent) {
+  const Scene scene = Scene::Build(TwoRc7());
+  Robot left = Robot::Of(scene, "left"), right = Robot::Of(scene, "right");
+  EXPECT_EQ(right.arm().joint_names().front(), "right/joint1");
+  const Pose right_tcp = right.tcp_in_world();
+  EXPECT_NEAR(left.tcp_in_world().translation().y() - right_tcp.translation().y(), 1.2, 1e-9);
+  std::vector<double> q = left.arm().joint_pos();
+  q[0] += 0.5;
+  left.Apply({{"arm", GroupCommand::Joints(q)}, {"gripper", GroupCommand::Opening(0)}});
+  for (int i = 0; i < 500; ++i) {
+    left.Update();
+    right.Update();
+    left.Step();
+  }
+  EXPECT_NEAR(left.arm().joint_pos()[0], q[0], 1e-3);
+  EXPECT_LT(left.gripper().opening(), 0.01);
+  EXPECT_GT(right.gripper().opening(), 0.99);
+  EXPECT_TRUE(right.tcp_in_world().is_close(right_tcp, 1e-4, 1e-4));
+}
+
+TEST(Robot, OwnsTheBodiesAndGeomsOfItsSubtreeWithPedestalAndTools) {
+  const Scene scene = Scene::Build(TwoRc7());
+  const mjModel* m = scene.model();
+  for (const Robot& robot : RobotsOf(scene)) {
+    int bodies = 0, geoms = 0;
+    for (const std::string& name : ElementNames(m, mjOBJ_BODY))
+      bodies += name.starts_with(robot.prefix());
+    for (const std::string& name : ElementNames(m, mjOBJ_GEOM))
+      geoms += name.starts_with(robot.prefix());
+    EXPECT_EQ(robot.body_ids().size(), static_cast<size_t>(bodies));
+    EXPECT_EQ(robot.geom_ids().size(), static_cast<size_t>(geoms));
+    EXPECT_EQ(robot.body_ids()[0], RequireId(m, mjOBJ_BODY, robot.prefix() + "mocap_base", ""));
+    const int pedestal = RequireId(m, mjOBJ_GEOM, robot.prefix() + "pedestal", "");
+    EXPECT_THAT(robot.geom_ids(), ::testing::Contains(pedestal));
+  }
+}
+
+TEST(Robot, PortsReadAtUpdateAndDriveTheArm) {
+  Robot robot = RobotAlone(Rc7());
+  robot.jnt_pos_cmd()[3] += 0.1;
+  const double target = robot.jnt_pos_cmd()[3];
+  const double before = robot.jnt_pos_msr()[3];
+  for (int i = 0; i < 1000; ++i) {
+    robot.Update();
+    robot.Step();
+  }
+  robot.Update();
+  EXPECT_NEAR(robot.jnt_pos_msr()[3], target, 1e-6);
+  EXPECT_NEAR(before, target - 0.1, 1e-12);
+  EXPECT_EQ(std::vector<double>(robot.jnt_vel_msr().begin(), robot.jnt_vel_msr().end()),
+            robot.arm().joint_vel());
+  EXPECT_EQ(std::vector<double>(robot.jnt_trq_msr().begin(), robot.jnt_trq_msr().end()),
+            robot.arm().joint_torque());
+}
+
+TEST(Robot, PortsRefuseWrongSizesAtOnceAndBadNumbersWhenTheyAreUsed) {
+  Robot robot = RobotAlone(Rc7());
+  ExpectThrow<ArgumentError>([&] { robot.SetJntPosCmd(std::vector<double>(3)); },
+                             "robot 'rc7': expected 7 joint values, got 3");
+  robot.SetJntPosCmd(std::vector<double>(7, 0.1));
+  EXPECT_EQ(robot.jnt_pos_cmd()[6], 0.1);
+  robot.jnt_pos_cmd()[2] = std::nan("");
+  const std::vector<double> ctrl = robot.arm().ctrl();
+  ExpectThrow<ArgumentError>([&] { robot.Update(); },
+                             "robot 'rc7' / group 'arm': actuator 'servo3' cannot be set to nan; "
+                             "values must be finite");
+  EXPECT_EQ(robot.arm().ctrl(), ctrl) << "nothing reached the engine";
+}
+
+TEST(Robot, SetJointPosTeleportsAndHolds) {
+  Robot robot = RobotAlone(Rc7());
+  const std::vector<double> q{0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1};
+  robot.SetJointPos(q);
+  EXPECT_EQ(robot.arm().joint_pos(), q);
+  EXPECT_TRUE(robot.arm().leaf_frame_to_robot().is_close(robot.FkFrame(q), 1e-12, 1e-12));
+  EXPECT_EQ(robot.jnt_pos_msr()[0], 0.3);
+  for (int i = 0; i < 250; ++i) {
+    robot.Update();
+    robot.Step();
+  }
+  for (int i = 0; i < 7; ++i) EXPECT_NEAR(robot.arm().joint_pos()[i], q[i], 1e-6);
+}
+
+TEST(Robot, WithoutAConfigurationIsMadeFromTwoBodies) {
+  const Scene scene = Scene::Build(
+      SceneWith({.path = std::string(ROBOCELL_SOURCE_DIR) + "/models/robots/rc7/rc7.xml",
+                 .prefix = "r_",
+                 .base = BaseConfig{.kind = BaseKind::kMocap}}));
+  Robot robot =
+      Robot::FromScene(scene, "base_link", "link7",
+                       {.prefix = "r_", .tool = {.tool_body = "hand", .tcp_site = "tcp"}});
+  EXPECT_EQ(robot.name(), "r");
+  EXPECT_THAT(robot.group_names(), ElementsAre("arm", "base"));
+  EXPECT_EQ(robot.arm().actuator_names().back(), "r_servo7");
+  EXPECT_TRUE(robot.tcp_in_world().is_close(scene.site_pose("r_tcp"), 1e-12, 1e-12));
+  robot.base().SetPose(Pose(Eigen::Vector3d(1, 2, 3)));
+  EXPECT_NEAR(robot.base_in_world().translation().y(), 2, 1e-12);
+
+  Robot bare = Robot::Of(scene, "r");
+  EXPECT_THAT(bare.group_names(), ElementsAre("base"));
+  EXPECT_TRUE(RobotsOf(scene).empty());
+  ExpectThrow<NotFoundError>([&] { bare.arm(); },
+                             "robot 'r': has no arm group. Its groups: base. It has no "
+                             "configuration: give its RobotSpec a "
+                             "`config`, or use Robot::FromScene");
+}
+
+TEST(Robot, MadeFromTwoBodiesSaysWhatIsMissing) {
+  const Scene scene = Scene::Build(SceneWith({.config = Rc7(), .prefix = "r_"}));
+  ExpectThrow<NotFoundError>(
+      [&] { Robot::FromScene(scene, "base_lnk", "link7", {.prefix = "r_"}); },
+      "scene 'test': no body 'r_base_lnk'");
+  ExpectThrow<NotFoundError>(
+      [&] { Robot::FromScene(scene, "base_link", "link8", {.prefix = "r_"}); },
+      "scene 'test': no body 'r_link8'");
+  ExpectThrow<NotFoundError>(
+      [&] {
+        Robot::FromScene(scene, "base_link", "link7",
+                         {.prefix = "r_", .tool = {.tcp_site = "tpc"}});
+      },
+      "scene 'test': no site 'r_tpc'");
+  ExpectThrow<ArgumentError>(
+      [&] { Robot::FromScene(scene, "link7", "base_link", {.prefix = "r_"}); }, "r_base_link");
+}
+
+TEST(Robot, SaysWhenAnArmListsOtherJointsThanItsLeafHas) {
+  RobotConfig config = Rc7();
+  config.move_groups.at("arm").joints = {"joint1", "joint3", "joint2"};
+  config.move_groups.at("arm").actuators = {"servo1", "servo3", "servo2"};
+  config.home = {};
+  config.home_noise = {};
+  ExpectThrow<ArgumentError>(
+      [&] { RobotAlone(config); },
+      "robot 'rc7' / group 'arm': it lists the joints joint1, joint3, joint2, but the joints from "
+      "'base_link' to its leaf are joint1 ... joint7; list those, in this order");
+}
+
+TEST(Robot, LeavesWithoutANameAreRefused) {
+  RobotConfig config = Panda();
+  REQUIRE_MENAGERIE("franka_emika_panda");
+  config.move_groups.at("arm").leaf = ElementRef{.kind = ElementKind::kGeom, .body = "hand"};
+  ExpectThrow<ArgumentError>([&] { RobotAlone(config); }, "group 'arm': its leaf is geom");
+}
+
+TEST(Robot, IsClosedWithItsScene) {
+  Robot robot = RobotAlone(Rc7());
+  Scene scene = robot.scene();
+  scene.Close();
+  ExpectThrow<ClosedError>([&] { robot.Update(); }, "robot 'rc7' is closed");
+  ExpectThrow<ClosedError>([&] { robot.Step(); }, "scene 'test' is closed");
+  ExpectThrow<ClosedError>([&] { robot.arm().joint_pos(); }, "scene 'test' is closed");
+  ExpectThrow<ClosedError>([&] { robot.gripper().opening(); }, "closed");
+  ExpectThrow<ClosedError>([&] { robot.tcp_in_world(); }, "closed");
+  ExpectThrow<ClosedError>([&] { robot.base_in_world(); }, "closed");
+  ExpectThrow<ClosedError>([&] { Robot::Of(scene, "rc7"); }, "scene 'test' is closed");
+  EXPECT_EQ(robot.name(), "rc7");
+}
+
+TEST(Robot, KeepsItsSceneAliveButNotTheOtherWayRound) {
+  std::weak_ptr<void> data;
+  {
+    std::optional<Robot> robot = RobotAlone(Rc7());
+    data = robot->scene().data_keeper();
+    EXPECT_FALSE(data.expired());
+    EXPECT_EQ(robot->jnt_pos_msr().size(), 7u);
+  }
+  EXPECT_TRUE(data.expired()) << "scene and robot hold each other";
+  const Scene scene = Scene::Build(SceneWith({.name = "rc7", .config = Rc7()}));
+  Robot::Of(scene, "rc7").jnt_pos_cmd()[0] = 1;
+  EXPECT_NE(Robot::Of(scene, "rc7").jnt_pos_cmd()[0], 1) << "state ends with the last handle";
+}
+
+TEST(Robot, ResetReseedsTargetsFromThePoseThatAHookLeaves) {
+  const Scene built = Scene::Build(SceneWith({.name = "rc7", .config = Rc7()}));
+  Scene scene = built;
+  Robot robot = Robot::Of(scene, "rc7");
+  const std::vector<double> q{0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1};
+  const int hook = scene.AddResetHook([&](ResetContext&) { robot.arm().SetJointPos(q); });
+  robot.jnt_pos_cmd()[0] = 2;
+  scene.Reset();
+  EXPECT_EQ(robot.jnt_pos_cmd()[0], 0.3);
+  EXPECT_EQ(robot.jnt_pos_msr()[0], 0.3);
+  for (int i = 0; i < 100; ++i) {
+    robot.Update();
+    robot.Step();
+  }
+  EXPECT_NEAR(robot.arm().joint_pos()[0], 0.3, 1e-6);
+  scene.RemoveResetHook(hook);
+  scene.Reset();
+  EXPECT_EQ(robot.arm().joint_pos(), Rc7().home.at("arm"));
+}
+
+// qpos of every step of a motion of arm and gripper.
+std::vector<double> Trajectory(Robot robot, uint64_t seed) {
+  Scene scene = robot.scene();
+  scene.Reset({.seed = seed});
+  std::vector<double> out;
+  for (int tick = 0; tick < 20; ++tick) {
+    const double turn = 0.2 * std::sin(tick);
+    robot.Apply({{"arm", GroupCommand::RelativeJoints({turn, 0, 0, turn, 0, 0, 0})},
+                 {"gripper", GroupCommand::Opening(tick % 2)}});
+    for (int i = 0; i < 20; ++i) {
+      robot.Update();
+      robot.Step();
+      out.insert(out.end(), scene.data()->qpos, scene.data()->qpos + scene.model()->nq);
+    }
+  }
+  return out;
+}
+
+TEST(Robot, TheSameCommandsAfterAResetGiveTheSameBits) {
+  Robot robot = RobotAlone(Rc7());
+  const std::vector<double> first = Trajectory(robot, 5);
+  EXPECT_NE(Trajectory(robot, 6), first);
+  EXPECT_EQ(Trajectory(robot, 5), first);
+  EXPECT_EQ(Trajectory(RobotAlone(Rc7()), 5), first);
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,108 @@
+#include "robocell/scene/add_object.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+mjtGeom GeomType(Shape shape) {
+  return shape == Shape::kBox      ? mjGEOM_BOX
+         : shape == Shape::kSphere ? mjGEOM_SPHERE
+                                   : mjGEOM_CYLINDER;
+}
+
+mjsElement* FreeJoint(mjsBody* body) {
+  for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT)) {
+    if (mjs_asJoint(joint)->type == mjJNT_FREE) return joint;
+  }
+  return nullptr;
+}
+
+void AddPrimitiveGeom(const SceneObject& object, mjsBody* body, const std::string& context) {
+  mjsGeom* geom = mjs_addGeom(body, nullptr);
+  SetSpecName(geom->element, object.name + "_geom", context);
+  geom->type = GeomType(*object.shape);
+  for (int i = 0; i < 3; ++i) {
+    geom->size[i] = (*object.size)[i];
+    geom->friction[i] = (*object.friction)[i];
+  }
+  for (int i = 0; i < 4; ++i) geom->rgba[i] = static_cast<float>((*object.rgba)[i]);
+  geom->mass = *object.mass;
+  if (object.condim) geom->condim = static_cast<int>(*object.condim);
+}
+
+ObjectPart MakePrimitive(const SceneObject& object, const std::string& place) {
+  ObjectPart out{{place, "", MakeSpec(), {}}, nullptr, "", {object.name, object.name, {}}};
+  out.root = mjs_addBody(WorldBody(out.part.spec.get()), nullptr);
+  SetSpecName(out.root->element, object.name, place);
+  AddPrimitiveGeom(object, out.root, place);
+  if (object.fixed.value_or(false)) return out;
+  out.record.free_joint = object.name + "_joint";
+  SetSpecName(mjs_addFreeJoint(out.root)->element, *out.record.free_joint, place);
+  return out;
+}
+
+// A name for an element that has none, so that it can be found by it in the scene.
+std::string NameOr(mjsElement* element, const std::string& fallback, const std::string& context) {
+  if (SpecName(element).empty()) SetSpecName(element, fallback, context);
+  return SpecName(element);
+}
+
+// Makes the root free or fixed as the object asks; unset: as authored.
+void SettleFreeJoint(const SceneObject& object, ObjectPart& out) {
+  mjsElement* joint = FreeJoint(out.root);
+  const bool has_joints = !BodyElements(out.root, mjOBJ_JOINT).empty();
+  if (object.fixed == true && joint) {
+    Guarded(out.part.place, [&] { mjs_delete(out.part.spec.get(), joint); });
+    joint = nullptr;
+  } else if (object.fixed == false && !has_joints) {
+    joint = mjs_addFreeJoint(out.root)->element;
+  }
+  if (joint) out.record.free_joint = out.prefix + NameOr(joint, "joint", out.part.place);
+}
+
+}  // namespace
+
+std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec& scene,
+                                     Report& report) {
+  const std::string place = "object '" + object.name + "'";
+  if (object.shape) return MakePrimitive(object, place);
+  const auto file = FindModel(object.mjcf_path, scene.source_dir, place, report);
+  if (!file) return std::nullopt;
+  ObjectPart out{LoadPart(*file, place, scene.options, report),
+                 nullptr,
+                 SceneObjectElementName(object.name, ""),
+                 {object.name, "", {}}};
+  out.root = ChooseRoot(out.part, "", report);
+  if (!out.root) return std::nullopt;
+  SettleFreeJoint(object, out);
+  out.record.root_body = out.prefix + NameOr(out.root->element, "body", place);
+  return out;
+}
+
+void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Placement& placement,
+                  Report& report) {
+  Placement at = placement;
+  if (loaded.record.free_joint) {
+    const auto target = object.attach_to.kind;
+    if (target != AttachKind::kWorld && target != AttachKind::kRoot &&
+        target != AttachKind::kSharedBase) {
+      report.Problem(loaded.part.place,
+                     fmt::format("can move freely, so it cannot be attached to {}; attach it to "
+                                 "the world, or set fixed: true",
+                                 Describe(object.attach_to)));
+      return;
+    }
+  }
+  const Pose authored = object.reset_root_pose ? Pose() : PoseInParent(loaded.root->element);
+  AttachPart(at.parent, loaded.part, loaded.root, at.pose * authored, loaded.prefix, report);
+}
+
+}  // namespace robocell

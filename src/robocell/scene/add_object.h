@@ -1,0 +1,27 @@
+// Private to scene: objects, as primitives or models of their own.
+#pragma once
+
+#include <optional>
+
+#include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/part.h"
+#include "robocell/scene/placement.h"
+
+namespace robocell {
+
+// Loads an object's model, names what has to have a name, adds or removes its free joint. A
+// primitive becomes a model too, so that both are attached the same way. Null when there were
+// problems.
+struct ObjectPart {
+  Part part;
+  mjsBody* root = nullptr;
+  std::string prefix;  // of the model's names in the scene
+  ObjectRecord record;
+};
+std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec& scene,
+                                     Report& report);
+
+void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Placement& placement,
+                  Report& report);
+
+}  // namespace robocell

@@ -1,0 +1,94 @@
+#include "robocell/scene/add_robot.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <set>
+
+#include "robocell/base/names.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/scene/robot_base.h"
+#include "robocell/scene/robot_parts.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+std::string StrippedPrefix(std::string prefix) {
+  while (!prefix.empty() && (prefix.back() == '_' || prefix.back() == '/')) prefix.pop_back();
+  return prefix;
+}
+
+RobotConfig ConfigOf(const RobotSpec& robot) {
+  if (robot.config) return *robot.config;
+  RobotConfig config;
+  config.model = robot.path;
+  return config;
+}
+
+std::string NamedBody(mjsElement* root, const std::string& place) {
+  if (SpecName(root).empty()) SetSpecName(root, "root_body", place);
+  return SpecName(root);
+}
+
+}  // namespace
+
+std::vector<std::string> RobotNames(const List<RobotSpec>& robots, Report& report) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  int unnamed = 0;
+  for (const RobotSpec& robot : robots) {
+    std::string name = robot.name.value_or(StrippedPrefix(robot.prefix));
+    if (name.empty()) {
+      name = unnamed == 0 ? "robot" : fmt::format("robot_{}", unnamed);
+      ++unnamed;
+    }
+    if (!taken.insert(name).second) {
+      report.Problem(fmt::format("robot '{}'", name),
+                     "two robots have this name; set `name` or give them different prefixes");
+    }
+    names.push_back(name);
+  }
+  return names;
+}
+
+std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& name,
+                                   const SceneSpec& scene, Report& report) {
+  const std::string place = fmt::format("robot '{}'", name);
+  RobotPart out;
+  RobotRecord& record = out.record;
+  record.name = name;
+  record.prefix = robot.prefix;
+  record.config = ConfigOf(robot);
+  record.base = robot.EffectiveBase();
+  const RobotConfig& config = record.config;
+  const std::string& directory = config.source_dir.empty() ? scene.source_dir : config.source_dir;
+  const auto file = FindModel(config.model, directory, place, report);
+  if (!file) return std::nullopt;
+  out.part = LoadPart(*file, place, scene.options, report);
+  ApplyEdits(config.edits, out.part.spec.get(), place, report);
+  out.top = ChooseRoot(out.part, config.root_body, report);
+  if (!out.top) return std::nullopt;
+  const std::string top = NamedBody(out.top->element, place);
+  const std::string root = config.root_body.empty() ? top : config.root_body;
+  AddAttachments(config.attachments, directory, out.part, scene, report);
+  AddAttachments(robot.attachments, scene.source_dir, out.part, scene, report);
+  AddRobotCameras(config, out.part, report);
+  ApplyOverrides(config, out.part, report);
+  if (const auto tcp = AddTcpSite(config, out.part, report)) record.tcp_site = robot.prefix + *tcp;
+  record.top_body = BaseBodyName(record.base, robot.prefix).value_or(robot.prefix + top);
+  record.root_body = robot.prefix + root;
+  if (config.attachment_site) record.attachment_site = robot.prefix + *config.attachment_site;
+  SettleBase(out, report);
+  return out;
+}
+
+void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placement& placement,
+                 Report& report) {
+  const auto mount = AddBase(robot, loaded, placement, report);
+  if (!mount) return;
+  const Pose authored = robot.reset_root_pose ? Pose() : PoseInParent(loaded.top->element);
+  AttachPart(mount->parent, loaded.part, loaded.top, mount->pose * authored, robot.prefix, report);
+}
+
+}  // namespace robocell

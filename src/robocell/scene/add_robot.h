@@ -1,0 +1,34 @@
+// Private to scene: a robot with its edits, attachments, cameras and overrides, first made as a
+// model of its own (names without the robot's prefix), then put into the scene on its base.
+#pragma once
+
+#include <optional>
+
+#include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/part.h"
+#include "robocell/scene/placement.h"
+
+namespace robocell {
+
+struct RobotPart {
+  Part part;
+  mjsBody* top = nullptr;  // the body of the part's world that is attached
+  RobotRecord record;
+};
+
+// Null when there were problems.
+std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& name,
+                                   const SceneSpec& scene, Report& report);
+
+void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placement& placement,
+                 Report& report);
+
+// The robots' names: as given, else from the prefix, else robot, robot_1, ... Names used twice are
+// problems.
+std::vector<std::string> RobotNames(const List<RobotSpec>& robots, Report& report);
+
+// "<prefix>mocap_base" and the like; unset for a robot that hangs directly on what it is attached
+// to.
+std::optional<std::string> BaseBodyName(const BaseConfig& base, const std::string& prefix);
+
+}  // namespace robocell

@@ -1,0 +1,56 @@
+// Tools mounted on a robot's own model.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/base/names.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/scene/placement.h"
+#include "robocell/scene/robot_parts.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+void AddExclusions(const AttachmentSpec& attachment, Part& robot, Report& report) {
+  mjSpec* spec = robot.spec.get();
+  for (const auto& pair : attachment.contact_exclusions) {
+    bool known = true;
+    for (const std::string& body : pair) {
+      if (mjs_findBody(spec, body.c_str())) continue;
+      report.Missing(robot.place, "contact_exclusions: " + NoSuchName("the robot", "body", body,
+                                                                      SpecNames(spec, mjOBJ_BODY)));
+      known = false;
+    }
+    if (!known) continue;
+    mjsExclude* exclude = mjs_addExclude(spec);
+    mjs_setString(exclude->bodyname1, pair[0].c_str());
+    mjs_setString(exclude->bodyname2, pair[1].c_str());
+  }
+}
+
+void AddAttachment(const AttachmentSpec& attachment, const std::string& directory, Part& robot,
+                   const SceneSpec& scene, Report& report) {
+  const std::string place = robot.place + " / attachment '" + attachment.prefix + "'";
+  const auto file = FindModel(attachment.mjcf_path, directory, place, report);
+  if (!file) return;
+  const Part tool = LoadPart(*file, place, scene.options, report);
+  mjsBody* root = ChooseRoot(tool, "", report);
+  if (!root) return;
+  const auto at =
+      Place(attachment.attach_to, attachment.pose(), robot.spec.get(), scene, {}, place, report);
+  if (!at) return;
+  const Pose authored = attachment.reset_root_pose ? Pose() : PoseInParent(root->element);
+  AttachPart(at->parent, tool, root, at->pose * authored, attachment.prefix, report);
+  robot.home.Merge(tool.home, attachment.prefix);
+  AddExclusions(attachment, robot, report);
+}
+
+}  // namespace
+
+void AddAttachments(const List<AttachmentSpec>& attachments, const std::string& directory,
+                    Part& robot, const SceneSpec& scene, Report& report) {
+  for (const AttachmentSpec& attachment : attachments)
+    AddAttachment(attachment, directory, robot, scene, report);
+}
+
+}  // namespace robocell

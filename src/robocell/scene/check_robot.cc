@@ -1,0 +1,149 @@
+#include "robocell/scene/check_robot.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/element_lookup.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kLimitSlack = 1e-4;  // numbers in files are rounded
+
+// The checks of one robot. Messages name the field, then what is wrong with it.
+class RobotCheck {
+ public:
+  RobotCheck(const mjModel* model, const RobotRecord& robot, Report& report)
+      : model_(model), robot_(robot), report_(report), place_("robot '" + robot.name + "'") {}
+
+  void Run() {
+    for (const auto& [name, group] : robot_.config.move_groups.entries()) CheckGroup(name, *group);
+    for (const ElementRef& ref : robot_.config.collision_geoms)
+      Element("collision_geoms", ref, {mjOBJ_GEOM});
+    for (const auto& [name, values] : robot_.config.home.entries()) CheckHome(name, *values);
+  }
+
+ private:
+  void Problem(const std::string& field, const std::string& message) {
+    report_.Problem(place_, field + message);
+  }
+
+  // Id of an element, or -1 after reporting that it is missing.
+  int Id(mjtObj kind, const std::string& name) {
+    try {
+      return FindElement(model_, robot_, kind, name);
+    } catch (const NotFoundError& error) {
+      Problem("", WithoutPlace(error));
+      return -1;
+    }
+  }
+
+  // The message without "robot 'left': ", which the report puts in front.
+  std::string WithoutPlace(const Error& error) const {
+    const std::string text = error.what();
+    return text.rfind(place_ + ": ", 0) == 0 ? text.substr(place_.size() + 2) : text;
+  }
+
+  ElementId Element(const std::string& field, const ElementRef& ref,
+                    std::initializer_list<mjtObj> kinds) {
+    try {
+      return FindElement(model_, robot_, ref, kinds);
+    } catch (const NotFoundError& error) {
+      Problem(field, ": " + WithoutPlace(error));
+      return {};
+    }
+  }
+
+  void CheckGroup(const std::string& name, const MoveGroupConfig& group) {
+    std::vector<int> joints, actuators;
+    for (const std::string& joint : group.joints) joints.push_back(Id(mjOBJ_JOINT, joint));
+    for (const std::string& actuator : group.actuators)
+      actuators.push_back(Id(mjOBJ_ACTUATOR, actuator));
+    const std::string field = "move_groups." + name;
+    if (group.root) Element(field + ".root", *group.root, {mjOBJ_BODY, mjOBJ_SITE});
+    if (group.leaf) Element(field + ".leaf", *group.leaf, {mjOBJ_SITE, mjOBJ_BODY});
+    for (const ElementRef& finger : group.fingers)
+      Element(field + ".fingers", finger, {mjOBJ_GEOM, mjOBJ_BODY, mjOBJ_SITE});
+    if (group.kind == MoveGroupKind::kArm) CheckArm(field, group, joints, actuators);
+    if (group.kind == MoveGroupKind::kGripper && group.ctrl)
+      CheckGripperCtrl(field, group, actuators);
+  }
+
+  void CheckArm(const std::string& field, const MoveGroupConfig& group,
+                const std::vector<int>& joints, const std::vector<int>& actuators) {
+    for (size_t i = 0; i < joints.size(); ++i) {
+      if (joints[i] < 0) continue;
+      if (model_->jnt_type[joints[i]] != mjJNT_HINGE &&
+          model_->jnt_type[joints[i]] != mjJNT_SLIDE) {
+        Problem(field, fmt::format(": joint '{}' is neither a hinge nor a slide; an arm has joints "
+                                   "of one degree of freedom",
+                                   group.joints[i]));
+      }
+      if (i < actuators.size() && actuators[i] >= 0)
+        CheckDrives(field, group, i, joints[i], actuators[i]);
+    }
+  }
+
+  void CheckDrives(const std::string& field, const MoveGroupConfig& group, size_t i, int joint,
+                   int actuator) {
+    const int type = model_->actuator_trntype[actuator];
+    const int driven = model_->actuator_trnid[2 * actuator];
+    const bool on_joint = type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT;
+    if (on_joint && driven == joint) return;
+    const std::string what =
+        on_joint ? "joint '" +
+                       ElementName(model_, mjOBJ_JOINT, driven).substr(robot_.prefix.size()) + "'"
+                 : "no single joint";
+    Problem(field, fmt::format(": actuator '{}' drives {}, but stands in the place of joint '{}'; "
+                               "list the actuators in the order of the joints",
+                               group.actuators[i], what, group.joints[i]));
+  }
+
+  void CheckGripperCtrl(const std::string& field, const MoveGroupConfig& group,
+                        const std::vector<int>& actuators) {
+    for (size_t i = 0; i < actuators.size(); ++i) {
+      if (actuators[i] < 0) continue;
+      const int input = model_->actuator_ctrladr[actuators[i]];
+      if (!model_->actuator_ctrllimited[input]) continue;
+      const mjtNum* range = model_->actuator_ctrlrange + 2 * input;
+      for (const double value : {group.ctrl->open, group.ctrl->closed}) {
+        if (value < range[0] - kLimitSlack || value > range[1] + kLimitSlack) {
+          Problem(field, fmt::format(".ctrl: {} is outside the range {} to {} of actuator '{}'",
+                                     value, range[0], range[1], group.actuators[i]));
+        }
+      }
+    }
+  }
+
+  void CheckHome(const std::string& name, const std::vector<double>& values) {
+    const MoveGroupConfig* group = robot_.config.move_groups.find(name);
+    if (!group) return;
+    for (size_t i = 0; i < values.size() && i < group->joints.size(); ++i) {
+      const int joint = FindId(model_, mjOBJ_JOINT, robot_.prefix + group->joints[i]);
+      if (joint < 0 || !model_->jnt_limited[joint]) continue;
+      if (model_->jnt_type[joint] != mjJNT_HINGE && model_->jnt_type[joint] != mjJNT_SLIDE)
+        continue;
+      const mjtNum* range = model_->jnt_range + 2 * joint;
+      if (values[i] >= range[0] - kLimitSlack && values[i] <= range[1] + kLimitSlack) continue;
+      Problem("home." + name,
+              fmt::format(": {} is outside the limits {:.6g} to {:.6g} of joint '{}'", values[i],
+                          range[0], range[1], group->joints[i]));
+    }
+  }
+
+  const mjModel* model_;
+  const RobotRecord& robot_;
+  Report& report_;
+  std::string place_;
+};
+
+}  // namespace
+
+void CheckRobot(const mjModel* model, const RobotRecord& robot, Report& report) {
+  RobotCheck(model, robot, report).Run();
+}
+
+}  // namespace robocell

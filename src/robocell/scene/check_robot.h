@@ -1,0 +1,17 @@
+// Private to scene: whether everything that a robot's configuration names is in the compiled model,
+// and fits.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/report.h"
+
+namespace robocell {
+
+void CheckRobot(const mjModel* model, const RobotRecord& robot, Report& report);
+
+// A TCP given twice, as the leaf of the arm and as attachment_site * tcp_offset, must be the same.
+void CheckToolPoints(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
+
+}  // namespace robocell

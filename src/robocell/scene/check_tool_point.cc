@@ -1,0 +1,74 @@
+// The tool centre point of a robot can be given in two ways; they must agree.
+#include <fmt/format.h>
+
+#include "robocell/base/error.h"
+#include "robocell/math/pose.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/owners.h"
+#include "robocell/scene/check_robot.h"
+#include "robocell/scene/element_lookup.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kTolerance = 1e-5;  // m and rad; numbers in files are rounded
+
+// A frame and the body it is welded to.
+struct Point {
+  Pose pose;
+  int weld;
+};
+
+Point PointOf(const mjModel* model, const mjData* data, const ElementId& element) {
+  if (element.kind == mjOBJ_BODY) {
+    return {Pose::FromWxyz(data->xpos + 3 * element.id, data->xquat + 4 * element.id),
+            model->body_weldid[element.id]};
+  }
+  return {Pose::FromTranslationAndMatrix(data->site_xpos + 3 * element.id,
+                                         data->site_xmat + 9 * element.id),
+          model->body_weldid[model->site_bodyid[element.id]]};
+}
+
+// The leaf of the only arm; null when there are several arms or it has none.
+const ElementRef* OnlyLeaf(const RobotRecord& robot) {
+  const ElementRef* leaf = nullptr;
+  int arms = 0;
+  for (const auto& [name, group] : robot.config.move_groups.entries()) {
+    if (group->kind != MoveGroupKind::kArm) continue;
+    ++arms;
+    if (group->leaf) leaf = &*group->leaf;
+  }
+  return arms == 1 ? leaf : nullptr;
+}
+
+void CheckToolPoint(const mjModel* model, const mjData* data, const RobotRecord& robot,
+                    Report& report) {
+  const ElementRef* leaf = OnlyLeaf(robot);
+  if (!leaf || !robot.tcp_site) return;
+  ElementId found;
+  try {
+    found = FindElement(model, robot, *leaf, {mjOBJ_SITE, mjOBJ_BODY});
+  } catch (const NotFoundError&) {
+    return;  // CheckRobot says so
+  }
+  const Point a = PointOf(model, data, found);
+  const Point b = PointOf(model, data, {mjOBJ_SITE, FindId(model, mjOBJ_SITE, *robot.tcp_site)});
+  if (a.weld == b.weld && a.pose.is_close(b.pose, kTolerance, kTolerance)) return;
+  const Pose difference = a.pose.inverse() * b.pose;
+  report.Problem("robot '" + robot.name + "'",
+                 fmt::format("the TCP is given twice: {} is the arm's leaf, but attachment_site * "
+                             "tcp_offset is {:.6g} m and "
+                             "{:.6g} rad away from it; keep one of them",
+                             Describe(*leaf), difference.translation().norm(), difference.angle()));
+}
+
+}  // namespace
+
+void CheckToolPoints(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report) {
+  const DataPtr data = MakeData(model);
+  Guarded("checking tool points", data.get(), [&] { mj_kinematics(model, data.get()); });
+  for (const RobotRecord& robot : robots) CheckToolPoint(model, data.get(), robot, report);
+}
+
+}  // namespace robocell

@@ -1,0 +1,217 @@
+// CompileScene: from a SceneSpec to a model.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <atomic>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/scene/add_camera.h"
+#include "robocell/scene/add_object.h"
+#include "robocell/scene/add_robot.h"
+#include "robocell/scene/check_robot.h"
+#include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/decorations.h"
+#include "robocell/scene/entity_order.h"
+#include "robocell/scene/home_key.h"
+#include "robocell/scene/options.h"
+#include "robocell/scene/spec_tree.h"
+#include "robocell/spec/validate.h"
+
+namespace robocell {
+namespace {
+
+using ElementSet = std::set<std::pair<AttachKind, std::string>>;
+
+std::atomic<uint64_t> next_generation = 1;
+
+void CollectNames(const mjSpec* spec, const std::string& prefix, ElementSet& out) {
+  for (const AttachKind kind : {AttachKind::kBody, AttachKind::kSite, AttachKind::kFrame}) {
+    for (const std::string& name : SpecNames(spec, ElementKindOf(kind)))
+      out.emplace(kind, prefix + name);
+  }
+}
+
+// The engine fears for saved files when a prefix is empty; MakeClassNamesUnique sees to that.
+bool IsAboutEmptyPrefix(const std::string& warning) {
+  return warning.find("empty prefix may prevent") != std::string::npos;
+}
+
+}  // namespace
+
+// Builds one CompiledScene; lives for one call.
+class SceneCompiler {
+ public:
+  explicit SceneCompiler(const SceneSpec& spec)
+      : context_("scene '" + spec.name + "'"), out_(new CompiledScene) {
+    out_->scene_spec_ = spec;
+  }
+
+  std::shared_ptr<CompiledScene> Run() {
+    RequireValid(spec(), context_);
+    StartSpec();
+    LoadParts();
+    AddEntities();
+    report_.Throw(spec().name);
+    CompileModel();
+    report_.Throw(spec().name);
+    out_->warnings_.insert(out_->warnings_.begin(), report_.warnings().begin(),
+                           report_.warnings().end());
+    out_->generation_ = next_generation++;
+    return out_;
+  }
+
+ private:
+  const SceneSpec& spec() const { return out_->scene_spec_; }
+
+  // The base, or an empty world, with the decorations.
+  void StartSpec() {
+    if (spec().base) {
+      const auto file = FindModel(*spec().base, spec().source_dir, "base", report_);
+      report_.Throw(spec().name);
+      spec_ = ParseXmlFile(*file, context_ + " / base");
+      home_ = ReadHomeKey(spec_.get());
+      DropKeys(spec_.get());
+      MakeAssetPathsAbsolute(spec_.get());
+      WarnReplacedOptions(spec_->option, spec(), report_);
+    } else {
+      spec_ = MakeSpec();
+    }
+    mjs_setString(spec_->modelname, spec().name.c_str());
+    CheckDecorations();
+    report_.Throw(spec().name);
+    AddDecorations(spec(), spec_.get());
+  }
+
+  void CheckDecorations() {
+    if (spec().add_floor.value_or(false) && FindSpecElement(spec_.get(), mjOBJ_GEOM, "floor")) {
+      report_.Problem("", "add_floor: the base has a geom 'floor' already; set add_floor to false");
+    }
+  }
+
+  void LoadParts() {
+    robot_names_ = RobotNames(spec().robots, report_);
+    for (const SceneObject& object : spec().objects) {
+      Collect([&] { objects_.push_back(LoadObject(object, spec(), report_)); });
+    }
+    for (size_t i = 0; i < spec().robots.size(); ++i) {
+      Collect([&] {
+        robots_.push_back(LoadRobot(spec().robots[i], robot_names_[i], spec(), report_));
+      });
+    }
+    report_.Throw(spec().name);
+    for (const auto& robot : robots_) AddRobotFrames(robot->record);
+  }
+
+  // What one part throws is a problem among the others.
+  template <class Function>
+  void Collect(const Function& function) {
+    try {
+      function();
+    } catch (const SpecError& error) {
+      report_.Problem("", error.what());
+    }
+  }
+
+  void AddRobotFrames(const RobotRecord& robot) {
+    frames_[robot.name] = {robot.root_body, robot.attachment_site};
+  }
+
+  Entity ObjectEntity(size_t i) const {
+    Entity entity{
+        "object '" + spec().objects[i].name + "'", "objects", spec().objects[i].attach_to, "", {}};
+    CollectNames(objects_[i]->part.spec.get(), objects_[i]->prefix, entity.elements);
+    return entity;
+  }
+
+  Entity RobotEntity(size_t i) const {
+    const RobotPart& robot = *robots_[i];
+    Entity entity{robot.part.place, "robots", spec().robots[i].attach_to, robot.record.name, {}};
+    CollectNames(robot.part.spec.get(), robot.record.prefix, entity.elements);
+    if (const auto base = BaseBodyName(robot.record.base, robot.record.prefix))
+      entity.elements.emplace(AttachKind::kBody, *base);
+    return entity;
+  }
+
+  std::vector<Entity> Entities() const {
+    std::vector<Entity> entities;
+    for (size_t i = 0; i < objects_.size(); ++i) entities.push_back(ObjectEntity(i));
+    for (size_t i = 0; i < robots_.size(); ++i) entities.push_back(RobotEntity(i));
+    for (const CameraSpec& camera : spec().cameras) {
+      entities.push_back({"camera '" + camera.name + "'", "cameras", camera.attach_to, "", {}});
+    }
+    return entities;
+  }
+
+  void AddEntities() {
+    ElementSet base;
+    CollectNames(spec_.get(), "", base);
+    for (const size_t i : BuildOrder(Entities(), base, report_)) {
+      Collect([&] { AddEntity(i); });
+    }
+    for (const auto& object : objects_) out_->objects_.push_back(object->record);
+    for (const auto& robot : robots_) out_->robots_.push_back(robot->record);
+  }
+
+  void AddEntity(size_t i) {
+    if (i < objects_.size()) return AddObject(spec().objects[i], *objects_[i]);
+    i -= objects_.size();
+    if (i < robots_.size()) return AddRobot(spec().robots[i], *robots_[i]);
+    AddSceneCamera(spec().cameras[i - robots_.size()]);
+  }
+
+  std::optional<Placement> PlaceIt(const AttachTarget& target, const Pose& pose,
+                                   const std::string& place) {
+    return Place(target, pose, spec_.get(), spec(), frames_, place, report_);
+  }
+
+  void AddObject(const SceneObject& object, const ObjectPart& loaded) {
+    const auto at = PlaceIt(object.attach_to, object.pose(), loaded.part.place);
+    if (!at) return;
+    AttachObject(object, loaded, *at, report_);
+    home_.Merge(loaded.part.home, loaded.prefix);
+  }
+
+  void AddRobot(const RobotSpec& robot, const RobotPart& loaded) {
+    const auto at = PlaceIt(robot.attach_to, robot.pose(), loaded.part.place);
+    if (!at) return;
+    AttachRobot(robot, loaded, *at, report_);
+    home_.Merge(loaded.part.home, robot.prefix);
+  }
+
+  void AddSceneCamera(const CameraSpec& camera) {
+    const std::string place = "camera '" + camera.name + "'";
+    if (const auto at = PlaceIt(camera.attach_to, camera.pose(), place))
+      AddCamera(camera, *at, place);
+  }
+
+  void CompileModel() {
+    ApplyOptions(spec(), spec_.get(), report_);
+    mjsKey* key = AddHomeKey(spec_.get());
+    out_->model_owner_ = Compile(spec_.get(), nullptr, context_, &out_->warnings_);
+    std::erase_if(out_->warnings_, IsAboutEmptyPrefix);
+    mjModel* model = out_->model_ = out_->model_owner_.get();
+    for (const RobotRecord& robot : out_->robots_) CheckRobot(model, robot, report_);
+    CheckToolPoints(model, out_->robots_, report_);
+    FillHomeKey(model, key, home_, out_->robots_);
+    out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
+    FixVisibleRange(spec_.get(), model);
+    out_->spec_owner_ = std::move(spec_);
+  }
+
+  std::string context_;
+  std::shared_ptr<CompiledScene> out_;
+  SpecPtr spec_;
+  Report report_;
+  PartHome home_;
+  std::vector<std::string> robot_names_;
+  std::vector<std::optional<ObjectPart>> objects_;
+  std::vector<std::optional<RobotPart>> robots_;
+  RobotFrameMap frames_;
+};
+
+std::shared_ptr<CompiledScene> CompileScene(const SceneSpec& spec) {
+  return SceneCompiler(spec).Run();
+}
+
+}  // namespace robocell

@@ -1,0 +1,104 @@
+// CompiledScene: the model made from a SceneSpec, with its names, its generation and what was
+// decided while compiling. Knows nothing of time or tasks. By default a Scene owns one; Freeze()
+// makes it shareable between scenes and threads, after which writes to the model are refused.
+//
+//   std::shared_ptr<CompiledScene> compiled = CompileScene(spec);
+//   compiled->Freeze();
+//   Scene a = Scene::FromCompiled(compiled), b = Scene::FromCompiled(compiled);
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/mujoco/owners.h"
+#include "robocell/spec/scene_spec.h"
+
+namespace robocell {
+
+// What became of one RobotSpec. Names are full names in the model.
+struct RobotRecord {
+  std::string name;  // as resolved: RobotSpec.name, else the prefix, else robot, robot_1, ...
+  std::string prefix;
+  RobotConfig config;  // with the file's edits; a robot without configuration has an empty one
+  BaseConfig base;
+  std::string top_body;                   // the highest body of the robot: its base, or its root
+  std::string root_body;                  // its frame is the robot base frame
+  std::optional<std::string> mocap_body;  // at the pedestal's bottom; only with a mocap base
+  double pedestal_height = 0;             // from the mocap body to the root body's mount, metres
+  std::optional<std::string> attachment_site;
+  std::optional<std::string>
+      tcp_site;  // site made for attachment_site * tcp_offset, when both are configured
+  // What the robot stands on, pedestal included: the body made for a mocap, free or planar base or
+  // for a pedestal, else the topmost body of the robot's model. Its subtree is the robot.
+  std::string base_body = {};
+};
+
+struct ObjectRecord {
+  std::string name;
+  std::string root_body;
+  std::optional<std::string> free_joint;  // unless it is fixed
+};
+
+class CompiledScene {
+ public:
+  ~CompiledScene();
+  CompiledScene(const CompiledScene&) = delete;
+  CompiledScene& operator=(const CompiledScene&) = delete;
+
+  const mjModel* model() const { return model_; }
+  // For control modes, randomisation and the user's own changes. Error when frozen.
+  mjModel* mutable_model();
+  // The editable description that the model came from (for saving).
+  mjSpec* mutable_spec() { return spec_owner_.get(); }
+
+  const SceneSpec& spec() const { return scene_spec_; }
+  const std::vector<RobotRecord>& robots() const { return robots_; }
+  const std::vector<ObjectRecord>& objects() const { return objects_; }
+  // NotFoundError with the nearest names.
+  const RobotRecord& robot(const std::string& name) const;
+  const ObjectRecord& object(const std::string& name) const;
+
+  // Grows with every rebuild of a scene; handles compare it to know that they must look their names
+  // up again.
+  uint64_t generation() const { return generation_; }
+  void Freeze() { frozen_ = true; }
+  bool frozen() const { return frozen_; }
+  // What the parts asked for and did not get, and the engine's own warnings from compiling.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+  // Model key with the robots' home positions: qpos0 with each robot's home and the controls that
+  // hold it.
+  int home_key() const { return home_key_; }
+
+  // Hands the model's ownership to somebody else, once: `keeper` keeps the model alive from now on.
+  // Used by the Python bindings, where mujoco.MjModel takes the pointer over. Calling it twice is
+  // an Error.
+  void AdoptModelKeeper(std::shared_ptr<void> keeper);
+  bool model_is_external() const { return keeper_ != nullptr; }
+  const std::shared_ptr<void>& model_keeper() const { return keeper_; }
+
+ private:
+  friend class SceneCompiler;
+  CompiledScene() = default;
+
+  SceneSpec scene_spec_;
+  SpecPtr spec_owner_;
+  ModelPtr model_owner_;
+  std::shared_ptr<void> keeper_;
+  mjModel* model_ = nullptr;
+  std::vector<RobotRecord> robots_;
+  std::vector<ObjectRecord> objects_;
+  std::vector<std::string> warnings_;
+  uint64_t generation_ = 0;
+  int home_key_ = -1;
+  bool frozen_ = false;
+};
+
+// Builds the model. SpecError for what is wrong in the spec (all problems together), NotFoundError
+// for names and files that do not exist, EngineError with the engine's text when the model does not
+// compile.
+std::shared_ptr<CompiledScene> CompileScene(const SceneSpec& spec);
+
+}  // namespace robocell

@@ -1,0 +1,235 @@
+// Edits: small changes to a robot's model while it is loaded.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/base/names.h"
+#include "robocell/base/units.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/element_lookup.h"
+#include "robocell/scene/robot_parts.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+// One edit on one model.
+class Editor {
+ public:
+  Editor(const Edit& edit, mjSpec* spec, std::string place, Report& report)
+      : edit_(edit), spec_(spec), place_(std::move(place)), report_(report) {}
+
+  void Apply() {
+    if (edit_.remove) return Delete();
+    if (edit_.add_site) return AddSite();
+    if (edit_.add_camera) return AddCamera();
+    if (edit_.add_sensor) return AddSensor();
+    if (edit_.body) return Change(Find(*edit_.body, mjOBJ_BODY));
+    if (edit_.site) return Change(Find(*edit_.site, mjOBJ_SITE));
+    if (edit_.joint) return Change(Find(*edit_.joint, mjOBJ_JOINT));
+    if (edit_.geom) return Change(Find(*edit_.geom, mjOBJ_GEOM));
+    if (edit_.camera) return Change(Find(*edit_.camera, mjOBJ_CAMERA));
+    if (edit_.actuator) return Change(Find(*edit_.actuator, mjOBJ_ACTUATOR));
+  }
+
+ private:
+  mjsElement* Find(const ElementRef& ref, mjtObj kind) {
+    if (!ref.body.empty()) return FindInBody(ref, kind);
+    mjsElement* element = FindSpecElement(spec_, kind, ref.name);
+    if (!element) Miss(NoSuchName("the model", KindName(kind), ref.name, SpecNames(spec_, kind)));
+    return element;
+  }
+
+  mjsElement* FindInBody(const ElementRef& ref, mjtObj kind) {
+    mjsBody* body = mjs_findBody(spec_, ref.body.c_str());
+    if (!body)
+      return Miss(NoSuchName("the model", "body", ref.body, SpecNames(spec_, mjOBJ_BODY))), nullptr;
+    const std::vector<mjsElement*> elements = BodyElements(body, kind);
+    if (ref.index >= 0 && ref.index < static_cast<int>(elements.size())) return elements[ref.index];
+    Miss(fmt::format("body '{}' has {} {}(s), so there is none with index {} (they count from 0)",
+                     ref.body, elements.size(), KindName(kind), ref.index));
+    return nullptr;
+  }
+
+  void Miss(const std::string& message) { report_.Missing(place_, message); }
+
+  void Delete() {
+    const mjtObj kind = edit_.remove->kind ? EngineKind(*edit_.remove->kind) : mjOBJ_UNKNOWN;
+    if (kind == mjOBJ_KEY) return;  // keyframes of parts are never kept
+    mjsElement* element = Find(*edit_.remove, kind);
+    if (element && Guarded(place_, [&] { return mjs_delete(spec_, element); }) != 0) {
+      report_.Problem(place_, mjs_getError(spec_));
+    }
+  }
+
+  void AddSite() {
+    mjsElement* body = Find(*edit_.body, mjOBJ_BODY);
+    if (!body) return;
+    mjsSite* site = mjs_addSite(mjs_asBody(body), nullptr);
+    Named(site->element, *edit_.add_site);
+  }
+
+  void AddCamera() {
+    mjsElement* body = Find(*edit_.body, mjOBJ_BODY);
+    if (!body) return;
+    mjsCamera* camera = mjs_addCamera(mjs_asBody(body), nullptr);
+    Named(camera->element, *edit_.add_camera);
+  }
+
+  void AddSensor() {
+    mjsElement* site = Find(*edit_.site, mjOBJ_SITE);
+    if (!site) return;
+    mjsSensor* sensor = mjs_addSensor(spec_);
+    sensor->objtype = mjOBJ_SITE;
+    mjs_setString(sensor->objname, SpecName(site).c_str());
+    if (const auto type = SensorType(edit_.type.value_or(""))) sensor->type = *type;
+    Named(sensor->element, *edit_.add_sensor);
+  }
+
+  std::optional<mjtSensor> SensorType(const std::string& name) {
+    const std::vector<std::pair<std::string, mjtSensor>> types = {
+        {"force", mjSENS_FORCE},
+        {"torque", mjSENS_TORQUE},
+        {"gyro", mjSENS_GYRO},
+        {"accelerometer", mjSENS_ACCELEROMETER},
+        {"velocimeter", mjSENS_VELOCIMETER}};
+    std::vector<std::string> names;
+    for (const auto& [known, type] : types) {
+      if (known == name) return type;
+      names.push_back(known);
+    }
+    report_.Problem(place_, NoSuchName("type", "sensor", name, names));
+    return std::nullopt;
+  }
+
+  void Named(mjsElement* element, const std::string& name) {
+    const mjtObj kind = element->elemtype;
+    if (FindSpecElement(spec_, kind, name)) {
+      Guarded(place_, [&] { mjs_delete(spec_, element); });
+      report_.Problem(place_, fmt::format("the model already has a {} '{}'", KindName(kind), name));
+      return;
+    }
+    SetSpecName(element, name, place_);
+    Change(element);
+  }
+
+  void Change(mjsElement* element) {
+    if (!element) return;
+    if (edit_.name) SetSpecName(element, *edit_.name, place_);
+    switch (element->elemtype) {
+      case mjOBJ_BODY:
+        return ChangeBody(mjs_asBody(element));
+      case mjOBJ_SITE:
+        return ChangeSite(mjs_asSite(element));
+      case mjOBJ_JOINT:
+        return ChangeJoint(mjs_asJoint(element));
+      case mjOBJ_GEOM:
+        return ChangeGeom(mjs_asGeom(element));
+      case mjOBJ_CAMERA:
+        return ChangeCamera(mjs_asCamera(element));
+      case mjOBJ_ACTUATOR:
+        return ChangeActuator(mjs_asActuator(element));
+      default:
+        return;
+    }
+  }
+
+  template <class Placed>
+  void ChangePose(Placed* element) {
+    if (edit_.pos) std::copy(edit_.pos->begin(), edit_.pos->end(), element->pos);
+    if (edit_.xyaxes) {
+      mjs_defaultOrientation(&element->alt);
+      element->alt.type = mjORIENTATION_XYAXES;
+      std::copy(edit_.xyaxes->begin(), edit_.xyaxes->end(), element->alt.xyaxes);
+    } else if (edit_.quat || edit_.euler) {
+      const Vec3 none{};
+      const Pose pose =
+          PlacementPose(none, edit_.euler.value_or(none), edit_.quat.value_or(kIdentityQuat));
+      double unmoved[3];
+      pose.ToWxyz(unmoved, element->quat);
+      mjs_defaultOrientation(&element->alt);
+    }
+  }
+
+  void ChangeBody(mjsBody* body) {
+    ChangePose(body);
+    if (edit_.mass) body->mass = *edit_.mass;
+  }
+
+  void ChangeSite(mjsSite* site) {
+    ChangePose(site);
+    ChangeLook(site);
+  }
+
+  void ChangeGeom(mjsGeom* geom) {
+    ChangePose(geom);
+    ChangeLook(geom);
+    if (edit_.mass) geom->mass = *edit_.mass;
+    if (edit_.friction) std::copy(edit_.friction->begin(), edit_.friction->end(), geom->friction);
+    if (edit_.condim) geom->condim = *edit_.condim;
+  }
+
+  template <class Shown>
+  void ChangeLook(Shown* element) {
+    if (edit_.size) std::copy(edit_.size->begin(), edit_.size->end(), element->size);
+    if (!edit_.rgba) return;
+    std::transform(edit_.rgba->begin(), edit_.rgba->end(), element->rgba,
+                   [](double c) { return static_cast<float>(c); });
+    mjs_setString(element->material, "");
+  }
+
+  void ChangeCamera(mjsCamera* camera) {
+    ChangePose(camera);
+    if (edit_.fovy) camera->fovy = *edit_.fovy;
+  }
+
+  void ChangeJoint(mjsJoint* joint) {
+    if (edit_.pos) std::copy(edit_.pos->begin(), edit_.pos->end(), joint->pos);
+    if (edit_.range) SetJointRange(joint);
+    if (edit_.damping) joint->damping[0] = *edit_.damping;
+    if (edit_.armature) joint->armature = *edit_.armature;
+    if (edit_.frictionloss) joint->frictionloss = *edit_.frictionloss;
+  }
+
+  // The model may be written in degrees; an edit is in radians.
+  void SetJointRange(mjsJoint* joint) {
+    const bool degrees = mjs_getCompiler(joint->element)->degree && joint->type != mjJNT_SLIDE;
+    for (int i = 0; i < 2; ++i)
+      joint->range[i] = degrees ? Degrees((*edit_.range)[i]) : (*edit_.range)[i];
+    joint->limited = mjLIMITED_TRUE;
+  }
+
+  void ChangeActuator(mjsActuator* actuator) {
+    if (edit_.ctrlrange) {
+      std::copy(edit_.ctrlrange->begin(), edit_.ctrlrange->end(), actuator->ctrlrange);
+      actuator->ctrllimited = mjLIMITED_TRUE;
+      actuator->inheritrange = 0;
+    }
+    if (edit_.forcerange) {
+      std::copy(edit_.forcerange->begin(), edit_.forcerange->end(), actuator->forcerange);
+      actuator->forcelimited = mjLIMITED_TRUE;
+    }
+    if (edit_.kp) {
+      actuator->gainprm[0] = *edit_.kp;
+      actuator->biasprm[1] = -*edit_.kp;
+    }
+    if (edit_.kv) actuator->biasprm[2] = -*edit_.kv;
+  }
+
+  const Edit& edit_;
+  mjSpec* spec_;
+  std::string place_;
+  Report& report_;
+};
+
+}  // namespace
+
+void ApplyEdits(const List<Edit>& edits, mjSpec* spec, const std::string& place, Report& report) {
+  for (size_t i = 0; i < edits.size(); ++i) {
+    Editor(edits[i], spec, fmt::format("{} / edits[{}]", place, i), report).Apply();
+  }
+}
+
+}  // namespace robocell

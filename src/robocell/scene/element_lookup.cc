@@ -1,0 +1,133 @@
+#include "robocell/scene/element_lookup.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+
+namespace robocell {
+namespace {
+
+std::string Place(const RobotRecord& robot) { return "robot '" + robot.name + "'"; }
+
+// The body an element sits on, or -1 for kinds that sit on none.
+int BodyOf(const mjModel* model, mjtObj kind, int id) {
+  switch (kind) {
+    case mjOBJ_BODY:
+      return id;
+    case mjOBJ_JOINT:
+      return model->jnt_bodyid[id];
+    case mjOBJ_GEOM:
+      return model->geom_bodyid[id];
+    case mjOBJ_SITE:
+      return model->site_bodyid[id];
+    case mjOBJ_CAMERA:
+      return model->cam_bodyid[id];
+    case mjOBJ_LIGHT:
+      return model->light_bodyid[id];
+    default:
+      return -1;
+  }
+}
+
+// Whether an element is the robot's: it has its prefix and, when it sits on a body, that is one of
+// the robot's or something mounted on it.
+bool Belongs(const mjModel* model, const RobotRecord& robot, mjtObj kind, int id) {
+  const std::string name = ElementName(model, kind, id);
+  if (name.size() <= robot.prefix.size() || name.rfind(robot.prefix, 0) != 0) return false;
+  const int body = BodyOf(model, kind, id);
+  return body < 0 || IsInSubtree(model, body, FindId(model, mjOBJ_BODY, robot.top_body));
+}
+
+// -1 when the robot has none of that name.
+int IdOf(const mjModel* model, const RobotRecord& robot, mjtObj kind, const std::string& name) {
+  const int id = name.empty() ? -1 : FindId(model, kind, robot.prefix + name);
+  return id >= 0 && Belongs(model, robot, kind, id) ? id : -1;
+}
+
+ElementId FindByIndex(const mjModel* model, const RobotRecord& robot, const ElementRef& ref,
+                      mjtObj kind) {
+  const int body = FindElement(model, robot, mjOBJ_BODY, ref.body);
+  int seen = 0;
+  for (int id = 0; id < ElementCount(model, kind); ++id) {
+    if (BodyOf(model, kind, id) == body && seen++ == ref.index) return {kind, id};
+  }
+  throw NotFoundError(
+      fmt::format("{}: body '{}' has {} {}(s), so there is none with index {} (they count from 0)",
+                  Place(robot), ref.body, seen, KindName(kind), ref.index));
+}
+
+}  // namespace
+
+mjtObj EngineKind(ElementKind kind) {
+  switch (kind) {
+    case ElementKind::kBody:
+      return mjOBJ_BODY;
+    case ElementKind::kSite:
+      return mjOBJ_SITE;
+    case ElementKind::kGeom:
+      return mjOBJ_GEOM;
+    case ElementKind::kJoint:
+      return mjOBJ_JOINT;
+    case ElementKind::kCamera:
+      return mjOBJ_CAMERA;
+    case ElementKind::kActuator:
+      return mjOBJ_ACTUATOR;
+    case ElementKind::kSensor:
+      return mjOBJ_SENSOR;
+    case ElementKind::kLight:
+      return mjOBJ_LIGHT;
+    case ElementKind::kTendon:
+      return mjOBJ_TENDON;
+    case ElementKind::kEquality:
+      return mjOBJ_EQUALITY;
+    case ElementKind::kKey:
+      return mjOBJ_KEY;
+  }
+  return mjOBJ_UNKNOWN;
+}
+
+std::vector<std::string> RobotElementNames(const mjModel* model, const RobotRecord& robot,
+                                           mjtObj kind) {
+  std::vector<std::string> names;
+  for (int id = 0; id < ElementCount(model, kind); ++id) {
+    if (!Belongs(model, robot, kind, id)) continue;
+    names.push_back(ElementName(model, kind, id).substr(robot.prefix.size()));
+  }
+  return names;
+}
+
+int FindElement(const mjModel* model, const RobotRecord& robot, mjtObj kind,
+                const std::string& name) {
+  const int id = IdOf(model, robot, kind, name);
+  if (id >= 0) return id;
+  throw NotFoundError(
+      NoSuchName(Place(robot), KindName(kind), name, RobotElementNames(model, robot, kind)));
+}
+
+ElementId FindElement(const mjModel* model, const RobotRecord& robot, const ElementRef& ref,
+                      std::initializer_list<mjtObj> kinds) {
+  if (ref.kind) {
+    const mjtObj kind = EngineKind(*ref.kind);
+    if (!ref.body.empty()) return FindByIndex(model, robot, ref, kind);
+    return {kind, FindElement(model, robot, kind, ref.name)};
+  }
+  for (const mjtObj kind : kinds) {
+    if (const int id = IdOf(model, robot, kind, ref.name); id >= 0) return {kind, id};
+  }
+  std::string words;
+  std::vector<std::string> names;
+  for (const mjtObj kind : kinds) {
+    words += (words.empty() ? "" : " or ") + std::string(KindName(kind));
+    for (std::string& name : RobotElementNames(model, robot, kind))
+      names.push_back(std::move(name));
+  }
+  throw NotFoundError(NoSuchName(Place(robot), words, ref.name, names));
+}
+
+}  // namespace robocell

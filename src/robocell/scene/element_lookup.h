@@ -1,0 +1,43 @@
+// Elements of a robot in a compiled model, by the names its configuration uses (without the robot's
+// prefix).
+//
+//   const ElementId leaf = FindElement(model, robot, *group.leaf, {mjOBJ_SITE, mjOBJ_BODY});
+//
+// NotFoundError "robot 'left': no site 'link_tpc'. Its sites: ... Did you mean 'link_tcp'?"
+#pragma once
+
+#include <mujoco/mjtype.h>
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "robocell/mujoco/forward.h"
+#include "robocell/scene/compiled_scene.h"
+#include "robocell/spec/element_ref.h"
+
+namespace robocell {
+
+struct ElementId {
+  mjtObj kind = mjOBJ_UNKNOWN;
+  int id = -1;
+};
+
+// Looks for a named element among the kinds in their order (only the ref's own kind when it has
+// one), or for the index-th element of its kind of a body.
+ElementId FindElement(const mjModel* model, const RobotRecord& robot, const ElementRef& ref,
+                      std::initializer_list<mjtObj> kinds);
+
+// Id of the robot's element of this kind and name.
+int FindElement(const mjModel* model, const RobotRecord& robot, mjtObj kind,
+                const std::string& name);
+
+// Names, without the prefix, of the robot's elements of a kind: what belongs to the bodies below
+// its base, and actuators and sensors that have its prefix.
+std::vector<std::string> RobotElementNames(const mjModel* model, const RobotRecord& robot,
+                                           mjtObj kind);
+
+// The engine's kind, and the spec's.
+mjtObj EngineKind(ElementKind kind);
+
+}  // namespace robocell

@@ -1,0 +1,93 @@
+#include "robocell/scene/entity_order.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+Entity Object(const std::string& name, AttachTarget target = {}) {
+  return {"object '" + name + "'", "objects", std::move(target), "", {{AttachKind::kBody, name}}};
+}
+
+Entity Arm(const std::string& name, AttachTarget target = {}) {
+  return {"robot '" + name + "'",
+          "robots",
+          std::move(target),
+          name,
+          {{AttachKind::kSite, name + "_flange"}}};
+}
+
+std::string ProblemsOf(const std::vector<Entity>& entities) {
+  Report report;
+  BuildOrder(entities, {{AttachKind::kSite, "table_top"}}, report);
+  try {
+    report.Throw("test");
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(EntityOrder, IndependentEntitiesKeepTheirOrder) {
+  Report report;
+  EXPECT_THAT(BuildOrder({Object("a"), Object("b"), Arm("r")}, {}, report), ElementsAre(0, 1, 2));
+}
+
+TEST(EntityOrder, EachComesAfterWhatItIsAttachedTo) {
+  Report report;
+  const std::vector<Entity> entities = {Object("badge", Site("right_flange")), Object("table"),
+                                        Arm("left", Body("table")),
+                                        Arm("right", RobotBase("left"))};
+  EXPECT_THAT(BuildOrder(entities, {}, report), ElementsAre(1, 2, 3, 0));
+  report.Throw("test");
+}
+
+TEST(EntityOrder, TheBaseComesFirst) {
+  EXPECT_EQ(ProblemsOf({Object("cup", Site("table_top"))}), "");
+}
+
+TEST(EntityOrder, AMissingElementListsTheNearest) {
+  EXPECT_EQ(ProblemsOf({Object("table"), Object("cup", Body("tabel"))}),
+            "scene 'test' / object 'cup': attach_to: the scene: no body 'tabel'. Its bodies: "
+            "table. Did you mean 'table'?");
+  EXPECT_EQ(ProblemsOf({Object("cup", Attachment("lft")), Arm("left")}),
+            "scene 'test' / object 'cup': attach_to: the scene: no robot 'lft'. Its robots: left. "
+            "Did you mean 'left'?");
+  EXPECT_EQ(ProblemsOf({Object("cup", Site("top"))}),
+            "scene 'test' / object 'cup': attach_to: the scene: no site 'top'. Its sites: "
+            "table_top. Did you mean 'table_top'?");
+}
+
+TEST(EntityOrder, ALaterEntityOfTheSameListNamesBoth) {
+  EXPECT_EQ(ProblemsOf({Object("cup", Body("table")), Object("table")}),
+            "scene 'test' / object 'cup': is attached to body 'table' of object 'table', which is "
+            "declared later; move "
+            "object 'table' before it");
+}
+
+TEST(EntityOrder, ACircleNamesItsMembers) {
+  EXPECT_EQ(ProblemsOf({Object("cup", Site("r_flange")), Arm("r", Body("cup"))}),
+            "scene 'test': entities are attached to each other in a circle: object 'cup' -> robot "
+            "'r' -> object 'cup'");
+  EXPECT_EQ(
+      ProblemsOf({Arm("r", RobotBase("r"))}),
+      "scene 'test': entities are attached to each other in a circle: robot 'r' -> robot 'r'");
+}
+
+TEST(EntityOrder, WhatDependsOnAProblemIsLeftOutWithoutAnother) {
+  Report report;
+  const auto order =
+      BuildOrder({Object("a", Body("nowhere")), Object("b", Body("a")), Object("c")}, {}, report);
+  EXPECT_THAT(order, ElementsAre(2));
+  ExpectThrow<NotFoundError>([&] { report.Throw("test"); }, "scene 'test' / object 'a': ");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,123 @@
+// The scene's key `home`: where everything is after a reset.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scene/testing/robots.h"
+#include "robocell/scene/testing/scenes.h"
+
+namespace robocell {
+namespace {
+
+class HomeKey : public ::testing::Test {
+ protected:
+  double Joint(const Scene& scene, const std::string& name) {
+    return scene.data()
+        ->qpos[scene.model()->jnt_qposadr[RequireId(scene.model(), mjOBJ_JOINT, name, "")]];
+  }
+
+  ModelFolder folder;
+  SceneSpec spec = EmptyScene();
+  RobotConfig config = ArmConfig(folder.Write("arm", kTwoJointArm));
+  AttachmentSpec gripper{.mjcf_path = folder.Write("gripper", kTwoFingerGripper),
+                         .attach_to = Site("flange"),
+                         .prefix = "g_"};
+};
+
+TEST_F(HomeKey, IsTheOnlyOneAndHoldsEveryRobotAtItsOwnHome) {
+  spec.robots.push_back({.config = config, .prefix = ""});  // brings a key `home` of its own
+  config.home["arm"] = {0.5, 0.6};
+  spec.robots.push_back({.config = config, .prefix = "b_", .pos = {0, 2, 0}});
+  const Scene scene = Scene::Build(spec);
+  ASSERT_EQ(scene.model()->nkey, 1);
+  EXPECT_EQ(ElementName(scene.model(), mjOBJ_KEY, 0), "home");
+  EXPECT_EQ(scene.compiled()->home_key(), 0);
+  EXPECT_EQ(Joint(scene, "shoulder"), 0.3);
+  EXPECT_EQ(scene.actuator_ctrl("servo1"), 0.31)
+      << "the model's own control goes with its own home";
+  EXPECT_EQ(Joint(scene, "b_elbow"), 0.6);
+  EXPECT_DOUBLE_EQ(scene.actuator_ctrl("b_servo2"), 0.6) << "a servo holds the configured home";
+}
+
+TEST_F(HomeKey, HoldsAGripperWhereItsHomeIs) {
+  config.attachments.push_back(gripper);
+  config.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper,
+                                   .joints = {"g_left_slide", "g_right_slide"},
+                                   .actuators = {"g_grip"},
+                                   .ctrl = GripperCtrl{.open = 255, .closed = 0}};
+  config.home["gripper"] = {0.03, 0.03};
+  spec.robots.push_back({.config = config});
+  Scene scene = Scene::Build(spec);
+  EXPECT_NEAR(scene.actuator_ctrl("g_grip"), 1000 * 0.03 / 0.1568627, 1e-9);
+  scene.StepN(500);
+  EXPECT_NEAR(Joint(scene, "g_left_slide"), 0.03, 1e-3);
+}
+
+TEST_F(HomeKey, OpensAGripperThatSaysNothingAboutHome) {
+  config.attachments.push_back(gripper);
+  config.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper,
+                                   .joints = {"g_left_slide", "g_right_slide"},
+                                   .actuators = {"g_grip"},
+                                   .ctrl = GripperCtrl{.open = 255, .closed = 0}};
+  spec.robots.push_back({.config = config});
+  EXPECT_EQ(Scene::Build(spec).actuator_ctrl("g_grip"), 255);
+}
+
+TEST_F(HomeKey, KeepsTheOwnHomeOfWhatTheConfigurationLeavesOut) {
+  config.move_groups["upper"] = {
+      .kind = MoveGroupKind::kGeneric, .joints = {"shoulder"}, .actuators = {"servo1"}};
+  config.home["upper"] = {-1};
+  spec.robots.push_back({.config = config});
+  const Scene scene = Scene::Build(spec);
+  EXPECT_EQ(Joint(scene, "shoulder"), -1);
+  EXPECT_EQ(scene.actuator_ctrl("servo1"), -1);
+  EXPECT_EQ(Joint(scene, "elbow"), -0.4);
+  EXPECT_EQ(scene.actuator_ctrl("servo2"), -0.41);
+}
+
+TEST_F(HomeKey, CarriesTheBaseScenesOwnHome) {
+  spec.base = folder.Write(
+      "lab",
+      R"(<worldbody><body name="door"><joint name="hinge"/><geom size="0.1"/></body></worldbody>
+      <keyframe><key name="home" qpos="0.7"/><key name="other" qpos="0.1"/></keyframe>)");
+  spec.objects.push_back(BoxObject("cube", {0, 0, 1}));
+  const Scene scene = Scene::Build(spec);
+  EXPECT_EQ(scene.model()->nkey, 1);
+  EXPECT_EQ(Joint(scene, "hinge"), 0.7);
+  EXPECT_NEAR(scene.body_pose("cube").translation().z(), 1, 1e-12);
+}
+
+TEST_F(HomeKey, ReadsJointsOfAllSizesInTheEnginesOrder) {
+  const std::string odd = folder.Write("odd", R"(<worldbody><body name="root"><geom size="0.1"/>
+      <body name="a"><geom size="0.1"/><body name="a2"><joint name="deep"/><geom size="0.1"/></body><joint name="ball" type="ball"/></body>
+      <frame pos="0 0 1"><body name="b"><joint name="last" type="slide"/><geom size="0.1"/></body></frame></body></worldbody>
+      <keyframe><key name="home" qpos="0 0 1 0 0.5 0.25"/></keyframe>)");
+  spec.robots.push_back({.path = odd});
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  EXPECT_EQ(scene.data()->qpos[m->jnt_qposadr[RequireId(m, mjOBJ_JOINT, "ball", "")] + 2], 1);
+  EXPECT_EQ(Joint(scene, "deep"), 0.5);
+  EXPECT_EQ(Joint(scene, "last"), 0.25);
+}
+
+TEST_F(HomeKey, HoldsRealRobotsStill) {
+  REQUIRE_MENAGERIE("ufactory_xarm7", "kinova_gen3", "robotiq_2f85");
+  spec.robots = {Gen3With2F85("k_"), XArm7With2F85("x_")};
+  spec.robots.push_back({.config = XArm7Config(), .prefix = "t_"});
+  spec.robots[1].pos = {0, 1, 0};
+  spec.robots[2].pos = {0, -1, 0};
+  Scene scene = Scene::Build(spec);
+  const std::vector<std::string> frames = {"k_bracelet_link", "x_link7", "t_link7"};
+  std::vector<Pose> before;
+  for (const std::string& frame : frames) before.push_back(scene.body_pose(frame));
+  scene.StepN(500);
+  for (size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_TRUE(scene.body_pose(frames[i]).is_close(before[i], 0.05, 0.03))
+        << frames[i] << scene.body_pose(frames[i]) << before[i];
+  }
+}
+
+}  // namespace
+}  // namespace robocell

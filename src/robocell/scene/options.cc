@@ -1,0 +1,194 @@
+#include "robocell/scene/options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "robocell/base/names.h"
+
+namespace robocell {
+namespace {
+
+int Engine(Integrator integrator) {
+  switch (integrator) {
+    case Integrator::kEuler:
+      return mjINT_EULER;
+    case Integrator::kRk4:
+      return mjINT_RK4;
+    case Integrator::kImplicit:
+      return mjINT_IMPLICIT;
+    case Integrator::kImplicitFast:
+      return mjINT_IMPLICITFAST;
+  }
+  return mjINT_IMPLICITFAST;
+}
+
+int Engine(FrictionCone cone) {
+  return cone == FrictionCone::kElliptic ? mjCONE_ELLIPTIC : mjCONE_PYRAMIDAL;
+}
+
+int Engine(Solver solver) {
+  return solver == Solver::kPgs ? mjSOL_PGS : solver == Solver::kCg ? mjSOL_CG : mjSOL_NEWTON;
+}
+
+std::vector<std::string> FlagNames(std::span<const char* const> names) {
+  std::vector<std::string> out(names.begin(), names.end());
+  for (std::string& name : out) std::transform(name.begin(), name.end(), name.begin(), ::tolower);
+  return out;
+}
+
+// Bits of the named flags.
+int FlagBits(const std::vector<std::string>& wanted, std::span<const char* const> flags,
+             const char* field, Report& report) {
+  const std::vector<std::string> names = FlagNames(flags);
+  int bits = 0;
+  for (const std::string& flag : wanted) {
+    const auto found = std::find(names.begin(), names.end(), flag);
+    if (found == names.end()) {
+      report.Problem("", NoSuchName(std::string("options.") + field, "flag", flag, names));
+    } else {
+      bits |= 1 << (found - names.begin());
+    }
+  }
+  return bits;
+}
+
+template <class T, class U>
+void Set(T& target, const std::optional<U>& value) {
+  if (value) target = static_cast<T>(*value);
+}
+
+void ApplySolverOptions(const SimOptions& options, mjOption& engine) {
+  engine.integrator = Engine(options.integrator);
+  engine.cone = Engine(options.cone);
+  engine.impratio = options.impratio;
+  if (options.solver) engine.solver = Engine(*options.solver);
+  Set(engine.iterations, options.iterations);
+  Set(engine.tolerance, options.tolerance);
+  Set(engine.ls_iterations, options.ls_iterations);
+  Set(engine.noslip_iterations, options.noslip_iterations);
+  Set(engine.noslip_tolerance, options.noslip_tolerance);
+  Set(engine.ccd_iterations, options.ccd_iterations);
+  Set(engine.density, options.density);
+  Set(engine.viscosity, options.viscosity);
+  if (options.wind) std::copy(options.wind->begin(), options.wind->end(), engine.wind);
+}
+
+std::string IntegratorName(int value) {
+  constexpr std::array kNames = {"euler", "rk4", "implicit", "implicitfast"};
+  const bool known = value >= 0 && value < static_cast<int>(kNames.size());
+  return known ? kNames[value] : "another one";
+}
+
+std::string ConeName(int value) { return value == mjCONE_ELLIPTIC ? "elliptic" : "pyramidal"; }
+
+std::string SolverName(int value) {
+  return value == mjSOL_PGS ? "pgs" : value == mjSOL_CG ? "cg" : "newton";
+}
+
+// Options of a part beside the engine's defaults and those of the scene.
+class OptionCheck {
+ public:
+  // `scene` are the options that the scene will have.
+  OptionCheck(const mjOption& part, const mjOption& scene, const std::string& place, Report& report)
+      : part_(part), scene_(scene), place_(place), report_(report) {
+    mj_defaultOption(&defaults_);
+  }
+
+  // An option by its member, shown with `show`.
+  template <class T, class Show>
+  void Check(const char* name, T mjOption::*option, const Show& show) {
+    const T asked = part_.*option, used = scene_.*option;
+    if (asked == defaults_.*option || asked == used) return;
+    report_.Warn(place_, fmt::format("asks for {} {}, the scene uses {}; set it in the scene's "
+                                     "options if it matters",
+                                     name, show(asked), show(used)));
+  }
+  template <class T>
+  void Check(const char* name, T mjOption::*option) {
+    Check(name, option, [](T value) { return value; });
+  }
+
+  // Flags that the part sets and the scene does not.
+  void CheckFlags(int mjOption::*option, std::span<const char* const> flags, const char* verb) {
+    const std::vector<std::string> names = FlagNames(flags);
+    for (size_t i = 0; i < names.size(); ++i) {
+      if (!(part_.*option & ~(scene_.*option) & (1 << i))) continue;
+      report_.Warn(place_, fmt::format("{0}s '{1}', the scene does not; list it in options.{0} "
+                                       "if it matters",
+                                       verb, names[i]));
+    }
+  }
+
+  void CheckAll() {
+    Check("integrator", &mjOption::integrator, IntegratorName);
+    Check("cone", &mjOption::cone, ConeName);
+    Check("impratio", &mjOption::impratio);
+    Check("solver", &mjOption::solver, SolverName);
+    Check("noslip_iterations", &mjOption::noslip_iterations);
+    Check("iterations", &mjOption::iterations);
+    Check("density", &mjOption::density);
+    Check("viscosity", &mjOption::viscosity);
+    CheckFlags(&mjOption::disableflags, mjDISABLESTRING, "disable");
+    CheckFlags(&mjOption::enableflags, mjENABLESTRING, "enable");
+  }
+
+ private:
+  const mjOption part_, scene_;
+  const std::string& place_;
+  Report& report_;
+  mjOption defaults_{};
+};
+
+// What the scene's options make of these.
+mjOption WithSceneOptions(mjOption engine, const SimOptions& scene) {
+  Report unknown;  // names that do not exist are reported once, by ApplyOptions
+  ApplySolverOptions(scene, engine);
+  engine.disableflags |= FlagBits(scene.disable, mjDISABLESTRING, "disable", unknown);
+  engine.disableflags |= mjDSBL_AUTORESET;
+  engine.enableflags |= FlagBits(scene.enable, mjENABLESTRING, "enable", unknown);
+  return engine;
+}
+
+}  // namespace
+
+void ApplyOptions(const SceneSpec& scene, mjSpec* spec, Report& report) {
+  ApplySolverOptions(scene.options, spec->option);
+  const int enabled = FlagBits(scene.options.enable, mjENABLESTRING, "enable", report);
+  const int disabled = FlagBits(scene.options.disable, mjDISABLESTRING, "disable", report);
+  spec->option.enableflags |= enabled;
+  spec->option.disableflags |= disabled | mjDSBL_AUTORESET;
+  if (scene.timestep) spec->option.timestep = *scene.timestep;
+  std::copy(scene.gravity.begin(), scene.gravity.end(), spec->option.gravity);
+}
+
+void WarnOtherOptions(const mjOption& part, const SimOptions& scene, const std::string& place,
+                      Report& report) {
+  mjOption defaults;
+  mj_defaultOption(&defaults);
+  OptionCheck(part, WithSceneOptions(defaults, scene), place, report).CheckAll();
+}
+
+void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, Report& report) {
+  mjOption defaults;
+  mj_defaultOption(&defaults);
+  OptionCheck(base, WithSceneOptions(base, scene.options), "base", report).CheckAll();
+  const auto same = [&](const mjtNum* other) { return std::equal(other, other + 3, base.gravity); };
+  if (same(defaults.gravity) || same(scene.gravity.data())) return;
+  report.Warn("base",
+              fmt::format("asks for gravity {}, the scene uses {}; set it in the scene if it "
+                          "matters",
+                          fmt::join(base.gravity, " "), fmt::join(scene.gravity, " ")));
+}
+
+void DropGlobals(mjSpec* part) {
+  mj_defaultOption(&part->option);
+  mj_defaultVisual(&part->visual);
+  part->authored = mjsAuthored{};
+}
+
+}  // namespace robocell

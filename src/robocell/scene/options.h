@@ -1,0 +1,31 @@
+// Private to scene: the engine's global settings. They belong to the scene: parts lose theirs when
+// they are attached, so they are set once everything is together, and what parts asked for is said.
+#pragma once
+
+#include <string>
+
+#include "robocell/mujoco/forward.h"
+#include "robocell/scene/report.h"
+#include "robocell/spec/scene_spec.h"
+
+typedef struct mjOption_ mjOption;
+
+namespace robocell {
+
+// Sets options, timestep (unless unset) and gravity of the scene. Names of flags that do not exist
+// are problems.
+void ApplyOptions(const SceneSpec& scene, mjSpec* spec, Report& report);
+
+// Warns about integrator, cone, impratio, solver and the like that a part asks for and does not
+// get.
+void WarnOtherOptions(const mjOption& part, const SimOptions& scene, const std::string& place,
+                      Report& report);
+
+// The same for the base of a scene, whose options stay where the scene says nothing.
+void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, Report& report);
+
+// Resets options, visual settings and statistics of a part to the engine's defaults, so that
+// attaching it cannot change the scene's.
+void DropGlobals(mjSpec* part);
+
+}  // namespace robocell

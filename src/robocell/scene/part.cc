@@ -1,0 +1,127 @@
+#include "robocell/scene/part.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+
+#include "robocell/assets/resolve.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/class_names.h"
+#include "robocell/scene/options.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+std::vector<std::string> Names(const std::vector<mjsElement*>& elements) {
+  std::vector<std::string> names;
+  for (mjsElement* element : elements) names.push_back(SpecName(element));
+  return names;
+}
+
+void WarnLeftBehind(const Part& part, mjsBody* root, Report& report) {
+  std::vector<std::string> left;
+  mjsBody* world = WorldBody(part.spec.get());
+  for (mjsElement* body : BodyElements(world, mjOBJ_BODY)) {
+    if (body != root->element) left.push_back("body '" + SpecName(body) + "'");
+  }
+  for (const auto& [kind, word] : {std::pair{mjOBJ_GEOM, "geom"},
+                                   {mjOBJ_SITE, "site"},
+                                   {mjOBJ_CAMERA, "camera"},
+                                   {mjOBJ_LIGHT, "light"}}) {
+    for (mjsElement* element : BodyElements(world, kind))
+      left.push_back(fmt::format("{} '{}'", word, SpecName(element)));
+  }
+  if (left.empty()) return;
+  report.Warn(part.place, fmt::format("only body '{}' of {} is attached; left out of its world: {}",
+                                      SpecName(root->element), part.file, ListNames(left)));
+}
+
+// Elements that refer to others and are dropped by the engine when those are not attached.
+constexpr std::array kReferring = {mjOBJ_ACTUATOR, mjOBJ_SENSOR,  mjOBJ_TENDON,
+                                   mjOBJ_EQUALITY, mjOBJ_EXCLUDE, mjOBJ_PAIR};
+
+void WarnDropped(mjSpec* parent, const Part& part, mjtObj kind, size_t before,
+                 const std::string& prefix, Report& report) {
+  const size_t wanted = SpecElements(part.spec.get(), kind).size();
+  const size_t came = SpecElements(parent, kind).size() - before;
+  if (came >= wanted) return;
+  std::vector<std::string> lost;
+  for (const std::string& name : SpecNames(part.spec.get(), kind)) {
+    if (!FindSpecElement(parent, kind, prefix + name)) lost.push_back(name);
+  }
+  report.Warn(
+      part.place,
+      fmt::format("{} {}(s) of {} refer to elements that are not attached and are left out: {}",
+                  wanted - came, KindName(kind), part.file,
+                  lost.empty() ? "(unnamed)" : ListNames(lost)));
+}
+
+}  // namespace
+
+std::optional<std::string> FindModel(const std::string& name, const std::string& directory,
+                                     const std::string& place, Report& report) {
+  try {
+    return assets::Resolve(name, directory);
+  } catch (const NotFoundError& error) {
+    report.Missing(place, error.what());
+  } catch (const ArgumentError& error) {
+    report.Problem(place, error.what());
+  }
+  return std::nullopt;
+}
+
+Part LoadPart(const std::string& file, const std::string& place, const SimOptions& options,
+              Report& report) {
+  Part part{place, file, ParseXmlFile(file, place), {}};
+  part.home = ReadHomeKey(part.spec.get());
+  DropKeys(part.spec.get());
+  MakeAssetPathsAbsolute(part.spec.get());
+  WarnOtherOptions(part.spec->option, options, place, report);
+  DropGlobals(part.spec.get());
+  return part;
+}
+
+mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& report) {
+  const std::vector<mjsElement*> roots = BodyElements(WorldBody(part.spec.get()), mjOBJ_BODY);
+  mjsBody* root = nullptr;
+  if (!root_body.empty()) {
+    mjsBody* named = mjs_findBody(part.spec.get(), root_body.c_str());
+    if (!named || root_body == "world") {
+      report.Problem(part.place, NoSuchName("root_body", "body", root_body,
+                                            SpecNames(part.spec.get(), mjOBJ_BODY)));
+      return nullptr;
+    }
+    root = TopBody(named);
+  } else if (roots.size() == 1) {
+    root = mjs_asBody(roots[0]);
+  } else {
+    report.Problem(part.place,
+                   roots.empty()
+                       ? part.file + " has no body to attach"
+                       : fmt::format("{} has {} root bodies: {}; say which one is the root_body",
+                                     part.file, roots.size(), ListNames(Names(roots))));
+    return nullptr;
+  }
+  WarnLeftBehind(part, root, report);
+  return root;
+}
+
+void AttachPart(mjsBody* parent, const Part& part, mjsBody* root, const Pose& pose,
+                const std::string& prefix, Report& report) {
+  mjSpec* spec = mjs_getSpec(parent->element);
+  std::array<size_t, kReferring.size()> before{};
+  for (size_t i = 0; i < kReferring.size(); ++i)
+    before[i] = SpecElements(spec, kReferring[i]).size();
+  if (prefix.empty()) MakeClassNamesUnique(part, spec);
+  AttachBody(parent, root, pose, prefix, part.place);
+  for (size_t i = 0; i < kReferring.size(); ++i)
+    WarnDropped(spec, part, kReferring[i], before[i], prefix, report);
+}
+
+}  // namespace robocell

@@ -1,0 +1,59 @@
+// Private to scene: a model file that becomes part of a scene. Loading makes it safe to attach:
+// asset paths absolute (several folders can meet in one scene), keyframes read and dropped (the
+// scene writes its own), global settings reported and dropped (the scene sets its own).
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/mujoco/owners.h"
+#include "robocell/scene/report.h"
+#include "robocell/spec/sim_options.h"
+
+struct mjsBody_;
+typedef struct mjsBody_ mjsBody;
+
+namespace robocell {
+
+// What a part's keyframe `home` says, by name.
+struct PartHome {
+  std::map<std::string, std::vector<double>> qpos;  // joint -> its 1, 4 or 7 numbers
+  std::map<std::string, std::vector<double>> ctrl;  // actuator -> its controls
+
+  // The same with a prefix on every name; entries that are there already win.
+  void Merge(const PartHome& other, const std::string& prefix);
+};
+
+struct Part {
+  std::string place;  // "robot 'left'", for messages
+  std::string file;
+  SpecPtr spec;
+  PartHome home;
+};
+
+// Absolute path of a model file. Null and an entry in the report when it is not found.
+std::optional<std::string> FindModel(const std::string& name, const std::string& directory,
+                                     const std::string& place, Report& report);
+
+// `options` are the scene's; what the part asks for instead is reported as a warning.
+Part LoadPart(const std::string& file, const std::string& place, const SimOptions& options,
+              Report& report);
+
+// The body that the part hangs on when it is attached: the only child of its world, or the one that
+// holds `root_body` when that is given. A problem in the report and null when there is no such
+// body. What stays behind (other bodies, geoms and lights of the part's world) is a warning.
+mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& report);
+
+// Replaces the names of files by absolute paths where such a file exists.
+void MakeAssetPathsAbsolute(mjSpec* spec);
+PartHome ReadHomeKey(mjSpec* spec);
+void DropKeys(mjSpec* spec);
+
+// Attaches with AttachBody, and reports what the engine left out because it refers to something
+// that is not below `root`.
+void AttachPart(mjsBody* parent, const Part& part, mjsBody* root, const class Pose& pose,
+                const std::string& prefix, Report& report);
+
+}  // namespace robocell

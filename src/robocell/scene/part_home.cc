@@ -1,0 +1,76 @@
+// A part's own keyframe `home`, read before the part's keys are dropped (a key that is attached
+// keeps the other parts at their reference, and blocks deleting joints).
+#include <mujoco/mujoco.h>
+
+#include "robocell/mujoco/guard.h"
+#include "robocell/scene/part.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+int PositionCount(const mjsJoint* joint) {
+  switch (joint->type) {
+    case mjJNT_FREE:
+      return 7;
+    case mjJNT_BALL:
+      return 4;
+    default:
+      return 1;
+  }
+}
+
+// Joints in the order of qpos: bodies depth first, each with its own joints first.
+void CollectJoints(mjsBody* body, std::vector<mjsElement*>& out) {
+  for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT)) out.push_back(joint);
+  for (mjsElement* child : BodyElements(body, mjOBJ_BODY)) CollectJoints(mjs_asBody(child), out);
+}
+
+// Takes `count` numbers from `numbers` for `name` and moves on; unnamed elements are passed over.
+class Splitter {
+ public:
+  explicit Splitter(const mjDoubleVec* numbers) { data_ = mjs_getDouble(numbers, &size_); }
+
+  void Take(const std::string& name, int count, std::map<std::string, std::vector<double>>& out) {
+    if (at_ + count <= size_ && !name.empty()) out[name].assign(data_ + at_, data_ + at_ + count);
+    at_ += count;
+  }
+
+ private:
+  const double* data_ = nullptr;
+  int size_ = 0;
+  int at_ = 0;
+};
+
+}  // namespace
+
+void PartHome::Merge(const PartHome& other, const std::string& prefix) {
+  for (const auto& [name, values] : other.qpos) qpos.emplace(prefix + name, values);
+  for (const auto& [name, values] : other.ctrl) ctrl.emplace(prefix + name, values);
+}
+
+PartHome ReadHomeKey(mjSpec* spec) {
+  PartHome home;
+  mjsElement* element = FindSpecElement(spec, mjOBJ_KEY, "home");
+  if (!element) return home;
+  const mjsKey* key = mjs_asKey(element);
+  std::vector<mjsElement*> joints;
+  CollectJoints(WorldBody(spec), joints);
+  Splitter qpos(key->qpos), ctrl(key->ctrl);
+  for (mjsElement* joint : joints)
+    qpos.Take(SpecName(joint), PositionCount(mjs_asJoint(joint)), home.qpos);
+  // Actuators with several inputs are told apart only after compiling; none of them is a servo
+  // here.
+  for (mjsElement* actuator : SpecElements(spec, mjOBJ_ACTUATOR))
+    ctrl.Take(SpecName(actuator), 1, home.ctrl);
+  return home;
+}
+
+void DropKeys(mjSpec* spec) {
+  for (mjsElement* key : SpecElements(spec, mjOBJ_KEY)) {
+    Guarded("dropping a keyframe", [&] { mjs_delete(spec, key); });
+  }
+  spec->nkey = 0;
+}
+
+}  // namespace robocell

@@ -1,0 +1,109 @@
+#include "robocell/scene/placement.h"
+
+#include <fmt/format.h>
+
+#include "robocell/base/names.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/rig.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+std::optional<Placement> OnElement(mjtObj kind, const std::string& name, const Pose& pose,
+                                   mjSpec* spec, const std::string& place, Report& report) {
+  mjsElement* element = FindSpecElement(spec, kind, name);
+  if (!element) {
+    const char* word = kind == mjOBJ_FRAME ? "frame" : KindName(kind);
+    report.Missing(place, "attach_to: " + NoSuchName("", word, name, SpecNames(spec, kind)));
+    return std::nullopt;
+  }
+  if (kind == mjOBJ_BODY) return Placement{mjs_asBody(element), pose};
+  return Placement{mjs_getParent(element), PoseInParent(element) * pose};
+}
+
+const RobotFrames* FindRobot(const AttachTarget& target, const RobotFrameMap& robots,
+                             const std::string& place, Report& report) {
+  if (const auto it = robots.find(target.name); it != robots.end()) return &it->second;
+  std::vector<std::string> names;
+  for (const auto& [name, frames] : robots) names.push_back(name);
+  report.Missing(place, "attach_to: " + NoSuchName("the scene", "robot", target.name, names));
+  return nullptr;
+}
+
+}  // namespace
+
+mjtObj ElementKindOf(AttachKind kind) {
+  switch (kind) {
+    case AttachKind::kBody:
+      return mjOBJ_BODY;
+    case AttachKind::kSite:
+      return mjOBJ_SITE;
+    case AttachKind::kFrame:
+      return mjOBJ_FRAME;
+    default:
+      return mjOBJ_UNKNOWN;
+  }
+}
+
+std::string Describe(const AttachTarget& target) {
+  switch (target.kind) {
+    case AttachKind::kWorld:
+      return "the world";
+    case AttachKind::kRoot:
+      return "the root frame";
+    case AttachKind::kSharedBase:
+      return "the shared base frame";
+    case AttachKind::kRobotBase:
+      return fmt::format("the base of robot '{}'", target.name);
+    case AttachKind::kAttachment:
+      return fmt::format("the attachment site of robot '{}'", target.name);
+    default:
+      return fmt::format("{} '{}'", ToString(target.kind), target.name);
+  }
+}
+
+std::optional<Placement> Place(const AttachTarget& target, const Pose& pose, mjSpec* spec,
+                               const SceneSpec& scene, const RobotFrameMap& robots,
+                               const std::string& place, Report& report) {
+  switch (target.kind) {
+    case AttachKind::kWorld:
+      return Placement{WorldBody(spec), pose};
+    case AttachKind::kRoot:
+      return Placement{WorldBody(spec), RootFrameToWorld(scene) * pose};
+    case AttachKind::kSharedBase:
+      return Placement{WorldBody(spec), SharedBaseFrameToWorld(scene) * pose};
+    case AttachKind::kRobotBase: {
+      const RobotFrames* robot = FindRobot(target, robots, place, report);
+      if (!robot) return std::nullopt;
+      return OnElement(mjOBJ_BODY, robot->root_body, pose, spec, place, report);
+    }
+    case AttachKind::kAttachment: {
+      const RobotFrames* robot = FindRobot(target, robots, place, report);
+      if (!robot) return std::nullopt;
+      if (robot->attachment_site)
+        return OnElement(mjOBJ_SITE, *robot->attachment_site, pose, spec, place, report);
+      report.Problem(
+          place, fmt::format("attach_to: robot '{}' has no attachment_site in its configuration",
+                             target.name));
+      return std::nullopt;
+    }
+    default:
+      return OnElement(ElementKindOf(target.kind), target.name, pose, spec, place, report);
+  }
+}
+
+std::optional<Placement> PlaceInWorld(const Placement& placement, const AttachTarget& target,
+                                      const std::string& why, const std::string& place,
+                                      Report& report) {
+  if (!IsStatic(placement.parent)) {
+    report.Problem(place,
+                   fmt::format("{} hangs on the world, but is attached to {}, which can move", why,
+                               Describe(target)));
+    return std::nullopt;
+  }
+  mjSpec* spec = mjs_getSpec(placement.parent->element);
+  return Placement{WorldBody(spec), PoseInWorld(placement.parent->element) * placement.pose};
+}
+
+}  // namespace robocell

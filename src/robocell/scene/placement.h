@@ -1,0 +1,47 @@
+// Private to scene: turns an AttachTarget into the body that something is put on and the pose in
+// it.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "robocell/math/pose.h"
+#include "robocell/scene/report.h"
+#include "robocell/spec/scene_spec.h"
+
+namespace robocell {
+
+struct Placement {
+  mjsBody* parent = nullptr;
+  Pose pose;  // in the parent body
+};
+
+// What names of robots stand for while a scene is put together.
+struct RobotFrames {
+  std::string root_body;
+  std::optional<std::string> attachment_site;
+};
+using RobotFrameMap = std::map<std::string, RobotFrames>;
+
+// The engine's kind of element for a target that is one; mjOBJ_UNKNOWN for the others.
+mjtObj ElementKindOf(AttachKind kind);
+
+// "body 'table'", "the attachment site of robot 'left'", "the shared base frame": for messages.
+std::string Describe(const AttachTarget& target);
+
+// Finds the target in `spec`. Root and SharedBase are transforms of the world. Null and an entry in
+// the report when the element does not exist.
+std::optional<Placement> Place(const AttachTarget& target, const Pose& pose, mjSpec* spec,
+                               const SceneSpec& scene, const RobotFrameMap& robots,
+                               const std::string& place, Report& report);
+
+// The same pose on the world itself, for what must hang there (free bodies, mocap bodies). A parent
+// that can move is a problem, said as `why`: "a mocap base".
+std::optional<Placement> PlaceInWorld(const Placement& placement, const AttachTarget& target,
+                                      const std::string& why, const std::string& place,
+                                      Report& report);
+
+}  // namespace robocell

@@ -1,0 +1,205 @@
+// Reset: what it restores, in which order, and that nothing else is left of the past.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/assets/resolve.h"
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scene/testing/scenes.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::Each;
+using ::testing::ElementsAre;
+
+SceneSpec Workplace() {
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back(
+      {.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7")), .prefix = "r_"});
+  for (int i = 0; i < 4; ++i)
+    spec.objects.push_back(BoxObject("cube" + std::to_string(i), {0.4, 0.03 * i, 0.02 + 0.05 * i}));
+  return spec;
+}
+
+// Everything that can be written to the data before a reset.
+void LiveThrough(Scene& scene, Rng rng) {
+  mjData* data = scene.data();
+  const mjModel* m = scene.model();
+  for (int round = 0; round < 5; ++round) {
+    for (int i = 0; i < m->nu; ++i) data->ctrl[i] = rng.Uniform(-1, 1);
+    for (int i = 0; i < m->nv; ++i) data->qfrc_applied[i] = rng.Uniform(-1, 1);
+    for (int i = 0; i < 6 * m->nbody; ++i) data->xfrc_applied[i] = rng.Uniform(-0.1, 0.1);
+    for (int i = 0; i < 3 * m->nmocap; ++i) data->mocap_pos[i] = rng.Uniform(-0.1, 0.1);
+    for (int i = 0; i < m->neq; ++i) data->eq_active[i] = rng.UniformInt(2) == 0;
+    scene.StepN(static_cast<int>(rng.UniformInt(40)));
+  }
+}
+
+// The states of a simulation after a reset, to the bit.
+std::vector<std::vector<double>> Trajectory(Scene& scene, uint64_t seed) {
+  std::vector<std::vector<double>> states;
+  scene.Reset({.seed = seed});
+  for (int i = 0; i < 20; ++i) {
+    states.push_back(scene.state());
+    scene.data()->ctrl[0] = 0.1 * i;
+    scene.StepN(10);
+  }
+  return states;
+}
+
+TEST(Reset, ForgetsEverything) {
+  Scene fresh = Scene::Build(Workplace()), lived = Scene::Build(Workplace());
+  const auto expected = Trajectory(fresh, 3);
+  for (uint64_t seed = 0; seed < 10; ++seed) {
+    LiveThrough(lived, Rng::Stream(seed, "life"));
+    Trajectory(lived, seed + 10);
+    EXPECT_TRUE(Trajectory(lived, 3) == expected) << "after life " << seed;
+  }
+}
+
+TEST(Reset, AfterADivergenceIsAsGoodAsNew) {
+  Scene fresh = Scene::Build(Workplace()), broken = Scene::Build(Workplace());
+  broken.data()->qvel[0] = 1e12;
+  EXPECT_FALSE(broken.StepN(5).ok());
+  EXPECT_TRUE(Trajectory(broken, 1) == Trajectory(fresh, 1));
+}
+
+TEST(Reset, DrawsHomeNoiseFromTheSeed) {
+  Scene scene = Scene::Build(Workplace());
+  const auto arm = [&](std::optional<uint64_t> seed) {
+    scene.Reset({.seed = seed});
+    std::vector<double> q;
+    for (int i = 1; i <= 7; ++i) {
+      const int joint = RequireId(scene.model(), mjOBJ_JOINT, "r_joint" + std::to_string(i), "");
+      q.push_back(scene.data()->qpos[scene.model()->jnt_qposadr[joint]]);
+    }
+    return q;
+  };
+  const std::vector<double> home = arm({});
+  EXPECT_THAT(home, ElementsAre(0, -0.15, 0, 1.9, 0, 1.39159, 0));
+  EXPECT_EQ(arm(5), arm(5));
+  EXPECT_NE(arm(5), arm(6));
+  for (int seed = 0; seed < 50; ++seed) {
+    const std::vector<double> q = arm(seed);
+    for (size_t i = 0; i < q.size(); ++i) {
+      EXPECT_LE(std::abs(q[i] - home[i]), 0.03);
+      EXPECT_NE(q[i], home[i]);
+    }
+  }
+}
+
+TEST(Reset, KeepsServosHoldingTheNoisyPose) {
+  Scene scene = Scene::Build(Workplace());
+  scene.Reset({.seed = 5});
+  for (int i = 1; i <= 7; ++i) {
+    const int joint = RequireId(scene.model(), mjOBJ_JOINT, "r_joint" + std::to_string(i), "");
+    EXPECT_NEAR(scene.actuator_ctrl("r_servo" + std::to_string(i)),
+                scene.data()->qpos[scene.model()->jnt_qposadr[joint]], 1e-12);
+  }
+}
+
+TEST(Reset, KeepsNoiseInsideTheLimits) {
+  ModelFolder folder;
+  RobotConfig config = ArmConfig(folder.Write("arm", kTwoJointArm));
+  config.home["arm"] = {1.99, 0};
+  config.home_noise["arm"] = {0.5};
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.config = config});
+  Scene scene = Scene::Build(spec);
+  bool at_limit = false;
+  for (int seed = 0; seed < 20; ++seed) {
+    scene.Reset({.seed = seed});
+    EXPECT_LE(scene.data()->qpos[0], 2.0);
+    at_limit = at_limit || scene.data()->qpos[0] == 2.0;
+  }
+  EXPECT_TRUE(at_limit);
+}
+
+TEST(Reset, NoiseOfARobotDoesNotDependOnItsNeighbours) {
+  SceneSpec spec = Workplace();
+  Scene alone = Scene::Build(spec);
+  RobotSpec other = spec.robots[0];
+  other.prefix = "a_";
+  other.pos = {0, 2, 0};
+  spec.robots = {other, spec.robots[0]};
+  Scene both = Scene::Build(spec);
+  alone.Reset({.seed = 9});
+  both.Reset({.seed = 9});
+  EXPECT_EQ(alone.actuator_ctrl("r_servo3"), both.actuator_ctrl("r_servo3"));
+  EXPECT_NE(both.actuator_ctrl("a_servo3"), both.actuator_ctrl("r_servo3"));
+}
+
+TEST(Reset, TakesTheDefaultConfigurationWhenAsked) {
+  Scene scene = Scene::Build(Workplace());
+  const ResetInfo info = scene.Reset({.use_keyframe = false});
+  EXPECT_FALSE(info.used_keyframe);
+  const int joint = RequireId(scene.model(), mjOBJ_JOINT, "r_joint4", "");
+  EXPECT_EQ(scene.data()->qpos[scene.model()->jnt_qposadr[joint]], 0);
+  EXPECT_EQ(scene.Reset().keyframe, scene.compiled()->home_key());
+}
+
+TEST(Reset, RefusesAKeyframeThatIsNotThere) {
+  Scene scene = Scene::Build(Workplace());
+  ExpectThrow<ArgumentError>([&] { scene.Reset({.keyframe = 3}); },
+                             "scene 'test': there is no keyframe 3; the scene has 1");
+}
+
+// Writes down in which order things happen.
+struct Diary : SceneObserver {
+  explicit Diary(std::vector<std::string>& entries) : entries(entries) {}
+  void OnReset() override { entries.push_back("observer"); }
+  void OnClose() override { entries.push_back("closed"); }
+  std::vector<std::string>& entries;
+};
+
+TEST(Reset, CallsHooksThenObserversThenForgetsForcesThenComputesPoses) {
+  Scene scene = Scene::Build(Workplace());
+  std::vector<std::string> entries;
+  const auto diary = std::make_shared<Diary>(entries);
+  scene.AddObserver(diary);
+  scene.AddResetHook([&](ResetContext& reset) {
+    entries.push_back(reset.info.used_keyframe && reset.options.seed == 4u ? "hook"
+                                                                           : "wrong context");
+    EXPECT_EQ(reset.scene.time(), 0);
+    reset.scene.data()->qpos[0] = 0.9;  // cube0
+    reset.scene.data()->qfrc_applied[0] = 100;
+  });
+  const int id = scene.AddResetHook([&](ResetContext& reset) {
+    entries.push_back(reset.scene.data()->qpos[0] == 0.9 ? "second hook" : "wrong order");
+  });
+  scene.StepN(3);
+  scene.Reset({.seed = 4});
+  EXPECT_THAT(entries, ElementsAre("hook", "second hook", "observer"));
+  EXPECT_EQ(scene.body_pose("cube0").translation().x(), 0.9) << "poses follow what the hook wrote";
+  EXPECT_EQ(scene.data()->qfrc_applied[0], 0);
+  scene.RemoveResetHook(id);
+  entries.clear();
+  scene.Reset({.seed = 4});
+  EXPECT_THAT(entries, ElementsAre("hook", "observer"));
+}
+
+TEST(Reset, AHookThatClosesTheSceneEndsTheReset) {
+  Scene scene = Scene::Build(Workplace());
+  scene.AddResetHook([](ResetContext& reset) { reset.scene.Close(); });
+  EXPECT_THROW(scene.Reset(), ClosedError);
+  EXPECT_TRUE(scene.closed());
+}
+
+TEST(Reset, AHookMayRemoveItself) {
+  Scene scene = Scene::Build(Workplace());
+  int calls = 0, id = -1;
+  id = scene.AddResetHook([&](ResetContext& reset) {
+    ++calls;
+    reset.scene.RemoveResetHook(id);
+  });
+  scene.Reset();
+  scene.Reset();
+  EXPECT_EQ(calls, 1);
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,93 @@
+#include "robocell/scene/robot_base.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+constexpr float kPedestalColour[4] = {0.32f, 0.33f, 0.36f, 1.0f};
+
+bool HasFreeJoint(mjsBody* body) {
+  for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT)) {
+    if (mjs_asJoint(joint)->type == mjJNT_FREE) return true;
+  }
+  return false;
+}
+
+void AddPedestal(mjsBody* body, const Vec3& size, const std::string& prefix,
+                 const std::string& place) {
+  mjsGeom* geom = mjs_addGeom(body, nullptr);
+  SetSpecName(geom->element, prefix + "pedestal", place);
+  geom->type = mjGEOM_BOX;
+  for (int i = 0; i < 3; ++i) geom->size[i] = size[i] / 2;
+  geom->pos[2] = size[2] / 2;
+  std::copy_n(kPedestalColour, 4, geom->rgba);
+}
+
+void AddPlanarJoints(mjsBody* body, const std::string& prefix, const std::string& place) {
+  const struct {
+    const char* name;
+    mjtJoint type;
+    int axis;
+  } joints[] = {
+      {"base_x", mjJNT_SLIDE, 0}, {"base_y", mjJNT_SLIDE, 1}, {"base_yaw", mjJNT_HINGE, 2}};
+  for (const auto& [name, type, axis] : joints) {
+    mjsJoint* joint = mjs_addJoint(body, nullptr);
+    SetSpecName(joint->element, prefix + name, place);
+    joint->type = type;
+    for (int i = 0; i < 3; ++i) joint->axis[i] = i == axis ? 1 : 0;
+  }
+}
+
+}  // namespace
+
+std::optional<std::string> BaseBodyName(const BaseConfig& base, const std::string& prefix) {
+  if (base.kind == BaseKind::kFixed && !base.size) return std::nullopt;
+  return prefix + ToString(base.kind) + "_base";
+}
+
+void SettleBase(RobotPart& robot, Report& report) {
+  RobotRecord& record = robot.record;
+  if (record.base.size) record.pedestal_height = (*record.base.size)[2];
+  const auto made = BaseBodyName(record.base, record.prefix);
+  if (record.base.kind == BaseKind::kMocap) record.mocap_body = made;
+  const std::string top = SpecName(robot.top->element);
+  record.base_body = made ? *made : top.empty() ? record.root_body : record.prefix + top;
+  if (!HasFreeJoint(robot.top)) return;
+  if (made) {
+    report.Problem(
+        robot.part.place,
+        fmt::format("the model's root '{}' has a free joint of its own, so its base cannot be {}; "
+                    "delete the joint in `edits` or leave the base out",
+                    SpecName(robot.top->element), ToString(record.base.kind)));
+  }
+  record.base.kind = BaseKind::kFree;
+}
+
+std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded,
+                                 const Placement& placement, Report& report) {
+  const BaseConfig& base = loaded.record.base;
+  const std::string& place = loaded.part.place;
+  const bool free_root = HasFreeJoint(loaded.top);
+  const auto name = free_root ? std::nullopt : BaseBodyName(base, robot.prefix);
+  std::optional<Placement> at = placement;
+  if (base.kind != BaseKind::kFixed) {
+    at = PlaceInWorld(placement, robot.attach_to, std::string("a ") + ToString(base.kind) + " base",
+                      place, report);
+  }
+  if (!at || !name) return at;
+  mjsBody* body = mjs_addBody(at->parent, nullptr);
+  SetSpecName(body->element, *name, place);
+  SetPose(body, at->pose);
+  body->mocap = base.kind == BaseKind::kMocap;
+  if (base.kind == BaseKind::kFree)
+    SetSpecName(mjs_addFreeJoint(body)->element, robot.prefix + "base_free", place);
+  if (base.kind == BaseKind::kPlanar) AddPlanarJoints(body, robot.prefix, place);
+  if (base.size) AddPedestal(body, *base.size, robot.prefix, place);
+  return Placement{body, Pose(Eigen::Vector3d(0, 0, loaded.record.pedestal_height))};
+}
+
+}  // namespace robocell

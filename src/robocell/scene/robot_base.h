@@ -1,0 +1,20 @@
+// Private to scene: what a robot stands on. A base body `<prefix><kind>_base` is made for mocap,
+// free and planar bases and for every pedestal; its origin is the pedestal's bottom, the robot's
+// root hangs at the pedestal's top.
+//   mocap   a mocap body of the world
+//   free    with the free joint <prefix>base_free
+//   planar  with the joints <prefix>base_x, <prefix>base_y, <prefix>base_yaw; nothing drives them
+#pragma once
+
+#include "robocell/scene/add_robot.h"
+
+namespace robocell {
+
+// Fills base body, pedestal height and the effective kind of base into the record.
+void SettleBase(RobotPart& robot, Report& report);
+
+// Adds the base body to the scene and says where the robot's root goes. Null after a problem.
+std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded,
+                                 const Placement& placement, Report& report);
+
+}  // namespace robocell

@@ -1,0 +1,80 @@
+// What a robot's configuration overrides in its model, and the TCP site.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/base/names.h"
+#include "robocell/scene/robot_parts.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+bool IsPositionServo(const mjsActuator* actuator) {
+  return actuator->gaintype == mjGAIN_FIXED && actuator->biastype == mjBIAS_AFFINE &&
+         actuator->gainprm[0] == -actuator->biasprm[1] && actuator->gainprm[0] > 0;
+}
+
+void OverrideServo(const RobotConfig& config, mjsActuator* actuator) {
+  if (config.stiffness) {
+    actuator->gainprm[0] = *config.stiffness;
+    actuator->biasprm[1] = -*config.stiffness;
+  }
+  if (config.damping) actuator->biasprm[2] = -*config.damping;
+  if (config.force_limit) {
+    actuator->forcelimited = mjLIMITED_TRUE;
+    actuator->forcerange[0] = -*config.force_limit;
+    actuator->forcerange[1] = *config.force_limit;
+  }
+}
+
+void OverrideArm(const RobotConfig& config, const MoveGroupConfig& arm, Part& robot,
+                 Report& report) {
+  for (const std::string& name : arm.actuators) {
+    mjsElement* element = FindSpecElement(robot.spec.get(), mjOBJ_ACTUATOR, name);
+    if (!element) continue;  // reported with all other names after compiling
+    if (IsPositionServo(mjs_asActuator(element))) {
+      OverrideServo(config, mjs_asActuator(element));
+    } else {
+      report.Problem(
+          robot.place,
+          fmt::format(
+              "stiffness, damping and force_limit are for position servos; actuator '{}' is none",
+              name));
+    }
+  }
+}
+
+}  // namespace
+
+void ApplyOverrides(const RobotConfig& config, Part& robot, Report& report) {
+  if (config.gravcomp) {
+    for (mjsElement* body : SpecElements(robot.spec.get(), mjOBJ_BODY))
+      mjs_asBody(body)->gravcomp = *config.gravcomp ? 1 : 0;
+  }
+  if (!config.stiffness && !config.damping && !config.force_limit) return;
+  for (const auto& [name, group] : config.move_groups.entries()) {
+    if (group->kind == MoveGroupKind::kArm) OverrideArm(config, *group, robot, report);
+  }
+}
+
+std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, Report& report) {
+  if (!config.attachment_site) return std::nullopt;
+  mjSpec* spec = robot.spec.get();
+  mjsElement* flange = FindSpecElement(spec, mjOBJ_SITE, *config.attachment_site);
+  if (!flange) {
+    report.Problem(robot.place,
+                   "attachment_site: " + NoSuchName("the robot", "site", *config.attachment_site,
+                                                    SpecNames(spec, mjOBJ_SITE)));
+    return std::nullopt;
+  }
+  if (!config.tcp_offset) return std::nullopt;
+  std::string name = "tcp";
+  while (FindSpecElement(spec, mjOBJ_SITE, name)) name += "_offset";
+  mjsSite* site = mjs_addSite(mjs_getParent(flange), nullptr);
+  SetSpecName(site->element, name, robot.place);
+  SetPose(site, PoseInParent(flange) * *config.tcp_offset);
+  site->group = mjs_asSite(flange)->group;
+  return name;
+}
+
+}  // namespace robocell

@@ -1,0 +1,29 @@
+// Private to scene: the steps of making a robot's model. Names are those of the robot's own model,
+// without its prefix; `spec` is that model.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include "robocell/scene/part.h"
+#include "robocell/spec/robot_spec.h"
+#include "robocell/spec/scene_spec.h"
+
+namespace robocell {
+
+// edits.cc
+void ApplyEdits(const List<Edit>& edits, mjSpec* spec, const std::string& place, Report& report);
+
+// attachments.cc: mounts tools one after the other; their home keys join the robot's.
+void AddAttachments(const List<AttachmentSpec>& attachments, const std::string& directory,
+                    Part& robot, const SceneSpec& scene, Report& report);
+
+// add_camera.cc
+void AddRobotCameras(const RobotConfig& config, Part& robot, Report& report);
+
+// robot_overrides.cc: gravcomp, stiffness, damping, force_limit.
+void ApplyOverrides(const RobotConfig& config, Part& robot, Report& report);
+
+// The site for attachment_site * tcp_offset, when both are configured.
+std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, Report& report);
+
+}  // namespace robocell

@@ -1,0 +1,123 @@
+// Scene: life cycle and stepping. Frames, reset, contacts and files are in their own files.
+#include "robocell/scene/scene.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/owners.h"
+#include "robocell/mujoco/step.h"
+#include "robocell/scene/rig.h"
+#include "robocell/scene/scene_state.h"
+
+namespace robocell {
+namespace {
+
+DataHandle MakeOwnData(CompiledScene& compiled) {
+  std::shared_ptr<mjData> data(MakeData(compiled.model()).release(), DataDeleter());
+  return {data.get(), data};
+}
+
+}  // namespace
+
+Scene Scene::Build(const SceneSpec& spec, const DataFactory& factory) {
+  return FromCompiled(CompileScene(spec), factory);
+}
+
+Scene Scene::FromCompiled(std::shared_ptr<CompiledScene> compiled, const DataFactory& factory) {
+  auto state = std::make_shared<State>();
+  state->name = compiled->spec().name;
+  state->context = "scene '" + state->name + "'";
+  state->data = factory ? factory(*compiled) : MakeOwnData(*compiled);
+  state->compiled = std::move(compiled);
+  Scene scene(std::move(state));
+  scene.Reset();
+  return scene;
+}
+
+Scene::State& Scene::open() const {
+  if (state_->closed) throw ClosedError(state_->context + " is closed");
+  return *state_;
+}
+
+double Scene::time() const { return open().data.data->time; }
+
+double Scene::timestep() const { return open().model()->opt.timestep; }
+
+StepResult Scene::StepN(int n) {
+  State& s = open();
+  return robocell::Step(s.model(), s.data.data, n, s.context);
+}
+
+void Scene::Forward() {
+  State& s = open();
+  robocell::Forward(s.model(), s.data.data, s.context);
+  s.poses_at = s.data.data->time;
+}
+
+void Scene::SyncPoses() const {
+  State& s = open();
+  const mjModel* model = s.model();
+  mjData* data = s.data.data;
+  if (data->time == s.poses_at) return;
+  Guarded(s.context, data, [&] {
+    mj_kinematics(model, data);
+    mj_comPos(model, data);
+    mj_camlight(model, data);
+  });
+  s.poses_at = data->time;
+}
+
+Pose Scene::root_frame_to_world() const { return RootFrameToWorld(open().compiled->spec()); }
+
+Pose Scene::shared_base_frame_to_world() const {
+  return SharedBaseFrameToWorld(open().compiled->spec());
+}
+
+const std::string& Scene::name() const { return state_->name; }
+
+const SceneSpec& Scene::spec() const { return open().compiled->spec(); }
+
+const std::shared_ptr<CompiledScene>& Scene::compiled() const { return open().compiled; }
+
+uint64_t Scene::generation() const { return open().compiled->generation(); }
+
+const mjModel* Scene::model() const { return open().model(); }
+
+mjModel* Scene::mutable_model() { return open().compiled->mutable_model(); }
+
+mjData* Scene::data() const { return open().data.data; }
+
+const std::shared_ptr<void>& Scene::data_keeper() const { return open().data.keeper; }
+
+void Scene::AddObserver(std::weak_ptr<SceneObserver> observer, const std::string& key) {
+  auto& observers = open().observers;
+  std::erase_if(observers, [](const auto& watch) { return watch.observer.expired(); });
+  observers.push_back({key, std::move(observer)});
+}
+
+std::shared_ptr<SceneObserver> Scene::FindObserver(const std::string& key) const {
+  for (const auto& watch : open().observers) {
+    if (watch.key != key || key.empty()) continue;
+    if (auto observer = watch.observer.lock()) return observer;
+  }
+  return nullptr;
+}
+
+void Scene::Close() {
+  if (state_->closed) return;
+  const auto observers = std::move(state_->observers);
+  for (const auto& watch : observers) {
+    if (const auto observer = watch.observer.lock()) observer->OnClose();
+  }
+  state_->closed = true;
+  state_->hooks.clear();
+  state_->data = {};
+  state_->compiled.reset();
+}
+
+bool Scene::closed() const { return state_->closed; }
+
+}  // namespace robocell

@@ -1,0 +1,174 @@
+// Scene: a simulation that is alive: one mjData on a CompiledScene. A Scene is a handle to shared
+// state and cheap to copy; the state lives as long as any handle to it.
+//
+// Poses are world poses of the named element. Lengths in metres, time in seconds, quaternions xyzw.
+// After any change to qpos through this class the poses are up to date; code that writes data()
+// itself calls Forward().
+//
+//   Scene scene = Scene::Build(spec);
+//   scene.Reset({.seed = 1});
+//   for (int i = 0; i < 500; ++i) scene.Step();
+//   Pose cube = scene.body_pose("cube");
+//
+// Errors: NotFoundError for unknown names, ClosedError after Close(), EngineError when MuJoCo
+// reports one. Divergence is a value (StepResult), never an exception. One scene is used by one
+// thread at a time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/base/rng.h"
+#include "robocell/math/pose.h"
+#include "robocell/mujoco/divergence.h"
+#include "robocell/scene/compiled_scene.h"
+
+namespace robocell {
+
+class Scene;
+
+struct ResetOptions {
+  std::optional<int> keyframe = {};   // unset: the scene's home key
+  bool use_keyframe = true;           // false: the model's default configuration
+  std::optional<uint64_t> seed = {};  // for home_noise; unset: no noise
+};
+
+struct ResetInfo {
+  bool used_keyframe = false;
+  int keyframe = -1;
+};
+
+// What a reset hook gets. It may write the state; ports are re-seeded from what it leaves.
+struct ResetContext {
+  Scene& scene;
+  const ResetOptions& options;
+  const ResetInfo& info;
+};
+
+using ResetHook = std::function<void(ResetContext&)>;
+
+// Told about what happens to a scene. Robots use it to follow resets and rebuilds.
+class SceneObserver {
+ public:
+  virtual ~SceneObserver() = default;
+  virtual void OnReset() {}    // after the reset hook, before the final forward pass
+  virtual void OnRebuild() {}  // model and data are new: look names up again
+  virtual void OnClose() {}
+};
+
+// Data on a model and what keeps it alive. The default makes it with mj_makeData; Python makes its
+// own.
+struct DataHandle {
+  mjData* data = nullptr;
+  std::shared_ptr<void> keeper;
+};
+using DataFactory = std::function<DataHandle(CompiledScene&)>;
+
+struct Contact {
+  std::string geom1, geom2;  // full names, or "body/geom#i" when unnamed
+  std::string body1, body2;
+  double distance;           // negative when penetrating, metres
+  Eigen::Vector3d position;  // in the world
+  Eigen::Vector3d force;     // on body2, in the world, N
+};
+
+class Scene {
+ public:
+  static Scene Build(const SceneSpec& spec, const DataFactory& factory = {});
+  static Scene FromCompiled(std::shared_ptr<CompiledScene> compiled,
+                            const DataFactory& factory = {});
+
+  // Time and stepping. No allocation.
+  double time() const;
+  double timestep() const;
+  StepResult Step() { return StepN(1); }
+  StepResult StepN(int n);
+  // Recomputes everything that follows from qpos, qvel and ctrl.
+  void Forward();
+
+  // An engine step leaves poses (xpos, site_xpos, cameras, contacts' frames) one step behind qpos.
+  // This brings them up to date: about a microsecond after a step, nothing otherwise; physics is
+  // not affected. The pose functions below and all handles (move groups, cameras) call it first.
+  void SyncPoses() const;
+
+  // Restores the keyframe (or default), puts robots at home plus noise, calls the hooks, tells the
+  // observers, clears stale forces and warm starts, and runs Forward. The trajectory after a reset
+  // does not depend on what was before.
+  ResetInfo Reset(const ResetOptions& options = {});
+  int AddResetHook(ResetHook hook);
+  void RemoveResetHook(int id);
+  void ClearResetHooks();
+  // Observers are held weakly. One with a key can be found again, so that all handles to a robot
+  // share one state.
+  void AddObserver(std::weak_ptr<SceneObserver> observer, const std::string& key = {});
+  std::shared_ptr<SceneObserver> FindObserver(const std::string& key) const;
+
+  // Frames, in the world.
+  Pose body_pose(const std::string& name) const;
+  Pose site_pose(const std::string& name) const;
+  Pose camera_pose(const std::string& name) const;  // MuJoCo camera axes
+  // Moves a free or mocap body and stops it; an error for any other body.
+  void SetBodyPose(const std::string& name, const Pose& pose_in_world);
+  Pose root_frame_to_world() const;
+  Pose shared_base_frame_to_world() const;
+
+  std::vector<std::string> body_names() const;
+  std::vector<std::string> joint_names() const;
+  std::vector<std::string> camera_names() const;
+
+  bool has_actuator(const std::string& name) const;
+  double actuator_ctrl(const std::string& name) const;
+  // Refuses NaN by name before the engine sees it.
+  void SetActuatorCtrl(const std::string& name, double value);
+  // Force (N) and torque (Nm) on a body in the world, at its centre of mass, kept until changed or
+  // reset.
+  void SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
+                     const Eigen::Vector3d& torque);
+
+  // Active contacts; with `of`, those of that body's subtree.
+  std::vector<Contact> contacts(const std::string& of = "") const;
+
+  // Everything the engine needs to go on bit-equally (mjSTATE_INTEGRATION).
+  std::vector<double> state() const;
+  void SetState(std::span<const double> state);
+
+  // Files that stock MuJoCo loads. The XML refers to assets by absolute path.
+  void SaveXml(const std::string& path) const;
+  void SaveBinary(const std::string& path) const;
+  std::string ToXml() const;
+
+  const std::string& name() const;
+  const SceneSpec& spec() const;
+  const std::shared_ptr<CompiledScene>& compiled() const;
+  uint64_t generation() const;
+  const mjModel* model() const;
+  mjModel* mutable_model();  // Error when the compiled scene is frozen
+  mjData* data() const;
+  const std::shared_ptr<void>& data_keeper() const;
+
+  void Close();
+  bool closed() const;
+  // For garbage collectors of other languages: whether no other handle holds the simulation, what it
+  // holds of theirs, and a number that handles to the same simulation share.
+  bool sole_handle() const { return state_.use_count() == 1; }
+  const std::map<int, ResetHook>& reset_hooks() const;
+  size_t id() const { return reinterpret_cast<size_t>(state_.get()); }
+
+  // Handles to the same simulation are equal.
+  bool operator==(const Scene& other) const { return state_ == other.state_; }
+
+ private:
+  struct State;
+  explicit Scene(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  State& open() const;
+
+  std::shared_ptr<State> state_;
+};
+
+}  // namespace robocell

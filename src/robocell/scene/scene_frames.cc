@@ -1,0 +1,142 @@
+// Frames, actuators, wrenches and state of a Scene.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/scene_state.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kState = mjSTATE_INTEGRATION;
+
+std::vector<std::string> Named(const mjModel* model, mjtObj kind) {
+  std::vector<std::string> names = ElementNames(model, kind);
+  std::erase(names, "");
+  return names;
+}
+
+bool IsFree(const mjModel* model, int body) {
+  return model->body_jntnum[body] == 1 && model->jnt_type[model->body_jntadr[body]] == mjJNT_FREE;
+}
+
+void MoveFreeBody(const mjModel* model, mjData* data, int body, const Pose& pose) {
+  const int joint = model->body_jntadr[body];
+  mjtNum* q = data->qpos + model->jnt_qposadr[joint];
+  pose.ToWxyz(q, q + 3);
+  std::fill_n(data->qvel + model->jnt_dofadr[joint], 6, 0.0);
+}
+
+void MoveMocapBody(mjData* data, int mocap, const Pose& pose) {
+  pose.ToWxyz(data->mocap_pos + 3 * mocap, data->mocap_quat + 4 * mocap);
+}
+
+void RequireFinite(double value, const std::string& what) {
+  if (!std::isfinite(value))
+    throw ArgumentError(fmt::format("{} must be a finite number, got {}", what, value));
+}
+
+}  // namespace
+
+Pose Scene::body_pose(const std::string& name) const {
+  const State& s = open();
+  SyncPoses();
+  const int id = RequireId(s.model(), mjOBJ_BODY, name, s.context);
+  return Pose::FromWxyz(s.data.data->xpos + 3 * id, s.data.data->xquat + 4 * id);
+}
+
+Pose Scene::site_pose(const std::string& name) const {
+  const State& s = open();
+  SyncPoses();
+  const int id = RequireId(s.model(), mjOBJ_SITE, name, s.context);
+  return Pose::FromTranslationAndMatrix(s.data.data->site_xpos + 3 * id,
+                                        s.data.data->site_xmat + 9 * id);
+}
+
+Pose Scene::camera_pose(const std::string& name) const {
+  const State& s = open();
+  SyncPoses();
+  const int id = RequireId(s.model(), mjOBJ_CAMERA, name, s.context);
+  return Pose::FromTranslationAndMatrix(s.data.data->cam_xpos + 3 * id,
+                                        s.data.data->cam_xmat + 9 * id);
+}
+
+void Scene::SetBodyPose(const std::string& name, const Pose& pose_in_world) {
+  State& s = open();
+  const int body = RequireId(s.model(), mjOBJ_BODY, name, s.context);
+  const int mocap = s.model()->body_mocapid[body];
+  if (mocap >= 0) {
+    MoveMocapBody(s.data.data, mocap, pose_in_world);
+  } else if (IsFree(s.model(), body)) {
+    MoveFreeBody(s.model(), s.data.data, body, pose_in_world);
+  } else {
+    throw ArgumentError(fmt::format(
+        "{}: body '{}' cannot be moved by its pose: it is neither free nor a mocap body", s.context,
+        name));
+  }
+  Forward();
+}
+
+std::vector<std::string> Scene::body_names() const { return Named(open().model(), mjOBJ_BODY); }
+
+std::vector<std::string> Scene::joint_names() const { return Named(open().model(), mjOBJ_JOINT); }
+
+std::vector<std::string> Scene::camera_names() const { return Named(open().model(), mjOBJ_CAMERA); }
+
+bool Scene::has_actuator(const std::string& name) const {
+  return FindId(open().model(), mjOBJ_ACTUATOR, name) >= 0;
+}
+
+double Scene::actuator_ctrl(const std::string& name) const {
+  const State& s = open();
+  return s.data.data
+      ->ctrl[s.model()->actuator_ctrladr[RequireId(s.model(), mjOBJ_ACTUATOR, name, s.context)]];
+}
+
+void Scene::SetActuatorCtrl(const std::string& name, double value) {
+  State& s = open();
+  const int id = RequireId(s.model(), mjOBJ_ACTUATOR, name, s.context);
+  RequireFinite(value, fmt::format("{}: control of actuator '{}'", s.context, name));
+  s.data.data->ctrl[s.model()->actuator_ctrladr[id]] = value;
+}
+
+void Scene::SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
+                          const Eigen::Vector3d& torque) {
+  State& s = open();
+  const int id = RequireId(s.model(), mjOBJ_BODY, body, s.context);
+  for (int i = 0; i < 3; ++i) {
+    RequireFinite(force[i], fmt::format("{}: force on body '{}'", s.context, body));
+    RequireFinite(torque[i], fmt::format("{}: torque on body '{}'", s.context, body));
+  }
+  mjtNum* wrench = s.data.data->xfrc_applied + 6 * id;
+  std::copy_n(force.data(), 3, wrench);
+  std::copy_n(torque.data(), 3, wrench + 3);
+}
+
+std::vector<double> Scene::state() const {
+  const State& s = open();
+  std::vector<double> out(static_cast<size_t>(mj_stateSize(s.model(), kState)));
+  mj_getState(s.model(), s.data.data, out.data(), kState);
+  return out;
+}
+
+void Scene::SetState(std::span<const double> state) {
+  State& s = open();
+  const auto size = static_cast<size_t>(mj_stateSize(s.model(), kState));
+  if (state.size() != size) {
+    throw ArgumentError(fmt::format(
+        "{}: a state has {} numbers, got {}; states fit only the model they were taken from",
+        s.context, size, state.size()));
+  }
+  const auto set = [&] { mj_setState(s.model(), s.data.data, state.data(), kState); };
+  Guarded(s.context, s.data.data, set);
+  Forward();
+  Guarded(s.context, s.data.data, set);  // the forward pass leaves its own warm start
+}
+
+}  // namespace robocell

@@ -1,0 +1,32 @@
+// Private to scene: what handles of a Scene share.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+struct Scene::State {
+  std::string name;
+  std::string context;  // "scene 'pick'", for messages
+  std::shared_ptr<CompiledScene> compiled;
+  DataHandle data;
+  std::map<int, ResetHook> hooks;  // by id, called in order of adding
+  int next_hook = 0;
+  struct Watch {
+    std::string key;
+    std::weak_ptr<SceneObserver> observer;
+  };
+  std::vector<Watch> observers;
+  // Time of the data when poses last agreed with qpos. Time moves with every step, whoever makes
+  // it.
+  double poses_at = -1;
+  bool closed = false;
+
+  const mjModel* model() const { return compiled->model(); }
+};
+
+}  // namespace robocell

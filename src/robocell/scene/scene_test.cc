@@ -1,0 +1,293 @@
+#include "robocell/scene/scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <limits>
+#include <thread>
+
+#include "robocell/assets/resolve.h"
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/testing/scenes.h"
+#include "robocell/testing/count_allocations.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::SizeIs;
+
+SceneSpec Workplace() {
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7"))});
+  spec.objects.push_back(BoxObject("cube", {0.5, 0, 0.02}));
+  return spec;
+}
+
+TEST(Scene, AFreeBoxFallsOntoTheFloor) {
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(BoxObject("cube", {0, 0, 0.5}));
+  Scene scene = Scene::Build(spec);
+  ASSERT_TRUE(scene.StepN(1000).ok());
+  EXPECT_NEAR(scene.body_pose("cube").translation().z(), 0.02, 1e-3);
+  EXPECT_NEAR(scene.time(), 2.0, 1e-9);
+  EXPECT_EQ(scene.timestep(), 0.002);
+}
+
+TEST(Scene, TheBuiltInRobotStaysAtHome) {
+  Scene scene = Scene::Build(Workplace());
+  const Pose before = scene.site_pose("tcp");
+  scene.StepN(500);
+  EXPECT_TRUE(scene.site_pose("tcp").is_close(before, 0.005, 0.005));
+}
+
+TEST(Scene, StepsWithoutAllocating) {
+  Scene scene = Scene::Build(Workplace());
+  scene.StepN(10);
+  const AllocationCount count;
+  for (int i = 0; i < 100; ++i) scene.Step();
+  scene.StepN(100);
+  scene.SyncPoses();
+  scene.Forward();
+  EXPECT_EQ(count.allocations(), 0);
+}
+
+TEST(Scene, PosesAreThoseOfTheStateAfterTheStep) {
+  Scene scene = Scene::Build(Workplace());
+  scene.SetActuatorCtrl("servo1", 1);
+  scene.StepN(20);
+  const Pose after_step = scene.site_pose("tcp");
+  const Pose camera = scene.camera_pose("wrist_camera");
+  scene.Forward();
+  EXPECT_EQ(after_step, scene.site_pose("tcp"));
+  EXPECT_EQ(camera, scene.camera_pose("wrist_camera"));
+}
+
+TEST(Scene, AskingForPosesDoesNotChangePhysics) {
+  Scene quiet = Scene::Build(Workplace()), asked = Scene::Build(Workplace());
+  for (int i = 0; i < 200; ++i) {
+    quiet.data()->ctrl[0] = asked.data()->ctrl[0] = 0.01 * i;
+    quiet.Step();
+    asked.Step();
+    asked.body_pose("cube");
+  }
+  EXPECT_EQ(quiet.state(), asked.state());
+}
+
+TEST(Scene, UnknownNamesSuggestTheNearest) {
+  Scene scene = Scene::Build(Workplace());
+  ExpectThrow<NotFoundError>([&] { scene.body_pose("cubee"); }, "scene 'test': no body 'cubee'.");
+  ExpectThrow<NotFoundError>([&] { scene.site_pose("tpc"); }, "Did you mean 'tcp'?");
+  ExpectThrow<NotFoundError>([&] { scene.camera_pose("wrist_cam"); },
+                             "Did you mean 'wrist_camera'?");
+  ExpectThrow<NotFoundError>([&] { scene.actuator_ctrl("servo11"); }, "no actuator 'servo11'");
+  ExpectThrow<NotFoundError>([&] { scene.contacts("cub"); }, "no body 'cub'");
+  EXPECT_FALSE(scene.has_actuator("servo11"));
+  EXPECT_TRUE(scene.has_actuator("servo1"));
+}
+
+TEST(Scene, ListsNamedElementsOnly) {
+  ModelFolder folder;
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back(
+      {.path = folder.Write("anonymous", R"(<worldbody><body name="base"><geom size="0.1"/>
+      <body><joint axis="0 0 1"/><geom size="0.1"/><camera/></body></body></worldbody>)")});
+  const Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.body_names(), ElementsAre("world", "base"));
+  EXPECT_THAT(scene.joint_names(), IsEmpty());
+  EXPECT_THAT(scene.camera_names(), IsEmpty());
+}
+
+TEST(Scene, MovesFreeBodiesAndStopsThem) {
+  Scene scene = Scene::Build(Workplace());
+  scene.SetBodyWrench("cube", {0, 0, 5}, {0, 0, 0});
+  scene.StepN(50);
+  scene.SetBodyPose("cube", Pose::FromRpy({1, 2, 3}, {0.1, 0.2, 0.3}));
+  EXPECT_TRUE(
+      scene.body_pose("cube").is_close(Pose::FromRpy({1, 2, 3}, {0.1, 0.2, 0.3}), 1e-12, 1e-12));
+  const int dof =
+      scene.model()->jnt_dofadr[RequireId(scene.model(), mjOBJ_JOINT, "cube_joint", "")];
+  for (int i = 0; i < 6; ++i) EXPECT_EQ(scene.data()->qvel[dof + i], 0);
+  ExpectThrow<ArgumentError>([&] { scene.SetBodyPose("link3", Pose()); },
+                             "scene 'test': body 'link3' cannot be moved by its pose: it is "
+                             "neither free nor a mocap body");
+}
+
+TEST(Scene, AWrenchActsUntilItIsChanged) {
+  Scene scene = Scene::Build(Workplace());
+  scene.SetBodyWrench("cube", {0, 0, 0.1 * 9.81 + 0.1}, {0, 0, 0});
+  scene.StepN(500);  // one second with 1 m/s^2
+  EXPECT_NEAR(scene.body_pose("cube").translation().z() - 0.02, 0.5, 0.01);
+}
+
+TEST(Scene, RefusesNumbersThatAreNotFinite) {
+  Scene scene = Scene::Build(Workplace());
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  ExpectThrow<ArgumentError>(
+      [&] { scene.SetActuatorCtrl("servo2", nan); },
+      "scene 'test': control of actuator 'servo2' must be a finite number, got nan");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        scene.SetBodyWrench("cube", {0, nan, 0}, {0, 0, 0});
+      },
+      "force on body 'cube' must be a finite number");
+}
+
+TEST(Scene, ContactsSayWhoTouchesWhomAndHowHard) {
+  Scene scene = Scene::Build(Workplace());
+  scene.StepN(200);
+  const std::vector<Contact> contacts = scene.contacts("cube");
+  ASSERT_THAT(contacts, SizeIs(4));
+  Eigen::Vector3d on_cube = Eigen::Vector3d::Zero();
+  for (const Contact& c : contacts) {
+    EXPECT_EQ(c.geom1, "floor");
+    EXPECT_EQ(c.geom2, "cube_geom");
+    EXPECT_EQ(c.body1, "world");
+    EXPECT_EQ(c.body2, "cube");
+    EXPECT_NEAR(c.distance, 0, 1e-3);
+    EXPECT_NEAR(std::abs(c.position.x() - 0.5), 0.02, 1e-3);
+    on_cube += c.force;
+  }
+  EXPECT_NEAR(on_cube.z(), 0.1 * 9.81, 0.01);
+  EXPECT_THAT(scene.contacts("base_link"), IsEmpty());
+}
+
+TEST(Scene, GoesOnToTheBitFromASavedState) {
+  Scene scene = Scene::Build(Workplace());
+  scene.SetActuatorCtrl("servo1", 0.5);
+  scene.StepN(123);
+  const std::vector<double> saved = scene.state();
+  scene.StepN(77);
+  const std::vector<double> expected = scene.state();
+  scene.Reset({.seed = 1});
+  scene.SetState(saved);
+  EXPECT_EQ(scene.state(), saved);
+  scene.StepN(77);
+  EXPECT_EQ(scene.state(), expected);
+  ExpectThrow<ArgumentError>([&] { scene.SetState(std::vector<double>(3)); },
+                             "numbers, got 3; states fit only the model they were taken from");
+}
+
+TEST(Scene, DivergenceIsAValue) {
+  Scene scene = Scene::Build(Workplace());
+  scene.data()->qvel[0] = 1e11;
+  const StepResult result = scene.StepN(10);
+  EXPECT_EQ(result.status, StepResult::kDiverged);
+  EXPECT_EQ(result.steps, 1);
+}
+
+TEST(Scene, IsAHandleToOneSimulation) {
+  Scene scene = Scene::Build(Workplace());
+  Scene same = scene;
+  same.StepN(5);
+  EXPECT_EQ(scene.time(), same.time());
+  EXPECT_TRUE(scene == same);
+  EXPECT_FALSE(scene == Scene::Build(Workplace()));
+}
+
+struct CloseWatch : SceneObserver {
+  void OnClose() override { ++closed; }
+  int closed = 0;
+};
+
+TEST(Scene, SaysThatItIsClosed) {
+  Scene scene = Scene::Build(Workplace());
+  const Scene other = scene;
+  const auto watch = std::make_shared<CloseWatch>();
+  scene.AddObserver(watch);
+  scene.Close();
+  scene.Close();
+  EXPECT_EQ(watch->closed, 1);
+  EXPECT_TRUE(other.closed());
+  ExpectThrow<ClosedError>([&] { scene.Step(); }, "scene 'test' is closed");
+  ExpectThrow<ClosedError>([&] { other.body_pose("cube"); }, "scene 'test' is closed");
+  EXPECT_EQ(scene.name(), "test");
+}
+
+TEST(Scene, FindsObserversByKeyWhileTheyLive) {
+  Scene scene = Scene::Build(Workplace());
+  auto watch = std::make_shared<CloseWatch>();
+  scene.AddObserver(watch, "robot left");
+  EXPECT_EQ(scene.FindObserver("robot left"), watch);
+  EXPECT_EQ(scene.FindObserver("robot right"), nullptr);
+  EXPECT_EQ(scene.FindObserver(""), nullptr);
+  watch.reset();
+  EXPECT_EQ(scene.FindObserver("robot left"), nullptr);
+}
+
+TEST(CompiledScene, IsSharedBetweenScenesWhenFrozen) {
+  const auto compiled = CompileScene(Workplace());
+  compiled->Freeze();
+  std::vector<std::vector<double>> ends(4);
+  std::vector<std::thread> threads;
+  for (auto& end : ends) {
+    threads.emplace_back([&] {
+      Scene scene = Scene::FromCompiled(compiled);
+      scene.StepN(200);
+      end = scene.state();
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& end : ends) EXPECT_EQ(end, ends[0]);
+  Scene scene = Scene::FromCompiled(compiled);
+  ExpectThrow<Error>(
+      [&] { scene.mutable_model(); },
+      "scene 'test': its compiled scene is frozen because it is shared between scenes");
+}
+
+TEST(CompiledScene, HasANewGenerationEachTime) {
+  const uint64_t first = CompileScene(Workplace())->generation();
+  EXPECT_LT(first, CompileScene(Workplace())->generation());
+}
+
+TEST(CompiledScene, HandsItsModelOverOnce) {
+  const auto compiled = CompileScene(Workplace());
+  mjModel* model = compiled->mutable_model();
+  int freed = 0;
+  compiled->AdoptModelKeeper(std::shared_ptr<void>(model, [&](void* m) {
+    mj_deleteModel(static_cast<mjModel*>(m));
+    ++freed;
+  }));
+  EXPECT_TRUE(compiled->model_is_external());
+  ExpectThrow<Error>([&] { compiled->AdoptModelKeeper(std::make_shared<int>(1)); },
+                     "its model was handed over already");
+  {
+    Scene scene = Scene::FromCompiled(compiled);
+    EXPECT_EQ(scene.model(), model);
+    scene.StepN(10);
+  }
+  EXPECT_EQ(freed, 0);
+}
+
+TEST(CompiledScene, TakesDataThatSomebodyElseMade) {
+  int freed = 0;
+  {
+    Scene scene = Scene::Build(Workplace(), [&](CompiledScene& compiled) {
+      mjData* data = mj_makeData(compiled.model());
+      return DataHandle{data, std::shared_ptr<void>(data, [&](void* d) {
+                          mj_deleteData(static_cast<mjData*>(d));
+                          ++freed;
+                        })};
+    });
+    scene.StepN(5);
+    EXPECT_EQ(scene.data_keeper().use_count(), 1);
+  }
+  EXPECT_EQ(freed, 1);
+}
+
+TEST(CompiledScene, SaysWhatTheEngineRefuses) {
+  ModelFolder folder;
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(
+      {.name = "ghost",
+       .mjcf_path =
+           folder.Write("ghost", R"(<worldbody><body name="g"><joint/></body></worldbody>)")});
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); }, "scene 'test': building the model: ");
+}
+
+}  // namespace
+}  // namespace robocell

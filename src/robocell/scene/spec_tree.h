@@ -1,0 +1,52 @@
+// Private to scene: reading and changing the tree of an mjSpec. Element lists, names, and poses
+// with everything an author may have used (frames around an element, Euler angles, axes) resolved.
+//
+// Poses are in the parent body unless a name says otherwise. Nothing here checks for null elements:
+// the engine treats a null as a fatal error.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <string>
+#include <vector>
+
+#include "robocell/math/pose.h"
+
+namespace robocell {
+
+// Every element of a kind, in the engine's order.
+std::vector<mjsElement*> SpecElements(const mjSpec* spec, mjtObj kind);
+// "" for an element without a name.
+std::string SpecName(mjsElement* element);
+// The names of a kind, without the unnamed.
+std::vector<std::string> SpecNames(const mjSpec* spec, mjtObj kind);
+void SetSpecName(mjsElement* element, const std::string& name, const std::string& context);
+// Elements of a kind directly in a body, or in its whole subtree.
+std::vector<mjsElement*> BodyElements(mjsBody* body, mjtObj kind, bool whole_subtree = false);
+
+// The element of that name, null when there is none. Frames are a kind like the others.
+mjsElement* FindSpecElement(const mjSpec* spec, mjtObj kind, const std::string& name);
+mjsBody* WorldBody(mjSpec* spec);
+
+// Pose of a body, site or frame in its parent body, the frames around it included.
+Pose PoseInParent(mjsElement* element);
+// The same in the world, with all joints at their reference.
+Pose PoseInWorld(mjsElement* element);
+// Whether neither the body nor any body above it can move (no joints, not a mocap body).
+bool IsStatic(mjsBody* body);
+// The child of the world that a body hangs on.
+mjsBody* TopBody(mjsBody* body);
+
+// Sets a pose as position and quaternion; what the author wrote instead is dropped.
+template <class Placed>
+void SetPose(Placed* element, const Pose& pose) {
+  pose.ToWxyz(element->pos, element->quat);
+  mjs_defaultOrientation(&element->alt);
+}
+
+// Attaches a body of another spec to a body, with its subtree and all that refers to it, as a copy.
+// Its pose in the parent becomes `pose`. SpecError with the engine's text when it refuses.
+void AttachBody(mjsBody* parent, mjsBody* child, const Pose& pose, const std::string& prefix,
+                const std::string& context);
+
+}  // namespace robocell

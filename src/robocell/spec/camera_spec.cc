@@ -1,0 +1,71 @@
+#include "robocell/spec/camera_spec.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+
+#include "robocell/spec/validate.h"
+
+namespace robocell {
+namespace {
+
+// Camera axes x right, y up, looking along -z, towards `target`; z of the parent is up.
+Eigen::Matrix3d LookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target) {
+  const Eigen::Vector3d z = (from - target).normalized();
+  Eigen::Vector3d x = Eigen::Vector3d::UnitZ().cross(z);
+  if (x.norm() < 1e-9) x = Eigen::Vector3d::UnitX();  // looking straight up or down
+  x.normalize();
+  Eigen::Matrix3d rotation;
+  rotation << x, z.cross(x), z;
+  return rotation;
+}
+
+}  // namespace
+
+Pose CameraSpec::pose() const {
+  if (look_at) return Pose(ToEigen(*pos), LookAt(ToEigen(*pos), ToEigen(*look_at)));
+  return PlacementPose(*pos, euler, quat);
+}
+
+void CameraSpec::Validate(Problems& problems) const {
+  CheckNotEmpty(name, "name", "cameras are looked up by name", problems);
+  if (!pos) problems.AddAt("pos", "is required: where the camera is, [x, y, z] in metres");
+  if (!fovy)
+    problems.AddAt("fovy", "is required: the vertical field of view in degrees, for example 45");
+  if (fovy && *fovy >= 180)
+    problems.AddAt("fovy", fmt::format("{} degrees is not below 180", *fovy));
+  CheckPlacement(euler, quat, problems);
+  if (look_at && (euler != Vec3{} || quat != kIdentityQuat)) {
+    problems.AddAt("look_at", "is set together with a rotation; keep one of them");
+  }
+  if (look_at && pos && *look_at == *pos) problems.AddAt("look_at", "is the camera's own position");
+}
+
+void CameraConfig::Validate(Problems& problems) const {
+  CheckNotEmpty(camera, "camera", "which camera of the robot or scene the images come from",
+                problems);
+  if (!rgb && !depth && !segmentation)
+    problems.Add("takes no images: set rgb, depth or segmentation");
+}
+
+void CameraSystemConfig::Validate(Problems& problems) const {
+  for (size_t i = 0; i < streams.size(); ++i) {
+    Problems::Scope list(problems, "streams");
+    Problems::Scope item(problems, i);
+    const CameraConfig& stream = streams[i];
+    CheckNotEmpty(stream.name, "name", "streams are recorded under their name", problems);
+    for (size_t j = 0; j < i; ++j) {
+      if (streams[j].name == stream.name)
+        problems.AddAt("name", "'" + stream.name + "' is used twice");
+    }
+    const int w = width(stream), h = height(stream);
+    if (stream.rgb && (w % 2 || h % 2)) {
+      problems.Add(
+          fmt::format("size {}x{} cannot be encoded as video, which needs even numbers; the "
+                      "nearest size is {}x{}",
+                      w, h, w + w % 2, h + h % 2));
+    }
+  }
+}
+
+}  // namespace robocell

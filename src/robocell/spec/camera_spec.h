@@ -1,0 +1,112 @@
+// Cameras as two things: where a camera is (CameraSpec), and what is taken from it (CameraConfig, a
+// stream). Placement uses MuJoCo's camera axes: x right, y up, looking along -z.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "robocell/spec/containers.h"
+#include "robocell/spec/fields.h"
+#include "robocell/spec/problems.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+// A camera that is added to the scene.
+struct CameraSpec {
+  std::string name = {};
+  std::optional<Vec3> pos = {};
+  std::optional<double> fovy = {};
+  Vec3 euler = {};
+  Vec4 quat = kIdentityQuat;
+  std::optional<Vec3> look_at = {};
+  AttachTarget attach_to = {};
+
+  static constexpr const char* kTypeName = "CameraSpec";
+  template <class V>
+  static void Fields(V&& v) {
+    v("name", &CameraSpec::name, "Name of the camera in the scene.");
+    v("pos", &CameraSpec::pos, "Position in the parent, metres; required.");
+    v("fovy", &CameraSpec::fovy, "Vertical field of view, degrees; required.", Check::kPositive);
+    v("euler", &CameraSpec::euler, "Orientation in the parent, degrees, extrinsic xyz.");
+    v("quat", &CameraSpec::quat,
+      "Orientation in the parent, quaternion xyzw (in YAML also quat_wxyz).");
+    v("look_at", &CameraSpec::look_at,
+      "Point in the parent to look at, metres, with the parent's z up; instead of a rotation.");
+    v("attach_to", &CameraSpec::attach_to, "What the camera is fixed to.");
+  }
+  // Pose in the parent. Requires a valid spec.
+  Pose pose() const;
+  void Validate(Problems& problems) const;
+};
+
+// One stream of images from a camera of the scene.
+struct CameraConfig {
+  std::string name = {};
+  std::string camera = {};
+  std::optional<int> width = {};
+  std::optional<int> height = {};
+  double rate = 0;
+  bool rgb = true;
+  bool depth = false;
+  bool segmentation = false;
+
+  static constexpr const char* kTypeName = "CameraConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("name", &CameraConfig::name, "Name of the stream in observations and records.");
+    v("camera", &CameraConfig::camera,
+      "Name of the camera: of the robot (without its prefix) or of the scene.");
+    v("width", &CameraConfig::width, "Pixels; the camera system's resolution unless set.",
+      Check::kPositive);
+    v("height", &CameraConfig::height, "Pixels; the camera system's resolution unless set.",
+      Check::kPositive);
+    v("rate", &CameraConfig::rate, "Frames per second; 0 takes one with every observation.",
+      Check::kNonNegative);
+    v("rgb", &CameraConfig::rgb, "Take colour images.");
+    v("depth", &CameraConfig::depth, "Take depth images.");
+    v("segmentation", &CameraConfig::segmentation, "Take body-id images.");
+  }
+  void Validate(Problems& problems) const;
+};
+
+// How images are drawn; everything costly is off by default, and what was used is recorded.
+struct RenderQuality {
+  bool shadows = false;
+  bool reflections = false;
+  int multisamples = 0;
+  int shadow_size = 1024;
+
+  static constexpr const char* kTypeName = "RenderQuality";
+  template <class V>
+  static void Fields(V&& v) {
+    v("shadows", &RenderQuality::shadows, "Draw shadows.");
+    v("reflections", &RenderQuality::reflections, "Draw reflections.");
+    v("multisamples", &RenderQuality::multisamples,
+      "Samples per pixel against jagged edges; 0 is off.", Check::kNonNegative);
+    v("shadow_size", &RenderQuality::shadow_size, "Side of the shadow map, pixels.",
+      Check::kPositive);
+  }
+};
+
+// The streams of a run and the size they share.
+struct CameraSystemConfig {
+  std::array<int, 2> resolution = {320, 240};
+  List<CameraConfig> streams = {};
+  RenderQuality quality = {};
+
+  static constexpr const char* kTypeName = "CameraSystemConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("resolution", &CameraSystemConfig::resolution, "Width and height in pixels.",
+      Check::kPositive);
+    v("streams", &CameraSystemConfig::streams, "The image streams.");
+    v("quality", &CameraSystemConfig::quality, "How images are drawn.");
+  }
+  int width(const CameraConfig& stream) const { return stream.width.value_or(resolution[0]); }
+  int height(const CameraConfig& stream) const { return stream.height.value_or(resolution[1]); }
+  void Validate(Problems& problems) const;
+};
+
+}  // namespace robocell

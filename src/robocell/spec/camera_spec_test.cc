@@ -1,0 +1,78 @@
+#include "robocell/spec/camera_spec.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/spec/testing/messages.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ParseError;
+using testing::ValidationError;
+
+TEST(CameraSpec, NeedsNamePlaceAndLens) {
+  EXPECT_EQ(ValidationError(CameraSpec{}),
+            "it is not valid, 3 problems:\n"
+            "  name: is required: cameras are looked up by name\n"
+            "  pos: is required: where the camera is, [x, y, z] in metres\n"
+            "  fovy: is required: the vertical field of view in degrees, for example 45");
+  EXPECT_THAT(ValidationError(CameraSpec{.name = "a", .pos = Vec3{}, .fovy = 180}),
+              HasSubstr("fovy: 180 degrees is not below 180"));
+}
+
+TEST(CameraSpec, LooksAtItsTargetWithZUp) {
+  const CameraSpec camera{.name = "a", .pos = Vec3{1, 2, 3}, .fovy = 45, .look_at = Vec3{-1, 0, 1}};
+  const Eigen::Matrix3d r = camera.pose().rotation();
+  const Eigen::Vector3d towards = Eigen::Vector3d(-2, -2, -2).normalized();
+  EXPECT_TRUE((-r.col(2)).isApprox(towards, 1e-12));  // looks along -z
+  EXPECT_NEAR(r(2, 0), 0, 1e-12);                     // the image's x axis is level
+  EXPECT_GT(r(2, 1), 0);                              // and its y axis points up
+}
+
+TEST(CameraSpec, LooksStraightDown) {
+  const CameraSpec camera{.name = "a", .pos = Vec3{0, 0, 3}, .fovy = 45, .look_at = Vec3{}};
+  EXPECT_TRUE((-camera.pose().rotation().col(2)).isApprox(-Eigen::Vector3d::UnitZ(), 1e-12));
+}
+
+TEST(CameraSpec, LookAtIsInsteadOfARotation) {
+  CameraSpec camera{.name = "a", .pos = Vec3{}, .fovy = 45, .look_at = Vec3{}};
+  EXPECT_THAT(ValidationError(camera), HasSubstr("look_at: is the camera's own position"));
+  camera.look_at = Vec3{1, 0, 0};
+  camera.euler = {0, 0, 90};
+  EXPECT_THAT(ValidationError(camera), HasSubstr("look_at: is set together with a rotation"));
+}
+
+TEST(CameraSystemConfig, OddSizesAreRefusedBeforeAnythingIsEncoded) {
+  EXPECT_EQ(
+      ParseError<CameraSystemConfig>(
+          "resolution: [623, 351]\nstreams: [{name: wrist, camera: wrist_camera}]\n"),
+      "f.yaml is not valid: f.yaml:2:11: streams[0]: size 623x351 cannot be encoded as video, "
+      "which needs even numbers; the nearest size is 624x352");
+}
+
+TEST(CameraSystemConfig, AStreamsOwnSizeCounts) {
+  CameraSystemConfig cameras{.streams = {{.name = "a", .camera = "a", .height = 241}}};
+  EXPECT_THAT(ValidationError(cameras), HasSubstr("size 320x241 cannot"));
+  cameras.streams[0].rgb = false;
+  cameras.streams[0].depth = true;
+  EXPECT_EQ(ValidationError(cameras), "");
+}
+
+TEST(CameraSystemConfig, StreamsHaveNamesOfTheirOwn) {
+  const CameraSystemConfig cameras{
+      .streams = {{.name = "a", .camera = "x"}, {.name = "a", .camera = "y"}, {.camera = "z"}}};
+  EXPECT_EQ(ValidationError(cameras),
+            "it is not valid, 2 problems:\n"
+            "  streams[1].name: 'a' is used twice\n"
+            "  streams[2].name: is required: streams are recorded under their name");
+}
+
+TEST(CameraConfig, TakesAtLeastOneKindOfImage) {
+  EXPECT_THAT(ValidationError(CameraConfig{.name = "a", .camera = "b", .rgb = false}),
+              HasSubstr("takes no images: set rgb, depth or segmentation"));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,53 @@
+// How a spec points at an element of a model, named or not.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "robocell/spec/fields.h"
+
+namespace robocell {
+
+enum class ElementKind {
+  kBody,
+  kSite,
+  kGeom,
+  kJoint,
+  kCamera,
+  kActuator,
+  kSensor,
+  kLight,
+  kTendon,
+  kEquality,
+  kKey
+};
+
+template <>
+struct EnumNames<ElementKind> {
+  static constexpr std::array kNames = {
+      std::pair{ElementKind::kBody, "body"},     std::pair{ElementKind::kSite, "site"},
+      std::pair{ElementKind::kGeom, "geom"},     std::pair{ElementKind::kJoint, "joint"},
+      std::pair{ElementKind::kCamera, "camera"}, std::pair{ElementKind::kActuator, "actuator"},
+      std::pair{ElementKind::kSensor, "sensor"}, std::pair{ElementKind::kLight, "light"},
+      std::pair{ElementKind::kTendon, "tendon"}, std::pair{ElementKind::kEquality, "equality"},
+      std::pair{ElementKind::kKey, "key"},
+  };
+};
+
+// A named element, or the index-th element of its kind directly under a body.
+// In YAML `link_tcp` (any kind that the field allows), `{site: link_tcp}` or `{geom: {body:
+// left_finger, index: 3}}`.
+struct ElementRef {
+  std::optional<ElementKind> kind = {};
+  std::string name = {};
+  std::string body = {};  // for unnamed elements: the body it sits in ...
+  int index = 0;          // ... and which of that body's elements of this kind, from 0
+
+  bool empty() const { return name.empty() && body.empty(); }
+  bool operator==(const ElementRef&) const = default;
+};
+
+// "site 'link_tcp'" or "geom 3 of body 'left_finger'", for messages.
+std::string Describe(const ElementRef& ref);
+
+}  // namespace robocell

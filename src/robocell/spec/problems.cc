@@ -1,0 +1,75 @@
+#include "robocell/spec/problems.h"
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+
+namespace robocell {
+
+Problems::Scope::Scope(Problems& problems, std::string_view key)
+    : problems_(problems), length_(problems.path_.size()) {
+  if (!problems_.path_.empty()) problems_.path_ += '.';
+  problems_.path_ += key;
+}
+
+Problems::Scope::Scope(Problems& problems, size_t index)
+    : problems_(problems), length_(problems.path_.size()) {
+  problems_.path_ += '[' + std::to_string(index) + ']';
+}
+
+Problems::Scope::~Scope() { problems_.path_.resize(length_); }
+
+void Problems::Add(const std::string& message) {
+  list_.push_back({path_, message, SourceOf(path_)});
+}
+
+void Problems::AddAt(std::string_view field, const std::string& message) {
+  Scope scope(*this, field);
+  Add(message);
+}
+
+void Problems::AddFromSource(const std::string& source, const std::string& message) {
+  list_.push_back({path_, message, source});
+}
+
+void Problems::AppendBelow(const Problems& other) {
+  for (const Problem& p : other.list_) {
+    const bool joined = path_.empty() || p.path.empty() || p.path.front() == '[';
+    list_.push_back({path_ + (joined ? "" : ".") + p.path, p.message, p.source});
+  }
+}
+
+// The location of the path or of the nearest part around it.
+std::string Problems::SourceOf(std::string path) const {
+  if (!sources_) return "";
+  while (true) {
+    if (const auto it = sources_->find(path); it != sources_->end()) return it->second;
+    const size_t cut = path.find_last_of(".[");
+    if (path.empty()) return "";
+    path.resize(cut == std::string::npos ? 0 : cut);
+  }
+}
+
+std::string Problems::Text(std::string_view what) const {
+  constexpr size_t kShown = 50;
+  std::string out(what);
+  const bool one = list_.size() == 1;
+  out += one ? " is not valid: " : " is not valid, " + std::to_string(list_.size()) + " problems:";
+  for (size_t i = 0; i < std::min(list_.size(), kShown); ++i) {
+    const Problem& p = list_[i];
+    if (!one) out += "\n  ";
+    if (!p.source.empty()) out += p.source + ": ";
+    if (!p.path.empty()) out += p.path + ": ";
+    out += p.message;
+  }
+  if (list_.size() > kShown) {
+    out += "\n  and " + std::to_string(list_.size() - kShown) + " more";
+  }
+  return out;
+}
+
+void Problems::Throw(std::string_view what) const {
+  if (!empty()) throw SpecError(Text(what));
+}
+
+}  // namespace robocell

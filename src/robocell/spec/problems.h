@@ -1,0 +1,71 @@
+// Collects everything that is wrong with a spec, so that all of it is reported together.
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace robocell {
+
+// Where the parts of a spec stood in its file: path such as "robots[0].pos" -> "file.yaml:12:5".
+using SourceMap = std::map<std::string, std::string>;
+
+struct Problem {
+  std::string path;  // "robots[0].pos"; "" for the whole
+  std::string message;
+  std::string source;  // "file.yaml:12:5" when it came from a file
+};
+
+class Problems {
+ public:
+  // Appends to the path for as long as it lives.
+  class Scope {
+   public:
+    Scope(Problems& problems, std::string_view key);
+    Scope(Problems& problems, size_t index);
+    ~Scope();
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    Problems& problems_;
+    size_t length_;
+  };
+
+  explicit Problems(const SourceMap* sources = nullptr) : sources_(sources) {}
+
+  // At the current path, or at `field` below it.
+  void Add(const std::string& message);
+  void AddAt(std::string_view field, const std::string& message);
+  void AddFromSource(const std::string& source, const std::string& message);
+  void AddProblem(Problem problem) { list_.push_back(std::move(problem)); }
+  // Takes over what was found about the thing at the current path.
+  void AppendBelow(const Problems& other);
+
+  // Calls f(Problem&) for the problems from number `first` on.
+  template <class F>
+  void Amend(size_t first, F&& f) {
+    for (size_t i = first; i < list_.size(); ++i) f(list_[i]);
+  }
+
+  bool empty() const { return list_.empty(); }
+  const std::vector<Problem>& list() const { return list_; }
+  const std::string& path() const { return path_; }
+
+  // "<what> is not valid, 2 problems:\n  file:1:2: path: message\n  ..." or, for one problem, a
+  // single line.
+  std::string Text(std::string_view what) const;
+  // SpecError with that text unless empty.
+  void Throw(std::string_view what) const;
+
+ private:
+  std::string SourceOf(std::string path) const;
+
+  const SourceMap* sources_;
+  std::string path_;
+  std::vector<Problem> list_;
+};
+
+}  // namespace robocell

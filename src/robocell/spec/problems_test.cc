@@ -1,0 +1,63 @@
+#include "robocell/spec/problems.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+TEST(Problems, OneProblemFitsOnALine) {
+  Problems problems;
+  problems.AddAt("pos", "is wrong");
+  EXPECT_EQ(problems.Text("camera 'top'"), "camera 'top' is not valid: pos: is wrong");
+}
+
+TEST(Problems, SeveralAreListedWithTheirPaths) {
+  Problems problems;
+  problems.Add("a");
+  {
+    Problems::Scope list(problems, "robots");
+    Problems::Scope item(problems, 2);
+    problems.Add("b");
+    problems.AddAt("pos", "c");
+  }
+  problems.AddAt("name", "d");
+  EXPECT_EQ(problems.Text("scene"),
+            "scene is not valid, 4 problems:\n  a\n  robots[2]: b\n  robots[2].pos: c\n  name: d");
+}
+
+TEST(Problems, PlacesComeFromTheNearestPartOfThePath) {
+  const SourceMap sources = {{"", "f:1:1"}, {"robots[0]", "f:3:5"}, {"robots[0].pos", "f:4:7"}};
+  Problems problems(&sources);
+  problems.AddAt("robots[0].pos[1]", "x");
+  problems.AddAt("robots[0].base.size", "y");
+  problems.AddAt("name", "z");
+  EXPECT_EQ(problems.list()[0].source, "f:4:7");
+  EXPECT_EQ(problems.list()[1].source, "f:3:5");
+  EXPECT_EQ(problems.list()[2].source, "f:1:1");
+}
+
+TEST(Problems, ThoseOfAPartGoBelowThePath) {
+  Problems part;
+  part.AddAt("home.arm", "x");
+  part.Add("y");
+  Problems whole;
+  {
+    Problems::Scope scope(whole, "robot");
+    whole.AppendBelow(part);
+  }
+  EXPECT_EQ(whole.list()[0].path, "robot.home.arm");
+  EXPECT_EQ(whole.list()[1].path, "robot");
+}
+
+TEST(Problems, ThrowsOnlyWhenThereIsOne) {
+  Problems problems;
+  EXPECT_NO_THROW(problems.Throw("it"));
+  problems.Add("x");
+  ExpectThrow<SpecError>([&] { problems.Throw("it"); }, "it is not valid: x");
+}
+
+}  // namespace
+}  // namespace robocell

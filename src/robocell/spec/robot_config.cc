@@ -1,0 +1,86 @@
+#include "robocell/spec/robot_config.h"
+
+#include <fmt/format.h>
+
+#include "robocell/base/names.h"
+#include "robocell/spec/validate.h"
+
+namespace robocell {
+namespace {
+
+void CheckArm(const MoveGroupConfig& group, Problems& problems) {
+  if (group.joints.empty())
+    problems.AddAt("joints", "an arm needs its joints, for example joint1..joint7");
+  if (!group.actuators.empty() && group.actuators.size() != group.joints.size()) {
+    problems.AddAt("actuators",
+                   fmt::format("an arm has one actuator per joint: {} actuators for {} joints",
+                               group.actuators.size(), group.joints.size()));
+  }
+}
+
+void CheckGripper(const MoveGroupConfig& group, Problems& problems) {
+  if (group.actuators.empty())
+    problems.AddAt("actuators", "a gripper needs the actuator that moves it");
+  if (!group.fingers.empty() && group.fingers.size() != 2) {
+    problems.AddAt("fingers", fmt::format("a gripper has two fingers, this one names {}",
+                                          group.fingers.size()));
+  }
+  if (group.distance && group.distance->closed >= group.distance->open) {
+    problems.AddAt("distance", fmt::format("closed ({} m) must be smaller than open ({} m)",
+                                           group.distance->closed, group.distance->open));
+  }
+  if (group.ctrl && group.ctrl->open == group.ctrl->closed) {
+    problems.AddAt("ctrl", fmt::format("open and closed are both {}", group.ctrl->open));
+  }
+}
+
+// `home: {amr: ...}`: every key must be a group.
+template <class T>
+void CheckGroupKeys(const Map<T>& map, std::string_view field, const Map<MoveGroupConfig>& groups,
+                    Problems& problems) {
+  Problems::Scope scope(problems, field);
+  for (const auto& [key, box] : map.entries()) {
+    if (!groups.contains(key))
+      problems.AddAt(key, NoSuchName("", "move group", key, groups.keys()));
+  }
+}
+
+void CheckLengths(const Map<std::vector<double>>& map, std::string_view field,
+                  const RobotConfig& robot, bool one_for_all, Problems& problems) {
+  Problems::Scope scope(problems, field);
+  for (const auto& [key, box] : map.entries()) {
+    const MoveGroupConfig* group = robot.move_groups.find(key);
+    if (!group || group->joints.empty() || box->size() == group->joints.size()) continue;
+    if (one_for_all && box->size() == 1) continue;
+    problems.AddAt(key, fmt::format("has {} values for the {} joints {}", box->size(),
+                                    group->joints.size(), ListNames(group->joints.names)));
+  }
+}
+
+}  // namespace
+
+void MoveGroupConfig::Validate(Problems& problems) const {
+  if (kind == MoveGroupKind::kArm) CheckArm(*this, problems);
+  if (kind == MoveGroupKind::kGripper) {
+    CheckGripper(*this, problems);
+  } else if (!fingers.empty() || ctrl || distance) {
+    problems.Add(
+        std::string("fingers, ctrl and distance belong to a gripper; this group's kind is ") +
+        ToString(kind));
+  }
+}
+
+void RobotConfig::Validate(Problems& problems) const {
+  CheckNotEmpty(name, "name", "what this kind of robot is called", problems);
+  CheckNotEmpty(model, "model", "the robot's MJCF file", problems);
+  CheckGroupKeys(home, "home", move_groups, problems);
+  CheckGroupKeys(home_noise, "home_noise", move_groups, problems);
+  CheckGroupKeys(control, "control", move_groups, problems);
+  CheckLengths(home, "home", *this, false, problems);
+  CheckLengths(home_noise, "home_noise", *this, true, problems);
+  if (tcp_offset && !attachment_site) {
+    problems.AddAt("tcp_offset", "is relative to attachment_site, which is not set");
+  }
+}
+
+}  // namespace robocell

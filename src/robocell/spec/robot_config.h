@@ -1,0 +1,185 @@
+// RobotConfig: what a robot is, reusable in any scene and usually a YAML file. See docs/robots.md.
+//
+//   name: xarm7
+//   model: menagerie:ufactory_xarm7/xarm7.xml
+//   root_body: link_base
+//   base: {kind: mocap, size: [0.25, 0.25, 0.25]}
+//   move_groups:
+//     arm:     {kind: arm, joints: joint1..joint7, actuators: act1..act7, leaf: {site: link_tcp}}
+//     gripper: {kind: gripper, joints: [left_driver_joint, right_driver_joint], actuators: gripper,
+//               leaf: {site: link_tcp}, fingers: [left_finger_pad_2, right_finger_pad_2], ctrl:
+//               {open: 0, closed: 255}}
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/spec/attachment_spec.h"
+#include "robocell/spec/camera_spec.h"
+#include "robocell/spec/containers.h"
+#include "robocell/spec/edit.h"
+#include "robocell/spec/element_ref.h"
+#include "robocell/spec/fields.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+enum class BaseKind { kFixed, kMocap, kFree, kPlanar };
+template <>
+struct EnumNames<BaseKind> {
+  static constexpr std::array kNames = {
+      std::pair{BaseKind::kFixed, "fixed"}, std::pair{BaseKind::kMocap, "mocap"},
+      std::pair{BaseKind::kFree, "free"}, std::pair{BaseKind::kPlanar, "planar"}};
+};
+
+enum class MoveGroupKind { kArm, kGripper, kBase, kGeneric };
+template <>
+struct EnumNames<MoveGroupKind> {
+  static constexpr std::array kNames = {
+      std::pair{MoveGroupKind::kArm, "arm"}, std::pair{MoveGroupKind::kGripper, "gripper"},
+      std::pair{MoveGroupKind::kBase, "base"}, std::pair{MoveGroupKind::kGeneric, "generic"}};
+};
+
+// The default controller of a group.
+enum class ControlKind { kJointPosition, kRelativeJointPosition };
+template <>
+struct EnumNames<ControlKind> {
+  static constexpr std::array kNames = {
+      std::pair{ControlKind::kJointPosition, "joint_position"},
+      std::pair{ControlKind::kRelativeJointPosition, "relative_joint_position"}};
+};
+
+struct BaseConfig {
+  BaseKind kind = BaseKind::kFixed;
+  std::optional<Vec3> size = {};
+
+  static constexpr const char* kTypeName = "BaseConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("kind", &BaseConfig::kind, "fixed, mocap (can be teleported), free or planar.");
+    v("size", &BaseConfig::size, "Length, width and height of a box under the robot, metres.",
+      Check::kPositive);
+  }
+};
+
+// The raw control values of a gripper's actuator.
+struct GripperCtrl {
+  double open = 0;
+  double closed = 0;
+
+  static constexpr const char* kTypeName = "GripperCtrl";
+  template <class V>
+  static void Fields(V&& v) {
+    v("open", &GripperCtrl::open, "Control value that opens the gripper.");
+    v("closed", &GripperCtrl::closed, "Control value that closes the gripper.");
+  }
+};
+
+// The free distance between the fingers, metres.
+struct GripperDistance {
+  double closed = 0;
+  double open = 0;
+
+  static constexpr const char* kTypeName = "GripperDistance";
+  template <class V>
+  static void Fields(V&& v) {
+    v("closed", &GripperDistance::closed, "When closed on nothing, metres.", Check::kNonNegative);
+    v("open", &GripperDistance::open, "When open, metres.", Check::kPositive);
+  }
+};
+
+struct MoveGroupConfig {
+  MoveGroupKind kind = MoveGroupKind::kGeneric;
+  NameList joints = {};
+  NameList actuators = {};
+  std::optional<ElementRef> root = {};
+  std::optional<ElementRef> leaf = {};
+  std::vector<ElementRef> fingers = {};
+  Maybe<GripperCtrl> ctrl = {};
+  Maybe<GripperDistance> distance = {};
+
+  static constexpr const char* kTypeName = "MoveGroupConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("kind", &MoveGroupConfig::kind, "arm, gripper, base or generic.");
+    v("joints", &MoveGroupConfig::joints,
+      "Joint names in chain order: a list, one name, or joint1..joint7.");
+    v("actuators", &MoveGroupConfig::actuators,
+      "Actuator names; for an arm one per joint in the same order.");
+    v("root", &MoveGroupConfig::root,
+      "Frame the group's poses are relative to (body or site); the root body unless set.");
+    v("leaf", &MoveGroupConfig::leaf, "Frame the group moves (body or site): an arm's TCP.");
+    v("fingers", &MoveGroupConfig::fingers, "Gripper: the two finger geoms, bodies or sites.");
+    v("ctrl", &MoveGroupConfig::ctrl,
+      "Gripper: raw control values when open and closed; the actuator's range unless set.");
+    v("distance", &MoveGroupConfig::distance,
+      "Gripper: finger distance when closed and open; measured unless set.");
+  }
+  void Validate(Problems& problems) const;
+};
+
+struct RobotConfig {
+  std::string name = {};
+  std::string model = {};
+  List<Edit> edits = {};
+  List<AttachmentSpec> attachments = {};
+  std::string root_body = {};
+  BaseConfig base = {};
+  Map<MoveGroupConfig> move_groups = {};
+  std::optional<std::string> attachment_site = {};
+  std::optional<Pose> tcp_offset = {};
+  Map<std::vector<double>> home = {};
+  Map<std::vector<double>> home_noise = {};
+  Map<ControlKind> control = {};
+  std::vector<ElementRef> collision_geoms = {};
+  double arrival_tolerance = 0.01;
+  std::optional<double> reach = {};
+  std::optional<bool> gravcomp = {};
+  std::optional<double> stiffness = {};
+  std::optional<double> damping = {};
+  std::optional<double> force_limit = {};
+  List<CameraSpec> cameras = {};
+  // Where the file was: relative model paths start here. Not a field: it is no property of the
+  // robot.
+  std::string source_dir = {};
+
+  static constexpr const char* kTypeName = "RobotConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("name", &RobotConfig::name, "Name of this kind of robot.");
+    v("model", &RobotConfig::model,
+      "Model file: path (relative to this file), `menagerie:dir/file.xml` or built-in name.");
+    v("edits", &RobotConfig::edits, "Small changes applied while the model is loaded.");
+    v("attachments", &RobotConfig::attachments, "Tools that belong to this robot.");
+    v("root_body", &RobotConfig::root_body,
+      "The arm's root body; its frame is the robot base frame. Default: the model's only root.");
+    v("base", &RobotConfig::base, "What the robot stands on.");
+    v("move_groups", &RobotConfig::move_groups, "Named groups of joints.");
+    v("attachment_site", &RobotConfig::attachment_site, "Site where tools go.");
+    v("tcp_offset", &RobotConfig::tcp_offset, "TCP relative to the attachment site.");
+    v("home", &RobotConfig::home, "Joint positions per group at reset, rad or m.");
+    v("home_noise", &RobotConfig::home_noise,
+      "Uniform +- noise on home per group, one number or one per joint.", Check::kNonNegative);
+    v("control", &RobotConfig::control, "Default controller per group.");
+    v("collision_geoms", &RobotConfig::collision_geoms,
+      "Geoms that count as the robot's own; all of its subtree unless set.");
+    v("arrival_tolerance", &RobotConfig::arrival_tolerance,
+      "A motion has arrived within this, rad or m.", Check::kPositive);
+    v("reach", &RobotConfig::reach,
+      "Farthest the TCP gets from the root body, metres; measured unless set.", Check::kPositive);
+    v("gravcomp", &RobotConfig::gravcomp, "Compensate gravity on every body of the robot.");
+    v("stiffness", &RobotConfig::stiffness, "Position gain of all arm servos.", Check::kPositive);
+    v("damping", &RobotConfig::damping, "Velocity gain of all arm servos.", Check::kNonNegative);
+    v("force_limit", &RobotConfig::force_limit, "Force limit of all arm servos, N or Nm.",
+      Check::kPositive);
+    v("cameras", &RobotConfig::cameras, "Cameras that belong to the robot.");
+  }
+  void Validate(Problems& problems) const;
+
+  // Reads a robot file. SpecError lists all problems with file:line:column.
+  static RobotConfig Load(const std::string& path);
+};
+
+}  // namespace robocell

@@ -1,0 +1,142 @@
+#include "robocell/spec/robot_config.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/spec/robot_spec.h"
+#include "robocell/spec/testing/messages.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ValidationError;
+
+RobotConfig Arm() {
+  return {.name = "arm",
+          .model = "arm.xml",
+          .move_groups = {{"arm", {.kind = MoveGroupKind::kArm, .joints = {"a", "b"}}},
+                          {"hand",
+                           {.kind = MoveGroupKind::kGripper,
+                            .joints = {"l", "r"},
+                            .actuators = {"grip"},
+                            .fingers = {{.name = "lf"}, {.name = "rf"}},
+                            .ctrl = GripperCtrl{.open = 0, .closed = 255}}}},
+          .home = {{"arm", {0, 1}}}};
+}
+
+TEST(RobotConfig, AValidOnePasses) { EXPECT_EQ(ValidationError(Arm()), ""); }
+
+TEST(RobotConfig, NeedsANameAndAModel) {
+  EXPECT_EQ(ValidationError(RobotConfig{}, "robot"),
+            "robot is not valid, 2 problems:\n  name: is required: what this kind of robot is "
+            "called\n  model: is required: the robot's MJCF file");
+}
+
+TEST(RobotConfig, NanInHomeIsNamedByGroupAndPlace) {
+  RobotConfig robot = Arm();
+  robot.home["arm"][1] = std::nan("");
+  EXPECT_EQ(ValidationError(robot), "it is not valid: home.arm[1]: nan is not a finite number");
+}
+
+TEST(RobotConfig, HomeHasOneValuePerJoint) {
+  RobotConfig robot = Arm();
+  robot.home["arm"] = {0, 0, 0};
+  EXPECT_THAT(ValidationError(robot), HasSubstr("home.arm: has 3 values for the 2 joints a, b"));
+}
+
+TEST(RobotConfig, NoiseHasOneValueOrOnePerJoint) {
+  RobotConfig robot = Arm();
+  robot.home_noise["arm"] = {0.1};
+  EXPECT_EQ(ValidationError(robot), "");
+  robot.home_noise["arm"] = {0.1, 0.1, 0.1};
+  EXPECT_THAT(ValidationError(robot), HasSubstr("home_noise.arm: has 3 values"));
+  robot.home_noise["arm"] = {-0.1};
+  EXPECT_THAT(ValidationError(robot), HasSubstr("home_noise.arm[0]: -0.1 must not be negative"));
+}
+
+TEST(RobotConfig, GroupsThatDoNotExistAreNamedWithTheNearest) {
+  RobotConfig robot = Arm();
+  robot.control["hnad"] = ControlKind::kJointPosition;
+  EXPECT_THAT(ValidationError(robot), HasSubstr("control.hnad: no move group 'hnad'. Known move "
+                                                "groups: arm, hand. Did you mean 'hand'?"));
+}
+
+TEST(RobotConfig, AnArmHasOneActuatorPerJoint) {
+  RobotConfig robot = Arm();
+  robot.move_groups["arm"].actuators = {"x"};
+  EXPECT_THAT(ValidationError(robot),
+              HasSubstr("move_groups.arm.actuators: an arm has one actuator "
+                        "per joint: 1 actuators for 2 joints"));
+  robot.move_groups["arm"].joints = {};
+  robot.home = {};
+  EXPECT_THAT(ValidationError(robot), HasSubstr("an arm needs its joints, for example "
+                                                "joint1..joint7"));
+}
+
+TEST(RobotConfig, AGripperHasTwoFingersAndASense) {
+  RobotConfig robot = Arm();
+  MoveGroupConfig& hand = robot.move_groups["hand"];
+  hand.fingers.push_back({.name = "third"});
+  hand.ctrl->closed = 0;
+  hand.distance = GripperDistance{.closed = 0.08, .open = 0.08};
+  hand.actuators = {};
+  EXPECT_EQ(ValidationError(robot),
+            "it is not valid, 4 problems:\n"
+            "  move_groups.hand.actuators: a gripper needs the actuator that moves it\n"
+            "  move_groups.hand.fingers: a gripper has two fingers, this one names 3\n"
+            "  move_groups.hand.distance: closed (0.08 m) must be smaller than open (0.08 m)\n"
+            "  move_groups.hand.ctrl: open and closed are both 0");
+}
+
+TEST(RobotConfig, OnlyGrippersHaveFingers) {
+  RobotConfig robot = Arm();
+  robot.move_groups["arm"].fingers = {{.name = "x"}};
+  EXPECT_THAT(ValidationError(robot), HasSubstr("belong to a gripper; this group's kind is arm"));
+}
+
+TEST(RobotConfig, JointsThatAreListedTwiceAreRefused) {
+  RobotConfig robot = Arm();
+  robot.move_groups["arm"].joints = {"a", "a"};
+  EXPECT_THAT(ValidationError(robot), HasSubstr("move_groups.arm.joints: 'a' is listed twice"));
+}
+
+TEST(RobotConfig, ATcpOffsetNeedsItsSite) {
+  RobotConfig robot = Arm();
+  robot.tcp_offset = Pose();
+  EXPECT_THAT(ValidationError(robot), HasSubstr("tcp_offset: is relative to attachment_site"));
+}
+
+TEST(RobotSpec, NeedsAModelOrAConfiguration) {
+  EXPECT_THAT(ValidationError(RobotSpec{}),
+              HasSubstr("path: is empty: give the robot's model file"));
+  EXPECT_THAT(ValidationError(RobotSpec{.path = "a.xml", .config = Arm()}),
+              HasSubstr("path: is set together with config"));
+}
+
+TEST(RobotSpec, ReportsWhatIsWrongInItsConfiguration) {
+  RobotSpec spec{.config = Arm()};
+  spec.config->reach = 0;
+  EXPECT_EQ(ValidationError(spec), "it is not valid: config.reach: 0 must be greater than 0");
+}
+
+TEST(RobotSpec, ItsOwnBaseComesBeforeTheConfigurations) {
+  RobotSpec spec{.config = Arm()};
+  spec.config->base.kind = BaseKind::kFree;
+  EXPECT_EQ(spec.EffectiveBase().kind, BaseKind::kFree);
+  spec.base = BaseConfig{.kind = BaseKind::kMocap};
+  EXPECT_EQ(spec.EffectiveBase().kind, BaseKind::kMocap);
+  EXPECT_EQ(RobotSpec{}.EffectiveBase().kind, BaseKind::kFixed);
+}
+
+TEST(AttachmentSpec, GoesOnABodySiteOrFrame) {
+  const AttachmentSpec spec{.mjcf_path = "hand.xml"};
+  EXPECT_THAT(ValidationError(spec),
+              HasSubstr("attach_to: an attachment needs a body, site or frame "
+                        "of its robot, not 'world'"));
+}
+
+}  // namespace
+}  // namespace robocell

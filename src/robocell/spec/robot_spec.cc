@@ -1,0 +1,20 @@
+#include "robocell/spec/robot_spec.h"
+
+#include "robocell/spec/validate.h"
+
+namespace robocell {
+
+const BaseConfig& RobotSpec::EffectiveBase() const {
+  static const BaseConfig kFixed;
+  return base ? *base : config ? config->base : kFixed;
+}
+
+void RobotSpec::Validate(Problems& problems) const {
+  CheckPlacement(euler, quat, problems);
+  if (path.empty() && !config)
+    problems.AddAt("path", "is empty: give the robot's model file, or a config");
+  if (!path.empty() && config)
+    problems.AddAt("path", "is set together with config, whose model is used; keep one of them");
+}
+
+}  // namespace robocell

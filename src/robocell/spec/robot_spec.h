@@ -1,0 +1,48 @@
+// RobotSpec: a robot in a scene: which one, called what, standing where.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "robocell/spec/robot_config.h"
+
+namespace robocell {
+
+struct RobotSpec {
+  std::optional<std::string> name = {};
+  std::string path = {};
+  Maybe<RobotConfig> config = {};
+  std::string prefix = {};
+  Maybe<BaseConfig> base = {};
+  bool reset_root_pose = false;
+  AttachTarget attach_to = {};
+  Vec3 pos = {};
+  Vec3 euler = {};
+  Vec4 quat = kIdentityQuat;
+  List<AttachmentSpec> attachments = {};
+
+  static constexpr const char* kTypeName = "RobotSpec";
+  template <class V>
+  static void Fields(V&& v) {
+    v("name", &RobotSpec::name,
+      "Unset: the prefix without its trailing _ or /, else robot, robot_1, ...");
+    v("path", &RobotSpec::path, "Model file of a robot without a configuration; or give `config`.");
+    v("config", &RobotSpec::config, "What the robot is.");
+    v("prefix", &RobotSpec::prefix,
+      "Put in front of every name of the robot; unique in the scene.");
+    v("base", &RobotSpec::base, "Overrides the configuration's base.");
+    v("reset_root_pose", &RobotSpec::reset_root_pose,
+      "Drop the pose authored on the model's root instead of composing with it.");
+    v("attach_to", &RobotSpec::attach_to, "What pos and euler or quat are relative to.");
+    v("pos", &RobotSpec::pos, "Position in the parent, metres.");
+    v("euler", &RobotSpec::euler, "Orientation in the parent, degrees, extrinsic xyz.");
+    v("quat", &RobotSpec::quat, "Orientation in the parent, quaternion xyzw; instead of euler.");
+    v("attachments", &RobotSpec::attachments,
+      "Tools mounted in this scene, after the configuration's own.");
+  }
+  Pose pose() const { return PlacementPose(pos, euler, quat); }
+  const BaseConfig& EffectiveBase() const;
+  void Validate(Problems& problems) const;
+};
+
+}  // namespace robocell

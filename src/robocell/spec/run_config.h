@@ -1,0 +1,177 @@
+// RunConfig: what to generate. The run file, the command line's --set paths and the Python object
+// have these fields.
+//
+//   run: xarm7_pick
+//   robot: xarm7.yaml
+//   task: {kind: pick, base_distance: [0.15, 0.6]}
+//   scenes: {source: tabletop}
+//   cameras: {resolution: [624, 352], streams: [{name: wrist, camera: wrist_camera}]}
+//   episodes: 20
+//   output: experiment_output/xarm7_pick
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/spec/camera_spec.h"
+#include "robocell/spec/robot_config.h"
+#include "robocell/spec/sim_options.h"
+
+namespace robocell {
+
+enum class TaskKind { kPick };
+template <>
+struct EnumNames<TaskKind> {
+  static constexpr std::array kNames = {std::pair{TaskKind::kPick, "pick"}};
+};
+
+enum class SceneSourceKind { kTabletop, kFiles };
+template <>
+struct EnumNames<SceneSourceKind> {
+  static constexpr std::array kNames = {std::pair{SceneSourceKind::kTabletop, "tabletop"},
+                                        std::pair{SceneSourceKind::kFiles, "files"}};
+};
+
+enum class Keep { kSuccesses, kAll };
+template <>
+struct EnumNames<Keep> {
+  static constexpr std::array kNames = {std::pair{Keep::kSuccesses, "successes"},
+                                        std::pair{Keep::kAll, "all"}};
+};
+
+// Whole numbers; in YAML a list or a range `0..3` (both ends included).
+struct IndexList {
+  std::vector<int> values;
+
+  size_t size() const { return values.size(); }
+  bool empty() const { return values.empty(); }
+  bool operator==(const IndexList&) const = default;
+};
+
+// A robot given by file or in place. `file` is remembered for messages; `config` is what counts.
+struct RobotSource {
+  std::string file = {};
+  RobotConfig config = {};
+
+  bool operator==(const RobotSource& other) const { return config == other.config; }
+};
+
+struct TaskConfig {
+  TaskKind kind = TaskKind::kPick;
+  Vec2 base_distance = {0.3, 0.6};
+  double base_height_offset = 0;
+  Vec2 base_height_noise = {0, 0};
+  NameList objects = {};
+  double lift_height = 0.01;
+
+  static constexpr const char* kTypeName = "TaskConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("kind", &TaskConfig::kind, "pick.");
+    v("base_distance", &TaskConfig::base_distance,
+      "Horizontal distance from the robot's base to the object, metres, smallest and largest.",
+      Check::kNonNegative);
+    v("base_height_offset", &TaskConfig::base_height_offset,
+      "Height of the base's bottom above the object, metres.");
+    v("base_height_noise", &TaskConfig::base_height_noise,
+      "Added to the height, uniform between these, metres.");
+    v("objects", &TaskConfig::objects,
+      "Kinds of objects, by their names in the catalogue; all of them unless set.");
+    v("lift_height", &TaskConfig::lift_height, "Success: lifted this far above the start, metres.",
+      Check::kPositive);
+  }
+  void Validate(Problems& problems) const;
+};
+
+struct SceneSource {
+  std::optional<SceneSourceKind> source = {};
+  IndexList houses = {};
+  std::vector<std::string> files = {};
+  std::optional<std::string> root = {};
+
+  static constexpr const char* kTypeName = "SceneSource";
+  template <class V>
+  static void Fields(V&& v) {
+    v("source", &SceneSource::source,
+      "tabletop or files; unset: files when `files` are given, else tabletop.");
+    v("houses", &SceneSource::houses,
+      "Which scenes of the source: a list or 0..3; the first one unless set.");
+    v("files", &SceneSource::files, "The MJCF files, with `source: files`.");
+    v("root", &SceneSource::root, "Folder the files are in.");
+  }
+  SceneSourceKind kind() const;
+  // Number of scenes that episodes are made in.
+  size_t count() const;
+  void Validate(Problems& problems) const;
+};
+
+struct Rates {
+  double policy_ms = 66;
+  double control_ms = 2;
+  double sim_ms = 2;
+  int max_steps = 500;
+
+  static constexpr const char* kTypeName = "Rates";
+  template <class V>
+  static void Fields(V&& v) {
+    v("policy_ms", &Rates::policy_ms, "One action and one recorded row per this time, ms.",
+      Check::kPositive);
+    v("control_ms", &Rates::control_ms, "Controllers run once per this time, ms.",
+      Check::kPositive);
+    v("sim_ms", &Rates::sim_ms, "The engine's timestep, ms.", Check::kPositive);
+    v("max_steps", &Rates::max_steps, "An episode ends after this many actions.", Check::kPositive);
+  }
+  // Whole numbers of control ticks per action and of engine steps per control tick.
+  int control_ticks() const;
+  int sim_steps() const;
+  void Validate(Problems& problems) const;
+};
+
+struct RunConfig {
+  std::string run = {};
+  RobotSource robot = {};
+  TaskConfig task = {};
+  SceneSource scenes = {};
+  int episodes_per_scene = 1;
+  CameraSystemConfig cameras = {};
+  Rates rates = {};
+  SimOptions options = {};
+  Keep keep = Keep::kSuccesses;
+  int max_attempts = 20;
+  std::optional<int> episodes = {};
+  int workers = 1;
+  int64_t seed = 0;
+  std::string output = {};
+  std::string source_dir = {};  // folder of the run file; not a field
+
+  static constexpr const char* kTypeName = "RunConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("run", &RunConfig::run, "Name of the run.");
+    v("robot", &RunConfig::robot,
+      "Robot file (relative to this file), or the robot's fields in place.");
+    v("task", &RunConfig::task, "What the robot does.");
+    v("scenes", &RunConfig::scenes, "Where.");
+    v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",
+      Check::kPositive);
+    v("cameras", &RunConfig::cameras, "Image size and streams.");
+    v("rates", &RunConfig::rates, "Times of engine, control and policy.");
+    v("options", &RunConfig::options, "Solver options.");
+    v("keep", &RunConfig::keep, "successes, or all (failures are kept and labelled).");
+    v("max_attempts", &RunConfig::max_attempts, "An episode is given up after this many tries.",
+      Check::kPositive);
+    v("episodes", &RunConfig::episodes, "A cap on the whole run.", Check::kPositive);
+    v("workers", &RunConfig::workers, "Worker processes.", Check::kPositive);
+    v("seed", &RunConfig::seed, "Everything random follows from it.");
+    v("output", &RunConfig::output, "Folder of the dataset.");
+  }
+  void Validate(Problems& problems) const;
+
+  // Reads a run file and the robot file it names. SpecError lists all problems with
+  // file:line:column.
+  static RunConfig Load(const std::string& path);
+};
+
+}  // namespace robocell

@@ -1,0 +1,81 @@
+// An object of the scene: a model of its own (mjcf_path) or a primitive (shape with size, rgba,
+// mass and friction).
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "robocell/spec/fields.h"
+#include "robocell/spec/problems.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+enum class Shape { kBox, kSphere, kCylinder };
+template <>
+struct EnumNames<Shape> {
+  static constexpr std::array kNames = {std::pair{Shape::kBox, "box"},
+                                        std::pair{Shape::kSphere, "sphere"},
+                                        std::pair{Shape::kCylinder, "cylinder"}};
+};
+
+// Which kinds of friction act at a contact; the numbers are MuJoCo's condim.
+enum class Condim { kTangential = 3, kTorsional = 4, kRolling = 6 };
+template <>
+struct EnumNames<Condim> {
+  static constexpr std::array kNames = {std::pair{Condim::kTangential, "tangential"},
+                                        std::pair{Condim::kTorsional, "torsional"},
+                                        std::pair{Condim::kRolling, "rolling"}};
+};
+
+struct SceneObject {
+  std::string name = {};
+  std::string mjcf_path = {};
+  std::optional<Shape> shape = {};
+  std::optional<Vec3> size = {};
+  std::optional<Vec4> rgba = {};
+  std::optional<double> mass = {};
+  std::optional<Vec3> friction = {};
+  std::optional<Condim> condim = {};
+  AttachTarget attach_to = {};
+  Vec3 pos = {};
+  Vec3 euler = {};
+  Vec4 quat = kIdentityQuat;
+  bool reset_root_pose = false;
+  std::optional<bool> fixed = {};
+
+  static constexpr const char* kTypeName = "SceneObject";
+  template <class V>
+  static void Fields(V&& v) {
+    v("name", &SceneObject::name,
+      "Name; elements of a model get `name_` in front, a primitive makes body `name`, geom "
+      "`name_geom`, joint `name_joint`.");
+    v("mjcf_path", &SceneObject::mjcf_path, "Model file: path, `menagerie:...` or built-in name.");
+    v("shape", &SceneObject::shape, "Primitive: box, sphere or cylinder.");
+    v("size", &SceneObject::size,
+      "Half sizes in metres: box x y z; sphere radius 0 0; cylinder radius, half height, 0.",
+      Check::kNonNegative);
+    v("rgba", &SceneObject::rgba, "Colour.", Check::kFraction);
+    v("mass", &SceneObject::mass, "Mass, kg.", Check::kPositive);
+    v("friction", &SceneObject::friction, "Sliding, torsional and rolling friction.",
+      Check::kNonNegative);
+    v("condim", &SceneObject::condim, "Which friction acts: tangential, torsional or rolling.");
+    v("attach_to", &SceneObject::attach_to,
+      "What the object's pose is relative to, and fixed to unless it is free.");
+    v("pos", &SceneObject::pos, "Position in the parent, metres.");
+    v("euler", &SceneObject::euler, "Orientation in the parent, degrees, extrinsic xyz.");
+    v("quat", &SceneObject::quat, "Orientation in the parent, quaternion xyzw; instead of euler.");
+    v("reset_root_pose", &SceneObject::reset_root_pose,
+      "Drop the pose authored on the model's root.");
+    v("fixed", &SceneObject::fixed, "Unset: as authored for models, free for primitives.");
+  }
+  Pose pose() const { return PlacementPose(pos, euler, quat); }
+  void Validate(Problems& problems) const;
+};
+
+// The full name of an element of a model object, without building a scene: ("table", "table_top")
+// -> "table_table_top".
+std::string SceneObjectElementName(const std::string& object, const std::string& element);
+
+}  // namespace robocell

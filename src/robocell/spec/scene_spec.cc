@@ -1,0 +1,62 @@
+#include "robocell/spec/scene_spec.h"
+
+#include <map>
+#include <set>
+
+#include "robocell/spec/validate.h"
+
+namespace robocell {
+namespace {
+
+// Reports names (or prefixes) that two entities share.
+void CheckUnique(const std::vector<std::string>& names, std::string_view list,
+                 std::string_view what, Problems& problems) {
+  std::map<std::string, size_t> first;
+  Problems::Scope scope(problems, list);
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto [it, added] = first.emplace(names[i], i);
+    if (added) continue;
+    Problems::Scope item(problems, i);
+    problems.Add(std::string(what) + " '" + names[i] + "' is also that of " + std::string(list) +
+                 "[" + std::to_string(it->second) + "]; each needs its own");
+  }
+}
+
+// Only names that are given; the others are made unique later.
+void CheckRobotNames(const List<RobotSpec>& robots, Problems& problems) {
+  std::set<std::string> seen;
+  for (size_t i = 0; i < robots.size(); ++i) {
+    if (!robots[i].name || seen.insert(*robots[i].name).second) continue;
+    Problems::Scope list(problems, "robots");
+    Problems::Scope item(problems, i);
+    problems.AddAt("name", "'" + *robots[i].name + "' is used twice; each robot needs its own");
+  }
+}
+
+template <class T>
+std::vector<std::string> Names(const List<T>& list) {
+  std::vector<std::string> names;
+  for (const T& item : list) names.push_back(item.name);
+  return names;
+}
+
+}  // namespace
+
+void SceneSpec::Validate(Problems& problems) const {
+  CheckNotEmpty(name, "name", "scenes are named in messages", problems);
+  if (!base) {
+    if (!timestep)
+      problems.AddAt("timestep", "is required without a base scene, for example 0.002 (seconds)");
+    if (!add_floor) problems.AddAt("add_floor", "is required without a base scene: true or false");
+    if (!add_skybox)
+      problems.AddAt("add_skybox", "is required without a base scene: true or false");
+  }
+  std::vector<std::string> prefixes;
+  for (const RobotSpec& robot : robots) prefixes.push_back(robot.prefix);
+  CheckUnique(prefixes, "robots", "prefix", problems);
+  CheckRobotNames(robots, problems);
+  CheckUnique(Names(objects), "objects", "name", problems);
+  CheckUnique(Names(cameras), "cameras", "name", problems);
+}
+
+}  // namespace robocell

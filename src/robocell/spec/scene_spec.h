@@ -1,0 +1,68 @@
+// SceneSpec: what is in a scene and where. Plain data: Scene::Build or CompileScene turn it into a
+// simulation.
+//
+//   SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = true};
+//   spec.robots.push_back({.path = "arm.xml"});
+//   spec.objects.push_back({.name = "cube", .shape = Shape::kBox, .size = Vec3{.02, .02, .02},
+//                           .rgba = Vec4{1, .5, 0, 1}, .mass = .1, .friction = Vec3{.8, .02, .001},
+//                           .pos = {.4, 0, .02}});
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "robocell/spec/camera_spec.h"
+#include "robocell/spec/containers.h"
+#include "robocell/spec/fields.h"
+#include "robocell/spec/robot_spec.h"
+#include "robocell/spec/scene_object.h"
+#include "robocell/spec/sim_options.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+struct SceneSpec {
+  std::string name = "scene";
+  std::optional<std::string> base = {};
+  std::optional<double> timestep = {};
+  Vec3 gravity = {0, 0, -9.81};
+  std::optional<bool> add_floor = {};
+  std::optional<bool> add_skybox = {};
+  SimOptions options = {};
+  Pose root_frame_to_world = {};
+  Pose shared_base_frame_to_root_frame = {};
+  List<RobotSpec> robots = {};
+  List<SceneObject> objects = {};
+  List<CameraSpec> cameras = {};
+  // Where the file was: relative paths start here. Not a field: it is no property of the scene.
+  std::string source_dir = {};
+
+  static constexpr const char* kTypeName = "SceneSpec";
+  template <class V>
+  static void Fields(V&& v) {
+    v("name", &SceneSpec::name, "Used in messages.");
+    v("base", &SceneSpec::base,
+      "An MJCF file or built-in name to start from; an empty world unless set.");
+    v("timestep", &SceneSpec::timestep, "Seconds; required unless `base` sets it.",
+      Check::kPositive);
+    v("gravity", &SceneSpec::gravity, "m/s^2.");
+    v("add_floor", &SceneSpec::add_floor,
+      "Add a floor plane at z = 0; required unless `base` is given.");
+    v("add_skybox", &SceneSpec::add_skybox,
+      "Add a sky and a light; required unless `base` is given.");
+    v("options", &SceneSpec::options, "Solver options of the whole scene.");
+    v("root_frame_to_world", &SceneSpec::root_frame_to_world,
+      "The rig: pose of the root frame in the world.");
+    v("shared_base_frame_to_root_frame", &SceneSpec::shared_base_frame_to_root_frame,
+      "The rig: pose of the shared base frame in the root frame.");
+    v("robots", &SceneSpec::robots, "The robots.");
+    v("objects", &SceneSpec::objects, "The objects.");
+    v("cameras", &SceneSpec::cameras, "Cameras of the scene.");
+  }
+  void Validate(Problems& problems) const;
+
+  // Reads a scene file. SpecError lists all problems with file:line:column.
+  static SceneSpec Load(const std::string& path);
+};
+
+}  // namespace robocell

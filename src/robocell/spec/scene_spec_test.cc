@@ -1,0 +1,118 @@
+#include "robocell/spec/scene_spec.h"
+
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/spec/testing/messages.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ValidationError;
+
+SceneSpec Empty() { return {.timestep = 0.002, .add_floor = true, .add_skybox = true}; }
+
+SceneObject Cube(const std::string& name) {
+  return {.name = name,
+          .shape = Shape::kBox,
+          .size = Vec3{.02, .02, .02},
+          .rgba = Vec4{1, 0, 0, 1},
+          .mass = .1,
+          .friction = Vec3{1, 0, 0}};
+}
+
+TEST(SceneSpec, WithoutABaseTheWorldIsChosenExplicitly) {
+  EXPECT_EQ(ValidationError(SceneSpec{}, "scene 'scene'"),
+            "scene 'scene' is not valid, 3 problems:\n"
+            "  timestep: is required without a base scene, for example 0.002 (seconds)\n"
+            "  add_floor: is required without a base scene: true or false\n"
+            "  add_skybox: is required without a base scene: true or false");
+  EXPECT_EQ(ValidationError(SceneSpec{.base = "lab.xml"}), "");
+  EXPECT_EQ(ValidationError(Empty()), "");
+}
+
+TEST(SceneSpec, TheTimestepIsPositive) {
+  SceneSpec spec = Empty();
+  spec.timestep = 0;
+  EXPECT_EQ(ValidationError(spec), "it is not valid: timestep: 0 must be greater than 0");
+}
+
+TEST(SceneSpec, NamesAndPrefixesAreUnique) {
+  SceneSpec spec = Empty();
+  spec.robots = {{.name = "a", .path = "a.xml", .prefix = "l_"},
+                 {.name = "a", .path = "a.xml", .prefix = "l_"}};
+  spec.objects = {Cube("cube"), Cube("cube")};
+  spec.cameras = {{.name = "c", .pos = Vec3{}, .fovy = 45},
+                  {.name = "c", .pos = Vec3{}, .fovy = 45}};
+  EXPECT_EQ(ValidationError(spec),
+            "it is not valid, 4 problems:\n"
+            "  robots[1]: prefix 'l_' is also that of robots[0]; each needs its own\n"
+            "  robots[1].name: 'a' is used twice; each robot needs its own\n"
+            "  objects[1]: name 'cube' is also that of objects[0]; each needs its own\n"
+            "  cameras[1]: name 'c' is also that of cameras[0]; each needs its own");
+}
+
+TEST(SceneSpec, ProblemsOfPartsCarryTheirPath) {
+  SceneSpec spec = Empty();
+  spec.options.impratio = -1;
+  spec.objects.push_back(Cube("cube")).mass = 0;
+  spec.robots.push_back({.path = "a.xml"}).attachments.push_back({.attach_to = Site("s")});
+  EXPECT_EQ(ValidationError(spec),
+            "it is not valid, 3 problems:\n"
+            "  options.impratio: -1 must be greater than 0\n"
+            "  robots[0].attachments[0].mjcf_path: is required: the model file to attach\n"
+            "  objects[0].mass: 0 must be greater than 0");
+}
+
+TEST(SceneObject, APrimitiveNeedsAllOfItsNumbers) {
+  EXPECT_EQ(ValidationError(SceneObject{.name = "cube", .shape = Shape::kBox}),
+            "it is not valid, 4 problems:\n"
+            "  size: a primitive needs its half sizes, for example [0.02, 0.02, 0.02]\n"
+            "  rgba: a primitive needs a colour, for example [1, 0.5, 0, 1]\n"
+            "  mass: a primitive needs its mass in kg\n"
+            "  friction: a primitive needs its friction, for example [0.8, 0.02, 0.001]");
+}
+
+TEST(SceneObject, EachShapeNeedsItsOwnSizes) {
+  SceneObject object = Cube("a");
+  object.size = Vec3{.02, 0, 0};
+  EXPECT_THAT(ValidationError(object), HasSubstr("size: a box needs 3 sizes above 0"));
+  object.shape = Shape::kCylinder;
+  EXPECT_THAT(ValidationError(object), HasSubstr("size: a cylinder needs 2 sizes above 0"));
+  object.shape = Shape::kSphere;
+  EXPECT_EQ(ValidationError(object), "");
+}
+
+TEST(SceneObject, IsEitherAModelOrAPrimitive) {
+  EXPECT_THAT(ValidationError(SceneObject{.name = "a"}), HasSubstr("needs a shape (box, sphere, "
+                                                                   "cylinder) or an mjcf_path"));
+  SceneObject both = Cube("a");
+  both.mjcf_path = "a.xml";
+  EXPECT_THAT(ValidationError(both), HasSubstr("has both a shape and an mjcf_path"));
+  EXPECT_THAT(ValidationError(SceneObject{.name = "a", .mjcf_path = "a.xml", .mass = 1}),
+              HasSubstr("describe a primitive; a model file has its own"));
+}
+
+TEST(SceneObject, ElementNamesNeedNoScene) {
+  EXPECT_EQ(SceneObjectElementName("table", "table_top"), "table_table_top");
+}
+
+TEST(Placement, EulerIsInDegreesAboutFixedAxes) {
+  const Pose pose = PlacementPose({1, 2, 3}, {10, 20, 30}, kIdentityQuat);
+  const Pose expected =
+      Pose::FromRpy({1, 2, 3}, Eigen::Vector3d(10, 20, 30) * std::numbers::pi / 180);
+  EXPECT_TRUE(pose.is_close(expected, 1e-12, 1e-12));
+}
+
+TEST(Placement, QuatAndEulerExcludeEachOther) {
+  SceneObject object = Cube("a");
+  object.euler = {0, 0, 90};
+  object.quat = {1, 0, 0, 0};
+  EXPECT_THAT(ValidationError(object), HasSubstr("quat: both quat and euler are set; keep one"));
+}
+
+}  // namespace
+}  // namespace robocell

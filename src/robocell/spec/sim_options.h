@@ -1,0 +1,85 @@
+// The engine's options for the whole scene. They are set after everything is put together: options
+// of the parts would otherwise be lost or mixed. Meanings: MuJoCo's XML reference, <option>.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/spec/fields.h"
+#include "robocell/spec/problems.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+enum class Integrator { kEuler, kRk4, kImplicit, kImplicitFast };
+template <>
+struct EnumNames<Integrator> {
+  static constexpr std::array kNames = {std::pair{Integrator::kEuler, "euler"},
+                                        std::pair{Integrator::kRk4, "rk4"},
+                                        std::pair{Integrator::kImplicit, "implicit"},
+                                        std::pair{Integrator::kImplicitFast, "implicitfast"}};
+};
+
+enum class FrictionCone { kPyramidal, kElliptic };
+template <>
+struct EnumNames<FrictionCone> {
+  static constexpr std::array kNames = {std::pair{FrictionCone::kPyramidal, "pyramidal"},
+                                        std::pair{FrictionCone::kElliptic, "elliptic"}};
+};
+
+enum class Solver { kPgs, kCg, kNewton };
+template <>
+struct EnumNames<Solver> {
+  static constexpr std::array kNames = {std::pair{Solver::kPgs, "pgs"},
+                                        std::pair{Solver::kCg, "cg"},
+                                        std::pair{Solver::kNewton, "newton"}};
+};
+
+struct SimOptions {
+  Integrator integrator = Integrator::kImplicitFast;
+  FrictionCone cone = FrictionCone::kElliptic;
+  double impratio = 10;
+  std::optional<Solver> solver = {};
+  std::optional<int> iterations = {};
+  std::optional<double> tolerance = {};
+  std::optional<int> ls_iterations = {};
+  std::optional<int> noslip_iterations = {};
+  std::optional<double> noslip_tolerance = {};
+  std::optional<int> ccd_iterations = {};
+  std::optional<double> density = {};
+  std::optional<double> viscosity = {};
+  std::optional<Vec3> wind = {};
+  std::vector<std::string> disable = {};
+  std::vector<std::string> enable = {};
+
+  static constexpr const char* kTypeName = "SimOptions";
+  template <class V>
+  static void Fields(V&& v) {
+    v("integrator", &SimOptions::integrator, "euler, rk4, implicit or implicitfast.");
+    v("cone", &SimOptions::cone, "Friction cones: pyramidal or elliptic.");
+    v("impratio", &SimOptions::impratio,
+      "Ratio of frictional to normal constraint impedance; high values prevent slip.",
+      Check::kPositive);
+    v("solver", &SimOptions::solver, "pgs, cg or newton.");
+    v("iterations", &SimOptions::iterations, "Most iterations of the solver.", Check::kPositive);
+    v("tolerance", &SimOptions::tolerance, "Early end of the solver.", Check::kNonNegative);
+    v("ls_iterations", &SimOptions::ls_iterations, "Most iterations of the line search.",
+      Check::kPositive);
+    v("noslip_iterations", &SimOptions::noslip_iterations, "Iterations of the no-slip pass.",
+      Check::kNonNegative);
+    v("noslip_tolerance", &SimOptions::noslip_tolerance, "Early end of the no-slip pass.",
+      Check::kNonNegative);
+    v("ccd_iterations", &SimOptions::ccd_iterations, "Most iterations of convex collision.",
+      Check::kPositive);
+    v("density", &SimOptions::density, "Density of the medium, kg/m^3.", Check::kNonNegative);
+    v("viscosity", &SimOptions::viscosity, "Viscosity of the medium.", Check::kNonNegative);
+    v("wind", &SimOptions::wind, "Velocity of the medium, m/s.");
+    v("disable", &SimOptions::disable,
+      "Engine features to turn off, by their names in <flag>: contact, limit, ...");
+    v("enable", &SimOptions::enable, "Engine features to turn on: energy, multiccd, sleep, ...");
+  }
+};
+
+}  // namespace robocell

@@ -1,0 +1,34 @@
+// For tests only: what ParseYaml says about a text.
+#pragma once
+
+#include <string>
+
+#include "robocell/base/error.h"
+#include "robocell/spec/validate.h"
+#include "robocell/spec/yaml.h"
+
+namespace robocell::testing {
+
+// The message of the SpecError, "" when the text is valid. The source is called "f.yaml".
+template <class T>
+std::string ParseError(const std::string& text) {
+  try {
+    ParseYaml<T>(text, "f.yaml");
+    return "";
+  } catch (const SpecError& e) {
+    return e.what();
+  }
+}
+
+// The same for checks on a spec made in code.
+template <class T>
+std::string ValidationError(const T& spec, const std::string& what = "it") {
+  try {
+    RequireValid(spec, what);
+    return "";
+  } catch (const SpecError& e) {
+    return e.what();
+  }
+}
+
+}  // namespace robocell::testing

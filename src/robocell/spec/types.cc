@@ -1,0 +1,12 @@
+#include "robocell/spec/types.h"
+
+#include "robocell/base/units.h"
+
+namespace robocell {
+
+Pose PlacementPose(const Vec3& pos, const Vec3& euler, const Vec4& quat) {
+  if (quat != kIdentityQuat) return Pose(ToEigen(pos), quat);
+  return Pose::FromRpy(ToEigen(pos), {Radians(euler[0]), Radians(euler[1]), Radians(euler[2])});
+}
+
+}  // namespace robocell

@@ -1,0 +1,85 @@
+#include "robocell/spec/validate.h"
+
+#include <set>
+
+#include <fmt/format.h>
+
+namespace robocell {
+
+void CheckNumber(double value, Check check, Problems& problems) {
+  if (!std::isfinite(value)) {
+    problems.Add(fmt::format("{} is not a finite number", value));
+  } else if (check == Check::kPositive && value <= 0) {
+    problems.Add(fmt::format("{} must be greater than 0", value));
+  } else if (check == Check::kNonNegative && value < 0) {
+    problems.Add(fmt::format("{} must not be negative", value));
+  } else if (check == Check::kFraction && (value < 0 || value > 1)) {
+    problems.Add(fmt::format("{} must lie between 0 and 1", value));
+  }
+}
+
+void CheckUnitQuat(const Vec4& quat, Problems& problems) {
+  const double norm =
+      std::sqrt(quat[0] * quat[0] + quat[1] * quat[1] + quat[2] * quat[2] + quat[3] * quat[3]);
+  if (std::isfinite(norm) && std::abs(norm - 1) > 1e-6) {
+    problems.AddAt(
+        "quat",
+        fmt::format("[{}, {}, {}, {}] has length {:.6g}, a rotation needs 1 (order is x, y, z, w)",
+                    quat[0], quat[1], quat[2], quat[3], norm));
+  }
+}
+
+void CheckPlacement(const Vec3& euler, const Vec4& quat, Problems& problems) {
+  CheckUnitQuat(quat, problems);
+  if (quat != kIdentityQuat && euler != Vec3{}) {
+    problems.AddAt("quat", "both quat and euler are set; keep one of them");
+  }
+}
+
+void CheckAttachTarget(const AttachTarget& target, Problems& problems) {
+  const std::string kind = ToString(target.kind);
+  const bool named = target.kind != AttachKind::kWorld && target.kind != AttachKind::kRoot &&
+                     target.kind != AttachKind::kSharedBase;
+  if (named && target.name.empty()) {
+    problems.Add("which " + kind + "? Its name is missing; write {" + kind + ": name}");
+  }
+  if (!named && !target.name.empty()) {
+    problems.Add("'" + kind + "' is a frame of its own and takes no name; '" + target.name +
+                 "' looks like one, is it a body or site?");
+  }
+}
+
+void CheckElementRef(const ElementRef& ref, Problems& problems) {
+  if (ref.name.empty() && ref.body.empty()) {
+    problems.Add("names no element; write its name, or {body: name, index: 0} if it has none");
+  }
+  if (!ref.name.empty() && !ref.body.empty()) {
+    problems.Add(fmt::format("has both a name ('{}') and a place (body '{}'); keep one of them",
+                             ref.name, ref.body));
+  }
+  if (ref.index < 0) {
+    problems.Add(fmt::format("index {} is negative; the first is 0", ref.index));
+  }
+}
+
+void CheckNameList(const NameList& list, Problems& problems) {
+  std::set<std::string> seen;
+  for (const std::string& name : list) {
+    if (name.empty()) problems.Add("holds an empty name");
+    if (!seen.insert(name).second) problems.Add("'" + name + "' is listed twice");
+  }
+}
+
+void CheckRange(const Vec2& range, std::string_view field, Problems& problems) {
+  if (range[0] > range[1]) {
+    problems.AddAt(field, fmt::format("[{}, {}] is [smallest, largest]; the first is larger",
+                                      range[0], range[1]));
+  }
+}
+
+void CheckNotEmpty(const std::string& value, std::string_view field, std::string_view hint,
+                   Problems& problems) {
+  if (value.empty()) problems.AddAt(field, "is required: " + std::string(hint));
+}
+
+}  // namespace robocell

@@ -1,0 +1,105 @@
+// Checks that follow from the field declarations: finite numbers, ranges, and the Validate of
+// nested specs.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <type_traits>
+
+#include "robocell/spec/containers.h"
+#include "robocell/spec/element_ref.h"
+#include "robocell/spec/fields.h"
+#include "robocell/spec/problems.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+void CheckNumber(double value, Check check, Problems& problems);
+
+void CheckAttachTarget(const AttachTarget& target, Problems& problems);
+void CheckElementRef(const ElementRef& ref, Problems& problems);
+void CheckNameList(const NameList& names, Problems& problems);
+
+template <HasFields T>
+void ValidateFields(const T& spec, Problems& problems);
+
+template <class T>
+struct IsOptional : std::false_type {};
+template <class T>
+struct IsOptional<std::optional<T>> : std::true_type {};
+template <class T>
+struct IsOptional<Maybe<T>> : std::true_type {};
+template <class T>
+struct IsList : std::false_type {};
+template <class T>
+struct IsList<List<T>> : std::true_type {};
+template <class T>
+struct IsMap : std::false_type {};
+template <class T>
+struct IsMap<Map<T>> : std::true_type {};
+template <class T>
+struct IsVector : std::false_type {};
+template <class T>
+struct IsVector<std::vector<T>> : std::true_type {};
+template <class T>
+struct IsArray : std::false_type {};
+template <class T, size_t N>
+struct IsArray<std::array<T, N>> : std::true_type {};
+
+// One overload for every kind of field; values that cannot be wrong by themselves fall through.
+template <class T>
+void ValidateValue(const T& value, Check check, Problems& problems) {
+  if constexpr (std::is_floating_point_v<T> ||
+                (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
+    CheckNumber(static_cast<double>(value), check, problems);
+  } else if constexpr (IsOptional<T>::value) {
+    if (value) ValidateValue(*value, check, problems);
+  } else if constexpr (IsList<T>::value || IsArray<T>::value || IsVector<T>::value) {
+    for (size_t i = 0; i < value.size(); ++i) {
+      Problems::Scope scope(problems, i);
+      ValidateValue(value[i], check, problems);
+    }
+  } else if constexpr (IsMap<T>::value) {
+    for (const auto& [key, box] : value.entries()) {
+      Problems::Scope scope(problems, key);
+      ValidateValue(*box, check, problems);
+    }
+  } else if constexpr (std::is_same_v<T, AttachTarget>) {
+    CheckAttachTarget(value, problems);
+  } else if constexpr (std::is_same_v<T, ElementRef>) {
+    CheckElementRef(value, problems);
+  } else if constexpr (std::is_same_v<T, NameList>) {
+    CheckNameList(value, problems);
+  } else if constexpr (HasFields<T>) {
+    ValidateFields(value, problems);
+  }
+}
+
+template <HasFields T>
+void ValidateFields(const T& spec, Problems& problems) {
+  ForEachField(spec, [&](const char* name, const auto& value, const char*, Check check) {
+    Problems::Scope scope(problems, name);
+    ValidateValue(value, check, problems);
+  });
+  if constexpr (requires { spec.Validate(problems); }) spec.Validate(problems);
+}
+
+// SpecError with all problems of `spec`; `what` names it ("scene 'pick'").
+template <HasFields T>
+void RequireValid(const T& spec, std::string_view what) {
+  Problems problems;
+  ValidateFields(spec, problems);
+  problems.Throw(what);
+}
+
+// Reports an euler and a quat that are both set, and a quat that is not of unit length.
+void CheckPlacement(const Vec3& euler, const Vec4& quat, Problems& problems);
+void CheckUnitQuat(const Vec4& quat, Problems& problems);
+// Reports a range whose lower end is above its upper end.
+void CheckRange(const Vec2& range, std::string_view field, Problems& problems);
+// Reports an empty string.
+void CheckNotEmpty(const std::string& value, std::string_view field, std::string_view hint,
+                   Problems& problems);
+
+}  // namespace robocell

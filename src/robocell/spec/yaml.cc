@@ -1,0 +1,100 @@
+#include "robocell/spec/yaml.h"
+
+#include <filesystem>
+
+#include "robocell/base/files.h"
+#include "robocell/spec/yaml_reader.h"
+#include "robocell/spec/yaml_writer.h"
+
+namespace robocell {
+
+namespace {
+
+template <class T>
+T ReadText(std::string_view text, yaml::Reader& reader, const std::string& source) {
+  T spec{};
+  reader.ReadDocument(yaml::ParseText(text, source), spec);
+  reader.problems().Throw(source);
+  return spec;
+}
+
+}  // namespace
+
+template <class T>
+T ParseYaml(std::string_view text, const std::string& source, const std::string& directory) {
+  yaml::Reader reader(source, directory);
+  return ReadText<T>(text, reader, source);
+}
+
+template <class T>
+T LoadYaml(const std::string& path, const std::vector<std::string>& overrides) {
+  yaml::Reader reader(path, std::filesystem::path(path).parent_path().string());
+  for (const std::string& text : overrides) reader.AddOverride(yaml::ParseOverride(text));
+  return ReadText<T>(ReadFile(path), reader, path);
+}
+
+template <class T>
+T LoadYaml(const std::string& path) {
+  return LoadYaml<T>(path, {});
+}
+
+template <class T>
+std::string ToYaml(const T& spec) {
+  yaml::Writer writer;
+  writer.Write(spec);
+  return writer.text() + "\n";
+}
+
+template <class T>
+T FromYamlUnchecked(std::string_view text) {
+  yaml::Reader reader("text", "");
+  T spec{};
+  reader.Read(yaml::ParseText(text, "text"), spec);
+  reader.problems().Throw("text");
+  return spec;
+}
+
+#define ROBOCELL_YAML_FILE(T)                                                        \
+  template T ParseYaml<T>(std::string_view, const std::string&, const std::string&); \
+  template T LoadYaml<T>(const std::string&);                                        \
+  template T LoadYaml<T>(const std::string&, const std::vector<std::string>&);
+#define ROBOCELL_YAML(T)                    \
+  template std::string ToYaml<T>(const T&); \
+  template T FromYamlUnchecked<T>(std::string_view);
+
+ROBOCELL_YAML_FILE(RobotConfig)
+ROBOCELL_YAML_FILE(SceneSpec)
+ROBOCELL_YAML_FILE(RunConfig)
+ROBOCELL_YAML_FILE(RobotSpec)
+ROBOCELL_YAML_FILE(SceneObject)
+ROBOCELL_YAML_FILE(CameraSpec)
+ROBOCELL_YAML_FILE(CameraSystemConfig)
+ROBOCELL_YAML_FILE(AttachmentSpec)
+
+ROBOCELL_YAML(SceneSpec)
+ROBOCELL_YAML(SimOptions)
+ROBOCELL_YAML(RobotSpec)
+ROBOCELL_YAML(RobotConfig)
+ROBOCELL_YAML(BaseConfig)
+ROBOCELL_YAML(MoveGroupConfig)
+ROBOCELL_YAML(GripperCtrl)
+ROBOCELL_YAML(GripperDistance)
+ROBOCELL_YAML(Edit)
+ROBOCELL_YAML(AttachmentSpec)
+ROBOCELL_YAML(SceneObject)
+ROBOCELL_YAML(CameraSpec)
+ROBOCELL_YAML(CameraConfig)
+ROBOCELL_YAML(RenderQuality)
+ROBOCELL_YAML(CameraSystemConfig)
+ROBOCELL_YAML(RunConfig)
+ROBOCELL_YAML(TaskConfig)
+ROBOCELL_YAML(SceneSource)
+ROBOCELL_YAML(Rates)
+#undef ROBOCELL_YAML_FILE
+#undef ROBOCELL_YAML
+
+RobotConfig RobotConfig::Load(const std::string& path) { return LoadYaml<RobotConfig>(path); }
+SceneSpec SceneSpec::Load(const std::string& path) { return LoadYaml<SceneSpec>(path); }
+RunConfig RunConfig::Load(const std::string& path) { return LoadYaml<RunConfig>(path); }
+
+}  // namespace robocell

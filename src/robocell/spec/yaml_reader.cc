@@ -1,0 +1,339 @@
+#include "robocell/spec/yaml_reader.h"
+
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "robocell/base/files.h"
+
+namespace robocell::yaml {
+namespace {
+
+constexpr size_t kShown = 60;            // longest piece of a file quoted in a message
+constexpr size_t kMostValues = 200'000;  // a spec has hundreds; only aliases get that far
+constexpr size_t kMostIndices = 2'000'000;
+
+std::string Quoted(const YAML::Node& node) {
+  std::string text = node.Scalar();
+  if (text.size() > kShown) text = text.substr(0, kShown) + "...";
+  return "'" + text + "'";
+}
+
+bool ParseDouble(const std::string& text, double& out) {
+  if (text == ".nan" || text == ".NaN" || text == "nan") return out = std::nan(""), true;
+  if (text == ".inf" || text == ".Inf" || text == "inf") return out = INFINITY, true;
+  if (text == "-.inf" || text == "-.Inf" || text == "-inf") return out = -INFINITY, true;
+  const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+  const char* begin = text.c_str() + (plus ? 1 : 0);
+  const char* end = text.c_str() + text.size();
+  const auto [rest, error] = std::from_chars(begin, end, out);
+  return error == std::errc() && rest == end;
+}
+
+bool ParseInt(const std::string& text, int64_t& out) {
+  const char* end = text.c_str() + text.size();
+  const auto [rest, error] = std::from_chars(text.c_str(), end, out);
+  return error == std::errc() && rest == end;
+}
+
+// Whether `path` is `root` itself or a part of it.
+bool IsAtOrBelow(std::string_view path, std::string_view root) {
+  if (root.empty()) return true;
+  if (!path.starts_with(root)) return false;
+  return path.size() == root.size() || path[root.size()] == '.' || path[root.size()] == '[';
+}
+
+}  // namespace
+
+std::string Reader::WithArticle(std::string_view noun) {
+  const bool vowel = std::string_view("AEIOUaeiou").find(noun.front()) != std::string_view::npos;
+  return (vowel ? "an " : "a ") + std::string(noun);
+}
+
+std::string Reader::At(const YAML::Node& node) const {
+  const std::string& path = problems_.path();
+  const bool made_up = node.Mark().is_null();  // stands for what the file does not have
+  for (auto it = overrides_.rbegin(); it != overrides_.rend(); ++it) {
+    if (IsAtOrBelow(path, it->path) || (made_up && IsAtOrBelow(it->path, path))) {
+      return "--set " + it->text;
+    }
+  }
+  if (made_up) return source_;
+  return fmt::format("{}:{}:{}", source_, node.Mark().line + 1, node.Mark().column + 1);
+}
+
+void Reader::Mark(const YAML::Node& node) {
+  const std::string at = At(node);
+  if (++values_ > kMostValues) {
+    throw SpecError(
+        fmt::format("{}: more than {} values, counting aliases where they are used; "
+                    "no spec needs that many",
+                    at, kMostValues));
+  }
+  sources_[problems_.path()] = at;
+}
+
+void Reader::Fail(const YAML::Node& node, const std::string& message) {
+  problems_.AddFromSource(At(node), message);
+}
+
+void Reader::FailKind(const YAML::Node& node, const std::string& expected) {
+  const std::string found = node.IsNull()       ? "nothing"
+                            : node.IsScalar()   ? Quoted(node)
+                            : node.IsSequence() ? "a list"
+                                                : "names with values";
+  Fail(node, "expected " + expected + ", found " + found);
+}
+
+void Reader::ExplainField(std::string_view name, std::string_view doc, size_t first_problem) {
+  const Problems::Scope scope(problems_, name);
+  problems_.Amend(first_problem, [&](Problem& p) {
+    if (p.path == problems_.path() && p.message.starts_with("expected ") && !doc.empty()) {
+      p.message += ". " + std::string(doc);
+    }
+  });
+}
+
+YAML::Node Reader::Effective(const YAML::Node& node) {
+  YAML::Node effective = node;
+  for (Override& o : overrides_) {  // the last one wins
+    if (o.path != problems_.path()) continue;
+    o.used = true;
+    effective.reset(o.value);
+  }
+  return effective;
+}
+
+std::vector<std::string> Reader::OverriddenKeys() const {
+  std::vector<std::string> keys;
+  const std::string& here = problems_.path();
+  const size_t skip = here.empty() ? 0 : here.size() + 1;
+  for (const Override& o : overrides_) {
+    if (!IsAtOrBelow(o.path, here) || o.path.size() <= skip) continue;
+    if (skip > 0 && o.path[here.size()] != '.') continue;
+    keys.push_back(o.path.substr(skip, o.path.find_first_of(".[", skip) - skip));
+  }
+  return keys;
+}
+
+void Reader::ReportUnusedOverrides() {
+  for (const Override& o : overrides_) {
+    const auto tells = [&](const Problem& p) { return p.source == "--set " + o.text; };
+    const auto& list = problems_.list();
+    if (o.used || std::any_of(list.begin(), list.end(), tells)) continue;
+    problems_.AddFromSource("--set " + o.text, "'" + o.path + "' leads to nothing in " + source_ +
+                                                   "; set the value around it as a whole");
+  }
+}
+
+void Reader::AppendUnread(const Problems& found) {
+  const std::vector<Problem> read = problems_.list();
+  for (const Problem& p : found.list()) {
+    // A value that could not be read keeps its default, about which nothing needs to be said twice.
+    const auto unread = [&](const Problem& q) {
+      return !q.path.empty() && IsAtOrBelow(p.path, q.path);
+    };
+    if (std::none_of(read.begin(), read.end(), unread)) problems_.AddProblem(p);
+  }
+}
+
+bool Reader::ReadScalar(const YAML::Node& node, const std::string& expected, std::string& out) {
+  if (!node.IsScalar()) return FailKind(node, expected), false;
+  out = node.Scalar();
+  return true;
+}
+
+void Reader::Read(const YAML::Node& node, bool& out) {
+  std::string text;
+  if (!ReadScalar(node, "true or false", text)) return;
+  if (text == "true" || text == "True") {
+    out = true;
+  } else if (text == "false" || text == "False") {
+    out = false;
+  } else {
+    FailKind(node, "true or false");
+  }
+}
+
+void Reader::Read(const YAML::Node& node, int64_t& out) {
+  std::string text;
+  if (!ReadScalar(node, "a whole number", text)) return;
+  if (!ParseInt(text, out)) FailKind(node, "a whole number");
+}
+
+void Reader::Read(const YAML::Node& node, int& out) {
+  int64_t wide = 0;
+  Read(node, wide);
+  if (wide > std::numeric_limits<int>::max() || wide < std::numeric_limits<int>::min()) {
+    return FailKind(node, "a whole number below 2^31");
+  }
+  out = static_cast<int>(wide);
+}
+
+void Reader::Read(const YAML::Node& node, double& out) {
+  std::string text;
+  if (!ReadScalar(node, "a number", text)) return;
+  if (!ParseDouble(text, out)) FailKind(node, "a number");
+}
+
+void Reader::Read(const YAML::Node& node, std::string& out) { ReadScalar(node, "a text", out); }
+
+void Reader::Read(const YAML::Node& node, NameList& out) {
+  out.names.clear();
+  const auto expand = [&](const YAML::Node& item) {
+    std::string text;
+    if (!ReadScalar(item, "a name, a list of names, or a range like joint1..joint7", text)) return;
+    Mark(item);
+    if (item.Tag() == "!") return void(out.names.push_back(text));  // in quotes: never a range
+    try {
+      for (std::string& name : NameList::Expand(text).names) out.names.push_back(std::move(name));
+    } catch (const ArgumentError& e) {
+      Fail(item, e.what());
+    }
+  };
+  if (node.IsSequence()) {
+    for (const YAML::Node& item : node) expand(item);
+  } else {
+    expand(node);
+  }
+}
+
+void Reader::Read(const YAML::Node& node, IndexList& out) {
+  out.values.clear();
+  const auto expand = [&](const YAML::Node& item) {
+    std::string text;
+    if (!ReadScalar(item, "whole numbers: a list, or a range like 0..3", text)) return;
+    const size_t dots = text.find("..");
+    int64_t from = 0, to = 0;
+    const bool ok = dots == std::string::npos ? ParseInt(text, from) && ((to = from), true)
+                                              : ParseInt(text.substr(0, dots), from) &&
+                                                    ParseInt(text.substr(dots + 2), to);
+    if (!ok || to < from || from < -1'000'000'000 || to > 1'000'000'000) {
+      return FailKind(item, "whole numbers: a list, or a rising range like 0..3");
+    }
+    indices_ += static_cast<size_t>(to - from + 1);
+    if (indices_ > kMostIndices) {
+      return Fail(item, fmt::format("more than {} numbers; give a smaller range", kMostIndices));
+    }
+    for (int64_t k = from; k <= to; ++k) out.values.push_back(static_cast<int>(k));
+  };
+  if (node.IsSequence()) {
+    for (const YAML::Node& item : node) expand(item);
+  } else {
+    expand(node);
+  }
+}
+
+Vec4 Reader::NormalizedFromWxyz(const Vec4& q) {
+  // Numbers copied from a file carry few digits; a clearly wrong length is left for the check to
+  // report.
+  const double norm = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  const double scale = std::abs(norm - 1) < 1e-3 ? 1 / norm : 1;
+  return {q[1] * scale, q[2] * scale, q[3] * scale, q[0] * scale};
+}
+
+namespace {
+
+// A pose in YAML: {pos: [..], euler: [..]} or quat, quat_wxyz.
+struct PoseFields {
+  Vec3 pos = {};
+  Vec3 euler = {};
+  Vec4 quat = kIdentityQuat;
+
+  static constexpr const char* kTypeName = "Pose";
+  template <class V>
+  static void Fields(V&& v) {
+    v("pos", &PoseFields::pos, "");
+    v("euler", &PoseFields::euler, "");
+    v("quat", &PoseFields::quat, "");
+  }
+  void Validate(Problems& problems) const { CheckPlacement(euler, quat, problems); }
+};
+
+struct IndexedElement {
+  std::string body = {};
+  int index = 0;
+
+  static constexpr const char* kTypeName = "unnamed element";
+  template <class V>
+  static void Fields(V&& v) {
+    v("body", &IndexedElement::body, "");
+    v("index", &IndexedElement::index, "", Check::kNonNegative);
+  }
+};
+
+}  // namespace
+
+void Reader::Read(const YAML::Node& node, Pose& out) {
+  PoseFields fields;
+  const size_t before = problems_.list().size();
+  Read(node, fields);
+  if (problems_.list().size() == before) ValidateFields(fields, problems_);
+  if (problems_.list().size() == before) {
+    out = PlacementPose(fields.pos, fields.euler, fields.quat);
+  }
+}
+
+void Reader::Read(const YAML::Node& node, AttachTarget& out) {
+  out = {};
+  if (node.IsScalar()) return Read(node, out.kind);
+  if (!node.IsMap() || node.size() != 1) {
+    return FailKind(node, "world, root, shared_base, or {site: name}");
+  }
+  Read(node.begin()->first, out.kind);
+  Read(node.begin()->second, out.name);
+}
+
+void Reader::Read(const YAML::Node& node, ElementRef& out) {
+  out = {};
+  if (node.IsScalar()) return Read(node, out.name);
+  if (!node.IsMap() || node.size() == 0) {
+    return FailKind(node, "a name, {site: name} or {geom: {body: name, index: 0}}");
+  }
+  YAML::Node where = node;
+  if (node.size() == 1) {
+    Read(node.begin()->first, out.kind.emplace());
+    where.reset(node.begin()->second);
+    if (where.IsScalar()) return Read(where, out.name);
+  }
+  IndexedElement indexed;
+  Read(where, indexed);
+  out.body = indexed.body;
+  out.index = indexed.index;
+}
+
+void Reader::Read(const YAML::Node& node, RobotSource& out) {
+  if (node.IsScalar()) out.file = node.Scalar();
+  Read(node, out.config);
+}
+
+void Reader::Read(const YAML::Node& node, RobotConfig& out) {
+  if (node.IsScalar()) return ReadRobotFile(node, out);
+  if (!node.IsMap()) return FailKind(node, "a robot file, or the fields of a RobotConfig");
+  ReadFields(node, out);
+}
+
+void Reader::ReadRobotFile(const YAML::Node& node, RobotConfig& out) {
+  namespace fs = std::filesystem;
+  const std::string file = (fs::path(directory_) / node.Scalar()).string();
+  Reader robot(file, fs::path(file).parent_path().string());
+  const std::string below = problems_.path() + ".";
+  for (Override& o : overrides_) {
+    if (!o.path.starts_with(below)) continue;
+    o.used = true;
+    robot.AddOverride({o.path.substr(below.size()), o.text, o.value});
+  }
+  try {
+    robot.ReadDocument(ParseText(ReadFile(file), file), out);
+  } catch (const Error& e) {
+    return Fail(node, e.what());
+  }
+  problems_.AppendBelow(robot.problems());
+  for (const auto& [path, at] : robot.sources_) {
+    sources_[path.empty() ? problems_.path() : below + path] = at;
+  }
+}
+
+}  // namespace robocell::yaml

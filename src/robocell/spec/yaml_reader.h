@@ -1,0 +1,263 @@
+// The generic reader behind yaml.h: one overload of Read per kind of field. Included by yaml*.cc
+// and their tests only (heavy header).
+//
+// The reader walks the declared fields, never the file's structure: what it does for one value is
+// bounded by the spec, and a limit on the number of values read keeps aliases from exploding.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include <yaml-cpp/yaml.h>
+
+#include "robocell/base/names.h"
+#include "robocell/spec/element_ref.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/scene_spec.h"
+#include "robocell/spec/validate.h"
+
+namespace robocell::yaml {
+
+// The tree of one document. SpecError with source:line:column when the text is not YAML, is too
+// large or too deep, or holds more than one document.
+YAML::Node ParseText(std::string_view text, const std::string& source);
+
+// A field given from outside the file; `path` as in messages: "cameras.streams[0].width".
+struct Override {
+  std::string path;
+  std::string text;  // as given: "task.lift_height=0.05"
+  YAML::Node value;
+  bool used = false;
+};
+
+// ArgumentError unless it has the form path=value.
+Override ParseOverride(const std::string& text);
+
+class Reader {
+ public:
+  // `source` stands for the file in messages; relative paths inside start at `directory`.
+  Reader(std::string source, std::string directory)
+      : source_(std::move(source)), directory_(std::move(directory)) {}
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  void AddOverride(Override value) { overrides_.push_back(std::move(value)); }
+
+  // Reads a whole document and validates what was read. All that is wrong is in problems().
+  template <HasFields T>
+  void ReadDocument(const YAML::Node& root, T& out) {
+    Mark(root);
+    if (root.IsMap() || (root.IsNull() && !overrides_.empty())) {
+      ReadFields(root, out);
+      ReportUnusedOverrides();
+      Problems found(&sources_);
+      ValidateFields(out, found);
+      AppendUnread(found);
+    } else {
+      FailKind(root, "the fields of " + WithArticle(T::kTypeName) + ", for example `" +
+                         FieldNames<T>().front() + ": ...`");
+    }
+  }
+
+  const Problems& problems() const { return problems_; }
+
+  void Read(const YAML::Node& node, bool& out);
+  void Read(const YAML::Node& node, int& out);
+  void Read(const YAML::Node& node, int64_t& out);
+  void Read(const YAML::Node& node, double& out);
+  void Read(const YAML::Node& node, std::string& out);
+  void Read(const YAML::Node& node, NameList& out);
+  void Read(const YAML::Node& node, IndexList& out);
+  void Read(const YAML::Node& node, Pose& out);
+  void Read(const YAML::Node& node, AttachTarget& out);
+  void Read(const YAML::Node& node, ElementRef& out);
+  void Read(const YAML::Node& node, RobotConfig& out);  // the fields, or the name of a robot file
+  void Read(const YAML::Node& node, RobotSource& out);
+
+  template <class T>
+  requires(IsOptional<T>::value) void Read(const YAML::Node& node, T& out) {
+    if (node.IsNull()) return out.reset();
+    Read(node, out.emplace());
+  }
+
+  template <HasEnumNames E>
+  void Read(const YAML::Node& node, E& out) {
+    const std::vector<std::string> names = ValueNames<E>();
+    std::string text;
+    if (!ReadScalar(node, "one of " + ListNames(names), text)) return;
+    const auto known = std::find(names.begin(), names.end(), text);
+    if (known == names.end()) {
+      return Fail(
+          node, "'" + text + "' is not one of " + ListNames(names) + "." + DidYouMean(text, names));
+    }
+    out = EnumNames<E>::kNames[known - names.begin()].first;
+  }
+
+  template <class T, size_t N>
+  void Read(const YAML::Node& node, std::array<T, N>& out) {
+    const std::string want =
+        "a list of " + std::to_string(N) + (std::is_arithmetic_v<T> ? " numbers" : " names");
+    if (!node.IsSequence()) return FailKind(node, want);
+    if (node.size() != N) {
+      return Fail(node, "expected " + want + ", found a list of " + std::to_string(node.size()));
+    }
+    for (size_t i = 0; i < N; ++i) ReadItem(node[i], i, out[i]);
+  }
+
+  template <class T>
+  void Read(const YAML::Node& node, std::vector<T>& out) {
+    out.clear();
+    if (IsSingle<T>(node)) return ReadItem(node, 0, out.emplace_back());
+    if (!node.IsSequence()) return FailKind(node, "a list");
+    for (size_t i = 0; i < node.size(); ++i) ReadItem(node[i], i, out.emplace_back());
+  }
+
+  template <class T>
+  void Read(const YAML::Node& node, List<T>& out) {
+    out.clear();
+    if (!node.IsSequence()) return FailKind(node, "a list");
+    for (size_t i = 0; i < node.size(); ++i) ReadItem(node[i], i, out.push_back(T{}));
+  }
+
+  template <class T>
+  void Read(const YAML::Node& node, Map<T>& out) {
+    out.clear();
+    if (!node.IsMap()) return FailKind(node, "names with values");
+    ForEachKey(node, [&](const YAML::Node&, const std::string& name, const YAML::Node& value) {
+      T& item = *out.entries().emplace_back(name, std::make_shared<T>()).second;
+      ReadAt(value, name, item);
+    });
+  }
+
+  template <HasFields T>
+  void Read(const YAML::Node& node, T& out) {
+    if (!node.IsMap()) return FailKind(node, "the fields of " + WithArticle(T::kTypeName));
+    ReadFields(node, out);
+  }
+
+ private:
+  // "file.yaml:3:7" of a node at the current path, or "--set ..." of what replaced it.
+  std::string At(const YAML::Node& node) const;
+  // Remembers where the current path stands, for the checks that run after reading.
+  void Mark(const YAML::Node& node);
+  void Fail(const YAML::Node& node, const std::string& message);
+  // Says what was expected and what is there.
+  void FailKind(const YAML::Node& node, const std::string& expected);
+  // What stands at the current path: the file's node, or the override's.
+  YAML::Node Effective(const YAML::Node& node);
+  // Keys below the current path that overrides lead to.
+  std::vector<std::string> OverriddenKeys() const;
+  void ReportUnusedOverrides();
+  // Takes over what validation found about values that could be read.
+  void AppendUnread(const Problems& found);
+  // Adds the field's documentation to what was just found wrong with its value as a whole.
+  void ExplainField(std::string_view name, std::string_view doc, size_t first_problem);
+  bool ReadScalar(const YAML::Node& node, const std::string& expected, std::string& out);
+  void ReadRobotFile(const YAML::Node& node, RobotConfig& out);
+
+  static std::string WithArticle(std::string_view noun);
+  static Vec4 NormalizedFromWxyz(const Vec4& wxyz);
+
+  // A single value stands for a list of one.
+  template <class T>
+  static bool IsSingle(const YAML::Node& node) {
+    if constexpr (std::is_same_v<T, ElementRef>) return node.IsScalar() || node.IsMap();
+    return (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)&&node.IsScalar();
+  }
+
+  // Calls f(key node, key, value) once for each key, then for keys that only overrides have.
+  template <class F>
+  void ForEachKey(const YAML::Node& node, F&& f) {
+    std::set<std::string> seen;
+    for (const auto& entry : node) {
+      std::string name;
+      if (!ReadScalar(entry.first, "a name", name)) continue;
+      if (seen.insert(name).second) {
+        f(entry.first, name, entry.second);
+      } else {
+        Problems::Scope scope(problems_, name);
+        Fail(entry.first, "'" + name + "' is given twice");
+      }
+    }
+    for (const std::string& name : OverriddenKeys()) {
+      const YAML::Node empty(YAML::NodeType::Map);
+      if (seen.insert(name).second) f(empty, name, empty);
+    }
+  }
+
+  template <class T>
+  void ReadAt(const YAML::Node& node, std::string_view key, T& out) {
+    Problems::Scope scope(problems_, key);
+    const YAML::Node value = Effective(node);
+    Mark(value);
+    Read(value, out);
+  }
+
+  template <class T>
+  void ReadItem(const YAML::Node& node, size_t i, T& out) {
+    Problems::Scope scope(problems_, i);
+    const YAML::Node value = Effective(node);
+    Mark(value);
+    Read(value, out);
+  }
+
+  template <HasFields T>
+  void ReadFields(const YAML::Node& node, T& out) {
+    bool quat = false, quat_wxyz = false;
+    ForEachKey(node, [&](const YAML::Node& key, const std::string& name, const YAML::Node& value) {
+      if (name == "quat") quat = true;
+      if (ReadField(name, value, out)) return;
+      if (ReadQuatWxyz(name, value, out)) return void(quat_wxyz = true);
+      std::vector<std::string> names = FieldNames<T>();
+      if constexpr (requires { out.quat; }) names.push_back("quat_wxyz");
+      Problems::Scope scope(problems_, name);
+      Fail(key, NoSuchName(WithArticle(T::kTypeName), "field", name, names));
+    });
+    if (quat && quat_wxyz) Fail(node, "both quat and quat_wxyz are given; keep one of them");
+    if constexpr (requires { out.source_dir; }) out.source_dir = directory_;
+  }
+
+  template <class T>
+  bool ReadField(const std::string& name, const YAML::Node& node, T& out) {
+    bool found = false;
+    ForEachField(out, [&](const char* field, auto& value, const char* doc, Check) {
+      if (found || name != field) return;
+      found = true;
+      const size_t before = problems_.list().size();
+      ReadAt(node, name, value);
+      ExplainField(name, doc, before);
+    });
+    return found;
+  }
+
+  // `quat_wxyz` is accepted wherever there is a `quat`: numbers copied from an MJCF file.
+  template <class T>
+  bool ReadQuatWxyz(const std::string& name, const YAML::Node& node, T& out) {
+    if constexpr (requires { out.quat; }) {
+      if (name != "quat_wxyz") return false;
+      Vec4 wxyz{};
+      const size_t before = problems_.list().size();
+      ReadAt(node, name, wxyz);
+      if (problems_.list().size() == before) out.quat = NormalizedFromWxyz(wxyz);
+      Problems::Scope scope(problems_, "quat");
+      Mark(node);
+      return true;
+    }
+    return false;
+  }
+
+  std::string source_, directory_;
+  SourceMap sources_;
+  Problems problems_{&sources_};
+  std::vector<Override> overrides_;
+  size_t values_ = 0;
+  size_t indices_ = 0;
+};
+
+}  // namespace robocell::yaml

@@ -1,0 +1,66 @@
+#include "robocell/spec/yaml_writer.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace robocell::yaml {
+
+void Writer::Write(double value) { out_ << fmt::format("{}", value); }
+void Writer::Write(const std::string& value) { out_ << value; }
+
+void Writer::Write(const NameList& value) {
+  out_ << YAML::Flow << YAML::BeginSeq;
+  for (const std::string& name : value) {
+    if (name.find("..") != std::string::npos) out_ << YAML::DoubleQuoted;  // no range
+    out_ << name;
+  }
+  out_ << YAML::EndSeq;
+}
+
+void Writer::Write(const IndexList& value) {
+  const std::vector<int>& v = value.values;
+  const bool rising = v.size() > 2 && v.back() - v.front() == static_cast<int>(v.size()) - 1 &&
+                      std::is_sorted(v.begin(), v.end()) &&
+                      std::adjacent_find(v.begin(), v.end()) == v.end();
+  if (rising) {
+    out_ << fmt::format("{}..{}", v.front(), v.back());
+  } else {
+    Write(v);
+  }
+}
+
+void Writer::Write(const Pose& value) {
+  out_ << YAML::Flow << YAML::BeginMap << YAML::Key << "pos" << YAML::Value;
+  Write(ToVec3(value.translation()));
+  out_ << YAML::Key << "quat" << YAML::Value;
+  Write(value.quaternion());
+  out_ << YAML::EndMap;
+}
+
+void Writer::Write(const AttachTarget& value) {
+  if (value.name.empty()) {
+    out_ << ToString(value.kind);
+  } else {
+    out_ << YAML::Flow << YAML::BeginMap << YAML::Key << ToString(value.kind) << YAML::Value
+         << value.name << YAML::EndMap;
+  }
+}
+
+void Writer::Write(const ElementRef& value) {
+  if (!value.kind && value.body.empty()) {
+    out_ << value.name;
+    return;
+  }
+  out_ << YAML::Flow;
+  if (value.kind) out_ << YAML::BeginMap << YAML::Key << ToString(*value.kind) << YAML::Value;
+  if (value.body.empty()) {
+    out_ << value.name;
+  } else {
+    out_ << YAML::BeginMap << YAML::Key << "body" << YAML::Value << value.body << YAML::Key
+         << "index" << YAML::Value << value.index << YAML::EndMap;
+  }
+  if (value.kind) out_ << YAML::EndMap;
+}
+
+}  // namespace robocell::yaml

@@ -1,0 +1,98 @@
+// The generic writer behind ToYaml: one overload of Write per kind of field. Included by yaml*.cc
+// and their tests only.
+//
+// Unset optionals and empty containers are left out; numbers are written with as many digits as
+// they need to come back to the bit.
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <string>
+
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/scene_spec.h"
+#include "robocell/spec/validate.h"
+
+namespace robocell::yaml {
+
+class Writer {
+ public:
+  std::string text() const { return out_.c_str(); }
+
+  void Write(bool value) { out_ << value; }
+  void Write(int value) { out_ << value; }
+  void Write(int64_t value) { out_ << value; }
+  void Write(double value);
+  void Write(const std::string& value);
+  void Write(const NameList& value);
+  void Write(const IndexList& value);
+  void Write(const Pose& value);
+  void Write(const AttachTarget& value);
+  void Write(const ElementRef& value);
+  void Write(const RobotSource& value) { Write(value.config); }
+  template <HasEnumNames E>
+  void Write(E value) {
+    out_ << ToString(value);
+  }
+  template <class T>
+  requires(IsOptional<T>::value) void Write(const T& value) {
+    if (value) {
+      Write(*value);
+    } else {
+      out_ << YAML::Null;
+    }
+  }
+  template <class T, size_t N>
+  void Write(const std::array<T, N>& value) {
+    WriteSequence(value, true);
+  }
+  template <class T>
+  void Write(const std::vector<T>& value) {
+    WriteSequence(value, true);
+  }
+  template <class T>
+  void Write(const List<T>& value) {
+    WriteSequence(value, false);
+  }
+  template <class T>
+  void Write(const Map<T>& value) {
+    out_ << YAML::BeginMap;
+    for (const auto& [key, box] : value.entries()) {
+      out_ << YAML::Key << key << YAML::Value;
+      Write(*box);
+    }
+    out_ << YAML::EndMap;
+  }
+  template <HasFields T>
+  void Write(const T& value) {
+    out_ << YAML::BeginMap;
+    [[maybe_unused]] static const T kDefault{};
+    T::Fields([&](const char* name, auto member, const char*, Check = Check::kNone) {
+      const auto& field = value.*member;
+      // What is empty is left out, unless that would bring back a default that is not.
+      if (IsAbsent(field) && IsAbsent(kDefault.*member)) return;
+      out_ << YAML::Key << name << YAML::Value;
+      Write(field);
+    });
+    out_ << YAML::EndMap;
+  }
+
+ private:
+  template <class T>
+  static bool IsAbsent(const T& value) {
+    if constexpr (requires { value.has_value(); }) return !value.has_value();
+    if constexpr (requires { value.empty(); }) return value.empty();
+    return false;
+  }
+  template <class T>
+  void WriteSequence(const T& values, bool flow) {
+    if (flow) out_ << YAML::Flow;
+    out_ << YAML::BeginSeq;
+    for (const auto& value : values) Write(value);
+    out_ << YAML::EndSeq;
+  }
+
+  YAML::Emitter out_;
+};
+
+}  // namespace robocell::yaml

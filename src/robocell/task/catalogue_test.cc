@@ -1,0 +1,51 @@
+#include "robocell/task/catalogue.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/scene/scene.h"
+#include "robocell/spec/validate.h"
+
+namespace robocell {
+namespace {
+
+TEST(Catalogue, HasPrimitivesAndTheBuiltInModels) {
+  EXPECT_THAT(ObjectKinds(), testing::IsSupersetOf({"box", "cylinder", "sphere", "mug", "bottle"}));
+}
+
+TEST(Catalogue, EveryKindIsAValidObjectThatBuilds) {
+  SceneSpec spec{.name = "catalogue", .timestep = 0.002, .add_floor = true, .add_skybox = false};
+  for (const std::string& kind : ObjectKinds()) {
+    for (int i = 0; i < 20; ++i) {
+      Rng rng = Rng::Stream(1, kind, i);
+      const SceneObject object = MakeCatalogueObject(kind, kind + std::to_string(i), rng);
+      EXPECT_NO_THROW(RequireValid(object, kind));
+      EXPECT_GT(FootprintRadius(object), 0) << kind;
+      EXPECT_LT(FootprintRadius(object), 0.12) << kind;
+      if (i == 0) spec.objects.push_back(object);
+    }
+  }
+  const Scene scene = Scene::Build(spec);
+  for (const ObjectRecord& object : scene.compiled()->objects())
+    EXPECT_TRUE(object.free_joint) << object.name;
+}
+
+TEST(Catalogue, SameStreamSameObject) {
+  Rng a = Rng::Stream(3, "object"), b = Rng::Stream(3, "object");
+  EXPECT_TRUE(MakeCatalogueObject("box", "x", a) == MakeCatalogueObject("box", "x", b));
+}
+
+TEST(Catalogue, AnUnknownKindNamesTheNearest) {
+  Rng rng = Rng::Stream(1, "x");
+  try {
+    MakeCatalogueObject("mugg", "x", rng);
+    FAIL() << "no error";
+  } catch (const NotFoundError& e) {
+    EXPECT_THAT(e.what(), testing::HasSubstr("no kind 'mugg'"));
+    EXPECT_THAT(e.what(), testing::HasSubstr("Did you mean 'mug'?"));
+  }
+}
+
+}  // namespace
+}  // namespace robocell

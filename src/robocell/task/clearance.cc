@@ -1,0 +1,46 @@
+#include "robocell/task/clearance.h"
+
+#include <mujoco/mujoco.h>
+
+#include <vector>
+
+#include "robocell/mujoco/names.h"
+
+namespace robocell {
+namespace {
+
+bool Collides(const mjModel* m, int g) {
+  return m->geom_contype[g] != 0 || m->geom_conaffinity[g] != 0;
+}
+
+// Bounding spheres farther apart than the horizon need no exact distance. Planes have no sphere.
+bool MayBeNear(const mjModel* m, const mjData* d, int a, int b, double horizon) {
+  if (m->geom_rbound[a] == 0 || m->geom_rbound[b] == 0) return true;
+  return mju_dist3(d->geom_xpos + 3 * a, d->geom_xpos + 3 * b) <
+         m->geom_rbound[a] + m->geom_rbound[b] + horizon;
+}
+
+}  // namespace
+
+Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon) {
+  scene.SyncPoses();
+  const mjModel* m = scene.model();
+  mjData* d = scene.data();
+  std::vector<char> own(m->ngeom, 0);
+  for (const int g : robot.geom_ids()) own[g] = 1;
+  Clearance nearest{.distance = horizon, .robot_geom = {}, .other_geom = {}};
+  for (const int a : robot.geom_ids()) {
+    const bool on_mocap = m->body_mocapid[m->geom_bodyid[a]] >= 0;
+    if (!Collides(m, a) && !on_mocap) continue;
+    for (int b = 0; b < m->ngeom; ++b) {
+      if (own[b] || !Collides(m, b) || !MayBeNear(m, d, a, b, horizon)) continue;
+      if (on_mocap && m->geom_type[b] == mjGEOM_PLANE) continue;
+      const double distance = mj_geomDistance(m, d, a, b, nearest.distance, nullptr);
+      if (distance < nearest.distance)
+        nearest = {distance, Describe(m, mjOBJ_GEOM, a), Describe(m, mjOBJ_GEOM, b)};
+    }
+  }
+  return nearest;
+}
+
+}  // namespace robocell

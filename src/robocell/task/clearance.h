@@ -1,0 +1,24 @@
+// How near a robot is to everything that is not itself. A mocap base makes no contacts with static
+// geoms, so placing a robot asks for distances instead (mj_geomDistance).
+#pragma once
+
+#include <string>
+
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+struct Clearance {
+  // metres; at most the horizon that was asked for; negative when they overlap
+  double distance = 0;
+  std::string robot_geom;  // "" when nothing is nearer than the horizon
+  std::string other_geom;
+};
+
+// Of all colliding geoms of the robot (pedestal included) against all colliding geoms that are not
+// the robot's. Poses must be up to date. Planes (floors) count for the arm but not for the
+// pedestal, which may stand in them.
+Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon);
+
+}  // namespace robocell

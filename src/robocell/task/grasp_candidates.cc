@@ -1,0 +1,252 @@
+#include "robocell/task/grasp_candidates.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <Eigen/Geometry>
+
+#include "robocell/base/units.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/task/geom_extent.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kYaws = 12;                        // over half a turn
+constexpr double kSideSteps[] = {0, -0.6, 0.6};  // of the half extent across the closing direction
+constexpr double kSupportClearance =
+    0.003;  // of the fingertips above what the object stands on, metres
+constexpr double kLeastOverlap = 0.012;  // of pad and object along the approach
+constexpr double kDeepGrip = 0.02;  // one of the heights tried: this far below a grip at the top
+constexpr double kOpenClearance = 0.006;  // beside the object when the gripper is open, per finger
+constexpr double kLeastWidth = 0.006;
+constexpr double kLeastAboveClosed =
+    0.005;                              // wider than the closed gripper, or holding cannot be seen
+constexpr double kTouchDepth = 0.0015;  // rays this near to the first touch end under the pad
+constexpr double kMostPadUsed = 0.008;  // half width of the pad that rays are spread over
+constexpr int kRaysAcross = 3, kRaysAlong = 3;
+constexpr int kLeastHits = 3;
+
+Interval ExtentAlong(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
+                     const Eigen::Vector3d& direction) {
+  Interval all{1e9, -1e9};
+  for (const int g : geoms) {
+    const Interval e = GeomExtent(m, d, g, direction);
+    all = {std::min(all.lower, e.lower), std::max(all.upper, e.upper)};
+  }
+  return all;
+}
+
+double Length(const Interval& interval) { return interval.upper - interval.lower; }
+
+// The angle of a horizontal direction that belongs to the body.
+double BodyYaw(const mjData* d, int body) {
+  const double* r = d->xmat + 9 * body;
+  const int column = std::hypot(r[0], r[3]) > 0.5 ? 0 : 1;
+  return std::atan2(r[3 + column], r[column]);
+}
+
+// Axes of the grasp frame with the approach straight down; x at an angle to the world's x.
+Eigen::Matrix3d TopDown(double yaw) {
+  const Eigen::Vector3d x(std::cos(yaw), std::sin(yaw), 0), z(0, 0, -1);
+  Eigen::Matrix3d axes;
+  axes << x, z.cross(x), z;
+  return axes;
+}
+
+// What the pads would meet.
+struct Squeeze {
+  double left, right;  // where they touch, along the closing direction from the point asked
+  double square;       // cosine of the worse side's mean normal to the closing direction
+  double cover;        // share of the rays that end where a pad touches, the worse side's
+  double width() const { return left - right; }
+};
+
+// Where the rays over the pads' area end.
+struct PadRays {
+  struct Hit {
+    double at;      // along the closing direction
+    double square;  // cosine of the normal to it
+  };
+  int hits = 0;
+  std::array<Hit, kRaysAcross * kRaysAlong> left, right;
+};
+
+Squeeze Judge(const PadRays& rays) {
+  Squeeze squeeze{.left = rays.left[0].at, .right = rays.right[0].at, .square = 0, .cover = 0};
+  for (int i = 1; i < rays.hits; ++i) {
+    squeeze.left = std::max(squeeze.left, rays.left[i].at);
+    squeeze.right = std::min(squeeze.right, rays.right[i].at);
+  }
+  double left = 0, right = 0;
+  int left_touching = 0, right_touching = 0;
+  for (int i = 0; i < rays.hits; ++i) {
+    if (rays.left[i].at > squeeze.left - kTouchDepth) left += rays.left[i].square, ++left_touching;
+    if (rays.right[i].at < squeeze.right + kTouchDepth)
+      right += rays.right[i].square, ++right_touching;
+  }
+  squeeze.square = std::min(left / left_touching, right / right_touching);
+  squeeze.cover = std::min(left_touching, right_touching) / double{kRaysAcross * kRaysAlong};
+  return squeeze;
+}
+
+class CandidateSearch {
+ public:
+  CandidateSearch(const mjModel* model, const mjData* data, int body, const GripperShape& shape)
+      : m_(model), d_(data), body_(body), shape_(shape), geoms_(CollisionGeomsOf(model, body)) {
+    if (geoms_.empty()) return;
+    height_ = ExtentAlong(m_, d_, geoms_, Eigen::Vector3d::UnitZ());
+    away_ = 0.01 + Length(height_) + Length(ExtentAlong(m_, d_, geoms_, Eigen::Vector3d::UnitX())) +
+            Length(ExtentAlong(m_, d_, geoms_, Eigen::Vector3d::UnitY()));
+    com_ = Eigen::Vector3d(d_->subtree_com + 3 * body_);
+    half_height_ = shape.pad_half_height();
+    half_width_ = 0.8 * std::min(shape.pad_half_width(), kMostPadUsed / 0.8);
+  }
+
+  std::vector<GraspCandidate> Run() {
+    const std::vector<double> heights = Heights();
+    for (int i = 0; i < kYaws && !heights.empty(); ++i) {
+      for (const double height : heights) TryHeight(Yaw(i), height);
+    }
+    return std::move(found_);
+  }
+
+ private:
+  // Heights of the pads' middle.
+  std::vector<double> Heights() const {
+    if (geoms_.empty()) return {};
+    const double width = std::clamp(Thickness(), shape_.closed_gap(), shape_.open_gap());
+    const double top = height_.upper;
+    const double lowest =
+        height_.lower + kSupportClearance + shape_.TipAt(width) - shape_.PadAt(width).z();
+    const double highest = top + half_height_ - std::min(2 * half_height_, kLeastOverlap);
+    if (lowest > highest) return {};
+    std::vector<double> heights;
+    for (const double wanted : {com_.z(), (height_.lower + top) / 2, top - half_height_,
+                                top - half_height_ - kDeepGrip}) {
+      heights.push_back(std::clamp(wanted, lowest, highest));
+    }
+    std::sort(heights.begin(), heights.end());
+    const auto near = [](double a, double b) { return b - a < 1e-4; };
+    heights.erase(std::unique(heights.begin(), heights.end(), near), heights.end());
+    return heights;
+  }
+
+  // Across the thinnest horizontal direction.
+  double Thickness() const {
+    double least = 1e9;
+    for (int i = 0; i < kYaws; ++i) {
+      least = std::min(least, Length(ExtentAlong(m_, d_, geoms_, TopDown(Yaw(i)).col(1))));
+    }
+    return least;
+  }
+
+  double Yaw(int i) const { return BodyYaw(d_, body_) + kPi * i / kYaws; }
+
+  void TryHeight(double yaw, double height) {
+    const Eigen::Matrix3d axes = TopDown(yaw);
+    const double reach = Length(ExtentAlong(m_, d_, geoms_, axes.col(0))) / 2;
+    for (const double side : kSideSteps) {
+      const Eigen::Vector3d at =
+          Eigen::Vector3d(com_.x(), com_.y(), height) + side * reach * axes.col(0);
+      const PadRays rays = Cast(at, axes);
+      if (rays.hits >= kLeastHits) Add(at, yaw, Judge(rays));
+    }
+  }
+
+  // Rays from both sides over the pads' area.
+  PadRays Cast(const Eigen::Vector3d& at, const Eigen::Matrix3d& axes) const {
+    const Eigen::Vector3d x = axes.col(0), y = axes.col(1);
+    const double up = std::min(half_height_, height_.upper - at.z()) - 0.001;
+    PadRays rays;
+    for (int i = 0; i < kRaysAcross; ++i) {
+      for (int k = 0; k < kRaysAlong; ++k) {
+        const double rise = 0.95 * (-half_height_ + (up + half_height_) * k / (kRaysAlong - 1));
+        const Eigen::Vector3d from = at + half_width_ * (i - 1) * x + Eigen::Vector3d(0, 0, rise);
+        const RayHit left = CastRay(m_, d_, geoms_, from + away_ * y, -y);
+        if (!std::isfinite(left.distance)) continue;
+        const RayHit right = CastRay(m_, d_, geoms_, from - away_ * y, y);
+        if (!std::isfinite(right.distance)) continue;
+        rays.left[rays.hits] = {away_ - left.distance, left.normal.dot(y)};
+        rays.right[rays.hits] = {right.distance - away_, -right.normal.dot(y)};
+        ++rays.hits;
+      }
+    }
+    return rays;
+  }
+
+  void Add(const Eigen::Vector3d& at, double yaw, const Squeeze& squeeze) {
+    static const double kLeastSquare = std::cos(Radians(25.0));
+    const double width = squeeze.width();
+    if (width < std::max(kLeastWidth, shape_.closed_gap() + kLeastAboveClosed)) return;
+    if (width > shape_.open_gap() - 2 * kOpenClearance || squeeze.square < kLeastSquare) return;
+    const Eigen::Vector3d middle = at + TopDown(yaw).col(1) * (squeeze.left + squeeze.right) / 2;
+    const double cost = 6 * (middle - com_).head<2>().norm() +
+                        2 * std::max(0.0, std::abs(at.z() - com_.z()) - 0.01) +
+                        0.3 * (1 - squeeze.square) + 0.05 * (1 - squeeze.cover) +
+                        3 * std::max(0.0, 0.012 - width) + 0.3 * width;
+    for (const double flip : {0.0, kPi}) {  // either finger may be left
+      const Eigen::Matrix3d axes = TopDown(yaw + flip);
+      const Pose tcp =
+          Pose(middle - axes * shape_.PadAt(width), axes) * shape_.grasp_in_tcp().inverse();
+      found_.push_back({tcp, width, cost});
+    }
+  }
+
+  const mjModel* m_;
+  const mjData* d_;
+  int body_;
+  const GripperShape& shape_;
+  std::vector<int> geoms_;
+  double away_ = 0;    // further than the object is large
+  Interval height_{};  // of the object's lowest and highest point
+  Eigen::Vector3d com_ = Eigen::Vector3d::Zero();
+  double half_height_ = 0, half_width_ = 0;
+  std::vector<GraspCandidate> found_;
+};
+
+constexpr double kTurnCost = 0.02;  // per radian
+
+}  // namespace
+
+std::vector<int> CollisionGeomsOf(const mjModel* m, int body) {
+  std::vector<int> geoms;
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (IsCollisionGeom(m, g) && IsInSubtree(m, m->geom_bodyid[g], body)) geoms.push_back(g);
+  }
+  return geoms;
+}
+
+RayHit CastRay(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
+               const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {
+  RayHit nearest{std::numeric_limits<double>::infinity(), Eigen::Vector3d::Zero()};
+  for (const int g : geoms) {
+    // Past the bounding sphere: the rays of one object mostly miss most of its parts.
+    const Eigen::Vector3d to = Eigen::Vector3d(d->geom_xpos + 3 * g) - from;
+    if (to.cross(direction).norm() > m->geom_rbound[g] + 1e-6) continue;
+    Eigen::Vector3d normal;
+    const double distance =
+        m->geom_type[g] == mjGEOM_MESH
+            ? mj_rayMesh(m, d, g, from.data(), direction.data(), normal.data())
+            : mju_rayGeom(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g, m->geom_size + 3 * g,
+                          from.data(), direction.data(), m->geom_type[g], normal.data());
+    if (distance >= 0 && distance < nearest.distance) nearest = {distance, normal};
+  }
+  return nearest;
+}
+
+std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int object_body,
+                                       const GripperShape& shape, const Pose& tcp_now) {
+  std::vector<GraspCandidate> grasps = CandidateSearch(m, d, object_body, shape).Run();
+  for (GraspCandidate& grasp : grasps) {
+    grasp.cost += kTurnCost * AngleBetween(tcp_now.quaternion(), grasp.tcp_in_world.quaternion());
+  }
+  std::stable_sort(grasps.begin(), grasps.end(),
+                   [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  return grasps;
+}
+
+}  // namespace robocell

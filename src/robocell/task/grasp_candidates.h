@@ -1,0 +1,43 @@
+// Grasp candidates: where a parallel gripper could take an object from above, found by rays onto
+// the object's collision geometry. Pure geometry: nothing here knows the arm, its reach or the
+// other objects.
+//
+// A grasp is a place between the pads; the TCP follows from it by the gripper's shape at the
+// object's width. Faces are antipodal: the rays that end where a pad will touch meet the surface
+// within 25 degrees of the closing direction. Closing directions are taken in the object's own
+// frame, so flat faces are met exactly.
+#pragma once
+
+#include <vector>
+
+#include "robocell/math/pose.h"
+#include "robocell/mujoco/forward.h"
+#include "robocell/task/gripper_shape.h"
+
+namespace robocell {
+
+struct GraspCandidate {
+  Pose tcp_in_world;
+  double width = 0;  // of the object between the pads, metres
+  double cost = 0;   // lower is better
+};
+
+// Best first; empty when the object is too large, too small or too flat for this gripper. The
+// object's lowest point is taken for what it stands on. `tcp_now`: grasps that need less turning
+// are preferred. Poses in `data` must be up to date.
+std::vector<GraspCandidate> FindGrasps(const mjModel* model, const mjData* data, int object_body,
+                                       const GripperShape& shape, const Pose& tcp_now);
+
+// Distance along the unit vector `direction` to the collision geoms of a body's subtree, and the
+// surface's normal there; infinite when there is nothing.
+struct RayHit {
+  double distance;
+  Eigen::Vector3d normal;
+};
+RayHit CastRay(const mjModel* model, const mjData* data, const std::vector<int>& geoms,
+               const Eigen::Vector3d& from, const Eigen::Vector3d& direction);
+
+// The collision geoms of a body's subtree.
+std::vector<int> CollisionGeomsOf(const mjModel* model, int body);
+
+}  // namespace robocell

@@ -1,0 +1,135 @@
+#include "robocell/task/grasp_candidates.h"
+
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/task/testing/pick_scene.h"
+#include "robocell/testing/random_values.h"
+
+namespace robocell {
+namespace {
+
+using Eigen::Vector3d;
+
+std::vector<GraspCandidate> GraspsOf(const PickScene& pick) {
+  PlanningScene planning = pick.planning();
+  return FindGrasps(planning.model(), planning.data(), planning.target_body(), *pick.shape(),
+                    pick.robot.tcp_in_world());
+}
+
+SceneObject Box(double x, double y, double z) {
+  SceneObject box = ObjectOnTheTable("box");
+  box.size = Vec3{x, y, z};
+  box.pos[2] = 0.4505 + z;
+  return box;
+}
+
+TEST(CastRay, AgreesWithTheEnginesRays) {
+  Rng rng = Rng::Stream(1, "rays");
+  for (const char* kind : {"box", "cylinder", "sphere", "bracket", "mug"}) {
+    PickScene pick = MakePickScene(ObjectOnTheTable(kind));
+    // Far from everything else; the engine is asked for solid geoms only.
+    pick.scene.SetBodyPose(pick.target_body, Pose({30, 0, 5}, RandomQuaternion(rng)));
+    const mjModel* m = pick.scene.model();
+    const std::vector<int> geoms = CollisionGeomsOf(m, FindId(m, mjOBJ_BODY, pick.target_body));
+    mjtByte groups[mjNGROUP] = {0};
+    for (const int g : geoms) groups[m->geom_group[g]] = 1;
+    int hits = 0;
+    for (int i = 0; i < 300; ++i) {
+      const Vector3d target = Vector3d(30, 0, 5) + RandomVector(rng, 0.04);
+      const Vector3d direction = RandomDirection(rng), from = target - 0.2 * direction;
+      int geom = -1;
+      const double oracle = mj_ray(m, pick.scene.data(), from.data(), direction.data(), groups, 1,
+                                   -1, &geom, nullptr);
+      const RayHit hit = CastRay(m, pick.scene.data(), geoms, from, direction);
+      ASSERT_EQ(std::isfinite(hit.distance), oracle >= 0 && oracle < 1) << kind;
+      if (!std::isfinite(hit.distance)) continue;
+      ++hits;
+      EXPECT_NEAR(hit.distance, oracle, 1e-9);
+      EXPECT_LE(hit.normal.dot(direction), 1e-9);
+    }
+    EXPECT_GT(hits, 30) << kind;
+  }
+}
+
+TEST(FindGrasps, ABoxIsTakenSquarelyAcrossItsFacesBeforeAnythingElse) {
+  const PickScene pick = MakePickScene(Box(0.015, 0.03, 0.02));
+  const std::vector<GraspCandidate> grasps = GraspsOf(pick);
+  ASSERT_GE(grasps.size(), 4u);
+  const double width = grasps.front().width;
+  EXPECT_TRUE(std::abs(width - 0.03) < 1e-4 || std::abs(width - 0.06) < 1e-4) << width;
+  const Eigen::Matrix3d box = pick.scene.body_pose(pick.target_body).rotation();
+  for (const GraspCandidate& grasp : grasps) {
+    const Vector3d closing = (grasp.tcp_in_world * pick.shape()->grasp_in_tcp()).rotation().col(1);
+    const double square = (box.transpose() * closing).cwiseAbs().maxCoeff();
+    EXPECT_GT(square, std::cos(25 * 3.14159 / 180) - 1e-3);
+  }
+}
+
+TEST(FindGrasps, CandidatesComeFromAboveBestFirstAndStayOffTheTable) {
+  for (const std::string& kind : ObjectKinds()) {
+    const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
+    const std::vector<GraspCandidate> grasps = GraspsOf(pick);
+    ASSERT_FALSE(grasps.empty()) << kind;
+    const auto shape = pick.shape();
+    for (size_t i = 0; i < grasps.size(); ++i) {
+      const Pose grasp = grasps[i].tcp_in_world * shape->grasp_in_tcp();
+      EXPECT_NEAR(grasp.rotation()(2, 2), -1, 1e-9);
+      EXPECT_GE(grasp.translation().z() - shape->TipAt(grasps[i].width), 0.4525) << kind;
+      EXPECT_LT(grasps[i].width, shape->open_gap() - 0.011);
+      EXPECT_GE(grasps[i].cost, grasps[i > 0 ? i - 1 : 0].cost);
+    }
+  }
+}
+
+// The pads' middle lies midway between what rays meet on both sides, where no edge is in the way.
+TEST(FindGrasps, TheObjectIsCentredBetweenThePads) {
+  for (const char* kind : {"box", "cylinder", "sphere", "bottle", "nut", "spool"}) {
+    const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
+    PlanningScene planning = pick.planning();
+    const std::vector<int> geoms = CollisionGeomsOf(planning.model(), planning.target_body());
+    const GraspCandidate best = GraspsOf(pick).front();
+    const auto shape = pick.shape();
+    const Pose grasp = best.tcp_in_world * shape->grasp_in_tcp();
+    const Vector3d middle = grasp * shape->PadAt(best.width), y = grasp.rotation().col(1);
+    const double left =
+        CastRay(planning.model(), planning.data(), geoms, middle + 0.1 * y, -y).distance;
+    const double right =
+        CastRay(planning.model(), planning.data(), geoms, middle - 0.1 * y, y).distance;
+    // Curved pads' edges may touch up to a millimetre or two before the middle does.
+    EXPECT_NEAR(left, right, 0.003) << kind;
+    EXPECT_NEAR(0.2 - left - right, best.width, 0.004) << kind;
+  }
+}
+
+// Up to the few that are accepted by a hair.
+TEST(FindGrasps, TurnWithTheObject) {
+  const PickScene a = MakePickScene(ObjectOnTheTable("bracket", 0.2));
+  const PickScene b = MakePickScene(ObjectOnTheTable("bracket", 1.9));
+  const Pose in_a = a.scene.body_pose(a.target_body).inverse();
+  const Pose in_b = b.scene.body_pose(b.target_body).inverse();
+  const std::vector<GraspCandidate> grasps = GraspsOf(a), turned = GraspsOf(b);
+  size_t partners = 0;
+  for (const GraspCandidate& grasp : grasps) {
+    partners += std::any_of(turned.begin(), turned.end(), [&](const GraspCandidate& other) {
+      return (in_b * other.tcp_in_world).is_close(in_a * grasp.tcp_in_world, 0.01, 0.001) &&
+             std::abs(other.width - grasp.width) < 0.001;
+    });
+  }
+  EXPECT_GE(partners, grasps.size() * 9 / 10);
+  EXPECT_GT(partners, 50u);
+}
+
+TEST(FindGrasps, NothingThatIsTooLargeTooThinOrTooFlatHasOne) {
+  EXPECT_TRUE(GraspsOf(MakePickScene(Box(0.05, 0.05, 0.02))).empty());
+  SceneObject rod = Box(0.0015, 0.0015, 0.02);
+  rod.fixed = true;  // it would fall over
+  EXPECT_TRUE(GraspsOf(MakePickScene(rod)).empty());
+  EXPECT_TRUE(GraspsOf(MakePickScene(Box(0.02, 0.02, 0.005))).empty());
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,101 @@
+#include "robocell/task/grasp_motion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "robocell/kinematics/ik_batch.h"
+
+namespace robocell {
+namespace {
+
+constexpr size_t kBatch = 8;  // candidates solved at once: mostly the first or second is taken
+constexpr double kIkTolerance = 1e-4;  // m and rad
+constexpr int kLinePoints = 4;         // of a vertical line besides its start
+constexpr double kMostTurn =
+    1.2;  // of any joint along a vertical line, rad: else it is another branch
+constexpr double kJustBefore =
+    0.003;  // metres between the pads and the object just before they touch
+
+}  // namespace
+
+GraspMotions::GraspMotions(PlanningScene& planning, std::vector<GraspCandidate> candidates,
+                           const JointVector& home, const GraspMotionOptions& options)
+    : planning_(planning),
+      candidates_(std::move(candidates)),
+      home_(home),
+      options_(options),
+      world_in_base_(planning.robot().base_in_world().inverse()),
+      up_in_base_(Rotate(world_in_base_.quaternion(), Eigen::Vector3d::UnitZ())) {
+  if (candidates_.size() > static_cast<size_t>(options_.most)) candidates_.resize(options_.most);
+}
+
+void GraspMotions::SolveMore() {
+  const size_t begin = solved_.size(), end = std::min(begin + kBatch, candidates_.size());
+  std::vector<Pose> targets;
+  for (size_t i = begin; i < end; ++i)
+    targets.push_back(world_in_base_ * candidates_[i].tcp_in_world);
+  IkBatchOptions options;
+  options.ik.tolerance = kIkTolerance;
+  options.ik.prefer_near_seed = true;
+  const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, home_, options);
+  for (int b = 0; b < result.size; ++b) {
+    solved_.push_back(result.success[b] ? JointVector(result.row(b)) : JointVector());
+  }
+}
+
+std::optional<GraspMotion> GraspMotions::Next() {
+  while (next_ < candidates_.size()) {
+    if (next_ >= solved_.size()) SolveMore();
+    const size_t i = next_++;
+    if (solved_[i].empty()) {
+      ++out_of_reach_;
+    } else if (auto motion = TryCandidate(candidates_[i], solved_[i])) {
+      return motion;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& grasp,
+                                                      const JointVector& q) {
+  const GripperShape& shape = planning_.shape();
+  const double open = shape.open_gap();
+  // Nothing but the pads may arrive first. The named fingers need not be the innermost geoms: the
+  // gap of the closed gripper is theirs.
+  const double before = std::min(open, grasp.width + shape.closed_gap() + kJustBefore);
+  if (!planning_.IsFree(q, {.gap = open}) || !planning_.IsFree(q, {.gap = before}))
+    return ++in_collision_, std::nullopt;
+  const Pose tcp = world_in_base_ * grasp.tcp_in_world;
+  std::optional<JointPath> down = Line(tcp, q, options_.above), up = Line(tcp, q, options_.lift);
+  if (!down || !up) return ++out_of_reach_, std::nullopt;
+  for (size_t i = 1; i < down->size(); ++i) {
+    if (!planning_.IsFree((*down)[i], {.gap = open})) return ++in_collision_, std::nullopt;
+  }
+  for (size_t i = 1; i < up->size(); ++i) {
+    if (!planning_.IsFree((*up)[i], {.gap = grasp.width, .touch_target = true}))
+      return ++in_collision_, std::nullopt;
+  }
+  std::reverse(down->begin(), down->end());
+  return GraspMotion{grasp, std::move(*down), std::move(*up)};
+}
+
+// Straight up from q.
+std::optional<JointPath> GraspMotions::Line(const Pose& tcp, const JointVector& q,
+                                            double height) const {
+  JointPath line = {q};
+  for (int k = 1; k <= kLinePoints; ++k) {
+    const Pose at(tcp.translation() + up_in_base_ * (height * k / kLinePoints), tcp.quaternion());
+    const IkResult ik = Ik(planning_.robot().chain(), at,
+                           {.tolerance = kIkTolerance, .seed = line.back(), .max_restarts = 0});
+    if (!ik.success || JointDistance(ik.q, q) > kMostTurn) return std::nullopt;
+    line.push_back(ik.q);
+  }
+  return line;
+}
+
+std::string GraspMotions::Reasons() const {
+  return fmt::format("{} out of reach, {} in collision", out_of_reach_, in_collision_);
+}
+
+}  // namespace robocell

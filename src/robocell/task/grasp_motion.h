@@ -1,0 +1,59 @@
+// From grasp candidates to joint motions: which of them the arm can reach from straight above and
+// leave straight up, without touching anything it should not.
+//
+//   GraspMotions motions(planning, candidates, home);
+//   while (std::optional<GraspMotion> motion = motions.Next()) ...
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/kinematics/joint_vector.h"
+#include "robocell/task/grasp_candidates.h"
+#include "robocell/task/joint_path.h"
+#include "robocell/task/planning_scene.h"
+
+namespace robocell {
+
+struct GraspMotion {
+  GraspCandidate grasp;
+  JointPath down;  // pregrasp ... grasp
+  JointPath up;    // grasp ... lifted
+};
+
+struct GraspMotionOptions {
+  double above = 0.08;  // of the pregrasp, metres
+  double lift = 0.10;   // metres
+  int most = 60;        // candidates looked at
+};
+
+class GraspMotions {
+ public:
+  // `home`: joint positions that solutions should be near. The planning scene is used, and must
+  // live as long.
+  GraspMotions(PlanningScene& planning, std::vector<GraspCandidate> candidates,
+               const JointVector& home, const GraspMotionOptions& options = {});
+
+  // The next best one; unset when there is none left.
+  std::optional<GraspMotion> Next();
+  // Why the candidates so far were no good: "12 out of reach, 3 in collision".
+  std::string Reasons() const;
+
+ private:
+  void SolveMore();
+  std::optional<GraspMotion> TryCandidate(const GraspCandidate& grasp, const JointVector& q);
+  std::optional<JointPath> Line(const Pose& tcp_in_base, const JointVector& q, double height) const;
+
+  PlanningScene& planning_;
+  std::vector<GraspCandidate> candidates_;
+  JointVector home_;
+  GraspMotionOptions options_;
+  Pose world_in_base_;
+  Eigen::Vector3d up_in_base_;
+  size_t next_ = 0;
+  std::vector<JointVector> solved_;  // of the first candidates; empty: none
+  int out_of_reach_ = 0, in_collision_ = 0;
+};
+
+}  // namespace robocell

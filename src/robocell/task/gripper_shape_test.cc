@@ -1,0 +1,98 @@
+#include "robocell/task/gripper_shape.h"
+
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/task/testing/pick_scene.h"
+#include "robocell/testing/menagerie.h"
+
+namespace robocell {
+namespace {
+
+using Eigen::Vector3d;
+
+TEST(GripperShape, FindsTheAxesOfTheGraspInTheTcpFrame) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  const Eigen::Matrix3d axes = pick.shape()->grasp_in_tcp().rotation();
+  EXPECT_NEAR(axes(2, 2), 1, 1e-12);            // rc7 approaches along z of its TCP
+  EXPECT_NEAR(std::abs(axes(1, 1)), 1, 1e-12);  // and closes along y
+}
+
+// The shape's joints are put into another scene; the finger distance there is the oracle.
+TEST(GripperShape, TheJointsOfAGapMakeThatGap) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  const auto shape = pick.shape();
+  std::vector<double> joints(shape->joint_names().size());
+  for (const double gap : {0.01, 0.03, 0.0505, 0.08}) {
+    shape->JointsAt(gap, joints);
+    for (size_t i = 0; i < joints.size(); ++i) {
+      const int j = FindId(pick.scene.model(), mjOBJ_JOINT, "robot_0/" + shape->joint_names()[i]);
+      pick.scene.data()->qpos[pick.scene.model()->jnt_qposadr[j]] = joints[i];
+    }
+    Scene(pick.scene).Forward();
+    EXPECT_NEAR(pick.robot.gripper().inter_finger_dist(), gap, 3e-4);
+  }
+}
+
+TEST(GripperShape, SpansTheConfiguredRangeAndClampsOutsideOfIt) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  const auto shape = pick.shape();
+  const Interval range = pick.robot.gripper().inter_finger_dist_range();
+  EXPECT_NEAR(shape->closed_gap(), range.lower, 1e-3);
+  EXPECT_NEAR(shape->open_gap(), range.upper, 1e-3);
+  EXPECT_EQ(shape->PadAt(-1), shape->rows().front().pad);
+  EXPECT_EQ(shape->PadAt(1), shape->rows().back().pad);
+  EXPECT_EQ(shape->TipAt(1), shape->rows().back().tip);
+}
+
+// rc7's pads meet at the TCP by design, are 24 mm high and 22 mm wide, and end 12 mm beyond.
+TEST(GripperShape, KnowsThePadsOfTheBuiltInArm) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  const auto shape = pick.shape();
+  EXPECT_LT(shape->PadAt(0.04).norm(), 1e-4);
+  EXPECT_NEAR(shape->pad_half_height(), 0.012, 1e-4);
+  EXPECT_NEAR(shape->pad_half_width(), 0.011, 1e-4);
+  EXPECT_NEAR(shape->TipAt(0.04), 0.0122, 2e-4);
+}
+
+TEST(GripperShape, IsMadeOnceForEqualConfigurations) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  EXPECT_EQ(pick.shape(), pick.shape());
+  RobotConfig other = pick.robot.config();
+  other.gravcomp = false;
+  EXPECT_NE(pick.shape(), GripperShape::Of(other, pick.run.options, 0.002));
+}
+
+// The linkage swings the pads forward while it closes; the tips then reach lower than the open
+// ones.
+TEST(GripperShape, FollowsTheSwingOfALinkage) {
+  REQUIRE_MENAGERIE("ufactory_xarm7");
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"), "xarm7_pick.yaml");
+  const auto shape = pick.shape();
+  EXPECT_NEAR(shape->PadAt(shape->open_gap()).z(), -0.0208, 1e-3);
+  EXPECT_NEAR(shape->PadAt(0.04).z(), -0.0093, 1e-3);
+  EXPECT_NEAR(shape->TipAt(0.088), -0.0098, 2e-3);
+  EXPECT_NEAR(shape->TipAt(0), 0.003, 2e-3);
+}
+
+TEST(GripperShape, ARobotWithoutAGripperIsNamed) {
+  RobotConfig config = ExampleRun("demo.yaml").robot.config;
+  const MoveGroupConfig arm = config.move_groups.at("arm");
+  config.move_groups = {{"arm", arm}};
+  config.home.clear();
+  config.home_noise.clear();
+  config.control.clear();
+  try {
+    GripperShape::Of(config, {}, 0.002);
+    FAIL();
+  } catch (const NotFoundError& error) {
+    EXPECT_NE(std::string(error.what()).find("robot 'rc7': has no gripper group"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace robocell

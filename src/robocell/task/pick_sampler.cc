@@ -1,0 +1,344 @@
+#include "robocell/task/pick_sampler.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/assets/resolve.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/base/units.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/task/catalogue.h"
+#include "robocell/task/clearance.h"
+#include "robocell/task/grasp_motion.h"
+#include "robocell/task/pick_task.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kArrangements = 24;  // of objects and base around each other
+constexpr int kPlaceTries = 60;
+constexpr int kMostDistractors = 2;
+constexpr double kObjectGap = 0.03;       // metres between objects
+constexpr double kEdgeMargin = 0.03;      // from the support's edge
+constexpr double kSettleSeconds = 0.4;    // between looks at the objects ...
+constexpr int kSettleLooks = 6;           // ... and how often to look
+constexpr double kMostDrift = 0.05;       // metres the target may move while settling
+constexpr double kWidening = 0.15;        // share of the range that further attempts spread by
+constexpr double kRestSpeed = 0.005;      // m/s below which an object rests ...
+constexpr double kRestTurn = 0.1;         // ... and rad/s
+constexpr double kBaseClearance = 0.01;   // metres between the robot and everything else
+constexpr double kReachShare = 0.95;      // of the robot's reach that is used
+constexpr double kFacingNoise = 0.35;     // rad
+const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the objects settle
+
+// Name of an object that is not at rest; "" when all are.
+std::string MovingObject(const Scene& scene) {
+  const mjModel* m = scene.model();
+  for (const ObjectRecord& object : scene.compiled()->objects()) {
+    if (!object.free_joint) continue;
+    const mjtNum* v =
+        scene.data()->qvel + m->jnt_dofadr[FindId(m, mjOBJ_JOINT, *object.free_joint)];
+    if (mju_norm3(v) > kRestSpeed || mju_norm3(v + 3) > kRestTurn) return object.name;
+  }
+  return "";
+}
+
+// Where an episode stands in the run's order of turns.
+uint64_t Turn(const SampleRequest& request) {
+  return static_cast<uint64_t>(request.scene) * 7919 + static_cast<uint64_t>(request.episode);
+}
+
+// Van der Corput's sequence in a base: the digits of `index` mirrored behind the point.
+double RadicalInverse(uint64_t index, uint64_t base) {
+  double value = 0, digit = 1.0 / static_cast<double>(base);
+  for (; index > 0; index /= base, digit /= static_cast<double>(base))
+    value += digit * static_cast<double>(index % base);
+  return value;
+}
+
+// Folds a number into [0, 1] at the ends.
+double Reflected(double u) {
+  u = std::abs(u);
+  return u > 1 ? std::max(0.0, 2 - u) : u;
+}
+
+}  // namespace
+
+const char* ToString(Refusal::Reason reason) {
+  switch (reason) {
+    case Refusal::kNoFreePlace:
+      return "no free place for the objects";
+    case Refusal::kUnsettled:
+      return "objects did not come to rest";
+    case Refusal::kNoReachableBasePose:
+      return "no base pose reaches the object";
+    case Refusal::kBaseInCollision:
+      return "no base pose is free of collisions";
+    case Refusal::kNoGrasp:
+      return "no grasp";
+    case Refusal::kCameraConstraint:
+      return "camera constraint";
+    case Refusal::kInvalidScene:
+      return "invalid scene";
+  }
+  return "?";
+}
+
+Support FindSupport(const SceneSpec& base) {
+  const Scene scene = Scene::Build(base);
+  const mjModel* m = scene.model();
+  const std::vector<std::string> sites = ElementNames(m, mjOBJ_SITE);
+  const auto it = std::find_if(sites.begin(), sites.end(),
+                               [](const std::string& s) { return s.ends_with("table_top"); });
+  if (it == sites.end()) {
+    throw NotFoundError(NoSuchName("scene '" + base.name + "': where should objects stand", "site",
+                                   "table_top", sites));
+  }
+  const int site = FindId(m, mjOBJ_SITE, *it);
+  Support support{.frame_to_world = scene.site_pose(*it)};
+  double area = 0;
+  for (int g = 0; g < m->ngeom; ++g) {  // the largest box of the same body is the top
+    if (m->geom_bodyid[g] != m->site_bodyid[site] || m->geom_type[g] != mjGEOM_BOX) continue;
+    const double* size = m->geom_size + 3 * g;
+    if (size[0] * size[1] <= area) continue;
+    area = size[0] * size[1];
+    support.half_x = size[0];
+    support.half_y = size[1];
+  }
+  if (area == 0)
+    throw SpecError("scene '" + base.name + "': site '" + *it +
+                    "' needs a box geom in its body: the surface it is on");
+  return support;
+}
+
+SceneSpec PickTaskSampler::MakeBaseScene(int scene_index) {
+  SceneSpec spec;
+  spec.name = run_.run;
+  spec.timestep = run_.rates.sim_ms / 1000;
+  spec.options = run_.options;
+  if (run_.scenes.kind() == SceneSourceKind::kFiles) {
+    const std::string& file = run_.scenes.files.at(static_cast<size_t>(scene_index));
+    spec.base = assets::Resolve(file, run_.scenes.root.value_or(run_.source_dir));
+  } else {
+    spec.base = "tabletop";
+    spec.add_floor = true;
+    spec.add_skybox = true;
+  }
+  return spec;
+}
+
+const Support& PickTaskSampler::SupportOf(int scene_index, const SceneSpec& base) {
+  const auto it = supports_.find(scene_index);
+  return it != supports_.end() ? it->second
+                               : supports_.emplace(scene_index, FindSupport(base)).first->second;
+}
+
+std::vector<std::string> PickTaskSampler::ChooseKinds(const SampleRequest& request, Rng& rng) {
+  const std::vector<std::string> all = ObjectKinds();
+  const std::vector<std::string>& allowed =
+      run_.task.objects.empty() ? all : run_.task.objects.names;
+  const uint64_t first =
+      Rng::Stream(static_cast<uint64_t>(run_.seed), "first kind").UniformInt(allowed.size());
+  std::vector<std::string> kinds = {allowed[(first + Turn(request)) % allowed.size()]};
+  // Other kinds only: "pick up the mug" has to mean one object.
+  std::vector<std::string> others = allowed;
+  std::erase(others, kinds.front());
+  rng.Shuffle(others);
+  const size_t distractors = std::min<size_t>(rng.UniformInt(kMostDistractors + 1), others.size());
+  kinds.insert(kinds.end(), others.begin(),
+               others.begin() + static_cast<std::ptrdiff_t>(distractors));
+  return kinds;
+}
+
+// Episode k has the k-th point of a low-discrepancy sequence that the run's seed shifts (Cranley and Patterson 1976).
+// Further attempts spread around it, more and more, so that a corner that never works does not block the episode.
+BasePlacement PickTaskSampler::ChooseBasePlacement(const SampleRequest& request, Rng& rng) {
+  const TaskConfig& task = run_.task;
+  const auto point = [&](int base, const char* purpose) {
+    const double shifted = RadicalInverse(Turn(request) + 1, base) +
+                           Rng::Stream(static_cast<uint64_t>(run_.seed), purpose).Uniform();
+    const double even = shifted - std::floor(shifted);
+    const double spread = std::min(1.0, kWidening * request.attempt);
+    return Reflected(even + spread * rng.Uniform(-1, 1));
+  };
+  const double u = point(2, "base distance");
+  const double v = point(3, "base height");
+  return {
+      std::lerp(task.base_distance[0], task.base_distance[1], u),
+      task.base_height_offset + std::lerp(task.base_height_noise[0], task.base_height_noise[1], v)};
+}
+
+bool PickTaskSampler::PlaceObjects(const Support& support, std::vector<SceneObject>& objects,
+                                   Rng& rng) {
+  std::vector<Eigen::Vector2d> taken;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const double radius = FootprintRadius(objects[i]);
+    const double x = support.half_x - kEdgeMargin - radius,
+                 y = support.half_y - kEdgeMargin - radius;
+    if (x <= 0 || y <= 0) return false;
+    bool placed = false;
+    for (int t = 0; t < kPlaceTries && !placed; ++t) {
+      const Eigen::Vector2d at(rng.Uniform(-x, x), rng.Uniform(-y, y));
+      placed = true;
+      for (size_t j = 0; j < i; ++j) {
+        placed &= (at - taken[j]).norm() > radius + FootprintRadius(objects[j]) + kObjectGap;
+      }
+      if (!placed) continue;
+      taken.push_back(at);
+      const Pose pose =
+          support.frame_to_world * Pose::FromRpy({at.x(), at.y(), RestHeight(objects[i]) + 0.001},
+                                                 {0, 0, rng.Uniform(-kPi, kPi)});
+      objects[i].pos = ToVec3(pose.translation());
+      objects[i].quat = pose.quaternion();
+    }
+    if (!placed) return false;
+  }
+  return true;
+}
+
+Pose PickTaskSampler::ProposeBasePose(const Pose& target, const BasePlacement& placement,
+                                      Rng& rng) {
+  const double bearing = rng.Uniform(-kPi, kPi);
+  const double facing = bearing + kPi + rng.Uniform(-kFacingNoise, kFacingNoise);
+  const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
+                               placement.distance * std::sin(bearing), placement.height);
+  return Pose::FromRpy(target.translation() + offset, {0, 0, facing});
+}
+
+std::optional<Refusal> PickTaskSampler::CheckBasePose(Scene& scene, Robot& robot,
+                                                      const std::string& target_body) {
+  const Eigen::Vector3d target = scene.body_pose(target_body).translation();
+  const double distance = (target - robot.base_in_world().translation()).norm();
+  if (distance > kReachShare * robot.reach()) {
+    return Refusal{Refusal::kNoReachableBasePose,
+                   fmt::format("{:.2f} m away, reach is {:.2f} m", distance, robot.reach())};
+  }
+  const Clearance nearest = RobotClearance(scene, robot, kBaseClearance);
+  if (nearest.distance < kBaseClearance) {
+    return Refusal{Refusal::kBaseInCollision,
+                   fmt::format("{} is {:.3f} m from {}", nearest.robot_geom, nearest.distance,
+                               nearest.other_geom)};
+  }
+  return CheckGrasps(scene, robot, target_body);
+}
+
+// The PickPlanner's question, but for the path. A robot with a gripper of the user's own kind comes with an expert of its
+// own, which knows better.
+std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Robot& robot,
+                                                    const std::string& target_body) const {
+  if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
+  PlanningScene planning(scene, robot, target_body,
+                         GripperShape::Of(robot.config(), run_.options, scene.timestep()));
+  std::vector<GraspCandidate> candidates =
+      FindGrasps(planning.model(), planning.data(), planning.target_body(), planning.shape(),
+                 robot.tcp_in_world());
+  if (candidates.empty())
+    return Refusal{Refusal::kNoGrasp,
+                   "the object is too large, too small or too flat for the gripper"};
+  const std::vector<double> home = robot.arm().joint_pos();
+  GraspMotions motions(planning, std::move(candidates), JointVector(std::span<const double>(home)));
+  if (motions.Next()) return std::nullopt;
+  return Refusal{Refusal::kNoReachableBasePose, "grasps: " + motions.Reasons()};
+}
+
+struct PickTaskSampler::Setup {
+  std::vector<std::string> kinds, names;
+  std::vector<SceneObject> objects;
+  Scene scene;
+  Robot robot;
+  std::string target_body;
+};
+
+// Draws places for the objects and for the base until both fit. Nothing is stepped, so many are tried quickly.
+std::optional<Refusal> PickTaskSampler::Arrange(Setup& setup, const Support& support,
+                                                const BasePlacement& placement, Rng& rng) {
+  Refusal refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"};
+  for (int t = 0; t < kArrangements; ++t) {
+    if (!PlaceObjects(support, setup.objects, rng)) continue;
+    for (const SceneObject& object : setup.objects) {
+      setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
+    }
+    setup.robot.base().SetPose(
+        ProposeBasePose(setup.scene.body_pose(setup.target_body), placement, rng));
+    setup.scene.Forward();
+    const auto wrong = CheckBasePose(setup.scene, setup.robot, setup.target_body);
+    if (!wrong || wrong->reason == Refusal::kNoGrasp) return wrong;  // no base pose changes that
+    refusal = *wrong;
+  }
+  return refusal;
+}
+
+// Lets objects and arm come to rest together.
+std::optional<Refusal> PickTaskSampler::Settle(Setup& setup) const {
+  const Pose before = setup.scene.body_pose(setup.target_body);
+  const int steps = static_cast<int>(kSettleSeconds / setup.scene.timestep());
+  std::string moving = "something";
+  for (int look = 0; look < kSettleLooks && !moving.empty(); ++look) {
+    for (int i = 0; i < steps; ++i) {
+      setup.robot.Update();
+      if (!setup.scene.Step().ok()) return Refusal{Refusal::kUnsettled, "diverged"};
+    }
+    moving = MovingObject(setup.scene);
+  }
+  if (!moving.empty()) return Refusal{Refusal::kUnsettled, moving + " still moves"};
+  const Pose after = setup.scene.body_pose(setup.target_body);
+  if ((after.translation() - before.translation()).norm() > kMostDrift) {
+    return Refusal{Refusal::kUnsettled, "the target rolled away or fell off its support"};
+  }
+  return std::nullopt;
+}
+
+SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
+  const auto refused = [](Refusal refusal) {
+    return SampleResult{.start = {}, .refusal = std::move(refusal)};
+  };
+  SceneSpec spec = MakeBaseScene(request.scene);
+  const Support support = SupportOf(request.scene, spec);
+  const std::vector<std::string> kinds = ChooseKinds(request, rng);
+  const BasePlacement placement = ChooseBasePlacement(request, rng);
+  std::vector<std::string> names;
+  std::vector<SceneObject> objects;
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    names.push_back(i == 0 ? "target" : fmt::format("object_{}", i));
+    objects.push_back(MakeCatalogueObject(kinds[i], names.back(), rng));
+  }
+  if (!PlaceObjects(support, objects, rng))
+    return refused({Refusal::kNoFreePlace, "the objects do not fit beside each other"});
+  for (const SceneObject& object : objects) spec.objects.push_back(object);
+  spec.robots.push_back({.name = run_.robot.config.name,
+                         .config = run_.robot.config,
+                         .prefix = "robot_0/",
+                         .pos = ToVec3(kParked)});
+
+  Scene scene = Scene::Build(spec);
+  scene.Reset({.seed = rng.Fork("home").NextBits()});
+  Setup setup{kinds,
+              names,
+              objects,
+              scene,
+              Robot::Of(scene, run_.robot.config.name),
+              scene.compiled()->object("target").root_body};
+  if (auto refusal = Arrange(setup, support, placement, rng)) return refused(*refusal);
+  if (auto refusal = Settle(setup)) return refused(*refusal);
+  if (auto refusal = CheckBasePose(setup.scene, setup.robot, setup.target_body))
+    return refused(*refusal);
+  scene.data()->time = 0;
+  scene.Forward();
+  return {.start = EpisodeStart{.scene = scene,
+                                .task = std::make_unique<PickTask>("target", kinds[0], names,
+                                                                   run_.task.lift_height),
+                                .target_object = "target",
+                                .object_kinds = kinds,
+                                .base_in_world = setup.robot.base().pose()},
+          .refusal = {}};
+}
+
+std::unique_ptr<TaskSampler> MakePickSampler(const RunConfig& run) {
+  return std::make_unique<PickTaskSampler>(run);
+}
+
+}  // namespace robocell

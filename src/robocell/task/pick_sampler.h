@@ -1,0 +1,75 @@
+// PickTaskSampler: objects settled on a support, one of them the target, and a robot placed beside it: its base in an
+// annulus around the target with a height offset and noise, facing it, free of collisions and with the target in reach.
+// Kinds of objects take turns, and distances and heights are spread evenly over the episodes of a run (a low-discrepancy
+// sequence), so that a short run covers the configured ranges too.
+//
+// Stages can be replaced one by one by subclassing, in C++ and in Python. Everything random comes from the Rng given to
+// Sample; a start that cannot be made is a Refusal with its reason.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/spec/run_config.h"
+#include "robocell/task/task.h"
+
+namespace robocell {
+
+// A level surface that objects are put on: the site's frame, half extents along its x and y.
+struct Support {
+  Pose frame_to_world;
+  double half_x = 0, half_y = 0;
+};
+
+// Where the base stands relative to the target.
+struct BasePlacement {
+  double distance = 0;  // horizontal, metres
+  double height = 0;    // of the base's bottom above the target, metres
+};
+
+class PickTaskSampler : public TaskSampler {
+ public:
+  explicit PickTaskSampler(RunConfig run) : run_(std::move(run)) {}
+
+  SampleResult Sample(const SampleRequest& request, Rng& rng) override;
+
+  // The stages, in their order.
+  virtual SceneSpec MakeBaseScene(int scene_index);
+  // The target's kind first. Kinds take turns over the episodes of a run.
+  virtual std::vector<std::string> ChooseKinds(const SampleRequest& request, Rng& rng);
+  // Puts the objects on the support without overlap; false when there is no room.
+  virtual bool PlaceObjects(const Support& support, std::vector<SceneObject>& objects, Rng& rng);
+  // Distance and height, spread evenly over the configured ranges by the episode's number.
+  virtual BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng);
+  // A pose for the robot's base (the bottom of its pedestal) around the target, facing it.
+  virtual Pose ProposeBasePose(const Pose& target_in_world, const BasePlacement& placement,
+                               Rng& rng);
+  // Whether the robot stands free there and reaches a grasp of the target; the refusal says why not.
+  virtual std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
+                                               const std::string& target_body);
+
+ protected:
+  const RunConfig& run() const { return run_; }
+
+ private:
+  struct Setup;  // the scene being made
+  const Support& SupportOf(int scene_index, const SceneSpec& base);
+  std::optional<Refusal> Arrange(Setup& setup, const Support& support,
+                                 const BasePlacement& placement, Rng& rng);
+  std::optional<Refusal> Settle(Setup& setup) const;
+  std::optional<Refusal> CheckGrasps(const Scene& scene, const Robot& robot,
+                                     const std::string& target_body) const;
+
+  RunConfig run_;
+  std::map<int, Support> supports_;  // by scene index
+};
+
+// The support of a base scene: the site `table_top` (or `<anything>_table_top`) on a box. NotFoundError otherwise.
+Support FindSupport(const SceneSpec& base);
+
+std::unique_ptr<TaskSampler> MakePickSampler(const RunConfig& run);
+
+}  // namespace robocell

@@ -1,0 +1,147 @@
+#include "robocell/task/pick_sampler.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/task/catalogue.h"
+#include "robocell/task/clearance.h"
+#include "robocell/task/pick_task.h"
+
+namespace robocell {
+namespace {
+
+RunConfig Demo() {
+  return RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+}
+
+Rng StreamOf(int i) { return Rng::Stream(7, "sampler test", i); }
+
+// Accepted starts of the first episodes, each at its first accepted attempt.
+struct Samples {
+  std::vector<EpisodeStart> starts;
+  int tries = 0;
+};
+
+const Samples& DemoSamples() {
+  static const Samples* samples = [] {
+    auto* made = new Samples;
+    PickTaskSampler sampler(Demo());
+    for (int episode = 0; episode < 20; ++episode) {
+      for (int attempt = 0; attempt < 20; ++attempt) {
+        Rng rng = Rng::Stream(7, episode, attempt);
+        SampleResult result = sampler.Sample({.episode = episode, .attempt = attempt}, rng);
+        ++made->tries;
+        if (!result.start) continue;
+        made->starts.push_back(std::move(*result.start));
+        break;
+      }
+    }
+    return made;
+  }();
+  return *samples;
+}
+
+double Span(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
+
+TEST(PickTaskSampler, AcceptsMostOfWhatItTries) {
+  EXPECT_EQ(DemoSamples().starts.size(), 20u);
+  EXPECT_LE(DemoSamples().tries, 50);  // 40 %
+}
+
+TEST(PickTaskSampler, TwentyEpisodesSpanTheConfiguredRanges) {
+  const TaskConfig task = Demo().task;
+  std::vector<double> distances, heights;
+  for (const EpisodeStart& start : DemoSamples().starts) {
+    const Eigen::Vector3d offset =
+        start.base_in_world.translation() -
+        start.scene.body_pose(start.scene.compiled()->object("target").root_body).translation();
+    distances.push_back(offset.head<2>().norm());
+    heights.push_back(offset.z() - task.base_height_offset);
+  }
+  EXPECT_GE(Span(distances), 0.8 * (task.base_distance[1] - task.base_distance[0]));
+  EXPECT_GE(Span(heights), 0.8 * (task.base_height_noise[1] - task.base_height_noise[0]));
+  // The target moves by a millimetre or so while it settles.
+  EXPECT_GE(*std::min_element(distances.begin(), distances.end()), task.base_distance[0] - 0.01);
+  EXPECT_LE(*std::max_element(distances.begin(), distances.end()), task.base_distance[1] + 0.01);
+}
+
+TEST(PickTaskSampler, EveryKindTakesItsTurnAndNoOtherObjectIsOfTheTargetsKind) {
+  std::map<std::string, int> counts;
+  for (const EpisodeStart& start : DemoSamples().starts) {
+    ++counts[start.object_kinds.front()];
+    EXPECT_EQ(std::count(start.object_kinds.begin(), start.object_kinds.end(),
+                         start.object_kinds.front()),
+              1);
+  }
+  for (const std::string& kind : ObjectKinds()) EXPECT_GE(counts[kind], 2) << kind;
+}
+
+TEST(PickTaskSampler, StartsDiffer) {
+  std::set<std::vector<double>> states;
+  for (const EpisodeStart& start : DemoSamples().starts) states.insert(start.scene.state());
+  EXPECT_EQ(states.size(), DemoSamples().starts.size());
+}
+
+TEST(PickTaskSampler, AStartIsAtRestAndTheRobotStandsFree) {
+  for (const EpisodeStart& start : DemoSamples().starts) {
+    Scene scene = start.scene;
+    EXPECT_EQ(scene.time(), 0);
+    EXPECT_EQ(RobotClearance(scene, RobotsOf(scene).front(), 0.009).robot_geom, "");
+    EXPECT_FALSE(TouchingBody(scene, scene.compiled()->object("target").root_body).robot);
+    EXPECT_TRUE(TouchingBody(scene, scene.compiled()->object("target").root_body).other);
+    const Pose before = scene.body_pose(scene.compiled()->object("target").root_body);
+    start.task->Begin(scene);
+    EXPECT_FALSE(start.task->Success(scene));
+    EXPECT_NEAR(start.task->Reward(scene), 0, 1e-9);
+    EXPECT_EQ(before, scene.body_pose(scene.compiled()->object("target").root_body));
+  }
+}
+
+TEST(PickTaskSampler, SameStreamSameStart) {
+  PickTaskSampler a(Demo()), b(Demo());
+  Rng other = StreamOf(99);
+  (void)b.Sample({.episode = 5}, other);  // history does not matter
+  for (int i = 0; i < 3; ++i) {
+    Rng ra = StreamOf(i), rb = StreamOf(i);
+    const SampleResult x = a.Sample({.episode = i}, ra), y = b.Sample({.episode = i}, rb);
+    ASSERT_EQ(x.start.has_value(), y.start.has_value());
+    if (!x.start) continue;
+    EXPECT_EQ(x.start->scene.state(), y.start->scene.state());
+    EXPECT_EQ(x.start->object_kinds, y.start->object_kinds);
+  }
+}
+
+TEST(PickTaskSampler, ABaseOutOfReachIsRefusedWithTheDistance) {
+  RunConfig run = Demo();
+  run.task.base_distance = {3, 3};
+  PickTaskSampler sampler(run);
+  Rng rng = StreamOf(0);
+  const SampleResult result = sampler.Sample({}, rng);
+  ASSERT_FALSE(result.start.has_value());
+  EXPECT_EQ(result.refusal.reason, Refusal::kNoReachableBasePose);
+  EXPECT_THAT(result.refusal.detail, testing::HasSubstr("m away, reach is"));
+}
+
+TEST(PickTaskSampler, ABaseInsideTheTableIsRefusedWithBothGeoms) {
+  RunConfig run = Demo();
+  run.task.base_distance = {0.01, 0.01};
+  run.task.base_height_noise = {0, 0};
+  PickTaskSampler sampler(run);
+  Rng rng = StreamOf(0);
+  const SampleResult result = sampler.Sample({}, rng);
+  ASSERT_FALSE(result.start.has_value());
+  EXPECT_EQ(result.refusal.reason, Refusal::kBaseInCollision);
+  EXPECT_THAT(result.refusal.detail, testing::HasSubstr("robot_0/"));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,56 @@
+// PlanningScene: a scratch copy of a scene's state in which a robot can be put anywhere to see what
+// it would touch. The simulation itself is only read.
+//
+//   PlanningScene planning(scene, robot, target_body, shape);
+//   if (planning.IsFree(q, {.gap = shape->open_gap(), .clearance = 0.02})) ...
+//
+// Only the robot moves in it; objects stay where they were at the last Update(). A planning scene
+// holds pointers into the scene's model: after a rebuild of the scene make a new one. One thread at
+// a time.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "robocell/kinematics/joint_vector.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+#include "robocell/task/gripper_shape.h"
+
+namespace robocell {
+
+// How a configuration is judged.
+struct FreedomDemand {
+  double gap = 0;             // of the fingers, metres
+  double clearance = 0;       // to everything that is not the robot, metres, at most kMostClearance
+  bool touch_target = false;  // contacts with the target are fine
+};
+inline constexpr double kMostClearance = 0.025;
+
+class PlanningScene {
+ public:
+  PlanningScene(Scene scene, Robot robot, const std::string& target_body,
+                std::shared_ptr<const GripperShape> shape);
+  ~PlanningScene();
+
+  // Takes over the scene's present state.
+  void Update();
+  // Nothing that is not the robot is nearer than the clearance, and no two parts of the robot touch
+  // that do not touch in its present posture anyhow.
+  bool IsFree(const JointVector& q, const FreedomDemand& demand);
+  // How often IsFree was asked.
+  int checks() const;
+
+  const Robot& robot() const;
+  const GripperShape& shape() const;
+  int target_body() const;
+  // The state of the last Update(): nothing above changes what is not the robot.
+  const mjModel* model() const;
+  const mjData* data() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,109 @@
+#include "robocell/testing/menagerie.h"
+
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "robocell/base/error.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+// Sets an environment variable for the length of a scope.
+class ScopedEnvironment {
+ public:
+  ScopedEnvironment(const char* name, const std::string& value) : name_(name) {
+    if (const char* old = std::getenv(name)) old_ = old;
+    setenv(name, value.c_str(), 1);
+  }
+  ~ScopedEnvironment() {
+    if (old_) {
+      setenv(name_, old_->c_str(), 1);
+    } else {
+      unsetenv(name_);
+    }
+  }
+  ScopedEnvironment(const ScopedEnvironment&) = delete;
+  ScopedEnvironment& operator=(const ScopedEnvironment&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> old_;
+};
+
+class MenagerieTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    MissingMenagerie({"any"});  // a shared root, if there is one, has been adopted from here on
+    dir_ = fs::path(::testing::TempDir()) /
+           ("menagerie_" +
+            std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(dir_);
+    fs::create_directories(dir_);
+  }
+  void TearDown() override { fs::remove_all(dir_); }
+
+  void Write(const fs::path& path) const {
+    fs::create_directories((dir_ / path).parent_path());
+    std::ofstream(dir_ / path) << "<mujoco/>";
+  }
+
+  fs::path dir_;
+};
+
+TEST_F(MenagerieTest, ARootFromTheEnvironmentIsUsed) {
+  Write("arm/arm.xml");
+  ScopedEnvironment root("MENAGERIE_ROOT", dir_.string());
+  EXPECT_EQ(MenagerieModel("arm", "arm.xml"), (dir_ / "arm/arm.xml").string());
+  EXPECT_EQ(MenagerieModel("arm"), (dir_ / "arm").string());
+  EXPECT_EQ(MissingMenagerie({"arm"}), "");
+}
+
+TEST_F(MenagerieTest, WithoutARootTheCacheOfThePackageIsUsedWhenComplete) {
+  Write("models/arm-0123456789abcdef/arm.xml");
+  ScopedEnvironment root("MENAGERIE_ROOT", "");
+  ScopedEnvironment cache("MENAGERIE_CACHE_DIR", dir_.string());
+  EXPECT_NE(MissingMenagerie({"arm"}), "") << "half a download is no model";
+  Write("models/arm-0123456789abcdef/.complete");
+  EXPECT_EQ(MenagerieModel("arm", "arm.xml"),
+            (dir_ / "models/arm-0123456789abcdef/arm.xml").string());
+  EXPECT_NE(MissingMenagerie({"ar"}), "");
+}
+
+TEST_F(MenagerieTest, AMissingModelNamesItselfThePlacesAndTheCommand) {
+  ScopedEnvironment root("MENAGERIE_ROOT", dir_.string());
+  EXPECT_THAT(MissingMenagerie({"arm", "hand"}),
+              AllOf(HasSubstr("missing: arm, hand."), HasSubstr("MENAGERIE_ROOT=" + dir_.string()),
+                    HasSubstr("mujoco-menagerie prefetch arm hand")));
+  EXPECT_THROW(MenagerieModel("arm"), IoError);
+}
+
+TEST_F(MenagerieTest, AMissingFileNamesTheFolder) {
+  Write("arm/arm.xml");
+  ScopedEnvironment root("MENAGERIE_ROOT", dir_.string());
+  try {
+    MenagerieModel("arm", "scene.xml");
+    FAIL() << "no error";
+  } catch (const IoError& error) {
+    EXPECT_EQ(std::string(error.what()), "no 'scene.xml' in " + (dir_ / "arm").string());
+  }
+}
+
+TEST(Skip, OnlyCiTurnsSkipsIntoFailures) {
+  ScopedEnvironment ci("CI", "true");
+  EXPECT_TRUE(SkipsAreFailures());
+  setenv("CI", "", 1);
+  EXPECT_FALSE(SkipsAreFailures());
+  setenv("CI", "false", 1);
+  EXPECT_FALSE(SkipsAreFailures());
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,46 @@
+"""Runs the command line in processes of its own, as a person does. No test in itself."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[2]
+LONGEST_S = 900
+
+
+def robocell_command(*arguments: object) -> subprocess.CompletedProcess[str]:
+    """Runs `robocell` with these arguments and returns how it ended."""
+    environment = {
+        **os.environ,
+        "PYTHONPATH": os.pathsep.join([str(ROOT / "python"), *filter(None, sys.path)]),
+        "COLUMNS": "200",
+    }
+    return subprocess.run(
+        [sys.executable, "-m", "robocell", *map(str, arguments)],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=LONGEST_S,
+    )
+
+
+def generate(run: Path, output: Path, *options: object) -> list[dict[str, Any]]:
+    """The events of a `robocell generate` that must succeed."""
+    result = robocell_command("generate", run, "--output", output, "--progress", "jsonl", *options)
+    assert result.returncode == 0, result.stderr
+    return [json.loads(line) for line in result.stdout.splitlines()]
+
+
+def refusal(*arguments: object) -> str:
+    """What a command says on standard error that must be refused, in one piece of text."""
+    result = robocell_command(*arguments)
+    assert result.returncode in (2, 3), result.stdout + result.stderr
+    assert "Traceback" not in result.stdout + result.stderr
+    assert "error: " in result.stderr
+    return " ".join(result.stderr.split())

@@ -1,0 +1,116 @@
+"""Faults while a dataset is generated: workers killed at any instant, a disk that takes no more."""
+
+from __future__ import annotations
+
+import json
+import os
+import random  # rule-ok: decides when to kill; no data depends on it
+import resource
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import yaml
+
+import robocell
+
+EPISODES = 6
+KILLS = 6
+# Less than a steps.h5 needs; logs and probes fit.
+FILE_LIMIT_BYTES = 80_000
+
+RUN = {
+    "run": "faults",
+    "robot": str(robocell.models.robot_file("rc7")),
+    "task": {
+        "kind": "pick",
+        "base_distance": [0.3, 0.55],
+        "base_height_offset": -0.25,
+        "base_height_noise": [-0.15, 0.1],
+    },
+    "scenes": {"source": "tabletop"},
+    "episodes_per_scene": EPISODES,
+    "cameras": {"resolution": [64, 48], "streams": [{"name": "wrist", "camera": "wrist_camera"}]},
+}
+
+
+def start(folder: Path, *options: object, limit: int | None = None) -> subprocess.Popen[str]:
+    """Starts the command; `limit`: the largest file it and its children may write, bytes."""
+    run = folder / "run.yaml"
+    run.write_text(yaml.safe_dump({**RUN, "output": str(folder / "out")}))
+    code = "from robocell.cli import main; main()"
+    if limit is not None:  # Python ignores SIGXFSZ, so that writing fails instead
+        code = (
+            f"import resource; resource.setrlimit({resource.RLIMIT_FSIZE}, ({limit},) * 2); {code}"
+        )
+    return subprocess.Popen(
+        [sys.executable, "-c", code, "generate", str(run), *map(str, options)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def children(pid: int) -> list[int]:
+    """Worker processes of the command."""
+    path = Path(f"/proc/{pid}/task/{pid}/children")
+    return [int(child) for child in path.read_text().split()] if path.exists() else []
+
+
+def kill_workers(command: subprocess.Popen[str], kills: int) -> None:
+    """kill -9 for a random worker at random times, workers that are just starting included."""
+    chance = random.Random(7)
+    while kills and command.poll() is None:
+        time.sleep(chance.uniform(0.1, 1.5))
+        workers = children(command.pid)
+        if workers and command.poll() is None:
+            os.kill(chance.choice(workers), signal.SIGKILL)
+            kills -= 1
+
+
+def contents(dataset: Path) -> dict[str, bytes]:
+    files = [*dataset.glob("s*/steps.h5"), *dataset.glob("s*/*.mp4")]
+    return {str(file.relative_to(dataset)): file.read_bytes() for file in files}
+
+
+def test_killed_workers_lose_nothing_and_double_nothing(tmp_path: Path):
+    calm, stormy = tmp_path / "calm", tmp_path / "stormy"
+    calm.mkdir()
+    stormy.mkdir()
+    command = start(calm, "--workers", 2)
+    _, said = command.communicate(timeout=240)
+    assert command.returncode == 0, said
+
+    command = start(stormy, "--workers", 2, "--progress", "jsonl")
+    killer = threading.Thread(target=kill_workers, args=(command, KILLS))
+    killer.start()
+    out, said = command.communicate(timeout=240)
+    killer.join()
+    events = [json.loads(line) for line in out.splitlines()]
+    if command.returncode != 0:  # one item may have been hit three times: the next run makes it
+        assert command.returncode == 1, said
+        assert any(event["event"] == "unmade" for event in events)
+        again = start(stormy)
+        _, said = again.communicate(timeout=240)
+        assert again.returncode == 0, said
+    assert any("killed by SIGKILL" in event.get("reason", "") for event in events)
+    report = robocell.verify(stormy / "out")
+    assert report.ok, str(report)
+    assert report.leftovers == [], "what the dead were writing is gone"
+    assert len(report.good) == EPISODES
+    assert contents(stormy / "out") == contents(calm / "out")
+
+
+def test_a_disk_that_takes_no_more_ends_the_run_with_the_reason(tmp_path: Path):
+    command = start(tmp_path, "--workers", 1, "--episodes", 1, limit=FILE_LIMIT_BYTES)
+    _, said = command.communicate(timeout=240)
+    assert command.returncode == 3, said
+    assert "Traceback" not in said
+    assert str(tmp_path / "out") in said
+    assert "steps.h5" in said or "mp4" in said
+    assert robocell.Dataset(tmp_path / "out").ids == []
+    assert robocell.verify(tmp_path / "out").leftovers == [], "the half episode is gone"

@@ -1,0 +1,107 @@
+"""The house rules are enforced, and the enforcer notices bad samples and spares good ones."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import mujoco
+import pytest
+
+import check_rules
+
+ROOT = Path(__file__).resolve().parents[1]
+SPEC = "mjsBody* body = mjs_findBody(spec, name);\n"
+
+
+def reasons(path: str, text: str) -> list[str]:
+    return [finding.reason for finding in check_rules.check_text(path, text)]
+
+
+def test_this_repository_keeps_the_rules():
+    assert [str(finding) for finding in check_rules.check(ROOT)] == []
+
+
+def test_the_names_of_the_engines_strings_are_those_of_its_header():
+    header = (Path(mujoco.__file__).parent / "include/mujoco/mjspec.h").read_text()
+    fields = set(re.findall(r"mjString(?:Vec)?\*\s+(\w+);", header)) - {"data", "target"}
+    listed = set(check_rules.ENGINE_STRINGS.split("|")) - {"userdata"}
+    assert fields == listed
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "std::string s = *body->name;",
+        "  return *spec->modelname;",
+        "f(a, *geom->meshname);",
+        "if (body->name->empty()) {",
+        "*geom->material = 3;",
+        "Read(*bodies[i]->childclass);",
+    ],
+)
+def test_dereferencing_an_engine_string_is_found(line):
+    found = reasons("src/robocell/scene/a.cc", SPEC + line)
+    assert len(found) == 1
+    assert "use mjs_getString" in found[0]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "const char* s = mjs_getString(body->name);",
+        'mjs_setString(geom->material, "red");',
+        "double area = width * body->size[0];",
+        "// never *body->name",
+        "n = a * item->info.size();",
+        "f(*body->name);  // rule-ok: this body is ours",
+    ],
+)
+def test_other_uses_of_names_are_not(line):
+    assert reasons("src/robocell/scene/a.cc", SPEC + line) == []
+
+
+def test_files_that_do_not_touch_the_engines_spec_may_have_optional_names():
+    assert reasons("src/robocell/spec/a.cc", "use(*robot->name);") == []
+
+
+@pytest.mark.parametrize(
+    ("path", "line", "count"),
+    [
+        ("src/robocell/scene/a.cc", "double wxyz[4];", 1),
+        ("src/robocell/scene/a.cc", "double quat_wxyz_of_base[4];", 1),
+        ("src/robocell/scene/a.cc", "Pose::FromWxyz(p, q);", 0),
+        ("src/robocell/scene/a.cc", "// wxyz here", 0),
+        ("src/robocell/mujoco/a.cc", "double wxyz[4];", 0),
+    ],
+)
+def test_wxyz_stays_in_mujoco(path, line, count):
+    assert len(reasons(path, line)) == count
+
+
+@pytest.mark.parametrize(
+    ("path", "line"),
+    [
+        ("src/robocell/task/a.cc", "std::uniform_real_distribution<double> u;"),
+        ("src/robocell/task/a.cc", "std::mt19937 generator;"),
+        ("src/robocell/task/a.cc", "int i = rand();"),
+        ("python/robocell/a.py", "x = np.random.rand(3)"),
+        ("python/robocell/a.py", "import random"),
+    ],
+)
+def test_chance_from_elsewhere_is_found(path, line):
+    assert len(reasons(path, line)) == 1
+
+
+def test_a_seeded_generator_is_not():
+    assert reasons("python/robocell/a.py", "rng = np.random.default_rng(seed)") == []
+
+
+@pytest.mark.parametrize("path", ["/home/ann/models", "/work/here", "/Users/ann"])
+def test_a_path_of_one_machine_is_found_in_any_file(path):
+    assert len(reasons("docs/a.md", f"see {path}")) == 1
+
+
+@pytest.mark.parametrize("text", ["~/work/x", "../work/x", "network/home/x", "/usr/share/x"])
+def test_other_paths_are_not(text):
+    assert reasons("docs/a.md", text) == []
