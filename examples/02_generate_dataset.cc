@@ -1,5 +1,6 @@
-// Example 2: generate a small pick dataset with the built-in robot, read it back, check it. The same
-// in Python: 02_generate_dataset.py. On all cores and with progress: robocell generate demo.yaml
+// Example 2: generate a small pick dataset with the built-in robot, read it back, check it. The
+// same in Python: 02_generate_dataset.py. On all cores and with progress: robocell generate
+// demo.yaml
 //
 //   build/release/example_02_generate_dataset [folder]
 #include <robocell/robocell.h>

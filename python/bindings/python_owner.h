@@ -18,8 +18,8 @@ std::shared_ptr<void> KeepAlive(nb::object object);
 // The object of such a keeper; invalid for any other pointer.
 nb::object ObjectOf(const std::shared_ptr<void>& keeper);
 
-// A reference to a Python callable from C++. The collector does not see it, so a cycle through it may
-// live until the interpreter ends; then it is let go of, and calls do nothing.
+// A reference to a Python callable from C++. The collector does not see it, so a cycle through it
+// may live until the interpreter ends; then it is let go of, and calls do nothing.
 class Callback {
  public:
   explicit Callback(nb::object callable);  // with the GIL; copies need none

@@ -1,5 +1,5 @@
-// A spec's fields in Python, made from its field declaration (robocell/spec/fields.h): how each kind
-// of field is read, written and annotated. Included by spec*.cc only.
+// A spec's fields in Python, made from its field declaration (robocell/spec/fields.h): how each
+// kind of field is read, written and annotated. Included by spec*.cc only.
 //
 // Reading gives a reference wherever something can be edited: nested specs, lists and mappings as
 // live views, fixed arrays as NumPy views. What is read as a value cannot be changed (tuples, Pose,
@@ -318,7 +318,8 @@ const ListOps* ListOpsOf() {
       [](void* list, size_t i) { return nb::cast(static_cast<List<S>*>(list)->boxes()[i]); },
       [](nb::handle value, const FieldPath& path) -> AnyBox { return ToSpecBox<S>(value, path); },
       [](void* list, size_t at, size_t count, const std::vector<AnyBox>& boxes) {
-        // Built aside and swapped: what is dropped may run Python code, which must see a whole list.
+        // Built aside and swapped: what is dropped may run Python code, which must see a whole
+        // list.
         const Boxes& old = static_cast<List<S>*>(list)->boxes();
         Boxes result(old.begin(), old.begin() + at);
         for (const AnyBox& box : boxes) result.push_back(std::static_pointer_cast<S>(box));

@@ -154,8 +154,8 @@ class Scene {
 
   void Close();
   bool closed() const;
-  // For garbage collectors of other languages: whether no other handle holds the simulation, what it
-  // holds of theirs, and a number that handles to the same simulation share.
+  // For garbage collectors of other languages: whether no other handle holds the simulation, what
+  // it holds of theirs, and a number that handles to the same simulation share.
   bool sole_handle() const { return state_.use_count() == 1; }
   const std::map<int, ResetHook>& reset_hooks() const;
   size_t id() const { return reinterpret_cast<size_t>(state_.get()); }

@@ -154,8 +154,9 @@ std::vector<std::string> PickTaskSampler::ChooseKinds(const SampleRequest& reque
   return kinds;
 }
 
-// Episode k has the k-th point of a low-discrepancy sequence that the run's seed shifts (Cranley and Patterson 1976).
-// Further attempts spread around it, more and more, so that a corner that never works does not block the episode.
+// Episode k has the k-th point of a low-discrepancy sequence that the run's seed shifts (Cranley
+// and Patterson 1976). Further attempts spread around it, more and more, so that a corner that
+// never works does not block the episode.
 BasePlacement PickTaskSampler::ChooseBasePlacement(const SampleRequest& request, Rng& rng) {
   const TaskConfig& task = run_.task;
   const auto point = [&](int base, const char* purpose) {
@@ -226,8 +227,8 @@ std::optional<Refusal> PickTaskSampler::CheckBasePose(Scene& scene, Robot& robot
   return CheckGrasps(scene, robot, target_body);
 }
 
-// The PickPlanner's question, but for the path. A robot with a gripper of the user's own kind comes with an expert of its
-// own, which knows better.
+// The PickPlanner's question, but for the path. A robot with a gripper of the user's own kind comes
+// with an expert of its own, which knows better.
 std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Robot& robot,
                                                     const std::string& target_body) const {
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
@@ -253,7 +254,8 @@ struct PickTaskSampler::Setup {
   std::string target_body;
 };
 
-// Draws places for the objects and for the base until both fit. Nothing is stepped, so many are tried quickly.
+// Draws places for the objects and for the base until both fit. Nothing is stepped, so many are
+// tried quickly.
 std::optional<Refusal> PickTaskSampler::Arrange(Setup& setup, const Support& support,
                                                 const BasePlacement& placement, Rng& rng) {
   Refusal refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"};

@@ -1,10 +1,11 @@
-// PickTaskSampler: objects settled on a support, one of them the target, and a robot placed beside it: its base in an
-// annulus around the target with a height offset and noise, facing it, free of collisions and with the target in reach.
-// Kinds of objects take turns, and distances and heights are spread evenly over the episodes of a run (a low-discrepancy
-// sequence), so that a short run covers the configured ranges too.
+// PickTaskSampler: objects settled on a support, one of them the target, and a robot placed beside
+// it: its base in an annulus around the target with a height offset and noise, facing it, free of
+// collisions and with the target in reach. Kinds of objects take turns, and distances and heights
+// are spread evenly over the episodes of a run (a low-discrepancy sequence), so that a short run
+// covers the configured ranges too.
 //
-// Stages can be replaced one by one by subclassing, in C++ and in Python. Everything random comes from the Rng given to
-// Sample; a start that cannot be made is a Refusal with its reason.
+// Stages can be replaced one by one by subclassing, in C++ and in Python. Everything random comes
+// from the Rng given to Sample; a start that cannot be made is a Refusal with its reason.
 #pragma once
 
 #include <map>
@@ -47,7 +48,8 @@ class PickTaskSampler : public TaskSampler {
   // A pose for the robot's base (the bottom of its pedestal) around the target, facing it.
   virtual Pose ProposeBasePose(const Pose& target_in_world, const BasePlacement& placement,
                                Rng& rng);
-  // Whether the robot stands free there and reaches a grasp of the target; the refusal says why not.
+  // Whether the robot stands free there and reaches a grasp of the target; the refusal says why
+  // not.
   virtual std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
                                                const std::string& target_body);
 
@@ -67,7 +69,8 @@ class PickTaskSampler : public TaskSampler {
   std::map<int, Support> supports_;  // by scene index
 };
 
-// The support of a base scene: the site `table_top` (or `<anything>_table_top`) on a box. NotFoundError otherwise.
+// The support of a base scene: the site `table_top` (or `<anything>_table_top`) on a box.
+// NotFoundError otherwise.
 Support FindSupport(const SceneSpec& base);
 
 std::unique_ptr<TaskSampler> MakePickSampler(const RunConfig& run);
