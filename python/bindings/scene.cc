@@ -63,13 +63,15 @@ PyType_Slot scene_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseS
 
 Scene Build(const SceneSpec& spec) {
   ImportMujoco();  // before the work is done
-  const SceneSpec copy = spec;
+  // Another thread may change the spec while the lock is released.
+  const SceneSpec copy = spec;  // NOLINT(performance-unnecessary-copy-initialization)
   const nb::gil_scoped_release release;
   return Scene::Build(copy, PythonData());
 }
 
 std::shared_ptr<CompiledScene> Compile(const SceneSpec& spec) {
-  const SceneSpec copy = spec;
+  // Another thread may change the spec while the lock is released.
+  const SceneSpec copy = spec;  // NOLINT(performance-unnecessary-copy-initialization)
   const nb::gil_scoped_release release;
   return CompileScene(copy);
 }

@@ -1,0 +1,82 @@
+"""Run the benchmarks and print their table: run.py [--record] [--only NAME].
+
+Method: benchmarks/README.md. Raw values go to build/bench/results.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import subprocess
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+
+import control_loop
+import episodes
+from table import Row, markdown
+
+ROOT = Path(__file__).resolve().parents[1]
+BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
+    "control_loop": control_loop.rows,
+    "episodes": episodes.rows,
+}
+
+
+def command_output(*command: str) -> str:
+    """Standard output of a command, stripped; '' when it fails."""
+    run = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
+    return run.stdout.strip()
+
+
+def cpu_name() -> str:
+    """The processor as the system names it."""
+    for line in Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.split(":", 1)[1].strip()
+    return platform.processor()
+
+
+def circumstances() -> str:
+    """Machine, compiler, engine and commit, one per line."""
+    changed = " with changes" if command_output("git", "status", "--porcelain") else ""
+    return "\n".join(
+        [
+            f"- machine: {cpu_name()}, {os.cpu_count()} cores seen, {platform.system()}",
+            f"- compiler: {command_output('c++', '--version').splitlines()[0]}",
+            f"- commit: {command_output('git', 'rev-parse', '--short', 'HEAD')}{changed}",
+            f"- date: {datetime.now(UTC):%Y-%m-%d}",
+        ]
+    )
+
+
+def main() -> None:
+    """Run what was asked for, print the table and keep the values."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--record", action="store_true", help="write RESULTS.md")
+    parser.add_argument("--only", choices=sorted(BENCHMARKS), help="one benchmark")
+    options = parser.parse_args()
+    if options.record and options.only:
+        parser.error("--record writes the whole table; leave out --only")
+
+    folder = ROOT / "build" / "bench"
+    folder.mkdir(parents=True, exist_ok=True)
+    rows: list[Row] = []
+    for name, run in BENCHMARKS.items():
+        if options.only in (None, name):
+            print(f"running {name} ...", flush=True)
+            rows += run(folder)
+    (folder / "results.json").write_text(json.dumps([row.to_json() for row in rows], indent=1))
+    text = f"{circumstances()}\n\n{markdown(rows)}"
+    print(f"\n{text}")
+    if options.record:
+        header = (
+            "# Results\n\nWritten by `benchmarks/run.py --record`; method: [README](README.md).\n"
+        )
+        (ROOT / "benchmarks" / "RESULTS.md").write_text(f"{header}\n{text}")
+
+
+if __name__ == "__main__":
+    main()
