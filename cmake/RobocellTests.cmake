@@ -29,3 +29,12 @@ foreach(layer ${layers})
       PROPERTIES LABELS ${layer} TIMEOUT 300)
   endif()
 endforeach()
+
+# For tests/reliability: a program that keeps a ledger of what it wrote, and the disk that fails under it.
+if(NOT ROBOCELL_SANITIZE)
+  add_executable(write_ledger "${CMAKE_SOURCE_DIR}/tests/reliability/write_ledger.cc")
+  target_link_libraries(write_ledger PRIVATE robocell robocell_flags)
+  set_target_properties(write_ledger PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
+  add_library(fault_io MODULE "${CMAKE_SOURCE_DIR}/tests/reliability/fault_io.c")
+  target_link_libraries(fault_io PRIVATE ${CMAKE_DL_LIBS})
+endif()

@@ -414,7 +414,9 @@ void File::Close() {
   const Lock lock;
   const bool flushed = id_.get() < 0 || H5Fflush(id_.get(), H5F_SCOPE_GLOBAL) >= 0;
   if (!flushed) Fail("write it out");
-  if (!id_.Close()) Fail("close it");
+  if (id_.Close()) return;
+  id_.Forget();  // the library has freed the file but kept its id, which now points nowhere
+  Fail("close it");
 }
 
 void File::Discard() noexcept {

@@ -34,6 +34,8 @@ class Id {
   int64_t get() const { return id_; }
   // False if the library refused; the id is then still owned, and may be closed later.
   bool Close();
+  // Gives the id up without closing it.
+  void Forget() { id_ = -1; }
 
  private:
   int64_t id_ = -1;

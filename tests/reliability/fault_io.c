@@ -1,0 +1,137 @@
+// A shim to preload: the N-th call of a program that changes a file under a folder fails, or kills
+// the program. What a full disk, a dying disk and a power cut do, at a chosen instant.
+//
+//   LD_PRELOAD=libfault_io.so FAULT_PROGRAM=write_ledger FAULT_UNDER=/data FAULT_AT=17 FAULT_DO=full
+//
+// FAULT_DO: fail (this call: EIO), full (this and all later ones: ENOSPC), kill_before, kill_after.
+// A write that fails or kills takes half of its bytes first, as disks do. The instant is told on
+// standard error as "fault: <call> <path>". Calls that take space away again (unlink) never fail.
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <sys/uio.h>
+#include <unistd.h>
+
+enum { kPass, kFail, kKillBefore, kKillAfter };
+
+static atomic_long calls;
+
+static const char* Setting(const char* name) {
+  const char* value = getenv(name);
+  return value ? value : "";
+}
+
+static int Watched(const char* path) {
+  const char* folder = Setting("FAULT_UNDER");
+  return *folder && strcmp(program_invocation_short_name, Setting("FAULT_PROGRAM")) == 0 &&
+         strncmp(path, folder, strlen(folder)) == 0;
+}
+
+// What becomes of a call that changes `path`.
+static int Decide(const char* call, const char* path) {
+  if (!Watched(path)) return kPass;
+  const long at = atol(Setting("FAULT_AT"));
+  const long now = atomic_fetch_add(&calls, 1) + 1;
+  const char* action = Setting("FAULT_DO");
+  const int full = strcmp(action, "full") == 0;
+  if (now != at && !(full && now > at)) return kPass;
+  dprintf(2, "fault: %s %s\n", call, path);
+  if (strcmp(action, "kill_before") == 0) return kKillBefore;
+  if (strcmp(action, "kill_after") == 0) return kKillAfter;
+  errno = full ? ENOSPC : EIO;
+  return kFail;
+}
+
+static int DecideOpen(const char* call, int descriptor) {
+  char link[64], path[PATH_MAX];
+  snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
+  const ssize_t size = readlink(link, path, sizeof path - 1);
+  if (size < 0) return kPass;
+  path[size] = 0;
+  return Decide(call, path);
+}
+
+static void Die(void) {
+  kill(getpid(), SIGKILL);
+  for (;;) pause();
+}
+
+// Runs the real call unless it is to fail; `half` comes first when it fails or kills.
+#define FAULTY(decision, half, real)  \
+  do {                                \
+    const int what = (decision);      \
+    const int reason = errno;         \
+    if (what == kPass) return (real); \
+    if (what == kKillAfter) {         \
+      (void)!(real);                  \
+      Die();                          \
+    }                                 \
+    (void)!(half);                    \
+    if (what == kKillBefore) Die();   \
+    errno = reason;                   \
+    return -1;                        \
+  } while (0)
+
+#define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
+
+ssize_t write(int fd, const void* data, size_t size) {
+  FAULTY(DecideOpen("write", fd), REAL(write)(fd, data, size / 2), REAL(write)(fd, data, size));
+}
+ssize_t pwrite(int fd, const void* data, size_t size, off_t at) {
+  FAULTY(DecideOpen("pwrite", fd), REAL(pwrite)(fd, data, size / 2, at),
+         REAL(pwrite)(fd, data, size, at));
+}
+ssize_t pwrite64(int fd, const void* data, size_t size, off64_t at) {
+  FAULTY(DecideOpen("pwrite", fd), REAL(pwrite64)(fd, data, size / 2, at),
+         REAL(pwrite64)(fd, data, size, at));
+}
+ssize_t writev(int fd, const struct iovec* parts, int count) {
+  FAULTY(DecideOpen("writev", fd), REAL(writev)(fd, parts, count / 2),
+         REAL(writev)(fd, parts, count));
+}
+int fsync(int fd) { FAULTY(DecideOpen("fsync", fd), 0, REAL(fsync)(fd)); }
+int fdatasync(int fd) { FAULTY(DecideOpen("fdatasync", fd), 0, REAL(fdatasync)(fd)); }
+int ftruncate(int fd, off_t size) {
+  FAULTY(DecideOpen("ftruncate", fd), 0, REAL(ftruncate)(fd, size));
+}
+int ftruncate64(int fd, off64_t size) {
+  FAULTY(DecideOpen("ftruncate", fd), 0, REAL(ftruncate64)(fd, size));
+}
+int mkdir(const char* path, mode_t mode) {
+  FAULTY(Decide("mkdir", path), 0, REAL(mkdir)(path, mode));
+}
+int rename(const char* from, const char* to) {
+  FAULTY(Decide("rename", to), 0, REAL(rename)(from, to));
+}
+int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
+  FAULTY(Decide("rename", to), 0, REAL(renameat2)(from_folder, from, to_folder, to, flags));
+}
+
+// Opening counts when it may make a file.
+static int DecideCreation(const char* path, int flags) {
+  return flags & O_CREAT ? Decide("create", path) : kPass;
+}
+int open(const char* path, int flags, ...) {
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(rest, mode_t) : 0;
+  va_end(rest);
+  FAULTY(DecideCreation(path, flags), 0, REAL(open)(path, flags, mode));
+}
+int open64(const char* path, int flags, ...) {
+  va_list rest;
+  va_start(rest, flags);
+  const mode_t mode = flags & (O_CREAT | __O_TMPFILE) ? va_arg(rest, mode_t) : 0;
+  va_end(rest);
+  FAULTY(DecideCreation(path, flags), 0, REAL(open64)(path, flags, mode));
+}
