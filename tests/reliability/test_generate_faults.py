@@ -114,3 +114,15 @@ def test_a_disk_that_takes_no_more_ends_the_run_with_the_reason(tmp_path: Path):
     assert "steps.h5" in said or "mp4" in said
     assert robocell.Dataset(tmp_path / "out").ids == []
     assert robocell.verify(tmp_path / "out").leftovers == [], "the half episode is gone"
+
+
+def test_a_run_goes_on_when_nobody_reads_its_progress(tmp_path: Path):
+    command = start(tmp_path, "--workers", 1, "--episodes", 2, "--progress", "jsonl")
+    assert command.stdout is not None
+    assert command.stderr is not None
+    assert json.loads(command.stdout.readline())["event"] == "started"
+    command.stdout.close()
+    said = command.stderr.read()
+    assert command.wait(timeout=240) == 0, said
+    assert "progress cannot be shown any more" in said
+    assert len(robocell.verify(tmp_path / "out").good) == 2

@@ -6,7 +6,9 @@ standard output. Events and their keys: docs/generate.md.
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 import sys
 import time
 from typing import Any, Literal, TextIO
@@ -60,6 +62,31 @@ def unmade_text(unmade: Unmade) -> str:
     return f"{unmade.id} could not be made: {unmade.reason}{remedy}"
 
 
+class Printer:
+    """Prints lines until nobody reads them any more; the run matters more than its progress."""
+
+    def __init__(self, file: TextIO) -> None:
+        self._file: TextIO | None = file
+
+    def __call__(self, text: str) -> None:
+        """Prints the line, at once."""
+        if self._file is None:
+            return
+        try:
+            print(text, file=self._file, flush=True)
+        except OSError as error:  # a pipe that was closed, a log on a full disk
+            self._leave(error)
+
+    def _leave(self, error: OSError) -> None:
+        assert self._file is not None
+        with contextlib.suppress(OSError, ValueError):  # what is buffered must not fail at exit
+            os.dup2(os.open(os.devnull, os.O_WRONLY), self._file.fileno())
+        if self._file is not sys.stderr:
+            with contextlib.suppress(OSError):
+                print(f"progress cannot be shown any more ({error}); going on", file=sys.stderr)
+        self._file = None
+
+
 class Lines(Observer):
     """What bar and plain lines have in common: what is worth a line of its own."""
 
@@ -92,13 +119,13 @@ class PlainLines(Lines):
     """A line every few seconds, for logs."""
 
     def __init__(self, file: TextIO, interval_s: float = PLAIN_INTERVAL_S) -> None:
-        self._file = file
+        self._print_line = Printer(file)
         self._interval_s = interval_s
         self._next = 0.0
 
     def say(self, text: str, style: str = "") -> None:
         """Prints the line."""
-        print(text, file=self._file, flush=True)
+        self._print_line(text)
 
     def episode(self, report: Report, totals: Totals) -> None:
         """Prints the state unless it was printed just now."""
@@ -154,7 +181,7 @@ class JsonLines(Observer):
     """One JSON object per event, with the key `event`."""
 
     def __init__(self, file: TextIO) -> None:
-        self._file = file
+        self._print_line = Printer(file)
 
     def started(self, totals: Totals) -> None:
         """Event `started`."""
@@ -185,4 +212,4 @@ class JsonLines(Observer):
         self._write("finished", totals=totals.to_json())
 
     def _write(self, event: str, **values: Any) -> None:
-        print(json.dumps({"event": event, **values}), file=self._file, flush=True)
+        self._print_line(json.dumps({"event": event, **values}))
