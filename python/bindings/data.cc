@@ -1,10 +1,14 @@
 // Datasets and episodes: read-only; writing is the runner's business.
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/function.h>
 
+#include <optional>
+
 #include "bindings.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_lock.h"
 #include "robocell/data/verify.h"
 
 namespace nb = nanobind;
@@ -146,6 +150,38 @@ void BindEpisode(nb::module_& m) {
       });
 }
 
+// A DatasetLock that is held between __enter__ and __exit__.
+struct HeldLock {
+  std::filesystem::path dataset;
+  int shard, count;
+  std::optional<DatasetLock> lock = {};
+};
+
+void BindLock(nb::module_& m) {
+  nb::class_<HeldLock>(
+      m, "DatasetLock",
+      "Keeps two runs, or a run and a repair, from working on the same dataset.\n\n"
+      "`with DatasetLock(folder, shard, count):` IoError names the owner when it "
+      "is taken. The whole plan is locked with count 1; shards of a plan share the "
+      "folder and lock themselves. The locks of a killed process are free.")
+      .def(
+          "__init__",
+          [](HeldLock* self, const std::filesystem::path& dataset, int shard, int count) {
+            new (self) HeldLock{dataset, shard, count};
+          },
+          "dataset"_a, "shard"_a = 0, "count"_a = 1)
+      .def(
+          "__enter__",
+          [](HeldLock& self) -> HeldLock& {
+            self.lock.emplace(self.dataset, self.shard, self.count);
+            return self;
+          },
+          nb::rv_policy::reference)
+      .def(
+          "__exit__", [](HeldLock& self, const nb::args&) { self.lock.reset(); },
+          nb::sig("def __exit__(self, *args: object) -> None"));
+}
+
 void BindVerify(nb::module_& m) {
   nb::class_<VerifyProblem>(m, "VerifyProblem", "What is wrong with one file of a dataset.")
       .def_ro("episode", &VerifyProblem::episode)
@@ -156,13 +192,21 @@ void BindVerify(nb::module_& m) {
       .def_ro("good", &VerifyReport::good)
       .def_ro("bad", &VerifyReport::bad)
       .def_ro("problems", &VerifyReport::problems)
-      .def_ro("leftovers", &VerifyReport::leftovers)
+      .def_ro("leftovers", &VerifyReport::leftovers, "What a crash left behind.")
+      .def_ro("being_written", &VerifyReport::being_written, "Episodes whose writer lives.")
       .def_ro("others", &VerifyReport::others)
       .def_prop_ro("ok", &VerifyReport::ok)
-      .def("__str__", &VerifyReport::Text);
+      .def("__str__", &VerifyReport::Text)
+      .def("__repr__", [](const VerifyReport& r) {
+        return fmt::format("<VerifyReport: {} good, {} bad, {} unfinished>", r.good.size(),
+                           r.bad.size(), r.leftovers.size() + r.being_written.size());
+      });
   nb::class_<RepairResult>(m, "RepairResult", "What repair found and moved aside.")
       .def_ro("found", &RepairResult::found)
-      .def_ro("moved", &RepairResult::moved);
+      .def_ro("moved", &RepairResult::moved)
+      .def("__repr__", [](const RepairResult& r) {
+        return fmt::format("<RepairResult: {} moved aside>", r.moved.size());
+      });
   m.def(
       "verify",
       [](const std::filesystem::path& dataset, bool decode_videos) {
@@ -173,7 +217,8 @@ void BindVerify(nb::module_& m) {
   m.def(
       "repair", [](const std::filesystem::path& dataset) { return Repair(dataset); }, "dataset"_a,
       nb::call_guard<nb::gil_scoped_release>(),
-      "Moves damaged episodes aside, into <dataset>/.quarantine.");
+      "Moves damaged episodes and what a crash left behind aside, into <dataset>/.quarantine. "
+      "IoError names who is generating into the dataset.");
 }
 
 }  // namespace
@@ -210,6 +255,7 @@ void BindData(nb::module_& m) {
         return "<Dataset " + d.folder().string() + ": " + std::to_string(d.size()) + " episodes>";
       });
   BindVerify(m);
+  BindLock(m);
 }
 
 }  // namespace robocell::python

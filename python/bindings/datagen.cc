@@ -1,11 +1,15 @@
 // Plans and the runner. A run is interrupted through a StopFlag, which signal handlers and other
 // threads may set.
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
 
 #include <atomic>
 #include <memory>
 
 #include "bindings.h"
+#include "robocell/datagen/check_run.h"
+#include "robocell/datagen/on_disk.h"
 #include "robocell/datagen/plan.h"
 #include "robocell/datagen/prepare.h"
 #include "robocell/datagen/runner.h"
@@ -36,7 +40,15 @@ void BindReport(nb::module_& m) {
       .def_ro("seconds_sampling", &EpisodeReport::seconds_sampling)
       .def_ro("seconds_acting", &EpisodeReport::seconds_acting)
       .def_ro("seconds_rendering", &EpisodeReport::seconds_rendering)
-      .def_ro("seconds_writing", &EpisodeReport::seconds_writing);
+      .def_ro("seconds_writing", &EpisodeReport::seconds_writing)
+      .def("__repr__", [](const EpisodeReport& r) {
+        const char* end = r.stopped     ? "stopped"
+                          : r.success   ? "success"
+                          : r.committed ? "failures kept"
+                                        : "nothing made";
+        return fmt::format("<EpisodeReport {}: {}, {} attempts, {} rows>", r.item.id, end,
+                           r.attempts, r.rows);
+      });
 }
 
 // An expert that a Python object implements: keeps the object and forwards to it.
@@ -115,7 +127,30 @@ void BindDatagen(nb::module_& m) {
         "What identifies a run, as YAML: its fields without workers and output.");
   m.def("prepare_dataset", &PrepareDataset, "run"_a,
         "Creates the run's output folder, or checks that the one there belongs to the same run "
-        "(SpecError shows what differs).");
+        "(SpecError names what differs). A dataset without episodes is begun anew.");
+  m.def("check_dataset", &CheckDataset, "run"_a,
+        "What prepare_dataset would say of the run's output folder; writes nothing.");
+  m.def("require_same_run", &RequireSameRun, "run"_a,
+        "SpecError, naming each difference, unless the run's dataset was prepared for it: same "
+        "fields, model files and versions.");
+  m.def(
+      "check_run",
+      [](const RunConfig& run, bool scripted_expert) {
+        CheckRun(run, {.scripted_expert = scripted_expert});
+      },
+      "run"_a, "scripted_expert"_a = true, nb::call_guard<nb::gil_scoped_release>(),
+      "SpecError with everything that can be known to be wrong before the first episode: fields, "
+      "models, cameras, object kinds, names of columns, and what the scripted expert needs of the "
+      "robot. Writes nothing.");
+  m.def(
+      "items_on_disk",
+      [](const RunConfig& run, const std::vector<PlanItem>& items) {
+        const PlanOnDisk found = LookForItems(run, items);
+        return std::make_pair(found.made, found.broken);
+      },
+      "run"_a, "items"_a, nb::call_guard<nb::gil_scoped_release>(),
+      "(ids of the items with a successful episode on the disk, texts about what stands in the "
+      "way of the others).");
   m.def("is_complete", &IsComplete, "run"_a, "item"_a,
         "Whether nothing is left to do for an item: its episode is on the disk.");
   nb::class_<StopFlag>(m, "StopFlag", "Asks a running Runner to stop at the next action.")

@@ -122,11 +122,24 @@ def test_an_odd_video_size_is_refused_before_anything_is_made(tmp_path: Path):
     assert not (tmp_path / "out").exists()
 
 
-def test_a_camera_that_does_not_exist_is_told_with_the_robots_cameras(tmp_path: Path):
-    cameras = {"resolution": [64, 48], "streams": [{"name": "wrist", "camera": "wirst_camera"}]}
-    text = refused("generate", write_run(tmp_path, cameras=cameras))
-    assert "wirst_camera" in text
-    assert "wrist_camera" in text
+@pytest.mark.parametrize("option", ["--workers=1", "--dry-run"])
+def test_what_the_robot_or_the_catalogue_lacks_is_told_before_anything_is_made(
+    tmp_path: Path, option: str
+):
+    streams = [{"name": "wrist", "camera": "wirst_camera"}]
+    changes = {"cameras": {"resolution": [64, 48], "streams": streams}}
+    path = write_run(tmp_path, **changes)
+    text = refused("generate", path, option)
+    line = next(n for n, line in enumerate(path.read_text().splitlines(), 1) if "wirst" in line)
+    assert f"{path}:{line}:" in text
+    assert "cameras.streams[0].camera: stream 'wrist': no camera 'wirst_camera'" in text
+    assert "Did you mean 'wrist_camera'?" in text
+    assert "robot_0/" not in text
+    task = {"kind": "pick", "objects": ["box", "mgu"]}
+    text = refused("generate", write_run(tmp_path, task=task), option)
+    assert "task.objects[1]: task: no kind 'mgu'" in text
+    assert "Did you mean 'mug'?" in text
+    assert not (tmp_path / "out").exists(), "so the corrected file begins a new dataset"
 
 
 def test_an_unwritable_output_is_refused_with_its_path(tmp_path: Path):
@@ -145,11 +158,14 @@ def test_a_shard_that_does_not_exist_is_refused(tmp_path: Path):
     assert "write i/N" in refused("generate", path, "--shard", "half")
 
 
-def test_a_changed_configuration_is_refused_with_the_lines_that_differ(tmp_path: Path):
+def test_a_changed_configuration_is_refused_with_what_differs(tmp_path: Path):
     path = write_run(tmp_path)
     robocell.prepare_dataset(robocell.RunConfig.load(path))
+    assert robocell_command("generate", path, "--seed", 7, "--dry-run").returncode == 0
+    (tmp_path / "out" / "s0000_e0000").mkdir()
     text = refused("generate", path, "--seed", 7)
-    assert "+ seed: 7" in text
+    assert "seed: 0 then, 7 now" in text
+    assert "seed: 0 then, 7 now" in refused("generate", path, "--seed", 7, "--dry-run")
     assert "give another `output`" in text
 
 

@@ -9,34 +9,35 @@ from pathlib import Path
 
 import pytest
 
-from robocell.generate.dataset_lock import DatasetBusyError, DatasetLock
+from robocell import DatasetLock, IoError, RunConfig, make_plan
 from robocell.generate.disk import disk_trouble
 from robocell.generate.leftovers import sweep
 from robocell.generate.resume import DamagedEpisodesError, is_made, made_items
+from test_cli import write_run
 
 
 def test_a_folder_is_generated_by_one_run_at_a_time(tmp_path: Path):
     with DatasetLock(tmp_path):
-        with pytest.raises(DatasetBusyError) as error, DatasetLock(tmp_path):
+        with pytest.raises(IoError) as error, DatasetLock(tmp_path):
             pass
         assert f"process {os.getpid()} on" in str(error.value)
-        assert "give another --output" in str(error.value)
+        assert "take another folder for the dataset" in str(error.value)
     with DatasetLock(tmp_path):
         pass
 
 
 def test_shards_share_a_folder_but_not_a_shard(tmp_path: Path):
     with DatasetLock(tmp_path, 0, 2), DatasetLock(tmp_path, 1, 2):
-        with pytest.raises(DatasetBusyError), DatasetLock(tmp_path, 1, 2):
+        with pytest.raises(IoError), DatasetLock(tmp_path, 1, 2):
             pass
-        with pytest.raises(DatasetBusyError), DatasetLock(tmp_path):
+        with pytest.raises(IoError), DatasetLock(tmp_path):
             pass
 
 
 def test_the_lock_of_a_killed_process_is_free(tmp_path: Path):
     code = (
         "import sys, time; from pathlib import Path\n"
-        "from robocell.generate.dataset_lock import DatasetLock\n"
+        "from robocell import DatasetLock\n"
         f"with DatasetLock(Path({str(tmp_path)!r})): print('held', flush=True); time.sleep(100)"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
@@ -44,7 +45,7 @@ def test_the_lock_of_a_killed_process_is_free(tmp_path: Path):
     assert owner.stdout is not None
     with owner.stdout:
         assert owner.stdout.readline() == b"held\n"
-        with pytest.raises(DatasetBusyError), DatasetLock(tmp_path):
+        with pytest.raises(IoError), DatasetLock(tmp_path):
             pass
         owner.kill()
         owner.wait()
@@ -60,14 +61,26 @@ def test_a_folder_that_cannot_be_written_is_trouble_with_a_reason(tmp_path: Path
     )
 
 
-def test_damaged_episodes_are_named_and_never_taken_for_made_ones(tmp_path: Path):
-    (tmp_path / "e1").mkdir()
-    (tmp_path / "e1" / "episode.json").write_text("{")
-    (tmp_path / ".e2.7.1.partial").mkdir()
-    assert not is_made(tmp_path, "e1")
-    with pytest.raises(DamagedEpisodesError, match="e1"):
-        made_items(tmp_path, {"e1", "e2"})
-    assert made_items(tmp_path, {"e2"}) == set()
+def test_what_is_broken_is_named_and_never_taken_for_made(tmp_path: Path):
+    run = RunConfig.load(write_run(tmp_path))
+    out = tmp_path / "out"
+    first, second = make_plan(run)
+    (out / first.id).mkdir(parents=True)
+    assert made_items(run, [first, second]) == set(), "an empty folder is no episode"
+    (out / first.id / "steps.h5").write_bytes(b"half")
+    (out / f".{second.id}.7.1.partial").mkdir()
+    assert not is_made(run, first)
+    with pytest.raises(DamagedEpisodesError, match=f"{first.id}' is half an episode"):
+        made_items(run, [first, second])
+    assert made_items(run, [second]) == set()
+
+
+def test_files_are_swept_as_well_as_folders(tmp_path: Path):
+    (tmp_path / ".e1.7.1.partial").write_text("a file")
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / ".e2.7.1.partial").symlink_to(tmp_path / "elsewhere")
+    assert sweep(tmp_path) == [".e1.7.1.partial", ".e2.7.1.partial"]
+    assert [path.name for path in tmp_path.iterdir()] == ["elsewhere"]
 
 
 def test_only_what_a_dead_process_was_writing_is_swept(tmp_path: Path):

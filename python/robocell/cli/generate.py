@@ -14,7 +14,6 @@ import typer
 from rich.console import Console
 
 from robocell.cli.common import ExitCode, fail, print_warning, require_file, top_keys
-from robocell.generate.dataset_lock import DatasetBusyError
 from robocell.generate.job import Job, Result
 from robocell.generate.progress import make_progress
 from robocell.generate.resume import DamagedEpisodesError
@@ -34,7 +33,9 @@ class ProgressChoice(StrEnum):
 def generate(
     run_file: Annotated[Path, typer.Argument(metavar="RUN.yaml", help="The run file.")],
     workers: Annotated[int | None, typer.Option(min=1, help="Worker processes.")] = None,
-    output: Annotated[Path | None, typer.Option(help="Folder of the dataset.")] = None,
+    output: Annotated[
+        Path | None, typer.Option(help="Folder of the dataset, from the working folder on.")
+    ] = None,
     episodes: Annotated[int | None, typer.Option(min=1, help="A cap on the whole run.")] = None,
     seed: Annotated[int | None, typer.Option(help="Everything random follows from it.")] = None,
     shard: Annotated[
@@ -65,15 +66,15 @@ def generate(
     job = Job(run_file, [*(set_ or []), *overrides(named)], shard)
     try:
         if dry_run:
+            job.check()
             _say_plan(job)
             return
         result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
-    except DatasetBusyError as error:
-        fail(str(error), ExitCode.OUTPUT)
     except DamagedEpisodesError as error:
         remedy = shlex.join(["robocell", "verify", "--repair", str(job.dataset)])
-        fail(f"damaged episodes:\n{error}\nSet them aside: {remedy}", ExitCode.OUTPUT)
-    if progress is not ProgressChoice.JSONL and not no_report:
+        fail(f"these are no whole episodes:\n{error}\nSet them aside: {remedy}", ExitCode.OUTPUT)
+    nothing_tried = result.outcome.fatal and not result.outcome.totals.attempts
+    if progress is not ProgressChoice.JSONL and not no_report and not nothing_tried:
         summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)
         Console().print(summary.table())
     _end(result)
@@ -92,7 +93,7 @@ def overrides(named: dict[str, Path | int | None]) -> list[str]:
 def _say_plan(job: Job) -> None:
     made = len(job.made())
     print(f"run:      {job.run.run}")
-    print(f"dataset:  {job.dataset}")
+    print(f"dataset:  {job.dataset.absolute()}")
     print(f"episodes: {len(job.items)}, {made} of them made, {len(job.items) - made} to do")
     print(f"workers:  {job.run.workers}")
 

@@ -7,9 +7,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from robocell import RunConfig, make_plan, parse_shard, prepare_dataset, shard_plan
+from robocell import (
+    DatasetLock,
+    RunConfig,
+    check_dataset,
+    check_run,
+    make_plan,
+    parse_shard,
+    prepare_dataset,
+    require_same_run,
+    shard_plan,
+)
 from robocell.generate import work
-from robocell.generate.dataset_lock import DatasetLock
 from robocell.generate.disk import disk_trouble
 from robocell.generate.items import Item
 from robocell.generate.leftovers import sweep
@@ -46,14 +55,22 @@ class Job:
         plan = make_plan(self.run)
         self.plan_size = len(plan)
         self.shard = parse_shard(shard) if shard is not None else (0, 1)
-        chosen = shard_plan(plan, *self.shard) if shard is not None else plan
-        self.items = [Item(item.id, item.index) for item in chosen]
+        self._chosen = shard_plan(plan, *self.shard) if shard is not None else plan
+        self.items = [Item(item.id, item.index) for item in self._chosen]
 
     def made(self) -> set[str]:
         """The items that are on the disk. DamagedEpisodesError for what is there but unreadable."""
         if not self.dataset.is_dir():
             return set()
-        return made_items(self.dataset, {item.id for item in self.items})
+        return made_items(self.run, self._chosen)
+
+    def check(self) -> None:
+        """SpecError with all that can be known to be wrong before the first episode.
+
+        The run (see `robocell.check_run`), or a dataset that is of another one. Writes nothing.
+        """
+        check_run(self.run)
+        check_dataset(self.run)
 
     def reproduce(self, item: Item) -> str:
         """The command that makes one item alone."""
@@ -62,22 +79,25 @@ class Job:
         return shlex.join(["robocell", "generate", str(self.run_file), *sets, *shard])
 
     def do(self, observer: Observer, limits: Limits | None = None) -> Result:
-        """Makes what is missing. SpecError when the dataset belongs to another configuration.
+        """Makes what is missing. SpecError as `check` does, before anything is written.
 
-        IoError and OSError when it cannot be written, DatasetBusyError when another process is at
-        it. Ctrl-C and SIGTERM stop it; see `Supervisor`.
+        IoError and OSError when the dataset cannot be written or another process is at it. Ctrl-C
+        and SIGTERM stop it; see `Supervisor`.
         """
+        self.check()
         prepare_dataset(self.run)
         with DatasetLock(self.dataset, *self.shard):
+            require_same_run(self.run)  # another command may have been quicker
             if self.shard[1] == 1:
                 sweep(self.dataset)
             made = self.made()
+            by_id = {item.id: item for item in self._chosen}
             supervisor = Supervisor(
                 [item for item in self.items if item.id not in made],
-                work.command(str(self.run_file), self.overrides, self.run),
+                work.command(str(self.run_file), self.overrides),
                 workers=self.run.workers,
                 logs=self._logs(),
-                is_made=lambda item_id: is_made(self.dataset, item_id),
+                is_made=lambda item_id: is_made(self.run, by_id[item_id]),
                 observer=observer,
                 already=len(made),
                 reproduce=self.reproduce,

@@ -1,4 +1,4 @@
-"""Half-written episodes of processes that were killed: `.<episode>.<process>.<n>.partial`.
+"""What killed processes left half-written: `.<episode>.<process>.<n>.partial`.
 
 They are invisible to every reader, and harmless; they only take room.
 """
@@ -25,6 +25,16 @@ def sweep(dataset: Path, item_id: str | None = None, pid: int | None = None) -> 
     with contextlib.suppress(OSError):
         for path in sorted(dataset.iterdir()):
             if name.fullmatch(path.name):
-                shutil.rmtree(path, ignore_errors=True)
-                removed.append(path.name)
+                _remove(path)
+                if not path.exists():
+                    removed.append(path.name)
     return removed
+
+
+def _remove(path: Path) -> None:
+    """A folder with all that is in it, or a file; what resists stays."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with contextlib.suppress(OSError):
+            path.unlink()

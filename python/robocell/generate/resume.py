@@ -1,47 +1,30 @@
-"""Which items of a plan are on the disk already."""
+"""Which items of a plan are on the disk already. The disk is judged in C++; see on_disk.h."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection
-from pathlib import Path
+from collections.abc import Sequence
 
-from robocell import Dataset, Error
-
-# With `keep: all` every rollout is kept, as <item>_a<attempt>.
-_ATTEMPT = re.compile(r"(?P<item>.+)_a\d+")
+from robocell import Error, PlanItem, RunConfig, items_on_disk
 
 
 class DamagedEpisodesError(Exception):
-    """Episodes on the disk are not what was written."""
+    """Something on the disk has an episode's name and is no whole episode."""
 
 
-def made_items(dataset: Path, ids: Collection[str]) -> set[str]:
-    """The items among `ids` that have a successful episode in the dataset.
+def made_items(run: RunConfig, items: Sequence[PlanItem]) -> set[str]:
+    """The ids of the items that have a successful episode in the run's dataset.
 
-    DamagedEpisodesError names episodes that are there but cannot be opened: they stand in the way.
+    DamagedEpisodesError names what stands in the way of the others.
     """
-    episodes = Dataset(dataset)
-    made: set[str] = set()
-    damaged: list[str] = []
-    for name in episodes.ids:
-        match = _ATTEMPT.fullmatch(name)
-        item = match["item"] if match and name not in ids else name
-        if item not in ids or item in made:
-            continue
-        try:
-            if episodes[name].success:  # opening checks that the files are there with their sizes
-                made.add(item)
-        except (Error, OSError) as error:
-            damaged.append(str(error))
-    if damaged:
-        raise DamagedEpisodesError("\n".join(damaged))
-    return made
+    made, broken = items_on_disk(run, list(items))
+    if broken:
+        raise DamagedEpisodesError("\n".join(broken))
+    return set(made)
 
 
-def is_made(dataset: Path, item_id: str) -> bool:
-    """Whether one item has a successful episode; damaged ones count as none."""
+def is_made(run: RunConfig, item: PlanItem) -> bool:
+    """Whether one item has a successful episode; what cannot be read counts as none."""
     try:
-        return bool(made_items(dataset, {item_id}))
-    except (DamagedEpisodesError, Error, OSError):
+        return item.id in items_on_disk(run, [item])[0]
+    except (Error, OSError):
         return False

@@ -42,7 +42,7 @@ class Summary:
             "made again": str(totals.retries) if totals.retries else "",
             "given up": ", ".join(unmade.id for unmade in totals.unmade),
             "time": stages_text(totals.seconds),
-            "dataset": str(self.dataset),
+            "dataset": str(self.dataset.absolute()),
         }
         return {label: text for label, text in rows.items() if text}
 

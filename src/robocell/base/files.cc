@@ -110,6 +110,16 @@ void SyncTree(const fs::path& folder) {
   FsyncDirectory(folder);
 }
 
+// After a rename: what was renamed is in place and stays, only a power cut may still undo it.
+void FlushRename(const fs::path& path) {
+  try {
+    FsyncDirectory(ParentOf(path));
+  } catch (const IoError& error) {
+    throw IoError(fmt::format("'{}' is in place, but a power cut may still undo that: {}",
+                              path.native(), error.what()));
+  }
+}
+
 // rename(2) that never replaces anything, where the file system can do that; else a check and a
 // rename.
 void RenameToNew(const fs::path& from, const fs::path& to) {
@@ -163,7 +173,7 @@ void AtomicWrite(const fs::path& path, std::string_view bytes) {
     ::unlink(temporary.c_str());
     throw;
   }
-  FsyncDirectory(ParentOf(path));
+  FlushRename(path);
 }
 
 void FsyncFile(const fs::path& path) { File(path, O_RDONLY, "flush").Sync(kContent); }
@@ -187,7 +197,7 @@ bool IsTemporaryName(std::string_view file_name) {
 void CommitDirectory(const fs::path& temporary, const fs::path& final) {
   SyncTree(temporary);
   RenameToNew(temporary, final);
-  FsyncDirectory(ParentOf(final));
+  FlushRename(final);
 }
 
 }  // namespace robocell

@@ -47,7 +47,8 @@ bool IsTemporaryName(std::string_view file_name);
 
 // Flushes everything in `temporary`, gives it its final name and flushes the parent. Both must be
 // on one file system. An existing `final` is an IoError and stays as it is; after any failure
-// before the rename `temporary` stays as it is. Holds regular files and folders only (IoError
+// before the rename `temporary` stays as it is; when only the last flush fails, `final` is in place
+// and the message says so. Holds regular files and folders only (IoError
 // otherwise).
 void CommitDirectory(const std::filesystem::path& temporary, const std::filesystem::path& final);
 

@@ -11,6 +11,7 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/names.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
 
 namespace robocell {
@@ -33,9 +34,7 @@ void Dataset::Refresh() {
   std::error_code error;
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    std::error_code ignored;
-    if (IsEpisodeId(name) && fs::is_regular_file(it->path() / kEpisodeFile, ignored))
-      ids_.push_back(name);
+    if (IsEpisodeId(name) && IsCommitted(it->path())) ids_.push_back(name);
   }
   if (error) ThrowIoError("list dataset", folder_, error.value());
   std::sort(ids_.begin(), ids_.end());

@@ -17,6 +17,8 @@ inline constexpr std::string_view kStepsFile = "steps.h5";
 inline constexpr std::string_view kEpisodeFile = "episode.json";
 inline constexpr std::string_view kManifestFile = "dataset.json";
 inline constexpr std::string_view kQuarantineFolder = ".quarantine";
+inline constexpr std::string_view kLogsFolder = ".logs";
+inline constexpr std::string_view kLockFile = ".lock";  // of a shard: .lock-3-of-8
 
 // The text of episode.json before it is signed has this where the hash goes.
 inline constexpr std::string_view kUnsigned =

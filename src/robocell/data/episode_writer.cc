@@ -1,6 +1,5 @@
 #include "robocell/data/episode_writer.h"
 
-#include <unistd.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -13,10 +12,13 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
+#include "robocell/base/host.h"
 #include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/version.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/episode_state.h"
+#include "robocell/data/file_lock.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/steps_file.h"
 #include "robocell/media/ffmpeg.h"
@@ -37,11 +39,6 @@ std::string UtcNow() {
   const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(now - seconds).count();
   return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
                      fmt::gmtime(std::chrono::system_clock::to_time_t(seconds)), ms);
-}
-
-std::string HostName() {
-  char name[256] = "";
-  return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
 // A JSON object from the caller, with sorted keys.
@@ -65,6 +62,7 @@ bool IsEpisodeId(std::string_view id) { return ValidFileName(id) && !id.starts_w
 struct EpisodeWriter::Impl {
   fs::path final;
   fs::path work;
+  std::optional<FileLock> lock;  // on `work`: tells a living writer from what a crash left behind
   std::string id;
   std::string name;  // for messages
   std::string started = UtcNow();
@@ -85,6 +83,7 @@ struct EpisodeWriter::Impl {
     std::error_code ignored;
     if (state != State::kCommitted && !work.empty()) fs::remove_all(work, ignored);
     work.clear();
+    lock.reset();
   }
 
   // Runs an action of the open episode; a failure ends the episode for good.
@@ -100,6 +99,7 @@ struct EpisodeWriter::Impl {
     } catch (const ArgumentError&) {
       throw;  // the caller's mistake: nothing was changed
     } catch (const std::exception& error) {
+      if (state == State::kCommitted) throw IoError(fmt::format("{}: {}", name, error.what()));
       Fail(error.what());
     }
   }
@@ -114,6 +114,7 @@ struct EpisodeWriter::Impl {
   void Open(const fs::path& dataset, const EpisodeOptions& options);
   void RequireFramesMatchRows() const;
   void CloseFiles();
+  void Rename();
   Json Tables() const;
   Json Cameras() const;
   Json Files() const;
@@ -125,6 +126,7 @@ struct EpisodeWriter::Impl {
 
 void EpisodeWriter::Impl::Open(const fs::path& dataset, const EpisodeOptions& options) {
   work = MakeTempDirectory(dataset, id);
+  lock = FileLock::Try(work, LockKind::kExclusive);
   steps = std::make_unique<StepsFile>(work / kStepsFile, name, schema);
   for (const CameraEntry& camera : schema.cameras()) {
     const CameraStream& stream = camera.stream;
@@ -155,6 +157,20 @@ void EpisodeWriter::Impl::CloseFiles() {
   steps->Close();
   for (VideoWriter& video : videos) video.Finish();
   steps->VerifyContent();
+}
+
+// From the rename on the episode is there, whatever comes: a failed flush of the dataset's folder
+// is told as what it is and takes nothing back.
+void EpisodeWriter::Impl::Rename() {
+  std::error_code ignored;
+  fs::remove(final, ignored);  // only an empty folder: it is in nobody's way
+  try {
+    CommitDirectory(work, final);
+  } catch (...) {
+    if (!fs::exists(work, ignored)) state = State::kCommitted;
+    throw;
+  }
+  state = State::kCommitted;
 }
 
 Json EpisodeWriter::Impl::Tables() const {
@@ -246,9 +262,10 @@ EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
   impl_->metadata = ParseObject(impl_->name, "metadata_json", options.metadata_json);
   impl_->versions = ParseObject(impl_->name, "versions_json", options.versions_json);
   impl_->Do("opening", [&] {
-    if (fs::exists(fs::symlink_status(impl_->final))) {
+    const EpisodeLook there = LookAtEpisode(impl_->final);
+    if (there.state == EpisodeState::kWhole)
       throw IoError(fmt::format("'{}' exists already", impl_->final.string()));
-    }
+    if (there.state == EpisodeState::kBroken) throw IoError(there.problem);
     impl_->Open(dataset, options);
   });
 }
@@ -320,8 +337,7 @@ fs::path EpisodeWriter::Commit(const EpisodeSummary& summary) {
     impl_->RequireFramesMatchRows();
     impl_->CloseFiles();
     AtomicWrite(impl_->work / kEpisodeFile, impl_->Description(summary, results, run));
-    CommitDirectory(impl_->work, impl_->final);
-    impl_->state = State::kCommitted;
+    impl_->Rename();
     impl_->Remove();
   });
   return impl_->final;

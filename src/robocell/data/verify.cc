@@ -1,12 +1,8 @@
 #include "robocell/data/verify.h"
 
-#include <signal.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <optional>
-#include <set>
 #include <system_error>
 #include <nlohmann/json.hpp>
 
@@ -16,9 +12,12 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
+#include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/data/file_lock.h"
 #include "robocell/media/video_info.h"
 
 namespace robocell {
@@ -144,34 +143,11 @@ class EpisodeCheck {
   std::vector<VerifyProblem> problems_;
 };
 
-// Whether a visible folder is, or was, an episode, and not something that a user put there.
-bool LooksLikeEpisode(const fs::path& folder) {
-  for (const std::string& name : List(folder)) {
-    if (name == kEpisodeFile || name == kStepsFile || name.ends_with(".mp4")) return true;
-  }
-  return false;
-}
-
-// The process that writes a temporary name ".<name>.<process>.<n>.partial", if it says so.
-std::optional<int> WriterOf(const std::string& temporary) {
-  std::vector<std::string> parts;
-  for (size_t begin = 0; begin != std::string::npos;) {
-    const size_t dot = temporary.find('.', begin);
-    parts.push_back(temporary.substr(begin, dot - begin));
-    begin = dot == std::string::npos ? dot : dot + 1;
-  }
-  if (parts.size() < 5) return std::nullopt;
-  const std::string& process = parts[parts.size() - 3];
-  if (process.empty() || process.size() > 9 ||
-      process.find_first_not_of("0123456789") != std::string::npos) {
-    return std::nullopt;
-  }
-  return std::stoi(process);
-}
-
-bool IsBeingWritten(const std::string& temporary) {
-  const std::optional<int> process = WriterOf(temporary);
-  return process && *process > 0 && (kill(*process, 0) == 0 || errno == EPERM);
+// Whether somebody holds the lock of an unfinished episode's folder: its EpisodeWriter lives.
+bool IsBeingWritten(const fs::path& leftover) {
+  std::error_code error;
+  if (!fs::is_directory(fs::symlink_status(leftover, error))) return false;
+  return !FileLock::Try(leftover, LockKind::kExclusive);
 }
 
 // Moves it into the quarantine under a name that is free there.
@@ -206,11 +182,10 @@ std::string VerifyProblem::Text() const {
 std::string VerifyReport::Text() const {
   std::string text;
   for (const VerifyProblem& problem : problems) text += problem.Text() + "\n";
-  for (const std::string& name : leftovers) {
-    text += fmt::format(
-        "{}: unfinished, {}\n", name,
-        IsBeingWritten(name) ? "a running process is writing it" : "left behind by a crash");
-  }
+  for (const std::string& name : leftovers)
+    text += fmt::format("{}: unfinished, left behind by a crash\n", name);
+  for (const std::string& name : being_written)
+    text += fmt::format("{}: unfinished, a running process is writing it\n", name);
   return text + fmt::format("{} episodes good, {} bad\n", good.size(), bad.size());
 }
 
@@ -223,7 +198,7 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
   std::vector<std::string> episodes;
   for (const std::string& name : List(dataset)) {
     if (IsTemporaryName(name)) {
-      report.leftovers.push_back(name);
+      (IsBeingWritten(dataset / name) ? report.being_written : report.leftovers).push_back(name);
     } else if (name == kManifestFile || name == kQuarantineFolder) {
       continue;
     } else if (IsEpisodeId(name) && fs::is_directory(dataset / name) &&
@@ -244,11 +219,11 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
 }
 
 RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
+  const DatasetLock lock(dataset);
   RepairResult result{.found = Verify(dataset, options)};
   for (const std::string& id : result.found.bad) result.moved.push_back(Quarantine(dataset, id));
-  for (const std::string& name : result.found.leftovers) {
-    if (!IsBeingWritten(name)) result.moved.push_back(Quarantine(dataset, name));
-  }
+  for (const std::string& name : result.found.leftovers)
+    result.moved.push_back(Quarantine(dataset, name));
   FsyncDirectory(dataset);
   return result;
 }

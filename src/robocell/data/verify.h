@@ -29,9 +29,10 @@ struct VerifyReport {
   std::vector<std::string> good;        // ids of intact episodes
   std::vector<std::string> bad;         // ids of the others
   std::vector<VerifyProblem> problems;  // of the bad ones, and of the dataset
-  // Temporary folders and files: what a crash left behind, or what another process is writing just
-  // now. No problem.
-  std::vector<std::string> leftovers;
+  // Temporary folders and files. No problem.
+  std::vector<std::string> leftovers;  // what a crash left behind
+  std::vector<std::string>
+      being_written;  // episodes whose writer lives, on this machine or another
   // Files and folders that are no part of a dataset: logs, notes. No problem either.
   std::vector<std::string> others;
 
@@ -58,8 +59,8 @@ struct RepairResult {
   std::vector<std::string> moved;  // what now lies in <dataset>/.quarantine, by its new name
 };
 
-// Moves bad episodes, and leftovers whose writing process is gone, into <dataset>/.quarantine.
-// Nothing is deleted. Do not run it while another machine writes into the dataset.
+// Moves bad episodes, and leftovers that nobody is writing, into <dataset>/.quarantine. Nothing is
+// deleted. Holds the dataset's lock (dataset_lock.h): IoError names who is generating into it.
 RepairResult Repair(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 }  // namespace robocell

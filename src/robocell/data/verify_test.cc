@@ -1,5 +1,7 @@
 #include "robocell/data/verify.h"
 
+#include <unistd.h>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -141,7 +143,8 @@ TEST_F(VerifyTest, LeftoversAndForeignFoldersAreToldButAreNoProblem) {
   fs::create_directory(folder_ / "logs");
   const VerifyReport report = Verify(folder_.path());
   EXPECT_TRUE(report.ok());
-  EXPECT_EQ(report.leftovers.size(), 2u);
+  EXPECT_THAT(report.leftovers, ElementsAre(".e.99999999.1.partial"));
+  EXPECT_EQ(report.being_written.size(), 1u);
   EXPECT_THAT(report.others, ElementsAre("logs"));
   EXPECT_THAT(report.Text(),
               HasSubstr(".e.99999999.1.partial: unfinished, left behind by a crash"));
@@ -172,6 +175,13 @@ TEST_F(VerifyTest, RepairMovesBadEpisodesAsideAndDeletesNothing) {
   SampleEpisode('b').Write(folder_.path(), "b", 10);
   fs::resize_file(B("steps.h5"), 10);
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("b.1"));
+}
+
+// A process number says nothing: it may be another machine's, or was given to somebody else since.
+TEST_F(VerifyTest, RepairJudgesAWriterByItsLockNotByItsNumber) {
+  const std::string name = fmt::format(".e.{}.7.partial", getpid());
+  fs::create_directory(folder_ / name);
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre(name));
 }
 
 TEST_F(VerifyTest, ProgressIsTold) {

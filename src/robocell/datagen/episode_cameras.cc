@@ -10,8 +10,20 @@
 
 namespace robocell {
 
+namespace {
+
+// Without the prefix of the robot whose camera it is.
+std::string AsWritten(const Scene& scene, const std::string& camera) {
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    if (camera.starts_with(robot.prefix)) return camera.substr(robot.prefix.size());
+  }
+  return camera;
+}
+
+}  // namespace
+
 std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
-  const std::vector<std::string> cameras = scene.camera_names();
+  std::vector<std::string> cameras = scene.camera_names();
   const auto has = [&](const std::string& name) {
     return std::find(cameras.begin(), cameras.end(), name) != cameras.end();
   };
@@ -19,8 +31,8 @@ std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
     if (has(robot.prefix + stream.camera)) return robot.prefix + stream.camera;
   }
   if (has(stream.camera)) return stream.camera;
-  throw NotFoundError(NoSuchName("scene '" + scene.name() + "' / stream '" + stream.name + "'",
-                                 "camera", stream.camera, cameras));
+  for (std::string& camera : cameras) camera = AsWritten(scene, camera);
+  throw NotFoundError(NoSuchName("stream '" + stream.name + "'", "camera", stream.camera, cameras));
 }
 
 EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,

@@ -14,7 +14,7 @@
 namespace robocell {
 
 // The full name of a stream's camera: a robot's own (by its name without the prefix), else the
-// scene's. NotFoundError with the nearest names.
+// scene's. NotFoundError with the nearest names, as they are written here.
 std::string FindCameraName(const Scene& scene, const CameraConfig& stream);
 
 class EpisodeCameras {

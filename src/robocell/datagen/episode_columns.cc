@@ -1,9 +1,13 @@
 #include "robocell/datagen/episode_columns.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <functional>
+
 #include "robocell/mujoco/names.h"
-#include "robocell/mujoco/warnings.h"
 
 namespace robocell {
 namespace {
@@ -21,17 +25,32 @@ ColumnId AddPose(EpisodeSchema& schema, const std::string& name, const std::stri
                            .description = text});
 }
 
-// Units of a group's joints: "rad", "m", or both in their order.
-std::string JointUnits(const mjModel* m, const std::vector<std::string>& joints, const char* per) {
-  std::string units;
-  bool mixed = false;
-  for (const std::string& joint : joints) {
-    const std::string unit =
-        std::string(m->jnt_type[FindId(m, mjOBJ_JOINT, joint)] == mjJNT_SLIDE ? "m" : "rad") + per;
-    mixed |= !units.empty() && units.substr(0, unit.size()) != unit;
-    units += (units.empty() ? "" : ", ") + unit;
+const char* JointUnit(const mjModel* m, int joint, bool rate) {
+  switch (m->jnt_type[joint]) {
+    case mjJNT_SLIDE:
+      return rate ? "m/s" : "m";
+    case mjJNT_FREE:
+      return rate ? "m/s, rad/s" : "m, 1";
+    case mjJNT_BALL:
+      return rate ? "rad/s" : "1";
+    default:
+      return rate ? "rad/s" : "rad";
   }
-  return mixed ? units : units.substr(0, units.find(','));
+}
+
+// Units of a group's joints: "rad", "m", or all in their order. "" when one of them is no joint of
+// the model: a group of the user's own kind may have other coordinates.
+std::string JointUnits(const mjModel* m, const std::vector<std::string>& joints, bool rate) {
+  std::vector<std::string> units;
+  for (const std::string& joint : joints) {
+    const int id = FindId(m, mjOBJ_JOINT, joint);
+    if (id < 0) return "";
+    units.push_back(JointUnit(m, id, rate));
+  }
+  const bool same =
+      std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();
+  if (same && !units.empty()) return units.front();
+  return fmt::format("{}", fmt::join(units, ", "));
 }
 
 }  // namespace
@@ -84,13 +103,13 @@ void RobotColumns::AddGroup(EpisodeSchema& schema, const std::string& name) {
       group.nq() == static_cast<int>(joints.size()) ? joints : std::vector<std::string>{};
   const std::vector<std::string> v_names =
       group.nv() == static_cast<int>(joints.size()) ? joints : std::vector<std::string>{};
-  const std::string units = JointUnits(m, joints, "");
+  const std::string units = JointUnits(m, joints, false);
   if (group.nq() > 0) {
     columns.qpos = schema.AddColumn(
         {.name = own + "qpos", .shape = {group.nq()}, .units = units, .names = q_names});
     columns.qvel = schema.AddColumn({.name = own + "qvel",
                                      .shape = {group.nv()},
-                                     .units = JointUnits(m, joints, "/s"),
+                                     .units = JointUnits(m, joints, true),
                                      .names = v_names});
   }
   if (group.nu() > 0) {
@@ -168,7 +187,9 @@ void RobotColumns::PutArmAction(EpisodeWriter& writer, const Controller& port) {
 
 SceneColumns::SceneColumns(EpisodeSchema& schema, Scene scene, std::vector<std::string> objects,
                            std::vector<std::string> phases)
-    : scene_(std::move(scene)), objects_(std::move(objects)) {
+    : scene_(std::move(scene)),
+      objects_(std::move(objects)),
+      warnings_before_(ReadWarnings(scene_.data())) {
   time_ = schema.AddColumn({.name = "time", .units = "s"});
   phase_ =
       schema.AddColumn({.name = "phase", .type = ColumnType::kInt32, .values = std::move(phases)});
@@ -187,6 +208,10 @@ SceneColumns::SceneColumns(EpisodeSchema& schema, Scene scene, std::vector<std::
   truncated_ = schema.AddColumn({.name = "truncated",
                                  .type = ColumnType::kBool,
                                  .description = "The episode was cut off after this action."});
+  ik_failed_ = schema.AddColumn({.name = "ik_failed",
+                                 .type = ColumnType::kBool,
+                                 .description = "A pose command of the action had no solution: its "
+                                                "group kept its target."});
   warnings_ = schema.AddColumn({.name = "engine_warnings",
                                 .type = ColumnType::kInt32,
                                 .description = "Engine warnings since the start of the episode."});
@@ -218,13 +243,13 @@ void SceneColumns::PutState(EpisodeWriter& writer, int phase) {
   }
 }
 
-void SceneColumns::PutOutcome(EpisodeWriter& writer, double reward, bool success, bool terminated,
-                              bool truncated) {
-  writer.Put(reward_, reward);
-  writer.Put(success_, success);
-  writer.Put(terminated_, terminated);
-  writer.Put(truncated_, truncated);
-  writer.Put(warnings_, static_cast<int32_t>(ReadWarnings(scene_.data()).total()));
+void SceneColumns::PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome) {
+  writer.Put(reward_, outcome.reward);
+  writer.Put(success_, outcome.success);
+  writer.Put(terminated_, outcome.terminated);
+  writer.Put(truncated_, outcome.truncated);
+  writer.Put(ik_failed_, outcome.ik_failed);
+  writer.Put(warnings_, static_cast<int32_t>(warnings().total()));
 }
 
 void SceneColumns::PutControl(EpisodeWriter& writer, const mjModel* model, const mjData* data) {

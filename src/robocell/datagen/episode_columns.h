@@ -9,6 +9,7 @@
 
 #include "robocell/data/episode_schema.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/mujoco/warnings.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 
@@ -44,14 +45,23 @@ class RobotColumns {
   Pose tcp_before_;
 };
 
+// What an action led to.
+struct RowOutcome {
+  double reward = 0;
+  bool success = false;
+  bool terminated = false, truncated = false;
+  bool ik_failed = false;  // a pose command had no solution: its group kept its target
+};
+
 // What the scene contributes: time, object poses, outcome of the action.
 class SceneColumns {
  public:
   SceneColumns(EpisodeSchema& schema, Scene scene, std::vector<std::string> objects,
                std::vector<std::string> phases);
+  // Engine warnings since this object was made: those of the start's making are not the episode's.
+  EngineWarnings warnings() const { return ReadWarnings(scene_.data()) - warnings_before_; }
   void PutState(EpisodeWriter& writer, int phase);
-  void PutOutcome(EpisodeWriter& writer, double reward, bool success, bool terminated,
-                  bool truncated);
+  void PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome);
   // The control table: one row per control tick, what acts on the engine.
   void PutControl(EpisodeWriter& writer, const mjModel* model, const mjData* data);
 
@@ -59,7 +69,8 @@ class SceneColumns {
   Scene scene_;
   std::vector<std::string> objects_;
   std::vector<ColumnId> object_poses_;
-  ColumnId time_, phase_, reward_, success_, terminated_, truncated_, warnings_;
+  ColumnId time_, phase_, reward_, success_, terminated_, truncated_, ik_failed_, warnings_;
+  EngineWarnings warnings_before_;
   TableId control_;
   ColumnId control_time_, control_ctrl_;
 };

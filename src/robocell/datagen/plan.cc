@@ -10,7 +10,6 @@
 #include "robocell/spec/yaml.h"
 
 namespace robocell {
-namespace {
 
 std::vector<int> SceneIndices(const RunConfig& run) {
   if (!run.scenes.houses.empty()) return run.scenes.houses.values;
@@ -18,8 +17,6 @@ std::vector<int> SceneIndices(const RunConfig& run) {
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
-
-}  // namespace
 
 std::vector<PlanItem> MakePlan(const RunConfig& run) {
   std::vector<PlanItem> plan;

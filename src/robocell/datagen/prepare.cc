@@ -2,43 +2,50 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
-#include <sstream>
+#include <optional>
+#include <thread>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
-#include "robocell/base/version.h"
 #include "robocell/data/dataset.h"
-#include "robocell/datagen/plan.h"
+#include "robocell/data/dataset_lock.h"
+#include "robocell/data/episode_files.h"
+#include "robocell/datagen/check_run.h"
+#include "robocell/datagen/run_inputs.h"
 
 namespace robocell {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 
 constexpr size_t kMostLines = 30;
+constexpr int kLockTries = 10;
+constexpr std::chrono::milliseconds kLockPause(100);
 
-std::vector<std::string> Lines(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream in(text);
-  for (std::string line; std::getline(in, line);) lines.push_back(line);
-  return lines;
-}
-
-std::string Manifest(const RunConfig& run) {
-  return nlohmann::json{{"format", "robocell-dataset"},
-                        {"run", run.run},
-                        {"seed", run.seed},
-                        {"task", ToString(run.task.kind)},
-                        {"identity", RunIdentity(run)},
-                        {"versions", {{"robocell", Version()}, {"mujoco", mj_versionString()}}}}
+std::string Manifest(const RunConfig& run, const RunInputs& inputs) {
+  return Json{{"format", "robocell-dataset"},
+              {"run", run.run},
+              {"seed", run.seed},
+              {"task", ToString(run.task.kind)},
+              {"identity", inputs.identity},
+              {"versions", inputs.versions},
+              {"files", inputs.files}}
              .dump(2) +
          "\n";
+}
+
+// Throws Json::exception for a manifest of another making.
+RunInputs InputsIn(const std::string& manifest) {
+  const Json json = Json::parse(manifest);
+  return {
+      .identity = json.at("identity"), .versions = json.at("versions"), .files = json.at("files")};
 }
 
 void CreateFolder(const fs::path& folder) {
@@ -49,80 +56,106 @@ void CreateFolder(const fs::path& folder) {
   fs::remove(MakeTempDirectory(folder, "probe"), error);
 }
 
-// Anything that was not left behind by an interrupted write.
+// What is there for the run's own sake, or was left behind by an interrupted write.
+bool IsOfNoAccount(const std::string& name) {
+  return IsTemporaryName(name) || name == kManifestFile || name == kLogsFolder ||
+         name == kQuarantineFolder || name.starts_with(kLockFile);
+}
+
+// The first name of anything else; "" when there is nothing.
 std::string FirstEntry(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (!IsTemporaryName(name)) names.push_back(name);
+    if (!IsOfNoAccount(name)) names.push_back(name);
   }
   if (error) ThrowIoError("list the dataset's folder", folder, error.value());
   return names.empty() ? "" : *std::min_element(names.begin(), names.end());
 }
 
-void RequireSameRun(const RunConfig& run, const std::string& manifest) {
-  const nlohmann::json json = nlohmann::json::parse(manifest);
-  const auto found = json.find("identity");
-  const std::string before =
-      found != json.end() && found->is_string() ? found->get<std::string>() : "";
-  const std::string now = RunIdentity(run);
-  if (before == now) return;
-  std::vector<std::string> lines = DifferingLines(before, now);
+// What of the manifest is different now; nothing when it is the same run.
+std::vector<std::string> Changes(const std::string& manifest, const RunInputs& inputs) {
+  try {
+    return Differences(InputsIn(manifest), inputs);
+  } catch (const Json::exception& error) {
+    return {std::string("dataset.json is of another making: ") + error.what()};
+  }
+}
+
+[[noreturn]] void ThrowChanged(const RunConfig& run, std::vector<std::string> lines) {
   if (lines.size() > kMostLines) {
     const size_t more = lines.size() - kMostLines;
     lines.resize(kMostLines);
-    lines.push_back(fmt::format("... and {} lines more", more));
+    lines.push_back(fmt::format("... and {} more", more));
   }
   throw SpecError(fmt::format(
-      "run '{}': the dataset '{}' was begun with another configuration (- then, + now):\n  {}\n"
+      "run '{}': the dataset '{}' was begun differently:\n  {}\n"
       "Change these back to go on with it, or give another `output` to start a new dataset",
       run.run, run.output, fmt::join(lines, "\n  ")));
 }
 
-}  // namespace
-
-std::vector<std::string> DifferingLines(const std::string& old_text, const std::string& new_text) {
-  const std::vector<std::string> a = Lines(old_text), b = Lines(new_text);
-  // length[i][j]: of the longest common subsequence of a from i and b from j.
-  std::vector<std::vector<int>> length(a.size() + 1, std::vector<int>(b.size() + 1, 0));
-  for (size_t i = a.size(); i-- > 0;) {
-    for (size_t j = b.size(); j-- > 0;) {
-      length[i][j] =
-          a[i] == b[j] ? length[i + 1][j + 1] + 1 : std::max(length[i + 1][j], length[i][j + 1]);
-    }
-  }
-  std::vector<std::string> lines;
-  size_t i = 0, j = 0;
-  while (i < a.size() || j < b.size()) {
-    if (i < a.size() && j < b.size() && a[i] == b[j]) {
-      ++i, ++j;
-    } else if (j == b.size() || (i < a.size() && length[i + 1][j] >= length[i][j + 1])) {
-      lines.push_back("- " + a[i++]);
-    } else {
-      lines.push_back("+ " + b[j++]);
-    }
-  }
-  return lines;
+void RequireOutput(const RunConfig& run) {
+  if (!run.output.empty()) return;
+  throw SpecError("run '" + run.run +
+                  "': output: where should the dataset go? Give the folder, for example `output: "
+                  "experiment_output/" +
+                  run.run + "`");
 }
 
+// Whether the dataset has to be begun, for the first time or anew. SpecError when it must not be:
+// episodes of other inputs or foreign things are there. The folder must exist.
+bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
+  const std::string entry = FirstEntry(run.output);  // first: the manifest is older than episodes
+  if (const std::optional<std::string> manifest = ReadManifest(run.output)) {
+    const std::vector<std::string> changes = Changes(*manifest, inputs);
+    if (!changes.empty() && !entry.empty()) ThrowChanged(run, changes);
+    return !changes.empty();
+  }
+  if (entry.empty()) return true;
+  throw SpecError(fmt::format(
+      "run '{}': output: the folder '{}' holds '{}' and is no dataset; give a new folder", run.run,
+      run.output, entry));
+}
+
+// A new manifest is the same whoever writes it. One that replaces another is written under the
+// lock, so that nobody makes an episode meanwhile.
+void Begin(const RunConfig& run, const RunInputs& inputs) {
+  if (!ReadManifest(run.output)) return WriteManifest(run.output, Manifest(run, inputs));
+  const DatasetLock lock(run.output);
+  if (MustBegin(run, inputs)) WriteManifest(run.output, Manifest(run, inputs));
+}
+
+}  // namespace
+
 void PrepareDataset(const RunConfig& run) {
-  if (run.output.empty()) {
-    throw SpecError("run '" + run.run +
-                    "': output: where should the dataset go? Give the folder, for example "
-                    "`output: experiment_output/" +
-                    run.run + "`");
+  RequireOutput(run);
+  CheckRun(run, {.scripted_expert = false});
+  const RunInputs inputs = InputsOf(run);
+  CreateFolder(run.output);
+  for (int patience = kLockTries; MustBegin(run, inputs); --patience) {
+    try {
+      return Begin(run, inputs);
+    } catch (const IoError&) {  // another shard may be at it
+      if (patience == 0) throw;
+      std::this_thread::sleep_for(kLockPause);
+    }
   }
-  const fs::path folder = run.output;
-  CreateFolder(folder);
-  if (const std::optional<std::string> manifest = ReadManifest(folder))
-    return RequireSameRun(run, *manifest);
-  if (const std::string entry = FirstEntry(folder); !entry.empty() && !ReadManifest(folder)) {
-    throw SpecError(fmt::format(
-        "run '{}': output: the folder '{}' holds '{}' and is no dataset; give a new folder",
-        run.run, run.output, entry));
+}
+
+void CheckDataset(const RunConfig& run) {
+  RequireOutput(run);
+  if (fs::exists(run.output)) MustBegin(run, InputsOf(run));
+}
+
+void RequireSameRun(const RunConfig& run) {
+  const std::optional<std::string> manifest = ReadManifest(run.output);
+  if (!manifest) {
+    throw SpecError(
+        fmt::format("run '{}': '{}' is no dataset: it has no dataset.json", run.run, run.output));
   }
-  WriteManifest(folder, Manifest(run));
+  if (const auto changes = Changes(*manifest, InputsOf(run)); !changes.empty())
+    ThrowChanged(run, changes);
 }
 
 }  // namespace robocell

@@ -2,20 +2,22 @@
 // the run goes on.
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "robocell/spec/run_config.h"
 
 namespace robocell {
 
 // Creates the dataset's folder with its manifest, or checks that the folder there belongs to the
-// same run: another identity is a SpecError that shows the lines that differ, and so is a folder
-// with other things in it. IoError when the folder cannot be written. Any number of processes may
-// call it for the same run.
+// same run: other inputs (run_inputs.h) are a SpecError that names each difference, and so is a
+// folder with other things in it. The run is checked first (check_run.h, without the scripted
+// expert's demands), so that a mistake leaves nothing behind. A dataset without episodes is
+// begun anew when the inputs changed. IoError when the folder cannot be written, or somebody is
+// generating into it. Any number of processes may call it for the same run.
 void PrepareDataset(const RunConfig& run);
 
-// The lines of two texts that are not in both, in their order: "- old line", "+ new line".
-std::vector<std::string> DifferingLines(const std::string& old_text, const std::string& new_text);
+// What PrepareDataset would say of the folder. Writes nothing.
+void CheckDataset(const RunConfig& run);
+
+// SpecError unless the dataset was prepared for this run. Writes nothing.
+void RequireSameRun(const RunConfig& run);
 
 }  // namespace robocell

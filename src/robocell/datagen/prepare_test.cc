@@ -3,26 +3,31 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_lock.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
 
-using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::IsEmpty;
 using ::testing::Not;
 
 RunConfig Demo(const std::filesystem::path& output) {
   RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
   run.output = output.string();
   return run;
+}
+
+// As if an episode were there.
+void Occupy(const RunConfig& run) {
+  std::filesystem::create_directory(std::filesystem::path(run.output) / "s0000_e0000");
 }
 
 TEST(PrepareDataset, CreatesTheFolderWithItsManifest) {
@@ -55,15 +60,15 @@ TEST(PrepareDataset, GoesOnWithMoreEpisodesAndOtherWorkers) {
   EXPECT_NO_THROW(PrepareDataset(run));
 }
 
-TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsTheLines) {
+TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");
   PrepareDataset(run);
+  Occupy(run);
   run.task.base_distance = {0.2, 0.5};
   const std::string text =
-      ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "was begun with another configuration");
-  EXPECT_THAT(text, HasSubstr("-   base_distance: [0.3, 0.55]\n"));
-  EXPECT_THAT(text, HasSubstr("+   base_distance: [0.2, 0.5]\n"));
+      ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "was begun differently");
+  EXPECT_THAT(text, HasSubstr("\n  task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now\n"));
   EXPECT_THAT(text, HasSubstr(run.output));
   EXPECT_THAT(text, Not(HasSubstr("base_height")));
 }
@@ -104,11 +109,58 @@ TEST(PrepareDataset, NamesADamagedManifest) {
   ExpectThrow<IoError>([&] { PrepareDataset(run); }, "dataset.json' is damaged");
 }
 
-TEST(DifferingLines, AreWhatIsNotInBothTexts) {
-  EXPECT_THAT(DifferingLines("a\nb\nc\n", "a\nb\nc\n"), IsEmpty());
-  EXPECT_THAT(DifferingLines("a\nb\nc\n", "a\nx\nc\ny\n"), ElementsAre("- b", "+ x", "+ y"));
-  EXPECT_THAT(DifferingLines("", "a"), ElementsAre("+ a"));
-  EXPECT_THAT(DifferingLines("a\nb", ""), ElementsAre("- a", "- b"));
+TEST(PrepareDataset, BeginsAnewWhatHasNoEpisodes) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  PrepareDataset(run);
+  AtomicWrite(folder / "out/.lock", "");
+  std::filesystem::create_directory(folder / "out/.logs");
+  run.seed = 7;
+  ExpectThrow<SpecError>([&] { RequireSameRun(run); }, "seed: 0 then, 7 now");
+  EXPECT_NO_THROW(CheckDataset(run));
+  PrepareDataset(run);
+  EXPECT_NO_THROW(RequireSameRun(run));
+}
+
+TEST(PrepareDataset, BeginsNothingAnewThatSomebodyWorksOn) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  PrepareDataset(run);
+  const DatasetLock other(run.output);
+  EXPECT_NO_THROW(PrepareDataset(run));
+  run.seed = 7;
+  ExpectThrow<IoError>([&] { PrepareDataset(run); }, "in use by process");
+}
+
+TEST(PrepareDataset, NamesAChangedVersion) {
+  TempDir folder;
+  const RunConfig run = Demo(folder / "out");
+  PrepareDataset(run);
+  auto manifest = nlohmann::json::parse(*ReadManifest(folder / "out"));
+  manifest["versions"]["mujoco"] = "3.9.0";
+  WriteManifest(folder / "out", manifest.dump());
+  Occupy(run);
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "mujoco: 3.9.0 then, 4.0.0 now");
+}
+
+// What is wrong with the run leaves nothing behind, so that the corrected file begins afresh.
+TEST(PrepareDataset, ChecksTheRunFirst) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  run.task.objects.names = {"mgu"};
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "no kind 'mgu'");
+  run.task.objects = {};
+  run.cameras.streams[0].camera = "nowhere";
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "no camera 'nowhere'");
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST(CheckDataset, WritesNothing) {
+  TempDir folder;
+  CheckDataset(Demo(folder / "out"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  AtomicWrite(folder / "thesis.txt", "years of work");
+  ExpectThrow<SpecError>([&] { CheckDataset(Demo(folder.path())); }, "is no dataset");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "robocell/datagen/episode_cameras.h"
 #include "robocell/datagen/episode_columns.h"
+#include "robocell/datagen/sensor_columns.h"
 #include "robocell/env/stepper.h"
 #include "robocell/mujoco/warnings.h"
 #include "robocell/spec/yaml.h"
@@ -49,6 +50,7 @@ class Recording {
   Recording(const RunConfig& run, const EpisodeStart& start, const std::vector<Robot>& robots,
             const Expert& expert, const RolloutOptions& options)
       : scene_(schema_, start.scene, start.task->objects(), expert.phase_names()),
+        sensors_(schema_, start.scene),
         cameras_(schema_, start.scene, run.cameras, options.renderer,
                  RowRate(run.rates.policy_ms).num, RowRate(run.rates.policy_ms).den) {
     for (const Robot& robot : robots) robots_.emplace_back(schema_, robot);
@@ -68,6 +70,7 @@ class Recording {
     {
       Timer timer(times.writing);
       scene_.PutState(*writer_, phase);
+      sensors_.PutState(*writer_);
       for (RobotColumns& robot : robots_) robot.PutState(*writer_);
     }
     Timer timer(times.rendering);
@@ -76,16 +79,18 @@ class Recording {
   void PutControl(const mjModel* model, const mjData* data) {
     scene_.PutControl(*writer_, model, data);
   }
-  void PutOutcome(double reward, bool success, bool terminated, bool truncated) {
+  void PutOutcome(const RowOutcome& outcome) {
     for (RobotColumns& robot : robots_) robot.PutAction(*writer_);
-    scene_.PutOutcome(*writer_, reward, success, terminated, truncated);
+    scene_.PutOutcome(*writer_, outcome);
     writer_->EndRow();
   }
   EpisodeWriter& writer() { return *writer_; }
+  EngineWarnings warnings() const { return scene_.warnings(); }
 
  private:
   EpisodeSchema schema_;
   SceneColumns scene_;
+  SensorColumns sensors_;
   EpisodeCameras cameras_;
   std::vector<RobotColumns> robots_;
   std::optional<EpisodeWriter> writer_;
@@ -104,6 +109,22 @@ std::string Metadata(const RunConfig& run, const EpisodeStart& start,
                    {"sim_ms", run.rates.sim_ms}};
   if (options.renderer) meta["renderer"] = options.renderer->description();
   return meta.dump();
+}
+
+// Why a rollout that ended without success did so. Commands that could not be followed say more
+// than the time that ran out over them.
+std::string WhyFailed(const RolloutResult& result, const Expert& expert, bool truncated) {
+  if (!expert.failure().empty() && !truncated) return expert.failure();
+  if (!result.ik_failures.empty()) return "no IK solution for " + result.ik_failures.begin()->first;
+  return truncated ? "timeout" : "not lifted";
+}
+
+std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutResult& result) {
+  std::vector<std::string> warnings;
+  if (engine.total()) warnings.push_back(engine.Text());
+  for (const auto& [group, actions] : result.ik_failures)
+    warnings.push_back(fmt::format("{} x no IK solution for {}", actions, group));
+  return warnings;
 }
 
 }  // namespace
@@ -131,24 +152,23 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     terminated = expert.done() || !outcome.ok();
     truncated = !terminated && result.rows >= run.rates.max_steps;
     if (!outcome.ok()) result.failure = "diverged";
-    recording.PutOutcome(outcome.ok() ? start.task->Reward(start.scene) : 0, result.success,
-                         terminated, truncated);
+    const bool ik_failed = !outcome.failed_robot.empty();
+    if (ik_failed) ++result.ik_failures[outcome.failed_robot + "/" + outcome.failed_group];
+    recording.PutOutcome({.reward = outcome.ok() ? start.task->Reward(start.scene) : 0,
+                          .success = result.success,
+                          .terminated = terminated,
+                          .truncated = truncated,
+                          .ik_failed = ik_failed});
   }
-  if (!result.success && result.failure.empty()) {
-    result.failure = truncated                   ? "timeout"
-                     : !expert.failure().empty() ? expert.failure()
-                                                 : "not lifted";
-  }
+  if (!result.success && result.failure.empty())
+    result.failure = WhyFailed(result, expert, truncated);
   if (!result.success && !options.keep_failures) return result;
   Timer timer(result.times.writing);
-  const EngineWarnings warnings = ReadWarnings(start.scene.data());
   recording.writer().Commit({.success = result.success,
                              .terminated = terminated,
                              .truncated = truncated,
                              .end_reason = result.success ? "success" : result.failure,
-                             .warnings = warnings.total()
-                                             ? std::vector<std::string>{warnings.Text()}
-                                             : std::vector<std::string>{}});
+                             .warnings = Warnings(recording.warnings(), result)});
   result.committed = true;
   return result;
 }

@@ -4,6 +4,7 @@
 
 #include <atomic>
 #include <filesystem>
+#include <map>
 #include <string>
 
 #include "robocell/base/rng.h"
@@ -23,6 +24,8 @@ struct RolloutResult {
   bool stopped = false;  // by the stop request; nothing was kept
   bool committed = false;
   std::string failure;  // why it did not succeed; "" on success
+  // Actions whose pose command had no IK solution, by "robot/group"; the group kept its target.
+  std::map<std::string, int> ik_failures;
   int rows = 0;
   RolloutTimes times;
 };

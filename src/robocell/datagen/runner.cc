@@ -1,37 +1,16 @@
 #include "robocell/datagen/runner.h"
 
-#include <fmt/format.h>
-
 #include <chrono>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/data/episode_reader.h"
+#include "robocell/datagen/check_run.h"
 #include "robocell/datagen/rollout.h"
-#include "robocell/spec/validate.h"
 #include "robocell/task/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
 
 namespace robocell {
 namespace {
-
-// What a spec may say but this version cannot record: refused, not ignored.
-void CheckRecordable(const RunConfig& run) {
-  Problems problems;
-  for (size_t i = 0; i < run.cameras.streams.size(); ++i) {
-    Problems::Scope cameras(problems, "cameras.streams");
-    Problems::Scope item(problems, i);
-    const CameraConfig& stream = run.cameras.streams[i];
-    if (stream.rate != 0)
-      problems.AddAt("rate", "records take one frame per action; leave rate at 0");
-    if (stream.depth) problems.AddAt("depth", "depth cannot be recorded yet, only rgb; remove it");
-    if (stream.segmentation)
-      problems.AddAt("segmentation", "segmentation cannot be recorded yet, only rgb; remove it");
-    if (!stream.rgb) problems.AddAt("rgb", "a recorded stream needs rgb: true");
-  }
-  problems.Throw("run '" + run.run + "'");
-}
 
 double Seconds(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
@@ -55,15 +34,6 @@ struct Runner::State {
                EpisodeReport& report);
 };
 
-namespace {
-
-// Where an attempt is kept. With failures kept, several attempts of an item stand side by side.
-std::string EpisodeId(const RunConfig& run, const PlanItem& item, int attempt) {
-  return run.keep == Keep::kAll ? fmt::format("{}_a{:02}", item.id, attempt) : item.id;
-}
-
-}  // namespace
-
 RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
                                       const std::atomic<bool>* stop) {
   const nlohmann::json metadata = {{"run", run.run},
@@ -82,8 +52,7 @@ RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
 }
 
 Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State>()) {
-  RequireValid(run, "run '" + run.run + "'");
-  CheckRecordable(run);
+  CheckRunFields(run);
   state_->run = std::move(run);
   state_->parts = std::move(parts);
   if (!state_->parts.sampler) state_->parts.sampler = MakePickSampler;
@@ -96,23 +65,6 @@ Runner::~Runner() = default;
 const RunConfig& Runner::run() const { return state_->run; }
 
 namespace {
-
-// What an earlier process left of an attempt: unset when nothing, else whether it was a success.
-std::optional<bool> KeptSuccess(const RunConfig& run, const std::string& episode_id) {
-  std::error_code error;
-  const std::filesystem::path folder = std::filesystem::path(run.output) / episode_id;
-  if (!std::filesystem::is_directory(folder, error)) return std::nullopt;
-  return Episode(folder).success();
-}
-
-// Failures are there only when they are kept, each attempt on its own.
-bool HasSuccess(const RunConfig& run, const PlanItem& item) {
-  if (run.keep != Keep::kAll) return KeptSuccess(run, item.id).has_value();
-  for (int attempt = 0; attempt < run.max_attempts; ++attempt) {
-    if (KeptSuccess(run, EpisodeId(run, item, attempt)).value_or(false)) return true;
-  }
-  return false;
-}
 
 // Sums up a rollout.
 void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
@@ -129,12 +81,6 @@ void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
 }
 
 }  // namespace
-
-bool IsComplete(const RunConfig& run, const PlanItem& item) {
-  if (HasSuccess(run, item)) return true;
-  return run.keep == Keep::kAll &&
-         KeptSuccess(run, EpisodeId(run, item, run.max_attempts - 1)).has_value();
-}
 
 void Runner::State::Attempt(const PlanItem& item, int attempt, const std::atomic<bool>* stop,
                             EpisodeReport& report) {
@@ -158,13 +104,13 @@ EpisodeReport Runner::Run(const PlanItem& item, const std::atomic<bool>* stop) {
   const RunConfig& run = state_->run;
   if (IsComplete(run, item)) {
     report.committed = report.resumed = true;
-    report.success = HasSuccess(run, item);
+    report.success = LookForItem(run, item).success;
     return report;
   }
   for (int attempt = 0; attempt < run.max_attempts && !report.success; ++attempt) {
     if (stop && stop->load()) report.stopped = true;
     if (report.stopped) return report;
-    if (run.keep == Keep::kAll && KeptSuccess(run, EpisodeId(run, item, attempt))) {
+    if (run.keep == Keep::kAll && IsAttemptKept(run, item, attempt)) {
       report.committed = true;  // a failure of an earlier process
       continue;
     }

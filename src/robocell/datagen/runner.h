@@ -22,6 +22,7 @@
 #include <memory>
 #include <string>
 
+#include "robocell/datagen/on_disk.h"
 #include "robocell/datagen/plan.h"
 #include "robocell/datagen/prepare.h"
 #include "robocell/task/task.h"
@@ -63,9 +64,5 @@ class Runner {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-// Whether nothing is left to do for an item: a success is on the disk, or, when failures are kept,
-// the last attempt.
-bool IsComplete(const RunConfig& run, const PlanItem& item);
 
 }  // namespace robocell

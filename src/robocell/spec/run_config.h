@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -145,6 +146,9 @@ struct RunConfig {
   int64_t seed = 0;
   std::string output = {};
   std::string source_dir = {};  // folder of the run file; not a field
+  // Where its values stood in that file, for checks that come later; not a field. Null for a run
+  // that was not read from a file.
+  std::shared_ptr<const SourceMap> sources = {};
 
   static constexpr const char* kTypeName = "RunConfig";
   template <class V>
@@ -165,7 +169,8 @@ struct RunConfig {
     v("episodes", &RunConfig::episodes, "A cap on the whole run.", Check::kPositive);
     v("workers", &RunConfig::workers, "Worker processes.", Check::kPositive);
     v("seed", &RunConfig::seed, "Everything random follows from it.");
-    v("output", &RunConfig::output, "Folder of the dataset.");
+    v("output", &RunConfig::output,
+      "Folder of the dataset; a relative one starts at the working folder.");
   }
   void Validate(Problems& problems) const;
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <set>
 #include <string>
@@ -56,6 +57,8 @@ class Reader {
     if (root.IsMap() || (root.IsNull() && !overrides_.empty())) {
       ReadFields(root, out);
       ReportUnusedOverrides();
+      if constexpr (requires { out.sources; })
+        out.sources = std::make_shared<const SourceMap>(sources_);
       Problems found(&sources_);
       ValidateFields(out, found);
       AppendUnread(found);

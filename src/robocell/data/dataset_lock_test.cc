@@ -1,0 +1,75 @@
+#include "robocell/data/dataset_lock.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/data/verify.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::HasSubstr;
+
+TEST(DatasetLock, IsHeldByOneAtATimeAndNamesItsOwner) {
+  TempDir folder;
+  std::optional<DatasetLock> lock(folder.path());
+  const std::string text =
+      ExpectThrow<IoError>([&] { DatasetLock other(folder.path()); }, "in use");
+  EXPECT_THAT(text, HasSubstr(folder.path().string()));
+  EXPECT_THAT(text, HasSubstr("by process " + std::to_string(getpid()) + " on "));
+  EXPECT_THAT(text, HasSubstr("take another folder"));
+  lock.reset();
+  EXPECT_NO_THROW(DatasetLock again(folder.path()));
+}
+
+TEST(DatasetLock, ShardsShareTheFolderButNotAShard) {
+  TempDir folder;
+  const DatasetLock first(folder.path(), 0, 2);
+  std::optional<DatasetLock> second(std::in_place, folder.path(), 1, 2);
+  EXPECT_THROW(DatasetLock(folder.path(), 1, 2), IoError);
+  EXPECT_THROW(DatasetLock whole(folder.path()), IoError);
+  second.reset();
+  EXPECT_NO_THROW(DatasetLock(folder.path(), 1, 2));
+}
+
+TEST(DatasetLock, OfAKilledProcessIsFree) {
+  TempDir folder;
+  int pipe[2];
+  ASSERT_EQ(::pipe(pipe), 0);
+  const pid_t child = fork();
+  if (child == 0) {
+    const DatasetLock lock(folder.path());
+    [[maybe_unused]] const ssize_t n = write(pipe[1], "!", 1);
+    pause();
+    _exit(0);
+  }
+  char byte;
+  ASSERT_EQ(read(pipe[0], &byte, 1), 1);
+  EXPECT_THROW(DatasetLock busy(folder.path()), IoError);
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  EXPECT_NO_THROW(DatasetLock again(folder.path()));
+  close(pipe[0]);
+  close(pipe[1]);
+}
+
+TEST(DatasetLock, RepairRefusesADatasetThatIsInUse) {
+  TempDir folder;
+  const DatasetLock run(folder.path(), 3, 8);
+  ExpectThrow<IoError>([&] { Repair(folder.path()); }, "in use");
+}
+
+TEST(DatasetLock, AMissingFolderIsNamed) {
+  ExpectThrow<IoError>([] { DatasetLock lock("/no/such/folder"); }, "/no/such/folder");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,33 @@
+// Is this episode there? The one answer that datasets, verify and generation share.
+//
+// An episode is complete or absent. It is there when its folder holds episode.json, which is
+// written last, before the folder gets its name. What has an episode's name and is none (a folder
+// that a careless copy left half, a file) neither counts nor is overwritten: it is named, with what
+// to do about it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace robocell {
+
+enum class EpisodeState {
+  kAbsent,  // nothing has its name, or an empty folder that a commit replaces
+  kWhole,   // it is there, and its files have their sizes
+  kBroken,  // something has its name and is no whole episode
+};
+
+struct EpisodeLook {
+  EpisodeState state = EpisodeState::kAbsent;
+  bool success = false;      // of a whole one
+  std::string problem = {};  // of a broken one: what is wrong, naming the folder
+};
+
+EpisodeLook LookAtEpisode(const std::filesystem::path& folder);
+
+// Whether a folder is listed as an episode: it holds episode.json.
+bool IsCommitted(const std::filesystem::path& folder);
+// Whether a folder is or was an episode, and not something that a user put there.
+bool LooksLikeEpisode(const std::filesystem::path& folder);
+
+}  // namespace robocell

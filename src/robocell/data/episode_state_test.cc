@@ -1,0 +1,82 @@
+#include "robocell/data/episode_state.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/files.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/testing/sample_episode.h"
+#include "robocell/data/verify.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class EpisodeStateTest : public ::testing::Test {
+ protected:
+  void ExpectBroken(const std::string& text) const {
+    const EpisodeLook look = LookAtEpisode(e());
+    EXPECT_EQ(look.state, EpisodeState::kBroken);
+    EXPECT_FALSE(look.success);
+    EXPECT_THAT(look.problem, HasSubstr(text));
+    EXPECT_THAT(look.problem, HasSubstr(e().string()));
+  }
+  fs::path e() const { return folder_ / "e"; }
+
+  TempDir folder_;
+};
+
+TEST_F(EpisodeStateTest, NothingAndAnEmptyFolderAreAbsent) {
+  EXPECT_EQ(LookAtEpisode(e()).state, EpisodeState::kAbsent);
+  fs::create_directory(e());
+  EXPECT_EQ(LookAtEpisode(e()).state, EpisodeState::kAbsent);
+  EXPECT_THAT(Dataset(folder_.path()).ids(), IsEmpty());
+}
+
+TEST_F(EpisodeStateTest, AnEmptyFolderIsNotInTheWayOfTheEpisode) {
+  fs::create_directory(e());
+  SampleEpisode(0, false).Write(folder_.path(), "e");
+  EXPECT_EQ(LookAtEpisode(e()).state, EpisodeState::kWhole);
+  EXPECT_TRUE(Verify(folder_.path()).ok());
+}
+
+TEST_F(EpisodeStateTest, ACommittedOneIsWhole) {
+  SampleEpisode(0, false).Write(folder_.path(), "e");
+  const EpisodeLook look = LookAtEpisode(e());
+  EXPECT_EQ(look.state, EpisodeState::kWhole);
+  EXPECT_EQ(look.success, Episode(e()).success());
+}
+
+TEST_F(EpisodeStateTest, HalfAnEpisodeIsBrokenAndRepairSetsItAside) {
+  SampleEpisode(0, false).Write(folder_.path(), "e");
+  fs::remove(e() / "episode.json");
+  ExpectBroken("half an episode: episode.json is missing");
+  EXPECT_THAT(Dataset(folder_.path()).ids(), IsEmpty());
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("e"));
+  EXPECT_EQ(LookAtEpisode(e()).state, EpisodeState::kAbsent);
+}
+
+TEST_F(EpisodeStateTest, DamageIsNamed) {
+  SampleEpisode(0, false).Write(folder_.path(), "e");
+  fs::resize_file(e() / "steps.h5", 100);
+  ExpectBroken("steps.h5");
+  AtomicWrite(e() / "episode.json", "{");
+  ExpectBroken("episode.json");
+}
+
+TEST_F(EpisodeStateTest, ForeignThingsAreLeftAloneWithAWordAboutIt) {
+  AtomicWrite(e(), "a file");
+  ExpectBroken("is no folder: repair leaves it alone, move it away yourself");
+  fs::remove(e());
+  fs::create_directory(e());
+  AtomicWrite(e() / "thesis.txt", "x");
+  ExpectBroken("holds other things: repair leaves it alone");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,157 @@
+#include "robocell/datagen/check_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/datagen/episode_cameras.h"
+#include "robocell/datagen/episode_columns.h"
+#include "robocell/datagen/plan.h"
+#include "robocell/datagen/run_inputs.h"
+#include "robocell/datagen/sensor_columns.h"
+#include "robocell/spec/validate.h"
+#include "robocell/task/catalogue.h"
+#include "robocell/task/gripper_shape.h"
+#include "robocell/task/pick_sampler.h"
+
+namespace robocell {
+namespace {
+
+// What a spec may say but this version cannot record: refused, not ignored.
+void CheckStreams(const RunConfig& run, Problems& problems) {
+  Problems::Scope cameras(problems, "cameras.streams");
+  for (size_t i = 0; i < run.cameras.streams.size(); ++i) {
+    Problems::Scope item(problems, i);
+    const CameraConfig& stream = run.cameras.streams[i];
+    if (stream.rate != 0)
+      problems.AddAt("rate", "records take one frame per action; leave rate at 0");
+    if (stream.depth) problems.AddAt("depth", "depth cannot be recorded yet, only rgb; remove it");
+    if (stream.segmentation)
+      problems.AddAt("segmentation", "segmentation cannot be recorded yet, only rgb; remove it");
+    if (!stream.rgb) problems.AddAt("rgb", "a recorded stream needs rgb: true");
+  }
+}
+
+void CheckKinds(const RunConfig& run, Problems& problems) {
+  const std::vector<std::string> known = ObjectKinds();
+  Problems::Scope objects(problems, "task.objects");
+  for (size_t i = 0; i < run.task.objects.size(); ++i) {
+    const std::string& kind = run.task.objects.names[i];
+    if (std::find(known.begin(), known.end(), kind) != known.end()) continue;
+    Problems::Scope item(problems, i);
+    problems.Add(NoSuchName("task", "kind", kind, known));
+  }
+}
+
+// Problems of the fields alone.
+Problems FieldProblems(const RunConfig& run) {
+  Problems problems(run.sources.get());
+  ValidateFields(run, problems);
+  CheckStreams(run, problems);
+  CheckKinds(run, problems);
+  return problems;
+}
+
+std::string Title(const RunConfig& run) { return "run '" + run.run + "'"; }
+
+// The checks that need a compiled scene: the first of the run, with its robot and one object of
+// each kind.
+class SceneCheck {
+ public:
+  SceneCheck(const RunConfig& run, const RunDemands& demands, Problems& problems)
+      : run_(run), demands_(demands), problems_(problems) {}
+
+  void Run() {
+    PickTaskSampler sampler(run_);
+    std::vector<SceneSpec> bases;
+    for (const int scene : SceneIndices(run_)) {
+      if (!Try("scenes", [&] { bases.push_back(sampler.MakeBaseScene(scene)); })) return;
+    }
+    if (!Try("scenes", [&] { FindSupport(bases.front()); })) return;
+    std::optional<Scene> scene;
+    if (!Try("robot", [&] { scene = Scene::Build(WithContents(bases.front())); })) return;
+    CheckCameras(*scene);
+    std::optional<Robot> robot;
+    if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
+    Try("robot", [&] { CheckColumns(*scene, *robot); });
+    if (demands_.scripted_expert) Try("robot", [&] { CheckForExpert(*scene, *robot); });
+  }
+
+ private:
+  // Runs a check; what it throws becomes a problem of the field.
+  template <class F>
+  bool Try(const char* field, F&& check) {
+    try {
+      check();
+      return true;
+    } catch (const IoError&) {
+      throw;  // of the disk, not of the spec
+    } catch (const Error& error) {
+      problems_.AddAt(field, error.what());
+      return false;
+    }
+  }
+
+  SceneSpec WithContents(SceneSpec spec) const {
+    Rng rng = Rng::Stream(0, "check");
+    const std::vector<std::string> kinds = ObjectKindsOf(run_);
+    for (size_t i = 0; i < kinds.size(); ++i) {
+      SceneObject object = MakeCatalogueObject(kinds[i], fmt::format("object_{}", i), rng);
+      object.pos = Vec3{10.0 + static_cast<double>(i), 0, 1};
+      spec.objects.push_back(object);
+    }
+    spec.robots.push_back({.name = run_.robot.config.name,
+                           .config = run_.robot.config,
+                           .prefix = "robot_0/",
+                           .pos = Vec3{20, 10, 1}});
+    return spec;
+  }
+
+  void CheckCameras(const Scene& scene) {
+    for (size_t i = 0; i < run_.cameras.streams.size(); ++i) {
+      Problems::Scope streams(problems_, "cameras.streams");
+      Problems::Scope item(problems_, i);
+      Try("camera", [&] { FindCameraName(scene, run_.cameras.streams[i]); });
+    }
+  }
+
+  // Names of joints and sensors become paths in steps.h5: not every name can.
+  void CheckColumns(const Scene& scene, const Robot& robot) const {
+    EpisodeSchema schema;
+    SceneColumns columns(schema, scene, {}, {});
+    SensorColumns sensors(schema, scene);
+    RobotColumns of_robot(schema, robot);
+  }
+
+  // PickPlanner: an arm, a gripper that can be measured, a base that can be put somewhere.
+  void CheckForExpert(const Scene& scene, Robot& robot) const {
+    robot.arm();
+    robot.base().SetPose(robot.base().pose());
+    if (!GripperShape::Supports(robot.gripper())) {
+      throw SpecError(
+          "the scripted expert needs a gripper with two fingers that actuators move; bring an "
+          "expert of your own for this one");
+    }
+    GripperShape::Of(robot.config(), run_.options, scene.timestep());
+  }
+
+  const RunConfig& run_;
+  const RunDemands& demands_;
+  Problems& problems_;
+};
+
+}  // namespace
+
+void CheckRunFields(const RunConfig& run) { FieldProblems(run).Throw(Title(run)); }
+
+void CheckRun(const RunConfig& run, const RunDemands& demands) {
+  Problems problems = FieldProblems(run);
+  problems.Throw(Title(run));
+  SceneCheck(run, demands, problems).Run();
+  problems.Throw(Title(run));
+}
+
+}  // namespace robocell

@@ -1,0 +1,106 @@
+#include "robocell/datagen/check_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/menagerie.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+RunConfig Demo() {
+  RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+  run.sources = nullptr;
+  return run;
+}
+
+TEST(CheckRun, TheExamplesPass) {
+  EXPECT_NO_THROW(CheckRun(Demo()));
+  REQUIRE_MENAGERIE("ufactory_xarm7");
+  EXPECT_NO_THROW(
+      CheckRun(RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/xarm7_pick.yaml")));
+}
+
+TEST(CheckRun, StreamsThatCannotBeRecordedAreToldAllAtOnce) {
+  RunConfig run = Demo();
+  run.cameras.streams[0].depth = true;
+  run.cameras.streams[1].rate = 5;
+  const std::string text =
+      ExpectThrow<SpecError>([&] { CheckRun(run); }, "depth cannot be recorded yet");
+  EXPECT_THAT(text, HasSubstr("cameras.streams[0].depth"));
+  EXPECT_THAT(text, HasSubstr("cameras.streams[1].rate"));
+}
+
+TEST(CheckRun, AnUnknownKindIsToldWithTheNearest) {
+  RunConfig run = Demo();
+  run.task.objects.names = {"box", "mgu"};
+  const std::string text =
+      ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.objects[1]: task: no kind 'mgu'");
+  EXPECT_THAT(text, HasSubstr("Did you mean 'mug'?"));
+}
+
+TEST(CheckRun, AnUnknownCameraIsToldWithNamesAsTheyAreWritten) {
+  RunConfig run = Demo();
+  run.cameras.streams[0].camera = "wirst_camera";
+  const std::string text =
+      ExpectThrow<SpecError>([&] { CheckRun(run); }, "cameras.streams[0].camera: ");
+  EXPECT_THAT(text, HasSubstr("no camera 'wirst_camera'"));
+  EXPECT_THAT(text, HasSubstr("Did you mean 'wrist_camera'?"));
+  EXPECT_THAT(text, Not(HasSubstr("robot_0/")));
+}
+
+TEST(CheckRun, TheFilesLinesAreNamed) {
+  TempDir folder;
+  AtomicWrite(folder / "run.yaml",
+              "run: lines\n"
+              "robot: " ROBOCELL_SOURCE_DIR
+              "/models/robots/rc7/rc7.yaml\n"
+              "output: out\n"
+              "task:\n"
+              "  objects: [box]\n"
+              "cameras:\n"
+              "  streams:\n"
+              "    - {name: a, camera: wrist_camera}\n"
+              "    - {name: b, camera: nowhere}\n");
+  const std::string file = (folder / "run.yaml").string();
+  ExpectThrow<SpecError>([&] { CheckRun(RunConfig::Load(file)); },
+                         file + ":9:25: cameras.streams[1].camera: ");
+  RunConfig wrong = RunConfig::Load(file);
+  wrong.task.objects.names = {"bix"};
+  ExpectThrow<SpecError>([&] { CheckRun(wrong); }, file + ":5:");
+}
+
+TEST(CheckRun, ARobotThatDoesNotCompileIsTold) {
+  RunConfig run = Demo();
+  run.robot.config.model = "rc8.xml";
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "rc8.xml");
+}
+
+TEST(CheckRun, ASceneWithoutATableIsTold) {
+  RunConfig run = Demo();
+  TempDir folder;
+  AtomicWrite(folder / "bare.xml", "<mujoco><worldbody><site name='floor'/></worldbody></mujoco>");
+  run.scenes.files = {(folder / "bare.xml").string()};
+  run.scenes.source = SceneSourceKind::kFiles;
+  ExpectThrow<SpecError>([&] { CheckRun(run); },
+                         "scenes: scene 'demo': where should objects stand");
+}
+
+TEST(CheckRun, WhatTheScriptedExpertNeedsIsAskedOfItsRunsOnly) {
+  RunConfig run = Demo();
+  run.robot.config.base.kind = BaseKind::kFixed;
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "a fixed base cannot be moved");
+  EXPECT_NO_THROW(CheckRun(run, {.scripted_expert = false}));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,118 @@
+#include "robocell/datagen/run_inputs.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+
+#include "robocell/assets/resolve.h"
+#include "robocell/base/hash.h"
+#include "robocell/base/version.h"
+#include "robocell/datagen/model_files.h"
+#include "robocell/datagen/plan.h"
+#include "robocell/task/catalogue.h"
+#include "robocell/task/pick_sampler.h"
+
+namespace robocell {
+namespace {
+
+using Texts = std::map<std::string, std::string>;
+
+void AddModel(Texts& files, const std::string& name, const std::string& directory) {
+  for (const auto& [file, path] : ModelFiles(assets::Resolve(name, directory)))
+    files[file] = Sha256File(path);
+}
+
+Texts FilesOf(const RunConfig& run) {
+  Texts files;
+  const RobotConfig& robot = run.robot.config;
+  AddModel(files, robot.model, robot.source_dir);
+  for (const AttachmentSpec& attachment : robot.attachments)
+    AddModel(files, attachment.mjcf_path, robot.source_dir);
+  PickTaskSampler sampler(run);
+  for (const int scene : SceneIndices(run)) {
+    const SceneSpec spec = sampler.MakeBaseScene(scene);
+    if (spec.base) AddModel(files, *spec.base, spec.source_dir);
+  }
+  for (const std::string& kind : ObjectKindsOf(run)) {
+    Rng rng = Rng::Stream(0, "model files");
+    const SceneObject object = MakeCatalogueObject(kind, kind, rng);
+    if (!object.shape) AddModel(files, object.mjcf_path, "");
+  }
+  return files;
+}
+
+// The leaves of a tree by their dotted paths; a list of plain values is one leaf.
+void Flatten(const YAML::Node& node, const std::string& path, Texts& out) {
+  if (node.IsMap()) {
+    for (const auto& entry : node) {
+      const std::string key = entry.first.Scalar();
+      Flatten(entry.second, path.empty() ? key : path + "." + key, out);
+    }
+    return;
+  }
+  bool plain = true;
+  for (const auto& item : node) plain &= !node.IsSequence() || item.IsScalar();
+  if (node.IsSequence() && !plain) {
+    for (size_t i = 0; i < node.size(); ++i) Flatten(node[i], fmt::format("{}[{}]", path, i), out);
+    return;
+  }
+  YAML::Emitter text;
+  text << YAML::Flow << node;
+  out[path] = text.c_str();
+}
+
+Texts Leaves(const std::string& identity) {
+  Texts leaves;
+  try {
+    Flatten(YAML::Load(identity), "", leaves);
+  } catch (const YAML::Exception&) {
+    leaves["identity"] = identity;  // not ours: all of it differs
+  }
+  return leaves;
+}
+
+// Calls f(key, old, new) where they differ, in the order of the keys; null for what is not there.
+template <class F>
+void ForEachDifference(const Texts& then, const Texts& now, F&& f) {
+  Texts keys = then;
+  keys.insert(now.begin(), now.end());
+  for (const auto& [key, text] : keys) {
+    const auto a = then.find(key), b = now.find(key);
+    if (a != then.end() && b != now.end() && a->second == b->second) continue;
+    f(key, a == then.end() ? nullptr : &a->second, b == now.end() ? nullptr : &b->second);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> ObjectKindsOf(const RunConfig& run) {
+  return run.task.objects.empty() ? ObjectKinds() : run.task.objects.names;
+}
+
+RunInputs InputsOf(const RunConfig& run) {
+  return {.identity = RunIdentity(run),
+          .versions = {{"robocell", std::string(Version())}, {"mujoco", mj_versionString()}},
+          .files = FilesOf(run)};
+}
+
+std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now) {
+  std::vector<std::string> lines;
+  const auto both = [&](const std::string& key, const std::string* a, const std::string* b) {
+    lines.push_back(
+        fmt::format("{}: {} then, {} now", key, a ? *a : "not set", b ? *b : "not set"));
+  };
+  ForEachDifference(Leaves(then.identity), Leaves(now.identity), both);
+  ForEachDifference(then.versions, now.versions, both);
+  ForEachDifference(then.files, now.files,
+                    [&](const std::string& key, const std::string* a, const std::string* b) {
+                      lines.push_back(fmt::format("model file {}: {}", key,
+                                                  !a   ? "new since then"
+                                                  : !b ? "no longer used or gone"
+                                                       : "changed since then"));
+                    });
+  return lines;
+}
+
+}  // namespace robocell

@@ -1,0 +1,31 @@
+// What the episodes of a run are made from: its configuration, the files of its models, and the
+// versions that compute them. A dataset remembers them and refuses to become a mixture.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "robocell/spec/run_config.h"
+
+namespace robocell {
+
+struct RunInputs {
+  std::string identity;                         // RunIdentity
+  std::map<std::string, std::string> versions;  // "mujoco" -> "4.0.0"
+  std::map<std::string, std::string> files;     // "rc7/rc7.xml" -> SHA-256
+};
+
+// Kinds of objects that may stand in the run's scenes: those of the task, else the whole catalogue.
+std::vector<std::string> ObjectKindsOf(const RunConfig& run);
+
+// Of the robot with its attachments, the scenes and the objects that the task may use.
+// NotFoundError for models that are not there.
+RunInputs InputsOf(const RunConfig& run);
+
+// What differs, one line each: "task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now",
+// "mujoco: 3.9.0 then, 4.0.0 now", "model file rc7/rc7.xml: changed since then". Empty when nothing
+// does.
+std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now);
+
+}  // namespace robocell

@@ -1,0 +1,84 @@
+#include "robocell/datagen/run_inputs.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "robocell/base/files.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+using ::testing::Key;
+using ::testing::Not;
+using ::testing::UnorderedElementsAre;
+
+RunConfig Demo() {
+  return RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+}
+
+TEST(RunInputs, AreTheModelsOfRobotSceneAndObjects) {
+  RunConfig run = Demo();
+  const RunInputs all = InputsOf(run);
+  EXPECT_THAT(all.files, Contains(Key("rc7/rc7.xml")));
+  EXPECT_THAT(all.files, Contains(Key("scenes/tabletop.xml")));
+  EXPECT_THAT(all.files, Contains(Key("mug/mug.xml")));
+  run.task.objects.names = {"box"};
+  EXPECT_THAT(InputsOf(run).files, Not(Contains(Key("mug/mug.xml"))));
+  EXPECT_THAT(all.versions, UnorderedElementsAre(Key("robocell"), Key("mujoco")));
+  EXPECT_THAT(Differences(all, InputsOf(Demo())), IsEmpty());
+}
+
+TEST(RunInputs, AreTheSameForOtherWorkersOutputsAndMoreEpisodes) {
+  RunConfig run = Demo();
+  const RunInputs before = InputsOf(run);
+  run.workers = 7;
+  run.output = "elsewhere";
+  run.episodes_per_scene = 1000;
+  run.episodes = 3;
+  EXPECT_THAT(Differences(before, InputsOf(run)), IsEmpty());
+}
+
+TEST(RunInputs, ADifferentFieldIsToldByItsPathWithBothValues) {
+  RunConfig run = Demo();
+  const RunInputs before = InputsOf(run);
+  run.task.base_distance = {0.2, 0.5};
+  run.seed = 7;
+  run.cameras.streams[0].name = "hand";
+  run.robot.config.stiffness = 20;
+  EXPECT_THAT(Differences(before, InputsOf(run)),
+              ElementsAre("cameras.streams[0].name: wrist then, hand now",
+                          "robot.stiffness: not set then, 20 now", "seed: 0 then, 7 now",
+                          "task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now"));
+}
+
+TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
+  TempDir temp;
+  fs::create_directory(temp / "rc7");
+  RunConfig run = Demo();
+  fs::copy(fs::path(ROBOCELL_SOURCE_DIR) / "models/robots/rc7", temp / "rc7",
+           fs::copy_options::recursive);
+  run.robot.config.source_dir = (temp / "rc7").string();
+  RunInputs before = InputsOf(run);
+  const fs::path model = temp / "rc7/rc7.xml";
+  AtomicWrite(model, ReadFile(model) + "<!-- another -->\n");
+  EXPECT_THAT(Differences(before, InputsOf(run)),
+              ElementsAre("model file rc7/rc7.xml: changed since then"));
+  before = InputsOf(run);
+  before.versions["mujoco"] = "3.9.0";
+  before.files.erase("rc7/rc7.xml");
+  before.files["rc7/old.stl"] = "0";
+  EXPECT_THAT(
+      Differences(before, InputsOf(run)),
+      ElementsAre("mujoco: 3.9.0 then, 4.0.0 now", "model file rc7/old.stl: no longer used or gone",
+                  "model file rc7/rc7.xml: new since then"));
+}
+
+}  // namespace
+}  // namespace robocell
