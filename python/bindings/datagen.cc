@@ -8,6 +8,9 @@
 #include <memory>
 
 #include "bindings.h"
+#include "python_owner.h"
+#include "signals.h"
+#include "robocell/base/error.h"
 #include "robocell/datagen/check_run.h"
 #include "robocell/datagen/on_disk.h"
 #include "robocell/datagen/plan.h"
@@ -51,44 +54,20 @@ void BindReport(nb::module_& m) {
       });
 }
 
-// An expert that a Python object implements: keeps the object and forwards to it.
-class BorrowedExpert : public Expert {
- public:
-  explicit BorrowedExpert(nb::object object)
-      : object_(std::move(object)), expert_(nb::cast<Expert*>(object_)) {}
-  ~BorrowedExpert() override {
-    nb::gil_scoped_acquire gil;
-    object_.reset();
-  }
-  void Begin(const Scene& scene, Rng& rng) override { expert_->Begin(scene, rng); }
-  Action Act(const Scene& scene, Rng& rng) override { return expert_->Act(scene, rng); }
-  bool done() const override { return expert_->done(); }
-  std::string failure() const override { return expert_->failure(); }
-  int phase() const override { return expert_->phase(); }
-  std::vector<std::string> phase_names() const override { return expert_->phase_names(); }
-
- private:
-  nb::object object_;
-  Expert* expert_;
-};
-
-// The factory outlives no call of Runner, but the runner may be destroyed without the GIL.
+// The factory's arguments and what it makes may be kept: the arguments are copies that share scene
+// and task, the expert lives as long as either side uses it.
 RunnerParts PartsWithExpert(nb::object make_expert) {
   if (make_expert.is_none()) return {};
-  auto* held = new nb::object(std::move(make_expert));
-  const std::shared_ptr<nb::object> factory(held, [](nb::object* o) {
-    nb::gil_scoped_acquire gil;
-    delete o;
-  });
   RunnerParts parts;
-  parts.expert = [factory](const RunConfig& run, const EpisodeStart& start) {
-    nb::gil_scoped_acquire gil;
-    nb::object made = (*factory)(nb::cast(run), nb::cast(&start, nb::rv_policy::reference));
+  parts.expert = [factory = KeepAlive(std::move(make_expert))](const RunConfig& run,
+                                                               const EpisodeStart& start) {
+    const nb::gil_scoped_acquire gil;
+    nb::object made = ObjectOf(factory)(nb::cast(run), nb::cast(start));
     if (!nb::isinstance<Expert>(made)) {
       throw ArgumentError("Runner: expert() must return an Expert, got " +
                           nb::cast<std::string>(nb::repr(made)));
     }
-    return std::unique_ptr<Expert>(std::make_unique<BorrowedExpert>(std::move(made)));
+    return Shared<Expert>(std::move(made));
   };
   return parts;
 }
@@ -96,8 +75,7 @@ RunnerParts PartsWithExpert(nb::object make_expert) {
 void BindStart(nb::module_& m) {
   nb::class_<EpisodeStart>(m, "EpisodeStart", "Where and with what an episode starts.")
       .def_ro("scene", &EpisodeStart::scene)
-      .def_prop_ro(
-          "task", [](EpisodeStart& s) { return s.task.get(); }, nb::rv_policy::reference_internal)
+      .def_ro("task", &EpisodeStart::task)
       .def_ro("target_object", &EpisodeStart::target_object)
       .def_ro("object_kinds", &EpisodeStart::object_kinds)
       .def_ro("base_in_world", &EpisodeStart::base_in_world);
@@ -170,11 +148,17 @@ void BindDatagen(nb::module_& m) {
           "`expert`: a function (run, start) -> Expert that replaces the scripted one.")
       .def(
           "run",
-          [](Runner& runner, const PlanItem& item, const StopFlag* stop) {
-            return runner.Run(item, stop ? &stop->value : nullptr);
+          [](Runner& runner, const PlanItem& item, const StopFlag* flag) {
+            SignalPoll poll;
+            return runner.Run(item, [&] {
+              poll();
+              return flag && flag->value;
+            });
           },
           "item"_a, "stop"_a = nb::none(), nb::call_guard<nb::gil_scoped_release>(),
-          "Tries attempts until an episode is kept; returns an EpisodeReport.");
+          "Tries attempts until an episode is kept; returns an EpisodeReport. Ctrl-C ends it "
+          "within "
+          "an action;\nepisodes that were kept before stay.");
 }
 
 }  // namespace robocell::python

@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "signals.h"
 #include "robocell/kinematics/ik_batch.h"
 
 namespace nb = nanobind;
@@ -30,6 +31,7 @@ IkResult SolveIk(const Kinematics& k, const Pose& target, nb::handle seed,
   if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
   const std::vector<std::string> locked = LockedNames(k.robot, locked_groups);
   if (!locked.empty()) options.locked = LockJoints(k.robot.chain(), locked);
+  const nb::gil_scoped_release release;
   return k.robot.Ik(target, options);
 }
 
@@ -40,9 +42,10 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
       seeds.is_none() ? k.robot.arm().joint_pos() : ToDoubles(seeds, "seeds");
   IkBatchResult result;
   {
-    nb::gil_scoped_release release;
+    const nb::gil_scoped_release release;
+    SignalPoll poll;
     result = IkBatch(k.robot.chain(), poses, seed_values,
-                     {.ik = {.tolerance = tolerance}, .threads = threads});
+                     {.ik = {.tolerance = tolerance}, .threads = threads, .poll = [&] { poll(); }});
   }
   const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
   nb::object make = nb::module_::import_("types").attr("SimpleNamespace");
@@ -114,6 +117,7 @@ void BindKinematics(nb::module_& m) {
            "rotation_error and iterations. An answer does not depend on the batch it is in.")
       .def_prop_ro(
           "reach", [](const Kinematics& k) { return k.robot.reach(); },
+          nb::call_guard<nb::gil_scoped_release>(),
           "Farthest the TCP gets from the root body, metres.");
 }
 

@@ -2,112 +2,161 @@
 
 #include <algorithm>
 
-#include "arrays.h"
 #include "robocell/base/error.h"
+#include "robocell/base/names.h"
 
 namespace robocell::python {
 namespace {
 
-// "MyGroup.get_joint_pos: expected 7 values, got 3".
-void Copy(nb::handle self, const char* method, const std::vector<double>& values,
-          std::span<double> out) {
-  if (values.size() != out.size()) {
-    throw ArgumentError(nb::cast<std::string>(nb::str(self.type().attr("__name__"))) + "." +
-                        method + ": expected " + std::to_string(out.size()) + " values, got " +
-                        std::to_string(values.size()));
-  }
-  std::copy(values.begin(), values.end(), out.begin());
+std::string ClassName(nb::handle self) {
+  return nb::cast<std::string>(nb::str(self.type().attr("__name__")));
+}
+
+template <class T>
+T As(nb::handle self, const char* method, const char* expected, nb::handle value) {
+  T out{};
+  if (nb::try_cast(value, out)) return out;
+  throw ArgumentError(ClassName(self) + "." + method + " must return " + expected + ", got " +
+                      nb::cast<std::string>(nb::repr(value)));
+}
+
+template <class T>
+T Returned(nb::handle self, const char* method, const char* expected) {
+  const nb::gil_scoped_acquire gil;
+  return As<T>(self, method, expected, group_call::Method(self, method)());
+}
+
+nb::object Array(std::span<const double> values) {
+  return NewArray<double>(values, {values.size()});
 }
 
 }  // namespace
 
-nb::object PyMoveGroup::Call(const char* method) const {
-  nb::handle self = nb_trampoline.base();
-  if (!nb::hasattr(self, method)) {
-    throw Error("a MoveGroup written in Python must define " + std::string(method) + "(); " +
-                nb::cast<std::string>(nb::str(self.type().attr("__name__"))) + " does not");
+namespace group_call {
+
+bool Has(nb::handle self, const char* name) {
+  const nb::gil_scoped_acquire gil;
+  return nb::hasattr(self, name);
+}
+
+nb::object Method(nb::handle self, const char* name) {
+  if (nb::hasattr(self, name)) return self.attr(name);
+  throw Error("a group written in Python must define " + std::string(name) + "(); " +
+              ClassName(self) + " does not");
+}
+
+void Copy(nb::handle self, const char* name, nb::handle numbers, std::span<double> out) {
+  const std::vector<double> values = ToDoubles(numbers, name);
+  if (values.size() != out.size()) {
+    throw ArgumentError(ClassName(self) + "." + name + ": expected " + std::to_string(out.size()) +
+                        " values, got " + std::to_string(values.size()));
   }
-  return self.attr(method);
+  std::copy(values.begin(), values.end(), out.begin());
 }
 
-void PyMoveGroup::Get(const char* method, std::span<double> out) const {
-  nb::gil_scoped_acquire gil;
-  Copy(nb_trampoline.base(), method, ToDoubles(Call(method)(), method), out);
+void Get(nb::handle self, const char* name, std::span<double> out) {
+  const nb::gil_scoped_acquire gil;
+  Copy(self, name, Method(self, name)(), out);
 }
 
-void PyMoveGroup::Set(const char* method, std::span<const double> values) {
-  nb::gil_scoped_acquire gil;
-  Call(method)(NewArray<double>(values, {values.size()}));
+void Set(nb::handle self, const char* name, std::span<const double> values) {
+  const nb::gil_scoped_acquire gil;
+  Method(self, name)(Array(values));
 }
 
-std::vector<Interval> PyMoveGroup::Intervals(const char* method) const {
-  nb::gil_scoped_acquire gil;
-  const std::vector<double> flat = ToDoubles(Call(method)(), method);
+int Count(nb::handle self, const char* name) {
+  const nb::gil_scoped_acquire gil;
+  return static_cast<int>(ToDoubles(Method(self, name)(), name).size());
+}
+
+double Number(nb::handle self, const char* name) {
+  return Returned<double>(self, name, "a number");
+}
+
+std::vector<Interval> Intervals(nb::handle self, const char* name) {
+  const nb::gil_scoped_acquire gil;
+  const std::vector<double> flat = ToDoubles(Method(self, name)(), name);
   std::vector<Interval> intervals;
   for (size_t i = 0; i + 1 < flat.size(); i += 2) intervals.push_back({flat[i], flat[i + 1]});
   return intervals;
 }
 
-Pose PyMoveGroup::Frame(const char* method) const {
-  nb::gil_scoped_acquire gil;
-  return nb::cast<Pose>(Call(method)());
+Pose Frame(nb::handle self, const char* name) { return Returned<Pose>(self, name, "a Pose"); }
+
+std::string Text(nb::handle self, const char* name) {
+  return Returned<std::string>(self, name, "a text");
 }
 
-const std::string& PyMoveGroup::name() const {
-  nb::gil_scoped_acquire gil;
-  return name_ = nb::cast<std::string>(Call("get_name")());
+std::vector<std::string> Texts(nb::handle self, const char* name) {
+  return Returned<std::vector<std::string>>(self, name, "a list of texts");
 }
 
-MoveGroupKind PyMoveGroup::kind() const { return MoveGroupKind::kGeneric; }
-
-int PyMoveGroup::nq() const {
-  nb::gil_scoped_acquire gil;
-  return static_cast<int>(ToDoubles(Call("get_joint_pos")(), "get_joint_pos").size());
+MoveGroupKind Kind(nb::handle self, MoveGroupKind otherwise) {
+  const nb::gil_scoped_acquire gil;
+  if (!Has(self, "get_kind")) return otherwise;
+  const nb::object said = Method(self, "get_kind")();
+  MoveGroupKind kind{};
+  if (nb::try_cast(said, kind)) return kind;
+  const auto name = As<std::string>(self, "get_kind", "a MoveGroupKind or its name", said);
+  std::vector<std::string> names;
+  for (const auto& [value, text] : EnumNames<MoveGroupKind>::kNames) {
+    if (name == text) return value;
+    names.emplace_back(text);
+  }
+  throw NotFoundError(NoSuchName(ClassName(self) + ".get_kind", "kind", name, names));
 }
 
-int PyMoveGroup::nv() const {
-  nb::gil_scoped_acquire gil;
-  return static_cast<int>(ToDoubles(Call("get_joint_vel")(), "get_joint_vel").size());
+void CtrlForJointPos(nb::handle self, std::span<const double> q, std::span<double> ctrl) {
+  const nb::gil_scoped_acquire gil;
+  const char* name = "ctrl_for_joint_pos";
+  Copy(self, name, Method(self, name)(Array(q)), ctrl);
 }
 
-int PyMoveGroup::nu() const {
-  nb::gil_scoped_acquire gil;
-  return static_cast<int>(ToDoubles(Call("get_ctrl")(), "get_ctrl").size());
+void Integrate(nb::handle self, std::span<double> q, std::span<const double> v) {
+  const nb::gil_scoped_acquire gil;
+  Copy(self, "integrate", Method(self, "integrate")(Array(q), Array(v)), q);
 }
 
-const std::vector<std::string>& PyMoveGroup::joint_names() const {
-  nb::gil_scoped_acquire gil;
-  return joint_names_ = nb::cast<std::vector<std::string>>(Call("get_joint_names")());
-}
-
-const std::vector<std::string>& PyMoveGroup::actuator_names() const {
-  nb::gil_scoped_acquire gil;
-  return actuator_names_ = nb::cast<std::vector<std::string>>(Call("get_actuator_names")());
-}
-
-void PyMoveGroup::CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const {
-  nb::gil_scoped_acquire gil;
-  const char* method = "ctrl_for_joint_pos";
-  Copy(nb_trampoline.base(), method,
-       ToDoubles(Call(method)(NewArray<double>(q, {q.size()})), method), ctrl);
-}
-
-void PyMoveGroup::Integrate(std::span<double> q, std::span<const double> v) const {
-  nb::gil_scoped_acquire gil;
-  const char* method = "integrate";
-  const nb::object moved =
-      Call(method)(NewArray<double>(q, {q.size()}), NewArray<double>(v, {v.size()}));
-  Copy(nb_trampoline.base(), method, ToDoubles(moved, method), q);
-}
-
-void PyMoveGroup::Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {
-  nb::gil_scoped_acquire gil;
+void Jacobian(nb::handle self, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) {
   std::vector<double> flat(6 * static_cast<size_t>(out.cols()));
-  Copy(nb_trampoline.base(), "get_jacobian", ToDoubles(Call("get_jacobian")(), "get_jacobian"),
-       flat);
+  Get(self, "get_jacobian", flat);
   for (int r = 0; r < 6; ++r) {
     for (int c = 0; c < out.cols(); ++c) out(r, c) = flat[static_cast<size_t>(r * out.cols() + c)];
   }
 }
+
+}  // namespace group_call
+
+void PyGripperGroup::SetOpening(double opening) {
+  const nb::gil_scoped_acquire gil;
+  group_call::Method(self(), "set_opening")(opening);
+}
+
+double PyGripperGroup::ctrl_for_opening(double opening) const {
+  const nb::gil_scoped_acquire gil;
+  const char* name = "ctrl_for_opening";
+  return As<double>(self(), name, "a number", group_call::Method(self(), name)(opening));
+}
+
+Interval PyGripperGroup::inter_finger_dist_range() const {
+  std::vector<double> range(2);
+  Get("get_inter_finger_dist_range", range);
+  return {range[0], range[1]};
+}
+
+bool PyGripperGroup::is_open() const { return Returned<bool>(self(), "get_is_open", "a bool"); }
+
+bool PyGripperGroup::is_grasping(const std::string& body) const {
+  const nb::gil_scoped_acquire gil;
+  const char* name = "get_is_grasping";
+  return As<bool>(self(), name, "a bool", group_call::Method(self(), name)(body));
+}
+
+void PyBaseGroup::SetPose(const Pose& pose_in_world) {
+  const nb::gil_scoped_acquire gil;
+  group_call::Method(self(), "set_pose")(pose_in_world);
+}
+
+bool PyBaseGroup::is_mobile() const { return Returned<bool>(self(), "get_is_mobile", "a bool"); }
 
 }  // namespace robocell::python

@@ -15,12 +15,14 @@ int ReleaseAbandonedPending(void*) {
 }
 
 struct Release {
-  void operator()(void* object) const noexcept {
+  PyObject* object;  // also found through a pointer that refers to something in it
+
+  void operator()(void*) const noexcept {
     if (!Py_IsInitialized()) return;
-    if (PyGILState_Check()) return Py_DECREF(static_cast<PyObject*>(object));
+    if (PyGILState_Check()) return Py_DECREF(object);
     {
       const std::lock_guard<std::mutex> lock(mutex);
-      abandoned.push_back(static_cast<PyObject*>(object));
+      abandoned.push_back(object);
     }
     Py_AddPendingCall(&ReleaseAbandonedPending,
                       nullptr);  // when its queue is full, a later call does it
@@ -36,7 +38,8 @@ auto& Slots() {
 }  // namespace
 
 Callback::Callback(nb::object callable) : slot_(std::make_shared<Slot>()) {
-  slot_->callable = {callable.release().ptr(), Release()};
+  PyObject* object = callable.release().ptr();
+  slot_->callable = {object, Release{object}};
   std::erase_if(Slots(), [](const auto& slot) { return slot.expired(); });
   Slots().push_back(slot_);
 }
@@ -54,12 +57,18 @@ void ReleaseCallbacks() {
 }
 
 std::shared_ptr<void> KeepAlive(nb::object object) {
-  return {static_cast<void*>(object.release().ptr()), Release()};
+  PyObject* held = object.release().ptr();
+  return {static_cast<void*>(held), Release{held}};
+}
+
+PyObject* TargetOf(const std::shared_ptr<void>& keeper) {
+  const Release* release = keeper ? std::get_deleter<Release>(keeper) : nullptr;
+  return release ? release->object : nullptr;
 }
 
 nb::object ObjectOf(const std::shared_ptr<void>& keeper) {
-  if (!keeper || !std::get_deleter<Release>(keeper)) return {};
-  return nb::borrow(static_cast<PyObject*>(keeper.get()));
+  PyObject* object = TargetOf(keeper);
+  return object ? nb::borrow(object) : nb::object();
 }
 
 void ReleaseAbandoned() {

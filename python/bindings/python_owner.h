@@ -17,6 +17,16 @@ std::shared_ptr<void> KeepAlive(nb::object object);
 
 // The object of such a keeper; invalid for any other pointer.
 nb::object ObjectOf(const std::shared_ptr<void>& keeper);
+// The same without a reference; null for any other pointer. Needs no GIL.
+PyObject* TargetOf(const std::shared_ptr<void>& keeper);
+
+// The C++ object that a Python object holds (an instance of a class bound here, or of a Python
+// subclass of one), as C++ keeps it: the Python object lives as long.
+template <class T>
+std::shared_ptr<T> Shared(nb::object object) {
+  T* held = nb::cast<T*>(object);
+  return {KeepAlive(std::move(object)), held};
+}
 
 // A reference to a Python callable from C++. The collector does not see it, so a cycle through it
 // may live until the interpreter ends; then it is let go of, and calls do nothing.

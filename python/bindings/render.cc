@@ -148,7 +148,8 @@ void BindVideo(nb::module_& m) {
           "__init__",
           [](SceneRecorder* self, const Scene& scene, const std::filesystem::path& path, int width,
              int height, int fps) { new (self) SceneRecorder(scene, path, width, height, fps); },
-          "scene"_a, "path"_a, "width"_a = 1280, "height"_a = 720, "fps"_a = 60)
+          "scene"_a, "path"_a, "width"_a = 1280, "height"_a = 720, "fps"_a = 60,
+          nb::call_guard<nb::gil_scoped_release>())
       .def_static(
           "open_preset",
           [](const Scene& scene, const std::filesystem::path& path, VideoResolution resolution,
@@ -156,7 +157,8 @@ void BindVideo(nb::module_& m) {
             const VideoSize size = SizeOf(resolution);
             return std::make_unique<SceneRecorder>(scene, path, size.width, size.height, fps);
           },
-          "scene"_a, "path"_a, "resolution"_a = VideoResolution::kR720p, "fps"_a = 60)
+          "scene"_a, "path"_a, "resolution"_a = VideoResolution::kR720p, "fps"_a = 60,
+          nb::call_guard<nb::gil_scoped_release>())
       .def(
           "use_camera",
           [](SceneRecorder& r, const std::string& name) { r.recorder.UseCamera(name); }, "name"_a)
@@ -200,7 +202,7 @@ void BindRender(nb::module_& m) {
             new (self) SceneRenderer(scene, shadows, multisamples, reflections, gl);
           },
           "scene"_a, "shadows"_a = false, "multisamples"_a = 0, "reflections"_a = false,
-          "gl"_a = "auto")
+          "gl"_a = "auto", nb::call_guard<nb::gil_scoped_release>())
       .def("render", &Render, "camera"_a, "width"_a = 320, "height"_a = 240, "rgb"_a = true,
            "depth"_a = false, "segmentation"_a = false,
            "frames"_a = std::vector<std::pair<std::string, Pose>>{}, "frame_length"_a = 0.1,
@@ -214,14 +216,18 @@ void BindRender(nb::module_& m) {
       "write_png",
       [](const std::filesystem::path& path,
          nb::ndarray<const uint8_t, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu> rgb) {
-        WritePng(path, RgbImage{static_cast<int>(rgb.shape(1)),
-                                static_cast<int>(rgb.shape(0)),
-                                {rgb.data(), rgb.data() + rgb.size()}});
+        const RgbImage image{static_cast<int>(rgb.shape(1)),
+                             static_cast<int>(rgb.shape(0)),
+                             {rgb.data(), rgb.data() + rgb.size()}};
+        const nb::gil_scoped_release release;
+        WritePng(path, image);
       },
       "path"_a, "rgb"_a, "Writes a colour image, uint8 (H, W, 3).");
   m.def(
-      "describe_gl", [] { return DescribeGl(); },
-      "What draws on this machine; Error names everything that was tried.");
+      "describe_gl", [] { return DescribeGl(); }, nb::call_guard<nb::gil_scoped_release>(),
+      "What draws on this machine. Raises an Error that names everything that was tried when "
+      "nothing "
+      "does.");
   BindVideo(m);
 }
 

@@ -5,6 +5,9 @@
 #include "bindings.h"
 #include "kinematics.h"
 #include "move_group_trampoline.h"
+#include "python_owner.h"
+#include "robot_cycles.h"
+#include "signals.h"
 #include "robocell/env/stepper.h"
 #include "robocell/robot/robot.h"
 
@@ -13,6 +16,8 @@ using namespace nb::literals;
 
 namespace robocell::python {
 namespace {
+
+using Unlocked = nb::call_guard<nb::gil_scoped_release>;
 
 nb::object IntervalArray(const std::vector<Interval>& intervals) {
   std::vector<double> flat;
@@ -30,63 +35,38 @@ nb::object GroupJacobian(const MoveGroup& group) {
   return NewArray<double>(flat, {6, static_cast<size_t>(j.cols())});
 }
 
-// A MoveGroup that a Python object implements: keeps the object and forwards to it.
-class BorrowedGroup : public MoveGroup {
- public:
-  explicit BorrowedGroup(nb::object object)
-      : object_(std::move(object)), group_(nb::cast<MoveGroup*>(object_)) {}
-  ~BorrowedGroup() override {
-    nb::gil_scoped_acquire gil;
-    object_.reset();
-  }
-  const std::string& name() const override { return group_->name(); }
-  MoveGroupKind kind() const override { return group_->kind(); }
-  int nq() const override { return group_->nq(); }
-  int nv() const override { return group_->nv(); }
-  int nu() const override { return group_->nu(); }
-  const std::vector<std::string>& joint_names() const override { return group_->joint_names(); }
-  const std::vector<std::string>& actuator_names() const override {
-    return group_->actuator_names();
-  }
-  void GetJointPos(std::span<double> out) const override { group_->GetJointPos(out); }
-  void GetJointVel(std::span<double> out) const override { group_->GetJointVel(out); }
-  void GetJointTorque(std::span<double> out) const override { group_->GetJointTorque(out); }
-  void GetCtrl(std::span<double> out) const override { group_->GetCtrl(out); }
-  void SetJointPos(std::span<const double> q) override { group_->SetJointPos(q); }
-  void SetJointVel(std::span<const double> v) override { group_->SetJointVel(v); }
-  void SetCtrl(std::span<const double> ctrl) override { group_->SetCtrl(ctrl); }
-  std::vector<Interval> joint_pos_limits() const override { return group_->joint_pos_limits(); }
-  std::vector<Interval> ctrl_limits() const override { return group_->ctrl_limits(); }
-  void NoopCtrl(std::span<double> out) const override { group_->NoopCtrl(out); }
-  void CtrlForJointPos(std::span<const double> q, std::span<double> c) const override {
-    group_->CtrlForJointPos(q, c);
-  }
-  void Integrate(std::span<double> q, std::span<const double> v) const override {
-    group_->Integrate(q, v);
-  }
-  Pose leaf_frame_to_world() const override { return group_->leaf_frame_to_world(); }
-  Pose root_frame_to_world() const override { return group_->root_frame_to_world(); }
-  Pose leaf_frame_to_robot() const override { return group_->leaf_frame_to_robot(); }
-  void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const override {
-    group_->Jacobian(out);
-  }
+// Groups written in Python may refer to the robot or its scene.
+int TraverseRobot(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self)) return 0;
+  return VisitGroups(nb::inst_ptr<Robot>(self)->groups_of_sole_handle(), visit, arg);
+}
 
- private:
-  nb::object object_;
-  MoveGroup* group_;
-};
+int ClearRobot(PyObject* self) {
+  if (nb::inst_ready(self)) nb::inst_ptr<Robot>(self)->scene().ForgetKeptObservers();
+  return 0;
+}
+
+PyType_Slot robot_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseRobot)},
+                             {Py_tp_clear, reinterpret_cast<void*>(&ClearRobot)},
+                             {0, nullptr}};
 
 void BindGroups(nb::module_& m) {
   nb::class_<MoveGroup, PyMoveGroup>(
       m, "MoveGroup",
       "A named set of joints and actuators that move together.\n\n"
-      "To write your own, subclass it and define get_name, get_joint_names, get_actuator_names, "
+      "To write your own, subclass it (or GripperGroup, BaseGroup) and define get_name, get_kind "
+      "(generic unless you say arm), get_joint_names, get_actuator_names, "
       "get_joint_pos, get_joint_vel,\n"
       "get_joint_torque, get_ctrl, set_joint_pos, set_joint_vel, set_ctrl, get_noop_ctrl, "
       "ctrl_for_joint_pos,\n"
       "get_joint_pos_limits, get_ctrl_limits, get_leaf_frame_to_world, get_root_frame_to_world, "
       "get_leaf_frame_to_robot,\n"
-      "get_jacobian and integrate as needed; then robot.set_group(group).")
+      "get_jacobian and integrate as needed; then robot.set_group(group). A gripper also "
+      "defines get_opening, set_opening,\n"
+      "ctrl_for_opening, get_inter_finger_dist, get_inter_finger_dist_range, get_is_open and "
+      "get_is_grasping(body); a base\n"
+      "get_pose, set_pose and get_is_mobile.")
       .def(nb::init<>())
       .def_prop_ro("name", [](const MoveGroup& g) { return g.name(); })
       .def_prop_ro("kind", [](const MoveGroup& g) { return std::string(ToString(g.kind())); })
@@ -125,24 +105,28 @@ void BindGroups(nb::module_& m) {
       .def_prop_ro("leaf_frame_to_robot", &MoveGroup::leaf_frame_to_robot)
       .def_prop_ro("leaf_frame_to_root", &MoveGroup::leaf_frame_to_root)
       .def("jacobian", &GroupJacobian, "(6, nv) at the leaf, world axes, linear rows first.");
-  nb::class_<GripperGroup, MoveGroup>(
+  nb::class_<GripperGroup, MoveGroup, PyGripperGroup>(
       m, "GripperGroup", "A gripper: opening 0 closed ... 1 open whatever the raw control means.")
-      .def_prop_rw("opening", &GripperGroup::opening, &GripperGroup::SetOpening,
-                   "Measured opening; setting it commands the actuator.")
-      .def("open", &GripperGroup::Open)
-      .def("close", &GripperGroup::Close)
+      .def(nb::init<>())
+      .def_prop_rw("opening", &GripperGroup::opening, &GripperGroup::SetOpening, Unlocked(),
+                   "Measured opening; setting it commands the actuator, and the robot's update "
+                   "keeps to it.")
+      .def("open", &GripperGroup::Open, Unlocked())
+      .def("close", &GripperGroup::Close, Unlocked())
       .def_prop_ro("inter_finger_dist", &GripperGroup::inter_finger_dist, "Metres.")
       .def_prop_ro(
           "inter_finger_dist_range",
           [](const GripperGroup& g) {
             const Interval range = g.inter_finger_dist_range();
-            return nb::make_tuple(range.lower, range.upper);
+            return std::pair(range.lower, range.upper);
           },
+          Unlocked(),
           "(closed, open) in metres; measured once when the robot's configuration does not say.")
       .def_prop_ro("is_open", &GripperGroup::is_open)
       .def("is_grasping", &GripperGroup::is_grasping, "body"_a = "",
            "Both fingers touch `body`, or any body that is not the robot's.");
-  nb::class_<BaseGroup, MoveGroup>(m, "BaseGroup", "What a robot stands on.")
+  nb::class_<BaseGroup, MoveGroup, PyBaseGroup>(m, "BaseGroup", "What a robot stands on.")
+      .def(nb::init<>())
       .def_prop_rw("pose", &BaseGroup::pose, &BaseGroup::SetPose,
                    "Pose in the world; only a mocap, free or planar base can be set.")
       .def_prop_ro("is_mobile", &BaseGroup::is_mobile);
@@ -172,17 +156,24 @@ nb::object Values(std::span<const double> values) {
   return NewArray<double>(values, {values.size()});
 }
 
-// As the most specific class that Python knows.
-nb::object GroupObject(const Robot& robot, const std::string& name) {
-  MoveGroup* group = &robot.group(name);
-  if (auto* gripper = dynamic_cast<GripperGroup*>(group)) {
-    return nb::cast(gripper, nb::rv_policy::reference);
+// As the most specific class that Python knows; it keeps the robot alive. A group written in Python
+// is its own object, and lives without the robot.
+nb::object GroupObject(nb::handle self, MoveGroup& group) {
+  if (const auto* own = dynamic_cast<WrittenInPython*>(&group)) return nb::borrow(own->object());
+  const auto reference = nb::rv_policy::reference;
+  nb::object object;
+  if (auto* gripper = dynamic_cast<GripperGroup*>(&group)) {
+    object = nb::cast(gripper, reference);
+  } else if (auto* base = dynamic_cast<BaseGroup*>(&group)) {
+    object = nb::cast(base, reference);
+  } else {
+    object = nb::cast(&group, reference);
   }
-  if (auto* base = dynamic_cast<BaseGroup*>(group)) {
-    return nb::cast(base, nb::rv_policy::reference);
-  }
-  return nb::cast(group, nb::rv_policy::reference);
+  nb::keep_alive_obj(object, self);
+  return object;
 }
+
+const Robot& RobotOf(nb::handle self) { return nb::cast<const Robot&>(self); }
 
 void SetPort(Robot& robot, nb::handle q) { robot.SetJntPosCmd(ToDoubles(q, "jnt_pos_cmd")); }
 
@@ -204,8 +195,9 @@ void BindRobotClass(nb::module_& m) {
       .def_rw("tcp_site", &ToolFrameSpec::tcp_site, "Becomes the TCP.");
   nb::class_<Robot>(m, "Robot",
                     "A robot of a scene: its move groups, kinematics and controllers.\n\nAll "
-                    "handles to one robot of one scene share their state.")
-      .def_static("of", &Robot::Of, "scene"_a, "name"_a,
+                    "handles to one robot of one scene share their state, which the scene keeps.",
+                    nb::type_slots(robot_slots))
+      .def_static("of", &Robot::Of, "scene"_a, "name"_a, Unlocked(),
                   "A configured robot by its name in the scene.")
       .def_static(
           "from_scene",
@@ -220,36 +212,50 @@ void BindRobotClass(nb::module_& m) {
       .def_prop_ro("prefix", &Robot::prefix)
       .def_prop_ro("scene", &Robot::scene)
       .def_prop_ro("group_names", &Robot::group_names)
-      .def("group", &GroupObject, "name"_a, nb::keep_alive<0, 1>(),
-           nb::sig("def group(self, name: str) -> MoveGroup"),
-           "A group by name: a GripperGroup, a BaseGroup or a plain MoveGroup.")
-      .def_prop_ro("groups",
-                   [](nb::handle self) {
-                     nb::dict groups;
-                     for (const std::string& name : nb::cast<Robot&>(self).group_names())
-                       groups[nb::str(name.c_str())] = self.attr("group")(name);
-                     return groups;
-                   })
-      .def_prop_ro("arm", &Robot::arm, nb::rv_policy::reference_internal)
-      .def_prop_ro("gripper", &Robot::gripper, nb::rv_policy::reference_internal)
+      .def(
+          "group",
+          [](nb::handle_t<Robot> self, const std::string& name) {
+            return GroupObject(self, RobotOf(self).group(name));
+          },
+          "name"_a, nb::sig("def group(self, name: str) -> MoveGroup"),
+          "A group by name: a GripperGroup, a BaseGroup or a plain MoveGroup.")
+      .def_prop_ro(
+          "groups",
+          [](nb::handle_t<Robot> self) {
+            nb::dict groups;
+            for (const std::string& name : RobotOf(self).group_names()) {
+              groups[nb::str(name.c_str())] = GroupObject(self, RobotOf(self).group(name));
+            }
+            return groups;
+          },
+          nb::sig("def groups(self, /) -> dict[str, MoveGroup]"))
+      .def_prop_ro(
+          "arm", [](nb::handle_t<Robot> self) { return GroupObject(self, RobotOf(self).arm()); },
+          nb::sig("def arm(self, /) -> MoveGroup"))
+      .def_prop_ro(
+          "gripper",
+          [](nb::handle_t<Robot> self) { return GroupObject(self, RobotOf(self).gripper()); },
+          nb::sig("def gripper(self, /) -> GripperGroup"))
       .def_prop_ro("has_gripper", &Robot::has_gripper)
-      .def_prop_ro("base", &Robot::base, nb::rv_policy::reference_internal)
+      .def_prop_ro(
+          "base", [](nb::handle_t<Robot> self) { return GroupObject(self, RobotOf(self).base()); },
+          nb::sig("def base(self, /) -> BaseGroup"))
       .def(
           "set_group",
-          [](Robot& r, nb::object group) {
-            r.SetGroup(std::make_unique<BorrowedGroup>(std::move(group)));
+          [](Robot& r, nb::handle_t<MoveGroup> group) {
+            r.SetGroup(Shared<MoveGroup>(nb::borrow(group)));
           },
-          "group"_a, "Adds or replaces a group by one written in Python.")
+          "group"_a, "Adds or replaces a group by one written in Python, which the robot keeps.")
       .def(
           "apply",
           [](Robot& r, const RobotAction& action) {
             const Robot::ApplyResult result = r.Apply(action);
-            return nb::make_tuple(result.ok, result.failed_group);
+            return std::pair(result.ok, result.failed_group);
           },
-          "action"_a,
+          "action"_a, Unlocked(),
           "Sets the targets of the groups named: {group: GroupCommand}. Returns (ok, failed "
           "group).")
-      .def("update", &Robot::Update,
+      .def("update", &Robot::Update, Unlocked(),
            "Reads the state into the ports and runs every group's controller once.")
       .def(
           "step", [](Robot& r) { return r.Step(); }, nb::call_guard<nb::gil_scoped_release>(),
@@ -278,13 +284,20 @@ void BindRobotClass(nb::module_& m) {
             IkOptions options;
             if (!seed.is_none())
               options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
+            const nb::gil_scoped_release release;
             return r.Ik(target, options);
           },
           "pose"_a, "seed"_a = nb::none(),
           "Joint values that put the TCP at `pose` (in the robot base frame).")
       .def_prop_ro("base_in_world", &Robot::base_in_world)
       .def_prop_ro("tcp_in_world", &Robot::tcp_in_world)
-      .def_prop_ro("reach", &Robot::reach)
+      .def_prop_ro("reach", &Robot::reach, Unlocked())
+      .def(
+          "kdl_chain", [](const Robot& r) { return ToPyKdl(r.chain()); },
+          nb::sig("def kdl_chain(self) -> typing.Any"),
+          "The arm as a PyKDL.Chain from the robot base frame to the TCP, with what it weighs; "
+          "joint values are the model's.\n\nImportError with the install line when PyKDL is "
+          "missing.")
       .def(
           "gravity_torques",
           [](const Robot& r) {
@@ -294,7 +307,7 @@ void BindRobotClass(nb::module_& m) {
           },
           "Torques (n,) that hold the arm against gravity.")
       .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
-  m.def("robots_of", &RobotsOf, "scene"_a, "All configured robots of a scene.");
+  m.def("robots_of", &RobotsOf, "scene"_a, Unlocked(), "All configured robots of a scene.");
 }
 
 void BindStepper(nb::module_& m) {
@@ -311,6 +324,8 @@ void BindStepper(nb::module_& m) {
           [](Stepper* self, const Scene& scene, const std::vector<Robot>& robots, int ticks,
              int steps) {
             new (self) Stepper(scene, robots, {ticks, steps});
+            self->set_on_control_tick(
+                [poll = SignalPoll()](const mjModel*, const mjData*) mutable { poll(); });
           },
           "scene"_a, "robots"_a, "control_ticks"_a = 33, "sim_steps"_a = 1)
       .def("advance", &Stepper::Advance, "action"_a, nb::call_guard<nb::gil_scoped_release>(),

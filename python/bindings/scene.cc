@@ -1,14 +1,16 @@
 // Scene, what it is compiled to, and what its calls return.
 #include "robocell/scene/scene.h"
 
-#include <atomic>
+#include <algorithm>
 
 #include <fmt/format.h>
 #include <nanobind/operators.h>
 
 #include "bindings.h"
 #include "python_owner.h"
+#include "robot_cycles.h"
 #include "scene_sharing.h"
+#include "signals.h"
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/robot/robot.h"
@@ -36,13 +38,15 @@ struct PythonHook {
   }
 };
 
-// A hook may refer to its scene. The cycle is visible to Python's collector while one object holds
-// the scene; robots and renderers hold it too, then close() or RemoveResetHook breaks it.
+// A hook, or a robot's group that is written in Python, may refer to its scene. The cycle is
+// visible to Python's collector while one object holds the scene; robots and renderers hold it too,
+// then close() or RemoveResetHook breaks it.
 int TraverseScene(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
   if (!nb::inst_ready(self)) return 0;
   const Scene& scene = *nb::inst_ptr<Scene>(self);
   if (!scene.sole_handle()) return 0;
+  if (const int stop = VisitGroups(GroupsOfSoleHandle(scene), visit, arg)) return stop;
   for (const auto& [id, hook] : scene.reset_hooks()) {
     const auto* python = hook.target<PythonHook>();
     if (python) Py_VISIT(python->callback.target());
@@ -51,7 +55,9 @@ int TraverseScene(PyObject* self, visitproc visit, void* arg) {
 }
 
 int ClearScene(PyObject* self) {
-  if (nb::inst_ready(self)) nb::inst_ptr<Scene>(self)->ClearResetHooks();
+  if (!nb::inst_ready(self)) return 0;
+  nb::inst_ptr<Scene>(self)->ClearResetHooks();
+  nb::inst_ptr<Scene>(self)->ForgetKeptObservers();
   return 0;
 }
 
@@ -90,6 +96,20 @@ ResetInfo Reset(Scene& scene, const ResetOptions* options, std::optional<int> ke
   }
   const nb::gil_scoped_release release;
   return scene.Reset(given);
+}
+
+// In parts, so that Ctrl-C is heard in between.
+StepResult StepN(Scene& scene, int n) {
+  constexpr int kPart = 64;
+  SignalPoll poll;
+  StepResult result = scene.StepN(std::min(n, kPart));
+  while (result.ok() && result.steps < n) {
+    poll();
+    const int before = result.steps;
+    result = scene.StepN(std::min(n - before, kPart));
+    result.steps += before;
+  }
+  return result;
 }
 
 Pose ToPose(nb::handle pose_or_pos, nb::handle quat) {
@@ -184,7 +204,10 @@ void BindCompiled(nb::module_& m) {
       m, "CompiledScene",
       "The model made from a SceneSpec, with its names. freeze() makes it shareable: "
       "Scene.from_compiled gives scenes that step independently on one model.")
-      .def("freeze", &CompiledScene::Freeze, "Refuse writes to the model from now on.")
+      .def("freeze", &Freeze,
+           "Share the model between scenes and refuse writes to it from now on: its arrays become "
+           "read-only.\n\nmujoco's single numbers (model.opt.timestep) and access by name "
+           "(model.geom('g').rgba) cannot be locked; do not write to them.")
       .def_prop_ro("frozen", &CompiledScene::frozen)
       .def_prop_ro("model", &ModelOf, nb::sig("def model(self, /) -> mujoco.MjModel"),
                    "The mujoco.MjModel, shared without a copy.")
@@ -200,8 +223,8 @@ void DefStepping(nb::class_<Scene>& c) {
   c.def("time", &Scene::time, "Simulated seconds.")
       .def("timestep", &Scene::timestep, "Seconds per engine step.")
       .def("step", &Scene::Step, Unlocked(), "One engine step.")
-      .def("step_n", &Scene::StepN, nb::arg("n"), Unlocked(),
-           "n engine steps; ends early when the state diverges.")
+      .def("step_n", &StepN, nb::arg("n"), Unlocked(),
+           "n engine steps; ends early when the state diverges, and at Ctrl-C.")
       .def("forward", &Scene::Forward, Unlocked(),
            "Recompute what follows from qpos, qvel and ctrl. Call it after writing to `data`.")
       .def("reset", &Reset, nb::arg("options") = nb::none(), nb::kw_only(),
@@ -306,10 +329,10 @@ void DefSharing(nb::class_<Scene>& c) {
 void DefRobots(nb::class_<Scene>& c) {
   c.def(
        "robot", [](const Scene& s, const std::string& name) { return Robot::Of(s, name); },
-       nb::arg("name"), nb::sig("def robot(self, name: str) -> Robot"),
+       nb::arg("name"), Unlocked(), nb::sig("def robot(self, name: str) -> Robot"),
        "A configured robot by its name; NotFoundError lists the robots.")
       .def_prop_ro(
-          "robots", [](const Scene& s) { return RobotsOf(s); },
+          "robots", [](const Scene& s) { return RobotsOf(s); }, Unlocked(),
           nb::sig("def robots(self, /) -> list[Robot]"),
           "All robots that have a configuration, in order.");
 }
@@ -331,8 +354,10 @@ void BindScene(nb::module_& m) {
   c.def_static("build", &Build, nb::arg("spec"),
                "Compile a SceneSpec and reset it. SpecError lists all that is wrong with the spec; "
                "EngineError has the engine's text.");
-  c.def_static("from_compiled", &FromCompiled, nb::arg("compiled"),
-               "A simulation of its own on a compiled model.");
+  c.def_static(
+      "from_compiled", &FromCompiled, nb::arg("compiled"),
+      "A simulation of its own on a compiled model; an Error when another scene uses it and "
+      "it is not frozen.");
   DefStepping(c);
   DefFrames(c);
   DefActuation(c);

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <mutex>
+
 #include "python_owner.h"
 #include "robocell/base/error.h"
 #include "robocell/mujoco/version.h"
@@ -12,6 +14,64 @@ namespace robocell::python {
 namespace {
 
 uintptr_t AddressOf(const void* pointer) { return reinterpret_cast<uintptr_t>(pointer); }
+
+// One hand-over at a time: while Python makes the object, other threads may get the GIL and ask for
+// the same model, and a second hand-over of one model would free it.
+class HandOverLock {
+ public:
+  HandOverLock() {
+    if (lock_.owns_lock()) return;
+    const nb::gil_scoped_release release;
+    lock_.lock();
+  }
+
+ private:
+  static std::recursive_mutex& mutex() {
+    static auto* mutex = new std::recursive_mutex;
+    return *mutex;
+  }
+  std::unique_lock<std::recursive_mutex> lock_{mutex(), std::try_to_lock};
+};
+
+void HandOver(CompiledScene& compiled) {
+  const nb::object take_over = ImportMujoco().attr("MjModel").attr("_from_model_ptr");
+  const HandOverLock lock;
+  static const CompiledScene* present = nullptr;  // guarded by the lock
+  if (compiled.model_is_external()) return;       // by another thread, meanwhile
+  if (present == &compiled) throw Error("the model is being handed over to Python already");
+  present = &compiled;
+  nb::object model;
+  try {
+    model = take_over(AddressOf(compiled.model()));
+  } catch (...) {
+    present = nullptr;
+    compiled.AdoptModelKeeper(std::make_shared<int>());  // it frees the model when it fails
+    throw;
+  }
+  present = nullptr;
+  compiled.AdoptModelKeeper(KeepAlive(model));
+}
+
+// Makes the arrays among an object's attributes read-only, for good: the engine's objects give the
+// same array every time.
+void ProtectArrays(nb::handle owner) {
+  const nb::object array = nb::module_::import_("numpy").attr("ndarray");
+  for (const nb::handle name : nb::steal<nb::list>(PyObject_Dir(owner.ptr()))) {
+    if (nb::cast<std::string_view>(name).starts_with("_")) continue;
+    const nb::object value = nb::getattr(owner, name, nb::none());
+    if (nb::isinstance(value, array)) value.attr("setflags")(nb::arg("write") = false);
+  }
+}
+
+void MakeReadOnly(nb::handle model) {
+  const nb::object vis = model.attr("vis");
+  for (const char* part : {"headlight", "rgba", "map", "scale", "quality", "global_"}) {
+    ProtectArrays(vis.attr(part));
+  }
+  ProtectArrays(model.attr("stat"));
+  ProtectArrays(model.attr("opt"));
+  ProtectArrays(model);
+}
 
 }  // namespace
 
@@ -28,21 +88,18 @@ nb::object ImportMujoco() {
 }
 
 nb::object ModelOf(CompiledScene& compiled) {
-  if (compiled.model_is_external()) {
-    nb::object model = ObjectOf(compiled.model_keeper());
-    if (!model.is_valid()) throw Error("the model is owned by something else than Python");
-    return model;
+  if (!compiled.model_is_external()) HandOver(compiled);
+  nb::object model = ObjectOf(compiled.model_keeper());
+  if (!model.is_valid()) throw Error("the model is owned by something else than Python");
+  if (compiled.frozen() && nb::cast<bool>(model.attr("qpos0").attr("flags").attr("writeable"))) {
+    MakeReadOnly(model);
   }
-  const nb::object take_over = ImportMujoco().attr("MjModel").attr("_from_model_ptr");
-  nb::object model;
-  try {
-    model = take_over(AddressOf(compiled.model()));
-  } catch (...) {
-    compiled.AdoptModelKeeper(std::make_shared<int>());  // it frees the model when it fails
-    throw;
-  }
-  compiled.AdoptModelKeeper(KeepAlive(model));
   return model;
+}
+
+void Freeze(CompiledScene& compiled) {
+  compiled.Freeze();
+  if (compiled.model_is_external()) ModelOf(compiled);
 }
 
 nb::object DataOf(const Scene& scene) {

@@ -12,8 +12,11 @@ namespace robocell::python {
 // The package mujoco, imported now; an Error when its version is not the one we were built for.
 nb::object ImportMujoco();
 
-// mujoco.MjModel of a compiled scene, the same object every time.
+// mujoco.MjModel of a compiled scene, the same object every time. Its arrays are read-only when the
+// scene is frozen.
 nb::object ModelOf(CompiledScene& compiled);
+// Freezes it, and makes the arrays of a model that Python has already read-only.
+void Freeze(CompiledScene& compiled);
 // mujoco.MjData of a scene. An Error for a scene that C++ made without Python's data.
 nb::object DataOf(const Scene& scene);
 

@@ -4,6 +4,8 @@
 #include <nanobind/trampoline.h>
 
 #include "bindings.h"
+#include "rng.h"
+#include "robocell/base/error.h"
 #include "robocell/task/catalogue.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/task/task.h"
@@ -12,6 +14,16 @@ namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace robocell::python {
+
+Rng& PythonRng::get() {
+  if (own_) return *own_;
+  if (!*lent_) {
+    throw Error(
+        "this Rng was lent for one call, which is over; keep rng.fork('a purpose') instead");
+  }
+  return **lent_;
+}
+
 namespace {
 
 class PyTask : public Task {
@@ -27,15 +39,16 @@ class PyTask : public Task {
 class PyExpert : public Expert {
  public:
   NB_TRAMPOLINE(Expert);
-  // The stream is handed over by reference, so that what Python draws is drawn from it.
+  // The stream is lent, so that what Python draws is drawn from it.
   void Begin(const Scene& scene, Rng& rng) override {
     nb::detail::ticket call(nb_trampoline, "begin", nb::detail::str_hash("begin"), true);
-    nb_trampoline.base().attr(call.key)(scene, nb::cast(&rng, nb::rv_policy::reference));
+    const RngLoan loan(rng);
+    nb_trampoline.base().attr(call.key)(scene, loan.rng());
   }
   Action Act(const Scene& scene, Rng& rng) override {
     nb::detail::ticket call(nb_trampoline, "act", nb::detail::str_hash("act"), true);
-    return nb::cast<Action>(
-        nb_trampoline.base().attr(call.key)(scene, nb::cast(&rng, nb::rv_policy::reference)));
+    const RngLoan loan(rng);
+    return nb::cast<Action>(nb_trampoline.base().attr(call.key)(scene, loan.rng()));
   }
   bool done() const override { NB_OVERRIDE_PURE_NAME("done", done); }
   std::string failure() const override { NB_OVERRIDE_PURE_NAME("failure", failure); }
@@ -48,22 +61,28 @@ class PyExpert : public Expert {
 }  // namespace
 
 void BindTask(nb::module_& m) {
-  nb::class_<Rng>(m, "Rng",
-                  "A keyed random stream: the same keys give the same numbers, on every machine.")
+  nb::class_<PythonRng>(
+      m, "Rng",
+      "A keyed random stream: the same keys give the same numbers, on every machine.\n\nOne that "
+      "is handed to a function of yours is lent for that call; to keep one, fork it.")
       .def_static(
           "stream",
-          [](uint64_t seed, const std::string& purpose) { return Rng::Stream(seed, purpose); },
+          [](uint64_t seed, const std::string& purpose) {
+            return PythonRng(Rng::Stream(seed, purpose));
+          },
           "seed"_a, "purpose"_a)
       .def(
-          "uniform", [](Rng& r, double lower, double upper) { return r.Uniform(lower, upper); },
+          "uniform",
+          [](PythonRng& r, double lower, double upper) { return r.get().Uniform(lower, upper); },
           "lower"_a = 0.0, "upper"_a = 1.0)
       .def(
-          "integer", [](Rng& r, uint64_t count) { return r.UniformInt(count); }, "count"_a,
-          "One of 0 ... count - 1.")
-      .def("normal", [](Rng& r) { return r.Normal(); })
+          "integer", [](PythonRng& r, uint64_t count) { return r.get().UniformInt(count); },
+          "count"_a, "One of 0 ... count - 1.")
+      .def("normal", [](PythonRng& r) { return r.get().Normal(); })
       .def(
-          "fork", [](const Rng& r, const std::string& purpose) { return r.Fork(purpose); },
-          "purpose"_a);
+          "fork",
+          [](PythonRng& r, const std::string& purpose) { return PythonRng(r.get().Fork(purpose)); },
+          "purpose"_a, "A stream of its own, which may be kept.");
   nb::class_<Task, PyTask>(m, "Task",
                            "Judges an episode. Subclass it with begin(scene), reward(scene), "
                            "success(scene), instruction(), objects().")
@@ -82,9 +101,12 @@ void BindTask(nb::module_& m) {
                                "rng), act(scene, rng) -> {robot: {group: GroupCommand}},\n"
                                "done(), failure(), phase(), phase_names().")
       .def(nb::init<>())
-      .def("begin", &Expert::Begin, "scene"_a, "rng"_a)
-      .def("act", &Expert::Act, "scene"_a, "rng"_a,
-           "{robot: {group: GroupCommand}} until the next policy tick.")
+      .def(
+          "begin", [](Expert& e, const Scene& s, PythonRng& rng) { e.Begin(s, rng.get()); },
+          "scene"_a, "rng"_a)
+      .def(
+          "act", [](Expert& e, const Scene& s, PythonRng& rng) { return e.Act(s, rng.get()); },
+          "scene"_a, "rng"_a, "{robot: {group: GroupCommand}} until the next policy tick.")
       .def("done", &Expert::done)
       .def("failure", &Expert::failure)
       .def("phase", &Expert::phase)

@@ -2,6 +2,7 @@
 
 import gc
 import threading
+import time
 import weakref
 
 import mujoco
@@ -95,6 +96,59 @@ class TestSharing:
         del a, compiled
         gc.collect()
         b.step()
+
+    def test_two_scenes_on_a_model_that_is_not_frozen_are_refused(self):
+        compiled = rc.compile_scene(small_spec())
+        first = rc.Scene.from_compiled(compiled)
+        message = "scene 'small': its compiled scene is used by another scene.*freeze.*compile"
+        with pytest.raises(rc.Error, match=message):
+            rc.Scene.from_compiled(compiled)
+        first.model.opt.timestep = 0.001  # its own, so it may
+        compiled.freeze()
+        second = rc.Scene.from_compiled(compiled)
+        assert second.timestep() == 0.001
+
+    def test_a_model_is_free_again_when_its_scene_is_gone_or_closed(self):
+        compiled = rc.compile_scene(small_spec())
+        rc.Scene.from_compiled(compiled).step()
+        gc.collect()
+        rc.Scene.from_compiled(compiled).close()
+        rc.Scene.from_compiled(compiled).step()
+
+    @pytest.mark.parametrize("first", ["model", "freeze"])
+    def test_a_frozen_model_is_read_only(self, first):
+        compiled = rc.compile_scene(small_spec())
+        model = compiled.model if first == "model" else None
+        compiled.freeze()
+        model = compiled.model
+        assert rc.Scene.from_compiled(compiled).model is model
+        arrays = [model.geom_rgba, model.qpos0, model.actuator_gainprm, model.key_qpos]
+        parts = [model.opt.gravity, model.stat.center, model.vis.headlight.ambient]
+        for array in [*arrays, *parts]:
+            with pytest.raises(ValueError, match="read-only"):
+                array[:] = 0.5
+        with pytest.raises(ValueError, match="read-only"):
+            model.body_mass = 2.0
+        mujoco.mj_step(model, mujoco.MjData(model))
+
+    def test_a_model_that_is_not_frozen_is_writable(self, scene):
+        scene.model.geom_rgba[:] = 0.5
+        scene.model.opt.gravity[2] = -1
+
+    def test_threads_that_ask_for_the_model_at_once_get_the_same_one(self, monkeypatch):
+        """Python may change threads at any line of the hand-over."""
+        version = mujoco.mj_versionString
+        monkeypatch.setattr(mujoco, "mj_versionString", lambda: (time.sleep(0.05), version())[1])
+        compiled = rc.compile_scene(small_spec())
+        models = []
+        ask = lambda: models.append(compiled.model)  # noqa: E731
+        threads = [threading.Thread(target=ask) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        assert len(models) == 4
+        assert len({id(model) for model in models}) == 1
 
 
 class TestThreads:

@@ -143,7 +143,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
       [&](const mjModel* m, const mjData* d) { recording.PutControl(m, d); });
   bool terminated = false, truncated = false;
   while (!terminated && !truncated) {
-    if (options.stop && options.stop->load()) return result.stopped = true, result;
+    if (ShouldStop(options.stop)) return result.stopped = true, result;
     recording.PutState(expert.phase(), result.times);
     Timer timer(result.times.acting);
     const StepOutcome outcome = stepper.Advance(expert.Act(start.scene, rng));

@@ -2,12 +2,12 @@
 // last step.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <map>
 #include <string>
 
 #include "robocell/base/rng.h"
+#include "robocell/base/stop.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/render/renderer.h"
 #include "robocell/spec/run_config.h"
@@ -36,7 +36,7 @@ struct RolloutOptions {
   std::string metadata_json;  // what is known before the rollout: seeds, attempt, identity
   bool keep_failures = false;
   Renderer* renderer = nullptr;  // needed when the run has streams
-  const std::atomic<bool>* stop = nullptr;
+  StopCheck stop = {};
 };
 
 // Commits the episode when it succeeded, or failed and failures are kept; else nothing stays on the

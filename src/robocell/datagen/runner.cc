@@ -29,13 +29,11 @@ struct Runner::State {
       renderer = MakeRenderer({.quality = run.cameras.quality});
     return renderer.get();
   }
-  RolloutOptions Options(const PlanItem& item, int attempt, const std::atomic<bool>* stop);
-  void Attempt(const PlanItem& item, int attempt, const std::atomic<bool>* stop,
-               EpisodeReport& report);
+  RolloutOptions Options(const PlanItem& item, int attempt, const StopCheck& stop);
+  void Attempt(const PlanItem& item, int attempt, const StopCheck& stop, EpisodeReport& report);
 };
 
-RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
-                                      const std::atomic<bool>* stop) {
+RolloutOptions Runner::State::Options(const PlanItem& item, int attempt, const StopCheck& stop) {
   const nlohmann::json metadata = {{"run", run.run},
                                    {"seed", run.seed},
                                    {"scene", item.scene},
@@ -82,24 +80,25 @@ void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
 
 }  // namespace
 
-void Runner::State::Attempt(const PlanItem& item, int attempt, const std::atomic<bool>* stop,
+void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& stop,
                             EpisodeReport& report) {
   ++report.attempts;
   const auto began = std::chrono::steady_clock::now();
   Rng start_rng = AttemptStream(run, item, attempt, "start");
-  SampleResult sample = sampler->Sample({item.scene, item.episode, attempt}, start_rng);
+  SampleResult sample = sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
   report.seconds_sampling += Seconds(began);
+  if (ShouldStop(stop)) return void(report.stopped = true);
   if (!sample.start) {
     ++report.refusals[ToString(sample.refusal.reason)];
     return;
   }
   ++report.accepted;
-  const std::unique_ptr<Expert> expert = parts.expert(run, *sample.start);
+  const std::shared_ptr<Expert> expert = parts.expert(run, *sample.start);
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
   AddTo(report, RunRollout(run, *sample.start, *expert, expert_rng, Options(item, attempt, stop)));
 }
 
-EpisodeReport Runner::Run(const PlanItem& item, const std::atomic<bool>* stop) {
+EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
   EpisodeReport report{.item = item, .refusals = {}, .failures = {}};
   const RunConfig& run = state_->run;
   if (IsComplete(run, item)) {
@@ -108,7 +107,7 @@ EpisodeReport Runner::Run(const PlanItem& item, const std::atomic<bool>* stop) {
     return report;
   }
   for (int attempt = 0; attempt < run.max_attempts && !report.success; ++attempt) {
-    if (stop && stop->load()) report.stopped = true;
+    if (ShouldStop(stop)) report.stopped = true;
     if (report.stopped) return report;
     if (run.keep == Keep::kAll && IsAttemptKept(run, item, attempt)) {
       report.committed = true;  // a failure of an earlier process

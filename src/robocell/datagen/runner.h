@@ -16,12 +16,12 @@
 // request ends Run at the next policy tick without a commit.
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
 #include <string>
 
+#include "robocell/base/stop.h"
 #include "robocell/datagen/on_disk.h"
 #include "robocell/datagen/plan.h"
 #include "robocell/datagen/prepare.h"
@@ -47,7 +47,7 @@ struct EpisodeReport {
 // What can be replaced: both get the validated configuration.
 struct RunnerParts {
   std::function<std::unique_ptr<TaskSampler>(const RunConfig&)> sampler = {};
-  std::function<std::unique_ptr<Expert>(const RunConfig&, const EpisodeStart&)> expert = {};
+  std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> expert = {};
 };
 
 class Runner {
@@ -58,7 +58,7 @@ class Runner {
   Runner& operator=(const Runner&) = delete;
 
   const RunConfig& run() const;
-  EpisodeReport Run(const PlanItem& item, const std::atomic<bool>* stop = nullptr);
+  EpisodeReport Run(const PlanItem& item, const StopCheck& stop = {});
 
  private:
   struct State;

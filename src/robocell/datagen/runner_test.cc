@@ -163,8 +163,7 @@ TEST(Runner, CountsRefusalsAndGivesUpAfterTheLastAttempt) {
 TEST(Runner, AStopLeavesNothingHalfDone) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
-  const std::atomic<bool> stop = true;
-  const EpisodeReport report = Runner(run).Run(MakePlan(run)[0], &stop);
+  const EpisodeReport report = Runner(run).Run(MakePlan(run)[0], [] { return true; });
   EXPECT_TRUE(report.stopped);
   EXPECT_FALSE(report.committed);
   EXPECT_EQ(Dataset(run.output).size(), 0u);
@@ -174,18 +173,45 @@ TEST(Runner, AStopLeavesNothingHalfDone) {
 TEST(Runner, AStopInTheMiddleOfARolloutIsObeyed) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
-  std::atomic<bool> stop = false;
+  bool stop = false;
   Runner runner(run,
                 {.sampler = {}, .expert = [&](const RunConfig& config, const EpisodeStart& start) {
                    stop = true;
                    return MakePickPlanner(config, start);
                  }});
-  const EpisodeReport report = runner.Run(MakePlan(run)[0], &stop);
+  const EpisodeReport report = runner.Run(MakePlan(run)[0], [&] { return stop; });
   EXPECT_TRUE(report.stopped);
   EXPECT_EQ(report.kept, 0);
   for (const auto& entry : std::filesystem::directory_iterator(run.output)) {
     EXPECT_EQ(entry.path().filename(), "dataset.json");
   }
+}
+
+// Asked again and again while the start is sampled: no attempt is counted as refused.
+TEST(Runner, AStopWhileSamplingIsObeyed) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  int asked = 0;
+  Runner runner(run);
+  const EpisodeReport report = runner.Run(MakePlan(run)[0], [&] { return ++asked > 1; });
+  EXPECT_TRUE(report.stopped);
+  EXPECT_EQ(report.accepted, 0);
+  EXPECT_TRUE(report.refusals.empty());
+  EXPECT_GT(asked, 2) << "the sampler asks too";
+}
+
+TEST(Runner, AnExceptionFromTheStopCheckComesOutAndLeavesNothingHalfDone) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  bool acting = false;
+  Runner runner(run,
+                {.sampler = {}, .expert = [&](const RunConfig& config, const EpisodeStart& start) {
+                   acting = true;
+                   return MakePickPlanner(config, start);
+                 }});
+  const StopCheck stop = [&] { return acting ? throw Error("interrupted") : false; };
+  ExpectThrow<Error>([&] { runner.Run(MakePlan(run)[0], stop); }, "interrupted");
+  EXPECT_EQ(Dataset(run.output).size(), 0u);
 }
 
 TEST(Runner, RefusesStreamsThatCannotBeRecordedAllAtOnce) {

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
+#include <exception>
 #include <thread>
 
 #include "robocell/base/error.h"
@@ -41,9 +43,10 @@ class Batch {
   void Run() {
     const int threads = std::clamp(options_.threads, 1, std::max(1, out_.size));
     std::vector<std::jthread> helpers;
+    const Ending ending{ended_};  // destroyed before the helpers are joined
     for (int t = 1; t < threads; ++t)
-      helpers.emplace_back([this, t, threads] { SolveEvery(t, threads); });
-    SolveEvery(0, threads);
+      helpers.emplace_back([this, t, threads] { SolveEvery(t, threads, {}); });
+    SolveEvery(0, threads, options_.poll);
   }
 
  private:
@@ -89,8 +92,16 @@ class Batch {
     out_.iterations.resize(size);
   }
 
-  void SolveEvery(int first, int stride) {
-    for (int b = first; b < out_.size; b += stride) {
+  // Tells the helpers to end when an exception leaves the caller's thread.
+  struct Ending {
+    std::atomic<bool>& flag;
+    int before = std::uncaught_exceptions();
+    ~Ending() { flag = std::uncaught_exceptions() > before; }
+  };
+
+  void SolveEvery(int first, int stride, const std::function<void()>& poll) {
+    for (int b = first; b < out_.size && !ended_; b += stride) {
+      if (poll) poll();
       const IkResult found = Ik(chain_, targets_[b], OptionsOf(b));
       std::copy(found.q.begin(), found.q.end(), out_.q.begin() + std::ptrdiff_t(b) * out_.n_joints);
       out_.success[b] = found.success;
@@ -106,6 +117,7 @@ class Batch {
   Seeds layout_;
   const IkBatchOptions& options_;
   IkBatchResult& out_;
+  std::atomic<bool> ended_ = false;
 };
 
 }  // namespace

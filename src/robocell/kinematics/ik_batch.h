@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -24,6 +25,8 @@ struct IkBatchOptions {
   IkOptions ik{};
   // The caller's thread is one of them.
   int threads = 1;
+  // Called now and then on the caller's thread. What it throws ends the batch and comes out of it.
+  std::function<void()> poll = {};
 };
 
 struct IkBatchResult {

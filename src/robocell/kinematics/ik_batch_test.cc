@@ -76,6 +76,17 @@ TEST_F(IkBatchTest, UsesTheResultsMemoryAgain) {
   EXPECT_EQ(result.q.data(), memory);
 }
 
+TEST_F(IkBatchTest, EndsWithTheExceptionOfItsPoll) {
+  for (const int threads : {1, 3}) {
+    int polls = 0;
+    const IkBatchOptions options{.threads = threads, .poll = [&] {
+                                   if (++polls == 3) throw Error("interrupted");
+                                 }};
+    ExpectThrow<Error>([&] { IkBatch(chain_, targets_, seeds_, options); }, "interrupted");
+    EXPECT_EQ(polls, 3);
+  }
+}
+
 TEST_F(IkBatchTest, AnswersNothingToNothing) {
   const IkBatchResult result = IkBatch(chain_, {});
   EXPECT_EQ(result.size, 0);

@@ -1,5 +1,7 @@
 #include "robocell/kinematics/kdl_bridge.h"
 
+#include "robocell/kinematics/kdl_segments.h"
+
 namespace robocell {
 namespace {
 
@@ -12,48 +14,29 @@ KDL::Frame ToKdl(const Transform& t) {
           ToKdl(t.translation)};
 }
 
-KDL::RigidBodyInertia InertiaInBody(const LinkInertia& link, const Transform& joint_to_body) {
-  if (link.mass <= 0) return KDL::RigidBodyInertia::Zero();
-  const Eigen::Vector3d com = link.moment / link.mass;
-  const Eigen::Matrix3d about_com =
-      link.inertia -
-      link.mass * (com.squaredNorm() * Eigen::Matrix3d::Identity() - com * com.transpose());
-  const Transform body_to_joint = joint_to_body.inverse();
-  const Eigen::Matrix3d i = body_to_joint.rotation * about_com * body_to_joint.rotation.transpose();
-  return KDL::RigidBodyInertia(
-      link.mass, ToKdl(body_to_joint * com),
-      KDL::RotationalInertia(i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2)));
+KDL::Joint JointOf(const KdlSegment& segment) {
+  if (segment.motion == KdlSegment::Motion::kFixed) return KDL::Joint(KDL::Joint::Fixed);
+  const auto type =
+      segment.motion == KdlSegment::Motion::kSlide ? KDL::Joint::TransAxis : KDL::Joint::RotAxis;
+  return KDL::Joint(segment.joint, ToKdl(segment.origin), ToKdl(segment.axis), type, 1,
+                    segment.offset, segment.armature);
 }
 
-// `to_last` is the frame of the segment before, in the moved frame of its joint.
-KDL::Segment SegmentOf(const std::string& name, const ChainJoint& joint, const JointModel& model,
-                       const Transform& to_last) {
-  const Transform at_reference = to_last.inverse() * model.fixed;
-  const KDL::Joint kdl(joint.name, ToKdl(at_reference.translation),
-                       ToKdl(Eigen::Vector3d(at_reference.rotation.col(2))),
-                       model.slide ? KDL::Joint::TransAxis : KDL::Joint::RotAxis, 1,
-                       -model.reference, model.armature);
-  // KDL wants the segment's frame for q = 0.
-  const KDL::Frame motion = kdl.pose(0) * kdl.pose(model.reference).Inverse();
-  return KDL::Segment(name, kdl, motion * ToKdl(at_reference * model.joint_to_body),
-                      InertiaInBody(model.link, model.joint_to_body));
+KDL::RigidBodyInertia InertiaOf(const KdlSegment& segment) {
+  if (segment.mass <= 0) return KDL::RigidBodyInertia::Zero();
+  const Eigen::Matrix3d& i = segment.inertia;
+  return KDL::RigidBodyInertia(
+      segment.mass, ToKdl(segment.centre),
+      KDL::RotationalInertia(i(0, 0), i(1, 1), i(2, 2), i(0, 1), i(0, 2), i(1, 2)));
 }
 
 }  // namespace
 
 KDL::Chain ToKdl(const Chain& chain) {
   KDL::Chain out;
-  Transform to_last;
-  for (int i = 0; i < chain.n_joints(); ++i) {
-    const ChainJoint& joint = chain.joints()[i];
-    const bool more_on_body = i + 1 < chain.n_joints() && chain.joints()[i + 1].body == joint.body;
-    const JointModel& model = chain.model().joints[i];
-    out.addSegment(SegmentOf(more_on_body ? joint.name : joint.body, joint, model, to_last));
-    to_last = model.joint_to_body;
-  }
-  if (chain.tip().kind == ChainTip::Kind::kSite || chain.tip().name != chain.joints().back().body) {
-    out.addSegment(KDL::Segment(chain.tip().name, KDL::Joint(KDL::Joint::Fixed),
-                                ToKdl(to_last.inverse() * chain.model().last_to_tip)));
+  for (const KdlSegment& segment : KdlSegments(chain)) {
+    out.addSegment(
+        KDL::Segment(segment.name, JointOf(segment), ToKdl(segment.tip), InertiaOf(segment)));
   }
   return out;
 }

@@ -100,12 +100,6 @@ std::unique_ptr<GlContext> GlContext::Create(GlBackend wanted) {
               "\nROBOCELL_GL=egl or ROBOCELL_GL=osmesa chooses one.");
 }
 
-std::string DescribeGl(GlBackend backend) {
-  try {
-    return GlContext::Create(backend)->description();
-  } catch (const Error& error) {
-    return error.what();
-  }
-}
+std::string DescribeGl(GlBackend backend) { return GlContext::Create(backend)->description(); }
 
 }  // namespace robocell

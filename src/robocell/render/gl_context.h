@@ -71,7 +71,7 @@ class GlContext {
   std::string description_;
 };
 
-// One line for `doctor`: the description, or the error's text.
+// The description of what draws here. Errors: those of Create, when nothing does.
 std::string DescribeGl(GlBackend backend = GlBackend::kAuto);
 
 }  // namespace robocell

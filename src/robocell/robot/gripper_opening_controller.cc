@@ -15,6 +15,8 @@ GripperOpeningController::GripperOpeningController(GripperGroup& group)
 void GripperOpeningController::SetTarget(std::span<const double> target) {
   CheckValues([&] { return "group '" + group_.name() + "'"; }, "opening", target, 1);
   opening_ = std::clamp(target[0], 0.0, 1.0);
+  // At once, so that whoever commands last is obeyed: the group's own SetOpening writes there too.
+  group_.SetOpening(opening_);
   group_.GetCtrl(present_);
   seen_ = present_[0];
 }

@@ -18,7 +18,7 @@ class GripperOpeningController : public Controller {
 
   std::string_view kind() const override { return "joint_position"; }
   int target_size() const override { return 1; }
-  // Clamped to 0..1.
+  // Clamped to 0..1; the actuators are told at once.
   void SetTarget(std::span<const double> target) override;
   std::span<const double> target() const override { return {&opening_, 1}; }
   std::span<const double> commanded_joint_pos() const override { return target(); }

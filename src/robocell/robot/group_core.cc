@@ -45,8 +45,8 @@ int DrivenPosition(const mjModel* m, int actuator, const std::vector<int>& qpos_
 
 }  // namespace
 
-GroupCore::GroupCore(Scene scene, GroupNames names)
-    : scene_(std::move(scene)), names_(std::move(names)) {
+GroupCore::GroupCore(const Scene& scene, GroupNames names)
+    : scene_(scene.inner()), names_(std::move(names)) {
   Resolve();
 }
 

@@ -33,8 +33,8 @@ struct GroupNames {
 
 class GroupCore {
  public:
-  // NotFoundError when the scene lacks one of the names.
-  GroupCore(Scene scene, GroupNames names);
+  // Holds the scene by inner(). NotFoundError when the scene lacks one of the names.
+  GroupCore(const Scene& scene, GroupNames names);
 
   const GroupNames& names() const { return names_; }
   const Scene& scene() const { return scene_; }

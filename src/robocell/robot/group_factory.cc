@@ -4,6 +4,8 @@
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
+#include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/base_group.h"
 #include "robocell/robot/gripper_group.h"
@@ -26,12 +28,28 @@ std::string ServoOf(const mjModel* m, const std::string& joint) {
   return "";
 }
 
-std::vector<std::string> ServosOf(const mjModel* m, const std::vector<std::string>& joints) {
-  std::vector<std::string> servos;
+// One servo for each joint, or none and the reason why.
+struct Servos {
+  std::vector<std::string> names = {};
+  std::string why_none = {};
+  bool incomplete = false;  // some joints have one
+};
+
+Servos ServosOf(const mjModel* m, const std::vector<std::string>& joints) {
+  std::vector<std::string> names, without;
   for (const std::string& joint : joints) {
-    if (std::string servo = ServoOf(m, joint); !servo.empty()) servos.push_back(std::move(servo));
+    std::string servo = ServoOf(m, joint);
+    if (servo.empty()) {
+      without.push_back(joint);
+    } else {
+      names.push_back(std::move(servo));
+    }
   }
-  return servos;
+  if (without.empty()) return {std::move(names)};
+  if (names.empty()) return {.why_none = "it has no actuators: no position servo on its joints"};
+  return {.why_none = fmt::format("{} of its joints have no position servo: {}", without.size(),
+                                  ListNames(without)),
+          .incomplete = true};
 }
 
 // Makes one configured group.
@@ -81,10 +99,18 @@ class GroupMaker {
 
   MadeGroup MakeArm() {
     names_.leaf = LeafOr(ToolFrame());
-    if (names_.actuators.empty()) names_.actuators = ServosOf(model(), names_.joints);
+    Servos servos;
+    if (names_.actuators.empty()) servos = ServosOf(model(), names_.joints);
+    if (servos.incomplete) {
+      throw ArgumentError(
+          fmt::format("{}: {}. Name the `actuators` that move it, one for each joint, or leave "
+                      "those joints out",
+                      place_, servos.why_none));
+    }
+    if (names_.actuators.empty()) names_.actuators = servos.names;
     const ChainTip tip =
         names_.leaf.is_site ? ChainTip::Site(names_.leaf.name) : ChainTip::Body(names_.leaf.name);
-    return {std::make_shared<JointGroup>(scene_, names_, config_.kind), tip};
+    return {std::make_shared<JointGroup>(scene_, names_, config_.kind), tip, servos.why_none};
   }
 
   FrameName Frame(const char* field, const ElementRef& ref, std::initializer_list<mjtObj> kinds) {
@@ -155,8 +181,13 @@ MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
                    .root = base,
                    .leaf = {tip.kind == ChainTip::Kind::kSite, tip.name},
                    .robot_base = base};
-  names.actuators = ServosOf(scene.model(), names.joints);
-  return {std::make_shared<JointGroup>(scene, std::move(names), MoveGroupKind::kArm), tip};
+  const Servos servos = ServosOf(scene.model(), names.joints);
+  if (servos.incomplete) {
+    LogWarn(fmt::format("robot '{}' / group 'arm' is not driven: {}", robot.name, servos.why_none));
+  }
+  names.actuators = servos.names;
+  return {std::make_shared<JointGroup>(scene, std::move(names), MoveGroupKind::kArm), tip,
+          servos.why_none};
 }
 
 }  // namespace robocell

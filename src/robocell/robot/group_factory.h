@@ -15,17 +15,20 @@ namespace robocell {
 struct MadeGroup {
   std::shared_ptr<MoveGroup> group;
   std::optional<ChainTip> tip = {};  // where an arm's chain ends; unset for the other kinds
+  std::string why_no_actuators = {};
 };
 
 // The groups of RobotConfig.move_groups in their order, and a group "base" when none is configured.
-// Errors: those of the groups' constructors; ArgumentError for a leaf or root without a name.
+// An arm that names no actuators is driven by the position servos found on its joints. Errors:
+// those of the groups' constructors; ArgumentError for a leaf or root without a name, and for an
+// arm that has servos on some of its joints only.
 std::vector<MadeGroup> MakeGroups(const Scene& scene, const RobotRecord& robot);
 
 // What is under a robot whose configuration names no base group.
 MadeGroup MakeImplicitBase(const Scene& scene, const RobotRecord& robot);
 
 // An arm over the given joints, driven by the servos found on them, for robots without a
-// configuration.
+// configuration. It gets no actuators, and the log says why, unless each joint has a servo.
 MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
                        std::vector<std::string> joints, const ChainTip& tip);
 

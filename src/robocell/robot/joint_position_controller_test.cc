@@ -156,6 +156,32 @@ TEST_F(GripperOpening, CommandedAtTheGroupIsTakenOver) {
   EXPECT_DOUBLE_EQ(Target(), 0.7);
 }
 
+// Also when it asks for what the actuator is told already.
+TEST_F(GripperOpening, WhoeverCommandsLastIsObeyed) {
+  robot.gripper().Open();
+  robot.Update();
+  robot.Apply({{"gripper", GroupCommand::Opening(0)}});
+  robot.gripper().Open();
+  robot.Update();
+  EXPECT_EQ(Ctrl(), 100);
+  EXPECT_EQ(Target(), 1);
+  robot.gripper().Close();
+  robot.Apply({{"gripper", GroupCommand::Opening(1)}});
+  robot.Update();
+  EXPECT_EQ(Ctrl(), 100);
+}
+
+TEST_F(GripperOpening, SetAtTheGroupReallyOpensIt) {
+  for (const bool updated : {true, false}) {
+    for (const double opening : {0.0, 1.0}) {
+      robot.gripper().SetOpening(opening);
+      if (updated) Simulate(robot, 500);
+      if (!updated) robot.scene().StepN(500);
+      EXPECT_NEAR(robot.gripper().opening(), opening, 0.02) << updated;
+    }
+  }
+}
+
 TEST_F(GripperOpening, AfterAResetIsThatOfHomeOrOfTheHook) {
   Scene scene = robot.scene();
   robot.gripper().Close();

@@ -43,15 +43,17 @@ ChainTip TipOf(const Scene& scene, const std::string& tip_body, const RobotOptio
 Robot Robot::Of(const Scene& scene, const std::string& name) {
   const RobotRecord& record = scene.compiled()->robot(name);
   const std::string key = "robot:" + record.name;
-  if (auto known = std::dynamic_pointer_cast<State>(scene.FindObserver(key))) return Robot(known);
+  if (auto known = std::dynamic_pointer_cast<State>(scene.FindObserver(key))) {
+    return Robot(scene, std::move(known));
+  }
   auto state = std::make_shared<State>(scene, record);
   for (MadeGroup& made : MakeGroups(scene, record)) {
     const ControlKind* control = record.config.control.find(made.group->name());
     state->AddGroup(std::move(made), control ? ToString(*control) : kDefaultControl,
                     control != nullptr);
   }
-  Scene(scene).AddObserver(state, key);
-  return Robot(state);
+  Scene(scene).KeepObserver(state, key);
+  return Robot(scene, std::move(state));
 }
 
 Robot Robot::FromScene(const Scene& scene, const std::string& base_body,
@@ -65,7 +67,7 @@ Robot Robot::FromScene(const Scene& scene, const std::string& base_body,
   state->AddGroup(MakeAdHocArm(scene, record, chain.joint_names(), tip), kDefaultControl, false);
   state->AddGroup(MakeImplicitBase(scene, record), kDefaultControl, false);
   Scene(scene).AddObserver(state);
-  return Robot(state);
+  return Robot(scene, std::move(state));
 }
 
 std::vector<Robot> RobotsOf(const Scene& scene) {

@@ -112,6 +112,15 @@ class WristGripper : public JointGroupOf<GripperGroup> {
 TEST(OwnGroup, CanBeAGripperAndTakesOpenings) {
   Robot robot = RobotAlone(Rc7());
   GroupNames names = WristNames();
+  GroupNames arm{.robot = "rc7",  // without the wrist, which is to be the gripper
+                 .group = "arm",
+                 .joints = robot.joint_names(),
+                 .actuators = robot.arm().actuator_names(),
+                 .root = names.root,
+                 .leaf = names.leaf,
+                 .robot_base = names.robot_base};
+  for (auto* list : {&arm.joints, &arm.actuators}) list->resize(5);
+  robot.SetGroup(std::make_unique<JointGroup>(robot.scene(), arm, MoveGroupKind::kArm));
   names.group = "gripper";
   robot.SetGroup(std::make_unique<WristGripper>(robot.scene(), names));
   robot.Apply({{"gripper", GroupCommand::Opening(0.8)}});

@@ -34,14 +34,13 @@ JointVector Positions(const MoveGroup& group) {
 
 const std::string& Robot::name() const { return state_->record.name; }
 const std::string& Robot::prefix() const { return state_->record.prefix; }
-Scene Robot::scene() const { return state_->scene; }
 const RobotConfig& Robot::config() const { return state_->record.config; }
 
 std::vector<std::string> Robot::group_names() const { return state_->group_names(); }
 bool Robot::has_group(const std::string& name) const { return state_->Find(name) != nullptr; }
 MoveGroup& Robot::group(const std::string& name) const { return *state_->Require(name).group; }
 std::shared_ptr<MoveGroup> Robot::shared_group(const std::string& name) const {
-  return {state_, &group(name)};
+  return {std::make_shared<Robot>(*this), &group(name)};
 }
 MoveGroup& Robot::arm() const { return *state_->RequireKind(MoveGroupKind::kArm).group; }
 bool Robot::has_gripper() const { return state_->FindKind(MoveGroupKind::kGripper) != nullptr; }
@@ -79,10 +78,17 @@ void Robot::SetController(const std::string& group, const std::string& kind) {
 }
 
 std::vector<std::shared_ptr<MoveGroup>> Robot::groups_of_sole_handle() const {
+  std::vector<std::shared_ptr<MoveGroup>> groups = GroupsOfSoleHandle(scene_);
+  if (state_.use_count() == 1) state_->AppendGroups(groups);  // not kept by the scene
+  return groups;
+}
+
+std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene) {
   std::vector<std::shared_ptr<MoveGroup>> groups;
-  if (state_.use_count() > 1) return groups;
-  for (const auto* slots : {&state_->slots, &state_->retired}) {
-    for (const auto& slot : *slots) groups.push_back(slot->group);
+  if (!scene.sole_handle()) return groups;
+  for (const auto& kept : scene.kept_observers()) {
+    const auto state = std::dynamic_pointer_cast<Robot::State>(kept);
+    if (state) state->AppendGroups(groups);
   }
   return groups;
 }

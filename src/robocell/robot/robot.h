@@ -13,9 +13,9 @@
 // every group's controller once. No allocation.
 //
 // Lifetime: all handles from Of() to one robot of one scene share their state (groups, controllers,
-// targets), which lives as long as one of them; a handle keeps its scene alive. FromScene() makes a
-// robot of its own each time. A reset hook of the scene that holds a handle keeps both alive until
-// Scene::Close().
+// targets), which the scene keeps as long as any handle to it or to one of its robots lives.
+// FromScene() makes a robot of its own each time, which lives as long as its handles. A reset hook
+// of the scene, or a group of your own, that holds a handle keeps all alive until Scene::Close().
 //
 // Frames: the robot base frame is the root body's. Joint values in chain order, rad or m.
 //
@@ -60,7 +60,7 @@ class Robot {
 
   const std::string& name() const;
   const std::string& prefix() const;
-  Scene scene() const;
+  Scene scene() const { return scene_; }
   const RobotConfig& config() const;
 
   // Groups by name, and the first of each kind. References stay valid as long as a handle to this
@@ -84,8 +84,8 @@ class Robot {
   void SetController(const std::string& group, std::unique_ptr<Controller> controller);
   // By the name of its kind (controller.h).
   void SetController(const std::string& group, const std::string& kind);
-  // For garbage collectors of other languages: all groups that this handle alone keeps alive; none
-  // when other handles to the robot live too.
+  // For garbage collectors of other languages: all groups of this and the scene's other robots when
+  // this handle alone keeps them alive; none when other handles to the scene or its robots live.
   std::vector<std::shared_ptr<MoveGroup>> groups_of_sole_handle() const;
 
   // Sets targets of the groups named; the others hold. An action that is refused changes nothing.
@@ -99,7 +99,7 @@ class Robot {
   ApplyResult Apply(const RobotAction& action);
   // Reads the state and runs every controller once. Then Step() steps the whole scene.
   void Update();
-  StepResult Step() { return scene().Step(); }
+  StepResult Step() { return scene_.Step(); }
 
   // Ports of the arm, in chain order. `msr` are what Update() read; `cmd` is what the arm's
   // controller drives it to, for writing in place.
@@ -135,10 +135,16 @@ class Robot {
   const std::vector<int>& geom_ids() const;
 
  private:
+  friend std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene);
   class State;
-  explicit Robot(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  Robot(Scene scene, std::shared_ptr<State> state)
+      : scene_(std::move(scene)), state_(std::move(state)) {}
+  Scene scene_;
   std::shared_ptr<State> state_;
 };
+
+// What Robot::groups_of_sole_handle() is for a handle to a scene.
+std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene);
 
 // All robots of a scene that have a configuration, in order.
 std::vector<Robot> RobotsOf(const Scene& scene);

@@ -12,8 +12,8 @@
 
 namespace robocell {
 
-Robot::State::State(Scene s, RobotRecord r, ChainOptions options)
-    : scene(std::move(s)), record(std::move(r)), chain_options(std::move(options)) {
+Robot::State::State(const Scene& s, RobotRecord r, ChainOptions options)
+    : scene(s.inner()), record(std::move(r)), chain_options(std::move(options)) {
   FindBodies();
 }
 
@@ -66,7 +66,14 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
   slot->group = std::move(made.group);
   slot->ctrl.resize(slot->group->nu());
   if (slot->ctrl.empty()) {
-    slot->why_no_controller = "it has no actuators";
+    slot->why_no_controller =
+        made.why_no_actuators.empty() ? "it has no actuators" : made.why_no_actuators;
+    if (must_be_driven) {
+      throw ArgumentError(
+          fmt::format("{}: `control` asks for {}, but {}; remove it there, or give "
+                      "the model position servos",
+                      place(*slot), controller, slot->why_no_controller));
+    }
   } else {
     try {
       slot->controller = MakeController(controller, *slot->group);
@@ -147,6 +154,12 @@ std::vector<std::string> Robot::State::group_names() const {
   std::vector<std::string> names;
   for (const auto& slot : slots) names.push_back(slot->group->name());
   return names;
+}
+
+void Robot::State::AppendGroups(std::vector<std::shared_ptr<MoveGroup>>& out) const {
+  for (const auto* list : {&slots, &retired}) {
+    for (const auto& slot : *list) out.push_back(slot->group);
+  }
 }
 
 }  // namespace robocell

@@ -22,11 +22,11 @@ struct GroupSlot {
   std::optional<Chain> chain;   // from the root body to `tip`
 };
 
-// Holds the scene; the scene holds it weakly, as an observer.
+// The scene keeps the configured robots' states, as observers; they hold it by inner().
 class Robot::State : public SceneObserver {
  public:
   // `record.root_body` and `record.base_body` are bodies of the scene.
-  State(Scene scene, RobotRecord record, ChainOptions chain_options = {});
+  State(const Scene& scene, RobotRecord record, ChainOptions chain_options = {});
 
   void OnReset() override;
   void OnRebuild() override;
@@ -45,6 +45,7 @@ class Robot::State : public SceneObserver {
   // State of the arm into the ports.
   void ReadPorts();
   std::vector<std::string> group_names() const;
+  void AppendGroups(std::vector<std::shared_ptr<MoveGroup>>& out) const;
   // "scene 'pick' / robot 'left'".
   std::string place() const { return "scene '" + scene.name() + "' / robot '" + record.name + "'"; }
   std::string place(const GroupSlot& slot) const {

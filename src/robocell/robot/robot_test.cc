@@ -225,7 +225,7 @@ TEST(Robot, IsClosedWithItsScene) {
   EXPECT_EQ(robot.name(), "rc7");
 }
 
-TEST(Robot, KeepsItsSceneAliveButNotTheOtherWayRound) {
+TEST(Robot, LivesInItsSceneAndBothGoWithTheLastHandle) {
   std::weak_ptr<void> data;
   {
     std::optional<Robot> robot = RobotAlone(Rc7());
@@ -236,7 +236,72 @@ TEST(Robot, KeepsItsSceneAliveButNotTheOtherWayRound) {
   EXPECT_TRUE(data.expired()) << "scene and robot hold each other";
   const Scene scene = Scene::Build(SceneWith({.name = "rc7", .config = Rc7()}));
   Robot::Of(scene, "rc7").jnt_pos_cmd()[0] = 1;
-  EXPECT_NE(Robot::Of(scene, "rc7").jnt_pos_cmd()[0], 1) << "state ends with the last handle";
+  EXPECT_EQ(Robot::Of(scene, "rc7").jnt_pos_cmd()[0], 1) << "the scene keeps a robot's state";
+}
+
+TEST(Robot, ItsStateLivesWhileAHandleToAnotherRobotOfTheSceneDoes) {
+  SceneSpec spec = SceneWith({.name = "a", .config = Rc7(), .prefix = "a_"});
+  spec.robots.push_back({.name = "b", .config = Rc7(), .prefix = "b_", .pos = {0, 2, 0}});
+  std::optional<Robot> a = Robot::Of(Scene::Build(spec), "a");
+  Robot::Of(a->scene(), "b").jnt_pos_cmd()[0] = 0.5;
+  EXPECT_EQ(Robot::Of(a->scene(), "b").jnt_pos_cmd()[0], 0.5);
+  const std::weak_ptr<void> data = a->scene().data_keeper();
+  a.reset();
+  EXPECT_TRUE(data.expired());
+}
+
+TEST(Robot, MadeFromTwoBodiesGoesWithItsHandle) {
+  const Scene scene = Scene::Build(SceneWith({.config = Rc7(), .prefix = "r_"}));
+  const auto make = [&] { return Robot::FromScene(scene, "base_link", "link7", {.prefix = "r_"}); };
+  make().jnt_pos_cmd()[0] = 1;
+  EXPECT_NE(make().jnt_pos_cmd()[0], 1);
+}
+
+// The two-joint arm with its second servo made a motor.
+std::string ArmWithOneServo() {
+  std::string model = kTwoJointArm;
+  const std::string servo = R"(<position name="servo2" joint="elbow" kp="50" kv="5"/>)";
+  return model.replace(model.find(servo), servo.size(), R"(<motor name="push" joint="elbow"/>)");
+}
+
+TEST(Robot, AnArmThatServosDriveOnlyPartlyIsRefused) {
+  ModelFolder folder;
+  RobotConfig config = ArmConfig(folder.Write("half", ArmWithOneServo()));
+  config.move_groups.at("arm").actuators = {};
+  ExpectThrow<ArgumentError>(
+      [&] { RobotAlone(config); },
+      "robot 'arm' / group 'arm': 1 of its joints have no position servo: elbow. Name the "
+      "`actuators` that move it, one for each joint, or leave those joints out");
+  config.move_groups.at("arm").actuators = {"servo1", "push"};
+  EXPECT_EQ(RobotAlone(config).arm().actuator_names().size(), 2u);
+}
+
+TEST(Robot, AnArmWithoutServosIsRefusedWhenItIsToBeControlled) {
+  ModelFolder folder;
+  std::string passive = kTwoJointArm;
+  const size_t begin = passive.find("<actuator>"), end = passive.find("</actuator>");
+  passive.erase(begin, end + 11 - begin);
+  passive.replace(passive.find(R"( ctrl="0.31 -0.41")"), 18, "");
+  RobotConfig config = ArmConfig(folder.Write("passive", passive));
+  config.move_groups.at("arm").actuators = {};
+  Robot robot = RobotAlone(config);
+  robot.Update();
+  ExpectThrow<NotFoundError>([&] { robot.controller("arm"); },
+                             "has no controller: it has no actuators: no position servo on its");
+  config.control["arm"] = ControlKind::kJointPosition;
+  ExpectThrow<ArgumentError>([&] { RobotAlone(config); },
+                             "robot 'arm' / group 'arm': `control` asks for joint_position, but it "
+                             "has no actuators");
+}
+
+TEST(Robot, MadeFromTwoBodiesSaysWhyItIsNotDriven) {
+  ModelFolder folder;
+  const Scene scene = Scene::Build(SceneWith({.path = folder.Write("half", ArmWithOneServo())}));
+  Robot robot = Robot::FromScene(scene, "base", "fore");
+  EXPECT_EQ(robot.n_joints(), 2);
+  EXPECT_TRUE(robot.arm().actuator_names().empty());
+  ExpectThrow<NotFoundError>([&] { robot.jnt_pos_cmd(); },
+                             "has no controller: 1 of its joints have no position servo: elbow");
 }
 
 TEST(Robot, ResetReseedsTargetsFromThePoseThatAHookLeaves) {

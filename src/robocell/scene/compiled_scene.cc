@@ -32,6 +32,18 @@ mjModel* CompiledScene::mutable_model() {
   return model_;
 }
 
+std::shared_ptr<void> CompiledScene::Claim() {
+  if (!frozen_ && !claim_.expired()) {
+    throw Error("scene '" + scene_spec_.name +
+                "': its compiled scene is used by another scene already, and what one of them "
+                "writes to the model would change the other. Freeze the compiled scene to share it "
+                "(Freeze(), in Python freeze()), or compile the spec again");
+  }
+  auto claim = std::make_shared<char>();
+  if (!frozen_) claim_ = claim;  // frozen ones may be claimed by several threads at once
+  return claim;
+}
+
 const RobotRecord& CompiledScene::robot(const std::string& name) const {
   return Find(robots_, name, "robot", scene_spec_.name);
 }

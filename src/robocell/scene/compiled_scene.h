@@ -66,6 +66,9 @@ class CompiledScene {
   uint64_t generation() const { return generation_; }
   void Freeze() { frozen_ = true; }
   bool frozen() const { return frozen_; }
+  // A scene's right to use the model, given up by destroying it. Error when another scene has it
+  // and the model is not frozen: what one writes to the model the other would feel.
+  std::shared_ptr<void> Claim();
   // What the parts asked for and did not get, and the engine's own warnings from compiling.
   const std::vector<std::string>& warnings() const { return warnings_; }
   // Model key with the robots' home positions: qpos0 with each robot's home and the controls that
@@ -94,6 +97,7 @@ class CompiledScene {
   uint64_t generation_ = 0;
   int home_key_ = -1;
   bool frozen_ = false;
+  std::weak_ptr<void> claim_;
 };
 
 // Builds the model. SpecError for what is wrong in the spec (all problems together), NotFoundError

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "robocell/mujoco/names.h"
+
 namespace robocell {
 
 bool IsPositionServo(const mjModel* model, int actuator) {
@@ -30,6 +32,40 @@ std::optional<double> RestingCtrl(const mjModel* model, int actuator, double len
 
 std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int actuator) {
   return RestingCtrl(model, actuator, data->actuator_length[model->actuator_outadr[actuator]]);
+}
+
+bool IsFiltered(const mjModel* model, int actuator) {
+  return model->actuator_dyntype[actuator] == mjDYN_FILTER ||
+         model->actuator_dyntype[actuator] == mjDYN_FILTEREXACT;
+}
+
+void Hold(const mjModel* model, mjData* data, int actuator) {
+  const auto ctrl = HoldingCtrl(model, data, actuator);
+  if (!ctrl) return;
+  data->ctrl[model->actuator_ctrladr[actuator]] = *ctrl;
+  const int activation = model->actuator_actadr[actuator];
+  if (activation >= 0 && IsFiltered(model, actuator)) data->act[activation] = *ctrl;
+}
+
+void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,
+              std::vector<bool>& dofs) {
+  for (const std::string& name : group.joints) {
+    const int joint = FindId(model, mjOBJ_JOINT, robot.prefix + name);
+    if (joint < 0) continue;
+    const int end = joint + 1 < model->njnt ? model->jnt_dofadr[joint + 1] : int(model->nv);
+    for (int dof = model->jnt_dofadr[joint]; dof < end; ++dof) dofs[dof] = true;
+  }
+}
+
+bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::vector<bool>& dofs) {
+  const int first = model->actuator_outadr[actuator], count = model->actuator_outnum[actuator];
+  for (int output = first; output < first + count; ++output) {
+    const int begin = data->moment_rowadr[output], end = begin + data->moment_rownnz[output];
+    for (int i = begin; i < end; ++i) {
+      if (data->actuator_moment[i] != 0 && dofs[data->moment_colind[i]]) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace robocell

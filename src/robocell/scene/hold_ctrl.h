@@ -2,8 +2,10 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "robocell/mujoco/forward.h"
+#include "robocell/scene/compiled_scene.h"
 
 namespace robocell {
 
@@ -11,11 +13,25 @@ namespace robocell {
 // gripper scaled to 0..255 (XML reference, actuator/general).
 bool IsPositionServo(const mjModel* model, int actuator);
 
+// Whether an actuator's activation follows its control with a delay.
+bool IsFiltered(const mjModel* model, int actuator);
+
 // The control with which a position servo rests at `length`, clamped to the control range. Nothing
 // for other actuators.
 std::optional<double> RestingCtrl(const mjModel* model, int actuator, double length);
 
 // The same for where `data` is: its length must be up to date (position stage).
 std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int actuator);
+
+// Sets it, with the activation of a filtered servo. Leaves other actuators alone.
+void Hold(const mjModel* model, mjData* data, int actuator);
+
+// Marks the degrees of freedom (nv) of a group's joints.
+void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,
+              std::vector<bool>& dofs);
+
+// Whether an actuator pulls at one of the marked degrees of freedom: directly, through a tendon, at
+// a site ... Moments must be up to date (position stage).
+bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::vector<bool>& dofs);
 
 }  // namespace robocell

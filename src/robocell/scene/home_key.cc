@@ -1,7 +1,6 @@
 #include "robocell/scene/home_key.h"
 
 #include <algorithm>
-#include <set>
 #include <string>
 
 #include "robocell/mujoco/guard.h"
@@ -53,26 +52,24 @@ void FillQpos(mjModel* model, const PartHome& parts, const std::vector<RobotReco
   }
 }
 
-// Actuators of groups with a configured home: their own model's key does not apply to them.
-std::set<std::string> ActuatorsWithHome(const std::vector<RobotRecord>& robots) {
-  std::set<std::string> names;
+// Degrees of freedom of groups with a configured home: what acts on them holds that home, whatever
+// their own model's key says.
+std::vector<bool> DofsWithHome(const mjModel* model, const std::vector<RobotRecord>& robots) {
+  std::vector<bool> dofs(static_cast<size_t>(model->nv));
   for (const RobotRecord& robot : robots) {
     for (const auto& [name, values] : robot.config.home.entries()) {
       const MoveGroupConfig* group = robot.config.move_groups.find(name);
-      if (!group) continue;
-      for (const std::string& actuator : group->actuators) names.insert(robot.prefix + actuator);
+      if (group) MarkDofs(model, robot, *group, dofs);
     }
   }
-  return names;
+  return dofs;
 }
 
 void SetCtrl(mjModel* model, int actuator, double value) {
   if (model->actuator_ctrlnum[actuator] != 1) return;
   model->key_ctrl[model->actuator_ctrladr[actuator]] = value;
   const int activation = model->actuator_actadr[actuator];
-  const bool filtered = model->actuator_dyntype[actuator] == mjDYN_FILTER ||
-                        model->actuator_dyntype[actuator] == mjDYN_FILTEREXACT;
-  if (filtered && activation >= 0) model->key_act[activation] = value;
+  if (IsFiltered(model, actuator) && activation >= 0) model->key_act[activation] = value;
 }
 
 // Grippers whose home is said nowhere start open.
@@ -94,11 +91,11 @@ void FillCtrl(mjModel* model, const PartHome& parts, const std::vector<RobotReco
     mj_resetDataKeyframe(model, data.get(), 0);
     mj_fwdPosition(model, data.get());
   });
-  const std::set<std::string> configured = ActuatorsWithHome(robots);
+  const std::vector<bool> configured = DofsWithHome(model, robots);
   for (int id = 0; id < model->nactuator; ++id) {
     const std::string name = ElementName(model, mjOBJ_ACTUATOR, id);
     const auto own = parts.ctrl.find(name);
-    if (own != parts.ctrl.end() && !configured.contains(name)) {
+    if (own != parts.ctrl.end() && !ActsOn(model, data.get(), id, configured)) {
       SetCtrl(model, id, own->second[0]);
     } else if (const auto ctrl = HoldingCtrl(model, data.get(), id)) {
       SetCtrl(model, id, *ctrl);

@@ -41,6 +41,15 @@ TEST_F(HomeKey, IsTheOnlyOneAndHoldsEveryRobotAtItsOwnHome) {
   EXPECT_DOUBLE_EQ(scene.actuator_ctrl("b_servo2"), 0.6) << "a servo holds the configured home";
 }
 
+TEST_F(HomeKey, HoldsAConfiguredHomeWithServosThatNoGroupLists) {
+  config.move_groups.at("arm").actuators = {};
+  config.home["arm"] = {0.5, 0.6};
+  spec.robots.push_back({.config = config});
+  const Scene scene = Scene::Build(spec);
+  EXPECT_DOUBLE_EQ(scene.actuator_ctrl("servo1"), 0.5) << "not the control of the model's own key";
+  EXPECT_DOUBLE_EQ(scene.actuator_ctrl("servo2"), 0.6);
+}
+
 TEST_F(HomeKey, HoldsAGripperWhereItsHomeIs) {
   config.attachments.push_back(gripper);
   config.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper,

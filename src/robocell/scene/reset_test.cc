@@ -102,6 +102,55 @@ TEST(Reset, KeepsServosHoldingTheNoisyPose) {
   }
 }
 
+// Servos that no group lists, one of them behind a tendon and a filter, hold what the noise moved.
+TEST(Reset, ServosThatNoGroupListsHoldTheNoisyPoseToo) {
+  ModelFolder folder;
+  std::string model = kTwoJointArm;
+  const std::string servo = R"(<position name="servo2" joint="elbow" kp="50" kv="5"/>)";
+  model.replace(model.find(servo), servo.size(),
+                R"(<position name="servo2" tendon="pull" kp="50" kv="5" timeconst="0.1"/>)");
+  model += R"(<tendon><fixed name="pull"><joint joint="elbow" coef="2"/></fixed></tendon>)";
+  model.replace(model.find(R"( ctrl="0.31 -0.41")"), 18, "");
+  RobotConfig config = ArmConfig(folder.Write("arm", model));
+  config.move_groups.at("arm").actuators = {};
+  config.move_groups.at("arm").kind = MoveGroupKind::kGeneric;
+  config.home_noise["arm"] = {0.5};
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.config = config});
+  Scene scene = Scene::Build(spec);
+  scene.Reset({.seed = 3});
+  const mjData* data = scene.data();
+  EXPECT_NE(data->qpos[0], 0.3);
+  EXPECT_NEAR(scene.actuator_ctrl("servo1"), data->qpos[0], 1e-12);
+  EXPECT_NEAR(scene.actuator_ctrl("servo2"), 2 * data->qpos[1], 1e-12);
+  EXPECT_NEAR(data->act[0], 2 * data->qpos[1], 1e-12);
+}
+
+// Writes down what the engine's data say of a body.
+struct Onlooker : SceneObserver {
+  explicit Onlooker(const Scene& scene) : scene(scene.inner()) {}
+  void OnReset() override { height = scene.data()->xpos[3 * body + 2]; }
+  Scene scene;
+  int body = RequireId(scene.model(), mjOBJ_BODY, "cube0", "");
+  double height = 0;
+};
+
+TEST(Reset, HooksAndObserversFindPosesThatAgreeWithTheState) {
+  Scene scene = Scene::Build(Workplace());
+  const auto onlooker = std::make_shared<Onlooker>(scene);
+  scene.AddObserver(onlooker);
+  double in_hook = 0;
+  scene.AddResetHook([&](ResetContext& reset) {
+    in_hook = reset.scene.data()->xpos[3 * onlooker->body + 2];
+    reset.scene.data()->qpos[2] = 0.9;  // cube0
+  });
+  scene.data()->qpos[2] = 0.5;
+  scene.Forward();
+  scene.Reset();
+  EXPECT_DOUBLE_EQ(in_hook, 0.02) << "that of home";
+  EXPECT_EQ(onlooker->height, 0.9) << "that which the hook left";
+}
+
 TEST(Reset, KeepsNoiseInsideTheLimits) {
   ModelFolder folder;
   RobotConfig config = ArmConfig(folder.Write("arm", kTwoJointArm));

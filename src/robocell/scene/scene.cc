@@ -28,11 +28,12 @@ Scene Scene::Build(const SceneSpec& spec, const DataFactory& factory) {
 
 Scene Scene::FromCompiled(std::shared_ptr<CompiledScene> compiled, const DataFactory& factory) {
   auto state = std::make_shared<State>();
+  state->claim = compiled->Claim();
   state->name = compiled->spec().name;
   state->context = "scene '" + state->name + "'";
   state->data = factory ? factory(*compiled) : MakeOwnData(*compiled);
   state->compiled = std::move(compiled);
-  Scene scene(std::move(state));
+  Scene scene(std::move(state), std::make_shared<Kept>());
   scene.Reset();
   return scene;
 }
@@ -98,6 +99,25 @@ void Scene::AddObserver(std::weak_ptr<SceneObserver> observer, const std::string
   observers.push_back({key, std::move(observer)});
 }
 
+void Scene::KeepObserver(std::shared_ptr<SceneObserver> observer, const std::string& key) {
+  if (!kept_) throw Error(open().context + ": what it keeps is kept through no inner handle");
+  AddObserver(observer, key);
+  kept_->push_back(std::move(observer));
+}
+
+Scene Scene::inner() const { return Scene(state_, nullptr); }
+
+const std::vector<std::shared_ptr<SceneObserver>>& Scene::kept_observers() const {
+  static const Kept none;
+  return kept_ ? *kept_ : none;
+}
+
+void Scene::ForgetKeptObservers() {
+  if (!kept_) return;
+  const Kept forgotten = std::move(*kept_);  // destroyed when nobody finds it there any more
+  kept_->clear();
+}
+
 std::shared_ptr<SceneObserver> Scene::FindObserver(const std::string& key) const {
   for (const auto& watch : open().observers) {
     if (watch.key != key || key.empty()) continue;
@@ -114,7 +134,9 @@ void Scene::Close() {
   }
   state_->closed = true;
   state_->hooks.clear();
+  ForgetKeptObservers();
   state_->data = {};
+  state_->claim.reset();
   state_->compiled.reset();
 }
 

@@ -57,7 +57,7 @@ using ResetHook = std::function<void(ResetContext&)>;
 class SceneObserver {
  public:
   virtual ~SceneObserver() = default;
-  virtual void OnReset() {}    // after the reset hook, before the final forward pass
+  virtual void OnReset() {}    // after the reset hook; poses agree with qpos
   virtual void OnRebuild() {}  // model and data are new: look names up again
   virtual void OnClose() {}
 };
@@ -104,10 +104,14 @@ class Scene {
   int AddResetHook(ResetHook hook);
   void RemoveResetHook(int id);
   void ClearResetHooks();
-  // Observers are held weakly. One with a key can be found again, so that all handles to a robot
-  // share one state.
+  // Observers are held weakly, but for those that the scene keeps: they live as long as any handle
+  // to the scene and can be found again by their key, so that a robot has one state. What is kept
+  // holds the scene by inner(), else both live until Close().
   void AddObserver(std::weak_ptr<SceneObserver> observer, const std::string& key = {});
+  void KeepObserver(std::shared_ptr<SceneObserver> observer, const std::string& key);
   std::shared_ptr<SceneObserver> FindObserver(const std::string& key) const;
+  // A handle that keeps the simulation alive, but not what the scene keeps.
+  Scene inner() const;
 
   // Frames, in the world.
   Pose body_pose(const std::string& name) const;
@@ -154,10 +158,12 @@ class Scene {
 
   void Close();
   bool closed() const;
-  // For garbage collectors of other languages: whether no other handle holds the simulation, what
-  // it holds of theirs, and a number that handles to the same simulation share.
-  bool sole_handle() const { return state_.use_count() == 1; }
+  // For garbage collectors of other languages: whether this is the only handle that is no inner()
+  // one, what it holds of theirs, and a number that handles to the same simulation share.
+  bool sole_handle() const { return kept_.use_count() == 1; }
   const std::map<int, ResetHook>& reset_hooks() const;
+  const std::vector<std::shared_ptr<SceneObserver>>& kept_observers() const;
+  void ForgetKeptObservers();
   size_t id() const { return reinterpret_cast<size_t>(state_.get()); }
 
   // Handles to the same simulation are equal.
@@ -165,10 +171,13 @@ class Scene {
 
  private:
   struct State;
-  explicit Scene(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  using Kept = std::vector<std::shared_ptr<SceneObserver>>;
+  Scene(std::shared_ptr<State> state, std::shared_ptr<Kept> kept)
+      : state_(std::move(state)), kept_(std::move(kept)) {}
   State& open() const;
 
   std::shared_ptr<State> state_;
+  std::shared_ptr<Kept> kept_;  // null in an inner handle
 };
 
 }  // namespace robocell

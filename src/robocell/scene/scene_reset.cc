@@ -47,14 +47,10 @@ void AddGroupNoise(const mjModel* model, mjData* data, const RobotRecord& robot,
   }
 }
 
-// Servos of the groups that got noise hold the new positions.
-void HoldGroup(const mjModel* model, mjData* data, const RobotRecord& robot,
-               const std::string& group) {
-  for (const std::string& actuator : robot.config.move_groups.at(group).actuators) {
-    const int id = FindId(model, mjOBJ_ACTUATOR, robot.prefix + actuator);
-    if (id < 0) continue;
-    if (const auto ctrl = HoldingCtrl(model, data, id))
-      data->ctrl[model->actuator_ctrladr[id]] = *ctrl;
+// Every servo that moves with the noise holds the new positions, whether the robot lists it or not.
+void HoldNewPositions(const mjModel* model, mjData* data, const std::vector<bool>& moved) {
+  for (int actuator = 0; actuator < model->nactuator; ++actuator) {
+    if (ActsOn(model, data, actuator, moved)) Hold(model, data, actuator);
   }
 }
 
@@ -66,19 +62,18 @@ void ApplyHomeNoise(const CompiledScene& compiled, mjData* data, uint64_t seed,
                     const std::string& context) {
   const mjModel* model = compiled.model();
   bool any = false;
+  std::vector<bool> moved(static_cast<size_t>(model->nv));
   for (const RobotRecord& robot : compiled.robots()) {
     for (const auto& [group, noise] : robot.config.home_noise.entries()) {
       AddGroupNoise(model, data, robot, group, *noise, seed);
-      any = any || !IsZero(*noise);
+      if (IsZero(*noise)) continue;
+      any = true;
+      MarkDofs(model, robot, robot.config.move_groups.at(group), moved);
     }
   }
   if (!any) return;
   Guarded(context, data, [&] { mj_fwdPosition(model, data); });
-  for (const RobotRecord& robot : compiled.robots()) {
-    for (const auto& [group, noise] : robot.config.home_noise.entries()) {
-      if (!IsZero(*noise)) HoldGroup(model, data, robot, group);
-    }
-  }
+  HoldNewPositions(model, data, moved);
 }
 
 void Forget(const mjModel* model, mjData* data) {
@@ -102,6 +97,7 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
   Restore(s.model(), s.data.data, info, s.context);
   if (options.seed) ApplyHomeNoise(*s.compiled, s.data.data, *options.seed, s.context);
   s.poses_at = -1;
+  SyncPoses();
   ResetContext reset{*this, options, info};
   const auto hooks = s.hooks;  // a hook may add or remove hooks
   for (const auto& [id, hook] : hooks) {
@@ -109,6 +105,7 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
     open();  // a hook that closed the scene ends the reset
   }
   s.poses_at = -1;
+  SyncPoses();
   const auto observers = s.observers;
   for (const auto& watch : observers) {
     if (const auto observer = watch.observer.lock()) observer->OnReset();

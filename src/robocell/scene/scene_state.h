@@ -21,6 +21,7 @@ struct Scene::State {
     std::weak_ptr<SceneObserver> observer;
   };
   std::vector<Watch> observers;
+  std::shared_ptr<void> claim;  // on the compiled scene
   // Time of the data when poses last agreed with qpos. Time moves with every step, whoever makes
   // it.
   double poses_at = -1;

@@ -219,6 +219,53 @@ TEST(Scene, FindsObserversByKeyWhileTheyLive) {
   EXPECT_EQ(scene.FindObserver("robot left"), nullptr);
 }
 
+TEST(Scene, KeepsObserversWhileAnyHandleLives) {
+  std::weak_ptr<CloseWatch> watch;
+  std::optional<Scene> last;
+  {
+    Scene scene = Scene::Build(Workplace());
+    const auto made = std::make_shared<CloseWatch>();
+    watch = made;
+    scene.KeepObserver(made, "robot left");
+    last = scene;
+    EXPECT_FALSE(scene.sole_handle());
+  }
+  EXPECT_TRUE(last->sole_handle());
+  EXPECT_EQ(last->FindObserver("robot left"), watch.lock());
+  const Scene inner = last->inner();
+  EXPECT_EQ(inner, *last);
+  EXPECT_TRUE(last->sole_handle()) << "an inner handle does not count";
+  ExpectThrow<Error>([&] { Scene(inner).KeepObserver(std::make_shared<CloseWatch>(), "x"); },
+                     "through no inner handle");
+  last.reset();
+  EXPECT_TRUE(watch.expired());
+  EXPECT_EQ(inner.time(), 0) << "the simulation lives";
+}
+
+TEST(Scene, TellsKeptObserversThatItIsClosedAndLetsThemGo) {
+  Scene scene = Scene::Build(Workplace());
+  auto watch = std::make_shared<CloseWatch>();
+  scene.KeepObserver(watch, "robot left");
+  scene.Close();
+  EXPECT_EQ(watch->closed, 1);
+  EXPECT_EQ(watch.use_count(), 1);
+}
+
+TEST(CompiledScene, ThatIsNotFrozenServesOneSceneAtATime) {
+  const auto compiled = CompileScene(Workplace());
+  std::optional<Scene> scene = Scene::FromCompiled(compiled);
+  ExpectThrow<Error>([&] { Scene::FromCompiled(compiled); },
+                     "scene 'test': its compiled scene is used by another scene already, and what "
+                     "one of them writes to the model would change the other. Freeze the compiled "
+                     "scene to share it (Freeze(), in Python freeze()), or compile the spec again");
+  scene->Close();
+  scene = Scene::FromCompiled(compiled);
+  scene.reset();
+  scene = Scene::FromCompiled(compiled);
+  compiled->Freeze();
+  Scene::FromCompiled(compiled).Step();
+}
+
 TEST(CompiledScene, IsSharedBetweenScenesWhenFrozen) {
   const auto compiled = CompileScene(Workplace());
   compiled->Freeze();

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
@@ -28,19 +29,25 @@ Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon)
   mjData* d = scene.data();
   std::vector<char> own(m->ngeom, 0);
   for (const int g : robot.geom_ids()) own[g] = 1;
-  Clearance nearest{.distance = horizon, .robot_geom = {}, .other_geom = {}};
+  double nearest = horizon;
+  int robot_geom = -1, other_geom = -1;
   for (const int a : robot.geom_ids()) {
     const bool on_mocap = m->body_mocapid[m->geom_bodyid[a]] >= 0;
     if (!Collides(m, a) && !on_mocap) continue;
     for (int b = 0; b < m->ngeom; ++b) {
       if (own[b] || !Collides(m, b) || !MayBeNear(m, d, a, b, horizon)) continue;
       if (on_mocap && m->geom_type[b] == mjGEOM_PLANE) continue;
-      const double distance = mj_geomDistance(m, d, a, b, nearest.distance, nullptr);
-      if (distance < nearest.distance)
-        nearest = {distance, Describe(m, mjOBJ_GEOM, a), Describe(m, mjOBJ_GEOM, b)};
+      const double distance = Guarded("distance of a robot to its surroundings", d, [&] {
+        return mj_geomDistance(m, d, a, b, nearest, nullptr);
+      });
+      if (distance >= nearest) continue;
+      nearest = distance;
+      robot_geom = a;
+      other_geom = b;
     }
   }
-  return nearest;
+  if (robot_geom < 0) return {.distance = nearest, .robot_geom = {}, .other_geom = {}};
+  return {nearest, Describe(m, mjOBJ_GEOM, robot_geom), Describe(m, mjOBJ_GEOM, other_geom)};
 }
 
 }  // namespace robocell

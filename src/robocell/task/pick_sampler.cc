@@ -252,6 +252,7 @@ struct PickTaskSampler::Setup {
   Scene scene;
   Robot robot;
   std::string target_body;
+  StopCheck stop;
 };
 
 // Draws places for the objects and for the base until both fit. Nothing is stepped, so many are
@@ -259,7 +260,7 @@ struct PickTaskSampler::Setup {
 std::optional<Refusal> PickTaskSampler::Arrange(Setup& setup, const Support& support,
                                                 const BasePlacement& placement, Rng& rng) {
   Refusal refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"};
-  for (int t = 0; t < kArrangements; ++t) {
+  for (int t = 0; t < kArrangements && !ShouldStop(setup.stop); ++t) {
     if (!PlaceObjects(support, setup.objects, rng)) continue;
     for (const SceneObject& object : setup.objects) {
       setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
@@ -280,6 +281,7 @@ std::optional<Refusal> PickTaskSampler::Settle(Setup& setup) const {
   const int steps = static_cast<int>(kSettleSeconds / setup.scene.timestep());
   std::string moving = "something";
   for (int look = 0; look < kSettleLooks && !moving.empty(); ++look) {
+    if (ShouldStop(setup.stop)) break;
     for (int i = 0; i < steps; ++i) {
       setup.robot.Update();
       if (!setup.scene.Step().ok()) return Refusal{Refusal::kUnsettled, "diverged"};
@@ -323,7 +325,8 @@ SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
               objects,
               scene,
               Robot::Of(scene, run_.robot.config.name),
-              scene.compiled()->object("target").root_body};
+              scene.compiled()->object("target").root_body,
+              request.stop};
   if (auto refusal = Arrange(setup, support, placement, rng)) return refused(*refusal);
   if (auto refusal = Settle(setup)) return refused(*refusal);
   if (auto refusal = CheckBasePose(setup.scene, setup.robot, setup.target_body))
@@ -331,7 +334,7 @@ SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
   scene.data()->time = 0;
   scene.Forward();
   return {.start = EpisodeStart{.scene = scene,
-                                .task = std::make_unique<PickTask>("target", kinds[0], names,
+                                .task = std::make_shared<PickTask>("target", kinds[0], names,
                                                                    run_.task.lift_height),
                                 .target_object = "target",
                                 .object_kinds = kinds,

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "robocell/base/rng.h"
+#include "robocell/base/stop.h"
 #include "robocell/robot/action.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
@@ -34,7 +35,7 @@ class Task {
 // Where and with what an episode starts: a built scene at its start state, and its task.
 struct EpisodeStart {
   Scene scene;
-  std::unique_ptr<Task> task;
+  std::shared_ptr<Task> task;
   std::string target_object;              // name in the scene
   std::vector<std::string> object_kinds;  // catalogue names, the target's first
   Pose base_in_world;                     // of the robot's base group
@@ -63,9 +64,10 @@ struct SampleResult {
 
 // Which start is asked for. Samplers may use the numbers to spread their choices evenly over a run.
 struct SampleRequest {
-  int scene = 0;    // which scene of the source
-  int episode = 0;  // which episode in that scene
-  int attempt = 0;  // which try at that episode
+  int scene = 0;        // which scene of the source
+  int episode = 0;      // which episode in that scene
+  int attempt = 0;      // which try at that episode
+  StopCheck stop = {};  // when it says true, the sampler may refuse with any reason
 };
 
 class TaskSampler {

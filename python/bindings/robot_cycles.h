@@ -1,0 +1,22 @@
+// Groups written in Python, as Python's collector sees them through the handles that keep them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "python_owner.h"
+#include "robocell/robot/move_group.h"
+
+namespace robocell::python {
+
+// For tp_traverse. `groups` are copies of the pointers that one handle alone keeps alive; a group
+// that anybody else keeps too is passed over.
+inline int VisitGroups(const std::vector<std::shared_ptr<MoveGroup>>& groups, visitproc visit,
+                       void* arg) {
+  for (const auto& group : groups) {
+    if (group.use_count() == 2) Py_VISIT(TargetOf(group));
+  }
+  return 0;
+}
+
+}  // namespace robocell::python

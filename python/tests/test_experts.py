@@ -1,0 +1,153 @@
+"""Experts and tasks written in Python: what they are handed stays valid or says that it is over."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import robocell as rc
+from test_cli import write_run
+
+
+class Idle(rc.Expert):
+    """Does nothing for some actions, then has failed."""
+
+    def __init__(self, actions: int = 3) -> None:
+        super().__init__()
+        self.left = actions
+        self.kept: list[object] = []
+        self.draws: list[float] = []
+
+    def begin(self, scene: rc.Scene, rng: rc.Rng) -> None:
+        self.kept = [scene, rng, rng.fork("mine")]
+        self.draws.append(rng.uniform())
+
+    def act(self, scene: rc.Scene, rng: rc.Rng) -> dict[str, dict[str, rc.GroupCommand]]:
+        self.draws.append(rng.uniform())
+        self.left -= 1
+        return {}
+
+    def done(self) -> bool:
+        return self.left <= 0
+
+    def failure(self) -> str:
+        return "idle"
+
+    def phase(self) -> int:
+        return 0
+
+    def phase_names(self) -> list[str]:
+        return ["idle"]
+
+
+def load(tmp_path: Path, **fields: object) -> rc.RunConfig:
+    """A small run without cameras that writes below `tmp_path`."""
+    run = rc.RunConfig.load(write_run(tmp_path))
+    run.output = str(tmp_path / "out")
+    run.cameras.streams.clear()
+    for name, value in fields.items():
+        setattr(run, name, value)
+    rc.prepare_dataset(run)
+    return run
+
+
+def make(run: rc.RunConfig, expert: Callable[[rc.RunConfig, rc.EpisodeStart], rc.Expert]):
+    """The report of the run's first item."""
+    return rc.Runner(run, expert=expert).run(rc.make_plan(run)[0])
+
+
+def test_what_an_expert_factory_gets_may_be_kept(tmp_path):
+    kept: list[tuple[rc.RunConfig, rc.EpisodeStart]] = []
+
+    def expert(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+        kept.append((run, start))
+        return Idle()
+
+    report = make(load(tmp_path, max_attempts=2), expert)
+    assert report.accepted == len(kept)
+    gc.collect()
+    for run, start in kept:
+        assert run.run == "tiny"
+        assert start.target_object == "target"
+        assert start.task.instruction().startswith("pick up")
+        assert start.task.objects()[0] == "target"
+        start.task.success(start.scene)
+        start.scene.step_n(10)
+        assert start.scene.time() > 0
+
+
+def test_an_expert_lives_as_long_as_it_is_used(tmp_path):
+    alive: list[weakref.ref] = []
+
+    def expert(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+        made = Idle()
+        made.note = object()
+        alive.append(weakref.ref(made))
+        gc.collect()
+        return made
+
+    report = make(load(tmp_path, max_attempts=2), expert)
+    assert report.failures == {"idle": report.accepted}
+    gc.collect()
+    assert [ref() for ref in alive] == [None] * report.accepted
+
+
+def test_a_kept_stream_says_that_it_was_lent(tmp_path):
+    experts: list[Idle] = []
+
+    def expert(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+        experts.append(Idle())
+        return experts[-1]
+
+    make(load(tmp_path, max_attempts=1), expert)
+    scene, rng, mine = experts[0].kept
+    with pytest.raises(rc.Error, match=r"lent for one call, which is over; keep rng.fork"):
+        rng.uniform()
+    assert 0 <= mine.uniform() < 1
+    assert len(set(experts[0].draws)) == len(experts[0].draws) == 4  # one stream, drawn on
+    scene.step()
+
+
+def test_the_same_run_draws_the_same_numbers(tmp_path):
+    draws = []
+    for name in ("a", "b"):
+        folder = tmp_path / name
+        folder.mkdir()
+        experts: list[Idle] = []
+
+        def expert(run, start, experts=experts):
+            experts.append(Idle())
+            return experts[-1]
+
+        make(load(folder, max_attempts=1), expert)
+        draws.append(experts[0].draws)
+    assert draws[0] == draws[1]
+
+
+def test_a_factory_must_return_an_expert(tmp_path):
+    with pytest.raises(rc.ArgumentError, match=r"expert\(\) must return an Expert, got 7"):
+        make(load(tmp_path), lambda run, start: 7)
+
+
+def test_an_experts_exception_comes_through(tmp_path):
+    class Broken(Idle):
+        def act(self, scene, rng):
+            raise KeyError("no such idea")
+
+    with pytest.raises(KeyError, match="no such idea"):
+        make(load(tmp_path), lambda run, start: Broken())
+    assert not list((tmp_path / "out").glob("s*"))
+
+
+def test_experts_called_from_python_draw_from_the_stream_given():
+    rng, same = rc.Rng.stream(1, "test"), rc.Rng.stream(1, "test")
+    expert = Idle()
+    expert.begin(
+        rc.Scene.build(rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)), rng
+    )
+    assert expert.draws == [same.uniform()]
+    assert rng.uniform() == same.uniform()

@@ -1,0 +1,157 @@
+"""Ctrl-C while C++ works: it is heard at once, and what was finished stays."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from test_experts import Idle, load
+from test_robot import cell
+
+# Between the signal and the exception; generous for a busy machine, far below what the work takes.
+PROMPTLY_S = 1.0
+
+
+@contextmanager
+def interrupted(after_s: float = 0.3) -> Iterator[None]:
+    """Sends Ctrl-C while the block runs; it must end promptly with KeyboardInterrupt."""
+    sent: list[float] = []
+
+    def send() -> None:
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(after_s, send)
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            yield
+        assert sent, "the work ended before the signal"
+        assert time.monotonic() - sent[0] < PROMPTLY_S
+    finally:
+        timer.cancel()
+        timer.join()
+
+
+def test_many_steps_end():
+    scene = cell()
+    with interrupted():
+        scene.step_n(2_000_000_000)
+    assert 0 < scene.time() < 4e6
+    assert scene.step()
+
+
+def test_parts_of_many_steps_are_one_answer():
+    one, other = cell(), cell()
+    result = one.step_n(1000)
+    assert result.ok
+    assert result.steps == 1000
+    for _ in range(1000):
+        other.step()
+    np.testing.assert_array_equal(one.state(), other.state())
+    assert one.step_n(0).steps == 0
+
+
+def test_a_diverged_part_ends_the_steps():
+    scene = cell()
+    scene.data.qvel[0] = 1e12
+    result = scene.step_n(1000)
+    assert result.diverged
+    assert result.steps < 1000
+
+
+def test_a_long_policy_tick_ends():
+    scene = cell()
+    stepper = rc.Stepper(scene, [scene.robot("a")], control_ticks=2_000_000_000)
+    with interrupted():
+        stepper.advance({})
+    assert stepper.policy_ticks == 0
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_large_batch_of_inverse_kinematics_ends(threads):
+    kinematics = cell().robot("a").kinematics
+    out_of_reach = np.tile(np.eye(4), (200_000, 1, 1))
+    out_of_reach[:, 0, 3] = 0.1
+    out_of_reach[:, 2, 3] = 30.0
+    with interrupted():
+        kinematics.ik_batch(out_of_reach, threads=threads)
+
+
+class Endless(Idle):
+    """Never done."""
+
+    def done(self) -> bool:
+        return False
+
+
+def endless(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+    return Endless()
+
+
+def test_an_endless_episode_ends_and_finished_ones_stay(tmp_path):
+    run = load(tmp_path, keep=rc.Keep.ALL, max_attempts=2)
+    run.rates.max_steps = 1_000_000
+    made: list[rc.Expert] = []
+
+    def first_short_then_endless(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+        made.append(Endless() if made else Idle())
+        return made[-1]
+
+    run.max_attempts = 20
+    with interrupted(3.0):
+        rc.Runner(run, expert=first_short_then_endless).run(rc.make_plan(run)[0])
+    assert len(rc.Dataset(tmp_path / "out").ids) == 1
+    assert rc.verify(tmp_path / "out").ok
+
+
+def test_the_scripted_expert_is_interrupted_too(tmp_path):
+    run = load(tmp_path)
+    runner = rc.Runner(run)
+    with interrupted(0.05):
+        for item in rc.make_plan(run) * 100:
+            runner.run(item)
+
+
+def test_a_handler_that_only_sets_the_stop_flag_ends_the_run_without_an_exception(tmp_path):
+    run = load(tmp_path)
+    run.rates.max_steps = 1_000_000
+    stop = rc.StopFlag()
+    before = signal.signal(signal.SIGTERM, lambda *_: stop.set())
+    timer = threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGTERM))
+    timer.start()
+    try:
+        report = rc.Runner(run, expert=endless).run(rc.make_plan(run)[0], stop)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        timer.join()
+    assert report.stopped
+    assert not report.committed
+
+
+@pytest.mark.parametrize("work", ["step_n", "ik_batch"])
+def test_other_threads_run_meanwhile(work):
+    """The interpreter is released during long work."""
+    scene = cell()
+    robot = scene.robot("a")
+    targets = np.tile(robot.fk_frame().matrix, (100_000, 1, 1))
+    done: dict[str, Callable[[], object]] = {
+        "step_n": lambda: scene.step_n(20_000),
+        "ik_batch": lambda: robot.kinematics.ik_batch(targets),
+    }
+    thread = threading.Thread(target=done[work])
+    thread.start()
+    turns = 0
+    while thread.is_alive():
+        time.sleep(0.001)
+        turns += 1
+    thread.join()
+    assert turns > 10

@@ -1,0 +1,297 @@
+"""Robots from Python: one state per robot, lifetimes, groups of one's own, grippers."""
+
+import gc
+import weakref
+
+import numpy as np
+import pytest
+
+import robocell as rc
+
+
+def cell() -> rc.Scene:
+    """The built-in robot on a floor."""
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
+    config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    spec.robots.append(rc.RobotSpec(name="a", config=config))
+    return rc.Scene.build(spec)
+
+
+@pytest.fixture
+def scene() -> rc.Scene:
+    return cell()
+
+
+class TestState:
+    def test_a_target_outlives_the_handle_it_was_given_to(self, scene):
+        target = scene.robot("a").jnt_pos_msr + 0.2
+        scene.robot("a").jnt_pos_cmd = target
+        gc.collect()
+        scene.robot("a").update()
+        np.testing.assert_array_equal(scene.robot("a").jnt_pos_cmd, target)
+        scene.step_n(1500)
+        np.testing.assert_allclose(scene.robot("a").arm.joint_pos, target, atol=0.02)
+
+    def test_a_view_of_the_port_outlives_robot_and_scene(self):
+        port = cell().robot("a").jnt_pos_cmd
+        gc.collect()
+        port[:] = 0.25
+        assert port.tolist() == [0.25] * 7
+
+    def test_a_robot_keeps_its_scene(self):
+        robot = cell().robot("a")
+        gc.collect()
+        assert robot.step()
+        assert robot.scene.robot("a").joint_names == robot.joint_names
+
+    def test_scenes_go_when_the_last_handle_goes(self):
+        scene = cell()
+        data = weakref.ref(scene.data)
+        robot = scene.robot("a")
+        robot.update()
+        del scene
+        gc.collect()
+        assert data() is not None
+        del robot
+        gc.collect()
+        assert data() is None
+
+    def test_close_ends_robots(self, scene):
+        robot = scene.robot("a")
+        scene.close()
+        with pytest.raises(rc.ClosedError, match="robot 'a' is closed: its scene was closed"):
+            robot.update()
+
+
+class Lamp(rc.MoveGroup):
+    """A group with one number of its own."""
+
+    def __init__(self, kind: object = None) -> None:
+        super().__init__()
+        self.said = kind
+        self.light = np.zeros(1)
+        self.commands: list[float] = []
+
+    def get_name(self) -> str:
+        return "lamp"
+
+    def get_joint_names(self) -> list[str]:
+        return ["dimmer"]
+
+    def get_actuator_names(self) -> list[str]:
+        return ["dimmer"]
+
+    def get_joint_pos(self) -> np.ndarray:
+        return self.light
+
+    def get_joint_vel(self) -> np.ndarray:
+        return np.zeros(1)
+
+    def get_joint_torque(self) -> np.ndarray:
+        return np.zeros(1)
+
+    def get_ctrl(self) -> np.ndarray:
+        return self.light
+
+    def set_ctrl(self, ctrl: np.ndarray) -> None:
+        self.light = ctrl
+        self.commands.append(float(ctrl[0]))
+
+    def ctrl_for_joint_pos(self, q: np.ndarray) -> np.ndarray:
+        return q
+
+    def get_joint_pos_limits(self) -> list[tuple[float, float]]:
+        return [(0.0, 1.0)]
+
+
+class KindLamp(Lamp):
+    """One that says its kind."""
+
+    def get_kind(self) -> object:
+        return self.said
+
+
+class TestOwnGroups:
+    def test_the_object_itself_is_the_group(self, scene):
+        lamp = Lamp()
+        scene.robot("a").set_group(lamp)
+        assert scene.robot("a").group("lamp") is lamp
+        assert lamp.kind == "generic"
+        scene.robot("a").apply({"lamp": rc.GroupCommand.joints([0.5])})
+        scene.robot("a").update()
+        assert lamp.commands == [0.5]
+
+    def test_the_robot_keeps_it_alive_with_its_state(self, scene):
+        scene.robot("a").set_group(Lamp())
+        scene.robot("a").group("lamp").note = "mine"
+        gc.collect()
+        group = scene.robot("a").group("lamp")
+        assert group.note == "mine"
+        scene.robot("a").update()
+        assert group.commands == [0.0]
+
+    def test_it_may_outlive_scene_and_robot(self):
+        scene, lamp = cell(), Lamp()
+        scene.robot("a").set_group(lamp)
+        del scene
+        gc.collect()
+        assert lamp.nq == 1
+        assert lamp.name == "lamp"
+
+    @pytest.mark.parametrize("holds", ["scene", "robot"])
+    def test_a_cycle_through_it_is_collected(self, holds):
+        scene = cell()
+        robot = scene.robot("a")
+        lamp = Lamp()
+        lamp.held = scene if holds == "scene" else robot
+        robot.set_group(lamp)
+        ref, data = weakref.ref(lamp), weakref.ref(scene.data)
+        del scene, robot, lamp
+        gc.collect()
+        gc.collect()
+        assert ref() is None
+        assert data() is None
+
+    def test_says_its_kind(self, scene):
+        assert KindLamp("arm").kind == "arm"
+        assert KindLamp(rc.MoveGroupKind.ARM).kind == "arm"
+        robot = scene.robot("a")
+        robot.set_group(KindLamp("generic"))
+        assert robot.group("lamp").kind == "generic"
+
+    def test_a_kind_that_does_not_exist_lists_those_that_do(self):
+        message = r"KindLamp.get_kind: no kind 'amr'.*arm, gripper, base, generic.*mean 'arm'"
+        with pytest.raises(rc.NotFoundError, match=message):
+            KindLamp("amr").kind  # noqa: B018
+        with pytest.raises(rc.ArgumentError, match="get_kind must return a MoveGroupKind or its"):
+            KindLamp(7).kind  # noqa: B018
+
+    def test_a_gripper_must_be_one(self, scene):
+        with pytest.raises(rc.ArgumentError, match="kind gripper derives from GripperGroup"):
+            scene.robot("a").set_group(KindLamp("gripper"))
+
+    def test_a_wrong_number_of_values_names_the_method(self, scene):
+        class Short(Lamp):
+            def ctrl_for_joint_pos(self, q: np.ndarray) -> np.ndarray:
+                return np.zeros(3)
+
+        robot = scene.robot("a")
+        robot.set_group(Short())
+        message = (
+            "group 'lamp' has no controller: Short.ctrl_for_joint_pos: expected 1 values, got 3"
+        )
+        with pytest.raises(rc.NotFoundError, match=message):
+            robot.apply({"lamp": rc.GroupCommand.joints([0.5])})
+
+    def test_nothing_but_a_group_is_taken(self, scene):
+        with pytest.raises(TypeError):
+            scene.robot("a").set_group(object())
+
+
+class OwnGripper(rc.GripperGroup):
+    """Opens and closes in no time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.ctrl_value = 1.0
+
+    def get_name(self) -> str:
+        return "gripper"
+
+    def get_joint_names(self) -> list[str]:
+        return []
+
+    def get_actuator_names(self) -> list[str]:
+        return ["magnet"]
+
+    def get_joint_pos(self) -> list[float]:
+        return []
+
+    def get_joint_vel(self) -> list[float]:
+        return []
+
+    def get_joint_torque(self) -> list[float]:
+        return []
+
+    def get_ctrl(self) -> list[float]:
+        return [self.ctrl_value]
+
+    def set_ctrl(self, ctrl: np.ndarray) -> None:
+        self.ctrl_value = float(ctrl[0])
+
+    def get_opening(self) -> float:
+        return self.ctrl_value
+
+    def set_opening(self, opening: float) -> None:
+        self.ctrl_value = opening
+
+    def ctrl_for_opening(self, opening: float) -> float:
+        return opening
+
+    def get_is_grasping(self, body: str) -> bool:
+        return body == "cube"
+
+
+def test_a_gripper_of_ones_own_is_the_robots_gripper(scene):
+    mine = OwnGripper()
+    robot = scene.robot("a")
+    robot.set_group(mine)
+    assert robot.gripper is mine
+    assert mine.kind == "gripper"
+    assert mine.is_grasping("cube")
+    robot.apply({"gripper": rc.GroupCommand.opening(0.25)})
+    robot.update()
+    assert mine.opening == 0.25
+    robot.gripper.open()
+    robot.update()
+    assert mine.opening == 1.0
+    with pytest.raises(rc.Error, match="must define get_is_open\\(\\); OwnGripper does not"):
+        mine.is_open  # noqa: B018
+
+
+def settle(robot: rc.Robot, seconds: float = 1.0) -> float:
+    """Steps with the controllers running; the opening at the end."""
+    for _ in range(int(seconds / robot.scene.timestep())):
+        robot.update()
+        robot.step()
+    return robot.gripper.opening
+
+
+class TestGripper:
+    @pytest.mark.parametrize("controlled", [True, False], ids=["update", "steps alone"])
+    def test_opens_and_closes_when_told(self, scene, controlled):
+        robot = scene.robot("a")
+
+        def after() -> float:
+            if not controlled:
+                scene.step_n(500)
+            return settle(robot) if controlled else robot.gripper.opening
+
+        robot.gripper.opening = 0
+        assert after() < 0.05
+        robot.gripper.opening = 1
+        assert after() > 0.95
+        robot.gripper.close()
+        assert after() < 0.05
+        robot.gripper.open()
+        assert after() > 0.95
+
+    def test_raw_controls_are_kept_to(self, scene):
+        robot = scene.robot("a")
+        robot.gripper.close()
+        closed = robot.gripper.ctrl
+        robot.gripper.open()
+        settle(robot)
+        robot.gripper.ctrl = closed
+        assert settle(robot) < 0.05
+
+    def test_whoever_commands_last_is_obeyed(self, scene):
+        robot = scene.robot("a")
+        robot.gripper.opening = 1
+        assert settle(robot) > 0.95
+        robot.apply({"gripper": rc.GroupCommand.opening(0)})
+        robot.gripper.opening = 1
+        assert settle(robot) > 0.95
+        robot.gripper.opening = 0
+        robot.apply({"gripper": rc.GroupCommand.opening(1)})
+        assert settle(robot) > 0.95
