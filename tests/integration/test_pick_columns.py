@@ -52,6 +52,7 @@ COLUMNS = {
     "success": ((), None, None, None),
     "terminated": ((), None, None, None),
     "truncated": ((), None, None, None),
+    "ik_failed": ((), None, None, None),
     "engine_warnings": ((), None, None, None),
 }
 
@@ -108,7 +109,7 @@ def test_columns_have_the_promised_shapes_units_frames_and_names(
             assert column.attrs.get("frame") == frame, name
             own = column.attrs.get("names")
             assert (None if own is None else list(own)) == names, name
-        for name in ("success", "terminated", "truncated"):
+        for name in ("success", "terminated", "truncated", "ik_failed"):
             assert steps[name].dtype == bool, "booleans arrive as booleans"
 
 
@@ -234,6 +235,7 @@ def test_reward_success_and_end_are_those_of_the_physics(every_steps: dict[Path,
         assert np.flatnonzero(steps["terminated"][:]).tolist() == [len(risen) - 1]
         assert not steps["truncated"][:].any()
         assert not steps["engine_warnings"][:].any()
+        assert not steps["ik_failed"][:].any()
 
 
 def test_phases_follow_each_other_by_name(every_steps: dict[Path, h5py.File]):
