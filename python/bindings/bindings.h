@@ -28,6 +28,7 @@ void BindKinematics(nb::module_& m);  // inverse kinematics
 void BindRobot(nb::module_& m);       // robots and groups, with the stepper
 void BindRender(nb::module_& m);      // images and videos
 void BindTask(nb::module_& m);        // tasks and experts
+void BindSampler(nb::module_& m);     // where episodes start
 void BindData(nb::module_& m);        // datasets and episodes
 void BindDatagen(nb::module_& m);     // plans and the runner
 

@@ -16,6 +16,7 @@ NB_MODULE(_core, m) {
   BindRobot(m);
   BindRender(m);
   BindTask(m);
+  BindSampler(m);
   BindData(m);
   BindDatagen(m);
 }

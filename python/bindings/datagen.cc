@@ -9,6 +9,7 @@
 
 #include "bindings.h"
 #include "python_owner.h"
+#include "sampler.h"
 #include "signals.h"
 #include "robocell/base/error.h"
 #include "robocell/datagen/check_run.h"
@@ -56,11 +57,11 @@ void BindReport(nb::module_& m) {
 
 // The factory's arguments and what it makes may be kept: the arguments are copies that share scene
 // and task, the expert lives as long as either side uses it.
-RunnerParts PartsWithExpert(nb::object make_expert) {
+std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> MakeExpertFactory(
+    nb::object make_expert) {
   if (make_expert.is_none()) return {};
-  RunnerParts parts;
-  parts.expert = [factory = KeepAlive(std::move(make_expert))](const RunConfig& run,
-                                                               const EpisodeStart& start) {
+  return [factory = KeepAlive(std::move(make_expert))](const RunConfig& run,
+                                                       const EpisodeStart& start) {
     const nb::gil_scoped_acquire gil;
     nb::object made = ObjectOf(factory)(nb::cast(run), nb::cast(start));
     if (!nb::isinstance<Expert>(made)) {
@@ -69,16 +70,6 @@ RunnerParts PartsWithExpert(nb::object make_expert) {
     }
     return Shared<Expert>(std::move(made));
   };
-  return parts;
-}
-
-void BindStart(nb::module_& m) {
-  nb::class_<EpisodeStart>(m, "EpisodeStart", "Where and with what an episode starts.")
-      .def_ro("scene", &EpisodeStart::scene)
-      .def_ro("task", &EpisodeStart::task)
-      .def_ro("target_object", &EpisodeStart::target_object)
-      .def_ro("object_kinds", &EpisodeStart::object_kinds)
-      .def_ro("base_in_world", &EpisodeStart::base_in_world);
 }
 
 }  // namespace
@@ -136,16 +127,18 @@ void BindDatagen(nb::module_& m) {
       .def("set", [](StopFlag& flag) { flag.value = true; })
       .def_prop_ro("is_set", [](const StopFlag& flag) { return flag.value.load(); });
   BindReport(m);
-  BindStart(m);
   nb::class_<Runner>(m, "Runner",
                      "Makes the episodes of a plan in this process, one after the other.")
       .def(
           "__init__",
-          [](Runner* self, const RunConfig& run, nb::object expert) {
-            new (self) Runner(run, PartsWithExpert(std::move(expert)));
+          [](Runner* self, const RunConfig& run, nb::object expert, nb::object sampler) {
+            new (self) Runner(run, {.sampler = MakeSamplerFactory(std::move(sampler)),
+                                    .expert = MakeExpertFactory(std::move(expert))});
           },
-          "run"_a, "expert"_a = nb::none(),
-          "`expert`: a function (run, start) -> Expert that replaces the scripted one.")
+          "run"_a, "expert"_a = nb::none(), "sampler"_a = nb::none(),
+          "`expert`: a function (run, start) -> Expert that replaces the scripted one; `sampler`: "
+          "a "
+          "function (run) -> TaskSampler.")
       .def(
           "run",
           [](Runner& runner, const PlanItem& item, const StopFlag* flag) {

@@ -22,6 +22,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/data/verify.h"
+#include "robocell/testing/as_nobody.h"
 #include "robocell/testing/count_allocations.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -32,6 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::StartsWith;
 using Json = nlohmann::ordered_json;
 
 void ExpectEmpty(const TempDir& folder) { EXPECT_TRUE(fs::is_empty(folder.path())); }
@@ -182,6 +184,23 @@ TEST(EpisodeWriter, AnEpisodeIsNeverReplaced) {
       "episode 'pick-000' is not saved: '" + (folder / "pick-000").string() + "' exists already");
   ExpectThrow<IoError>([&] { late.Commit({}); }, "File exists");
   EXPECT_EQ(Episode(folder / "pick-000").rows(), 4);
+  EXPECT_TRUE(Verify(folder.path()).ok());
+}
+
+// A folder that may be written but not read: the rename works, flushing it does not.
+TEST(EpisodeWriter, AnEpisodeThatIsInPlaceIsNotCalledLost) {
+  TempDir folder;
+  const SampleEpisode sample(0, false);
+  if (geteuid() == 0) ASSERT_EQ(chown(folder.path().c_str(), kNobody, kNobody), 0);
+  const std::string said = SaidToNobody([&] {
+    EpisodeWriter writer(folder.path(), "e", sample.schema);  // its end takes nothing back
+    sample.PutRows(writer, 3);
+    fs::permissions(folder.path(), fs::perms(0333));
+    writer.Commit({});
+  });
+  fs::permissions(folder.path(), fs::perms(0755));
+  EXPECT_THAT(said, StartsWith("episode 'e': '" + (folder / "e").string() + "' is in place, but"));
+  EXPECT_EQ(Episode(folder / "e").rows(), 3);
   EXPECT_TRUE(Verify(folder.path()).ok());
 }
 

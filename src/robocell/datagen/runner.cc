@@ -21,7 +21,7 @@ double Seconds(std::chrono::steady_clock::time_point since) {
 struct Runner::State {
   RunConfig run;
   RunnerParts parts;
-  std::unique_ptr<TaskSampler> sampler;
+  std::shared_ptr<TaskSampler> sampler;
   std::unique_ptr<Renderer> renderer;
 
   Renderer* EnsureRenderer() {

@@ -46,7 +46,7 @@ struct EpisodeReport {
 
 // What can be replaced: both get the validated configuration.
 struct RunnerParts {
-  std::function<std::unique_ptr<TaskSampler>(const RunConfig&)> sampler = {};
+  std::function<std::shared_ptr<TaskSampler>(const RunConfig&)> sampler = {};
   std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> expert = {};
 };
 

@@ -1,0 +1,133 @@
+// Where episodes start: samplers, and subclassing them in Python. C++ threads may call them: each
+// call takes the GIL.
+#include "sampler.h"
+
+#include <nanobind/nanobind.h>
+#include <nanobind/trampoline.h>
+
+#include "python_owner.h"
+#include "rng.h"
+#include "robocell/base/error.h"
+#include "robocell/task/pick_sampler.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace robocell::python {
+namespace {
+
+class PyTaskSampler : public TaskSampler {
+ public:
+  NB_TRAMPOLINE(TaskSampler);
+  SampleResult Sample(const SampleRequest& request, Rng& rng) override {
+    nb::detail::ticket call(nb_trampoline, "sample", nb::detail::str_hash("sample"), true);
+    const RngLoan loan(rng);
+    // Python may keep the request; what asks whether to stop ends with this call.
+    const SampleRequest own{request.scene, request.episode, request.attempt};
+    const nb::object made = nb_trampoline.base().attr(call.key)(own, loan.rng());
+    if (nb::isinstance<EpisodeStart>(made))
+      return {.start = nb::cast<EpisodeStart>(made), .refusal = {}};
+    if (nb::isinstance<Refusal>(made)) return {.start = {}, .refusal = nb::cast<Refusal>(made)};
+    throw ArgumentError("TaskSampler: sample() must return an EpisodeStart or a Refusal, got " +
+                        nb::cast<std::string>(nb::repr(made)));
+  }
+};
+
+void BindStart(nb::module_& m) {
+  nb::class_<EpisodeStart>(m, "EpisodeStart",
+                           "Where and with what an episode starts: a scene at its start state, and "
+                           "its task.")
+      .def(
+          "__init__",
+          [](EpisodeStart* self, const Scene& scene, nb::object task, const std::string& target,
+             const std::vector<std::string>& kinds, const Pose& base_in_world) {
+            if (!nb::isinstance<Task>(task)) {
+              throw ArgumentError("EpisodeStart: task must be a Task, got " +
+                                  nb::cast<std::string>(nb::repr(task)));
+            }
+            new (self)
+                EpisodeStart{scene, Shared<Task>(std::move(task)), target, kinds, base_in_world};
+          },
+          "scene"_a, "task"_a, "target_object"_a = "",
+          "object_kinds"_a = std::vector<std::string>(), "base_in_world"_a = Pose(),
+          nb::sig("def __init__(self, scene: Scene, task: Task, target_object: str = '', "
+                  "object_kinds: collections.abc.Sequence[str] = [], base_in_world: Pose = ...) -> "
+                  "None"),
+          "`target_object`: its name in the scene; `object_kinds`: names in the catalogue, the "
+          "target's first.")
+      .def_ro("scene", &EpisodeStart::scene)
+      .def_ro("task", &EpisodeStart::task)
+      .def_ro("target_object", &EpisodeStart::target_object)
+      .def_ro("object_kinds", &EpisodeStart::object_kinds)
+      .def_ro("base_in_world", &EpisodeStart::base_in_world);
+}
+
+void BindRefusal(nb::module_& m) {
+  nb::enum_<Refusal::Reason>(m, "RefusalReason", "Why a start was refused: few, and counted.")
+      .value("NO_FREE_PLACE", Refusal::kNoFreePlace)
+      .value("UNSETTLED", Refusal::kUnsettled)
+      .value("NO_REACHABLE_BASE_POSE", Refusal::kNoReachableBasePose)
+      .value("BASE_IN_COLLISION", Refusal::kBaseInCollision)
+      .value("NO_GRASP", Refusal::kNoGrasp)
+      .value("CAMERA_CONSTRAINT", Refusal::kCameraConstraint)
+      .value("INVALID_SCENE", Refusal::kInvalidScene);
+  nb::class_<Refusal>(m, "Refusal", "A start that was refused, and why.")
+      .def(nb::init<Refusal::Reason, std::string>(), "reason"_a, "detail"_a = "")
+      .def_ro("reason", &Refusal::reason)
+      .def_ro("detail", &Refusal::detail, "For reading.")
+      .def("__repr__", [](const Refusal& r) {
+        return "<Refusal: " + std::string(ToString(r.reason)) +
+               (r.detail.empty() ? "" : ", " + r.detail) + ">";
+      });
+}
+
+nb::object Sample(TaskSampler& sampler, const SampleRequest& request, PythonRng& rng) {
+  SampleResult result = sampler.Sample(request, rng.get());
+  if (result.start) return nb::cast(std::move(*result.start));
+  return nb::cast(std::move(result.refusal));
+}
+
+}  // namespace
+
+SamplerFactory MakeSamplerFactory(nb::object make_sampler) {
+  if (make_sampler.is_none()) return {};
+  return [factory = KeepAlive(std::move(make_sampler))](const RunConfig& run) {
+    const nb::gil_scoped_acquire gil;
+    nb::object made = ObjectOf(factory)(nb::cast(run));
+    if (!nb::isinstance<TaskSampler>(made)) {
+      throw ArgumentError("Runner: sampler() must return a TaskSampler, got " +
+                          nb::cast<std::string>(nb::repr(made)));
+    }
+    return Shared<TaskSampler>(std::move(made));
+  };
+}
+
+void BindSampler(nb::module_& m) {
+  BindStart(m);
+  BindRefusal(m);
+  nb::class_<SampleRequest>(m, "SampleRequest",
+                            "Which start is asked for. Samplers may use the numbers to spread "
+                            "their choices evenly over a run.")
+      .def(
+          "__init__",
+          [](SampleRequest* self, int scene, int episode, int attempt) {
+            new (self) SampleRequest{scene, episode, attempt};
+          },
+          "scene"_a = 0, "episode"_a = 0, "attempt"_a = 0)
+      .def_ro("scene", &SampleRequest::scene, "Which scene of the source.")
+      .def_ro("episode", &SampleRequest::episode, "Which episode in that scene.")
+      .def_ro("attempt", &SampleRequest::attempt, "Which try at that episode.");
+  nb::class_<TaskSampler, PyTaskSampler>(
+      m, "TaskSampler",
+      "Sets episodes up. Subclass it with sample(request, rng) -> EpisodeStart | Refusal: same "
+      "request and same numbers from rng, same start.")
+      .def(nb::init<>())
+      .def("sample", &Sample, "request"_a, "rng"_a,
+           nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"));
+  nb::class_<PickTaskSampler, TaskSampler>(
+      m, "PickTaskSampler",
+      "Objects settled on a support, one of them the target, and a robot placed beside it.")
+      .def(nb::init<RunConfig>(), "run"_a);
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,44 @@
+// For tests only: what a function throws when a user without rights calls it. Tests often run as
+// root, to whom no folder is closed.
+//
+//   EXPECT_THAT(SaidToNobody([&] { AtomicWrite(closed / "a", ""); }), HasSubstr("Permission"));
+#pragma once
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <exception>
+#include <string>
+
+namespace robocell {
+
+inline constexpr uid_t kNobody = 65534;
+
+// Runs `function` in a child process as an unprivileged user; "nothing was thrown" when it went
+// well.
+template <class Function>
+std::string SaidToNobody(Function&& function) {
+  int ends[2];
+  if (pipe(ends) != 0) return "no pipe";
+  const pid_t child = fork();
+  if (child == 0) {
+    std::string said = "nothing was thrown";
+    if (geteuid() == 0 && setuid(kNobody) != 0) said = "cannot become another user";
+    try {
+      function();
+    } catch (const std::exception& error) {
+      said = error.what();
+    }
+    [[maybe_unused]] const ssize_t written = write(ends[1], said.data(), said.size());
+    _exit(0);
+  }
+  close(ends[1]);
+  std::string said(4096, '\0');
+  const ssize_t size = read(ends[0], said.data(), said.size());
+  said.resize(size > 0 ? static_cast<size_t>(size) : 0);
+  close(ends[0]);
+  waitpid(child, nullptr, 0);
+  return said;
+}
+
+}  // namespace robocell
