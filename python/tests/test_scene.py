@@ -1,6 +1,7 @@
 """Scenes from Python: real mujoco objects that are shared, lifetimes, hooks, threads."""
 
 import gc
+import sys
 import threading
 import time
 import weakref
@@ -107,6 +108,16 @@ class TestSharing:
         compiled.freeze()
         second = rc.Scene.from_compiled(compiled)
         assert second.timestep() == 0.001
+
+    def test_a_scene_holds_no_python_object_for_what_it_was_made_from(self):
+        """Letting go of one would need the interpreter, on whatever thread the scene dies."""
+        compiled = rc.compile_scene(small_spec())
+        references = sys.getrefcount(compiled)
+        scene = rc.Scene.from_compiled(compiled)
+        assert sys.getrefcount(compiled) == references
+        del compiled
+        gc.collect()
+        assert scene.step()
 
     def test_a_model_is_free_again_when_its_scene_is_gone_or_closed(self):
         compiled = rc.compile_scene(small_spec())

@@ -42,7 +42,9 @@ struct ObjectRecord {
   std::optional<std::string> free_joint;  // unless it is fixed
 };
 
-class CompiledScene {
+// Shared by its scenes, and by Python without a reference to a Python object: a scene may die on any
+// thread.
+class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
  public:
   ~CompiledScene();
   CompiledScene(const CompiledScene&) = delete;
