@@ -15,8 +15,8 @@ constexpr double kInPlane = 1e-6;  // m and rad; numbers in files are rounded
 
 class FixedBase : public JointGroupOf<BaseGroup> {
  public:
-  FixedBase(Scene scene, GroupNames names)
-      : JointGroupOf(std::move(scene), std::move(names), MoveGroupKind::kBase) {}
+  FixedBase(const Scene& scene, GroupNames names)
+      : JointGroupOf(scene, std::move(names), MoveGroupKind::kBase) {}
   Pose pose() const override { return leaf_frame_to_world(); }
   void SetPose(const Pose&) override {
     throw ArgumentError(core().place() +
@@ -29,8 +29,8 @@ class FixedBase : public JointGroupOf<BaseGroup> {
 // Mocap and free bodies: Scene moves them by name.
 class MovableBody : public JointGroupOf<BaseGroup> {
  public:
-  MovableBody(Scene scene, GroupNames names, bool mobile)
-      : JointGroupOf(std::move(scene), std::move(names), MoveGroupKind::kBase), mobile_(mobile) {}
+  MovableBody(const Scene& scene, GroupNames names, bool mobile)
+      : JointGroupOf(scene, std::move(names), MoveGroupKind::kBase), mobile_(mobile) {}
   Pose pose() const override { return leaf_frame_to_world(); }
   void SetPose(const Pose& pose) override {
     Scene(core().scene()).SetBodyPose(core().names().leaf.name, pose);
@@ -44,8 +44,8 @@ class MovableBody : public JointGroupOf<BaseGroup> {
 // Two slides (x, y) and a hinge about z in the frame that the base is attached to.
 class PlanarBase : public JointGroupOf<BaseGroup> {
  public:
-  PlanarBase(Scene scene, GroupNames names)
-      : JointGroupOf(std::move(scene), std::move(names), MoveGroupKind::kBase) {
+  PlanarBase(const Scene& scene, GroupNames names)
+      : JointGroupOf(scene, std::move(names), MoveGroupKind::kBase) {
     if (nq() == 3) return;
     throw ArgumentError(
         fmt::format("{}: a planar base has the joints x, y and yaw, this one has {} joint values",

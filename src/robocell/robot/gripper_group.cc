@@ -34,8 +34,8 @@ bool Touches(const mjModel* m, const mjData* d, const Finger& finger, const Acce
 
 }  // namespace
 
-ActuatedGripper::ActuatedGripper(Scene scene, GroupNames names, MoveGroupConfig config)
-    : JointGroupOf(std::move(scene), std::move(names), MoveGroupKind::kGripper),
+ActuatedGripper::ActuatedGripper(const Scene& scene, GroupNames names, MoveGroupConfig config)
+    : JointGroupOf(scene, std::move(names), MoveGroupKind::kGripper),
       config_(std::move(config)) {
   if (nu() == 0) {
     throw ArgumentError(core().place() +

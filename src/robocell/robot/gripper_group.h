@@ -21,7 +21,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
  public:
   // `names.robot` is a robot of the scene; `config` uses names without its prefix. ArgumentError
   // without an actuator or when the fingers cannot be told.
-  ActuatedGripper(Scene scene, GroupNames names, MoveGroupConfig config);
+  ActuatedGripper(const Scene& scene, GroupNames names, MoveGroupConfig config);
 
   double opening() const override;
   void SetOpening(double opening) override;

@@ -15,8 +15,8 @@ namespace robocell {
 template <class Interface>
 class JointGroupOf : public Interface {
  public:
-  JointGroupOf(Scene scene, GroupNames names, MoveGroupKind kind)
-      : core_(std::move(scene), std::move(names)), kind_(kind) {}
+  JointGroupOf(const Scene& scene, GroupNames names, MoveGroupKind kind)
+      : core_(scene, std::move(names)), kind_(kind) {}
 
   const std::string& name() const override { return core_.names().group; }
   MoveGroupKind kind() const override { return kind_; }
