@@ -191,7 +191,9 @@ TEST(EpisodeWriter, AnEpisodeIsNeverReplaced) {
 TEST(EpisodeWriter, AnEpisodeThatIsInPlaceIsNotCalledLost) {
   TempDir folder;
   const SampleEpisode sample(0, false);
-  if (geteuid() == 0) ASSERT_EQ(chown(folder.path().c_str(), kNobody, kNobody), 0);
+  if (geteuid() == 0) {
+    ASSERT_EQ(chown(folder.path().c_str(), kNobody, kNobody), 0);
+  }
   const std::string said = SaidToNobody([&] {
     EpisodeWriter writer(folder.path(), "e", sample.schema);  // its end takes nothing back
     sample.PutRows(writer, 3);
