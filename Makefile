@@ -29,7 +29,7 @@ export CCACHE_NOHASHDIR := 1
 CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
-.PHONY: build setup demo test test-cc test-python check check-format check-lint check-types \
+.PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
   check-rules check-docs check-tidy check-sanitizers bench soak clean format docs
 
 setup:
@@ -40,13 +40,19 @@ build: setup
 	@$(call configure,release) -DROBOCELL_PYTHON=ON
 	@cmake --build --preset release -j $(JOBS)
 
+# The library and the Python extension, without tests and examples.
+build-python: setup
+	@$(call headline,build)
+	@$(call configure,release) -DROBOCELL_PYTHON=ON
+	@cmake --build --preset release -j $(JOBS) --target robocell _core
+
 # configure PRESET [options]: quiet when it goes well, the whole log when it does not
 configure = configure() { preset=$$1; shift; mkdir -p build/$$preset; \
   cmake --preset $$preset -DPython_EXECUTABLE=$(ROOT)/$(PYTHON) "$$@" \
     >build/$$preset/configure.log 2>&1 || { cat build/$$preset/configure.log; exit 1; }; }; \
   configure $(1)
 
-demo: build
+demo: build-python
 	@$(call headline,demo)
 	@$(PYTHON) -m robocell generate examples/demo.yaml
 

@@ -25,13 +25,8 @@ struct SceneRenderer {
   std::unique_ptr<Renderer> renderer;
   uint64_t generation = 0;
 
-  SceneRenderer(const Scene& s, bool shadows, int multisamples, bool reflections,
-                const std::string& gl)
-      : scene(s),
-        renderer(MakeRenderer(
-            {.gl = gl,
-             .quality = {
-                 .shadows = shadows, .reflections = reflections, .multisamples = multisamples}})) {
+  SceneRenderer(const Scene& s, const RenderQuality& quality, const std::string& gl)
+      : scene(s), renderer(MakeRenderer({.gl = gl, .quality = quality})) {
     renderer->SetModel(scene.model());
     generation = scene.generation();
   }
@@ -198,11 +193,18 @@ void BindRender(nb::module_& m) {
       .def(
           "__init__",
           [](SceneRenderer* self, const Scene& scene, bool shadows, int multisamples,
-             bool reflections, const std::string& gl) {
-            new (self) SceneRenderer(scene, shadows, multisamples, reflections, gl);
+             bool reflections, int shadow_size, const std::string& gl) {
+            const RenderQuality quality{.shadows = shadows,
+                                        .reflections = reflections,
+                                        .multisamples = multisamples,
+                                        .shadow_size = shadow_size};
+            new (self) SceneRenderer(scene, quality, gl);
           },
           "scene"_a, "shadows"_a = false, "multisamples"_a = 0, "reflections"_a = false,
-          "gl"_a = "auto", nb::call_guard<nb::gil_scoped_release>())
+          "shadow_size"_a = RenderQuality{}.shadow_size, "gl"_a = "auto",
+          nb::call_guard<nb::gil_scoped_release>(),
+          "`shadow_size`: side of the shadow map in pixels; what is large or seen from near needs "
+          "more.")
       .def("render", &Render, "camera"_a, "width"_a = 320, "height"_a = 240, "rgb"_a = true,
            "depth"_a = false, "segmentation"_a = false,
            "frames"_a = std::vector<std::pair<std::string, Pose>>{}, "frame_length"_a = 0.1,

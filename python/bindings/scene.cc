@@ -315,6 +315,9 @@ void DefSharing(nb::class_<Scene>& c) {
       .def_prop_ro(
           "warnings", [](const Scene& s) { return s.compiled()->warnings(); },
           "What the parts asked for and did not get, and the engine's own warnings.")
+      .def_prop_ro(
+          "notes", [](const Scene& s) { return s.compiled()->notes(); },
+          "What is good to know and needs no change, such as lights that a part leaves behind.")
       .def_prop_ro("generation", &Scene::generation, "Grows with every rebuild.")
       .def(
           "save_xml", [](const Scene& s, const Path& path) { s.SaveXml(path.string()); },

@@ -8,6 +8,7 @@
 #include "spec_class.h"
 #include "spec_parts.h"
 #include "robocell/base/error.h"
+#include "robocell/spec/spec_file.h"
 
 namespace robocell::python {
 namespace {
@@ -157,6 +158,8 @@ void BindSpec(nb::module_& m) {
   BindRobotSpecs(m);
   BindSceneSpecs(m);
   BindRunSpecs(m);
+  m.def("missing_spec_file", &MissingSpecFile, nb::arg("path"), nb::arg("type"),
+        "Why there is no such spec file and what is there instead; '' when it is a file.");
   m.def("scene_object_element_name", &SceneObjectElementName, nb::arg("object"), nb::arg("element"),
         "Full name of an element of a model object, without a scene: ('table', 'table_top') -> "
         "'table_table_top'.");

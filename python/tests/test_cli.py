@@ -73,8 +73,12 @@ def test_every_command_is_listed_with_what_it_does():
 def test_an_unknown_file_is_told_with_what_is_there(tmp_path: Path):
     write_run(tmp_path)
     text = refused("generate", tmp_path / "runn.yaml")
-    assert f"no run file '{tmp_path}/runn.yaml'. In {tmp_path}/: run.yaml." in text
+    assert f"no run file '{tmp_path}/runn.yaml'. In {tmp_path}: run.yaml." in text
     assert f"Did you mean '{tmp_path}/run.yaml'?" in text
+    assert "How to write a run file: docs/generate.md" in text
+    with pytest.raises(robocell.IoError) as raised:
+        robocell.RunConfig.load(tmp_path / "runn.yaml")
+    assert str(raised.value) in text
     assert f"there is no folder '{tmp_path}/none'" in refused(
         "generate", tmp_path / "none" / "a.yaml"
     )
@@ -84,12 +88,31 @@ def test_an_unknown_file_is_told_with_what_is_there(tmp_path: Path):
 
 
 def test_the_wrong_kind_of_file_is_told_by_its_kind(tmp_path: Path):
-    assert f"'{RC7}' is a robot file; give a run file" in refused("generate", RC7)
+    text = refused("generate", RC7)
+    assert "this looks like a robot file: it has name, model, " in text
+    assert f"Look at the robot with `robocell check {RC7}`" in text
     run = write_run(tmp_path)
-    assert f"'{run}' is a run file; give the robot file" in refused("check", run)
-    (tmp_path / "image.yaml").write_bytes(bytes(range(256)))
-    text = refused("check", tmp_path / "image.yaml")
-    assert "image.yaml" in text, "also when the message quotes bytes that are no text"
+    text = refused("check", run)
+    assert "this looks like a run file: it has " in text
+    assert f"Make its dataset with `robocell generate {run}`" in text
+
+
+def test_a_file_that_is_no_text_is_told_with_the_byte(tmp_path: Path):
+    path = tmp_path / "image.yaml"
+    path.write_bytes(b"name: a\n\x89PNG")
+    assert f"{path}:2:1: byte 0x89 at offset 8 is not UTF-8" in refused("check", path)
+    path.write_bytes(b"name: a\0b\n")
+    assert f"{path}:1:8: byte 0x00 at offset 7 cannot stand in a text" in refused("check", path)
+    path.write_bytes(bytes(range(256)))
+    refused("generate", path)
+
+
+def test_one_misspelt_key_is_one_problem(tmp_path: Path):
+    path = write_robot(tmp_path, lambda config: config.update(mode=config.pop("model")))
+    text = refused("check", path)
+    assert "Did you mean 'model'?" in text
+    assert "problems" not in text
+    assert "is required" not in text
 
 
 def test_an_unknown_key_is_told_with_its_line_and_the_nearest_key(tmp_path: Path):
@@ -227,6 +250,69 @@ def test_a_wrong_robot_file_is_told_with_the_place(
     tmp_path: Path, change: Callable[[dict[str, Any]], object], told: str
 ):
     assert told in refused("check", write_robot(tmp_path, change))
+
+
+def test_what_is_wrong_with_the_model_is_told_with_the_line_of_the_robot_file(tmp_path: Path):
+    path = write_robot(tmp_path, set_in("move_groups", "arm", "leaf", value={"site": "tpc"}))
+    number = 1 + next(i for i, line in enumerate(path.read_text().splitlines()) if "tpc" in line)
+    text = refused("check", path)
+    assert f"{path}:{number}:" in text
+    assert "robot 'rc7': move_groups.arm.leaf: no site 'tpc'. Its sites:" in text
+    assert "scene" not in text
+
+
+def test_a_missing_mesh_is_told_with_robot_and_model(tmp_path: Path):
+    model = tmp_path / "arm.xml"
+    model.write_text(
+        '<mujoco><asset><mesh name="link" file="link.stl"/></asset><worldbody><body name="b">'
+        '<geom type="mesh" mesh="link"/></body></worldbody></mujoco>'
+    )
+    path = tmp_path / "arm.yaml"
+    path.write_text("name: arm\nmodel: arm.xml\n")
+    text = refused("check", path)
+    assert f"{path}:2:8: robot 'arm': {model} refers to the file 'link.stl' (mesh 'link'" in text
+    assert f"there is no {tmp_path}/link.stl." in text
+    assert "Get the model with all its files" in text
+
+
+def test_a_picture_is_a_png_or_refused_before_anything_is_done(tmp_path: Path):
+    text = refused("check", RC7, "--picture", tmp_path / "rc7.jpg")
+    assert f"pictures are PNG files: give '{tmp_path}/rc7.png'" in text
+    assert not list(tmp_path.iterdir())
+    assert "there is no folder" in refused(
+        "check", RC7, "--picture", tmp_path / "none" / "a.png", code=3
+    )
+
+
+def test_lights_of_a_model_are_a_note_and_nothing_wrong(tmp_path: Path):
+    lit = tmp_path / "lit.xml"
+    text = (RC7.parent / "rc7.xml").read_text()
+    lit.write_text(text.replace("<worldbody>", '<worldbody><light name="lamp"/>', 1))
+    result = robocell_command("check", write_robot(tmp_path, set_in("model", value=str(lit))))
+    assert result.returncode == 0, result.stderr
+    assert "note: robot 'rc7': only body 'base_link' of " in result.stdout
+    assert "light 'lamp'; the scene has its own" in result.stdout
+    assert "nothing found wrong" in result.stdout
+    assert result.stderr == ""
+
+
+def test_tables_do_not_break_what_is_longer_than_the_terminal():
+    joint = "a_joint_with_a_very_long_name/" * 10
+    script = (
+        "from rich.table import Table\n"
+        "from robocell.cli.common import print_wide\n"
+        "table = Table()\n"
+        f"table.add_row('label', {joint!r})\n"
+        "print_wide(table)\n"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", script],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "COLUMNS": "40"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert joint in result.stdout
 
 
 def test_a_robot_without_gripper_is_told_with_its_groups(tmp_path: Path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -22,4 +23,13 @@ def test_the_ten_lines_of_c_plus_plus_run(tmp_path: Path):
     run("cmake", "-G", "Ninja", "-S", source, "-B", build, f"-Drobocell_DIR={BUILD}")
     run("cmake", "--build", build)
     printed = run(build / "consumer")
+    assert re.search(r"-?\d+\.\d+", printed), printed
+
+
+def test_the_ten_lines_of_python_run(tmp_path: Path):
+    code = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
+    assert code
+    script = tmp_path / "ten_lines.py"
+    script.write_text(code[1])
+    printed = run(sys.executable, script)
     assert re.search(r"-?\d+\.\d+", printed), printed

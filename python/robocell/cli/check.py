@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from robocell.cli.common import print_warning
+from robocell.cli.common import print_warning, print_wide, require_png
 from robocell.cli.robot_checks import CHECKS
 from robocell.cli.robot_picture import draw_robot
 from robocell.cli.robot_scene import load_robot
@@ -23,8 +23,11 @@ def check(
 ) -> None:
     """Load a robot file, print joints, actuators, frames, reach and gripper, and try it out.
 
-    A wrong file is an error (exit code 2); what looks wrong but works is a warning.
+    A wrong file is an error (exit code 2); what looks wrong but works is a warning. Notes are good
+    to know and need no change.
     """
+    if picture:
+        require_png(picture)
     loaded = load_robot(robot_file)
     loaded.scene.reset()
     console = Console(soft_wrap=True)
@@ -32,11 +35,15 @@ def check(
         console.print(line, markup=False, highlight=False)
     for table in (joints_table(loaded), actuators_table(loaded), frames_table(loaded)):
         console.print()
-        console.print(table)
+        print_wide(table)
     if picture:
         draw_robot(loaded, picture)
         print(f"\npicture: {picture}")
     warnings = [warning for find in CHECKS for warning in find(loaded)]
-    print("\nnothing found wrong" if not warnings else "")
+    console.print()
+    for note in loaded.scene.notes:
+        console.print(f"note: {note}", markup=False, highlight=False)
+    if not warnings:
+        print("nothing found wrong")
     for warning in warnings:
         print_warning(warning)

@@ -6,14 +6,18 @@ import difflib
 import enum
 from collections.abc import Iterable
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import typer
-import yaml
 from rich.console import Console
+from rich.measure import Measurement
+from rich.table import Table
 from rich.text import Text
 
+from robocell import _core
+
 SHOWN_FILES = 8
+MOST_COLUMNS = 10_000  # more than any table needs
 
 
 class ExitCode(enum.IntEnum):
@@ -44,29 +48,33 @@ def fail(message: str, code: ExitCode = ExitCode.USAGE) -> NoReturn:
     raise typer.Exit(code)
 
 
-def require_file(path: Path, what: str, endings: tuple[str, ...] = (".yaml", ".yml")) -> None:
-    """Ends the command unless `path` is a file; the message lists what is there instead."""
-    if path.is_file():
-        return
-    if path.is_dir():
-        files = sorted(entry.name for entry in path.iterdir() if entry.suffix in endings)
-        fail(f"'{path}' is a folder; give a {what}." + _list(f"In {path}/", files))
-    folder = path.parent
-    if not folder.is_dir():
-        fail(f"no {what} '{path}': there is no folder '{folder}'.")
-    files = sorted(entry.name for entry in folder.iterdir() if entry.suffix in endings)
-    near = difflib.get_close_matches(path.name, files, n=1, cutoff=0.5)
-    hint = f" Did you mean '{folder / near[0]}'?" if near else ""
-    fail(f"no {what} '{path}'.{_list(f'In {folder}/', files)}{hint}")
+def require_spec_file(path: Path, spec: type) -> None:
+    """Ends the command unless `path` is a file; the message says what is there instead.
+
+    Args:
+        path: As given by the user.
+        spec: What is read from it: `RobotConfig`, `RunConfig`.
+    """
+    if missing := _core.missing_spec_file(str(path), spec.__name__):
+        fail(missing)
 
 
-def top_keys(path: Path) -> set[str]:
-    """The keys of a YAML file, to tell what kind of file it is; empty when it cannot be told."""
-    try:
-        content = yaml.safe_load(path.read_text())
-    except (OSError, ValueError, yaml.YAMLError):
-        return set()
-    return {str(key) for key in content} if isinstance(content, dict) else set()
+def require_png(path: Path) -> None:
+    """Ends the command unless a picture can be written to `path`: PNG is the only format."""
+    if path.suffix.lower() != ".png":
+        fail(f"pictures are PNG files: give '{path.with_suffix('.png')}' instead of '{path}'")
+    if not path.parent.is_dir():
+        fail(f"cannot write '{path}': there is no folder '{path.parent}'", ExitCode.OUTPUT)
+
+
+def print_wide(table: Table, **options: Any) -> None:
+    """To standard output, never narrower than its content.
+
+    Long paths stay in one piece, so that they can be copied; a terminal breaks the lines itself.
+    """
+    console = Console(**options)
+    needed = Measurement.get(console, console.options.update(max_width=MOST_COLUMNS), table).maximum
+    Console(**options, width=max(console.width, needed)).print(table, soft_wrap=True)
 
 
 def require_folder(path: Path, what: str) -> None:

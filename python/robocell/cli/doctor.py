@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import typer
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from robocell.cli.common import ExitCode
+from robocell.cli.common import ExitCode, print_wide
 from robocell.cli.probes import PROBES, Finding, State
 
 STYLES = {State.OK: "green", State.MISSING: "yellow", State.BROKEN: "bold red"}
@@ -16,7 +15,7 @@ STYLES = {State.OK: "green", State.MISSING: "yellow", State.BROKEN: "bold red"}
 def doctor() -> None:
     """Look at versions, graphics, encoder, robot models, KDL and disk. Exit code 1 when broken."""
     findings = [finding for probe in PROBES for finding in probe()]
-    Console(soft_wrap=True).print(_table(findings))
+    print_wide(_table(findings))
     for finding in findings:
         if finding.state is not State.OK and finding.remedy:
             print(f"{finding.what}: {finding.remedy}")
@@ -28,5 +27,5 @@ def _table(findings: list[Finding]) -> Table:
     table = Table(box=None, show_header=False)
     for finding in findings:
         state = Text(finding.state.value, style=STYLES[finding.state])
-        table.add_row(state, finding.what, Text(finding.detail, overflow="fold"))
+        table.add_row(state, finding.what, Text(finding.detail))
     return table

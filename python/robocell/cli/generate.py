@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
 
-from robocell.cli.common import ExitCode, fail, print_warning, require_file, top_keys
+from robocell import RunConfig
+from robocell.cli.common import ExitCode, fail, print_warning, print_wide, require_spec_file
 from robocell.generate.job import Job, Result
 from robocell.generate.progress import make_progress
 from robocell.generate.resume import DamagedEpisodesError
@@ -59,9 +59,7 @@ def generate(
     Exit codes: 0 all made, 1 some could not be made, 2 wrong command or spec, 3 reading or writing
     failed, 130 interrupted.
     """
-    require_file(run_file, "run file")
-    if "move_groups" in top_keys(run_file):
-        fail(f"'{run_file}' is a robot file; give a run file, which names it: `robot: {run_file}`")
+    require_spec_file(run_file, RunConfig)
     named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
     job = Job(run_file, [*(set_ or []), *overrides(named)], shard)
     try:
@@ -76,7 +74,7 @@ def generate(
     nothing_tried = result.outcome.fatal and not result.outcome.totals.attempts
     if progress is not ProgressChoice.JSONL and not no_report and not nothing_tried:
         summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)
-        Console().print(summary.table())
+        print_wide(summary.table())
     _end(result)
 
 

@@ -11,11 +11,10 @@ from typing import Annotated, Any
 import numpy as np
 import typer
 from numpy.typing import NDArray
-from rich.console import Console
 from rich.table import Table
 
 from robocell import Pose, Robot
-from robocell.cli.common import ExitCode
+from robocell.cli.common import ExitCode, print_wide
 from robocell.cli.robot_scene import load_robot
 
 # The share that any sensible arm reaches; below it the command fails.
@@ -43,7 +42,7 @@ def ik_test(
     solve = solve_batch if parallel else solve_each
     answers = solve(robot, targets, tolerance)
     share = float(np.mean(answers.solved(tolerance)))
-    Console().print(_table(robot, answers, tolerance))
+    print_wide(_table(robot, answers, tolerance))
     if share < EXPECTED_SHARE:
         raise typer.Exit(ExitCode.INCOMPLETE)
 

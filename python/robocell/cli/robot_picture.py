@@ -13,8 +13,9 @@ from robocell.cli.robot_table import frames
 
 SIZE_PX = (960, 720)
 FOVY_DEG = 45.0
-FILL = 0.8  # of the distance from which the sphere around the robot fits into the picture
+FILL = 0.78  # of the distance from which the sphere around the robot fits into the picture
 AZIMUTH_DEG, ELEVATION_DEG = 140.0, -20.0
+SHADOW_MAP_PX = 4096
 
 
 def draw_robot(loaded: RobotScene, path: Path) -> None:
@@ -29,7 +30,7 @@ def draw_robot(loaded: RobotScene, path: Path) -> None:
         elevation=ELEVATION_DEG,
         fovy=FOVY_DEG,
     )
-    renderer = Renderer(loaded.scene, shadows=True, multisamples=4)
+    renderer = Renderer(loaded.scene, shadows=True, multisamples=4, shadow_size=SHADOW_MAP_PX)
     images = renderer.render(
         camera,
         width=SIZE_PX[0],

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robocell import Robot, RobotConfig, RobotSpec, Scene, SceneSpec
-from robocell.cli.common import fail, require_file, top_keys
+from robocell.cli.common import require_spec_file
 
 TIMESTEP_S = 0.002
 
@@ -22,11 +22,9 @@ class RobotScene:
 
 def load_robot(path: Path) -> RobotScene:
     """Reads the file and builds the scene; robocell's errors name what is wrong."""
-    require_file(path, "robot file")
-    if {"robot", "task"} <= top_keys(path):
-        fail(f"'{path}' is a run file; give the robot file that it names with `robot:`")
+    require_spec_file(path, RobotConfig)
     config = RobotConfig.load(path)
-    spec = SceneSpec(name=path.name, timestep=TIMESTEP_S, add_floor=True, add_skybox=True)
+    spec = SceneSpec(name=config.name, timestep=TIMESTEP_S, add_floor=True, add_skybox=True)
     spec.robots.append(RobotSpec(name=config.name, config=config))
     scene = Scene.build(spec)
     return RobotScene(config, scene, Robot.of(scene, config.name))

@@ -48,7 +48,7 @@ void CheckKinds(const RunConfig& run, Problems& problems) {
 
 // Problems of the fields alone.
 Problems FieldProblems(const RunConfig& run) {
-  Problems problems(run.sources.get());
+  Problems problems(run.locations);
   ValidateFields(run, problems);
   CheckStreams(run, problems);
   CheckKinds(run, problems);

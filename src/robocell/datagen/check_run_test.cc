@@ -19,7 +19,7 @@ using ::testing::Not;
 
 RunConfig Demo() {
   RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
-  run.sources = nullptr;
+  run.locations = {};
   return run;
 }
 

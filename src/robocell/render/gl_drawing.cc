@@ -93,6 +93,12 @@ void MjvScene::Add(const Marker& marker) {
   std::memcpy(geom->label, marker.text.data(), marker.text.size());
 }
 
+void MjvScene::LetPlanesCastNoShadow() {
+  for (int i = 0; i < scene_.ngeom; ++i) {
+    if (scene_.geoms[i].type == mjGEOM_PLANE) scene_.geoms[i].castshadow = 0;
+  }
+}
+
 MjrContext::MjrContext(const mjModel* model, int samples, int shadow_size)
     : context_(new mjrContext) {
   mjr_defaultContext(context_.get());

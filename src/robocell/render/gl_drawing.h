@@ -25,6 +25,10 @@ class MjvScene {
   // Sees the scene through this camera from the next update on.
   void SetCamera(const CameraModel& camera);
   void Add(const Marker& marker);
+  // Planes catch shadows but cast none, which nothing behind them would show: on themselves they
+  // would, as speckles, because so large a surface is drawn with less precision than the shadow map
+  // allows for. After every update.
+  void LetPlanesCastNoShadow();
 
  private:
   mjvScene scene_;

@@ -84,6 +84,7 @@ struct GlRenderer::Impl {
       mjv_updateScene(&view, scratch.get(), &visible, nullptr, &user, mjCAT_STATIC | mjCAT_DYNAMIC,
                       scene->get());
     });
+    scene->LetPlanesCastNoShadow();
   }
 
   void SetFlags(bool ids) {

@@ -165,6 +165,24 @@ TEST_F(Rendering, QualityChangesColourOnly) {
   EXPECT_FALSE(renderer_->quality().shadows);
 }
 
+TEST_F(Rendering, AFloorWithNothingOnItHasNoShadows) {
+  SpecPtr spec = ParseXmlString(R"(<mujoco>
+    <worldbody>
+      <light type="directional" pos="0.8 0.9 2.5" dir="-0.35 -0.4 -1"/>
+      <geom type="plane" size="0 0 .1"/>
+      <camera name="front" pos="2 -2 1.2" xyaxes="1 1 0 -.2 .2 1"/>
+    </worldbody></mujoco>)");
+  SetClipPlanes(spec.get(), 1.4, 0.01, 100);
+  model_ = Compile(spec.get());
+  data_ = MakeData(model_.get());
+  renderer_->SetModel(model_.get());
+  const Images plain = Take(*renderer_);
+  const Images shaded = Take(*Make({.quality = {.shadows = true}}));
+  int darker = 0;
+  for (size_t i = 0; i < plain.rgb.size(); ++i) darker += shaded.rgb[i] + 2 < plain.rgb[i];
+  EXPECT_EQ(darker, 0);
+}
+
 TEST_F(Rendering, ColoursAreReadFromTheModelEachTime) {
   const Images red = Take(*renderer_);
   std::swap(model_->geom_rgba[4 * 1 + 0], model_->geom_rgba[4 * 1 + 1]);

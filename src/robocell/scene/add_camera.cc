@@ -16,13 +16,16 @@ void AddCamera(const CameraSpec& camera, const Placement& placement, const std::
 }
 
 void AddRobotCameras(const RobotConfig& config, Part& robot, Report& report) {
-  for (const CameraSpec& camera : config.cameras) {
+  for (size_t i = 0; i < config.cameras.size(); ++i) {
+    const CameraSpec& camera = config.cameras[i];
     const std::string place = robot.place + " / camera '" + camera.name + "'";
+    report.Locate(place, config.locations.Below("cameras[" + std::to_string(i) + "]"));
     const AttachTarget& target = camera.attach_to;
     if (ElementKindOf(target.kind) == mjOBJ_UNKNOWN) {
       report.Problem(place,
                      "a robot's camera is attached to a body, site or frame of the robot, not to " +
-                         Describe(target));
+                         Describe(target),
+                     "attach_to");
       continue;
     }
     if (const auto at =

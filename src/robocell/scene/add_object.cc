@@ -39,7 +39,7 @@ void AddPrimitiveGeom(const SceneObject& object, mjsBody* body, const std::strin
 }
 
 ObjectPart MakePrimitive(const SceneObject& object, const std::string& place) {
-  ObjectPart out{{place, "", MakeSpec(), {}}, nullptr, "", {object.name, object.name, {}}};
+  ObjectPart out{{place, "", "", MakeSpec(), {}}, nullptr, "", {object.name, object.name, {}}};
   out.root = mjs_addBody(WorldBody(out.part.spec.get()), nullptr);
   SetSpecName(out.root->element, object.name, place);
   AddPrimitiveGeom(object, out.root, place);
@@ -74,12 +74,11 @@ std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec&
                                      Report& report) {
   const std::string place = "object '" + object.name + "'";
   if (object.shape) return MakePrimitive(object, place);
-  const auto file = FindModel(object.mjcf_path, scene.source_dir, place, report);
-  if (!file) return std::nullopt;
-  ObjectPart out{LoadPart(*file, place, scene.options, report),
-                 nullptr,
-                 SceneObjectElementName(object.name, ""),
-                 {object.name, "", {}}};
+  auto part =
+      LoadPart(object.mjcf_path, scene.source_dir, place, "mjcf_path", scene.options, report);
+  if (!part) return std::nullopt;
+  ObjectPart out{
+      std::move(*part), nullptr, SceneObjectElementName(object.name, ""), {object.name, "", {}}};
   out.root = ChooseRoot(out.part, "", report);
   if (!out.root) return std::nullopt;
   SettleFreeJoint(object, out);
@@ -97,7 +96,8 @@ void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Pla
       report.Problem(loaded.part.place,
                      fmt::format("can move freely, so it cannot be attached to {}; attach it to "
                                  "the world, or set fixed: true",
-                                 Describe(object.attach_to)));
+                                 Describe(object.attach_to)),
+                     "attach_to");
       return;
     }
   }

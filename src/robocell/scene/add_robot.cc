@@ -33,6 +33,8 @@ std::string NamedBody(mjsElement* root, const std::string& place) {
 
 }  // namespace
 
+std::string RobotPlace(const std::string& name) { return "robot '" + name + "'"; }
+
 std::vector<std::string> RobotNames(const List<RobotSpec>& robots, Report& report) {
   std::vector<std::string> names;
   std::set<std::string> taken;
@@ -44,7 +46,7 @@ std::vector<std::string> RobotNames(const List<RobotSpec>& robots, Report& repor
       ++unnamed;
     }
     if (!taken.insert(name).second) {
-      report.Problem(fmt::format("robot '{}'", name),
+      report.Problem(RobotPlace(name),
                      "two robots have this name; set `name` or give them different prefixes");
     }
     names.push_back(name);
@@ -53,8 +55,9 @@ std::vector<std::string> RobotNames(const List<RobotSpec>& robots, Report& repor
 }
 
 std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& name,
-                                   const SceneSpec& scene, Report& report) {
-  const std::string place = fmt::format("robot '{}'", name);
+                                   const Locations& locations, const SceneSpec& scene,
+                                   Report& report) {
+  const std::string place = RobotPlace(name);
   RobotPart out;
   RobotRecord& record = out.record;
   record.name = name;
@@ -63,16 +66,19 @@ std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& na
   record.base = robot.EffectiveBase();
   const RobotConfig& config = record.config;
   const std::string& directory = config.source_dir.empty() ? scene.source_dir : config.source_dir;
-  const auto file = FindModel(config.model, directory, place, report);
-  if (!file) return std::nullopt;
-  out.part = LoadPart(*file, place, scene.options, report);
-  ApplyEdits(config.edits, out.part.spec.get(), place, report);
+  report.Locate(place, locations);
+  report.Locate(place, config.locations);
+  auto part = LoadPart(config.model, directory, place, robot.config ? "model" : "path",
+                       scene.options, report);
+  if (!part) return std::nullopt;
+  out.part = std::move(*part);
+  ApplyEdits(config, out.part.spec.get(), place, report);
   out.top = ChooseRoot(out.part, config.root_body, report);
   if (!out.top) return std::nullopt;
   const std::string top = NamedBody(out.top->element, place);
   const std::string root = config.root_body.empty() ? top : config.root_body;
-  AddAttachments(config.attachments, directory, out.part, scene, report);
-  AddAttachments(robot.attachments, scene.source_dir, out.part, scene, report);
+  AddAttachments(config.attachments, config.locations, directory, out.part, scene, report);
+  AddAttachments(robot.attachments, locations, scene.source_dir, out.part, scene, report);
   AddRobotCameras(config, out.part, report);
   ApplyOverrides(config, out.part, report);
   if (const auto tcp = AddTcpSite(config, out.part, report)) record.tcp_site = robot.prefix + *tcp;

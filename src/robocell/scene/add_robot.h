@@ -16,9 +16,13 @@ struct RobotPart {
   RobotRecord record;
 };
 
-// Null when there were problems.
+// How problems of the robot of that name are headed.
+std::string RobotPlace(const std::string& name);
+
+// Null when there were problems. `locations` are those of the RobotSpec.
 std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& name,
-                                   const SceneSpec& scene, Report& report);
+                                   const Locations& locations, const SceneSpec& scene,
+                                   Report& report);
 
 void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placement& placement,
                  Report& report);

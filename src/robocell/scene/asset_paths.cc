@@ -1,8 +1,10 @@
 // Files that a model refers to: meshes, height fields, skins, textures.
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <filesystem>
 
+#include "robocell/base/names.h"
 #include "robocell/scene/part.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -11,33 +13,87 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Sets `file` to its absolute path when that file exists; the engine reports the others.
-void MakeAbsolute(mjsElement* element, mjString* file, const mjString* asset_folder) {
-  const std::string name = mjs_getString(file);
-  if (name.empty()) return;
-  const mjSpec* origin = mjs_getOriginSpec(element);
-  const fs::path written = origin->strippath ? fs::path(name).filename() : fs::path(name);
-  const fs::path model_folder = mjs_getString(origin->modelfiledir);
-  const fs::path full = model_folder / mjs_getString(asset_folder) /
-                        written;  // an absolute part replaces what is before
+// A file that is not there.
+struct MissingFile {
+  std::string element;  // "mesh 'link1'"
+  std::string written;  // as in the model
+  std::string line;     // "line 12", may be empty
+  fs::path path;        // where it was looked for
+};
+
+class AssetPaths {
+ public:
+  explicit AssetPaths(mjSpec* spec) {
+    for (mjsElement* e : SpecElements(spec, mjOBJ_MESH))
+      Visit(e, "mesh", *mjs_asMesh(e), mjs_getCompiler(e)->meshdir);
+    for (mjsElement* e : SpecElements(spec, mjOBJ_HFIELD))
+      Visit(e, "height field", *mjs_asHField(e), mjs_getCompiler(e)->meshdir);
+    for (mjsElement* e : SpecElements(spec, mjOBJ_SKIN))
+      Visit(e, "skin", *mjs_asSkin(e), mjs_getCompiler(e)->meshdir);
+    for (mjsElement* e : SpecElements(spec, mjOBJ_TEXTURE))
+      Visit(e, "texture", *mjs_asTexture(e), mjs_getCompiler(e)->texturedir);
+  }
+
+  const std::vector<MissingFile>& missing() const { return missing_; }
+
+ private:
+  // Makes the element's file absolute, or notes that it does not exist.
+  template <class Asset>
+  void Visit(mjsElement* element, const char* kind, Asset& asset, const mjString* asset_folder) {
+    const std::string name = mjs_getString(asset.file);
+    if (name.empty() || name.find(':') != std::string::npos) return;  // a resource of a plugin
+    const mjSpec* origin = mjs_getOriginSpec(element);
+    const fs::path written = origin->strippath ? fs::path(name).filename() : fs::path(name);
+    const fs::path model_folder = mjs_getString(origin->modelfiledir);
+    const fs::path full = model_folder / mjs_getString(asset_folder) /
+                          written;  // an absolute part replaces what is before
+    std::error_code error;
+    const fs::path absolute = fs::absolute(full, error).lexically_normal();
+    if (fs::is_regular_file(full, error)) return void(mjs_setString(asset.file, absolute.c_str()));
+    missing_.push_back({fmt::format("{} '{}'", kind, SpecName(element)), name,
+                        mjs_getString(asset.info), absolute});
+  }
+
+  std::vector<MissingFile> missing_;
+};
+
+std::string InFolder(const MissingFile& file) {
+  std::vector<std::string> names;
   std::error_code error;
-  if (!fs::is_regular_file(full, error)) return;
-  mjs_setString(file, fs::absolute(full, error).lexically_normal().c_str());
+  const fs::path folder = file.path.parent_path();
+  if (!fs::is_directory(folder, error))
+    return fmt::format("there is no folder {}", folder.string());
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
+    names.push_back(entry.path().filename());
+  return fmt::format("there is no {}.{}", file.path.string(),
+                     DidYouMean(file.path.filename().string(), names));
+}
+
+std::string Sentence(std::string text) { return text.ends_with('?') ? text : text + "."; }
+
+std::string Text(const std::string& model, const std::vector<MissingFile>& missing) {
+  const MissingFile& first = missing.front();
+  const std::string line = first.line.empty() ? "" : ", " + first.line;
+  std::string text = fmt::format("{} refers to the file '{}' ({}{}), but {}", model, first.written,
+                                 first.element, line, InFolder(first));
+  text = Sentence(text);
+  if (missing.size() > 1) {
+    std::vector<std::string> others;
+    for (size_t i = 1; i < missing.size(); ++i) others.push_back(missing[i].written);
+    text += " Also missing: " + ListNames(others, 4) + ".";
+  }
+  return text +
+         " Get the model with all its files, or correct `file`, `meshdir` or `texturedir` in it";
 }
 
 }  // namespace
 
-void MakeAssetPathsAbsolute(mjSpec* spec) {
-  for (mjsElement* e : SpecElements(spec, mjOBJ_MESH))
-    MakeAbsolute(e, mjs_asMesh(e)->file, mjs_getCompiler(e)->meshdir);
-  for (mjsElement* e : SpecElements(spec, mjOBJ_HFIELD)) {
-    MakeAbsolute(e, mjs_asHField(e)->file, mjs_getCompiler(e)->meshdir);
-  }
-  for (mjsElement* e : SpecElements(spec, mjOBJ_SKIN))
-    MakeAbsolute(e, mjs_asSkin(e)->file, mjs_getCompiler(e)->meshdir);
-  for (mjsElement* e : SpecElements(spec, mjOBJ_TEXTURE)) {
-    MakeAbsolute(e, mjs_asTexture(e)->file, mjs_getCompiler(e)->texturedir);
-  }
+bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::string& place,
+                            const std::string& field, Report& report) {
+  const AssetPaths paths(spec);
+  if (paths.missing().empty()) return true;
+  report.Missing(place, Text(file, paths.missing()), field);
+  return false;
 }
 
 }  // namespace robocell

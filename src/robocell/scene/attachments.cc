@@ -11,14 +11,17 @@
 namespace robocell {
 namespace {
 
-void AddExclusions(const AttachmentSpec& attachment, Part& robot, Report& report) {
+void AddExclusions(const AttachmentSpec& attachment, const std::string& place, Part& robot,
+                   Report& report) {
   mjSpec* spec = robot.spec.get();
   for (const auto& pair : attachment.contact_exclusions) {
     bool known = true;
     for (const std::string& body : pair) {
       if (mjs_findBody(spec, body.c_str())) continue;
-      report.Missing(robot.place, "contact_exclusions: " + NoSuchName("the robot", "body", body,
-                                                                      SpecNames(spec, mjOBJ_BODY)));
+      report.Missing(place,
+                     "contact_exclusions: " +
+                         NoSuchName("the robot", "body", body, SpecNames(spec, mjOBJ_BODY)),
+                     "contact_exclusions");
       known = false;
     }
     if (!known) continue;
@@ -28,12 +31,12 @@ void AddExclusions(const AttachmentSpec& attachment, Part& robot, Report& report
   }
 }
 
-void AddAttachment(const AttachmentSpec& attachment, const std::string& directory, Part& robot,
-                   const SceneSpec& scene, Report& report) {
-  const std::string place = robot.place + " / attachment '" + attachment.prefix + "'";
-  const auto file = FindModel(attachment.mjcf_path, directory, place, report);
-  if (!file) return;
-  const Part tool = LoadPart(*file, place, scene.options, report);
+void AddAttachment(const AttachmentSpec& attachment, const std::string& directory,
+                   const std::string& place, Part& robot, const SceneSpec& scene, Report& report) {
+  const auto loaded =
+      LoadPart(attachment.mjcf_path, directory, place, "mjcf_path", scene.options, report);
+  if (!loaded) return;
+  const Part& tool = *loaded;
   mjsBody* root = ChooseRoot(tool, "", report);
   if (!root) return;
   const auto at =
@@ -42,15 +45,19 @@ void AddAttachment(const AttachmentSpec& attachment, const std::string& director
   const Pose authored = attachment.reset_root_pose ? Pose() : PoseInParent(root->element);
   AttachPart(at->parent, tool, root, at->pose * authored, attachment.prefix, report);
   robot.home.Merge(tool.home, attachment.prefix);
-  AddExclusions(attachment, robot, report);
+  AddExclusions(attachment, place, robot, report);
 }
 
 }  // namespace
 
-void AddAttachments(const List<AttachmentSpec>& attachments, const std::string& directory,
-                    Part& robot, const SceneSpec& scene, Report& report) {
-  for (const AttachmentSpec& attachment : attachments)
-    AddAttachment(attachment, directory, robot, scene, report);
+void AddAttachments(const List<AttachmentSpec>& attachments, const Locations& locations,
+                    const std::string& directory, Part& robot, const SceneSpec& scene,
+                    Report& report) {
+  for (size_t i = 0; i < attachments.size(); ++i) {
+    const std::string place = robot.place + " / attachment '" + attachments[i].prefix + "'";
+    report.Locate(place, locations.Below(fmt::format("attachments[{}]", i)));
+    AddAttachment(attachments[i], directory, place, robot, scene, report);
+  }
 }
 
 }  // namespace robocell

@@ -21,24 +21,33 @@ class RobotCheck {
 
   void Run() {
     for (const auto& [name, group] : robot_.config.move_groups.entries()) CheckGroup(name, *group);
-    for (const ElementRef& ref : robot_.config.collision_geoms)
-      Element("collision_geoms", ref, {mjOBJ_GEOM});
+    const auto& geoms = robot_.config.collision_geoms;
+    for (size_t i = 0; i < geoms.size(); ++i)
+      Element("collision_geoms", Item("collision_geoms", i), geoms[i], {mjOBJ_GEOM});
     for (const auto& [name, values] : robot_.config.home.entries()) CheckHome(name, *values);
   }
 
  private:
   void Problem(const std::string& field, const std::string& message) {
-    report_.Problem(place_, field + message);
+    report_.Problem(place_, field + message, field);
   }
 
-  // Id of an element, or -1 after reporting that it is missing.
-  int Id(mjtObj kind, const std::string& name) {
-    try {
-      return FindElement(model_, robot_, kind, name);
-    } catch (const NotFoundError& error) {
-      Problem("", WithoutPlace(error));
-      return -1;
+  static std::string Item(const std::string& field, size_t i) {
+    return fmt::format("{}[{}]", field, i);
+  }
+
+  // Ids of the elements that a field names; -1 for each that is missing, after reporting it.
+  std::vector<int> Ids(mjtObj kind, const std::string& field, const NameList& names) {
+    std::vector<int> ids;
+    for (const std::string& name : names) {
+      try {
+        ids.push_back(FindElement(model_, robot_, kind, name));
+      } catch (const NotFoundError& error) {
+        report_.Problem(place_, WithoutPlace(error), Item(field, ids.size()));
+        ids.push_back(-1);
+      }
     }
+    return ids;
   }
 
   // The message without "robot 'left': ", which the report puts in front.
@@ -47,26 +56,25 @@ class RobotCheck {
     return text.rfind(place_ + ": ", 0) == 0 ? text.substr(place_.size() + 2) : text;
   }
 
-  ElementId Element(const std::string& field, const ElementRef& ref,
-                    std::initializer_list<mjtObj> kinds) {
+  // `shown` is the field as the message has it.
+  void Element(const std::string& shown, const std::string& field, const ElementRef& ref,
+               std::initializer_list<mjtObj> kinds) {
     try {
-      return FindElement(model_, robot_, ref, kinds);
+      FindElement(model_, robot_, ref, kinds);
     } catch (const NotFoundError& error) {
-      Problem(field, ": " + WithoutPlace(error));
-      return {};
+      report_.Problem(place_, shown + ": " + WithoutPlace(error), field);
     }
   }
 
   void CheckGroup(const std::string& name, const MoveGroupConfig& group) {
-    std::vector<int> joints, actuators;
-    for (const std::string& joint : group.joints) joints.push_back(Id(mjOBJ_JOINT, joint));
-    for (const std::string& actuator : group.actuators)
-      actuators.push_back(Id(mjOBJ_ACTUATOR, actuator));
     const std::string field = "move_groups." + name;
-    if (group.root) Element(field + ".root", *group.root, {mjOBJ_BODY, mjOBJ_SITE});
-    if (group.leaf) Element(field + ".leaf", *group.leaf, {mjOBJ_SITE, mjOBJ_BODY});
-    for (const ElementRef& finger : group.fingers)
-      Element(field + ".fingers", finger, {mjOBJ_GEOM, mjOBJ_BODY, mjOBJ_SITE});
+    const std::vector<int> joints = Ids(mjOBJ_JOINT, field + ".joints", group.joints);
+    const std::vector<int> actuators = Ids(mjOBJ_ACTUATOR, field + ".actuators", group.actuators);
+    const std::string root = field + ".root", leaf = field + ".leaf", fingers = field + ".fingers";
+    if (group.root) Element(root, root, *group.root, {mjOBJ_BODY, mjOBJ_SITE});
+    if (group.leaf) Element(leaf, leaf, *group.leaf, {mjOBJ_SITE, mjOBJ_BODY});
+    for (size_t i = 0; i < group.fingers.size(); ++i)
+      Element(fingers, Item(fingers, i), group.fingers[i], {mjOBJ_GEOM, mjOBJ_BODY, mjOBJ_SITE});
     if (group.kind == MoveGroupKind::kArm) CheckArm(field, group, joints, actuators);
     if (group.kind == MoveGroupKind::kGripper && group.ctrl)
       CheckGripperCtrl(field, group, actuators);
@@ -111,8 +119,9 @@ class RobotCheck {
       const mjtNum* range = model_->actuator_ctrlrange + 2 * input;
       for (const double value : {group.ctrl->open, group.ctrl->closed}) {
         if (value < range[0] - kLimitSlack || value > range[1] + kLimitSlack) {
-          Problem(field, fmt::format(".ctrl: {} is outside the range {} to {} of actuator '{}'",
-                                     value, range[0], range[1], group.actuators[i]));
+          Problem(field + ".ctrl",
+                  fmt::format(": {} is outside the range {} to {} of actuator '{}'", value,
+                              range[0], range[1], group.actuators[i]));
         }
       }
     }

@@ -60,7 +60,8 @@ void CheckToolPoint(const mjModel* model, const mjData* data, const RobotRecord&
                  fmt::format("the TCP is given twice: {} is the arm's leaf, but attachment_site * "
                              "tcp_offset is {:.6g} m and "
                              "{:.6g} rad away from it; keep one of them",
-                             Describe(*leaf), difference.translation().norm(), difference.angle()));
+                             Describe(*leaf), difference.translation().norm(), difference.angle()),
+                 "tcp_offset");
 }
 
 }  // namespace

@@ -57,6 +57,7 @@ class SceneCompiler {
     report_.Throw(spec().name);
     out_->warnings_.insert(out_->warnings_.begin(), report_.warnings().begin(),
                            report_.warnings().end());
+    out_->notes_ = report_.notes();
     out_->generation_ = next_generation++;
     return out_;
   }
@@ -67,12 +68,13 @@ class SceneCompiler {
   // The base, or an empty world, with the decorations.
   void StartSpec() {
     if (spec().base) {
-      const auto file = FindModel(*spec().base, spec().source_dir, "base", report_);
+      report_.Locate("base", spec().locations);
+      const auto file = FindModel(*spec().base, spec().source_dir, "base", "base", report_);
       report_.Throw(spec().name);
       spec_ = ParseXmlFile(*file, context_ + " / base");
       home_ = ReadHomeKey(spec_.get());
       DropKeys(spec_.get());
-      MakeAssetPathsAbsolute(spec_.get());
+      MakeAssetPathsAbsolute(spec_.get(), *file, "base", "base", report_);
       WarnReplacedOptions(spec_->option, spec(), report_);
     } else {
       spec_ = MakeSpec();
@@ -91,16 +93,27 @@ class SceneCompiler {
 
   void LoadParts() {
     robot_names_ = RobotNames(spec().robots, report_);
-    for (const SceneObject& object : spec().objects) {
+    for (size_t i = 0; i < spec().objects.size(); ++i) {
+      const SceneObject& object = spec().objects[i];
+      report_.Locate("object '" + object.name + "'", Located("objects", i));
       Collect([&] { objects_.push_back(LoadObject(object, spec(), report_)); });
     }
     for (size_t i = 0; i < spec().robots.size(); ++i) {
       Collect([&] {
-        robots_.push_back(LoadRobot(spec().robots[i], robot_names_[i], spec(), report_));
+        robots_.push_back(
+            LoadRobot(spec().robots[i], robot_names_[i], Located("robots", i), spec(), report_));
       });
+    }
+    for (size_t i = 0; i < spec().cameras.size(); ++i) {
+      report_.Locate("camera '" + spec().cameras[i].name + "'", Located("cameras", i));
     }
     report_.Throw(spec().name);
     for (const auto& robot : robots_) AddRobotFrames(robot->record);
+  }
+
+  // Where the i-th entry of a list of the scene stood in its file.
+  Locations Located(const std::string& list, size_t i) const {
+    return spec().locations.Below(fmt::format("{}[{}]", list, i));
   }
 
   // What one part throws is a problem among the others.

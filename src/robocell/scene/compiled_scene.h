@@ -73,6 +73,8 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   std::shared_ptr<void> Claim();
   // What the parts asked for and did not get, and the engine's own warnings from compiling.
   const std::vector<std::string>& warnings() const { return warnings_; }
+  // What is good to know and needs no change, such as lights of a robot's file that stay behind.
+  const std::vector<std::string>& notes() const { return notes_; }
   // Model key with the robots' home positions: qpos0 with each robot's home and the controls that
   // hold it.
   int home_key() const { return home_key_; }
@@ -95,7 +97,7 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   mjModel* model_ = nullptr;
   std::vector<RobotRecord> robots_;
   std::vector<ObjectRecord> objects_;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, notes_;
   uint64_t generation_ = 0;
   int home_key_ = -1;
   bool frozen_ = false;

@@ -2,6 +2,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "robocell/mujoco/clip_planes.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -19,9 +21,9 @@ void AddFloorMaterial(mjSpec* spec) {
   texture->type = mjTEXTURE_2D;
   texture->builtin = mjBUILTIN_CHECKER;
   texture->mark = mjMARK_EDGE;
-  Fill(texture->rgb1, 0.62, 0.64, 0.66);
-  Fill(texture->rgb2, 0.58, 0.60, 0.62);
-  Fill(texture->markrgb, 0.52, 0.54, 0.56);
+  Fill(texture->rgb1, 0.74, 0.75, 0.76);
+  Fill(texture->rgb2, 0.69, 0.70, 0.72);
+  Fill(texture->markrgb, 0.62, 0.63, 0.65);
   texture->width = texture->height = 300;
   mjsMaterial* material = mjs_addMaterial(spec, nullptr);
   SetSpecName(material->element, "robocell_floor", "floor");
@@ -46,10 +48,12 @@ void AddSky(mjSpec* spec) {
   SetSpecName(sky->element, "robocell_sky", "sky");
   sky->type = mjTEXTURE_SKYBOX;
   sky->builtin = mjBUILTIN_GRADIENT;
-  Fill(sky->rgb1, 0.82, 0.87, 0.92);
-  Fill(sky->rgb2, 0.50, 0.58, 0.68);
+  Fill(sky->rgb1, 0.88, 0.91, 0.94);
+  Fill(sky->rgb2, 0.52, 0.63, 0.76);
   sky->width = 128;
   sky->height = 768;
+  // Where floor and sky meet the floor takes the sky's colour.
+  std::copy_n(sky->rgb1, 3, spec->visual.rgba.haze);
 }
 
 mjsLight* AddLight(mjSpec* spec, const char* name) {

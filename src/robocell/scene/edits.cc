@@ -226,9 +226,11 @@ class Editor {
 
 }  // namespace
 
-void ApplyEdits(const List<Edit>& edits, mjSpec* spec, const std::string& place, Report& report) {
-  for (size_t i = 0; i < edits.size(); ++i) {
-    Editor(edits[i], spec, fmt::format("{} / edits[{}]", place, i), report).Apply();
+void ApplyEdits(const RobotConfig& config, mjSpec* spec, const std::string& place, Report& report) {
+  for (size_t i = 0; i < config.edits.size(); ++i) {
+    const std::string edit = fmt::format("edits[{}]", i);
+    report.Locate(place + " / " + edit, config.locations.Below(edit));
+    Editor(config.edits[i], spec, place + " / " + edit, report).Apply();
   }
 }
 

@@ -117,7 +117,7 @@ TEST_F(Edits, ComeOneAfterTheOther) {
 
 TEST_F(Edits, SayWhatTheyDoNotFind) {
   ExpectThrow<NotFoundError>([&] { Build("{body: bse, pos: [0, 0, 0]}"); },
-                             "scene 'test' / robot 'r' / edits[0]: the model: no body 'bse'. Its "
+                             "yaml:1:63: robot 'r' / edits[0]: the model: no body 'bse'. Its "
                              "bodies: world, base, upper, fore. Did you mean 'base'?");
   ExpectThrow<NotFoundError>(
       [&] { Build("{geom: {body: fore, index: 2}, mass: 1}"); },
@@ -132,7 +132,7 @@ TEST_F(Edits, SayWhatTheyDoNotFind) {
             "{site: flange, name: tip}, {add_site: tip, body: base}, {add_sensor: f, site: tip, "
             "type: forse}");
       },
-      "scene 'test' has 2 problems:");
+      "yaml has 2 problems:");
 }
 
 }  // namespace

@@ -54,7 +54,8 @@ class Order {
       report_.Problem(
           entities_[i].place,
           fmt::format("is attached to {} of {}, which is declared later; move {} before it",
-                      Describe(target), entities_[owner].place, entities_[owner].place));
+                      Describe(target), entities_[owner].place, entities_[owner].place),
+          "attach_to");
       return kMissing;
     }
     return owner;
@@ -83,7 +84,7 @@ class Order {
     AddNames(base_, target.kind, names);
     const std::string kind = IsRobot(target.kind) ? "robot" : ToString(target.kind);
     report_.Missing(entities_[i].place,
-                    "attach_to: " + NoSuchName("the scene", kind, target.name, names));
+                    "attach_to: " + NoSuchName("the scene", kind, target.name, names), "attach_to");
   }
 
   bool Visit(size_t i) {

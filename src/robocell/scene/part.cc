@@ -25,21 +25,24 @@ std::vector<std::string> Names(const std::vector<mjsElement*>& elements) {
 }
 
 void WarnLeftBehind(const Part& part, mjsBody* root, Report& report) {
-  std::vector<std::string> left;
+  std::vector<std::string> left, lights;
   mjsBody* world = WorldBody(part.spec.get());
   for (mjsElement* body : BodyElements(world, mjOBJ_BODY)) {
     if (body != root->element) left.push_back("body '" + SpecName(body) + "'");
   }
-  for (const auto& [kind, word] : {std::pair{mjOBJ_GEOM, "geom"},
-                                   {mjOBJ_SITE, "site"},
-                                   {mjOBJ_CAMERA, "camera"},
-                                   {mjOBJ_LIGHT, "light"}}) {
+  for (const auto& [kind, word] :
+       {std::pair{mjOBJ_GEOM, "geom"}, {mjOBJ_SITE, "site"}, {mjOBJ_CAMERA, "camera"}}) {
     for (mjsElement* element : BodyElements(world, kind))
       left.push_back(fmt::format("{} '{}'", word, SpecName(element)));
   }
-  if (left.empty()) return;
-  report.Warn(part.place, fmt::format("only body '{}' of {} is attached; left out of its world: {}",
-                                      SpecName(root->element), part.file, ListNames(left)));
+  for (mjsElement* light : BodyElements(world, mjOBJ_LIGHT))
+    lights.push_back("light '" + SpecName(light) + "'");
+  const auto text = [&](const std::vector<std::string>& names) {
+    return fmt::format("only body '{}' of {} is attached; left out of its world: {}",
+                       SpecName(root->element), part.file, ListNames(names));
+  };
+  if (!left.empty()) report.Warn(part.place, text(left));
+  if (!lights.empty()) report.Note(part.place, text(lights) + "; the scene has its own");
 }
 
 // Elements that refer to others and are dropped by the engine when those are not attached.
@@ -65,23 +68,33 @@ void WarnDropped(mjSpec* parent, const Part& part, mjtObj kind, size_t before,
 }  // namespace
 
 std::optional<std::string> FindModel(const std::string& name, const std::string& directory,
-                                     const std::string& place, Report& report) {
+                                     const std::string& place, const std::string& field,
+                                     Report& report) {
   try {
     return assets::Resolve(name, directory);
   } catch (const NotFoundError& error) {
-    report.Missing(place, error.what());
+    report.Missing(place, error.what(), field);
   } catch (const ArgumentError& error) {
-    report.Problem(place, error.what());
+    report.Problem(place, error.what(), field);
   }
   return std::nullopt;
 }
 
-Part LoadPart(const std::string& file, const std::string& place, const SimOptions& options,
-              Report& report) {
-  Part part{place, file, ParseXmlFile(file, place), {}};
+std::optional<Part> LoadPart(const std::string& name, const std::string& directory,
+                             const std::string& place, const std::string& field,
+                             const SimOptions& options, Report& report) {
+  const auto file = FindModel(name, directory, place, field, report);
+  if (!file) return std::nullopt;
+  Part part{place, field, *file, nullptr, {}};
+  try {
+    part.spec = ParseXmlFile(*file);
+  } catch (const SpecError& error) {
+    report.Problem(place, error.what(), field);
+    return std::nullopt;
+  }
   part.home = ReadHomeKey(part.spec.get());
   DropKeys(part.spec.get());
-  MakeAssetPathsAbsolute(part.spec.get());
+  if (!MakeAssetPathsAbsolute(part.spec.get(), *file, place, field, report)) return std::nullopt;
   WarnOtherOptions(part.spec->option, options, place, report);
   DropGlobals(part.spec.get());
   return part;
@@ -93,8 +106,10 @@ mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& repo
   if (!root_body.empty()) {
     mjsBody* named = mjs_findBody(part.spec.get(), root_body.c_str());
     if (!named || root_body == "world") {
-      report.Problem(part.place, NoSuchName("root_body", "body", root_body,
-                                            SpecNames(part.spec.get(), mjOBJ_BODY)));
+      report.Problem(
+          part.place,
+          NoSuchName("root_body", "body", root_body, SpecNames(part.spec.get(), mjOBJ_BODY)),
+          "root_body");
       return nullptr;
     }
     root = TopBody(named);
@@ -105,7 +120,8 @@ mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& repo
                    roots.empty()
                        ? part.file + " has no body to attach"
                        : fmt::format("{} has {} root bodies: {}; say which one is the root_body",
-                                     part.file, roots.size(), ListNames(Names(roots))));
+                                     part.file, roots.size(), ListNames(Names(roots))),
+                   part.field);
     return nullptr;
   }
   WarnLeftBehind(part, root, report);

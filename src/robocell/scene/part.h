@@ -28,26 +28,35 @@ struct PartHome {
 
 struct Part {
   std::string place;  // "robot 'left'", for messages
+  std::string field;  // of its spec: the one that names the file
   std::string file;
   SpecPtr spec;
   PartHome home;
 };
 
-// Absolute path of a model file. Null and an entry in the report when it is not found.
+// Absolute path of a model file that `field` names. Null and an entry in the report when it is not
+// found.
 std::optional<std::string> FindModel(const std::string& name, const std::string& directory,
-                                     const std::string& place, Report& report);
+                                     const std::string& place, const std::string& field,
+                                     Report& report);
 
-// `options` are the scene's; what the part asks for instead is reported as a warning.
-Part LoadPart(const std::string& file, const std::string& place, const SimOptions& options,
-              Report& report);
+// The model of `place`, which names it as `name` in `field`; null and an entry in the report when
+// it is not found or files are missing that it refers to. `options` are the scene's; what the part
+// asks for instead is reported as a warning.
+std::optional<Part> LoadPart(const std::string& name, const std::string& directory,
+                             const std::string& place, const std::string& field,
+                             const SimOptions& options, Report& report);
 
 // The body that the part hangs on when it is attached: the only child of its world, or the one that
 // holds `root_body` when that is given. A problem in the report and null when there is no such
-// body. What stays behind (other bodies, geoms and lights of the part's world) is a warning.
+// body. What stays behind (other bodies, geoms, sites and cameras of the part's world) is a
+// warning; lights, which the scene has its own of, are a note.
 mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& report);
 
-// Replaces the names of files by absolute paths where such a file exists.
-void MakeAssetPathsAbsolute(mjSpec* spec);
+// Replaces the names of the files that a model refers to by absolute paths. Those that do not exist
+// are one entry in the report; false then.
+bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::string& place,
+                            const std::string& field, Report& report);
 PartHome ReadHomeKey(mjSpec* spec);
 void DropKeys(mjSpec* spec);
 

@@ -15,7 +15,8 @@ std::optional<Placement> OnElement(mjtObj kind, const std::string& name, const P
   mjsElement* element = FindSpecElement(spec, kind, name);
   if (!element) {
     const char* word = kind == mjOBJ_FRAME ? "frame" : KindName(kind);
-    report.Missing(place, "attach_to: " + NoSuchName("", word, name, SpecNames(spec, kind)));
+    report.Missing(place, "attach_to: " + NoSuchName("", word, name, SpecNames(spec, kind)),
+                   "attach_to");
     return std::nullopt;
   }
   if (kind == mjOBJ_BODY) return Placement{mjs_asBody(element), pose};
@@ -27,7 +28,8 @@ const RobotFrames* FindRobot(const AttachTarget& target, const RobotFrameMap& ro
   if (const auto it = robots.find(target.name); it != robots.end()) return &it->second;
   std::vector<std::string> names;
   for (const auto& [name, frames] : robots) names.push_back(name);
-  report.Missing(place, "attach_to: " + NoSuchName("the scene", "robot", target.name, names));
+  report.Missing(place, "attach_to: " + NoSuchName("the scene", "robot", target.name, names),
+                 "attach_to");
   return nullptr;
 }
 
@@ -84,8 +86,10 @@ std::optional<Placement> Place(const AttachTarget& target, const Pose& pose, mjS
       if (robot->attachment_site)
         return OnElement(mjOBJ_SITE, *robot->attachment_site, pose, spec, place, report);
       report.Problem(
-          place, fmt::format("attach_to: robot '{}' has no attachment_site in its configuration",
-                             target.name));
+          place,
+          fmt::format("attach_to: robot '{}' has no attachment_site in its configuration",
+                      target.name),
+          "attach_to");
       return std::nullopt;
     }
     default:
@@ -99,7 +103,8 @@ std::optional<Placement> PlaceInWorld(const Placement& placement, const AttachTa
   if (!IsStatic(placement.parent)) {
     report.Problem(place,
                    fmt::format("{} hangs on the world, but is attached to {}, which can move", why,
-                               Describe(target)));
+                               Describe(target)),
+                   "attach_to");
     return std::nullopt;
   }
   mjSpec* spec = mjs_getSpec(placement.parent->element);

@@ -2,21 +2,66 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "robocell/base/error.h"
 
 namespace robocell {
+namespace {
 
-void Report::Problem(const std::string& place, const std::string& message) {
-  only_missing_ = false;
-  problems_.push_back({place, message});
+std::string Line(const std::string& place, const std::string& message) {
+  return place.empty() ? message : place + ": " + message;
 }
 
-void Report::Missing(const std::string& place, const std::string& message) {
-  problems_.push_back({place, message});
+// "left.yaml" of "left.yaml:7:12"; "" when it has no line.
+std::string FileOf(const std::string& source) {
+  const size_t column = source.rfind(':');
+  if (column == std::string::npos || column == 0) return "";
+  const size_t line = source.rfind(':', column - 1);
+  return line == std::string::npos ? "" : source.substr(0, line);
+}
+
+}  // namespace
+
+void Report::Locate(const std::string& place, Locations locations) {
+  locations_[place].push_back(std::move(locations));
+}
+
+std::string Report::SourceOf(const std::string& place, std::string_view field) const {
+  const auto found = locations_.find(place);
+  if (found == locations_.end()) return "";
+  for (const Locations& locations : found->second) {
+    if (const auto source = locations.Exactly(field)) return *source;
+  }
+  std::string source;
+  for (const Locations& locations : found->second) {
+    if (const std::string at = locations.At(field); !at.empty()) source = at;
+  }
+  return source;
+}
+
+void Report::Problem(const std::string& place, const std::string& message, std::string_view field) {
+  only_missing_ = false;
+  problems_.push_back({place, message, SourceOf(place, field)});
+}
+
+void Report::Missing(const std::string& place, const std::string& message, std::string_view field) {
+  problems_.push_back({place, message, SourceOf(place, field)});
 }
 
 void Report::Warn(const std::string& place, const std::string& message) {
-  warnings_.push_back(place.empty() ? message : place + ": " + message);
+  warnings_.push_back(Line(place, message));
+}
+
+void Report::Note(const std::string& place, const std::string& message) {
+  notes_.push_back(Line(place, message));
+}
+
+std::string Report::Subject(const std::string& scene) const {
+  const std::string file = FileOf(problems_[0].source);
+  const auto there = [&](const Entry& entry) { return FileOf(entry.source) == file; };
+  const bool all = !file.empty() && std::all_of(problems_.begin(), problems_.end(), there);
+  return all ? file : "scene '" + scene + "'";
 }
 
 void Report::Throw(const std::string& scene) const {
@@ -24,12 +69,14 @@ void Report::Throw(const std::string& scene) const {
   std::string text;
   if (problems_.size() == 1) {
     const Entry& only = problems_[0];
-    text = fmt::format("scene '{}'{}{}: {}", scene, only.place.empty() ? "" : " / ", only.place,
-                       only.message);
+    const std::string line = Line(only.place, only.message);
+    text = !only.source.empty() ? only.source + ": " + line
+           : only.place.empty() ? fmt::format("scene '{}': {}", scene, line)
+                                : fmt::format("scene '{}' / {}", scene, line);
   } else {
-    text = fmt::format("scene '{}' has {} problems:", scene, problems_.size());
+    text = fmt::format("{} has {} problems:", Subject(scene), problems_.size());
     for (const Entry& entry : problems_) {
-      text += "\n  " + (entry.place.empty() ? "" : entry.place + ": ") + entry.message;
+      text += "\n  " + Line(entry.source, Line(entry.place, entry.message));
     }
   }
   if (only_missing_) throw NotFoundError(text);

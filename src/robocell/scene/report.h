@@ -1,33 +1,55 @@
 // Private to scene: what was found while a scene is compiled. Problems are collected and thrown
-// together, warnings are kept with the compiled scene.
+// together, warnings and notes are kept with the compiled scene.
+//
+// A problem has a place, the part of the scene that it is about ("robot 'left'"; may be empty), and
+// a field, the path of the value in the spec of that part ("move_groups.arm.joints[2]"; empty for
+// the part as a whole). Parts that came from a file are located once, with Locate; their problems
+// then begin with file:line:column.
 #pragma once
 
+#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "robocell/spec/locations.h"
 
 namespace robocell {
 
 class Report {
  public:
-  // `place` is the part of the scene, such as "robot 'left'"; it may be empty.
-  void Problem(const std::string& place, const std::string& message);
+  // Where the spec of `place` stood in its file. May be called again when the part is described in
+  // several: a field is looked up in all of them, and what is in none belongs to the last one.
+  void Locate(const std::string& place, Locations locations);
+
+  void Problem(const std::string& place, const std::string& message, std::string_view field = "");
   // A problem of the kind "there is no element of this name".
-  void Missing(const std::string& place, const std::string& message);
+  void Missing(const std::string& place, const std::string& message, std::string_view field = "");
+  // What the user should look at: a part does not get what it asks for.
   void Warn(const std::string& place, const std::string& message);
+  // What is good to know and needs no change.
+  void Note(const std::string& place, const std::string& message);
 
   bool ok() const { return problems_.empty(); }
   // Throws unless ok: NotFoundError when all that is wrong are missing elements, else SpecError.
-  // One problem: "scene 'pick' / robot 'left': message"; several: one line each.
+  // One problem: "scene 'pick' / robot 'left': message"; several: one line each. With locations,
+  // "left.yaml:7:12: robot 'left': message".
   void Throw(const std::string& scene) const;
   const std::vector<std::string>& warnings() const { return warnings_; }
+  const std::vector<std::string>& notes() const { return notes_; }
 
  private:
   struct Entry {
-    std::string place, message;
+    std::string place, message, source;
   };
+  std::string SourceOf(const std::string& place, std::string_view field) const;
+  // "scene 'pick'", or the file that all problems are in.
+  std::string Subject(const std::string& scene) const;
+
+  std::map<std::string, std::vector<Locations>> locations_;
   std::vector<Entry> problems_;
   bool only_missing_ = true;
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, notes_;
 };
 
 }  // namespace robocell

@@ -62,7 +62,8 @@ void SettleBase(RobotPart& robot, Report& report) {
         robot.part.place,
         fmt::format("the model's root '{}' has a free joint of its own, so its base cannot be {}; "
                     "delete the joint in `edits` or leave the base out",
-                    SpecName(robot.top->element), ToString(record.base.kind)));
+                    SpecName(robot.top->element), ToString(record.base.kind)),
+        "base");
   }
   record.base.kind = BaseKind::kFree;
 }

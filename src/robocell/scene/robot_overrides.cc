@@ -39,7 +39,10 @@ void OverrideArm(const RobotConfig& config, const MoveGroupConfig& arm, Part& ro
           robot.place,
           fmt::format(
               "stiffness, damping and force_limit are for position servos; actuator '{}' is none",
-              name));
+              name),
+          config.stiffness ? "stiffness"
+          : config.damping ? "damping"
+                           : "force_limit");
     }
   }
 }
@@ -64,7 +67,8 @@ std::optional<std::string> AddTcpSite(const RobotConfig& config, Part& robot, Re
   if (!flange) {
     report.Problem(robot.place,
                    "attachment_site: " + NoSuchName("the robot", "site", *config.attachment_site,
-                                                    SpecNames(spec, mjOBJ_SITE)));
+                                                    SpecNames(spec, mjOBJ_SITE)),
+                   "attachment_site");
     return std::nullopt;
   }
   if (!config.tcp_offset) return std::nullopt;

@@ -11,11 +11,13 @@
 namespace robocell {
 
 // edits.cc
-void ApplyEdits(const List<Edit>& edits, mjSpec* spec, const std::string& place, Report& report);
+void ApplyEdits(const RobotConfig& config, mjSpec* spec, const std::string& place, Report& report);
 
-// attachments.cc: mounts tools one after the other; their home keys join the robot's.
-void AddAttachments(const List<AttachmentSpec>& attachments, const std::string& directory,
-                    Part& robot, const SceneSpec& scene, Report& report);
+// attachments.cc: mounts tools one after the other; their home keys join the robot's. `locations`
+// and `directory` are those of the spec that lists them.
+void AddAttachments(const List<AttachmentSpec>& attachments, const Locations& locations,
+                    const std::string& directory, Part& robot, const SceneSpec& scene,
+                    Report& report);
 
 // add_camera.cc
 void AddRobotCameras(const RobotConfig& config, Part& robot, Report& report);

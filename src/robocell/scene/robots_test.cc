@@ -132,13 +132,12 @@ TEST_F(Robots, TakeOnlyTheirRootAndSayWhatStaysBehind) {
                              " has 2 root bodies: base, chair; say which one is the root_body");
   spec.robots[0] = {.config = RobotConfig{.name = "r", .model = room, .root_body = "base"}};
   const Scene scene = Scene::Build(spec);
-  EXPECT_THAT(
-      scene.compiled()->warnings(),
-      ElementsAre(
-          "robot 'robot': only body 'base' of " + room +
-              " is attached; left out of its world: body 'chair', geom 'ground', light 'lamp'",
-          "robot 'robot': 1 actuator(s) of " + room +
-              " refer to elements that are not attached and are left out: m2"));
+  EXPECT_THAT(scene.compiled()->warnings(),
+              ElementsAre("robot 'robot': only body 'base' of " + room +
+                              " is attached; left out of its world: body 'chair', geom 'ground'",
+                          "robot 'robot': 1 actuator(s) of " + room +
+                              " refer to elements that are not attached and are left out: m2"));
+  EXPECT_THAT(scene.compiled()->notes(), ElementsAre(HasSubstr("light 'lamp'")));
   spec.robots[0].config->root_body = "bse";
   ExpectThrow<SpecError>(
       [&] { Scene::Build(spec); },
@@ -265,7 +264,7 @@ TEST_F(Robots, SayWhichModelIsMissing) {
 TEST_F(Robots, SayWhatTheEngineDislikes) {
   config.model = folder.Write(
       "broken", R"(<worldbody><body name="base"><geom type="ball"/></body></worldbody>)");
-  ExpectThrow<SpecError>([&] { BuildArm(); }, "scene 'test': robot 'left': model file '" +
+  ExpectThrow<SpecError>([&] { BuildArm(); }, "scene 'test' / robot 'left': model file '" +
                                                   config.model + "': XML Error:");
 }
 

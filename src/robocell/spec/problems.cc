@@ -20,7 +20,7 @@ Problems::Scope::Scope(Problems& problems, size_t index)
 Problems::Scope::~Scope() { problems_.path_.resize(length_); }
 
 void Problems::Add(const std::string& message) {
-  list_.push_back({path_, message, SourceOf(path_)});
+  list_.push_back({path_, message, locations_.At(path_)});
 }
 
 void Problems::AddAt(std::string_view field, const std::string& message) {
@@ -34,19 +34,7 @@ void Problems::AddFromSource(const std::string& source, const std::string& messa
 
 void Problems::AppendBelow(const Problems& other) {
   for (const Problem& p : other.list_) {
-    const bool joined = path_.empty() || p.path.empty() || p.path.front() == '[';
-    list_.push_back({path_ + (joined ? "" : ".") + p.path, p.message, p.source});
-  }
-}
-
-// The location of the path or of the nearest part around it.
-std::string Problems::SourceOf(std::string path) const {
-  if (!sources_) return "";
-  while (true) {
-    if (const auto it = sources_->find(path); it != sources_->end()) return it->second;
-    const size_t cut = path.find_last_of(".[");
-    if (path.empty()) return "";
-    path.resize(cut == std::string::npos ? 0 : cut);
+    list_.push_back({JoinPath(path_, p.path), p.message, p.source});
   }
 }
 

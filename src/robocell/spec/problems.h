@@ -1,16 +1,15 @@
 // Collects everything that is wrong with a spec, so that all of it is reported together.
 #pragma once
 
-#include <map>
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-namespace robocell {
+#include "robocell/spec/locations.h"
 
-// Where the parts of a spec stood in its file: path such as "robots[0].pos" -> "file.yaml:12:5".
-using SourceMap = std::map<std::string, std::string>;
+namespace robocell {
 
 struct Problem {
   std::string path;  // "robots[0].pos"; "" for the whole
@@ -34,7 +33,8 @@ class Problems {
     size_t length_;
   };
 
-  explicit Problems(const SourceMap* sources = nullptr) : sources_(sources) {}
+  // `locations` of the spec that is looked at.
+  explicit Problems(Locations locations = {}) : locations_(std::move(locations)) {}
 
   // At the current path, or at `field` below it.
   void Add(const std::string& message);
@@ -50,6 +50,9 @@ class Problems {
     for (size_t i = first; i < list_.size(); ++i) f(list_[i]);
   }
 
+  // Forgets the problems from number `count` on.
+  void Truncate(size_t count) { list_.resize(std::min(count, list_.size())); }
+
   bool empty() const { return list_.empty(); }
   const std::vector<Problem>& list() const { return list_; }
   const std::string& path() const { return path_; }
@@ -61,9 +64,7 @@ class Problems {
   void Throw(std::string_view what) const;
 
  private:
-  std::string SourceOf(std::string path) const;
-
-  const SourceMap* sources_;
+  Locations locations_;
   std::string path_;
   std::vector<Problem> list_;
 };

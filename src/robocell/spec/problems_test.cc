@@ -29,8 +29,9 @@ TEST(Problems, SeveralAreListedWithTheirPaths) {
 }
 
 TEST(Problems, PlacesComeFromTheNearestPartOfThePath) {
-  const SourceMap sources = {{"", "f:1:1"}, {"robots[0]", "f:3:5"}, {"robots[0].pos", "f:4:7"}};
-  Problems problems(&sources);
+  const auto sources = std::make_shared<SourceMap>(
+      SourceMap{{"", "f:1:1"}, {"robots[0]", "f:3:5"}, {"robots[0].pos", "f:4:7"}});
+  Problems problems{Locations(sources)};
   problems.AddAt("robots[0].pos[1]", "x");
   problems.AddAt("robots[0].base.size", "y");
   problems.AddAt("name", "z");

@@ -22,6 +22,7 @@
 #include "robocell/spec/edit.h"
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/fields.h"
+#include "robocell/spec/locations.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
@@ -142,8 +143,9 @@ struct RobotConfig {
   std::optional<double> force_limit = {};
   List<CameraSpec> cameras = {};
   // Where the file was: relative model paths start here. Not a field: it is no property of the
-  // robot.
+  // robot. Neither is where each value stood in it.
   std::string source_dir = {};
+  Locations locations = {};
 
   static constexpr const char* kTypeName = "RobotConfig";
   template <class V>

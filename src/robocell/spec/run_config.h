@@ -11,12 +11,12 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "robocell/spec/camera_spec.h"
+#include "robocell/spec/locations.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/sim_options.h"
 
@@ -145,10 +145,9 @@ struct RunConfig {
   int workers = 1;
   int64_t seed = 0;
   std::string output = {};
-  std::string source_dir = {};  // folder of the run file; not a field
-  // Where its values stood in that file, for checks that come later; not a field. Null for a run
-  // that was not read from a file.
-  std::shared_ptr<const SourceMap> sources = {};
+  // Folder of the run file, and where each value stood in it; not fields.
+  std::string source_dir = {};
+  Locations locations = {};
 
   static constexpr const char* kTypeName = "RunConfig";
   template <class V>

@@ -14,6 +14,7 @@
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/containers.h"
 #include "robocell/spec/fields.h"
+#include "robocell/spec/locations.h"
 #include "robocell/spec/robot_spec.h"
 #include "robocell/spec/scene_object.h"
 #include "robocell/spec/sim_options.h"
@@ -36,6 +37,7 @@ struct SceneSpec {
   List<CameraSpec> cameras = {};
   // Where the file was: relative paths start here. Not a field: it is no property of the scene.
   std::string source_dir = {};
+  Locations locations = {};
 
   static constexpr const char* kTypeName = "SceneSpec";
   template <class V>

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "robocell/base/files.h"
+#include "robocell/spec/spec_file.h"
 #include "robocell/spec/yaml_reader.h"
 #include "robocell/spec/yaml_writer.h"
 
@@ -30,7 +30,7 @@ template <class T>
 T LoadYaml(const std::string& path, const std::vector<std::string>& overrides) {
   yaml::Reader reader(path, std::filesystem::path(path).parent_path().string());
   for (const std::string& text : overrides) reader.AddOverride(yaml::ParseOverride(text));
-  return ReadText<T>(ReadFile(path), reader, path);
+  return ReadText<T>(ReadSpecFile(path, T::kTypeName), reader, path);
 }
 
 template <class T>
@@ -48,6 +48,7 @@ std::string ToYaml(const T& spec) {
 template <class T>
 T FromYamlUnchecked(std::string_view text) {
   yaml::Reader reader("text", "");
+  reader.ForgetLocations();
   T spec{};
   reader.Read(yaml::ParseText(text, "text"), spec);
   reader.problems().Throw("text");

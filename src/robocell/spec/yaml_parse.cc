@@ -1,6 +1,7 @@
 // Text to tree, and what is refused before the spec is looked at.
 #include <fmt/format.h>
 
+#include "robocell/spec/spec_file.h"
 #include "robocell/spec/yaml_reader.h"
 
 namespace robocell::yaml {
@@ -37,6 +38,7 @@ YAML::Node ParseText(std::string_view text, const std::string& source) {
   if (text.size() > kMostBytes) {
     throw SpecError(source + ": is larger than 16 MB, which no spec file is");
   }
+  RequireText(text, source);
   if (TooDeep(text)) {
     throw SpecError(fmt::format("{}: is nested more than {} levels deep", source, kMostDepth));
   }

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "robocell/base/files.h"
+#include "robocell/spec/spec_file.h"
 
 namespace robocell::yaml {
 namespace {
@@ -72,26 +72,28 @@ void Reader::Mark(const YAML::Node& node) {
                     "no spec needs that many",
                     at, kMostValues));
   }
-  sources_[problems_.path()] = at;
+  (*sources_)[problems_.path()] = at;
 }
 
 void Reader::Fail(const YAML::Node& node, const std::string& message) {
   problems_.AddFromSource(At(node), message);
 }
 
-void Reader::FailKind(const YAML::Node& node, const std::string& expected) {
+void Reader::FailKind(const YAML::Node& node, const std::string& expected,
+                      const std::string& hint) {
   const std::string found = node.IsNull()       ? "nothing"
                             : node.IsScalar()   ? Quoted(node)
                             : node.IsSequence() ? "a list"
                                                 : "names with values";
-  Fail(node, "expected " + expected + ", found " + found);
+  Fail(node, "expected " + expected + ", found " + found + hint);
 }
 
 void Reader::ExplainField(std::string_view name, std::string_view doc, size_t first_problem) {
   const Problems::Scope scope(problems_, name);
   problems_.Amend(first_problem, [&](Problem& p) {
     if (p.path == problems_.path() && p.message.starts_with("expected ") && !doc.empty()) {
-      p.message += ". " + std::string(doc);
+      const bool ended = p.message.ends_with('.') || p.message.ends_with('?');
+      p.message += (ended ? " " : ". ") + std::string(doc);
     }
   });
 }
@@ -135,7 +137,10 @@ void Reader::AppendUnread(const Problems& found) {
     const auto unread = [&](const Problem& q) {
       return !q.path.empty() && IsAtOrBelow(p.path, q.path);
     };
-    if (std::none_of(read.begin(), read.end(), unread)) problems_.AddProblem(p);
+    const auto misspelt = [&](const std::string& path) { return IsAtOrBelow(p.path, path); };
+    if (std::any_of(read.begin(), read.end(), unread)) continue;
+    if (std::any_of(unread_.begin(), unread_.end(), misspelt)) continue;
+    problems_.AddProblem(p);
   }
 }
 
@@ -185,10 +190,14 @@ void Reader::Read(const YAML::Node& node, NameList& out) {
   const auto expand = [&](const YAML::Node& item) {
     std::string text;
     if (!ReadScalar(item, "a name, a list of names, or a range like joint1..joint7", text)) return;
-    Mark(item);
-    if (item.Tag() == "!") return void(out.names.push_back(text));  // in quotes: never a range
+    const auto add = [&](const std::string& name) {
+      Problems::Scope scope(problems_, out.names.size());
+      Mark(item);
+      out.names.push_back(name);
+    };
+    if (item.Tag() == "!") return add(text);  // in quotes: never a range
     try {
-      for (std::string& name : NameList::Expand(text).names) out.names.push_back(std::move(name));
+      for (const std::string& name : NameList::Expand(text).names) add(name);
     } catch (const ArgumentError& e) {
       Fail(item, e.what());
     }
@@ -278,12 +287,23 @@ void Reader::Read(const YAML::Node& node, Pose& out) {
 
 void Reader::Read(const YAML::Node& node, AttachTarget& out) {
   out = {};
-  if (node.IsScalar()) return Read(node, out.kind);
+  if (node.IsScalar()) return ReadAttachWord(node, out);
   if (!node.IsMap() || node.size() != 1) {
     return FailKind(node, "world, root, shared_base, or {site: name}");
   }
   Read(node.begin()->first, out.kind);
   Read(node.begin()->second, out.name);
+}
+
+void Reader::ReadAttachWord(const YAML::Node& node, AttachTarget& out) {
+  const std::vector<std::string> kinds = ValueNames<AttachKind>();
+  if (std::find(kinds.begin(), kinds.end(), node.Scalar()) != kinds.end()) {
+    return Read(node, out.kind);
+  }
+  FailKind(
+      node, "world, root, shared_base, or {site: name}",
+      fmt::format("; write {{site: {0}}} if it is a site, or {{body: {0}}}, {{frame: {0}}}.{1}",
+                  Short(node), DidYouMean(node.Scalar(), {"world", "root", "shared_base"})));
 }
 
 void Reader::Read(const YAML::Node& node, ElementRef& out) {
@@ -326,13 +346,13 @@ void Reader::ReadRobotFile(const YAML::Node& node, RobotConfig& out) {
     robot.AddOverride({o.path.substr(below.size()), o.text, o.value});
   }
   try {
-    robot.ReadDocument(ParseText(ReadFile(file), file), out);
+    robot.ReadDocument(ParseText(ReadSpecFile(file, RobotConfig::kTypeName), file), out);
   } catch (const Error& e) {
     return Fail(node, e.what());
   }
   problems_.AppendBelow(robot.problems());
-  for (const auto& [path, at] : robot.sources_) {
-    sources_[path.empty() ? problems_.path() : below + path] = at;
+  for (const auto& [path, at] : *robot.sources_) {
+    (*sources_)[JoinPath(problems_.path(), path)] = at;
   }
 }
 

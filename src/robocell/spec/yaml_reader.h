@@ -22,6 +22,7 @@
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/validate.h"
+#include "robocell/spec/yaml_hints.h"
 
 namespace robocell::yaml {
 
@@ -54,12 +55,11 @@ class Reader {
   template <HasFields T>
   void ReadDocument(const YAML::Node& root, T& out) {
     Mark(root);
+    if (RefuseOtherKind<T>(root)) return;
     if (root.IsMap() || (root.IsNull() && !overrides_.empty())) {
       ReadFields(root, out);
       ReportUnusedOverrides();
-      if constexpr (requires { out.sources; })
-        out.sources = std::make_shared<const SourceMap>(sources_);
-      Problems found(&sources_);
+      Problems found{Locations(sources_)};
       ValidateFields(out, found);
       AppendUnread(found);
     } else {
@@ -69,6 +69,9 @@ class Reader {
   }
 
   const Problems& problems() const { return problems_; }
+
+  // For text that is no file of anybody's: the spec gets no locations.
+  void ForgetLocations() { keep_locations_ = false; }
 
   void Read(const YAML::Node& node, bool& out);
   void Read(const YAML::Node& node, int& out);
@@ -106,7 +109,7 @@ class Reader {
   void Read(const YAML::Node& node, std::array<T, N>& out) {
     const std::string want =
         "a list of " + std::to_string(N) + (std::is_arithmetic_v<T> ? " numbers" : " names");
-    if (!node.IsSequence()) return FailKind(node, want);
+    if (!node.IsSequence()) return FailKind(node, want, ListHint(node, N));
     if (node.size() != N) {
       return Fail(node, "expected " + want + ", found a list of " + std::to_string(node.size()));
     }
@@ -124,14 +127,14 @@ class Reader {
   template <class T>
   void Read(const YAML::Node& node, List<T>& out) {
     out.clear();
-    if (!node.IsSequence()) return FailKind(node, "a list");
+    if (!node.IsSequence()) return FailKind(node, "a list", DashHint(node));
     for (size_t i = 0; i < node.size(); ++i) ReadItem(node[i], i, out.push_back(T{}));
   }
 
   template <class T>
   void Read(const YAML::Node& node, Map<T>& out) {
     out.clear();
-    if (!node.IsMap()) return FailKind(node, "names with values");
+    if (!node.IsMap()) return FailKind(node, "names with values", NamesHint(node));
     ForEachKey(node, [&](const YAML::Node&, const std::string& name, const YAML::Node& value) {
       T& item = *out.entries().emplace_back(name, std::make_shared<T>()).second;
       ReadAt(value, name, item);
@@ -140,18 +143,61 @@ class Reader {
 
   template <HasFields T>
   void Read(const YAML::Node& node, T& out) {
-    if (!node.IsMap()) return FailKind(node, "the fields of " + WithArticle(T::kTypeName));
+    if (!node.IsMap()) {
+      return FailKind(node, "the fields of " + WithArticle(T::kTypeName), FieldHint<T>(node));
+    }
     ReadFields(node, out);
   }
 
  private:
+  // Values that are written without the names of fields.
+  template <class T>
+  static constexpr bool kPlain =
+      std::is_arithmetic_v<T> || HasEnumNames<T> || std::is_same_v<T, std::string> ||
+      std::is_same_v<T, NameList> || std::is_same_v<T, IndexList> || IsArray<T>::value;
+
+  // "; write {size: [0.2, 0.2, 0.3]}" when what stands in the place of T's fields would do as the
+  // value of one of them; else the fields.
+  template <HasFields T>
+  std::string FieldHint(const YAML::Node& node) const {
+    if (node.IsNull()) return "";
+    std::string hint;
+    T trial{};
+    ForEachField(trial, [&](const char* name, auto& value, const char*, Check) {
+      if (hint.empty() && FitsInto(node, value)) {
+        hint = "; write {" + std::string(name) + ": " + Short(node) + "}";
+      }
+    });
+    return hint.empty() ? "; its fields: " + ListNames(FieldNames<T>()) : hint;
+  }
+
+  template <class T>
+  bool FitsInto(const YAML::Node& node, T& out) const {
+    if constexpr (IsOptional<T>::value) {
+      return FitsInto(node, out.emplace());
+    } else if constexpr (kPlain<T>) {
+      Reader trial(source_, directory_);
+      trial.Read(node, out);
+      return trial.problems().empty();
+    }
+    return false;
+  }
+
+  template <HasFields T>
+  bool RefuseOtherKind(const YAML::Node& root) {
+    if (!root.IsMap()) return false;
+    const std::string other = OtherKindOfFile(root, T::kTypeName, FieldNames<T>(), source_);
+    if (!other.empty()) Fail(root, other);
+    return !other.empty();
+  }
+
   // "file.yaml:3:7" of a node at the current path, or "--set ..." of what replaced it.
   std::string At(const YAML::Node& node) const;
   // Remembers where the current path stands, for the checks that run after reading.
   void Mark(const YAML::Node& node);
   void Fail(const YAML::Node& node, const std::string& message);
-  // Says what was expected and what is there.
-  void FailKind(const YAML::Node& node, const std::string& expected);
+  // Says what was expected, what is there, and what may have been meant ("; write ...").
+  void FailKind(const YAML::Node& node, const std::string& expected, const std::string& hint = "");
   // What stands at the current path: the file's node, or the override's.
   YAML::Node Effective(const YAML::Node& node);
   // Keys below the current path that overrides lead to.
@@ -163,6 +209,7 @@ class Reader {
   void ExplainField(std::string_view name, std::string_view doc, size_t first_problem);
   bool ReadScalar(const YAML::Node& node, const std::string& expected, std::string& out);
   void ReadRobotFile(const YAML::Node& node, RobotConfig& out);
+  void ReadAttachWord(const YAML::Node& node, AttachTarget& out);
 
   static std::string WithArticle(std::string_view noun);
   static Vec4 NormalizedFromWxyz(const Vec4& wxyz);
@@ -217,13 +264,36 @@ class Reader {
       if (name == "quat") quat = true;
       if (ReadField(name, value, out)) return;
       if (ReadQuatWxyz(name, value, out)) return void(quat_wxyz = true);
-      std::vector<std::string> names = FieldNames<T>();
-      if constexpr (requires { out.quat; }) names.push_back("quat_wxyz");
-      Problems::Scope scope(problems_, name);
-      Fail(key, NoSuchName(WithArticle(T::kTypeName), "field", name, names));
+      FailField(key, name, out);
+      ReadAsMeant(node, name, value, out);
     });
     if (quat && quat_wxyz) Fail(node, "both quat and quat_wxyz are given; keep one of them");
     if constexpr (requires { out.source_dir; }) out.source_dir = directory_;
+    if constexpr (requires { out.locations; }) {
+      if (keep_locations_) out.locations = Locations(sources_, problems_.path());
+    }
+  }
+
+  template <class T>
+  void FailField(const YAML::Node& key, const std::string& name, const T& out) {
+    std::vector<std::string> names = FieldNames<T>();
+    if constexpr (requires { out.quat; }) names.push_back("quat_wxyz");
+    Problems::Scope scope(problems_, name);
+    Fail(key, NoSuchName(WithArticle(T::kTypeName), "field", name, names));
+  }
+
+  // The value of a misspelt field counts as that of the field that was probably meant, so that it
+  // is not reported as missing too, nor what follows from that.
+  template <class T>
+  void ReadAsMeant(const YAML::Node& node, const std::string& name, const YAML::Node& value,
+                   T& out) {
+    const std::vector<std::string> near = NearestNames(name, FieldNames<T>(), 1);
+    if (near.empty() || (node.IsMap() && node[near.front()])) return;
+    const size_t before = problems_.list().size();
+    ReadField(near.front(), value, out);
+    if (problems_.list().size() == before) return;
+    problems_.Truncate(before);
+    unread_.push_back(JoinPath(problems_.path(), near.front()));
   }
 
   template <class T>
@@ -256,9 +326,11 @@ class Reader {
   }
 
   std::string source_, directory_;
-  SourceMap sources_;
-  Problems problems_{&sources_};
+  std::shared_ptr<SourceMap> sources_ = std::make_shared<SourceMap>();
+  Problems problems_{Locations(sources_)};
+  std::vector<std::string> unread_;  // paths of fields that were misspelt and could not be read
   std::vector<Override> overrides_;
+  bool keep_locations_ = true;
   size_t values_ = 0;
   size_t indices_ = 0;
 };

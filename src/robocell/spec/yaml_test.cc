@@ -27,11 +27,9 @@ std::string ObjectError(const std::string& more) {
 
 TEST(Yaml, AMisspelledFieldIsNamedWithItsPlaceAndTheNearestOne) {
   EXPECT_EQ(ParseError<CameraSpec>("name: top\npos: [0, 0, 2]\nfvoy: 45\n"),
-            "f.yaml is not valid, 2 problems:\n"
-            "  f.yaml:3:1: fvoy: a CameraSpec: no field 'fvoy'. Its fields: name, pos, fovy, "
-            "euler, quat, look_at, attach_to, quat_wxyz. Did you mean 'fovy'?\n"
-            "  f.yaml:1:1: fovy: is required: the vertical field of view in degrees, for example "
-            "45");
+            "f.yaml is not valid: f.yaml:3:1: fvoy: a CameraSpec: no field 'fvoy'. Its fields: "
+            "name, pos, fovy, "
+            "euler, quat, look_at, attach_to, quat_wxyz. Did you mean 'fovy'?");
 }
 
 TEST(Yaml, AllProblemsAreReportedAtOnce) {

@@ -1,0 +1,171 @@
+// Problems found while a scene is built name the place in the file that the part came from.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scene/testing/scenes.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+class Located : public ::testing::Test {
+ protected:
+  Located() { folder.Write("arm", kTwoJointArm); }
+
+  // The file of a robot with the two-joint arm; `fields` begin in line 3.
+  std::string RobotFile(const std::string& fields) {
+    return File("arm.yaml", "name: arm\nmodel: arm.xml\n" + fields);
+  }
+  std::string File(const std::string& name, const std::string& text) {
+    const std::string file = (folder.path() / name).string();
+    AtomicWrite(file, text);
+    return file;
+  }
+  static Scene BuildRobot(const std::string& file) {
+    SceneSpec spec = EmptyScene();
+    spec.robots.push_back({.name = "left", .config = RobotConfig::Load(file)});
+    return Scene::Build(spec);
+  }
+
+  ModelFolder folder;
+};
+
+TEST_F(Located, AJointThatDoesNotExist) {
+  const std::string file = RobotFile(
+      "move_groups:\n"
+      "  arm:\n"
+      "    joints: [shoulder, elbw]\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(file); },
+                         file + ":5:24: robot 'left': no joint 'elbw'. Its joints: ");
+}
+
+TEST_F(Located, AllProblemsOfOneFileAreUnderItsName) {
+  const std::string file = RobotFile(
+      "move_groups:\n"
+      "  arm: {joints: [shoulder, elbow], leaf: {site: flang}}\n"
+      "home: {arm: [0, 3]}\n");
+  const std::string message =
+      ExpectThrow<SpecError>([&] { BuildRobot(file); }, file + " has 2 problems:");
+  EXPECT_THAT(message,
+              AllOf(HasSubstr("\n  " + file + ":4:42: robot 'left': move_groups.arm.leaf: "),
+                    HasSubstr("\n  " + file + ":5:13: robot 'left': home.arm: 3 is outside"),
+                    Not(HasSubstr("scene"))));
+}
+
+TEST_F(Located, Edits) {
+  const std::string file = RobotFile(
+      "edits:\n"
+      "  - {body: base, pos: [0, 0, 0]}\n"
+      "  - {site: flang, pos: [0, 0, 0]}\n");
+  ExpectThrow<NotFoundError>([&] { BuildRobot(file); },
+                             file + ":5:5: robot 'left' / edits[1]: the model: no site 'flang'");
+}
+
+TEST_F(Located, AttachmentsAndRootAndCameras) {
+  folder.Write("tool", R"(<worldbody><body name="t"><geom size="0.01"/></body></worldbody>)");
+  const std::string file = RobotFile(
+      "attachments:\n"
+      "  - {mjcf_path: tool.xml, prefix: t_, attach_to: {site: flang}}\n"
+      "cameras:\n"
+      "  - {name: eye, pos: [0, 0, 0], fovy: 45, attach_to: {body: hed}}\n");
+  const std::string message =
+      ExpectThrow<NotFoundError>([&] { BuildRobot(file); }, file + " has 2 problems:");
+  EXPECT_THAT(message, AllOf(HasSubstr(file + ":4:50: robot 'left' / attachment 't_': attach_to: "),
+                             HasSubstr(file + ":6:54: robot 'left' / camera 'eye': attach_to: ")));
+  const std::string root = RobotFile("root_body: bse\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(root); },
+                         root + ":3:12: robot 'left': root_body: no body 'bse'");
+}
+
+TEST_F(Located, AModelFileThatDoesNotExistOrIsWrong) {
+  const std::string file = File("gone.yaml", "name: arm\nmodel: amr.xml\n");
+  ExpectThrow<NotFoundError>([&] { BuildRobot(file); },
+                             file + ":2:8: robot 'left': model file 'amr.xml' not found");
+  folder.Write("bad", "<worldbody><bdy/></worldbody>");
+  const std::string bad = File("bad.yaml", "name: arm\nmodel: bad.xml\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(bad); }, bad + ":2:8: robot 'left': model file '");
+}
+
+TEST_F(Located, AMissingMeshIsToldWithTheModelThatWantsIt) {
+  AtomicWrite(folder.path() / "link1.stl", "");
+  const std::string model = folder.Write("meshes", R"(<asset>
+  <mesh name="link" file="lnik1.stl"/>
+  <mesh name="hand" file="visual/hand.stl"/></asset>
+  <worldbody><body name="b"><geom type="mesh" mesh="link"/></body></worldbody>)");
+  const std::string file = File("meshes.yaml", "name: arm\nmodel: meshes.xml\n");
+  const std::string in = folder.path().string();
+  ExpectThrow<NotFoundError>(
+      [&] { BuildRobot(file); },
+      file + ":2:8: robot 'left': " + model +
+          " refers to the file 'lnik1.stl' (mesh 'link', line " + "2), but there is no " + in +
+          "/lnik1.stl. Did you mean 'link1.stl'? Also missing: " +
+          "visual/hand.stl. Get the model with all its files, or correct `file`, `meshdir` or " +
+          "`texturedir` in it");
+}
+
+TEST_F(Located, AMissingMeshOfAnObjectAndOfABase) {
+  const std::string model = folder.Write("cup", R"(<compiler meshdir="meshes"/>
+  <asset><mesh name="cup" file="cup.obj"/></asset>
+  <worldbody><body name="b"><geom type="mesh" mesh="cup"/></body></worldbody>)");
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back({.name = "red", .mjcf_path = model});
+  ExpectThrow<NotFoundError>([&] { Scene::Build(spec); },
+                             "scene 'test' / object 'red': " + model +
+                                 " refers to the file 'cup.obj' (mesh 'cup', line 2), but there is "
+                                 "no folder " +
+                                 folder.path().string() + "/meshes. Get the model");
+  const SceneSpec based{.name = "test", .base = model};
+  ExpectThrow<NotFoundError>([&] { Scene::Build(based); }, "scene 'test' / base: " + model);
+}
+
+TEST_F(Located, InASceneFileEachPartAtItsEntry) {
+  RobotFile("root_body: base\n");
+  const std::string file = File("scene.yaml",
+                                "timestep: 0.002\n"
+                                "add_floor: true\n"
+                                "add_skybox: true\n"
+                                "robots:\n"
+                                "  - {name: left, config: arm.yaml, attach_to: {site: shelf}}\n"
+                                "objects:\n"
+                                "  - {name: cup, mjcf_path: cpu.xml}\n"
+                                "cameras:\n"
+                                "  - name: front\n"
+                                "    pos: [1, 0, 1]\n"
+                                "    fovy: 45\n"
+                                "    attach_to: {body: tabel}\n");
+  const std::string missing = ExpectThrow<NotFoundError>(
+      [&] { Scene::Build(SceneSpec::Load(file)); }, file + ":7:28: object 'cup': model file");
+  std::string text = ReadFile(file);
+  text.erase(text.find("objects:"), text.find("cameras:") - text.find("objects:"));
+  AtomicWrite(file, text);
+  const std::string message = ExpectThrow<NotFoundError>(
+      [&] { Scene::Build(SceneSpec::Load(file)); }, file + " has 2 problems:");
+  EXPECT_THAT(message, AllOf(HasSubstr(file + ":5:47: robot 'left': attach_to: the scene: no site"),
+                             HasSubstr(file + ":10:16: camera 'front': attach_to: the scene")));
+}
+
+TEST_F(Located, LightsThatStayBehindAreANoteAndNothingElseIs) {
+  folder.Write("lit", R"(<worldbody><light name="lamp"/><geom name="plate" size="0.1"/>
+      <body name="b"><geom size="0.1"/></body></worldbody>)");
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back({.name = "x", .mjcf_path = (folder.path() / "lit.xml").string()});
+  const Scene scene = Scene::Build(spec);
+  ASSERT_EQ(scene.compiled()->notes().size(), 1u);
+  EXPECT_THAT(scene.compiled()->notes()[0],
+              AllOf(StartsWith("object 'x': only body 'b' of "),
+                    HasSubstr("left out of its world: light 'lamp'; the scene has its own")));
+  ASSERT_EQ(scene.compiled()->warnings().size(), 1u);
+  EXPECT_THAT(scene.compiled()->warnings()[0],
+              AllOf(HasSubstr("geom 'plate'"), Not(HasSubstr("lamp"))));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,39 @@
+#include "robocell/spec/locations.h"
+
+namespace robocell {
+
+namespace {
+
+// The location of the path or of the nearest part around it; "" when there is none.
+std::string NearestSource(const SourceMap& sources, std::string path) {
+  while (true) {
+    if (const auto it = sources.find(path); it != sources.end()) return it->second;
+    if (path.empty()) return "";
+    const size_t cut = path.find_last_of(".[");
+    path.resize(cut == std::string::npos ? 0 : cut);
+  }
+}
+
+}  // namespace
+
+std::string JoinPath(std::string_view path, std::string_view below) {
+  const bool dot = !path.empty() && !below.empty() && below.front() != '[';
+  return std::string(path) + (dot ? "." : "") + std::string(below);
+}
+
+std::optional<std::string> Locations::Exactly(std::string_view path) const {
+  if (!sources_) return std::nullopt;
+  const auto it = sources_->find(JoinPath(base_, path));
+  if (it == sources_->end()) return std::nullopt;
+  return it->second;
+}
+
+std::string Locations::At(std::string_view path) const {
+  return sources_ ? NearestSource(*sources_, JoinPath(base_, path)) : "";
+}
+
+Locations Locations::Below(std::string_view path) const {
+  return Locations(sources_, JoinPath(base_, path));
+}
+
+}  // namespace robocell

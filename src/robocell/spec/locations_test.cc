@@ -1,0 +1,78 @@
+#include "robocell/spec/locations.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/files.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/scene_spec.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+constexpr const char* kRobot = R"(name: arm
+model: arm.xml
+move_groups:
+  arm:
+    kind: arm
+    joints: [joint1..joint2, elbow]
+)";
+
+TEST(Locations, AValueHasItsPlaceInTheFile) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "arm.yaml").string();
+  AtomicWrite(file, kRobot);
+  const Locations at = RobotConfig::Load(file).locations;
+  EXPECT_EQ(at.At("model"), file + ":2:8");
+  EXPECT_EQ(at.At("move_groups.arm.joints[0]"), file + ":6:14");
+  EXPECT_EQ(at.At("move_groups.arm.joints[1]"), file + ":6:14");
+  EXPECT_EQ(at.At("move_groups.arm.joints[2]"), file + ":6:30");
+  EXPECT_EQ(at.Below("move_groups").At("arm.kind"), file + ":5:11");
+}
+
+TEST(Locations, WhatIsNotGivenIsPlacedAtThePartAroundIt) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "arm.yaml").string();
+  AtomicWrite(file, kRobot);
+  const Locations at = RobotConfig::Load(file).locations;
+  EXPECT_EQ(at.At("move_groups.arm.leaf"), file + ":5:5");
+  EXPECT_EQ(at.At("root_body"), file + ":1:1");
+  EXPECT_FALSE(at.Exactly("root_body"));
+}
+
+TEST(Locations, ARobotFileNamedByARunFileKeepsItsOwn) {
+  const TempDir folder;
+  AtomicWrite(folder.path() / "arm.yaml", kRobot);
+  const std::string run = (folder.path() / "run.yaml").string();
+  AtomicWrite(run, "run: r\nrobot: arm.yaml\noutput: out\n");
+  const RunConfig config = RunConfig::Load(run);
+  EXPECT_EQ(config.locations.At("output"), run + ":3:9");
+  EXPECT_EQ(config.robot.config.locations.At("model"),
+            (folder.path() / "arm.yaml").string() + ":2:8");
+}
+
+TEST(Locations, ARobotInPlaceIsAPartOfItsFile) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "scene.yaml").string();
+  AtomicWrite(file,
+              "timestep: 0.002\nadd_floor: true\nadd_skybox: true\nrobots:\n"
+              "  - config: {name: arm, model: arm.xml}\n");
+  const SceneSpec scene = SceneSpec::Load(file);
+  EXPECT_EQ(scene.robots[0].config->locations.At("model"), file + ":5:32");
+  EXPECT_EQ(scene.locations.Below("robots[0]").At("config.model"), file + ":5:32");
+}
+
+TEST(Locations, CopiesThroughTextHaveNone) {
+  const RobotConfig copy = FromYamlUnchecked<RobotConfig>(kRobot);
+  EXPECT_EQ(copy.locations.At("model"), "");
+}
+
+TEST(Locations, ASpecFromNoFileHasNone) {
+  const RobotConfig robot;
+  EXPECT_EQ(robot.locations.At("model"), "");
+  EXPECT_EQ(robot.locations.Below("move_groups").At("arm"), "");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,49 @@
+// The reference in docs/robots.md has exactly the fields that the specs declare.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "robocell/base/files.h"
+#include "robocell/spec/robot_config.h"
+
+namespace robocell {
+namespace {
+
+// The first cells of the table below "### <heading>", without their backticks.
+std::vector<std::string> FieldsOnPage(const std::string& heading) {
+  std::istringstream page(ReadFile(std::string(ROBOCELL_SOURCE_DIR) + "/docs/robots.md"));
+  std::vector<std::string> fields;
+  bool inside = false;
+  for (std::string line; std::getline(page, line);) {
+    if (line.starts_with("#")) inside = line == "### " + heading;
+    if (!inside || !line.starts_with("| `")) continue;
+    const size_t end = line.find('`', 3);
+    fields.push_back(line.substr(3, end - 3));
+  }
+  return fields;
+}
+
+template <class T>
+void ExpectAllFieldsOnPage() {
+  EXPECT_EQ(FieldsOnPage(T::kTypeName), FieldNames<T>()) << T::kTypeName;
+}
+
+TEST(RobotsPage, HasEveryFieldInOrderAndNoOther) {
+  ExpectAllFieldsOnPage<RobotConfig>();
+  ExpectAllFieldsOnPage<BaseConfig>();
+  ExpectAllFieldsOnPage<MoveGroupConfig>();
+  ExpectAllFieldsOnPage<GripperCtrl>();
+  ExpectAllFieldsOnPage<GripperDistance>();
+  ExpectAllFieldsOnPage<AttachmentSpec>();
+  ExpectAllFieldsOnPage<CameraSpec>();
+  ExpectAllFieldsOnPage<Edit>();
+}
+
+TEST(RobotsPage, AFieldThatIsMissingWouldBeSeen) {
+  EXPECT_THAT(FieldsOnPage("RobotConfig"), ::testing::Contains("arrival_tolerance"));
+  EXPECT_THAT(FieldsOnPage("NoSuchType"), ::testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,105 @@
+#include "robocell/spec/spec_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/names.h"
+#include "robocell/spec/yaml_hints.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> YamlFilesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename(), ending = entry.path().extension();
+    if (name.front() != '.' && (ending == ".yaml" || ending == ".yml")) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string Listing(const fs::path& folder, const std::vector<std::string>& names) {
+  std::error_code error;
+  const std::string place = fs::absolute(folder, error).lexically_normal().string();
+  if (names.empty()) return fmt::format(" There are no YAML files in {}.", place);
+  return fmt::format(" In {}: {}.", place, ListNames(names, 8));
+}
+
+// How many bytes the UTF-8 character at `i` has; 0 when there is none.
+size_t CharacterLength(std::string_view text, size_t i) {
+  const auto byte = [&](size_t k) -> unsigned {
+    return i + k < text.size() ? static_cast<unsigned char>(text[i + k]) : 0u;
+  };
+  const unsigned first = byte(0);
+  if (first < 0x80) return first == 0 ? 0 : 1;
+  const size_t length = first >= 0xC2 && first < 0xE0   ? 2
+                        : first >= 0xE0 && first < 0xF0 ? 3
+                        : first >= 0xF0 && first < 0xF5 ? 4
+                                                        : 0;
+  for (size_t k = 1; k < length; ++k) {
+    if ((byte(k) & 0xC0) != 0x80) return 0;
+  }
+  const bool overlong = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xF0 && byte(1) < 0x90);
+  const bool beyond = (first == 0xED && byte(1) >= 0xA0) || (first == 0xF4 && byte(1) >= 0x90);
+  return overlong || beyond ? 0 : length;
+}
+
+}  // namespace
+
+std::string MissingSpecFile(const std::string& path, const std::string& type) {
+  std::error_code error;
+  if (fs::exists(path, error) && !fs::is_directory(path, error)) return "";
+  const yaml::FileKind kind = yaml::FileKindOf(type);
+  const std::string tail = fmt::format(" How to write a {}: {}", kind.what, kind.page);
+  if (fs::is_directory(path, error)) {
+    return fmt::format("'{}' is a folder; give a {}.{}{}", path, kind.what,
+                       Listing(path, YamlFilesIn(path)), tail);
+  }
+  const fs::path folder = fs::path(path).parent_path();
+  const fs::path looked = folder.empty() ? fs::path(".") : folder;
+  if (!fs::is_directory(looked, error)) {
+    return fmt::format("no {} '{}': there is no folder '{}' in {}.{}", kind.what, path,
+                       looked.string(), fs::current_path(error).string(), tail);
+  }
+  const std::vector<std::string> names = YamlFilesIn(looked);
+  const std::vector<std::string> near = NearestNames(fs::path(path).filename().string(), names, 1);
+  const std::string hint =
+      near.empty() ? "" : fmt::format(" Did you mean '{}'?", (folder / near[0]).string());
+  return fmt::format("no {} '{}'.{}{}{}", kind.what, path, Listing(looked, names), hint, tail);
+}
+
+std::string ReadSpecFile(const std::string& path, const std::string& type) {
+  if (const std::string missing = MissingSpecFile(path, type); !missing.empty()) {
+    throw IoError(missing);
+  }
+  return ReadFile(path);
+}
+
+void RequireText(std::string_view text, const std::string& source) {
+  size_t line = 1, line_start = 0;
+  for (size_t i = 0; i < text.size();) {
+    const size_t length = CharacterLength(text, i);
+    if (length == 0) {
+      const auto byte = static_cast<unsigned char>(text[i]);
+      throw SpecError(fmt::format(
+          "{}:{}:{}: byte {:#04x} at offset {} {}; a spec file is text in UTF-8. Is it the right "
+          "file? If so, save it as UTF-8",
+          source, line, i - line_start + 1, byte, i,
+          byte == 0 ? "cannot stand in a text" : "is not UTF-8"));
+    }
+    if (text[i] == '\n') ++line, line_start = i + 1;
+    i += length;
+  }
+}
+
+}  // namespace robocell

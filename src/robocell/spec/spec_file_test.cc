@@ -1,0 +1,70 @@
+#include "robocell/spec/spec_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/spec/robot_config.h"
+#include "robocell/spec/testing/messages.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using testing::ParseError;
+
+TEST(SpecFile, AMissingOneIsToldWithWhatIsThere) {
+  const TempDir folder;
+  const std::string in = folder.path().string();
+  AtomicWrite(folder.path() / "xarm7.yaml", "name: a\n");
+  AtomicWrite(folder.path() / "notes.txt", "");
+  ExpectThrow<IoError>([&] { RobotConfig::Load(in + "/xarm.yaml"); },
+                       "no robot file '" + in + "/xarm.yaml'. In " + in +
+                           ": xarm7.yaml. Did you mean '" + in +
+                           "/xarm7.yaml'? How to write a robot file: docs/robots.md");
+  EXPECT_THAT(MissingSpecFile(in + "/none/a.yaml", "RunConfig"),
+              AllOf(HasSubstr("no run file"), HasSubstr("there is no folder '" + in + "/none'"),
+                    HasSubstr("docs/generate.md")));
+  EXPECT_THAT(MissingSpecFile(in, "RunConfig"),
+              HasSubstr("'" + in + "' is a folder; give a run file. In " + in + ": xarm7.yaml."));
+  EXPECT_EQ(MissingSpecFile(in + "/xarm7.yaml", "RobotConfig"), "");
+}
+
+TEST(SpecFile, AFolderWithoutAnySaysSo) {
+  const TempDir folder;
+  EXPECT_THAT(MissingSpecFile((folder.path() / "a.yaml").string(), "RobotConfig"),
+              HasSubstr("There are no YAML files in " + folder.path().string()));
+}
+
+TEST(SpecFile, ZeroBytesAreRefusedWithTheirPlace) {
+  const std::string text = std::string("name: a\nmodel: b") + '\0' + "c\n";
+  EXPECT_EQ(ParseError<RobotConfig>(text),
+            "f.yaml:2:9: byte 0x00 at offset 16 cannot stand in a text; a spec file is text in "
+            "UTF-8. Is it the right file? If so, save it as UTF-8");
+}
+
+TEST(SpecFile, WhatIsNotUtf8IsRefusedWithItsPlace) {
+  EXPECT_THAT(ParseError<RobotConfig>("name: caf\xe9\n"),
+              HasSubstr("f.yaml:1:10: byte 0xe9 at offset 9 is not UTF-8"));
+  const std::vector<std::string> wrong = {
+      "\x80",     "\xc0\xaf",         "\xed\xa0\x80",     "\xf4\x90\x80\x80",
+      "\xff\xfe", "\xe0\x80\x80",     "\xf0\x80\x80\x80", "\xc3",
+      "\xe2\x82", "\xf5\x80\x80\x80", "\xf0\x9f\x98",
+  };
+  for (const std::string& bytes : wrong) {
+    EXPECT_THAT(ParseError<RobotConfig>("a: " + bytes), HasSubstr("at offset 3 is not UTF-8"));
+  }
+}
+
+TEST(SpecFile, TextOfEveryLanguageIsRead) {
+  for (const std::string name : {"caf\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\xa4\x96"}) {
+    EXPECT_EQ(ParseYaml<RobotConfig>("name: " + name + "\nmodel: b\n").name, name);
+  }
+}
+
+}  // namespace
+}  // namespace robocell

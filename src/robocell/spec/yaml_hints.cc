@@ -1,0 +1,118 @@
+#include "robocell/spec/yaml_hints.h"
+
+#include <algorithm>
+#include <sstream>
+
+#include <yaml-cpp/yaml.h>
+
+#include "robocell/base/names.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/scene_spec.h"
+
+namespace robocell::yaml {
+namespace {
+
+constexpr size_t kShown = 60;  // longest piece of a file quoted in a hint
+
+std::string Cut(std::string text) {
+  return text.size() > kShown ? text.substr(0, kShown) + "..." : text;
+}
+
+std::string Joined(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
+  return out;
+}
+
+// The scalars in a list, or those that names have.
+std::vector<std::string> Scalars(const YAML::Node& node) {
+  std::vector<std::string> out;
+  for (const auto& entry : node) {
+    const YAML::Node& value = node.IsMap() ? entry.second : entry;
+    out.push_back(value.IsScalar() ? value.Scalar() : "...");
+  }
+  return out;
+}
+
+std::vector<std::string> Words(std::string text) {
+  std::replace(text.begin(), text.end(), ',', ' ');
+  std::istringstream stream(text);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+const std::vector<FileKind>& FileKinds() {
+  static const std::vector<FileKind> kKinds = {
+      {RobotConfig::kTypeName, "robot file", "Look at the robot with `robocell check FILE`",
+       "docs/robots.md", FieldNames<RobotConfig>()},
+      {RunConfig::kTypeName, "run file", "Make its dataset with `robocell generate FILE`",
+       "docs/generate.md", FieldNames<RunConfig>()},
+      {SceneSpec::kTypeName, "scene file", "Build it with Scene.build(SceneSpec.load(FILE))",
+       "docs/scenes.md", FieldNames<SceneSpec>()},
+  };
+  return kKinds;
+}
+
+std::vector<std::string> Shared(const std::vector<std::string>& keys,
+                                const std::vector<std::string>& fields) {
+  std::vector<std::string> out;
+  for (const std::string& key : keys) {
+    if (std::find(fields.begin(), fields.end(), key) != fields.end()) out.push_back(key);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string Short(const YAML::Node& node) {
+  if (node.IsScalar()) return Cut(node.Scalar());
+  if (node.IsSequence()) return Cut("[" + Joined(Scalars(node)) + "]");
+  return "...";
+}
+
+std::string ListHint(const YAML::Node& node, size_t count) {
+  std::vector<std::string> items;
+  if (node.IsScalar()) items = Words(node.Scalar());
+  if (node.IsMap()) items = Scalars(node);
+  if (items.size() != count || count < 2) return "";
+  return "; write " + Cut("[" + Joined(items) + "]");
+}
+
+std::string DashHint(const YAML::Node& node) {
+  return node.IsMap() ? "; begin each of its entries with a dash: `- `" : "";
+}
+
+std::string NamesHint(const YAML::Node& node) {
+  if (!node.IsSequence()) return "";
+  if (node.size() > 0 && node[0].IsMap()) return "; write `name: {...}` for each, without dashes";
+  return "; write {name: " + Short(node) + "}";
+}
+
+FileKind FileKindOf(const std::string& type) {
+  for (const FileKind& kind : FileKinds()) {
+    if (kind.type == type) return kind;
+  }
+  return {type, type + " file", "", "docs/README.md", {}};
+}
+
+std::string OtherKindOfFile(const YAML::Node& root, const std::string& type,
+                            const std::vector<std::string>& fields, const std::string& source) {
+  std::vector<std::string> keys;
+  for (const auto& entry : root) keys.push_back(entry.first.IsScalar() ? entry.first.Scalar() : "");
+  const size_t own = Shared(keys, fields).size();
+  const FileKind* best = nullptr;
+  size_t most = std::max<size_t>(own, 1);
+  for (const FileKind& kind : FileKinds()) {
+    const size_t count = Shared(keys, kind.fields).size();
+    if (kind.type != type && count > most) best = &kind, most = count;
+  }
+  if (!best) return "";
+  std::string use = best->use;
+  use.replace(use.find("FILE"), 4, source);
+  return "this looks like a " + best->what + ": it has " +
+         ListNames(Shared(keys, best->fields), 5) + ". A " + FileKindOf(type).what +
+         " is wanted here. " + use;
+}
+
+}  // namespace robocell::yaml

@@ -1,0 +1,44 @@
+// What the writer of a YAML file probably meant, when a value has the wrong form or the file is of
+// another kind. Included by yaml*.cc and their tests only.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace YAML {
+class Node;
+}
+
+namespace robocell::yaml {
+
+// The node as it could stand in a line of YAML, shortened: "[0, 0, 0.1]".
+std::string Short(const YAML::Node& node);
+
+// "; write [0, 0, 0.1]" for numbers that are given as one text ("0 0 0.1") or with names ({x: 0, y:
+// 0, z: 0.1}) where a list of `count` is wanted; else "".
+std::string ListHint(const YAML::Node& node, size_t count);
+
+// How to give one entry in a list, for names with values in its place.
+std::string DashHint(const YAML::Node& node);
+
+// How to give names with values, for a list in their place.
+std::string NamesHint(const YAML::Node& node);
+
+// A file of the project's: what it is called, what type it becomes, how it is used.
+struct FileKind {
+  std::string type;  // "RobotConfig"
+  std::string what;  // "robot file"
+  std::string use;   // "Look at it with `robocell check FILE`"
+  std::string page;  // "docs/robots.md"
+  std::vector<std::string> fields;
+};
+
+// The kind of file that becomes a `type`; one called by its type when it is none of the main kinds.
+FileKind FileKindOf(const std::string& type);
+
+// "" unless the document's fields are those of another kind of file rather than of `type`'s; else
+// what kind it is and how to use it.
+std::string OtherKindOfFile(const YAML::Node& root, const std::string& type,
+                            const std::vector<std::string>& fields, const std::string& source);
+
+}  // namespace robocell::yaml
