@@ -13,6 +13,8 @@ import pytest
 import yaml
 
 import robocell
+from robocell.cli.doctor import advice
+from robocell.cli.probes import Finding, State
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 RC7 = Path(robocell.models.robot_file("rc7"))
@@ -40,12 +42,15 @@ def write_run(folder: Path, **changes: object) -> Path:
     return path
 
 
-def robocell_command(*arguments: object, **options: object) -> subprocess.CompletedProcess[str]:
+def robocell_command(
+    *arguments: object, environment: dict[str, object] | None = None, **options: object
+) -> subprocess.CompletedProcess[str]:
     """Runs the command line in a process of its own."""
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "COLUMNS": "200"}
+    given = {name: str(value) for name, value in (environment or {}).items()}
+    own = {"PYTHONPATH": os.pathsep.join(sys.path), "COLUMNS": "200"}
     return subprocess.run(
         [sys.executable, "-m", "robocell", *map(str, arguments)],
-        env=environment,
+        env={**os.environ, **own, **given},
         capture_output=True,
         text=True,
         check=False,
@@ -377,3 +382,25 @@ def test_the_doctor_names_versions_graphics_and_encoder():
     assert result.returncode == 0, result.stdout
     for text in ("mujoco", "graphics: egl", "video", "libx264", "disk"):
         assert text in result.stdout
+    assert "everything that is needed to generate datasets is here" in result.stdout
+
+
+def test_the_doctor_tells_what_to_do_about_what_is_missing(tmp_path: Path):
+    found = {
+        finding.what: finding
+        for finding in (
+            Finding("video", State.BROKEN, "no ffmpeg found", "sudo apt install ffmpeg"),
+            Finding("menagerie", State.MISSING, "nothing in .cache", "mujoco-menagerie prefetch x"),
+            Finding("disk", State.OK, "9 GB free", "make room"),
+        )
+    }
+    assert advice(list(found.values())) == [
+        "",
+        "video must be mended: sudo apt install ffmpeg",
+        "menagerie (for robots named `menagerie:...`; the built-in ones need it not) is optional: "
+        "mujoco-menagerie prefetch x",
+        "until this is mended, datasets cannot be generated",
+    ]
+    result = robocell_command("doctor", environment={"ROBOCELL_FFMPEG": tmp_path / "none"})
+    assert result.returncode == 1
+    assert "video must be mended: sudo apt install ffmpeg" in result.stdout

@@ -7,7 +7,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robocell.cli.common import ExitCode, print_wide
-from robocell.cli.probes import PROBES, Finding, State
+from robocell.cli.probes import PROBES, PURPOSES, Finding, State
 
 STYLES = {State.OK: "green", State.MISSING: "yellow", State.BROKEN: "bold red"}
 
@@ -16,11 +16,30 @@ def doctor() -> None:
     """Look at versions, graphics, encoder, robot models, KDL and disk. Exit code 1 when broken."""
     findings = [finding for probe in PROBES for finding in probe()]
     print_wide(_table(findings))
-    for finding in findings:
-        if finding.state is not State.OK and finding.remedy:
-            print(f"{finding.what}: {finding.remedy}")
+    for line in advice(findings):
+        print(line)
     if any(finding.state is State.BROKEN for finding in findings):
         raise typer.Exit(ExitCode.INCOMPLETE)
+
+
+def advice(findings: list[Finding]) -> list[str]:
+    """What has to be mended, what can be added, each with its command; then the verdict."""
+    broken = [finding for finding in findings if finding.state is State.BROKEN]
+    missing = [finding for finding in findings if finding.state is State.MISSING]
+    lines = [""]
+    for finding in broken:
+        lines.append(f"{finding.what} must be mended: {finding.remedy}")
+    for finding in missing:
+        purpose = PURPOSES.get(finding.what)
+        what = f"{finding.what} ({purpose})" if purpose else finding.what
+        remedy = finding.remedy or "nothing to do"
+        lines.append(f"{what} is optional: {remedy}")
+    lines.append(
+        "until this is mended, datasets cannot be generated"
+        if broken
+        else "everything that is needed to generate datasets is here"
+    )
+    return lines
 
 
 def _table(findings: list[Finding]) -> Table:

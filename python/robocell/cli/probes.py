@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.metadata
+import importlib.util
 import os
 import platform
 import shutil
@@ -17,6 +18,16 @@ from pathlib import Path
 PROBE_TIMEOUT_S = 60
 GL_BACKENDS = ("egl", "osmesa")
 GB = 1 << 30
+PACKAGES = ("numpy", "h5py", "gymnasium", "rich")
+# What each optional part is for.
+PURPOSES = {
+    "graphics: egl": "only one of the two is needed",
+    "graphics: osmesa": "only one of the two is needed",
+    "menagerie": "for robots named `menagerie:...`; the built-in ones need it not",
+    "PyKDL": "for functions that return KDL objects",
+}
+KDL_REMEDY = "sudo apt install python3-pykdl, then scripts/setup"
+DISK_REMEDY = "make room, or write elsewhere with `--output`"
 
 
 class State(StrEnum):
@@ -44,16 +55,28 @@ def versions() -> list[Finding]:
     import robocell
 
     built, loaded = mujoco.__version__, mujoco.mj_versionString()
-    packages = ("numpy", "h5py", "gymnasium", "rich")
-    installed = ", ".join(f"{name} {importlib.metadata.version(name)}" for name in packages)
     return [
         Finding(
             "robocell", State.OK, f"{robocell.__version__} in {Path(robocell.__file__).parent}"
         ),
         Finding("python", State.OK, f"{platform.python_version()} ({sys.executable})"),
         Finding("mujoco", State.OK, loaded if built == loaded else f"{loaded}, package {built}"),
-        Finding("packages", State.OK, installed),
+        packages(),
     ]
+
+
+def packages() -> Finding:
+    """The Python packages that robocell works with."""
+    installed, missing = [], []
+    for name in PACKAGES:
+        try:
+            installed.append(f"{name} {importlib.metadata.version(name)}")
+        except importlib.metadata.PackageNotFoundError:
+            missing.append(name)
+    if not missing:
+        return Finding("packages", State.OK, ", ".join(installed))
+    remedy = f"pip install {' '.join(missing)}"
+    return Finding("packages", State.BROKEN, f"no {', '.join(missing)}", remedy)
 
 
 def graphics() -> list[Finding]:
@@ -61,7 +84,7 @@ def graphics() -> list[Finding]:
     found = [_graphics(backend) for backend in GL_BACKENDS]
     if any(finding.state is State.OK for finding in found):
         return found
-    remedy = "apt install libegl1 libosmesa6"
+    remedy = "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6"
     return [Finding(f.what, State.BROKEN, f.detail, remedy) for f in found]
 
 
@@ -90,7 +113,7 @@ def _graphics(backend: str) -> Finding:
 def video() -> list[Finding]:
     """The ffmpeg program that the writer would use, and its H.264 encoder."""
     program = find_ffmpeg()
-    remedy = "apt install ffmpeg, or set ROBOCELL_FFMPEG to the program"
+    remedy = "sudo apt install ffmpeg, or set ROBOCELL_FFMPEG to the program"
     if program is None:
         return [Finding("video", State.BROKEN, "no ffmpeg found", remedy)]
     try:
@@ -123,7 +146,11 @@ def _ask(program: str, option: str) -> str:
 
 def robots() -> list[Finding]:
     """Where `menagerie:` models would be found."""
-    remedy = "set MENAGERIE_ROOT to a checkout, or: mujoco-menagerie prefetch NAME"
+    fetch = "mujoco-menagerie prefetch ufactory_xarm7"
+    package = importlib.util.find_spec("mujoco_menagerie")
+    remedy = (fetch if package else f"pip install mujoco-menagerie && {fetch}") + (
+        ", or set MENAGERIE_ROOT to a checkout of mujoco_menagerie"
+    )
     root = os.environ.get("MENAGERIE_ROOT")
     if root:
         count = len(list(Path(root).glob("*/*.xml"))) if Path(root).is_dir() else 0
@@ -143,7 +170,7 @@ def kdl() -> list[Finding]:
     try:
         module = importlib.import_module("PyKDL")
     except ImportError as error:
-        return [Finding("PyKDL", State.MISSING, str(error), "apt install python3-pykdl")]
+        return [Finding("PyKDL", State.MISSING, str(error), KDL_REMEDY)]
     return [Finding("PyKDL", State.OK, getattr(module, "__file__", "") or "")]
 
 
@@ -155,7 +182,7 @@ def machine() -> list[Finding]:
     state = State.OK if disk.free > GB else State.BROKEN
     return [
         Finding("machine", State.OK, f"{cores} cores, {memory / GB:.1f} GB memory"),
-        Finding("disk", state, f"{disk.free / GB:.1f} GB free in {Path.cwd()}", "make room"),
+        Finding("disk", state, f"{disk.free / GB:.1f} GB free in {Path.cwd()}", DISK_REMEDY),
     ]
 
 
