@@ -58,12 +58,11 @@ void BindReport(nb::module_& m) {
 // The factory's arguments and what it makes may be kept: the arguments are copies that share scene
 // and task, the expert lives as long as either side uses it.
 std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> MakeExpertFactory(
-    nb::object make_expert) {
-  if (make_expert.is_none()) return {};
-  return [factory = KeepAlive(std::move(make_expert))](const RunConfig& run,
-                                                       const EpisodeStart& start) {
+    const SharedKeeper& factory) {
+  if (!*factory) return {};
+  return [factory](const RunConfig& run, const EpisodeStart& start) {
     const nb::gil_scoped_acquire gil;
-    nb::object made = ObjectOf(factory)(nb::cast(run), nb::cast(start));
+    nb::object made = ObjectOf(*factory)(nb::cast(run), nb::cast(start));
     if (!nb::isinstance<Expert>(made)) {
       throw ArgumentError("Runner: expert() must return an Expert, got " +
                           nb::cast<std::string>(nb::repr(made)));
@@ -71,6 +70,40 @@ std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> Ma
     return Shared<Expert>(std::move(made));
   };
 }
+
+// A runner that the collector can look into. A function defined in a script refers to the script's
+// variables, the runner often among them: without this the circle lives until the process ends, and
+// nanobind reports it as leaked.
+class PythonRunner : public Runner {
+ public:
+  PythonRunner(const RunConfig& run, SharedKeeper expert, SharedKeeper sampler)
+      : Runner(run, {.sampler = MakeSamplerFactory(sampler), .expert = MakeExpertFactory(expert)}),
+        expert_(std::move(expert)),
+        sampler_(std::move(sampler)) {}
+
+  static int Traverse(PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (!nb::inst_ready(self)) return 0;
+    const auto* runner = nb::inst_ptr<PythonRunner>(self);
+    Py_VISIT(TargetOf(*runner->expert_));
+    Py_VISIT(TargetOf(*runner->sampler_));
+    return 0;
+  }
+  static int Clear(PyObject* self) {
+    if (!nb::inst_ready(self)) return 0;
+    const auto* runner = nb::inst_ptr<PythonRunner>(self);
+    runner->expert_->reset();
+    runner->sampler_->reset();
+    return 0;
+  }
+
+ private:
+  SharedKeeper expert_, sampler_;
+};
+
+PyType_Slot runner_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&PythonRunner::Traverse)},
+                              {Py_tp_clear, reinterpret_cast<void*>(&PythonRunner::Clear)},
+                              {0, nullptr}};
 
 }  // namespace
 
@@ -127,13 +160,14 @@ void BindDatagen(nb::module_& m) {
       .def("set", [](StopFlag& flag) { flag.value = true; })
       .def_prop_ro("is_set", [](const StopFlag& flag) { return flag.value.load(); });
   BindReport(m);
-  nb::class_<Runner>(m, "Runner",
-                     "Makes the episodes of a plan in this process, one after the other.")
+  nb::class_<PythonRunner>(m, "Runner",
+                           "Makes the episodes of a plan in this process, one after the other.",
+                           nb::type_slots(runner_slots))
       .def(
           "__init__",
-          [](Runner* self, const RunConfig& run, nb::object expert, nb::object sampler) {
-            new (self) Runner(run, {.sampler = MakeSamplerFactory(std::move(sampler)),
-                                    .expert = MakeExpertFactory(std::move(expert))});
+          [](PythonRunner* self, const RunConfig& run, nb::object expert, nb::object sampler) {
+            new (self)
+                PythonRunner(run, ShareKeeper(std::move(expert)), ShareKeeper(std::move(sampler)));
           },
           "run"_a, "expert"_a = nb::none(), "sampler"_a = nb::none(),
           "`expert`: a function (run, start) -> Expert that replaces the scripted one; `sampler`: "
@@ -141,7 +175,7 @@ void BindDatagen(nb::module_& m) {
           "function (run) -> TaskSampler.")
       .def(
           "run",
-          [](Runner& runner, const PlanItem& item, const StopFlag* flag) {
+          [](PythonRunner& runner, const PlanItem& item, const StopFlag* flag) {
             SignalPoll poll;
             return runner.Run(item, [&] {
               poll();

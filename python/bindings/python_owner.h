@@ -28,6 +28,16 @@ std::shared_ptr<T> Shared(nb::object object) {
   return {KeepAlive(std::move(object)), held};
 }
 
+// A keeper that several share and the collector may empty, to break a circle.
+using SharedKeeper = std::shared_ptr<std::shared_ptr<void>>;
+
+// Holds nothing for None.
+inline SharedKeeper ShareKeeper(nb::object object) {
+  auto keeper = std::make_shared<std::shared_ptr<void>>();
+  if (!object.is_none()) *keeper = KeepAlive(std::move(object));
+  return keeper;
+}
+
 // A reference to a Python callable from C++. The collector does not see it, so a cycle through it
 // may live until the interpreter ends; then it is let go of, and calls do nothing.
 class Callback {

@@ -89,11 +89,11 @@ nb::object Sample(TaskSampler& sampler, const SampleRequest& request, PythonRng&
 
 }  // namespace
 
-SamplerFactory MakeSamplerFactory(nb::object make_sampler) {
-  if (make_sampler.is_none()) return {};
-  return [factory = KeepAlive(std::move(make_sampler))](const RunConfig& run) {
+SamplerFactory MakeSamplerFactory(const SharedKeeper& make_sampler) {
+  if (!*make_sampler) return {};
+  return [factory = make_sampler](const RunConfig& run) {
     const nb::gil_scoped_acquire gil;
-    nb::object made = ObjectOf(factory)(nb::cast(run));
+    nb::object made = ObjectOf(*factory)(nb::cast(run));
     if (!nb::isinstance<TaskSampler>(made)) {
       throw ArgumentError("Runner: sampler() must return a TaskSampler, got " +
                           nb::cast<std::string>(nb::repr(made)));

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "bindings.h"
+#include "python_owner.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/task.h"
 
@@ -12,7 +13,7 @@ namespace robocell::python {
 
 using SamplerFactory = std::function<std::shared_ptr<TaskSampler>(const RunConfig&)>;
 
-// From a Python function (run) -> TaskSampler; empty for None.
-SamplerFactory MakeSamplerFactory(nb::object make_sampler);
+// From a Python function (run) -> TaskSampler; empty without one.
+SamplerFactory MakeSamplerFactory(const SharedKeeper& make_sampler);
 
 }  // namespace robocell::python

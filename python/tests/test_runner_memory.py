@@ -1,0 +1,61 @@
+"""A runner and a function of the same script refer to each other: the collector must see it."""
+
+from __future__ import annotations
+
+import gc
+import subprocess
+import sys
+import weakref
+from pathlib import Path
+
+import robocell as rc
+
+DEMO = Path(__file__).resolve().parents[2] / "examples" / "demo.yaml"
+
+SCRIPT = f"""
+import robocell as rc
+
+run = rc.RunConfig.load({str(DEMO)!r})
+runner = rc.Runner(run, lambda run, start: print(runner))
+"""
+
+
+def test_a_script_that_ends_with_a_runner_says_nothing_of_leaks(tmp_path: Path):
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT)
+    result = subprocess.run(
+        [sys.executable, script],
+        env={"PYTHONPATH": ":".join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    assert result.stderr == ""
+
+
+def test_a_circle_of_a_runner_and_its_expert_function_is_collected():
+    class Maker:
+        def __call__(self, run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+            raise NotImplementedError
+
+    maker = Maker()
+    maker.runner = rc.Runner(rc.RunConfig.load(DEMO), maker)  # type: ignore[attr-defined]
+    gone = weakref.ref(maker)
+    del maker
+    gc.collect()
+    assert gone() is None
+
+
+def test_a_runner_keeps_its_function_alive():
+    def make(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+        raise NotImplementedError
+
+    alive = weakref.ref(make)
+    runner = rc.Runner(rc.RunConfig.load(DEMO), make)
+    del make
+    gc.collect()
+    assert alive() is not None
+    del runner
+    gc.collect()
+    assert alive() is None
