@@ -7,7 +7,7 @@
 #                   faults without a robot   make clean    remove what was built (not .venv)
 #
 # make check is the sum of: check-format check-lint check-types check-rules check-docs check-tidy
-# check-sanitizers; each can be run alone.
+# check-sanitizers check-fuzz; each can be run alone.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -30,7 +30,7 @@ CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
-  check-rules check-docs check-tidy check-sanitizers bench soak clean format docs
+  check-rules check-docs check-tidy check-sanitizers check-fuzz bench soak clean format docs
 
 setup:
 	@scripts/setup
@@ -68,7 +68,7 @@ test-python: build
 	@scripts/fetch_test_robots
 	@$(PYTHON) -m pytest -n $(JOBS) --dist loadfile
 
-check: check-format check-lint check-rules check-docs check-types check-tidy check-sanitizers
+check: check-format check-lint check-rules check-docs check-types check-tidy check-sanitizers check-fuzz
 	@$(call headline,make check: nothing found)
 
 check-format: setup
@@ -105,6 +105,14 @@ check-sanitizers: setup
 	@cmake --build --preset asan -j $(JOBS)
 	@scripts/fetch_test_robots
 	@ctest --preset asan -j $(JOBS) --no-tests=error --progress
+
+# Longer by hand: make check-fuzz FUZZ_SECONDS=3600
+FUZZ_SECONDS ?= 60
+check-fuzz: setup
+	@$(call headline,fuzzing what strangers may have written)
+	@$(call configure,fuzz)
+	@cmake --build --preset fuzz -j $(JOBS)
+	@scripts/fuzz $(FUZZ_SECONDS)
 
 bench: setup
 	@$(call headline,benchmarks)

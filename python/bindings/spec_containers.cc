@@ -187,7 +187,7 @@ void DelItem(SpecMap& self, nb::handle key) {
 
 nb::object Pop(SpecMap& self, nb::handle key, nb::args otherwise) {
   const Py_ssize_t at = Find(self, key);
-  if (at < 0 && otherwise.size() > 0) return otherwise[0];
+  if (at < 0 && !otherwise.empty()) return otherwise[0];
   nb::object out = GetItem(self, key);
   DelItem(self, key);
   return out;

@@ -76,6 +76,11 @@ TEST(HostileYaml, ALargeFileIsRefused) {
               HasSubstr("is larger than 16 MB"));
 }
 
+TEST(HostileYaml, ATextThatIsDocumentsWithoutEndIsRefused) {
+  EXPECT_THAT(ParseError<RobotConfig>(", 0.03], name: a\nmodel: b\n"),
+              HasSubstr("a second document starts here"));
+}
+
 TEST(HostileYaml, ThousandsOfProblemsGiveAShortMessage) {
   std::string text = "name: a\nmodel: b\n";
   for (int i = 0; i < 5000; ++i) text += "zz" + std::to_string(i) + ": 1\n";

@@ -1,7 +1,15 @@
 // Text to tree, and what is refused before the spec is looked at.
 #include <fmt/format.h>
 
+<<<<<<< HEAD
 #include "robocell/spec/spec_file.h"
+=======
+#include <sstream>
+#include <string>
+#include <yaml-cpp/eventhandler.h>
+#include <yaml-cpp/parser.h>
+
+>>>>>>> a253d71 (Fuzz the YAML reader, names and the dataset reader; refuse texts that are documents without end)
 #include "robocell/spec/yaml_reader.h"
 
 namespace robocell::yaml {
@@ -32,6 +40,41 @@ bool TooDeep(std::string_view text) {
   return false;
 }
 
+// Refuses a second document as soon as it starts: some broken texts, such as ", 1", are documents
+// without end to yaml-cpp 0.7.
+class OneDocument : public YAML::EventHandler {
+ public:
+  explicit OneDocument(const std::string& source) : source_(source) {}
+
+  void OnDocumentStart(const YAML::Mark& mark) override {
+    if (documents_++ == 0) return;
+    throw SpecError(fmt::format("{}:{}:{}: a second document starts here; a spec file has one",
+                                source_, mark.line + 1, mark.column + 1));
+  }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+ private:
+  const std::string& source_;
+  int documents_ = 0;
+};
+
+void RequireOneDocument(const std::string& text, const std::string& source) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  OneDocument handler(source);
+  while (parser.HandleNextDocument(handler)) continue;
+}
+
 }  // namespace
 
 YAML::Node ParseText(std::string_view text, const std::string& source) {
@@ -43,13 +86,9 @@ YAML::Node ParseText(std::string_view text, const std::string& source) {
     throw SpecError(fmt::format("{}: is nested more than {} levels deep", source, kMostDepth));
   }
   try {
-    const std::vector<YAML::Node> documents = YAML::LoadAll(std::string(text));
-    if (documents.size() > 1) {
-      const YAML::Mark mark = documents[1].Mark();
-      throw SpecError(fmt::format("{}:{}:{}: a second document starts here; a spec file has one",
-                                  source, mark.line + 1, mark.column + 1));
-    }
-    return documents.empty() ? YAML::Node(YAML::NodeType::Null) : documents.front();
+    const std::string document(text);
+    RequireOneDocument(document, source);
+    return YAML::Load(document);
   } catch (const YAML::ParserException& e) {
     throw SpecError(fmt::format("{}:{}:{}: not valid YAML: {}", source, e.mark.line + 1,
                                 e.mark.column + 1, e.msg));
