@@ -2,8 +2,8 @@
 // episode or an Error.
 //
 // The first byte chooses what is done: edits of one of the files, each a position and a value, or
-// an episode.json of the fuzzer's own without its last field, `run`, and last brace; it is signed, so
-// that it is looked into.
+// an episode.json of the fuzzer's own without its last field, `run`, and last brace; it is signed,
+// so that it is looked into.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
