@@ -1,15 +1,12 @@
 // Text to tree, and what is refused before the spec is looked at.
 #include <fmt/format.h>
 
-<<<<<<< HEAD
-#include "robocell/spec/spec_file.h"
-=======
 #include <sstream>
 #include <string>
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/parser.h>
 
->>>>>>> a253d71 (Fuzz the YAML reader, names and the dataset reader; refuse texts that are documents without end)
+#include "robocell/spec/spec_file.h"
 #include "robocell/spec/yaml_reader.h"
 
 namespace robocell::yaml {
