@@ -35,8 +35,7 @@ bool Touches(const mjModel* m, const mjData* d, const Finger& finger, const Acce
 }  // namespace
 
 ActuatedGripper::ActuatedGripper(const Scene& scene, GroupNames names, MoveGroupConfig config)
-    : JointGroupOf(scene, std::move(names), MoveGroupKind::kGripper),
-      config_(std::move(config)) {
+    : JointGroupOf(scene, std::move(names), MoveGroupKind::kGripper), config_(std::move(config)) {
   if (nu() == 0) {
     throw ArgumentError(core().place() +
                         ": a gripper needs the actuator that moves it, in `actuators`");

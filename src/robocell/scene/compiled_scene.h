@@ -42,8 +42,8 @@ struct ObjectRecord {
   std::optional<std::string> free_joint;  // unless it is fixed
 };
 
-// Shared by its scenes, and by Python without a reference to a Python object: a scene may die on any
-// thread.
+// Shared by its scenes, and by Python without a reference to a Python object: a scene may die on
+// any thread.
 class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
  public:
   ~CompiledScene();
