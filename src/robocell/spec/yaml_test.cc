@@ -240,7 +240,7 @@ TEST(Yaml, TextThatIsNotYamlSaysWhere) {
 
 TEST(Yaml, ASecondDocumentIsRefused) {
   EXPECT_THAT(ParseError<RobotConfig>("name: a\nmodel: b\n---\nnmae: c\n"),
-              HasSubstr("f.yaml:4:1: a second document starts here; a spec file has one"));
+              HasSubstr("f.yaml:3:1: a second document starts here; a spec file has one"));
 }
 
 TEST(Yaml, UnreadableFilesAreIoErrors) {
