@@ -16,6 +16,8 @@
 #include "robocell/datagen/on_disk.h"
 #include "robocell/datagen/plan.h"
 #include "robocell/datagen/prepare.h"
+#include "robocell/datagen/recorded_scene.h"
+#include "robocell/datagen/replay.h"
 #include "robocell/datagen/runner.h"
 
 namespace nb = nanobind;
@@ -53,6 +55,42 @@ void BindReport(nb::module_& m) {
         return fmt::format("<EpisodeReport {}: {}, {} attempts, {} rows>", r.item.id, end,
                            r.attempts, r.rows);
       });
+}
+
+void BindReplay(nb::module_& m) {
+  nb::class_<ReplayDifference>(m, "ReplayDifference", "A value that a replay made otherwise.")
+      .def_ro("row", &ReplayDifference::row, "Of the table steps.")
+      .def_ro("tick", &ReplayDifference::tick, "Of the table control.")
+      .def_ro("time", &ReplayDifference::time, "Recorded, s.")
+      .def_ro("what", &ReplayDifference::what,
+              "For people: joint 'robot_0/joint3' of rc7/arm, object 'target' z.")
+      .def_ro("column", &ReplayDifference::column, "Where it is recorded.")
+      .def_ro("recorded", &ReplayDifference::recorded)
+      .def_ro("replayed", &ReplayDifference::replayed)
+      .def_ro("units", &ReplayDifference::units)
+      .def_ro("others", &ReplayDifference::others, "Further values of the row that differ.");
+  nb::class_<ReplayReport>(m, "ReplayReport", "What a replay of an episode came to.")
+      .def_ro("episode", &ReplayReport::episode)
+      .def_ro("rows", &ReplayReport::rows, "Compared without a difference.")
+      .def_ro("ticks", &ReplayReport::ticks, "The same, of the control table.")
+      .def_ro("first", &ReplayReport::first, "The first difference, or None.")
+      .def_ro("versions", &ReplayReport::versions, "Versions that changed since, or ''.")
+      .def_prop_ro("ok", &ReplayReport::ok)
+      .def("__str__", &ReplayReport::Text)
+      .def("__repr__", [](const ReplayReport& r) { return "<ReplayReport " + r.Text() + ">"; });
+  m.def("recorded_scene", &RecordedScene, "episode"_a,
+        "The SceneSpec that an episode was generated in, with the folders of its model files. "
+        "ArgumentError when the episode does not say.");
+  m.def(
+      "check_replay",
+      [](const Episode& episode, double tolerance) {
+        return CheckReplay(episode, {.tolerance = tolerance});
+      },
+      "episode"_a, "tolerance"_a = ReplayOptions{}.tolerance,
+      nb::call_guard<nb::gil_scoped_release>(),
+      "Simulates a generated episode again from its start and its recorded controls and compares "
+      "joints, objects and clock; stops at the first row or tick in which a value differs by more "
+      "than the tolerance (m, rad, m/s, rad/s, s).");
 }
 
 // The factory's arguments and what it makes may be kept: the arguments are copies that share scene
@@ -160,6 +198,7 @@ void BindDatagen(nb::module_& m) {
       .def("set", [](StopFlag& flag) { flag.value = true; })
       .def_prop_ro("is_set", [](const StopFlag& flag) { return flag.value.load(); });
   BindReport(m);
+  BindReplay(m);
   nb::class_<PythonRunner>(m, "Runner",
                            "Makes the episodes of a plan in this process, one after the other.",
                            nb::type_slots(runner_slots))

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import plain_replay
 import pytest
+from commands import robocell_command
 from generated_run import GeneratedRun, target_kind
 from recorded_scene import ROBOT_PREFIX, RecordedScene
 
@@ -35,6 +36,12 @@ def test_recorded_controls_lift_the_object_again_in_stock_mujoco(
     assert result["rise"] >= xarm7_run.run.task.lift_height
     assert result["touching"], "something holds it"
     assert all(body.startswith(ROBOT_PREFIX) for body in result["touching"]), result["touching"]
+
+
+def test_the_command_finds_no_difference_either(xarm7_run: GeneratedRun):
+    result = robocell_command("replay", "--check", xarm7_run.dataset)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert result.stdout.count(": the same") == len(xarm7_run.episodes())
 
 
 def test_without_the_gripper_the_replay_lifts_nothing(xarm7_run: GeneratedRun, tmp_path: Path):

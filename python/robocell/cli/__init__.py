@@ -13,15 +13,16 @@ from robocell.cli.doctor import doctor
 from robocell.cli.generate import generate
 from robocell.cli.gripper_range import gripper_range
 from robocell.cli.ik_test import ik_test
+from robocell.cli.replay import replay
 from robocell.cli.verify import verify
 
 app = typer.Typer(
-    help="Robot cells in MuJoCo: check robots, generate and verify datasets.",
+    help="Robot cells in MuJoCo: check robots, generate, verify and replay datasets.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (generate, verify, check, gripper_range, ik_test, doctor):
+for command in (generate, verify, replay, check, gripper_range, ik_test, doctor):
     app.command()(command)
 
 

@@ -10,6 +10,7 @@
 
 #include "robocell/datagen/episode_cameras.h"
 #include "robocell/datagen/episode_columns.h"
+#include "robocell/datagen/recorded_scene.h"
 #include "robocell/datagen/sensor_columns.h"
 #include "robocell/env/stepper.h"
 #include "robocell/mujoco/warnings.h"
@@ -168,7 +169,8 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                              .terminated = terminated,
                              .truncated = truncated,
                              .end_reason = result.success ? "success" : result.failure,
-                             .warnings = Warnings(recording.warnings(), result)});
+                             .warnings = Warnings(recording.warnings(), result),
+                             .run_json = ModelFoldersJson(start.scene.spec())});
   result.committed = true;
   return result;
 }

@@ -1,0 +1,80 @@
+"""`robocell replay --check`: equal episodes pass, a changed one is told by its first difference."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import h5py
+import pytest
+
+import robocell
+from test_cli import refused, robocell_command, write_run
+
+IDS = ["s0000_e0000", "s0000_e0001"]
+QPOS = "robots/rc7/arm/qpos"
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two episodes without cameras."""
+    folder = tmp_path_factory.mktemp("replay")
+    result = robocell_command("generate", write_run(folder, cameras={"streams": []}))
+    assert result.returncode == 0, result.stderr
+    return folder / "out"
+
+
+@pytest.fixture
+def changed(dataset: Path, tmp_path: Path) -> Path:
+    """A copy in which joint 2 of the second episode is a microradian off in row 9."""
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    with h5py.File(copy / IDS[1] / "steps.h5", "r+") as steps:
+        steps[QPOS][9, 1] += 1e-6
+    return copy
+
+
+def test_the_recorded_controls_give_the_recorded_episodes(dataset: Path):
+    result = robocell_command("replay", "--check", dataset, "--tolerance", 0)
+    assert result.returncode == 0, result.stdout + result.stderr
+    for name, line in zip(IDS, result.stdout.splitlines(), strict=True):
+        episode = robocell.Dataset(dataset)[name]
+        ticks = episode.rows("control")
+        assert line == f"{name}: {len(episode)} rows, {ticks} control ticks: the same"
+
+
+def test_the_first_difference_is_named_with_row_tick_and_joint(changed: Path):
+    result = robocell_command("replay", "--check", changed)
+    assert result.returncode == 1, result.stdout + result.stderr
+    assert f"{IDS[0]}: " in result.stdout.splitlines()[0]
+    assert f"{IDS[1]}: differs first in row 9 (control tick 297, t = " in result.stdout
+    assert "joint 'robot_0/joint2' of rc7/arm: " in result.stdout
+    assert "1 of 2 episodes differ" in result.stdout
+    assert robocell_command("replay", "--check", changed, "--tolerance", 1e-5).returncode == 0
+    assert robocell_command("replay", "--check", changed, IDS[0]).returncode == 0
+
+
+def test_the_difference_is_a_value_in_python(changed: Path):
+    report = robocell.check_replay(robocell.Dataset(changed)[IDS[1]])
+    assert not report.ok
+    assert (report.first.row, report.first.tick, report.first.column) == (9, 297, QPOS)
+    assert report.first.recorded - report.first.replayed == pytest.approx(1e-6, rel=1e-3)
+    assert report.first.units == "rad"
+    assert report.first.others == 0
+    assert report.rows == 9
+
+
+def test_the_scene_of_an_episode_is_read_with_the_folders_of_its_models(dataset: Path):
+    # The demo's robot names its model relative to its own file.
+    episode = robocell.Dataset(dataset)[IDS[0]]
+    scene = robocell.Scene.build(robocell.recorded_scene(episode))
+    assert [robot.name for robot in scene.robots] == ["rc7"]
+
+
+def test_wrong_commands_are_told(dataset: Path, tmp_path: Path):
+    assert f"say what for: robocell replay --check {dataset}" in refused("replay", dataset)
+    assert "no dataset" in refused("replay", "--check", tmp_path / "none")
+    text = refused("replay", "--check", dataset, "s0000_e0009")
+    assert "s0000_e0009" in text
+    assert IDS[1] in text
+    (tmp_path / "empty").mkdir()
+    assert "has no episodes" in refused("replay", "--check", tmp_path / "empty")
