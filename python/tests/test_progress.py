@@ -134,7 +134,7 @@ def test_the_summary_counts_from_the_disk_and_leaves_out_what_did_not_happen():
         "failures": "dropped 1",
         "time": "sampling 1.0 s (10 %), acting 6.0 s (60 %), rendering 2.0 s (20 %), "
         "writing 1.0 s (10 %)",
-        "dataset": "out/demo",
+        "dataset": str(Path("out/demo").resolve()),
     }
     nothing_to_do = Summary("demo", Path("out"), on_disk=6, totals=Totals(planned=6, already=6))
     assert list(nothing_to_do.rows()) == ["episodes", "dataset"]
