@@ -2,10 +2,12 @@
 #include <nanobind/nanobind.h>
 
 #include <cstring>
+#include <filesystem>
 
 #include "bindings.h"
 #include "python_owner.h"
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/base/log.h"
 #include "robocell/base/version.h"
 
@@ -82,6 +84,14 @@ void BindBase(nb::module_& m) {
       "set_log_level", [](const std::string& level) { SetLogLevel(LogLevelFromName(level)); },
       nb::arg("level"),
       "Show messages of this level and everything more severe: 'debug', 'info', 'warn', 'error'.");
+  m.def(
+      "atomic_write",
+      [](const std::filesystem::path& path, const nb::bytes& content) {
+        AtomicWrite(path, {content.c_str(), content.size()});
+      },
+      nb::arg("path"), nb::arg("content"),
+      "Replaces a file in one step: the old content or the new, never half, and on the disk. "
+      "IoError names path and reason.");
   m.def(
       "log_level", [] { return std::string(LogLevelName(GetLogLevel())); },
       "The level in force: 'debug', 'info', 'warn' or 'error'.");

@@ -69,7 +69,16 @@ def refused(*arguments: object, code: int = 2) -> str:
 
 def test_every_command_is_listed_with_what_it_does():
     text = robocell_command("--help").stdout
-    for command in ("generate", "verify", "replay", "check", "gripper-range", "ik-test", "doctor"):
+    for command in (
+        "generate",
+        "report",
+        "verify",
+        "replay",
+        "check",
+        "gripper-range",
+        "ik-test",
+        "doctor",
+    ):
         assert command in text
     assert "Set them" not in text
     assert robocell_command("generate", "--help").returncode == 0

@@ -132,6 +132,10 @@ def test_a_killed_worker_is_named_with_its_signal_and_its_item_made_again(tmp_pa
     assert retry.endswith("was killed by SIGKILL (out of memory?)")
     assert outcome.totals.retries == 1
     assert not outcome.totals.unmade
+    (death,) = outcome.totals.deaths
+    assert (death.item, death.reason) == ("e1", "was killed by SIGKILL (out of memory?)")
+    assert 0 < death.after_s <= outcome.totals.elapsed_s
+    assert sorted(report.id for report in outcome.reports) == ids(4)
 
 
 def test_an_item_that_always_kills_is_listed_after_three_tries_and_stops_nobody(tmp_path: Path):

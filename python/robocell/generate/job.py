@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import platform
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,6 +18,7 @@ from robocell import (
     parse_shard,
     prepare_dataset,
     require_same_run,
+    run_identity,
     shard_plan,
 )
 from robocell.generate import work
@@ -23,6 +26,17 @@ from robocell.generate.disk import disk_trouble
 from robocell.generate.items import Item
 from robocell.generate.leftovers import sweep
 from robocell.generate.observer import Observer
+from robocell.generate.report import (
+    Command,
+    DamagedReportError,
+    RunReport,
+    host_name,
+    identity_hash,
+    load,
+    report_path,
+    save,
+    utc_now,
+)
 from robocell.generate.resume import is_made, made_items
 from robocell.generate.signals import stop_on_signals
 from robocell.generate.supervisor import Limits, Outcome, Supervisor
@@ -34,6 +48,15 @@ class Result:
 
     outcome: Outcome
     on_disk: int
+
+    @property
+    def end(self) -> str:
+        """In one word."""
+        if self.outcome.fatal:
+            return "failed"
+        if self.outcome.interrupted:
+            return "interrupted"
+        return "complete" if self.on_disk >= self.outcome.totals.planned else "incomplete"
 
 
 class Job:
@@ -91,6 +114,7 @@ class Job:
             if self.shard[1] == 1:
                 sweep(self.dataset)
             made = self.made()
+            started = utc_now()
             by_id = {item.id: item for item in self._chosen}
             supervisor = Supervisor(
                 [item for item in self.items if item.id not in made],
@@ -107,7 +131,44 @@ class Job:
             )
             with stop_on_signals(supervisor.request_stop):
                 outcome = supervisor.run()
-            return Result(outcome, len(self.made()))
+            result = Result(outcome, len(self.made()))
+            try:
+                self._report(result, started)
+            except OSError as error:  # the episodes are there all the same
+                observer.warning(f"the report could not be written: {error}")
+            return result
+
+    def _report(self, result: Result, started: str) -> None:
+        """Adds this command to the dataset's report; one that had nothing to do is not listed."""
+        outcome, path = result.outcome, report_path(self.dataset, self.shard)
+        report = self._former_report(path)
+        idle = outcome.totals.already == outcome.totals.planned
+        if idle and report.commands:
+            return
+        command = Command(
+            started=started,
+            finished=utc_now(),
+            host=host_name(),
+            end=result.end,
+            reason=outcome.fatal.message if outcome.fatal else "",
+            totals=outcome.totals,
+        )
+        report.add(command, outcome.reports, [item.id for item in self.items])
+        save(path, report)
+
+    def _former_report(self, path: Path) -> RunReport:
+        """What earlier commands of the same run reported; an empty report when there is nothing."""
+        manifest = json.loads((self.dataset / "dataset.json").read_bytes())
+        versions = {**manifest["versions"], "python": platform.python_version()}
+        identity = identity_hash(run_identity(self.run))
+        report = RunReport(self.run.run, identity, self.shard, versions)
+        try:
+            former = load(path)
+        except (OSError, DamagedReportError):  # none, or one to be replaced
+            return report
+        if former.identity == identity:
+            report.commands, report.episodes = former.commands, former.episodes
+        return report
 
     def _logs(self) -> Path:
         shard, count = self.shard

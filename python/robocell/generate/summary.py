@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from rich.box import SIMPLE
@@ -23,25 +24,29 @@ class Summary:
         dataset: Folder.
         on_disk: Episodes of the plan that are on the disk, counted there.
         totals: What this command did.
+        more: Further rows.
     """
 
     run: str
     dataset: Path
     on_disk: int
     totals: Totals
+    more: Mapping[str, str] = field(default_factory=dict)
 
     def rows(self) -> dict[str, str]:
         """Label -> text, in order."""
         totals = self.totals
         before = f" ({totals.already} were there before)" if totals.already else ""
         rows = {
-            "episodes": f"{self.on_disk} of {totals.planned}{before}",
+            "episodes": f"{self.on_disk} of {totals.planned}{before}" if totals.planned else "",
             **self._tried(),
             "refusals": counts_text(totals.refusals),
             "failures": counts_text(totals.failures),
+            "workers died": counts_text(Counter(death.reason for death in totals.deaths)),
             "made again": str(totals.retries) if totals.retries else "",
             "given up": ", ".join(unmade.id for unmade in totals.unmade),
             "time": stages_text(totals.seconds),
+            **self.more,
             "dataset": str(self.dataset.absolute()),
         }
         return {label: text for label, text in rows.items() if text}

@@ -27,7 +27,7 @@ from typing import Any
 from robocell.generate.items import Item, Report
 from robocell.generate.observer import Observer
 from robocell.generate.protocol import Failure, FailureKind, ProtocolError
-from robocell.generate.totals import Totals, Unmade
+from robocell.generate.totals import Again, Death, Totals, Unmade
 from robocell.generate.worker_process import WorkerProcess
 
 TICK_S = 0.2
@@ -59,11 +59,19 @@ class Fatal:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended. `interrupted`: by a stop request, with items left."""
+    """How a run ended.
+
+    Attributes:
+        totals: What was done.
+        interrupted: By a stop request, with items left.
+        fatal: Why it could not go on, or None.
+        reports: What became of each item that was decided, in this order.
+    """
 
     totals: Totals
     interrupted: bool
     fatal: Fatal | None
+    reports: Sequence[Report] = ()
 
 
 class Supervisor:
@@ -111,6 +119,7 @@ class Supervisor:
         self._totals = Totals(planned=len(items) + already, already=already, workers=self._count)
         self._workers: dict[int, WorkerProcess] = {}
         self._tries: Counter[str] = Counter()
+        self._reports: list[Report] = []
         self._bad_starts = 0
         self._fatal: Fatal | None = None
         self._stop_reason: str | None = None
@@ -135,7 +144,8 @@ class Supervisor:
         self._totals.ended = time.monotonic()
         self._observer.finished(self._totals)
         interrupted = self._stop_reason is not None and bool(self._pending)
-        return Outcome(self._totals, interrupted and self._fatal is None, self._fatal)
+        interrupted = interrupted and self._fatal is None
+        return Outcome(self._totals, interrupted, self._fatal, self._reports)
 
     def request_stop(self, reason: str = "stop requested") -> None:
         """Ends the run soon: present items are stopped. The second call kills the workers."""
@@ -184,12 +194,20 @@ class Supervisor:
         """A worker has ended; its item is decided or tried again."""
         self._selector.unregister(worker)
         del self._workers[worker.number]
-        end = f"worker {worker.number} (pid {worker.pid}) {worker.bury()}"
+        how = worker.bury()
+        end = f"worker {worker.number} (pid {worker.pid}) {how}"
+        if worker.item is not None or not (worker.ready or self._stopping):
+            self._count_death(worker, how)
         if not worker.ready and not self._stopping:
             self._count_bad_start(worker, end)
         if worker.item is not None:
             self._clean_up(worker.item.id, worker.pid)
             self._drop_item(worker, end)
+
+    def _count_death(self, worker: WorkerProcess, how: str) -> None:
+        item = worker.item.id if worker.item else None
+        after = round(time.monotonic() - self._totals.started, 3)
+        self._totals.deaths.append(Death(worker.number, worker.pid, item, how, after))
 
     def _count_bad_start(self, worker: WorkerProcess, end: str) -> None:
         self._bad_starts += 1
@@ -255,8 +273,12 @@ class Supervisor:
             return
         if not report.success:
             self._give_up(item, report.why_unmade())
-        self._observer.episode(report, self._totals)
+        self._decided(report)
         self._hand_next(worker)
+
+    def _decided(self, report: Report) -> None:
+        self._reports.append(report)
+        self._observer.episode(report, self._totals)
 
     def _take_failure(self, worker: WorkerProcess, failure: Failure) -> None:
         worker.finish()
@@ -280,7 +302,7 @@ class Supervisor:
         if self._is_made(item.id):  # it died between commit and report
             report = Report(item.id, success=True)
             self._totals.add(report)
-            self._observer.episode(report, self._totals)
+            self._decided(report)
         elif self._stopping:
             self._pending.appendleft(item)
         else:
@@ -289,7 +311,7 @@ class Supervisor:
     def _try_again(self, item: Item, worker: WorkerProcess, reason: str) -> None:
         self._tries[item.id] += 1
         if self._tries[item.id] < self._limits.tries:
-            self._totals.retries += 1
+            self._totals.again.append(Again(item.id, reason))
             self._pending.appendleft(item)
             self._observer.retry(item.id, reason, self._totals)
             return

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from robocell.generate.items import Report
@@ -17,6 +18,33 @@ class Unmade:
     id: str
     reason: str
     reproduce: str
+
+
+@dataclass(frozen=True)
+class Again:
+    """An item that was taken up again, and why."""
+
+    id: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Death:
+    """A worker that ended when it should not have.
+
+    Attributes:
+        worker: Its number.
+        pid: Its process.
+        item: What it was making, or None.
+        reason: 'was killed by SIGKILL (out of memory?)'.
+        after_s: Seconds after the start of the run.
+    """
+
+    worker: int
+    pid: int
+    item: str | None
+    reason: str
+    after_s: float
 
 
 @dataclass
@@ -34,7 +62,8 @@ class Totals:
         refusals: Reason -> starts refused.
         failures: Reason -> rollouts failed.
         seconds: Stage -> seconds, summed over the workers.
-        retries: Items taken up again after a worker died or failed.
+        again: Items taken up again after a worker died or failed.
+        deaths: Workers that died.
         unmade: Items given up.
     """
 
@@ -48,7 +77,8 @@ class Totals:
     refusals: Counter[str] = field(default_factory=Counter)
     failures: Counter[str] = field(default_factory=Counter)
     seconds: Counter[str] = field(default_factory=Counter)
-    retries: int = 0
+    again: list[Again] = field(default_factory=list)
+    deaths: list[Death] = field(default_factory=list)
     unmade: list[Unmade] = field(default_factory=list)
     started: float = field(default_factory=time.monotonic)
     ended: float | None = None
@@ -63,6 +93,11 @@ class Totals:
         self.failures.update(report.failures)
         for stage, seconds in report.seconds.items():
             self.seconds[stage] += seconds  # type: ignore[assignment]
+
+    @property
+    def retries(self) -> int:
+        """How often an item was taken up again."""
+        return len(self.again)
 
     @property
     def done(self) -> int:
@@ -109,9 +144,75 @@ class Totals:
             "refusals": dict(self.refusals),
             "failures": dict(self.failures),
             "retries": self.retries,
+            "deaths": len(self.deaths),
             "elapsed_s": round(self.elapsed_s, 3),
             "per_hour": round(self.per_hour, 1),
         }
+
+    def record(self) -> dict[str, Any]:
+        """All of it, for `from_record`."""
+        return {
+            "counts": self.to_json(),
+            "workers": self.workers,
+            "rows": self.rows,
+            "seconds": {stage: round(spent, 3) for stage, spent in self.seconds.items()},
+            "deaths": [asdict(death) for death in self.deaths],
+            "again": [asdict(again) for again in self.again],
+            "unmade": [asdict(unmade) for unmade in self.unmade],
+        }
+
+    @classmethod
+    def from_record(cls, values: Mapping[str, Any]) -> Totals:
+        """What `record` wrote; KeyError, TypeError and ValueError for anything else."""
+        counts = values["counts"]
+        return cls(
+            planned=int(counts["planned"]),
+            already=int(counts["already"]),
+            workers=int(values["workers"]),
+            made=int(counts["made"]),
+            attempts=int(counts["attempts"]),
+            accepted=int(counts["accepted"]),
+            rows=int(values["rows"]),
+            refusals=Counter(counts["refusals"]),
+            failures=Counter(counts["failures"]),
+            seconds=Counter(values["seconds"]),
+            again=[Again(**again) for again in values["again"]],
+            deaths=[Death(**death) for death in values["deaths"]],
+            unmade=[Unmade(**unmade) for unmade in values["unmade"]],
+            started=0.0,
+            ended=float(counts["elapsed_s"]),
+        )
+
+
+def one_after_the_other(runs: Sequence[Totals]) -> Totals:
+    """The sum over commands that went on with the same items; the last knows what is unmade."""
+    whole = _sum(runs)
+    whole.planned, whole.unmade = runs[-1].planned, list(runs[-1].unmade)
+    whole.workers = max(totals.workers for totals in runs)
+    whole.ended = sum(totals.elapsed_s for totals in runs)
+    return whole
+
+
+def side_by_side(shards: Sequence[Totals]) -> Totals:
+    """The sum over shards that ran at the same time."""
+    whole = _sum(shards)
+    whole.ended = max(totals.elapsed_s for totals in shards)
+    return whole
+
+
+def _sum(parts: Sequence[Totals]) -> Totals:
+    """Counts and lists added up; none of them was there `already`."""
+    whole = Totals(planned=0, workers=0, started=0.0)
+    for part in parts:
+        whole.planned += part.planned
+        whole.workers += part.workers
+        for name in ("made", "attempts", "accepted", "rows"):
+            setattr(whole, name, getattr(whole, name) + getattr(part, name))
+        for counter in ("refusals", "failures", "seconds"):
+            getattr(whole, counter).update(getattr(part, counter))
+        for listed in ("again", "deaths", "unmade"):
+            getattr(whole, listed).extend(getattr(part, listed))
+    return whole
 
 
 def counted(number: int, noun: str) -> str:
@@ -132,3 +233,12 @@ def duration(seconds: float | None) -> str:
     if whole >= 3600:
         return f"{whole // 3600} h {whole % 3600 // 60:02d} min"
     return f"{whole // 60} min {whole % 60:02d} s" if whole >= 60 else f"{whole} s"
+
+
+def size(number: float) -> str:
+    """'512 B', '3.4 MB'."""
+    for unit in ("B", "kB", "MB", "GB"):
+        if number < 1000:
+            return f"{number:.0f} B" if unit == "B" else f"{number:.3g} {unit}"
+        number /= 1000
+    return f"{number:.3g} TB"

@@ -18,7 +18,8 @@ inline constexpr std::string_view kEpisodeFile = "episode.json";
 inline constexpr std::string_view kManifestFile = "dataset.json";
 inline constexpr std::string_view kQuarantineFolder = ".quarantine";
 inline constexpr std::string_view kLogsFolder = ".logs";
-inline constexpr std::string_view kLockFile = ".lock";  // of a shard: .lock-3-of-8
+inline constexpr std::string_view kReportFile = "report.json";  // of a shard: report-3-of-8.json
+inline constexpr std::string_view kLockFile = ".lock";          // of a shard: .lock-3-of-8
 
 // The text of episode.json before it is signed has this where the hash goes.
 inline constexpr std::string_view kUnsigned =
@@ -28,6 +29,11 @@ inline constexpr std::string_view kUnsigned =
 std::string SignEpisodeJson(std::string text);
 // Whether the text is exactly what was signed.
 bool EpisodeJsonIsIntact(const std::string& text);
+
+// A run's own account, beside the episodes; no part of them.
+inline bool IsReportFile(std::string_view name) {
+  return name == kReportFile || (name.starts_with("report-") && name.ends_with(".json"));
+}
 
 inline std::string VideoFile(std::string_view camera) { return std::string(camera) + ".mp4"; }
 

@@ -199,7 +199,7 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
   for (const std::string& name : List(dataset)) {
     if (IsTemporaryName(name)) {
       (IsBeingWritten(dataset / name) ? report.being_written : report.leftovers).push_back(name);
-    } else if (name == kManifestFile || name == kQuarantineFolder) {
+    } else if (name == kManifestFile || name == kQuarantineFolder || IsReportFile(name)) {
       continue;
     } else if (IsEpisodeId(name) && fs::is_directory(dataset / name) &&
                LooksLikeEpisode(dataset / name)) {

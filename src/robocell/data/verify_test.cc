@@ -141,6 +141,8 @@ TEST_F(VerifyTest, LeftoversAndForeignFoldersAreToldButAreNoProblem) {
   EpisodeWriter running(folder_.path(), "d", sample.schema);
   fs::create_directory(folder_ / ".e.99999999.1.partial");
   fs::create_directory(folder_ / "logs");
+  Store(folder_ / "report.json", "{}");
+  Store(folder_ / "report-0-of-2.json", "{}");
   const VerifyReport report = Verify(folder_.path());
   EXPECT_TRUE(report.ok());
   EXPECT_THAT(report.leftovers, ElementsAre(".e.99999999.1.partial"));

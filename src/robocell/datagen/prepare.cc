@@ -59,7 +59,7 @@ void CreateFolder(const fs::path& folder) {
 // What is there for the run's own sake, or was left behind by an interrupted write.
 bool IsOfNoAccount(const std::string& name) {
   return IsTemporaryName(name) || name == kManifestFile || name == kLogsFolder ||
-         name == kQuarantineFolder || name.starts_with(kLockFile);
+         name == kQuarantineFolder || name.starts_with(kLockFile) || IsReportFile(name);
 }
 
 // The first name of anything else; "" when there is nothing.

@@ -114,6 +114,7 @@ TEST(PrepareDataset, BeginsAnewWhatHasNoEpisodes) {
   RunConfig run = Demo(folder / "out");
   PrepareDataset(run);
   AtomicWrite(folder / "out/.lock", "");
+  AtomicWrite(folder / "out/report.json", "{}");
   std::filesystem::create_directory(folder / "out/.logs");
   run.seed = 7;
   ExpectThrow<SpecError>([&] { RequireSameRun(run); }, "seed: 0 then, 7 now");

@@ -1,0 +1,150 @@
+"""`robocell report`: what is in a dataset, and what making it took."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.box import SIMPLE
+from rich.table import Table
+
+import robocell
+from robocell.cli.common import ExitCode, fail, print_warning, print_wide, require_folder
+from robocell.generate.items import Report, counts_text
+from robocell.generate.report import DamagedReportError, RunReport, load, report_paths
+from robocell.generate.summary import Summary
+from robocell.generate.totals import Totals, counted, side_by_side, size
+
+
+@dataclass(frozen=True)
+class OnDisk:
+    """One episode as its files say."""
+
+    id: str
+    success: bool
+    end_reason: str
+    rows: int
+    frames: int
+    bytes: int
+
+    @classmethod
+    def of(cls, episode: robocell.Episode) -> OnDisk:
+        """Counts an episode."""
+        described = episode.json
+        files = sum(facts["bytes"] for facts in described["files"].values())
+        return cls(
+            id=episode.id,
+            success=episode.success,
+            end_reason=episode.end_reason,
+            rows=episode.rows(),
+            frames=sum(camera["frames"] for camera in described["cameras"].values()),
+            bytes=files + (episode.folder / "episode.json").stat().st_size,
+        )
+
+
+def report(
+    dataset: Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of the dataset.")],
+    episodes: Annotated[
+        bool, typer.Option("--episodes", help="Also a table of all episodes.")
+    ] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object instead.")] = False,
+) -> None:
+    """Count a dataset's episodes on the disk and tell how they were made.
+
+    Exit codes: 0, 2 wrong command, 3 a file cannot be read.
+    """
+    require_folder(dataset, "dataset")
+    found = [OnDisk.of(episode) for episode in robocell.Dataset(dataset)]
+    reports = _load_all(dataset)
+    if not found and not reports:
+        fail(f"'{dataset}' holds no episodes and no report")
+    if as_json:
+        print(json.dumps(_json(found, reports), indent=1))
+        return
+    print_wide(_summary(dataset, found, reports).table())
+    if episodes:
+        print_wide(_episode_table(found, reports))
+
+
+def _load_all(dataset: Path) -> list[RunReport]:
+    try:
+        return [load(path) for path in report_paths(dataset)]
+    except DamagedReportError as error:
+        fail(f"{error}\nThe next `robocell generate` writes a new one", ExitCode.OUTPUT)
+
+
+def _totals(reports: Sequence[RunReport]) -> Totals | None:
+    """Of all commands that left a report; None without any."""
+    return side_by_side([report.totals for report in reports]) if reports else None
+
+
+def _summary(dataset: Path, found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Summary:
+    good = sum(episode.success for episode in found)
+    totals = _totals(reports)
+    if totals is None:
+        print_warning("no report.json: what made these episodes is not over yet, or was killed")
+        totals = Totals(planned=0)  # nobody knows
+    more = {
+        "commands": ", ".join(command.end for report in reports for command in report.commands),
+        "on the disk": _contents(found),
+        "ended": counts_text(_reasons(found)),
+        "versions": ", ".join(f"{part} {number}" for part, number in _versions(reports).items()),
+    }
+    unrecorded = good - totals.made
+    if reports and unrecorded > 0:
+        more["not reported"] = (
+            f"{counted(unrecorded, 'episode')}, made by commands that were killed"
+        )
+    name = reports[0].run if reports else dataset.name
+    return Summary(name, dataset, good, totals, more)
+
+
+def _contents(found: Sequence[OnDisk]) -> str:
+    rows, frames = sum(e.rows for e in found), sum(e.frames for e in found)
+    stored = sum(e.bytes for e in found)
+    text = f"{counted(len(found), 'episode')}, {counted(rows, 'row')}, {counted(frames, 'frame')}"
+    return f"{text}, {size(stored)}"
+
+
+def _reasons(found: Sequence[OnDisk]) -> dict[str, int]:
+    """End reason -> episodes, of those kept without success."""
+    reasons = [episode.end_reason for episode in found if not episode.success]
+    return {reason: reasons.count(reason) for reason in dict.fromkeys(reasons)}
+
+
+def _versions(reports: Sequence[RunReport]) -> dict[str, str]:
+    return {part: number for report in reports for part, number in report.versions.items()}
+
+
+def _episode_table(found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Table:
+    table = Table(box=SIMPLE)
+    for title in ("episode", "end", "rows", "frames", "size", "attempts", "seconds"):
+        table.add_column(title, justify="left" if title in ("episode", "end") else "right")
+    told: dict[str, Report] = {}
+    for report in reports:
+        told |= report.episodes
+    for episode in found:
+        known = told.get(episode.id)
+        table.add_row(
+            episode.id,
+            "success" if episode.success else episode.end_reason,
+            str(episode.rows),
+            str(episode.frames),
+            size(episode.bytes),
+            str(known.attempts) if known else "-",
+            f"{sum(known.seconds.values()):.2f}" if known else "-",
+        )
+    return table
+
+
+def _json(found: Sequence[OnDisk], reports: Sequence[RunReport]) -> dict[str, Any]:
+    totals = _totals(reports)
+    return {
+        "on_disk": [asdict(episode) for episode in found],
+        "totals": totals.record() if totals else None,
+        "reports": [report.to_json() for report in reports],
+    }

@@ -1,0 +1,161 @@
+"""`report.json`: what the commands that made a dataset did, for people and machines.
+
+It stands beside the episodes and nothing of theirs depends on it: how many episodes there are is
+counted on the disk. A shard has a report of its own, `report-3-of-8.json`.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import socket
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from robocell import _core
+from robocell.generate.items import Report
+from robocell.generate.totals import Totals, one_after_the_other
+
+FORMAT = "robocell-report"
+FORMAT_VERSION = 1
+
+
+class DamagedReportError(Exception):
+    """A file has a report's name and is none."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """One `robocell generate`.
+
+    Attributes:
+        started, finished: UTC, ISO 8601.
+        host: The machine.
+        end: 'complete', 'incomplete', 'interrupted' or 'failed'.
+        reason: Why it failed, or ''.
+        totals: What it did.
+    """
+
+    started: str
+    finished: str
+    host: str
+    end: str
+    reason: str
+    totals: Totals
+
+    def to_json(self) -> dict[str, Any]:
+        """As a JSON object."""
+        return {**vars(self), "totals": self.totals.record()}
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Command:
+        """From a JSON object."""
+        return cls(**{**values, "totals": Totals.from_record(values["totals"])})
+
+
+@dataclass
+class RunReport:
+    """The account of a run, or of a shard of it.
+
+    Attributes:
+        run: Its name.
+        identity: SHA-256 of what identifies the run (`robocell.run_identity`).
+        shard: (i, N) of 'i/N'.
+        versions: Of the parts that make the episodes.
+        commands: The oldest first. One that was killed is missing.
+        episodes: What is known of the items that were decided, by their ids, in the plan's order.
+    """
+
+    run: str
+    identity: str
+    shard: tuple[int, int]
+    versions: Mapping[str, str]
+    commands: list[Command] = field(default_factory=list)
+    episodes: dict[str, Report] = field(default_factory=dict)
+
+    @property
+    def totals(self) -> Totals:
+        """Of all its commands."""
+        return one_after_the_other([command.totals for command in self.commands])
+
+    def add(self, command: Command, reports: Sequence[Report], order: Sequence[str]) -> None:
+        """Appends what a command did; `order` are the ids of the plan."""
+        self.commands.append(command)
+        known = {**self.episodes, **{report.id: report for report in reports}}
+        self.episodes = {name: known[name] for name in order if name in known}
+
+    def to_json(self) -> dict[str, Any]:
+        """As a JSON object."""
+        return {
+            "format": FORMAT,
+            "format_version": FORMAT_VERSION,
+            "run": self.run,
+            "identity": self.identity,
+            "shard": list(self.shard),
+            "versions": dict(self.versions),
+            "commands": [command.to_json() for command in self.commands],
+            "episodes": [report.to_json() for report in self.episodes.values()],
+        }
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> RunReport:
+        """From a JSON object; DamagedReportError for anything else."""
+        try:
+            if values["format"] != FORMAT or values["format_version"] != FORMAT_VERSION:
+                raise DamagedReportError(f"it is no {FORMAT} of version {FORMAT_VERSION}")
+            shard, count = values["shard"]
+            reports = [Report.from_json(report) for report in values["episodes"]]
+            return cls(
+                run=str(values["run"]),
+                identity=str(values["identity"]),
+                shard=(int(shard), int(count)),
+                versions=dict(values["versions"]),
+                commands=[Command.from_json(command) for command in values["commands"]],
+                episodes={report.id: report for report in reports},
+            )
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
+            raise DamagedReportError(f"{type(error).__name__}: {error}") from error
+
+
+def report_path(dataset: Path, shard: tuple[int, int] = (0, 1)) -> Path:
+    """Where the report of a shard stands."""
+    index, count = shard
+    return dataset / ("report.json" if count == 1 else f"report-{index}-of-{count}.json")
+
+
+def report_paths(dataset: Path) -> list[Path]:
+    """The reports that a dataset has, the whole run's first."""
+    whole = report_path(dataset)
+    return [path for path in (whole, *sorted(dataset.glob("report-*-of-*.json"))) if path.is_file()]
+
+
+def load(path: Path) -> RunReport:
+    """Reads a report. OSError when there is none; DamagedReportError with its path."""
+    try:
+        return RunReport.from_json(json.loads(path.read_bytes()))
+    except (ValueError, DamagedReportError) as error:
+        raise DamagedReportError(f"'{path}' is damaged: {error}") from error
+
+
+def save(path: Path, report: RunReport) -> None:
+    """Replaces a report in one step; OSError when the disk fails."""
+    text = json.dumps(report.to_json(), indent=1)
+    _core.atomic_write(path, f"{text}\n".encode())
+
+
+def identity_hash(identity: str) -> str:
+    """SHA-256 of what identifies a run."""
+    return hashlib.sha256(identity.encode()).hexdigest()
+
+
+def utc_now() -> str:
+    """'2026-01-31T12:00:00+00:00'."""
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def host_name() -> str:
+    """This machine."""
+    return socket.gethostname()

@@ -1,0 +1,212 @@
+"""The report of a run: a file beside the episodes, and the table that is made from the disk."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import robocell
+from robocell.generate import report as reports
+from robocell.generate.items import Report
+from robocell.generate.report import Command, DamagedReportError, RunReport
+from robocell.generate.totals import Again, Death, Totals, Unmade, side_by_side, size
+from test_cli import refused, robocell_command, write_run
+
+IDS = ["s0000_e0000", "s0000_e0001"]
+
+
+def made(name: str) -> Report:
+    return Report(
+        name,
+        success=True,
+        attempts=3,
+        accepted=2,
+        refusals={"too far": 1},
+        failures={"dropped": 1},
+        rows=70,
+        seconds={"acting": 0.5},
+    )
+
+
+def command(*names: str, planned: int, seconds: float) -> Command:
+    totals = Totals(planned=planned, workers=2, started=0.0)
+    for name in names:
+        totals.add(made(name))
+    totals.ended = seconds
+    totals.deaths.append(Death(1, 77, names[0], "was killed by SIGKILL (out of memory?)", 1.5))
+    totals.again.append(Again(names[0], "worker 1 (pid 77) was killed by SIGKILL"))
+    totals.unmade.append(Unmade("z", "dropped 20", "robocell generate r.yaml --shard 3/20"))
+    return Command("2026-01-01T00:00:00+00:00", "2026-01-01T00:00:09+00:00", "here", "", "", totals)
+
+
+def a_report(*commands: tuple[str, ...]) -> RunReport:
+    report = RunReport("demo", "hash", (0, 1), {"mujoco": "4.0.0"})
+    for names in commands:
+        told = [made(name) for name in names]
+        report.add(command(*names, planned=5, seconds=10.0), told, ["a", "b", "c", "d", "z"])
+    return report
+
+
+def test_a_report_is_read_as_it_was_written(tmp_path: Path):
+    written = a_report(("b",), ("c", "a"))
+    reports.save(tmp_path / "report.json", written)
+    read = reports.load(tmp_path / "report.json")
+    assert read.to_json() == written.to_json()
+    assert list(read.episodes) == ["a", "b", "c"], "in the plan's order"
+    assert read.commands[0].totals.deaths == written.commands[0].totals.deaths
+    assert [path.name for path in tmp_path.iterdir()] == ["report.json"]
+
+
+def test_the_counts_of_commands_add_up():
+    totals = a_report(("b",), ("c", "a")).totals
+    assert (totals.planned, totals.made, totals.attempts, totals.rows) == (5, 3, 9, 210)
+    assert (totals.elapsed_s, totals.workers, totals.retries, len(totals.deaths)) == (20.0, 2, 2, 2)
+    assert totals.refusals == {"too far": 3}
+    assert [unmade.id for unmade in totals.unmade] == ["z"], "the last command knows"
+    both = side_by_side([totals, totals])
+    assert (both.planned, both.made, both.elapsed_s, both.workers) == (10, 6, 20.0, 4)
+
+
+@pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"format": "robocell-report"}', "\0"])
+def test_what_is_no_report_is_named_with_its_path(tmp_path: Path, text: str):
+    path = tmp_path / "report.json"
+    path.write_text(text)
+    with pytest.raises(DamagedReportError, match=r"report\.json' is damaged: "):
+        reports.load(path)
+
+
+def test_every_cut_of_a_report_is_found(tmp_path: Path):
+    path = tmp_path / "report.json"
+    reports.save(path, a_report(("a",)))
+    whole = path.read_bytes().rstrip()
+    for length in range(0, len(whole), max(1, len(whole) // 100)):
+        path.write_bytes(whole[:length])
+        with pytest.raises(DamagedReportError):
+            reports.load(path)
+
+
+def test_sizes_read_like_words():
+    assert [size(n) for n in (0, 999, 1234, 5_600_000, 7e12)] == [
+        *("0 B", "999 B", "1.23 kB", "5.6 MB", "7 TB")
+    ]
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One episode by a first command, another by a second."""
+    folder = tmp_path_factory.mktemp("report")
+    run = write_run(folder)
+    for options in (("--episodes", 1), ()):
+        result = robocell_command("generate", run, "--progress", "jsonl", *options)
+        assert result.returncode == 0, result.stderr
+    return folder / "out"
+
+
+def as_json(*arguments: object) -> dict[str, Any]:
+    result = robocell_command("report", "--json", *arguments)
+    assert result.returncode == 0, result.stderr
+    content: dict[str, Any] = json.loads(result.stdout)
+    return content
+
+
+def test_a_run_leaves_its_report_and_going_on_adds_to_it(dataset: Path):
+    report = reports.load(dataset / "report.json")
+    assert report.run == "tiny"
+    assert [command.end for command in report.commands] == ["complete", "complete"]
+    first, second = (command.totals for command in report.commands)
+    assert (first.planned, first.made, second.already, second.made) == (1, 1, 1, 1)
+    assert list(report.episodes) == IDS
+    assert all(entry.success and entry.attempts > 0 for entry in report.episodes.values())
+    assert report.versions["mujoco"] == "4.0.0"
+    assert {"robocell", "python"} <= report.versions.keys()
+    for name, entry in report.episodes.items():
+        assert entry.rows == len(robocell.Dataset(dataset)[name])
+
+
+def test_a_command_with_nothing_to_do_is_not_listed(dataset: Path):
+    before = (dataset / "report.json").read_bytes()
+    run = dataset.parent / "run.yaml"
+    assert robocell_command("generate", run).returncode == 0
+    assert (dataset / "report.json").read_bytes() == before
+
+
+def test_a_dataset_with_a_report_is_as_intact_as_one_without(dataset: Path):
+    verified = robocell.verify(dataset)
+    assert (verified.ok, verified.good, verified.others) == (True, IDS, [".lock", ".logs"])
+
+
+def test_the_table_is_counted_on_the_disk(dataset: Path, tmp_path: Path):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    text = robocell_command("report", copy, "--episodes").stdout
+    rows = sum(len(episode) for episode in robocell.Dataset(copy))
+    assert "2 of 2" in text
+    assert f"2 episodes, {rows} rows, {rows} frames, " in text
+    assert "complete, complete" in text
+    assert "mujoco 4.0.0" in text
+    assert text.count("success  ") >= 2, "a line for each episode"
+    content = as_json(copy)
+    stored = sum(file.stat().st_size for file in copy.glob("s*/*"))
+    assert sum(episode["bytes"] for episode in content["on_disk"]) == stored
+    shutil.rmtree(copy / IDS[1])
+    assert "1 of 2" in robocell_command("report", copy).stdout
+
+
+def test_without_a_report_the_disk_still_counts(dataset: Path, tmp_path: Path):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    (copy / "report.json").unlink()
+    result = robocell_command("report", copy)
+    assert result.returncode == 0
+    assert "no report.json" in result.stderr
+    assert "2 episodes, " in result.stdout
+    assert " of 2" not in result.stdout, "nobody knows how many were planned"
+
+
+def test_what_cannot_be_reported_is_told(dataset: Path, tmp_path: Path):
+    (tmp_path / "empty").mkdir()
+    assert "holds no episodes and no report" in refused("report", tmp_path / "empty")
+    assert "no dataset" in refused("report", tmp_path / "none")
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    (copy / "report.json").write_text("{")
+    assert "report.json' is damaged: " in refused("report", copy, code=3)
+
+
+def test_a_damaged_report_does_not_stop_a_run(dataset: Path, tmp_path: Path):
+    copy = shutil.copytree(dataset, tmp_path / "out")
+    (copy / "report.json").write_text("{")
+    shutil.rmtree(copy / IDS[1])
+    result = robocell_command("generate", write_run(tmp_path))
+    assert result.returncode == 0, result.stderr
+    assert list(reports.load(copy / "report.json").episodes) == [IDS[1]]
+    text = robocell_command("report", copy).stdout
+    assert "1 episode, made by commands that were killed" in text
+
+
+def test_shards_have_reports_of_their_own_and_one_table(tmp_path: Path):
+    run = write_run(tmp_path, cameras={"streams": []})
+    for shard in ("0/2", "1/2"):
+        assert robocell_command("generate", run, "--shard", shard).returncode == 0
+    out = tmp_path / "out"
+    names = sorted(path.name for path in out.glob("report*"))
+    assert names == ["report-0-of-2.json", "report-1-of-2.json"]
+    content = as_json(out)
+    assert [list(r["shard"]) for r in content["reports"]] == [[0, 2], [1, 2]]
+    assert content["totals"]["counts"]["planned"] == 2
+    assert content["totals"]["counts"]["made"] == 2
+    assert "2 of 2" in robocell_command("report", out).stdout
+
+
+def test_a_run_that_fails_says_so_in_its_report(tmp_path: Path):
+    run = write_run(tmp_path, cameras={"streams": []})
+    result = robocell_command("generate", run, "--set", "task.lift_height=5", "--episodes", 1)
+    assert result.returncode == 1, result.stderr
+    (told,) = reports.load(tmp_path / "out" / "report.json").commands
+    assert told.end == "incomplete"
+    (unmade,) = told.totals.unmade
+    assert unmade.id == IDS[0]
+    assert unmade.reason.startswith("no success in ")
+    assert unmade.reproduce.startswith("robocell generate ")
+    assert "given up" in robocell_command("report", tmp_path / "out").stdout
