@@ -18,6 +18,8 @@ void BindAssets(nb::module_& m) {
   m.def("builtin_robot_file", &assets::BuiltinRobotFile, nb::arg("name"),
         "The YAML file of a built-in robot.");
   m.def("menagerie_model_path", &menagerie::ModelPath, nb::arg("name"));
+  m.def("menagerie_robot_folder", &menagerie::RobotFolder, nb::arg("robot"));
+  m.def("menagerie_robot_folders", &menagerie::RobotFolders);
 }
 
 }  // namespace robocell::python

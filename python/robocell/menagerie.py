@@ -6,9 +6,24 @@ Looked for below the folder named by ``MENAGERIE_ROOT``, then in the cache of th
 
 from __future__ import annotations
 
-from robocell._core import NotFoundError, menagerie_model_path
+from robocell._core import (
+    NotFoundError,
+    menagerie_model_path,
+    menagerie_robot_folder,
+    menagerie_robot_folders,
+)
 
-__all__ = ["model_path"]
+__all__ = ["folder", "folders", "model_path"]
+
+
+def folder(robot: str) -> str:
+    """Folder of a robot that is on this machine. NotFoundError says where it was looked for."""
+    return menagerie_robot_folder(robot)
+
+
+def folders() -> dict[str, str]:
+    """Robot -> folder, of all robots that are on this machine."""
+    return menagerie_robot_folders()
 
 
 def model_path(name: str) -> str:

@@ -36,41 +36,28 @@ def adopt_shared_root() -> None:
         os.environ["MENAGERIE_ROOT"] = str(SHARED_ROOT)
 
 
-def cache_models() -> Path:
-    """The folder in which the package mujoco-menagerie keeps what it has fetched."""
-    cache = os.environ.get("MENAGERIE_CACHE_DIR")
-    if cache:
-        return Path(cache) / "models"
-    user = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(user) / "mujoco_menagerie" / "models"
-
-
 def find_model(name: str) -> Path | None:
     """The folder of a model, or None."""
-    root = os.environ.get("MENAGERIE_ROOT")
-    if root:
-        folder = Path(root) / name
-        return folder if folder.is_dir() else None
-    done = cache_models().glob(f"{name}-*/.complete")
-    found = sorted(p.parent for p in done if p.parent.name.rpartition("-")[0] == name)
-    return found[-1] if found else None
+    from robocell import (
+        NotFoundError,
+        menagerie,
+    )  # not at import: what fetches has no extension yet
+
+    try:
+        return Path(menagerie.folder(name))
+    except NotFoundError:
+        return None
 
 
 def missing_text(names: tuple[str, ...]) -> str:
-    """Empty when every model is there; else what is missing, where it was looked for, a remedy."""
+    """Empty when every model is there; else what is missing and a remedy."""
     missing = [name for name in names if find_model(name) is None]
     if not missing:
         return ""
-    root = os.environ.get("MENAGERIE_ROOT")
-    looked = (
-        f"MENAGERIE_ROOT={root} lacks them"
-        if root
-        else f"MENAGERIE_ROOT is not set, {SHARED_ROOT} is not there, "
-        f"and {cache_models()} lacks them"
-    )
+    root = os.environ.get("MENAGERIE_ROOT") or "not set"
     return (
-        f"Menagerie models missing: {', '.join(missing)}. Looked: {looked}. "
-        f"Fetch them: mujoco-menagerie prefetch {' '.join(missing)}"
+        f"Menagerie models missing: {', '.join(missing)}. Looked: MENAGERIE_ROOT ({root}), "
+        f"the cache of mujoco-menagerie. Fetch them: mujoco-menagerie prefetch {' '.join(missing)}"
     )
 
 

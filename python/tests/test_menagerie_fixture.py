@@ -38,8 +38,8 @@ def test_a_missing_model_names_itself_the_place_and_the_command(tmp_path, monkey
     with pytest.raises(rule.MissingModelError) as error:
         rule.Menagerie().path("arm")
     assert str(error.value) == (
-        f"Menagerie models missing: arm. Looked: MENAGERIE_ROOT={tmp_path} lacks them. "
-        "Fetch them: mujoco-menagerie prefetch arm"
+        f"Menagerie models missing: arm. Looked: MENAGERIE_ROOT ({tmp_path}), "
+        "the cache of mujoco-menagerie. Fetch them: mujoco-menagerie prefetch arm"
     )
 
 
@@ -47,6 +47,7 @@ def test_a_missing_model_names_itself_the_place_and_the_command(tmp_path, monkey
 def test_a_skip_is_a_failure_in_ci_only(pytester, monkeypatch, ci, outcome):
     monkeypatch.setenv("CI", ci)
     monkeypatch.setenv("MENAGERIE_ROOT", str(pytester.path))
+    monkeypatch.setenv("MENAGERIE_CACHE_DIR", str(pytester.path))
     pytester.makeconftest(
         (rule.REPOSITORY / "conftest.py")
         .read_text()

@@ -18,6 +18,7 @@ from pathlib import Path
 PROBE_TIMEOUT_S = 60
 GL_BACKENDS = ("egl", "osmesa")
 GB = 1 << 30
+ROBOTS_LISTED = 12  # more are counted
 PACKAGES = ("numpy", "h5py", "gymnasium", "rich")
 # What each optional part is for.
 PURPOSES = {
@@ -151,18 +152,18 @@ def robots() -> list[Finding]:
     remedy = (fetch if package else f"pip install mujoco-menagerie && {fetch}") + (
         ", or set MENAGERIE_ROOT to a checkout of mujoco_menagerie"
     )
+    try:
+        from robocell import menagerie
+    except ImportError as error:
+        return [Finding("menagerie", State.MISSING, str(error), remedy)]
+    found = menagerie.folders()
     root = os.environ.get("MENAGERIE_ROOT")
-    if root:
-        count = len(list(Path(root).glob("*/*.xml"))) if Path(root).is_dir() else 0
-        state = State.OK if count else State.MISSING
-        return [Finding("menagerie", state, f"{root} (MENAGERIE_ROOT): {count} models", remedy)]
-    cache = os.environ.get("MENAGERIE_CACHE_DIR")
-    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "mujoco_menagerie"
-    models = (Path(cache) if cache else user) / "models"
-    names = sorted({path.parent.name.rpartition("-")[0] for path in models.glob("*/.complete")})
-    if names:
-        return [Finding("menagerie", State.OK, f"{', '.join(names)} in {models}")]
-    return [Finding("menagerie", State.MISSING, f"nothing in {models}", remedy)]
+    looked = [f"MENAGERIE_ROOT={root}" if root else "MENAGERIE_ROOT (not set)", "the cache"]
+    if not found:
+        return [Finding("menagerie", State.MISSING, f"no robot in {' or '.join(looked)}", remedy)]
+    places = sorted({str(Path(folder).parent) for folder in found.values()})
+    names = ", ".join(found) if len(found) <= ROBOTS_LISTED else f"{len(found)} robots"
+    return [Finding("menagerie", State.OK, f"{names} in {', '.join(places)}")]
 
 
 def kdl() -> list[Finding]:

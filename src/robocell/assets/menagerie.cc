@@ -43,21 +43,6 @@ fs::path CachedFolder(const std::string& robot) {
   return newest;
 }
 
-fs::path RobotFolder(const std::string& robot) {
-  std::vector<std::string> looked;
-  if (const std::string root = Environment("MENAGERIE_ROOT"); !root.empty()) {
-    std::error_code error;
-    if (fs::is_directory(fs::path(root) / robot, error)) return fs::path(root) / robot;
-    looked.push_back((fs::path(root) / robot).string() + " (MENAGERIE_ROOT)");
-  } else {
-    looked.push_back("MENAGERIE_ROOT (not set)");
-  }
-  if (const fs::path cached = CachedFolder(robot); !cached.empty()) return cached;
-  looked.push_back((CacheModels() / (robot + "-*")).string());
-  assets::ThrowNotFound("menagerie robot '" + robot + "'", looked,
-                        "Fetch it with: mujoco-menagerie prefetch " + robot);
-}
-
 // The robot models in a folder: neither scenes nor the variants for MJX.
 std::vector<std::string> ModelStems(const fs::path& folder) {
   std::vector<std::string> stems;
@@ -98,7 +83,44 @@ std::string MainFile(const std::string& robot, const fs::path& folder) {
                   robot, stems[0], ListNames(stems)));
 }
 
+// The name of a cached version without its digits; empty when it is none.
+std::string RobotOfVersion(const std::string& folder) {
+  const std::string robot = folder.substr(0, folder.rfind('-'));
+  return IsVersionOf(folder, robot) ? robot : "";
+}
+
 }  // namespace
+
+std::string RobotFolder(const std::string& robot) {
+  std::vector<std::string> looked;
+  if (const std::string root = Environment("MENAGERIE_ROOT"); !root.empty()) {
+    std::error_code error;
+    if (fs::is_directory(fs::path(root) / robot, error)) return (fs::path(root) / robot).string();
+    looked.push_back((fs::path(root) / robot).string() + " (MENAGERIE_ROOT)");
+  } else {
+    looked.push_back("MENAGERIE_ROOT (not set)");
+  }
+  if (const fs::path cached = CachedFolder(robot); !cached.empty()) return cached.string();
+  looked.push_back((CacheModels() / (robot + "-*")).string());
+  assets::ThrowNotFound("menagerie robot '" + robot + "'", looked,
+                        "Fetch it with: mujoco-menagerie prefetch " + robot);
+}
+
+std::map<std::string, std::string> RobotFolders() {
+  std::map<std::string, std::string> robots;
+  for (const std::string& folder : assets::ListFolder(CacheModels())) {
+    const std::string robot = RobotOfVersion(folder);
+    const fs::path newest = robot.empty() ? fs::path() : CachedFolder(robot);
+    if (!newest.empty()) robots[robot] = newest.string();
+  }
+  const std::string root = Environment("MENAGERIE_ROOT");
+  if (root.empty()) return robots;
+  for (const std::string& robot : assets::ListFolder(root)) {
+    const fs::path folder = fs::path(root) / robot;
+    if (!ModelStems(folder).empty()) robots[robot] = folder.string();
+  }
+  return robots;
+}
 
 std::string ModelPath(const std::string& name) {
   const size_t slash = name.find('/');

@@ -13,6 +13,7 @@
 // Nothing is downloaded here. All functions read the file system and may be called from any thread.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -45,5 +46,10 @@ namespace robocell::menagerie {
 // NotFoundError with the command that fetches it; ArgumentError when a robot has several models and
 // none is named like it (the message lists them).
 std::string ModelPath(const std::string& name);
+
+// A robot's folder, found by the same rule.
+std::string RobotFolder(const std::string& robot);
+// Every robot that this rule finds here, with its folder.
+std::map<std::string, std::string> RobotFolders();
 
 }  // namespace robocell::menagerie

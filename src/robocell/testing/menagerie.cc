@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <mutex>
 #include <optional>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 
 namespace robocell {
@@ -35,40 +35,13 @@ void AdoptSharedRoot() {
   });
 }
 
-// The package's own rule, see mujoco_menagerie/_cache.py.
-fs::path CacheModels() {
-  if (std::string dir = Environment("MENAGERIE_CACHE_DIR"); !dir.empty()) {
-    return fs::path(dir) / "models";
-  }
-  std::string cache = Environment("XDG_CACHE_HOME");
-  if (cache.empty()) cache = Environment("HOME") + "/.cache";
-  return fs::path(cache) / "mujoco_menagerie" / "models";
-}
-
-// A cached model is <name>-<16 hex digits of its content>, complete once it holds `.complete`.
-std::optional<fs::path> FindInCache(std::string_view model) {
-  std::vector<fs::path> found;
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(CacheModels(), ignored)) {
-    const std::string folder = entry.path().filename();
-    const size_t dash = folder.rfind('-');
-    if (dash != std::string::npos && folder.substr(0, dash) == model &&
-        fs::exists(entry.path() / ".complete")) {
-      found.push_back(entry.path());
-    }
-  }
-  if (found.empty()) return std::nullopt;
-  return *std::max_element(found.begin(), found.end());
-}
-
 std::optional<fs::path> FindModel(std::string_view model) {
   AdoptSharedRoot();
-  if (const std::string root = Environment("MENAGERIE_ROOT"); !root.empty()) {
-    const fs::path folder = fs::path(root) / model;
-    if (fs::is_directory(folder)) return folder;
+  try {
+    return menagerie::RobotFolder(std::string(model));
+  } catch (const NotFoundError&) {
     return std::nullopt;
   }
-  return FindInCache(model);
 }
 
 }  // namespace
@@ -93,14 +66,14 @@ std::string MissingMenagerie(const std::vector<std::string>& models) {
     if (!FindModel(model)) missing.push_back(model);
   }
   if (missing.empty()) return "";
-  const std::string root = Environment("MENAGERIE_ROOT");
-  const std::string looked =
-      root.empty() ? fmt::format("MENAGERIE_ROOT is not set, {} is not there, and {} lacks them",
-                                 SharedRoot().string(), CacheModels().string())
-                   : fmt::format("MENAGERIE_ROOT={} lacks them", root);
-  return fmt::format(
-      "Menagerie models missing: {}. Looked: {}. Fetch them: mujoco-menagerie prefetch {}",
-      fmt::join(missing, ", "), looked, fmt::join(missing, " "));
+  std::string places;
+  try {
+    menagerie::RobotFolder(missing.front());
+  } catch (const NotFoundError& error) {
+    places = error.what();
+  }
+  return fmt::format("Menagerie models missing: {}. Fetch them: mujoco-menagerie prefetch {}\n{}",
+                     fmt::join(missing, ", "), fmt::join(missing, " "), places);
 }
 
 }  // namespace robocell
