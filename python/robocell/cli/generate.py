@@ -14,11 +14,16 @@ import typer
 
 from robocell import RunConfig
 from robocell.cli.common import ExitCode, fail, print_warning, print_wide, require_spec_file
+from robocell.generate.disk import free_bytes
+from robocell.generate.estimate import ProbeError, estimate
 from robocell.generate.job import Job, Result
 from robocell.generate.progress import make_progress
 from robocell.generate.resume import DamagedEpisodesError
 from robocell.generate.summary import Summary
 from robocell.generate.supervisor import Limits
+from robocell.generate.totals import size
+
+EXIT_CODES = {"spec": ExitCode.USAGE, "io": ExitCode.OUTPUT, "other": ExitCode.INCOMPLETE}
 
 
 class ProgressChoice(StrEnum):
@@ -51,7 +56,9 @@ def generate(
     item_timeout: Annotated[
         float, typer.Option(min=1, help="Seconds for one episode; then it is made again.")
     ] = Limits.item_timeout_s,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what there is to do.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what there is to do, and what it takes.")
+    ] = False,
     no_report: Annotated[bool, typer.Option("--no-report", help="No table at the end.")] = False,
 ) -> None:
     """Make the episodes of a run. The same command again goes on where it ended.
@@ -65,7 +72,7 @@ def generate(
     try:
         if dry_run:
             job.check()
-            _say_plan(job)
+            _say_plan(job, as_json=progress is ProgressChoice.JSONL)
             return
         result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
     except DamagedEpisodesError as error:
@@ -88,21 +95,38 @@ def overrides(named: dict[str, Path | int | None]) -> list[str]:
     ]
 
 
-def _say_plan(job: Job) -> None:
-    made = len(job.made())
-    print(f"run:      {job.run.run}")
-    print(f"dataset:  {job.dataset.absolute()}")
-    print(f"episodes: {len(job.items)}, {made} of them made, {len(job.items) - made} to do")
-    print(f"workers:  {job.run.workers}")
+def _say_plan(job: Job, *, as_json: bool) -> None:
+    """What there is to do, and what it will take: a few episodes are made aside to know."""
+    made = job.made()
+    to_do = [item.index for item in job.items if item.id not in made]
+    if not as_json:
+        print(f"run:      {job.run.run}")
+        print(f"dataset:  {job.dataset.absolute()}")
+        print(f"episodes: {len(job.items)}, {len(made)} of them made, {len(to_do)} to do")
+        print(f"workers:  {job.run.workers}", flush=True)
+    if not to_do:
+        return
+    try:
+        found = estimate(job.run_file, job.overrides, to_do, job.run.workers)
+    except ProbeError as error:
+        fail(f"no episode can be made: {error}", EXIT_CODES[error.failure.kind])
+    if as_json:
+        print(json.dumps({"event": "estimate", **found.to_json()}))
+        return
+    print(f"what is to do takes about, after {found.tried} without and {found.seen} with cameras:")
+    for label, text in found.rows_of_text().items():
+        print(f"  {label + ':':<10}{text}")
+    free = free_bytes(job.dataset)
+    if found.bytes > free:
+        print_warning(f"{size(free)} are free on the disk of '{job.dataset.absolute()}'")
 
 
 def _end(result: Result) -> None:
     """The last words and the exit code."""
     outcome, planned = result.outcome, result.outcome.totals.planned
     if outcome.fatal:
-        codes = {"spec": ExitCode.USAGE, "io": ExitCode.OUTPUT, "other": ExitCode.INCOMPLETE}
         kept = f"\n{result.on_disk} episodes are on the disk." if result.on_disk else ""
-        fail(outcome.fatal.message + kept, codes[outcome.fatal.kind])
+        fail(outcome.fatal.message + kept, EXIT_CODES[outcome.fatal.kind])
     if outcome.interrupted:
         again = resume_command(sys.argv[1:])
         print_warning(

@@ -6,7 +6,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 from rich.box import SIMPLE
@@ -34,7 +34,7 @@ class OnDisk:
     @classmethod
     def of(cls, episode: robocell.Episode) -> OnDisk:
         """Counts an episode."""
-        described = episode.json
+        described = cast(dict[str, Any], episode.json)
         files = sum(facts["bytes"] for facts in described["files"].values())
         return cls(
             id=episode.id,

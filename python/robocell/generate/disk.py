@@ -12,6 +12,12 @@ FREE_BYTES_NEEDED = 16 << 20
 PROBE_BYTES = 64 << 10
 
 
+def free_bytes(folder: Path) -> int:
+    """What the disk has room for, of a folder that need not exist yet."""
+    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
+    return shutil.disk_usage(there).free
+
+
 def disk_trouble(folder: Path) -> str | None:
     """Why nothing can be written into the folder, or None. Tries it with a small file."""
     probe = folder / f".probe.{os.getpid()}"

@@ -1,0 +1,149 @@
+"""What a run will take (episodes, frames, bytes, time, memory), from a few episodes made aside."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from robocell.generate.probe import Probe, Sample
+from robocell.generate.protocol import Failure
+from robocell.generate.totals import counted, duration, size
+
+LONGEST_S = 300.0
+
+
+class ProbeError(Exception):
+    """The probe could not make its episodes."""
+
+    def __init__(self, failure: Failure) -> None:
+        super().__init__(failure.message)
+        self.failure = failure
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What the items that are to do will take.
+
+    Attributes:
+        items: Of the plan, to do.
+        episodes: That will be kept.
+        successes: Of the items.
+        rows, frames: Of the episodes.
+        bytes: On the disk.
+        seconds: On this machine, with `workers` processes.
+        workers: As configured.
+        memory_bytes: Of all workers with their encoders, at most.
+        tried, seen: Items that were made without and with cameras to know this.
+    """
+
+    items: int
+    episodes: int
+    successes: int
+    rows: int
+    frames: int
+    bytes: int
+    seconds: float
+    workers: int
+    memory_bytes: int
+    tried: int
+    seen: int
+
+    def to_json(self) -> dict[str, Any]:
+        """As a JSON object."""
+        return asdict(self)
+
+    def rows_of_text(self) -> dict[str, str]:
+        """Label -> text, in order."""
+        share = f" ({self.successes} of {counted(self.items, 'item')} succeed)"
+        return {
+            "episodes": f"{self.episodes}{share if self.successes < self.items else ''}",
+            "frames": f"{self.frames} ({counted(self.rows, 'row')})",
+            "size": size(self.bytes),
+            "time": f"{duration(self.seconds)} on {counted(self.workers, 'worker')}",
+            "memory": size(self.memory_bytes),
+        }
+
+
+def estimate(
+    run_file: Path, overrides: Sequence[str], indices: Sequence[int], workers: int
+) -> Estimate:
+    """Makes a few of the plan's items (by index) in a temporary folder and scales up.
+
+    ProbeError when they cannot be made.
+    """
+    with tempfile.TemporaryDirectory(prefix="robocell-probe-") as folder:
+        return scaled(_probe(run_file, overrides, indices, folder), len(indices), workers)
+
+
+def scaled(probe: Probe, items: int, workers: int, cores: int | None = None) -> Estimate:
+    """From the items that were tried to all.
+
+    Rows and bytes of the time series are those of the blind items; what cameras add to an item
+    (bytes of the files, seconds) is the difference between both kinds of the same items, in
+    proportion to their rows.
+    """
+    blind, seeing = probe.blind, probe.seeing
+    same = blind[: len(seeing)]
+    factor = items / len(blind)
+    rows = _sum(blind, "rows") * factor
+    kept = _sum(blind, "kept") * factor
+    seen_rows = max(1, _sum(seeing, "rows"))
+    video_bytes = _sum(seeing, "video_bytes") / seen_rows * rows
+    more_bytes = _sum(seeing, "bytes") - _sum(seeing, "video_bytes") - _sum(same, "bytes")
+    more_per_episode = more_bytes / max(1, _sum(seeing, "kept"))
+    more_seconds = max(0.0, _sum(seeing, "seconds") - _sum(same, "seconds"))
+    per_rollout = more_seconds / max(1, _sum(seeing, "rollouts"))
+    work = _sum(blind, "seconds") * factor + per_rollout * _sum(blind, "rollouts") * factor
+    at_once = max(1, min(workers, items, cores or os.cpu_count() or 1))
+    streams = _sum(seeing, "frames") / seen_rows
+    return Estimate(
+        items=items,
+        episodes=round(kept),
+        successes=round(_sum(blind, "success") * factor),
+        rows=round(rows),
+        frames=round(streams * rows),
+        bytes=round(_sum(blind, "bytes") * factor + more_per_episode * kept + video_bytes),
+        seconds=probe.start_s + work / at_once,
+        workers=workers,
+        memory_bytes=round(
+            min(workers, items) * (probe.worker_bytes + streams * probe.child_bytes)
+        ),
+        tried=len(blind),
+        seen=len(seeing),
+    )
+
+
+def _sum(samples: Sequence[Sample], name: str) -> float:
+    return sum(getattr(sample, name) for sample in samples)
+
+
+def _probe(run_file: Path, overrides: Sequence[str], indices: Sequence[int], folder: str) -> Probe:
+    sets = [f"--set={override}" for override in overrides]
+    command = [sys.executable, "-m", "robocell.generate.probe", *sets, "--", str(run_file), folder]
+    try:
+        done = subprocess.run(
+            command,
+            input=json.dumps(list(indices)),
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=LONGEST_S,
+        )
+    except subprocess.TimeoutExpired:
+        message = f"{LONGEST_S:g} s were not enough for the first episodes"
+        raise ProbeError(Failure("other", message)) from None
+    try:
+        content = json.loads(done.stdout.splitlines()[-1])
+    except (ValueError, IndexError):
+        said = done.stderr.strip() or f"it ended with exit code {done.returncode}"
+        raise ProbeError(Failure("other", said)) from None
+    if "failed" in content:
+        raise ProbeError(Failure.from_json(content["failed"]))
+    return Probe.from_json(content)

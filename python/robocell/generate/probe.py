@@ -1,0 +1,167 @@
+"""`python -m robocell.generate.probe`: makes a few episodes of a run into a temporary folder.
+
+Started by `robocell.generate.estimate`, not by people; a process of its own, so that its memory is
+that of a worker. Prints one JSON object: a `Probe`, or {"failed": {...}}.
+
+Without cameras an episode costs little and has the same rows, so many are made blind, and few as
+they are. Both kinds of the same episodes show what cameras add.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import resource
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from robocell import Dataset, PlanItem, RunConfig, Runner, make_plan
+from robocell.generate.protocol import Failure
+
+MOST_BLIND, BLIND_S = 24, 8.0
+MOST_SEEING, SEEING_S = 2, 10.0
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What one item of the plan came to.
+
+    Attributes:
+        success: A successful episode was made.
+        kept: Episodes on the disk.
+        rollouts: Starts that were acted on.
+        rows: Of the episodes on the disk.
+        frames: The same.
+        bytes: Of all their files.
+        video_bytes: Of their videos.
+        seconds: It took.
+    """
+
+    success: bool
+    kept: int
+    rollouts: int
+    rows: int
+    frames: int
+    bytes: int
+    video_bytes: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Probe:
+    """What was measured.
+
+    Attributes:
+        blind: Items without cameras.
+        seeing: The first of them with cameras.
+        start_s: Until the first item could be begun.
+        worker_bytes: Most memory of this process.
+        child_bytes: Most memory of an encoder.
+    """
+
+    blind: Sequence[Sample]
+    seeing: Sequence[Sample]
+    start_s: float
+    worker_bytes: int
+    child_bytes: int
+
+    @classmethod
+    def from_json(cls, values: Mapping[str, Any]) -> Probe:
+        """From a JSON object."""
+        samples = {kind: [Sample(**sample) for sample in values[kind]] for kind in KINDS}
+        return cls(**{**values, **samples})
+
+
+KINDS = ("blind", "seeing")
+
+
+def spread(count: int, most: int) -> list[int]:
+    """At most `most` indices of `count` items, evenly over all of them."""
+    taken = min(count, most)
+    return [index * count // taken for index in range(taken)]
+
+
+def measure(run_file: str, overrides: Sequence[str], indices: Sequence[int], folder: Path) -> Probe:
+    """Makes items of the plan: blind ones first, then some of the same with their cameras."""
+    began = time.monotonic()
+    blind_run = _load(run_file, [*overrides, "cameras.streams=[]"], folder / "blind")
+    plan = make_plan(blind_run)
+    items = [plan[indices[place]] for place in spread(len(indices), MOST_BLIND)]
+    start_s = time.monotonic() - began
+    blind = _make(blind_run, items, BLIND_S)
+    seeing_run = _load(run_file, overrides, folder / "seeing")
+    seeing = _make(seeing_run, items[: min(MOST_SEEING, len(blind))], SEEING_S)
+    return Probe(
+        blind,
+        seeing,
+        start_s,
+        _most_bytes(resource.RUSAGE_SELF),
+        _most_bytes(resource.RUSAGE_CHILDREN),
+    )
+
+
+def _load(run_file: str, overrides: Sequence[str], folder: Path) -> RunConfig:
+    folder.mkdir()
+    return RunConfig.load(run_file, [*overrides, f"output={json.dumps(str(folder))}"])
+
+
+def _make(run: RunConfig, items: Sequence[PlanItem], budget_s: float) -> list[Sample]:
+    """As many of the items as the time allows, at least one."""
+    runner, folder = Runner(run), Path(run.output)
+    samples: list[Sample] = []
+    began = time.monotonic()
+    for item in items:
+        if samples and time.monotonic() - began > budget_s:
+            break
+        samples.append(_make_one(runner, item, folder))
+    return samples
+
+
+def _make_one(runner: Runner, item: PlanItem, folder: Path) -> Sample:
+    began = time.monotonic()
+    report = runner.run(item)
+    seconds = time.monotonic() - began
+    dataset = Dataset(folder)
+    ids = [name for name in dataset.ids if name == item.id or name.startswith(f"{item.id}_a")]
+    files = [file for name in ids for file in (dataset.folder / name).iterdir()]
+    videos = [file for file in files if file.name not in ("steps.h5", "episode.json")]
+    described: list[Any] = [dataset[name].json for name in ids]
+    return Sample(
+        success=report.success,
+        kept=report.kept,
+        rollouts=report.accepted,
+        rows=sum(len(dataset[name]) for name in ids),
+        frames=sum(camera["frames"] for each in described for camera in each["cameras"].values()),
+        bytes=sum(file.stat().st_size for file in files),
+        video_bytes=sum(file.stat().st_size for file in videos),
+        seconds=seconds,
+    )
+
+
+def _most_bytes(who: int) -> int:
+    return resource.getrusage(who).ru_maxrss * 1024  # Linux counts kilobytes
+
+
+def main() -> int:
+    """The process."""
+    parser = argparse.ArgumentParser(prog="robocell.generate.probe", description=__doc__)
+    parser.add_argument("--set", action="append", default=[])
+    parser.add_argument("run_file")
+    parser.add_argument("folder", type=Path)
+    arguments = parser.parse_args()
+    indices = json.load(sys.stdin)
+    try:
+        probe = measure(arguments.run_file, arguments.set, indices, arguments.folder)
+    except Exception as error:
+        print(json.dumps({"failed": Failure.of(error).to_json()}))
+        return 1
+    print(json.dumps(asdict(probe)))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,93 @@
+"""What a few episodes say about many."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import robocell
+from robocell.generate.estimate import Estimate, scaled
+from robocell.generate.probe import Probe, Sample, spread
+from test_cli import refused, robocell_command, write_run
+
+
+def sample(rows: int, *, frames: int = 0, extra: int = 0, seconds: float = 1.0, **other: int):
+    """An item with one episode: 1000 bytes a row, 500 a frame, and 1 MB for itself."""
+    video = 500 * frames
+    given = {"success": True, "kept": 1, "rollouts": 1, **other}
+    stored = 1_000_000 + 1000 * rows + video + extra
+    return Sample(
+        rows=rows, frames=frames, bytes=stored, video_bytes=video, seconds=seconds, **given
+    )
+
+
+def probe(blind: list[Sample], seeing: list[Sample]) -> Probe:
+    return Probe(blind, seeing, start_s=2.0, worker_bytes=100, child_bytes=10)
+
+
+def test_samples_are_spread_over_the_plan():
+    assert spread(3, 24) == [0, 1, 2]
+    assert spread(100, 4) == [0, 25, 50, 75]
+    assert spread(7, 5) == [0, 1, 2, 4, 5]
+    assert len(set(spread(25, 24))) == 24
+
+
+def test_what_cameras_add_is_scaled_by_rows_and_by_episodes():
+    blind = [sample(40), sample(60), sample(80), sample(60)]
+    seeing = [sample(40, frames=80, extra=3000, seconds=5.0)]
+    found = scaled(probe(blind, seeing), items=400, workers=3, cores=2)
+    assert found == Estimate(
+        items=400,
+        episodes=400,
+        successes=400,
+        rows=24_000,
+        frames=48_000,
+        bytes=400 * (1_000_000 + 3000) + 24_000 * 1000 + 48_000 * 500,
+        seconds=2.0 + 400 * (1.0 + 4.0) / 2,  # two cores, whatever the workers
+        workers=3,
+        memory_bytes=3 * (100 + 2 * 10),
+        tried=4,
+        seen=1,
+    )
+
+
+def test_items_that_fail_take_time_and_leave_nothing():
+    failed = Sample(
+        success=False, kept=0, rollouts=1, rows=0, frames=0, bytes=0, video_bytes=0, seconds=1.0
+    )
+    blind = [sample(60), failed]
+    found = scaled(probe(blind, [sample(60, frames=60)]), items=10, workers=1)
+    assert (found.episodes, found.successes, found.frames) == (5, 5, 300)
+    assert found.rows_of_text()["episodes"] == "5 (5 of 10 items succeed)"
+    nothing = scaled(probe([failed], [failed]), items=10, workers=1)
+    assert (nothing.episodes, nothing.frames, nothing.bytes) == (0, 0, 0)
+
+
+def test_an_estimate_is_near_what_two_episodes_take(tmp_path: Path):
+    run = write_run(tmp_path)
+    result = robocell_command("generate", run, "--dry-run", "--progress", "jsonl")
+    assert result.returncode == 0, result.stderr
+    expected = json.loads(result.stdout)
+    assert expected["event"] == "estimate"
+    assert not (tmp_path / "out").exists()
+    assert robocell_command("generate", run).returncode == 0
+    dataset = robocell.Dataset(tmp_path / "out")
+    assert expected["rows"] == expected["frames"] == sum(len(episode) for episode in dataset)
+    stored = sum(file.stat().st_size for file in (tmp_path / "out").glob("s*/*"))
+    assert expected["bytes"] == pytest.approx(stored, rel=0.02)
+    again = robocell_command("generate", run, "--dry-run").stdout
+    assert "episodes: 2, 2 of them made, 0 to do" in again
+    assert "takes about" not in again
+
+
+def test_a_run_that_cannot_make_an_episode_is_told_so(tmp_path: Path):
+    # Everything is right about the run but that nothing encodes.
+    run = write_run(tmp_path)
+    environment = {"ROBOCELL_FFMPEG": tmp_path / "none"}
+    result = robocell_command("generate", run, "--dry-run", environment=environment)
+    assert result.returncode == 3
+    assert "no episode can be made: " in result.stderr
+    assert "ROBOCELL_FFMPEG" in result.stderr
+    assert "no kind" in refused("generate", run, "--dry-run", "--set", "task.objects=[mgu]")
