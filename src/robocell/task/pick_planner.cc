@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "robocell/task/geom_extent.h"
+#include "robocell/task/servo_jump.h"
 
 namespace robocell {
 namespace {
@@ -17,6 +18,7 @@ constexpr double kCloseSeconds = 0.5;       // weak servos take this long to bui
 constexpr double kMostCloseSeconds = 1.0;
 constexpr double kHoldSeconds = 0.33;  // at the top
 constexpr double kLeastFreeSeconds = 0.15, kLeastDownSeconds = 0.5, kLeastUpSeconds = 0.6;
+constexpr double kMostUpSeconds = 2.5;
 constexpr double kSteadyGap = 3e-4;     // metres per tick
 constexpr double kEmptyGap = 0.003;     // above the closed gripper's: nothing is held
 constexpr double kWideGap = 0.008;      // above the object's width: something else is held
@@ -105,7 +107,7 @@ void PickPlanner::Enter(Phase phase) {
       retreat_ = {};
       grasp_height_ = TargetHeight();
       path_->AddLeg({plan_->motion.up.begin() + 1, plan_->motion.up.end()}, options_.line_speed,
-                    kLeastUpSeconds);
+                    LiftSeconds());
       break;
     case Phase::kDone:
       break;
@@ -208,6 +210,13 @@ Action PickPlanner::Command() const {
 
 int PickPlanner::Ticks(double seconds) const {
   return static_cast<int>(std::ceil(seconds / options_.tick - 1e-9));
+}
+
+// What is held must not be shaken out of the hand.
+double PickPlanner::LiftSeconds() const {
+  const std::vector<double> jumps = ServoJumps(robot_->scene().model(), robot_->arm());
+  return std::clamp(SecondsForJumps(plan_->motion.up, jumps, options_.tick), kLeastUpSeconds,
+                    kMostUpSeconds);
 }
 
 // How far the worst joint is behind its target, as a share of what counts as blocked.

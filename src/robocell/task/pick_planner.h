@@ -7,7 +7,8 @@
 // and an arm that does not follow; it then re-opens, backs off and tries the next best grasp, at
 // most three times in all. failure() is one of few texts.
 //
-// Nothing is tuned to a robot: what it needs to know of the gripper is measured (gripper_shape.h).
+// Nothing is tuned to a robot: what it needs to know of the gripper is measured (gripper_shape.h),
+// and the lift is as slow as the arm's servos need to stay below their force limits (servo_jump.h).
 #pragma once
 
 #include <memory>
@@ -62,6 +63,7 @@ class PickPlanner : public Expert {
   void GiveUp(const std::string& why);
   Action Command() const;
   int Ticks(double seconds) const;
+  double LiftSeconds() const;
   double Lag() const;
   double Gap() const;
   double TargetHeight() const;

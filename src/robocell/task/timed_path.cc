@@ -6,8 +6,6 @@
 namespace robocell {
 namespace {
 
-constexpr double kPeakSpeed = 1.875;  // of the time scaling, relative to the mean speed
-
 double Quintic(double t) { return t * t * t * (10 + t * (-15 + 6 * t)); }
 
 }  // namespace

@@ -10,6 +10,9 @@ namespace robocell {
 
 class TimedPath {
  public:
+  // Of the fastest moment of a leg, relative to its mean speed.
+  static constexpr double kPeakSpeed = 1.875;
+
   // `tick`: seconds between targets.
   TimedPath(const JointVector& start, double tick) : tick_(tick), end_(start) {}
 
