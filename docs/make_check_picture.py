@@ -1,6 +1,6 @@
 """Draws docs/check_*.png: what `robocell check --picture` makes of a robot.
 
-The FR3 is the Menagerie's: without it (docs/assets.md) its picture stays as it is.
+Most are robots of the Menagerie: without it (docs/assets.md) their pictures stay as they are.
 """
 
 from __future__ import annotations
@@ -15,9 +15,10 @@ from PIL import Image
 from robocell import models
 
 DOCS = Path(__file__).parent
+EXAMPLES = DOCS.parent / "examples"
 ROBOTS = {
     "rc7": Path(models.robot_file("rc7")),
-    "fr3_2f85": DOCS.parent / "examples" / "fr3_2f85.yaml",
+    **{name: EXAMPLES / f"{name}.yaml" for name in ("fr3_2f85", "gen3_2f85", "panda", "xarm7")},
 }
 SIZE = (640, 480)  # width, height in pixels
 COLOURS = 256
