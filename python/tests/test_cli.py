@@ -242,6 +242,17 @@ def write_robot(folder: Path, change: Callable[[dict[str, Any]], object]) -> Pat
     return path
 
 
+def test_check_of_a_file_that_only_names_a_model_says_what_the_model_has(tmp_path: Path):
+    path = tmp_path / "new.yaml"
+    path.write_text(f"name: new\nmodel: {RC7.parent / 'rc7.xml'}\n")
+    text = refused("check", path)
+    assert "robot 'new' has no arm group" in text
+    assert "move_groups" in text
+    assert "Its joints: joint1, joint2" in text
+    assert "Its sites: " in text
+    assert "Robot::FromScene" not in text
+
+
 def set_in(*keys: str | int, value: object) -> Callable[[dict[str, Any]], object]:
     """A change: config[key][key]... = value."""
 

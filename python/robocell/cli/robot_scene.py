@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from robocell import Robot, RobotConfig, RobotSpec, Scene, SceneSpec
-from robocell.cli.common import require_spec_file
+from robocell import MoveGroupKind, Robot, RobotConfig, RobotSpec, Scene, SceneSpec
+from robocell.cli.common import fail, require_spec_file
 
 TIMESTEP_S = 0.002
 
@@ -24,7 +24,39 @@ def load_robot(path: Path) -> RobotScene:
     """Reads the file and builds the scene; robocell's errors name what is wrong."""
     require_spec_file(path, RobotConfig)
     config = RobotConfig.load(path)
+    _require_arm(path, config)
     spec = SceneSpec(name=config.name, timestep=TIMESTEP_S, add_floor=True, add_skybox=True)
     spec.robots.append(RobotSpec(name=config.name, config=config))
     scene = Scene.build(spec)
     return RobotScene(config, scene, Robot.of(scene, config.name))
+
+
+def _require_arm(path: Path, config: RobotConfig) -> None:
+    """Without an arm there is nothing to look at; says what the model has to make one of."""
+    if any(group.kind == MoveGroupKind.ARM for group in config.move_groups.values()):
+        return
+    fail(
+        f"{path}: robot '{config.name}' has no arm group. Declare one, with the joints from "
+        "its base to its tool:\n  move_groups:\n"
+        "    arm: {kind: arm, joints: FIRST..LAST, leaf: {site: TOOL_CENTRE_POINT}}\n"
+        f"{_elements(config)}"
+    )
+
+
+def _elements(config: RobotConfig) -> str:
+    """The names that a robot file refers to, as the robot's own file and attachments have them."""
+    spec = SceneSpec(name=config.name, timestep=TIMESTEP_S, add_floor=False, add_skybox=False)
+    spec.robots.append(RobotSpec(name=config.name, config=config))
+    scene = Scene.build(spec)
+    prefix = scene.robot(config.name).prefix
+    model = scene.model
+    kinds = {
+        "joints": [model.joint(i).name for i in range(model.njnt)],
+        "actuators": [model.actuator(i).name for i in range(model.nu)],
+        "sites": [model.site(i).name for i in range(model.nsite)],
+        "bodies": [model.body(i).name for i in range(1, model.nbody)],
+    }
+    return "\n".join(
+        f"Its {kind}: {', '.join(n.removeprefix(prefix) for n in names if n) or 'none'}"
+        for kind, names in kinds.items()
+    )

@@ -18,11 +18,28 @@ std::vector<int> SceneIndices(const RunConfig& run) {
   return all;
 }
 
+namespace {
+
+// Far more than anybody makes: a slip of the keyboard must not fill the memory.
+constexpr int64_t kMostEpisodes = 10'000'000;
+
+int TotalEpisodes(const RunConfig& run, size_t scenes) {
+  const int64_t total =
+      run.episodes ? *run.episodes : static_cast<int64_t>(scenes) * run.episodes_per_scene;
+  if (total <= kMostEpisodes) return static_cast<int>(total);
+  const std::string from = run.episodes ? "episodes"
+                                        : fmt::format("{} scenes with episodes_per_scene: {}",
+                                                      scenes, run.episodes_per_scene);
+  throw SpecError(fmt::format("run '{}': {} makes {} episodes; {} is the most in one dataset",
+                              run.run, from, total, kMostEpisodes));
+}
+
+}  // namespace
+
 std::vector<PlanItem> MakePlan(const RunConfig& run) {
   std::vector<PlanItem> plan;
   const std::vector<int> scenes = SceneIndices(run);
-  const int all = static_cast<int>(scenes.size()) * run.episodes_per_scene;
-  const int total = std::min(all, run.episodes.value_or(all));
+  const int total = TotalEpisodes(run, scenes.size());
   for (int i = 0; i < total; ++i) {
     const int scene = scenes[i % scenes.size()];
     const int episode = i / static_cast<int>(scenes.size());

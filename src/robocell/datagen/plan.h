@@ -21,9 +21,9 @@ struct PlanItem {
   std::string id;   // name of the episode's folder: "s0003_e0001"
 };
 
-// Scene by scene in the order of `scenes.houses`, but round-robin over the scenes, so that a cap
-// (`episodes`) still visits all of them. More scenes or episodes extend a plan: the ids and seeds
-// of the others stay.
+// `episodes` items, else `episodes_per_scene` for each scene. The scenes take turns, in the order of
+// `scenes.houses`, so that few episodes still visit many of them. More scenes or episodes extend a
+// plan: the ids and seeds of the others stay. SpecError for more than ten million episodes.
 std::vector<PlanItem> MakePlan(const RunConfig& run);
 
 // The scenes of a run by their numbers in the source, in the order of `scenes.houses`.

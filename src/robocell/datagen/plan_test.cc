@@ -30,11 +30,27 @@ TEST(Plan, TakesTheScenesInTurns) {
               testing::ElementsAre("s0002_e0000", "s0005_e0000", "s0002_e0001", "s0005_e0001"));
 }
 
-TEST(Plan, ACapStillVisitsAllScenes) {
+TEST(Plan, FewEpisodesStillVisitAllScenes) {
   RunConfig run = RunOf({0, 1, 2}, 10);
   run.episodes = 3;
   EXPECT_THAT(Ids(MakePlan(run)),
               testing::ElementsAre("s0000_e0000", "s0001_e0000", "s0002_e0000"));
+}
+
+TEST(Plan, EpisodesIsHowManyThereAreInAll) {
+  RunConfig run = RunOf({4, 7}, 1);
+  run.episodes = 5;
+  EXPECT_THAT(Ids(MakePlan(run)), testing::ElementsAre("s0004_e0000", "s0007_e0000", "s0004_e0001",
+                                                       "s0007_e0001", "s0004_e0002"));
+}
+
+TEST(Plan, ASlipThatWouldFillTheMemoryIsRefused) {
+  ExpectThrow<SpecError>(
+      [] {
+        MakePlan(RunOf({0, 1}, 2'000'000'000));
+      },
+      "run 'plan': 2 scenes with episodes_per_scene: 2000000000 makes "
+      "4000000000 episodes; 10000000 is the most in one dataset");
 }
 
 TEST(Plan, MoreScenesAndEpisodesKeepTheIdsAndStreamsOfTheOthers) {

@@ -123,7 +123,7 @@ GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
   if (GroupSlot* slot = FindKind(kind)) return *slot;
   const std::string next =
       record.config.move_groups.empty()
-          ? "It has no configuration: give its RobotSpec a `config`, or use Robot::FromScene"
+          ? "Its configuration has none: declare one under `move_groups`, or use Robot::FromScene"
           : fmt::format("Declare one under `move_groups` with `kind: {}`", ToString(kind));
   throw NotFoundError(fmt::format("{}: has no {} group. Its groups: {}. {}", place(),
                                   ToString(kind), ListNames(group_names()), next));

@@ -169,9 +169,9 @@ TEST(Robot, WithoutAConfigurationIsMadeFromTwoBodies) {
   EXPECT_THAT(bare.group_names(), ElementsAre("base"));
   EXPECT_TRUE(RobotsOf(scene).empty());
   ExpectThrow<NotFoundError>([&] { bare.arm(); },
-                             "robot 'r': has no arm group. Its groups: base. It has no "
-                             "configuration: give its RobotSpec a "
-                             "`config`, or use Robot::FromScene");
+                             "robot 'r': has no arm group. Its groups: base. Its "
+                             "configuration has none: declare one under `move_groups`, or use "
+                             "Robot::FromScene");
 }
 
 TEST(Robot, MadeFromTwoBodiesSaysWhatIsMissing) {

@@ -165,7 +165,9 @@ struct RunConfig {
     v("keep", &RunConfig::keep, "successes, or all (failures are kept and labelled).");
     v("max_attempts", &RunConfig::max_attempts, "An episode is given up after this many tries.",
       Check::kPositive);
-    v("episodes", &RunConfig::episodes, "A cap on the whole run.", Check::kPositive);
+    v("episodes", &RunConfig::episodes,
+      "How many in all; the scenes take turns. Default: episodes_per_scene for each.",
+      Check::kPositive);
     v("workers", &RunConfig::workers, "Worker processes.", Check::kPositive);
     v("seed", &RunConfig::seed, "Everything random follows from it.");
     v("output", &RunConfig::output,
