@@ -8,6 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/tree.h"
 
 namespace robocell {
@@ -58,6 +59,53 @@ Finger MakeFinger(const mjModel* m, ElementId element) {
   return finger;
 }
 
+// The child of the hand that a body hangs on.
+int BranchOf(const mjModel* m, int hand, int body) {
+  while (m->body_parentid[body] != hand) body = m->body_parentid[body];
+  return body;
+}
+
+int BodyOf(const mjModel* m, int equality, int id) {
+  return m->eq_objtype[equality] == mjOBJ_SITE ? m->site_bodyid[id] : id;
+}
+
+// Marks the branch of `to` when `from` is marked and nothing forbids it.
+bool Grow(const mjModel* m, int hand, int other_finger, int from, int to, std::vector<bool>& mask) {
+  if (!mask[from] || mask[to] || to == hand || !IsInSubtree(m, to, hand)) return false;
+  const std::vector<bool> branch = SubtreeMask(m, BranchOf(m, hand, to));
+  if (branch[other_finger]) return false;
+  for (size_t b = 0; b < mask.size(); ++b) mask[b] = mask[b] || branch[b];
+  return true;
+}
+
+// The bodies that move with the first link of a finger.
+std::vector<bool> Linkage(const mjModel* m, int hand, int first_link, int other_finger) {
+  std::vector<bool> mask = SubtreeMask(m, first_link);
+  for (bool grown = true; grown;) {
+    grown = false;
+    for (int e = 0; e < m->neq; ++e) {
+      if (m->eq_type[e] != mjEQ_CONNECT && m->eq_type[e] != mjEQ_WELD) continue;
+      const int a = BodyOf(m, e, m->eq_obj1id[e]), b = BodyOf(m, e, m->eq_obj2id[e]);
+      grown |= Grow(m, hand, other_finger, a, b, mask) || Grow(m, hand, other_finger, b, a, mask);
+    }
+  }
+  return mask;
+}
+
+int FarthestBody(const mjModel* m, const mjData* d, int hand, const std::vector<bool>& linkage,
+                 int otherwise) {
+  double most = -1;
+  int farthest = otherwise;
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (!linkage[m->geom_bodyid[g]] || !Collides(m, g)) continue;
+    const double distance = mju_dist3(d->geom_xpos + 3 * g, d->xpos + 3 * hand);
+    if (distance <= most) continue;
+    most = distance;
+    farthest = m->geom_bodyid[g];
+  }
+  return farthest;
+}
+
 // The geoms of the branch that leads from the hand to the finger; of the hand alone when it is the
 // finger itself.
 std::vector<int> SideOf(const mjModel* m, int hand, int body) {
@@ -87,6 +135,15 @@ FingerPair MakeFingers(const mjModel* m, ElementId first, ElementId second,
   pair.hand = CommonAncestor(m, a.body, b.body);
   for (Finger& finger : pair.fingers) finger.side = SideOf(m, pair.hand, finger.body);
   return pair;
+}
+
+std::array<int, 2> FingertipBodies(const mjModel* m, int first, int second) {
+  const int hand = CommonAncestor(m, first, second);
+  if (hand == first || hand == second) return {first, second};
+  const DataPtr data = MakeData(m);
+  Guarded("finding the fingers", data.get(), [&] { mj_kinematics(m, data.get()); });
+  return {FarthestBody(m, data.get(), hand, Linkage(m, hand, first, second), first),
+          FarthestBody(m, data.get(), hand, Linkage(m, hand, second, first), second)};
 }
 
 double FingerDistance(const mjModel* m, mjData* d, const Finger& a, const Finger& b) {

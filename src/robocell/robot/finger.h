@@ -28,6 +28,12 @@ struct FingerPair {
 FingerPair MakeFingers(const mjModel* model, ElementId first, ElementId second,
                        const std::string& place);
 
+// The bodies at the ends of two fingers, from the bodies that the gripper's joints move: those
+// themselves, or with linkages the parts that grip. A linkage is what hangs on the body and what
+// `connect` and `weld` constraints tie to that; its end is the body with the colliding geom
+// farthest from the hand while all joints are at their reference positions.
+std::array<int, 2> FingertipBodies(const mjModel* model, int first, int second);
+
 // Metres; 0 when they overlap. Needs data at position stage. No allocation.
 double FingerDistance(const mjModel* model, mjData* data, const Finger& a, const Finger& b);
 

@@ -54,11 +54,14 @@ void ActuatedGripper::ResolveFingers() const {
   const RobotRecord& robot = core().scene().compiled()->robot(core().names().robot);
   const std::vector<int>& joints = core().joint_ids();
   ElementId ends[2];
+  std::array<int, 2> tips{};
+  if (config_.fingers.empty() && joints.size() == 2)
+    tips = FingertipBodies(m, m->jnt_bodyid[joints[0]], m->jnt_bodyid[joints[1]]);
   for (int i = 0; i < 2; ++i) {
     if (config_.fingers.size() == 2) {
       ends[i] = FindElement(m, robot, config_.fingers[i], {mjOBJ_GEOM, mjOBJ_BODY, mjOBJ_SITE});
     } else if (joints.size() == 2) {
-      ends[i] = {mjOBJ_BODY, m->jnt_bodyid[joints[i]]};
+      ends[i] = {mjOBJ_BODY, tips[i]};
     } else {
       throw ArgumentError(
           fmt::format("{}: which are its fingers? Name two geoms, bodies or sites in `fingers` "

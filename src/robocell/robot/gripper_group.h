@@ -2,8 +2,9 @@
 // another (closed), with two fingers: parallel slides and linkages alike.
 //
 // What the configuration leaves out is found when it is first needed. Fingers: the bodies of the
-// group's joints, when these are two. Control: the actuator's range, open being the end at which
-// the fingers are farther apart. Distance: measured (gripper_range.h).
+// group's joints, when these are two, or what grips at the ends of their linkages. Control: the
+// actuator's range, open being the end at which the fingers are farther apart. Distance: measured
+// (gripper_range.h).
 #pragma once
 
 #include <optional>

@@ -212,6 +212,20 @@ TEST(Gripper, FingersCanBeGeomsBodiesSitesOrTheBodiesOfTwoJoints) {
   EXPECT_NEAR(RobotAlone(config).gripper().inter_finger_dist(), 0.002 + 2 * 0.044, 1e-9);
 }
 
+TEST(Gripper, FingersOfLinkagesAreFoundAtTheirEnds) {
+  REQUIRE_MENAGERIE("ufactory_xarm7", "kinova_gen3", "robotiq_2f85");
+  for (RobotConfig config : {XArm7(), Gen3WithTool()}) {
+    MoveGroupConfig& gripper = GripperConfig(config);
+    gripper.distance = {};
+    const Interval named = RobotAlone(config).gripper().inter_finger_dist_range();
+    gripper.fingers = {};
+    const Interval found = RobotAlone(config).gripper().inter_finger_dist_range();
+    EXPECT_NEAR(found.lower, named.lower, 0.005) << config.name;
+    EXPECT_NEAR(found.upper, named.upper, 0.005) << config.name;
+    EXPECT_GT(found.upper - found.lower, 0.08) << config.name;
+  }
+}
+
 TEST(Gripper, SaysWhenFingersCannotBeTold) {
   RobotConfig config = Rc7();
   MoveGroupConfig& gripper = GripperConfig(config);
