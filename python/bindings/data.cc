@@ -3,6 +3,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/function.h>
+#include <nanobind/stl/map.h>
 
 #include <optional>
 
@@ -144,6 +145,9 @@ void BindEpisode(nb::module_& m) {
            nb::sig("def frames(self, camera: str) -> numpy.typing.NDArray[numpy.uint8]"),
            "All frames of a camera, uint8 (frames, height, width, 3).")
       .def_prop_ro("files", &Episode::files)
+      .def_prop_ro("models", &Episode::models,
+                   "The models it was made in: their names in the metadata -> where the dataset "
+                   "keeps them.")
       .def("__repr__", [](const Episode& e) {
         return "<Episode " + e.id() + ": " + std::to_string(e.rows()) + " rows, " +
                (e.success() ? "success" : e.end_reason()) + ">";
@@ -203,7 +207,9 @@ void BindVerify(nb::module_& m) {
       });
   nb::class_<RepairResult>(m, "RepairResult", "What repair found and moved aside.")
       .def_ro("found", &RepairResult::found)
-      .def_ro("moved", &RepairResult::moved)
+      .def_ro("moved", &RepairResult::moved, "Names of what now lies in <dataset>/.quarantine.")
+      .def_ro("remaining", &RepairResult::remaining,
+              "Problems that moving things aside could not mend; their texts say what can.")
       .def("__repr__", [](const RepairResult& r) {
         return fmt::format("<RepairResult: {} moved aside>", r.moved.size());
       });
@@ -215,9 +221,13 @@ void BindVerify(nb::module_& m) {
       "dataset"_a, "decode_videos"_a = false, nb::call_guard<nb::gil_scoped_release>(),
       "Checks every episode of a dataset: sizes, hashes, rows and frame counts.");
   m.def(
-      "repair", [](const std::filesystem::path& dataset) { return Repair(dataset); }, "dataset"_a,
-      nb::call_guard<nb::gil_scoped_release>(),
-      "Moves damaged episodes and what a crash left behind aside, into <dataset>/.quarantine. "
+      "repair",
+      [](const std::filesystem::path& dataset, bool decode_videos) {
+        return Repair(dataset, {.decode_videos = decode_videos, .progress = {}});
+      },
+      "dataset"_a, "decode_videos"_a = false, nb::call_guard<nb::gil_scoped_release>(),
+      "Moves damaged episodes, damaged models, a damaged dataset.json, and what a crash left "
+      "behind aside, into <dataset>/.quarantine. "
       "IoError names who is generating into the dataset.");
 }
 
@@ -230,7 +240,7 @@ void BindData(nb::module_& m) {
       .def(
           "__init__",
           [](Dataset* self, const std::filesystem::path& folder) { new (self) Dataset(folder); },
-          "folder"_a)
+          "folder"_a, nb::call_guard<nb::gil_scoped_release>())
       .def_prop_ro("folder", &Dataset::folder)
       .def_prop_ro("ids", &Dataset::ids)
       .def("__len__", &Dataset::size)
@@ -250,7 +260,11 @@ void BindData(nb::module_& m) {
             return d.Open(d.ids()[static_cast<size_t>(i < 0 ? i + n : i)]);
           },
           "index"_a)
-      .def("refresh", &Dataset::Refresh, "Looks at the folder again.")
+      .def_prop_ro("broken", &Dataset::broken,
+                   "Names of folders that are or were episodes and have no episode.json: they do "
+                   "not count. `robocell verify --repair` moves them aside.")
+      .def("refresh", &Dataset::Refresh, nb::call_guard<nb::gil_scoped_release>(),
+           "Looks at the folder again.")
       .def("__repr__", [](const Dataset& d) {
         return "<Dataset " + d.folder().string() + ": " + std::to_string(d.size()) + " episodes>";
       });

@@ -9,9 +9,11 @@ from pathlib import Path
 
 import plain_replay
 import pytest
-from commands import robocell_command
-from generated_run import GeneratedRun, target_kind
+from commands import ROOT, robocell_command
+from generated_run import GeneratedRun, read_json, scene_spec, target_kind
 from recorded_scene import ROBOT_PREFIX, RecordedScene
+
+import robocell
 
 
 def replay_alone(scene: RecordedScene, episode: Path) -> dict[str, object]:
@@ -38,10 +40,29 @@ def test_recorded_controls_lift_the_object_again_in_stock_mujoco(
     assert all(body.startswith(ROBOT_PREFIX) for body in result["touching"]), result["touching"]
 
 
-def test_the_command_finds_no_difference_either(xarm7_run: GeneratedRun):
-    result = robocell_command("replay", "--check", xarm7_run.dataset)
+def test_the_command_finds_no_difference_either(any_run: GeneratedRun):
+    result = robocell_command("replay", "--check", any_run.dataset)
     assert result.returncode == 0, result.stdout + result.stderr
-    assert result.stdout.count(": the same") == len(xarm7_run.episodes())
+    assert result.stdout.count(": the same") == len(any_run.episodes())
+
+
+def test_an_episode_of_the_built_in_robot_is_lifted_again_too(
+    rc7_run: GeneratedRun, tmp_path: Path
+):
+    for episode in rc7_run.episodes():
+        result = replay_alone(RecordedScene(episode, tmp_path), episode)
+        assert result["joint_error"] <= 1e-9
+        assert result["object_error"] <= 1e-9
+        assert result["rise"] >= rc7_run.run.task.lift_height
+
+
+def test_a_dataset_names_no_folder_of_the_machine_as_the_place_of_a_model(any_run: GeneratedRun):
+    for episode in any_run.episodes():
+        metadata = read_json(episode)["metadata"]
+        assert str(ROOT) not in metadata["scene_spec"]
+        models = robocell.Dataset(any_run.dataset)[episode.name].models
+        assert all((any_run.dataset / path).is_file() for path in models.values()), models
+        assert set(models) >= {robot.config.model for robot in scene_spec(episode).robots}
 
 
 def test_without_the_gripper_the_replay_lifts_nothing(xarm7_run: GeneratedRun, tmp_path: Path):

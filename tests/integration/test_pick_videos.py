@@ -11,24 +11,31 @@ from generated_run import GeneratedRun
 from recorded_scene import ROBOT_PREFIX, RecordedScene
 from video_frames import count_frames, decode, psnr
 
-SIZE = (624, 352)
 CAMERAS = {"wrist": f"{ROBOT_PREFIX}wrist_camera", "exo": f"{ROBOT_PREFIX}exo_camera"}
 
 
 @pytest.fixture(scope="module")
 def scenes(
-    xarm7_run: GeneratedRun, tmp_path_factory: pytest.TempPathFactory
+    any_run: GeneratedRun, tmp_path_factory: pytest.TempPathFactory
 ) -> dict[Path, RecordedScene]:
     """The scenes of all episodes, rebuilt."""
     scratch = tmp_path_factory.mktemp("scenes")
-    return {episode: RecordedScene(episode, scratch) for episode in xarm7_run.episodes()}
+    return {episode: RecordedScene(episode, scratch) for episode in any_run.episodes()}
+
+
+def size(scene: RecordedScene, camera: str) -> tuple[int, int]:
+    """Width and height of a camera's video."""
+    stream = scene.steps[f"cameras/{camera}"].attrs
+    return int(stream["width"]), int(stream["height"])
 
 
 def moving_rows(scene: RecordedScene) -> Iterator[int]:
     """In each of three phases the row around which the TCP moves most."""
     names = list(scene.steps["phase"].attrs["values"])
     phases = scene.steps["phase"][:]
-    travel = np.linalg.norm(np.diff(scene.steps["robots/xarm7/tcp_pose"][:, :3], axis=0), axis=1)
+    travel = np.linalg.norm(
+        np.diff(next(iter(scene.steps["robots"].values()))["tcp_pose"][:, :3], axis=0), axis=1
+    )
     slowest_side = np.minimum(travel[:-1], travel[1:])  # of rows 1 ... T-2
     for phase in ("pregrasp", "grasp", "lift"):
         rows = np.flatnonzero(phases[1:-1] == names.index(phase)) + 1
@@ -48,10 +55,10 @@ def test_a_frame_is_the_picture_of_its_row_and_of_no_other(
 ):
     for episode in list(scenes)[::5]:
         scene = scenes[episode]
-        frames, renderer = decode(episode / f"{camera}.mp4", *SIZE), scene.renderer()
+        frames, renderer = decode(episode / f"{camera}.mp4", *size(scene, camera)), scene.renderer()
         for row in moving_rows(scene):
             scene.go_to(row)
-            image = renderer.render(CAMERAS[camera], *SIZE)["rgb"]
+            image = renderer.render(CAMERAS[camera], *size(scene, camera))["rgb"]
             before, same, after = (psnr(image, frames[row + k]) for k in (-1, 0, 1))
             place = f"{episode.name}/{camera} row {row}: {before:.1f} {same:.1f} {after:.1f} dB"
             assert same >= 30, place
@@ -66,7 +73,7 @@ def test_the_recorded_camera_matrices_are_those_of_the_rows(scenes: dict[Path, R
         scene.go_to(row)
         for name, camera in CAMERAS.items():
             recorded = scene.steps[f"cameras/{name}"]
-            image = renderer.render(camera, *SIZE)
+            image = renderer.render(camera, *size(scene, name))
             np.testing.assert_allclose(recorded["extrinsics"][row], image["extrinsics"], atol=1e-12)
             np.testing.assert_allclose(recorded["intrinsics"][:], image["intrinsics"], atol=1e-12)
             # The oracle: the engine's own camera, which looks along -z with y up.
@@ -83,8 +90,8 @@ def test_the_wrist_camera_sees_the_object_before_the_grasp(scenes: dict[Path, Re
         names = list(scene.steps["phase"].attrs["values"])
         last = int(np.flatnonzero(scene.steps["phase"][:] == names.index("pregrasp"))[-1])
         scene.go_to(last)
-        image = scene.renderer().render(CAMERAS["wrist"], *SIZE, rgb=False, segmentation=True)[
-            "segmentation"
-        ]
+        image = scene.renderer().render(
+            CAMERAS["wrist"], *size(scene, "wrist"), rgb=False, segmentation=True
+        )["segmentation"]
         seen[episode.name] = int(np.isin(image, list(scene.bodies_of("target"))).sum())
     assert min(seen.values()) >= 50, seen

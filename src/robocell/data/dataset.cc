@@ -31,13 +31,19 @@ Dataset::Dataset(fs::path folder) : folder_(std::move(folder)) { Refresh(); }
 
 void Dataset::Refresh() {
   ids_.clear();
+  broken_.clear();
   std::error_code error;
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (IsEpisodeId(name) && IsCommitted(it->path())) ids_.push_back(name);
+    if (!IsEpisodeId(name)) continue;
+    if (IsCommitted(it->path()))
+      ids_.push_back(name);
+    else if (it->is_directory() && LooksLikeEpisode(it->path()))
+      broken_.push_back(name);
   }
   if (error) ThrowIoError("list dataset", folder_, error.value());
   std::sort(ids_.begin(), ids_.end());
+  std::sort(broken_.begin(), broken_.end());
 }
 
 bool Dataset::Contains(std::string_view id) const {

@@ -25,6 +25,9 @@ class Dataset {
   const std::filesystem::path& folder() const { return folder_; }
   const std::vector<std::string>& ids() const { return ids_; }
   size_t size() const { return ids_.size(); }
+  // Folders with an episode's name that are or were one and have no episode.json: a careless copy,
+  // a lost file. They do not count; Repair (verify.h) moves them aside.
+  const std::vector<std::string>& broken() const { return broken_; }
   bool Contains(std::string_view id) const;
   // NotFoundError with the nearest ids.
   Episode Open(const std::string& id) const;
@@ -55,7 +58,7 @@ class Dataset {
 
  private:
   std::filesystem::path folder_;
-  std::vector<std::string> ids_;
+  std::vector<std::string> ids_, broken_;
 };
 
 // dataset.json: a JSON object as text, replaced in one step. ArgumentError if the text is no JSON

@@ -38,6 +38,7 @@ TEST(Dataset, OnlyCommittedEpisodesCount) {
   EXPECT_FALSE(dataset.Contains("a"));  // a snapshot
   dataset.Refresh();
   EXPECT_THAT(dataset.ids(), ElementsAre("a"));
+  EXPECT_THAT(dataset.broken(), ElementsAre("c")) << "not dropped silently";
 }
 
 TEST(Dataset, AMissingFolderIsNamed) {

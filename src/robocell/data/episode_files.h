@@ -17,6 +17,7 @@ inline constexpr std::string_view kStepsFile = "steps.h5";
 inline constexpr std::string_view kEpisodeFile = "episode.json";
 inline constexpr std::string_view kManifestFile = "dataset.json";
 inline constexpr std::string_view kQuarantineFolder = ".quarantine";
+inline constexpr std::string_view kModelsFolder = "models";
 inline constexpr std::string_view kLogsFolder = ".logs";
 inline constexpr std::string_view kReportFile = "report.json";  // of a shard: report-3-of-8.json
 inline constexpr std::string_view kLockFile = ".lock";          // of a shard: .lock-3-of-8

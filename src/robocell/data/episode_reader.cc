@@ -13,6 +13,7 @@
 #include "robocell/base/paths.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
+#include "robocell/data/model_store.h"
 
 namespace robocell {
 namespace {
@@ -100,6 +101,7 @@ struct Episode::Impl {
         json.at(key);  // asked for later, without a check
       }
       CheckFiles();
+      CheckModels();
     } catch (const nlohmann::json::exception& error) {
       throw IoError(fmt::format("{}: episode.json is damaged: {}", Name(), error.what()));
     }
@@ -116,6 +118,16 @@ struct Episode::Impl {
         throw IoError(fmt::format("{}: '{}' has {} bytes, {} were written", Name(), file, size,
                                   facts.at("bytes").get<uint64_t>()));
       }
+    }
+  }
+
+  void CheckModels() const {
+    const auto models = json.find("models");
+    if (models == json.end()) return;
+    for (const auto& [name, path] : models->items()) {
+      if (!IsStoredModelPath(path.get<std::string>()))
+        throw IoError(
+            fmt::format("{}: episode.json keeps model '{}' at {}", Name(), name, path.dump()));
     }
   }
 
@@ -180,6 +192,14 @@ std::vector<std::string> Episode::files() const {
   std::vector<std::string> names;
   for (const auto& [name, facts] : impl_->json["files"].items()) names.push_back(name);
   return names;
+}
+
+std::map<std::string, std::string> Episode::models() const {
+  const auto found = impl_->json.find("models");
+  if (found == impl_->json.end()) return {};
+  std::map<std::string, std::string> models;
+  for (const auto& [name, path] : found->items()) models[name] = path;
+  return models;
 }
 
 const std::vector<ColumnInfo>& Episode::columns() const {

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -92,6 +93,9 @@ class Episode {
   const std::vector<CameraInfo>& cameras() const;
   const CameraInfo& camera(const std::string& name) const;
   VideoReader Video(const std::string& camera) const;
+  // The models it was made in: their names in the metadata -> where the dataset keeps them
+  // ("models/rc7-0123456789abcdef/rc7.xml").
+  std::map<std::string, std::string> models() const;
   // All files but episode.json, as listed in it.
   std::vector<std::string> files() const;
 

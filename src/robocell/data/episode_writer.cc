@@ -18,9 +18,10 @@
 #include "robocell/base/version.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
-#include "robocell/data/file_lock.h"
 #include "robocell/data/hdf5.h"
+#include "robocell/data/model_store.h"
 #include "robocell/data/steps_file.h"
+#include "robocell/data/work_folder.h"
 #include "robocell/media/ffmpeg.h"
 #include "robocell/media/video_info.h"
 #include "robocell/media/video_writer.h"
@@ -60,9 +61,9 @@ Json ParseObject(const std::string& where, const std::string& what, const std::s
 bool IsEpisodeId(std::string_view id) { return ValidFileName(id) && !id.starts_with('.'); }
 
 struct EpisodeWriter::Impl {
+  fs::path dataset;
   fs::path final;
-  fs::path work;
-  std::optional<FileLock> lock;  // on `work`: tells a living writer from what a crash left behind
+  std::optional<WorkFolder> work;
   std::string id;
   std::string name;  // for messages
   std::string started = UtcNow();
@@ -72,6 +73,7 @@ struct EpisodeWriter::Impl {
   std::unique_ptr<StepsFile> steps;
   std::vector<VideoWriter> videos;
   std::vector<std::string> extra_files;
+  Json models = Json::object();
   State state = State::kOpen;
   std::string failure;
 
@@ -80,10 +82,7 @@ struct EpisodeWriter::Impl {
   void Remove() noexcept {
     steps.reset();
     videos.clear();
-    std::error_code ignored;
-    if (state != State::kCommitted && !work.empty()) fs::remove_all(work, ignored);
-    work.clear();
-    lock.reset();
+    work.reset();
   }
 
   // Runs an action of the open episode; a failure ends the episode for good.
@@ -111,7 +110,7 @@ struct EpisodeWriter::Impl {
     throw IoError(failure);
   }
 
-  void Open(const fs::path& dataset, const EpisodeOptions& options);
+  void Open(const EpisodeOptions& options);
   void RequireFramesMatchRows() const;
   void CloseFiles();
   void Rename();
@@ -124,13 +123,12 @@ struct EpisodeWriter::Impl {
                           const Json& run) const;
 };
 
-void EpisodeWriter::Impl::Open(const fs::path& dataset, const EpisodeOptions& options) {
-  work = MakeTempDirectory(dataset, id);
-  lock = FileLock::Try(work, LockKind::kExclusive);
-  steps = std::make_unique<StepsFile>(work / kStepsFile, name, schema);
+void EpisodeWriter::Impl::Open(const EpisodeOptions& options) {
+  work.emplace(dataset, id);
+  steps = std::make_unique<StepsFile>(work->path() / kStepsFile, name, schema);
   for (const CameraEntry& camera : schema.cameras()) {
     const CameraStream& stream = camera.stream;
-    videos.emplace_back(work / VideoFile(stream.name),
+    videos.emplace_back(work->path() / VideoFile(stream.name),
                         VideoOptions{.width = stream.width,
                                      .height = stream.height,
                                      .fps_num = stream.fps_num,
@@ -165,9 +163,9 @@ void EpisodeWriter::Impl::Rename() {
   std::error_code ignored;
   fs::remove(final, ignored);  // only an empty folder: it is in nobody's way
   try {
-    CommitDirectory(work, final);
+    work->Commit(final);
   } catch (...) {
-    if (!fs::exists(work, ignored)) state = State::kCommitted;
+    if (work->committed()) state = State::kCommitted;
     throw;
   }
   state = State::kCommitted;
@@ -200,7 +198,8 @@ Json EpisodeWriter::Impl::Files() const {
   names.insert(names.end(), extra_files.begin(), extra_files.end());
   Json files = Json::object();
   for (const std::string& file : names) {
-    files[file] = {{"bytes", fs::file_size(work / file)}, {"sha256", Sha256File(work / file)}};
+    files[file] = {{"bytes", fs::file_size(work->path() / file)},
+                   {"sha256", Sha256File(work->path() / file)}};
   }
   return files;
 }
@@ -243,6 +242,7 @@ std::string EpisodeWriter::Impl::Description(const EpisodeSummary& summary, cons
                             {"cameras", Cameras()},
                             {"metadata", metadata},
                             {"versions", Versions()},
+                            {"models", models},
                             {"files", Files()},
                             {"run", run}};
   return SignEpisodeJson(description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
@@ -257,6 +257,7 @@ EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
   }
   impl_->id = id;
   impl_->name = fmt::format("episode '{}'", id);
+  impl_->dataset = dataset;
   impl_->final = dataset / id;
   impl_->schema = schema;
   impl_->metadata = ParseObject(impl_->name, "metadata_json", options.metadata_json);
@@ -266,7 +267,7 @@ EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
     if (there.state == EpisodeState::kWhole)
       throw IoError(fmt::format("'{}' exists already", impl_->final.string()));
     if (there.state == EpisodeState::kBroken) throw IoError(there.problem);
-    impl_->Open(dataset, options);
+    impl_->Open(options);
   });
 }
 
@@ -314,7 +315,7 @@ void EpisodeWriter::WriteFrame(CameraId camera, std::span<const uint8_t> rgb) {
 void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
   impl_->Do("AddFile()", [&] {
     RequireFileName("file", name);
-    if (name.starts_with('.') || name == kEpisodeFile || fs::exists(impl_->work / name)) {
+    if (name.starts_with('.') || name == kEpisodeFile || fs::exists(impl_->work->path() / name)) {
       throw ArgumentError(
           fmt::format("{}: '{}' cannot be added, the name is taken", impl_->name, name));
     }
@@ -324,8 +325,15 @@ void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
                                         camera.stream.name));
       }
     }
-    AtomicWrite(impl_->work / name, bytes);
+    AtomicWrite(impl_->work->path() / name, bytes);
     impl_->extra_files.push_back(name);
+  });
+}
+
+void EpisodeWriter::AddModel(const std::string& name, const FileSet& model) {
+  impl_->Do("AddModel()", [&] {
+    StoreModel(impl_->dataset, model);
+    impl_->models[name] = StoredModelPath(model);
   });
 }
 
@@ -336,7 +344,7 @@ fs::path EpisodeWriter::Commit(const EpisodeSummary& summary) {
     const Json run = impl_->Run(given);
     impl_->RequireFramesMatchRows();
     impl_->CloseFiles();
-    AtomicWrite(impl_->work / kEpisodeFile, impl_->Description(summary, results, run));
+    AtomicWrite(impl_->work->path() / kEpisodeFile, impl_->Description(summary, results, run));
     impl_->Rename();
     impl_->Remove();
   });

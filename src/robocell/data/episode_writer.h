@@ -29,6 +29,7 @@
 #include <string_view>
 #include <vector>
 
+#include "robocell/base/file_set.h"
 #include "robocell/data/episode_schema.h"
 
 namespace robocell {
@@ -88,8 +89,12 @@ class EpisodeWriter {
   // The frame of the next row that has none: row-major RGB. May come before or after EndRow().
   void WriteFrame(CameraId camera, std::span<const uint8_t> rgb);
 
-  // Another file of the episode, such as "scene.mjb".
+  // Another file of the episode, such as "notes.txt".
   void AddFile(const std::string& name, std::string_view bytes);
+
+  // A model that the episode was made in, by the name that its metadata uses. Kept once in the
+  // dataset (model_store.h), whatever becomes of the episode.
+  void AddModel(const std::string& name, const FileSet& model);
 
   // Makes the episode visible and returns its folder. ArgumentError if a row is unfinished, there
   // is no row, or a camera has not one frame per row; the episode can then still be corrected. The

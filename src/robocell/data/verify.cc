@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 #include <system_error>
 #include <nlohmann/json.hpp>
 
@@ -18,6 +20,7 @@
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/data/file_lock.h"
+#include "robocell/data/model_store.h"
 #include "robocell/media/video_info.h"
 
 namespace robocell {
@@ -156,9 +159,10 @@ std::string Quarantine(const fs::path& dataset, const std::string& name) {
   std::error_code error;
   fs::create_directory(folder, error);
   if (error) ThrowIoError("create", folder, error.value());
-  std::string target = name;
+  const std::string own = fs::path(name).filename().string();
+  std::string target = own;
   for (int i = 1; fs::exists(fs::symlink_status(folder / target)); ++i)
-    target = fmt::format("{}.{}", name, i);
+    target = fmt::format("{}.{}", own, i);
   fs::rename(dataset / name, folder / target, error);
   if (error) ThrowIoError("move aside", dataset / name, error.value());
   return target;
@@ -169,6 +173,40 @@ void CheckManifest(const fs::path& dataset, VerifyReport& report) {
     ReadManifest(dataset);
   } catch (const Error& error) {
     report.problems.push_back({"", std::string(kManifestFile), error.what()});
+    report.bad_parts.emplace_back(kManifestFile);
+  }
+}
+
+void CheckStoredModels(const fs::path& dataset, VerifyReport& report) {
+  for (const std::string& model : StoredModels(dataset)) {
+    std::string reason = "its files are not what was stored";
+    try {
+      if (StoredModelIsIntact(dataset, model)) continue;
+    } catch (const Error& error) {
+      reason = error.what();
+    }
+    report.problems.push_back({"", model, reason});
+    report.bad_parts.push_back(model);
+  }
+}
+
+// Models that good episodes were made in and that are not in the dataset.
+void CheckMissingModels(const fs::path& dataset, VerifyReport& report) {
+  std::map<std::string, int> missing;
+  for (const std::string& id : report.good) {
+    std::set<std::string> folders;
+    for (const auto& [name, path] : Episode(dataset / id).models())
+      folders.insert(StoredModelFolder(path));
+    for (const std::string& folder : folders) {
+      if (!fs::exists(dataset / folder)) ++missing[folder];
+    }
+  }
+  for (const auto& [folder, episodes] : missing) {
+    report.problems.push_back(
+        {"", folder,
+         fmt::format("it is missing; {} episodes can be read, not replayed. `robocell generate` "
+                     "with the run's file stores it again",
+                     episodes)});
   }
 }
 
@@ -199,7 +237,8 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
   for (const std::string& name : List(dataset)) {
     if (IsTemporaryName(name)) {
       (IsBeingWritten(dataset / name) ? report.being_written : report.leftovers).push_back(name);
-    } else if (name == kManifestFile || name == kQuarantineFolder || IsReportFile(name)) {
+    } else if (name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
+               IsReportFile(name)) {
       continue;
     } else if (IsEpisodeId(name) && fs::is_directory(dataset / name) &&
                LooksLikeEpisode(dataset / name)) {
@@ -215,16 +254,25 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
     if (options.progress) options.progress(i + 1, episodes.size());
   }
   CheckManifest(dataset, report);
+  CheckStoredModels(dataset, report);
+  CheckMissingModels(dataset, report);
   return report;
 }
 
 RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
   const DatasetLock lock(dataset);
-  RepairResult result{.found = Verify(dataset, options)};
-  for (const std::string& id : result.found.bad) result.moved.push_back(Quarantine(dataset, id));
-  for (const std::string& name : result.found.leftovers)
-    result.moved.push_back(Quarantine(dataset, name));
+  RepairResult result{.found = Verify(dataset, options), .remaining = {}, .moved = {}};
+  const VerifyReport& found = result.found;
+  for (const auto* names : {&found.bad, &found.bad_parts, &found.leftovers}) {
+    for (const std::string& name : *names) {
+      result.moved.push_back(Quarantine(dataset, name));
+    }
+  }
   FsyncDirectory(dataset);
+  VerifyReport after{.good = found.good};
+  CheckManifest(dataset, after);
+  CheckMissingModels(dataset, after);
+  result.remaining = after.problems;
   return result;
 }
 

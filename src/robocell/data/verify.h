@@ -28,6 +28,7 @@ struct VerifyProblem {
 struct VerifyReport {
   std::vector<std::string> good;        // ids of intact episodes
   std::vector<std::string> bad;         // ids of the others
+  std::vector<std::string> bad_parts;   // damaged parts of the dataset itself, by name
   std::vector<VerifyProblem> problems;  // of the bad ones, and of the dataset
   // Temporary folders and files. No problem.
   std::vector<std::string> leftovers;  // what a crash left behind
@@ -56,11 +57,13 @@ std::vector<VerifyProblem> VerifyEpisode(const std::filesystem::path& folder,
 
 struct RepairResult {
   VerifyReport found;
+  std::vector<VerifyProblem> remaining = {};  // what could not be mended by moving things aside
   std::vector<std::string> moved;  // what now lies in <dataset>/.quarantine, by its new name
 };
 
-// Moves bad episodes, and leftovers that nobody is writing, into <dataset>/.quarantine. Nothing is
-// deleted. Holds the dataset's lock (dataset_lock.h): IoError names who is generating into it.
+// Moves bad episodes, damaged models, a damaged dataset.json, and leftovers that nobody is writing,
+// into <dataset>/.quarantine. Nothing is deleted. Holds the dataset's lock (dataset_lock.h):
+// IoError names who is generating into it.
 RepairResult Repair(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 }  // namespace robocell

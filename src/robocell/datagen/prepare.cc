@@ -10,12 +10,14 @@
 #include <thread>
 #include <nlohmann/json.hpp>
 
+#include "robocell/assets/model_files.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/model_store.h"
 #include "robocell/datagen/check_run.h"
 #include "robocell/datagen/run_inputs.h"
 
@@ -59,7 +61,8 @@ void CreateFolder(const fs::path& folder) {
 // What is there for the run's own sake, or was left behind by an interrupted write.
 bool IsOfNoAccount(const std::string& name) {
   return IsTemporaryName(name) || name == kManifestFile || name == kLogsFolder ||
-         name == kQuarantineFolder || name.starts_with(kLockFile) || IsReportFile(name);
+         name == kModelsFolder || name == kQuarantineFolder || name.starts_with(kLockFile) ||
+         IsReportFile(name);
 }
 
 // The first name of anything else; "" when there is nothing.
@@ -128,11 +131,9 @@ void Begin(const RunConfig& run, const RunInputs& inputs) {
 
 }  // namespace
 
-void PrepareDataset(const RunConfig& run) {
-  RequireOutput(run);
-  CheckRun(run, {.scripted_expert = false});
-  const RunInputs inputs = InputsOf(run);
-  CreateFolder(run.output);
+namespace {
+
+void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
   for (int patience = kLockTries; MustBegin(run, inputs); --patience) {
     try {
       return Begin(run, inputs);
@@ -141,6 +142,17 @@ void PrepareDataset(const RunConfig& run) {
       std::this_thread::sleep_for(kLockPause);
     }
   }
+}
+
+}  // namespace
+
+void PrepareDataset(const RunConfig& run) {
+  RequireOutput(run);
+  CheckRun(run, {.scripted_expert = false});
+  const RunInputs inputs = InputsOf(run);
+  CreateFolder(run.output);
+  WriteManifestIfDue(run, inputs);
+  for (const std::string& model : ModelsOf(run)) StoreModel(run.output, ModelFileSet(model));
 }
 
 void CheckDataset(const RunConfig& run) {

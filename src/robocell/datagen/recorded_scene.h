@@ -1,22 +1,33 @@
-// The scene an episode was made in, as the episode keeps it: the spec in its metadata, and the
-// folders that relative model files start from in its `run` block, as they differ between machines.
+// The scene an episode was made in, such that it can be built anywhere: the spec names its models
+// as every machine knows them, and the dataset keeps their files (data/model_store.h).
 //
-//   Scene scene = Scene::Build(RecordedScene(episode));
+//   const PortableScene portable = MakePortable(scene.spec());   // recording
+//   Scene scene = Scene::Build(RecordedScene(episode));          // replaying
 #pragma once
 
+#include <map>
 #include <string>
 
+#include "robocell/base/file_set.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/spec/scene_spec.h"
 
 namespace robocell {
 
-// For EpisodeSummary::run_json: {"model_folders": {"scene": ..., "robots": {"rc7": ...}}}, without
-// what is empty.
-std::string ModelFoldersJson(const SceneSpec& scene);
+struct PortableScene {
+  // Models are named "rc7" when they are built in, "menagerie:ufactory_xarm7/xarm7.xml" when they
+  // are of the Menagerie, else by where the dataset keeps them.
+  SceneSpec spec;
+  std::map<std::string, FileSet> models;  // by these names
+};
 
-// ArgumentError when the episode's metadata has no scene_spec: only generated episodes have it.
-// Folders that are not there any more are left out: ROBOCELL_MODEL_PATH may name others.
+// NotFoundError for models that are not there.
+PortableScene MakePortable(const SceneSpec& scene);
+
+// With the models that the dataset keeps. Models that are not there, as when an episode was taken
+// out of its dataset, are looked for by their names; SpecError when those are other ones than were
+// recorded, NotFoundError when there are none. ArgumentError when the episode's metadata has no
+// scene_spec: only generated episodes have it.
 SceneSpec RecordedScene(const Episode& episode);
 
 }  // namespace robocell

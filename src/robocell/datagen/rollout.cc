@@ -49,7 +49,7 @@ Fraction RowRate(double policy_ms) {
 class Recording {
  public:
   Recording(const RunConfig& run, const EpisodeStart& start, const std::vector<Robot>& robots,
-            const Expert& expert, const RolloutOptions& options)
+            const Expert& expert, const PortableScene& portable, const RolloutOptions& options)
       : scene_(schema_, start.scene, start.task->objects(), expert.phase_names()),
         sensors_(schema_, start.scene),
         cameras_(schema_, start.scene, run.cameras, options.renderer,
@@ -65,6 +65,7 @@ class Recording {
         options.dataset, options.episode_id, schema_,
         EpisodeOptions{.metadata_json = options.metadata_json,
                        .versions_json = nlohmann::json{{"mujoco", mj_versionString()}}.dump()});
+    for (const auto& [name, files] : portable.models) writer_->AddModel(name, files);
   }
 
   void PutState(int phase, RolloutTimes& times) {
@@ -97,13 +98,13 @@ class Recording {
   std::optional<EpisodeWriter> writer_;
 };
 
-std::string Metadata(const RunConfig& run, const EpisodeStart& start,
+std::string Metadata(const RunConfig& run, const EpisodeStart& start, const PortableScene& portable,
                      const RolloutOptions& options) {
   nlohmann::json meta = nlohmann::json::parse(options.metadata_json);
   meta["instruction"] = start.task->instruction();
   meta["target_object"] = start.target_object;
   meta["object_kinds"] = start.object_kinds;
-  meta["scene_spec"] = ToYaml(start.scene.spec());
+  meta["scene_spec"] = ToYaml(portable.spec);
   meta["timestep"] = start.scene.timestep();
   meta["rates"] = {{"policy_ms", run.rates.policy_ms},
                    {"control_ms", run.rates.control_ms},
@@ -133,13 +134,14 @@ std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutRes
 RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
                          const RolloutOptions& given) {
   RolloutOptions options = given;
-  options.metadata_json = Metadata(run, start, given);
+  const PortableScene portable = MakePortable(start.scene.spec());
+  options.metadata_json = Metadata(run, start, portable, given);
   Stepper stepper(start.scene, RobotsOf(start.scene),
                   {run.rates.control_ticks(), run.rates.sim_steps()});
   start.task->Begin(start.scene);
   expert.Begin(start.scene, rng);
   RolloutResult result;
-  Recording recording(run, start, stepper.robots(), expert, options);
+  Recording recording(run, start, stepper.robots(), expert, portable, options);
   stepper.set_on_control_tick(
       [&](const mjModel* m, const mjData* d) { recording.PutControl(m, d); });
   bool terminated = false, truncated = false;
@@ -169,8 +171,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                              .terminated = terminated,
                              .truncated = truncated,
                              .end_reason = result.success ? "success" : result.failure,
-                             .warnings = Warnings(recording.warnings(), result),
-                             .run_json = ModelFoldersJson(start.scene.spec())});
+                             .warnings = Warnings(recording.warnings(), result)});
   result.committed = true;
   return result;
 }

@@ -6,10 +6,11 @@
 
 #include <filesystem>
 
+#include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
+#include "robocell/assets/scene_models.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/version.h"
-#include "robocell/datagen/model_files.h"
 #include "robocell/datagen/plan.h"
 #include "robocell/task/catalogue.h"
 #include "robocell/task/pick_sampler.h"
@@ -19,26 +20,10 @@ namespace {
 
 using Texts = std::map<std::string, std::string>;
 
-void AddModel(Texts& files, const std::string& name, const std::string& directory) {
-  for (const auto& [file, path] : ModelFiles(assets::Resolve(name, directory)))
-    files[file] = Sha256File(path);
-}
-
 Texts FilesOf(const RunConfig& run) {
   Texts files;
-  const RobotConfig& robot = run.robot.config;
-  AddModel(files, robot.model, robot.source_dir);
-  for (const AttachmentSpec& attachment : robot.attachments)
-    AddModel(files, attachment.mjcf_path, robot.source_dir);
-  PickTaskSampler sampler(run);
-  for (const int scene : SceneIndices(run)) {
-    const SceneSpec spec = sampler.MakeBaseScene(scene);
-    if (spec.base) AddModel(files, *spec.base, spec.source_dir);
-  }
-  for (const std::string& kind : ObjectKindsOf(run)) {
-    Rng rng = Rng::Stream(0, "model files");
-    const SceneObject object = MakeCatalogueObject(kind, kind, rng);
-    if (!object.shape) AddModel(files, object.mjcf_path, "");
+  for (const std::string& model : ModelsOf(run)) {
+    for (const auto& [file, path] : ModelFiles(model)) files[file] = Sha256File(path);
   }
   return files;
 }
@@ -89,6 +74,25 @@ void ForEachDifference(const Texts& then, const Texts& now, F&& f) {
 
 std::vector<std::string> ObjectKindsOf(const RunConfig& run) {
   return run.task.objects.empty() ? ObjectKinds() : run.task.objects.names;
+}
+
+std::vector<std::string> ModelsOf(const RunConfig& run) {
+  std::vector<std::string> paths;
+  const auto add = [&](const SceneSpec& scene) {
+    assets::ForEachModel(scene, [&](const std::string& name, const std::string& directory) {
+      paths.push_back(assets::Resolve(name, directory));
+    });
+  };
+  SceneSpec contents;
+  contents.robots.push_back({.config = run.robot.config});
+  for (const std::string& kind : ObjectKindsOf(run)) {
+    Rng rng = Rng::Stream(0, "model files");
+    contents.objects.push_back(MakeCatalogueObject(kind, kind, rng));
+  }
+  add(contents);
+  PickTaskSampler sampler(run);
+  for (const int scene : SceneIndices(run)) add(sampler.MakeBaseScene(scene));
+  return paths;
 }
 
 RunInputs InputsOf(const RunConfig& run) {

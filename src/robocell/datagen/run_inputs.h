@@ -19,8 +19,11 @@ struct RunInputs {
 // Kinds of objects that may stand in the run's scenes: those of the task, else the whole catalogue.
 std::vector<std::string> ObjectKindsOf(const RunConfig& run);
 
-// Of the robot with its attachments, the scenes and the objects that the task may use.
-// NotFoundError for models that are not there.
+// Paths of the models: of the robot with its attachments, the scenes and the objects that the task
+// may use. NotFoundError for models that are not there.
+std::vector<std::string> ModelsOf(const RunConfig& run);
+
+// The files are those of ModelsOf.
 RunInputs InputsOf(const RunConfig& run);
 
 // What differs, one line each: "task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now",

@@ -1,4 +1,4 @@
-#include "robocell/datagen/model_files.h"
+#include "robocell/assets/model_files.h"
 
 #include <cctype>
 #include <set>
@@ -15,8 +15,15 @@ namespace fs = std::filesystem;
 
 bool IsName(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
-// Calls f(attribute, value) for everything that reads like an XML attribute. Comments too: a file
-// too many does no harm.
+std::string WithoutComments(std::string text) {
+  for (size_t begin = 0; (begin = text.find("<!--", begin)) != std::string::npos;) {
+    const size_t end = text.find("-->", begin);
+    text.erase(begin, end == std::string::npos ? end : end + 3 - begin);
+  }
+  return text;
+}
+
+// Calls f(attribute, value) for everything that reads like an XML attribute.
 template <class F>
 void ForEachAttribute(std::string_view text, F&& f) {
   for (size_t equals = text.find('='); equals != std::string_view::npos;
@@ -48,12 +55,13 @@ class Walk {
     }
     return named;
   }
+  std::vector<fs::path> files() const { return {files_.begin(), files_.end()}; }
 
  private:
   void Read(fs::path file) {
     file = file.lexically_normal();
     if (!files_.insert(file).second || file.extension() != ".xml") return;
-    const std::string text = ReadFile(file);
+    const std::string text = WithoutComments(ReadFile(file));
     std::vector<fs::path> names;
     ForEachAttribute(text, [&](std::string_view attribute, std::string_view value) {
       if (attribute == "meshdir" || attribute == "texturedir" || attribute == "assetdir")
@@ -85,6 +93,11 @@ class Walk {
 
 std::map<std::string, fs::path> ModelFiles(const fs::path& model) {
   return Walk(fs::absolute(model).lexically_normal()).Named();
+}
+
+FileSet ModelFileSet(const fs::path& model) {
+  const fs::path absolute = fs::absolute(model).lexically_normal();
+  return MakeFileSet(absolute, Walk(absolute).files());
 }
 
 }  // namespace robocell

@@ -10,10 +10,15 @@
 #include <map>
 #include <string>
 
+#include "robocell/base/file_set.h"
+
 namespace robocell {
 
 // Names begin with the folder of the model, so they are the same on every machine. IoError when
 // `model` cannot be read.
 std::map<std::string, std::filesystem::path> ModelFiles(const std::filesystem::path& model);
+
+// The same files, known by what they hold.
+FileSet ModelFileSet(const std::filesystem::path& model);
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-#include "robocell/datagen/model_files.h"
+#include "robocell/assets/model_files.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -41,6 +41,14 @@ TEST(ModelFiles, IncludesMeshesAndTexturesAreFoundWithTheirFolders) {
   AtomicWrite(folder / "meshes/unused.stl", "c");
   EXPECT_THAT(Names(folder / "arm.xml"), ElementsAre("arm/arm.xml", "arm/meshes/a.stl",
                                                      "arm/meshes/b.stl", "arm/parts/hand.xml"));
+}
+
+// They are copied into datasets: what only a comment names stays where it is.
+TEST(ModelFiles, FilesInCommentsAreNone) {
+  TempDir temp;
+  AtomicWrite(temp / "secret", "");
+  AtomicWrite(temp / "a.xml", "<mujoco><!-- <mesh file='secret'/> --></mujoco><!-- file='secret'");
+  EXPECT_EQ(Names(temp / "a.xml").size(), 1u);
 }
 
 TEST(ModelFiles, ModelsThatIncludeEachOtherEnd) {

@@ -1,0 +1,92 @@
+#include "robocell/base/file_set.h"
+
+#include <sys/stat.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <mutex>
+#include <system_error>
+
+#include "robocell/base/hash.h"
+#include "robocell/base/io_error.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Changes whenever the file does.
+using Mark = std::array<int64_t, 6>;
+
+Mark MarkOf(const fs::path& path) {
+  struct stat info {};
+  if (::stat(path.c_str(), &info) != 0) ThrowIoError("look at", path, errno);
+  return {static_cast<int64_t>(info.st_ino),
+          static_cast<int64_t>(info.st_size),
+          info.st_mtim.tv_sec,
+          info.st_mtim.tv_nsec,
+          info.st_ctim.tv_sec,
+          info.st_ctim.tv_nsec};
+}
+
+std::string RememberedHash(const fs::path& path) {
+  struct Known {
+    Mark mark;
+    std::string hash;
+  };
+  static std::mutex mutex;
+  static std::map<fs::path, Known> known;
+  const Mark mark = MarkOf(path);
+  {
+    const std::lock_guard lock(mutex);
+    if (const auto it = known.find(path); it != known.end() && it->second.mark == mark)
+      return it->second.hash;
+  }
+  const std::string hash = Sha256File(path);
+  const std::lock_guard lock(mutex);
+  known[path] = {mark, hash};
+  return hash;
+}
+
+// Of names and hashes: a line each, as `sha256sum` prints them.
+std::string HashOfLines(const std::map<std::string, std::string>& hashes) {
+  Sha256Stream all;
+  for (const auto& [name, hash] : hashes) all.Update(hash + "  " + name + "\n");
+  return all.Hex();
+}
+
+fs::path CommonFolder(fs::path a, const fs::path& b) {
+  while (*b.lexically_relative(a).begin() == "..") a = a.parent_path();
+  return a;
+}
+
+}  // namespace
+
+FileSet MakeFileSet(const fs::path& main, const std::vector<fs::path>& files) {
+  fs::path folder = main.parent_path();
+  for (const fs::path& file : files) folder = CommonFolder(folder, file);
+  FileSet set{.main = main.lexically_relative(folder).generic_string(), .files = {}, .hash = {}};
+  std::map<std::string, std::string> hashes;
+  for (const fs::path& file : files) {
+    const std::string name = file.lexically_relative(folder).generic_string();
+    set.files[name] = file;
+    hashes[name] = RememberedHash(file);
+  }
+  set.hash = HashOfLines(hashes);
+  return set;
+}
+
+std::string HashOfFolder(const fs::path& folder) {
+  std::map<std::string, std::string> hashes;
+  std::error_code error;
+  for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
+       it.increment(error)) {
+    if (it->is_directory() && !it->is_symlink()) continue;
+    hashes[it->path().lexically_relative(folder).generic_string()] = Sha256File(it->path());
+  }
+  if (error) ThrowIoError("list", folder, error.value());
+  return HashOfLines(hashes);
+}
+
+}  // namespace robocell

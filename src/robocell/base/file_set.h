@@ -1,0 +1,32 @@
+// Files that belong together, such as a model with its meshes and textures, known by what they
+// hold: the same files have the same hash wherever they are.
+//
+//   const FileSet arm = MakeFileSet("/m/arm/arm.xml", {"/m/arm/arm.xml", "/m/arm/assets/a.stl"});
+//   arm.main;   // "arm.xml"; the other one is "assets/a.stl"
+//   arm.hash;   // of names and contents
+//
+// Hashes of files are remembered for as long as the process lives and the file is the same to the
+// system (inode, size, times). IoError names a file that cannot be read. Any thread.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace robocell {
+
+struct FileSet {
+  std::string main;                                    // the name of the one that names the others
+  std::map<std::string, std::filesystem::path> files;  // by their names from the common folder on
+  std::string hash;                                    // SHA-256, hexadecimal
+};
+
+// `files` are absolute paths and include `main`.
+FileSet MakeFileSet(const std::filesystem::path& main,
+                    const std::vector<std::filesystem::path>& files);
+
+// The hash of the set that consists of all files in a folder, read anew.
+std::string HashOfFolder(const std::filesystem::path& folder);
+
+}  // namespace robocell

@@ -1,0 +1,58 @@
+#include "robocell/base/file_set.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+FileSet Arm(const fs::path& folder, const std::string& mesh = "mesh") {
+  fs::create_directories(folder / "arm");
+  fs::create_directories(folder / "common");
+  AtomicWrite(folder / "arm/arm.xml", "model");
+  AtomicWrite(folder / "common/a.stl", mesh);
+  return MakeFileSet(folder / "arm/arm.xml", {folder / "arm/arm.xml", folder / "common/a.stl"});
+}
+
+TEST(FileSet, HasNamesFromTheCommonFolderOn) {
+  TempDir temp;
+  const FileSet arm = Arm(temp.path());
+  EXPECT_EQ(arm.main, "arm/arm.xml");
+  EXPECT_EQ(arm.files.at("common/a.stl"), temp / "common/a.stl");
+  EXPECT_EQ(MakeFileSet(temp / "arm/arm.xml", {temp / "arm/arm.xml"}).main, "arm.xml");
+}
+
+TEST(FileSet, HasTheSameHashWhereverItIs) {
+  TempDir here, there;
+  EXPECT_EQ(Arm(here.path()).hash, Arm(there.path()).hash);
+  EXPECT_EQ(Arm(here.path()).hash, HashOfFolder(there.path()));
+}
+
+// Of the same length and at once: the second one must not be taken for the first.
+TEST(FileSet, HasAnotherHashWhenAFileChanges) {
+  TempDir temp;
+  const std::string before = Arm(temp.path()).hash;
+  EXPECT_NE(Arm(temp.path(), "hsem").hash, before);
+  EXPECT_EQ(Arm(temp.path(), "mesh").hash, before);
+}
+
+TEST(FileSet, HasAnotherHashWhenANameChanges) {
+  TempDir temp;
+  const std::string before = Arm(temp.path()).hash;
+  fs::rename(temp / "common/a.stl", temp / "common/b.stl");
+  EXPECT_NE(HashOfFolder(temp.path()), before);
+}
+
+TEST(FileSet, NamesAMissingFile) {
+  ExpectThrow<IoError>([] { MakeFileSet("/no/such.xml", {"/no/such.xml"}); }, "/no/such.xml");
+  ExpectThrow<IoError>([] { HashOfFolder("/no/such"); }, "/no/such");
+}
+
+}  // namespace
+}  // namespace robocell

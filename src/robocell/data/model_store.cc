@@ -1,0 +1,99 @@
+#include "robocell/data/model_store.h"
+
+#include <algorithm>
+#include <string_view>
+#include <system_error>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/io_error.h"
+#include "robocell/base/paths.h"
+#include "robocell/data/episode_files.h"
+#include "robocell/data/work_folder.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kDigits = 16;  // of the hash in a folder's name
+
+std::string FolderName(const FileSet& model) {
+  return fs::path(model.main).stem().string() + "-" + model.hash.substr(0, kDigits);
+}
+
+bool IsStoredName(const std::string& name) {
+  if (name.size() <= kDigits || name[name.size() - kDigits - 1] != '-' || name.front() == '.')
+    return false;
+  return name.find_first_not_of("0123456789abcdef", name.size() - kDigits) == std::string::npos;
+}
+
+void Copy(const fs::path& from, const fs::path& to) {
+  std::error_code error;
+  fs::create_directories(to.parent_path(), error);
+  if (error) ThrowIoError("create", to.parent_path(), error.value());
+  AtomicWrite(to, ReadFile(from));
+}
+
+}  // namespace
+
+std::string StoredModelPath(const FileSet& model) {
+  return std::string(kModelsFolder) + "/" + FolderName(model) + "/" + model.main;
+}
+
+void StoreModel(const fs::path& dataset, const FileSet& model) {
+  const fs::path folder = dataset / kModelsFolder, final = folder / FolderName(model);
+  std::error_code error;
+  if (fs::exists(final, error)) return;
+  fs::create_directory(folder, error);
+  if (error) ThrowIoError("create", folder, error.value());
+  WorkFolder work(folder, FolderName(model));
+  for (const auto& [name, path] : model.files) Copy(path, ConfinedPath(work.path(), name));
+  if (HashOfFolder(work.path()) != model.hash)
+    throw IoError("model '" + model.main + "' changed while it was copied into '" +
+                  dataset.string() + "'; try again");
+  try {
+    work.Commit(final);
+  } catch (const IoError&) {  // somebody else was quicker
+    if (!fs::exists(final, error)) throw;
+  }
+}
+
+bool IsStoredModelPath(const std::string& path) {
+  const fs::path parts = path;
+  int count = 0;
+  for (const fs::path& part : parts) {
+    const std::string name = part.string();
+    if (!ValidFileName(name)) return false;
+    if (count == 0 && name != kModelsFolder) return false;
+    if (count == 1 && !IsStoredName(name)) return false;
+    ++count;
+  }
+  return count > 2;
+}
+
+std::string StoredModelFolder(const std::string& path) {
+  const fs::path parts = path;
+  return (*parts.begin() / *std::next(parts.begin())).string();
+}
+
+bool StoredModelIsIntact(const fs::path& dataset, const std::string& path) {
+  const std::string folder = StoredModelFolder(path);
+  return HashOfFolder(dataset / folder).starts_with(folder.substr(folder.size() - kDigits));
+}
+
+std::vector<std::string> StoredModels(const fs::path& dataset) {
+  std::vector<std::string> names;
+  std::error_code error;
+  const fs::path folder = dataset / kModelsFolder;
+  if (!fs::is_directory(folder, error)) return names;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (IsStoredName(name)) names.push_back(std::string(kModelsFolder) + "/" + name);
+  }
+  if (error) ThrowIoError("list", folder, error.value());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace robocell

@@ -1,0 +1,34 @@
+// The models that the episodes of a dataset were made in: each is kept once, by its content, in
+// <dataset>/models/<name>-<hash>, with its meshes and textures. Ordinary model files: a viewer
+// opens them. They are what makes an episode replayable where its models are not installed.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "robocell/base/file_set.h"
+
+namespace robocell {
+
+// Where a model is kept, within the dataset: "models/rc7-0123456789abcdef/rc7.xml".
+std::string StoredModelPath(const FileSet& model);
+
+// Copies the model into the dataset unless it is there. Complete or absent, like an episode; any
+// number of processes may store the same. IoError.
+void StoreModel(const std::filesystem::path& dataset, const FileSet& model);
+
+// Whether a text is such a path, and leads nowhere else.
+bool IsStoredModelPath(const std::string& path);
+
+// The part of such a path that names the model: "models/rc7-0123456789abcdef".
+std::string StoredModelFolder(const std::string& path);
+
+// Whether the files of a stored model (a path or folder as above) are what was stored. IoError when
+// it is not there.
+bool StoredModelIsIntact(const std::filesystem::path& dataset, const std::string& path);
+
+// The folders of models in the dataset: "models/rc7-0123456789abcdef", sorted.
+std::vector<std::string> StoredModels(const std::filesystem::path& dataset);
+
+}  // namespace robocell

@@ -1,0 +1,94 @@
+#include "robocell/data/model_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <iterator>
+#include <thread>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/data/verify.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class ModelStoreTest : public ::testing::Test {
+ protected:
+  ModelStoreTest() {
+    fs::create_directories(temp / "arm/assets");
+    fs::create_directories(dataset);
+    AtomicWrite(temp / "arm/arm.xml", "model");
+    AtomicWrite(temp / "arm/assets/a.stl", "mesh");
+    arm = MakeFileSet(temp / "arm/arm.xml", {temp / "arm/arm.xml", temp / "arm/assets/a.stl"});
+  }
+  TempDir temp;
+  fs::path dataset = temp / "out";
+  FileSet arm;
+};
+
+TEST_F(ModelStoreTest, KeepsAModelOnceWithItsFiles) {
+  for (int i = 0; i < 2; ++i) StoreModel(dataset, arm);
+  const std::string folder = "models/arm-" + arm.hash.substr(0, 16);
+  EXPECT_EQ(StoredModelPath(arm), folder + "/arm.xml");
+  EXPECT_THAT(StoredModels(dataset), ElementsAre(folder));
+  EXPECT_EQ(ReadFile(dataset / folder / "assets/a.stl"), "mesh");
+  EXPECT_TRUE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  EXPECT_TRUE(Verify(dataset).ok());
+}
+
+TEST_F(ModelStoreTest, TellsWhatWasChangedTakenAwayOrAdded) {
+  StoreModel(dataset, arm);
+  const fs::path folder = dataset / StoredModels(dataset)[0];
+  AtomicWrite(folder / "more", "");
+  EXPECT_FALSE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  fs::remove(folder / "more");
+  EXPECT_TRUE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  AtomicWrite(folder / "assets/a.stl", "hsem");
+  EXPECT_FALSE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  fs::remove(folder / "assets/a.stl");
+  EXPECT_FALSE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  fs::remove_all(folder);
+  EXPECT_THROW(StoredModelIsIntact(dataset, StoredModelPath(arm)), IoError);
+}
+
+TEST_F(ModelStoreTest, LeavesNothingWhenAFileCannotBeRead) {
+  fs::remove(temp / "arm/assets/a.stl");
+  EXPECT_THROW(StoreModel(dataset, arm), IoError);
+  EXPECT_TRUE(fs::is_empty(dataset / "models"));
+}
+
+TEST_F(ModelStoreTest, DoesNotStoreAFileThatChangedMeanwhile) {
+  AtomicWrite(temp / "arm/arm.xml", "other");
+  EXPECT_THROW(StoreModel(dataset, arm), IoError);
+  EXPECT_THAT(StoredModels(dataset), IsEmpty());
+}
+
+TEST_F(ModelStoreTest, ManyMayStoreTheSameAtOnce) {
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i) threads.emplace_back([&] { StoreModel(dataset, arm); });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(StoredModels(dataset).size(), 1u);
+  EXPECT_TRUE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  EXPECT_EQ(std::distance(fs::directory_iterator(dataset / "models"), {}), 1);
+}
+
+TEST_F(ModelStoreTest, PathsLeadNowhereElse) {
+  EXPECT_TRUE(IsStoredModelPath("models/rc7-0123456789abcdef/rc7.xml"));
+  for (const char* path :
+       {"", "models", "models/rc7-0123456789abcdef", "other/rc7-0123456789abcdef/rc7.xml",
+        "/models/rc7-0123456789abcdef/rc7.xml", "models/rc7/rc7.xml",
+        "models/rc7-0123456789abcdef/../../../etc/passwd"}) {
+    EXPECT_FALSE(IsStoredModelPath(path)) << path;
+  }
+}
+
+}  // namespace
+}  // namespace robocell

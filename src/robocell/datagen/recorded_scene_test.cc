@@ -1,0 +1,144 @@
+#include "robocell/datagen/recorded_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/model_store.h"
+#include "robocell/data/verify.h"
+#include "robocell/datagen/replay.h"
+#include "robocell/datagen/runner.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+const fs::path kModels = fs::path(ROBOCELL_SOURCE_DIR) / "models";
+
+// The built-in robot as a user's own, on a user's own table.
+RunConfig OwnRun(const fs::path& folder) {
+  fs::create_directories(folder);
+  fs::copy(kModels / "robots/rc7", folder / "robot", fs::copy_options::recursive);
+  fs::copy(kModels / "scenes/tabletop.xml", folder / "table.xml");
+  RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+  run.cameras.streams = {};
+  run.robot.config.source_dir = (folder / "robot").string();
+  run.scenes.source = SceneSourceKind::kFiles;
+  run.scenes.files = {(folder / "table.xml").string()};
+  run.output = (folder / "out").string();
+  return run;
+}
+
+// One episode, in `folder`/out.
+Episode Record(const RunConfig& run) {
+  PrepareDataset(run);
+  EXPECT_TRUE(Runner(run).Run(MakePlan(run)[0]).success);
+  return Dataset(run.output).Open("s0000_e0000");
+}
+
+class RecordedSceneTest : public ::testing::Test {
+ protected:
+  TempDir temp;
+  fs::path machine = temp / "machine";
+  fs::path other = temp / "other";
+};
+
+TEST_F(RecordedSceneTest, AnEpisodeIsReplayedWhereItsModelsNeverWere) {
+  Record(OwnRun(machine));
+  fs::rename(machine / "out", other);
+  fs::remove_all(machine);
+  const Episode episode = Dataset(other).Open("s0000_e0000");
+  const ReplayReport report = CheckReplay(episode, {.tolerance = 0});
+  EXPECT_TRUE(report.ok()) << report.Text();
+  EXPECT_GT(report.rows, 20);
+  EXPECT_TRUE(Verify(other).ok()) << Verify(other).Text();
+}
+
+TEST_F(RecordedSceneTest, TheSceneNamesNoPathOfTheMachine) {
+  const Episode episode = Record(OwnRun(machine));
+  const auto metadata = nlohmann::json::parse(episode.metadata_json());
+  EXPECT_THAT(metadata["scene_spec"].get<std::string>(), Not(HasSubstr(temp.path().string())));
+  EXPECT_THAT(episode.run_json(), Not(HasSubstr(temp.path().string())));
+  // The text alone builds, from the dataset's folder on.
+  const auto spec = ParseYaml<SceneSpec>(metadata["scene_spec"].get<std::string>(), "scene_spec",
+                                         machine / "out");
+  EXPECT_NO_THROW(Scene::Build(spec));
+}
+
+TEST_F(RecordedSceneTest, ModelsThatEverybodyHasKeepTheirNames) {
+  RunConfig run = OwnRun(machine);
+  run.robot.config.source_dir = (kModels / "robots/rc7").string();
+  run.scenes = {};
+  run.task.objects.names = {"box"};
+  const Episode episode = Record(run);
+  EXPECT_EQ(episode.models().size(), 2u);
+  EXPECT_THAT(episode.models().at("rc7"), StartsWith("models/rc7-"));
+  EXPECT_THAT(episode.models().at("tabletop"), StartsWith("models/tabletop-"));
+  const auto metadata = nlohmann::json::parse(episode.metadata_json());
+  EXPECT_NO_THROW(Scene::Build(ParseYaml<SceneSpec>(metadata["scene_spec"].get<std::string>())));
+}
+
+TEST_F(RecordedSceneTest, AnEpisodeAloneFindsModelsThatEverybodyHas) {
+  RunConfig run = OwnRun(machine);
+  run.robot.config.source_dir = (kModels / "robots/rc7").string();
+  run.scenes = {};
+  Record(run);
+  fs::create_directory(other);
+  fs::rename(machine / "out/s0000_e0000", other / "s0000_e0000");
+  const Episode episode = Dataset(other).Open("s0000_e0000");
+  EXPECT_TRUE(CheckReplay(episode, {.tolerance = 0}).ok());
+}
+
+TEST_F(RecordedSceneTest, AnEpisodeWithoutItsOwnModelsSaysWhatIsMissing) {
+  Record(OwnRun(machine));
+  fs::create_directory(other);
+  fs::rename(machine / "out/s0000_e0000", other / "s0000_e0000");
+  const Episode episode = Dataset(other).Open("s0000_e0000");
+  const std::string text =
+      ExpectThrow<NotFoundError>([&] { RecordedScene(episode); }, "keep an episode in its dataset");
+  EXPECT_THAT(text, HasSubstr("models/table-"));
+}
+
+TEST_F(RecordedSceneTest, AChangedModelIsNotBuilt) {
+  const Episode episode = Record(OwnRun(machine));
+  const fs::path stored = machine / "out" / episode.models().begin()->second;
+  AtomicWrite(stored, ReadFile(stored) + " ");
+  ExpectThrow<IoError>([&] { RecordedScene(episode); },
+                       "is not what was stored; see `robocell verify");
+}
+
+TEST_F(RecordedSceneTest, VerifyNamesModelsThatAreDamagedOrMissing) {
+  const RunConfig run = OwnRun(machine);
+  const Episode episode = Record(run);
+  const fs::path dataset = machine / "out", stored = dataset / episode.models().begin()->second;
+  const std::string folder = fs::path("models") / stored.parent_path().filename();
+  AtomicWrite(stored, ReadFile(stored) + " ");
+  const RepairResult repaired = Repair(dataset);
+  ASSERT_EQ(repaired.found.problems.size(), 1u) << repaired.found.Text();
+  EXPECT_EQ(repaired.found.problems[0].Text(), folder + ": its files are not what was stored");
+  EXPECT_THAT(repaired.found.good, ElementsAre("s0000_e0000"));
+  EXPECT_THAT(repaired.moved, ElementsAre(stored.parent_path().filename().string()));
+  ASSERT_EQ(repaired.remaining.size(), 1u);
+  EXPECT_EQ(repaired.remaining[0].Text(),
+            folder +
+                ": it is missing; 1 episodes can be read, not replayed. `robocell generate` with "
+                "the run's file stores it again");
+  PrepareDataset(run);
+  EXPECT_TRUE(Verify(dataset).ok()) << Verify(dataset).Text();
+}
+
+}  // namespace
+}  // namespace robocell
