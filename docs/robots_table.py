@@ -39,7 +39,7 @@ The page was written by
 - **success**: episodes made, of the rollouts that were begun.
 - **accepted**: starts that the sampler took, of those it drew.
 - **episode**: mean length in simulated seconds.
-- **episodes/h**: by the clock on the wall, starting the workers included.
+- **episodes/h**: by the clock on the wall in one short run; other work on the machine lowers it.
 - **gripper**: distance of the fingers, closed and open, as `robocell gripper-range` prints it.
 
 | robot | run file | success | accepted | episode | episodes/h | gripper |
