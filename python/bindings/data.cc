@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "bindings.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/verify.h"
@@ -54,18 +56,26 @@ nb::object ReadColumn(const Episode& episode, const std::string& name, int64_t f
   return Array<uint8_t, bool>(std::move(values), shape);
 }
 
-nb::object ReadFrames(const Episode& episode, const std::string& camera) {
+template <class Pixel>
+std::vector<Pixel> AllFrames(VideoReader video) {
+  const nb::gil_scoped_release release;
+  const size_t size = video.frame_bytes() / sizeof(Pixel);
+  std::vector<Pixel> all(size * static_cast<size_t>(video.info().frames));
+  for (size_t at = 0; at < all.size(); at += size) video.Next(std::span(all).subspan(at, size));
+  return all;
+}
+
+nb::object ReadFrames(const Episode& episode, const std::string& camera, const std::string& kind) {
   const CameraInfo& info = episode.camera(camera);
-  const size_t size = 3 * static_cast<size_t>(info.width) * static_cast<size_t>(info.height);
-  std::vector<uint8_t> all(size * static_cast<size_t>(info.frames));
-  {
-    nb::gil_scoped_release release;
-    VideoReader video = episode.Video(camera);
-    for (int64_t i = 0; i < info.frames; ++i)
-      video.Next(std::span(all).subspan(size * static_cast<size_t>(i), size));
+  std::vector<size_t> shape = {static_cast<size_t>(info.frames), static_cast<size_t>(info.height),
+                               static_cast<size_t>(info.width)};
+  if (kind == "depth") return Array(AllFrames<uint16_t>(episode.DepthVideo(camera)), shape);
+  if (kind != "rgb") {
+    throw NotFoundError(
+        NoSuchName("camera '" + camera + "'", "kind of image", kind, {"rgb", "depth"}));
   }
-  return Array(std::move(all), {static_cast<size_t>(info.frames), static_cast<size_t>(info.height),
-                                static_cast<size_t>(info.width), 3});
+  shape.push_back(3);
+  return Array(AllFrames<uint8_t>(episode.Video(camera)), shape);
 }
 
 std::vector<std::string> ColumnNames(const Episode& episode) {
@@ -141,9 +151,22 @@ void BindEpisode(nb::module_& m) {
                      for (const CameraInfo& info : e.cameras()) names.push_back(info.name);
                      return names;
                    })
-      .def("frames", &ReadFrames, "camera"_a,
-           nb::sig("def frames(self, camera: str) -> numpy.typing.NDArray[numpy.uint8]"),
-           "All frames of a camera, uint8 (frames, height, width, 3).")
+      .def_prop_ro(
+          "depth_cameras",
+          [](const Episode& e) {
+            std::vector<std::string> names;
+            for (const CameraInfo& info : e.cameras()) {
+              if (!info.depth_file.empty()) names.push_back(info.name);
+            }
+            return names;
+          },
+          "The cameras that also have depth.")
+      .def("frames", &ReadFrames, "camera"_a, "kind"_a = "rgb",
+           nb::sig("def frames(self, camera: str, kind: str = 'rgb') -> "
+                   "numpy.typing.NDArray[typing.Any]"),
+           "All frames of a camera. 'rgb': uint8 (frames, height, width, 3). 'depth': uint16 "
+           "(frames, height, width), millimetres along the camera's axis, 0 for no hit, 65535 for "
+           "that and more; exactly as rendered. NotFoundError when the camera has no depth.")
       .def_prop_ro("files", &Episode::files)
       .def_prop_ro("models", &Episode::models,
                    "The models it was made in: their names in the metadata -> where the dataset "

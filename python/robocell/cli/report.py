@@ -14,7 +14,7 @@ from rich.table import Table
 
 import robocell
 from robocell.cli.common import ExitCode, fail, print_warning, print_wide, require_folder
-from robocell.generate.items import Report, counts_text
+from robocell.generate.items import Report, counts_text, recorded_frames
 from robocell.generate.report import DamagedReportError, RunReport, load, report_paths
 from robocell.generate.summary import Summary
 from robocell.generate.totals import Totals, counted, side_by_side, size
@@ -41,7 +41,7 @@ class OnDisk:
             success=episode.success,
             end_reason=episode.end_reason,
             rows=episode.rows(),
-            frames=sum(camera["frames"] for camera in described["cameras"].values()),
+            frames=recorded_frames(described),
             bytes=files + (episode.folder / "episode.json").stat().st_size,
         )
 

@@ -88,6 +88,14 @@ class Report:
         return f"no success in {tried}: {reasons}"
 
 
+def recorded_frames(described: Mapping[str, Any]) -> int:
+    """Frames of all videos of an episode, colour and depth, from its episode.json."""
+    cameras = described["cameras"].values()
+    return sum(
+        camera["frames"] + camera.get("depth", {"frames": 0})["frames"] for camera in cameras
+    )
+
+
 def counts_text(counts: Mapping[str, int], limit: int | None = None) -> str:
     """'dropped 3, too far 2': the most frequent first; `limit` of them, then 'and 4 more'."""
     ordered = sorted(counts.items(), key=lambda entry: (-entry[1], entry[0]))

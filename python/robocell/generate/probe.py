@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from robocell import Dataset, PlanItem, RunConfig, Runner, make_plan
+from robocell.generate.items import recorded_frames
 from robocell.generate.protocol import Failure
 
 MOST_BLIND, BLIND_S = 24, 8.0
@@ -135,7 +136,7 @@ def _make_one(runner: Runner, item: PlanItem, folder: Path) -> Sample:
         kept=report.kept,
         rollouts=report.accepted,
         rows=sum(len(dataset[name]) for name in ids),
-        frames=sum(camera["frames"] for each in described for camera in each["cameras"].values()),
+        frames=sum(recorded_frames(each) for each in described),
         bytes=sum(file.stat().st_size for file in files),
         video_bytes=sum(file.stat().st_size for file in videos),
         seconds=seconds,

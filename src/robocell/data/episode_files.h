@@ -37,5 +37,6 @@ inline bool IsReportFile(std::string_view name) {
 }
 
 inline std::string VideoFile(std::string_view camera) { return std::string(camera) + ".mp4"; }
+inline std::string DepthFile(std::string_view camera) { return std::string(camera) + ".depth.mov"; }
 
 }  // namespace robocell

@@ -24,6 +24,7 @@ using Json = nlohmann::ordered_json;
 CameraInfo ReadCamera(const std::string& name, const Json& json) {
   return {.name = name,
           .file = json.at("file"),
+          .depth_file = json.contains("depth") ? json["depth"].at("file").get<std::string>() : "",
           .table = json.at("table"),
           .frames = json.at("frames"),
           .width = json.at("width"),
@@ -251,6 +252,18 @@ const CameraInfo& Episode::camera(const std::string& name) const {
 VideoReader Episode::Video(const std::string& name) const {
   const CameraInfo& info = camera(name);
   return VideoReader(ConfinedPath(impl_->folder, info.file));
+}
+
+VideoReader Episode::DepthVideo(const std::string& name) const {
+  const CameraInfo& info = camera(name);
+  if (!info.depth_file.empty()) return VideoReader(ConfinedPath(impl_->folder, info.depth_file));
+  std::vector<std::string> with_depth;
+  for (const CameraInfo& each : cameras()) {
+    if (!each.depth_file.empty()) with_depth.push_back(each.name);
+  }
+  throw NotFoundError(fmt::format("{}: camera '{}' has no depth. Cameras with depth: {}",
+                                  impl_->Name(), name,
+                                  with_depth.empty() ? "none" : ListNames(with_depth)));
 }
 
 }  // namespace robocell

@@ -36,6 +36,7 @@ struct ColumnInfo {
 struct CameraInfo {
   std::string name;
   std::string file;
+  std::string depth_file;  // "" when the camera has no depth
   std::string table;
   int64_t frames = 0;
   int width = 0;
@@ -93,6 +94,8 @@ class Episode {
   const std::vector<CameraInfo>& cameras() const;
   const CameraInfo& camera(const std::string& name) const;
   VideoReader Video(const std::string& camera) const;
+  // The depth of a camera, uint16 millimetres. NotFoundError when it has none.
+  VideoReader DepthVideo(const std::string& camera) const;
   // The models it was made in: their names in the metadata -> where the dataset keeps them
   // ("models/rc7-0123456789abcdef/rc7.xml").
   std::map<std::string, std::string> models() const;

@@ -155,6 +155,10 @@ CameraId EpisodeSchema::AddCamera(CameraStream stream, TableId table) {
                            .height = stream.height,
                            .fps_num = stream.fps_num,
                            .fps_den = stream.fps_den});
+  if (stream.depth) {
+    CheckVideoOptions(name,
+                      {.kind = VideoKind::kDepth, .width = stream.width, .height = stream.height});
+  }
   for (const CameraEntry& camera : cameras_) {
     if (camera.stream.name == stream.name) throw ArgumentError(name + " is declared twice");
   }

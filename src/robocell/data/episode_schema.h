@@ -48,7 +48,7 @@ struct CameraId {
 
 inline constexpr TableId kStepsTable{0};
 
-// A colour video, stored as <name>.mp4.
+// A colour video, stored as <name>.mp4, and if wanted depth beside it.
 struct CameraStream {
   std::string name;  // a file name
   int width = 0;     // px, even
@@ -58,6 +58,9 @@ struct CameraStream {
   // 3x3 in row-major order, px, OpenCV axes; stored as cameras/<name>/intrinsics. A per-row
   // extrinsics column is added like any other column.
   std::optional<std::array<double, 9>> intrinsics;
+  // Also a lossless video <name>.depth.mov: uint16, millimetres along the camera's axis, 0 where
+  // nothing was hit, 65535 for everything farther.
+  bool depth = false;
 };
 
 // A value without time axis.

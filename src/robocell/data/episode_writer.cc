@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <ctime>
+#include <optional>
 #include <system_error>
 #include <utility>
 #include <nlohmann/json.hpp>
@@ -31,6 +32,12 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+// The videos of one camera.
+struct CameraFiles {
+  VideoWriter colour;
+  std::optional<VideoWriter> depth = {};
+};
 
 enum class State { kOpen, kFailed, kCommitted, kAborted };
 
@@ -71,7 +78,7 @@ struct EpisodeWriter::Impl {
   Json metadata;
   Json versions;
   std::unique_ptr<StepsFile> steps;
-  std::vector<VideoWriter> videos;
+  std::vector<CameraFiles> videos;  // by the camera's number
   std::vector<std::string> extra_files;
   Json models = Json::object();
   State state = State::kOpen;
@@ -112,6 +119,9 @@ struct EpisodeWriter::Impl {
 
   void Open(const EpisodeOptions& options);
   void RequireFramesMatchRows() const;
+  void RequireOnePerRow(const CameraEntry& camera, const char* what,
+                        const VideoWriter& video) const;
+  CameraFiles& VideosOf(CameraId camera);
   void CloseFiles();
   void Rename();
   Json Tables() const;
@@ -128,32 +138,43 @@ void EpisodeWriter::Impl::Open(const EpisodeOptions& options) {
   steps = std::make_unique<StepsFile>(work->path() / kStepsFile, name, schema);
   for (const CameraEntry& camera : schema.cameras()) {
     const CameraStream& stream = camera.stream;
-    videos.emplace_back(work->path() / VideoFile(stream.name),
-                        VideoOptions{.width = stream.width,
-                                     .height = stream.height,
-                                     .fps_num = stream.fps_num,
-                                     .fps_den = stream.fps_den,
-                                     .preset = options.video_preset,
-                                     .crf = options.video_crf,
-                                     .keyframe_interval = options.video_keyframe_interval});
+    VideoOptions video{.width = stream.width,
+                       .height = stream.height,
+                       .fps_num = stream.fps_num,
+                       .fps_den = stream.fps_den,
+                       .preset = options.video_preset,
+                       .crf = options.video_crf,
+                       .keyframe_interval = options.video_keyframe_interval};
+    videos.push_back({.colour = VideoWriter(work->path() / VideoFile(stream.name), video)});
+    if (!stream.depth) continue;
+    video.kind = VideoKind::kDepth;
+    videos.back().depth.emplace(work->path() / DepthFile(stream.name), video);
   }
 }
 
 void EpisodeWriter::Impl::RequireFramesMatchRows() const {
   if (steps->rows(kStepsTable) == 0) throw ArgumentError(fmt::format("{}: it has no row", name));
   for (size_t i = 0; i < videos.size(); ++i) {
-    const CameraEntry& camera = schema.cameras()[i];
-    const int64_t rows = steps->rows(camera.table);
-    if (videos[i].frames() == rows) continue;
-    throw ArgumentError(fmt::format(
-        "{}: camera '{}' has {} frames for the {} rows of table '{}'; each row needs one", name,
-        camera.stream.name, videos[i].frames(), rows, schema.tables()[camera.table.index].name));
+    RequireOnePerRow(schema.cameras()[i], "frames", videos[i].colour);
+    if (videos[i].depth) RequireOnePerRow(schema.cameras()[i], "depth frames", *videos[i].depth);
   }
+}
+
+void EpisodeWriter::Impl::RequireOnePerRow(const CameraEntry& camera, const char* what,
+                                           const VideoWriter& video) const {
+  const int64_t rows = steps->rows(camera.table);
+  if (video.frames() == rows) return;
+  throw ArgumentError(fmt::format(
+      "{}: camera '{}' has {} {} for the {} rows of table '{}'; each row needs one", name,
+      camera.stream.name, video.frames(), what, rows, schema.tables()[camera.table.index].name));
 }
 
 void EpisodeWriter::Impl::CloseFiles() {
   steps->Close();
-  for (VideoWriter& video : videos) video.Finish();
+  for (CameraFiles& camera : videos) {
+    camera.colour.Finish();
+    if (camera.depth) camera.depth->Finish();
+  }
   steps->VerifyContent();
 }
 
@@ -184,17 +205,25 @@ Json EpisodeWriter::Impl::Cameras() const {
   for (size_t i = 0; i < videos.size(); ++i) {
     const CameraEntry& camera = schema.cameras()[i];
     const CameraStream& stream = camera.stream;
-    cameras[stream.name] = {
-        {"file", VideoFile(stream.name)}, {"table", schema.tables()[camera.table.index].name},
-        {"frames", videos[i].frames()},   {"width", stream.width},
-        {"height", stream.height},        {"fps", {stream.fps_num, stream.fps_den}}};
+    cameras[stream.name] = {{"file", VideoFile(stream.name)},
+                            {"table", schema.tables()[camera.table.index].name},
+                            {"frames", videos[i].colour.frames()},
+                            {"width", stream.width},
+                            {"height", stream.height},
+                            {"fps", {stream.fps_num, stream.fps_den}}};
+    if (!videos[i].depth) continue;
+    cameras[stream.name]["depth"] = {
+        {"file", DepthFile(stream.name)}, {"frames", videos[i].depth->frames()}, {"units", "mm"}};
   }
   return cameras;
 }
 
 Json EpisodeWriter::Impl::Files() const {
   std::vector<std::string> names = {std::string(kStepsFile)};
-  for (const CameraEntry& camera : schema.cameras()) names.push_back(VideoFile(camera.stream.name));
+  for (const CameraEntry& camera : schema.cameras()) {
+    names.push_back(VideoFile(camera.stream.name));
+    if (camera.stream.depth) names.push_back(DepthFile(camera.stream.name));
+  }
   names.insert(names.end(), extra_files.begin(), extra_files.end());
   Json files = Json::object();
   for (const std::string& file : names) {
@@ -208,7 +237,7 @@ Json EpisodeWriter::Impl::Versions() const {
   Json all = {{"robocell", std::string(Version())}, {"hdf5", hdf5::Version()}};
   if (!videos.empty()) {
     all["ffmpeg"] = FfmpegVersion();
-    all["encoder"] = ReadVideoInfo(videos[0].path()).encoder;
+    all["encoder"] = ReadVideoInfo(videos[0].colour.path()).encoder;
   }
   all.update(versions);
   return all;
@@ -302,13 +331,25 @@ void EpisodeWriter::EndRow(TableId table) {
   impl_->Do("EndRow()", [&] { impl_->steps->EndRow(table); });
 }
 
+CameraFiles& EpisodeWriter::Impl::VideosOf(CameraId camera) {
+  if (camera.index >= 0 && camera.index < static_cast<int>(videos.size()))
+    return videos[camera.index];
+  throw ArgumentError(fmt::format("{}: there is no camera number {}; it has {}", name, camera.index,
+                                  videos.size()));
+}
+
 void EpisodeWriter::WriteFrame(CameraId camera, std::span<const uint8_t> rgb) {
-  impl_->Do("WriteFrame()", [&] {
-    if (camera.index < 0 || camera.index >= static_cast<int>(impl_->videos.size())) {
-      throw ArgumentError(fmt::format("{}: there is no camera number {}; it has {}", impl_->name,
-                                      camera.index, impl_->videos.size()));
+  impl_->Do("WriteFrame()", [&] { impl_->VideosOf(camera).colour.Write(rgb); });
+}
+
+void EpisodeWriter::WriteDepth(CameraId camera, std::span<const uint16_t> millimetres) {
+  impl_->Do("WriteDepth()", [&] {
+    std::optional<VideoWriter>& video = impl_->VideosOf(camera).depth;
+    if (!video) {
+      throw ArgumentError(fmt::format("{}: camera '{}' was declared without depth", impl_->name,
+                                      impl_->schema.cameras()[camera.index].stream.name));
     }
-    impl_->videos[camera.index].Write(rgb);
+    video->Write(millimetres);
   });
 }
 
@@ -320,7 +361,7 @@ void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
           fmt::format("{}: '{}' cannot be added, the name is taken", impl_->name, name));
     }
     for (const CameraEntry& camera : impl_->schema.cameras()) {
-      if (name == VideoFile(camera.stream.name)) {
+      if (name == VideoFile(camera.stream.name) || name == DepthFile(camera.stream.name)) {
         throw ArgumentError(fmt::format("{}: '{}' is the video of camera '{}'", impl_->name, name,
                                         camera.stream.name));
       }
@@ -360,7 +401,12 @@ int64_t EpisodeWriter::rows(TableId table) const {
   return impl_->steps ? impl_->steps->rows(table) : 0;
 }
 int64_t EpisodeWriter::frames(CameraId camera) const {
-  return impl_->videos.empty() ? 0 : impl_->videos.at(camera.index).frames();
+  return impl_->videos.empty() ? 0 : impl_->videos.at(camera.index).colour.frames();
+}
+int64_t EpisodeWriter::depth_frames(CameraId camera) const {
+  if (impl_->videos.empty()) return 0;
+  const std::optional<VideoWriter>& video = impl_->videos.at(camera.index).depth;
+  return video ? video->frames() : 0;
 }
 const std::string& EpisodeWriter::id() const { return impl_->id; }
 bool EpisodeWriter::is_open() const { return impl_->state == State::kOpen; }

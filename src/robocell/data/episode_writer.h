@@ -1,4 +1,4 @@
-// Writes one episode: a folder with steps.h5, one mp4 per camera and episode.json, complete or
+// Writes one episode: a folder with steps.h5, the cameras' videos and episode.json, complete or
 // absent.
 //
 // Everything is written under a hidden temporary name in the dataset's folder. Commit() closes and
@@ -88,6 +88,8 @@ class EpisodeWriter {
 
   // The frame of the next row that has none: row-major RGB. May come before or after EndRow().
   void WriteFrame(CameraId camera, std::span<const uint8_t> rgb);
+  // The same of a camera with depth: row-major millimetres. Needed once per row too.
+  void WriteDepth(CameraId camera, std::span<const uint16_t> millimetres);
 
   // Another file of the episode, such as "notes.txt".
   void AddFile(const std::string& name, std::string_view bytes);
@@ -105,6 +107,7 @@ class EpisodeWriter {
 
   int64_t rows(TableId table = kStepsTable) const;
   int64_t frames(CameraId camera) const;
+  int64_t depth_frames(CameraId camera) const;
   const std::string& id() const;
   bool is_open() const;
 

@@ -252,6 +252,54 @@ TEST(EpisodeWriter, EveryRowNeedsItsFrame) {
   ExpectThrow<ClosedError>([&] { episode.Commit({}); }, "Commit() after it was committed");
 }
 
+TEST(EpisodeWriter, DepthIsReadAsItWasWrittenToTheLastBit) {
+  TempDir folder;
+  const Episode episode(SampleEpisode(5, true, true).Write(folder.path(), "pick-000", 12));
+  EXPECT_EQ(episode.camera("wrist").depth_file, "wrist.depth.mov");
+  VideoReader video = episode.DepthVideo("wrist");
+  EXPECT_EQ(video.info().frames, 12);
+  std::vector<uint16_t> depth(64 * 48);
+  for (const int row : {9, 0, 11, 4}) {
+    video.Read(row, depth);
+    EXPECT_EQ(depth, TestDepth(64, 48, row + 5)) << row;
+  }
+  const Json json = Json::parse(episode.json());
+  EXPECT_EQ(json["cameras"]["wrist"]["depth"],
+            Json({{"file", "wrist.depth.mov"}, {"frames", 12}, {"units", "mm"}}));
+  EXPECT_TRUE(json["files"].contains("wrist.depth.mov"));
+}
+
+TEST(EpisodeWriter, EveryRowNeedsItsDepthToo) {
+  TempDir folder;
+  const SampleEpisode sample(0, true, true);
+  EpisodeWriter episode(folder.path(), "pick-000", sample.schema);
+  sample.PutRows(episode, 3);
+  sample.PutRow(episode, 3);
+  episode.WriteFrame(sample.wrist, TestFrame(64, 48, 3));
+  ExpectThrow<ArgumentError>([&] { episode.Commit({}); },
+                             "camera 'wrist' has 3 depth frames for the 4 rows of table 'steps'");
+  EXPECT_EQ(episode.depth_frames(sample.wrist), 3);
+  ExpectThrow<ArgumentError>([&] { episode.WriteDepth(sample.wrist, std::vector<uint16_t>(5)); },
+                             "expected a depth frame of 48x64x2 = 6144 bytes, got 10");
+  episode.WriteDepth(sample.wrist, TestDepth(64, 48, 3));
+  episode.Commit({});
+  EXPECT_EQ(Episode(folder / "pick-000").rows(), 4);
+}
+
+TEST(EpisodeWriter, ACameraWithoutDepthHasNone) {
+  TempDir folder;
+  const SampleEpisode sample;
+  EpisodeWriter episode(folder.path(), "pick-000", sample.schema);
+  ExpectThrow<ArgumentError>([&] { episode.WriteDepth(sample.wrist, TestDepth(64, 48, 0)); },
+                             "camera 'wrist' was declared without depth");
+  sample.PutRows(episode, 2);
+  episode.Commit({});
+  const Episode read(folder / "pick-000");
+  EXPECT_EQ(read.camera("wrist").depth_file, "");
+  ExpectThrow<NotFoundError>([&] { read.DepthVideo("wrist"); },
+                             "camera 'wrist' has no depth. Cameras with depth: none");
+}
+
 TEST(EpisodeWriter, WhatCannotBeAnEpisodeIsRefusedAtOnce) {
   TempDir folder;
   const SampleEpisode sample;

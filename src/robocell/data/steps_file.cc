@@ -45,6 +45,10 @@ void WriteConstant(hdf5::File& file, const ConstantSpec& constant) {
 void WriteCamera(hdf5::File& file, const CameraEntry& camera, const std::string& table) {
   const std::string group = "cameras/" + camera.stream.name;
   file.SetText(group, "video", VideoFile(camera.stream.name));
+  if (camera.stream.depth) {
+    file.SetText(group, "depth", DepthFile(camera.stream.name));
+    file.SetText(group, "depth_units", "mm");
+  }
   file.SetText(group, "table", table);
   file.SetInteger(group, "width", camera.stream.width);
   file.SetInteger(group, "height", camera.stream.height);

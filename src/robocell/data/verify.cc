@@ -118,25 +118,44 @@ class EpisodeCheck {
              fmt::format("column '{}' has {} rows, table '{}' {}", column.spec.name, column.rows,
                          column.table, episode.rows(column.table)));
     }
-    for (const CameraInfo& camera : episode.cameras()) CheckVideo(episode, camera);
+    for (const CameraInfo& camera : episode.cameras()) CheckCamera(episode, camera);
   }
 
-  void CheckVideo(const Episode& episode, const CameraInfo& camera) {
+  // `open` gives the reader of this video, which must hold one frame per row.
+  template <class Open>
+  void CheckVideo(const Episode& episode, const CameraInfo& camera, const std::string& file,
+                  VideoKind kind, Open&& open) {
     try {
-      const VideoInfo info = ReadVideoInfo(folder_ / camera.file);
+      const VideoInfo info = ReadVideoInfo(folder_ / file);
       const int64_t rows = episode.rows(camera.table);
+      if (info.kind != kind) return Report(file, "it is a video of another kind");
       if (info.frames != rows)
-        Report(camera.file, fmt::format("it has {} frames for {} rows", info.frames, rows));
-      if (decode_) Decode(episode, camera.name);
+        Report(file, fmt::format("it has {} frames for {} rows", info.frames, rows));
+      if (decode_) Decode(open());
     } catch (const IoError& error) {
-      Report(camera.file, error.what());
+      Report(file, error.what());
     }
   }
 
-  static void Decode(const Episode& episode, const std::string& camera) {
-    VideoReader video = episode.Video(camera);
-    std::vector<uint8_t> rgb(video.frame_bytes());
-    while (video.Next(rgb)) {
+  void CheckCamera(const Episode& episode, const CameraInfo& camera) {
+    CheckVideo(episode, camera, camera.file, VideoKind::kColour,
+               [&] { return episode.Video(camera.name); });
+    if (camera.depth_file.empty()) return;
+    CheckVideo(episode, camera, camera.depth_file, VideoKind::kDepth,
+               [&] { return episode.DepthVideo(camera.name); });
+  }
+
+  static void Decode(VideoReader video) {
+    if (video.info().kind == VideoKind::kDepth)
+      DecodeAs<uint16_t>(video);
+    else
+      DecodeAs<uint8_t>(video);
+  }
+
+  template <class Pixel>
+  static void DecodeAs(VideoReader& video) {
+    std::vector<Pixel> frame(video.frame_bytes() / sizeof(Pixel));
+    while (video.Next(frame)) {
     }
   }
 

@@ -36,7 +36,8 @@ class VerifyTest : public ::testing::Test {
   static const TempDir& Original() {
     static const TempDir folder;
     static const bool written = [] {
-      for (const char* id : {"a", "b", "c"}) SampleEpisode(id[0]).Write(folder.path(), id, 10);
+      for (const char* id : {"a", "b", "c"})
+        SampleEpisode(id[0], true, true).Write(folder.path(), id, 10);
       return true;
     }();
     (void)written;
@@ -127,6 +128,14 @@ TEST_F(VerifyTest, ARenamedEpisodeIsNamed) {
   const VerifyReport report = Verify(folder_.path());
   ASSERT_EQ(report.problems.size(), 1u);
   EXPECT_EQ(report.problems[0].Text(), "d/episode.json: it describes episode 'b'");
+}
+
+TEST_F(VerifyTest, DamagedDepthIsNamedAndWholeDepthDecodes) {
+  EXPECT_TRUE(Verify(folder_.path(), {.decode_videos = true}).ok());
+  std::string bytes = ReadFile(B("wrist.depth.mov"));
+  bytes[bytes.size() / 2] ^= 1;
+  Store(B("wrist.depth.mov"), bytes);
+  EXPECT_THAT(OnlyProblem(), HasSubstr("b/wrist.depth.mov: its bytes are not what was written"));
 }
 
 TEST_F(VerifyTest, SwappedVideosOfTwoEpisodesAreFound) {

@@ -28,9 +28,9 @@ void CheckStreams(const RunConfig& run, Problems& problems) {
     const CameraConfig& stream = run.cameras.streams[i];
     if (stream.rate != 0)
       problems.AddAt("rate", "records take one frame per action; leave rate at 0");
-    if (stream.depth) problems.AddAt("depth", "depth cannot be recorded yet, only rgb; remove it");
     if (stream.segmentation)
-      problems.AddAt("segmentation", "segmentation cannot be recorded yet, only rgb; remove it");
+      problems.AddAt("segmentation",
+                     "segmentation cannot be recorded yet, only rgb and depth; remove it");
     if (!stream.rgb) problems.AddAt("rgb", "a recorded stream needs rgb: true");
   }
 }

@@ -32,11 +32,11 @@ TEST(CheckRun, TheExamplesPass) {
 
 TEST(CheckRun, StreamsThatCannotBeRecordedAreToldAllAtOnce) {
   RunConfig run = Demo();
-  run.cameras.streams[0].depth = true;
+  run.cameras.streams[0].segmentation = true;
   run.cameras.streams[1].rate = 5;
   const std::string text =
-      ExpectThrow<SpecError>([&] { CheckRun(run); }, "depth cannot be recorded yet");
-  EXPECT_THAT(text, HasSubstr("cameras.streams[0].depth"));
+      ExpectThrow<SpecError>([&] { CheckRun(run); }, "segmentation cannot be recorded yet");
+  EXPECT_THAT(text, HasSubstr("cameras.streams[0].segmentation"));
   EXPECT_THAT(text, HasSubstr("cameras.streams[1].rate"));
 }
 

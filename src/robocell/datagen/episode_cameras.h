@@ -23,7 +23,7 @@ class EpisodeCameras {
   // fraction.
   EpisodeCameras(EpisodeSchema& schema, const Scene& scene, const CameraSystemConfig& config,
                  Renderer* renderer, int fps_num, int fps_den);
-  // One frame and one extrinsics row per stream, of the present state.
+  // One frame per kind of image and one extrinsics row per stream, of the present state.
   void PutFrames(EpisodeWriter& writer);
 
  private:
@@ -33,6 +33,7 @@ class EpisodeCameras {
     CameraId video;
     ColumnId extrinsics;
     std::vector<uint8_t> rgb;
+    std::vector<uint16_t> depth_mm;  // empty unless wanted
   };
   Scene scene_;
   Renderer* renderer_;

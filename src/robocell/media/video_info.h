@@ -1,6 +1,6 @@
-// What an mp4 file says about its video: size, frames, rate, encoder. Reads the file's tables
-// itself (a millisecond, no child process), so that every recording can be checked. Decoding is
-// VideoReader's.
+// What an mp4 or mov file says about its video: kind, size, frames, rate, encoder. Reads the file's
+// tables itself (a millisecond, no child process), so that every recording can be checked. Decoding
+// is VideoReader's.
 //
 //   VideoInfo info = ReadVideoInfo("wrist.mp4");    // info.frames == 120, info.fps_num /
 //   info.fps_den == 500 / 33
@@ -14,7 +14,16 @@
 
 namespace robocell {
 
+enum class VideoKind {
+  kColour,  // RGB, 3 bytes a pixel; h264 in yuv420p, lossy
+  kDepth,   // uint16 a pixel; FFV1, lossless, every frame a key frame
+};
+
+// Bytes of one frame, as writers take and readers give it.
+size_t FrameBytes(VideoKind kind, int width, int height);
+
 struct VideoInfo {
+  VideoKind kind = VideoKind::kColour;
   int width = 0;   // px
   int height = 0;  // px
   int64_t frames = 0;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,12 @@ namespace {
 
 // Decoding on to a frame this near ahead is cheaper than a new decoder.
 constexpr int64_t kNearAhead = 60;
+
+// Pixels come little-endian through the pipe.
+std::span<uint8_t> Bytes(std::span<uint16_t> pixels) {
+  static_assert(std::endian::native == std::endian::little);
+  return {reinterpret_cast<uint8_t*>(pixels.data()), pixels.size_bytes()};
+}
 
 }  // namespace
 
@@ -45,8 +52,9 @@ struct VideoReader::Impl {
     add({"-threads", "1", "-noautorotate"});
     add(SeekArguments(index));
     add({"-i", "file:" + path.string(), "-an", "-fps_mode", "passthrough", "-filter_threads", "1"});
-    add({"-vf", "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact"});
-    add({"-f", "rawvideo", "-pix_fmt", "rgb24", "pipe:1"});
+    const bool depth = info.kind == VideoKind::kDepth;
+    if (!depth) add({"-vf", "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact"});
+    add({"-f", "rawvideo", "-pix_fmt", depth ? "gray16le" : "rgb24", "pipe:1"});
     decoder = std::make_unique<ChildProcess>(arguments, ChildProcessOptions{.pipe_stdout = true});
     position = index;
   }
@@ -70,9 +78,38 @@ struct VideoReader::Impl {
     if (position == info.frames) CheckEnd();
   }
 
+  void RequireBuffer(VideoKind kind, size_t bytes) const {
+    const size_t needed = FrameBytes(info.kind, info.width, info.height);
+    if (kind == info.kind && bytes == needed) return;
+    throw ArgumentError(
+        fmt::format("video '{}': expected a buffer of {}x{}x{} = {} bytes{}, got {}", path.string(),
+                    info.height, info.width, FrameBytes(info.kind, 1, 1), needed,
+                    kind == info.kind                ? ""
+                    : info.kind == VideoKind::kDepth ? " as uint16"
+                                                     : " as uint8",
+                    bytes));
+  }
+
+  bool Next(VideoKind kind, std::span<uint8_t> frame) {
+    RequireBuffer(kind, frame.size());
+    if (position >= info.frames) return false;
+    ReadNext(frame);
+    return true;
+  }
+
+  void Read(VideoKind kind, int64_t index, std::span<uint8_t> frame) {
+    if (index < 0 || index >= info.frames) {
+      throw ArgumentError(fmt::format("video '{}': no frame {}. It has frames 0 ... {}",
+                                      path.string(), index, info.frames - 1));
+    }
+    RequireBuffer(kind, frame.size());
+    SkipTo(index);
+    ReadNext(frame);
+  }
+
   void SkipTo(int64_t index) {
     if (!decoder || index < position || index > position + kNearAhead) return Start(index);
-    skipped.resize(size_t{3} * info.width * info.height);
+    skipped.resize(FrameBytes(info.kind, info.width, info.height));
     while (position < index) ReadNext(skipped);
   }
 };
@@ -90,28 +127,19 @@ VideoReader& VideoReader::operator=(VideoReader&&) noexcept = default;
 
 const VideoInfo& VideoReader::info() const { return impl_->info; }
 size_t VideoReader::frame_bytes() const {
-  return size_t{3} * impl_->info.width * impl_->info.height;
+  return FrameBytes(impl_->info.kind, impl_->info.width, impl_->info.height);
 }
 int64_t VideoReader::position() const { return impl_->position; }
 
-bool VideoReader::Next(std::span<uint8_t> rgb) {
-  if (rgb.size() != frame_bytes()) {
-    throw ArgumentError(fmt::format("video '{}': expected a buffer of {}x{}x3 = {} bytes, got {}",
-                                    impl_->path.string(), impl_->info.height, impl_->info.width,
-                                    frame_bytes(), rgb.size()));
-  }
-  if (impl_->position >= impl_->info.frames) return false;
-  impl_->ReadNext(rgb);
-  return true;
+bool VideoReader::Next(std::span<uint8_t> rgb) { return impl_->Next(VideoKind::kColour, rgb); }
+bool VideoReader::Next(std::span<uint16_t> depth) {
+  return impl_->Next(VideoKind::kDepth, Bytes(depth));
 }
-
 void VideoReader::Read(int64_t index, std::span<uint8_t> rgb) {
-  if (index < 0 || index >= impl_->info.frames) {
-    throw ArgumentError(fmt::format("video '{}': no frame {}. It has frames 0 ... {}",
-                                    impl_->path.string(), index, impl_->info.frames - 1));
-  }
-  impl_->SkipTo(index);
-  Next(rgb);
+  impl_->Read(VideoKind::kColour, index, rgb);
+}
+void VideoReader::Read(int64_t index, std::span<uint16_t> depth) {
+  impl_->Read(VideoKind::kDepth, index, Bytes(depth));
 }
 
 }  // namespace robocell

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cerrno>
 #include <cstring>
 #include <numeric>
@@ -17,10 +18,16 @@
 #include "robocell/base/names.h"
 #include "robocell/media/child_process.h"
 #include "robocell/media/ffmpeg.h"
-#include "robocell/media/video_info.h"
 
 namespace robocell {
 namespace {
+
+// With 2 pixels in a direction FFV1 of ffmpeg 5.1 comes back wrong, without a word.
+constexpr int kLeastDepthPixels = 4;
+
+std::string KindName(VideoKind kind) { return kind == VideoKind::kDepth ? "depth" : "colour"; }
+
+std::string PixelFormat(VideoKind kind) { return kind == VideoKind::kDepth ? "gray16le" : "rgb24"; }
 
 const std::vector<std::string> kPresets = {"ultrafast", "superfast", "veryfast", "faster",  "fast",
                                            "medium",    "slow",      "slower",   "veryslow"};
@@ -31,27 +38,40 @@ constexpr const char* kConvert =
     "scale=out_color_matrix=smpte170m:out_range=tv:flags=bicubic+accurate_rnd+full_chroma_int+"
     "bitexact,format=yuv420p";
 
+void Append(std::vector<std::string>& arguments, const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+}
+
+std::vector<std::string> ColourArguments(const VideoOptions& options) {
+  std::vector<std::string> arguments = {"-filter_threads", "1", "-vf", kConvert};
+  // One thread: x264's bytes depend on the number. No B-frames: frame i has time i / fps from the
+  // first byte on.
+  Append(arguments, {"-c:v", "libx264", "-threads", "1", "-preset", options.preset});
+  Append(arguments, {"-crf", std::to_string(options.crf)});
+  Append(arguments, {"-g", std::to_string(options.keyframe_interval), "-bf", "0"});
+  Append(arguments, {"-color_range", "tv", "-colorspace", "smpte170m"});
+  Append(arguments, {"-color_primaries", "bt709", "-color_trc", "iec61966-2-1"});
+  return arguments;
+}
+
+// FFV1 version 3 (RFC 9043) with a checksum per slice; docs/decisions/006 has the measurements.
+std::vector<std::string> DepthArguments() {
+  return {"-c:v", "ffv1", "-level",  "3", "-coder",    "1", "-context", "0",
+          "-g",   "1",    "-slices", "4", "-slicecrc", "1", "-threads", "1"};
+}
+
 std::vector<std::string> Arguments(const std::string& ffmpeg, const std::string& output,
                                    const VideoOptions& options) {
   std::vector<std::string> arguments = {ffmpeg,      "-hide_banner", "-nostdin",
                                         "-loglevel", "error",        "-y"};
-  auto add = [&](std::initializer_list<std::string> more) {
-    arguments.insert(arguments.end(), more);
-  };
-  add({"-f", "rawvideo", "-pix_fmt", "rgb24"});
+  const auto add = [&](const std::vector<std::string>& more) { Append(arguments, more); };
+  add({"-f", "rawvideo", "-pix_fmt", PixelFormat(options.kind)});
   add({"-s", fmt::format("{}x{}", options.width, options.height)});
   add({"-framerate", fmt::format("{}/{}", options.fps_num, options.fps_den), "-i", "pipe:0"});
   add({"-an", "-map_metadata", "-1", "-fps_mode", "passthrough"});
-  add({"-filter_threads", "1", "-vf", kConvert});
-  // One thread: x264's bytes depend on the number. No B-frames: frame i has time i / fps from the
-  // first byte on.
-  add({"-c:v", "libx264", "-threads", "1", "-preset", options.preset, "-crf",
-       std::to_string(options.crf)});
-  add({"-g", std::to_string(options.keyframe_interval), "-bf", "0"});
+  add(options.kind == VideoKind::kDepth ? DepthArguments() : ColourArguments(options));
   add({"-flags", "+bitexact", "-fflags", "+bitexact"});
-  add({"-color_range", "tv", "-colorspace", "smpte170m", "-color_primaries", "bt709", "-color_trc",
-       "iec61966-2-1"});
-  add({"-f", "mp4", "file:" + output});
+  add({"-f", options.kind == VideoKind::kDepth ? "mov" : "mp4", "file:" + output});
   return arguments;
 }
 
@@ -89,7 +109,14 @@ void CheckVideoOptions(const std::string& name, const VideoOptions& options) {
     throw ArgumentError(
         fmt::format("{}: size {}x{} px is not between 2x2 and 16384x16384", name, w, h));
   }
-  if (w % 2 != 0 || h % 2 != 0) throw ArgumentError(OddSize(name, w, h));
+  const bool colour = options.kind == VideoKind::kColour;
+  if (!colour && std::min(w, h) < kLeastDepthPixels) {
+    throw ArgumentError(
+        fmt::format("{}: depth of {}x{} px cannot be encoded, it needs at least {} px "
+                    "in both directions",
+                    name, w, h, kLeastDepthPixels));
+  }
+  if (colour && (w % 2 != 0 || h % 2 != 0)) throw ArgumentError(OddSize(name, w, h));
   if (options.fps_num < 1 || options.fps_den < 1) {
     throw ArgumentError(fmt::format("{}: rate {}/{} frames per second is not positive", name,
                                     options.fps_num, options.fps_den));
@@ -151,11 +178,27 @@ struct VideoWriter::Impl {
                      said.empty() ? "nothing" : "'" + said + "'"));
   }
 
+  void Put(VideoKind kind, std::span<const uint8_t> frame) {
+    RequireUsable("Write()");
+    const size_t expected = FrameBytes(options.kind, options.width, options.height);
+    if (kind != options.kind || frame.size() != expected) {
+      throw ArgumentError(fmt::format("{}: expected a {} frame of {}x{}x{} = {} bytes, got {}{}",
+                                      name, KindName(options.kind), options.height, options.width,
+                                      FrameBytes(options.kind, 1, 1), expected, frame.size(),
+                                      kind == options.kind ? "" : " of " + KindName(kind)));
+    }
+    Guarded([&] {
+      if (!encoder->Write(frame)) EncoderFailed();
+    });
+    ++frames;
+  }
+
   void CheckResult() {
     const VideoInfo info = ReadVideoInfo(partial);
     const int divisor = std::gcd(options.fps_num, options.fps_den);
     const bool same_rate = info.constant_rate && info.fps_num == options.fps_num / divisor &&
                            info.fps_den == options.fps_den / divisor;
+    if (info.kind != options.kind) Fail("the file is of another kind");
     if (info.frames != frames || !same_rate || info.width != options.width ||
         info.height != options.height) {
       Fail(
@@ -185,18 +228,12 @@ VideoWriter::~VideoWriter() = default;
 VideoWriter::VideoWriter(VideoWriter&&) noexcept = default;
 VideoWriter& VideoWriter::operator=(VideoWriter&&) noexcept = default;
 
-void VideoWriter::Write(std::span<const uint8_t> rgb) {
-  impl_->RequireUsable("Write()");
-  const size_t expected = size_t{3} * impl_->options.width * impl_->options.height;
-  if (rgb.size() != expected) {
-    throw ArgumentError(fmt::format("{}: expected a frame of {}x{}x3 = {} bytes, got {}",
-                                    impl_->name, impl_->options.height, impl_->options.width,
-                                    expected, rgb.size()));
-  }
-  impl_->Guarded([&] {
-    if (!impl_->encoder->Write(rgb)) impl_->EncoderFailed();
-  });
-  ++impl_->frames;
+void VideoWriter::Write(std::span<const uint8_t> rgb) { impl_->Put(VideoKind::kColour, rgb); }
+
+void VideoWriter::Write(std::span<const uint16_t> depth) {
+  static_assert(std::endian::native == std::endian::little, "pixels are piped as they lie");
+  impl_->Put(VideoKind::kDepth,
+             {reinterpret_cast<const uint8_t*>(depth.data()), depth.size_bytes()});
 }
 
 void VideoWriter::Finish() {

@@ -1,4 +1,5 @@
-// Writes an h264 mp4 from RGB frames through an ffmpeg child process.
+// Writes a video through an ffmpeg child process: an h264 mp4 from RGB frames, or a lossless FFV1
+// .mov from depth images, uint16 a pixel.
 //
 // Guarantees: the file has exactly the frames that were written, at exactly the rate that was asked
 // for (a ratio of integers: 66 ms per frame is 500/33), and the same frames give the same bytes in
@@ -8,8 +9,8 @@
 // words, never a signal, a zombie or a short video.
 //
 //   VideoWriter video("pick.mp4", {.width = 640, .height = 480, .fps_num = 500, .fps_den = 33});
-//   for (const auto& frame : frames) video.Write(frame);      // row-major RGB, width * height * 3
-//   bytes video.Finish();
+//   for (const auto& frame : frames) video.Write(frame);  // row-major RGB, width * height * 3
+//   video.Finish();
 //
 // One thread at a time; writers are independent of each other.
 #pragma once
@@ -20,13 +21,18 @@
 #include <span>
 #include <string>
 
+#include "robocell/media/video_info.h"
+
 namespace robocell {
 
 struct VideoOptions {
-  int width = 0;   // px, even (yuv420p halves the colour planes)
-  int height = 0;  // px, even
+  VideoKind kind = VideoKind::kColour;
+  // px; of colour even, as yuv420p halves the colour planes; of depth 4 and more.
+  int width = 0;
+  int height = 0;
   int fps_num = 30;
   int fps_den = 1;
+  // Of colour only:
   std::string preset = "superfast";  // x264's: ultrafast ... veryslow
   int crf = 18;                // x264's constant quality, 0 (lossless) ... 51; 18 gives about 40 dB
   int keyframe_interval = 30;  // frames; smaller makes random access faster and files larger
@@ -45,6 +51,8 @@ class VideoWriter {
   // Appends one frame. ArgumentError for a wrong number of bytes; IoError if the encoder failed,
   // then and ever after; ClosedError after Finish().
   void Write(std::span<const uint8_t> rgb);
+  // The same for a depth image, width * height pixels.
+  void Write(std::span<const uint16_t> depth);
 
   // Ends the file, checks size, rate and frame count in it and gives it its name. A video without
   // frames is an ArgumentError.

@@ -153,7 +153,7 @@ TEST(VideoWriter, AFrameOfTheWrongSizeIsRefusedAndTheVideoGoesOn) {
   TempDir folder;
   VideoWriter video(folder / "a.mp4", kSmall);
   ExpectThrow<ArgumentError>([&] { video.Write(std::vector<uint8_t>(10)); },
-                             "expected a frame of 64x96x3 = 18432 bytes, got 10");
+                             "expected a colour frame of 64x96x3 = 18432 bytes, got 10");
   video.Write(TestFrame(96, 64, 0));
   video.Finish();
   EXPECT_EQ(ReadVideoInfo(folder / "a.mp4").frames, 1);

@@ -23,7 +23,8 @@ struct SampleEpisode {
   int height = 48;
   uint64_t seed = 0;
 
-  explicit SampleEpisode(uint64_t its_seed = 0, bool with_camera = true) : seed(its_seed) {
+  explicit SampleEpisode(uint64_t its_seed = 0, bool with_camera = true, bool with_depth = false)
+      : seed(its_seed) {
     time = schema.AddColumn({.name = "time", .units = "s"});
     qpos = schema.AddColumn({.name = "robots/arm/qpos",
                              .shape = {3},
@@ -51,7 +52,8 @@ struct SampleEpisode {
                                 .height = height,
                                 .fps_num = 500,
                                 .fps_den = 33,
-                                .intrinsics = intrinsics});
+                                .intrinsics = intrinsics,
+                                .depth = with_depth});
     }
   }
 
@@ -85,6 +87,8 @@ struct SampleEpisode {
       PutRow(episode, row);
       if (!schema.cameras().empty()) {
         episode.WriteFrame(wrist, TestFrame(width, height, row + static_cast<int>(seed)));
+        if (schema.cameras()[0].stream.depth)
+          episode.WriteDepth(wrist, TestDepth(width, height, row + static_cast<int>(seed)));
       }
       for (int tick = 3 * row; tick < 3 * row + 3; ++tick) PutControl(episode, tick);
     }

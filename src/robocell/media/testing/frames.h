@@ -1,4 +1,5 @@
-// For tests only: RGB frames with smooth shading, edges and motion, and how much two images differ.
+// For tests only: RGB frames and depth images with smooth shading, edges and motion, and how much
+// two images differ.
 #pragma once
 
 #include <cmath>
@@ -23,6 +24,24 @@ inline std::vector<uint8_t> TestFrame(int width, int height, int index) {
     }
   }
   return rgb;
+}
+
+// Depth image `index`: a slope with a moving hole, and noise over all 16 bits in the lower half.
+inline std::vector<uint16_t> TestDepth(int width, int height, int index) {
+  std::vector<uint16_t> depth;
+  depth.reserve(size_t{1} * width * height);
+  uint32_t noise = 12345u + static_cast<uint32_t>(index);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      noise = 1664525u * noise + 1013904223u;
+      const bool hole = x >= 3 * index % width && y < height / 4;
+      const int slope = hole ? 0 : 700 + 3 * x + 5 * y + index;
+      depth.push_back(static_cast<uint16_t>(2 * y < height ? slope : noise >> 16));
+    }
+  }
+  depth.front() = 0;
+  depth.back() = 65535;
+  return depth;
 }
 
 // Peak signal to noise ratio in dB.

@@ -1,0 +1,101 @@
+"""Depth streams of a run: lossless, as the renderer gives them, the same bytes every time."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import subprocess
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+import robocell
+from test_cli import refused, robocell_command, write_run
+
+SIZE = (64, 48)
+CAMERAS = {
+    "resolution": list(SIZE),
+    "streams": [
+        {"name": "wrist", "camera": "wrist_camera", "depth": True},
+        {"name": "exo", "camera": "exo_camera"},
+    ],
+}
+HALF_MM = 0.5e-3 + 1e-6  # and the rounding of a float
+
+
+def make(folder: Path, workers: int) -> Path:
+    folder.mkdir()
+    run = write_run(folder, cameras=CAMERAS)
+    result = robocell_command("generate", run, "--workers", workers)
+    assert result.returncode == 0, result.stderr
+    return folder / "out"
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make(tmp_path_factory.mktemp("depth") / "one", 1)
+
+
+def test_depth_is_the_renderers_in_every_row(dataset: Path):
+    episode = robocell.Dataset(dataset)[0]
+    depth = episode.frames("wrist", kind="depth")
+    assert depth.dtype == np.uint16
+    assert depth.shape == (len(episode), SIZE[1], SIZE[0])
+    scene = robocell.Scene.build(robocell.recorded_scene(episode))
+    scene.set_state(episode["initial_state"])
+    renderer = robocell.Renderer(scene)
+    ctrl = episode["control/ctrl"]
+    ticks = round(episode.metadata["rates"]["policy_ms"] / episode.metadata["rates"]["control_ms"])
+    for row in range(len(episode)):
+        image = renderer.render("robot_0/wrist_camera", *SIZE, rgb=False, depth=True)["depth"]
+        assert np.abs(depth[row] / 1000 - image).max() <= HALF_MM, row
+        for tick in range(row * ticks, (row + 1) * ticks):
+            scene.data.ctrl[:] = ctrl[tick]
+            scene.step()
+    assert depth.min() < depth.max()
+    assert (depth[0] != depth[-1]).any()
+
+
+def test_any_decoder_reads_the_same_and_the_file_says_what_it_is(dataset: Path):
+    episode = robocell.Dataset(dataset)[0]
+    with h5py.File(episode.folder / "steps.h5") as steps:
+        attributes = steps["cameras/wrist"].attrs
+        file, units = attributes["depth"], attributes["depth_units"]
+        assert "depth" not in steps["cameras/exo"].attrs
+    assert (file, units) == ("wrist.depth.mov", "mm")
+    ffmpeg = os.environ.get("ROBOCELL_FFMPEG", "ffmpeg")
+    command = [ffmpeg, "-v", "error", "-i", str(episode.folder / file), "-f", "rawvideo"]
+    raw = subprocess.run([*command, "-pix_fmt", "gray16le", "-"], capture_output=True, check=True)
+    pixels = np.frombuffer(raw.stdout, "<u2").reshape(-1, SIZE[1], SIZE[0])
+    np.testing.assert_array_equal(pixels, episode.frames("wrist", kind="depth"))
+
+
+def test_the_same_run_gives_the_same_depth_on_three_workers(dataset: Path, tmp_path: Path):
+    other = make(tmp_path / "three", 3)
+    files = sorted(file.relative_to(dataset) for file in dataset.glob("s*/*.depth.mov"))
+    assert len(files) == 2
+    for file in files:
+        digests = {hashlib.sha256((root / file).read_bytes()).digest() for root in (dataset, other)}
+        assert len(digests) == 1, file
+
+
+def test_depth_is_counted_verified_and_missed_by_name(dataset: Path):
+    assert robocell.verify(dataset, decode_videos=True).ok
+    episode = robocell.Dataset(dataset)[0]
+    assert (episode.cameras, episode.depth_cameras) == (["wrist", "exo"], ["wrist"])
+    rows = sum(len(each) for each in robocell.Dataset(dataset))
+    assert f"{rows} rows, {3 * rows} frames" in robocell_command("report", dataset).stdout
+    text = "camera 'exo' has no depth. Cameras with depth: wrist"
+    with pytest.raises(robocell.NotFoundError, match=text):
+        episode.frames("exo", kind="depth")
+    with pytest.raises(robocell.NotFoundError, match="Did you mean 'depth'"):
+        episode.frames("wrist", kind="dept")
+
+
+def test_what_cannot_be_recorded_yet_is_still_refused(tmp_path: Path):
+    streams = [{"name": "wrist", "camera": "wrist_camera", "segmentation": True}]
+    run = write_run(tmp_path, cameras={"resolution": list(SIZE), "streams": streams})
+    text = refused("generate", run)
+    assert "segmentation cannot be recorded yet, only rgb and depth" in text
