@@ -12,6 +12,7 @@
 #include "robocell/base/names.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
+#include "robocell/data/leftovers.h"
 #include "robocell/data/verify.h"
 
 namespace nb = nanobind;
@@ -209,6 +210,24 @@ void BindLock(nb::module_& m) {
           nb::sig("def __exit__(self, *args: object) -> None"));
 }
 
+void BindLeftovers(nb::module_& m) {
+  m.def(
+      "remove_leftovers",
+      [](const std::filesystem::path& dataset, const std::string& episode,
+         std::optional<int64_t> process) {
+        std::optional<DeadWriter> writer;
+        if (process) writer = {episode, *process};
+        return RemoveLeftovers(dataset, writer);
+      },
+      "dataset"_a, "episode"_a = "", "process"_a = nb::none(),
+      nb::call_guard<nb::gil_scoped_release>(),
+      "Removes what dead processes left half-written, and returns its names; never what somebody "
+      "is "
+      "writing. Of one process and the episodes whose ids begin with `episode`, or all: that is "
+      "for "
+      "whoever holds the DatasetLock of the whole dataset.");
+}
+
 void BindVerify(nb::module_& m) {
   nb::class_<VerifyProblem>(m, "VerifyProblem", "What is wrong with one file of a dataset.")
       .def_ro("episode", &VerifyProblem::episode)
@@ -291,6 +310,7 @@ void BindData(nb::module_& m) {
       .def("__repr__", [](const Dataset& d) {
         return "<Dataset " + d.folder().string() + ": " + std::to_string(d.size()) + " episodes>";
       });
+  BindLeftovers(m);
   BindVerify(m);
   BindLock(m);
 }

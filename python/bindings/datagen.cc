@@ -78,8 +78,8 @@ void BindReplay(nb::module_& m) {
       .def_prop_ro("ok", &ReplayReport::ok)
       .def("__str__", &ReplayReport::Text)
       .def("__repr__", [](const ReplayReport& r) { return "<ReplayReport " + r.Text() + ">"; });
-  m.def("recorded_scene", &RecordedScene, "episode"_a,
-        "The SceneSpec that an episode was generated in, with the folders of its model files. "
+  m.def("recorded_scene", &RecordedScene, "episode"_a, nb::call_guard<nb::gil_scoped_release>(),
+        "The SceneSpec that an episode was generated in, with the models that its dataset keeps. "
         "ArgumentError when the episode does not say.");
   m.def(
       "check_replay",
@@ -165,12 +165,12 @@ void BindDatagen(nb::module_& m) {
       "text"_a, "(i, N) of 'i/N'.");
   m.def("run_identity", &RunIdentity, "run"_a,
         "What identifies a run, as YAML: its fields without workers and output.");
-  m.def("prepare_dataset", &PrepareDataset, "run"_a,
+  m.def("prepare_dataset", &PrepareDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
         "Creates the run's output folder, or checks that the one there belongs to the same run "
         "(SpecError names what differs). A dataset without episodes is begun anew.");
-  m.def("check_dataset", &CheckDataset, "run"_a,
+  m.def("check_dataset", &CheckDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
         "What prepare_dataset would say of the run's output folder; writes nothing.");
-  m.def("require_same_run", &RequireSameRun, "run"_a,
+  m.def("require_same_run", &RequireSameRun, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
         "SpecError, naming each difference, unless the run's dataset was prepared for it: same "
         "fields, model files and versions.");
   m.def(
@@ -191,7 +191,7 @@ void BindDatagen(nb::module_& m) {
       "run"_a, "items"_a, nb::call_guard<nb::gil_scoped_release>(),
       "(ids of the items with a successful episode on the disk, texts about what stands in the "
       "way of the others).");
-  m.def("is_complete", &IsComplete, "run"_a, "item"_a,
+  m.def("is_complete", &IsComplete, "run"_a, "item"_a, nb::call_guard<nb::gil_scoped_release>(),
         "Whether nothing is left to do for an item: its episode is on the disk.");
   nb::class_<StopFlag>(m, "StopFlag", "Asks a running Runner to stop at the next action.")
       .def(nb::init<>())

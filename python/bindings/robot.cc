@@ -207,7 +207,7 @@ void BindRobotClass(nb::module_& m) {
                                     {.prefix = prefix, .tool = tool ? *tool : ToolFrameSpec{}});
           },
           "scene"_a, "base_body"_a, "tip_body"_a, "prefix"_a = "", "tool"_a = nb::none(),
-          "A robot without configuration: the chain between two bodies.")
+          Unlocked(), "A robot without configuration: the chain between two bodies.")
       .def_prop_ro("name", &Robot::name)
       .def_prop_ro("prefix", &Robot::prefix)
       .def_prop_ro("scene", &Robot::scene)

@@ -7,6 +7,7 @@
 
 #include "python_owner.h"
 #include "rng.h"
+#include "signals.h"
 #include "robocell/base/error.h"
 #include "robocell/task/pick_sampler.h"
 
@@ -16,6 +17,22 @@ using namespace nb::literals;
 namespace robocell::python {
 namespace {
 
+// Lends the right to ask whether to stop; a copy that is kept says no when it is asked later.
+class StopLoan {
+ public:
+  explicit StopLoan(const StopCheck& stop) : lent_(std::make_shared<const StopCheck*>(&stop)) {}
+  ~StopLoan() { *lent_ = nullptr; }
+  StopLoan(const StopLoan&) = delete;
+  StopLoan& operator=(const StopLoan&) = delete;
+
+  StopCheck check() const {
+    return [lent = lent_] { return *lent && ShouldStop(**lent); };
+  }
+
+ private:
+  std::shared_ptr<const StopCheck*> lent_;
+};
+
 class PyTaskSampler : public TaskSampler {
  public:
   NB_TRAMPOLINE(TaskSampler);
@@ -23,7 +40,8 @@ class PyTaskSampler : public TaskSampler {
     nb::detail::ticket call(nb_trampoline, "sample", nb::detail::str_hash("sample"), true);
     const RngLoan loan(rng);
     // Python may keep the request; what asks whether to stop ends with this call.
-    const SampleRequest own{request.scene, request.episode, request.attempt};
+    const StopLoan stop(request.stop);
+    const SampleRequest own{request.scene, request.episode, request.attempt, stop.check()};
     const nb::object made = nb_trampoline.base().attr(call.key)(own, loan.rng());
     if (nb::isinstance<EpisodeStart>(made))
       return {.start = nb::cast<EpisodeStart>(made), .refusal = {}};
@@ -82,7 +100,18 @@ void BindRefusal(nb::module_& m) {
 }
 
 nb::object Sample(TaskSampler& sampler, const SampleRequest& request, PythonRng& rng) {
-  SampleResult result = sampler.Sample(request, rng.get());
+  SampleRequest asked = request;
+  SignalPoll poll;
+  asked.stop = [&] {
+    poll();
+    return ShouldStop(request.stop);
+  };
+  Rng& stream = rng.get();
+  SampleResult result;
+  {
+    const nb::gil_scoped_release unlocked;
+    result = sampler.Sample(asked, stream);
+  }
   if (result.start) return nb::cast(std::move(*result.start));
   return nb::cast(std::move(result.refusal));
 }
@@ -116,7 +145,10 @@ void BindSampler(nb::module_& m) {
           "scene"_a = 0, "episode"_a = 0, "attempt"_a = 0)
       .def_ro("scene", &SampleRequest::scene, "Which scene of the source.")
       .def_ro("episode", &SampleRequest::episode, "Which episode in that scene.")
-      .def_ro("attempt", &SampleRequest::attempt, "Which try at that episode.");
+      .def_ro("attempt", &SampleRequest::attempt, "Which try at that episode.")
+      .def_prop_ro(
+          "stopped", [](const SampleRequest& request) { return ShouldStop(request.stop); },
+          "Somebody asks for an end: the sampler may refuse with any reason.");
   nb::class_<TaskSampler, PyTaskSampler>(
       m, "TaskSampler",
       "Sets episodes up. Subclass it with sample(request, rng) -> EpisodeStart | Refusal: same "

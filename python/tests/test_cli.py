@@ -232,6 +232,22 @@ def test_damaged_episodes_are_told_with_the_command_that_sets_them_aside(tmp_pat
     assert robocell_command("verify", tmp_path / "out").returncode == 0
 
 
+def test_repair_says_what_it_could_not_mend_and_ends_with_1(tmp_path: Path):
+    run = write_run(tmp_path, episodes_per_scene=1, cameras={"streams": []})
+    assert robocell_command("generate", run).returncode == 0
+    out = tmp_path / "out"
+    (model,) = (path for path in (out / "models").iterdir() if path.name.startswith("rc7-"))
+    (model / "rc7.xml").write_text("<mujoco/>")
+    (out / "dataset.json").write_text("{")
+    result = robocell_command("verify", "--repair", "--decode-videos", out)
+    assert result.returncode == 1, result.stdout
+    assert f"moved aside: {out / '.quarantine' / 'dataset.json'}" in result.stdout
+    assert f"not mended: models/{model.name}: it is missing" in result.stdout
+    assert robocell_command("generate", run).returncode == 0, "the way on that it names"
+    assert robocell_command("verify", out).returncode == 0
+    assert robocell_command("replay", "--check", out).returncode == 0
+
+
 def write_robot(folder: Path, change: Callable[[dict[str, Any]], object]) -> Path:
     """The built-in robot's file with a change."""
     config = yaml.safe_load(RC7.read_text())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import subprocess
 import sys
@@ -9,9 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from robocell import DatasetLock, IoError, RunConfig, make_plan
+from robocell import DatasetLock, IoError, RunConfig, make_plan, remove_leftovers
 from robocell.generate.disk import disk_trouble
-from robocell.generate.leftovers import sweep
 from robocell.generate.resume import DamagedEpisodesError, is_made, made_items
 from test_cli import write_run
 
@@ -75,21 +75,23 @@ def test_what_is_broken_is_named_and_never_taken_for_made(tmp_path: Path):
     assert made_items(run, [second]) == set()
 
 
-def test_files_are_swept_as_well_as_folders(tmp_path: Path):
-    (tmp_path / ".e1.7.1.partial").write_text("a file")
-    (tmp_path / "elsewhere").mkdir()
-    (tmp_path / ".e2.7.1.partial").symlink_to(tmp_path / "elsewhere")
-    assert sweep(tmp_path) == [".e1.7.1.partial", ".e2.7.1.partial"]
-    assert [path.name for path in tmp_path.iterdir()] == ["elsewhere"]
-
-
-def test_only_what_a_dead_process_was_writing_is_swept(tmp_path: Path):
+def test_leftovers_of_the_dead_are_removed_and_never_those_of_the_living(tmp_path: Path):
     for name in (".e1.7.1.partial", ".e1_a03.7.2.partial", ".e2.7.1.partial", ".e1.8.1.partial"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "steps.h5").write_bytes(b"half")
     (tmp_path / "e1").mkdir()
-    assert sweep(tmp_path, "e1", 7) == [".e1.7.1.partial", ".e1_a03.7.2.partial"]
-    left = sorted(path.name for path in tmp_path.iterdir())
-    assert left == [".e1.8.1.partial", ".e2.7.1.partial", "e1"]
-    sweep(tmp_path)
+    writer = os.open(tmp_path / ".e2.7.1.partial", os.O_RDONLY)
+    fcntl.flock(writer, fcntl.LOCK_EX)  # as an episode's writer does
+    assert remove_leftovers(tmp_path, "e1", 7) == [".e1.7.1.partial", ".e1_a03.7.2.partial"]
+    assert remove_leftovers(tmp_path) == [".e1.8.1.partial"]
+    os.close(writer)
+    assert remove_leftovers(tmp_path) == [".e2.7.1.partial"]
     assert [path.name for path in tmp_path.iterdir()] == ["e1"]
+
+
+def test_shards_of_different_counts_are_refused_together(tmp_path: Path):
+    with DatasetLock(tmp_path, 0, 2):
+        with pytest.raises(IoError, match="as a shard of 2"), DatasetLock(tmp_path, 0, 3):
+            pass
+        with DatasetLock(tmp_path, 1, 2):
+            pass

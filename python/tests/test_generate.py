@@ -15,9 +15,11 @@ from typing import Any
 import pytest
 
 import robocell
-from test_cli import robocell_command, write_run
+from test_cli import RUN, robocell_command, write_run
 
 IDS = ["s0000_e0000", "s0000_e0001"]
+# Enough that each of seven workers gets one; too far away for every first start to be in reach.
+LONGER = {"episodes_per_scene": 14, "task": {**RUN["task"], "base_distance": [0.4, 0.68]}}
 
 
 def fingerprint(dataset: Path) -> dict[str, str]:
@@ -58,9 +60,29 @@ def test_the_dataset_is_complete_and_intact(reference: Path):
     assert len(fingerprint(reference)) == 4
 
 
-def test_three_workers_make_the_same_bytes(reference: Path, tmp_path: Path):
-    generate(write_run(tmp_path), tmp_path / "out", "--workers", 3)
-    assert fingerprint(tmp_path / "out") == fingerprint(reference)
+@pytest.fixture(scope="module")
+def longer(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Made by one worker: enough for several to do, and not every first attempt succeeds."""
+    folder = tmp_path_factory.mktemp("longer")
+    generate(write_run(folder, **LONGER), folder / "out", "--workers", 1)
+    episodes = list(robocell.Dataset(folder / "out"))
+    assert len(episodes) == LONGER["episodes_per_scene"]
+    assert any(episode.metadata["attempt"] > 0 for episode in episodes)
+    assert len(processes(folder / "out")) == 1
+    return folder / "out"
+
+
+def processes(dataset: Path) -> set[int]:
+    """Who made the episodes."""
+    return {episode.json["run"]["process"] for episode in robocell.Dataset(dataset)}
+
+
+@pytest.mark.parametrize("workers", [3, 7])
+def test_more_workers_make_the_same_bytes(longer: Path, tmp_path: Path, workers: int):
+    run = write_run(tmp_path, **LONGER)
+    generate(run, tmp_path / "out", "--workers", workers)
+    assert len(processes(tmp_path / "out")) >= 3
+    assert fingerprint(tmp_path / "out") == fingerprint(longer)
 
 
 def test_two_shards_make_the_same_bytes_into_one_folder(reference: Path, tmp_path: Path):

@@ -107,6 +107,7 @@ def test_an_endless_episode_ends_and_finished_ones_stay(tmp_path):
         return made[-1]
 
     run.max_attempts = 20
+    rc.prepare_dataset(run)
     with interrupted(3.0):
         rc.Runner(run, expert=first_short_then_endless).run(rc.make_plan(run)[0])
     assert len(rc.Dataset(tmp_path / "out").ids) == 1
@@ -124,6 +125,7 @@ def test_the_scripted_expert_is_interrupted_too(tmp_path):
 def test_a_handler_that_only_sets_the_stop_flag_ends_the_run_without_an_exception(tmp_path):
     run = load(tmp_path)
     run.rates.max_steps = 1_000_000
+    rc.prepare_dataset(run)
     stop = rc.StopFlag()
     before = signal.signal(signal.SIGTERM, lambda *_: stop.set())
     timer = threading.Timer(1.5, os.kill, (os.getpid(), signal.SIGTERM))

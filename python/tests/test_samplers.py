@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import threading
 from pathlib import Path
 
 import pytest
@@ -113,6 +114,58 @@ def test_the_scripted_sampler_can_be_asked_and_wrapped(tmp_path: Path):
     rc.prepare_dataset(run)
     assert rc.Runner(run).run(item).success
     assert (Path(run.output) / item.id / "steps.h5").read_bytes() == steps
+
+
+def test_a_wrapped_sampler_hears_that_somebody_asks_for_an_end(tmp_path: Path):
+    run = load(tmp_path)
+    own = rc.PickTaskSampler(run)
+    stop = rc.StopFlag()
+    kept: list[rc.SampleRequest] = []
+
+    class Stopping(rc.TaskSampler):
+        """Somebody asks for an end while the scripted one is about to begin."""
+
+        def sample(self, request: rc.SampleRequest, rng: rc.Rng) -> rc.EpisodeStart | rc.Refusal:
+            assert not request.stopped
+            stop.set()
+            assert request.stopped
+            kept.append(request)
+            return own.sample(request, rng)
+
+    report = rc.Runner(run, sampler=lambda run: Stopping()).run(rc.make_plan(run)[0], stop=stop)
+    assert report.stopped
+    assert not report.committed
+    assert not kept[0].stopped, "the call is over"
+
+
+def test_other_threads_go_on_while_a_start_is_sampled(tmp_path: Path):
+    run = load(tmp_path)
+    own = rc.PickTaskSampler(run)
+    turns: list[int] = []
+    during: list[int] = []
+    done = threading.Event()
+
+    def count() -> None:
+        while not done.wait(0.001):
+            turns.append(1)
+
+    class Watched(rc.TaskSampler):
+        """Notes what another thread did meanwhile."""
+
+        def sample(self, request: rc.SampleRequest, rng: rc.Rng) -> rc.EpisodeStart | rc.Refusal:
+            before = len(turns)
+            result = own.sample(request, rng)
+            during.append(len(turns) - before)
+            return result
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    try:
+        assert rc.Runner(run, sampler=lambda run: Watched()).run(rc.make_plan(run)[0]).success
+    finally:
+        done.set()
+        thread.join()
+    assert max(during) >= 3, "the interpreter was not held"
 
 
 def test_what_is_no_sampler_or_no_start_is_told(tmp_path: Path):

@@ -20,13 +20,20 @@ def verify(
         bool, typer.Option("--repair", help="Move damaged episodes into DATASET/.quarantine.")
     ] = False,
 ) -> None:
-    """Check every file of a dataset and name what is damaged. Exit code 1 when something is."""
+    """Check every file of a dataset and name what is damaged.
+
+    Exit code 1 when something is; with --repair when something still is afterwards.
+    """
     require_folder(dataset, "dataset")
     if repair:
-        result = robocell.repair(dataset)
+        result = robocell.repair(dataset, decode_videos=decode_videos)
         print(str(result.found).rstrip())
         for moved in result.moved:
-            print(f"moved aside: {dataset / moved}")
+            print(f"moved aside: {dataset / '.quarantine' / moved}")
+        for problem in result.remaining:
+            print(f"not mended: {problem}")
+        if result.remaining:
+            raise typer.Exit(ExitCode.INCOMPLETE)
         return
     report = robocell.verify(dataset, decode_videos=decode_videos)
     print(str(report).rstrip())

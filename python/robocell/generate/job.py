@@ -17,6 +17,7 @@ from robocell import (
     make_plan,
     parse_shard,
     prepare_dataset,
+    remove_leftovers,
     require_same_run,
     run_identity,
     shard_plan,
@@ -24,7 +25,6 @@ from robocell import (
 from robocell.generate import work
 from robocell.generate.disk import disk_trouble
 from robocell.generate.items import Item
-from robocell.generate.leftovers import sweep
 from robocell.generate.observer import Observer
 from robocell.generate.report import (
     Command,
@@ -112,7 +112,7 @@ class Job:
         with DatasetLock(self.dataset, *self.shard):
             require_same_run(self.run)  # another command may have been quicker
             if self.shard[1] == 1:
-                sweep(self.dataset)
+                remove_leftovers(self.dataset)
             made = self.made()
             started = utc_now()
             by_id = {item.id: item for item in self._chosen}
@@ -125,7 +125,7 @@ class Job:
                 observer=observer,
                 already=len(made),
                 reproduce=self.reproduce,
-                clean_up=lambda item_id, pid: sweep(self.dataset, item_id, pid),
+                clean_up=lambda item_id, pid: remove_leftovers(self.dataset, item_id, pid),
                 disk_trouble=lambda: disk_trouble(self.dataset),
                 limits=limits,
             )

@@ -19,7 +19,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from robocell import Dataset, PlanItem, RunConfig, Runner, make_plan
+from robocell import Dataset, PlanItem, RunConfig, Runner, make_plan, prepare_dataset
 from robocell.generate.items import recorded_frames
 from robocell.generate.protocol import Failure
 
@@ -112,6 +112,7 @@ def _load(run_file: str, overrides: Sequence[str], folder: Path) -> RunConfig:
 
 def _make(run: RunConfig, items: Sequence[PlanItem], budget_s: float) -> list[Sample]:
     """As many of the items as the time allows, at least one."""
+    prepare_dataset(run)
     runner, folder = Runner(run), Path(run.output)
     samples: list[Sample] = []
     began = time.monotonic()

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/temporary_name.h"
 
 namespace robocell {
 namespace fs = std::filesystem;
@@ -69,9 +70,7 @@ class File {
 // A name that no other call of this process has; the caller retries when another process has it.
 fs::path TemporaryPath(const fs::path& parent, std::string_view name) {
   static std::atomic<uint64_t> count = 0;
-  constexpr size_t kLongest = 180;  // of 255 bytes
-  return parent /
-         fmt::format(".{}.{}.{}{}", name.substr(0, kLongest), ::getpid(), ++count, kSuffix);
+  return parent / TemporaryName{std::string(name), ::getpid(), ++count}.Text();
 }
 
 fs::path ParentOf(const fs::path& path) {

@@ -66,7 +66,11 @@ std::optional<std::string> ReadManifest(const fs::path& dataset) {
   if (!fs::exists(fs::symlink_status(path))) return std::nullopt;
   std::string text = ReadFile(path);
   if (!IsObject(text))
-    throw IoError(fmt::format("'{}' is damaged: it is not a JSON object", path.string()));
+    throw IoError(
+        fmt::format("'{}' is damaged: it is not a JSON object. `robocell verify --repair "
+                    "{}` sets it aside, `robocell generate` with the run's file writes it "
+                    "again",
+                    path.string(), dataset.string()));
   return text;
 }
 

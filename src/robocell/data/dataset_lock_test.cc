@@ -40,6 +40,30 @@ TEST(DatasetLock, ShardsShareTheFolderButNotAShard) {
   EXPECT_NO_THROW(DatasetLock(folder.path(), 1, 2));
 }
 
+TEST(DatasetLock, ShardsOfDifferentCountsAreRefusedTogether) {
+  TempDir folder;
+  std::optional<DatasetLock> half(std::in_place, folder.path(), 0, 2);
+  const std::string text =
+      ExpectThrow<IoError>([&] { DatasetLock(folder.path(), 0, 3); }, "as a shard of 2");
+  EXPECT_THAT(text, HasSubstr("give all shards the same N"));
+  EXPECT_THAT(text, HasSubstr("by process " + std::to_string(getpid())));
+  half.reset();
+  const DatasetLock third(folder.path(), 0, 3);
+  EXPECT_THROW(DatasetLock(folder.path(), 1, 2), IoError);
+}
+
+TEST(DatasetLock, WritersWorkBesideRunsButNotBesideARepair) {
+  TempDir folder;
+  std::optional<DatasetLock> writer = DatasetLock::Writing(folder.path());
+  EXPECT_NO_THROW(DatasetLock::Writing(folder.path()));
+  EXPECT_NO_THROW(DatasetLock run(folder.path()));
+  ExpectThrow<IoError>([&] { Repair(folder.path()); }, "in use");
+  writer.reset();
+  const DatasetLock alone = DatasetLock::Alone(folder.path());
+  EXPECT_THROW(DatasetLock::Writing(folder.path()), IoError);
+  EXPECT_THROW(DatasetLock run(folder.path()), IoError);
+}
+
 TEST(DatasetLock, OfAKilledProcessIsFree) {
   TempDir folder;
   int pipe[2];

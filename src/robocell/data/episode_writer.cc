@@ -1,5 +1,7 @@
 #include "robocell/data/episode_writer.h"
 
+#include <unistd.h>
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
@@ -244,7 +246,8 @@ Json EpisodeWriter::Impl::Versions() const {
 }
 
 Json EpisodeWriter::Impl::Run(const Json& given) const {
-  Json run = {{"host", HostName()}, {"started", started}, {"finished", UtcNow()}};
+  Json run = {
+      {"host", HostName()}, {"process", ::getpid()}, {"started", started}, {"finished", UtcNow()}};
   for (const auto& [key, value] : given.items()) {
     if (run.contains(key) || key == "json_sha256") {
       throw ArgumentError(

@@ -54,7 +54,7 @@ struct EpisodeSummary {
   std::vector<std::string> warnings;  // of the engine and of ours, one a line
   std::string results_json = "{}";    // an object: numbers for the report
   // An object for the `run` block: worker, attempt times. The only place for what differs between
-  // runs; `host`, `started`, `finished` and `json_sha256` are added.
+  // runs; `host`, `process`, `started`, `finished` and `json_sha256` are added.
   std::string run_json = "{}";
 };
 

@@ -19,7 +19,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
-#include "robocell/data/file_lock.h"
+#include "robocell/data/leftovers.h"
 #include "robocell/data/model_store.h"
 #include "robocell/media/video_info.h"
 
@@ -165,13 +165,6 @@ class EpisodeCheck {
   std::vector<VerifyProblem> problems_;
 };
 
-// Whether somebody holds the lock of an unfinished episode's folder: its EpisodeWriter lives.
-bool IsBeingWritten(const fs::path& leftover) {
-  std::error_code error;
-  if (!fs::is_directory(fs::symlink_status(leftover, error))) return false;
-  return !FileLock::Try(leftover, LockKind::kExclusive);
-}
-
 // Moves it into the quarantine under a name that is free there.
 std::string Quarantine(const fs::path& dataset, const std::string& name) {
   const fs::path folder = dataset / kQuarantineFolder;
@@ -243,6 +236,9 @@ std::string VerifyReport::Text() const {
     text += fmt::format("{}: unfinished, left behind by a crash\n", name);
   for (const std::string& name : being_written)
     text += fmt::format("{}: unfinished, a running process is writing it\n", name);
+  if (!has_manifest && !good.empty())
+    text +=
+        "dataset.json: there is none; `robocell generate` with the run's file writes it again\n";
   return text + fmt::format("{} episodes good, {} bad\n", good.size(), bad.size());
 }
 
@@ -255,7 +251,7 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
   std::vector<std::string> episodes;
   for (const std::string& name : List(dataset)) {
     if (IsTemporaryName(name)) {
-      (IsBeingWritten(dataset / name) ? report.being_written : report.leftovers).push_back(name);
+      continue;
     } else if (name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
                IsReportFile(name)) {
       continue;
@@ -266,6 +262,9 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
       report.others.push_back(name);
     }
   }
+  for (const std::string& name : UnfinishedIn(dataset))
+    (IsBeingWritten(dataset / name) ? report.being_written : report.leftovers).push_back(name);
+  report.has_manifest = fs::exists(dataset / kManifestFile);
   for (size_t i = 0; i < episodes.size(); ++i) {
     const auto problems = VerifyEpisode(dataset / episodes[i], options.decode_videos);
     (problems.empty() ? report.good : report.bad).push_back(episodes[i]);
@@ -279,7 +278,7 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
 }
 
 RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
-  const DatasetLock lock(dataset);
+  const DatasetLock lock = DatasetLock::Alone(dataset);
   RepairResult result{.found = Verify(dataset, options), .remaining = {}, .moved = {}};
   const VerifyReport& found = result.found;
   for (const auto* names : {&found.bad, &found.bad_parts, &found.leftovers}) {

@@ -37,6 +37,8 @@ struct VerifyReport {
   // Files and folders that are no part of a dataset: logs, notes. No problem either.
   std::vector<std::string> others;
 
+  bool has_manifest = true;  // recordings of other programs may do without: no problem
+
   bool ok() const { return problems.empty(); }
   // One line per problem and leftover, then a summary line.
   std::string Text() const;

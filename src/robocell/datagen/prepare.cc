@@ -19,6 +19,7 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/model_store.h"
 #include "robocell/datagen/check_run.h"
+#include "robocell/datagen/lost_manifest.h"
 #include "robocell/datagen/run_inputs.h"
 
 namespace robocell {
@@ -82,7 +83,9 @@ std::vector<std::string> Changes(const std::string& manifest, const RunInputs& i
   try {
     return Differences(InputsIn(manifest), inputs);
   } catch (const Json::exception& error) {
-    return {std::string("dataset.json is of another making: ") + error.what()};
+    return {std::string("dataset.json is of another making; without it, the episodes "
+                        "themselves are asked: ") +
+            error.what()};
   }
 }
 
@@ -116,6 +119,10 @@ bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
     return !changes.empty();
   }
   if (entry.empty()) return true;
+  if (const auto lost = ChangesSinceEpisodes(run, inputs)) {
+    if (!lost->empty()) ThrowChanged(run, *lost);
+    return true;
+  }
   throw SpecError(fmt::format(
       "run '{}': output: the folder '{}' holds '{}' and is no dataset; give a new folder", run.run,
       run.output, entry));
@@ -125,7 +132,7 @@ bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
 // lock, so that nobody makes an episode meanwhile.
 void Begin(const RunConfig& run, const RunInputs& inputs) {
   if (!ReadManifest(run.output)) return WriteManifest(run.output, Manifest(run, inputs));
-  const DatasetLock lock(run.output);
+  const DatasetLock lock = DatasetLock::Alone(run.output);
   if (MustBegin(run, inputs)) WriteManifest(run.output, Manifest(run, inputs));
 }
 
@@ -164,7 +171,9 @@ void RequireSameRun(const RunConfig& run) {
   const std::optional<std::string> manifest = ReadManifest(run.output);
   if (!manifest) {
     throw SpecError(
-        fmt::format("run '{}': '{}' is no dataset: it has no dataset.json", run.run, run.output));
+        fmt::format("run '{}': '{}' is no dataset: it has no dataset.json; call PrepareDataset "
+                    "(prepare_dataset in Python) first",
+                    run.run, run.output));
   }
   if (const auto changes = Changes(*manifest, InputsOf(run)); !changes.empty())
     ThrowChanged(run, changes);

@@ -8,11 +8,11 @@ namespace robocell {
 
 // Creates the dataset's folder with its manifest, or checks that the folder there belongs to the
 // same run: other inputs (run_inputs.h) are a SpecError that names each difference, and so is a
-// folder with other things in it. The run is checked first (check_run.h, without the scripted
-// expert's demands), so that a mistake leaves nothing behind. A dataset without episodes is
-// begun anew when the inputs changed. The run's models are copied into the dataset. IoError when
-// the folder cannot be written, or somebody is generating into it. Any number of processes may call
-// it for the same run.
+// folder with other things in it. A lost dataset.json is written again when the episodes agree. The
+// run is checked first (check_run.h, without the scripted expert's demands), so that a mistake
+// leaves nothing behind. A dataset without episodes is begun anew when the inputs changed. The
+// run's models are copied into the dataset. IoError when the folder cannot be written, or somebody
+// is generating into it. Any number of processes may call it for the same run.
 void PrepareDataset(const RunConfig& run);
 
 // What PrepareDataset would say of the folder. Writes nothing.

@@ -120,6 +120,38 @@ TEST_F(RecordedSceneTest, AChangedModelIsNotBuilt) {
                        "is not what was stored; see `robocell verify");
 }
 
+TEST_F(RecordedSceneTest, ALostManifestIsWrittenAgainForTheSameRun) {
+  RunConfig run = OwnRun(machine);
+  Record(run);
+  const std::string manifest = ReadManifest(run.output).value();
+  fs::remove(machine / "out/dataset.json");
+  EXPECT_TRUE(Verify(run.output).ok());
+  EXPECT_THAT(Verify(run.output).Text(),
+              HasSubstr("dataset.json: there is none; `robocell generate`"));
+  run.task.lift_height *= 2;
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "task.lift_height: ");
+  run.task.lift_height /= 2;
+  const fs::path model = machine / "robot/rc7.xml";
+  const std::string text = ReadFile(model);
+  AtomicWrite(model, text + " ");
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "model file rc7.xml: changed since then");
+  AtomicWrite(model, text);
+  PrepareDataset(run);
+  EXPECT_EQ(ReadManifest(run.output), manifest);
+}
+
+TEST_F(RecordedSceneTest, ADamagedManifestIsSetAsideAndWrittenAgain) {
+  const RunConfig run = OwnRun(machine);
+  Record(run);
+  const std::string manifest = ReadManifest(run.output).value();
+  AtomicWrite(machine / "out/dataset.json", "{");
+  const RepairResult repaired = Repair(run.output);
+  EXPECT_THAT(repaired.moved, ElementsAre("dataset.json"));
+  EXPECT_TRUE(repaired.remaining.empty());
+  PrepareDataset(run);
+  EXPECT_EQ(ReadManifest(run.output), manifest);
+}
+
 TEST_F(RecordedSceneTest, VerifyNamesModelsThatAreDamagedOrMissing) {
   const RunConfig run = OwnRun(machine);
   const Episode episode = Record(run);

@@ -1,9 +1,12 @@
 #include "robocell/datagen/runner.h"
 
 #include <chrono>
+#include <optional>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/dataset_lock.h"
 #include "robocell/datagen/check_run.h"
 #include "robocell/datagen/rollout.h"
 #include "robocell/task/pick_planner.h"
@@ -23,15 +26,27 @@ struct Runner::State {
   RunnerParts parts;
   std::shared_ptr<TaskSampler> sampler;
   std::unique_ptr<Renderer> renderer;
+  std::optional<std::string> checked_manifest;
 
   Renderer* EnsureRenderer() {
     if (!renderer && !run.cameras.streams.empty())
       renderer = MakeRenderer({.quality = run.cameras.quality});
     return renderer.get();
   }
+  DatasetLock Enter();
   RolloutOptions Options(const PlanItem& item, int attempt, const StopCheck& stop);
   void Attempt(const PlanItem& item, int attempt, const StopCheck& stop, EpisodeReport& report);
 };
+
+// The right to write into the dataset, as long as it is the one that the run was checked against.
+DatasetLock Runner::State::Enter() {
+  if (!checked_manifest) RequireSameRun(run);  // before anything is written, a lock included
+  DatasetLock lock = DatasetLock::Writing(run.output);
+  const std::optional<std::string> manifest = ReadManifest(run.output);
+  if (!manifest || manifest != checked_manifest) RequireSameRun(run);
+  checked_manifest = manifest;
+  return lock;
+}
 
 RolloutOptions Runner::State::Options(const PlanItem& item, int attempt, const StopCheck& stop) {
   const nlohmann::json metadata = {{"run", run.run},
@@ -101,6 +116,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
 EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
   EpisodeReport report{.item = item, .refusals = {}, .failures = {}};
   const RunConfig& run = state_->run;
+  const DatasetLock lock = state_->Enter();
   if (IsComplete(run, item)) {
     report.committed = report.resumed = true;
     report.success = LookForItem(run, item).success;

@@ -11,9 +11,10 @@
 // Everything random comes from AttemptStream, so an episode does not depend on which process makes
 // it, in what order, or what was made before. What is on the disk already is not made again: an
 // item with a success is reported as such, and with `keep: all`, where every attempt is an episode
-// of its own ("s0003_e0001_a02"), attempts go on after the last one that was kept. Errors:
-// SpecError before anything runs; IoError when the disk fails (nothing half-written stays). A stop
-// request ends Run at the next policy tick without a commit.
+// of its own ("s0003_e0001_a02"), attempts go on after the last one that was kept. The dataset must
+// have been prepared for the run (prepare.h), and nobody may repair it meanwhile (dataset_lock.h).
+// Errors: SpecError before anything runs; IoError when the disk fails (nothing half-written stays).
+// A stop request ends Run at the next policy tick without a commit.
 #pragma once
 
 #include <functional>

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <optional>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/dataset_lock.h"
 #include "robocell/task/pick_planner.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
@@ -100,6 +102,40 @@ TEST(Runner, AnEpisodeDoesNotDependOnWhatWasMadeBefore) {
             ReadFile(folder / "one" / plan[1].id / "steps.h5"));
 }
 
+TEST(Runner, NeverMakesAMixture) {
+  TempDir folder;
+  RunConfig run = Blind("demo.yaml", folder / "out");
+  const PlanItem item = MakePlan(run)[0];
+  run.seed = 7;
+  ExpectThrow<SpecError>([&] { Runner(run).Run(item); }, "seed: 0 then, 7 now");
+  run.output = (folder / "none").string();
+  ExpectThrow<SpecError>([&] { Runner(run).Run(item); }, "call PrepareDataset");
+  EXPECT_FALSE(std::filesystem::exists(folder / "none"));
+}
+
+// The dataset was begun anew for another run while this runner lived.
+TEST(Runner, NoticesThatItsDatasetBecameAnotherOne) {
+  TempDir folder;
+  RunConfig run = Blind("demo.yaml", folder / "out"), other = run;
+  Runner runner(run);
+  const PlanItem item = MakePlan(run)[0];
+  runner.Run(item);
+  std::filesystem::remove_all(folder / "out" / item.id);
+  other.seed = 7;
+  PrepareDataset(other);
+  ExpectThrow<SpecError>([&] { runner.Run(item); }, "seed: 7 then, 0 now");
+}
+
+TEST(Runner, DoesNotWriteWhileSomebodyRepairs) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  Runner runner(run);
+  std::optional<DatasetLock> repair = DatasetLock::Alone(run.output);
+  ExpectThrow<IoError>([&] { runner.Run(MakePlan(run)[0]); }, "in use");
+  repair.reset();
+  EXPECT_TRUE(runner.Run(MakePlan(run)[0]).success);
+}
+
 TEST(Runner, DoesNotMakeAgainWhatIsThere) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
@@ -152,6 +188,7 @@ TEST(Runner, CountsRefusalsAndGivesUpAfterTheLastAttempt) {
   TempDir folder;
   RunConfig run = Blind("demo.yaml", folder / "out");
   run.max_attempts = 4;
+  PrepareDataset(run);
   Runner runner(run, {.sampler = [](const RunConfig&) { return std::make_unique<Refusing>(); },
                       .expert = {}});
   const EpisodeReport report = runner.Run(MakePlan(run)[0]);
@@ -184,7 +221,7 @@ TEST(Runner, AStopInTheMiddleOfARolloutIsObeyed) {
   EXPECT_TRUE(report.stopped);
   EXPECT_EQ(report.kept, 0);
   for (const auto& entry : std::filesystem::directory_iterator(run.output)) {
-    EXPECT_THAT(entry.path().filename().string(), AnyOf("dataset.json", "models"));
+    EXPECT_THAT(entry.path().filename().string(), AnyOf("dataset.json", "models", ".lock-writers"));
   }
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <mutex>
 
+#include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -50,8 +51,9 @@ ModelSize SizeOfModel(const std::string& path) {
   static std::mutex mutex;
   static std::map<std::string, ModelSize> known;
   const std::lock_guard lock(mutex);
-  const auto it = known.find(path);
-  return it != known.end() ? it->second : known.emplace(path, MeasureModel(path)).first->second;
+  const std::string hash = ModelFileSet(assets::Resolve(path)).hash;
+  const auto it = known.find(hash);
+  return it != known.end() ? it->second : known.emplace(hash, MeasureModel(path)).first->second;
 }
 
 Vec4 Colour(Rng& rng) {

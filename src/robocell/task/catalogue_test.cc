@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/validate.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
@@ -29,6 +31,17 @@ TEST(Catalogue, EveryKindIsAValidObjectThatBuilds) {
   const Scene scene = Scene::Build(spec);
   for (const ObjectRecord& object : scene.compiled()->objects())
     EXPECT_TRUE(object.free_joint) << object.name;
+}
+
+TEST(Catalogue, ASizeFollowsTheModelsFile) {
+  TempDir temp;
+  SceneObject object{.name = "ball", .mjcf_path = temp / "ball.xml"};
+  for (const char* radius : {"0.02", "0.03"}) {
+    AtomicWrite(temp / "ball.xml",
+                std::string("<mujoco><worldbody><body><freejoint/><geom size='") + radius +
+                    "'/></body></worldbody></mujoco>");
+    EXPECT_NEAR(RestHeight(object), std::stod(radius), 1e-9);
+  }
 }
 
 TEST(Catalogue, SameStreamSameObject) {

@@ -9,6 +9,9 @@
 #include <mutex>
 #include <Eigen/Geometry>
 
+#include "robocell/assets/model_files.h"
+#include "robocell/assets/resolve.h"
+#include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -198,7 +201,10 @@ std::shared_ptr<const GripperShape> GripperShape::Of(const RobotConfig& config,
   static std::mutex mutex;
   static std::map<std::string, std::shared_ptr<const GripperShape>> known;
   const SceneSpec spec = RobotAlone(config, options, timestep);
-  const std::string key = config.source_dir + "\n" + ToYaml(spec);
+  std::string key = ToYaml(spec);  // and what its models hold: files are edited while we run
+  assets::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
+    key += ModelFileSet(assets::Resolve(name, directory)).hash + "\n";
+  });
   {
     const std::lock_guard lock(mutex);
     if (const auto it = known.find(key); it != known.end()) return it->second;

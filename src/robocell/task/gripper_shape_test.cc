@@ -3,10 +3,16 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <filesystem>
+
+#include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/spec/yaml.h"
 #include "robocell/task/testing/pick_scene.h"
 #include "robocell/testing/menagerie.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
@@ -34,6 +40,22 @@ TEST(GripperShape, TheJointsOfAGapMakeThatGap) {
     Scene(pick.scene).Forward();
     EXPECT_NEAR(pick.robot.gripper().inter_finger_dist(), gap, 3e-4);
   }
+}
+
+// Somebody edits the gripper's file while the process lives.
+TEST(GripperShape, FollowsTheModelsFile) {
+  TempDir temp;
+  RobotConfig config = LoadYaml<RobotConfig>(assets::BuiltinRobotFile("rc7"));
+  std::filesystem::copy(config.source_dir, temp.path(), std::filesystem::copy_options::recursive);
+  config.source_dir = temp.path().string();
+  const auto before = GripperShape::Of(config, {}, 0.002);
+  EXPECT_EQ(GripperShape::Of(config, {}, 0.002), before) << "measured once";
+  std::string text = ReadFile(temp / "rc7.xml");
+  const std::string range = R"(range="0 0.044")";
+  ASSERT_NE(text.find(range), std::string::npos);
+  text.replace(text.find(range), range.size(), R"(range="0 0.050")");
+  AtomicWrite(temp / "rc7.xml", text);
+  EXPECT_NE(GripperShape::Of(config, {}, 0.002), before);
 }
 
 TEST(GripperShape, SpansTheConfiguredRangeAndClampsOutsideOfIt) {

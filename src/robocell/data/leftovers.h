@@ -1,0 +1,32 @@
+// What killed processes left half-written in a dataset. It is invisible to every reader, and
+// harmless; it only takes room. What somebody is writing now is never touched: its folder is locked
+// (work_folder.h).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace robocell {
+
+// Whether an unfinished folder has a living writer, on this machine or another.
+bool IsBeingWritten(const std::filesystem::path& unfinished);
+
+// Names of unfinished folders and files in the dataset, sorted, with and without a writer.
+std::vector<std::string> UnfinishedIn(const std::filesystem::path& dataset);
+
+struct DeadWriter {
+  std::string episode;  // its attempts too: names that begin with it
+  int64_t process = 0;
+};
+
+// Removes what nobody is writing and returns its names. Of one dead writer, or all: that is for
+// whoever holds the lock of the whole dataset, as single files are not locked. Process numbers
+// alone are not enough: other machines may write into the folder, and not every file system has
+// locks.
+std::vector<std::string> RemoveLeftovers(const std::filesystem::path& dataset,
+                                         const std::optional<DeadWriter>& writer = {});
+
+}  // namespace robocell

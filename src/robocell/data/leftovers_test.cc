@@ -1,0 +1,68 @@
+#include "robocell/data/leftovers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+
+#include "robocell/base/files.h"
+#include "robocell/data/testing/sample_episode.h"
+#include "robocell/data/verify.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+TEST(RemoveLeftovers, TakesFilesLinksAndFoldersAndNothingElse) {
+  TempDir temp;
+  AtomicWrite(temp / ".a.7.1.partial", "a file");
+  fs::create_directory(temp / "elsewhere");
+  fs::create_symlink(temp / "elsewhere", temp / ".b.7.1.partial");
+  fs::create_directories(temp / "models/.rc7.7.2.partial/assets");
+  fs::create_directory(temp / ".lock");
+  EXPECT_THAT(RemoveLeftovers(temp.path()),
+              ElementsAre(".a.7.1.partial", ".b.7.1.partial", "models/.rc7.7.2.partial"));
+  EXPECT_TRUE(fs::exists(temp / "elsewhere"));
+  EXPECT_TRUE(fs::exists(temp / ".lock"));
+}
+
+TEST(RemoveLeftovers, OfADeadWriterAreItsAttemptsOnly) {
+  TempDir temp;
+  for (const char* name :
+       {".e1.7.1.partial", ".e1_a03.7.2.partial", ".e2.7.1.partial", ".e1.8.1.partial"})
+    fs::create_directory(temp / name);
+  EXPECT_THAT(RemoveLeftovers(temp.path(), DeadWriter{"e1", 7}),
+              ElementsAre(".e1.7.1.partial", ".e1_a03.7.2.partial"));
+  EXPECT_THAT(UnfinishedIn(temp.path()), ElementsAre(".e1.8.1.partial", ".e2.7.1.partial"));
+}
+
+TEST(RemoveLeftovers, LeavesWhatALivingWriterIsAt) {
+  TempDir temp;
+  const SampleEpisode sample(0, false);
+  EpisodeWriter writer(temp.path(), "e1", sample.schema);
+  EXPECT_THAT(RemoveLeftovers(temp.path()), IsEmpty());
+  EXPECT_THAT(RemoveLeftovers(temp.path(), DeadWriter{"e1", getpid()}), IsEmpty());
+  EXPECT_EQ(Verify(temp.path()).being_written.size(), 1u);
+}
+
+// A folder that was just made is not locked yet for a moment: its writer notices and takes another.
+TEST(RemoveLeftovers, DoesNotDisturbWritersThatJustBegin) {
+  TempDir temp;
+  std::atomic<bool> done = false;
+  std::thread sweeper([&] {
+    while (!done) RemoveLeftovers(temp.path());
+  });
+  const SampleEpisode sample(0, false);
+  for (int i = 0; i < 50; ++i) EXPECT_NO_THROW(sample.Write(temp.path(), "e" + std::to_string(i)));
+  done = true;
+  sweeper.join();
+  EXPECT_EQ(Verify(temp.path()).good.size(), 50u);
+}
+
+}  // namespace
+}  // namespace robocell

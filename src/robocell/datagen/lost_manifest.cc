@@ -1,0 +1,63 @@
+#include "robocell/datagen/lost_manifest.h"
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <nlohmann/json.hpp>
+
+#include "robocell/assets/model_files.h"
+#include "robocell/assets/portable_name.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/model_store.h"
+
+namespace robocell {
+namespace {
+
+using Json = nlohmann::json;
+
+// A model by its portable name, else its file's name.
+std::string KeyOf(const std::string& name) {
+  return IsStoredModelPath(name) ? std::filesystem::path(name).filename().string() : name;
+}
+
+std::map<std::string, std::string> StoredPathsOf(const RunConfig& run) {
+  std::map<std::string, std::string> paths;
+  for (const std::string& model : ModelsOf(run)) {
+    const std::string stored = StoredModelPath(ModelFileSet(model));
+    paths[assets::PortableName(model).value_or(KeyOf(stored))] = stored;
+  }
+  return paths;
+}
+
+// What an episode was made with, of what `now` knows. Its models stand in for the files.
+RunInputs InputsIn(const Episode& episode, const std::string& identity, const RunInputs& now) {
+  RunInputs then{.identity = identity, .versions = {}, .files = now.files};
+  const Json versions = Json::parse(episode.versions_json());
+  for (const auto& [part, version] : now.versions) then.versions[part] = versions.value(part, "");
+  for (const auto& [name, path] : episode.models()) {
+    const std::string key = KeyOf(name);
+    if (now.files.contains(key)) then.files[key] = path;
+  }
+  return then;
+}
+
+}  // namespace
+
+std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run,
+                                                             const RunInputs& now) {
+  RunInputs inputs = now;
+  inputs.files = StoredPathsOf(run);
+  bool found = false;
+  std::set<std::string> changes;
+  for (const Episode& episode : Dataset(run.output)) {
+    const Json identity = Json::parse(episode.metadata_json()).value("identity", Json());
+    if (!identity.is_string()) continue;
+    found = true;
+    for (std::string& line : Differences(InputsIn(episode, identity, inputs), inputs))
+      changes.insert(std::move(line));
+  }
+  if (!found) return std::nullopt;
+  return std::vector<std::string>(changes.begin(), changes.end());
+}
+
+}  // namespace robocell
