@@ -21,7 +21,7 @@ struct PlanItem {
   std::string id;   // name of the episode's folder: "s0003_e0001"
 };
 
-// `episodes` items, else `episodes_per_scene` for each scene. The scenes take turns, in the order of
+// `episodes` items, else `episodes_per_scene` for each scene. The scenes take turns, in order of
 // `scenes.houses`, so that few episodes still visit many of them. More scenes or episodes extend a
 // plan: the ids and seeds of the others stay. SpecError for more than ten million episodes.
 std::vector<PlanItem> MakePlan(const RunConfig& run);
