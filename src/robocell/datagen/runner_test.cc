@@ -256,11 +256,11 @@ TEST(Runner, RefusesStreamsThatCannotBeRecordedAllAtOnce) {
   TempDir folder;
   RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
   run.output = folder.path().string();
-  run.cameras.streams[0].depth = true;
+  run.cameras.streams[0].segmentation = true;
   run.cameras.streams[1].rate = 5;
   const std::string text =
-      ExpectThrow<SpecError>([&] { Runner runner(run); }, "depth cannot be recorded yet");
-  EXPECT_THAT(text, testing::HasSubstr("cameras.streams[0].depth"));
+      ExpectThrow<SpecError>([&] { Runner runner(run); }, "segmentation cannot be recorded yet");
+  EXPECT_THAT(text, testing::HasSubstr("cameras.streams[0].segmentation"));
   EXPECT_THAT(text, testing::HasSubstr("cameras.streams[1].rate"));
 }
 
