@@ -136,7 +136,11 @@ def test_a_command_with_nothing_to_do_is_not_listed(dataset: Path):
 
 def test_a_dataset_with_a_report_is_as_intact_as_one_without(dataset: Path):
     verified = robocell.verify(dataset)
-    assert (verified.ok, verified.good, verified.others) == (True, IDS, [".lock", ".lock-writers", ".logs"])
+    assert (verified.ok, verified.good, verified.others) == (
+        True,
+        IDS,
+        [".lock", ".lock-writers", ".logs"],
+    )
 
 
 def test_the_table_is_counted_on_the_disk(dataset: Path, tmp_path: Path):

@@ -1,6 +1,7 @@
 #include "robocell/base/file_set.h"
 
 #include <sys/stat.h>
+#include <fmt/format.h>
 
 #include <array>
 #include <cerrno>
@@ -52,7 +53,7 @@ std::string RememberedHash(const fs::path& path) {
 // Of names and hashes: a line each, as `sha256sum` prints them.
 std::string HashOfLines(const std::map<std::string, std::string>& hashes) {
   Sha256Stream all;
-  for (const auto& [name, hash] : hashes) all.Update(hash + "  " + name + "\n");
+  for (const auto& [name, hash] : hashes) all.Update(fmt::format("{}  {}\n", hash, name));
   return all.Hex();
 }
 
