@@ -32,8 +32,8 @@ Texts FilesOf(const RunConfig& run) {
 void Flatten(const YAML::Node& node, const std::string& path, Texts& out) {
   if (node.IsMap()) {
     for (const auto& entry : node) {
-      const std::string key = entry.first.Scalar();
-      Flatten(entry.second, path.empty() ? key : path + "." + key, out);
+      const std::string& key = entry.first.Scalar();
+      Flatten(entry.second, path.empty() ? key : fmt::format("{}.{}", path, key), out);
     }
     return;
   }
