@@ -69,7 +69,7 @@ std::string InFolder(const MissingFile& file) {
                      DidYouMean(file.path.filename().string(), names));
 }
 
-std::string Sentence(std::string text) { return text.ends_with('?') ? text : text + "."; }
+std::string Sentence(const std::string& text) { return text.ends_with('?') ? text : text + "."; }
 
 std::string Text(const std::string& model, const std::vector<MissingFile>& missing) {
   const MissingFile& first = missing.front();

@@ -229,8 +229,9 @@ class Editor {
 void ApplyEdits(const RobotConfig& config, mjSpec* spec, const std::string& place, Report& report) {
   for (size_t i = 0; i < config.edits.size(); ++i) {
     const std::string edit = fmt::format("edits[{}]", i);
-    report.Locate(place + " / " + edit, config.locations.Below(edit));
-    Editor(config.edits[i], spec, place + " / " + edit, report).Apply();
+    const std::string here = fmt::format("{} / {}", place, edit);
+    report.Locate(here, config.locations.Below(edit));
+    Editor(config.edits[i], spec, here, report).Apply();
   }
 }
 
