@@ -14,7 +14,7 @@ namespace {
 
 constexpr size_t kShown = 60;  // longest piece of a file quoted in a hint
 
-std::string Cut(std::string text) {
+std::string Cut(const std::string& text) {
   return text.size() > kShown ? text.substr(0, kShown) + "..." : text;
 }
 
