@@ -13,6 +13,7 @@ import threading
 import time
 from pathlib import Path
 
+import storm
 import yaml
 
 import robocell
@@ -22,19 +23,7 @@ KILLS = 6
 # Less than a steps.h5 needs; logs and probes fit.
 FILE_LIMIT_BYTES = 80_000
 
-RUN = {
-    "run": "faults",
-    "robot": str(robocell.models.robot_file("rc7")),
-    "task": {
-        "kind": "pick",
-        "base_distance": [0.3, 0.55],
-        "base_height_offset": -0.25,
-        "base_height_noise": [-0.15, 0.1],
-    },
-    "scenes": {"source": "tabletop"},
-    "episodes_per_scene": EPISODES,
-    "cameras": {"resolution": [64, 48], "streams": [{"name": "wrist", "camera": "wrist_camera"}]},
-}
+RUN = {**storm.RUN, "run": "faults", "episodes_per_scene": EPISODES}
 
 
 def start(folder: Path, *options: object, limit: int | None = None) -> subprocess.Popen[str]:
