@@ -250,12 +250,11 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
   VerifyReport report;
   std::vector<std::string> episodes;
   for (const std::string& name : List(dataset)) {
-    if (IsTemporaryName(name)) {
+    if (IsTemporaryName(name) || name == kManifestFile || name == kQuarantineFolder ||
+        name == kModelsFolder || IsReportFile(name)) {
       continue;
-    } else if (name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
-               IsReportFile(name)) {
-      continue;
-    } else if (IsEpisodeId(name) && fs::is_directory(dataset / name) &&
+    }
+    if (IsEpisodeId(name) && fs::is_directory(dataset / name) &&
                LooksLikeEpisode(dataset / name)) {
       episodes.push_back(name);
     } else {
