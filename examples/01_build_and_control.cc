@@ -24,7 +24,7 @@ void MoveTo(rc::Scene& scene, rc::Robot& robot, const rc::Pose& tcp, double seco
     for (int j = 0; j < robot.n_joints(); ++j)
       robot.jnt_pos_cmd()[j] = from[j] + s * (ik.q.data()[j] - from[j]);
     robot.Update();
-    robot.Step();
+    if (const rc::StepResult step = robot.Step(); !step.ok()) throw rc::Error(step.message);
   }
 }
 
@@ -32,7 +32,7 @@ void Grip(rc::Robot& robot, double opening, double seconds) {
   robot.Apply({{"gripper", rc::GroupCommand::Opening(opening)}});
   for (int i = 0; i < static_cast<int>(seconds / robot.scene().timestep()); ++i) {
     robot.Update();
-    robot.Step();
+    if (const rc::StepResult step = robot.Step(); !step.ok()) throw rc::Error(step.message);
   }
 }
 

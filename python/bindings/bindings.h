@@ -29,6 +29,7 @@ void BindRobot(nb::module_& m);       // robots and groups, with the stepper
 void BindRender(nb::module_& m);      // images and videos
 void BindTask(nb::module_& m);        // tasks and experts
 void BindSampler(nb::module_& m);     // where episodes start
+void BindPick(nb::module_& m);        // the pick task: judge, sampler, expert
 void BindData(nb::module_& m);        // datasets and episodes
 void BindDatagen(nb::module_& m);     // plans and the runner
 

@@ -17,6 +17,7 @@ NB_MODULE(_core, m) {
   BindRender(m);
   BindTask(m);
   BindSampler(m);
+  BindPick(m);
   BindData(m);
   BindDatagen(m);
 }

@@ -41,6 +41,9 @@ void BindReport(nb::module_& m) {
       .def_ro("attempts", &EpisodeReport::attempts)
       .def_ro("accepted", &EpisodeReport::accepted, "Attempts whose start the sampler accepted.")
       .def_ro("refusals", &EpisodeReport::refusals, "Reason -> count, of refused starts.")
+      .def_ro("redrawn", &EpisodeReport::redrawn,
+              "Reason -> count, of places for objects and robot that were tried and given up "
+              "within the attempts; the sampler tried attempts + these.")
       .def_ro("failures", &EpisodeReport::failures, "Reason -> count, of failed rollouts.")
       .def_ro("rows", &EpisodeReport::rows)
       .def_ro("seconds_sampling", &EpisodeReport::seconds_sampling)

@@ -15,37 +15,33 @@ using namespace nb::literals;
 namespace robocell::python {
 namespace {
 
-std::vector<std::string> LockedNames(const Robot& robot, const std::vector<std::string>& groups) {
-  std::vector<std::string> names;
-  for (const std::string& group : groups) {
-    for (const std::string& joint : robot.group(group).joint_names()) names.push_back(joint);
-  }
-  return names;
-}
-
 IkResult SolveIk(const Kinematics& k, const Pose& target, nb::handle seed,
                  const std::vector<std::string>& locked_groups, double tolerance,
                  bool position_only, bool prefer_near_seed) {
   IkOptions options{
       .tolerance = tolerance, .position_only = position_only, .prefer_near_seed = prefer_near_seed};
   if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
-  const std::vector<std::string> locked = LockedNames(k.robot, locked_groups);
-  if (!locked.empty()) options.locked = LockJoints(k.robot.chain(), locked);
+  options.locked = k.robot.LockGroups(locked_groups);
   const nb::gil_scoped_release release;
   return k.robot.Ik(target, options);
 }
 
-nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds, double tolerance,
+nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
+                      const std::vector<std::string>& locked_groups, double tolerance,
                       int threads) {
   const std::vector<Pose> poses = PosesFromMatrices(ToDoubles(targets, "targets"), "targets");
   const std::vector<double> seed_values =
       seeds.is_none() ? k.robot.arm().joint_pos() : ToDoubles(seeds, "seeds");
+  const LockedJoints locked = k.robot.LockGroups(locked_groups);
   IkBatchResult result;
   {
     const nb::gil_scoped_release release;
     SignalPoll poll;
-    result = IkBatch(k.robot.chain(), poses, seed_values,
-                     {.ik = {.tolerance = tolerance}, .threads = threads, .poll = [&] { poll(); }});
+    result =
+        IkBatch(k.robot.chain(), poses, seed_values,
+                {.ik = {.tolerance = tolerance, .locked = locked}, .threads = threads, .poll = [&] {
+                   poll();
+                 }});
   }
   const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
   nb::object make = nb::module_::import_("types").attr("SimpleNamespace");
@@ -107,12 +103,14 @@ void BindKinematics(nb::module_& m) {
            "position_only"_a = false, "prefer_near_seed"_a = false,
            "Joint values that put the TCP at `target` (in the robot base frame). Starts at `seed`, "
            "else where the arm is.\n\n"
+           "The joints of `locked_groups` stay where the seed has them. "
            "Limits are always obeyed; the same question has the same answer. Damped least squares "
            "(Sugihara 2011) with\n"
            "evenly spread restarts.")
-      .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(), "tolerance"_a = 1e-5,
-           "threads"_a = 1,
-           "targets (B, 4, 4) in the robot base frame, seeds (B, n) or (n,). Returns q (B, n), "
+      .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(),
+           "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5, "threads"_a = 1,
+           "targets (B, 4, 4) in the robot base frame, seeds (B, n) or (n,), where the joints of "
+           "`locked_groups` stay. Returns q (B, n), "
            "success (B,), position_error,\n"
            "rotation_error and iterations. An answer does not depend on the batch it is in.")
       .def_prop_ro(

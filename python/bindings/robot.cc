@@ -156,31 +156,26 @@ nb::object Values(std::span<const double> values) {
   return NewArray<double>(values, {values.size()});
 }
 
-// As the most specific class that Python knows; it keeps the robot alive. A group written in Python
-// is its own object, and lives without the robot.
-nb::object GroupObject(nb::handle self, MoveGroup& group) {
+// As the most specific class that Python knows; it keeps the robot alive, and itself when it is
+// replaced. A group written in Python is its own object, and lives without the robot.
+nb::object GroupObject(const Robot& robot, MoveGroup& group) {
   if (const auto* own = dynamic_cast<WrittenInPython*>(&group)) return nb::borrow(own->object());
-  const auto reference = nb::rv_policy::reference;
-  nb::object object;
-  if (auto* gripper = dynamic_cast<GripperGroup*>(&group)) {
-    object = nb::cast(gripper, reference);
-  } else if (auto* base = dynamic_cast<BaseGroup*>(&group)) {
-    object = nb::cast(base, reference);
-  } else {
-    object = nb::cast(&group, reference);
-  }
-  nb::keep_alive_obj(object, self);
-  return object;
+  std::shared_ptr<MoveGroup> shared = robot.shared_group(group.name());
+  if (auto gripper = std::dynamic_pointer_cast<GripperGroup>(shared)) return nb::cast(gripper);
+  if (auto base = std::dynamic_pointer_cast<BaseGroup>(shared)) return nb::cast(base);
+  return nb::cast(shared);
 }
-
-const Robot& RobotOf(nb::handle self) { return nb::cast<const Robot&>(self); }
 
 void SetPort(Robot& robot, nb::handle q) { robot.SetJntPosCmd(ToDoubles(q, "jnt_pos_cmd")); }
 
-// A writable view of the command port; it keeps the robot alive.
-nb::ndarray<nb::numpy, double, nb::ndim<1>> CommandPort(nb::handle self) {
-  const std::span<double> target = nb::cast<Robot&>(self).jnt_pos_cmd();
-  return {target.data(), {target.size()}, self};
+// A writable view of the command port; it keeps the robot alive, and the port when its controller
+// is replaced.
+nb::ndarray<nb::numpy, double, nb::ndim<1>> CommandPort(const Robot& robot) {
+  const std::span<double> target = robot.jnt_pos_cmd();
+  using Keeper = std::shared_ptr<Controller>;
+  const nb::capsule owner(new Keeper(robot.shared_controller(robot.arm().name())),
+                          [](void* keeper) noexcept { delete static_cast<Keeper*>(keeper); });
+  return {target.data(), {target.size()}, owner};
 }
 
 void BindRobotClass(nb::module_& m) {
@@ -214,31 +209,28 @@ void BindRobotClass(nb::module_& m) {
       .def_prop_ro("group_names", &Robot::group_names)
       .def(
           "group",
-          [](nb::handle_t<Robot> self, const std::string& name) {
-            return GroupObject(self, RobotOf(self).group(name));
-          },
+          [](const Robot& r, const std::string& name) { return GroupObject(r, r.group(name)); },
           "name"_a, nb::sig("def group(self, name: str) -> MoveGroup"),
           "A group by name: a GripperGroup, a BaseGroup or a plain MoveGroup.")
       .def_prop_ro(
           "groups",
-          [](nb::handle_t<Robot> self) {
+          [](const Robot& r) {
             nb::dict groups;
-            for (const std::string& name : RobotOf(self).group_names()) {
-              groups[nb::str(name.c_str())] = GroupObject(self, RobotOf(self).group(name));
+            for (const std::string& name : r.group_names()) {
+              groups[nb::str(name.c_str())] = GroupObject(r, r.group(name));
             }
             return groups;
           },
           nb::sig("def groups(self, /) -> dict[str, MoveGroup]"))
       .def_prop_ro(
-          "arm", [](nb::handle_t<Robot> self) { return GroupObject(self, RobotOf(self).arm()); },
+          "arm", [](const Robot& r) { return GroupObject(r, r.arm()); },
           nb::sig("def arm(self, /) -> MoveGroup"))
       .def_prop_ro(
-          "gripper",
-          [](nb::handle_t<Robot> self) { return GroupObject(self, RobotOf(self).gripper()); },
+          "gripper", [](const Robot& r) { return GroupObject(r, r.gripper()); },
           nb::sig("def gripper(self, /) -> GripperGroup"))
       .def_prop_ro("has_gripper", &Robot::has_gripper)
       .def_prop_ro(
-          "base", [](nb::handle_t<Robot> self) { return GroupObject(self, RobotOf(self).base()); },
+          "base", [](const Robot& r) { return GroupObject(r, r.base()); },
           nb::sig("def base(self, /) -> BaseGroup"))
       .def(
           "set_group",
@@ -266,7 +258,7 @@ void BindRobotClass(nb::module_& m) {
       .def_prop_ro("jnt_pos_msr", [](const Robot& r) { return Values(r.jnt_pos_msr()); })
       .def_prop_ro("jnt_vel_msr", [](const Robot& r) { return Values(r.jnt_vel_msr()); })
       .def_prop_ro("jnt_trq_msr", [](const Robot& r) { return Values(r.jnt_trq_msr()); })
-      .def_prop_rw("jnt_pos_cmd", &CommandPort, &SetPort,
+      .def_prop_rw("jnt_pos_cmd", &CommandPort, &SetPort, nb::rv_policy::automatic,
                    "Target of the arm; a view that can be written in place.")
       .def(
           "set_joint_pos", [](Robot& r, nb::handle q) { r.SetJointPos(ToDoubles(q, "q")); }, "q"_a,

@@ -3,53 +3,18 @@
 #include "sampler.h"
 
 #include <nanobind/nanobind.h>
-#include <nanobind/trampoline.h>
 
 #include "python_owner.h"
 #include "rng.h"
 #include "signals.h"
+#include "task_trampolines.h"
 #include "robocell/base/error.h"
-#include "robocell/task/pick_sampler.h"
 
 namespace nb = nanobind;
 using namespace nb::literals;
 
 namespace robocell::python {
 namespace {
-
-// Lends the right to ask whether to stop; a copy that is kept says no when it is asked later.
-class StopLoan {
- public:
-  explicit StopLoan(const StopCheck& stop) : lent_(std::make_shared<const StopCheck*>(&stop)) {}
-  ~StopLoan() { *lent_ = nullptr; }
-  StopLoan(const StopLoan&) = delete;
-  StopLoan& operator=(const StopLoan&) = delete;
-
-  StopCheck check() const {
-    return [lent = lent_] { return *lent && ShouldStop(**lent); };
-  }
-
- private:
-  std::shared_ptr<const StopCheck*> lent_;
-};
-
-class PyTaskSampler : public TaskSampler {
- public:
-  NB_TRAMPOLINE(TaskSampler);
-  SampleResult Sample(const SampleRequest& request, Rng& rng) override {
-    nb::detail::ticket call(nb_trampoline, "sample", nb::detail::str_hash("sample"), true);
-    const RngLoan loan(rng);
-    // Python may keep the request; what asks whether to stop ends with this call.
-    const StopLoan stop(request.stop);
-    const SampleRequest own{request.scene, request.episode, request.attempt, stop.check()};
-    const nb::object made = nb_trampoline.base().attr(call.key)(own, loan.rng());
-    if (nb::isinstance<EpisodeStart>(made))
-      return {.start = nb::cast<EpisodeStart>(made), .refusal = {}};
-    if (nb::isinstance<Refusal>(made)) return {.start = {}, .refusal = nb::cast<Refusal>(made)};
-    throw ArgumentError("TaskSampler: sample() must return an EpisodeStart or a Refusal, got " +
-                        nb::cast<std::string>(nb::repr(made)));
-  }
-};
 
 void BindStart(nb::module_& m) {
   nb::class_<EpisodeStart>(m, "EpisodeStart",
@@ -77,7 +42,9 @@ void BindStart(nb::module_& m) {
       .def_ro("task", &EpisodeStart::task)
       .def_ro("target_object", &EpisodeStart::target_object)
       .def_ro("object_kinds", &EpisodeStart::object_kinds)
-      .def_ro("base_in_world", &EpisodeStart::base_in_world);
+      .def_ro("base_in_world", &EpisodeStart::base_in_world)
+      .def_rw("redrawn", &EpisodeStart::redrawn,
+              "RefusalReason -> count, of places that were tried and given up on the way.");
 }
 
 void BindRefusal(nb::module_& m) {
@@ -93,13 +60,26 @@ void BindRefusal(nb::module_& m) {
       .def(nb::init<Refusal::Reason, std::string>(), "reason"_a, "detail"_a = "")
       .def_ro("reason", &Refusal::reason)
       .def_ro("detail", &Refusal::detail, "For reading.")
+      .def_rw("redrawn", &Refusal::redrawn,
+              "RefusalReason -> count, of places that were tried and given up before.")
       .def("__repr__", [](const Refusal& r) {
         return "<Refusal: " + std::string(ToString(r.reason)) +
                (r.detail.empty() ? "" : ", " + r.detail) + ">";
       });
 }
 
-nb::object Sample(TaskSampler& sampler, const SampleRequest& request, PythonRng& rng) {
+}  // namespace
+
+SampleResult ToSampleResult(nb::handle made) {
+  if (nb::isinstance<EpisodeStart>(made))
+    return {.start = nb::cast<EpisodeStart>(made), .refusal = {}};
+  if (nb::isinstance<Refusal>(made)) return {.start = {}, .refusal = nb::cast<Refusal>(made)};
+  throw ArgumentError("TaskSampler: sample() must return an EpisodeStart or a Refusal, got " +
+                      nb::cast<std::string>(nb::repr(made)));
+}
+
+nb::object SampleForPython(const SampleRequest& request, PythonRng& rng,
+                           const std::function<SampleResult(const SampleRequest&, Rng&)>& sample) {
   SampleRequest asked = request;
   SignalPoll poll;
   asked.stop = [&] {
@@ -110,13 +90,11 @@ nb::object Sample(TaskSampler& sampler, const SampleRequest& request, PythonRng&
   SampleResult result;
   {
     const nb::gil_scoped_release unlocked;
-    result = sampler.Sample(asked, stream);
+    result = sample(asked, stream);
   }
   if (result.start) return nb::cast(std::move(*result.start));
   return nb::cast(std::move(result.refusal));
 }
-
-}  // namespace
 
 SamplerFactory MakeSamplerFactory(const SharedKeeper& make_sampler) {
   if (!*make_sampler) return {};
@@ -132,8 +110,8 @@ SamplerFactory MakeSamplerFactory(const SharedKeeper& make_sampler) {
 }
 
 void BindSampler(nb::module_& m) {
-  BindStart(m);
   BindRefusal(m);
+  BindStart(m);
   nb::class_<SampleRequest>(m, "SampleRequest",
                             "Which start is asked for. Samplers may use the numbers to spread "
                             "their choices evenly over a run.")
@@ -149,17 +127,20 @@ void BindSampler(nb::module_& m) {
       .def_prop_ro(
           "stopped", [](const SampleRequest& request) { return ShouldStop(request.stop); },
           "Somebody asks for an end: the sampler may refuse with any reason.");
-  nb::class_<TaskSampler, PyTaskSampler>(
+  nb::class_<TaskSampler, PySamplerOf<TaskSampler>>(
       m, "TaskSampler",
       "Sets episodes up. Subclass it with sample(request, rng) -> EpisodeStart | Refusal: same "
       "request and same numbers from rng, same start.")
       .def(nb::init<>())
-      .def("sample", &Sample, "request"_a, "rng"_a,
-           nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"));
-  nb::class_<PickTaskSampler, TaskSampler>(
-      m, "PickTaskSampler",
-      "Objects settled on a support, one of them the target, and a robot placed beside it.")
-      .def(nb::init<RunConfig>(), "run"_a);
+      .def(
+          "sample",
+          [](TaskSampler& sampler, const SampleRequest& request, PythonRng& rng) {
+            return SampleForPython(request, rng, [&](const SampleRequest& asked, Rng& stream) {
+              return sampler.Sample(asked, stream);
+            });
+          },
+          "request"_a, "rng"_a,
+          nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"));
 }
 
 }  // namespace robocell::python

@@ -286,7 +286,8 @@ void DefActuation(nb::class_<Scene>& c) {
            "Force (3,) N and torque (3,) N m in the world at the body's centre of mass, kept until "
            "changed or reset.")
       .def("contacts", &Scene::contacts, nb::arg("of") = "",
-           "Active contacts, or those of one body's subtree.")
+           "Active contacts, or those of one body's subtree, as the last step or forward() found "
+           "them: the poses that other functions return are one step newer.")
       .def(
           "state", [](const Scene& s) { return NumberCopy(s.state()); },
           nb::sig("def state(self) -> numpy.typing.NDArray[numpy.float64]"),

@@ -20,6 +20,7 @@ REPORT = Report(
     accepted=2,
     refusals={"too far": 2},
     failures={"dropped": 1},
+    redrawn={"no base pose is free of collisions": 6},
     rows=80,
     seconds={"sampling": 1.0, "acting": 6.0, "rendering": 2.0, "writing": 1.0},
 )
@@ -129,6 +130,8 @@ def test_the_summary_counts_from_the_disk_and_leaves_out_what_did_not_happen():
         "episodes": "6 of 20 (5 were there before)",
         "success": "50 % of 2 rollouts",
         "starts accepted": "50 % of 4 sampled",
+        "places accepted": "20 % of 10 tried",
+        "placed again": "no base pose is free of collisions 6",
         "rate": "360 episodes/h: 1 in 10 s on 2 workers",
         "refusals": "too far 2",
         "failures": "dropped 1",

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
+from robocell.models import robot_file
 
 
 def cell() -> rc.Scene:
@@ -295,3 +296,53 @@ class TestGripper:
         robot.gripper.opening = 0
         robot.apply({"gripper": rc.GroupCommand.opening(1)})
         assert settle(robot) > 0.95
+
+
+class TestLockedGroups:
+    """Inverse kinematics with groups that stay put."""
+
+    @pytest.fixture
+    def robot(self) -> rc.Robot:
+        config = rc.RobotConfig.load(robot_file("rc7"))
+        config.move_groups["wrist"] = rc.MoveGroupConfig(
+            kind="generic", joints=["joint6", "joint7"]
+        )
+        spec = rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=False)
+        spec.robots.append(rc.RobotSpec(name="a", config=config))
+        scene = rc.Scene.build(spec)
+        scene.reset()
+        return scene.robot("a")
+
+    def test_a_group_within_the_arm_stays_where_the_seed_has_it(self, robot):
+        seed = robot.arm.joint_pos
+        moved = seed + np.array([0.2, 0.1, -0.2, 0.1, 0.3, 0, 0])
+        target = robot.kinematics.fk(moved)
+        one = robot.kinematics.ik(target, seed=seed, locked_groups=["wrist"])
+        assert one.success
+        np.testing.assert_array_equal(one.q[5:], seed[5:])
+        batch = robot.kinematics.ik_batch(
+            np.array([target.matrix] * 2), seeds=seed, locked_groups=["wrist"]
+        )
+        assert batch.success.all()
+        np.testing.assert_array_equal(batch.q[:, 5:], [seed[5:]] * 2)
+
+    def test_groups_outside_the_chain_stand_still_anyway(self, robot):
+        target = robot.kinematics.fk(robot.arm.joint_pos + 0.1)
+        free = robot.kinematics.ik(target)
+        locked = robot.kinematics.ik(target, locked_groups=["gripper", "base"])
+        np.testing.assert_array_equal(free.q, locked.q)
+        with pytest.raises(rc.NotFoundError, match=r"no group 'wirst'.*Did you mean 'wrist'"):
+            robot.kinematics.ik(target, locked_groups=["wirst"])
+
+
+def test_groups_and_controllers_that_were_replaced_are_released():
+    scene = cell()
+    robot = scene.robot("a")
+    alive = []
+    for _ in range(20):
+        lamp = Lamp()
+        alive.append(weakref.ref(lamp))
+        robot.set_group(lamp)
+    del lamp
+    gc.collect()
+    assert [ref() is not None for ref in alive] == [False] * 19 + [True]

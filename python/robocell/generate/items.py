@@ -38,6 +38,7 @@ class Report:
         attempts: Starts sampled.
         accepted: Starts that the sampler accepted, that is rollouts.
         refusals: Reason -> number of starts refused.
+        redrawn: Reason -> number of places tried and given up within the attempts.
         failures: Reason -> number of rollouts that failed.
         rows: Rows of the episode.
         seconds: Stage (see `STAGES`) -> seconds spent in it.
@@ -51,6 +52,7 @@ class Report:
     accepted: int = 0
     refusals: Mapping[str, int] = field(default_factory=dict)
     failures: Mapping[str, int] = field(default_factory=dict)
+    redrawn: Mapping[str, int] = field(default_factory=dict)
     rows: int = 0
     seconds: Mapping[str, float] = field(default_factory=dict)
 
@@ -66,6 +68,7 @@ class Report:
             accepted=report.accepted,
             refusals=dict(report.refusals),
             failures=dict(report.failures),
+            redrawn=dict(report.redrawn),
             rows=report.rows,
             seconds={stage: getattr(report, f"seconds_{stage}") for stage in STAGES},
         )

@@ -41,6 +41,7 @@ class Summary:
             "episodes": f"{self.on_disk} of {totals.planned}{before}" if totals.planned else "",
             **self._tried(),
             "refusals": counts_text(totals.refusals),
+            "placed again": counts_text(totals.redrawn),
             "failures": counts_text(totals.failures),
             "workers died": counts_text(Counter(death.reason for death in totals.deaths)),
             "made again": str(totals.retries) if totals.retries else "",
@@ -59,6 +60,7 @@ class Summary:
         return {
             "success": f"{percent(totals.success_rate)} of {counted(totals.accepted, 'rollout')}",
             "starts accepted": f"{percent(totals.acceptance_rate)} of {totals.attempts} sampled",
+            "places accepted": f"{percent(totals.placement_rate)} of {totals.tried} tried",
             "rate": f"{totals.per_hour:.0f} episodes/h: {totals.made} in "
             f"{duration(totals.elapsed_s)} on {counted(totals.workers, 'worker')}",
         }

@@ -60,6 +60,7 @@ class Totals:
         accepted: Starts accepted by the sampler, that is rollouts.
         rows: Rows of the episodes made now.
         refusals: Reason -> starts refused.
+        redrawn: Reason -> places for objects and robot tried and given up within the attempts.
         failures: Reason -> rollouts failed.
         seconds: Stage -> seconds, summed over the workers.
         again: Items taken up again after a worker died or failed.
@@ -75,6 +76,7 @@ class Totals:
     accepted: int = 0
     rows: int = 0
     refusals: Counter[str] = field(default_factory=Counter)
+    redrawn: Counter[str] = field(default_factory=Counter)
     failures: Counter[str] = field(default_factory=Counter)
     seconds: Counter[str] = field(default_factory=Counter)
     again: list[Again] = field(default_factory=list)
@@ -90,6 +92,7 @@ class Totals:
         self.accepted += report.accepted
         self.rows += report.rows
         self.refusals.update(report.refusals)
+        self.redrawn.update(report.redrawn)
         self.failures.update(report.failures)
         for stage, seconds in report.seconds.items():
             self.seconds[stage] += seconds  # type: ignore[assignment]
@@ -120,6 +123,16 @@ class Totals:
         return self.accepted / self.attempts if self.attempts else None
 
     @property
+    def tried(self) -> int:
+        """Places for objects and robot that the sampler tried."""
+        return self.attempts + self.redrawn.total()
+
+    @property
+    def placement_rate(self) -> float | None:
+        """Starts accepted per place tried, 0 to 1; None before the first."""
+        return self.accepted / self.tried if self.tried else None
+
+    @property
     def per_hour(self) -> float:
         """Episodes made per hour."""
         return 3600 * self.made / self.elapsed_s if self.elapsed_s > 0 else 0.0
@@ -141,7 +154,10 @@ class Totals:
             "accepted": self.accepted,
             "success_rate": self.success_rate,
             "acceptance_rate": self.acceptance_rate,
+            "tried": self.tried,
+            "placement_rate": self.placement_rate,
             "refusals": dict(self.refusals),
+            "redrawn": dict(self.redrawn),
             "failures": dict(self.failures),
             "retries": self.retries,
             "deaths": len(self.deaths),

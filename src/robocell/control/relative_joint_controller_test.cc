@@ -37,7 +37,7 @@ TEST_F(RelativeJoint, AddsToTheTargetNotToWhereTheArmIs) {
   EXPECT_EQ(robot.arm().ctrl()[0], home[0]);
   for (int i = 0; i < 1000; ++i) {
     robot.Update();
-    robot.Step();
+    EXPECT_TRUE(robot.Step().ok());
   }
   EXPECT_NEAR(robot.arm().joint_pos()[1], home[1] + 0.25, 1e-6) << "added once, not every tick";
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -70,7 +71,7 @@ class SceneCheck {
     for (const int scene : SceneIndices(run_)) {
       if (!Try("scenes", [&] { bases.push_back(sampler.MakeBaseScene(scene)); })) return;
     }
-    if (!Try("scenes", [&] { FindSupport(bases.front()); })) return;
+    if (!CheckSupports(bases)) return;
     std::optional<Scene> scene;
     if (!Try("robot", [&] { scene = Scene::Build(WithContents(bases.front())); })) return;
     CheckCameras(*scene);
@@ -93,6 +94,17 @@ class SceneCheck {
       problems_.AddAt(field, error.what());
       return false;
     }
+  }
+
+  // Every scene has to have a place for objects; all that have none are told.
+  bool CheckSupports(const std::vector<SceneSpec>& bases) {
+    bool good = true;
+    std::set<std::string> checked;
+    for (const SceneSpec& base : bases) {
+      if (!checked.insert(base.base.value_or("")).second) continue;
+      good &= Try("scenes", [&] { FindSupport(base); });
+    }
+    return good;
   }
 
   SceneSpec WithContents(SceneSpec spec) const {

@@ -91,8 +91,24 @@ TEST(CheckRun, ASceneWithoutATableIsTold) {
   AtomicWrite(folder / "bare.xml", "<mujoco><worldbody><site name='floor'/></worldbody></mujoco>");
   run.scenes.files = {(folder / "bare.xml").string()};
   run.scenes.source = SceneSourceKind::kFiles;
-  ExpectThrow<SpecError>([&] { CheckRun(run); },
-                         "scenes: scene 'demo': where should objects stand");
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "where should objects stand");
+}
+
+TEST(CheckRun, EverySceneNeedsATable) {
+  RunConfig run = Demo();
+  TempDir folder;
+  const std::string site = "<site name='table_top'/>", begin = "<mujoco><worldbody><body>",
+                    end = "</body></worldbody></mujoco>";
+  AtomicWrite(folder / "good.xml",
+              begin + "<geom type='box' size='.4 .4 .01' pos='0 0 -.01'/>" + site + end);
+  AtomicWrite(folder / "beside.xml",
+              begin + "<geom type='box' size='.4 .4 .01' pos='1 0 -.01'/>" + site + end);
+  AtomicWrite(folder / "bare.xml", begin + "<geom type='sphere' size='.4'/>" + site + end);
+  for (const char* name : {"good.xml", "beside.xml", "bare.xml"})
+    run.scenes.files.push_back((folder / name).string());
+  run.scenes.source = SceneSourceKind::kFiles;
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "so that it is beside the box");
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "bare.xml': site 'table_top' needs a box geom");
 }
 
 TEST(CheckRun, WhatTheScriptedExpertNeedsIsAskedOfItsRunsOnly) {

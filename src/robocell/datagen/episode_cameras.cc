@@ -1,5 +1,6 @@
 #include "robocell/datagen/episode_cameras.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -27,10 +28,17 @@ std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
   const auto has = [&](const std::string& name) {
     return std::find(cameras.begin(), cameras.end(), name) != cameras.end();
   };
-  for (const RobotRecord& robot : scene.compiled()->robots()) {
-    if (has(robot.prefix + stream.camera)) return robot.prefix + stream.camera;
-  }
   if (has(stream.camera)) return stream.camera;
+  std::vector<std::string> of_robots;
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    if (has(robot.prefix + stream.camera)) of_robots.push_back(robot.prefix + stream.camera);
+  }
+  if (of_robots.size() == 1) return of_robots.front();
+  if (!of_robots.empty()) {
+    throw ArgumentError(fmt::format(
+        "stream '{}': camera '{}' is one of {}; write the full name of the one that is meant",
+        stream.name, stream.camera, ListNames(of_robots)));
+  }
   for (std::string& camera : cameras) camera = AsWritten(scene, camera);
   throw NotFoundError(NoSuchName("stream '" + stream.name + "'", "camera", stream.camera, cameras));
 }

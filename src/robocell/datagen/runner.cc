@@ -103,6 +103,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
   SampleResult sample = sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
   report.seconds_sampling += Seconds(began);
   if (ShouldStop(stop)) return void(report.stopped = true);
+  for (const auto& [reason, count] : sample.redrawn()) report.redrawn[ToString(reason)] += count;
   if (!sample.start) {
     ++report.refusals[ToString(sample.refusal.reason)];
     return;
@@ -114,7 +115,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
 }
 
 EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
-  EpisodeReport report{.item = item, .refusals = {}, .failures = {}};
+  EpisodeReport report{.item = item, .refusals = {}, .redrawn = {}, .failures = {}};
   const RunConfig& run = state_->run;
   const DatasetLock lock = state_->Enter();
   if (IsComplete(run, item)) {

@@ -40,6 +40,7 @@ struct EpisodeReport {
   int attempts = 0;
   int accepted = 0;                     // attempts whose start the sampler accepted (= rollouts)
   std::map<std::string, int> refusals;  // reason -> count, of starts
+  std::map<std::string, int> redrawn;   // reason -> count, of places tried within the attempts
   std::map<std::string, int> failures;  // reason -> count, of rollouts
   int rows = 0;                         // of the committed episode
   double seconds_sampling = 0, seconds_acting = 0, seconds_rendering = 0, seconds_writing = 0;

@@ -62,7 +62,7 @@ class SensorColumnsTest : public ::testing::Test {
       writer.EndRow();
       states.push_back(scene->state());
       scene->SetActuatorCtrl("push", i % 2 ? 2.0 : -3.0);
-      scene->StepN(10);
+      EXPECT_TRUE(scene->StepN(10).ok());
     }
     return Episode(writer.Commit({}));
   }
@@ -126,7 +126,7 @@ TEST_F(SensorColumnsTest, RecordingDoesNotChangeTheTrajectory) {
   scene->SetState(start);
   for (int i = 0; i < 20; ++i) {
     scene->SetActuatorCtrl("push", i % 2 ? 2.0 : -3.0);
-    scene->StepN(10);
+    EXPECT_TRUE(scene->StepN(10).ok());
   }
   EXPECT_EQ(scene->state(), recorded);
 }

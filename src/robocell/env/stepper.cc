@@ -41,20 +41,11 @@ void Stepper::Apply(const Action& action, StepOutcome& outcome) {
   }
 }
 
-void Stepper::RunControlTick(StepResult& step) {
-  for (Robot& robot : robots_) robot.Update();
-  if (on_control_tick_) on_control_tick_(scene_.model(), scene_.data());
-  const int before = step.steps;
-  step = scene_.StepN(rates_.sim_steps);
-  step.steps += before;
-}
-
 StepOutcome Stepper::Advance(const Action& action) {
   StepOutcome outcome;
   Apply(action, outcome);
-  for (int tick = 0; tick < rates_.control_ticks && outcome.ok(); ++tick) {
-    RunControlTick(outcome.step);
-  }
+  outcome.step =
+      RunControlTicks(scene_, robots_, {rates_.control_ticks, rates_.sim_steps}, on_control_tick_);
   ++policy_ticks_;
   return outcome;
 }

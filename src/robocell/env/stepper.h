@@ -12,11 +12,11 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "robocell/robot/action.h"
+#include "robocell/robot/control_ticks.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 
@@ -36,14 +36,10 @@ struct StepOutcome {
 
 class Stepper {
  public:
-  // Called after every control tick's Update(), before the engine's steps: data->ctrl is what will
-  // act.
-  using ControlTick = std::function<void(const mjModel*, const mjData*)>;
-
   // ArgumentError for rates below 1 and for robots of another scene.
   Stepper(Scene scene, std::vector<Robot> robots, StepperRates rates);
 
-  void set_on_control_tick(ControlTick callback) { on_control_tick_ = std::move(callback); }
+  void set_on_control_tick(OnControlTick callback) { on_control_tick_ = std::move(callback); }
   // Applies the action and advances by one policy tick. Stops at divergence. An unknown robot is a
   // NotFoundError before anything is applied.
   StepOutcome Advance(const Action& action);
@@ -56,12 +52,11 @@ class Stepper {
  private:
   Robot& Find(const std::string& name);
   void Apply(const Action& action, StepOutcome& outcome);
-  void RunControlTick(StepResult& step);
 
   Scene scene_;
   std::vector<Robot> robots_;
   StepperRates rates_;
-  ControlTick on_control_tick_;
+  OnControlTick on_control_tick_;
   int64_t policy_ticks_ = 0;
 };
 

@@ -16,7 +16,7 @@
 
 namespace robocell {
 
-struct StepResult {
+struct [[nodiscard]] StepResult {
   enum Status { kOk, kDiverged };
 
   Status status = kOk;

@@ -66,7 +66,7 @@ TEST_F(Apply, ReachesPosesThroughIk) {
   EXPECT_TRUE(robot.FkFrame(Target()).is_close(pose, 1e-5, 1e-5));
   for (int i = 0; i < 1000; ++i) {
     robot.Update();
-    robot.Step();
+    EXPECT_TRUE(robot.Step().ok());
   }
   EXPECT_TRUE(robot.arm().leaf_frame_to_robot().is_close(pose, 1e-4, 1e-4));
 }

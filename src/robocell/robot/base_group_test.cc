@@ -30,7 +30,7 @@ TEST(MocapBase, IsTeleportedAndKeepsItsPlaceWhileTheArmMoves) {
   robot.Apply({{"arm", GroupCommand::RelativeJoints({1, 0, 0, 0, 0, 0, 0})}});
   for (int i = 0; i < 200; ++i) {
     robot.Update();
-    robot.Step();
+    EXPECT_TRUE(robot.Step().ok());
   }
   EXPECT_EQ(base.pose(), placed);
 }
@@ -61,7 +61,7 @@ TEST(FreeBase, FliesWhereItIsPutAndFallsFromThere) {
   EXPECT_EQ(base.joint_vel(), std::vector<double>(6, 0.0));
   for (int i = 0; i < 50; ++i) {
     robot.Update();
-    robot.Step();
+    EXPECT_TRUE(robot.Step().ok());
   }
   EXPECT_LT(base.pose().translation().z(), 5);
 }

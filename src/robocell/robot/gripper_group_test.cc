@@ -24,7 +24,7 @@ void Simulate(Robot& robot, double seconds) {
   const int steps = static_cast<int>(seconds / robot.scene().timestep());
   for (int i = 0; i < steps; ++i) {
     robot.Update();
-    robot.Step();
+    EXPECT_TRUE(robot.Step().ok());
   }
 }
 

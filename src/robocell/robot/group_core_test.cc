@@ -209,7 +209,7 @@ TEST_F(OddGroup, SaysWhichNameTheSceneLacks) {
 }
 
 TEST_F(OddGroup, FramesAreThoseOfTheSceneAfterStepsToo) {
-  scene.StepN(10);
+  EXPECT_TRUE(scene.StepN(10).ok());
   EXPECT_EQ(all.leaf_frame_to_world(), scene.site_pose("tip"));
   EXPECT_EQ(all.root_frame_to_world(), scene.body_pose("trunk"));
   EXPECT_EQ(all.leaf_frame_to_robot(), scene.body_pose("trunk").inverse() * scene.site_pose("tip"));

@@ -15,7 +15,7 @@ namespace {
 void Simulate(Robot& robot, int steps) {
   for (int i = 0; i < steps; ++i) {
     robot.Update();
-    robot.Step();
+    EXPECT_TRUE(robot.Step().ok());
   }
 }
 
@@ -176,7 +176,7 @@ TEST_F(GripperOpening, SetAtTheGroupReallyOpensIt) {
     for (const double opening : {0.0, 1.0}) {
       robot.gripper().SetOpening(opening);
       if (updated) Simulate(robot, 500);
-      if (!updated) robot.scene().StepN(500);
+      if (!updated) EXPECT_TRUE(robot.scene().StepN(500).ok());
       EXPECT_NEAR(robot.gripper().opening(), opening, 0.02) << updated;
     }
   }

@@ -40,7 +40,9 @@ std::vector<std::string> Robot::group_names() const { return state_->group_names
 bool Robot::has_group(const std::string& name) const { return state_->Find(name) != nullptr; }
 MoveGroup& Robot::group(const std::string& name) const { return *state_->Require(name).group; }
 std::shared_ptr<MoveGroup> Robot::shared_group(const std::string& name) const {
-  return {std::make_shared<Robot>(*this), &group(name)};
+  const std::shared_ptr<MoveGroup>& group = state_->Require(name).group;
+  return {std::make_shared<std::pair<Robot, std::shared_ptr<MoveGroup>>>(*this, group),
+          group.get()};
 }
 MoveGroup& Robot::arm() const { return *state_->RequireKind(MoveGroupKind::kArm).group; }
 bool Robot::has_gripper() const { return state_->FindKind(MoveGroupKind::kGripper) != nullptr; }
@@ -67,10 +69,21 @@ Controller& Robot::controller(const std::string& group) const {
   return state_->RequireController(state_->Require(group));
 }
 
+std::shared_ptr<Controller> Robot::shared_controller(const std::string& group) const {
+  struct Kept {  // from the last to go to the first
+    Robot robot;
+    std::shared_ptr<GroupSlot> slot;
+    std::shared_ptr<Controller> controller;
+  };
+  controller(group);  // or why there is none
+  GroupSlot& slot = state_->Require(group);
+  const auto kept = std::make_shared<Kept>(Kept{*this, slot.shared_from_this(), slot.controller});
+  return {kept, kept->controller.get()};
+}
+
 void Robot::SetController(const std::string& group, std::unique_ptr<Controller> controller) {
   if (!controller) throw ArgumentError(state_->place() + ": a controller cannot be null");
-  std::swap(state_->Require(group).controller, controller);
-  state_->retired_controllers.push_back(std::move(controller));
+  state_->Require(group).controller = std::move(controller);
 }
 
 void Robot::SetController(const std::string& group, const std::string& kind) {
@@ -95,9 +108,11 @@ std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene) {
 
 void Robot::Update() {
   state_->ReadPorts();
-  for (const auto& slot : state_->slots) {
-    if (!slot->controller) continue;
-    slot->controller->Compute(slot->ctrl);
+  for (size_t i = 0; i < state_->slots.size(); ++i) {
+    const std::shared_ptr<GroupSlot> slot = state_->slots[i];  // it may replace itself
+    const std::shared_ptr<Controller> controller = slot->controller;
+    if (!controller) continue;
+    controller->Compute(slot->ctrl);
     slot->group->SetCtrl(slot->ctrl);
   }
 }
@@ -144,6 +159,18 @@ IkResult Robot::Ik(const Pose& tcp_in_robot_base, IkOptions options) const {
   return robocell::Ik(arm_chain, tcp_in_robot_base, options);
 }
 
+LockedJoints Robot::LockGroups(std::span<const std::string> groups) const {
+  std::vector<std::string> in_chain;
+  const std::vector<std::string>& of_chain = chain().joint_names();
+  for (const std::string& name : groups) {
+    for (const std::string& joint : group(name).joint_names()) {
+      if (std::find(of_chain.begin(), of_chain.end(), joint) != of_chain.end())
+        in_chain.push_back(joint);
+    }
+  }
+  return LockJoints(chain(), in_chain);
+}
+
 Pose Robot::base_in_world() const {
   state_->scene.SyncPoses();
   const mjData* d = state_->scene.data();
@@ -169,5 +196,6 @@ double Robot::reach() const {
 
 const std::vector<int>& Robot::body_ids() const { return state_->bodies; }
 const std::vector<int>& Robot::geom_ids() const { return state_->geoms; }
+const std::vector<int>& Robot::collision_geom_ids() const { return state_->collision_geoms; }
 
 }  // namespace robocell

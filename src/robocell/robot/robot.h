@@ -63,24 +63,27 @@ class Robot {
   Scene scene() const { return scene_; }
   const RobotConfig& config() const;
 
-  // Groups by name, and the first of each kind. References stay valid as long as a handle to this
-  // robot lives.
+  // Groups by name, and the first of each kind. References, and spans of ports, stay valid until
+  // the group is replaced, at most as long as a handle to this robot lives; shared_group() and
+  // shared_controller() keep what they return.
   std::vector<std::string> group_names() const;
   bool has_group(const std::string& name) const;
   MoveGroup& group(const std::string& name) const;
-  // The same, keeping the robot alive.
+  // The same, keeping the robot and the group alive, in use or not.
   std::shared_ptr<MoveGroup> shared_group(const std::string& name) const;
   MoveGroup& arm() const;
   GripperGroup& gripper() const;
   bool has_gripper() const;
   BaseGroup& base() const;
   // Replaces or adds a group, e.g. the user's own kind. Its controller is made anew: joint
-  // position, or none when its actuators are no position servos. What was replaced is kept, out of
-  // use, until the robot goes; so are controllers that are replaced.
+  // position, or none when its actuators are no position servos. What was replaced goes when
+  // nobody else keeps it.
   void SetGroup(std::shared_ptr<MoveGroup> group);
 
   // NotFoundError says why a group has none.
   Controller& controller(const std::string& group) const;
+  // The same, keeping the robot, the group and the controller alive, in use or not.
+  std::shared_ptr<Controller> shared_controller(const std::string& group) const;
   void SetController(const std::string& group, std::unique_ptr<Controller> controller);
   // By the name of its kind (controller.h).
   void SetController(const std::string& group, const std::string& kind);
@@ -121,6 +124,9 @@ class Robot {
   Pose FkFrame(std::span<const double> q) const;
   // Starts at `options.seed`, else at the present joint positions.
   IkResult Ik(const Pose& tcp_in_robot_base, IkOptions options = {}) const;
+  // For IkOptions::locked: the joints of these groups. Those outside the arm's chain stand still in
+  // inverse kinematics anyway. NotFoundError for an unknown group.
+  LockedJoints LockGroups(std::span<const std::string> groups) const;
   Pose base_in_world() const;  // the robot base frame
   Pose tcp_in_world() const;
   // Torques that hold the arm against gravity: the scene's, or one along the world's z axis, m/s^2.
@@ -133,6 +139,9 @@ class Robot {
   // pedestal.
   const std::vector<int>& body_ids() const;
   const std::vector<int>& geom_ids() const;
+  // Of these geoms the ones that stand for the robot where it is asked whether it would collide:
+  // the configuration's `collision_geoms` and the pedestal, or all without that field.
+  const std::vector<int>& collision_geom_ids() const;
 
  private:
   friend std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene);

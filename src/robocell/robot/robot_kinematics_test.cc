@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 
+#include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/testing/robots.h"
 
@@ -114,6 +115,43 @@ TEST_P(AnyRobot, IkFindsThePoseOfARandomPosture) {
     robot.SetJointPos(found.q);
     EXPECT_TRUE(robot.arm().leaf_frame_to_robot().is_close(target, 1e-5, 1e-5));
   }
+}
+
+// Built-in robot and arms with a tool included; answers judged by the engine.
+TEST_P(AnyRobot, IkSolvesAThousandReachableTargets) {
+  REQUIRE_ROBOT(GetParam());
+  const Scene scene = Build({});
+  Robot robot = In(scene);
+  const std::vector<double> home = robot.arm().joint_pos();
+  Rng rng = Rng::Stream(5, "reachable", GetParam().name);
+  int solved = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Pose target = robot.FkFrame(RandomJoints(robot.arm(), rng));
+    const IkResult found = robot.Ik(target, {.seed = JointVector(std::span<const double>(home))});
+    if (!found.success) continue;
+    ++solved;
+    robot.arm().SetJointPos(found.q);
+    EXPECT_TRUE(robot.arm().leaf_frame_to_robot().is_close(target, 1.001e-5, 1.001e-5));
+    for (int j = 0; j < robot.n_joints(); ++j) {
+      EXPECT_GE(found.q[j], robot.joint_limits()[j].lower);
+      EXPECT_LE(found.q[j], robot.joint_limits()[j].upper);
+    }
+  }
+  EXPECT_GE(solved, 990);
+}
+
+TEST_P(AnyRobot, LockedGroupsOutsideTheChainAreNoMatterAndThoseInsideStayPut) {
+  REQUIRE_ROBOT(GetParam());
+  const Scene scene = Build({});
+  Robot robot = In(scene);
+  const std::vector<std::string> all = robot.group_names();
+  LockedJoints every{};
+  for (int j = 0; j < robot.n_joints(); ++j) every[j] = true;
+  EXPECT_EQ(robot.LockGroups(all), every);
+  std::vector<std::string> others = all;
+  std::erase(others, robot.arm().name());
+  EXPECT_EQ(robot.LockGroups(others), LockedJoints{});
+  EXPECT_THROW(robot.LockGroups(std::vector<std::string>{"amr"}), NotFoundError);
 }
 
 // What the engine says must act on the joints to keep everything still: the bias forces less the

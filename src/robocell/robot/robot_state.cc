@@ -4,11 +4,13 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <set>
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scene/element_lookup.h"
 
 namespace robocell {
 
@@ -45,6 +47,19 @@ void Robot::State::FindBodies() {
   for (int g = 0; g < m->ngeom; ++g) {
     if (inside[m->geom_bodyid[g]]) geoms.push_back(g);
   }
+  FindCollisionGeoms();
+}
+
+// The pedestal is no part of the model that the configuration speaks of: it always counts.
+void Robot::State::FindCollisionGeoms() {
+  collision_geoms = geoms;
+  if (record.config.collision_geoms.empty()) return;
+  const mjModel* m = scene.model();
+  std::set<int> chosen;
+  for (const ElementRef& ref : record.config.collision_geoms)
+    chosen.insert(FindElement(m, record, ref, {mjOBJ_GEOM}).id);
+  if (record.pedestal_height > 0) chosen.insert(FindId(m, mjOBJ_GEOM, record.prefix + "pedestal"));
+  std::erase_if(collision_geoms, [&](int g) { return !chosen.contains(g); });
 }
 
 std::optional<Chain> Robot::State::MakeChain(const MadeGroup& made) const {
@@ -60,7 +75,7 @@ std::optional<Chain> Robot::State::MakeChain(const MadeGroup& made) const {
 }
 
 void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool must_be_driven) {
-  auto slot = std::make_unique<GroupSlot>();
+  auto slot = std::make_shared<GroupSlot>();
   slot->chain = MakeChain(made);
   slot->tip = std::move(made.tip);
   slot->group = std::move(made.group);
@@ -88,8 +103,7 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
   if (same == slots.end()) {
     slots.push_back(std::move(slot));
   } else {
-    std::swap(*same, slot);
-    retired.push_back(std::move(slot));
+    *same = std::move(slot);
   }
   ListKinds();
 }
@@ -157,9 +171,7 @@ std::vector<std::string> Robot::State::group_names() const {
 }
 
 void Robot::State::AppendGroups(std::vector<std::shared_ptr<MoveGroup>>& out) const {
-  for (const auto* list : {&slots, &retired}) {
-    for (const auto& slot : *list) out.push_back(slot->group);
-  }
+  for (const auto& slot : slots) out.push_back(slot->group);
 }
 
 }  // namespace robocell

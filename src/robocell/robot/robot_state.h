@@ -13,9 +13,9 @@
 namespace robocell {
 
 // A group with its controller and the buffer that carries the control to the engine.
-struct GroupSlot {
+struct GroupSlot : std::enable_shared_from_this<GroupSlot> {
   std::shared_ptr<MoveGroup> group;
-  std::unique_ptr<Controller> controller;  // declared after the group: destroyed before it
+  std::shared_ptr<Controller> controller;  // declared after the group: destroyed before it
   std::string why_no_controller;
   std::vector<double> ctrl;
   std::optional<ChainTip> tip;  // of arms whose chain is known
@@ -55,17 +55,15 @@ class Robot::State : public SceneObserver {
   Scene scene;
   RobotRecord record;
   ChainOptions chain_options;
-  std::vector<std::unique_ptr<GroupSlot>> slots;
-  // What was replaced: references and ports that were given out stay valid.
-  std::vector<std::unique_ptr<GroupSlot>> retired;
-  std::vector<std::unique_ptr<Controller>> retired_controllers;  // go before their groups
-  std::vector<double> pos, vel, trq;                             // the arm's measurement ports
+  std::vector<std::shared_ptr<GroupSlot>> slots;
+  std::vector<double> pos, vel, trq;  // the arm's measurement ports
   int root_body = -1;
-  std::vector<int> bodies, geoms;
+  std::vector<int> bodies, geoms, collision_geoms;
   std::optional<double> reach;
 
  private:
   void FindBodies();
+  void FindCollisionGeoms();
   void ListKinds();
   std::optional<Chain> MakeChain(const MadeGroup& made) const;
 

@@ -79,7 +79,7 @@ TEST(Robot, TwoOfTheSameInOneSceneAreIndependent) {
   for (int i = 0; i < 500; ++i) {
     left.Update();
     right.Update();
-    left.Step();
+    EXPECT_TRUE(left.Step().ok());
   }
   EXPECT_NEAR(left.arm().joint_pos()[0], q[0], 1e-3);
   EXPECT_LT(left.gripper().opening(), 0.01);
@@ -111,7 +111,7 @@ TEST(Robot, PortsReadAtUpdateAndDriveTheArm) {
   const double before = robot.jnt_pos_msr()[3];
   for (int i = 0; i < 1000; ++i) {
     robot.Update();
-    robot.Step();
+    EXPECT_TRUE(robot.Step().ok());
   }
   robot.Update();
   EXPECT_NEAR(robot.jnt_pos_msr()[3], target, 1e-6);
@@ -145,7 +145,7 @@ TEST(Robot, SetJointPosTeleportsAndHolds) {
   EXPECT_EQ(robot.jnt_pos_msr()[0], 0.3);
   for (int i = 0; i < 250; ++i) {
     robot.Update();
-    robot.Step();
+    EXPECT_TRUE(robot.Step().ok());
   }
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(robot.arm().joint_pos()[i], q[i], 1e-6);
 }
@@ -316,7 +316,7 @@ TEST(Robot, ResetReseedsTargetsFromThePoseThatAHookLeaves) {
   EXPECT_EQ(robot.jnt_pos_msr()[0], 0.3);
   for (int i = 0; i < 100; ++i) {
     robot.Update();
-    robot.Step();
+    EXPECT_TRUE(robot.Step().ok());
   }
   EXPECT_NEAR(robot.arm().joint_pos()[0], 0.3, 1e-6);
   scene.RemoveResetHook(hook);
@@ -335,7 +335,7 @@ std::vector<double> Trajectory(Robot robot, uint64_t seed) {
                  {"gripper", GroupCommand::Opening(tick % 2)}});
     for (int i = 0; i < 20; ++i) {
       robot.Update();
-      robot.Step();
+      EXPECT_TRUE(robot.Step().ok());
       out.insert(out.end(), scene.data()->qpos, scene.data()->qpos + scene.model()->nq);
     }
   }

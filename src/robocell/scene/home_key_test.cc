@@ -60,7 +60,7 @@ TEST_F(HomeKey, HoldsAGripperWhereItsHomeIs) {
   spec.robots.push_back({.config = config});
   Scene scene = Scene::Build(spec);
   EXPECT_NEAR(scene.actuator_ctrl("g_grip"), 1000 * 0.03 / 0.1568627, 1e-9);
-  scene.StepN(500);
+  EXPECT_TRUE(scene.StepN(500).ok());
   EXPECT_NEAR(Joint(scene, "g_left_slide"), 0.03, 1e-3);
 }
 
@@ -121,7 +121,7 @@ TEST_F(HomeKey, HoldsRealRobotsStill) {
   const std::vector<std::string> frames = {"k_bracelet_link", "x_link7", "t_link7"};
   std::vector<Pose> before;
   for (const std::string& frame : frames) before.push_back(scene.body_pose(frame));
-  scene.StepN(500);
+  EXPECT_TRUE(scene.StepN(500).ok());
   for (size_t i = 0; i < frames.size(); ++i) {
     EXPECT_TRUE(scene.body_pose(frames[i]).is_close(before[i], 0.05, 0.03))
         << frames[i] << scene.body_pose(frames[i]) << before[i];

@@ -35,7 +35,7 @@ void LiveThrough(Scene& scene, Rng rng) {
     for (int i = 0; i < 6 * m->nbody; ++i) data->xfrc_applied[i] = rng.Uniform(-0.1, 0.1);
     for (int i = 0; i < 3 * m->nmocap; ++i) data->mocap_pos[i] = rng.Uniform(-0.1, 0.1);
     for (int i = 0; i < m->neq; ++i) data->eq_active[i] = rng.UniformInt(2) == 0;
-    scene.StepN(static_cast<int>(rng.UniformInt(40)));
+    EXPECT_TRUE(scene.StepN(static_cast<int>(rng.UniformInt(40))).ok());
   }
 }
 
@@ -46,7 +46,7 @@ std::vector<std::vector<double>> Trajectory(Scene& scene, uint64_t seed) {
   for (int i = 0; i < 20; ++i) {
     states.push_back(scene.state());
     scene.data()->ctrl[0] = 0.1 * i;
-    scene.StepN(10);
+    EXPECT_TRUE(scene.StepN(10).ok());
   }
   return states;
 }
@@ -220,7 +220,7 @@ TEST(Reset, CallsHooksThenObserversThenForgetsForcesThenComputesPoses) {
   const int id = scene.AddResetHook([&](ResetContext& reset) {
     entries.push_back(reset.scene.data()->qpos[0] == 0.9 ? "second hook" : "wrong order");
   });
-  scene.StepN(3);
+  EXPECT_TRUE(scene.StepN(3).ok());
   scene.Reset({.seed = 4});
   EXPECT_THAT(entries, ElementsAre("hook", "second hook", "observer"));
   EXPECT_EQ(scene.body_pose("cube0").translation().x(), 0.9) << "poses follow what the hook wrote";

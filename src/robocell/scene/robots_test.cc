@@ -68,7 +68,7 @@ TEST_F(Robots, TwoOfTheSameKindAreIndependent) {
   EXPECT_EQ(scene.model()->nu, 4);
   EXPECT_EQ(scene.model()->nsensor, 2);
   scene.SetActuatorCtrl("l_servo1", 1.0);
-  scene.StepN(500);
+  EXPECT_TRUE(scene.StepN(500).ok());
   EXPECT_NEAR(scene.data()->qpos[RequireId(scene.model(), mjOBJ_JOINT, "r_shoulder", "")], 0.3,
               0.1);
   EXPECT_NEAR(scene.data()->qpos[RequireId(scene.model(), mjOBJ_JOINT, "l_shoulder", "")], 1.0,

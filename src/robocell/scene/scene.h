@@ -92,7 +92,7 @@ class Scene {
   // Recomputes everything that follows from qpos, qvel and ctrl.
   void Forward();
 
-  // An engine step leaves poses (xpos, site_xpos, cameras, contacts' frames) one step behind qpos.
+  // An engine step leaves poses (xpos, site_xpos, cameras) one step behind qpos.
   // This brings them up to date: about a microsecond after a step, nothing otherwise; physics is
   // not affected. The pose functions below and all handles (move groups, cameras) call it first.
   void SyncPoses() const;
@@ -135,7 +135,9 @@ class Scene {
   void SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
                      const Eigen::Vector3d& torque);
 
-  // Active contacts; with `of`, those of that body's subtree.
+  // Active contacts, with `of` those of that body's subtree, as the last step or Forward found
+  // them: places and forces belong to the state before that step. SyncPoses does not look for
+  // contacts anew.
   std::vector<Contact> contacts(const std::string& of = "") const;
 
   // Everything the engine needs to go on bit-equally (mjSTATE_INTEGRATION).

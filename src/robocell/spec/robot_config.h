@@ -166,7 +166,7 @@ struct RobotConfig {
       "Uniform +- noise on home per group, one number or one per joint.", Check::kNonNegative);
     v("control", &RobotConfig::control, "Default controller per group.");
     v("collision_geoms", &RobotConfig::collision_geoms,
-      "Geoms that count as the robot's own; all of its subtree unless set.");
+      "Geoms that stand for the robot where it is placed and planned for; all unless set.");
     v("arrival_tolerance", &RobotConfig::arrival_tolerance,
       "A motion has arrived within this, rad or m.", Check::kPositive);
     v("reach", &RobotConfig::reach,

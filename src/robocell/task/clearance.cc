@@ -31,7 +31,7 @@ Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon)
   for (const int g : robot.geom_ids()) own[g] = 1;
   double nearest = horizon;
   int robot_geom = -1, other_geom = -1;
-  for (const int a : robot.geom_ids()) {
+  for (const int a : robot.collision_geom_ids()) {
     const bool on_mocap = m->body_mocapid[m->geom_bodyid[a]] >= 0;
     if (!Collides(m, a) && !on_mocap) continue;
     for (int b = 0; b < m->ngeom; ++b) {

@@ -98,7 +98,14 @@ class GripperSweep {
 
   void MoveTo(double opening, double seconds) {
     gripper_->SetOpening(opening);
-    scene_.StepN(static_cast<int>(std::lround(seconds / scene_.timestep())));
+    const int steps = static_cast<int>(std::lround(seconds / scene_.timestep()));
+    if (const StepResult result = scene_.StepN(steps); !result.ok()) {
+      throw DivergedError(fmt::format(
+          "robot '{}': its gripper is unstable at a timestep of {} s: moving it to opening {:.2f} "
+          "on nothing {}. Give a smaller timestep (rates.sim_ms), or its joints damping or "
+          "armature",
+          robot_.name(), scene_.timestep(), opening, result.message));
+    }
     scene_.SyncPoses();
   }
 

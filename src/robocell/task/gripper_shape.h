@@ -11,7 +11,8 @@
 // interpolated, those outside are clamped.
 //
 // A pure function of the configuration and the options: kept for the process, whoever asks first.
-// Errors: NotFoundError without arm or gripper, ArgumentError for a gripper of the user's own kind.
+// Errors: NotFoundError without arm or gripper, ArgumentError for a gripper of the user's own kind,
+// DivergedError for one that is unstable at this timestep.
 // Threads: Of may be called from any.
 #pragma once
 

@@ -11,6 +11,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/task/testing/pick_scene.h"
+#include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -114,6 +115,13 @@ TEST(GripperShape, ARobotWithoutAGripperIsNamed) {
               std::string::npos)
         << error.what();
   }
+}
+
+TEST(GripperShape, AnUnstableGripperIsToldNotMeasured) {
+  const RunConfig run = ExampleRun("demo.yaml");
+  ExpectThrow<DivergedError>(
+      [&] { GripperShape::Of(run.robot.config, run.options, 0.2); },
+      "robot 'rc7': its gripper is unstable at a timestep of 0.2 s: moving it to opening");
 }
 
 }  // namespace

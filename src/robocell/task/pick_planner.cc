@@ -28,6 +28,12 @@ constexpr double kLagSeconds = 0.2;
 constexpr double kOpened = 0.9;      // opening that counts as open
 constexpr double kRisenShare = 0.5;  // of the lift that the object must have made
 
+PickPlannerOptions OptionsOf(const RunConfig& run) {
+  const PickPlannerOptions defaults;
+  return {.tick = run.rates.policy_ms / 1000,
+          .lift = std::max(defaults.lift, run.task.lift_height + 0.05)};
+}
+
 }  // namespace
 
 PickPlanner::PickPlanner(std::string robot, std::string target_object, SimOptions sim,
@@ -36,6 +42,9 @@ PickPlanner::PickPlanner(std::string robot, std::string target_object, SimOption
       target_object_(std::move(target_object)),
       sim_(std::move(sim)),
       options_(options) {}
+
+PickPlanner::PickPlanner(const RunConfig& run, const EpisodeStart& start)
+    : PickPlanner(run.robot.config.name, start.target_object, run.options, OptionsOf(run)) {}
 
 PickPlanner::~PickPlanner() = default;
 
@@ -244,11 +253,7 @@ double PickPlanner::TargetHeight() const {
 }
 
 std::unique_ptr<Expert> MakePickPlanner(const RunConfig& run, const EpisodeStart& start) {
-  const PickPlannerOptions defaults;
-  return std::make_unique<PickPlanner>(
-      run.robot.config.name, start.target_object, run.options,
-      PickPlannerOptions{.tick = run.rates.policy_ms / 1000,
-                         .lift = std::max(defaults.lift, run.task.lift_height + 0.05)});
+  return std::make_unique<PickPlanner>(run, start);
 }
 
 }  // namespace robocell

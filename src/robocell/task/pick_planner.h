@@ -37,6 +37,8 @@ class PickPlanner : public Expert {
   // Names in the scene. `options` as in GripperShape::Of.
   PickPlanner(std::string robot, std::string target_object, SimOptions sim,
               const PickPlannerOptions& options = {});
+  // As a run asks for it.
+  PickPlanner(const RunConfig& run, const EpisodeStart& start);
   ~PickPlanner() override;
 
   void Begin(const Scene& scene, Rng& rng) override;

@@ -8,13 +8,13 @@
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
 #include "robocell/base/units.h"
-#include "robocell/mujoco/names.h"
 #include "robocell/task/catalogue.h"
 #include "robocell/task/clearance.h"
 #include "robocell/task/grasp_motion.h"
 #include "robocell/task/pick_task.h"
+#include "robocell/task/robot_outline.h"
+#include "robocell/task/settle.h"
 
 namespace robocell {
 namespace {
@@ -22,30 +22,15 @@ namespace {
 constexpr int kArrangements = 24;  // of objects and base around each other
 constexpr int kPlaceTries = 60;
 constexpr int kMostDistractors = 2;
-constexpr double kObjectGap = 0.03;       // metres between objects
-constexpr double kEdgeMargin = 0.03;      // from the support's edge
-constexpr double kSettleSeconds = 0.4;    // between looks at the objects ...
-constexpr int kSettleLooks = 6;           // ... and how often to look
-constexpr double kMostDrift = 0.05;       // metres the target may move while settling
-constexpr double kWidening = 0.15;        // share of the range that further attempts spread by
-constexpr double kRestSpeed = 0.005;      // m/s below which an object rests ...
-constexpr double kRestTurn = 0.1;         // ... and rad/s
-constexpr double kBaseClearance = 0.01;   // metres between the robot and everything else
-constexpr double kReachShare = 0.95;      // of the robot's reach that is used
-constexpr double kFacingNoise = 0.35;     // rad
-const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the objects settle
-
-// Name of an object that is not at rest; "" when all are.
-std::string MovingObject(const Scene& scene) {
-  const mjModel* m = scene.model();
-  for (const ObjectRecord& object : scene.compiled()->objects()) {
-    if (!object.free_joint) continue;
-    const mjtNum* v =
-        scene.data()->qvel + m->jnt_dofadr[FindId(m, mjOBJ_JOINT, *object.free_joint)];
-    if (mju_norm3(v) > kRestSpeed || mju_norm3(v + 3) > kRestTurn) return object.name;
-  }
-  return "";
-}
+constexpr double kObjectGap = 0.03;        // metres between objects
+constexpr double kEdgeMargin = 0.03;       // from the support's edge
+constexpr double kWidening = 0.15;         // share of the range that further attempts spread by
+constexpr double kBaseClearance = 0.01;    // metres between the robot and everything else
+constexpr double kReachShare = 0.95;       // of the robot's reach that is used
+constexpr double kFacingNoise = 0.35;      // rad
+constexpr int kBearings = 72;              // directions that a base pose is looked for in
+constexpr const char* kTarget = "target";  // its name in the scene
+const Eigen::Vector3d kParked(20, 0, 1);   // where the robot waits while the objects settle
 
 // Where an episode stands in the run's order of turns.
 uint64_t Turn(const SampleRequest& request) {
@@ -67,53 +52,6 @@ double Reflected(double u) {
 }
 
 }  // namespace
-
-const char* ToString(Refusal::Reason reason) {
-  switch (reason) {
-    case Refusal::kNoFreePlace:
-      return "no free place for the objects";
-    case Refusal::kUnsettled:
-      return "objects did not come to rest";
-    case Refusal::kNoReachableBasePose:
-      return "no base pose reaches the object";
-    case Refusal::kBaseInCollision:
-      return "no base pose is free of collisions";
-    case Refusal::kNoGrasp:
-      return "no grasp";
-    case Refusal::kCameraConstraint:
-      return "camera constraint";
-    case Refusal::kInvalidScene:
-      return "invalid scene";
-  }
-  return "?";
-}
-
-Support FindSupport(const SceneSpec& base) {
-  const Scene scene = Scene::Build(base);
-  const mjModel* m = scene.model();
-  const std::vector<std::string> sites = ElementNames(m, mjOBJ_SITE);
-  const auto it = std::find_if(sites.begin(), sites.end(),
-                               [](const std::string& s) { return s.ends_with("table_top"); });
-  if (it == sites.end()) {
-    throw NotFoundError(NoSuchName("scene '" + base.name + "': where should objects stand", "site",
-                                   "table_top", sites));
-  }
-  const int site = FindId(m, mjOBJ_SITE, *it);
-  Support support{.frame_to_world = scene.site_pose(*it)};
-  double area = 0;
-  for (int g = 0; g < m->ngeom; ++g) {  // the largest box of the same body is the top
-    if (m->geom_bodyid[g] != m->site_bodyid[site] || m->geom_type[g] != mjGEOM_BOX) continue;
-    const double* size = m->geom_size + 3 * g;
-    if (size[0] * size[1] <= area) continue;
-    area = size[0] * size[1];
-    support.half_x = size[0];
-    support.half_y = size[1];
-  }
-  if (area == 0)
-    throw SpecError("scene '" + base.name + "': site '" + *it +
-                    "' needs a box geom in its body: the surface it is on");
-  return support;
-}
 
 SceneSpec PickTaskSampler::MakeBaseScene(int scene_index) {
   SceneSpec spec;
@@ -201,13 +139,22 @@ bool PickTaskSampler::PlaceObjects(const Support& support, std::vector<SceneObje
   return true;
 }
 
-Pose PickTaskSampler::ProposeBasePose(const Pose& target, const BasePlacement& placement,
-                                      Rng& rng) {
-  const double bearing = rng.Uniform(-kPi, kPi);
-  const double facing = bearing + kPi + rng.Uniform(-kFacingNoise, kFacingNoise);
-  const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
-                               placement.distance * std::sin(bearing), placement.height);
-  return Pose::FromRpy(target.translation() + offset, {0, 0, facing});
+std::optional<Pose> PickTaskSampler::ProposeBasePose(const Robot& robot, const Support& support,
+                                                     const Pose& target,
+                                                     const BasePlacement& placement, Rng& rng) {
+  const RobotOutline outline(robot);
+  const double first = rng.Uniform(-kPi, kPi);
+  const double turn = kPi + rng.Uniform(-kFacingNoise, kFacingNoise);
+  std::vector<Pose> clear;
+  for (int i = 0; i < kBearings; ++i) {
+    const double bearing = first + 2 * kPi * i / kBearings;
+    const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
+                                 placement.distance * std::sin(bearing), placement.height);
+    const Pose base = Pose::FromRpy(target.translation() + offset, {0, 0, bearing + turn});
+    if (outline.IsClearOf(support, base, kBaseClearance)) clear.push_back(base);
+  }
+  if (clear.empty()) return std::nullopt;
+  return clear[rng.UniformInt(clear.size())];
 }
 
 std::optional<Refusal> PickTaskSampler::CheckBasePose(Scene& scene, Robot& robot,
@@ -247,59 +194,68 @@ std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Ro
 }
 
 struct PickTaskSampler::Setup {
-  std::vector<std::string> kinds, names;
   std::vector<SceneObject> objects;
   Scene scene;
   Robot robot;
   std::string target_body;
   StopCheck stop;
+  RefusalCounts redrawn = {};
 };
 
-// Draws places for the objects and for the base until both fit. Nothing is stepped, so many are
-// tried quickly.
+std::optional<Refusal> PickTaskSampler::ArrangeOnce(Setup& setup, const Support& support,
+                                                    const BasePlacement& placement, Rng& rng) {
+  std::optional<Pose> base;
+  for (int t = 0; t < kPlaceTries && !base; ++t) {
+    if (!PlaceObjects(support, setup.objects, rng))
+      return Refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"};
+    base = ProposeBasePose(setup.robot, support, setup.objects.front().pose(), placement, rng);
+  }
+  if (!base) {
+    return Refusal{Refusal::kBaseInCollision,
+                   fmt::format("{:.2f} m from the target and {:.2f} m above it the robot overlaps "
+                               "the support wherever the target lies",
+                               placement.distance, placement.height)};
+  }
+  for (const SceneObject& object : setup.objects) {
+    setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
+  }
+  setup.robot.base().SetPose(*base);
+  setup.scene.Forward();
+  return CheckBasePose(setup.scene, setup.robot, setup.target_body);
+}
+
+// Draws places for the objects and for the base until both fit, and counts those that do not.
+// Nothing is stepped, so many are tried quickly.
 std::optional<Refusal> PickTaskSampler::Arrange(Setup& setup, const Support& support,
                                                 const BasePlacement& placement, Rng& rng) {
-  Refusal refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"};
-  for (int t = 0; t < kArrangements && !ShouldStop(setup.stop); ++t) {
-    if (!PlaceObjects(support, setup.objects, rng)) continue;
-    for (const SceneObject& object : setup.objects) {
-      setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
-    }
-    setup.robot.base().SetPose(
-        ProposeBasePose(setup.scene.body_pose(setup.target_body), placement, rng));
-    setup.scene.Forward();
-    const auto wrong = CheckBasePose(setup.scene, setup.robot, setup.target_body);
-    if (!wrong || wrong->reason == Refusal::kNoGrasp) return wrong;  // no base pose changes that
-    refusal = *wrong;
+  std::optional<Refusal> refusal = ArrangeOnce(setup, support, placement, rng);
+  for (int t = 1; t < kArrangements && refusal && !ShouldStop(setup.stop); ++t) {
+    if (refusal->reason == Refusal::kNoGrasp) break;  // no base pose changes that
+    ++setup.redrawn[refusal->reason];
+    refusal = ArrangeOnce(setup, support, placement, rng);
   }
   return refusal;
 }
 
-// Lets objects and arm come to rest together.
-std::optional<Refusal> PickTaskSampler::Settle(Setup& setup) const {
-  const Pose before = setup.scene.body_pose(setup.target_body);
-  const int steps = static_cast<int>(kSettleSeconds / setup.scene.timestep());
-  std::string moving = "something";
-  for (int look = 0; look < kSettleLooks && !moving.empty(); ++look) {
-    if (ShouldStop(setup.stop)) break;
-    for (int i = 0; i < steps; ++i) {
-      setup.robot.Update();
-      if (!setup.scene.Step().ok()) return Refusal{Refusal::kUnsettled, "diverged"};
-    }
-    moving = MovingObject(setup.scene);
-  }
-  if (!moving.empty()) return Refusal{Refusal::kUnsettled, moving + " still moves"};
-  const Pose after = setup.scene.body_pose(setup.target_body);
-  if ((after.translation() - before.translation()).norm() > kMostDrift) {
-    return Refusal{Refusal::kUnsettled, "the target rolled away or fell off its support"};
-  }
+// From the built scene to the start state.
+std::optional<Refusal> PickTaskSampler::Prepare(Setup& setup, const Support& support,
+                                                const BasePlacement& placement, Rng& rng) {
+  if (auto refusal = Arrange(setup, support, placement, rng)) return refusal;
+  if (auto refusal = Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
+                            {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
+    return refusal;
+  if (auto refusal = CheckBasePose(setup.scene, setup.robot, setup.target_body)) return refusal;
+  setup.scene.data()->time = 0;
+  setup.scene.Forward();
   return std::nullopt;
 }
 
+std::shared_ptr<Task> PickTaskSampler::MakeTask(const std::string& target, const std::string& kind,
+                                                const std::vector<std::string>& objects) {
+  return std::make_shared<PickTask>(target, kind, objects, run_.task.lift_height);
+}
+
 SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
-  const auto refused = [](Refusal refusal) {
-    return SampleResult{.start = {}, .refusal = std::move(refusal)};
-  };
   SceneSpec spec = MakeBaseScene(request.scene);
   const Support support = SupportOf(request.scene, spec);
   const std::vector<std::string> kinds = ChooseKinds(request, rng);
@@ -307,11 +263,13 @@ SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
   std::vector<std::string> names;
   std::vector<SceneObject> objects;
   for (size_t i = 0; i < kinds.size(); ++i) {
-    names.push_back(i == 0 ? "target" : fmt::format("object_{}", i));
+    names.push_back(i == 0 ? kTarget : fmt::format("object_{}", i));
     objects.push_back(MakeCatalogueObject(kinds[i], names.back(), rng));
   }
-  if (!PlaceObjects(support, objects, rng))
-    return refused({Refusal::kNoFreePlace, "the objects do not fit beside each other"});
+  if (!PlaceObjects(support, objects, rng)) {
+    return {.start = {},
+            .refusal = {Refusal::kNoFreePlace, "the objects do not fit beside each other"}};
+  }
   for (const SceneObject& object : objects) spec.objects.push_back(object);
   spec.robots.push_back({.name = run_.robot.config.name,
                          .config = run_.robot.config,
@@ -320,25 +278,18 @@ SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
 
   Scene scene = Scene::Build(spec);
   scene.Reset({.seed = rng.Fork("home").NextBits()});
-  Setup setup{kinds,
-              names,
-              objects,
-              scene,
-              Robot::Of(scene, run_.robot.config.name),
-              scene.compiled()->object("target").root_body,
-              request.stop};
-  if (auto refusal = Arrange(setup, support, placement, rng)) return refused(*refusal);
-  if (auto refusal = Settle(setup)) return refused(*refusal);
-  if (auto refusal = CheckBasePose(setup.scene, setup.robot, setup.target_body))
-    return refused(*refusal);
-  scene.data()->time = 0;
-  scene.Forward();
+  Setup setup{objects, scene, Robot::Of(scene, run_.robot.config.name),
+              scene.compiled()->object(kTarget).root_body, request.stop};
+  if (auto refusal = Prepare(setup, support, placement, rng)) {
+    refusal->redrawn = setup.redrawn;
+    return {.start = {}, .refusal = *refusal};
+  }
   return {.start = EpisodeStart{.scene = scene,
-                                .task = std::make_shared<PickTask>("target", kinds[0], names,
-                                                                   run_.task.lift_height),
-                                .target_object = "target",
+                                .task = MakeTask(kTarget, kinds[0], names),
+                                .target_object = kTarget,
                                 .object_kinds = kinds,
-                                .base_in_world = setup.robot.base().pose()},
+                                .base_in_world = setup.robot.base().pose(),
+                                .redrawn = setup.redrawn},
           .refusal = {}};
 }
 

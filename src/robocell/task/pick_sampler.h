@@ -15,15 +15,10 @@
 #include <vector>
 
 #include "robocell/spec/run_config.h"
+#include "robocell/task/support.h"
 #include "robocell/task/task.h"
 
 namespace robocell {
-
-// A level surface that objects are put on: the site's frame, half extents along its x and y.
-struct Support {
-  Pose frame_to_world;
-  double half_x = 0, half_y = 0;
-};
 
 // Where the base stands relative to the target.
 struct BasePlacement {
@@ -36,6 +31,7 @@ class PickTaskSampler : public TaskSampler {
   explicit PickTaskSampler(RunConfig run) : run_(std::move(run)) {}
 
   SampleResult Sample(const SampleRequest& request, Rng& rng) override;
+  const RunConfig& run() const { return run_; }
 
   // The stages, in their order.
   virtual SceneSpec MakeBaseScene(int scene_index);
@@ -45,33 +41,35 @@ class PickTaskSampler : public TaskSampler {
   virtual bool PlaceObjects(const Support& support, std::vector<SceneObject>& objects, Rng& rng);
   // Distance and height, spread evenly over the configured ranges by the episode's number.
   virtual BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng);
-  // A pose for the robot's base (the bottom of its pedestal) around the target, facing it.
-  virtual Pose ProposeBasePose(const Pose& target_in_world, const BasePlacement& placement,
-                               Rng& rng);
+  // A pose for the robot's base (the bottom of its pedestal) around the target, facing it, where
+  // the robot as it stands now keeps clear of the support; nothing when there is none. Then the
+  // objects are placed anew.
+  virtual std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
+                                              const Pose& target_in_world,
+                                              const BasePlacement& placement, Rng& rng);
   // Whether the robot stands free there and reaches a grasp of the target; the refusal says why
   // not.
   virtual std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
                                                const std::string& target_body);
-
- protected:
-  const RunConfig& run() const { return run_; }
+  // What the episode is about: `target` among `objects`, names in the scene.
+  virtual std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
+                                         const std::vector<std::string>& objects);
 
  private:
   struct Setup;  // the scene being made
   const Support& SupportOf(int scene_index, const SceneSpec& base);
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
-  std::optional<Refusal> Settle(Setup& setup) const;
+  std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
+                                     const BasePlacement& placement, Rng& rng);
+  std::optional<Refusal> Prepare(Setup& setup, const Support& support,
+                                 const BasePlacement& placement, Rng& rng);
   std::optional<Refusal> CheckGrasps(const Scene& scene, const Robot& robot,
                                      const std::string& target_body) const;
 
   RunConfig run_;
   std::map<int, Support> supports_;  // by scene index
 };
-
-// The support of a base scene: the site `table_top` (or `<anything>_table_top`) on a box.
-// NotFoundError otherwise.
-Support FindSupport(const SceneSpec& base);
 
 std::unique_ptr<TaskSampler> MakePickSampler(const RunConfig& run);
 

@@ -12,6 +12,7 @@
 #include "robocell/task/catalogue.h"
 #include "robocell/task/clearance.h"
 #include "robocell/task/pick_task.h"
+#include "robocell/testing/menagerie.h"
 
 namespace robocell {
 namespace {
@@ -25,25 +26,30 @@ Rng StreamOf(int i) { return Rng::Stream(7, "sampler test", i); }
 // Accepted starts of the first episodes, each at its first accepted attempt.
 struct Samples {
   std::vector<EpisodeStart> starts;
-  int tries = 0;
+  int tries = 0;  // places, also those that were given up within an attempt
 };
 
-const Samples& DemoSamples() {
-  static const Samples* samples = [] {
-    auto* made = new Samples;
-    PickTaskSampler sampler(Demo());
+Samples SamplesOf(const RunConfig& run) {
+  Samples samples, *made = &samples;
+  {
+    PickTaskSampler sampler(run);
     for (int episode = 0; episode < 20; ++episode) {
       for (int attempt = 0; attempt < 20; ++attempt) {
         Rng rng = Rng::Stream(7, episode, attempt);
         SampleResult result = sampler.Sample({.episode = episode, .attempt = attempt}, rng);
         ++made->tries;
+        for (const auto& [reason, count] : result.redrawn()) made->tries += count;
         if (!result.start) continue;
         made->starts.push_back(std::move(*result.start));
         break;
       }
     }
-    return made;
-  }();
+  }
+  return samples;
+}
+
+const Samples& DemoSamples() {
+  static const Samples* samples = new Samples(SamplesOf(Demo()));
   return *samples;
 }
 
@@ -55,6 +61,14 @@ double Span(const std::vector<double>& values) {
 TEST(PickTaskSampler, AcceptsMostOfWhatItTries) {
   EXPECT_EQ(DemoSamples().starts.size(), 20u);
   EXPECT_LE(DemoSamples().tries, 50);  // 40 %
+}
+
+TEST(PickTaskSampler, AcceptsMostOfWhatItTriesWithAnArmThatReachesOutAtHome) {
+  REQUIRE_MENAGERIE("ufactory_xarm7");
+  const Samples samples =
+      SamplesOf(RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/xarm7_pick.yaml"));
+  EXPECT_EQ(samples.starts.size(), 20u);
+  EXPECT_LE(samples.tries, 50);  // 40 %
 }
 
 TEST(PickTaskSampler, TwentyEpisodesSpanTheConfiguredRanges) {
@@ -131,7 +145,7 @@ TEST(PickTaskSampler, ABaseOutOfReachIsRefusedWithTheDistance) {
   EXPECT_THAT(result.refusal.detail, testing::HasSubstr("m away, reach is"));
 }
 
-TEST(PickTaskSampler, ABaseInsideTheTableIsRefusedWithBothGeoms) {
+TEST(PickTaskSampler, ABaseThatOverlapsTheTableWhereverItStandsIsRefused) {
   RunConfig run = Demo();
   run.task.base_distance = {0.01, 0.01};
   run.task.base_height_noise = {0, 0};
@@ -140,7 +154,26 @@ TEST(PickTaskSampler, ABaseInsideTheTableIsRefusedWithBothGeoms) {
   const SampleResult result = sampler.Sample({}, rng);
   ASSERT_FALSE(result.start.has_value());
   EXPECT_EQ(result.refusal.reason, Refusal::kBaseInCollision);
-  EXPECT_THAT(result.refusal.detail, testing::HasSubstr("robot_0/"));
+  EXPECT_THAT(result.refusal.detail,
+              testing::HasSubstr("0.01 m from the target and -0.25 m above it the robot overlaps "
+                                 "the support wherever the target lies"));
+  EXPECT_EQ(result.refusal.redrawn.at(Refusal::kBaseInCollision), 23);  // of 24 places
+}
+
+TEST(PickTaskSampler, ABaseInsideTheTableIsRefusedWithBothGeoms) {
+  PickTaskSampler sampler(Demo());
+  Scene scene = DemoSamples().starts.front().scene;
+  Robot robot = RobotsOf(scene).front();
+  const Pose before = robot.base().pose();
+  robot.base().SetPose(Pose({0, 0, 0.3}));
+  const std::string target = scene.compiled()->object("target").root_body;
+  const auto refusal = sampler.CheckBasePose(scene, robot, target);
+  ASSERT_TRUE(refusal.has_value());
+  EXPECT_EQ(refusal->reason, Refusal::kBaseInCollision);
+  EXPECT_THAT(refusal->detail, testing::HasSubstr("geom 'robot_0/"));
+  EXPECT_THAT(refusal->detail, testing::HasSubstr("from geom 'table_"));
+  robot.base().SetPose(before);
+  scene.Forward();
 }
 
 }  // namespace

@@ -32,8 +32,8 @@ struct PlanningScene::State {
   mjModel model;  // shares the arrays of the scene's; only the contact margin differs
   DataPtr data;
   int target = -1;
-  std::vector<char> is_robot, is_target;  // per geom
-  std::vector<int> arm, fingers;          // addresses in qpos
+  std::vector<char> is_robot, counts, is_target;  // per geom; `counts`: it is not overlooked
+  std::vector<int> arm, fingers;                  // addresses in qpos
   std::vector<double> finger_values;
   std::set<std::pair<int, int>> always_touching;  // geoms of the robot
   int checks = 0;
@@ -50,7 +50,12 @@ PlanningScene::PlanningScene(Scene scene, Robot robot, const std::string& target
   s.target = RequireId(m, mjOBJ_BODY, target_body, "scene '" + s.scene.name() + "'");
   s.is_robot.assign(m->ngeom, 0);
   s.is_target.assign(m->ngeom, 0);
-  for (const int g : s.robot.geom_ids()) s.is_robot[g] = 1;
+  s.counts.assign(m->ngeom, 1);
+  for (const int g : s.robot.geom_ids()) {
+    s.is_robot[g] = 1;
+    s.counts[g] = 0;
+  }
+  for (const int g : s.robot.collision_geom_ids()) s.counts[g] = 1;
   for (int g = 0; g < m->ngeom; ++g) s.is_target[g] = IsInSubtree(m, m->geom_bodyid[g], s.target);
   for (const ChainJoint& joint : s.robot.chain().joints()) s.arm.push_back(joint.qpos_address);
   for (const std::string& name : s.shape->joint_names()) {
@@ -103,6 +108,7 @@ bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
   for (int c = 0; c < s.data->ncon; ++c) {
     const auto [a, b] = s.data->contact[c].geom;
     if (a < 0 || b < 0 || (!s.is_robot[a] && !s.is_robot[b])) continue;
+    if (!s.counts[a] || !s.counts[b]) continue;
     const double distance = s.data->contact[c].dist;
     if (s.is_robot[a] && s.is_robot[b]) {
       if (distance < 0 && !s.always_touching.contains({a, b})) return false;

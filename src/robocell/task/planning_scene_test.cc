@@ -3,6 +3,10 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <set>
+#include <string>
+
+#include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/task/clearance.h"
 #include "robocell/task/testing/pick_scene.h"
@@ -106,6 +110,40 @@ TEST(PlanningScene, SeesObjectsWhereTheyWereAtTheLastUpdate) {
   planning.Update();
   EXPECT_FALSE(planning.IsFree(q, {.gap = open}));
   EXPECT_TRUE(planning.IsFree(q, {.gap = open, .touch_target = true}));
+}
+
+// The hand's link alone: the others may be in the table.
+TEST(PlanningScene, OnlyTheConfiguredCollisionGeomsCount) {
+  PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  RobotConfig config = pick.robot.config();
+  config.collision_geoms = {ElementRef{.kind = ElementKind::kGeom, .body = "link7", .index = 0}};
+  SceneSpec spec = pick.scene.spec();
+  spec.robots[0].config = config;
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  Robot robot = Robot::Of(scene, config.name);
+  EXPECT_EQ(robot.geom_ids().size(), pick.robot.geom_ids().size());
+  ASSERT_EQ(robot.collision_geom_ids().size(), 2u);  // and the pedestal
+  EXPECT_EQ(pick.robot.collision_geom_ids(), pick.robot.geom_ids());
+  std::set<std::string> names{""};
+  for (const int g : robot.collision_geom_ids())
+    names.insert(Describe(scene.model(), mjOBJ_GEOM, g));
+  PlanningScene all = pick.planning();
+  PlanningScene few(scene, robot, scene.compiled()->object("target").root_body, pick.shape());
+  Rng rng = Rng::Stream(4, "collision geoms");
+  int only_all = 0;
+  for (int i = 0; i < 200; ++i) {
+    JointVector q(robot.n_joints());
+    for (int j = 0; j < q.size(); ++j)
+      q[j] = rng.Uniform(robot.joint_limits()[j].lower, robot.joint_limits()[j].upper);
+    const FreedomDemand demand{.gap = pick.shape()->open_gap()};
+    const bool free_of_all = all.IsFree(q, demand), free_of_few = few.IsFree(q, demand);
+    EXPECT_TRUE(free_of_few || !free_of_all);
+    only_all += free_of_few && !free_of_all;
+    robot.SetJointPos(q);
+    EXPECT_TRUE(names.contains(RobotClearance(scene, robot, 0.5).robot_geom));
+  }
+  EXPECT_GT(only_all, 5);
 }
 
 }  // namespace

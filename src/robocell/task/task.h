@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -32,15 +33,6 @@ class Task {
   virtual std::vector<std::string> objects() const = 0;
 };
 
-// Where and with what an episode starts: a built scene at its start state, and its task.
-struct EpisodeStart {
-  Scene scene;
-  std::shared_ptr<Task> task;
-  std::string target_object;              // name in the scene
-  std::vector<std::string> object_kinds;  // catalogue names, the target's first
-  Pose base_in_world;                     // of the robot's base group
-};
-
 // Why a start was refused: reasons are few and counted, details are for reading.
 struct Refusal {
   enum Reason {
@@ -54,12 +46,27 @@ struct Refusal {
   };
   Reason reason = kInvalidScene;
   std::string detail = {};
+  // Places that were tried and refused before, in the same call of Sample.
+  std::map<Reason, int> redrawn = {};
 };
+using RefusalCounts = std::map<Refusal::Reason, int>;
 const char* ToString(Refusal::Reason reason);
+
+// Where and with what an episode starts: a built scene at its start state, and its task.
+struct EpisodeStart {
+  Scene scene;
+  std::shared_ptr<Task> task;
+  std::string target_object;              // name in the scene
+  std::vector<std::string> object_kinds;  // catalogue names, the target's first
+  Pose base_in_world;                     // of the robot's base group
+  // Places that were tried and refused on the way to this start, in the same call of Sample.
+  RefusalCounts redrawn = {};
+};
 
 struct SampleResult {
   std::optional<EpisodeStart> start;
   Refusal refusal = {};
+  const RefusalCounts& redrawn() const { return start ? start->redrawn : refusal.redrawn; }
 };
 
 // Which start is asked for. Samplers may use the numbers to spread their choices evenly over a run.

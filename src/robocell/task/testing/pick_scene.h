@@ -59,7 +59,7 @@ inline PickScene MakePickScene(SceneObject object, const std::string& run_file =
                          .pos = {-distance, 0, 0.2}});
   Scene scene = Scene::Build(spec);
   scene.Reset();
-  scene.StepN(200);
+  EXPECT_TRUE(scene.StepN(200).ok());
   Robot robot = Robot::Of(scene, run.robot.config.name);
   return {run, scene, robot, scene.compiled()->object("target").root_body};
 }

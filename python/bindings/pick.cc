@@ -1,0 +1,258 @@
+// The pick task: its judge, sampler and expert. All can be subclassed in Python, the sampler stage
+// by stage.
+#include <nanobind/nanobind.h>
+
+#include <utility>
+
+#include "bindings.h"
+#include "python_owner.h"
+#include "rng.h"
+#include "task_trampolines.h"
+#include "robocell/base/error.h"
+#include "robocell/task/pick_planner.h"
+#include "robocell/task/pick_sampler.h"
+#include "robocell/task/pick_task.h"
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace robocell::python {
+namespace {
+
+// A list of copies, which Python may keep.
+nb::list ToList(const std::vector<SceneObject>& objects) {
+  nb::list list;
+  for (const SceneObject& object : objects) list.append(nb::cast(object));
+  return list;
+}
+
+std::vector<SceneObject> FromList(const nb::list& list) {
+  std::vector<SceneObject> objects;
+  for (const nb::handle item : list) objects.push_back(nb::cast<const SceneObject&>(item));
+  return objects;
+}
+
+class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
+ public:
+  using PySamplerOf<PickTaskSampler>::PySamplerOf;
+
+  SceneSpec MakeBaseScene(int scene_index) override {
+    return CallMethod<SceneSpec>(
+        nb_trampoline, "make_base_scene", own(),
+        [&](auto* s) { return s->PickTaskSampler::MakeBaseScene(scene_index); }, scene_index);
+  }
+  std::vector<std::string> ChooseKinds(const SampleRequest& request, Rng& rng) override {
+    const RequestLoan asked(request);
+    return CallWithRng<std::vector<std::string>>(
+        nb_trampoline, "choose_kinds", own(),
+        [&](auto* s) { return s->PickTaskSampler::ChooseKinds(request, rng); }, rng,
+        asked.request());
+  }
+  bool PlaceObjects(const Support& support, std::vector<SceneObject>& objects, Rng& rng) override {
+    const nb::detail::ticket call(nb_trampoline, "place_objects",
+                                  nb::detail::str_hash("place_objects"), false);
+    if (!call.key.is_valid()) return PickTaskSampler::PlaceObjects(support, objects, rng);
+    const RngLoan loan(rng);
+    const nb::list list = ToList(objects);
+    const bool placed =
+        nb::cast<bool>(nb_trampoline.base().attr(call.key)(support, list, loan.rng()));
+    if (list.size() != objects.size()) {
+      throw ArgumentError(
+          "PickTaskSampler: place_objects() must not change which objects there "
+          "are, only their poses");
+    }
+    objects = FromList(list);
+    return placed;
+  }
+  BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng) override {
+    const RequestLoan asked(request);
+    return CallWithRng<BasePlacement>(
+        nb_trampoline, "choose_base_placement", own(),
+        [&](auto* s) { return s->PickTaskSampler::ChooseBasePlacement(request, rng); }, rng,
+        asked.request());
+  }
+  std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
+                                      const Pose& target, const BasePlacement& placement,
+                                      Rng& rng) override {
+    return CallWithRng<std::optional<Pose>>(
+        nb_trampoline, "propose_base_pose", own(),
+        [&](auto* s) {
+          return s->PickTaskSampler::ProposeBasePose(robot, support, target, placement, rng);
+        },
+        rng, robot, support, target, placement);
+  }
+  std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
+                                       const std::string& target_body) override {
+    return CallMethod<std::optional<Refusal>>(
+        nb_trampoline, "check_base_pose", own(),
+        [&](auto* s) { return s->PickTaskSampler::CheckBasePose(scene, robot, target_body); },
+        scene, robot, target_body);
+  }
+  std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
+                                 const std::vector<std::string>& objects) override {
+    const nb::detail::ticket call(nb_trampoline, "make_task", nb::detail::str_hash("make_task"),
+                                  false);
+    if (!call.key.is_valid()) return PickTaskSampler::MakeTask(target, kind, objects);
+    nb::object made = nb_trampoline.base().attr(call.key)(target, kind, objects);
+    if (!nb::isinstance<Task>(made)) {
+      throw ArgumentError("PickTaskSampler: make_task() must return a Task, got " +
+                          nb::cast<std::string>(nb::repr(made)));
+    }
+    return Shared<Task>(std::move(made));
+  }
+
+ private:
+  PickTaskSampler* own() { return this; }
+};
+
+void BindPickTask(nb::module_& m) {
+  nb::class_<PickTask, Task, PyTaskOf<PickTask>>(
+      m, "PickTask", "Lift an object off its support: reward is the height gained (m).")
+      .def(nb::init<std::string, std::string, std::vector<std::string>, double>(), "object"_a,
+           "kind"_a, "all_objects"_a, "lift_height"_a = 0.01)
+      .def(
+          "begin", [](PickTask& t, const Scene& scene) { t.PickTask::Begin(scene); }, "scene"_a)
+      .def(
+          "reward", [](PickTask& t, const Scene& scene) { return t.PickTask::Reward(scene); },
+          "scene"_a)
+      .def(
+          "success", [](PickTask& t, const Scene& scene) { return t.PickTask::Success(scene); },
+          "scene"_a)
+      .def("instruction", [](const PickTask& t) { return t.PickTask::instruction(); })
+      .def("objects", [](const PickTask& t) { return t.PickTask::objects(); });
+}
+
+void BindPickPlanner(nb::module_& m) {
+  nb::class_<PickPlanner, Expert, PyExpertOf<PickPlanner>>(
+      m, "PickPlanner",
+      "The scripted expert: picks up the start's target from above, with any robot that has one "
+      "arm and one gripper that can be measured.")
+      .def(nb::init<const RunConfig&, const EpisodeStart&>(), "run"_a, "start"_a)
+      .def(
+          "begin",
+          [](PickPlanner& e, const Scene& s, PythonRng& rng) {
+            e.PickPlanner::Begin(s, rng.get());
+          },
+          "scene"_a, "rng"_a)
+      .def(
+          "act",
+          [](PickPlanner& e, const Scene& s, PythonRng& rng) {
+            return e.PickPlanner::Act(s, rng.get());
+          },
+          "scene"_a, "rng"_a, "{robot: {group: GroupCommand}} until the next policy tick.")
+      .def("done", [](const PickPlanner& e) { return e.PickPlanner::done(); })
+      .def("failure", [](const PickPlanner& e) { return e.PickPlanner::failure(); })
+      .def("phase", [](const PickPlanner& e) { return e.PickPlanner::phase(); })
+      .def("phase_names", [](const PickPlanner& e) { return e.PickPlanner::phase_names(); })
+      .def_prop_ro("attempts", &PickPlanner::attempts, "Grasps tried so far.");
+}
+
+void BindPlaces(nb::module_& m) {
+  nb::class_<Support>(m, "Support", "A level rectangle that objects are put on.")
+      .def(
+          "__init__",
+          [](Support* self, const Pose& frame, double half_x, double half_y, double thickness) {
+            new (self) Support{frame, half_x, half_y, thickness};
+          },
+          "frame_to_world"_a, "half_x"_a, "half_y"_a, "thickness"_a = 0.0)
+      .def_ro("frame_to_world", &Support::frame_to_world, "Its middle, z up.")
+      .def_ro("half_x", &Support::half_x, "Half extent along its x axis, metres.")
+      .def_ro("half_y", &Support::half_y, "Half extent along its y axis, metres.")
+      .def_ro("thickness", &Support::thickness, "How far down its body goes, metres.");
+  nb::class_<BasePlacement>(m, "BasePlacement",
+                            "Where a robot's base stands relative to the "
+                            "target.")
+      .def(
+          "__init__",
+          [](BasePlacement* self, double distance, double height) {
+            new (self) BasePlacement{distance, height};
+          },
+          "distance"_a, "height"_a)
+      .def_ro("distance", &BasePlacement::distance, "Horizontal, metres.")
+      .def_ro("height", &BasePlacement::height, "Of the base's bottom above the target, metres.");
+}
+
+void BindPickSampler(nb::module_& m) {
+  nb::class_<PickTaskSampler, TaskSampler, PyPickTaskSampler>(
+      m, "PickTaskSampler",
+      "Objects settled on a support, one of them the target, and a robot placed beside it.\n\n"
+      "A subclass may replace sample() or any of the stages, which sample() calls in this order: "
+      "make_base_scene,\nchoose_kinds, choose_base_placement, place_objects, propose_base_pose, "
+      "check_base_pose, make_task.")
+      .def(nb::init<RunConfig>(), "run"_a)
+      .def_prop_ro(
+          "run", [](const PickTaskSampler& s) { return s.run(); }, "A copy.")
+      .def(
+          "sample",
+          [](PickTaskSampler& s, const SampleRequest& request, PythonRng& rng) {
+            return SampleForPython(request, rng, [&](const SampleRequest& asked, Rng& stream) {
+              return s.PickTaskSampler::Sample(asked, stream);
+            });
+          },
+          "request"_a, "rng"_a,
+          nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"))
+      .def(
+          "make_base_scene",
+          [](PickTaskSampler& s, int scene) { return s.PickTaskSampler::MakeBaseScene(scene); },
+          "scene_index"_a, "The scene without objects and robot.")
+      .def(
+          "choose_kinds",
+          [](PickTaskSampler& s, const SampleRequest& request, PythonRng& rng) {
+            return s.PickTaskSampler::ChooseKinds(request, rng.get());
+          },
+          "request"_a, "rng"_a, "Kinds of the catalogue, the target's first.")
+      .def(
+          "choose_base_placement",
+          [](PickTaskSampler& s, const SampleRequest& request, PythonRng& rng) {
+            return s.PickTaskSampler::ChooseBasePlacement(request, rng.get());
+          },
+          "request"_a, "rng"_a)
+      .def(
+          "place_objects",
+          [](PickTaskSampler& s, const Support& support, const nb::list& list, PythonRng& rng) {
+            std::vector<SceneObject> objects = FromList(list);
+            const bool placed = s.PickTaskSampler::PlaceObjects(support, objects, rng.get());
+            for (size_t i = 0; i < objects.size(); ++i)
+              nb::cast<SceneObject&>(list[i]) = objects[i];
+            return placed;
+          },
+          "support"_a, "objects"_a, "rng"_a,
+          nb::sig("def place_objects(self, support: Support, objects: list[SceneObject], rng: Rng) "
+                  "-> bool"),
+          "Sets the objects' poses on the support; False when there is no room.")
+      .def(
+          "propose_base_pose",
+          [](PickTaskSampler& s, const Robot& robot, const Support& support, const Pose& target,
+             const BasePlacement& placement, PythonRng& rng) {
+            return s.PickTaskSampler::ProposeBasePose(robot, support, target, placement, rng.get());
+          },
+          "robot"_a, "support"_a, "target_in_world"_a, "placement"_a, "rng"_a,
+          "A pose for the robot's base, its bottom, in the world; None when the robot as it stands "
+          "would overlap the support all around the target: then the objects are placed anew.")
+      .def(
+          "check_base_pose",
+          [](PickTaskSampler& s, Scene scene, Robot robot, const std::string& target_body) {
+            return s.PickTaskSampler::CheckBasePose(scene, robot, target_body);
+          },
+          "scene"_a, "robot"_a, "target_body"_a,
+          "None when the robot stands free where it is and reaches a grasp of the target.")
+      .def(
+          "make_task",
+          [](PickTaskSampler& s, const std::string& target, const std::string& kind,
+             const std::vector<std::string>& objects) {
+            return s.PickTaskSampler::MakeTask(target, kind, objects);
+          },
+          "target"_a, "kind"_a, "objects"_a,
+          "The judge of the episode: `target` among `objects`, names in the scene.");
+}
+
+}  // namespace
+
+void BindPick(nb::module_& m) {
+  BindPickTask(m);
+  BindPickPlanner(m);
+  BindPlaces(m);
+  BindPickSampler(m);
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,203 @@
+"""The scripted pick task, changed in Python: what a subclass defines is what runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import robocell as rc
+from test_experts import load
+
+
+class Never(rc.PickTask):
+    """Judges otherwise than PickTask, and asks it too."""
+
+    def __init__(self, target: str, kind: str, objects: list[str]) -> None:
+        super().__init__(target, kind, objects)
+        self.rewards: list[float] = []
+
+    def reward(self, scene: rc.Scene) -> float:
+        self.rewards.append(super().reward(scene))
+        return 7 + self.rewards[-1]
+
+    def success(self, scene: rc.Scene) -> bool:
+        return len(self.rewards) >= 2
+
+    def instruction(self) -> str:
+        return "do not " + super().instruction()
+
+
+class Recorder(rc.PickTaskSampler):
+    """Overrides every stage and hands on to the one it replaces."""
+
+    def __init__(self, run: rc.RunConfig) -> None:
+        super().__init__(run)
+        self.stages: list[str] = []
+        self.placement: rc.BasePlacement | None = None
+        self.made: list[Never] = []
+
+    def make_base_scene(self, scene_index):
+        self.stages.append("make_base_scene")
+        return super().make_base_scene(scene_index)
+
+    def choose_kinds(self, request, rng):
+        self.stages.append("choose_kinds")
+        return super().choose_kinds(request, rng)[:1]
+
+    def choose_base_placement(self, request, rng):
+        self.stages.append("choose_base_placement")
+        self.placement = rc.BasePlacement(0.44, super().choose_base_placement(request, rng).height)
+        return self.placement
+
+    def place_objects(self, support, objects, rng):
+        self.stages.append("place_objects")
+        assert super().place_objects(support, objects, rng)
+        at = support.frame_to_world
+        objects[0].pos = [at.translation[0], at.translation[1], objects[0].pos[2]]
+        return True
+
+    def propose_base_pose(self, robot, support, target_in_world, placement, rng):
+        self.stages.append("propose_base_pose")
+        return super().propose_base_pose(robot, support, target_in_world, placement, rng)
+
+    def check_base_pose(self, scene, robot, target_body):
+        self.stages.append("check_base_pose")
+        return super().check_base_pose(scene, robot, target_body)
+
+    def make_task(self, target, kind, objects):
+        self.stages.append("make_task")
+        self.made.append(Never(target, kind, objects))
+        return self.made[-1]
+
+
+STAGES = [
+    "make_base_scene",
+    "choose_kinds",
+    "choose_base_placement",
+    "place_objects",
+    "propose_base_pose",
+    "check_base_pose",
+    "make_task",
+]
+
+
+def sample(sampler: rc.TaskSampler, attempts: int = 20) -> rc.EpisodeStart:
+    for attempt in range(attempts):
+        made = sampler.sample(rc.SampleRequest(0, 0, attempt), rc.Rng.stream(attempt, "test"))
+        if isinstance(made, rc.EpisodeStart):
+            return made
+    raise AssertionError(f"nothing accepted: {made}")
+
+
+def target_body(start: rc.EpisodeStart) -> str:
+    return next(name for name in start.scene.body_names() if name.startswith("target"))
+
+
+def test_every_stage_of_a_samplers_subclass_runs(tmp_path: Path):
+    sampler = Recorder(load(tmp_path))
+    start = sample(sampler)
+    assert sorted(set(sampler.stages)) == sorted(STAGES)
+    assert len(start.object_kinds) == 1  # choose_kinds
+    body = start.scene.body_pose(
+        target_body(start)
+    ).translation  # place_objects: in the table's middle
+    assert body[:2] == pytest.approx([0, 0], abs=0.02)
+    offset = start.base_in_world.translation - body
+    assert (offset[0] ** 2 + offset[1] ** 2) ** 0.5 == pytest.approx(0.44, abs=0.02)
+    assert start.task is sampler.made[-1]
+
+
+def test_episodes_carry_the_labels_of_a_subclass_of_pick_task(tmp_path: Path):
+    run = load(tmp_path)
+    report = rc.Runner(run, sampler=Recorder).run(rc.make_plan(run)[0])
+    assert report.success
+    episode = rc.Dataset(run.output)[0]
+    assert episode.metadata["instruction"].startswith("do not pick up the ")
+    assert (episode["reward"] >= 7).all()
+    first = int(episode["success"].argmax())
+    assert first == 2  # the third row: two rewards were asked before
+    assert not episode["success"][:2].any()
+
+
+def test_a_subclass_that_overrides_nothing_changes_nothing(tmp_path: Path):
+    class Same(rc.PickTaskSampler):
+        pass
+
+    run = load(tmp_path)
+    item = rc.make_plan(run)[0]
+    assert rc.Runner(run, sampler=Same).run(item).success
+    steps = (Path(run.output) / item.id / "steps.h5").read_bytes()
+    run.output = str(tmp_path / "plain")
+    rc.prepare_dataset(run)
+    assert rc.Runner(run).run(item).success
+    assert (Path(run.output) / item.id / "steps.h5").read_bytes() == steps
+
+
+def test_the_sample_of_a_subclass_runs_and_can_call_the_scripted_one(tmp_path: Path):
+    class Second(rc.PickTaskSampler):
+        def sample(self, request, rng):
+            if request.attempt == 0:
+                return rc.Refusal(rc.RefusalReason.CAMERA_CONSTRAINT, "as told")
+            return super().sample(request, rng)
+
+    run = load(tmp_path)
+    report = rc.Runner(run, sampler=Second).run(rc.make_plan(run)[0])
+    assert report.success
+    assert dict(report.refusals)["camera constraint"] == 1
+
+
+def test_refusals_of_a_stage_are_counted_with_the_places_tried(tmp_path: Path):
+    class Picky(rc.PickTaskSampler):
+        def check_base_pose(self, scene, robot, target_body):
+            return rc.Refusal(rc.RefusalReason.BASE_IN_COLLISION, "as told")
+
+    run = load(tmp_path, max_attempts=2)
+    report = rc.Runner(run, sampler=Picky).run(rc.make_plan(run)[0])
+    reason = "no base pose is free of collisions"
+    assert (report.attempts, report.accepted, dict(report.refusals)) == (2, 0, {reason: 2})
+    assert dict(report.redrawn) == {reason: 2 * 23}  # of 24 places each, the last is the refusal
+
+
+def test_the_scripted_expert_can_be_extended(tmp_path: Path):
+    class Slow(rc.PickPlanner):
+        """Waits before it begins."""
+
+        def __init__(self, run: rc.RunConfig, start: rc.EpisodeStart) -> None:
+            super().__init__(run, start)
+            self.waits = 5
+
+        def act(self, scene, rng):
+            self.waits -= 1
+            return {} if self.waits >= 0 else super().act(scene, rng)
+
+        def phase_names(self):
+            return [*super().phase_names(), "extra"]
+
+    run = load(tmp_path)
+    item = rc.make_plan(run)[0]
+    assert rc.Runner(run).run(item).success
+    plain = rc.Dataset(run.output)[0]
+    run.output = str(tmp_path / "slow")
+    rc.prepare_dataset(run)
+    assert rc.Runner(run, expert=Slow).run(item).success
+    slow = rc.Dataset(run.output)[0]
+    assert (slow["phase"][:6] == 0).all()
+    assert len(slow) >= len(plain) + 4
+
+
+def test_what_a_stage_must_not_do_is_told(tmp_path: Path):
+    class NoTask(rc.PickTaskSampler):
+        def make_task(self, target, kind, objects):
+            return 7
+
+    class Fewer(rc.PickTaskSampler):
+        def place_objects(self, support, objects, rng):
+            objects.clear()
+            return True
+
+    run = load(tmp_path)
+    with pytest.raises(rc.ArgumentError, match=r"make_task\(\) must return a Task, got 7"):
+        sample(NoTask(run))
+    with pytest.raises(rc.ArgumentError, match=r"place_objects\(\) must not change which objects"):
+        sample(Fewer(run))

@@ -1,0 +1,25 @@
+#include "robocell/task/task.h"
+
+namespace robocell {
+
+const char* ToString(Refusal::Reason reason) {
+  switch (reason) {
+    case Refusal::kNoFreePlace:
+      return "no free place for the objects";
+    case Refusal::kUnsettled:
+      return "objects did not come to rest";
+    case Refusal::kNoReachableBasePose:
+      return "no base pose reaches the object";
+    case Refusal::kBaseInCollision:
+      return "no base pose is free of collisions";
+    case Refusal::kNoGrasp:
+      return "no grasp";
+    case Refusal::kCameraConstraint:
+      return "camera constraint";
+    case Refusal::kInvalidScene:
+      return "invalid scene";
+  }
+  return "?";
+}
+
+}  // namespace robocell

@@ -1,0 +1,28 @@
+// Settle: lets objects and robots come to rest together before an episode begins, with the robots
+// controlled as in the episode.
+//
+//   if (auto refusal = Settle(scene, robots, "target", {.sim_steps = 2})) return *refusal;
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "robocell/base/stop.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+#include "robocell/task/task.h"
+
+namespace robocell {
+
+struct SettleOptions {
+  int sim_steps = 1;    // engine steps per control tick
+  StopCheck stop = {};  // when it says true, the objects may be refused as still moving
+};
+
+// A refusal (kUnsettled) when something diverges or does not come to rest, or when the target,
+// a body, ends up elsewhere. Time goes on.
+std::optional<Refusal> Settle(Scene& scene, std::span<Robot> robots, const std::string& target_body,
+                              const SettleOptions& options);
+
+}  // namespace robocell

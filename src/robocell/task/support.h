@@ -1,0 +1,27 @@
+// Support: the level surface of a scene that objects are put on.
+//
+//   const Support support = FindSupport(base);   // a SceneSpec
+//   Pose on_top = support.frame_to_world * Pose(Eigen::Vector3d(x, y, 0));   // |x| < half_x ...
+#pragma once
+
+#include "robocell/math/pose.h"
+#include "robocell/spec/scene_spec.h"
+
+namespace robocell {
+
+// A rectangle: its middle, z up, and half extents along its x and y; how far down its body goes.
+// Metres.
+struct Support {
+  Pose frame_to_world;
+  double half_x = 0, half_y = 0;
+  double thickness = 0;
+};
+
+// The support of a base scene: the site `table_top` (or `<anything>_table_top`) marks it, and the
+// largest box in the site's body is its extent: a horizontal face of it, in whatever pose the box
+// is in its body, with the site on it.
+// NotFoundError without a site, SpecError without a box or when the site is not on the box's upper
+// face or the face is not level.
+Support FindSupport(const SceneSpec& base);
+
+}  // namespace robocell
