@@ -19,8 +19,7 @@ namespace {
 }  // namespace
 
 void RelativeJointController::SetTarget(std::span<const double> delta) {
-  CheckValues([&] { return "group '" + group_.name() + "'"; }, "joint", delta, target_size(),
-              group_.joint_names());
+  CheckValues([&] { return group_.place(); }, "joint", delta, target_size(), group_.joint_names());
   const std::vector<Interval> limits = group_.joint_pos_limits();
   const std::span<double> target = absolute_.command_port();
   for (size_t i = 0; i < target.size(); ++i) {

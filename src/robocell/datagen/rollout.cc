@@ -8,6 +8,7 @@
 #include <numeric>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/log.h"
 #include "robocell/datagen/episode_cameras.h"
 #include "robocell/datagen/episode_columns.h"
 #include "robocell/datagen/recorded_scene.h"
@@ -121,8 +122,16 @@ std::string WhyFailed(const RolloutResult& result, const Expert& expert, bool tr
   return truncated ? "timeout" : "not lifted";
 }
 
+// Also for the log: a failure that is not kept leaves no record.
+void NoteDivergence(const StepResult& step, const std::string& episode, RolloutResult& result) {
+  result.failure = "diverged";
+  result.divergence = step.message;
+  LogWarn(fmt::format("episode '{}' {}", episode, step.message));
+}
+
 std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutResult& result) {
   std::vector<std::string> warnings;
+  if (!result.divergence.empty()) warnings.push_back(result.divergence);
   if (engine.total()) warnings.push_back(engine.Text());
   for (const auto& [group, actions] : result.ik_failures)
     warnings.push_back(fmt::format("{} x no IK solution for {}", actions, group));
@@ -154,7 +163,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     result.success = outcome.ok() && start.task->Success(start.scene);
     terminated = expert.done() || !outcome.ok();
     truncated = !terminated && result.rows >= run.rates.max_steps;
-    if (!outcome.ok()) result.failure = "diverged";
+    if (!outcome.ok()) NoteDivergence(outcome.step, options.episode_id, result);
     const bool ik_failed = !outcome.failed_robot.empty();
     if (ik_failed) ++result.ik_failures[outcome.failed_robot + "/" + outcome.failed_group];
     recording.PutOutcome({.reward = outcome.ok() ? start.task->Reward(start.scene) : 0,

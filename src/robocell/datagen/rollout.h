@@ -23,7 +23,8 @@ struct RolloutResult {
   bool success = false;
   bool stopped = false;  // by the stop request; nothing was kept
   bool committed = false;
-  std::string failure;  // why it did not succeed; "" on success
+  std::string failure;     // why it did not succeed; "" on success
+  std::string divergence;  // when it diverged: at what time, and which joint showed it
   // Actions whose pose command had no IK solution, by "robot/group"; the group kept its target.
   std::map<std::string, int> ik_failures;
   int rows = 0;

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <cmath>
+
 #include "robocell/base/error.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/count_allocations.h"
@@ -155,6 +157,46 @@ TEST_F(StepperTest, RefusesWhatItCannotDo) {
   EXPECT_EQ(robot.controller("arm").commanded_joint_pos()[1], home[1]) << "nothing was applied";
   EXPECT_EQ(robot.scene().time(), 0);
   EXPECT_EQ(stepper.policy_ticks(), 0);
+}
+
+TEST_F(StepperTest, RefusesBadNumbersByNameAndDoesNotAdvance) {
+  Stepper stepper = Make(2, 1);
+  std::vector<double> q = home;
+  q[5] = std::nan("");
+  const std::string arm = "robot 'rc7' / group 'arm': ";
+  ExpectThrow<ArgumentError>(
+      [&] {
+        stepper.Advance({{"rc7", {{"arm", GroupCommand::Joints(q)}}}});
+      },
+      arm + "the target of 'joint6' is nan; targets must be finite");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        stepper.Advance({{"rc7", {{"arm", GroupCommand::Joints({1, 2})}}}});
+      },
+      arm + "expected 7 joint values, got 2");
+  EXPECT_EQ(robot.scene().time(), 0);
+  EXPECT_EQ(stepper.policy_ticks(), 0);
+  EXPECT_TRUE(stepper.Advance({}).ok());
+  EXPECT_EQ(robot.controller("arm").commanded_joint_pos()[5], home[5]);
+}
+
+TEST_F(StepperTest, DivergesTwiceInARowAndRecoversWithAReset) {
+  Stepper stepper = Make(3, 1);
+  Scene scene = robot.scene();
+  scene.Reset();
+  stepper.Advance({});
+  const std::vector<double> good = scene.state();
+  for (const char* joint : {"joint2", "joint5"}) {
+    scene.Reset();
+    EXPECT_TRUE(stepper.Advance({}).ok());
+    EXPECT_EQ(scene.state(), good) << "nothing is left of the divergence before";
+    const int id = mj_name2id(scene.model(), mjOBJ_JOINT, joint);
+    scene.data()->qvel[scene.model()->jnt_dofadr[id]] = std::nan("");
+    const StepOutcome outcome = stepper.Advance({});
+    EXPECT_FALSE(outcome.ok());
+    EXPECT_EQ(outcome.step.joint_name, joint);
+    EXPECT_EQ(outcome.step.time, 3 * 0.002);
+  }
 }
 
 }  // namespace

@@ -54,6 +54,8 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
       CheckValues([&] { return place; }, "opening", command.values, 1);
       targets.emplace_back(&controller, command.values);
     } else if (command.kind == GroupCommand::kPose) {
+      if (!IsFinite(command.pose))
+        throw ArgumentError(place + ": the target pose has a number that is not finite");
       const JointVector seed(controller.commanded_joint_pos());
       const IkResult ik = robocell::Ik(state_->RequireChain(slot), command.pose, {.seed = seed});
       if (!ik.success) {

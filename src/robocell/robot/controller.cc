@@ -62,8 +62,7 @@ std::unique_ptr<Controller> MakeController(const std::string& kind, MoveGroup& g
     std::lock_guard lock(registry.mutex);
     const auto it = registry.factories.find(kind);
     if (it == registry.factories.end()) {
-      throw NotFoundError(
-          NoSuchName("group '" + group.name() + "'", "controller", kind, Kinds(registry)));
+      throw NotFoundError(NoSuchName(group.place(), "controller", kind, Kinds(registry)));
     }
     factory = it->second;
   }

@@ -8,12 +8,12 @@ namespace robocell {
 
 GripperOpeningController::GripperOpeningController(GripperGroup& group)
     : group_(group), present_(group.nu()) {
-  if (present_.empty()) throw ArgumentError("group '" + group.name() + "' has no actuators");
+  if (present_.empty()) throw ArgumentError(group.place() + " has no actuators");
   Reset();
 }
 
 void GripperOpeningController::SetTarget(std::span<const double> target) {
-  CheckValues([&] { return "group '" + group_.name() + "'"; }, "opening", target, 1);
+  CheckValues([&] { return group_.place(); }, "opening", target, 1);
   opening_ = std::clamp(target[0], 0.0, 1.0);
   // At once, so that whoever commands last is obeyed: the group's own SetOpening writes there too.
   group_.SetOpening(opening_);

@@ -19,6 +19,7 @@ class JointGroupOf : public Interface {
       : core_(scene, std::move(names)), kind_(kind) {}
 
   const std::string& name() const override { return core_.names().group; }
+  std::string place() const override { return core_.place(); }
   MoveGroupKind kind() const override { return kind_; }
   int nq() const override { return core_.nq(); }
   int nv() const override { return core_.nv(); }

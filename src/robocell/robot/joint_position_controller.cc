@@ -20,8 +20,7 @@ JointPositionController::JointPositionController(MoveGroup& group)
 }
 
 void JointPositionController::SetTarget(std::span<const double> target) {
-  CheckValues([&] { return "group '" + group_.name() + "'"; }, "joint", target, target_size(),
-              group_.joint_names());
+  CheckValues([&] { return group_.place(); }, "joint", target, target_size(), group_.joint_names());
   std::copy(target.begin(), target.end(), target_.begin());
 }
 

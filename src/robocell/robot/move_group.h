@@ -36,6 +36,8 @@ class MoveGroup {
   virtual ~MoveGroup() = default;
 
   virtual const std::string& name() const = 0;  // as in RobotConfig.move_groups
+  // For messages: "robot 'left' / group 'arm'", or without the robot when the group knows of none.
+  virtual std::string place() const { return "group '" + name() + "'"; }
   virtual MoveGroupKind kind() const = 0;
 
   // Sizes and names (full names in the model).

@@ -130,8 +130,8 @@ std::span<double> Robot::jnt_pos_cmd() const {
 
 void Robot::SetJntPosCmd(std::span<const double> q) {
   const std::span<double> port = jnt_pos_cmd();
-  CheckValues([&] { return state_->place(); }, "joint", q, static_cast<int>(port.size()),
-              joint_names());
+  CheckValues([&] { return state_->place(state_->RequireKind(MoveGroupKind::kArm)); }, "joint", q,
+              static_cast<int>(port.size()), joint_names());
   std::copy(q.begin(), q.end(), port.begin());
 }
 

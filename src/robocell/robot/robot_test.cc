@@ -125,7 +125,7 @@ TEST(Robot, PortsReadAtUpdateAndDriveTheArm) {
 TEST(Robot, PortsRefuseWrongSizesAtOnceAndBadNumbersWhenTheyAreUsed) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>([&] { robot.SetJntPosCmd(std::vector<double>(3)); },
-                             "robot 'rc7': expected 7 joint values, got 3");
+                             "robot 'rc7' / group 'arm': expected 7 joint values, got 3");
   robot.SetJntPosCmd(std::vector<double>(7, 0.1));
   EXPECT_EQ(robot.jnt_pos_cmd()[6], 0.1);
   robot.jnt_pos_cmd()[2] = std::nan("");
