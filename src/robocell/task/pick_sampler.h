@@ -4,7 +4,7 @@
 // are spread evenly over the episodes of a run (a low-discrepancy sequence), so that a short run
 // covers the configured ranges too.
 //
-// Stages can be replaced one by one by subclassing in C++ (not yet in Python). All randomness comes
+// Stages can be replaced one by one by subclassing, in C++ and in Python. All randomness comes
 // from the Rng given to Sample; a start that cannot be made is a Refusal with its reason.
 #pragma once
 
