@@ -168,9 +168,13 @@ void BindDatagen(nb::module_& m) {
       "text"_a, "(i, N) of 'i/N'.");
   m.def("run_identity", &RunIdentity, "run"_a,
         "What identifies a run, as YAML: its fields without workers and output.");
-  m.def("prepare_dataset", &PrepareDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
-        "Creates the run's output folder, or checks that the one there belongs to the same run "
-        "(SpecError names what differs). A dataset without episodes is begun anew.");
+  m.def(
+      "prepare_dataset",
+      [](const RunConfig& run, bool check_run) { PrepareDataset(run, {.check_run = check_run}); },
+      "run"_a, nb::kw_only(), "check_run"_a = true, nb::call_guard<nb::gil_scoped_release>(),
+      "Creates the run's output folder, or checks that the one there belongs to the same run "
+      "(SpecError names what differs). A dataset without episodes is begun anew. Calls check_run "
+      "first unless told not to.");
   m.def("check_dataset", &CheckDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
         "What prepare_dataset would say of the run's output folder; writes nothing.");
   m.def("require_same_run", &RequireSameRun, "run"_a, nb::call_guard<nb::gil_scoped_release>(),

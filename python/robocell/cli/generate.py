@@ -71,7 +71,8 @@ def generate(
     job = Job(run_file, [*(set_ or []), *overrides(named)], shard)
     try:
         if dry_run:
-            job.check()
+            if crash := job.check():
+                print_warning(crash)
             _say_plan(job, as_json=progress is ProgressChoice.JSONL)
             return
         result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))

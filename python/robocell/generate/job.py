@@ -13,7 +13,6 @@ from robocell import (
     DatasetLock,
     RunConfig,
     check_dataset,
-    check_run,
     make_plan,
     parse_shard,
     prepare_dataset,
@@ -23,6 +22,7 @@ from robocell import (
     shard_plan,
 )
 from robocell.generate import work
+from robocell.generate.check import check_apart
 from robocell.generate.disk import disk_trouble
 from robocell.generate.items import Item
 from robocell.generate.observer import Observer
@@ -87,13 +87,15 @@ class Job:
             return set()
         return made_items(self.run, self._chosen)
 
-    def check(self) -> None:
+    def check(self) -> str | None:
         """SpecError with all that can be known to be wrong before the first episode.
 
         The run (see `robocell.check_run`), or a dataset that is of another one. Writes nothing.
+        Returns what is to be said when a model crashed the engine.
         """
-        check_run(self.run)
+        crash = check_apart(self.run, str(self.run_file), self.overrides)
         check_dataset(self.run)
+        return crash
 
     def reproduce(self, item: Item) -> str:
         """The command that makes one item alone."""
@@ -107,8 +109,9 @@ class Job:
         IoError and OSError when the dataset cannot be written or another process is at it. Ctrl-C
         and SIGTERM stop it; see `Supervisor`.
         """
-        self.check()
-        prepare_dataset(self.run)
+        if crash := self.check():
+            observer.warning(crash)
+        prepare_dataset(self.run, check_run=False)
         with DatasetLock(self.dataset, *self.shard):
             require_same_run(self.run)  # another command may have been quicker
             if self.shard[1] == 1:

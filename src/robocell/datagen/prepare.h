@@ -10,10 +10,14 @@ namespace robocell {
 // same run: other inputs (run_inputs.h) are a SpecError that names each difference, and so is a
 // folder with other things in it. A lost dataset.json is written again when the episodes agree. The
 // run is checked first (check_run.h, without the scripted expert's demands), so that a mistake
-// leaves nothing behind. A dataset without episodes is begun anew when the inputs changed. The
-// run's models are copied into the dataset. IoError when the folder cannot be written, or somebody
-// is generating into it. Any number of processes may call it for the same run.
-void PrepareDataset(const RunConfig& run);
+// leaves nothing behind; callers that have done so, in a process of their own perhaps because
+// models may crash the engine, leave it out. A dataset without episodes is begun anew when the
+// inputs changed. The run's models are copied into the dataset. IoError when the folder cannot be
+// written, or somebody is generating into it. Any number of processes may call it for the same run.
+struct PrepareOptions {
+  bool check_run = true;
+};
+void PrepareDataset(const RunConfig& run, const PrepareOptions& options = {});
 
 // What PrepareDataset would say of the folder. Writes nothing.
 void CheckDataset(const RunConfig& run);

@@ -1,0 +1,139 @@
+"""Models that crash the engine: they cost workers, not the run."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import signal
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+import storm
+import yaml
+
+import robocell
+
+# A model that attaches itself: MuJoCo 4.0.0 follows it until its stack is full.
+CRASHING = """<mujoco>
+  <asset><model name="self" file="crashing.xml"/></asset>
+  <worldbody>
+    <body name="b"><geom size=".1"/><attach model="self" body="b" prefix="p"/></body>
+  </worldbody>
+</mujoco>"""
+
+
+def robocell_command(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Runs the command line in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "robocell", *arguments], capture_output=True, text=True, timeout=240
+    )
+
+
+@pytest.fixture(autouse=True)
+def _importable_in_children(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", ":".join(sys.path))
+
+
+@pytest.fixture
+def run_file(tmp_path: Path) -> Path:
+    """A run of three scenes with an episode each; the second crashes the engine."""
+    tabletop = Path(robocell.models.__file__).parents[2] / "models/scenes/tabletop.xml"
+    for name in ("one", "two"):
+        (tmp_path / f"{name}.xml").write_bytes(tabletop.read_bytes())
+    (tmp_path / "crashing.xml").write_text(CRASHING)
+    path = tmp_path / "run.yaml"
+    run = {
+        **storm.RUN,
+        "scenes": {"source": "files", "files": ["one.xml", "crashing.xml", "two.xml"]},
+        "episodes_per_scene": 1,
+        "cameras": {"streams": []},
+        "output": str(tmp_path / "out"),
+    }
+    path.write_text(yaml.safe_dump(run))
+    return path
+
+
+def test_the_model_does_crash_the_engine(run_file: Path):
+    """Else the tests below show nothing: then look for another one."""
+    code = "import sys, mujoco; mujoco.MjModel.from_xml_path(sys.argv[1])"
+    model = str(run_file.parent / "crashing.xml")
+    died = subprocess.run([sys.executable, "-c", code, model], capture_output=True, timeout=60)
+    assert died.returncode == -signal.SIGSEGV
+
+
+def test_a_model_that_crashes_the_engine_costs_workers_and_not_the_run(run_file: Path):
+    done = robocell_command("generate", str(run_file), "--workers", "2")
+    assert done.returncode == 1, done.stderr
+    assert "Traceback" not in done.stderr
+    looked = "the process that looked through the run was killed by SIGSEGV: one of its models"
+    assert looked in done.stderr
+    dataset = run_file.parent / "out"
+    report = robocell.verify(dataset)
+    assert report.ok, str(report)
+    assert report.good == ["s0000_e0000", "s0002_e0000"]
+
+    totals = json.loads((dataset / "report.json").read_text())["commands"][0]["totals"]
+    deaths = totals["deaths"]
+    assert [death["item"] for death in deaths] == ["s0001_e0000"] * 3
+    assert {death["reason"] for death in deaths} == {"was killed by SIGSEGV"}
+    (unmade,) = totals["unmade"]
+    assert unmade["id"] == "s0001_e0000"
+    assert "was killed by SIGSEGV" in unmade["reason"]
+    assert "try it alone: " + unmade["reproduce"] in done.stderr
+    kept = json.loads((dataset / "dataset.json").read_text())["identity"]
+    assert "crashing.xml" in kept, "what the item was made from is kept with the dataset"
+
+    program, *arguments = shlex.split(unmade["reproduce"])
+    assert program == "robocell"
+    again = robocell_command(*arguments)
+    assert again.returncode == 1, again.stderr
+    assert "s0001_e0000 could not be made" in again.stderr
+    assert "was killed by SIGSEGV" in again.stderr
+    assert robocell.verify(dataset).good == report.good
+
+
+def crowd(name: str, memory: str) -> robocell.SceneSpec:
+    """Thirty boxes within each other in a world with so much memory."""
+    spec = robocell.SceneSpec(name=name, timestep=0.002, add_floor=True, add_skybox=False)
+    spec.base = memory
+    for i in range(30):
+        box = robocell.SceneObject(
+            name=f"box{i}",
+            shape="box",
+            size=[0.02] * 3,
+            rgba=[1] * 4,
+            mass=0.1,
+            friction=[0.8, 0.02, 0.001],
+            pos=[0.02 * (i % 6), 0.02 * (i // 6), 0.03],
+        )
+        spec.objects.append(box)
+    return spec
+
+
+def test_fatal_errors_of_two_threads_are_exceptions_with_their_own_context(tmp_path: Path):
+    small = tmp_path / "small.xml"
+    small.write_text('<mujoco><size memory="1000K"/></mujoco>')
+    said: dict[str, list[str]] = {"left": [], "right": []}
+
+    def build(name: str) -> None:
+        for _ in range(20):
+            with pytest.raises(robocell.EngineError) as raised:
+                robocell.Scene.build(crowd(name, str(small)))
+            said[name].append(str(raised.value))
+
+    threads = [threading.Thread(target=build, args=(name,)) for name in said]
+    for thread in threads:
+        thread.start()
+    bystander = robocell.Scene.build(
+        robocell.SceneSpec(name="bystander", timestep=0.002, add_floor=True, add_skybox=False)
+    )
+    while any(thread.is_alive() for thread in threads):
+        assert bystander.step_n(10)
+    for name, messages in said.items():
+        assert len(messages) == 20
+        for message in messages:
+            assert message.startswith(f"scene '{name}': mj_stackAlloc: out of memory")
+            assert "increase <size memory" in message
