@@ -1,12 +1,14 @@
-# Each examples/NN_name/main.cc or examples/NN_name.cc becomes a program that is also a test.
+# Each examples/NN_name.cc becomes a program that is also a test: it writes into the folder it is given and fails
+# when something is not as it says. tests/integration/test_examples.py compares what it prints with its Python twin.
 file(GLOB examples CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/examples/*.cc")
 foreach(source ${examples})
   get_filename_component(name "${source}" NAME_WE)
   add_executable(example_${name} "${source}")
   target_link_libraries(example_${name} PRIVATE robocell robocell_flags)
+  target_compile_definitions(example_${name} PRIVATE EXAMPLES_DIR="${CMAKE_SOURCE_DIR}/examples")
   set_target_properties(example_${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
   if(ROBOCELL_TESTS)
-    add_test(NAME example_${name} COMMAND example_${name} WORKING_DIRECTORY "${CMAKE_BINARY_DIR}")
+    add_test(NAME example_${name} COMMAND example_${name} "${CMAKE_BINARY_DIR}/examples/${name}")
     set_tests_properties(example_${name} PROPERTIES LABELS examples TIMEOUT 300 SKIP_RETURN_CODE 77)
   endif()
 endforeach()

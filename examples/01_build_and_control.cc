@@ -2,13 +2,15 @@
 // kinematics, close the gripper on it, lift it, and take a picture. The same in Python:
 // 01_build_and_control.py.
 //
-//   build/release/example_01_build_and_control [picture.png]
+//   build/release/example_01_build_and_control [folder]
 #include <robocell/robocell.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <string>
 #include <vector>
 
+namespace fs = std::filesystem;
 namespace rc = robocell;
 
 namespace {
@@ -67,21 +69,21 @@ int main(int argc, char** argv) try {
   MoveTo(scene, robot, above, 1);
 
   const double height = scene.body_pose("cube").translation().z();
-  std::printf("the cube is %.3f m above the floor, %s\n", height,
-              robot.gripper().is_grasping("cube") ? "held" : "not held");
+  std::printf("the cube is %.3f m above the floor\n", height);
+  if (!robot.gripper().is_grasping("cube") || height < .1) throw rc::Error("it was not lifted");
 
-  if (argc > 1) {
-    const auto renderer = rc::MakeRenderer({.quality = {.shadows = true, .multisamples = 4}});
-    renderer->SetModel(scene.model());
-    rc::RgbImage image{640, 480, std::vector<uint8_t>(640 * 480 * 3)};
-    const rc::OrbitCamera camera{
-        .lookat = {.25, 0, .3}, .distance = 1.7, .azimuth = 130, .elevation = -20};
-    renderer->Render(scene.data(), {.camera = camera, .width = 640, .height = 480},
-                     {.rgb = image.pixels});
-    rc::WritePng(argv[1], image);
-  }
-  return height > .1 ? 0 : 1;
+  const auto renderer = rc::MakeRenderer({.quality = {.shadows = true, .multisamples = 4}});
+  renderer->SetModel(scene.model());
+  rc::RgbImage image{640, 480, std::vector<uint8_t>(640 * 480 * 3)};
+  const rc::OrbitCamera camera{
+      .lookat = {.25, 0, .3}, .distance = 1.7, .azimuth = 130, .elevation = -20};
+  renderer->Render(scene.data(), {.camera = camera, .width = 640, .height = 480},
+                   {.rgb = image.pixels});
+  const fs::path folder = argc > 1 ? argv[1] : fs::temp_directory_path() / "robocell_example_01";
+  fs::create_directories(folder);
+  rc::WritePng(folder / "picture.png", image);
+  return 0;
 } catch (const rc::Error& e) {
   std::fprintf(stderr, "error: %s\n", e.what());
-  return 2;
+  return 1;
 }

@@ -1,11 +1,13 @@
 """Example 1: build a scene with a robot and a cube, pick the cube up, and take a picture.
 
-The same in C++: 01_build_and_control.cc. Run: python examples/01_build_and_control.py [picture.png]
+The same in C++: 01_build_and_control.cc. Run: python examples/01_build_and_control.py [folder]
 """
 
 from __future__ import annotations
 
 import sys
+import tempfile
+from pathlib import Path
 
 import numpy as np
 
@@ -34,8 +36,8 @@ def grip(robot: rc.Robot, opening: float, seconds: float) -> None:
         robot.step()
 
 
-def main(picture: str | None) -> float:
-    """Picks up the cube; its height above the floor in metres."""
+def main(folder: Path) -> None:
+    """Picks up the cube, and draws that into `folder`."""
     spec = rc.SceneSpec(name="lift", timestep=0.002, add_floor=True, add_skybox=True)
     spec.robots.append(
         rc.RobotSpec(name="arm", config=rc.RobotConfig.load(rc.models.robot_file("rc7")))
@@ -62,14 +64,15 @@ def main(picture: str | None) -> float:
     move_to(robot, above, 1)
 
     height = float(scene.body_pose("cube").translation[2])
-    held = "held" if robot.gripper.is_grasping("cube") else "not held"
-    print(f"the cube is {height:.3f} m above the floor, {held}")
-    if picture:
-        renderer = rc.Renderer(scene, shadows=True, multisamples=4)
-        view = rc.OrbitCamera(lookat=(0.25, 0, 0.3), distance=1.7, azimuth=130, elevation=-20)
-        rc.write_png(picture, renderer.render(view, 640, 480)["rgb"])
-    return height
+    print(f"the cube is {height:.3f} m above the floor")
+    assert robot.gripper.is_grasping("cube")
+    assert height > 0.1
+    renderer = rc.Renderer(scene, shadows=True, multisamples=4)
+    view = rc.OrbitCamera(lookat=(0.25, 0, 0.3), distance=1.7, azimuth=130, elevation=-20)
+    rc.write_png(folder / "picture.png", renderer.render(view, 640, 480)["rgb"])
 
 
 if __name__ == "__main__":
-    sys.exit(0 if main(sys.argv[1] if len(sys.argv) > 1 else None) > 0.1 else 1)
+    out = Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="robocell_"))
+    out.mkdir(parents=True, exist_ok=True)
+    main(out)

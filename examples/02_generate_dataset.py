@@ -14,10 +14,10 @@ from pathlib import Path
 import robocell as rc
 
 
-def main(folder: Path) -> bool:
-    """Generates into `folder`; whether all of it is intact."""
-    shutil.rmtree(folder, ignore_errors=True)
-    run = rc.RunConfig(run="example", episodes_per_scene=2, output=str(folder))
+def main(folder: Path) -> None:
+    """Generates into `folder`/dataset."""
+    shutil.rmtree(folder / "dataset", ignore_errors=True)
+    run = rc.RunConfig(run="example", episodes_per_scene=2, output=str(folder / "dataset"))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
     run.task = rc.TaskConfig(
         base_distance=[0.35, 0.5], base_height_offset=-0.25, objects=["box", "mug"]
@@ -30,17 +30,17 @@ def main(folder: Path) -> bool:
     for item in rc.make_plan(run):
         report = runner.run(item)
         outcome = "success" if report.success else "no success"
-        print(f"{item.id}: {outcome} after {report.attempts} attempts, {report.rows} rows")
+        print(f"{item.id}: {outcome}, attempts: {report.attempts}, rows: {report.rows}")
 
-    dataset = rc.Dataset(folder)
-    for episode in dataset:
+    for episode in rc.Dataset(run.output):
         frames = episode.frames("wrist")
         print(f"{episode.id}: lifted {episode['reward'][-1]:.3f} m, {len(frames)} frames")
-    found = rc.verify(folder)
-    print(found)
-    return found.ok and len(dataset) == 2
+        assert frames.shape == (len(episode), 120, 160, 3)
+    found = rc.verify(run.output)
+    print(f"{len(found.good)} episodes, every byte as it was written: {found.ok}")
+    assert found.ok
+    assert len(found.good) == 2
 
 
 if __name__ == "__main__":
-    default = Path(tempfile.gettempdir()) / "robocell_example_02"
-    sys.exit(0 if main(Path(sys.argv[1]) if len(sys.argv) > 1 else default) else 1)
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="robocell_")))

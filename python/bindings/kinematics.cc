@@ -109,6 +109,9 @@ void BindKinematics(nb::module_& m) {
            "evenly spread restarts.")
       .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(),
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5, "threads"_a = 1,
+           nb::sig("def ik_batch(self, targets: object, seeds: object | None = None, "
+                   "locked_groups: collections.abc.Sequence[str] = [], tolerance: float = 1e-05, "
+                   "threads: int = 1) -> types.SimpleNamespace"),
            "targets (B, 4, 4) in the robot base frame, seeds (B, n) or (n,), where the joints of "
            "`locked_groups` stay. Returns q (B, n), "
            "success (B,), position_error,\n"

@@ -54,8 +54,8 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
     if (!call.key.is_valid()) return PickTaskSampler::PlaceObjects(support, objects, rng);
     const RngLoan loan(rng);
     const nb::list list = ToList(objects);
-    const bool placed =
-        nb::cast<bool>(nb_trampoline.base().attr(call.key)(support, list, loan.rng()));
+    const bool placed = CallPython<bool>(nb_trampoline.base(), call.key, "place_objects", support,
+                                         list, loan.rng());
     if (list.size() != objects.size()) {
       throw ArgumentError(
           "PickTaskSampler: place_objects() must not change which objects there "

@@ -172,7 +172,9 @@ void BindVideo(nb::module_& m) {
           "finish", [](SceneRecorder& r) { r.recorder.Finish(); },
           nb::call_guard<nb::gil_scoped_release>(), "Ends the file; without it there is none.")
       .def_prop_ro("frames", [](const SceneRecorder& r) { return r.recorder.frames(); })
-      .def("__enter__", [](nb::object self) { return self; })
+      .def(
+          "__enter__", [](nb::object self) { return self; },
+          nb::sig("def __enter__(self) -> VideoRecorder"))
       .def(
           "__exit__",
           [](SceneRecorder& r, nb::handle type, nb::handle, nb::handle) {

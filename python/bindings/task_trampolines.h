@@ -11,6 +11,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -21,6 +22,44 @@
 
 namespace robocell::python {
 
+// What a method must return, for messages.
+template <class R>
+struct Expected {
+  static std::string Text() {
+    if constexpr (std::is_same_v<R, bool>) return "True or False";
+    if constexpr (std::is_same_v<R, int>) return "a whole number";
+    if constexpr (std::is_same_v<R, double>) return "a number";
+    if constexpr (std::is_same_v<R, std::string>) return "a str";
+    if constexpr (std::is_same_v<R, std::vector<std::string>>) return "a list of str";
+    if constexpr (std::is_same_v<R, Action>) return "{robot: {group: GroupCommand}}";
+    if constexpr (nb::detail::is_base_caster_v<nb::detail::make_caster<R>>) {
+      return "a " + nb::cast<std::string>(nb::type<R>().attr("__name__"));
+    }
+  }
+};
+template <class T>
+struct Expected<std::optional<T>> {
+  static std::string Text() { return Expected<T>::Text() + " or None"; }
+};
+
+// What a Python method returned, numpy's numbers included: comparing them gives a numpy bool.
+// ArgumentError names the class and the method.
+template <class R>
+R Returned(nb::handle self, const char* method, nb::handle value) {
+  R result{};
+  if (nb::try_cast<R>(value, result)) return result;
+  if (nb::hasattr(value, "item") && nb::try_cast<R>(value.attr("item")(), result)) return result;
+  throw ArgumentError(nb::cast<std::string>(self.type().attr("__name__")) + "." + method +
+                      "() must return " + Expected<R>::Text() + ", got " +
+                      nb::cast<std::string>(nb::repr(value)));
+}
+
+template <class R, class... Args>
+R CallPython(nb::handle self, nb::handle key, const char* method, const Args&... args) {
+  const nb::object value = self.attr(key)(args...);
+  if constexpr (!std::is_void_v<R>) return Returned<R>(self, method, value);
+}
+
 // Calls the Python method when there is one, else `own`; without either nanobind says which
 // method the subclass lacks. `own` is a generic lambda: for abstract classes it is not compiled.
 template <class R, class Base, class Own, class... Args>
@@ -29,10 +68,10 @@ R CallMethod(const nb::detail::trampoline& trampoline, const char* name, Base* s
   constexpr bool abstract = std::is_abstract_v<Base>;
   const nb::detail::ticket call(trampoline, name, nb::detail::str_hash(name), abstract);
   if constexpr (abstract) {
-    return nb::cast<R>(trampoline.base().attr(call.key)(args...));
+    return CallPython<R>(trampoline.base(), call.key, name, args...);
   } else {
     if (!call.key.is_valid()) return own(self);
-    return nb::cast<R>(trampoline.base().attr(call.key)(args...));
+    return CallPython<R>(trampoline.base(), call.key, name, args...);
   }
 }
 

@@ -7,6 +7,7 @@ import weakref
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import robocell as rc
@@ -131,6 +132,34 @@ def test_the_same_run_draws_the_same_numbers(tmp_path):
 def test_a_factory_must_return_an_expert(tmp_path):
     with pytest.raises(rc.ArgumentError, match=r"expert\(\) must return an Expert, got 7"):
         make(load(tmp_path), lambda run, start: 7)
+
+
+def test_what_a_method_returned_is_told_when_it_is_of_no_use(tmp_path):
+    class Wordless(Idle):
+        def failure(self):
+            return None
+
+    class Vague(Idle):
+        def phase(self):
+            return "first"
+
+    with pytest.raises(rc.ArgumentError, match=r"Wordless.failure\(\) must return a str, got None"):
+        make(load(tmp_path), lambda run, start: Wordless())
+    with pytest.raises(
+        rc.ArgumentError, match=r"Vague.phase\(\) must return a whole number, got 'fi"
+    ):
+        make(load(tmp_path), lambda run, start: Vague())
+
+
+def test_numbers_of_numpy_are_numbers(tmp_path):
+    class Counting(Idle):
+        def done(self):
+            return np.int64(self.left) <= 0
+
+        def phase(self):
+            return np.int64(0)
+
+    assert make(load(tmp_path), lambda run, start: Counting()).failures["idle"] > 0
 
 
 def test_an_experts_exception_comes_through(tmp_path):

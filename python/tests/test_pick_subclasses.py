@@ -201,3 +201,21 @@ def test_what_a_stage_must_not_do_is_told(tmp_path: Path):
         sample(NoTask(run))
     with pytest.raises(rc.ArgumentError, match=r"place_objects\(\) must not change which objects"):
         sample(Fewer(run))
+
+
+def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
+    class Nowhere(rc.PickTaskSampler):
+        def choose_base_placement(self, request, rng):
+            return None
+
+        def check_base_pose(self, scene, robot, target_body):
+            return "free"
+
+    run = load(tmp_path)
+    wanted = r"Nowhere.choose_base_placement\(\) must return a BasePlacement, got None"
+    with pytest.raises(rc.ArgumentError, match=wanted):
+        rc.Runner(run, sampler=Nowhere).run(rc.make_plan(run)[0])
+    del Nowhere.choose_base_placement
+    wanted = r"Nowhere.check_base_pose\(\) must return a Refusal or None, got 'free'"
+    with pytest.raises(rc.ArgumentError, match=wanted):
+        rc.Runner(run, sampler=Nowhere).run(rc.make_plan(run)[0])

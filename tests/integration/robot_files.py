@@ -17,7 +17,7 @@ def is_robot(file: Path) -> bool:
 
 ROBOT_FILES = [
     file
-    for pattern in ("models/robots/*/*.yaml", "examples/*.yaml")
+    for pattern in ("models/robots/*/*.yaml", "examples/*.yaml", "examples/*/*.yaml")
     for file in sorted(ROOT.glob(pattern))
     if is_robot(file)
 ]

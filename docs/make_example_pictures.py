@@ -1,0 +1,45 @@
+"""Draws docs/example_*.png: what the examples make, as they stand in examples/.
+
+An example that draws a picture gives it; of one that makes a dataset, frames of its videos are
+shown.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from figures import DOCS, save, sheet, spread
+from PIL import Image
+
+import robocell as rc
+
+EXAMPLES = DOCS.parent / "examples"
+FRAMES = 5  # of a video
+WIDTH = 960  # px
+
+
+def draw(example: Path) -> None:
+    """Runs an example and keeps its picture."""
+    name = f"example_{example.stem[:2]}.png"
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder)
+        subprocess.run([sys.executable, example, out], check=True, capture_output=True)
+        if (out / "picture.png").exists():
+            save(Image.open(out / "picture.png"), name)
+            return
+        dataset = rc.Dataset(next(out.glob("*/dataset.json")).parent)
+        rows = [spread(episode.frames(episode.cameras[0]), FRAMES) for episode in dataset]
+        save(sheet(rows), name, WIDTH)
+
+
+def main() -> None:
+    """All of them."""
+    for example in sorted(EXAMPLES.glob("[0-9]*.py")):
+        draw(example)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,150 @@
+// Example 4: a task that robocell does not know, pushing a cube, and a dataset of it. Three small
+// classes: a sampler makes the start, a task judges, an expert acts. The runner does the rest, as
+// it does for picking. The same in Python: 04_own_task.py.
+//
+//   build/release/example_04_own_task [folder]
+#include <robocell/robocell.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace fs = std::filesystem;
+namespace rc = robocell;
+
+namespace {
+
+constexpr double kFar = .1;              // m, how far the cube is to be pushed
+const rc::Quaternion kDown{1, 0, 0, 0};  // xyzw: the gripper points down
+
+// Success: the cube stands kFar further along x than at the start.
+class Push : public rc::Task {
+ public:
+  void Begin(const rc::Scene& scene) override { start_ = Cube(scene); }
+  double Reward(const rc::Scene& scene) override { return (Cube(scene) - start_).x(); }
+  bool Success(const rc::Scene& scene) override {
+    return Reward(scene) >= kFar && std::abs((Cube(scene) - start_).z()) < .005;
+  }
+  std::string instruction() const override { return "push the cube 10 cm away"; }
+  std::vector<std::string> objects() const override { return {"cube"}; }
+
+ private:
+  static Eigen::Vector3d Cube(const rc::Scene& scene) {
+    return scene.body_pose("cube").translation();
+  }
+  Eigen::Vector3d start_;
+};
+
+// The robot, and a cube somewhere before it; what is too near is refused.
+class CubeOnTheFloor : public rc::TaskSampler {
+ public:
+  explicit CubeOnTheFloor(const rc::RunConfig& run)
+      : robot_{.name = run.robot.config.name, .config = run.robot.config} {}
+
+  rc::SampleResult Sample(const rc::SampleRequest& /*request*/, rc::Rng& rng) override {
+    const double x = rng.Uniform(.2, .5), y = rng.Uniform(-.2, .2);
+    if (x < .35) {
+      return {.start = {},
+              .refusal = {rc::Refusal::kNoReachableBasePose, "no room behind the cube"}};
+    }
+    rc::SceneSpec spec{.name = "push", .timestep = 0.002, .add_floor = true, .add_skybox = true};
+    spec.robots.push_back(robot_);
+    spec.objects.push_back({.name = "cube",
+                            .shape = rc::Shape::kBox,
+                            .size = rc::Vec3{.02, .02, .02},
+                            .rgba = rc::Vec4{.95, .5, .1, 1},
+                            .mass = .1,
+                            .friction = rc::Vec3{.6, .02, .001},
+                            .pos = {x, y, .02}});
+    rc::Scene scene = rc::Scene::Build(spec);
+    scene.Reset({.seed = rng.UniformInt(uint64_t{1} << 31)});
+    return {.start = rc::EpisodeStart{.scene = scene,
+                                      .task = std::make_shared<Push>(),
+                                      .target_object = "cube",
+                                      .object_kinds = {"box"}}};
+  }
+
+ private:
+  rc::RobotSpec robot_;
+};
+
+// Leads the closed gripper over, behind and against the cube, 15 mm an action.
+class Pusher : public rc::Expert {
+ public:
+  explicit Pusher(std::string robot) : name_(std::move(robot)) {}
+
+  void Begin(const rc::Scene& scene, rc::Rng& /*rng*/) override {
+    const rc::Robot robot = rc::Robot::Of(scene, name_);
+    goal_ = robot.FkFrame();
+    const rc::Pose cube = robot.base_in_world().inverse() * scene.body_pose("cube");
+    path_.clear();
+    for (const Eigen::Vector3d& from_cube :
+         {Eigen::Vector3d(-.08, 0, .15), Eigen::Vector3d(-.08, 0, 0), Eigen::Vector3d(kFar, 0, 0)})
+      path_.emplace_back(cube.translation() + from_cube, kDown);
+    at_ = 0;
+  }
+  rc::Action Act(const rc::Scene& /*scene*/, rc::Rng& /*rng*/) override {
+    const rc::Pose way = goal_.inverse() * path_[at_];
+    goal_ = goal_ * way.limit_translation(.015).limit_rotation(.1);
+    if (goal_.is_close(path_[at_], 1e-6, 1e-6)) ++at_;
+    return {
+        {name_,
+         {{"arm", rc::GroupCommand::LeafPose(goal_)}, {"gripper", rc::GroupCommand::Opening(0)}}}};
+  }
+  bool done() const override { return at_ == path_.size(); }
+  std::string failure() const override { return "the cube was not pushed far enough"; }
+  int phase() const override { return std::min(static_cast<int>(at_), 2); }
+  std::vector<std::string> phase_names() const override { return {"over", "behind", "push"}; }
+
+ private:
+  std::string name_;
+  rc::Pose goal_;
+  std::vector<rc::Pose> path_;
+  size_t at_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const fs::path folder = argc > 1 ? argv[1] : fs::temp_directory_path() / "robocell_example_04";
+  rc::RunConfig run{.run = "push"};
+  run.episodes_per_scene = 2;
+  run.output = folder / "push";
+  fs::remove_all(run.output);
+  run.robot.config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"));
+  run.robot.config.cameras.push_back({.name = "side",
+                                      .pos = rc::Vec3{.6, -.9, .3},
+                                      .fovy = 40,
+                                      .look_at = rc::Vec3{.45, 0, -.12},
+                                      .attach_to = rc::Body("base_link")});
+  run.cameras.resolution = {320, 240};
+  run.cameras.streams = {{.name = "side", .camera = "side"}};
+  rc::PrepareDataset(run);
+  rc::Runner runner(
+      run, {.sampler = [](const auto& config) { return std::make_shared<CubeOnTheFloor>(config); },
+            .expert =
+                [](const auto& config, const auto& /*start*/) {
+                  return std::make_shared<Pusher>(config.robot.config.name);
+                }});
+  for (const rc::PlanItem& item : rc::MakePlan(run)) {
+    const rc::EpisodeReport report = runner.Run(item);
+    int refused = 0;
+    for (const auto& [reason, count] : report.refusals) refused += count;
+    std::printf("%s: %d rows, starts refused: %d\n", item.id.c_str(), report.rows, refused);
+  }
+
+  for (const rc::Episode& episode : rc::Dataset(run.output)) {
+    const std::vector<double> cube = episode.Read<double>("objects/cube/pose");
+    std::printf("%s: pushed %.3f m\n", episode.id().c_str(), cube[cube.size() - 7] - cube[0]);
+    if (!episode.success() || episode.Read<double>("reward").back() < kFar)
+      throw rc::Error("this is no success");
+  }
+  return rc::Verify(run.output).good.size() == 2 ? 0 : 1;
+} catch (const rc::Error& e) {
+  std::fprintf(stderr, "error: %s\n", e.what());
+  return 1;
+}

@@ -1,0 +1,123 @@
+"""Example 4: a task that robocell does not know, pushing a cube, and a dataset of it.
+
+Three small classes: a sampler makes the start, a task judges, an expert acts. The runner does the
+rest, as it does for picking.
+The same in C++: 04_own_task.cc. Run: python examples/04_own_task.py [folder]
+"""
+
+from __future__ import annotations
+
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+import robocell as rc
+
+FAR = 0.1  # m, how far the cube is to be pushed
+DOWN = [1, 0, 0, 0]  # quaternion xyzw: the gripper points down
+
+
+class Push(rc.Task):
+    """Success: the cube stands FAR further along x than at the start."""
+
+    def begin(self, scene: rc.Scene) -> None:
+        self.start = scene.body_pose("cube").translation
+
+    def reward(self, scene: rc.Scene) -> float:
+        return float(scene.body_pose("cube").translation[0] - self.start[0])
+
+    def success(self, scene: rc.Scene) -> bool:
+        height = float(scene.body_pose("cube").translation[2])
+        return self.reward(scene) >= FAR and abs(height - self.start[2]) < 0.005
+
+    def instruction(self) -> str:
+        return f"push the cube {100 * FAR:.0f} cm away"
+
+    def objects(self) -> list[str]:
+        return ["cube"]
+
+
+class CubeOnTheFloor(rc.TaskSampler):
+    """The robot, and a cube somewhere before it; what is too near is refused."""
+
+    def __init__(self, run: rc.RunConfig) -> None:
+        super().__init__()
+        self.robot = rc.RobotSpec(name=run.robot.name, config=run.robot)
+
+    def sample(self, request: rc.SampleRequest, rng: rc.Rng) -> rc.EpisodeStart | rc.Refusal:
+        at = [rng.uniform(0.2, 0.5), rng.uniform(-0.2, 0.2), 0.02]
+        if at[0] < 0.35:
+            return rc.Refusal(rc.RefusalReason.NO_REACHABLE_BASE_POSE, "no room behind the cube")
+        cube = rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[0.02] * 3, pos=at)
+        cube.rgba, cube.mass, cube.friction = [0.95, 0.5, 0.1, 1], 0.1, [0.6, 0.02, 0.001]
+        spec = rc.SceneSpec(name="push", timestep=0.002, add_floor=True, add_skybox=True)
+        spec.robots.append(self.robot)
+        spec.objects.append(cube)
+        scene = rc.Scene.build(spec)
+        scene.reset(seed=rng.integer(2**31))
+        return rc.EpisodeStart(scene, Push(), target_object="cube", object_kinds=["box"])
+
+
+class Pusher(rc.Expert):
+    """Leads the closed gripper over, behind and against the cube, 15 mm an action."""
+
+    def __init__(self, run: rc.RunConfig, start: rc.EpisodeStart) -> None:
+        super().__init__()
+        self.name = run.robot.name
+
+    def begin(self, scene: rc.Scene, rng: rc.Rng) -> None:
+        robot = scene.robot(self.name)
+        self.goal = robot.fk_frame()
+        x, y, z = (robot.base_in_world.inverse() * scene.body_pose("cube")).translation
+        path = [(x - 0.08, y, z + 0.15), (x - 0.08, y, z), (x + FAR, y, z)]
+        self.path = [rc.Pose(translation=list(at), quaternion=DOWN) for at in path]
+        self.at = 0
+
+    def act(self, scene: rc.Scene, rng: rc.Rng) -> dict[str, dict[str, rc.GroupCommand]]:
+        way = self.goal.inverse() * self.path[self.at]
+        self.goal = self.goal * way.limit_translation(0.015).limit_rotation(0.1)
+        if self.goal.is_close(self.path[self.at], 1e-6, 1e-6):
+            self.at += 1
+        arm, gripper = rc.GroupCommand.leaf_pose(self.goal), rc.GroupCommand.opening(0)
+        return {self.name: {"arm": arm, "gripper": gripper}}
+
+    def done(self) -> bool:
+        return self.at == len(self.path)
+
+    def failure(self) -> str:
+        return "the cube was not pushed far enough"
+
+    def phase(self) -> int:
+        return min(self.at, 2)
+
+    def phase_names(self) -> list[str]:
+        return ["over", "behind", "push"]
+
+
+def main(folder: Path) -> None:
+    """Makes two episodes in `folder`/push, filmed from the side."""
+    run = rc.RunConfig(run="push", episodes_per_scene=2, output=str(folder / "push"))
+    shutil.rmtree(run.output, ignore_errors=True)
+    run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    side = rc.CameraSpec(name="side", pos=[0.6, -0.9, 0.3], look_at=[0.45, 0, -0.12], fovy=40)
+    side.attach_to = rc.AttachTarget(rc.AttachKind.Body, "base_link")
+    run.robot.cameras.append(side)
+    run.cameras.resolution = [320, 240]
+    run.cameras.streams.append(rc.CameraConfig(name="side", camera="side"))
+    rc.prepare_dataset(run)
+    runner = rc.Runner(run, sampler=CubeOnTheFloor, expert=Pusher)
+    for item in rc.make_plan(run):
+        report = runner.run(item)
+        print(f"{item.id}: {report.rows} rows, starts refused: {sum(report.refusals.values())}")
+
+    for episode in rc.Dataset(run.output):
+        cube = episode["objects/cube/pose"]
+        print(f"{episode.id}: pushed {cube[-1, 0] - cube[0, 0]:.3f} m")
+        assert episode.success
+        assert episode["reward"][-1] >= FAR
+    assert len(rc.verify(run.output).good) == 2
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="robocell_")))
