@@ -88,6 +88,12 @@ Id TypeId(ColumnType type) {
 constexpr ColumnType kTypes[] = {ColumnType::kFloat64, ColumnType::kFloat32, ColumnType::kInt64,
                                  ColumnType::kInt32,   ColumnType::kUint8,   ColumnType::kBool};
 
+// A file from elsewhere must not show what is in other files of this machine.
+bool HasItsOwnNumbers(const Id& dataset) {
+  const Id creation = Own(H5Dget_create_plist(dataset.get()), H5Pclose);
+  return H5Pget_external_count(creation.get()) == 0 && H5Pget_layout(creation.get()) != H5D_VIRTUAL;
+}
+
 Id TextType() {
   Id type = Own(H5Tcopy(H5T_C_S1), H5Tclose);
   H5Tset_size(type.get(), H5T_VARIABLE);
@@ -359,6 +365,7 @@ Dataset File::Open(const std::string& name) const {
   const Lock lock;
   Id id = Own(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
   if (Bad(id)) Fail("open array " + name);
+  if (!HasItsOwnNumbers(id)) Fail("read array " + name + ", its numbers are kept in other files");
   const Id stored = Own(H5Dget_type(id.get()), H5Tclose);
   const auto* type = std::find_if(std::begin(kTypes), std::end(kTypes), [&](ColumnType candidate) {
     return H5Tequal(stored.get(), TypeId(candidate).get()) > 0;

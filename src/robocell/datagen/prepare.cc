@@ -164,7 +164,9 @@ void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
 
 void CheckDataset(const RunConfig& run) {
   RequireOutput(run);
-  if (fs::exists(run.output)) MustBegin(run, InputsOf(run));
+  std::error_code error;
+  if (fs::exists(run.output, error)) MustBegin(run, InputsOf(run));
+  if (error) ThrowIoError("look at the dataset's folder", run.output, error.value());
 }
 
 void RequireSameRun(const RunConfig& run) {

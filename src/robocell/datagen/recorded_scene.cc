@@ -10,6 +10,7 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
+#include "robocell/base/hash.h"
 #include "robocell/data/model_store.h"
 #include "robocell/spec/yaml.h"
 
@@ -17,6 +18,30 @@ namespace robocell {
 namespace {
 
 namespace fs = std::filesystem;
+
+bool IsInside(const fs::path& folder, const fs::path& file) {
+  const fs::path inside = fs::weakly_canonical(file).lexically_relative(fs::canonical(folder));
+  return !inside.empty() && *inside.begin() != "..";
+}
+
+bool Holds(const fs::path& folder, const std::string& hash) {
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file() && Sha256File(entry.path()) == hash) return true;
+  }
+  return false;
+}
+
+// A dataset from elsewhere must not reach for files of this machine: what its models name is kept
+// beside them, or is the very same file.
+void RequireSelfContained(const std::string& episode, const fs::path& folder,
+                          const fs::path& model) {
+  for (const auto& [name, file] : ModelFiles(model)) {
+    if (IsInside(folder, file) || Holds(folder, Sha256File(file))) continue;
+    throw SpecError(fmt::format(
+        "{}: its model '{}' names '{}', which is outside of what the dataset keeps of it ('{}')",
+        episode, model.string(), file.string(), folder.string()));
+  }
+}
 
 // Finds the models of an episode.
 class Models {
@@ -29,15 +54,26 @@ class Models {
   // The file behind a name in the episode's spec.
   std::string Find(const std::string& name) const {
     const auto it = kept_.find(name);
-    if (it == kept_.end()) return name;  // recorded before models were kept
+    if (it == kept_.end()) return NotKept(name);
+    const fs::path model = dataset_ / it->second;
     std::error_code ignored;
-    if (!fs::is_regular_file(dataset_ / it->second, ignored)) return Elsewhere(name, it->second);
-    if (StoredModelIsIntact(dataset_, it->second)) return (dataset_ / it->second).string();
+    if (!fs::is_regular_file(model, ignored)) return Elsewhere(name, it->second);
+    if (StoredModelIsIntact(dataset_, it->second)) {
+      RequireSelfContained(name_, dataset_ / StoredModelFolder(it->second), model);
+      return model.string();
+    }
     throw IoError(fmt::format("{}: '{}' is not what was stored; see `robocell verify {}`", name_,
                               (dataset_ / it->second).string(), dataset_.string()));
   }
 
  private:
+  // Recorded before models were kept: a name that every machine knows.
+  std::string NotKept(const std::string& name) const {
+    if (!fs::path(name).is_absolute() && name.find("..") == std::string::npos) return name;
+    throw SpecError(fmt::format(
+        "{}: its scene names the model '{}', a file that the dataset does not keep", name_, name));
+  }
+
   std::string Elsewhere(const std::string& name, const std::string& path) const {
     if (name == path)
       throw NotFoundError(

@@ -51,7 +51,9 @@ struct VideoReader::Impl {
     };
     add({"-threads", "1", "-noautorotate"});
     add(SeekArguments(index));
-    add({"-i", "file:" + path.string(), "-an", "-fps_mode", "passthrough", "-filter_threads", "1"});
+    // Named, so that a file from elsewhere cannot pass for a playlist of other files.
+    add({"-f", "mov", "-i", "file:" + path.string(), "-an", "-fps_mode", "passthrough",
+         "-filter_threads", "1"});
     const bool depth = info.kind == VideoKind::kDepth;
     if (!depth) add({"-vf", "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact"});
     add({"-f", "rawvideo", "-pix_fmt", depth ? "gray16le" : "rgb24", "pipe:1"});

@@ -1,0 +1,282 @@
+"""Names made to hurt, datasets from elsewhere: errors; nothing runs, nothing is written outside.
+
+Names and paths as such, YAML and episode ids have tests beside their code. There are no archives:
+robocell unpacks nothing.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+import storm
+import yaml
+
+import robocell
+
+ID = "s0000_e0000"
+# No backslash: MuJoCo takes it for the separator of folders.
+CURIOUS = "a b'\"$(touch injected)`touch injected`;touch injected;ü漢 %s {0} -n"
+
+
+def robocell_command(
+    *arguments: object, folder: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Runs the command line in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "robocell", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=240,
+        cwd=folder,
+    )
+
+
+@pytest.fixture(autouse=True)
+def _importable_in_children(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", ":".join(sys.path))
+
+
+def refused(*arguments: object, folder: Path | None = None) -> str:
+    """Standard error of a command that must fail in words."""
+    result = robocell_command(*arguments, folder=folder)
+    assert result.returncode in (1, 2, 3), result.stdout + result.stderr
+    assert "Traceback" not in result.stderr
+    return result.stderr + result.stdout
+
+
+def write_run(folder: Path, **changes: object) -> Path:
+    """A run of one episode, in a file of the folder."""
+    path = folder / "run.yaml"
+    run = {**storm.RUN, "episodes_per_scene": 1, "output": str(folder / "out"), **changes}
+    path.write_text(yaml.safe_dump(run, allow_unicode=True))
+    return path
+
+
+@pytest.fixture(scope="module")
+def curious(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A dataset in a folder with a curious name, made by the command that stood in it."""
+    folder = tmp_path_factory.mktemp("curious") / CURIOUS
+    folder.mkdir()
+    path = ":".join(sys.path)
+    done = subprocess.run(
+        [sys.executable, "-m", "robocell", "generate", write_run(folder)],
+        capture_output=True,
+        text=True,
+        timeout=240,
+        cwd=folder,
+        env={"PYTHONPATH": path, "PATH": "/usr/bin:/bin"},
+    )
+    assert done.returncode == 0, done.stderr
+    return folder / "out"
+
+
+@pytest.fixture
+def stranger(curious: Path, tmp_path: Path) -> Path:
+    """A copy for a stranger to change."""
+    return shutil.copytree(curious, tmp_path / "stranger")
+
+
+def change(dataset: Path, edit: Callable[[dict[str, Any]], object]) -> None:
+    """Rewrites the episode's description, with its hash: strangers can compute, too."""
+    path = dataset / ID / "episode.json"
+    content = json.loads(path.read_text())
+    edit(content)
+    content["run"]["json_sha256"] = "0" * 64
+    text = json.dumps(content, indent=2)
+    assert text.count("0" * 64) == 1
+    path.write_text(text.replace("0" * 64, hashlib.sha256(text.encode()).hexdigest()))
+
+
+def test_a_curious_name_is_only_a_name(curious: Path):
+    assert robocell.verify(curious, decode_videos=True).ok
+    assert robocell.Dataset(curious)[ID].frames("wrist").shape[1:] == (24, 32, 3)
+    result = robocell_command("replay", "--check", curious)
+    assert result.returncode == 0, result.stdout + result.stderr
+    injected = list(curious.parents[1].rglob("injected"))
+    assert injected == []
+    assert {path.name for path in curious.parent.iterdir()} == {"run.yaml", "out"}
+
+
+def test_a_circle_of_links_is_an_error(tmp_path: Path):
+    (tmp_path / "loop").symlink_to("loop")
+    text = refused("generate", write_run(tmp_path, output=str(tmp_path / "loop" / "out")))
+    assert f"cannot look at the dataset's folder '{tmp_path}/loop/out'" in text
+    assert "Too many levels of symbolic links" in text
+    assert f"no dataset '{tmp_path}/loop'" in refused("verify", tmp_path / "loop")
+    text = refused("generate", write_run(tmp_path, robot=str(tmp_path / "loop")))
+    assert f"no robot file '{tmp_path}/loop'" in text
+
+
+def name_a_camera_outside(content: dict[str, Any]) -> None:
+    content["cameras"]["wrist"]["file"] = "../../secret.mp4"
+
+
+def test_a_camera_file_outside_of_the_episode_is_not_opened(stranger: Path):
+    shutil.copy(stranger / ID / "wrist.mp4", stranger.parent / "secret.mp4")
+    change(stranger, name_a_camera_outside)
+    episode = robocell.Dataset(stranger)[ID]
+    with pytest.raises(robocell.Error, match=r"'../../secret.mp4' contains '..'; it must lead"):
+        episode.frames("wrist")
+
+
+@pytest.mark.parametrize("name", ["../secret", "/etc/passwd", "a/../../secret", ".."])
+def test_a_listed_file_outside_of_the_episode_is_damage(stranger: Path, name: str):
+    (stranger / "secret").write_text("s")
+    change(stranger, lambda content: content["files"].update({name: {"bytes": 1}}))
+    with pytest.raises(robocell.IoError, match=r"episode\.json lists a file"):
+        robocell.Dataset(stranger)[ID]
+    assert f"it lists a file '{name}'" in str(robocell.verify(stranger))
+    robocell.repair(stranger)
+    assert (stranger / "secret").read_text() == "s"
+    assert not (stranger / ID).exists(), "set aside"
+
+
+PLAYLISTS = {
+    "concat": "ffconcat version 1.0\nfile 'secret.mp4'\n",
+    "playlist": "#EXTM3U\n#EXT-X-TARGETDURATION:9\n#EXTINF:9,\nsecret.mp4\n#EXT-X-ENDLIST\n",
+}
+
+
+@pytest.mark.parametrize("kind", PLAYLISTS)
+def test_a_playlist_is_no_video(stranger: Path, kind: str):
+    video = stranger / ID / "wrist.mp4"
+    shutil.copy(video, stranger / ID / "secret.mp4")
+    video.write_text(PLAYLISTS[kind])
+    change(stranger, lambda c: c["files"]["wrist.mp4"].update(bytes=video.stat().st_size))
+    with pytest.raises(robocell.IoError, match=r"wrist\.mp4"):
+        robocell.Dataset(stranger)[ID].frames("wrist")
+
+
+def test_arrays_that_live_in_other_files_are_not_read(stranger: Path):
+    secret = stranger.parent / "secret.h5"
+    with h5py.File(secret, "w") as other:
+        other["numbers"] = np.arange(8.0)
+    steps = stranger / ID / "steps.h5"
+    with h5py.File(steps, "r+") as file:
+        file["linked"] = h5py.ExternalLink(str(secret), "numbers")
+        file["soft"] = h5py.SoftLink("/time")
+    change(stranger, lambda c: c["files"]["steps.h5"].update(bytes=steps.stat().st_size))
+    episode = robocell.Dataset(stranger)[ID]
+    assert {"linked", "soft"}.isdisjoint(episode.columns)
+    with pytest.raises(robocell.NotFoundError, match="no column 'linked'"):
+        episode["linked"]
+
+
+def put_external(file: h5py.File, secret: Path) -> None:
+    file.create_dataset("stolen", (1,), "u1", external=[(str(secret), 0, 1)])
+
+
+def put_virtual(file: h5py.File, secret: Path) -> None:
+    layout = h5py.VirtualLayout((8,), "f8")
+    layout[:] = h5py.VirtualSource(str(secret), "numbers", (8,))
+    file.create_virtual_dataset("stolen", layout)
+
+
+@pytest.mark.parametrize("put", [put_external, put_virtual])
+def test_arrays_whose_numbers_are_in_other_files_are_refused(
+    stranger: Path, put: Callable[[h5py.File, Path], None]
+):
+    secret = stranger.parent / "secret.h5"
+    with h5py.File(secret, "w") as other:
+        other["numbers"] = np.arange(8.0)
+    steps = stranger / ID / "steps.h5"
+    with h5py.File(steps, "r+") as file:
+        put(file, secret)
+    change(stranger, lambda c: c["files"]["steps.h5"].update(bytes=steps.stat().st_size))
+    message = "array stolen, its numbers are kept in other files"
+    with pytest.raises(robocell.IoError, match=message):
+        robocell.Dataset(stranger)[ID]["time"]
+
+
+def swap_model(dataset: Path, text: str) -> None:
+    """Puts another robot model into the dataset, as if it had been stored there."""
+    lines = f"{hashlib.sha256(text.encode()).hexdigest()}  rc7.xml\n"
+    name = f"models/rc7-{hashlib.sha256(lines.encode()).hexdigest()[:16]}"
+    (dataset / name).mkdir()
+    (dataset / name / "rc7.xml").write_text(text)
+
+    def edit(content: dict[str, Any]) -> None:
+        robot = next(key for key in content["models"] if "rc7" in key)
+        content["models"][robot] = f"{name}/rc7.xml"
+
+    change(dataset, edit)
+
+
+MODELS = {
+    "include": ('<mujoco><include file="/etc/passwd"/></mujoco>', "names '/etc/passwd', which is"),
+    "climb": ('<mujoco><include file="../../../secret.xml"/></mujoco>', "secret.xml', which is"),
+    "mesh": (
+        '<mujoco><asset><mesh name="m" file="{secret}"/></asset></mujoco>',
+        "secret.xml', which is outside of what the dataset keeps of it",
+    ),
+    "texture": (
+        '<mujoco><compiler texturedir="{folder}"/><asset>'
+        '<texture name="t" type="2d" file="secret.xml"/></asset></mujoco>',
+        "secret.xml', which is outside",
+    ),
+    "plugin": (
+        '<mujoco><extension><plugin plugin="evil.so"><instance name="x"/></plugin></extension>'
+        "</mujoco>",
+        "evil.so",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", MODELS)
+def test_a_stored_model_cannot_reach_for_other_files_or_code(stranger: Path, kind: str):
+    secret = stranger.parent / "secret.xml"
+    secret.write_text("<mujoco><worldbody/></mujoco>")
+    text, message = MODELS[kind]
+    swap_model(stranger, text.format(secret=secret, folder=secret.parent))
+    episode = robocell.Dataset(stranger)[ID]
+    with pytest.raises(robocell.Error) as raised:
+        robocell.Scene.build(robocell.recorded_scene(episode))
+    assert message in str(raised.value)
+
+
+@pytest.mark.parametrize("name", ["/etc/passwd", "../secret.xml"])
+def test_a_recorded_scene_cannot_name_files_of_this_machine(stranger: Path, name: str):
+    def edit(content: dict[str, Any]) -> None:
+        scene = content["metadata"]["scene_spec"]
+        robot = next(key for key in content["models"] if "rc7" in key)
+        assert robot in scene
+        content["metadata"]["scene_spec"] = scene.replace(f"model: {robot}", f"model: {name}")
+
+    change(stranger, edit)
+    with pytest.raises(robocell.SpecError, match=f"its scene names the model '{name}'"):
+        robocell.recorded_scene(robocell.Dataset(stranger)[ID])
+
+
+def test_a_model_path_that_leads_elsewhere_is_damage(stranger: Path):
+    def edit(content: dict[str, Any]) -> None:
+        for robot in content["models"]:
+            content["models"][robot] = "models/rc7-0123456789abcdef/../../../../etc/passwd"
+
+    change(stranger, edit)
+    with pytest.raises(robocell.IoError, match=r"episode.json keeps model .* at "):
+        robocell.Dataset(stranger)[ID]
+
+
+def test_looking_at_a_strangers_dataset_writes_nothing(stranger: Path):
+    change(stranger, name_a_camera_outside)
+
+    def state() -> dict[Path, tuple[int, int]]:
+        files = stranger.parent.rglob("*")
+        return {path: (path.stat().st_mtime_ns, path.stat().st_size) for path in files}
+
+    swap_model(stranger, '<mujoco><include file="/etc/passwd"/></mujoco>')
+    before = state()
+    robocell_command("verify", stranger)
+    assert "names '/etc/passwd', which is" in refused("replay", "--check", stranger)
+    robocell_command("report", stranger)
+    assert state() == before

@@ -1,0 +1,130 @@
+"""Descriptors, child processes, OpenGL contexts, memory stay flat; at the end nothing is left."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import leaks
+import pytest
+
+# How many of each are made, and how many bytes of each may stay. A forgotten scene is 200 kB, a
+# context several MB; of few things, what the pools hold counts for more.
+FEW = {"scenes": 80, "resets": 200, "contexts": 8, "children": 8, "errors": 40}
+SHORT = {"heap_each": 10_000, "resident_each": 400_000}
+LONG = {"heap_each": 1_000, "resident_each": 30_000}
+
+
+def grow(kind: str, times: int) -> dict[str, int]:
+    """What stays behind when `times` things of a kind were made."""
+    done = subprocess.run(
+        [sys.executable, leaks.__file__, kind, str(times)],
+        env={"PYTHONPATH": ":".join(sys.path), "PATH": "/usr/bin:/bin"},
+        capture_output=True,
+        text=True,
+        timeout=1800,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "leaked" not in done.stderr, "nanobind reports what Python does not let go"
+    result: dict[str, int] = json.loads(done.stdout)
+    print(f"{kind}: {result}")
+    return result
+
+
+def require_flat(kind: str, times: int, most: dict[str, int]) -> None:
+    """Nothing stays but what memory pools keep."""
+    grown = grow(kind, times)
+    assert grown["times"] >= times - leaks.ROUNDS
+    assert (grown["files"], grown["threads"], grown["children"]) == (0, 0, 0)
+    for memory, limit in most.items():
+        assert grown[memory] < limit, memory
+
+
+@pytest.mark.parametrize("kind", leaks.KINDS)
+def test_a_few_of_each_leave_nothing_behind(kind: str):
+    require_flat(kind, FEW[kind], SHORT)
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("kind", leaks.KINDS)
+def test_a_thousand_of_each_leave_nothing_behind(kind: str):
+    require_flat(kind, 1000, LONG)
+
+
+LEAKING = """
+import json, os, sys
+sys.path.insert(0, {folder!r})
+import leaks, robocell
+kept = []
+def keep(_folder):
+    def work():
+        kept.append((open(os.devnull), leaks.cell(), bytearray(os.urandom(100_000))))
+    return work
+leaks.KINDS["kept"] = keep
+print(json.dumps(leaks.growth("kept", 24)))
+"""
+
+
+def test_the_measurement_sees_what_is_kept(tmp_path: Path):
+    folder = str(Path(leaks.__file__).parent)
+    done = subprocess.run(
+        [sys.executable, "-c", LEAKING.format(folder=folder)],
+        env={"PYTHONPATH": ":".join(sys.path)},
+        capture_output=True,
+        text=True,
+        timeout=120,
+    )
+    assert done.returncode == 0, done.stderr
+    grown = json.loads(done.stdout)
+    assert grown["files"] == 24
+    assert grown["heap_each"] > SHORT["heap_each"]
+    assert grown["resident_each"] > LONG["resident_each"]
+
+
+ENDINGS = {
+    "renderers and videos": """
+scene = leaks.cell()
+renderer = rc.Renderer(scene)
+image = renderer.render(rc.OrbitCamera(), 32, 24)
+recorder = rc.VideoRecorder(scene, "unfinished.mp4", 32, 24, 30)
+recorder.record_frame()
+""",
+    "steppers and controllers": """
+scene = leaks.cell()
+robot = scene.robot("a")
+stepper = rc.Stepper(scene, [robot], 2, 1)
+outcome = stepper.advance({"a": {"gripper": rc.GroupCommand.opening(0)}})
+port, group, kinematics = robot.jnt_pos_cmd, robot.arm, robot.kinematics
+""",
+    "exceptions": """
+try:
+    leaks.cell().robot("b")
+except rc.NotFoundError as error:
+    kept = error
+sys.exit(0)
+""",
+    "threads": """
+import threading
+scene = leaks.cell()
+threads = [threading.Thread(target=leaks.cell) for _ in range(2)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+""",
+}
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_script_that_ends_with_objects_alive_says_nothing_of_leaks(tmp_path: Path, ending: str):
+    script = tmp_path / "script.py"
+    script.write_text(f"import sys\nimport leaks\nimport robocell as rc\n{ENDINGS[ending]}")
+    done = subprocess.run(
+        [sys.executable, script],
+        env={"PYTHONPATH": ":".join(sys.path), "PATH": "/usr/bin:/bin"},
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        timeout=120,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
