@@ -30,7 +30,7 @@ CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
-  check-rules check-docs check-tidy check-sanitizers check-fuzz bench soak clean format docs
+  check-rules check-docs check-tidy check-sanitizers check-fuzz check-tsan bench soak clean format docs
 
 setup:
 	@scripts/setup
@@ -120,9 +120,25 @@ bench: setup
 	@cmake --build --preset release -j $(JOBS)
 	@$(PYTHON) benchmarks/run.py
 
+# The long form of what make test does quickly: kills, full disks, damage, leaks, the wheel, fuzzing,
+# races. Then `scripts/soak_figures.py` writes the figures into docs/reliability.md.
+SOAK_FUZZ_SECONDS ?= 600
 soak: build
 	@$(call headline,soak)
-	@$(PYTHON) -m pytest -m soak
+	@scripts/fetch_test_robots
+	@mkdir -p build/soak && rm -f build/soak/figures.jsonl
+	@ROBOCELL_FIGURES=$(ROOT)/build/soak/figures.jsonl $(PYTHON) -m pytest -n $(JOBS) --dist loadfile \
+	  -m "soak or not soak" tests/reliability
+	@$(PYTHON) -m pytest -m soak --ignore tests/reliability
+	@$(MAKE) check-tsan
+	@$(MAKE) check-fuzz FUZZ_SECONDS=$(SOAK_FUZZ_SECONDS)
+
+# Not part of make check: the second build of everything takes longer than all of the rest.
+check-tsan: setup
+	@$(call headline,threads under ThreadSanitizer)
+	@$(call configure,tsan)
+	@cmake --build --preset tsan -j $(JOBS) --target threads_test base_test mujoco_test
+	@ctest --preset tsan -R '^(threads|base|mujoco)_test$$' --no-tests=error --progress
 
 format: setup
 	@$(PYTHON) scripts/wrap_comments.py $(CXX_FILES)

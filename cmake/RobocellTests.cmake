@@ -9,26 +9,34 @@ add_library(robocell_testing STATIC ${testing_sources})
 target_compile_definitions(robocell_testing PUBLIC ROBOCELL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
 target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest PRIVATE robocell_flags)
 
+# robocell_test(NAME SOURCES...): a test program and its tests.
+function(robocell_test name)
+  add_executable(${name} ${ARGN})
+  target_include_directories(${name} SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
+  target_link_libraries(${name} PRIVATE robocell robocell_testing robocell_flags spdlog::spdlog yaml-cpp
+    nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
+  set_target_properties(${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
+  string(REPLACE "_test" "" label ${name})
+  if(ROBOCELL_SANITIZE)
+    # One process per layer: starting one with sanitizers costs more than most tests.
+    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 WORKING_DIRECTORY "${CMAKE_BINARY_DIR}")
+    set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT 900)
+  else()
+    gtest_discover_tests(${name} WORKING_DIRECTORY "${CMAKE_BINARY_DIR}" DISCOVERY_TIMEOUT 60
+      PROPERTIES LABELS ${label} TIMEOUT 300)
+  endif()
+endfunction()
+
 file(GLOB layers RELATIVE "${CMAKE_SOURCE_DIR}/src/robocell" CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/*")
 foreach(layer ${layers})
   file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/${layer}/*_test.cc")
-  if(NOT sources)
-    continue()
-  endif()
-  add_executable(${layer}_test ${sources})
-  target_include_directories(${layer}_test SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
-  target_link_libraries(${layer}_test PRIVATE robocell robocell_testing robocell_flags spdlog::spdlog yaml-cpp
-    nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
-  set_target_properties(${layer}_test PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
-  if(ROBOCELL_SANITIZE)
-    # One process per layer: starting one with sanitizers costs more than most tests.
-    add_test(NAME ${layer}_test COMMAND ${layer}_test --gtest_brief=1 WORKING_DIRECTORY "${CMAKE_BINARY_DIR}")
-    set_tests_properties(${layer}_test PROPERTIES LABELS ${layer} TIMEOUT 900)
-  else()
-    gtest_discover_tests(${layer}_test WORKING_DIRECTORY "${CMAKE_BINARY_DIR}" DISCOVERY_TIMEOUT 60
-      PROPERTIES LABELS ${layer} TIMEOUT 300)
+  if(sources)
+    robocell_test(${layer}_test ${sources})
   endif()
 endforeach()
+
+# Across layers: what may happen in several threads at once (make check-tsan).
+robocell_test(threads_test "${CMAKE_SOURCE_DIR}/tests/threads/threads_test.cc")
 
 # For tests/reliability: a program that keeps a ledger of what it wrote, and the disk that fails under it.
 if(NOT ROBOCELL_SANITIZE)

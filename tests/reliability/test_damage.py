@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import figures
 import pytest
 from storm import Storm
 
@@ -75,3 +76,30 @@ def test_damage_is_named_set_aside_and_made_good(
     assert (storm.dataset / ".quarantine").is_dir(), "nothing is deleted"
     storm.finish()
     assert storm.contents() == calm.contents()
+
+
+def flip_bit(content: bytes, at: int) -> bytes:
+    return content[:at] + bytes([content[at] ^ 1 << at % 8]) + content[at + 1 :]
+
+
+def cut(content: bytes, at: int) -> bytes:
+    return content[:at]
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("damage", [flip_bit, cut])
+def test_damage_at_every_hundredth_of_every_file_is_named(
+    damage: Callable[[bytes, int], bytes], tmp_path: Path, calm: Storm
+):
+    dataset = shutil.copytree(calm.dataset, tmp_path / "out")
+    victim, *others = robocell.Dataset(dataset).ids
+    for file in sorted((dataset / victim).iterdir()):
+        whole = file.read_bytes()
+        for part in range(100):
+            file.write_bytes(damage(whole, len(whole) * part // 100))
+            report = robocell.verify(dataset)
+            assert report.good == others, f"{file.name}, {part} %"
+            assert f"{victim}/{file.name}" in str(report), f"{file.name}, {part} %"
+        file.write_bytes(whole)
+        figures.note("damage", file=file.name, how=damage.__name__, times=100)
+    assert robocell.verify(dataset).ok

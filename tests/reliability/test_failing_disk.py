@@ -10,6 +10,7 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
+import figures
 import pytest
 from ledger import IDS, Ending, contents, require_sound, write
 
@@ -38,6 +39,7 @@ def sweep(dataset: Path, program: str, do: str) -> Iterator[Ending]:
         ending = write(dataset, program, at, do)
         if not ending.fault:
             assert at > 5, "the shim saw next to nothing: is it loaded?"
+            figures.note("calls", program=program, do=do, times=at - 1)
             return
         yield ending
     raise AssertionError("the sweep has no end")

@@ -15,6 +15,7 @@ import sys
 import time
 from pathlib import Path
 
+import figures
 import pytest
 from ledger import BUILD
 from storm import Storm
@@ -109,4 +110,4 @@ def test_a_dozen_deaths_lose_nothing(tmp_path: Path):
 def test_two_hundred_deaths_lose_nothing(tmp_path: Path):
     storm = survive(tmp_path, kills=200, episodes=12, seed=2)
     assert set(storm.kills) == set(WAYS)
-    print(f"killed: {dict(storm.kills)}")
+    figures.note("kills", **storm.kills)

@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import figures
 import leaks
 import pytest
 
@@ -29,17 +30,17 @@ def grow(kind: str, times: int) -> dict[str, int]:
     assert done.returncode == 0, done.stderr
     assert "leaked" not in done.stderr, "nanobind reports what Python does not let go"
     result: dict[str, int] = json.loads(done.stdout)
-    print(f"{kind}: {result}")
     return result
 
 
-def require_flat(kind: str, times: int, most: dict[str, int]) -> None:
-    """Nothing stays but what memory pools keep."""
+def require_flat(kind: str, times: int, most: dict[str, int]) -> dict[str, int]:
+    """Nothing stays but what memory pools keep; what does."""
     grown = grow(kind, times)
     assert grown["times"] >= times - leaks.ROUNDS
     assert (grown["files"], grown["threads"], grown["children"]) == (0, 0, 0)
     for memory, limit in most.items():
         assert grown[memory] < limit, memory
+    return grown
 
 
 @pytest.mark.parametrize("kind", leaks.KINDS)
@@ -50,7 +51,7 @@ def test_a_few_of_each_leave_nothing_behind(kind: str):
 @pytest.mark.soak
 @pytest.mark.parametrize("kind", leaks.KINDS)
 def test_a_thousand_of_each_leave_nothing_behind(kind: str):
-    require_flat(kind, 1000, LONG)
+    figures.note("things", kind=kind, **require_flat(kind, 1000, LONG))
 
 
 LEAKING = """
