@@ -7,7 +7,7 @@
 #                   faults without a robot   make clean    remove what was built (not .venv)
 #
 # make check is the sum of: check-format check-lint check-types check-rules check-docs check-tidy
-# check-sanitizers check-fuzz; each can be run alone.
+# check-sanitizers check-fuzz; each can be run alone. make soak adds check-tsan.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c

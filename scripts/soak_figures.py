@@ -1,0 +1,133 @@
+"""Writes the figures of the last `make soak` into docs/reliability.md.
+
+    .venv/bin/python scripts/soak_figures.py [build/soak/figures.jsonl]
+
+Between the page's two marks stands nothing but what this script found: what the tests of
+tests/reliability noted, and the logs of the fuzz targets. A part that did not run has no figures,
+and the table says so.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import re
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "reliability.md"
+BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
+FUZZ_DONE = re.compile(r"^Done (\d+) runs in (\d+) second", re.MULTILINE)
+TARGETS = ("yaml", "names", "dataset")
+NOT_RUN = "not run"
+
+Notes = Sequence[Mapping[str, Any]]
+
+
+def of(notes: Notes, what: str) -> list[Mapping[str, Any]]:
+    """The notes of one kind."""
+    return [note for note in notes if note["what"] == what]
+
+
+def kills(notes: Notes) -> str:
+    """Of workers and supervisors, at random and at chosen instants."""
+    ways = Counter[str]()
+    for note in of(notes, "kills"):
+        ways.update({way: count for way, count in note.items() if way != "what"})
+    if not ways:
+        return NOT_RUN
+    parts = ", ".join(f"{way} {count}" for way, count in sorted(ways.items()))
+    return f"{ways.total()} ({parts})"
+
+
+def calls(notes: Notes, do: Sequence[str]) -> str:
+    """Of writes, flushes, renames."""
+    count = sum(note["times"] for note in of(notes, "calls") if note["do"] in do)
+    return str(count) if count else NOT_RUN
+
+
+def damage(notes: Notes, how: str) -> str:
+    """Of files of episodes."""
+    found = [note for note in of(notes, "damage") if note["how"] == how]
+    files = ", ".join(sorted({note["file"] for note in found}))
+    return f"{sum(note['times'] for note in found)} ({files})" if found else NOT_RUN
+
+
+def things(notes: Notes, kind: str) -> str:
+    """That were made and let go."""
+    found = [note for note in of(notes, "things") if note["kind"] == kind]
+    if not found:
+        return NOT_RUN
+    last = found[-1]
+    return (
+        f"{last['times']}: {last['files']} descriptors, {last['children']} processes, "
+        f"{max(last['heap_each'], 0)} bytes each stay"
+    )
+
+
+def fuzzed(logs: Mapping[str, str], target: str) -> str:
+    """Of one fuzz target."""
+    done = FUZZ_DONE.search(logs.get(target, ""))
+    return f"{int(done[1]):,} inputs in {done[2]} s".replace(",", " ") if done else NOT_RUN
+
+
+def table(notes: Notes, logs: Mapping[str, str]) -> str:
+    """All figures, as Markdown."""
+    rows = {
+        "kills survived, nothing acknowledged lost": kills(notes),
+        "calls that failed (write, flush, rename ...), each reported": calls(
+            notes, ("fail", "full")
+        ),
+        "deaths at a call, nothing lost": calls(notes, ("kill_before", "kill_after")),
+        "bits flipped, each found": damage(notes, "flip_bit"),
+        "files cut short, each found": damage(notes, "cut"),
+        **{
+            f"{label}": things(notes, kind)
+            for kind, label in {
+                "scenes": "scenes built and let go",
+                "resets": "resets",
+                "contexts": "renderers with a GL context",
+                "children": "encoder processes",
+                "errors": "errors raised",
+            }.items()
+        },
+        **{f"fuzzed: {target}": fuzzed(logs, target) for target in TARGETS},
+    }
+    lines = [f"| {what} | {figure} |" for what, figure in rows.items()]
+    return "\n".join(["| what | how often |", "|---|---|", *lines])
+
+
+def write(page: Path, text: str) -> None:
+    """Replaces what stands between the marks."""
+    before, _, rest = page.read_text().partition(BEGIN)
+    _, _, after = rest.partition(END)
+    if not after:
+        sys.exit(f"{page}: the marks {BEGIN} and {END} are missing")
+    page.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}")
+
+
+def main() -> None:
+    """The command."""
+    file = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "build/soak/figures.jsonl"
+    notes = [json.loads(line) for line in file.read_text().splitlines()]
+    folder = file.resolve().parents[1] / "fuzz"
+    logs = {name: (folder / f"{name}.log") for name in TARGETS}
+    texts = {name: log.read_text(errors="replace") for name, log in logs.items() if log.exists()}
+    when = datetime.fromtimestamp(file.stat().st_mtime, UTC).date().isoformat()
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], cwd=file.parent, capture_output=True, text=True
+    ).stdout.strip()
+    cores = len(os.sched_getaffinity(0))
+    head = f"Of {when}, commit {commit}, on {cores} cores of {platform.machine()}:\n"
+    write(PAGE, f"{head}\n{table(notes, texts)}")
+
+
+if __name__ == "__main__":
+    main()

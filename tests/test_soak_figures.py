@@ -1,0 +1,48 @@
+"""The figures of a soak: what was noted is summed, what did not run is said."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import soak_figures
+
+NOTES = [
+    {"what": "kills", "worker": 3, "inside": 2},
+    {"what": "calls", "program": "a", "do": "fail", "times": 30},
+    {"what": "calls", "program": "b", "do": "full", "times": 12},
+    {"what": "calls", "program": "a", "do": "kill_after", "times": 7},
+    {"what": "damage", "file": "steps.h5", "how": "flip_bit", "times": 100},
+    {
+        "what": "things",
+        "kind": "scenes",
+        "times": 1000,
+        "files": 0,
+        "children": 0,
+        "heap_each": -3,
+    },
+]
+
+
+def test_figures_are_summed_and_gaps_are_named():
+    text = soak_figures.table(NOTES, {"yaml": "#1 INITED\nDone 12345 runs in 61 second(s)\n"})
+    assert "| kills survived, nothing acknowledged lost | 5 (inside 2, worker 3) |" in text
+    assert "each reported | 42 |" in text
+    assert "| deaths at a call, nothing lost | 7 |" in text
+    assert "| bits flipped, each found | 100 (steps.h5) |" in text
+    assert "| files cut short, each found | not run |" in text
+    assert "| 1000: 0 descriptors, 0 processes, 0 bytes each stay |" in text
+    assert "| resets | not run |" in text
+    assert "| fuzzed: yaml | 12 345 inputs in 61 s |" in text
+    assert "| fuzzed: names | not run |" in text
+
+
+def test_only_what_is_between_the_marks_is_replaced(tmp_path: Path):
+    page = tmp_path / "page.md"
+    page.write_text(f"before\n{soak_figures.BEGIN}\nold\n{soak_figures.END}\nafter\n")
+    soak_figures.write(page, "new")
+    assert page.read_text() == (f"before\n{soak_figures.BEGIN}\nnew\n{soak_figures.END}\nafter\n")
+    page.write_text("no marks")
+    with pytest.raises(SystemExit, match="marks"):
+        soak_figures.write(page, "new")
