@@ -60,7 +60,8 @@ def main() -> None:
               ylabel="y in m", title="bases around the target, and where they face")  # fmt: skip
     spread.add_patch(Rectangle((near, low), far - near, high - low, color="0.9"))
     spread.plot(np.hypot(places[:, 0], places[:, 1]), places[:, 2], ".", color="tab:blue")
-    spread.set(xlabel="distance in m: base_distance", ylabel="height in m: base_height_offset, _noise",
+    spread.set(xlabel="distance in m: base_distance",
+               ylabel="height in m: base_height_offset, _noise",
                title=f"{len(places)} starts, {refused} refused")  # fmt: skip
     figure.savefig(DOCS / "sampler.png", dpi=200)
     save(Image.open(DOCS / "sampler.png"), "sampler.png", 960)

@@ -27,8 +27,9 @@ RUNS = (
 PYTHON_ONLY = ("gravity_z",)  # another name for a part of a field
 HEAD = """# All fields of scenes and runs
 
-Written by `docs/make_spec_fields.py` from the declarations in `src/robocell/spec`. What robots are made of (`RobotConfig`,
-`AttachmentSpec`, `CameraSpec`, edits): [robots](robots.md#reference). A field without a default is unset, or empty.
+Written by `docs/make_spec_fields.py` from the declarations in `src/robocell/spec`. What robots are
+made of (`RobotConfig`, `AttachmentSpec`, `CameraSpec`, edits): [robots](robots.md#reference). A
+field without a default is unset, or empty.
 """
 
 
