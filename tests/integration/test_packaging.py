@@ -1,11 +1,14 @@
-"""A C++ user's find_package(robocell) works from an install and from the build folder."""
+"""find_package(robocell) works from an install, the layout of the wheel and the build folder."""
 
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
+import sys
 from pathlib import Path
 
+import mujoco
 import pytest
 
 import robocell
@@ -52,6 +55,24 @@ def test_a_user_builds_against_the_build_folder(build_folder, tmp_path):
     assert (version, Path(models)) == ("0.1.0", ROOT / "models")
 
 
-def test_python_knows_where_the_cmake_files_are(build_folder):
+# The wheel itself takes minutes to build (test_wheel.py, part of `make soak`). Here its files are
+# put where it has them, around the library that is built already.
+def test_a_user_builds_against_the_layout_of_the_wheel(build_folder, tmp_path):
+    layout, package = tmp_path / "layout", tmp_path / "site-packages" / "robocell"
+    off = [f"-DROBOCELL_{part}=OFF" for part in ("TESTS", "EXAMPLES", "PYTHON")]
+    options = [
+        "-DSKBUILD=ON",
+        "-DCMAKE_BUILD_TYPE=Release",
+        f"-DPython_EXECUTABLE={sys.executable}",
+    ]
+    run("cmake", "-G", "Ninja", "-S", ROOT, "-B", layout, *options, *off)
+    shutil.copy(build_folder / "librobocell.so.0.1.0", layout)
+    run("cmake", "--install", layout, "--prefix", package)
+    (package.parent / "mujoco").symlink_to(Path(mujoco.__file__).parent)
+    version, models, _ = build_consumer(package / "lib/cmake/robocell", tmp_path / "build")
+    assert (version, Path(models)) == ("0.1.0", package / "models")
+    assert not (package / "librobocell.so").exists()  # a wheel knows no links
 
+
+def test_python_knows_where_the_cmake_files_are(build_folder):
     assert Path(robocell.cmake_dir()) == build_folder
