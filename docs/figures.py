@@ -23,7 +23,7 @@ def save(image: Image.Image | Frame, name: str, width: int | None = None) -> Non
     if width and width < image.width:
         height = round(image.height * width / image.width)
         image = image.resize((width, height), Image.Resampling.LANCZOS)
-    few = image.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE)  # rare colours stay
+    few = image.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, kmeans=1)  # rare ones stay
     few.save(DOCS / name, optimize=True)
     print(DOCS / name)
 

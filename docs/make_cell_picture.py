@@ -5,16 +5,11 @@ python docs/make_cell_picture.py
 
 from __future__ import annotations
 
-from pathlib import Path
-
-import numpy as np
-from PIL import Image
+from figures import save
 
 import robocell as rc
 
-OUT = Path(__file__).parent / "cell.png"
 SIZE = (960, 540)  # width, height in pixels; drawn at twice the size
-COLOURS = 256
 TABLE_M = 0.45  # height of the table's top
 PEDESTAL_M = [0.22, 0.22, 0.4]
 HOLDING = [0.0, 0.25, 0.0, 1.65, 0.0, 1.2416, 0.0]  # rad, the gripper points down
@@ -69,12 +64,10 @@ def main() -> None:
     scene = cell()
     renderer = rc.Renderer(scene, shadows=True, multisamples=4, shadow_size=8192)
     view = rc.OrbitCamera(
-        lookat=(-0.2, 0, 0.66), distance=2.15, azimuth=143, elevation=-13, fovy=33
+        lookat=(-0.2, 0, 0.62), distance=1.95, azimuth=143, elevation=-14, fovy=33
     )
     large = renderer.render(view, width=2 * SIZE[0], height=2 * SIZE[1])["rgb"]
-    image = Image.fromarray(np.ascontiguousarray(large)).resize(SIZE, Image.Resampling.LANCZOS)
-    image.quantize(COLOURS).save(OUT, optimize=True)
-    print(OUT)
+    save(large, "cell.png", SIZE[0])
 
 
 if __name__ == "__main__":

@@ -10,18 +10,17 @@ import sys
 import tempfile
 from pathlib import Path
 
+from figures import DOCS, save
 from PIL import Image
 
 from robocell import models
 
-DOCS = Path(__file__).parent
 EXAMPLES = DOCS.parent / "examples"
 ROBOTS = {
     "rc7": Path(models.robot_file("rc7")),
     **{name: EXAMPLES / f"{name}.yaml" for name in ("fr3_2f85", "gen3_2f85", "panda", "xarm7")},
 }
-SIZE = (640, 480)  # width, height in pixels
-COLOURS = 256
+WIDTH = 640  # px
 
 
 def draw(name: str, robot_file: Path) -> None:
@@ -35,10 +34,7 @@ def draw(name: str, robot_file: Path) -> None:
         if done.returncode:
             print(f"{name}: no picture: {done.stderr.strip()}")
             return
-        image = Image.open(picture).convert("RGB").resize(SIZE, Image.Resampling.LANCZOS)
-    out = DOCS / f"check_{name}.png"
-    image.quantize(COLOURS).save(out, optimize=True)
-    print(out)
+        save(Image.open(picture), f"check_{name}.png", WIDTH)
 
 
 def main() -> None:
