@@ -14,26 +14,51 @@ from test_docs_snippets import blocks
 from test_packaging import BUILD, CONSUMER, ROOT, run
 
 README = ROOT / "README.md"
-# Pages whose blocks are whole statements; others leave out what is not their subject.
-PAGES = ("assets", "control", "env", "media", "render", "scenes", "spec")
 INCLUDES = """#include <algorithm>
+#include <filesystem>
+#include <robocell/math/interpolation.h>
 #include <robocell/media/video_reader.h>
 #include <robocell/media/video_writer.h>
+#include <robocell/mujoco/compile.h>
+#include <robocell/mujoco/step.h>
 #include <robocell/robot/joint_position_controller.h>
+namespace fs = std::filesystem;
 """
-GIVEN = "Scene scene, Robot robot, const Eigen::Vector3d& cube_in_world"  # what a block may use
+# Every page with C++, and what its blocks take as given.
+GIVEN = {
+    "assets": "",
+    "base": "uint64_t run_seed, std::string scene_name, int index, int attempt, fs::path dataset,"
+    " std::string text",
+    "control": "Robot robot",
+    "data": "std::vector<std::string> joints, std::vector<double> q, std::vector<uint8_t> rgb,"
+    " std::vector<uint16_t> millimetres",
+    "env": "Scene scene",
+    "kinematics": "const mjModel* model, void (*Command)(std::span<const double>)",
+    "math": "Pose base_in_world, Pose tcp_in_base, Pose target, Pose difference, Pose start,"
+    " Pose goal, PoseMoveLimits limits, double time",
+    "media": "",
+    "mujoco": "",
+    "render": "Scene scene, Eigen::Vector3d cube_in_world",
+    "scenes": "",
+    "spec": "",
+}
 
 
 def compiled_blocks() -> str:
     """Each page in its namespace, each of its blocks a function of what is given."""
     parts = []
-    for page in PAGES:
+    for page, given in GIVEN.items():
         parts.append(f"namespace {page}_page {{")
         for i, block in enumerate(blocks(ROOT / "docs" / f"{page}.md", "cpp")):
             defines = re.search(r"^(class|struct) ", block, re.MULTILINE)
-            parts.append(block if defines else f"void Block{i}({GIVEN}) {{ {{\n{block}}} }}")
+            parts.append(block if defines else f"void Block{i}({given}) {{ {{\n{block}}} }}")
         parts.append("}")
     return "\n".join(parts)
+
+
+def test_no_page_is_forgotten():
+    with_code = {page.stem for page in (ROOT / "docs").glob("*.md") if blocks(page, "cpp")}
+    assert with_code == set(GIVEN)
 
 
 def test_the_c_plus_plus_compiles_and_runs_against_an_install(tmp_path: Path):
