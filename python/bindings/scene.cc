@@ -2,9 +2,12 @@
 #include "robocell/scene/scene.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <variant>
 
 #include <fmt/format.h>
 #include <nanobind/operators.h>
+#include <nanobind/stl/variant.h>
 
 #include "bindings.h"
 #include "python_owner.h"
@@ -14,6 +17,7 @@
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/robot/robot.h"
+#include "robocell/scene/scene_cache.h"
 
 namespace robocell::python {
 namespace {
@@ -75,11 +79,14 @@ Scene Build(const SceneSpec& spec) {
   return Scene::Build(copy, PythonData());
 }
 
-std::shared_ptr<CompiledScene> Compile(const SceneSpec& spec) {
+std::shared_ptr<CompiledScene> Compile(const SceneSpec& spec,
+                                       const std::variant<bool, std::filesystem::path>& cache) {
   // Another thread may change the spec while the lock is released.
   const SceneSpec copy = spec;  // NOLINT(performance-unnecessary-copy-initialization)
   const nb::gil_scoped_release release;
-  return CompileScene(copy);
+  if (const auto* folder = std::get_if<std::filesystem::path>(&cache))
+    return CompileSceneCached(copy, *folder);
+  return std::get<bool>(cache) ? CompileSceneCached(copy) : CompileScene(copy);
 }
 
 Scene FromCompiled(std::shared_ptr<CompiledScene> compiled) {
@@ -214,9 +221,11 @@ void BindCompiled(nb::module_& m) {
       .def_prop_ro("warnings", &CompiledScene::warnings,
                    "What the parts asked for and did not get, and the engine's own warnings.")
       .def_prop_ro("home_key", &CompiledScene::home_key, "Number of the home keyframe.");
-  m.def("compile_scene", &Compile, nb::arg("spec"),
+  m.def("compile_scene", &Compile, nb::arg("spec"), nb::kw_only(), nb::arg("cache") = false,
         "Compile a scene once, for several Scene.from_compiled. SpecError, NotFoundError and "
-        "EngineError as Scene.build.");
+        "EngineError as Scene.build.\n\ncache: keep the compiled scene on the disk, so that the "
+        "next process with the same spec, files and versions reads it in milliseconds. A folder, "
+        "or True for ROBOCELL_CACHE_DIR/scenes, else ~/.cache/robocell/scenes.");
 }
 
 void DefStepping(nb::class_<Scene>& c) {

@@ -98,6 +98,21 @@ class TestSharing:
         gc.collect()
         b.step()
 
+    @pytest.mark.parametrize("by", ["folder", "environment"])
+    def test_a_compiled_scene_is_kept_on_the_disk(self, by, tmp_path, monkeypatch):
+        monkeypatch.setenv("ROBOCELL_CACHE_DIR", str(tmp_path))
+        cache = tmp_path / "scenes" if by == "folder" else True
+        first = rc.compile_scene(small_spec(), cache=cache)
+        (entry,) = (tmp_path / "scenes").iterdir()
+        inode = entry.stat().st_ino
+        second = rc.compile_scene(small_spec(), cache=str(cache) if by == "folder" else True)
+        assert entry.stat().st_ino == inode, "written again instead of read"
+        scenes = [rc.Scene.from_compiled(compiled) for compiled in (first, second)]
+        for scene in scenes:
+            scene.reset()
+            scene.step_n(50)
+        np.testing.assert_array_equal(scenes[0].data.qpos, scenes[1].data.qpos)
+
     def test_two_scenes_on_a_model_that_is_not_frozen_are_refused(self):
         compiled = rc.compile_scene(small_spec())
         first = rc.Scene.from_compiled(compiled)

@@ -54,16 +54,22 @@ std::vector<std::string> RobotNames(const List<RobotSpec>& robots, Report& repor
   return names;
 }
 
+RobotRecord RecordOf(const RobotSpec& robot, const std::string& name) {
+  RobotRecord record;
+  record.name = name;
+  record.prefix = robot.prefix;
+  record.config = ConfigOf(robot);
+  record.base = robot.EffectiveBase();
+  return record;
+}
+
 std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& name,
                                    const Locations& locations, const SceneSpec& scene,
                                    Report& report) {
   const std::string place = RobotPlace(name);
   RobotPart out;
   RobotRecord& record = out.record;
-  record.name = name;
-  record.prefix = robot.prefix;
-  record.config = ConfigOf(robot);
-  record.base = robot.EffectiveBase();
+  record = RecordOf(robot, name);
   const RobotConfig& config = record.config;
   const std::string& directory = config.source_dir.empty() ? scene.source_dir : config.source_dir;
   report.Locate(place, locations);

@@ -19,6 +19,9 @@ struct RobotPart {
 // How problems of the robot of that name are headed.
 std::string RobotPlace(const std::string& name);
 
+// What the spec alone says of a robot of that name; names in the model come when it is loaded.
+RobotRecord RecordOf(const RobotSpec& robot, const std::string& name);
+
 // Null when there were problems. `locations` are those of the RobotSpec.
 std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& name,
                                    const Locations& locations, const SceneSpec& scene,

@@ -2,8 +2,6 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <atomic>
-
 #include "robocell/base/error.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/scene/add_camera.h"
@@ -22,8 +20,6 @@ namespace robocell {
 namespace {
 
 using ElementSet = std::set<std::pair<AttachKind, std::string>>;
-
-std::atomic<uint64_t> next_generation = 1;
 
 void CollectNames(const mjSpec* spec, const std::string& prefix, ElementSet& out) {
   for (const AttachKind kind : {AttachKind::kBody, AttachKind::kSite, AttachKind::kFrame}) {
@@ -58,7 +54,7 @@ class SceneCompiler {
     out_->warnings_.insert(out_->warnings_.begin(), report_.warnings().begin(),
                            report_.warnings().end());
     out_->notes_ = report_.notes();
-    out_->generation_ = next_generation++;
+    out_->generation_ = CompiledScene::NextGeneration();
     return out_;
   }
 

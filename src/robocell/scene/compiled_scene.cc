@@ -2,6 +2,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <atomic>
+
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 
@@ -22,6 +24,16 @@ const Record& Find(const std::vector<Record>& records, const std::string& name, 
 }  // namespace
 
 CompiledScene::~CompiledScene() = default;
+
+uint64_t CompiledScene::NextGeneration() {
+  static std::atomic<uint64_t> next = 1;
+  return next++;
+}
+
+mjSpec* CompiledScene::mutable_spec() {
+  if (!spec_owner_) spec_owner_ = std::move(CompileScene(scene_spec_)->spec_owner_);
+  return spec_owner_.get();
+}
 
 mjModel* CompiledScene::mutable_model() {
   if (frozen_) {

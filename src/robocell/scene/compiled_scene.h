@@ -53,8 +53,9 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   const mjModel* model() const { return model_; }
   // For control modes, randomisation and the user's own changes. Error when frozen.
   mjModel* mutable_model();
-  // The editable description that the model came from (for saving).
-  mjSpec* mutable_spec() { return spec_owner_.get(); }
+  // The editable description that the model came from (for saving). A scene that came from the
+  // cache compiles it at the first call, with the errors of CompileScene; one thread at a time.
+  mjSpec* mutable_spec();
 
   const SceneSpec& spec() const { return scene_spec_; }
   const std::vector<RobotRecord>& robots() const { return robots_; }
@@ -88,6 +89,9 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
 
  private:
   friend class SceneCompiler;
+  friend class SceneCacheEntry;
+  // A number that no compiled scene of this process had.
+  static uint64_t NextGeneration();
   CompiledScene() = default;
 
   SceneSpec scene_spec_;

@@ -1,0 +1,157 @@
+// One file per scene: a line with the hash of the rest, a line of JSON (what was decided while
+// compiling), then the engine's binary.
+#include "robocell/scene/scene_cache.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <vector>
+#include <nlohmann/json.hpp>
+
+#include "robocell/assets/model_files.h"
+#include "robocell/assets/resolve.h"
+#include "robocell/assets/roots.h"
+#include "robocell/assets/scene_models.h"
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/hash.h"
+#include "robocell/base/log.h"
+#include "robocell/base/version.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/scene/scene_records.h"
+#include "robocell/spec/yaml.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kSuffix = ".scene";
+
+std::optional<std::string> ReadEntry(const fs::path& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return std::nullopt;
+  std::string text = ReadFile(file);
+  fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // used just now
+  return text;
+}
+
+// Takes the first line off a text; all of it when it has one line.
+std::string_view CutLine(std::string_view& text) {
+  const std::string_view line = text.substr(0, text.find('\n'));
+  text.remove_prefix(std::min(line.size() + 1, text.size()));
+  return line;
+}
+
+}  // namespace
+
+// Takes a CompiledScene apart into an entry, and puts it together again.
+class SceneCacheEntry {
+ public:
+  static std::string Write(const CompiledScene& scene) {
+    const nlohmann::json head = {{"robots", ToJson(scene.robots())},
+                                 {"objects", ToJson(scene.objects())},
+                                 {"warnings", scene.warnings()},
+                                 {"notes", scene.notes()},
+                                 {"home_key", scene.home_key()}};
+    const std::string rest = head.dump() + "\n" + SaveBinaryString(scene.model());
+    return Sha256(rest) + "\n" + rest;
+  }
+
+  // Null when the text is not a whole entry for this spec.
+  static std::shared_ptr<CompiledScene> Read(const SceneSpec& spec, std::string_view text) {
+    const std::string_view hash = CutLine(text);
+    if (hash != Sha256(text)) return nullptr;
+    const auto head = nlohmann::json::parse(CutLine(text));
+    std::shared_ptr<CompiledScene> scene(new CompiledScene);
+    scene->scene_spec_ = spec;
+    scene->robots_ = RobotsFromJson(spec, head.at("robots"));
+    scene->objects_ = ObjectsFromJson(head.at("objects"));
+    head.at("warnings").get_to(scene->warnings_);
+    head.at("notes").get_to(scene->notes_);
+    head.at("home_key").get_to(scene->home_key_);
+    scene->model_owner_ = LoadBinaryString(text, "scene '" + spec.name + "'");
+    scene->model_ = scene->model_owner_.get();
+    scene->generation_ = CompiledScene::NextGeneration();
+    return scene;
+  }
+};
+
+namespace {
+
+void Keep(const CompiledScene& scene, const fs::path& folder, const fs::path& file) {
+  try {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    AtomicWrite(file, SceneCacheEntry::Write(scene));
+    PruneSceneCache(folder, kSceneCacheBytes);
+  } catch (const IoError& error) {
+    LogWarn("scene '" + scene.spec().name + "' is not kept for later processes: " + error.what());
+  }
+}
+
+}  // namespace
+
+fs::path SceneCacheFolder() {
+  if (const std::string own = assets::Environment("ROBOCELL_CACHE_DIR"); !own.empty())
+    return fs::path(own) / "scenes";
+  std::string cache = assets::Environment("XDG_CACHE_HOME");
+  if (cache.empty()) cache = assets::Environment("HOME") + "/.cache";
+  return fs::path(cache) / "robocell" / "scenes";
+}
+
+std::string SceneKey(const SceneSpec& spec) {
+  SceneSpec content = spec;  // with hashes for names of files
+  assets::ForEachModel(content, [](std::string& name, const std::string& directory) {
+    const FileSet files = ModelFileSet(assets::Resolve(name, directory));
+    name = files.hash + ":" + files.main;
+  });
+  std::string text = ToYaml(content);
+  for (const std::string& version : {std::string(Version()), std::string(mj_versionString())})
+    text += version + "\n";
+  return Sha256(text);
+}
+
+std::shared_ptr<CompiledScene> CompileSceneCached(const SceneSpec& spec, const fs::path& folder) {
+  std::optional<fs::path> file;
+  try {
+    file = folder / (SceneKey(spec) + kSuffix);
+  } catch (const NotFoundError&) {  // the compiler reports it among all that is wrong
+    return CompileScene(spec);
+  }
+  if (const auto text = ReadEntry(*file)) {
+    if (auto scene = SceneCacheEntry::Read(spec, *text)) return scene;
+    LogWarn("'" + file->string() + "' is damaged; the scene is compiled anew");
+  }
+  auto scene = CompileScene(spec);
+  Keep(*scene, folder, *file);
+  return scene;
+}
+
+void PruneSceneCache(const fs::path& folder, uint64_t most_bytes) {
+  struct Entry {
+    fs::file_time_type used;
+    uint64_t bytes;
+    fs::path path;
+  };
+  std::vector<Entry> entries;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() != kSuffix) continue;
+    std::error_code gone;  // another process prunes too
+    const Entry entry{it->last_write_time(gone), it->file_size(gone), it->path()};
+    if (!gone) entries.push_back(entry);
+  }
+  std::sort(entries.begin(), entries.end(),
+            [](const Entry& a, const Entry& b) { return a.used > b.used; });
+  uint64_t kept = 0;
+  for (const Entry& entry : entries) {
+    kept += entry.bytes;
+    if (kept > most_bytes) fs::remove(entry.path, error);
+  }
+}
+
+}  // namespace robocell
