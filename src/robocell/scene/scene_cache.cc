@@ -52,11 +52,10 @@ std::string_view CutLine(std::string_view& text) {
 class SceneCacheEntry {
  public:
   static std::string Write(const CompiledScene& scene) {
-    const nlohmann::json head = {{"robots", ToJson(scene.robots())},
-                                 {"objects", ToJson(scene.objects())},
-                                 {"warnings", scene.warnings()},
-                                 {"notes", scene.notes()},
-                                 {"home_key", scene.home_key()}};
+    const nlohmann::json head = {
+        {"robots", ToJson(scene.robots())}, {"objects", ToJson(scene.objects())},
+        {"warnings", scene.warnings()},     {"notes", scene.notes()},
+        {"home_key", scene.home_key()},     {"signature", scene.model()->signature}};
     const std::string rest = head.dump() + "\n" + SaveBinaryString(scene.model());
     return Sha256(rest) + "\n" + rest;
   }
@@ -75,6 +74,8 @@ class SceneCacheEntry {
     head.at("home_key").get_to(scene->home_key_);
     scene->model_owner_ = LoadBinaryString(text, "scene '" + spec.name + "'");
     scene->model_ = scene->model_owner_.get();
+    // The engine saves a model without it, and asks for it where a spec and a model meet.
+    head.at("signature").get_to(scene->model_->signature);
     scene->generation_ = CompiledScene::NextGeneration();
     return scene;
   }
