@@ -13,7 +13,6 @@ import json
 import os
 import platform
 import re
-import subprocess
 import sys
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -121,11 +120,8 @@ def main() -> None:
     logs = {name: (folder / f"{name}.log") for name in TARGETS}
     texts = {name: log.read_text(errors="replace") for name, log in logs.items() if log.exists()}
     when = datetime.fromtimestamp(file.stat().st_mtime, UTC).date().isoformat()
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], cwd=file.parent, capture_output=True, text=True
-    ).stdout.strip()
     cores = len(os.sched_getaffinity(0))
-    head = f"Of {when}, commit {commit}, on {cores} cores of {platform.machine()}:\n"
+    head = f"Of {when}, on {cores} cores of {platform.machine()}:\n"
     write(PAGE, f"{head}\n{table(notes, texts)}")
 
 

@@ -99,6 +99,7 @@ def survive(tmp_path: Path, kills: int, episodes: int, seed: int) -> Storm:
     assert storm.kills.total() >= kills, storm.kills
     storm.finish()
     assert storm.contents() == calm.contents()
+    figures.note("kills", **storm.kills)
     return storm
 
 
@@ -110,4 +111,3 @@ def test_a_dozen_deaths_lose_nothing(tmp_path: Path):
 def test_two_hundred_deaths_lose_nothing(tmp_path: Path):
     storm = survive(tmp_path, kills=200, episodes=12, seed=2)
     assert set(storm.kills) == set(WAYS)
-    figures.note("kills", **storm.kills)
