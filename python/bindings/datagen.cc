@@ -4,11 +4,13 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/pair.h>
 
+#include <array>
 #include <atomic>
 #include <memory>
 
 #include "bindings.h"
 #include "python_owner.h"
+#include "returned.h"
 #include "sampler.h"
 #include "signals.h"
 #include "robocell/base/error.h"
@@ -38,7 +40,9 @@ void BindReport(nb::module_& m) {
       .def_ro("stopped", &EpisodeReport::stopped, "Ended by the stop flag; nothing was kept.")
       .def_ro("resumed", &EpisodeReport::resumed, "It was complete before.")
       .def_ro("kept", &EpisodeReport::kept, "Episodes written now.")
-      .def_ro("attempts", &EpisodeReport::attempts)
+      .def_ro("attempts", &EpisodeReport::attempts, "That came to an end.")
+      .def_ro("undecided", &EpisodeReport::undecided,
+              "Attempts that the stop flag ended; they count nowhere else.")
       .def_ro("accepted", &EpisodeReport::accepted, "Attempts whose start the sampler accepted.")
       .def_ro("refusals", &EpisodeReport::refusals, "Reason -> count, of refused starts.")
       .def_ro("redrawn", &EpisodeReport::redrawn,
@@ -104,42 +108,37 @@ std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> Ma
   return [factory](const RunConfig& run, const EpisodeStart& start) {
     const nb::gil_scoped_acquire gil;
     nb::object made = ObjectOf(*factory)(nb::cast(run), nb::cast(start));
-    if (!nb::isinstance<Expert>(made)) {
-      throw ArgumentError("Runner: expert() must return an Expert, got " +
-                          nb::cast<std::string>(nb::repr(made)));
-    }
+    if (!nb::isinstance<Expert>(made)) ThrowReturned("Runner: expert()", "an Expert", made);
     return Shared<Expert>(std::move(made));
   };
 }
 
-// A runner that the collector can look into. A function defined in a script refers to the script's
-// variables, the runner often among them: without this the circle lives until the process ends, and
-// nanobind reports it as leaked.
+// A runner that the collector can look into. What is defined in a script, functions and classes,
+// refers to the script's variables, the runner often among them: without this the circle lives
+// until the process ends, and nanobind reports it as leaked.
 class PythonRunner : public Runner {
  public:
-  PythonRunner(const RunConfig& run, SharedKeeper expert, SharedKeeper sampler)
-      : Runner(run, {.sampler = MakeSamplerFactory(sampler), .expert = MakeExpertFactory(expert)}),
-        expert_(std::move(expert)),
-        sampler_(std::move(sampler)) {}
+  PythonRunner(const RunConfig& run, SharedKeeper expert, SharedKeeper sampler,
+               SharedKeeper made = ShareKeeper(nb::none()))
+      : Runner(run,
+               {.sampler = MakeSamplerFactory(sampler, made), .expert = MakeExpertFactory(expert)}),
+        kept_{std::move(expert), std::move(sampler), std::move(made)} {}
 
   static int Traverse(PyObject* self, visitproc visit, void* arg) {
     Py_VISIT(Py_TYPE(self));
     if (!nb::inst_ready(self)) return 0;
-    const auto* runner = nb::inst_ptr<PythonRunner>(self);
-    Py_VISIT(TargetOf(*runner->expert_));
-    Py_VISIT(TargetOf(*runner->sampler_));
+    for (const SharedKeeper& keeper : nb::inst_ptr<PythonRunner>(self)->kept_)
+      Py_VISIT(TargetOf(*keeper));
     return 0;
   }
   static int Clear(PyObject* self) {
     if (!nb::inst_ready(self)) return 0;
-    const auto* runner = nb::inst_ptr<PythonRunner>(self);
-    runner->expert_->reset();
-    runner->sampler_->reset();
+    for (const SharedKeeper& keeper : nb::inst_ptr<PythonRunner>(self)->kept_) keeper->reset();
     return 0;
   }
 
  private:
-  SharedKeeper expert_, sampler_;
+  std::array<SharedKeeper, 3> kept_;  // the functions, and the sampler that one has made
 };
 
 PyType_Slot runner_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&PythonRunner::Traverse)},
@@ -182,13 +181,16 @@ void BindDatagen(nb::module_& m) {
         "fields, model files and versions.");
   m.def(
       "check_run",
-      [](const RunConfig& run, bool scripted_expert) {
-        CheckRun(run, {.scripted_expert = scripted_expert});
+      [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {
+        CheckRun(run, {.scripted_expert = scripted_expert, .on_this_machine = on_this_machine});
       },
-      "run"_a, "scripted_expert"_a = true, nb::call_guard<nb::gil_scoped_release>(),
+      "run"_a, "scripted_expert"_a = true, "on_this_machine"_a = true,
+      nb::call_guard<nb::gil_scoped_release>(),
       "SpecError with everything that can be known to be wrong before the first episode: fields, "
-      "models, cameras, object kinds, names of columns, and what the scripted expert needs of the "
-      "robot. Writes nothing.");
+      "models, cameras, object kinds, names of columns, what the robot file says although its "
+      "model does otherwise, and what the scripted expert needs of the robot. With "
+      "`on_this_machine`, streams are drawn once: IoError without ffmpeg, Error without OpenGL. "
+      "Writes nothing.");
   m.def(
       "items_on_disk",
       [](const RunConfig& run, const std::vector<PlanItem>& items) {
@@ -212,6 +214,8 @@ void BindDatagen(nb::module_& m) {
       .def(
           "__init__",
           [](PythonRunner* self, const RunConfig& run, nb::object expert, nb::object sampler) {
+            RequireCallable(expert, "expert", "a function (run, start) -> Expert");
+            RequireCallable(sampler, "sampler", "a function (run) -> TaskSampler");
             new (self)
                 PythonRunner(run, ShareKeeper(std::move(expert)), ShareKeeper(std::move(sampler)));
           },

@@ -2,28 +2,17 @@
 
 #include <algorithm>
 
+#include "returned.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 
 namespace robocell::python {
 namespace {
 
-std::string ClassName(nb::handle self) {
-  return nb::cast<std::string>(nb::str(self.type().attr("__name__")));
-}
-
 template <class T>
-T As(nb::handle self, const char* method, const char* expected, nb::handle value) {
-  T out{};
-  if (nb::try_cast(value, out)) return out;
-  throw ArgumentError(ClassName(self) + "." + method + " must return " + expected + ", got " +
-                      nb::cast<std::string>(nb::repr(value)));
-}
-
-template <class T>
-T Returned(nb::handle self, const char* method, const char* expected) {
+T Ask(nb::handle self, const char* method) {
   const nb::gil_scoped_acquire gil;
-  return As<T>(self, method, expected, group_call::Method(self, method)());
+  return Returned<T>(self, method, group_call::Method(self, method)());
 }
 
 nb::object Array(std::span<const double> values) {
@@ -69,9 +58,7 @@ int Count(nb::handle self, const char* name) {
   return static_cast<int>(ToDoubles(Method(self, name)(), name).size());
 }
 
-double Number(nb::handle self, const char* name) {
-  return Returned<double>(self, name, "a number");
-}
+double Number(nb::handle self, const char* name) { return Ask<double>(self, name); }
 
 std::vector<Interval> Intervals(nb::handle self, const char* name) {
   const nb::gil_scoped_acquire gil;
@@ -81,14 +68,12 @@ std::vector<Interval> Intervals(nb::handle self, const char* name) {
   return intervals;
 }
 
-Pose Frame(nb::handle self, const char* name) { return Returned<Pose>(self, name, "a Pose"); }
+Pose Frame(nb::handle self, const char* name) { return Ask<Pose>(self, name); }
 
-std::string Text(nb::handle self, const char* name) {
-  return Returned<std::string>(self, name, "a text");
-}
+std::string Text(nb::handle self, const char* name) { return Ask<std::string>(self, name); }
 
 std::vector<std::string> Texts(nb::handle self, const char* name) {
-  return Returned<std::vector<std::string>>(self, name, "a list of texts");
+  return Ask<std::vector<std::string>>(self, name);
 }
 
 MoveGroupKind Kind(nb::handle self, MoveGroupKind otherwise) {
@@ -97,7 +82,9 @@ MoveGroupKind Kind(nb::handle self, MoveGroupKind otherwise) {
   const nb::object said = Method(self, "get_kind")();
   MoveGroupKind kind{};
   if (nb::try_cast(said, kind)) return kind;
-  const auto name = As<std::string>(self, "get_kind", "a MoveGroupKind or its name", said);
+  if (!nb::isinstance<nb::str>(said))
+    ThrowReturned(self, "get_kind", "a MoveGroupKind or its name", said);
+  const auto name = nb::cast<std::string>(said);
   std::vector<std::string> names;
   for (const auto& [value, text] : EnumNames<MoveGroupKind>::kNames) {
     if (name == text) return value;
@@ -135,7 +122,7 @@ void PyGripperGroup::SetOpening(double opening) {
 double PyGripperGroup::ctrl_for_opening(double opening) const {
   const nb::gil_scoped_acquire gil;
   const char* name = "ctrl_for_opening";
-  return As<double>(self(), name, "a number", group_call::Method(self(), name)(opening));
+  return Returned<double>(self(), name, group_call::Method(self(), name)(opening));
 }
 
 Interval PyGripperGroup::inter_finger_dist_range() const {
@@ -144,12 +131,12 @@ Interval PyGripperGroup::inter_finger_dist_range() const {
   return {range[0], range[1]};
 }
 
-bool PyGripperGroup::is_open() const { return Returned<bool>(self(), "get_is_open", "a bool"); }
+bool PyGripperGroup::is_open() const { return Ask<bool>(self(), "get_is_open"); }
 
 bool PyGripperGroup::is_grasping(const std::string& body) const {
   const nb::gil_scoped_acquire gil;
   const char* name = "get_is_grasping";
-  return As<bool>(self(), name, "a bool", group_call::Method(self(), name)(body));
+  return Returned<bool>(self(), name, group_call::Method(self(), name)(body));
 }
 
 void PyBaseGroup::SetPose(const Pose& pose_in_world) {
@@ -157,6 +144,6 @@ void PyBaseGroup::SetPose(const Pose& pose_in_world) {
   group_call::Method(self(), "set_pose")(pose_in_world);
 }
 
-bool PyBaseGroup::is_mobile() const { return Returned<bool>(self(), "get_is_mobile", "a bool"); }
+bool PyBaseGroup::is_mobile() const { return Ask<bool>(self(), "get_is_mobile"); }
 
 }  // namespace robocell::python

@@ -28,7 +28,13 @@ nb::list ToList(const std::vector<SceneObject>& objects) {
 
 std::vector<SceneObject> FromList(const nb::list& list) {
   std::vector<SceneObject> objects;
-  for (const nb::handle item : list) objects.push_back(nb::cast<const SceneObject&>(item));
+  for (const nb::handle item : list) {
+    if (!nb::isinstance<SceneObject>(item)) {
+      throw nb::type_error(
+          ("place_objects(): `objects` must be SceneObjects, got " + ShortRepr(item)).c_str());
+    }
+    objects.push_back(nb::cast<const SceneObject&>(item));
+  }
   return objects;
 }
 
@@ -54,8 +60,9 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
     if (!call.key.is_valid()) return PickTaskSampler::PlaceObjects(support, objects, rng);
     const RngLoan loan(rng);
     const nb::list list = ToList(objects);
-    const bool placed = CallPython<bool>(nb_trampoline.base(), call.key, "place_objects", support,
-                                         list, loan.rng());
+    const nb::handle self = nb_trampoline.base();
+    const bool placed =
+        Returned<bool>(self, "place_objects", self.attr(call.key)(support, list, loan.rng()));
     if (list.size() != objects.size()) {
       throw ArgumentError(
           "PickTaskSampler: place_objects() must not change which objects there "
@@ -94,10 +101,8 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
                                   false);
     if (!call.key.is_valid()) return PickTaskSampler::MakeTask(target, kind, objects);
     nb::object made = nb_trampoline.base().attr(call.key)(target, kind, objects);
-    if (!nb::isinstance<Task>(made)) {
-      throw ArgumentError("PickTaskSampler: make_task() must return a Task, got " +
-                          nb::cast<std::string>(nb::repr(made)));
-    }
+    if (!nb::isinstance<Task>(made))
+      ThrowReturned(nb_trampoline.base(), "make_task", "a Task", made);
     return Shared<Task>(std::move(made));
   }
 

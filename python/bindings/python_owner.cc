@@ -14,12 +14,23 @@ int ReleaseAbandonedPending(void*) {
   return 0;
 }
 
+// Whether this thread may touch Python's objects; also true while the interpreter ends and its
+// modules go, when Py_IsInitialized() is false already.
+bool HoldsGil() {
+#if PY_VERSION_HEX >= 0x030D0000
+  const PyThreadState* running = PyThreadState_GetUnchecked();
+#else
+  const PyThreadState* running = _PyThreadState_UncheckedGet();
+#endif
+  return running != nullptr && PyGILState_Check() == 1;
+}
+
 struct Release {
   PyObject* object;  // also found through a pointer that refers to something in it
 
   void operator()(void*) const noexcept {
+    if (HoldsGil()) return Py_DECREF(object);
     if (!Py_IsInitialized()) return;
-    if (PyGILState_Check()) return Py_DECREF(object);
     {
       const std::lock_guard<std::mutex> lock(mutex);
       abandoned.push_back(object);

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "bindings.h"
+#include "returned.h"
 
 namespace robocell::python {
 
@@ -22,8 +23,10 @@ PyObject* TargetOf(const std::shared_ptr<void>& keeper);
 
 // The C++ object that a Python object holds (an instance of a class bound here, or of a Python
 // subclass of one), as C++ keeps it: the Python object lives as long.
+// TypeError for a subclass whose __init__ did not call that of its base.
 template <class T>
 std::shared_ptr<T> Shared(nb::object object) {
+  RequireInitialised(object);
   T* held = nb::cast<T*>(object);
   return {KeepAlive(std::move(object)), held};
 }

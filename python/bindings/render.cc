@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "returned.h"
 #include "robocell/media/png.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/markers.h"
@@ -47,7 +48,14 @@ std::vector<Marker> FrameMarkers(const std::vector<std::pair<std::string, Pose>>
 CameraView ViewOf(const Scene& scene, nb::handle camera) {
   if (nb::isinstance<OrbitCamera>(camera)) return nb::cast<OrbitCamera>(camera);
   if (nb::isinstance<FreeCamera>(camera)) return nb::cast<FreeCamera>(camera);
-  return NamedCamera(scene.model(), nb::cast<std::string>(camera), "scene '" + scene.name() + "'");
+  if (nb::isinstance<nb::str>(camera)) {
+    return NamedCamera(scene.model(), nb::cast<std::string>(camera),
+                       "scene '" + scene.name() + "'");
+  }
+  throw nb::type_error(("render: `camera` must be the name of a camera, an OrbitCamera or a "
+                        "FreeCamera, got " +
+                        ShortRepr(camera))
+                           .c_str());
 }
 
 template <int R, int C>
@@ -66,8 +74,8 @@ nb::dict Render(SceneRenderer& self, nb::handle camera, int width, int height, b
   const std::vector<Marker> markers = FrameMarkers(frames, frame_length);
   const RenderRequest request{
       .camera = ViewOf(self.scene, camera), .width = width, .height = height, .markers = markers};
-  const size_t h = static_cast<size_t>(std::max(height, 0)),
-               w = static_cast<size_t>(std::max(width, 0));
+  CheckImageSize(width, height);
+  const size_t h = static_cast<size_t>(height), w = static_cast<size_t>(width);
   std::vector<uint8_t> colour(rgb ? 3 * w * h : 0);
   std::vector<float> metres(depth ? w * h : 0);
   std::vector<int32_t> bodies(segmentation ? w * h : 0);
@@ -84,6 +92,39 @@ nb::dict Render(SceneRenderer& self, nb::handle camera, int width, int height, b
   out["intrinsics"] = MatrixArray<3, 3>(model.intrinsics());
   out["extrinsics"] = MatrixArray<4, 4>(model.extrinsics());
   return out;
+}
+
+// What makes an array of some type one of bytes, in Python.
+const char* BytesHint(std::string_view dtype) {
+  if (dtype.starts_with("float")) return "; of values 0 ... 1: (x * 255).astype(np.uint8)";
+  if (dtype == "bool") return ": x.astype(np.uint8) * 255";
+  return ", of values 0 ... 255: x.astype(np.uint8)";
+}
+
+RgbImage ToImage(nb::handle value) {
+  using Image = nb::ndarray<const uint8_t, nb::shape<-1, -1, 3>, nb::device::cpu>;
+  Image given;
+  if (!nb::try_cast(value, given, /*convert=*/false)) {
+    std::string text = "write_png: `rgb` must be a uint8 array of shape (height, width, 3), got ";
+    if (nb::hasattr(value, "dtype") && nb::hasattr(value, "shape")) {
+      const auto dtype = nb::cast<std::string>(nb::str(nb::object(value.attr("dtype"))));
+      text +=
+          dtype + " of shape " + nb::cast<std::string>(nb::str(nb::object(value.attr("shape"))));
+      if (dtype != "uint8") text += BytesHint(dtype);
+    } else {
+      text += ShortRepr(value);
+    }
+    throw nb::type_error(text.c_str());
+  }
+  RgbImage image{static_cast<int>(given.shape(1)), static_cast<int>(given.shape(0)), {}};
+  image.pixels.reserve(given.size());
+  const auto at = given.view();
+  for (size_t row = 0; row < given.shape(0); ++row) {
+    for (size_t column = 0; column < given.shape(1); ++column) {
+      for (size_t c = 0; c < 3; ++c) image.pixels.push_back(at(row, column, c));
+    }
+  }
+  return image;
 }
 
 // A recorder that follows its scene and ends its file when a `with` block ends without an error.
@@ -207,7 +248,7 @@ void BindRender(nb::module_& m) {
           nb::call_guard<nb::gil_scoped_release>(),
           "`shadow_size`: side of the shadow map in pixels; what is large or seen from near needs "
           "more.")
-      .def("render", &Render, "camera"_a, "width"_a = 320, "height"_a = 240, "rgb"_a = true,
+      .def("render", &Render, "camera"_a.none(), "width"_a = 320, "height"_a = 240, "rgb"_a = true,
            "depth"_a = false, "segmentation"_a = false,
            "frames"_a = std::vector<std::pair<std::string, Pose>>{}, "frame_length"_a = 0.1,
            "One view as {rgb (H,W,3) uint8, depth (H,W) float32 metres with 0 for no hit, "
@@ -218,15 +259,16 @@ void BindRender(nb::module_& m) {
       .def_prop_ro("description", [](const SceneRenderer& r) { return r.renderer->description(); });
   m.def(
       "write_png",
-      [](const std::filesystem::path& path,
-         nb::ndarray<const uint8_t, nb::shape<-1, -1, 3>, nb::c_contig, nb::device::cpu> rgb) {
-        const RgbImage image{static_cast<int>(rgb.shape(1)),
-                             static_cast<int>(rgb.shape(0)),
-                             {rgb.data(), rgb.data() + rgb.size()}};
+      [](const std::filesystem::path& path, nb::handle rgb) {
+        const RgbImage image = ToImage(rgb);
         const nb::gil_scoped_release release;
         WritePng(path, image);
       },
-      "path"_a, "rgb"_a, "Writes a colour image, uint8 (H, W, 3).");
+      "path"_a, "rgb"_a.none(),
+      nb::sig("def write_png(path: str | os.PathLike, rgb: numpy.typing.NDArray[numpy.uint8]) -> "
+              "None"),
+      "Writes a colour image, uint8 (H, W, 3). TypeError for any other array, and what makes one "
+      "of it.");
   m.def(
       "describe_gl", [] { return DescribeGl(); }, nb::call_guard<nb::gil_scoped_release>(),
       "What draws on this machine. Raises an Error that names everything that was tried when "

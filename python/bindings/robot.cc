@@ -8,7 +8,9 @@
 #include "python_owner.h"
 #include "robot_cycles.h"
 #include "signals.h"
+#include "values.h"
 #include "robocell/env/stepper.h"
+#include "robocell/robot/check_config.h"
 #include "robocell/robot/robot.h"
 
 namespace nb = nanobind;
@@ -108,9 +110,21 @@ void BindGroups(nb::module_& m) {
   nb::class_<GripperGroup, MoveGroup, PyGripperGroup>(
       m, "GripperGroup", "A gripper: opening 0 closed ... 1 open whatever the raw control means.")
       .def(nb::init<>())
-      .def_prop_rw("opening", &GripperGroup::opening, &GripperGroup::SetOpening, Unlocked(),
-                   "Measured opening; setting it commands the actuator, and the robot's update "
-                   "keeps to it.")
+      .def_prop_rw(
+          "opening",
+          [](const GripperGroup& g) {
+            const nb::gil_scoped_release unlocked;
+            return g.opening();
+          },
+          [](GripperGroup& g, nb::handle opening) {
+            const double value = ToDouble(opening, FieldPath("opening"));
+            const nb::gil_scoped_release unlocked;
+            g.SetOpening(value);
+          },
+          nb::for_setter(nb::arg("value").none()),
+          nb::for_setter(nb::sig("def opening(self, value: float, /) -> None")),
+          "Measured opening; setting it commands the actuator, and the robot's update keeps to "
+          "it. Beyond 0 ... 1 the nearest is used, and the log says so once.")
       .def("open", &GripperGroup::Open, Unlocked())
       .def("close", &GripperGroup::Close, Unlocked())
       .def_prop_ro("inter_finger_dist", &GripperGroup::inter_finger_dist, "Metres.")
@@ -259,7 +273,10 @@ void BindRobotClass(nb::module_& m) {
       .def_prop_ro("jnt_vel_msr", [](const Robot& r) { return Values(r.jnt_vel_msr()); })
       .def_prop_ro("jnt_trq_msr", [](const Robot& r) { return Values(r.jnt_trq_msr()); })
       .def_prop_rw("jnt_pos_cmd", &CommandPort, &SetPort, nb::rv_policy::automatic,
-                   "Target of the arm; a view that can be written in place.")
+                   nb::for_setter(nb::arg("q").none()),
+                   nb::for_setter(nb::sig("def jnt_pos_cmd(self, q: object, /) -> None")),
+                   "Target of the arm; a view that can be written in place. Values beyond a "
+                   "joint's limits drive it to the limit, and the log says so once.")
       .def(
           "set_joint_pos", [](Robot& r, nb::handle q) { r.SetJointPos(ToDoubles(q, "q")); }, "q"_a,
           "Teleports the arm.")
@@ -299,6 +316,16 @@ void BindRobotClass(nb::module_& m) {
           },
           "Torques (n,) that hold the arm against gravity.")
       .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
+  m.def(
+      "check_config",
+      [](const Robot& robot) {
+        Problems problems(robot.config().locations);
+        CheckConfig(robot, problems);
+        problems.Throw("robot '" + robot.name() + "'");
+      },
+      "robot"_a, Unlocked(),
+      "SpecError when the robot's file says what its model does not do: a gripper's `distance` "
+      "that measuring contradicts, a base wider than the robot reaches.");
   m.def("robots_of", &RobotsOf, "scene"_a, Unlocked(), "All configured robots of a scene.");
 }
 

@@ -16,17 +16,35 @@ using namespace nb::literals;
 namespace robocell::python {
 namespace {
 
+// A task written in Python refers to its class, and that to its script's variables.
+int TraverseStart(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self)) return 0;
+  const std::shared_ptr<Task>& task = nb::inst_ptr<EpisodeStart>(self)->task;
+  if (task.use_count() == 1) Py_VISIT(TargetOf(task));  // else a copy of this start holds it too
+  return 0;
+}
+int ClearStart(PyObject* self) {
+  if (nb::inst_ready(self)) nb::inst_ptr<EpisodeStart>(self)->task.reset();
+  return 0;
+}
+
+PyType_Slot start_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseStart)},
+                             {Py_tp_clear, reinterpret_cast<void*>(&ClearStart)},
+                             {0, nullptr}};
+
 void BindStart(nb::module_& m) {
   nb::class_<EpisodeStart>(m, "EpisodeStart",
                            "Where and with what an episode starts: a scene at its start state, and "
-                           "its task.")
+                           "its task.",
+                           nb::type_slots(start_slots))
       .def(
           "__init__",
           [](EpisodeStart* self, const Scene& scene, nb::object task, const std::string& target,
              const std::vector<std::string>& kinds, const Pose& base_in_world) {
             if (!nb::isinstance<Task>(task)) {
-              throw ArgumentError("EpisodeStart: task must be a Task, got " +
-                                  nb::cast<std::string>(nb::repr(task)));
+              throw nb::type_error(
+                  ("EpisodeStart: task must be a Task, got " + ShortRepr(task)).c_str());
             }
             new (self)
                 EpisodeStart{scene, Shared<Task>(std::move(task)), target, kinds, base_in_world};
@@ -70,12 +88,12 @@ void BindRefusal(nb::module_& m) {
 
 }  // namespace
 
-SampleResult ToSampleResult(nb::handle made) {
+SampleResult ToSampleResult(nb::handle self, nb::handle made) {
+  RequireInitialised(made);
   if (nb::isinstance<EpisodeStart>(made))
     return {.start = nb::cast<EpisodeStart>(made), .refusal = {}};
   if (nb::isinstance<Refusal>(made)) return {.start = {}, .refusal = nb::cast<Refusal>(made)};
-  throw ArgumentError("TaskSampler: sample() must return an EpisodeStart or a Refusal, got " +
-                      nb::cast<std::string>(nb::repr(made)));
+  ThrowReturned(self, "sample", "an EpisodeStart or a Refusal", made);
 }
 
 nb::object SampleForPython(const SampleRequest& request, PythonRng& rng,
@@ -96,16 +114,16 @@ nb::object SampleForPython(const SampleRequest& request, PythonRng& rng,
   return nb::cast(std::move(result.refusal));
 }
 
-SamplerFactory MakeSamplerFactory(const SharedKeeper& make_sampler) {
+SamplerFactory MakeSamplerFactory(const SharedKeeper& make_sampler, const SharedKeeper& made) {
   if (!*make_sampler) return {};
-  return [factory = make_sampler](const RunConfig& run) {
+  return [factory = make_sampler, made](const RunConfig& run) {
     const nb::gil_scoped_acquire gil;
-    nb::object made = ObjectOf(*factory)(nb::cast(run));
-    if (!nb::isinstance<TaskSampler>(made)) {
-      throw ArgumentError("Runner: sampler() must return a TaskSampler, got " +
-                          nb::cast<std::string>(nb::repr(made)));
-    }
-    return Shared<TaskSampler>(std::move(made));
+    nb::object object = ObjectOf(*factory)(nb::cast(run));
+    if (!nb::isinstance<TaskSampler>(object))
+      ThrowReturned("Runner: sampler()", "a TaskSampler", object);
+    const std::shared_ptr<TaskSampler> sampler = Shared<TaskSampler>(object);
+    *made = KeepAlive(std::move(object));
+    return std::shared_ptr<TaskSampler>(made, sampler.get());
   };
 }
 

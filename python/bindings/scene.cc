@@ -233,7 +233,8 @@ void DefStepping(nb::class_<Scene>& c) {
       .def("timestep", &Scene::timestep, "Seconds per engine step.")
       .def("step", &Scene::Step, Unlocked(), "One engine step.")
       .def("step_n", &StepN, nb::arg("n"), Unlocked(),
-           "n engine steps; ends early when the state diverges, and at Ctrl-C.")
+           "n engine steps; ends early when the state diverges, and at Ctrl-C. ArgumentError for "
+           "a negative n.")
       .def("forward", &Scene::Forward, Unlocked(),
            "Recompute what follows from qpos, qvel and ctrl. Call it after writing to `data`.")
       .def("reset", &Reset, nb::arg("options") = nb::none(), nb::kw_only(),

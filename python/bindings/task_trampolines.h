@@ -17,61 +17,25 @@
 #include <vector>
 
 #include "bindings.h"
+#include "returned.h"
 #include "rng.h"
 #include "robocell/task/task.h"
 
 namespace robocell::python {
 
-// What a method must return, for messages.
-template <class R>
-struct Expected {
-  static std::string Text() {
-    if constexpr (std::is_same_v<R, bool>) return "True or False";
-    if constexpr (std::is_same_v<R, int>) return "a whole number";
-    if constexpr (std::is_same_v<R, double>) return "a number";
-    if constexpr (std::is_same_v<R, std::string>) return "a str";
-    if constexpr (std::is_same_v<R, std::vector<std::string>>) return "a list of str";
-    if constexpr (std::is_same_v<R, Action>) return "{robot: {group: GroupCommand}}";
-    if constexpr (nb::detail::is_base_caster_v<nb::detail::make_caster<R>>) {
-      return "a " + nb::cast<std::string>(nb::type<R>().attr("__name__"));
-    }
-  }
-};
-template <class T>
-struct Expected<std::optional<T>> {
-  static std::string Text() { return Expected<T>::Text() + " or None"; }
-};
-
-// What a Python method returned, numpy's numbers included: comparing them gives a numpy bool.
-// ArgumentError names the class and the method.
-template <class R>
-R Returned(nb::handle self, const char* method, nb::handle value) {
-  R result{};
-  if (nb::try_cast<R>(value, result)) return result;
-  if (nb::hasattr(value, "item") && nb::try_cast<R>(value.attr("item")(), result)) return result;
-  throw ArgumentError(nb::cast<std::string>(self.type().attr("__name__")) + "." + method +
-                      "() must return " + Expected<R>::Text() + ", got " +
-                      nb::cast<std::string>(nb::repr(value)));
-}
-
-template <class R, class... Args>
-R CallPython(nb::handle self, nb::handle key, const char* method, const Args&... args) {
-  const nb::object value = self.attr(key)(args...);
-  if constexpr (!std::is_void_v<R>) return Returned<R>(self, method, value);
-}
-
-// Calls the Python method when there is one, else `own`; without either nanobind says which
-// method the subclass lacks. `own` is a generic lambda: for abstract classes it is not compiled.
+// Calls the Python method when there is one, else `own`. TypeError without either, and
+// for what returned.h cannot convert. `own` is a generic lambda: for abstract classes it is not
+// compiled.
 template <class R, class Base, class Own, class... Args>
 R CallMethod(const nb::detail::trampoline& trampoline, const char* name, Base* self, Own own,
              const Args&... args) {
-  constexpr bool abstract = std::is_abstract_v<Base>;
-  const nb::detail::ticket call(trampoline, name, nb::detail::str_hash(name), abstract);
-  if constexpr (abstract) {
-    return CallPython<R>(trampoline.base(), call.key, name, args...);
+  const nb::detail::ticket call(trampoline, name, nb::detail::str_hash(name), false);
+  if constexpr (std::is_abstract_v<Base>) {
+    if (!call.key.is_valid()) ThrowMissing(trampoline.base(), name);
+    return Returned<R>(trampoline.base(), name, trampoline.base().attr(call.key)(args...));
   } else {
     if (!call.key.is_valid()) return own(self);
-    return CallPython<R>(trampoline.base(), call.key, name, args...);
+    return Returned<R>(trampoline.base(), name, trampoline.base().attr(call.key)(args...));
   }
 }
 
@@ -151,8 +115,8 @@ class PyExpertOf : public Base {
   }
 };
 
-// What sample() in Python returned; ArgumentError for anything but an EpisodeStart or a Refusal.
-SampleResult ToSampleResult(nb::handle made);
+// What sample() of `self` returned; TypeError for anything but an EpisodeStart or a Refusal.
+SampleResult ToSampleResult(nb::handle self, nb::handle made);
 // Samples without the GIL; Ctrl-C ends it. An EpisodeStart or a Refusal.
 nb::object SampleForPython(const SampleRequest& request, PythonRng& rng,
                            const std::function<SampleResult(const SampleRequest&, Rng&)>& sample);
@@ -181,14 +145,18 @@ class PySamplerOf : public Base {
  public:
   NB_TRAMPOLINE(Base);
   SampleResult Sample(const SampleRequest& request, Rng& rng) override {
-    const nb::detail::ticket call(nb_trampoline, "sample", nb::detail::str_hash("sample"),
-                                  std::is_abstract_v<Base>);
-    if constexpr (!std::is_abstract_v<Base>) {
-      if (!call.key.is_valid()) return Base::Sample(request, rng);
+    const nb::detail::ticket call(nb_trampoline, "sample", nb::detail::str_hash("sample"), false);
+    if (!call.key.is_valid()) {
+      if constexpr (std::is_abstract_v<Base>) {
+        ThrowMissing(nb_trampoline.base(), "sample");
+      } else {
+        return Base::Sample(request, rng);
+      }
     }
     const RngLoan loan(rng);
     const RequestLoan asked(request);
-    return ToSampleResult(nb_trampoline.base().attr(call.key)(asked.request(), loan.rng()));
+    return ToSampleResult(nb_trampoline.base(),
+                          nb_trampoline.base().attr(call.key)(asked.request(), loan.rng()));
   }
 };
 

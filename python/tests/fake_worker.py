@@ -71,7 +71,7 @@ class Maker:
                 time.sleep(1000)
             case "patient":  # works until it is told to stop
                 self.stop.event.wait(1000)
-                return Report(item.id, stopped=True, attempts=1)
+                return Report(item.id, stopped=True, undecided=1)
             case "slow":
                 time.sleep(0.3)
             case "fail":

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -14,6 +15,7 @@ import yaml
 
 import robocell
 from robocell.cli.doctor import advice
+from robocell.cli.generate import many_workers
 from robocell.cli.probes import Finding, State
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -375,14 +377,44 @@ def test_a_robot_without_gripper_is_told_with_its_groups(tmp_path: Path):
 def test_check_warns_of_what_is_valid_but_looks_wrong(tmp_path: Path):
     def spoil(config: dict[str, Any]) -> None:
         config.update(gravcomp=False, stiffness=20.0)
-        config["move_groups"]["gripper"]["distance"] = {"closed": 0.0, "open": 0.2}
 
     result = robocell_command("check", write_robot(tmp_path, spoil))
     assert result.returncode == 0, result.stderr
     assert "drifts by" in result.stderr
     assert "gravcomp: true" in result.stderr
-    assert "but `distance` says 0.200" in result.stderr
     assert "nothing found wrong" not in result.stdout
+
+
+def test_a_distance_that_the_gripper_does_not_have_is_refused_by_check_and_by_runs(tmp_path: Path):
+    distance = {"closed": 0.0, "open": 0.9}
+    robot = write_robot(tmp_path, set_in("move_groups", "gripper", "distance", value=distance))
+    text = "move_groups.gripper.distance: the fingers are 0.002 m apart when closed and 0.090 m "
+    assert text in refused("check", robot)
+    run = write_run(tmp_path, robot=str(robot))
+    for more in ([], ["--dry-run"]):
+        assert f"robot.{text}" in refused("generate", run, *more)
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_this_machine_lacks_is_told_before_anything_is_made(tmp_path: Path):
+    run = write_run(tmp_path)
+    for variable, code, text in (
+        ("ROBOCELL_FFMPEG", 3, "records 1 camera stream, on this machine that fails: ROBOCELL_FFM"),
+        ("ROBOCELL_GL", 2, "on this machine that fails: environment variable ROBOCELL_GL: no GL"),
+    ):
+        for more in ([], ["--dry-run"]):
+            result = robocell_command("generate", run, *more, environment={variable: "/no"})
+            assert result.returncode == code, result.stderr
+            assert text in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_verify_of_what_is_no_dataset_says_so(tmp_path: Path):
+    (tmp_path / "notes.txt").touch()
+    for more in ([], ["--repair"]):
+        text = refused("verify", tmp_path, *more)
+        assert "is no dataset: it has neither a dataset.json nor episodes, it holds notes.t" in text
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
 
 
 def test_the_range_of_grippers_is_printed_in_this_form():
@@ -443,3 +475,41 @@ def test_the_doctor_tells_what_to_do_about_what_is_missing(tmp_path: Path):
     result = robocell_command("doctor", environment={"ROBOCELL_FFMPEG": tmp_path / "none"})
     assert result.returncode == 1
     assert "video must be mended: sudo apt install ffmpeg" in result.stdout
+
+
+def test_more_workers_than_cores_are_told(tmp_path: Path):
+    result = robocell_command("generate", write_run(tmp_path), "--workers=999", "--dry-run")
+    assert result.returncode == 0, result.stderr
+    assert "warning: 999 workers on " in result.stderr
+    assert "make nothing faster" in result.stderr
+    cores = len(os.sched_getaffinity(0))
+    assert many_workers(cores) == ""
+
+
+def test_ctrl_c_while_the_command_is_loaded_leaves_no_traceback():
+    code = """
+import builtins, os, runpy, signal
+real = builtins.__import__
+def load(name, *rest, **more):
+    if name == "typer":
+        os.kill(os.getpid(), signal.SIGINT)
+    return real(name, *rest, **more)
+builtins.__import__ = load
+runpy.run_module("robocell", run_name="__main__")
+"""
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert result.returncode == -signal.SIGINT
+    assert result.stderr == ""
+
+
+@pytest.mark.parametrize("command", ["check", "generate"])
+def test_a_model_file_in_the_place_of_a_yaml_file_is_told(command: str):
+    model = RC7.with_suffix(".xml")
+    text = refused(command, model)
+    assert f"{model}: this is XML, a model file; a YAML file is wanted here" in text

@@ -51,16 +51,26 @@ def test_what_cameras_add_is_scaled_by_rows_and_by_episodes():
         tried=4,
         seen=1,
     )
+    assert "reasons" not in found.rows_of_text()
 
 
 def test_items_that_fail_take_time_and_leave_nothing():
     failed = Sample(
-        success=False, kept=0, rollouts=1, rows=0, frames=0, bytes=0, video_bytes=0, seconds=1.0
+        success=False,
+        kept=0,
+        rollouts=1,
+        rows=0,
+        frames=0,
+        bytes=0,
+        video_bytes=0,
+        seconds=1.0,
+        reasons={"timeout": 2, "no grasp": 3},
     )
     blind = [sample(60), failed]
     found = scaled(probe(blind, [sample(60, frames=60)]), items=10, workers=1)
     assert (found.episodes, found.successes, found.frames) == (5, 5, 300)
     assert found.rows_of_text()["episodes"] == "5 (5 of 10 items succeed)"
+    assert found.rows_of_text()["reasons"] == "no grasp 3, timeout 2"
     nothing = scaled(probe([failed], [failed]), items=10, workers=1)
     assert (nothing.episodes, nothing.frames, nothing.bytes) == (0, 0, 0)
 
@@ -88,6 +98,10 @@ def test_a_run_that_cannot_make_an_episode_is_told_so(tmp_path: Path):
     environment = {"ROBOCELL_FFMPEG": tmp_path / "none"}
     result = robocell_command("generate", run, "--dry-run", environment=environment)
     assert result.returncode == 3
-    assert "no episode can be made: " in result.stderr
-    assert "ROBOCELL_FFMPEG" in result.stderr
+    assert "records 1 camera stream, on this machine that fails: ROBOCELL_FFMPEG" in result.stderr
+    hasty = robocell_command("generate", run, "--dry-run", "--set", "rates.max_steps=3")
+    assert hasty.returncode == 1
+    assert "episodes: 0 (0 of 2 items succeed)" in hasty.stdout
+    assert "reasons:  timeout 40" in hasty.stdout
+    assert "none of the 2 tried succeeded: see the reasons" in hasty.stderr
     assert "no kind" in refused("generate", run, "--dry-run", "--set", "task.objects=[mgu]")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import re
 import weakref
 from collections.abc import Callable
 from pathlib import Path
@@ -130,7 +131,7 @@ def test_the_same_run_draws_the_same_numbers(tmp_path):
 
 
 def test_a_factory_must_return_an_expert(tmp_path):
-    with pytest.raises(rc.ArgumentError, match=r"expert\(\) must return an Expert, got 7"):
+    with pytest.raises(TypeError, match=r"expert\(\) must return an Expert, got 7"):
         make(load(tmp_path), lambda run, start: 7)
 
 
@@ -143,10 +144,10 @@ def test_what_a_method_returned_is_told_when_it_is_of_no_use(tmp_path):
         def phase(self):
             return "first"
 
-    with pytest.raises(rc.ArgumentError, match=r"Wordless.failure\(\) must return a str, got None"):
+    with pytest.raises(TypeError, match=r"Wordless.failure\(\) must return a str, got None"):
         make(load(tmp_path), lambda run, start: Wordless())
     with pytest.raises(
-        rc.ArgumentError, match=r"Vague.phase\(\) must return a whole number, got 'fi"
+        TypeError, match=r"Vague.phase\(\) must return a whole number, got 'fi"
     ):
         make(load(tmp_path), lambda run, start: Vague())
 
@@ -180,3 +181,15 @@ def test_experts_called_from_python_draw_from_the_stream_given():
     )
     assert expert.draws == [same.uniform()]
     assert rng.uniform() == same.uniform()
+
+
+def test_the_page_on_tasks_makes_a_dataset_with_its_expert(tmp_path, monkeypatch, capsys):
+    root = Path(__file__).resolve().parents[2]
+    page = (root / "docs/tasks.md").read_text()
+    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    for name in ("examples", "models"):
+        (tmp_path / name).symlink_to(root / name)
+    monkeypatch.chdir(tmp_path)
+    exec("\n".join(blocks[:2]), {"__name__": "page"})
+    assert "s0000_e0001 False {'not lifted': 1}" in capsys.readouterr().out
+    assert len(rc.Dataset("out/hold")) == 2

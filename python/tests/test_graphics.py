@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 import robocell as rc
@@ -49,3 +51,37 @@ def test_a_misspelt_back_end_is_named():
     assert result.returncode == 1
     assert "environment variable ROBOCELL_GL: no GL back end 'elg'" in result.stderr
     assert issubclass(rc.NotFoundError, rc.Error)
+
+
+@pytest.mark.parametrize(
+    ("image", "message"),
+    [
+        (np.zeros((4, 6, 3)), "got float64 of shape (4, 6, 3); of values 0 ... 1: (x * 255).ast"),
+        (np.zeros((4, 6, 3), int), "got int64 of shape (4, 6, 3), of values 0 ... 255: x.astype("),
+        (np.zeros((4, 6), np.uint8), "got uint8 of shape (4, 6)"),
+        (None, "got None"),
+    ],
+)
+def test_a_picture_of_anything_but_bytes_is_refused(tmp_path: Path, image: object, message: str):
+    with pytest.raises(TypeError) as caught:
+        rc.write_png(tmp_path / "x.png", image)  # type: ignore[arg-type]
+    expected = "write_png: `rgb` must be a uint8 array of shape (height, width, 3), "
+    assert expected + message in str(caught.value)
+    assert not (tmp_path / "x.png").exists()
+
+
+def test_a_picture_may_be_a_view(tmp_path: Path):
+    image = np.arange(4 * 6 * 3, dtype=np.uint8).reshape(4, 6, 3)
+    rc.write_png(tmp_path / "view.png", image[::2, ::-1])
+    rc.write_png(tmp_path / "copy.png", image[::2, ::-1].copy())
+    assert (tmp_path / "view.png").read_bytes() == (tmp_path / "copy.png").read_bytes()
+
+
+def test_a_camera_is_a_name_or_a_view():
+    scene = rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=True))
+    renderer = rc.Renderer(scene)
+    for wrong in (5, None, rc.CameraSpec(name="wrist")):
+        with pytest.raises(TypeError, match="must be the name of a camera, an OrbitCamera or a F"):
+            renderer.render(wrong)  # type: ignore[arg-type]
+    with pytest.raises(rc.ArgumentError, match="an image of 1000000 x 240 pixels"):
+        renderer.render(rc.OrbitCamera(), width=1_000_000)

@@ -197,7 +197,7 @@ def test_what_a_stage_must_not_do_is_told(tmp_path: Path):
             return True
 
     run = load(tmp_path)
-    with pytest.raises(rc.ArgumentError, match=r"make_task\(\) must return a Task, got 7"):
+    with pytest.raises(TypeError, match=r"make_task\(\) must return a Task, got 7"):
         sample(NoTask(run))
     with pytest.raises(rc.ArgumentError, match=r"place_objects\(\) must not change which objects"):
         sample(Fewer(run))
@@ -213,9 +213,9 @@ def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
 
     run = load(tmp_path)
     wanted = r"Nowhere.choose_base_placement\(\) must return a BasePlacement, got None"
-    with pytest.raises(rc.ArgumentError, match=wanted):
+    with pytest.raises(TypeError, match=wanted):
         rc.Runner(run, sampler=Nowhere).run(rc.make_plan(run)[0])
     del Nowhere.choose_base_placement
     wanted = r"Nowhere.check_base_pose\(\) must return a Refusal or None, got 'free'"
-    with pytest.raises(rc.ArgumentError, match=wanted):
+    with pytest.raises(TypeError, match=wanted):
         rc.Runner(run, sampler=Nowhere).run(rc.make_plan(run)[0])

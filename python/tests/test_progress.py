@@ -33,6 +33,17 @@ def totals_after_one() -> Totals:
     return totals
 
 
+def test_what_an_interruption_ended_is_no_failure():
+    totals = totals_after_one()
+    before = (totals.attempts, totals.success_rate, totals.acceptance_rate)
+    totals.add(Report("s0000_e0002", stopped=True, undecided=1))
+    assert (totals.attempts, totals.success_rate, totals.acceptance_rate) == before
+    assert totals.to_json()["undecided"] == 1
+    rows = Summary("demo", Path("out"), 6, totals).rows()
+    assert rows["dropped"] == "1 attempt when the run was interrupted; made again"
+    assert "dropped" not in Summary("demo", Path("out"), 6, totals_after_one()).rows()
+
+
 def test_counts_are_ordered_by_number_then_name():
     assert counts_text({"b": 1, "a": 1, "c": 5}) == "c 5, a 1, b 1"
     assert counts_text({"b": 1, "a": 1, "c": 5}, limit=1) == "c 5, and 2 more"

@@ -27,6 +27,7 @@ def made(name: str) -> Report:
         accepted=2,
         refusals={"too far": 1},
         failures={"dropped": 1},
+        redrawn={"no free place": 4},
         rows=70,
         seconds={"acting": 0.5},
     )
@@ -56,6 +57,7 @@ def test_a_report_is_read_as_it_was_written(tmp_path: Path):
     reports.save(tmp_path / "report.json", written)
     read = reports.load(tmp_path / "report.json")
     assert read.to_json() == written.to_json()
+    assert read.totals.record() == written.totals.record()
     assert list(read.episodes) == ["a", "b", "c"], "in the plan's order"
     assert read.commands[0].totals.deaths == written.commands[0].totals.deaths
     assert [path.name for path in tmp_path.iterdir()] == ["report.json"]
@@ -66,6 +68,7 @@ def test_the_counts_of_commands_add_up():
     assert (totals.planned, totals.made, totals.attempts, totals.rows) == (5, 3, 9, 210)
     assert (totals.elapsed_s, totals.workers, totals.retries, len(totals.deaths)) == (20.0, 2, 2, 2)
     assert totals.refusals == {"too far": 3}
+    assert totals.redrawn == {"no free place": 12}
     assert [unmade.id for unmade in totals.unmade] == ["z"], "the last command knows"
     both = side_by_side([totals, totals])
     assert (both.planned, both.made, both.elapsed_s, both.workers) == (10, 6, 20.0, 4)

@@ -164,7 +164,7 @@ class TestOwnGroups:
         message = r"KindLamp.get_kind: no kind 'amr'.*arm, gripper, base, generic.*mean 'arm'"
         with pytest.raises(rc.NotFoundError, match=message):
             KindLamp("amr").kind  # noqa: B018
-        with pytest.raises(rc.ArgumentError, match="get_kind must return a MoveGroupKind or its"):
+        with pytest.raises(TypeError, match=r"get_kind\(\) must return a MoveGroupKind or its"):
             KindLamp(7).kind  # noqa: B018
 
     def test_a_gripper_must_be_one(self, scene):

@@ -8,6 +8,8 @@ import sys
 import weakref
 from pathlib import Path
 
+import pytest
+
 import robocell as rc
 
 DEMO = Path(__file__).resolve().parents[2] / "examples" / "demo.yaml"
@@ -19,10 +21,36 @@ run = rc.RunConfig.load({str(DEMO)!r})
 runner = rc.Runner(run, lambda run, start: print(runner))
 """
 
+WITH_A_SAMPLER = f"""
+import robocell as rc
 
-def test_a_script_that_ends_with_a_runner_says_nothing_of_leaks(tmp_path: Path):
+
+class Mine(rc.PickTaskSampler):
+    def make_task(self, target, kind, objects):
+        return Judge(target, kind, objects)
+
+
+class Judge(rc.PickTask):
+    def reward(self, scene):
+        return runner and super().reward(scene)
+
+
+run = rc.RunConfig.load({str(DEMO)!r})
+run.task.objects = ["box"]
+runner = rc.Runner(run, sampler=Mine)
+sampler = Mine(run)
+for attempt in range(20):
+    start = sampler.sample(rc.SampleRequest(attempt=attempt), rc.Rng.stream(attempt, "test"))
+    if isinstance(start, rc.EpisodeStart):
+        break
+assert type(start.task) is Judge
+"""
+
+
+@pytest.mark.parametrize("text", [SCRIPT, WITH_A_SAMPLER])
+def test_a_script_that_ends_with_a_runner_says_nothing_of_leaks(tmp_path: Path, text: str):
     script = tmp_path / "script.py"
-    script.write_text(SCRIPT)
+    script.write_text(text)
     result = subprocess.run(
         [sys.executable, script],
         env={"PYTHONPATH": ":".join(sys.path)},

@@ -92,7 +92,7 @@ def test_the_task_that_was_given_is_the_task_of_the_start():
     scene = rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=False))
     task = Wait()
     assert rc.EpisodeStart(scene, task).task is task
-    with pytest.raises(rc.ArgumentError, match="task must be a Task, got 7"):
+    with pytest.raises(TypeError, match="task must be a Task, got 7"):
         rc.EpisodeStart(scene, 7)  # type: ignore[arg-type]
 
 
@@ -174,9 +174,9 @@ def test_what_is_no_sampler_or_no_start_is_told(tmp_path: Path):
             return "here"
 
     run = load(tmp_path)
-    with pytest.raises(rc.ArgumentError, match=r"sampler\(\) must return a TaskSampler, got 7"):
+    with pytest.raises(TypeError, match=r"sampler\(\) must return a TaskSampler, got 7"):
         rc.Runner(run, sampler=lambda run: 7)  # type: ignore[arg-type, return-value]
     with pytest.raises(
-        rc.ArgumentError, match="must return an EpisodeStart or a Refusal, got 'here'"
+        TypeError, match=r"sample\(\) must return an EpisodeStart or a Refusal, got 'here'"
     ):
         rc.Runner(run, sampler=lambda run: Wrong()).run(rc.make_plan(run)[0])

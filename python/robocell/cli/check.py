@@ -8,10 +8,11 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from robocell.cli.common import print_warning, print_wide, require_png
+from robocell import SpecError, check_config
+from robocell.cli.common import fail, print_warning, print_wide, require_png
 from robocell.cli.robot_checks import CHECKS
 from robocell.cli.robot_picture import draw_robot
-from robocell.cli.robot_scene import load_robot
+from robocell.cli.robot_scene import RobotScene, load_robot
 from robocell.cli.robot_table import actuators_table, frames_table, joints_table, summary_lines
 
 
@@ -39,11 +40,23 @@ def check(
     if picture:
         draw_robot(loaded, picture)
         print(f"\npicture: {picture}")
+    wrong = _wrong(loaded)
     warnings = [warning for find in CHECKS for warning in find(loaded)]
     console.print()
     for note in loaded.scene.notes:
         console.print(f"note: {note}", markup=False, highlight=False)
-    if not warnings:
-        print("nothing found wrong")
     for warning in warnings:
         print_warning(warning)
+    if wrong:
+        fail(wrong)
+    if not warnings:
+        print("nothing found wrong")
+
+
+def _wrong(loaded: RobotScene) -> str:
+    """What the file says although the model does otherwise; no run is made with that."""
+    try:
+        check_config(loaded.robot)
+    except SpecError as error:
+        return str(error)
+    return ""

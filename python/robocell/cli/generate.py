@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shlex
 import sys
 from collections.abc import Sequence
@@ -69,6 +70,8 @@ def generate(
     require_spec_file(run_file, RunConfig)
     named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
     job = Job(run_file, [*(set_ or []), *overrides(named)], shard)
+    if too_many := many_workers(job.run.workers):
+        print_warning(too_many)
     try:
         if dry_run:
             if crash := job.check():
@@ -84,6 +87,18 @@ def generate(
         summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)
         print_wide(summary.table())
     _end(result)
+
+
+def many_workers(workers: int) -> str:
+    """What to say of more workers than cores; empty when there are enough."""
+    cores = len(os.sched_getaffinity(0))
+    if workers <= 2 * cores:
+        return ""
+    many = "1 core" if cores == 1 else f"{cores} cores"
+    return (
+        f"{workers} workers on {many}: they make nothing faster and each takes its own memory; "
+        f"--workers {cores} is enough"
+    )
 
 
 def overrides(named: dict[str, Path | int | None]) -> list[str]:
@@ -117,6 +132,8 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
     print(f"what is to do takes about, after {found.tried} without and {found.seen} with cameras:")
     for label, text in found.rows_of_text().items():
         print(f"  {label + ':':<10}{text}")
+    if not found.successes:
+        fail(f"none of the {found.tried} tried succeeded: see the reasons", ExitCode.INCOMPLETE)
     free = free_bytes(job.dataset)
     if found.bytes > free:
         print_warning(f"{size(free)} are free on the disk of '{job.dataset.absolute()}'")

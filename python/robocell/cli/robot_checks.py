@@ -10,13 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from robocell import GripperGroup
 from robocell.cli.robot_scene import TIMESTEP_S, RobotScene
 
 HOLD_S = 1.0
-GRIPPER_S = 2.0
-# A measured finger distance may differ this much from the configured one.
-DISTANCE_TOLERANCE_M = 0.005
 
 
 def compiler_warnings(loaded: RobotScene) -> list[str]:
@@ -55,35 +51,6 @@ def hold(loaded: RobotScene) -> list[str]:
     ]
 
 
-def gripper_distances(loaded: RobotScene) -> list[str]:
-    """Do the fingers get as near and as far as the configuration says?"""
-    robot = loaded.robot
-    found = []
-    for name in robot.group_names:
-        group = robot.group(name)
-        if not isinstance(group, GripperGroup):
-            continue
-        for opening, said in zip((0.0, 1.0), group.inter_finger_dist_range, strict=True):
-            measured = _settle(loaded, group, opening)
-            if abs(measured - said) > DISTANCE_TOLERANCE_M:
-                state = "open" if opening else "closed"
-                found.append(
-                    f"gripper '{name}' is {measured:.3f} m apart when {state}, but `distance` says "
-                    f"{said:.3f}: correct it, or leave `distance` out to have it measured"
-                )
-    return found
-
-
-def _settle(loaded: RobotScene, gripper: GripperGroup, opening: float) -> float:
-    """The finger distance some time after the command, in metres."""
-    loaded.scene.reset()
-    for _ in range(round(GRIPPER_S / TIMESTEP_S)):
-        loaded.robot.update()
-        gripper.opening = opening
-        loaded.scene.step()
-    return float(gripper.inter_finger_dist)
-
-
 def idle_actuators(loaded: RobotScene) -> list[str]:
     """Actuators that belong to no group: nothing will ever command them."""
     model, robot = loaded.scene.model, loaded.robot
@@ -99,6 +66,5 @@ CHECKS: tuple[Callable[[RobotScene], list[str]], ...] = (
     compiler_warnings,
     contacts_at_home,
     hold,
-    gripper_distances,
     idle_actuators,
 )

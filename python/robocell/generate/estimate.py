@@ -7,11 +7,13 @@ import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from robocell.generate.items import counts_text
 from robocell.generate.probe import Probe, Sample
 from robocell.generate.protocol import Failure
 from robocell.generate.totals import counted, duration, size
@@ -41,6 +43,7 @@ class Estimate:
         workers: As configured.
         memory_bytes: Of all workers with their encoders, at most.
         tried, seen: Items that were made without and with cameras to know this.
+        reasons: Reason -> starts refused and rollouts failed among those that were tried.
     """
 
     items: int
@@ -54,6 +57,7 @@ class Estimate:
     memory_bytes: int
     tried: int
     seen: int
+    reasons: Mapping[str, int] = field(default_factory=dict)
 
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""
@@ -62,8 +66,10 @@ class Estimate:
     def rows_of_text(self) -> dict[str, str]:
         """Label -> text, in order."""
         share = f" ({self.successes} of {counted(self.items, 'item')} succeed)"
+        failing = self.successes < self.items
         return {
-            "episodes": f"{self.episodes}{share if self.successes < self.items else ''}",
+            "episodes": f"{self.episodes}{share if failing else ''}",
+            **({"reasons": counts_text(self.reasons, 6)} if failing and self.reasons else {}),
             "frames": f"{self.frames} ({counted(self.rows, 'row')})",
             "size": size(self.bytes),
             "time": f"{duration(self.seconds)} on {counted(self.workers, 'worker')}",
@@ -117,6 +123,7 @@ def scaled(probe: Probe, items: int, workers: int, cores: int | None = None) -> 
         ),
         tried=len(blind),
         seen=len(seeing),
+        reasons=sum((Counter(sample.reasons) for sample in blind), Counter()),
     )
 
 

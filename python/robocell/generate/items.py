@@ -37,6 +37,7 @@ class Report:
         resumed: It was decided before: all its attempts are on the disk.
         attempts: Starts sampled.
         accepted: Starts that the sampler accepted, that is rollouts.
+        undecided: Attempts that a stop request ended; they count nowhere else.
         refusals: Reason -> number of starts refused.
         redrawn: Reason -> number of places tried and given up within the attempts.
         failures: Reason -> number of rollouts that failed.
@@ -50,6 +51,7 @@ class Report:
     resumed: bool = False
     attempts: int = 0
     accepted: int = 0
+    undecided: int = 0
     refusals: Mapping[str, int] = field(default_factory=dict)
     failures: Mapping[str, int] = field(default_factory=dict)
     redrawn: Mapping[str, int] = field(default_factory=dict)
@@ -66,6 +68,7 @@ class Report:
             resumed=report.resumed,
             attempts=report.attempts,
             accepted=report.accepted,
+            undecided=report.undecided,
             refusals=dict(report.refusals),
             failures=dict(report.failures),
             redrawn=dict(report.redrawn),

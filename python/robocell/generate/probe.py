@@ -15,7 +15,7 @@ import resource
 import sys
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -40,6 +40,7 @@ class Sample:
         bytes: Of all their files.
         video_bytes: Of their videos.
         seconds: It took.
+        reasons: Reason -> starts refused and rollouts failed.
     """
 
     success: bool
@@ -50,6 +51,7 @@ class Sample:
     bytes: int
     video_bytes: int
     seconds: float
+    reasons: Mapping[str, int] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -141,6 +143,7 @@ def _make_one(runner: Runner, item: PlanItem, folder: Path) -> Sample:
         bytes=sum(file.stat().st_size for file in files),
         video_bytes=sum(file.stat().st_size for file in videos),
         seconds=seconds,
+        reasons={**report.refusals, **report.failures},
     )
 
 

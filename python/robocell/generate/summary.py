@@ -43,6 +43,7 @@ class Summary:
             "refusals": counts_text(totals.refusals),
             "placed again": counts_text(totals.redrawn),
             "failures": counts_text(totals.failures),
+            "dropped": _dropped(totals),
             "workers died": counts_text(Counter(death.reason for death in totals.deaths)),
             "made again": str(totals.retries) if totals.retries else "",
             "given up": ", ".join(unmade.id for unmade in totals.unmade),
@@ -73,6 +74,13 @@ class Summary:
         for label, text in self.rows().items():
             table.add_row(label, Text(text))
         return table
+
+
+def _dropped(totals: Totals) -> str:
+    """What an interruption ended before it was decided."""
+    if not totals.undecided:
+        return ""
+    return f"{counted(totals.undecided, 'attempt')} when the run was interrupted; made again"
 
 
 def stages_text(seconds: Mapping[str, float]) -> str:

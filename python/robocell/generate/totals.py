@@ -58,6 +58,7 @@ class Totals:
         made: Episodes made now.
         attempts: Starts sampled.
         accepted: Starts accepted by the sampler, that is rollouts.
+        undecided: Attempts that a stop request ended; they count nowhere else.
         rows: Rows of the episodes made now.
         refusals: Reason -> starts refused.
         redrawn: Reason -> places for objects and robot tried and given up within the attempts.
@@ -74,6 +75,7 @@ class Totals:
     made: int = 0
     attempts: int = 0
     accepted: int = 0
+    undecided: int = 0
     rows: int = 0
     refusals: Counter[str] = field(default_factory=Counter)
     redrawn: Counter[str] = field(default_factory=Counter)
@@ -90,6 +92,7 @@ class Totals:
         self.made += report.success
         self.attempts += report.attempts
         self.accepted += report.accepted
+        self.undecided += report.undecided
         self.rows += report.rows
         self.refusals.update(report.refusals)
         self.redrawn.update(report.redrawn)
@@ -152,6 +155,7 @@ class Totals:
             "unmade": len(self.unmade),
             "attempts": self.attempts,
             "accepted": self.accepted,
+            "undecided": self.undecided,
             "success_rate": self.success_rate,
             "acceptance_rate": self.acceptance_rate,
             "tried": self.tried,
@@ -188,8 +192,10 @@ class Totals:
             made=int(counts["made"]),
             attempts=int(counts["attempts"]),
             accepted=int(counts["accepted"]),
+            undecided=int(counts.get("undecided", 0)),
             rows=int(values["rows"]),
             refusals=Counter(counts["refusals"]),
+            redrawn=Counter(counts.get("redrawn", {})),
             failures=Counter(counts["failures"]),
             seconds=Counter(values["seconds"]),
             again=[Again(**again) for again in values["again"]],
@@ -222,9 +228,9 @@ def _sum(parts: Sequence[Totals]) -> Totals:
     for part in parts:
         whole.planned += part.planned
         whole.workers += part.workers
-        for name in ("made", "attempts", "accepted", "rows"):
+        for name in ("made", "attempts", "accepted", "undecided", "rows"):
             setattr(whole, name, getattr(whole, name) + getattr(part, name))
-        for counter in ("refusals", "failures", "seconds"):
+        for counter in ("refusals", "redrawn", "failures", "seconds"):
             getattr(whole, counter).update(getattr(part, counter))
         for listed in ("again", "deaths", "unmade"):
             getattr(whole, listed).extend(getattr(part, listed))

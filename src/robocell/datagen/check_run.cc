@@ -8,11 +8,14 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/datagen/check_reach.h"
+#include "robocell/datagen/check_streams.h"
 #include "robocell/datagen/episode_cameras.h"
 #include "robocell/datagen/episode_columns.h"
 #include "robocell/datagen/plan.h"
 #include "robocell/datagen/run_inputs.h"
 #include "robocell/datagen/sensor_columns.h"
+#include "robocell/robot/check_config.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/catalogue.h"
 #include "robocell/task/gripper_shape.h"
@@ -20,21 +23,6 @@
 
 namespace robocell {
 namespace {
-
-// What a spec may say but this version cannot record: refused, not ignored.
-void CheckStreams(const RunConfig& run, Problems& problems) {
-  Problems::Scope cameras(problems, "cameras.streams");
-  for (size_t i = 0; i < run.cameras.streams.size(); ++i) {
-    Problems::Scope item(problems, i);
-    const CameraConfig& stream = run.cameras.streams[i];
-    if (stream.rate != 0)
-      problems.AddAt("rate", "records take one frame per action; leave rate at 0");
-    if (stream.segmentation)
-      problems.AddAt("segmentation",
-                     "segmentation cannot be recorded yet, only rgb and depth; remove it");
-    if (!stream.rgb) problems.AddAt("rgb", "a recorded stream needs rgb: true");
-  }
-}
 
 void CheckKinds(const RunConfig& run, Problems& problems) {
   const std::vector<std::string> known = ObjectKinds();
@@ -78,7 +66,9 @@ class SceneCheck {
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
     Try("robot", [&] { CheckColumns(*scene, *robot); });
-    if (demands_.scripted_expert) Try("robot", [&] { CheckForExpert(*scene, *robot); });
+    Try("robot", [&] { CheckRobot(*robot); });
+    if (demands_.scripted_expert) CheckForExpert(*scene, *robot);
+    if (demands_.on_this_machine && problems_.empty()) CheckStreamsHere(run_, *scene, problems_);
   }
 
  private:
@@ -138,8 +128,19 @@ class SceneCheck {
     RobotColumns of_robot(schema, robot);
   }
 
-  // PickPlanner: an arm, a gripper that can be measured, a base that can be put somewhere.
-  void CheckForExpert(const Scene& scene, Robot& robot) const {
+  // Its file against its model.
+  void CheckRobot(const Robot& robot) {
+    Problems::Scope scope(problems_, "robot");
+    CheckConfig(robot, problems_);
+  }
+
+  // PickPlanner: an arm, a gripper that can be measured, a base that can be put where it reaches.
+  void CheckForExpert(const Scene& scene, Robot& robot) {
+    if (!Try("robot", [&] { CheckParts(scene, robot); })) return;
+    CheckReach(run_, robot, problems_);
+  }
+
+  void CheckParts(const Scene& scene, Robot& robot) const {
     robot.arm();
     robot.base().SetPose(robot.base().pose());
     if (!GripperShape::Supports(robot.gripper())) {

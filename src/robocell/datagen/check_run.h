@@ -1,6 +1,7 @@
 // Everything about a run that can be known to be wrong before its first episode: fields, streams
 // that cannot be recorded, object kinds, and, with robot and scene compiled once, models, cameras,
-// columns, and what the scripted expert needs of the robot.
+// columns, a robot file that its model contradicts, what the scripted expert needs of the robot,
+// and whether this machine can draw and encode the streams.
 //
 //   CheckRun(RunConfig::Load("pick.yaml"));   // SpecError: all problems with file:line:column
 #pragma once
@@ -11,9 +12,11 @@ namespace robocell {
 
 struct RunDemands {
   bool scripted_expert = true;  // false: the caller brings an expert, which knows what it needs
+  bool on_this_machine = true;  // false: the episodes are made elsewhere
 };
 
-// SpecError with all problems. Writes nothing.
+// SpecError with all problems; IoError or Error when this machine lacks an encoder or OpenGL and
+// streams are recorded. Writes nothing.
 void CheckRun(const RunConfig& run, const RunDemands& demands = {});
 
 // The part that needs no model.

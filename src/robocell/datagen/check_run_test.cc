@@ -111,6 +111,55 @@ TEST(CheckRun, EverySceneNeedsATable) {
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "bare.xml': site 'table_top' needs a box geom");
 }
 
+TEST(CheckRun, StreamsThatNoFileCanHoldAreToldWithoutAModel) {
+  RunConfig run = Demo();
+  run.cameras.streams[0].name = "left/wrist";
+  run.cameras.streams[1].width = 20000;
+  const std::string text = ExpectThrow<SpecError>([&] { CheckRunFields(run); },
+                                                  "cameras.streams[0].name: stream name "
+                                                  "'left/wrist' contains '/'");
+  EXPECT_THAT(text, HasSubstr("cameras.streams[1]: camera 'exo': size 20000x240 px is not between "
+                              "2x2 and 16384x16384"));
+  run = Demo();
+  run.cameras.resolution = {3, 0};  // told once
+  EXPECT_THAT(ExpectThrow<SpecError>([&] { CheckRunFields(run); }, "must be greater than 0"),
+              Not(HasSubstr("16384")));
+}
+
+TEST(CheckRun, ADistanceThatTheGripperDoesNotHaveIsRefused) {
+  RunConfig run = Demo();
+  run.robot.config.move_groups.find("gripper")->distance->open = 0.9;
+  ExpectThrow<SpecError>([&] { CheckRun(run, {.scripted_expert = false}); },
+                         "robot.move_groups.gripper.distance: the fingers are 0.002 m apart when "
+                         "closed and 0.090 m when open, not 0.002 and 0.900");
+}
+
+TEST(CheckRun, DistancesOutOfReachAreToldWithTheReach) {
+  RunConfig run = Demo();
+  run.task.base_distance = {0.3, 60};
+  const std::string text =
+      ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.base_distance: [0.3, 60] m goes beyond");
+  EXPECT_THAT(text, HasSubstr("of which 95 % is used"));
+  EXPECT_NO_THROW(CheckRun(run, {.scripted_expert = false, .on_this_machine = false}))
+      << "a sampler of the user's own may mean something else by it";
+  run = Demo();
+  run.task.base_height_offset = -25;
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.base_height_offset: -25 m puts the base");
+}
+
+TEST(CheckRun, ARunWithStreamsNeedsAnEncoder) {
+  const RunConfig run = Demo();
+  setenv("ROBOCELL_FFMPEG", "/no/such/ffmpeg", 1);
+  ExpectThrow<IoError>([&] { CheckRun(run); },
+                       "run 'demo' records 2 camera streams, on this machine that fails: "
+                       "ROBOCELL_FFMPEG is '/no/such/ffmpeg'");
+  EXPECT_NO_THROW(CheckRun(run, {.on_this_machine = false}));
+  RunConfig blind = Demo();
+  blind.cameras.streams = {};
+  EXPECT_NO_THROW(CheckRun(blind));
+  unsetenv("ROBOCELL_FFMPEG");
+}
+
 TEST(CheckRun, WhatTheScriptedExpertNeedsIsAskedOfItsRunsOnly) {
   RunConfig run = Demo();
   run.robot.config.base.kind = BaseKind::kFixed;

@@ -55,9 +55,6 @@ EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
         NamedCamera(scene.model(), FindCameraName(scene, stream), "stream '" + stream.name + "'");
     s.width = config.width(stream);
     s.height = config.height(stream);
-    const size_t pixels = static_cast<size_t>(s.width) * static_cast<size_t>(s.height);
-    s.rgb.resize(3 * pixels);
-    if (stream.depth) s.depth_mm.resize(pixels);
     const Eigen::Matrix3d k =
         ComputeCamera(scene.model(), scene.data(), s.view, s.width, s.height).intrinsics();
     s.video = schema.AddCamera(
@@ -73,6 +70,9 @@ EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
                                      .shape = {4, 4},
                                      .units = "m, 1",
                                      .frame = "world -> camera, OpenCV axes"});
+    const size_t pixels = static_cast<size_t>(s.width) * static_cast<size_t>(s.height);
+    s.rgb.resize(3 * pixels);  // of a size that the schema took
+    if (stream.depth) s.depth_mm.resize(pixels);
     streams_.push_back(std::move(s));
   }
 }

@@ -155,7 +155,7 @@ void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
 
 void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   RequireOutput(run);
-  if (options.check_run) CheckRun(run, {.scripted_expert = false});
+  if (options.check_run) CheckRun(run, {.scripted_expert = false, .on_this_machine = false});
   const RunInputs inputs = InputsOf(run);
   CreateFolder(run.output);
   WriteManifestIfDue(run, inputs);

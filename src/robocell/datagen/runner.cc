@@ -79,10 +79,17 @@ const RunConfig& Runner::run() const { return state_->run; }
 
 namespace {
 
+// An attempt that was not decided: neither accepted nor refused, neither success nor failure.
+void Drop(EpisodeReport& report) {
+  report.stopped = true;
+  ++report.undecided;
+}
+
 // Sums up a rollout.
 void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
-  report.stopped = rollout.stopped;
-  if (rollout.stopped) return;
+  if (rollout.stopped) return Drop(report);
+  ++report.attempts;
+  ++report.accepted;
   if (!rollout.success) ++report.failures[rollout.failure];
   report.committed |= rollout.committed;
   report.kept += rollout.committed;
@@ -97,21 +104,24 @@ void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
 
 void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& stop,
                             EpisodeReport& report) {
-  ++report.attempts;
   const auto began = std::chrono::steady_clock::now();
   Rng start_rng = AttemptStream(run, item, attempt, "start");
   SampleResult sample = sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
   report.seconds_sampling += Seconds(began);
-  if (ShouldStop(stop)) return void(report.stopped = true);
-  for (const auto& [reason, count] : sample.redrawn()) report.redrawn[ToString(reason)] += count;
+  if (ShouldStop(stop)) return Drop(report);
+  const auto count_redrawn = [&] {
+    for (const auto& [reason, count] : sample.redrawn()) report.redrawn[ToString(reason)] += count;
+  };
   if (!sample.start) {
+    count_redrawn();
+    ++report.attempts;
     ++report.refusals[ToString(sample.refusal.reason)];
     return;
   }
-  ++report.accepted;
   const std::shared_ptr<Expert> expert = parts.expert(run, *sample.start);
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
   AddTo(report, RunRollout(run, *sample.start, *expert, expert_rng, Options(item, attempt, stop)));
+  if (!report.stopped) count_redrawn();
 }
 
 EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {

@@ -34,11 +34,12 @@ struct EpisodeReport {
   PlanItem item;
   bool committed = false;  // something is on the disk
   bool success = false;
-  bool stopped = false;  // by the stop request
-  bool resumed = false;  // it was complete before
-  int kept = 0;          // episodes written now
-  int attempts = 0;
+  bool stopped = false;                 // by the stop request
+  bool resumed = false;                 // it was complete before
+  int kept = 0;                         // episodes written now
+  int attempts = 0;                     // that came to an end
   int accepted = 0;                     // attempts whose start the sampler accepted (= rollouts)
+  int undecided = 0;                    // attempts that the stop request ended
   std::map<std::string, int> refusals;  // reason -> count, of starts
   std::map<std::string, int> redrawn;   // reason -> count, of places tried within the attempts
   std::map<std::string, int> failures;  // reason -> count, of rollouts

@@ -220,6 +220,9 @@ TEST(Runner, AStopInTheMiddleOfARolloutIsObeyed) {
   const EpisodeReport report = runner.Run(MakePlan(run)[0], [&] { return stop; });
   EXPECT_TRUE(report.stopped);
   EXPECT_EQ(report.kept, 0);
+  EXPECT_EQ(report.undecided, 1);
+  EXPECT_EQ(report.accepted, 0) << "neither a success nor a failure";
+  EXPECT_TRUE(report.failures.empty());
   for (const auto& entry : std::filesystem::directory_iterator(run.output)) {
     EXPECT_THAT(entry.path().filename().string(), AnyOf("dataset.json", "models", ".lock-writers"));
   }
@@ -234,6 +237,8 @@ TEST(Runner, AStopWhileSamplingIsObeyed) {
   const EpisodeReport report = runner.Run(MakePlan(run)[0], [&] { return ++asked > 1; });
   EXPECT_TRUE(report.stopped);
   EXPECT_EQ(report.accepted, 0);
+  EXPECT_EQ(report.attempts, 0);
+  EXPECT_EQ(report.undecided, 1);
   EXPECT_TRUE(report.refusals.empty());
   EXPECT_GT(asked, 2) << "the sampler asks too";
 }

@@ -28,13 +28,14 @@ std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
   throw NotFoundError(NoSuchName("renderer", "back end", options.backend, RendererBackends()));
 }
 
+void CheckImageSize(int width, int height) {
+  if (width >= 1 && height >= 1 && width <= kLargest && height <= kLargest) return;
+  throw ArgumentError(fmt::format("an image of {} x {} pixels; each side must be between 1 and {}",
+                                  width, height, kLargest));
+}
+
 void CheckOutputs(const RenderRequest& request, const RenderOutputs& outputs) {
-  if (request.width < 1 || request.height < 1 || request.width > kLargest ||
-      request.height > kLargest) {
-    throw ArgumentError(
-        fmt::format("an image of {} x {} pixels; each side must be between 1 and {}", request.width,
-                    request.height, kLargest));
-  }
+  CheckImageSize(request.width, request.height);
   CheckSize("rgb", outputs.rgb.size(), request, 3);
   CheckSize("depth", outputs.depth.size(), request, 1);
   CheckSize("depth_mm", outputs.depth_mm.size(), request, 1);

@@ -95,6 +95,9 @@ std::vector<std::string> RendererBackends();
 // NotFoundError for an unknown back end; Error when it does not work on this machine.
 std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options = {});
 
+// ArgumentError for an image of no size, or of one that no back end draws.
+void CheckImageSize(int width, int height);
+
 // ArgumentError unless each buffer is empty or holds exactly one image; for back ends.
 void CheckOutputs(const RenderRequest& request, const RenderOutputs& outputs);
 

@@ -129,7 +129,8 @@ double ActuatedGripper::ctrl_for_opening(double opening) const {
 
 void ActuatedGripper::SetOpening(double opening) {
   core().Bind();
-  const double ctrl = ctrl_for_opening(opening);
+  const double ctrl = ctrl_for_opening(
+      beyond_.Clamp(opening, {0, 1}, [&] { return core().place() + ": opening"; }));
   for (const int a : core().ctrl_addresses()) core().data()->ctrl[a] = ctrl;
 }
 

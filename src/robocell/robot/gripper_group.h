@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/finger.h"
 #include "robocell/robot/gripper_range.h"
 #include "robocell/robot/joint_group.h"
@@ -57,6 +58,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   mutable std::optional<GripperRange> measured_;
   mutable uint64_t generation_ = ~uint64_t{0};
   mutable GripperParts parts_;
+  BeyondLimits beyond_;
 };
 
 }  // namespace robocell

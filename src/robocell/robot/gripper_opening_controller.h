@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/controller.h"
 #include "robocell/robot/move_group.h"
 
@@ -18,7 +19,7 @@ class GripperOpeningController : public Controller {
 
   std::string_view kind() const override { return "joint_position"; }
   int target_size() const override { return 1; }
-  // Clamped to 0..1; the actuators are told at once.
+  // Beyond 0..1 the nearest is used, which is told once; the actuators are told at once.
   void SetTarget(std::span<const double> target) override;
   std::span<const double> target() const override { return {&opening_, 1}; }
   std::span<const double> commanded_joint_pos() const override { return target(); }
@@ -31,6 +32,7 @@ class GripperOpeningController : public Controller {
   double opening_ = 1;
   std::vector<double> present_;  // control of the actuators, scratch
   double seen_ = 0;              // control of the first one, as this controller knows it
+  BeyondLimits beyond_;
 };
 
 }  // namespace robocell

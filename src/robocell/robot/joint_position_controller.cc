@@ -1,10 +1,16 @@
 #include "robocell/robot/joint_position_controller.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "robocell/robot/gripper_opening_controller.h"
 
 namespace robocell {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+}  // namespace
 
 std::unique_ptr<Controller> MakeJointPositionController(MoveGroup& group) {
   if (auto* gripper = dynamic_cast<GripperGroup*>(&group)) {
@@ -14,7 +20,11 @@ std::unique_ptr<Controller> MakeJointPositionController(MoveGroup& group) {
 }
 
 JointPositionController::JointPositionController(MoveGroup& group)
-    : group_(group), target_(group.joint_pos()) {
+    : group_(group),
+      target_(group.joint_pos()),
+      within_(target_.size()),
+      limits_(group.joint_pos_limits()) {
+  limits_.resize(target_.size(), Interval{-kInfinity, kInfinity});
   std::vector<double> ctrl(group.nu());
   group.CtrlForJointPos(target_, ctrl);  // says at once when the group has no servos
 }
@@ -22,6 +32,17 @@ JointPositionController::JointPositionController(MoveGroup& group)
 void JointPositionController::SetTarget(std::span<const double> target) {
   CheckValues([&] { return group_.place(); }, "joint", target, target_size(), group_.joint_names());
   std::copy(target.begin(), target.end(), target_.begin());
+}
+
+void JointPositionController::Compute(std::span<double> ctrl) {
+  for (size_t i = 0; i < target_.size(); ++i) {
+    within_[i] = beyond_.Clamp(target_[i], limits_[i], [&] {
+      const std::vector<std::string>& names = group_.joint_names();
+      return group_.place() + ": joint " +
+             (names.size() == target_.size() ? "'" + names[i] + "'" : std::to_string(i));
+    });
+  }
+  group_.CtrlForJointPos(within_, ctrl);
 }
 
 }  // namespace robocell

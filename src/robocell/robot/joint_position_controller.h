@@ -1,9 +1,11 @@
-// The position port: drives each joint of a group to a target through its own servo.
+// The position port: drives each joint of a group to a target through its own servo, within the
+// joint's limits.
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/controller.h"
 #include "robocell/robot/move_group.h"
 
@@ -24,11 +26,15 @@ class JointPositionController : public Controller {
   std::span<const double> commanded_joint_pos() const override { return target_; }
   std::span<double> command_port() override { return target_; }
   void Reset() override { group_.GetJointPos(target_); }
-  void Compute(std::span<double> ctrl) override { group_.CtrlForJointPos(target_, ctrl); }
+  // What is beyond a joint's limits drives the joint to its limit, and is told once.
+  void Compute(std::span<double> ctrl) override;
 
  private:
   MoveGroup& group_;
   std::vector<double> target_;
+  std::vector<double> within_;  // the target inside the limits, scratch
+  std::vector<Interval> limits_;
+  BeyondLimits beyond_;
 };
 
 }  // namespace robocell

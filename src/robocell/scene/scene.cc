@@ -49,6 +49,10 @@ double Scene::timestep() const { return open().model()->opt.timestep; }
 
 StepResult Scene::StepN(int n) {
   State& s = open();
+  if (n < 0) {
+    throw ArgumentError("scene '" + name() + "': cannot step " + std::to_string(n) +
+                        " times; time only goes forward, reset() starts again");
+  }
   return robocell::Step(s.model(), s.data.data, n, s.context);
 }
 

@@ -67,6 +67,13 @@ TEST(Scene, PosesAreThoseOfTheStateAfterTheStep) {
   EXPECT_EQ(camera, scene.camera_pose("wrist_camera"));
 }
 
+TEST(Scene, TimeOnlyGoesForward) {
+  Scene scene = Scene::Build(EmptyScene());
+  ExpectThrow<ArgumentError>([&] { (void)scene.StepN(-1); }, "cannot step -1 times");
+  EXPECT_EQ(scene.time(), 0);
+  EXPECT_TRUE(scene.StepN(0).ok());
+}
+
 TEST(Scene, AskingForPosesDoesNotChangePhysics) {
   Scene quiet = Scene::Build(Workplace()), asked = Scene::Build(Workplace());
   for (int i = 0; i < 200; ++i) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "robocell/spec/timestep.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -73,6 +74,7 @@ int Rates::control_ticks() const { return Multiple(policy_ms, control_ms); }
 int Rates::sim_steps() const { return Multiple(control_ms, sim_ms); }
 
 void Rates::Validate(Problems& problems) const {
+  CheckTimestep(sim_ms, 1000, "sim_ms", problems);
   CheckMultiple("policy_ms", policy_ms, "control_ms", control_ms, problems);
   CheckMultiple("control_ms", control_ms, "sim_ms", sim_ms, problems);
 }

@@ -53,6 +53,9 @@ TEST(Rates, AreMultiplesOfEachOther) {
   EXPECT_THAT(ValidationError(Rates{.policy_ms = 1, .control_ms = 2}),
               HasSubstr("policy_ms: 1 ms is not a multiple of control_ms (2 ms)"));
   EXPECT_THAT(ValidationError(Rates{.sim_ms = 0}), HasSubstr("sim_ms: 0 must be greater than 0"));
+  EXPECT_EQ(ValidationError(Rates{.policy_ms = 1000, .control_ms = 500, .sim_ms = 500}),
+            "it is not valid: sim_ms: 500 ms is too long for a step of the engine, at most 100 ms; "
+            "2 ms is usual");
 }
 
 TEST(TaskConfig, RangesAreSmallestFirst) {

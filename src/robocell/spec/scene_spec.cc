@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 
+#include "robocell/spec/timestep.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -51,6 +52,7 @@ void SceneSpec::Validate(Problems& problems) const {
     if (!add_skybox)
       problems.AddAt("add_skybox", "is required without a base scene: true or false");
   }
+  if (timestep) CheckTimestep(*timestep, 1, "timestep", problems);
   std::vector<std::string> prefixes;
   for (const RobotSpec& robot : robots) prefixes.push_back(robot.prefix);
   CheckUnique(prefixes, "robots", "prefix", problems);

@@ -40,6 +40,14 @@ TEST(SceneSpec, TheTimestepIsPositive) {
   EXPECT_EQ(ValidationError(spec), "it is not valid: timestep: 0 must be greater than 0");
 }
 
+TEST(SceneSpec, ATimestepInAnotherUnitIsTold) {
+  SceneSpec spec = Empty();
+  spec.timestep = 2;
+  EXPECT_EQ(ValidationError(spec),
+            "it is not valid: timestep: 2 s is too long for a step of the engine, at most 0.1 s; "
+            "0.002 s is usual");
+}
+
 TEST(SceneSpec, NamesAndPrefixesAreUnique) {
   SceneSpec spec = Empty();
   spec.robots = {{.name = "a", .path = "a.xml", .prefix = "l_"},

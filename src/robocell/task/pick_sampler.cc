@@ -26,7 +26,6 @@ constexpr double kObjectGap = 0.03;        // metres between objects
 constexpr double kEdgeMargin = 0.03;       // from the support's edge
 constexpr double kWidening = 0.15;         // share of the range that further attempts spread by
 constexpr double kBaseClearance = 0.01;    // metres between the robot and everything else
-constexpr double kReachShare = 0.95;       // of the robot's reach that is used
 constexpr double kFacingNoise = 0.35;      // rad
 constexpr int kBearings = 72;              // directions that a base pose is looked for in
 constexpr const char* kTarget = "target";  // its name in the scene

@@ -28,6 +28,8 @@ struct BasePlacement {
 
 class PickTaskSampler : public TaskSampler {
  public:
+  static constexpr double kReachShare = 0.95;  // of the robot's reach that is used
+
   explicit PickTaskSampler(RunConfig run) : run_(std::move(run)) {}
 
   SampleResult Sample(const SampleRequest& request, Rng& rng) override;

@@ -1,0 +1,122 @@
+"""What classes written in Python give to C++: anything wrong names class, method and value."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from test_experts import Idle, load
+
+Expert = Callable[[rc.RunConfig, rc.EpisodeStart], rc.Expert]
+
+
+class Returns(Idle):
+    """An expert one of whose methods returns what it was made with."""
+
+    def __init__(self, method: str, value: Any) -> None:
+        super().__init__()
+        setattr(type(self), method, lambda *_: value)
+
+
+def expert_returning(method: str, value: Any) -> Expert:
+    own = type("Mine", (Returns,), {})
+    return lambda run, start: own(method, value)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> rc.RunConfig:
+    return load(tmp_path_factory.mktemp("returned"), max_attempts=1)
+
+
+def told(run: rc.RunConfig, **parts: Any) -> str:
+    with pytest.raises(TypeError) as caught:
+        rc.Runner(run, **parts).run(rc.make_plan(run)[0])
+    return str(caught.value)
+
+
+OPEN = rc.GroupCommand.opening(1)
+ACTION = "Mine.act() must return {robot: {group: GroupCommand}}: "
+
+
+@pytest.mark.parametrize(
+    ("method", "value", "message"),
+    [
+        ("act", None, ACTION + "got None"),
+        ("act", {"arm": OPEN}, ACTION + "['arm'] is a GroupCommand: the outer keys are robots"),
+        ("act", {"rc7": [0.0]}, ACTION + "['rc7'] is a list, not {group: GroupCommand}"),
+        (
+            "act",
+            {"rc7": {"arm": np.zeros(7)}},
+            ACTION + "['rc7']['arm'] is a numpy.ndarray, not a GroupCommand such as ",
+        ),
+        ("act", {1: {}}, ACTION + "[1] is no name of a robot"),
+        ("done", None, "Mine.done() must return True or False, got None"),
+        ("failure", None, "Mine.failure() must return a str, got None"),
+        ("phase", "grasp", "Mine.phase() must return a whole number, got 'grasp'"),
+        ("phase_names", "grasp", "Mine.phase_names() must return a list of str, got 'grasp'"),
+    ],
+)
+def test_what_an_expert_returns_is_told(run: rc.RunConfig, method: str, value: Any, message: str):
+    assert message in told(run, expert=expert_returning(method, value))
+
+
+def test_numpys_own_bool_is_one(run: rc.RunConfig):
+    report = rc.Runner(run, expert=expert_returning("done", np.True_)).run(rc.make_plan(run)[0])
+    assert report.accepted == 1
+
+
+def test_a_method_that_is_missing_is_named(run: rc.RunConfig):
+    class Lazy(rc.Expert):
+        pass
+
+    assert told(run, expert=lambda *_: Lazy()) == "Lazy must define begin()"
+
+    class Sampler(rc.TaskSampler):
+        pass
+
+    assert told(run, sampler=lambda _: Sampler()) == "Sampler must define sample()"
+
+
+def test_a_forgotten_super_init_is_named(run: rc.RunConfig):
+    class Forgetful(Idle):
+        def __init__(self) -> None:
+            pass
+
+    class Sampler(rc.PickTaskSampler):
+        def __init__(self, run: rc.RunConfig) -> None:
+            pass
+
+    text = "{0}.__init__() must call super().__init__(...) before the {0} can be used"
+    assert told(run, expert=lambda *_: Forgetful()) == text.format("Forgetful")
+    assert told(run, sampler=Sampler) == text.format("Sampler")
+
+
+def test_stages_and_tasks_are_told_too(run: rc.RunConfig):
+    class Task(rc.PickTask):
+        def reward(self, scene: rc.Scene) -> float:
+            return None  # type: ignore[return-value]
+
+    class Sampler(rc.PickTaskSampler):
+        def make_task(self, target: str, kind: str, objects: Any) -> rc.Task:
+            return Task(target, kind, objects)
+
+    class Placed(rc.PickTaskSampler):
+        def choose_base_placement(self, request: rc.SampleRequest, rng: rc.Rng) -> Any:
+            return (0.4, 0.0)
+
+    assert told(run, sampler=Sampler) == "Task.reward() must return a number, got None"
+    expected = "Placed.choose_base_placement() must return a BasePlacement, got (0.4, 0.0)"
+    assert told(run, sampler=Placed) == expected
+
+
+def test_what_makes_the_parts_must_be_a_function(run: rc.RunConfig):
+    message = "Runner: `expert` must be a function (run, start) -> Expert, got <"
+    with pytest.raises(TypeError, match=re.escape(message)):
+        rc.Runner(run, expert=Idle())  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="`sampler` must be a function"):
+        rc.Runner(run, sampler=5)  # type: ignore[arg-type]

@@ -1,0 +1,16 @@
+#include "robocell/robot/beyond_limits.h"
+
+#include <fmt/format.h>
+
+#include "robocell/base/log.h"
+
+namespace robocell {
+
+void BeyondLimits::Tell(const std::string& what, double value, const Interval& range) {
+  LogWarn(
+      fmt::format("{} is commanded to {:g}, beyond [{:g}, {:g}]; the nearest value inside is used "
+                  "(said once)",
+                  what, value, range.lower, range.upper));
+}
+
+}  // namespace robocell

@@ -1,0 +1,34 @@
+// What happens to commands beyond a limit: the nearest value inside is used, and the first time the
+// log says so. Not for NaN and wrong sizes, which are refused (CheckValues).
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+#include "robocell/robot/move_group.h"
+
+namespace robocell {
+
+class BeyondLimits {
+ public:
+  // `value` inside `range`; NaN stays NaN. `what()` names what is commanded and is called at most
+  // once in the life of this object. No allocation inside the range.
+  template <class What>
+  double Clamp(double value, const Interval& range, const What& what) {
+    const double inside = std::clamp(value, range.lower, range.upper);
+    if (!told_ && (value < range.lower - kSlack || value > range.upper + kSlack)) {
+      told_ = true;
+      Tell(what(), value, range);
+    }
+    return inside;
+  }
+
+ private:
+  static constexpr double kSlack = 1e-3;  // what rounding and small overshoot may amount to
+
+  static void Tell(const std::string& what, double value, const Interval& range);
+
+  bool told_ = false;
+};
+
+}  // namespace robocell

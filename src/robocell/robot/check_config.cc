@@ -1,0 +1,70 @@
+#include "robocell/robot/check_config.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/robot/gripper_group.h"
+
+namespace robocell {
+namespace {
+
+// A measured finger distance may differ this much from the configured one, metres.
+constexpr double kDistanceTolerance = 0.005;
+
+void CheckDistance(const ActuatedGripper& gripper, const GripperDistance& said,
+                   Problems& problems) {
+  try {
+    const GripperDistance measured = gripper.Measure().distance;
+    if (std::abs(measured.closed - said.closed) <= kDistanceTolerance &&
+        std::abs(measured.open - said.open) <= kDistanceTolerance)
+      return;
+    problems.AddAt("distance",
+                   fmt::format("the fingers are {:.3f} m apart when closed and {:.3f} m when open, "
+                               "not {:.3f} and {:.3f}: correct it, or leave `distance` out to "
+                               "have it measured",
+                               measured.closed, measured.open, said.closed, said.open));
+  } catch (const Error& error) {  // it cannot be measured as it is configured
+    problems.Add(error.what());
+  }
+}
+
+void CheckGrippers(const Robot& robot, Problems& problems) {
+  Problems::Scope groups(problems, "move_groups");
+  for (const auto& [name, config] : robot.config().move_groups.entries()) {
+    if (!config->distance || !robot.has_group(name)) continue;
+    const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
+    Problems::Scope group(problems, name);
+    if (gripper) CheckDistance(*gripper, *config->distance, problems);
+  }
+}
+
+bool HasArm(const Robot& robot) {
+  const std::vector<std::string> names = robot.group_names();
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    return robot.group(name).kind() == MoveGroupKind::kArm;
+  });
+}
+
+// A box so wide that the arm ends above it: metres that were meant as centimetres.
+void CheckBaseSize(const Robot& robot, Problems& problems) {
+  const std::optional<Vec3>& size = robot.config().base.size;
+  if (!size || !HasArm(robot)) return;
+  const double reach = robot.reach();
+  if (std::min((*size)[0], (*size)[1]) / 2 <= reach) return;
+  problems.AddAt("base.size",
+                 fmt::format("on a box of {:g} x {:g} x {:g} m the robot reaches nothing beside "
+                             "it: its reach is {:.2f} m. Length, width and height are in metres",
+                             (*size)[0], (*size)[1], (*size)[2], reach));
+}
+
+}  // namespace
+
+void CheckConfig(const Robot& robot, Problems& problems) {
+  CheckGrippers(robot, problems);
+  CheckBaseSize(robot, problems);
+}
+
+}  // namespace robocell

@@ -1,0 +1,18 @@
+// What a robot's file says although its model does otherwise: valid by itself, and found by trying
+// the robot in a copy of the simulation. Asked by `robocell check` and before every run.
+//
+//   Problems problems(config.locations);
+//   CheckConfig(robot, problems);            // move_groups.gripper.distance, base.size
+//   problems.Throw("robot 'rc7'");
+#pragma once
+
+#include "robocell/robot/robot.h"
+#include "robocell/spec/problems.h"
+
+namespace robocell {
+
+// Adds what is wrong, at the paths of the configuration's fields. The robot's scene is not changed.
+// Takes up to a second per gripper.
+void CheckConfig(const Robot& robot, Problems& problems);
+
+}  // namespace robocell

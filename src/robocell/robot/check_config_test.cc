@@ -1,0 +1,57 @@
+#include "robocell/robot/check_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/robot/testing/robots.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::HasSubstr;
+
+// What is wrong with a configuration; "" when nothing is.
+std::string Wrong(const RobotConfig& config) {
+  Problems problems(config.locations);
+  CheckConfig(RobotAlone(config), problems);
+  return problems.empty() ? "" : problems.Text("robot");
+}
+
+TEST(CheckConfig, ShippedFilesSayWhatTheirModelsDo) {
+  EXPECT_EQ(Wrong(Rc7()), "");
+  for (const auto& [file, model] : {std::pair{"xarm7.yaml", "ufactory_xarm7"},
+                                    {"panda.yaml", "franka_emika_panda"},
+                                    {"fr3_2f85.yaml", "franka_fr3"},
+                                    {"gen3_2f85.yaml", "kinova_gen3"}}) {
+    REQUIRE_MENAGERIE(model);
+    EXPECT_EQ(Wrong(LoadShipped(std::string("examples/") + file)), "") << file;
+  }
+}
+
+TEST(CheckConfig, ADistanceThatMeasuringContradictsIsToldWithItsLine) {
+  RobotConfig config = Rc7();
+  config.move_groups.find("gripper")->distance->closed = 0.02;
+  const std::string text = Wrong(config);
+  EXPECT_THAT(text, HasSubstr("rc7.yaml:15:"));
+  EXPECT_THAT(text, HasSubstr("move_groups.gripper.distance: the fingers are 0.002 m apart when "
+                              "closed and 0.090 m when open, not 0.020 and 0.090: correct it, or "
+                              "leave `distance` out to have it measured"));
+}
+
+TEST(CheckConfig, AGripperThatCannotBeMeasuredAsItIsConfiguredIsTold) {
+  RobotConfig config = Rc7();
+  std::swap(config.move_groups.find("gripper")->ctrl->open,
+            config.move_groups.find("gripper")->ctrl->closed);
+  EXPECT_THAT(Wrong(config), HasSubstr("open and closed are swapped"));
+}
+
+TEST(CheckConfig, ABaseWiderThanTheReachIsTold) {
+  RobotConfig config = Rc7();
+  config.base.size = Vec3{22, 22, 25};
+  const std::string text = Wrong(config);
+  EXPECT_THAT(text, HasSubstr("base.size: on a box of 22 x 22 x 25 m the robot reaches nothing"));
+  EXPECT_THAT(text, HasSubstr("are in metres"));
+}
+
+}  // namespace
+}  // namespace robocell
