@@ -89,6 +89,17 @@ std::string RobotOfVersion(const std::string& folder) {
   return IsVersionOf(folder, robot) ? robot : "";
 }
 
+// The robot that was probably meant, of those on this machine, or how to get another.
+std::string Remedy(const std::string& robot) {
+  std::vector<std::string> robots;
+  for (const auto& [name, folder] : RobotFolders()) robots.push_back(name);
+  const std::string near = DidYouMean(robot, robots);
+  const std::string fetch = "mujoco-menagerie prefetch " + robot;
+  if (!near.empty()) return near.substr(1) + " Else fetch it with: " + fetch;
+  const std::string here = robots.empty() ? "" : "On this machine: " + ListNames(robots) + ". ";
+  return here + "Fetch it with: " + fetch;
+}
+
 }  // namespace
 
 std::string RobotFolder(const std::string& robot) {
@@ -102,8 +113,7 @@ std::string RobotFolder(const std::string& robot) {
   }
   if (const fs::path cached = CachedFolder(robot); !cached.empty()) return cached.string();
   looked.push_back((CacheModels() / (robot + "-*")).string());
-  assets::ThrowNotFound("menagerie robot '" + robot + "'", looked,
-                        "Fetch it with: mujoco-menagerie prefetch " + robot);
+  assets::ThrowNotFound("menagerie robot '" + robot + "'", looked, Remedy(robot));
 }
 
 std::map<std::string, std::string> RobotFolders() {

@@ -50,18 +50,31 @@ bool TryBuiltin(Search& search, const std::string& name) {
          search.TryBelow(root / "scenes", name + ".xml");
 }
 
+// " Did you mean 'menagerie:franka_emika_panda'?" for the name of a robot of the Menagerie that is
+// on this machine, or of a file of one, without the prefix.
+std::string MenagerieHint(const std::string& name) {
+  const size_t slash = std::min(name.find('/'), name.size());
+  std::vector<std::string> robots;
+  for (const auto& [robot, folder] : menagerie::RobotFolders()) robots.push_back(robot);
+  const std::vector<std::string> near = NearestNames(name.substr(0, slash), robots, 1);
+  if (near.empty()) return "";
+  return " Did you mean '" + std::string(kMenagerie) + near[0] + name.substr(slash) + "'?";
+}
+
 std::string BuiltinHint(const std::string& name) {
   std::vector<std::string> names = BuiltinRobots();
   for (const auto& more : {BuiltinObjects(), BuiltinScenes()})
     names.insert(names.end(), more.begin(), more.end());
-  return "Built-in models: " + ListNames(names) + "." + DidYouMean(name, names);
+  const std::string near = DidYouMean(name, names);
+  return "Built-in models: " + ListNames(names) + "." + (near.empty() ? MenagerieHint(name) : near);
 }
 
 // A file of the Menagerie asked for without its prefix is a likely slip.
 std::string PathHint(const std::string& name) {
   return "More roots can be given in ROBOCELL_MODEL_PATH; robots of the Menagerie are named like "
          "menagerie:ufactory_xarm7/xarm7.xml" +
-         std::string(name.find('~') == 0 ? "; `~` is not expanded here." : ".");
+         std::string(name.find('~') == 0 ? "; `~` is not expanded here." : ".") +
+         MenagerieHint(name);
 }
 
 }  // namespace

@@ -138,6 +138,23 @@ TEST_F(Resolving, TheMenagerieCacheHoldsCompleteVersionsOnly) {
   EXPECT_EQ(Resolve("menagerie:franka_fr3"), file);
 }
 
+TEST_F(Resolving, AMisspeltRobotOfTheMenagerieIsToldWithTheNearestHere) {
+  Write("franka_emika_panda/panda.xml");
+  Write("kinova_gen3/gen3.xml");
+  const ScopedEnv root("MENAGERIE_ROOT", folder_.string());
+  const ScopedEnv cache("MENAGERIE_CACHE_DIR", At("none"));
+  ExpectThrow<NotFoundError>([] { Resolve("menagerie:franka_emika_pnada/panda.xml"); },
+                             ". Did you mean 'franka_emika_panda'? Else fetch it with: "
+                             "mujoco-menagerie prefetch franka_emika_pnada");
+  ExpectThrow<NotFoundError>([] { Resolve("menagerie:spot"); },
+                             "On this machine: franka_emika_panda, kinova_gen3. Fetch it with: "
+                             "mujoco-menagerie prefetch spot");
+  ExpectThrow<NotFoundError>([] { Resolve("franka_emika_panda/panda.xml"); },
+                             "Did you mean 'menagerie:franka_emika_panda/panda.xml'?");
+  ExpectThrow<NotFoundError>([] { Resolve("panda"); },
+                             "Did you mean 'menagerie:franka_emika_panda'?");
+}
+
 TEST_F(Resolving, ARobotWithSeveralModelsIsNotGuessed) {
   Write("leap_hand/left_hand.xml");
   Write("leap_hand/right_hand.xml");

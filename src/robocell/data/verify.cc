@@ -12,6 +12,7 @@
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
@@ -180,6 +181,36 @@ std::string Quarantine(const fs::path& dataset, const std::string& name) {
   return target;
 }
 
+bool IsOfDataset(const fs::path& folder, const std::string& name) {
+  return name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
+         IsReportFile(name) || IsTemporaryName(name) ||
+         (IsEpisodeId(name) && fs::is_directory(folder / name) && LooksLikeEpisode(folder / name));
+}
+
+// Where the dataset is that somebody may have meant: around an episode, or one folder below.
+std::string NearestDataset(const fs::path& folder, const std::vector<std::string>& names) {
+  const fs::path around = fs::absolute(folder).lexically_normal().parent_path();
+  if (fs::exists(folder / kEpisodeFile))
+    return fmt::format(". It is an episode of a dataset; give '{}'", around.string());
+  for (const std::string& name : names) {
+    if (fs::exists(folder / name / kManifestFile))
+      return fmt::format(". Did you mean '{}'?", (folder / name).string());
+  }
+  return "";
+}
+
+void RequireDataset(const fs::path& folder) {
+  const std::vector<std::string> names = List(folder);
+  if (std::any_of(names.begin(), names.end(),
+                  [&](const std::string& name) { return IsOfDataset(folder, name); }))
+    return;
+  const std::string holds =
+      names.empty() ? "it is empty" : fmt::format("it holds {}", ListNames(names, 5));
+  throw ArgumentError(
+      fmt::format("'{}' is no dataset: it has neither a dataset.json nor episodes, {}{}",
+                  folder.string(), holds, NearestDataset(folder, names)));
+}
+
 void CheckManifest(const fs::path& dataset, VerifyReport& report) {
   try {
     ReadManifest(dataset);
@@ -247,6 +278,7 @@ std::vector<VerifyProblem> VerifyEpisode(const fs::path& folder, bool decode_vid
 }
 
 VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
+  RequireDataset(dataset);
   VerifyReport report;
   std::vector<std::string> episodes;
   for (const std::string& name : List(dataset)) {
@@ -254,8 +286,7 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
         name == kModelsFolder || IsReportFile(name)) {
       continue;
     }
-    if (IsEpisodeId(name) && fs::is_directory(dataset / name) &&
-               LooksLikeEpisode(dataset / name)) {
+    if (IsEpisodeId(name) && fs::is_directory(dataset / name) && LooksLikeEpisode(dataset / name)) {
       episodes.push_back(name);
     } else {
       report.others.push_back(name);
@@ -277,6 +308,7 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
 }
 
 RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
+  RequireDataset(dataset);  // before the lock's file is written
   const DatasetLock lock = DatasetLock::Alone(dataset);
   RepairResult result{.found = Verify(dataset, options), .remaining = {}, .moved = {}};
   const VerifyReport& found = result.found;

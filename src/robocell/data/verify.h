@@ -50,7 +50,8 @@ struct VerifyOptions {
   std::function<void(size_t done, size_t total)> progress;
 };
 
-// IoError only if the folder cannot be listed.
+// ArgumentError for a folder that is no dataset: neither a dataset.json nor an episode, and nothing
+// that either leaves behind. IoError if it cannot be listed.
 VerifyReport Verify(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 // The problems of one episode's folder.

@@ -208,5 +208,22 @@ TEST(Verify, AMissingDatasetIsNamed) {
   ExpectThrow<IoError>([] { Verify("/no/such/folder"); }, "/no/such/folder");
 }
 
+TEST_F(VerifyTest, AFolderThatIsNoDatasetIsRefusedWithWhereOneIs) {
+  TempDir around;
+  ExpectThrow<ArgumentError>([&] { Verify(around.path()); },
+                             "' is no dataset: it has neither a dataset.json nor episodes, it is "
+                             "empty");
+  fs::copy(folder_.path(), around / "set", fs::copy_options::recursive);
+  WriteManifest(around / "set", "{}");
+  Store(around / "notes.txt", "x");
+  const std::string text =
+      ExpectThrow<ArgumentError>([&] { Verify(around.path()); }, "it holds notes.txt, set. ");
+  EXPECT_THAT(text, HasSubstr("Did you mean '" + (around / "set").string() + "'?"));
+  ExpectThrow<ArgumentError>([&] { Repair(around.path()); }, "is no dataset");
+  EXPECT_FALSE(fs::exists(around / ".lock")) << "nothing is written into it";
+  ExpectThrow<ArgumentError>([&] { Verify(around / "set" / "a"); },
+                             "It is an episode of a dataset; give '" + (around / "set").string());
+}
+
 }  // namespace
 }  // namespace robocell

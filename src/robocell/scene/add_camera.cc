@@ -1,17 +1,28 @@
 // Cameras of scenes and robots.
 #include "robocell/scene/add_camera.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include "robocell/base/units.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {
 
-void AddCamera(const CameraSpec& camera, const Placement& placement, const std::string& place) {
+void SetFovy(mjsCamera* camera, double fovy, const std::string& place, Report& report) {
+  camera->fovy = fovy;
+  if (fovy >= kPi) return;  // no angle in radians is as large
+  report.Warn(place, fmt::format("fovy is in degrees, and {:g} degrees see next to nothing; {:g} "
+                                 "radians are {:.1f} degrees",
+                                 fovy, fovy, fovy * 180 / kPi));
+}
+
+void AddCamera(const CameraSpec& camera, const Placement& placement, const std::string& place,
+               Report& report) {
   mjsCamera* added = mjs_addCamera(placement.parent, nullptr);
   SetSpecName(added->element, camera.name, place);
-  added->fovy = *camera.fovy;
+  SetFovy(added, *camera.fovy, place, report);
   SetPose(added, placement.pose);
 }
 
@@ -30,7 +41,7 @@ void AddRobotCameras(const RobotConfig& config, Part& robot, Report& report) {
     }
     if (const auto at =
             Place(target, camera.pose(), robot.spec.get(), SceneSpec{}, {}, place, report)) {
-      AddCamera(camera, *at, place);
+      AddCamera(camera, *at, place, report);
     }
   }
 }

@@ -12,7 +12,10 @@
 namespace robocell {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 class Cameras : public ::testing::Test {
  protected:
@@ -29,6 +32,20 @@ TEST_F(Cameras, LookAtAPointWithZUp) {
   EXPECT_TRUE(axes.col(2).isApprox(Eigen::Vector3d::UnitX(), 1e-9)) << "looks along its -z";
   EXPECT_TRUE(axes.col(1).isApprox(Eigen::Vector3d::UnitZ(), 1e-9));
   EXPECT_EQ(scene.model()->cam_fovy[0], 45);
+}
+
+TEST_F(Cameras, WhoseAngleIsInRadiansAreToldByAWarning) {
+  spec.cameras.push_back({.name = "eye", .pos = Vec3{1, 0, 1}, .fovy = 1.05});
+  config.cameras.push_back(
+      {.name = "wrist", .pos = Vec3{}, .fovy = 1.1, .attach_to = Body("base")});
+  spec.robots.push_back({.config = config, .prefix = "r_"});
+  const std::vector<std::string> warnings = Scene::Build(spec).compiled()->warnings();
+  const char* text =
+      "fovy is in degrees, and 1.05 degrees see next to nothing; 1.05 radians are "
+      "60.2 degrees";
+  EXPECT_THAT(warnings, Contains(AllOf(HasSubstr("camera 'eye'"), HasSubstr(text))));
+  EXPECT_THAT(warnings, Contains(HasSubstr("camera 'wrist'")));
+  EXPECT_EQ(warnings.size(), 2u);
 }
 
 TEST_F(Cameras, OfARobotCarryItsPrefixAndMoveWithIt) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/base/units.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/element_lookup.h"
 
@@ -138,9 +139,16 @@ class RobotCheck {
       const mjtNum* range = model_->jnt_range + 2 * joint;
       if (values[i] >= range[0] - kLimitSlack && values[i] <= range[1] + kLimitSlack) continue;
       Problem("home." + name,
-              fmt::format(": {} is outside the limits {:.6g} to {:.6g} of joint '{}'", values[i],
-                          range[0], range[1], group->joints[i]));
+              fmt::format(": {} is outside the limits {:.6g} to {:.6g} of joint '{}'{}", values[i],
+                          range[0], range[1], group->joints[i],
+                          RadiansHint(model_->jnt_type[joint], values[i])));
     }
+  }
+
+  // For an angle that only makes sense in degrees.
+  static std::string RadiansHint(int joint_type, double value) {
+    if (joint_type != mjJNT_HINGE || std::abs(value) <= 2 * kPi) return "";
+    return fmt::format("; radians, and {:g} degrees are {:.4f}", value, value * kPi / 180);
   }
 
   const mjModel* model_;

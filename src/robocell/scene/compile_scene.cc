@@ -191,7 +191,7 @@ class SceneCompiler {
   void AddSceneCamera(const CameraSpec& camera) {
     const std::string place = "camera '" + camera.name + "'";
     if (const auto at = PlaceIt(camera.attach_to, camera.pose(), place))
-      AddCamera(camera, *at, place);
+      AddCamera(camera, *at, place, report_);
   }
 
   void CompileModel() {

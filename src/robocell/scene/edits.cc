@@ -8,6 +8,7 @@
 #include "robocell/base/units.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/add_camera.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
@@ -182,7 +183,7 @@ class Editor {
 
   void ChangeCamera(mjsCamera* camera) {
     ChangePose(camera);
-    if (edit_.fovy) camera->fovy = *edit_.fovy;
+    if (edit_.fovy) SetFovy(camera, *edit_.fovy, place_, report_);
   }
 
   void ChangeJoint(mjsJoint* joint) {

@@ -233,6 +233,13 @@ TEST_F(Robots, NameEverythingThatIsWrongAtOnce) {
           "\n  robot 'left': home.arm: 2.5 is outside the limits -2 to 2 of joint 'shoulder'"));
 }
 
+TEST_F(Robots, DegreesInHomeAreTold) {
+  config.home["arm"] = {90, 0};
+  ExpectThrow<SpecError>([&] { BuildArm(); },
+                         "home.arm: 90 is outside the limits -2 to 2 of joint 'shoulder'; radians, "
+                         "and 90 degrees are 1.5708");
+}
+
 TEST_F(Robots, OneProblemIsOneLine) {
   config.move_groups["arm"].joints = {"shoulder", "elbo"};
   ExpectThrow<SpecError>([&] { BuildArm(); },

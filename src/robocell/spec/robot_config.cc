@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/names.h"
+#include "robocell/spec/check_attachments.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -78,6 +79,7 @@ void RobotConfig::Validate(Problems& problems) const {
   CheckGroupKeys(control, "control", move_groups, problems);
   CheckLengths(home, "home", *this, false, problems);
   CheckLengths(home_noise, "home_noise", *this, true, problems);
+  CheckAttachments(attachments, problems);
   if (tcp_offset && !attachment_site) {
     problems.AddAt("tcp_offset", "is relative to attachment_site, which is not set");
   }

@@ -138,5 +138,20 @@ TEST(AttachmentSpec, GoesOnABodySiteOrFrame) {
                         "of its robot, not 'world'"));
 }
 
+TEST(AttachmentSpec, ListedTwiceIsTold) {
+  RobotConfig robot = Arm();
+  const AttachmentSpec hand{
+      .mjcf_path = "hand.xml", .attach_to = {AttachKind::kSite, "flange"}, .prefix = "hand_"};
+  robot.attachments = {hand, hand};
+  EXPECT_EQ(ValidationError(robot),
+            "it is not valid: attachments[1]: 'hand.xml' is attachments[0] too, at the same place: "
+            "is it listed twice? Remove one of them");
+  robot.attachments[1].attach_to.name = "other_flange";
+  EXPECT_THAT(ValidationError(robot), HasSubstr("with the same prefix 'hand_': is it listed "
+                                                "twice? Each needs a prefix of its own"));
+  robot.attachments[1].prefix = "other_";
+  EXPECT_EQ(ValidationError(robot), "") << "two hands";
+}
+
 }  // namespace
 }  // namespace robocell

@@ -1,5 +1,6 @@
 #include "robocell/spec/robot_spec.h"
 
+#include "robocell/spec/check_attachments.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -11,6 +12,7 @@ const BaseConfig& RobotSpec::EffectiveBase() const {
 
 void RobotSpec::Validate(Problems& problems) const {
   CheckPlacement(euler, quat, problems);
+  CheckAttachments(attachments, problems);
   if (path.empty() && !config)
     problems.AddAt("path", "is empty: give the robot's model file, or a config");
   if (!path.empty() && config)

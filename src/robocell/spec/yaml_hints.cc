@@ -89,6 +89,26 @@ std::string NamesHint(const YAML::Node& node) {
   return "; write {name: " + Short(node) + "}";
 }
 
+int TabbedLine(std::string_view text, int last) {
+  size_t begin = 0;
+  for (int line = 1; line <= last && begin < text.size(); ++line) {
+    const size_t first = text.find_first_not_of(' ', begin);
+    if (first != std::string_view::npos && text[first] == '\t') return line;
+    const size_t end = text.find('\n', begin);
+    if (end == std::string_view::npos) break;
+    begin = end + 1;
+  }
+  return 0;
+}
+
+bool LooksLikeXml(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  return text.starts_with("<?xml") || text.starts_with("<!--") || text.starts_with("<mujoco") ||
+         text.starts_with("<robot");
+}
+
 FileKind FileKindOf(const std::string& type) {
   for (const FileKind& kind : FileKinds()) {
     if (kind.type == type) return kind;

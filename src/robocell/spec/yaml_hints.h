@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace YAML {
@@ -23,6 +24,12 @@ std::string DashHint(const YAML::Node& node);
 
 // How to give names with values, for a list in their place.
 std::string NamesHint(const YAML::Node& node);
+
+// The first line, from 1, up to line `last` that is indented with a tab; 0 when there is none.
+int TabbedLine(std::string_view text, int last);
+
+// Whether a text is a model file (XML) rather than YAML.
+bool LooksLikeXml(std::string_view text);
 
 // A file of the project's: what it is called, what type it becomes, how it is used.
 struct FileKind {

@@ -68,6 +68,25 @@ TEST(Hints, ListsAndNamesMixedUp) {
                 "with a dash: `- `"));
 }
 
+TEST(Hints, TabsThatIndent) {
+  EXPECT_THAT(ParseError<RobotConfig>("name: arm\nbase:\n  \tkind: mocap\n"),
+              HasSubstr("f.yaml:3:1: not valid YAML: the line is indented with a tab; use spaces"));
+  EXPECT_THAT(ParseError<RobotConfig>("name:\tarm\nmodel: [b\n"), Not(HasSubstr("tab")));
+}
+
+TEST(Hints, AColonWithoutQuotes) {
+  EXPECT_THAT(RobotError("root_body: menagerie: panda"),
+              HasSubstr("illegal map value; a text that holds `: ` stands in quotes"));
+}
+
+TEST(Hints, AModelFile) {
+  for (const char* text : {"<mujoco model=\"arm\">\n</mujoco>", "\n<?xml version=\"1.0\"?>",
+                           "<!-- rc7: an arm -->\n<mujoco/>"}) {
+    EXPECT_THAT(ParseError<RobotConfig>(text),
+                HasSubstr("f.yaml: this is XML, a model file; a YAML file is wanted here"));
+  }
+}
+
 TEST(Misspelt, ARequiredFieldIsOneProblem) {
   EXPECT_EQ(ParseError<RobotConfig>("name: arm\nmodle: arm.xml\n"),
             "f.yaml is not valid: f.yaml:2:1: modle: a RobotConfig: no field 'modle'. Its fields: "

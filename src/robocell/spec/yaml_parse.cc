@@ -7,6 +7,7 @@
 #include <yaml-cpp/parser.h>
 
 #include "robocell/spec/spec_file.h"
+#include "robocell/spec/yaml_hints.h"
 #include "robocell/spec/yaml_reader.h"
 
 namespace robocell::yaml {
@@ -72,6 +73,21 @@ void RequireOneDocument(const std::string& text, const std::string& source) {
   while (parser.HandleNextDocument(handler)) continue;
 }
 
+// What the parser says, and what was probably done to make it say so.
+std::string Invalid(std::string_view text, const std::string& source,
+                    const YAML::ParserException& e) {
+  const int line = e.mark.line + 1;
+  if (const int tabbed = TabbedLine(text, line)) {
+    return fmt::format("{}:{}:1: not valid YAML: the line is indented with a tab; use spaces",
+                       source, tabbed);
+  }
+  const bool colon = e.msg == "illegal map value";
+  return fmt::format("{}:{}:{}: not valid YAML: {}{}", source, line, e.mark.column + 1, e.msg,
+                     colon ? "; a text that holds `: ` stands in quotes, and every field in a line "
+                             "of its own or in {...}"
+                           : "");
+}
+
 }  // namespace
 
 YAML::Node ParseText(std::string_view text, const std::string& source) {
@@ -79,6 +95,11 @@ YAML::Node ParseText(std::string_view text, const std::string& source) {
     throw SpecError(source + ": is larger than 16 MB, which no spec file is");
   }
   RequireText(text, source);
+  if (LooksLikeXml(text)) {
+    throw SpecError(source +
+                    ": this is XML, a model file; a YAML file is wanted here, for a robot one that "
+                    "names the model in its field `model`. How to write one: docs/robots.md");
+  }
   if (TooDeep(text)) {
     throw SpecError(fmt::format("{}: is nested more than {} levels deep", source, kMostDepth));
   }
@@ -87,8 +108,7 @@ YAML::Node ParseText(std::string_view text, const std::string& source) {
     RequireOneDocument(document, source);
     return YAML::Load(document);
   } catch (const YAML::ParserException& e) {
-    throw SpecError(fmt::format("{}:{}:{}: not valid YAML: {}", source, e.mark.line + 1,
-                                e.mark.column + 1, e.msg));
+    throw SpecError(Invalid(text, source, e));
   } catch (const YAML::Exception& e) {
     throw SpecError(source + ": not valid YAML: " + e.what());
   }
