@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import re
 import weakref
 from collections.abc import Callable
 from pathlib import Path
@@ -146,9 +145,7 @@ def test_what_a_method_returned_is_told_when_it_is_of_no_use(tmp_path):
 
     with pytest.raises(TypeError, match=r"Wordless.failure\(\) must return a str, got None"):
         make(load(tmp_path), lambda run, start: Wordless())
-    with pytest.raises(
-        TypeError, match=r"Vague.phase\(\) must return a whole number, got 'fi"
-    ):
+    with pytest.raises(TypeError, match=r"Vague.phase\(\) must return a whole number, got 'fi"):
         make(load(tmp_path), lambda run, start: Vague())
 
 
@@ -181,15 +178,3 @@ def test_experts_called_from_python_draw_from_the_stream_given():
     )
     assert expert.draws == [same.uniform()]
     assert rng.uniform() == same.uniform()
-
-
-def test_the_page_on_tasks_makes_a_dataset_with_its_expert(tmp_path, monkeypatch, capsys):
-    root = Path(__file__).resolve().parents[2]
-    page = (root / "docs/tasks.md").read_text()
-    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    for name in ("examples", "models"):
-        (tmp_path / name).symlink_to(root / name)
-    monkeypatch.chdir(tmp_path)
-    exec("\n".join(blocks[:2]), {"__name__": "page"})
-    assert "s0000_e0001 False {'not lifted': 1}" in capsys.readouterr().out
-    assert len(rc.Dataset("out/hold")) == 2

@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -92,25 +91,6 @@ def test_two_shards_make_the_same_bytes_into_one_folder(reference: Path, tmp_pat
         events = generate(run, tmp_path / "out", "--shard", shard)
         assert events[-1]["totals"]["planned"] == 1
     assert fingerprint(tmp_path / "out") == fingerprint(reference)
-
-
-def test_the_examples_that_read_a_dataset_read_it(reference: Path, tmp_path: Path):
-    (tmp_path / "experiment_output").mkdir()
-    (tmp_path / "experiment_output/demo").symlink_to(reference)
-    page = (Path(__file__).resolve().parents[2] / "docs/data.md").read_text()
-    blocks = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
-    assert len(blocks) == 2
-    for block in blocks:
-        result = subprocess.run(
-            [sys.executable, "-c", block],
-            cwd=tmp_path,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        assert "s0000_e0000 True" in result.stdout
-        assert "7)" in result.stdout
 
 
 def test_another_seed_makes_other_bytes(reference: Path, tmp_path: Path):
