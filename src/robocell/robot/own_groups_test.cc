@@ -2,6 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <utility>
+
 #include "robocell/base/error.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/joint_position_controller.h"
@@ -20,6 +23,19 @@ GroupNames WristNames() {
           .root = {false, "link5"},
           .leaf = {true, "tcp"},
           .robot_base = base};
+}
+
+GroupNames ArmNames() {
+  GroupNames names = WristNames();
+  names.group = "arm";
+  names.root = names.robot_base;
+  names.joints.clear();
+  names.actuators.clear();
+  for (int i = 1; i <= 7; ++i) {
+    names.joints.push_back("joint" + std::to_string(i));
+    names.actuators.push_back("servo" + std::to_string(i));
+  }
+  return names;
 }
 
 // A group that counts what it is told.
@@ -194,6 +210,31 @@ TEST(OwnGroup, ThatIsSharedKeepsTheRobotAlive) {
     EXPECT_TRUE(robot.groups_of_sole_handle().empty()) << "the arm counts as a handle";
   }
   EXPECT_EQ(arm->joint_pos(), Rc7().home.at("arm"));
+}
+
+// An arm that puts another in its place while it is asked where it is.
+class FickleArm : public JointGroup {
+ public:
+  explicit FickleArm(const Robot& robot)
+      : JointGroup(robot.scene(), ArmNames(), MoveGroupKind::kArm) {}
+  void GetJointPos(std::span<double> out) const override {
+    if (replace) std::exchange(replace, nullptr)();
+    JointGroup::GetJointPos(out);
+  }
+  mutable std::function<void()> replace;
+};
+
+TEST(OwnGroup, CannotBeReplacedWhileItIsRead) {
+  Robot robot = RobotAlone(Rc7());
+  auto fickle = std::make_unique<FickleArm>(robot);
+  FickleArm& arm = *fickle;
+  robot.SetGroup(std::move(fickle));
+  arm.replace = [&] { robot.SetGroup(std::make_unique<FickleArm>(robot)); };
+  ExpectThrow<Error>([&] { robot.Update(); },
+                     "robot 'rc7': its groups cannot change while the arm's state is read; replace "
+                     "'arm' outside of the arm's joint_pos");
+  robot.Update();  // as before
+  EXPECT_EQ(&robot.arm(), &arm);
 }
 
 // Holds every joint where a sine has it, whatever the target.

@@ -13,6 +13,21 @@
 #include "robocell/scene/element_lookup.h"
 
 namespace robocell {
+namespace {
+
+// True for a scope.
+class Reading {
+ public:
+  explicit Reading(bool& flag) : flag_(flag) { flag_ = true; }
+  ~Reading() { flag_ = false; }
+  Reading(const Reading&) = delete;
+  Reading& operator=(const Reading&) = delete;
+
+ private:
+  bool& flag_;
+};
+
+}  // namespace
 
 Robot::State::State(const Scene& s, RobotRecord r, ChainOptions options)
     : scene(s.inner()), record(std::move(r)), chain_options(std::move(options)) {
@@ -20,8 +35,10 @@ Robot::State::State(const Scene& s, RobotRecord r, ChainOptions options)
 }
 
 void Robot::State::OnReset() {
-  for (const auto& slot : slots) {
-    if (slot->controller) slot->controller->Reset();
+  for (size_t i = 0; i < slots.size(); ++i) {
+    const std::shared_ptr<GroupSlot> slot = slots[i];  // it may replace itself
+    const std::shared_ptr<Controller> controller = slot->controller;
+    if (controller) controller->Reset();
   }
   ReadPorts();
 }
@@ -75,6 +92,11 @@ std::optional<Chain> Robot::State::MakeChain(const MadeGroup& made) const {
 }
 
 void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool must_be_driven) {
+  if (reading_) {  // the ports it is writing to would be gone
+    throw Error(place() + ": its groups cannot change while the arm's state is read; replace '" +
+                made.group->name() +
+                "' outside of the arm's joint_pos, joint_vel and joint_torque");
+  }
   auto slot = std::make_shared<GroupSlot>();
   slot->chain = MakeChain(made);
   slot->tip = std::move(made.tip);
@@ -158,7 +180,8 @@ void Robot::State::ReadPorts() {
   if (scene.closed())
     throw ClosedError("robot '" + record.name + "' is closed: its scene was closed");
   const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
-  if (!arm) return;
+  if (!arm || reading_) return;
+  const Reading reading(reading_);
   arm->group->GetJointPos(pos);
   arm->group->GetJointVel(vel);
   arm->group->GetJointTorque(trq);

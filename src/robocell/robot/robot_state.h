@@ -68,6 +68,7 @@ class Robot::State : public SceneObserver {
   std::optional<Chain> MakeChain(const MadeGroup& made) const;
 
   std::array<GroupSlot*, 4> first_ = {};  // of each MoveGroupKind
+  bool reading_ = false;                  // the arm writes into the ports
 };
 
 }  // namespace robocell

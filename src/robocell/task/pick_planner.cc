@@ -124,6 +124,11 @@ void PickPlanner::Enter(Phase phase) {
 }
 
 Action PickPlanner::Act(const Scene&, Rng& rng) {
+  if (!path_) {
+    throw Error(
+        "PickPlanner: Act came before Begin was through; a subclass with a Begin of its own "
+        "calls the planner's first (in Python super().begin(scene, rng))");
+  }
   if (!finished_) Watch();
   if (!finished_) Advance(rng);
   if (!finished_) {

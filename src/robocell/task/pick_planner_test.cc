@@ -9,6 +9,7 @@
 #include "robocell/task/pick_sampler.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/task/testing/pick_scene.h"
+#include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 
 namespace robocell {
@@ -95,6 +96,12 @@ TEST(PickPlanner, TargetsMoveNoFasterThanItsSpeedLimit) {
 TEST(PickPlanner, SameStreamSameRollout) {
   Bench a("mug"), b("mug");
   EXPECT_EQ(a.Run().end, b.Run().end);
+}
+
+TEST(PickPlanner, CannotActBeforeItBegan) {
+  Bench bench("box");
+  ExpectThrow<Error>([&] { bench.planner.Act(bench.pick.scene, bench.rng); },
+                     "PickPlanner: Act came before Begin was through");
 }
 
 TEST(PickPlanner, CanBeginAgain) {
