@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -72,6 +73,36 @@ def test_the_counts_of_commands_add_up():
     assert [unmade.id for unmade in totals.unmade] == ["z"], "the last command knows"
     both = side_by_side([totals, totals])
     assert (both.planned, both.made, both.elapsed_s, both.workers) == (10, 6, 20.0, 4)
+
+
+def test_totals_come_back_from_their_record_in_every_field():
+    totals = a_report(("b",), ("c", "a")).commands[1].totals
+    totals.already, totals.undecided = 1, 2
+    nothing = Totals(planned=0, workers=0, started=-1.0)
+    same = [name for name, value in vars(totals).items() if value == getattr(nothing, name)]
+    assert same == [], "a field that nobody filled would come back whatever happens to it"
+    totals.started = 0.0
+    assert Totals.from_record(json.loads(json.dumps(totals.record()))) == totals
+
+
+def test_a_command_that_tries_an_item_again_adds_no_item():
+    whole_run = a_report(("a", "b", "c", "d"))
+    again = RunReport("demo", "hash", (4, 5), {})
+    again.add(command("z", planned=1, seconds=2.0), [replace(made("z"), success=False)], ["z"])
+    totals = reports.whole([whole_run, again])
+    assert totals.planned == 5
+    assert [unmade.id for unmade in totals.unmade] == ["z"]
+    assert (totals.elapsed_s, totals.workers, totals.attempts) == (12.0, 2, 15)
+    again.add(command("z", planned=1, seconds=2.0), [made("z")], ["z"])
+    assert reports.whole([whole_run, again]).unmade == [], "it is made now"
+
+
+def test_shards_add_up_side_by_side():
+    first, second = (RunReport("demo", "hash", (i, 2), {}) for i in (0, 1))
+    first.add(command("a", "c", planned=3, seconds=10.0), [made("a"), made("c")], ["a", "c", "e"])
+    second.add(command("b", planned=2, seconds=12.0), [made("b")], ["b", "d"])
+    totals = reports.whole([first, second])
+    assert (totals.planned, totals.made, totals.elapsed_s, totals.workers) == (5, 3, 12.0, 4)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"format": "robocell-report"}', "\0"])

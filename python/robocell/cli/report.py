@@ -15,9 +15,9 @@ from rich.table import Table
 import robocell
 from robocell.cli.common import ExitCode, fail, print_warning, print_wide, require_folder
 from robocell.generate.items import Report, counts_text, recorded_frames
-from robocell.generate.report import DamagedReportError, RunReport, load, report_paths
+from robocell.generate.report import DamagedReportError, RunReport, load, report_paths, whole
 from robocell.generate.summary import Summary
-from robocell.generate.totals import Totals, counted, side_by_side, size
+from robocell.generate.totals import Totals, counted, size
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def _load_all(dataset: Path) -> list[RunReport]:
 
 def _totals(reports: Sequence[RunReport]) -> Totals | None:
     """Of all commands that left a report; None without any."""
-    return side_by_side([report.totals for report in reports]) if reports else None
+    return whole(reports) if reports else None
 
 
 def _summary(dataset: Path, found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Summary:

@@ -17,7 +17,7 @@ from typing import Any
 
 from robocell import _core
 from robocell.generate.items import Report
-from robocell.generate.totals import Totals, one_after_the_other
+from robocell.generate.totals import Totals, Unmade, one_after_the_other, side_by_side
 
 FORMAT = "robocell-report"
 FORMAT_VERSION = 1
@@ -80,6 +80,12 @@ class RunReport:
     def totals(self) -> Totals:
         """Of all its commands."""
         return one_after_the_other([command.totals for command in self.commands])
+
+    @property
+    def places(self) -> range:
+        """Where its items stand in the plan."""
+        index, count = self.shard
+        return range(index, index + count * self.commands[-1].totals.planned, count)
 
     def add(self, command: Command, reports: Sequence[Report], order: Sequence[str]) -> None:
         """Appends what a command did; `order` are the ids of the plan."""
@@ -144,6 +150,32 @@ def save(path: Path, report: RunReport) -> None:
     """Replaces a report in one step; OSError when the disk fails."""
     text = json.dumps(report.to_json(), indent=1)
     _core.atomic_write(path, f"{text}\n".encode())
+
+
+def whole(reports: Sequence[RunReport]) -> Totals:
+    """Of all reports of a dataset; items that several of them have count once.
+
+    Shards ran side by side. A report of items that others have too is of a command that tried them
+    again later, such as the one that is told with an item that could not be made.
+    """
+    planned: set[int] = set()
+    shards: list[Totals] = []
+    later: list[Totals] = []
+    for report in sorted(reports, key=lambda report: len(report.places), reverse=True):
+        new = report.places and not planned.issuperset(report.places)
+        (shards if new or not shards else later).append(report.totals)
+        planned.update(report.places)
+    totals = one_after_the_other([side_by_side(shards), *later])
+    totals.planned = len(planned)
+    totals.unmade = _unmade(reports)
+    return totals
+
+
+def _unmade(reports: Sequence[RunReport]) -> list[Unmade]:
+    """The items that none of the reports knows as made."""
+    told = [unmade for report in reports for unmade in report.totals.unmade]
+    made = {item.id for report in reports for item in report.episodes.values() if item.success}
+    return list({unmade.id: unmade for unmade in told if unmade.id not in made}.values())
 
 
 def identity_hash(identity: str) -> str:

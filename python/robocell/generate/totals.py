@@ -10,6 +10,10 @@ from typing import Any
 
 from robocell.generate.items import Report
 
+# What adds up: the same names in `Totals`, in `Report` and in records.
+NUMBERS = ("attempts", "accepted", "undecided", "rows")
+COUNTERS = ("refusals", "redrawn", "failures", "seconds")
+
 
 @dataclass(frozen=True)
 class Unmade:
@@ -90,15 +94,7 @@ class Totals:
     def add(self, report: Report) -> None:
         """Counts a report; what a stopped item did before the stop counts too."""
         self.made += report.success
-        self.attempts += report.attempts
-        self.accepted += report.accepted
-        self.undecided += report.undecided
-        self.rows += report.rows
-        self.refusals.update(report.refusals)
-        self.redrawn.update(report.redrawn)
-        self.failures.update(report.failures)
-        for stage, seconds in report.seconds.items():
-            self.seconds[stage] += seconds  # type: ignore[assignment]
+        _add(self, report, NUMBERS)
 
     @property
     def retries(self) -> int:
@@ -184,25 +180,17 @@ class Totals:
     @classmethod
     def from_record(cls, values: Mapping[str, Any]) -> Totals:
         """What `record` wrote; KeyError, TypeError and ValueError for anything else."""
-        counts = values["counts"]
+        # Lists go before their lengths; the first reports did not have all counts.
+        every = {"undecided": 0, "redrawn": {}, **values["counts"], **values}
+        numbers = ("planned", "already", "workers", "made", *NUMBERS)
         return cls(
-            planned=int(counts["planned"]),
-            already=int(counts["already"]),
-            workers=int(values["workers"]),
-            made=int(counts["made"]),
-            attempts=int(counts["attempts"]),
-            accepted=int(counts["accepted"]),
-            undecided=int(counts.get("undecided", 0)),
-            rows=int(values["rows"]),
-            refusals=Counter(counts["refusals"]),
-            redrawn=Counter(counts.get("redrawn", {})),
-            failures=Counter(counts["failures"]),
-            seconds=Counter(values["seconds"]),
-            again=[Again(**again) for again in values["again"]],
-            deaths=[Death(**death) for death in values["deaths"]],
-            unmade=[Unmade(**unmade) for unmade in values["unmade"]],
+            **{name: int(every[name]) for name in numbers},
+            **{name: Counter(every[name]) for name in COUNTERS},
+            again=[Again(**again) for again in every["again"]],
+            deaths=[Death(**death) for death in every["deaths"]],
+            unmade=[Unmade(**unmade) for unmade in every["unmade"]],
             started=0.0,
-            ended=float(counts["elapsed_s"]),
+            ended=float(every["elapsed_s"]),
         )
 
 
@@ -226,15 +214,18 @@ def _sum(parts: Sequence[Totals]) -> Totals:
     """Counts and lists added up; none of them was there `already`."""
     whole = Totals(planned=0, workers=0, started=0.0)
     for part in parts:
-        whole.planned += part.planned
-        whole.workers += part.workers
-        for name in ("made", "attempts", "accepted", "undecided", "rows"):
-            setattr(whole, name, getattr(whole, name) + getattr(part, name))
-        for counter in ("refusals", "redrawn", "failures", "seconds"):
-            getattr(whole, counter).update(getattr(part, counter))
+        _add(whole, part, ("planned", "workers", "made", *NUMBERS))
         for listed in ("again", "deaths", "unmade"):
             getattr(whole, listed).extend(getattr(part, listed))
     return whole
+
+
+def _add(totals: Totals, part: Totals | Report, numbers: Sequence[str]) -> None:
+    """Adds these numbers and all counters."""
+    for name in numbers:
+        setattr(totals, name, getattr(totals, name) + getattr(part, name))
+    for name in COUNTERS:
+        getattr(totals, name).update(getattr(part, name))
 
 
 def counted(number: int, noun: str) -> str:
