@@ -183,9 +183,10 @@ class Totals:
         # Lists go before their lengths; the first reports did not have all counts.
         every = {"undecided": 0, "redrawn": {}, **values["counts"], **values}
         numbers = ("planned", "already", "workers", "made", *NUMBERS)
+        counts: dict[str, Any] = {name: int(every[name]) for name in numbers}
+        counts.update({name: Counter(every[name]) for name in COUNTERS})
         return cls(
-            **{name: int(every[name]) for name in numbers},
-            **{name: Counter(every[name]) for name in COUNTERS},
+            **counts,
             again=[Again(**again) for again in every["again"]],
             deaths=[Death(**death) for death in every["deaths"]],
             unmade=[Unmade(**unmade) for unmade in every["unmade"]],
