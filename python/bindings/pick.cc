@@ -2,6 +2,7 @@
 // by stage.
 #include <nanobind/nanobind.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "bindings.h"
@@ -63,12 +64,16 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
     const nb::handle self = nb_trampoline.base();
     const bool placed =
         Returned<bool>(self, "place_objects", self.attr(call.key)(support, list, loan.rng()));
-    if (list.size() != objects.size()) {
+    std::vector<SceneObject> moved = FromList(list);
+    const auto same_name = [](const SceneObject& a, const SceneObject& b) {
+      return a.name == b.name;
+    };
+    if (!std::equal(moved.begin(), moved.end(), objects.begin(), objects.end(), same_name)) {
       throw ArgumentError(
-          "PickTaskSampler: place_objects() must not change which objects there "
-          "are, only their poses");
+          "PickTaskSampler: place_objects() must not change which objects there are nor their "
+          "order, only their poses");
     }
-    objects = FromList(list);
+    objects = std::move(moved);
     return placed;
   }
   BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng) override {
@@ -136,12 +141,14 @@ void BindPickPlanner(nb::module_& m) {
       .def(
           "begin",
           [](PickPlanner& e, const Scene& s, PythonRng& rng) {
+            const nb::gil_scoped_release release;
             e.PickPlanner::Begin(s, rng.get());
           },
           "scene"_a, "rng"_a)
       .def(
           "act",
           [](PickPlanner& e, const Scene& s, PythonRng& rng) {
+            const nb::gil_scoped_release release;
             return e.PickPlanner::Act(s, rng.get());
           },
           "scene"_a, "rng"_a, "{robot: {group: GroupCommand}} until the next policy tick.")
@@ -237,6 +244,7 @@ void BindPickSampler(nb::module_& m) {
       .def(
           "check_base_pose",
           [](PickTaskSampler& s, Scene scene, Robot robot, const std::string& target_body) {
+            const nb::gil_scoped_release release;
             return s.PickTaskSampler::CheckBasePose(scene, robot, target_body);
           },
           "scene"_a, "robot"_a, "target_body"_a,

@@ -196,11 +196,22 @@ def test_what_a_stage_must_not_do_is_told(tmp_path: Path):
             objects.clear()
             return True
 
+    class Swapped(rc.PickTaskSampler):
+        def choose_kinds(self, request, rng):
+            return ["box", "cylinder"]
+
+        def place_objects(self, support, objects, rng):
+            placed = super().place_objects(support, objects, rng)
+            objects.reverse()
+            return placed
+
     run = load(tmp_path)
     with pytest.raises(TypeError, match=r"make_task\(\) must return a Task, got 7"):
         sample(NoTask(run))
     with pytest.raises(rc.ArgumentError, match=r"place_objects\(\) must not change which objects"):
         sample(Fewer(run))
+    with pytest.raises(rc.ArgumentError, match="nor their order, only their poses"):
+        sample(Swapped(run))
 
 
 def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):

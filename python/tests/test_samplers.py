@@ -81,6 +81,7 @@ def test_a_sampler_and_a_task_in_python_make_episodes(tmp_path: Path):
     assert [ask[:3] for ask in asked] == [(0, 0, 0), (0, 0, 1), (0, 0, 2)]
     episode = rc.Dataset(run.output)[0]
     assert episode.metadata["instruction"] == "wait"
+    assert episode.metadata["task"] == "custom"
     assert episode.metadata["target_object"] == "cube"
     assert episode["objects/cube/pose"][0, 0] == pytest.approx(asked[2][3], abs=1e-9)
     assert episode["reward"][-1] == pytest.approx(3 * 0.066, abs=1e-9)

@@ -24,6 +24,7 @@ double Seconds(std::chrono::steady_clock::time_point since) {
 struct Runner::State {
   RunConfig run;
   RunnerParts parts;
+  bool own_sampler = false;  // of the user's, who alone knows what the task is
   std::shared_ptr<TaskSampler> sampler;
   std::unique_ptr<Renderer> renderer;
   std::optional<std::string> checked_manifest;
@@ -54,7 +55,7 @@ RolloutOptions Runner::State::Options(const PlanItem& item, int attempt, const S
                                    {"scene", item.scene},
                                    {"episode", item.episode},
                                    {"attempt", attempt},
-                                   {"task", ToString(run.task.kind)},
+                                   {"task", own_sampler ? "custom" : ToString(run.task.kind)},
                                    {"identity", RunIdentity(run)}};
   return {.dataset = run.output,
           .episode_id = EpisodeId(run, item, attempt),
@@ -68,7 +69,8 @@ Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State
   CheckRunFields(run);
   state_->run = std::move(run);
   state_->parts = std::move(parts);
-  if (!state_->parts.sampler) state_->parts.sampler = MakePickSampler;
+  state_->own_sampler = static_cast<bool>(state_->parts.sampler);
+  if (!state_->own_sampler) state_->parts.sampler = MakePickSampler;
   if (!state_->parts.expert) state_->parts.expert = MakePickPlanner;
   state_->sampler = state_->parts.sampler(state_->run);
 }

@@ -6,13 +6,10 @@
 
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/task/geom_extent.h"
 
 namespace robocell {
 namespace {
-
-bool Collides(const mjModel* m, int g) {
-  return m->geom_contype[g] != 0 || m->geom_conaffinity[g] != 0;
-}
 
 // Bounding spheres farther apart than the horizon need no exact distance. Planes have no sphere.
 bool MayBeNear(const mjModel* m, const mjData* d, int a, int b, double horizon) {
@@ -33,9 +30,9 @@ Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon)
   int robot_geom = -1, other_geom = -1;
   for (const int a : robot.collision_geom_ids()) {
     const bool on_mocap = m->body_mocapid[m->geom_bodyid[a]] >= 0;
-    if (!Collides(m, a) && !on_mocap) continue;
+    if (!IsCollisionGeom(m, a) && !on_mocap) continue;
     for (int b = 0; b < m->ngeom; ++b) {
-      if (own[b] || !Collides(m, b) || !MayBeNear(m, d, a, b, horizon)) continue;
+      if (own[b] || !IsCollisionGeom(m, b) || !MayBeNear(m, d, a, b, horizon)) continue;
       if (on_mocap && m->geom_type[b] == mjGEOM_PLANE) continue;
       const double distance = Guarded("distance of a robot to its surroundings", d, [&] {
         return mj_geomDistance(m, d, a, b, nearest, nullptr);

@@ -24,7 +24,8 @@ struct PlanningScene::State {
         data(MakeData(&model)) {}
 
   void Place(const JointVector& q, double gap);
-  void FindContacts();
+  // False when there were more contacts than the engine has room for, so that some are missing.
+  bool FindContacts();
 
   Scene scene;
   Robot robot;
@@ -75,14 +76,16 @@ void PlanningScene::State::Place(const JointVector& q, double gap) {
   for (size_t i = 0; i < fingers.size(); ++i) data->qpos[fingers[i]] = finger_values[i];
 }
 
-void PlanningScene::State::FindContacts() {
+bool PlanningScene::State::FindContacts() {
   const mjModel* m = &model;
   mjData* d = data.get();
+  const int before = d->warning[mjWARN_CONTACTFULL].number;
   Guarded("planning: collisions", d, [&] {
     mj_kinematics(m, d);
     mj_comPos(m, d);
     mj_collision(m, d);
   });
+  return d->warning[mjWARN_CONTACTFULL].number == before;
 }
 
 void PlanningScene::Update() {
@@ -104,7 +107,7 @@ bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
   State& s = *state_;
   ++s.checks;
   s.Place(q, demand.gap);
-  s.FindContacts();
+  if (!s.FindContacts()) return false;  // what is missing may be in the way
   for (int c = 0; c < s.data->ncon; ++c) {
     const auto [a, b] = s.data->contact[c].geom;
     if (a < 0 || b < 0 || (!s.is_robot[a] && !s.is_robot[b])) continue;
