@@ -94,6 +94,18 @@ def test_plain_lines_come_seldom_and_say_what_happened():
     ]
 
 
+def test_the_last_plain_line_comes_once():
+    file = io.StringIO()
+    lines = PlainLines(file, interval_s=0)
+    totals = totals_after_one()
+    totals.planned = 7
+    lines.episode(REPORT, totals)
+    totals.unmade.append(Unmade("s0000_e0003", "dropped 20", ""))
+    lines.episode(REPORT, totals)
+    lines.finished(totals)
+    assert [line[:12] for line in file.getvalue().splitlines()] == ["6/7 episodes"] * 2
+
+
 def test_the_bar_shows_the_same_and_keeps_lines_above_it():
     console = Console(file=io.StringIO(), force_terminal=True, width=120, color_system=None)
     bar = Bar(console)

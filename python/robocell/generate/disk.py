@@ -7,6 +7,8 @@ import os
 import shutil
 from pathlib import Path
 
+from robocell import IoError
+
 # Less than this is as good as full: an episode with videos is a few megabytes.
 FREE_BYTES_NEEDED = 16 << 20
 PROBE_BYTES = 64 << 10
@@ -16,6 +18,16 @@ def free_bytes(folder: Path) -> int:
     """What the disk has room for, of a folder that need not exist yet."""
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     return shutil.disk_usage(there).free
+
+
+def require_no_file(folder: Path) -> None:
+    """IoError when a file stands where the folder, which need not exist yet, is to be."""
+    for path in (folder, *folder.parents):
+        if path.exists() and not path.is_dir():
+            raise IoError(
+                f"output '{folder}': '{path}' is a file, and a dataset is a folder. Name another "
+                "one (--output), or move the file away"
+            )
 
 
 def disk_trouble(folder: Path) -> str | None:

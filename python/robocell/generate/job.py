@@ -23,7 +23,7 @@ from robocell import (
 )
 from robocell.generate import work
 from robocell.generate.check import check_apart
-from robocell.generate.disk import disk_trouble
+from robocell.generate.disk import disk_trouble, require_no_file
 from robocell.generate.items import Item
 from robocell.generate.observer import Observer
 from robocell.generate.report import (
@@ -91,9 +91,11 @@ class Job:
         """SpecError with all that can be known to be wrong before the first episode.
 
         The run (see `robocell.check_run`), or a dataset that is of another one. Writes nothing.
-        Returns what is to be said when a model crashed the engine.
+        Returns what is to be said when a model crashed the engine. IoError when there is no folder
+        to write into, or none of this could be found out.
         """
-        crash = check_apart(self.run, str(self.run_file), self.overrides)
+        require_no_file(self.dataset)
+        crash = check_apart(str(self.run_file), self.overrides)
         check_dataset(self.run)
         return crash
 

@@ -128,8 +128,9 @@ class PlainLines(Lines):
         self._print_line(text)
 
     def episode(self, report: Report, totals: Totals) -> None:
-        """Prints the state unless it was printed just now."""
-        if time.monotonic() >= self._next:
+        """Prints the state unless it was printed just now, or the final one is about to be."""
+        over = totals.done + len(totals.unmade) >= totals.planned
+        if time.monotonic() >= self._next and not over:
             self._print(totals)
 
     def finished(self, totals: Totals) -> None:

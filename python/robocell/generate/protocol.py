@@ -49,6 +49,12 @@ class Failure:
         known = isinstance(error, Error | OSError)
         return cls(kind, str(error) if known else f"{type(error).__name__}: {error}")
 
+    def error(self) -> Exception:
+        """An exception to raise in its stead: SpecError, IoError or Error."""
+        from robocell import Error, IoError, SpecError
+
+        return {"spec": SpecError, "io": IoError, "other": Error}[self.kind](self.message)
+
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""
         return asdict(self)
