@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -265,6 +266,67 @@ def test_a_model_path_that_leads_elsewhere_is_damage(stranger: Path):
     change(stranger, edit)
     with pytest.raises(robocell.IoError, match=r"episode.json keeps model .* at "):
         robocell.Dataset(stranger)[ID]
+
+
+def test_a_lock_that_is_a_link_writes_to_no_other_file(stranger: Path):
+    victim = stranger.parent / "precious.txt"
+    victim.write_text("precious")
+    for name in (".lock", ".lock-writers"):
+        (stranger / name).unlink(missing_ok=True)
+        (stranger / name).symlink_to(victim)
+        expected = f"'{stranger / name}': it is a link to '{victim}', not a file. Remove it"
+        assert expected in refused("verify", "--repair", stranger)
+        (stranger / name).unlink()
+    (stranger / ".lock").unlink(missing_ok=True)
+    (stranger / ".lock").symlink_to(victim)
+    assert "it is a link" in refused("generate", write_run(stranger.parent, output=str(stranger)))
+    assert victim.read_text() == "precious"
+
+
+@pytest.mark.parametrize("name", [".quarantine", "models", ".logs"])
+def test_nothing_is_moved_or_written_through_a_link(stranger: Path, name: str):
+    elsewhere = stranger.parent / "elsewhere"
+    elsewhere.mkdir()
+    if (stranger / name).exists():
+        shutil.rmtree(stranger / name)
+    (stranger / name).symlink_to(elsewhere)
+    (stranger / ID / "steps.h5").write_bytes(b"damaged")
+    run = write_run(stranger.parent, output=str(stranger))
+    for command in (["verify", "--repair", stranger], ["generate", run]):
+        text = refused(*command)
+        assert f"'{stranger / name}': it is a link to '{elsewhere}'" in text
+        assert "Remove it, or put" in text
+    assert f"{name}: it is a link to '{elsewhere}'" in refused("verify", stranger)
+    assert list(elsewhere.iterdir()) == []
+    assert (stranger / ID).exists()
+
+
+def test_a_log_that_is_a_link_is_not_written(stranger: Path):
+    victim = stranger.parent / "precious.txt"
+    victim.write_text("precious")
+    (stranger / ".logs").mkdir(exist_ok=True)
+    log = stranger / ".logs" / "worker-0.log"
+    log.unlink(missing_ok=True)
+    log.symlink_to(victim)
+    shutil.rmtree(stranger / ID)
+    text = refused("generate", write_run(stranger.parent, output=str(stranger)))
+    assert f"'{log}': it is a link to '{victim}'" in text
+    assert victim.read_text() == "precious"
+
+
+def test_pipes_and_devices_are_named_and_not_opened(stranger: Path):
+    manifest = stranger / "dataset.json"
+    model = next((stranger / "models").glob("rc7-*/rc7.xml"))
+    for path in (stranger / ID / "episode.json", manifest, model):
+        path.unlink()
+        os.mkfifo(path)
+    text = refused("verify", stranger)
+    assert f"{ID}/episode.json: it is a pipe, not a file" in text
+    assert f"'{manifest}': it is a pipe, not a file" in text
+    assert f"'{model}': it is a pipe, not a file" in text
+    manifest.unlink()
+    manifest.symlink_to("/dev/zero")
+    assert f"'{manifest}': it is a link to '/dev/zero', not a file" in refused("verify", stranger)
 
 
 def test_looking_at_a_strangers_dataset_writes_nothing(stranger: Path):

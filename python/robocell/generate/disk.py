@@ -37,7 +37,7 @@ def disk_trouble(folder: Path) -> str | None:
         free = shutil.disk_usage(folder).free
         if free < FREE_BYTES_NEEDED:
             return f"the disk of '{folder}' is full: {free >> 10} kB are free"
-        with probe.open("wb") as file:
+        with probe.open("xb") as file:
             file.write(bytes(PROBE_BYTES))
             file.flush()
             os.fsync(file.fileno())

@@ -11,6 +11,7 @@
 
 #include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/real_file.h"
 
 namespace robocell {
 namespace {
@@ -84,7 +85,7 @@ std::string HashOfFolder(const fs::path& folder) {
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     if (it->is_directory() && !it->is_symlink()) continue;
-    hashes[it->path().lexically_relative(folder).generic_string()] = Sha256File(it->path());
+    hashes[it->path().lexically_relative(folder).generic_string()] = Sha256RealFile(it->path());
   }
   if (error) ThrowIoError("list", folder, error.value());
   return HashOfLines(hashes);

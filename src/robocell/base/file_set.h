@@ -26,7 +26,8 @@ struct FileSet {
 FileSet MakeFileSet(const std::filesystem::path& main,
                     const std::vector<std::filesystem::path>& files);
 
-// The hash of the set that consists of all files in a folder, read anew.
+// The hash of the set that consists of all files in a folder, read anew. IoError names what is
+// neither a file nor a folder, such as a link.
 std::string HashOfFolder(const std::filesystem::path& folder);
 
 }  // namespace robocell

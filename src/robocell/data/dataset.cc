@@ -10,6 +10,7 @@
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/names.h"
+#include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
@@ -64,7 +65,7 @@ void WriteManifest(const fs::path& dataset, const std::string& json) {
 std::optional<std::string> ReadManifest(const fs::path& dataset) {
   const fs::path path = dataset / kManifestFile;
   if (!fs::exists(fs::symlink_status(path))) return std::nullopt;
-  std::string text = ReadFile(path);
+  std::string text = ReadRealFile(path);
   if (!IsObject(text))
     throw IoError(
         fmt::format("'{}' is damaged: it is not a JSON object. `robocell verify --repair "

@@ -9,10 +9,11 @@
 #include <system_error>
 
 #include "robocell/base/error.h"
-#include "robocell/base/files.h"
 #include "robocell/base/host.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/own_folders.h"
 
 namespace robocell {
 namespace {
@@ -20,28 +21,25 @@ namespace {
 namespace fs = std::filesystem;
 
 void CreateIfMissing(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor < 0) ThrowIoError("lock", path, errno);
-  ::close(descriptor);
+  const RealFile file(path, O_WRONLY | O_CREAT, "lock");
 }
 
 // Whose lock it is, for messages of others; nobody depends on it.
 void WriteOwner(const fs::path& path) {
-  const int descriptor = ::open(path.c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
-  if (descriptor < 0) return;
+  const RealFile file(path, O_WRONLY | O_TRUNC, "lock");
   const std::string owner = fmt::format("process {} on {}\n", ::getpid(), HostName());
-  [[maybe_unused]] const ssize_t written = ::write(descriptor, owner.data(), owner.size());
-  ::close(descriptor);
+  [[maybe_unused]] const ssize_t written = ::write(file.descriptor(), owner.data(), owner.size());
 }
 
 std::string Owner(const fs::path& path) {
-  std::string owner = ReadFile(path);
+  std::string owner = ReadRealFile(path);
   while (!owner.empty() && owner.back() == '\n') owner.pop_back();
   return owner.empty() ? "" : " by " + owner;
 }
 
 FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind) {
   const fs::path path = dataset / name;
+  RequireOwnFolders(dataset);
   CreateIfMissing(path);
   std::optional<FileLock> lock = FileLock::Try(path, kind);
   if (!lock) {

@@ -1,14 +1,17 @@
 #include "robocell/data/dataset_lock.h"
 
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <optional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/data/verify.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -93,6 +96,36 @@ TEST(DatasetLock, RepairRefusesADatasetThatIsInUse) {
 
 TEST(DatasetLock, AMissingFolderIsNamed) {
   ExpectThrow<IoError>([] { DatasetLock lock("/no/such/folder"); }, "/no/such/folder");
+}
+
+TEST(DatasetLock, IsNotWrittenThroughALinkOrWaitedForInAPipe) {
+  TempDir folder, elsewhere;
+  AtomicWrite(elsewhere / "precious", "text");
+  const auto expect_refused = [&](const std::string& what) {
+    const std::string text = ExpectThrow<IoError>([&] { DatasetLock lock(folder.path()); }, what);
+    EXPECT_THAT(text, HasSubstr((folder / ".lock").string()));
+    EXPECT_THAT(text, HasSubstr("Remove it"));
+  };
+  std::filesystem::create_symlink(elsewhere / "precious", folder / ".lock");
+  expect_refused("it is a link to '" + (elsewhere / "precious").string() + "', not a file");
+  std::filesystem::remove(folder / ".lock");
+  std::filesystem::create_symlink(elsewhere / "new", folder / ".lock");
+  expect_refused("it is a link to ");
+  std::filesystem::remove(folder / ".lock");
+  ASSERT_EQ(::mkfifo((folder / ".lock").c_str(), 0600), 0);
+  expect_refused("it is a pipe, not a file");
+  EXPECT_EQ(ReadFile(elsewhere / "precious"), "text");
+  EXPECT_FALSE(std::filesystem::exists(elsewhere / "new"));
+}
+
+TEST(DatasetLock, LogsThatLeadElsewhereAreRefused) {
+  TempDir folder, elsewhere;
+  std::filesystem::create_directory(folder / ".logs");
+  AtomicWrite(folder / ".logs/worker-0.log", "kept");
+  EXPECT_NO_THROW(DatasetLock lock(folder.path()));
+  std::filesystem::create_symlink(elsewhere / "new", folder / ".logs/worker-1.log");
+  ExpectThrow<IoError>([&] { DatasetLock lock(folder.path()); },
+                       ".logs/worker-1.log': it is a link to ");
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/base/files.h"
 #include "robocell/base/names.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/model_store.h"
@@ -113,6 +113,8 @@ struct Episode::Impl {
       std::error_code error;
       if (!ValidFileName(file))
         throw IoError(fmt::format("{}: episode.json lists a file '{}'", Name(), file));
+      if (const std::string what = WhatIsAt(folder / file); what != "a file" && what != "nothing")
+        throw IoError(fmt::format("{}: '{}' is {}, not a file", Name(), file, what));
       const auto size = fs::file_size(folder / file, error);
       if (error) throw IoError(fmt::format("{}: '{}': {}", Name(), file, error.message()));
       if (size != facts.at("bytes").get<uint64_t>()) {
@@ -155,7 +157,7 @@ struct Episode::Impl {
 
 Episode::Episode(const fs::path& folder) : impl_(std::make_unique<Impl>()) {
   impl_->folder = folder;
-  impl_->text = ReadFile(folder / kEpisodeFile);
+  impl_->text = ReadRealFile(folder / kEpisodeFile);
   impl_->Parse();
 }
 

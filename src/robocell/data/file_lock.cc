@@ -7,13 +7,13 @@
 #include <cerrno>
 #include <utility>
 
-#include "robocell/base/io_error.h"
+#include "robocell/base/real_file.h"
 
 namespace robocell {
 
 std::optional<FileLock> FileLock::Try(const std::filesystem::path& path, LockKind kind) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) ThrowIoError("open", path, errno);
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) ThrowOpenError("lock", path, errno);
   FileLock lock(descriptor);
   int result;
   do {

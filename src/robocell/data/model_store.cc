@@ -8,6 +8,7 @@
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/work_folder.h"
 
@@ -44,6 +45,7 @@ std::string StoredModelPath(const FileSet& model) {
 void StoreModel(const fs::path& dataset, const FileSet& model) {
   const fs::path folder = dataset / kModelsFolder, final = folder / FolderName(model);
   std::error_code error;
+  RequireRealFolder(folder);
   if (fs::exists(final, error)) return;
   fs::create_directory(folder, error);
   if (error) ThrowIoError("create", folder, error.value());
@@ -79,6 +81,8 @@ std::string StoredModelFolder(const std::string& path) {
 
 bool StoredModelIsIntact(const fs::path& dataset, const std::string& path) {
   const std::string folder = StoredModelFolder(path);
+  RequireRealFolder(dataset / kModelsFolder);
+  RequireRealFolder(dataset / folder);
   return HashOfFolder(dataset / folder).starts_with(folder.substr(folder.size() - kDigits));
 }
 
@@ -86,7 +90,7 @@ std::vector<std::string> StoredModels(const fs::path& dataset) {
   std::vector<std::string> names;
   std::error_code error;
   const fs::path folder = dataset / kModelsFolder;
-  if (!fs::is_directory(folder, error)) return names;
+  if (!fs::is_directory(fs::symlink_status(folder, error))) return names;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     if (IsStoredName(name)) names.push_back(std::string(kModelsFolder) + "/" + name);

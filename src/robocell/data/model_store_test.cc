@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 class ModelStoreTest : public ::testing::Test {
@@ -88,6 +89,20 @@ TEST_F(ModelStoreTest, PathsLeadNowhereElse) {
         "models/rc7-0123456789abcdef/../../../etc/passwd"}) {
     EXPECT_FALSE(IsStoredModelPath(path)) << path;
   }
+}
+
+TEST_F(ModelStoreTest, NothingIsStoredOrReadThroughLinks) {
+  fs::create_directory(temp / "elsewhere");
+  fs::create_directory_symlink(temp / "elsewhere", dataset / "models");
+  EXPECT_THROW(StoreModel(dataset, arm), IoError);
+  EXPECT_TRUE(fs::is_empty(temp / "elsewhere"));
+  fs::remove(dataset / "models");
+  StoreModel(dataset, arm);
+  const fs::path mesh = dataset / StoredModels(dataset)[0] / "assets/a.stl";
+  fs::remove(mesh);
+  fs::create_symlink(temp / "arm/assets/a.stl", mesh);
+  EXPECT_THROW(StoredModelIsIntact(dataset, StoredModelPath(arm)), IoError);
+  EXPECT_THAT(Verify(dataset).Text(), HasSubstr("a.stl': it is a link to "));
 }
 
 }  // namespace

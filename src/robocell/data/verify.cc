@@ -10,10 +10,10 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/names.h"
 #include "robocell/base/paths.h"
+#include "robocell/base/real_file.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
@@ -22,6 +22,7 @@
 #include "robocell/data/episode_writer.h"
 #include "robocell/data/leftovers.h"
 #include "robocell/data/model_store.h"
+#include "robocell/data/own_folders.h"
 #include "robocell/media/video_info.h"
 
 namespace robocell {
@@ -64,12 +65,16 @@ class EpisodeCheck {
   // False if nothing else can be asked.
   bool ReadDescription() {
     const std::string file(kEpisodeFile);
-    std::error_code error;
-    if (!fs::exists(folder_ / file, error)) {
+    const std::string what = WhatIsAt(folder_ / file);
+    if (what == "nothing") {
       Report(file, "it is missing: the episode was never finished, or it was removed");
       return false;
     }
-    const std::string text = ReadFile(folder_ / file);
+    if (what != "a file") {
+      Report(file, fmt::format("it is {}, not a file", what));
+      return false;
+    }
+    const std::string text = ReadRealFile(folder_ / file);
     if (!EpisodeJsonIsIntact(text)) {
       Report(file, "its text is not what was written: its own hash does not fit");
       return false;
@@ -91,15 +96,16 @@ class EpisodeCheck {
     if (!ValidFileName(name))
       return Report(std::string(kEpisodeFile), "it lists a file '" + name + "'");
     const fs::path path = folder_ / name;
-    std::error_code error;
-    if (!fs::is_regular_file(fs::symlink_status(path, error))) return Report(name, "it is missing");
+    const std::string what = WhatIsAt(path);
+    if (what == "nothing") return Report(name, "it is missing");
+    if (what != "a file") return Report(name, fmt::format("it is {}, not a file", what));
     const uint64_t expected = facts.at("bytes");
     const uint64_t size = fs::file_size(path);
     if (size < expected)
       return Report(name, fmt::format("it is cut short: {} of {} bytes are there", size, expected));
     if (size > expected)
       return Report(name, fmt::format("it has {} bytes, {} were written", size, expected));
-    if (Sha256File(path) != facts.at("sha256").get<std::string>()) {
+    if (Sha256RealFile(path) != facts.at("sha256").get<std::string>()) {
       Report(name, "its bytes are not what was written: the hash does not fit");
     }
   }
@@ -170,6 +176,7 @@ class EpisodeCheck {
 std::string Quarantine(const fs::path& dataset, const std::string& name) {
   const fs::path folder = dataset / kQuarantineFolder;
   std::error_code error;
+  RequireRealFolder(folder);
   fs::create_directory(folder, error);
   if (error) ThrowIoError("create", folder, error.value());
   const std::string own = fs::path(name).filename().string();
@@ -217,6 +224,15 @@ void CheckManifest(const fs::path& dataset, VerifyReport& report) {
   } catch (const Error& error) {
     report.problems.push_back({"", std::string(kManifestFile), error.what()});
     report.bad_parts.emplace_back(kManifestFile);
+  }
+}
+
+void CheckOwnFolders(const fs::path& dataset, VerifyReport& report) {
+  for (const ForeignThing& thing : NotOwn(dataset)) {
+    report.problems.push_back(
+        {"", thing.name,
+         fmt::format("it is {} that leads out of the dataset: remove it, repair leaves it alone",
+                     thing.what)});
   }
 }
 
@@ -302,6 +318,7 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
     if (options.progress) options.progress(i + 1, episodes.size());
   }
   CheckManifest(dataset, report);
+  CheckOwnFolders(dataset, report);
   CheckStoredModels(dataset, report);
   CheckMissingModels(dataset, report);
   return report;

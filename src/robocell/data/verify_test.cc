@@ -1,5 +1,6 @@
 #include "robocell/data/verify.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -117,10 +118,11 @@ TEST_F(VerifyTest, AForeignFileIsNamed) {
   EXPECT_THAT(OnlyProblem(), HasSubstr("b/notes.txt: it does not belong to the episode"));
 }
 
-TEST_F(VerifyTest, AFileThatBecameALinkIsMissing) {
+TEST_F(VerifyTest, AFileThatBecameALinkIsNamed) {
   fs::rename(B("scene.mjb"), folder_ / "elsewhere");
   fs::create_symlink(folder_ / "elsewhere", B("scene.mjb"));
-  EXPECT_EQ(OnlyProblem(), "b/scene.mjb: it is missing");
+  EXPECT_EQ(OnlyProblem(), fmt::format("b/scene.mjb: it is a link to '{}', not a file",
+                                       (folder_ / "elsewhere").string()));
 }
 
 TEST_F(VerifyTest, ARenamedEpisodeIsNamed) {
@@ -223,6 +225,50 @@ TEST_F(VerifyTest, AFolderThatIsNoDatasetIsRefusedWithWhereOneIs) {
   EXPECT_FALSE(fs::exists(around / ".lock")) << "nothing is written into it";
   ExpectThrow<ArgumentError>([&] { Verify(around / "set" / "a"); },
                              "It is an episode of a dataset; give '" + (around / "set").string());
+}
+
+// Opened, a pipe would wait for ever and a device never end.
+TEST_F(VerifyTest, PipesLinksAndDevicesAreNamedAndNotOpened) {
+  for (const char* file : {"episode.json", "steps.h5"}) {
+    fs::remove(B(file));
+    ASSERT_EQ(::mkfifo(B(file).c_str(), 0600), 0);
+    EXPECT_EQ(OnlyProblem(), fmt::format("b/{}: it is a pipe, not a file", file));
+    fs::remove(B(file));
+    fs::create_symlink("/dev/zero", B(file));
+    EXPECT_EQ(OnlyProblem(), fmt::format("b/{}: it is a link to '/dev/zero', not a file", file));
+    EXPECT_THROW(Episode{folder_ / "b"}, IoError);
+    fs::remove(B(file));
+    fs::copy(Original() / ("b/" + std::string(file)), B(file));
+  }
+}
+
+TEST_F(VerifyTest, ADescriptionOfATerabyteIsNotRead) {
+  fs::resize_file(B("episode.json"), uint64_t{1} << 40);
+  EXPECT_THAT(OnlyProblem(), HasSubstr("it has 1099511627776 bytes, 67108864 are the most"));
+}
+
+TEST_F(VerifyTest, AManifestThatIsAPipeIsSetAside) {
+  ASSERT_EQ(::mkfifo((folder_ / "dataset.json").c_str(), 0600), 0);
+  const VerifyReport report = Verify(folder_.path());
+  ASSERT_EQ(report.problems.size(), 1u) << report.Text();
+  EXPECT_THAT(report.problems[0].Text(), HasSubstr("dataset.json': it is a pipe, not a file"));
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("dataset.json"));
+}
+
+TEST_F(VerifyTest, RepairMovesNothingThroughALink) {
+  TempDir elsewhere;
+  fs::resize_file(B("steps.h5"), 1);
+  for (const char* name : {".quarantine", "models", ".logs"}) {
+    fs::create_directory_symlink(elsewhere.path(), folder_ / name);
+    const std::string what = fmt::format("it is a link to '{}'", elsewhere.path().string());
+    const std::string text = ExpectThrow<IoError>([&] { Repair(folder_.path()); }, what);
+    EXPECT_THAT(text, HasSubstr((folder_ / name).string()));
+    EXPECT_THAT(text, HasSubstr("Remove it, or put what it leads to there itself"));
+    EXPECT_THAT(Verify(folder_.path()).Text(), HasSubstr(fmt::format("{}: {}", name, what)));
+    fs::remove(folder_ / name);
+  }
+  EXPECT_TRUE(fs::is_empty(elsewhere.path()));
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("b"));
 }
 
 }  // namespace

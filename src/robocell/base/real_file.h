@@ -1,0 +1,57 @@
+// Files and folders that somebody else may have put there, such as a dataset from elsewhere: opened
+// only when they are what they seem. A link leads out of its folder, a pipe or device never ends,
+// and a file may be larger than the memory.
+//
+//   const std::string text = ReadRealFile(dataset / "dataset.json");  // IoError for a link
+//   RequireRealFolder(dataset / "models");                            // before writing into it
+//
+// The IoError names the path, what is there, and what to do. Links in the folders before the last
+// name are followed: where a dataset lies is its user's choice. Files of the user's own are read
+// with files.h, which follows links. Any thread.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace robocell {
+
+// "nothing", "a file", "a folder", "a link to '/etc/passwd'", "a pipe", "a socket", "a device".
+std::string WhatIsAt(const std::filesystem::path& path);
+
+// The folder may also be missing.
+void RequireRealFolder(const std::filesystem::path& folder);
+
+// Throws why open(2) with O_NOFOLLOW failed; `error` is its errno.
+[[noreturn]] void ThrowOpenError(std::string_view action, const std::filesystem::path& path,
+                                 int error);
+
+// An open regular file.
+class RealFile {
+ public:
+  // `flags` are those of open(2); `action` is for the message: "read".
+  RealFile(const std::filesystem::path& path, int flags, std::string_view action);
+  ~RealFile();
+  RealFile(const RealFile&) = delete;
+  RealFile& operator=(const RealFile&) = delete;
+
+  int descriptor() const { return descriptor_; }
+  uint64_t size() const { return size_; }
+
+ private:
+  int descriptor_ = -1;
+  uint64_t size_ = 0;
+};
+
+// Descriptions are kilobytes.
+inline constexpr uint64_t kMaxDescriptionBytes = uint64_t{64} << 20;
+
+// The whole content; IoError when it is longer than `max_bytes`.
+std::string ReadRealFile(const std::filesystem::path& path,
+                         uint64_t max_bytes = kMaxDescriptionBytes);
+
+// As Sha256File (hash.h).
+std::string Sha256RealFile(const std::filesystem::path& path);
+
+}  // namespace robocell

@@ -1,0 +1,88 @@
+#include "robocell/base/real_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/hash.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class RealFileTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    AtomicWrite(temp / "file", "abc");
+    fs::create_symlink(temp / "file", temp / "link");
+    fs::create_directory_symlink(temp.path(), temp / "folder_link");
+    fs::create_symlink("/dev/zero", temp / "endless");
+    ASSERT_EQ(::mkfifo((temp / "pipe").c_str(), 0600), 0);
+    fs::create_directory(temp / "folder");
+  }
+  TempDir temp;
+};
+
+TEST_F(RealFileTest, AFileIsReadAndHashedLikeAnyOther) {
+  EXPECT_EQ(ReadRealFile(temp / "file"), "abc");
+  EXPECT_EQ(Sha256RealFile(temp / "file"), Sha256File(temp / "file"));
+  const std::string large(200'000, 'x');
+  AtomicWrite(temp / "large", large);
+  EXPECT_EQ(ReadRealFile(temp / "large"), large);
+  EXPECT_EQ(Sha256RealFile(temp / "large"), Sha256(large));
+}
+
+TEST_F(RealFileTest, WhatIsNoFileIsNamedWithTheNextStep) {
+  const std::string target = (temp / "file").string();
+  for (const auto& [name, what] :
+       std::map<std::string, std::string>{{"link", "a link to '" + target + "'"},
+                                          {"endless", "a link to '/dev/zero'"},
+                                          {"pipe", "a pipe"},
+                                          {"folder", "a folder"}}) {
+    EXPECT_EQ(WhatIsAt(temp / name), what);
+    const std::string text = "cannot read '" + (temp / name).string() + "': it is " + what +
+                             ", not a file. Remove it, or put the file itself there";
+    ExpectThrow<IoError>([&] { ReadRealFile(temp / name); }, text);
+    ExpectThrow<IoError>([&] { Sha256RealFile(temp / name); }, text);
+  }
+}
+
+TEST_F(RealFileTest, WritingFollowsNoLinkEither) {
+  for (const char* name : {"link", "pipe", "folder"}) {
+    EXPECT_THROW(RealFile(temp / name, O_WRONLY | O_CREAT | O_TRUNC, "write"), IoError) << name;
+  }
+  EXPECT_EQ(ReadFile(temp / "file"), "abc");
+}
+
+TEST_F(RealFileTest, AMissingOneSaysTheSystemsReason) {
+  EXPECT_EQ(WhatIsAt(temp / "none"), "nothing");
+  ExpectThrow<IoError>([&] { ReadRealFile(temp / "none"); }, "none': No such file or directory");
+}
+
+TEST_F(RealFileTest, MoreThanTheLimitIsNotRead) {
+  fs::resize_file(temp / "file", uint64_t{1} << 40);  // takes no room
+  ExpectThrow<IoError>([&] { ReadRealFile(temp / "file"); },
+                       "it has 1099511627776 bytes, 67108864 are the most that is read");
+}
+
+TEST_F(RealFileTest, FoldersAreFoldersOrMissing) {
+  RequireRealFolder(temp / "folder");
+  RequireRealFolder(temp / "none");
+  const std::string text =
+      ExpectThrow<IoError>([&] { RequireRealFolder(temp / "folder_link"); },
+                           "it is a link to '" + temp.path().string() + "', not a folder");
+  EXPECT_THAT(text, HasSubstr("Remove it, or put the folder itself there"));
+  EXPECT_THROW(RequireRealFolder(temp / "file"), IoError);
+}
+
+}  // namespace
+}  // namespace robocell
