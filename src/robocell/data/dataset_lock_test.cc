@@ -57,6 +57,7 @@ TEST(DatasetLock, ShardsOfDifferentCountsAreRefusedTogether) {
 
 TEST(DatasetLock, WritersWorkBesideRunsButNotBesideARepair) {
   TempDir folder;
+  AtomicWrite(folder / "dataset.json", "{}");
   std::optional<DatasetLock> writer = DatasetLock::Writing(folder.path());
   EXPECT_NO_THROW(DatasetLock::Writing(folder.path()));
   EXPECT_NO_THROW(DatasetLock run(folder.path()));
@@ -90,6 +91,7 @@ TEST(DatasetLock, OfAKilledProcessIsFree) {
 
 TEST(DatasetLock, RepairRefusesADatasetThatIsInUse) {
   TempDir folder;
+  AtomicWrite(folder / "dataset.json", "{}");
   const DatasetLock run(folder.path(), 3, 8);
   ExpectThrow<IoError>([&] { Repair(folder.path()); }, "in use");
 }
