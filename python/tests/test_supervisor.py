@@ -252,18 +252,62 @@ def test_workers_that_cannot_start_end_the_run_with_their_last_words(tmp_path: P
     assert "worker-" in outcome.fatal.message
 
 
-def test_a_wrong_spec_found_by_the_first_items_ends_the_run(tmp_path: Path):
+def test_a_wrong_spec_that_no_item_can_do_with_ends_the_run(tmp_path: Path):
     outcome = supervise(tmp_path, {"*": ["spec"]}).run()
     assert outcome.fatal is not None
     assert outcome.fatal.kind == "spec"
     assert "Did you mean 'wrist'?" in outcome.fatal.message
-    assert len(fake_worker.tries_of(tmp_path)) <= 2
+    assert sorted(fake_worker.tries_of(tmp_path)) == ids(4), "none is tried again"
 
 
-def test_the_same_after_a_success_concerns_that_item_only(tmp_path: Path):
-    outcome = supervise(tmp_path, {"e1": ["spec"]}, workers=1).run()
+@pytest.mark.parametrize("workers", [1, 3])
+@pytest.mark.parametrize("bad", ["e0", "e3"])
+def test_a_wrong_spec_of_one_item_concerns_that_item_only(tmp_path: Path, workers: int, bad: str):
+    outcome = supervise(tmp_path, {bad: ["spec"]}, workers=workers).run()
     assert outcome.fatal is None
-    assert episodes(tmp_path) == ["e0", "e2", "e3"]
+    assert episodes(tmp_path) == [name for name in ids(4) if name != bad]
+    (unmade,) = outcome.totals.unmade
+    assert (unmade.id, outcome.totals.retries) == (bad, 0)
+    assert unmade.reproduce == f"robocell generate run.yaml --shard {bad[1:]}/4"
+
+
+FIRST = ["e0", "e2", "e4", "e6", "e8"]  # of ten: spread over the plan
+
+
+def test_when_no_item_of_the_first_works_the_run_ends(tmp_path: Path):
+    recorder = Recorder()
+    outcome = supervise(tmp_path, {"*": ["kill"]}, count=10, workers=1, observer=recorder).run()
+    assert outcome.fatal is not None
+    assert outcome.fatal.kind == "other"
+    message = outcome.fatal.message
+    assert "was killed by SIGKILL (out of memory?)\nabout to die\n" in message
+    assert "all of the 5 items that were tried first, spread over the plan" in message
+    assert message.endswith("Try one alone: robocell generate run.yaml --shard 0/10")
+    assert fake_worker.tries_of(tmp_path) == [name for name in FIRST for _ in range(3)]
+    assert [text.split(":")[0] for text in recorder.of("unmade")] == FIRST
+    assert not outcome.interrupted
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_one_of_them_that_works_is_enough_to_go_on(tmp_path: Path, workers: int):
+    outcome = supervise(tmp_path, {"*": ["spec"], "e8": ["make"]}, count=10, workers=workers).run()
+    assert outcome.fatal is None
+    assert episodes(tmp_path) == ["e8"]
+    assert sorted(fake_worker.tries_of(tmp_path)) == ids(10)
+    assert len(outcome.totals.unmade) == 9
+
+
+def test_attempts_used_up_are_no_sign_that_nothing_works(tmp_path: Path):
+    outcome = supervise(tmp_path, {"*": ["fail"]}, count=10).run()
+    assert outcome.fatal is None
+    assert len(outcome.totals.unmade) == 10
+
+
+def test_when_some_were_made_before_all_others_are_tried(tmp_path: Path):
+    (tmp_path / "e0").mkdir()
+    outcome = supervise(tmp_path, {"*": ["spec"]}, count=8, already=1).run()
+    assert outcome.fatal is None
+    assert sorted(fake_worker.tries_of(tmp_path)) == ids(8)[1:]
 
 
 def test_a_full_disk_ends_the_run_at_once(tmp_path: Path):

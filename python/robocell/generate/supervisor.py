@@ -6,7 +6,8 @@
 An item that a worker could not finish, because it died, raised or took too long, is made again by a
 fresh worker, three times at most; then it is listed with the command that tries it alone. What is
 made is decided by the disk (`is_made`), so a worker that dies between commit and report loses
-nothing and doubles nothing.
+nothing and doubles nothing. A wrong spec is not tried again. When none of the first items works,
+the run ends (`scouts`).
 
 `request_stop` may be called from any thread or signal handler. Not for: what an item is, and what
 is on the disk; see `robocell.cli.generate`.
@@ -27,6 +28,7 @@ from typing import Any
 from robocell.generate.items import Item, Report
 from robocell.generate.observer import Observer
 from robocell.generate.protocol import Failure, FailureKind, ProtocolError
+from robocell.generate.scouts import Scouts
 from robocell.generate.totals import Again, Death, Totals, Unmade
 from robocell.generate.worker_process import WorkerProcess
 
@@ -106,7 +108,8 @@ class Supervisor:
         disk_trouble: Callable[[], str | None] = lambda: None,
         limits: Limits | None = None,
     ) -> None:
-        self._pending = deque(items)
+        self._scouts = Scouts(items, any_made=already > 0)
+        self._pending = deque(self._scouts.first(items))
         self._command = list(command)
         self._count = min(workers, len(items))
         self._logs = logs
@@ -283,18 +286,15 @@ class Supervisor:
     def _take_failure(self, worker: WorkerProcess, failure: Failure) -> None:
         worker.finish()
         item = worker.item
-        if failure.kind == "spec" and self._totals.made == 0:
-            # Nothing has worked yet: what the user wrote is to blame, not this item.
-            self._give_up_run("spec", failure.message)
-        elif failure.kind == "io" and (trouble := self._disk_trouble()):
+        if failure.kind == "io" and (trouble := self._disk_trouble()):
             self._give_up_run("io", f"{failure.message}\n{trouble}")
         elif failure.kind == "io" and item and self._tries[item.id] + 1 >= self._limits.tries:
             self._give_up_run("io", failure.message)
-        self._drop_item(worker, failure.message)
+        self._drop_item(worker, failure.message, failure.kind)
 
     # Items that a worker did not finish.
 
-    def _drop_item(self, worker: WorkerProcess, reason: str) -> None:
+    def _drop_item(self, worker: WorkerProcess, reason: str, kind: FailureKind = "other") -> None:
         """Takes the item from a worker that did not finish it."""
         item, worker.item = worker.item, None
         if item is None:
@@ -305,6 +305,8 @@ class Supervisor:
             self._decided(report)
         elif self._stopping:
             self._pending.appendleft(item)
+        elif kind == "spec":
+            self._lose(item, reason, kind)  # what the user wrote stays as it is
         else:
             self._try_again(item, worker, reason)
 
@@ -316,12 +318,19 @@ class Supervisor:
             self._observer.retry(item.id, reason, self._totals)
             return
         tail = worker.log_tail()
-        self._give_up(item, reason + (f"\n{tail}" if tail and tail not in reason else ""))
+        self._lose(item, reason + (f"\n{tail}" if tail and tail not in reason else ""), "other")
 
-    def _give_up(self, item: Item, reason: str) -> None:
+    def _lose(self, item: Item, reason: str, kind: FailureKind) -> None:
+        """Gives an item up for an error; this may be the end of the run."""
+        self._scouts.lost(self._give_up(item, reason), kind)
+        if failure := self._scouts.verdict():
+            self._give_up_run(failure.kind, failure.message)
+
+    def _give_up(self, item: Item, reason: str) -> Unmade:
         unmade = Unmade(item.id, reason, self._reproduce(item))
         self._totals.unmade.append(unmade)
         self._observer.unmade(unmade, self._totals)
+        return unmade
 
     def _give_up_run(self, kind: FailureKind, message: str) -> None:
         if self._fatal is None:
