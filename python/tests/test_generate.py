@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import signal
@@ -15,20 +14,17 @@ from typing import Any
 import pytest
 
 import robocell
+from contents import contents, of_episodes
 from test_cli import RUN, robocell_command, write_run
 
 IDS = ["s0000_e0000", "s0000_e0001"]
 # Enough that each of seven workers gets one; too far away for every first start to be in reach.
-LONGER = {"episodes_per_scene": 14, "task": {**RUN["task"], "base_distance": [0.4, 0.68]}}
-
-
-def fingerprint(dataset: Path) -> dict[str, str]:
-    """Hashes of time series and videos; episode.json has a block of its own for the run."""
-    files = [*dataset.glob("s*/steps.h5"), *dataset.glob("s*/*.mp4")]
-    return {
-        str(file.relative_to(dataset)): hashlib.sha256(file.read_bytes()).hexdigest()
-        for file in sorted(files)
-    }
+STREAM = {"name": "wrist", "camera": "wrist_camera", "depth": True}
+LONGER = {
+    "episodes_per_scene": 14,
+    "task": {**RUN["task"], "base_distance": [0.4, 0.68]},
+    "cameras": {"resolution": [64, 48], "streams": [STREAM]},
+}
 
 
 def generate(run: Path, output: Path, *options: object) -> list[dict[str, Any]]:
@@ -57,7 +53,10 @@ def test_the_dataset_is_complete_and_intact(reference: Path):
     for episode in (dataset[name] for name in IDS):
         assert episode.success
         assert episode.frames("wrist").shape == (len(episode), 48, 64, 3)
-    assert len(fingerprint(reference)) == 4
+    files = contents(reference)
+    assert len(of_episodes(files)) == 2 * 3
+    assert "dataset.json" in files
+    assert any(name.startswith("models/rc7-") for name in files)
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +68,7 @@ def longer(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert len(episodes) == LONGER["episodes_per_scene"]
     assert any(episode.metadata["attempt"] > 0 for episode in episodes)
     assert len(processes(folder / "out")) == 1
+    assert sum(name.endswith(".depth.mov") for name in contents(folder / "out")) == len(episodes)
     return folder / "out"
 
 
@@ -82,7 +82,7 @@ def test_more_workers_make_the_same_bytes(longer: Path, tmp_path: Path, workers:
     run = write_run(tmp_path, **LONGER)
     generate(run, tmp_path / "out", "--workers", workers)
     assert len(processes(tmp_path / "out")) >= 3
-    assert fingerprint(tmp_path / "out") == fingerprint(longer)
+    assert contents(tmp_path / "out") == contents(longer)
 
 
 def test_two_shards_make_the_same_bytes_into_one_folder(reference: Path, tmp_path: Path):
@@ -90,12 +90,12 @@ def test_two_shards_make_the_same_bytes_into_one_folder(reference: Path, tmp_pat
     for shard in ("0/2", "1/2"):
         events = generate(run, tmp_path / "out", "--shard", shard)
         assert events[-1]["totals"]["planned"] == 1
-    assert fingerprint(tmp_path / "out") == fingerprint(reference)
+    assert contents(tmp_path / "out") == contents(reference)
 
 
 def test_another_seed_makes_other_bytes(reference: Path, tmp_path: Path):
     generate(write_run(tmp_path), tmp_path / "out", "--seed", 1)
-    other, first = fingerprint(tmp_path / "out"), fingerprint(reference)
+    other, first = (of_episodes(contents(folder)) for folder in (tmp_path / "out", reference))
     assert other.keys() == first.keys()
     assert not set(other.values()) & set(first.values())
 
@@ -108,7 +108,7 @@ def test_the_same_command_again_makes_what_is_missing_only(reference: Path, tmp_
     assert events[0]["totals"]["already"] == 1
     assert events[-1]["totals"]["made"] == 1
     assert (tmp_path / "out" / IDS[0] / "episode.json").stat() == before
-    assert fingerprint(tmp_path / "out") == fingerprint(reference)
+    assert contents(tmp_path / "out") == contents(reference)
     again = robocell_command("generate", run)
     assert again.returncode == 0
     assert "2 of 2 (2 were there before)" in again.stdout
@@ -142,11 +142,11 @@ def test_with_keep_all_failures_stay_and_are_not_made_again(tmp_path: Path):
     dataset = robocell.Dataset(tmp_path / "out")
     assert dataset.ids == ["s0000_e0000_a00", "s0000_e0000_a01"]
     assert [dataset[name].success for name in dataset.ids] == [False, False]
-    before = fingerprint(tmp_path / "out")
+    before = contents(tmp_path / "out")
     again = robocell_command("generate", run, *limits)
     assert again.returncode == 1
     assert "its attempts were used up before" in again.stderr
-    assert fingerprint(tmp_path / "out") == before
+    assert contents(tmp_path / "out") == before
 
 
 def interrupt(run: Path, number: signal.Signals) -> subprocess.CompletedProcess[str]:
@@ -193,9 +193,9 @@ def test_an_interrupted_run_keeps_what_is_made_and_says_how_to_go_on(
     report = robocell.verify(tmp_path / "out")
     assert report.ok
     assert report.leftovers == [], "nothing half-made stays"
-    made = fingerprint(tmp_path / "out")
+    made = contents(tmp_path / "out")
     steps = f"{IDS[0]}/steps.h5"
-    assert made[steps] == fingerprint(reference)[steps]
+    assert made[steps] == contents(reference)[steps]
 
 
 def test_a_killed_run_can_go_on(reference: Path, tmp_path: Path):
@@ -205,5 +205,5 @@ def test_a_killed_run_can_go_on(reference: Path, tmp_path: Path):
     report = robocell.verify(tmp_path / "out")
     assert report.ok
     assert report.leftovers == [], "what the killed workers were writing is gone"
-    made = fingerprint(tmp_path / "out")
-    assert {name: made[name] for name in fingerprint(reference)} == fingerprint(reference)
+    made = contents(tmp_path / "out")
+    assert {name: made[name] for name in contents(reference)} == contents(reference)

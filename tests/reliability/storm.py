@@ -14,6 +14,7 @@ from pathlib import Path
 import yaml
 
 import robocell
+from contents import contents
 
 RUN = {
     "run": "storm",
@@ -25,7 +26,10 @@ RUN = {
         "base_height_noise": [-0.15, 0.1],
     },
     "scenes": {"source": "tabletop"},
-    "cameras": {"resolution": [32, 24], "streams": [{"name": "wrist", "camera": "wrist_camera"}]},
+    "cameras": {
+        "resolution": [32, 24],
+        "streams": [{"name": "wrist", "camera": "wrist_camera", "depth": True}],
+    },
 }
 
 
@@ -83,8 +87,7 @@ class Storm:
 
     def contents(self) -> dict[str, bytes]:
         """What must be the same however often the command died."""
-        files = [*self.dataset.glob("s*/steps.h5"), *self.dataset.glob("s*/*.mp4")]
-        return {str(file.relative_to(self.dataset)): file.read_bytes() for file in files}
+        return contents(self.dataset)
 
     def finish(self) -> None:
         """Lets the command finish its work."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import random  # rule-ok: decides when to kill; no data depends on it
@@ -17,6 +18,7 @@ import storm
 import yaml
 
 import robocell
+from contents import contents
 
 EPISODES = 6
 KILLS = 6
@@ -45,9 +47,25 @@ def start(folder: Path, *options: object, limit: int | None = None) -> subproces
 
 
 def children(pid: int) -> list[int]:
-    """Worker processes of the command."""
-    path = Path(f"/proc/{pid}/task/{pid}/children")
-    return [int(child) for child in path.read_text().split()] if path.exists() else []
+    """Processes that the main thread of a process has started."""
+    with contextlib.suppress(OSError):  # it has ended
+        path = Path(f"/proc/{pid}/task/{pid}/children")
+        return [int(child) for child in path.read_text().split()]
+    return []
+
+
+def program(pid: int) -> str:
+    """What the process runs, with its arguments; empty when it has ended, a zombie included."""
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/cmdline").read_text()
+    return ""
+
+
+def workers_of(command: subprocess.Popen[str]) -> list[int]:
+    """Its worker processes; the one that looks the run through before is none."""
+    return [
+        child for child in children(command.pid) if "robocell.generate.work\0" in program(child)
+    ]
 
 
 def kill_workers(command: subprocess.Popen[str], kills: int) -> None:
@@ -55,15 +73,10 @@ def kill_workers(command: subprocess.Popen[str], kills: int) -> None:
     chance = random.Random(7)
     while kills and command.poll() is None:
         time.sleep(chance.uniform(0.1, 1.5))
-        workers = children(command.pid)
+        workers = workers_of(command)
         if workers and command.poll() is None:
             os.kill(chance.choice(workers), signal.SIGKILL)
             kills -= 1
-
-
-def contents(dataset: Path) -> dict[str, bytes]:
-    files = [*dataset.glob("s*/steps.h5"), *dataset.glob("s*/*.mp4")]
-    return {str(file.relative_to(dataset)): file.read_bytes() for file in files}
 
 
 def test_killed_workers_lose_nothing_and_double_nothing(tmp_path: Path):
@@ -92,6 +105,35 @@ def test_killed_workers_lose_nothing_and_double_nothing(tmp_path: Path):
     assert report.leftovers == [], "what the dead were writing is gone"
     assert len(report.good) == EPISODES
     assert contents(stormy / "out") == contents(calm / "out")
+
+
+def encoders_of(command: subprocess.Popen[str]) -> tuple[int, set[int]]:
+    """A worker of the command and the encoders that it has running, as soon as there are two."""
+    end = time.monotonic() + 120
+    while time.monotonic() < end:
+        assert command.poll() is None, command.communicate()
+        for worker in workers_of(command):
+            started = {child for child in children(worker) if "ffmpeg" in program(child)}
+            if len(started) == 2:  # colour and depth
+                return worker, started
+        time.sleep(0.002)
+    raise AssertionError("no encoder was seen")
+
+
+def test_the_encoders_of_a_killed_worker_end_and_hold_nothing(tmp_path: Path):
+    command = start(tmp_path, "--workers", 1, "--episodes", 1, "--progress", "jsonl")
+    worker, encoders = encoders_of(command)
+    groups = {os.getpgid(encoder) for encoder in encoders}
+    os.killpg(worker, signal.SIGKILL)  # as the supervisor does
+    assert worker not in groups, "they are not hit themselves"
+    end = time.monotonic() + 10
+    while any("ffmpeg" in program(encoder) for encoder in encoders):
+        assert time.monotonic() < end, "an encoder is left over"
+        time.sleep(0.01)
+    out, said = command.communicate(timeout=240)
+    assert command.returncode == 0, said
+    assert '"event": "retry"' in out
+    assert robocell.verify(tmp_path / "out").leftovers == []
 
 
 def test_a_disk_that_takes_no_more_ends_the_run_with_the_reason(tmp_path: Path):

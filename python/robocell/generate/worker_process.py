@@ -81,7 +81,11 @@ class WorkerProcess:
             self._stdin.close()
 
     def kill(self, reason: str) -> None:
-        """Ends it by force, with what it started."""
+        """Ends it by force, with what is in its process group.
+
+        Encoders have groups of their own: they end by themselves when the pipe that they read from
+        closes with the worker.
+        """
         self._killed_for = self._killed_for or reason
         for send in (os.killpg, os.kill):
             try:
