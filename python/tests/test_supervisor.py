@@ -281,7 +281,9 @@ def test_when_no_item_of_the_first_works_the_run_ends(tmp_path: Path):
     assert outcome.fatal.kind == "other"
     message = outcome.fatal.message
     assert "was killed by SIGKILL (out of memory?)\nabout to die\n" in message
-    assert "all of the 5 items that were tried first, spread over the plan" in message
+    assert (
+        "None of the 5 items that were tried first, spread over the plan, could be made" in message
+    )
     assert message.endswith("Try one alone: robocell generate run.yaml --shard 0/10")
     assert fake_worker.tries_of(tmp_path) == [name for name in FIRST for _ in range(3)]
     assert [text.split(":")[0] for text in recorder.of("unmade")] == FIRST

@@ -60,8 +60,8 @@ class Scouts:
         message = lost[0].reason
         if not self._all:
             message += (
-                f"\nSo or alike ended all of the {len(lost)} items that were tried first, spread "
-                "over the plan: nothing works yet, and the run ends."
+                f"\nNone of the {len(lost)} items that were tried first, spread over the plan, "
+                "could be made for such errors, and the run ends."
             )
         if lost[0].reproduce:
             message += f"\nTry one alone: {lost[0].reproduce}"
