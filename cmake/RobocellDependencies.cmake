@@ -10,6 +10,7 @@ if(NOT TARGET yaml-cpp)  # 0.8 (Ubuntu 24.04) knows the target under its namespa
   target_link_libraries(yaml-cpp INTERFACE yaml-cpp::yaml-cpp)
 endif()
 find_package(nlohmann_json REQUIRED)
+find_package(tinyxml2 REQUIRED)
 find_package(orocos_kdl REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(HDF5 REQUIRED COMPONENTS C)

@@ -11,7 +11,8 @@ target_include_directories(robocell SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${oroc
 target_link_libraries(robocell
   PUBLIC mujoco::mujoco Eigen3::Eigen fmt::fmt
   PRIVATE robocell_flags spdlog::spdlog yaml-cpp nlohmann_json::nlohmann_json orocos-kdl OpenSSL::Crypto
-          ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads ${CMAKE_DL_LIBS})
+          ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads ${CMAKE_DL_LIBS}
+          $<LINK_ONLY:tinyxml2::tinyxml2>)  # its flags would be those of every file; its header needs none
 # In the wheel MuJoCo's package is a neighbour; an installed library finds MuJoCo where it was when it was built.
 set(ROBOCELL_INSTALL_RPATH "$ORIGIN;$ORIGIN/../mujoco")
 if(NOT SKBUILD)

@@ -12,7 +12,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -199,12 +199,16 @@ def test_arrays_whose_numbers_are_in_other_files_are_refused(
         robocell.Dataset(stranger)[ID]["time"]
 
 
-def swap_model(dataset: Path, text: str) -> None:
+def swap_model(dataset: Path, text: str, others: Mapping[str, str] = {}) -> None:
     """Puts another robot model into the dataset, as if it had been stored there."""
-    lines = f"{hashlib.sha256(text.encode()).hexdigest()}  rc7.xml\n"
+    files = {"rc7.xml": text, **others}
+    lines = "".join(
+        f"{hashlib.sha256(files[name].encode()).hexdigest()}  {name}\n" for name in sorted(files)
+    )
     name = f"models/rc7-{hashlib.sha256(lines.encode()).hexdigest()[:16]}"
     (dataset / name).mkdir()
-    (dataset / name / "rc7.xml").write_text(text)
+    for file, content in files.items():
+        (dataset / name / file).write_text(content)
 
     def edit(content: dict[str, Any]) -> None:
         robot = next(key for key in content["models"] if "rc7" in key)
@@ -225,6 +229,27 @@ MODELS = {
         '<texture name="t" type="2d" file="secret.xml"/></asset></mujoco>',
         "secret.xml', which is outside",
     ),
+    "entities": (
+        '<mujoco><include file="&#46;&#46;/&#46;&#46;/&#46;&#46;/secret.xml"/></mujoco>',
+        "secret.xml', which is outside",
+    ),
+    "comment": (
+        '<mujoco model="<!--"><include file="{secret}"/></mujoco>',
+        "secret.xml', which is outside",
+    ),
+    "backslash": (
+        r'<mujoco><include file="..\..\..\secret.xml"/></mujoco>',
+        "secret.xml', which is outside",
+    ),
+    "missing": (
+        '<mujoco><asset><mesh name="m" file="../../../later.obj"/></asset></mujoco>',
+        "names '../../../later.obj', which is not in what the dataset keeps",
+    ),
+    "text": (
+        '<mujoco><include file="LoadModelFromString:&lt;mujoco/&gt;"/></mujoco>',
+        "names 'LoadModelFromString:<mujoco/>', which is not in what the dataset keeps",
+    ),
+    "no xml": ("PK", "rc7.xml' of its model cannot be read as XML"),
     "plugin": (
         '<mujoco><extension><plugin plugin="evil.so"><instance name="x"/></plugin></extension>'
         "</mujoco>",
@@ -243,6 +268,15 @@ def test_a_stored_model_cannot_reach_for_other_files_or_code(stranger: Path, kin
     with pytest.raises(robocell.Error) as raised:
         robocell.Scene.build(robocell.recorded_scene(episode))
     assert message in str(raised.value)
+
+
+def test_an_include_of_any_suffix_is_read(stranger: Path):
+    secret = stranger.parent / "secret.xml"
+    secret.write_text("<mujoco><worldbody/></mujoco>")
+    part = f'<mujoco><include file="{secret}"/></mujoco>'
+    swap_model(stranger, '<mujoco><include file="part.txt"/></mujoco>', {"part.txt": part})
+    with pytest.raises(robocell.SpecError, match=r"secret\.xml', which is outside"):
+        robocell.recorded_scene(robocell.Dataset(stranger)[ID])
 
 
 @pytest.mark.parametrize("name", ["/etc/passwd", "../secret.xml"])

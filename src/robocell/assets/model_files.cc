@@ -1,103 +1,136 @@
 #include "robocell/assets/model_files.h"
 
+#include <algorithm>
 #include <cctype>
 #include <set>
 #include <string_view>
 #include <system_error>
-#include <vector>
 
+#include "robocell/assets/model_text.h"
 #include "robocell/base/files.h"
 
 namespace robocell {
 namespace {
 
 namespace fs = std::filesystem;
+using assets::FileName;
+using assets::ModelText;
+using assets::NameKind;
 
-bool IsName(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+constexpr const char* kScheme = "it may be no file at all";
 
-std::string WithoutComments(std::string text) {
-  for (size_t begin = 0; (begin = text.find("<!--", begin)) != std::string::npos;) {
-    const size_t end = text.find("-->", begin);
-    text.erase(begin, end == std::string::npos ? end : end + 3 - begin);
-  }
-  return text;
+// "package://arm/link.stl": the engine first asks whoever registered for "package".
+bool HasScheme(std::string_view name) {
+  const size_t colon = name.find(':');
+  return colon != std::string_view::npos && colon > 0 &&
+         std::all_of(name.begin(), name.begin() + static_cast<std::ptrdiff_t>(colon), [](char c) {
+           return std::isalnum(static_cast<unsigned char>(c)) || c == '+' || c == '-' || c == '.';
+         });
 }
 
-// Calls f(attribute, value) for everything that reads like an XML attribute.
-template <class F>
-void ForEachAttribute(std::string_view text, F&& f) {
-  for (size_t equals = text.find('='); equals != std::string_view::npos;
-       equals = text.find('=', equals + 1)) {
-    size_t end = equals;
-    while (end > 0 && std::isspace(static_cast<unsigned char>(text[end - 1]))) --end;
-    size_t begin = end;
-    while (begin > 0 && IsName(text[begin - 1])) --begin;
-    const size_t open = text.find_first_not_of(" \t\r\n", equals + 1);
-    if (begin == end || open == std::string_view::npos) continue;
-    if (text[open] != '"' && text[open] != '\'') continue;
-    const size_t close = text.find(text[open], open + 1);
-    if (close == std::string_view::npos) return;
-    f(text.substr(begin, end - begin), text.substr(open + 1, close - open - 1));
-    equals = close;
-  }
+// As the engine joins them: what it takes for an absolute name stands alone.
+fs::path Join(const fs::path& folder, const fs::path& name) {
+  return name.native().find(":/") == std::string::npos ? folder / name : fs::absolute(name);
 }
 
-// Walks from the model to all that it names.
+// Walks from a model to all that it names. Includes are followed first: an asset folder that is
+// written anywhere holds for the names in all of them.
 class Walk {
  public:
-  explicit Walk(fs::path model) : folder_(model.parent_path()) { Read(std::move(model)); }
+  explicit Walk(const fs::path& model) { ReadModel(model); }
 
-  std::map<std::string, fs::path> Named() const {
-    std::map<std::string, fs::path> named;
-    for (const fs::path& file : files_) {
-      const fs::path inside = file.lexically_relative(folder_);
-      named[(folder_.filename() / inside).lexically_normal().generic_string()] = file;
-    }
-    return named;
+  ModelFiles Take() {
+    return {.files = {files_.begin(), files_.end()}, .missing = std::move(missing_)};
   }
-  std::vector<fs::path> files() const { return {files_.begin(), files_.end()}; }
 
  private:
-  void Read(fs::path file) {
-    file = file.lexically_normal();
-    if (!files_.insert(file).second || file.extension() != ".xml") return;
-    const std::string text = WithoutComments(ReadFile(file));
-    std::vector<fs::path> names;
-    ForEachAttribute(text, [&](std::string_view attribute, std::string_view value) {
-      if (attribute == "meshdir" || attribute == "texturedir" || attribute == "assetdir")
-        folders_.insert(fs::path(value));
-      if (attribute.starts_with("file") && !value.empty()) names.emplace_back(value);
-    });
-    for (const fs::path& name : names) ReadWhereItIs(file.parent_path(), name);
-  }
+  // One model with what it includes. Other models that it names have asset folders of their own.
+  struct Model {
+    fs::path folder;
+    std::set<fs::path> documents;
+    std::set<std::string> folders = {""};
+    bool strips_paths = false;
+    struct Named {
+      fs::path document;
+      FileName name;
+    };
+    std::vector<Named> names;
+  };
 
-  // In the model's folder, the including file's, or one of its asset folders, with and without the
-  // folder that is written (the compiler's strippath).
-  void ReadWhereItIs(const fs::path& including, const fs::path& name) {
-    std::set<fs::path> folders = {folder_, including};
-    for (const fs::path& asset : folders_) folders.insert(folder_ / asset);
-    for (const fs::path& folder : folders) {
-      for (const fs::path& written : {name, name.filename()}) {
-        std::error_code error;
-        if (fs::is_regular_file(folder / written, error)) Read(folder / written);
+  void ReadModel(const fs::path& path) {
+    if (!models_.insert(path).second) return;
+    Model model{.folder = path.parent_path()};
+    ReadDocument(model, path);
+    for (const auto& [document, name] : model.names) {
+      for (const fs::path& found : Find(model, document, name)) {
+        files_.insert(found);
+        if (name.kind == NameKind::kModel) ReadModel(found);
       }
     }
   }
 
-  fs::path folder_;
-  std::set<fs::path> folders_;  // of assets, as written
-  std::set<fs::path> files_;
+  void ReadDocument(Model& model, const fs::path& document) {
+    files_.insert(document);
+    if (!model.documents.insert(document).second) return;
+    const ModelText text = assets::ReadModelText(ReadFile(document));
+    if (!text.problem.empty()) missing_.push_back({document, "", text.problem});
+    model.strips_paths |= text.strips_paths;
+    for (const std::string& folder : text.folders) {
+      if (HasScheme(folder)) missing_.push_back({document, folder, kScheme});
+      model.folders.insert(folder);
+    }
+    for (const FileName& name : text.names) {
+      if (name.kind != NameKind::kInclude) {
+        model.names.push_back({document, name});
+        continue;
+      }
+      for (const fs::path& found : Find(model, document, name)) ReadDocument(model, found);
+    }
+  }
+
+  // Every file that the engine might open for it: from the folder of the model or of the document,
+  // assets from the asset folders, with and without the folder in their name.
+  static std::vector<fs::path> Candidates(const Model& model, const fs::path& document,
+                                          const FileName& named) {
+    const bool asset = named.kind == NameKind::kAsset;
+    std::vector<fs::path> names = {named.name}, folders = {model.folder, document.parent_path()};
+    if (asset && model.strips_paths) names.push_back(fs::path(named.name).filename());
+    if (asset) {
+      for (const std::string& folder : model.folders) folders.push_back(Join(model.folder, folder));
+    }
+    std::vector<fs::path> candidates;
+    for (const fs::path& name : names) {
+      for (const fs::path& folder : folders) candidates.push_back(Join(folder, name));
+    }
+    return candidates;
+  }
+
+  std::vector<fs::path> Find(const Model& model, const fs::path& document, const FileName& named) {
+    std::vector<fs::path> found;
+    for (const fs::path& candidate : Candidates(model, document, named)) {
+      std::error_code error;
+      const fs::path path = candidate.lexically_normal();
+      if (fs::is_regular_file(path, error)) found.push_back(path);
+    }
+    const bool other = named.kind != NameKind::kAsset && HasScheme(named.name);
+    if (found.empty() || other)
+      missing_.push_back({document, named.name, other ? kScheme : "there is no such file"});
+    return found;
+  }
+
+  std::set<fs::path> files_, models_;
+  std::vector<MissingFile> missing_;
 };
 
 }  // namespace
 
-std::map<std::string, fs::path> ModelFiles(const fs::path& model) {
-  return Walk(fs::absolute(model).lexically_normal()).Named();
+ModelFiles FindModelFiles(const fs::path& model) {
+  return Walk(fs::absolute(model).lexically_normal()).Take();
 }
 
 FileSet ModelFileSet(const fs::path& model) {
   const fs::path absolute = fs::absolute(model).lexically_normal();
-  return MakeFileSet(absolute, Walk(absolute).files());
+  return MakeFileSet(absolute, FindModelFiles(absolute).files);
 }
 
 }  // namespace robocell

@@ -1,24 +1,36 @@
 // The files that models are made from, found in their text, without the engine: the file itself,
-// what it includes, meshes, textures, height fields, other models. A name that no file has is
-// skipped: the engine reports it when the model is compiled.
+// what it includes, meshes, textures, height fields, other models. Names are read and looked for as
+// the engine does (XML of any suffix; asset folders wherever they are written), in every place
+// where it might look.
 //
-//   for (const auto& [name, path] : ModelFiles("/menagerie/ufactory_xarm7/xarm7.xml")) ...
-//   // "ufactory_xarm7/assets/link1.stl" -> its absolute path
+//   const FileSet arm = ModelFileSet("/menagerie/ufactory_xarm7/xarm7.xml");
+//   const ModelFiles found = FindModelFiles(stored);   // also what is named and not there
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
+#include <vector>
 
 #include "robocell/base/file_set.h"
 
 namespace robocell {
 
-// Names begin with the folder of the model, so they are the same on every machine. IoError when
-// `model` cannot be read.
-std::map<std::string, std::filesystem::path> ModelFiles(const std::filesystem::path& model);
+// A name that no file has. The engine reports it when the model is compiled.
+struct MissingFile {
+  std::filesystem::path document;  // that names it
+  std::string name;                // as written; "" when the document itself cannot be read
+  std::string reason;
+};
 
-// The same files, known by what they hold.
+struct ModelFiles {
+  std::vector<std::filesystem::path> files;  // absolute, sorted, with the model
+  std::vector<MissingFile> missing;
+};
+
+// IoError when `model` cannot be read.
+ModelFiles FindModelFiles(const std::filesystem::path& model);
+
+// Those that are there, known by what they hold.
 FileSet ModelFileSet(const std::filesystem::path& model);
 
 }  // namespace robocell

@@ -32,7 +32,21 @@ Mark MarkOf(const fs::path& path) {
           info.st_ctim.tv_nsec};
 }
 
-std::string RememberedHash(const fs::path& path) {
+// Of names and hashes: a line each, as `sha256sum` prints them.
+std::string HashOfLines(const std::map<std::string, std::string>& hashes) {
+  Sha256Stream all;
+  for (const auto& [name, hash] : hashes) all.Update(fmt::format("{}  {}\n", hash, name));
+  return all.Hex();
+}
+
+fs::path CommonFolder(fs::path a, const fs::path& b) {
+  while (*b.lexically_relative(a).begin() == "..") a = a.parent_path();
+  return a;
+}
+
+}  // namespace
+
+std::string HashOfFile(const fs::path& path) {
   struct Known {
     Mark mark;
     std::string hash;
@@ -51,20 +65,6 @@ std::string RememberedHash(const fs::path& path) {
   return hash;
 }
 
-// Of names and hashes: a line each, as `sha256sum` prints them.
-std::string HashOfLines(const std::map<std::string, std::string>& hashes) {
-  Sha256Stream all;
-  for (const auto& [name, hash] : hashes) all.Update(fmt::format("{}  {}\n", hash, name));
-  return all.Hex();
-}
-
-fs::path CommonFolder(fs::path a, const fs::path& b) {
-  while (*b.lexically_relative(a).begin() == "..") a = a.parent_path();
-  return a;
-}
-
-}  // namespace
-
 FileSet MakeFileSet(const fs::path& main, const std::vector<fs::path>& files) {
   fs::path folder = main.parent_path();
   for (const fs::path& file : files) folder = CommonFolder(folder, file);
@@ -73,7 +73,7 @@ FileSet MakeFileSet(const fs::path& main, const std::vector<fs::path>& files) {
   for (const fs::path& file : files) {
     const std::string name = file.lexically_relative(folder).generic_string();
     set.files[name] = file;
-    hashes[name] = RememberedHash(file);
+    hashes[name] = HashOfFile(file);
   }
   set.hash = HashOfLines(hashes);
   return set;

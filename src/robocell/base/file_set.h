@@ -16,6 +16,9 @@
 
 namespace robocell {
 
+// SHA-256 of a file, remembered.
+std::string HashOfFile(const std::filesystem::path& path);
+
 struct FileSet {
   std::string main;                                    // the name of the one that names the others
   std::map<std::string, std::filesystem::path> files;  // by their names from the common folder on

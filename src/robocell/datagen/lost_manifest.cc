@@ -20,23 +20,27 @@ std::string KeyOf(const std::string& name) {
   return IsStoredModelPath(name) ? std::filesystem::path(name).filename().string() : name;
 }
 
-std::map<std::string, std::string> StoredPathsOf(const RunConfig& run) {
-  std::map<std::string, std::string> paths;
+// Where models are kept, by their keys; several files may have one name.
+using StoredPaths = std::map<std::string, std::set<std::string>>;
+
+StoredPaths StoredPathsOf(const RunConfig& run) {
+  StoredPaths paths;
   for (const std::string& model : ModelsOf(run)) {
     const std::string stored = StoredModelPath(ModelFileSet(model));
-    paths[assets::PortableName(model).value_or(KeyOf(stored))] = stored;
+    paths[assets::PortableName(model).value_or(KeyOf(stored))].insert(stored);
   }
   return paths;
 }
 
 // What an episode was made with, of what `now` knows. Its models stand in for the files.
-RunInputs InputsIn(const Episode& episode, const std::string& identity, const RunInputs& now) {
+RunInputs InputsIn(const Episode& episode, const std::string& identity, const RunInputs& now,
+                   const StoredPaths& stored) {
   RunInputs then{.identity = identity, .versions = {}, .files = now.files};
   const Json versions = Json::parse(episode.versions_json());
   for (const auto& [part, version] : now.versions) then.versions[part] = versions.value(part, "");
   for (const auto& [name, path] : episode.models()) {
-    const std::string key = KeyOf(name);
-    if (now.files.contains(key)) then.files[key] = path;
+    const auto it = stored.find(KeyOf(name));
+    if (it != stored.end() && !it->second.contains(path)) then.files[it->first] = path;
   }
   return then;
 }
@@ -46,14 +50,16 @@ RunInputs InputsIn(const Episode& episode, const std::string& identity, const Ru
 std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run,
                                                              const RunInputs& now) {
   RunInputs inputs = now;
-  inputs.files = StoredPathsOf(run);
+  const StoredPaths stored = StoredPathsOf(run);
+  inputs.files.clear();
+  for (const auto& [key, paths] : stored) inputs.files[key] = *paths.begin();
   bool found = false;
   std::set<std::string> changes;
   for (const Episode& episode : Dataset(run.output)) {
     const Json identity = Json::parse(episode.metadata_json()).value("identity", Json());
     if (!identity.is_string()) continue;
     found = true;
-    for (std::string& line : Differences(InputsIn(episode, identity, inputs), inputs))
+    for (std::string& line : Differences(InputsIn(episode, identity, inputs, stored), inputs))
       changes.insert(std::move(line));
   }
   if (!found) return std::nullopt;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <optional>
+#include <set>
 #include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
@@ -10,7 +12,7 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
-#include "robocell/base/hash.h"
+#include "robocell/base/file_set.h"
 #include "robocell/data/model_store.h"
 #include "robocell/spec/yaml.h"
 
@@ -24,22 +26,36 @@ bool IsInside(const fs::path& folder, const fs::path& file) {
   return !inside.empty() && *inside.begin() != "..";
 }
 
-bool Holds(const fs::path& folder, const std::string& hash) {
+std::set<std::string> HashesIn(const fs::path& folder) {
+  std::set<std::string> hashes;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    if (entry.is_regular_file() && Sha256File(entry.path()) == hash) return true;
+    if (entry.is_regular_file()) hashes.insert(HashOfFile(entry.path()));
   }
-  return false;
+  return hashes;
 }
 
 // A dataset from elsewhere must not reach for files of this machine: what its models name is kept
 // beside them, or is the very same file.
 void RequireSelfContained(const std::string& episode, const fs::path& folder,
                           const fs::path& model) {
-  for (const auto& [name, file] : ModelFiles(model)) {
-    if (IsInside(folder, file) || Holds(folder, Sha256File(file))) continue;
+  std::optional<std::set<std::string>> kept;
+  const ModelFiles found = FindModelFiles(model);
+  for (const fs::path& file : found.files) {
+    if (IsInside(folder, file)) continue;
+    if (!kept) kept = HashesIn(folder);
+    if (kept->contains(HashOfFile(file))) continue;
     throw SpecError(fmt::format(
         "{}: its model '{}' names '{}', which is outside of what the dataset keeps of it ('{}')",
         episode, model.string(), file.string(), folder.string()));
+  }
+  for (const MissingFile& missing : found.missing) {
+    if (missing.name.empty())
+      throw SpecError(fmt::format("{}: '{}' of its model cannot be read as XML: {}", episode,
+                                  missing.document.string(), missing.reason));
+    throw SpecError(fmt::format(
+        "{}: its model '{}' names '{}', which is not in what the dataset keeps of it "
+        "('{}'): {}",
+        episode, missing.document.string(), missing.name, folder.string(), missing.reason));
   }
 }
 

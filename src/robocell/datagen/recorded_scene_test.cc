@@ -172,5 +172,29 @@ TEST_F(RecordedSceneTest, VerifyNamesModelsThatAreDamagedOrMissing) {
   EXPECT_TRUE(Verify(dataset).ok()) << Verify(dataset).Text();
 }
 
+// The asset folder is named after the mesh, and in another file.
+TEST_F(RecordedSceneTest, AMeshOfAnIncludedFileIsKeptAndItsChangeIsSeen) {
+  RunConfig run = OwnRun(machine);
+  const fs::path table = machine / "table.xml";
+  std::string text = ReadFile(table);
+  const size_t end = text.find('>', text.find("<mujoco")) + 1;
+  text.insert(end, "<include file='a.xml'/><include file='b.xml'/>");
+  AtomicWrite(table, text);
+  AtomicWrite(machine / "a.xml",
+              "<mujoco><asset><mesh name='s' file='s.obj'/></asset><worldbody><geom type='mesh' "
+              "mesh='s' pos='5 5 0'/></worldbody></mujoco>");
+  AtomicWrite(machine / "b.xml", "<mujoco><compiler meshdir='meshes'/></mujoco>");
+  fs::create_directory(machine / "meshes");
+  const std::string mesh =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  AtomicWrite(machine / "meshes/s.obj", mesh);
+  Record(run);
+  AtomicWrite(machine / "meshes/s.obj", mesh + "# changed\n");
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "meshes/s.obj: changed since then");
+  fs::rename(machine / "out", other);
+  fs::remove_all(machine);
+  EXPECT_TRUE(CheckReplay(Dataset(other).Open("s0000_e0000"), {.tolerance = 0}).ok());
+}
+
 }  // namespace
 }  // namespace robocell

@@ -9,7 +9,7 @@
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
-#include "robocell/base/hash.h"
+#include "robocell/base/file_set.h"
 #include "robocell/base/version.h"
 #include "robocell/datagen/plan.h"
 #include "robocell/task/catalogue.h"
@@ -20,11 +20,24 @@ namespace {
 
 using Texts = std::map<std::string, std::string>;
 
+namespace fs = std::filesystem;
+
+// Names begin with the folder of the model, so they are the same on every machine. Files that would
+// have the same name are numbered in the order in which the run uses them.
 Texts FilesOf(const RunConfig& run) {
-  Texts files;
+  std::map<std::string, fs::path> named;
   for (const std::string& model : ModelsOf(run)) {
-    for (const auto& [file, path] : ModelFiles(model)) files[file] = Sha256File(path);
+    const fs::path folder = fs::absolute(model).lexically_normal().parent_path();
+    for (const fs::path& file : FindModelFiles(model).files) {
+      const fs::path inside = folder.filename() / file.lexically_relative(folder);
+      const std::string name = inside.lexically_normal().generic_string();
+      std::string own = name;
+      for (int i = 2; !named.try_emplace(own, file).second && named.at(own) != file; ++i)
+        own = fmt::format("{} ({})", name, i);
+    }
   }
+  Texts files;
+  for (const auto& [name, file] : named) files[name] = HashOfFile(file);
   return files;
 }
 

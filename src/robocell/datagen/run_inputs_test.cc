@@ -80,5 +80,27 @@ TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
                   "model file rc7/rc7.xml: new since then"));
 }
 
+TEST(RunInputs, ModelsOfTheSameNameInFoldersOfTheSameNameAreTwo) {
+  TempDir temp;
+  RunConfig run = Demo();
+  run.scenes.source = SceneSourceKind::kFiles;
+  const std::string table = ReadFile(fs::path(ROBOCELL_SOURCE_DIR) / "models/scenes/tabletop.xml");
+  for (const char* folder : {"a/room", "b/room"}) {
+    fs::create_directories(temp / folder);
+    AtomicWrite(temp / folder / "table.xml", table);
+    run.scenes.files.push_back((temp / folder / "table.xml").string());
+  }
+  const RunInputs before = InputsOf(run);
+  EXPECT_THAT(before.files, Contains(Key("room/table.xml")));
+  EXPECT_THAT(before.files, Contains(Key("room/table.xml (2)")));
+  AtomicWrite(temp / "a/room/table.xml", table + "<!-- another -->\n");
+  EXPECT_THAT(Differences(before, InputsOf(run)),
+              ElementsAre("model file room/table.xml: changed since then"));
+  AtomicWrite(temp / "a/room/table.xml", table);
+  AtomicWrite(temp / "b/room/table.xml", table + "<!-- another -->\n");
+  EXPECT_THAT(Differences(before, InputsOf(run)),
+              ElementsAre("model file room/table.xml (2): changed since then"));
+}
+
 }  // namespace
 }  // namespace robocell
