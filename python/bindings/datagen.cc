@@ -49,6 +49,11 @@ void BindReport(nb::module_& m) {
               "Reason -> count, of places for objects and robot that were tried and given up "
               "within the attempts; the sampler tried attempts + these.")
       .def_ro("failures", &EpisodeReport::failures, "Reason -> count, of failed rollouts.")
+      .def_ro("robot", &EpisodeReport::robot, "Its name.")
+      .def_ro("object_kind", &EpisodeReport::object_kind,
+              "Of the last attempt's target; '' when the sampler does not say.")
+      .def_ro("kinds", &EpisodeReport::kinds, "Object kind -> attempts.")
+      .def_ro("rollouts", &EpisodeReport::rollouts, "Object kind -> rollouts.")
       .def_ro("rows", &EpisodeReport::rows)
       .def_ro("seconds_sampling", &EpisodeReport::seconds_sampling)
       .def_ro("seconds_acting", &EpisodeReport::seconds_acting)

@@ -1,6 +1,9 @@
 #include "returned.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "robocell/task/task.h"
 
 namespace robocell::python {
 namespace {
@@ -33,6 +36,24 @@ std::string WrongInAction(nb::handle action) {
   return "";
 }
 
+// "; an Expert has act, begin, ...": the methods of robocell's class that `self` derives from.
+std::string WhatItHas(nb::handle self) {
+  for (nb::handle base : nb::borrow<nb::tuple>(self.type().attr("__mro__"))) {
+    const auto module = nb::cast<std::string>(nb::str(base.attr("__module__")));
+    if (module != "robocell" && !module.starts_with("robocell.")) continue;
+    std::vector<std::string> methods;
+    const nb::object members = base.attr("__dict__");
+    for (nb::handle item : members) {
+      const auto name = nb::cast<std::string>(nb::str(item));
+      if (!name.starts_with("_")) methods.push_back(name);
+    }
+    const auto name = nb::cast<std::string>(nb::str(base.attr("__name__")));
+    const bool vowel = std::string("AEIOU").find(name.front()) != std::string::npos;
+    return fmt::format("; {} {} has {}", vowel ? "an" : "a", name, fmt::join(methods, ", "));
+  }
+  return "";
+}
+
 }  // namespace
 
 std::string ClassName(nb::handle self) {
@@ -59,7 +80,8 @@ void ThrowReturned(nb::handle self, const char* method, const std::string& expec
 
 void ThrowMissing(nb::handle self, const char* method) {
   const nb::gil_scoped_acquire gil;
-  throw nb::type_error(fmt::format("{} must define {}()", ClassName(self), method).c_str());
+  throw nb::type_error(
+      fmt::format("{} must define {}(){}", ClassName(self), method, WhatItHas(self)).c_str());
 }
 
 void RequireInitialised(nb::handle object) {
@@ -72,8 +94,14 @@ void RequireInitialised(nb::handle object) {
 
 void RequireCallable(nb::handle value, const char* argument, const char* expected) {
   if (value.is_none() || PyCallable_Check(value.ptr())) return;
+  const std::string made = nb::isinstance<TaskSampler>(value) || nb::isinstance<Expert>(value)
+                               ? fmt::format(
+                                     "an instance of {0}; give the function that makes it, such as "
+                                     "lambda *_: {0}(...)",
+                                     ClassName(value))
+                               : ShortRepr(value);
   throw nb::type_error(
-      fmt::format("Runner: `{}` must be {}, got {}", argument, expected, ShortRepr(value)).c_str());
+      fmt::format("Runner: `{}` must be {}, got {}", argument, expected, made).c_str());
 }
 
 Action ReturnedAction(nb::handle self, const char* method, nb::handle value) {

@@ -315,17 +315,31 @@ void BindRobotClass(nb::module_& m) {
             return NewArray(torques);
           },
           "Torques (n,) that hold the arm against gravity.")
+      .def(
+          "is_driven",
+          [](const Robot& r, const std::string& group) {
+            r.group(group);  // NotFoundError for another name
+            try {
+              r.controller(group);
+              return true;
+            } catch (const NotFoundError&) {
+              return false;
+            }
+          },
+          "group"_a, "Whether the group has a controller, which `update` runs.")
       .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
   m.def(
       "check_config",
       [](const Robot& robot) {
         Problems problems(robot.config().locations);
         CheckConfig(robot, problems);
+        CheckDriven(robot, problems);
         problems.Throw("robot '" + robot.name() + "'");
       },
       "robot"_a, Unlocked(),
       "SpecError when the robot's file says what its model does not do: a gripper's `distance` "
-      "that measuring contradicts, a base wider than the robot reaches.");
+      "that measuring contradicts, a base wider than the robot reaches; or when no controller can "
+      "drive its arm or gripper.");
   m.def("robots_of", &RobotsOf, "scene"_a, Unlocked(), "All configured robots of a scene.");
 }
 

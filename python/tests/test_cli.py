@@ -328,6 +328,19 @@ def test_a_picture_is_a_png_or_refused_before_anything_is_done(tmp_path: Path):
     assert "there is no folder" in refused(
         "check", RC7, "--picture", tmp_path / "none" / "a.png", code=3
     )
+    text = refused("check", RC7, "--picture", tmp_path)
+    assert f"'{tmp_path}' is a folder; give the picture a name: '{tmp_path}/picture.png'" in text
+
+
+@pytest.mark.parametrize("command", [["generate"], ["generate", "--dry-run"]])
+def test_images_beyond_all_size_are_refused_before_anything_is_done(
+    tmp_path: Path, command: list[str]
+):
+    run = write_run(tmp_path)
+    text = refused(*command, run, "--set", "cameras.resolution=[100000,100000]")
+    assert "cameras.streams[0]: size 100000x100000 is too large" in text
+    assert "at most 16384 pixels; correct the stream's width and height" in text
+    assert not (tmp_path / "out").exists()
 
 
 def test_lights_of_a_model_are_a_note_and_nothing_wrong(tmp_path: Path):
@@ -394,6 +407,32 @@ def test_a_distance_that_the_gripper_does_not_have_is_refused_by_check_and_by_ru
     for more in ([], ["--dry-run"]):
         assert f"robot.{text}" in refused("generate", run, *more)
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("control", ["", "control: {arm: joint_position}\n"])
+def test_an_arm_of_motors_is_refused_by_check_and_by_runs(tmp_path: Path, control: str):
+    (tmp_path / "bob.xml").write_text(
+        '<mujoco><worldbody><body name="base"><geom size="0.05"/><body name="link" pos="0 0 0.1">'
+        '<joint name="hip" axis="0 1 0" range="-90 90"/><geom type="capsule" size="0.02" '
+        'fromto="0 0 0 0 0 0.3"/><site name="tip" pos="0 0 0.3"/></body></body></worldbody>'
+        '<actuator><motor name="drive" joint="hip"/></actuator></mujoco>'
+    )
+    robot = tmp_path / "bob.yaml"
+    robot.write_text(
+        "name: bob\nmodel: bob.xml\nmove_groups:\n"
+        "  arm: {kind: arm, joints: [hip], actuators: [drive], leaf: {site: tip}}\n" + control
+    )
+    result = robocell_command("check", robot)
+    assert result.returncode == 2
+    assert "actuator 'drive' is no position servo of one of its joints" in result.stderr
+    assert "give the group another controller, or the model a servo" in result.stderr
+    assert "robot 'bob' / group 'arm'" in result.stderr
+    for hint in ("gravcomp", "stiffness"):
+        assert hint not in result.stderr
+    run = write_run(tmp_path, robot=str(robot))
+    assert "drive' is no position servo of one of its joints" in refused("generate", run)
+    if not control:
+        assert "none" in next(line for line in result.stdout.splitlines() if "drive" in line)
 
 
 def test_what_this_machine_lacks_is_told_before_anything_is_made(tmp_path: Path):

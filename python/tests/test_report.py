@@ -14,6 +14,7 @@ import robocell
 from robocell.generate import report as reports
 from robocell.generate.items import Report
 from robocell.generate.report import Command, DamagedReportError, RunReport
+from robocell.generate.summary import Summary
 from robocell.generate.totals import Again, Death, Totals, Unmade, side_by_side, size
 from test_cli import refused, robocell_command, write_run
 
@@ -198,7 +199,8 @@ def test_without_a_report_the_disk_still_counts(dataset: Path, tmp_path: Path):
     (copy / "report.json").unlink()
     result = robocell_command("report", copy)
     assert result.returncode == 0
-    assert "no report.json" in result.stderr
+    assert "no report.json, so only what is on the disk is told" in result.stderr
+    assert "a Runner writes none" in result.stderr
     assert "2 episodes, " in result.stdout
     assert " of 2" not in result.stdout, "nobody knows how many were planned"
 
@@ -245,6 +247,24 @@ def test_a_run_that_fails_says_so_in_its_report(tmp_path: Path):
     assert told.end == "incomplete"
     (unmade,) = told.totals.unmade
     assert unmade.id == IDS[0]
-    assert unmade.reason.startswith("no success in ")
+    kind = reports.load(tmp_path / "out" / "report.json").episodes[IDS[0]].object_kind
+    assert kind in robocell.object_kinds()
+    assert unmade.reason.startswith(f"robot 'rc7', object '{kind}': no success in ")
     assert unmade.reproduce.startswith("robocell generate ")
     assert "given up" in robocell_command("report", tmp_path / "out").stdout
+    lines = robocell_command("report", tmp_path / "out", "--episodes").stdout.splitlines()
+    words = next(line.split() for line in lines if line.split()[:1] == [IDS[0]])
+    assert words[:5] == [IDS[0], "rc7", kind, "given", "up"]
+
+
+def test_success_is_told_by_object_when_there_are_several():
+    totals = Totals(planned=3)
+    totals.add(Report("a", success=True, object_kind="mug", kinds={"mug": 1}, rollouts={"mug": 1}))
+    assert "success by object" not in Summary("r", Path(), 1, totals).rows()
+    totals.add(Report("b", success=True, object_kind="box", kinds={"box": 3}, rollouts={"box": 2}))
+    totals.add(Report("c", object_kind="can", kinds={"can": 4}))
+    totals.attempts, totals.accepted = 8, 3
+    read = Totals.from_record(totals.record())
+    for told in (totals, side_by_side([read])):
+        text = Summary("r", Path(), 2, told).rows()["success by object"]
+        assert text == "box 50 % of 2, can - of 0, mug 100 % of 1"

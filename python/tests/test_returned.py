@@ -74,12 +74,69 @@ def test_a_method_that_is_missing_is_named(run: rc.RunConfig):
     class Lazy(rc.Expert):
         pass
 
-    assert told(run, expert=lambda *_: Lazy()) == "Lazy must define begin()"
+    assert told(run, expert=lambda *_: Lazy()).startswith(
+        "Lazy must define begin(); an Expert has "
+    )
+    assert "phase_names" in told(run, expert=lambda *_: Lazy())
 
     class Sampler(rc.TaskSampler):
         pass
 
-    assert told(run, sampler=lambda _: Sampler()) == "Sampler must define sample()"
+    assert told(run, sampler=lambda _: Sampler()) == (
+        "Sampler must define sample(); a TaskSampler has sample"
+    )
+
+
+def test_an_instance_in_the_place_of_a_factory_is_told(run: rc.RunConfig):
+    class Own(rc.PickTaskSampler):
+        pass
+
+    text = "an instance of {0}; give the function that makes it, such as lambda *_: {0}(...)"
+    with pytest.raises(TypeError) as caught:
+        rc.Runner(run, sampler=Own(run))  # type: ignore[arg-type]
+    assert "`sampler` must be a function (run) -> TaskSampler" in str(caught.value)
+    assert text.format("Own") in str(caught.value)
+    with pytest.raises(TypeError, match="an instance of Idle; give the function that makes it"):
+        rc.Runner(run, expert=Idle())  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("phase", "names", "message"),
+    [
+        (7, ["reach", "lift"], "phase() is 7; it must be 0 to 1, an index into phase_names(): "),
+        (-1, ["reach"], "phase() is -1; it must be 0 to 0"),
+        (1, [], "phase() is 1; phase_names() is empty, so it must be 0"),
+    ],
+)
+def test_a_phase_without_a_name_is_not_recorded(
+    run: rc.RunConfig, phase: int, names: list[str], message: str
+):
+    class Mine(Idle):
+        def phase(self) -> int:
+            return phase
+
+        def phase_names(self) -> list[str]:
+            return names
+
+    with pytest.raises(ValueError) as caught:
+        rc.Runner(run, expert=lambda *_: Mine()).run(rc.make_plan(run)[0])
+    assert message in str(caught.value)
+    assert not list(rc.Dataset(run.output))
+
+
+@pytest.mark.parametrize("reward", [float("nan"), float("-inf")])
+def test_a_reward_that_is_no_number_is_not_recorded(run: rc.RunConfig, reward: float):
+    class Task(rc.PickTask):
+        def reward(self, scene: rc.Scene) -> float:
+            return reward
+
+    class Sampler(rc.PickTaskSampler):
+        def make_task(self, target: str, kind: str, objects: list[str]) -> rc.Task:
+            return Task(target, kind, objects)
+
+    with pytest.raises(ValueError, match=f"reward\\(\\) is {reward} at t = .* must be finite"):
+        rc.Runner(run, sampler=Sampler, expert=lambda *_: Idle()).run(rc.make_plan(run)[0])
+    assert not list(rc.Dataset(run.output))
 
 
 def test_a_forgotten_super_init_is_named(run: rc.RunConfig):
@@ -115,7 +172,9 @@ def test_stages_and_tasks_are_told_too(run: rc.RunConfig):
 
 
 def test_what_makes_the_parts_must_be_a_function(run: rc.RunConfig):
-    message = "Runner: `expert` must be a function (run, start) -> Expert, got <"
+    message = (
+        "Runner: `expert` must be a function (run, start) -> Expert, got an instance of Idle; "
+    )
     with pytest.raises(TypeError, match=re.escape(message)):
         rc.Runner(run, expert=Idle())  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="`sampler` must be a function"):

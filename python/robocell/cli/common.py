@@ -61,6 +61,8 @@ def require_spec_file(path: Path, spec: type) -> None:
 
 def require_png(path: Path) -> None:
     """Ends the command unless a picture can be written to `path`: PNG is the only format."""
+    if path.is_dir():
+        fail(f"'{path}' is a folder; give the picture a name: '{path / 'picture.png'}'")
     if path.suffix.lower() != ".png":
         fail(f"pictures are PNG files: give '{path.with_suffix('.png')}' instead of '{path}'")
     if not path.parent.is_dir():

@@ -25,6 +25,7 @@ class OnDisk:
     """One episode as its files say."""
 
     id: str
+    object_kind: str
     success: bool
     end_reason: str
     rows: int
@@ -38,6 +39,7 @@ class OnDisk:
         files = sum(facts["bytes"] for facts in described["files"].values())
         return cls(
             id=episode.id,
+            object_kind=next(iter(described.get("metadata", {}).get("object_kinds", [])), ""),
             success=episode.success,
             end_reason=episode.end_reason,
             rows=episode.rows(),
@@ -86,7 +88,10 @@ def _summary(dataset: Path, found: Sequence[OnDisk], reports: Sequence[RunReport
     good = sum(episode.success for episode in found)
     totals = _totals(reports)
     if totals is None:
-        print_warning("no report.json: what made these episodes is not over yet, or was killed")
+        print_warning(
+            "no report.json, so only what is on the disk is told: `robocell generate` writes one "
+            "when it ends; a Runner writes none, nor does a command that still runs or was killed"
+        )
         totals = Totals(planned=0)  # nobody knows
     more = {
         "commands": ", ".join(command.end for report in reports for command in report.commands),
@@ -122,8 +127,9 @@ def _versions(reports: Sequence[RunReport]) -> dict[str, str]:
 
 def _episode_table(found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Table:
     table = Table(box=SIMPLE)
-    for title in ("episode", "end", "rows", "frames", "size", "attempts", "seconds"):
-        table.add_column(title, justify="left" if title in ("episode", "end") else "right")
+    texts = ("episode", "robot", "object", "end")
+    for title in (*texts, "rows", "frames", "size", "attempts", "seconds"):
+        table.add_column(title, justify="left" if title in texts else "right")
     told: dict[str, Report] = {}
     for report in reports:
         told |= report.episodes
@@ -131,12 +137,27 @@ def _episode_table(found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Tab
         known = told.get(episode.id)
         table.add_row(
             episode.id,
+            (known.robot if known else "") or "-",
+            episode.object_kind or "-",
             "success" if episode.success else episode.end_reason,
             str(episode.rows),
             str(episode.frames),
             size(episode.bytes),
             str(known.attempts) if known else "-",
             f"{sum(known.seconds.values()):.2f}" if known else "-",
+        )
+    kept = {episode.id for episode in found}
+    for known in told.values():
+        if known.success or known.stopped or known.id in kept:
+            continue
+        table.add_row(
+            known.id,
+            known.robot or "-",
+            ", ".join(known.kinds) or "-",
+            "given up",
+            *("-",) * 3,
+            str(known.attempts),
+            f"{sum(known.seconds.values()):.2f}",
         )
     return table
 

@@ -33,6 +33,8 @@ def contacts_at_home(loaded: RobotScene) -> list[str]:
 def hold(loaded: RobotScene) -> list[str]:
     """Does the arm stay at home when its controller holds it there?"""
     scene, robot = loaded.scene, loaded.robot
+    if not robot.is_driven(robot.arm.name):
+        return []  # told as an error
     scene.reset()
     before = np.array(robot.arm.joint_pos)
     for _ in range(round(HOLD_S / TIMESTEP_S)):

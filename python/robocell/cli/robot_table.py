@@ -19,6 +19,7 @@ JOINT_KINDS = {
     mujoco.mjtJoint.mjJNT_HINGE: "hinge, rad",
 }
 
+DEFAULT_CONTROL = "joint_position"  # of a group that the file's `control` does not name
 CAMERA_TO_OPENCV = Pose(rpy=[math.pi, 0, 0])
 
 
@@ -50,8 +51,9 @@ def actuators_table(loaded: RobotScene) -> Table:
     for name in loaded.robot.group_names:
         group = loaded.robot.group(name)
         ranges = zip(group.actuator_names, np.array(group.ctrl_limits), strict=True)
+        kind = control.get(name, DEFAULT_CONTROL)
+        controller = kind if loaded.robot.is_driven(name) else "none"
         for actuator, (lowest, highest) in ranges:
-            controller = control.get(name, "")
             table.add_row(name, actuator, _number(lowest), _number(highest), controller)
     return table
 

@@ -43,6 +43,10 @@ class Report:
         failures: Reason -> number of rollouts that failed.
         rows: Rows of the episode.
         seconds: Stage (see `STAGES`) -> seconds spent in it.
+        robot: Its name.
+        object_kind: Of the last attempt's target; '' when the sampler does not say.
+        kinds: Object kind -> attempts.
+        rollouts: Object kind -> rollouts.
     """
 
     id: str
@@ -57,6 +61,10 @@ class Report:
     redrawn: Mapping[str, int] = field(default_factory=dict)
     rows: int = 0
     seconds: Mapping[str, float] = field(default_factory=dict)
+    robot: str = ""
+    object_kind: str = ""
+    kinds: Mapping[str, int] = field(default_factory=dict)
+    rollouts: Mapping[str, int] = field(default_factory=dict)
 
     @classmethod
     def from_core(cls, report: Any) -> Report:
@@ -74,7 +82,16 @@ class Report:
             redrawn=dict(report.redrawn),
             rows=report.rows,
             seconds={stage: getattr(report, f"seconds_{stage}") for stage in STAGES},
+            robot=report.robot,
+            object_kind=report.object_kind,
+            kinds=dict(report.kinds),
+            rollouts=dict(report.rollouts),
         )
+
+    @property
+    def made_of(self) -> Mapping[str, int]:
+        """Object kind -> episodes made."""
+        return {self.object_kind: 1} if self.success and self.object_kind else {}
 
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""
@@ -86,12 +103,16 @@ class Report:
         return cls(**values)
 
     def why_unmade(self) -> str:
-        """'no success in 5 attempts: dropped 3, too far 2'."""
+        """'robot 'rc7', object 'mug': no success in 5 attempts: dropped 3, too far 2'."""
         if self.resumed:
             return "its attempts were used up before; all of them are kept, and none succeeded"
         reasons = counts_text({**self.refusals, **self.failures}) or "no reason was given"
         tried = f"{self.attempts} attempt" + ("s" if self.attempts != 1 else "")
-        return f"no success in {tried}: {reasons}"
+        objects = ", ".join(f"'{kind}'" for kind in self.kinds)
+        what = [f"robot '{self.robot}'"] if self.robot else []
+        what += [f"object {objects}"] if objects else []
+        text = f"no success in {tried}: {reasons}"
+        return f"{', '.join(what)}: {text}" if what else text
 
 
 def recorded_frames(described: Mapping[str, Any]) -> int:

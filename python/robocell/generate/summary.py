@@ -60,6 +60,7 @@ class Summary:
             return {}
         return {
             "success": f"{percent(totals.success_rate)} of {counted(totals.accepted, 'rollout')}",
+            "success by object": _by_kind(totals),
             "starts accepted": f"{percent(totals.acceptance_rate)} of {totals.attempts} sampled",
             "places accepted": f"{percent(totals.placement_rate)} of {totals.tried} tried",
             "rate": f"{totals.per_hour:.0f} episodes/h: {totals.made} in "
@@ -74,6 +75,17 @@ class Summary:
         for label, text in self.rows().items():
             table.add_row(label, Text(text))
         return table
+
+
+def _by_kind(totals: Totals) -> str:
+    """'box 50 % of 4, mug 90 % of 10', rollouts; nothing for objects of one kind."""
+    if len(totals.kinds) < 2:
+        return ""
+    shares = ((kind, totals.rollouts[kind], totals.made_of[kind]) for kind in sorted(totals.kinds))
+    return ", ".join(
+        f"{kind} {percent(made / rollouts if rollouts else None)} of {rollouts}"
+        for kind, rollouts, made in shares
+    )
 
 
 def _dropped(totals: Totals) -> str:

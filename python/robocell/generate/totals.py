@@ -12,7 +12,7 @@ from robocell.generate.items import Report
 
 # What adds up: the same names in `Totals`, in `Report` and in records.
 NUMBERS = ("attempts", "accepted", "undecided", "rows")
-COUNTERS = ("refusals", "redrawn", "failures", "seconds")
+COUNTERS = ("refusals", "redrawn", "failures", "seconds", "kinds", "rollouts", "made_of")
 
 
 @dataclass(frozen=True)
@@ -68,6 +68,9 @@ class Totals:
         redrawn: Reason -> places for objects and robot tried and given up within the attempts.
         failures: Reason -> rollouts failed.
         seconds: Stage -> seconds, summed over the workers.
+        kinds: Object kind -> attempts.
+        rollouts: Object kind -> rollouts.
+        made_of: Object kind -> episodes made now.
         again: Items taken up again after a worker died or failed.
         deaths: Workers that died.
         unmade: Items given up.
@@ -85,6 +88,9 @@ class Totals:
     redrawn: Counter[str] = field(default_factory=Counter)
     failures: Counter[str] = field(default_factory=Counter)
     seconds: Counter[str] = field(default_factory=Counter)
+    kinds: Counter[str] = field(default_factory=Counter)
+    rollouts: Counter[str] = field(default_factory=Counter)
+    made_of: Counter[str] = field(default_factory=Counter)
     again: list[Again] = field(default_factory=list)
     deaths: list[Death] = field(default_factory=list)
     unmade: list[Unmade] = field(default_factory=list)
@@ -159,6 +165,9 @@ class Totals:
             "refusals": dict(self.refusals),
             "redrawn": dict(self.redrawn),
             "failures": dict(self.failures),
+            "kinds": dict(self.kinds),
+            "rollouts": dict(self.rollouts),
+            "made_of": dict(self.made_of),
             "retries": self.retries,
             "deaths": len(self.deaths),
             "elapsed_s": round(self.elapsed_s, 3),
@@ -181,7 +190,8 @@ class Totals:
     def from_record(cls, values: Mapping[str, Any]) -> Totals:
         """What `record` wrote; KeyError, TypeError and ValueError for anything else."""
         # Lists go before their lengths; the first reports did not have all counts.
-        every = {"undecided": 0, "redrawn": {}, **values["counts"], **values}
+        later = {name: {} for name in ("redrawn", "kinds", "rollouts", "made_of")}
+        every = {"undecided": 0, **later, **values["counts"], **values}
         numbers = ("planned", "already", "workers", "made", *NUMBERS)
         counts: dict[str, Any] = {name: int(every[name]) for name in numbers}
         counts.update({name: Counter(every[name]) for name in COUNTERS})

@@ -136,8 +136,16 @@ class SceneCheck {
 
   // PickPlanner: an arm, a gripper that can be measured, a base that can be put where it reaches.
   void CheckForExpert(const Scene& scene, Robot& robot) {
+    if (!CheckControllers(robot)) return;
     if (!Try("robot", [&] { CheckParts(scene, robot); })) return;
     CheckReach(run_, robot, problems_);
+  }
+
+  bool CheckControllers(const Robot& robot) {
+    Problems::Scope scope(problems_, "robot");
+    const size_t before = problems_.list().size();
+    CheckDriven(robot, problems_);
+    return problems_.list().size() == before;
   }
 
   void CheckParts(const Scene& scene, Robot& robot) const {

@@ -5,8 +5,11 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
@@ -51,6 +54,16 @@ std::string JointUnits(const mjModel* m, const std::vector<std::string>& joints,
       std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();
   if (same && !units.empty()) return units.front();
   return fmt::format("{}", fmt::join(units, ", "));
+}
+
+// Experts without names of phases are in phase 0 throughout.
+void CheckPhase(int phase, const std::vector<std::string>& names) {
+  if (phase >= 0 && phase < std::max(1, static_cast<int>(names.size()))) return;
+  const std::string allowed =
+      names.empty() ? "phase_names() is empty, so it must be 0"
+                    : fmt::format("it must be 0 to {}, an index into phase_names(): {}",
+                                  names.size() - 1, ListNames(names));
+  throw ArgumentError(fmt::format("the expert's phase() is {}; {}", phase, allowed));
 }
 
 }  // namespace
@@ -189,6 +202,7 @@ SceneColumns::SceneColumns(EpisodeSchema& schema, Scene scene, std::vector<std::
                            std::vector<std::string> phases)
     : scene_(std::move(scene)),
       objects_(std::move(objects)),
+      phases_(phases),
       warnings_before_(ReadWarnings(scene_.data())) {
   time_ = schema.AddColumn({.name = "time", .units = "s"});
   phase_ =
@@ -236,6 +250,7 @@ SceneColumns::SceneColumns(EpisodeSchema& schema, Scene scene, std::vector<std::
 
 void SceneColumns::PutState(EpisodeWriter& writer, int phase) {
   writer.Put(time_, scene_.time());
+  CheckPhase(phase, phases_);
   writer.Put(phase_, static_cast<int32_t>(phase));
   for (size_t i = 0; i < objects_.size(); ++i) {
     const std::string& body = scene_.compiled()->object(objects_[i]).root_body;
@@ -244,6 +259,12 @@ void SceneColumns::PutState(EpisodeWriter& writer, int phase) {
 }
 
 void SceneColumns::PutOutcome(EpisodeWriter& writer, const RowOutcome& outcome) {
+  if (!std::isfinite(outcome.reward)) {
+    throw ArgumentError(
+        fmt::format("the task's reward() is {} at t = {:.3f} s; rewards must be "
+                    "finite numbers",
+                    outcome.reward, scene_.time()));
+  }
   writer.Put(reward_, outcome.reward);
   writer.Put(success_, outcome.success);
   writer.Put(terminated_, outcome.terminated);

@@ -67,7 +67,7 @@ class SceneColumns {
 
  private:
   Scene scene_;
-  std::vector<std::string> objects_;
+  std::vector<std::string> objects_, phases_;
   std::vector<ColumnId> object_poses_;
   ColumnId time_, phase_, reward_, success_, terminated_, truncated_, ik_failed_, warnings_;
   EngineWarnings warnings_before_;

@@ -114,8 +114,15 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
   const auto count_redrawn = [&] {
     for (const auto& [reason, count] : sample.redrawn()) report.redrawn[ToString(reason)] += count;
   };
+  const auto count_kind = [&, kind = sample.object_kind()] {
+    report.object_kind = kind;
+    if (kind.empty()) return;
+    ++report.kinds[kind];
+    if (sample.start) ++report.rollouts[kind];
+  };
   if (!sample.start) {
     count_redrawn();
+    count_kind();
     ++report.attempts;
     ++report.refusals[ToString(sample.refusal.reason)];
     return;
@@ -123,12 +130,14 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
   const std::shared_ptr<Expert> expert = parts.expert(run, *sample.start);
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
   AddTo(report, RunRollout(run, *sample.start, *expert, expert_rng, Options(item, attempt, stop)));
-  if (!report.stopped) count_redrawn();
+  if (report.stopped) return;
+  count_redrawn();
+  count_kind();
 }
 
 EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
-  EpisodeReport report{.item = item, .refusals = {}, .redrawn = {}, .failures = {}};
   const RunConfig& run = state_->run;
+  EpisodeReport report{.item = item, .robot = run.robot.config.name};
   const DatasetLock lock = state_->Enter();
   if (IsComplete(run, item)) {
     report.committed = report.resumed = true;

@@ -43,6 +43,10 @@ struct EpisodeReport {
   std::map<std::string, int> refusals;  // reason -> count, of starts
   std::map<std::string, int> redrawn;   // reason -> count, of places tried within the attempts
   std::map<std::string, int> failures;  // reason -> count, of rollouts
+  std::string robot;                    // its name
+  std::string object_kind;              // of the last attempt's target; "" when it is not known
+  std::map<std::string, int> kinds;     // object kind -> attempts
+  std::map<std::string, int> rollouts;  // object kind -> rollouts
   int rows = 0;                         // of the committed episode
   double seconds_sampling = 0, seconds_acting = 0, seconds_rendering = 0, seconds_writing = 0;
 };

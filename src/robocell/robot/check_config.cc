@@ -67,4 +67,16 @@ void CheckConfig(const Robot& robot, Problems& problems) {
   CheckBaseSize(robot, problems);
 }
 
+void CheckDriven(const Robot& robot, Problems& problems) {
+  Problems::Scope groups(problems, "move_groups");
+  for (const auto& [name, config] : robot.config().move_groups.entries()) {
+    if (config->kind != MoveGroupKind::kArm && config->kind != MoveGroupKind::kGripper) continue;
+    try {
+      robot.controller(name);
+    } catch (const NotFoundError& error) {
+      problems.AddAt(name, error.what());
+    }
+  }
+}
+
 }  // namespace robocell

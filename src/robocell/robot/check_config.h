@@ -15,4 +15,8 @@ namespace robocell {
 // Takes up to a second per gripper.
 void CheckConfig(const Robot& robot, Problems& problems);
 
+// Adds each arm and gripper that no controller can drive: motors, where a run sends joint positions
+// and openings. A run whose expert is its caller's own may bring its own controllers.
+void CheckDriven(const Robot& robot, Problems& problems);
+
 }  // namespace robocell

@@ -79,6 +79,15 @@ const GripperRange& ActuatedGripper::Measured() const {
   return *measured_;
 }
 
+// The error of a model that diverges meanwhile says whose gripper it is.
+std::array<double, 2> ActuatedGripper::Settled(std::array<double, 2> ctrl) const {
+  try {
+    return SettledFingerDistances(core().scene(), Parts(), ctrl);
+  } catch (const EngineError& error) {
+    throw EngineError(core().place() + ": " + error.what());
+  }
+}
+
 GripperRange ActuatedGripper::Measure() const {
   const Interval limits = ctrl_limits()[0];
   const GripperCtrl ends = config_.ctrl.value_or(GripperCtrl{limits.upper, limits.lower});
@@ -87,8 +96,7 @@ GripperRange ActuatedGripper::Measure() const {
         "{}: actuator '{}' has no control range; give `ctrl: {{open: ..., closed: ...}}`",
         core().place(), actuator_names()[0]));
   }
-  const auto [at_open, at_closed] =
-      SettledFingerDistances(core().scene(), Parts(), {ends.open, ends.closed});
+  const auto [at_open, at_closed] = Settled({ends.open, ends.closed});
   if (std::abs(at_open - at_closed) < kLeastTravel) {
     throw ArgumentError(
         fmt::format("{}: the finger distance stays at {:.4f} m between control {} and {}; are "

@@ -7,6 +7,7 @@
 // (gripper_range.h).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,6 +47,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
  private:
   const GripperParts& Parts() const;
   void ResolveFingers() const;
+  std::array<double, 2> Settled(std::array<double, 2> ctrl) const;
   // Measured once.
   const GripperRange& Measured() const;
   const GripperCtrl& CtrlEnds() const { return config_.ctrl ? *config_.ctrl : Measured().ctrl; }

@@ -27,6 +27,11 @@ class Reading {
   bool& flag_;
 };
 
+// A message about a place without its "place: ", which the reader has in front of it already.
+std::string WithoutPlace(const std::string& text, const std::string& place) {
+  return text.starts_with(place + ": ") ? text.substr(place.size() + 2) : text;
+}
+
 }  // namespace
 
 Robot::State::State(const Scene& s, RobotRecord r, ChainOptions options)
@@ -116,7 +121,7 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
       slot->controller = MakeController(controller, *slot->group);
     } catch (const ArgumentError& error) {
       if (must_be_driven) throw;
-      slot->why_no_controller = error.what();
+      slot->why_no_controller = WithoutPlace(error.what(), slot->group->place());
     }
   }
   const std::string& name = slot->group->name();

@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "robocell/base/error.h"
-#include "robocell/base/units.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/check_home.h"
 #include "robocell/scene/element_lookup.h"
 
 namespace robocell {
@@ -133,22 +131,10 @@ class RobotCheck {
     if (!group) return;
     for (size_t i = 0; i < values.size() && i < group->joints.size(); ++i) {
       const int joint = FindId(model_, mjOBJ_JOINT, robot_.prefix + group->joints[i]);
-      if (joint < 0 || !model_->jnt_limited[joint]) continue;
-      if (model_->jnt_type[joint] != mjJNT_HINGE && model_->jnt_type[joint] != mjJNT_SLIDE)
-        continue;
-      const mjtNum* range = model_->jnt_range + 2 * joint;
-      if (values[i] >= range[0] - kLimitSlack && values[i] <= range[1] + kLimitSlack) continue;
-      Problem("home." + name,
-              fmt::format(": {} is outside the limits {:.6g} to {:.6g} of joint '{}'{}", values[i],
-                          range[0], range[1], group->joints[i],
-                          RadiansHint(model_->jnt_type[joint], values[i])));
+      if (joint < 0) continue;
+      if (const auto wrong = OutsideLimits(model_, joint, values[i], group->joints[i]))
+        Problem("home." + name, ": " + *wrong);
     }
-  }
-
-  // For an angle that only makes sense in degrees.
-  static std::string RadiansHint(int joint_type, double value) {
-    if (joint_type != mjJNT_HINGE || std::abs(value) <= 2 * kPi) return "";
-    return fmt::format("; radians, and {:g} degrees are {:.4f}", value, value * kPi / 180);
   }
 
   const mjModel* model_;

@@ -7,6 +7,7 @@
 #include "robocell/scene/add_camera.h"
 #include "robocell/scene/add_object.h"
 #include "robocell/scene/add_robot.h"
+#include "robocell/scene/check_home.h"
 #include "robocell/scene/check_robot.h"
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/decorations.h"
@@ -68,7 +69,7 @@ class SceneCompiler {
       const auto file = FindModel(*spec().base, spec().source_dir, "base", "base", report_);
       report_.Throw(spec().name);
       spec_ = ParseXmlFile(*file, context_ + " / base");
-      home_ = ReadHomeKey(spec_.get());
+      home_ = ReadHomeKey(spec_.get(), "base", "base", *file);
       DropKeys(spec_.get());
       MakeAssetPathsAbsolute(spec_.get(), *file, "base", "base", report_);
       WarnReplacedOptions(spec_->option, spec(), report_);
@@ -201,6 +202,7 @@ class SceneCompiler {
     std::erase_if(out_->warnings_, IsAboutEmptyPrefix);
     mjModel* model = out_->model_ = out_->model_owner_.get();
     for (const RobotRecord& robot : out_->robots_) CheckRobot(model, robot, report_);
+    CheckKeyframes(model, home_, out_->robots_, report_);
     CheckToolPoints(model, out_->robots_, report_);
     FillHomeKey(model, key, home_, out_->robots_);
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");

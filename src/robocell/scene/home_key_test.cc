@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/robots.h"
@@ -10,6 +11,8 @@
 
 namespace robocell {
 namespace {
+
+using ::testing::HasSubstr;
 
 class HomeKey : public ::testing::Test {
  protected:
@@ -84,6 +87,30 @@ TEST_F(HomeKey, KeepsTheOwnHomeOfWhatTheConfigurationLeavesOut) {
   EXPECT_EQ(scene.actuator_ctrl("servo1"), -1);
   EXPECT_EQ(Joint(scene, "elbow"), -0.4);
   EXPECT_EQ(scene.actuator_ctrl("servo2"), -0.41);
+}
+
+// An arm whose own keyframe is in degrees.
+std::string InDegrees() {
+  std::string arm = kTwoJointArm;
+  return arm.replace(arm.find("0.3 -0.4"), 8, "90 -0.4");
+}
+
+TEST_F(HomeKey, AKeyframeInDegreesIsToldWithItsFile) {
+  config.model = folder.Write("degrees", InDegrees());
+  spec.robots.push_back({.name = "bob", .config = config});
+  try {
+    Scene::Build(spec);
+    FAIL() << "no error";
+  } catch (const SpecError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("robot 'bob': keyframe 'home' of " + config.model +
+                          ": 90 is outside the limits -2 to 2 of joint 'shoulder'; radians, and 90 "
+                          "degrees are 1.5708"));
+  }
+  spec.robots.clear();
+  config.home["arm"] = {0.5, 0.6};  // in place of the keyframe
+  spec.robots.push_back({.name = "bob", .config = config});
+  EXPECT_EQ(Joint(Scene::Build(spec), "shoulder"), 0.5);
 }
 
 TEST_F(HomeKey, CarriesTheBaseScenesOwnHome) {

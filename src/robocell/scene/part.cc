@@ -92,7 +92,7 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
     report.Problem(place, error.what(), field);
     return std::nullopt;
   }
-  part.home = ReadHomeKey(part.spec.get());
+  part.home = ReadHomeKey(part.spec.get(), place, field, *file);
   DropKeys(part.spec.get());
   if (!MakeAssetPathsAbsolute(part.spec.get(), *file, place, field, report)) return std::nullopt;
   WarnOtherOptions(part.spec->option, options, place, report);

@@ -19,8 +19,16 @@ namespace robocell {
 
 // What a part's keyframe `home` says, by name.
 struct PartHome {
+  // Where the value of a joint is written, for messages.
+  struct Source {
+    std::string place;  // "robot 'left'"
+    std::string field;  // of its spec: the one that names the file
+    std::string file;
+    std::string joint;  // as the file has it
+  };
   std::map<std::string, std::vector<double>> qpos;  // joint -> its 1, 4 or 7 numbers
   std::map<std::string, std::vector<double>> ctrl;  // actuator -> its controls
+  std::map<std::string, Source> sources;            // joint -> where its numbers stand
 
   // The same with a prefix on every name; entries that are there already win.
   void Merge(const PartHome& other, const std::string& prefix);
@@ -57,7 +65,9 @@ mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& repo
 // are one entry in the report; false then.
 bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::string& place,
                             const std::string& field, Report& report);
-PartHome ReadHomeKey(mjSpec* spec);
+// `place`, `field` and `file` are kept as the source of what is found.
+PartHome ReadHomeKey(mjSpec* spec, const std::string& place, const std::string& field,
+                     const std::string& file);
 void DropKeys(mjSpec* spec);
 
 // Attaches with AttachBody, and reports what the engine left out because it refers to something

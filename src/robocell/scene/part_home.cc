@@ -47,9 +47,11 @@ class Splitter {
 void PartHome::Merge(const PartHome& other, const std::string& prefix) {
   for (const auto& [name, values] : other.qpos) qpos.emplace(prefix + name, values);
   for (const auto& [name, values] : other.ctrl) ctrl.emplace(prefix + name, values);
+  for (const auto& [name, source] : other.sources) sources.emplace(prefix + name, source);
 }
 
-PartHome ReadHomeKey(mjSpec* spec) {
+PartHome ReadHomeKey(mjSpec* spec, const std::string& place, const std::string& field,
+                     const std::string& file) {
   PartHome home;
   mjsElement* element = FindSpecElement(spec, mjOBJ_KEY, "home");
   if (!element) return home;
@@ -63,6 +65,7 @@ PartHome ReadHomeKey(mjSpec* spec) {
   // here.
   for (mjsElement* actuator : SpecElements(spec, mjOBJ_ACTUATOR))
     ctrl.Take(SpecName(actuator), 1, home.ctrl);
+  for (const auto& [joint, values] : home.qpos) home.sources[joint] = {place, field, file, joint};
   return home;
 }
 

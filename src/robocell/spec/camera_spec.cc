@@ -48,6 +48,23 @@ void CameraConfig::Validate(Problems& problems) const {
     problems.Add("takes no images: set rgb, depth or segmentation");
 }
 
+namespace {
+
+// H.264 encodes no longer side, and OpenGL draws none on common drivers.
+constexpr int kLongestSide = 16384;
+
+void CheckNotTooLarge(const CameraSystemConfig& cameras, const CameraConfig& stream,
+                      Problems& problems) {
+  const int w = cameras.width(stream), h = cameras.height(stream);
+  if (w <= kLongestSide && h <= kLongestSide) return;
+  problems.Add(
+      fmt::format("size {}x{} is too large: width and height can be at most {} pixels; "
+                  "correct the stream's width and height, or `cameras.resolution`",
+                  w, h, kLongestSide));
+}
+
+}  // namespace
+
 void CameraSystemConfig::Validate(Problems& problems) const {
   for (size_t i = 0; i < streams.size(); ++i) {
     Problems::Scope list(problems, "streams");
@@ -59,6 +76,7 @@ void CameraSystemConfig::Validate(Problems& problems) const {
         problems.AddAt("name", "'" + stream.name + "' is used twice");
     }
     const int w = width(stream), h = height(stream);
+    CheckNotTooLarge(*this, stream, problems);
     if (stream.rgb && (w % 2 || h % 2)) {
       problems.Add(
           fmt::format("size {}x{} cannot be encoded as video, which needs even numbers; the "

@@ -52,6 +52,17 @@ TEST(CameraSystemConfig, OddSizesAreRefusedBeforeAnythingIsEncoded) {
       "which needs even numbers; the nearest size is 624x352");
 }
 
+TEST(CameraSystemConfig, SizesBeyondVideosAreRefusedBeforeAnythingIsDrawn) {
+  CameraSystemConfig cameras{.resolution = {100000, 100000},
+                             .streams = {{.name = "a", .camera = "a"}}};
+  EXPECT_THAT(ValidationError(cameras),
+              HasSubstr("streams[0]: size 100000x100000 is too large: width and height can be at "
+                        "most 16384 pixels; correct the stream's width and height, or "
+                        "`cameras.resolution`"));
+  cameras.resolution = {16384, 16384};
+  EXPECT_EQ(ValidationError(cameras), "");
+}
+
 TEST(CameraSystemConfig, AStreamsOwnSizeCounts) {
   CameraSystemConfig cameras{.streams = {{.name = "a", .camera = "a", .height = 241}}};
   EXPECT_THAT(ValidationError(cameras), HasSubstr("size 320x241 cannot"));

@@ -267,7 +267,9 @@ SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
   }
   if (!PlaceObjects(support, objects, rng)) {
     return {.start = {},
-            .refusal = {Refusal::kNoFreePlace, "the objects do not fit beside each other"}};
+            .refusal = {.reason = Refusal::kNoFreePlace,
+                        .detail = "the objects do not fit beside each other",
+                        .object_kind = kinds[0]}};
   }
   for (const SceneObject& object : objects) spec.objects.push_back(object);
   spec.robots.push_back({.name = run_.robot.config.name,
@@ -281,6 +283,7 @@ SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
               scene.compiled()->object(kTarget).root_body, request.stop};
   if (auto refusal = Prepare(setup, support, placement, rng)) {
     refusal->redrawn = setup.redrawn;
+    refusal->object_kind = kinds[0];
     return {.start = {}, .refusal = *refusal};
   }
   return {.start = EpisodeStart{.scene = scene,

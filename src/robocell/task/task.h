@@ -48,6 +48,7 @@ struct Refusal {
   std::string detail = {};
   // Places that were tried and refused before, in the same call of Sample.
   std::map<Reason, int> redrawn = {};
+  std::string object_kind = {};  // the target's, when it was chosen already
 };
 using RefusalCounts = std::map<Refusal::Reason, int>;
 const char* ToString(Refusal::Reason reason);
@@ -66,6 +67,11 @@ struct EpisodeStart {
 struct SampleResult {
   std::optional<EpisodeStart> start;
   Refusal refusal = {};
+  // The target's catalogue name; "" when the sampler does not say.
+  std::string object_kind() const {
+    if (!start) return refusal.object_kind;
+    return start->object_kinds.empty() ? "" : start->object_kinds.front();
+  }
   const RefusalCounts& redrawn() const { return start ? start->redrawn : refusal.redrawn; }
 };
 

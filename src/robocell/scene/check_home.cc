@@ -1,0 +1,60 @@
+#include "robocell/scene/check_home.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include "robocell/base/units.h"
+#include "robocell/mujoco/names.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kLimitSlack = 1e-4;  // numbers in files are rounded
+
+// For an angle that only makes sense in degrees.
+std::string RadiansHint(int joint_type, double value) {
+  if (joint_type != mjJNT_HINGE || std::abs(value) <= 2 * kPi) return "";
+  return fmt::format("; radians, and {:g} degrees are {:.4f}", value, value * kPi / 180);
+}
+
+// Joints whose home a robot's file says.
+std::set<std::string> ConfiguredJoints(const std::vector<RobotRecord>& robots) {
+  std::set<std::string> joints;
+  for (const RobotRecord& robot : robots) {
+    for (const auto& [name, values] : robot.config.home.entries()) {
+      const MoveGroupConfig* group = robot.config.move_groups.find(name);
+      if (!group) continue;
+      for (const std::string& joint : group->joints) joints.insert(robot.prefix + joint);
+    }
+  }
+  return joints;
+}
+
+}  // namespace
+
+std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double value,
+                                         const std::string& shown) {
+  const int type = model->jnt_type[joint];
+  if (!model->jnt_limited[joint] || (type != mjJNT_HINGE && type != mjJNT_SLIDE)) return {};
+  const mjtNum* range = model->jnt_range + 2 * joint;
+  if (value >= range[0] - kLimitSlack && value <= range[1] + kLimitSlack) return {};
+  return fmt::format("{} is outside the limits {:.6g} to {:.6g} of joint '{}'{}", value, range[0],
+                     range[1], shown, RadiansHint(type, value));
+}
+
+void CheckKeyframes(const mjModel* model, const PartHome& parts,
+                    const std::vector<RobotRecord>& robots, Report& report) {
+  const std::set<std::string> configured = ConfiguredJoints(robots);
+  for (const auto& [name, values] : parts.qpos) {
+    const int joint = FindId(model, mjOBJ_JOINT, name);
+    if (joint < 0 || values.size() != 1 || configured.contains(name)) continue;
+    const PartHome::Source& source = parts.sources.at(name);
+    if (const auto wrong = OutsideLimits(model, joint, values[0], source.joint))
+      report.Problem(source.place, fmt::format("keyframe 'home' of {}: {}", source.file, *wrong),
+                     source.field);
+  }
+}
+
+}  // namespace robocell

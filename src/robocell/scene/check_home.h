@@ -1,0 +1,27 @@
+// Private to scene: is a pose `home` one that the joints can take? Asked of a robot's file and of
+// the keyframes that the parts' own models bring.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/part.h"
+#include "robocell/scene/report.h"
+
+namespace robocell {
+
+// "2 is outside the limits -1 to 1 of joint 'elbow'", with a hint at degrees that were meant as
+// radians; nothing for what is inside, for joints without limits, and for free and ball joints.
+// `shown` is the joint's name in the message.
+std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double value,
+                                         const std::string& shown);
+
+// Reports the keyframe values that are used (no robot's file replaces them) and outside the limits.
+void CheckKeyframes(const mjModel* model, const PartHome& parts,
+                    const std::vector<RobotRecord>& robots, Report& report);
+
+}  // namespace robocell
