@@ -32,6 +32,10 @@ def made(name: str) -> Report:
         redrawn={"no free place": 4},
         rows=70,
         seconds={"acting": 0.5},
+        robot="rc7",
+        object_kind="mug",
+        kinds={"mug": 3},
+        rollouts={"mug": 2},
     )
 
 

@@ -190,7 +190,7 @@ class Totals:
     def from_record(cls, values: Mapping[str, Any]) -> Totals:
         """What `record` wrote; KeyError, TypeError and ValueError for anything else."""
         # Lists go before their lengths; the first reports did not have all counts.
-        later = {name: {} for name in ("redrawn", "kinds", "rollouts", "made_of")}
+        later: dict[str, Any] = {name: {} for name in ("redrawn", "kinds", "rollouts", "made_of")}
         every = {"undecided": 0, **later, **values["counts"], **values}
         numbers = ("planned", "already", "workers", "made", *NUMBERS)
         counts: dict[str, Any] = {name: int(every[name]) for name in numbers}
