@@ -106,14 +106,14 @@ TEST(JointPosition, NeedsServos) {
   }
   RobotConfig config = ArmConfig(folder.Write("motors", motors));
   const std::string why =
-      "group 'arm': actuator 'servo1' is no position servo of one of its joints, so it cannot be "
+      "actuator 'servo1' is no position servo of one of its joints, so it cannot be "
       "driven to a joint position; give the group another controller, or the model a servo";
   Robot robot = RobotAlone(config);
   robot.Update();
   ExpectThrow<NotFoundError>([&] { robot.controller("arm"); },
-                             "has no controller: robot 'arm' / " + why);
+                             "robot 'arm' / group 'arm' has no controller: " + why);
   config.control["arm"] = ControlKind::kJointPosition;
-  ExpectThrow<ArgumentError>([&] { RobotAlone(config); }, why);
+  ExpectThrow<ArgumentError>([&] { RobotAlone(config); }, "group 'arm': " + why);
 }
 
 class GripperOpening : public ::testing::Test {
