@@ -129,7 +129,8 @@ def test_what_cannot_be_made_is_listed_and_told_by_the_exit_code(tmp_path: Path)
     limits = ["--set", "rates.max_steps=3"]  # three actions lift nothing
     result = robocell_command("generate", run, *limits)
     assert result.returncode == 1
-    assert "s0000_e0000 could not be made: no success in 1 attempt: " in result.stderr
+    assert "s0000_e0000 could not be made: robot 'rc7', object '" in result.stderr
+    assert "': no success in 1 attempt: " in result.stderr
     assert "try it alone: robocell generate" in result.stderr
     assert "--shard 0/1" in result.stderr
     assert "0 of 1" in result.stdout
