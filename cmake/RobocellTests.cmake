@@ -15,6 +15,8 @@ function(robocell_test name)
   target_include_directories(${name} SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
   target_link_libraries(${name} PRIVATE robocell robocell_testing robocell_flags spdlog::spdlog yaml-cpp
     nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
+  # Tests wait for the library, which is optimised; optimising them costs more than it brings.
+  target_compile_options(${name} PRIVATE "$<$<CONFIG:Release>:-O1>")
   set_target_properties(${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
   string(REPLACE "_test" "" label ${name})
   if(ROBOCELL_SANITIZE)
