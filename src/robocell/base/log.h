@@ -4,8 +4,8 @@
 // log.
 //
 //   LogWarn(fmt::format("robot '{}': actuator '{}' has no limits", robot, actuator));
-//   const ScopedLogSink capture([&](LogLevel, std::string_view text) { lines.emplace_back(text);
-//   });
+//   const auto keep = [&](LogLevel, std::string_view text) { lines.emplace_back(text); };
+//   const ScopedLogSink capture(keep);
 //
 // All functions may be called from any thread, also from a sink. They never throw.
 #pragma once

@@ -1,10 +1,9 @@
 // Reads one committed episode.
 //
 //   Episode episode("dataset/pick-000017");
-//   std::vector<double> qpos = episode.Read<double>("robots/xarm7/arm/qpos");        // rows() * 7
-//   values, row-major std::vector<double> row = episode.Read<double>("robots/xarm7/arm/qpos",
-//   {.first = 20, .count = 1}); VideoReader wrist = episode.Video("wrist"); // frame i belongs to
-//   row i
+//   const auto qpos = episode.Read<double>("robots/xarm7/arm/qpos");  // rows() * 7, row-major
+//   const auto row = episode.Read<double>("robots/xarm7/arm/qpos", {.first = 20, .count = 1});
+//   VideoReader wrist = episode.Video("wrist");                       // frame i belongs to row i
 //
 // Opening reads episode.json and checks that the files are there with their sizes; whether their
 // bytes are intact is Verify's question (data/verify.h). IoError names file and reason;

@@ -7,13 +7,12 @@
 //
 //   EpisodeSchema schema;
 //   const ColumnId time = schema.AddColumn({.name = "time", .units = "s"});
-//   const ColumnId qpos = schema.AddColumn({.name = "robots/xarm7/arm/qpos", .shape = {7}, .units =
-//   "rad",
-//                                           .names = joint_names});
+//   const ColumnId qpos = schema.AddColumn({.name = "robots/xarm7/arm/qpos", .shape = {7},
+//                                           .units = "rad", .names = joint_names});
 //   const CameraId wrist = schema.AddCamera({.name = "wrist", .width = 320, .height = 240});
 //   const TableId control = schema.AddTable("control");
-//   const ColumnId ctrl = schema.AddColumn({.name = "ctrl", .shape = {8}}, control);      // stored
-//   as control/ctrl
+//   const ColumnId ctrl = schema.AddColumn({.name = "ctrl", .shape = {8}}, control);
+//   // stored as control/ctrl
 //
 // A wrong declaration is an ArgumentError that names it. A value type; copies are independent.
 #pragma once

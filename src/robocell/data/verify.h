@@ -3,8 +3,7 @@
 // Good episodes are never touched.
 //
 //   VerifyReport report = Verify("out/pick_v1");
-//   if (!report.ok()) std::cerr << report.Text();      // one line per problem: episode, file,
-//   reason
+//   if (!report.ok()) std::cerr << report.Text();  // one line per problem: episode, file, reason
 //
 // A file is parsed only after its hash was found right, so damaged bytes never reach the HDF5
 // library or the decoder.

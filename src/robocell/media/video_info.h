@@ -2,8 +2,7 @@
 // tables itself (a millisecond, no child process), so that every recording can be checked. Decoding
 // is VideoReader's.
 //
-//   VideoInfo info = ReadVideoInfo("wrist.mp4");    // info.frames == 120, info.fps_num /
-//   info.fps_den == 500 / 33
+//   VideoInfo info = ReadVideoInfo("wrist.mp4");  // 120 frames, fps_num / fps_den == 500 / 33
 //
 // IoError names the file and what is wrong: not an mp4, cut short, no video in it.
 #pragma once

@@ -4,8 +4,7 @@
 //   VideoReader video("pick.mp4");
 //   std::vector<uint8_t> rgb(video.frame_bytes());
 //   while (video.Next(rgb)) Use(rgb);          // row-major RGB, width * height * 3 bytes
-//   video.Read(17, rgb);                       // frame 17; starts a new decoder unless 17 is near
-//   ahead
+//   video.Read(17, rgb);  // frame 17; starts a new decoder unless it is a few frames ahead
 //
 // A file that ends early or does not decode cleanly is an IoError, not a shorter video. One thread
 // at a time.

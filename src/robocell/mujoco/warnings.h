@@ -4,8 +4,7 @@
 //   EngineWarnings before = ReadWarnings(data);
 //   ... steps ...
 //   EngineWarnings raised = ReadWarnings(data) - before;
-//   if (raised.total() > 0) LogWarn(raised.Text());       // "2 x contact buffer full; 1 x bad
-//   number in ctrl"
+//   if (raised.total() > 0) LogWarn(raised.Text());  // "2 x contact buffer full; 1 x ..."
 //
 // The engine logs only the first warning of each kind per data; these counters see all of them. A
 // reset of the data clears them. Reading allocates nothing; Text does.

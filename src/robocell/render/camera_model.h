@@ -7,10 +7,11 @@
 // robocell; only `extrinsics()` and what it projects use OpenCV's (x right, y down, looking along
 // +z).
 //
-//   CameraModel camera = ComputeCamera(model, data, NamedCamera(model, "wrist", "robot 'left'"),
-//   640, 480); Eigen::Vector2d uv = camera.Project(cube_in_world); Eigen::Matrix3d k =
-//   camera.intrinsics();       // for perspective cameras Eigen::Matrix4d world_to_camera =
-//   camera.extrinsics();
+//   const CameraView view = NamedCamera(model, "wrist", "robot 'left'");
+//   const CameraModel camera = ComputeCamera(model, data, view, 640, 480);
+//   const Eigen::Vector2d uv = camera.Project(cube_in_world);
+//   const Eigen::Matrix3d k = camera.intrinsics();                 // of perspective cameras
+//   const Eigen::Matrix4d world_to_camera = camera.extrinsics();
 //
 // `data` must be up to date with its qpos (mj_kinematics, mj_comPos and mj_camlight, or
 // mj_forward): after mj_step the engine's poses are still those of the state before.

@@ -4,8 +4,8 @@
 //   std::vector<Marker> markers;
 //   AddFrame(markers, tcp_in_world, 0.1);
 //   AddText(markers, cube_in_world, "cube");
-//   renderer->Render(data, {.camera = view, .width = 640, .height = 480, .markers = markers}, {.rgb
-//   = rgb});
+//   renderer->Render(data, {.camera = view, .width = 640, .height = 480, .markers = markers},
+//                    {.rgb = rgb});
 #pragma once
 
 #include <array>

@@ -4,16 +4,17 @@
 // Images are rows from the top, pixels from the left, without padding:
 //   rgb            3 bytes a pixel, sRGB
 //   depth          float metres along the camera's axis (distance to its plane, not along the ray);
-//   0 where nothing is depth_mm       the same in whole millimetres, at most 65535; 0 where nothing
-//   is segmentation   id of the body that is seen (0: the world's own geoms, e.g. the floor), -1
-//   where nothing is and for
-//                  things of no body (tendons, flexes, skins)
+//                  0 where nothing is
+//   depth_mm       the same in whole millimetres, at most 65535; 0 where nothing is
+//   segmentation   id of the body that is seen (0: the world's own geoms, e.g. the floor), -1 where
+//                  nothing is and for things of no body (tendons, flexes, skins)
 //
 //   std::unique_ptr<Renderer> renderer = MakeRenderer({.backend = "gl"});
-//   renderer->SetModel(model);                                          // again after every
-//   compile CameraView view = NamedCamera(model, "wrist", "robot 'left'"); std::vector<uint8_t>
-//   rgb(640 * 480 * 3); CameraModel camera = renderer->Render(data, {.camera = view, .width = 640,
-//   .height = 480}, {.rgb = rgb});
+//   renderer->SetModel(model);                                      // again after every compile
+//   const CameraView view = NamedCamera(model, "wrist", "robot 'left'");
+//   std::vector<uint8_t> rgb(640 * 480 * 3);
+//   const CameraModel camera =
+//       renderer->Render(data, {.camera = view, .width = 640, .height = 480}, {.rgb = rgb});
 //
 // What is drawn follows from qpos and the mocap poses in `data`; poses are recomputed in the
 // renderer's own scratch data, so that images are never a step behind (after mj_step the engine's
