@@ -16,11 +16,15 @@ from pathlib import Path
 
 import control_loop
 import episodes
+import reset
+import scene_again
 from table import Row, markdown
 
 ROOT = Path(__file__).resolve().parents[1]
 BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "control_loop": control_loop.rows,
+    "reset": reset.rows,
+    "scene_again": scene_again.rows,
     "episodes": episodes.rows,
 }
 
