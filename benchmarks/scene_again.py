@@ -56,7 +56,7 @@ def rows(folder: Path) -> list[Row]:
         shutil.rmtree(cache, ignore_errors=True)
         milliseconds(COMPILE, robot, cache)  # the earlier process
         config = robocell.RobotConfig.load(robot)
-        model = robocell.models.resolve(config.model, config.source_dir)
+        model = robocell.models.resolve(config.model, str(robot.parent))
         again, compiled, engine = [], [], []
         for _ in range(REPETITIONS):
             again.append(milliseconds(COMPILE, robot, cache))
