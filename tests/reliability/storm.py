@@ -12,10 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import yaml
+from ledger import is_blank
 
 import robocell
 from contents import contents
-from ledger import is_blank
 
 RUN = {
     "run": "storm",
