@@ -1,5 +1,6 @@
 #include "robocell/render/gl_renderer.h"
 
+#include <dlfcn.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -279,7 +280,11 @@ TEST_F(Rendering, RenderersComeAndGoWithoutLeaks) {
     least_growth = std::min(least_growth, Resident() - memory);
   }
   EXPECT_EQ(OpenFiles(), files);
-  EXPECT_LT(least_growth, 3 * 300'000);
+  // AddressSanitizer keeps what was freed for a while, and finds leaks itself at the end.
+  const bool sanitized = dlsym(RTLD_DEFAULT, "__asan_init") != nullptr;
+  if (!sanitized) {
+    EXPECT_LT(least_growth, 3 * 300'000);
+  }
 }
 
 }  // namespace
