@@ -39,7 +39,7 @@ class Swing {
     for (int tick = 0; tick < ticks_; ++tick) {
       Command(tick);
       robot_->Update();
-      robot_->Step();
+      (void)robot_->Step();  // where it ends is checked
     }
   }
   // The same second by the engine alone.
@@ -70,7 +70,7 @@ class Swing {
       Command(tick);
       robot_->Update();
       controls_.insert(controls_.end(), scene_.data()->ctrl, scene_.data()->ctrl + m->nu);
-      robot_->Step();
+      (void)robot_->Step();
     }
     end_ = scene_.state();
     Rewind();
