@@ -15,7 +15,7 @@ using namespace nb::literals;
 namespace robocell::python {
 namespace {
 
-IkResult SolveIk(const Kinematics& k, const Pose& target, nb::handle seed,
+IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
                  const std::vector<std::string>& locked_groups, double tolerance,
                  bool position_only, bool prefer_near_seed) {
   IkOptions options{
@@ -23,7 +23,7 @@ IkResult SolveIk(const Kinematics& k, const Pose& target, nb::handle seed,
   if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
   options.locked = k.robot.LockGroups(locked_groups);
   const nb::gil_scoped_release release;
-  return k.robot.Ik(target, options);
+  return k.robot.Ik(target.pose, options);
 }
 
 nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
@@ -89,6 +89,7 @@ void BindKinematics(nb::module_& m) {
                std::to_string(r.position_error) + " m, " + std::to_string(r.rotation_error) +
                " rad>";
       });
+  BindChain(m);
   nb::class_<Kinematics>(m, "Kinematics",
                          "Kinematics of a robot's arm, from the robot base frame to the TCP.")
       .def_prop_ro("joint_names", [](const Kinematics& k) { return k.robot.chain().joint_names(); })

@@ -158,8 +158,9 @@ void BindAction(nb::module_& m) {
             return GroupCommand::RelativeJoints(ToDoubles(dq, "relative_joints"));
           },
           "dq"_a, "Added to the present target.")
-      .def_static("leaf_pose", &GroupCommand::LeafPose, "leaf_in_robot"_a,
-                  "Pose of the leaf in the robot base frame, through IK.")
+      .def_static(
+          "leaf_pose", [](const PoseOrFrame& p) { return GroupCommand::LeafPose(p.pose); },
+          "leaf_in_robot"_a, "Pose of the leaf in the robot base frame, through IK.")
       .def_static("opening", &GroupCommand::Opening, "opening"_a,
                   "Of a gripper: 0 closed ... 1 open.")
       .def_prop_ro("values", [](const GroupCommand& c) { return NewArray(c.values); })
@@ -289,15 +290,16 @@ void BindRobotClass(nb::module_& m) {
       .def_prop_ro("kinematics", [](const Robot& r) { return Kinematics{r}; })
       .def(
           "ik",
-          [](const Robot& r, const Pose& target, nb::handle seed) {
+          [](const Robot& r, const PoseOrFrame& target, nb::handle seed) {
             IkOptions options;
             if (!seed.is_none())
               options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
             const nb::gil_scoped_release release;
-            return r.Ik(target, options);
+            return r.Ik(target.pose, options);
           },
           "pose"_a, "seed"_a = nb::none(),
-          "Joint values that put the TCP at `pose` (in the robot base frame).")
+          "Joint values that put the TCP at `pose` (in the robot base frame), a Pose or "
+          "PyKDL.Frame.")
       .def_prop_ro("base_in_world", &Robot::base_in_world)
       .def_prop_ro("tcp_in_world", &Robot::tcp_in_world)
       .def_prop_ro("reach", &Robot::reach, Unlocked())
@@ -307,14 +309,38 @@ void BindRobotClass(nb::module_& m) {
           "The arm as a PyKDL.Chain from the robot base frame to the TCP, with what it weighs; "
           "joint values are the model's.\n\nImportError with the install line when PyKDL is "
           "missing.")
+      .def_prop_ro(
+          "chain", [](const Robot& r) { return Chain(r.chain()); },
+          "The arm's kinematics and dynamics on their own, from the robot base frame to the TCP: "
+          "a copy of what they are now.")
       .def(
           "gravity_torques",
-          [](const Robot& r) {
+          [](const Robot& r, std::optional<double> gravity_z) {
             std::vector<double> torques(static_cast<size_t>(r.n_joints()));
-            r.GravityTorques(torques);
+            r.GravityTorques(torques, gravity_z);
             return NewArray(torques);
           },
-          "Torques (n,) that hold the arm against gravity.")
+          "gravity_z"_a = nb::none(),
+          "Torques (n,) that hold the arm where it is against the scene's gravity, or against "
+          "`gravity_z` along the world's z axis, m/s^2. Bodies with gravcomp count less.")
+      .def(
+          "gravity_in_base",
+          [](const Robot& r, std::optional<double> gravity_z) {
+            const Eigen::Vector3d gravity = r.gravity_in_base(gravity_z);
+            return Values({gravity.data(), 3});
+          },
+          "gravity_z"_a = nb::none(),
+          "(3,) the scene's gravity in the axes of the robot base frame, for the dynamics of "
+          "`chain`.")
+      .def("refresh_tool_inertia", &Robot::RefreshToolInertia,
+           "Weigh what hangs on the arm (gripper, tool) where it is now instead of where it is at "
+           "the model's reference, until the next reset or rebuild.")
+      .def_prop_ro("has_tcp_frame", &Robot::has_tcp_frame,
+                   "Whether the arm ends in a site, not in a body's frame.")
+      .def_prop_ro("tcp_site", &Robot::tcp_site, "That site's full name, else ''.")
+      .def_prop_ro("tip_to_tcp", &Robot::tip_to_tcp,
+                   "Pose of the TCP in the tip body: the last one that the arm moves, or the one "
+                   "given to from_scene.")
       .def(
           "is_driven",
           [](const Robot& r, const std::string& group) {

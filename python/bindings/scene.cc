@@ -10,6 +10,7 @@
 #include <nanobind/stl/variant.h>
 
 #include "bindings.h"
+#include "kinematics.h"
 #include "python_owner.h"
 #include "robot_cycles.h"
 #include "scene_sharing.h"
@@ -128,6 +129,11 @@ Pose ToPose(nb::handle pose_or_pos, nb::handle quat) {
 }
 
 void SetBodyWrench(Scene& scene, const std::string& body, nb::handle force, nb::handle torque) {
+  if (torque.is_none()) {
+    const std::optional<Wrench> wrench = FromPyKdlWrench(force);
+    if (!wrench) throw ArgumentError("set_body_wrench: give force and torque, or a PyKDL.Wrench");
+    return scene.SetBodyWrench(body, wrench->force, wrench->torque);
+  }
   const Numbers f(force, FieldPath("force"), 3), t(torque, FieldPath("torque"), 3);
   scene.SetBodyWrench(body, {f[0], f[1], f[2]}, {t[0], t[1], t[2]});
 }
@@ -290,11 +296,12 @@ void DefActuation(nb::class_<Scene>& c) {
       .def("actuator_ctrl", &Scene::actuator_ctrl, nb::arg("name"), "Raw control value.")
       .def("set_actuator_ctrl", &Scene::SetActuatorCtrl, nb::arg("name"), nb::arg("value"),
            "Set a raw control value; NaN is refused.")
-      .def("set_body_wrench", &SetBodyWrench, nb::arg("body"), nb::arg("force"), nb::arg("torque"),
-           nb::sig("def set_body_wrench(self, body: str, force: numpy.typing.ArrayLike, torque: "
-                   "numpy.typing.ArrayLike) -> None"),
-           "Force (3,) N and torque (3,) N m in the world at the body's centre of mass, kept until "
-           "changed or reset.")
+      .def("set_body_wrench", &SetBodyWrench, nb::arg("body"), nb::arg("force"),
+           nb::arg("torque") = nb::none(),
+           nb::sig("def set_body_wrench(self, body: str, force: numpy.typing.ArrayLike | "
+                   "typing.Any, torque: numpy.typing.ArrayLike | None = None) -> None"),
+           "Force (3,) N and torque (3,) N m in the world at the body's centre of mass, or a "
+           "PyKDL.Wrench alone; kept until changed or reset.")
       .def("contacts", &Scene::contacts, nb::arg("of") = "",
            "Active contacts, or those of one body's subtree, as the last step or forward() found "
            "them: the poses that other functions return are one step newer.")

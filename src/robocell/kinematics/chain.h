@@ -23,6 +23,7 @@
 //   chain.Jacobian(q, jacobian);
 #pragma once
 
+#include <array>
 #include <span>
 #include <string>
 #include <string_view>
@@ -67,10 +68,14 @@ struct ChainJoint {
   ChainJointType type = ChainJointType::kHinge;
   bool limited = false;
   double lower = 0, upper = 0;  // rad or m; +-infinity when not limited
-  int id = -1;                  // of the joint in the model
-  int qpos_address = -1;        // in mjData.qpos
-  int dof_address = -1;         // in mjData.qvel
+  // Of a chain that was read from a model, else -1: the joint's id there, and its places in
+  // mjData.qpos and mjData.qvel.
+  int id = -1;
+  int qpos_address = -1;
+  int dof_address = -1;
 };
+
+struct KdlSegment;
 
 class Chain {
  public:
@@ -106,6 +111,9 @@ class Chain {
                       std::span<double> out) const;
   // n x n joint-space inertia with armature, base held still.
   void MassMatrix(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> out) const;
+  // The part of the torques that comes from moving at `qd` (Coriolis and centrifugal), N m or N.
+  void CoriolisTorques(std::span<const double> q, std::span<const double> qd,
+                       std::span<double> out) const;
   // Torques for a given motion, gravity (as above) and armature included; no friction, damping or
   // contact.
   void InverseDynamics(std::span<const double> q, std::span<const double> qd,
@@ -120,6 +128,9 @@ class Chain {
   std::string description() const;
 
  private:
+  friend Chain ChainFromSegments(const std::vector<KdlSegment>& segments,
+                                 std::span<const std::array<double, 2>> limits);
+  Chain() = default;
   void CheckSize(std::string_view what, std::size_t size) const;
 
   ChainModel model_;

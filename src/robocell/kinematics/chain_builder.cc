@@ -223,19 +223,6 @@ void AddInertias(const mjModel* m, const std::vector<int>& link_of_body, const m
   }
 }
 
-// Straightens the chain out in thought: no pose reaches farther than the sum of its parts.
-void MeasureLength(ChainModel* chain) {
-  double parts = chain->last_to_tip.translation.norm(), travel = 0;
-  for (int i = 0; i < chain->n; ++i) {
-    const JointModel& joint = chain->joints[i];
-    if (i > 0) parts += joint.fixed.translation.norm();
-    if (joint.slide)
-      travel += std::max(joint.upper - joint.reference, joint.reference - joint.lower);
-  }
-  chain->reach_bound = parts + travel;
-  chain->length = parts > 1e-6 ? parts : 1;
-}
-
 void CheckTool(const mjModel* m, const ChainOptions& options, const std::vector<int>& link_of_body,
                const std::string& place) {
   if (options.tool_body.empty()) return;
@@ -249,6 +236,18 @@ void CheckTool(const mjModel* m, const ChainOptions& options, const std::vector<
 }
 
 }  // namespace
+
+void MeasureLength(ChainModel* chain) {
+  double parts = chain->last_to_tip.translation.norm(), travel = 0;
+  for (int i = 0; i < chain->n; ++i) {
+    const JointModel& joint = chain->joints[i];
+    if (i > 0) parts += joint.fixed.translation.norm();
+    if (joint.slide)
+      travel += std::max(joint.upper - joint.reference, joint.reference - joint.lower);
+  }
+  chain->reach_bound = parts + travel;
+  chain->length = parts > 1e-6 ? parts : 1;
+}
 
 BuiltChain BuildChain(const mjModel* m, std::string_view base_body, const ChainTip& tip,
                       const ChainOptions& options) {

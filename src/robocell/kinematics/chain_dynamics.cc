@@ -124,6 +124,12 @@ void Chain::MassMatrix(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> ou
   }
 }
 
+void Chain::CoriolisTorques(std::span<const double> q, std::span<const double> qd,
+                            std::span<double> out) const {
+  const JointVector still(n_joints());
+  InverseDynamics(q, qd, still, Vector3d::Zero(), out);
+}
+
 void Chain::InverseDynamics(std::span<const double> q, std::span<const double> qd,
                             std::span<const double> qdd, const Vector3d& gravity_in_base,
                             std::span<double> out) const {

@@ -1,27 +1,39 @@
-// Chains, poses and joint values as Orocos KDL knows them. The only header of robocell that
-// includes KDL.
+// Chains, poses, twists, wrenches and joint values as Orocos KDL knows them, and back. The only
+// header of robocell that includes KDL.
 //
 // What is in the chain is said in kdl_segments.h.
 //
-//   KDL::Chain chain = ToKdl(robocell_chain);
+//   KDL::Chain chain = ToKdl(robot.chain());
 //   KDL::ChainFkSolverPos_recursive fk(chain);
+//   Chain ours = FromKdl(a_chain_made_elsewhere);
 #pragma once
 
 #include <kdl/chain.hpp>
 #include <kdl/frames.hpp>
 #include <kdl/jntarray.hpp>
 
+#include <array>
 #include <span>
 
 #include "robocell/kinematics/chain.h"
 #include "robocell/math/pose.h"
+#include "robocell/math/twist.h"
 
 namespace robocell {
 
 KDL::Chain ToKdl(const Chain& chain);
+// A chain with KDL's numbers, for robocell's kinematics and dynamics. Joint damping and stiffness
+// are left out. KDL keeps limits beside a chain: {lower, upper} of each moving joint, or none.
+// ArgumentError for joints with a scale, and as ChainFromSegments (kdl_segments.h) has them.
+Chain FromKdl(const KDL::Chain& chain, std::span<const std::array<double, 2>> limits = {});
 
 KDL::Frame ToKdl(const Pose& pose);
 Pose FromKdl(const KDL::Frame& frame);
+KDL::Twist ToKdl(const Twist& twist);
+Twist FromKdl(const KDL::Twist& twist);
+KDL::Wrench ToKdl(const Wrench& wrench);
+Wrench FromKdl(const KDL::Wrench& wrench);
 KDL::JntArray ToKdl(std::span<const double> q);
+JointVector FromKdl(const KDL::JntArray& q);
 
 }  // namespace robocell

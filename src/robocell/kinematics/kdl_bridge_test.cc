@@ -5,9 +5,11 @@
 
 #include <kdl/chaindynparam.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
+#include <kdl/chainidsolver_recursive_newton_euler.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 
 #include "robocell/kinematics/testing/models.h"
+#include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
@@ -21,6 +23,23 @@ void ExpectSameKinematics(const Chain& chain, const KDL::Chain& kdl, const Joint
   KDL::ChainJntToJacSolver(kdl).JntToJac(ToKdl(q), theirs);
   chain.Jacobian(q, ours);
   EXPECT_LT((theirs.data - ours).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+// Torques of a motion, and their part that comes from the velocities.
+void ExpectSameMotionTorques(const Chain& chain, const KDL::Chain& kdl, const JointVector& q,
+                             const Eigen::Vector3d& gravity) {
+  const int n = chain.n_joints();
+  JointVector qd(n), qdd(n), coriolis(n), torques(n);
+  for (int i = 0; i < n; ++i) qd[i] = std::sin(3 * i + 1), qdd[i] = std::cos(5 * i + 2);
+  const KDL::Vector g(gravity[0], gravity[1], gravity[2]);
+  KDL::JntArray theirs(n);
+  KDL::ChainDynParam(kdl, g).JntToCoriolis(ToKdl(q), ToKdl(qd), theirs);
+  chain.CoriolisTorques(q, qd, coriolis);
+  for (int i = 0; i < n; ++i) EXPECT_NEAR(coriolis[i], theirs(i), 1e-8);
+  const KDL::Wrenches none(kdl.getNrOfSegments(), KDL::Wrench::Zero());
+  KDL::ChainIdSolver_RNE(kdl, g).CartToJnt(ToKdl(q), ToKdl(qd), ToKdl(qdd), none, theirs);
+  chain.InverseDynamics(q, qd, qdd, gravity, torques);
+  for (int i = 0; i < n; ++i) EXPECT_NEAR(torques[i], theirs(i), 1e-8);
 }
 
 // Without gravity compensation, which KDL does not know.
@@ -37,6 +56,7 @@ void ExpectSameDynamics(const Chain& chain, const KDL::Chain& kdl, const JointVe
   chain.MassMatrix(q, mass);
   for (int i = 0; i < q.size(); ++i) EXPECT_NEAR(torques[i], their_torques(i), 1e-9);
   EXPECT_LT((their_mass.data - mass).cwiseAbs().maxCoeff(), 1e-9);
+  ExpectSameMotionTorques(chain, kdl, q, gravity);
 }
 
 class KdlBridge : public testing::TestWithParam<MenagerieArm> {};
@@ -91,6 +111,94 @@ TEST(KdlChain, TakesPosesThereAndBack) {
   const Pose pose = Pose::FromRpy({1, 2, 3}, {0.1, 0.2, 0.3});
   EXPECT_LT(PoseDifference(FromKdl(ToKdl(pose)), pose).norm(), 1e-15);
   EXPECT_EQ(ToKdl(pose).p.y(), 2);
+}
+
+TEST(KdlChain, TakesTwistsWrenchesAndJointValuesThereAndBack) {
+  const Wrench wrench{{1, 2, 3}, {4, 5, 6}};
+  EXPECT_EQ(FromKdl(ToKdl(wrench)), wrench);
+  EXPECT_EQ(ToKdl(wrench).torque.z(), 6);
+  const Twist twist{{1, 2, 3}, {4, 5, 6}};
+  EXPECT_EQ(FromKdl(ToKdl(twist)), twist);
+  EXPECT_EQ(ToKdl(twist).rot.x(), 4);
+  const JointVector q{0.1, -0.2};
+  EXPECT_EQ(FromKdl(ToKdl(q)), q);
+}
+
+TEST(KdlChain, ComesBackTheSame) {
+  for (int k = 0; k < 40; ++k) {
+    Rng rng = Rng::Stream(3, "kdl and back", k);
+    TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 1 + k % 10}).Write());
+    mju_zero(t.model()->body_gravcomp, t.model()->nbody);
+    const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+    const KDL::Chain kdl = ToKdl(chain);
+    const Chain back = FromKdl(kdl);
+    EXPECT_EQ(back.joint_names(), chain.joint_names());
+    EXPECT_NEAR(back.moving_mass(), chain.moving_mass(), 1e-12);
+    t.Randomise(&rng);
+    const JointVector q = t.ChainPositions(chain);
+    EXPECT_LT(PoseDifference(back.Fk(q), chain.Fk(q)).norm(), 1e-12);
+    ExpectSameKinematics(back, kdl, q);
+    ExpectSameDynamics(back, kdl, q);
+  }
+}
+
+KDL::RigidBodyInertia SomeInertia(double mass) {
+  return KDL::RigidBodyInertia(mass, KDL::Vector(0.01, -0.02, 0.05),
+                               KDL::RotationalInertia(0.02, 0.03, 0.04, 0.001, 0.002, 0.003));
+}
+
+// Every kind of joint that KDL has, off its origin, with offsets, an armature and fixed segments at
+// the ends and in between.
+KDL::Chain HandMadeChain() {
+  const KDL::Frame step(KDL::Rotation::RPY(0.1, -0.4, 0.7), KDL::Vector(0.1, 0.2, 0.3));
+  KDL::Chain chain;
+  chain.addSegment(KDL::Segment("foot", KDL::Joint(KDL::Joint::Fixed), step, SomeInertia(9)));
+  chain.addSegment(KDL::Segment("a", KDL::Joint("turn_x", KDL::Joint::RotX), step, SomeInertia(2)));
+  chain.addSegment(KDL::Segment("b", KDL::Joint("lift", KDL::Joint::TransZ, 1, 0.2), step));
+  chain.addSegment(KDL::Segment("plate", KDL::Joint(KDL::Joint::Fixed), step, SomeInertia(1)));
+  chain.addSegment(
+      KDL::Segment("c",
+                   KDL::Joint("askew", KDL::Vector(0.1, 0, -0.2), KDL::Vector(1, 2, -1),
+                              KDL::Joint::RotAxis, 1, -0.6, 0.25),
+                   step, SomeInertia(0.5)));
+  chain.addSegment(KDL::Segment(
+      "d", KDL::Joint("slide", KDL::Vector(0, 0.1, 0), KDL::Vector(0, 1, 1), KDL::Joint::TransAxis),
+      step, SomeInertia(0.3)));
+  chain.addSegment(KDL::Segment("tool", KDL::Joint(KDL::Joint::Fixed), step, SomeInertia(0.2)));
+  return chain;
+}
+
+TEST(KdlChain, OfOnesOwnIsTheSameHere) {
+  const KDL::Chain kdl = HandMadeChain();
+  const std::vector<std::array<double, 2>> limits = {{-1, 1}, {0, 0.5}, {-2, 2}, {-0.1, 0.1}};
+  const Chain chain = FromKdl(kdl, limits);
+  EXPECT_EQ(chain.joint_names(), (std::vector<std::string>{"turn_x", "lift", "askew", "slide"}));
+  EXPECT_EQ(chain.joints()[1].type, ChainJointType::kSlide);
+  EXPECT_EQ(chain.joints()[3].upper, 0.1);
+  EXPECT_EQ(chain.description(), "chain 'base' -> body 'tool'");
+  EXPECT_NEAR(chain.moving_mass(), 4.0, 1e-12) << "the foot stands still";
+  Rng rng = Rng::Stream(4, "hand-made kdl", 0);
+  for (int k = 0; k < 20; ++k) {
+    JointVector q(4);
+    for (double& v : q) v = rng.Uniform(-2, 2);
+    ExpectSameKinematics(chain, kdl, q);
+    ExpectSameDynamics(chain, kdl, q);
+  }
+}
+
+TEST(KdlChain, SaysWhatItCannotTake) {
+  KDL::Chain geared;
+  geared.addSegment(KDL::Segment("a", KDL::Joint("j", KDL::Joint::RotZ, 2)));
+  ExpectThrow<ArgumentError>([&] { FromKdl(geared); },
+                             "KDL chain: joint 'j' has scale 2; a chain's joints have scale 1");
+  KDL::Chain stiff;
+  stiff.addSegment(KDL::Segment("a", KDL::Joint(KDL::Joint::Fixed)));
+  ExpectThrow<ArgumentError>([&] { FromKdl(stiff); }, "KDL chain: it has no joint that moves");
+  const std::vector<std::array<double, 2>> one = {{0, 1}}, swapped(4, {1, -1});
+  ExpectThrow<ArgumentError>([&] { FromKdl(HandMadeChain(), one); },
+                             "KDL chain: 1 limits for 4 moving joints");
+  ExpectThrow<ArgumentError>([&] { FromKdl(HandMadeChain(), swapped); },
+                             "the limits of joint 'turn_x' are 1 and -1; give the lower one first");
 }
 
 }  // namespace

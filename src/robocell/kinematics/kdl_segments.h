@@ -1,5 +1,5 @@
 // The segments of a chain in KDL's terms, without KDL's types: what KDL::Chain and PyKDL.Chain are
-// made from.
+// made from, and chains from them.
 //
 // One segment per joint, named as the body that the joint moves (as the joint, where a body has
 // several), whose frame is the body's; then, unless the last body's frame is the tip already, a
@@ -8,6 +8,8 @@
 // true masses; gravity compensation is unknown to KDL.
 #pragma once
 
+#include <array>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -35,5 +37,19 @@ struct KdlSegment {
 };
 
 std::vector<KdlSegment> KdlSegments(const Chain& chain);
+
+// The way back. The base is called "base", the tip is the last segment. Fixed segments join the
+// link before them; what hangs before the first joint does not move and is left out. KDL keeps no
+// limits: `limits` has {lower, upper} of each moving joint in order, or nothing. ArgumentError when
+// no joint moves, there are more than kMaxChainJoints, or the limits do not fit.
+Chain ChainFromSegments(const std::vector<KdlSegment>& segments,
+                        std::span<const std::array<double, 2>> limits = {});
+
+// What KDL says of a joint in its own way: the joint's pose for joint value 0, and how fast it
+// moves along its axis for a joint speed of 1. Sets `offset`. ArgumentError for another speed than
+// 1, which a chain does not have.
+void SetOffset(const Transform& pose_at_zero, double speed, KdlSegment* segment);
+// The inertia about the segment's origin, where KDL has it, instead of that about the centre.
+void SetInertiaAboutOrigin(const Eigen::Matrix3d& inertia, KdlSegment* segment);
 
 }  // namespace robocell

@@ -64,6 +64,7 @@ Robot Robot::FromScene(const Scene& scene, const std::string& base_body,
   const ChainTip tip = TipOf(scene, tip_body, options);
   const Chain chain(scene.model(), record.root_body, tip, chain_options);
   auto state = std::make_shared<State>(scene, record, chain_options);
+  state->tip_body = options.prefix + tip_body;
   state->AddGroup(MakeAdHocArm(scene, record, chain.joint_names(), tip), kDefaultControl, false);
   state->AddGroup(MakeImplicitBase(scene, record), kDefaultControl, false);
   Scene(scene).AddObserver(state);

@@ -180,12 +180,33 @@ Pose Robot::base_in_world() const {
 
 Pose Robot::tcp_in_world() const { return arm().leaf_frame_to_world(); }
 
-void Robot::GravityTorques(std::span<double> out, std::optional<double> gravity_z) const {
+const std::string& Robot::tcp_site() const {
+  static const std::string kNone;
+  const ChainTip& tip = chain().tip();
+  return tip.kind == ChainTip::Kind::kSite ? tip.name : kNone;
+}
+
+Pose Robot::tip_to_tcp() const {
+  const Chain& to_tcp = chain();
+  const std::string& body =
+      state_->tip_body.empty() ? to_tcp.joints().back().body : state_->tip_body;
+  const Chain to_tip(state_->scene.model(), state_->record.root_body, ChainTip::Body(body));
+  const JointVector q(to_tcp.n_joints());
+  return to_tip.Fk({q.data(), static_cast<size_t>(to_tip.n_joints())}).inverse() * to_tcp.Fk(q);
+}
+
+Eigen::Vector3d Robot::gravity_in_base(std::optional<double> gravity_z) const {
   const mjtNum* scene_gravity = state_->scene.model()->opt.gravity;
   Eigen::Vector3d gravity(scene_gravity[0], scene_gravity[1], scene_gravity[2]);
   if (gravity_z) gravity = Eigen::Vector3d(0, 0, *gravity_z);
-  chain().GravityTorques(Positions(arm()), base_in_world().rotation().transpose() * gravity, out);
+  return base_in_world().rotation().transpose() * gravity;
 }
+
+void Robot::GravityTorques(std::span<double> out, std::optional<double> gravity_z) const {
+  chain().GravityTorques(Positions(arm()), gravity_in_base(gravity_z), out);
+}
+
+void Robot::RefreshToolInertia() { state_->RefreshChains(); }
 
 double Robot::reach() const {
   std::optional<double>& reach = state_->reach;

@@ -129,9 +129,21 @@ class Robot {
   LockedJoints LockGroups(std::span<const std::string> groups) const;
   Pose base_in_world() const;  // the robot base frame
   Pose tcp_in_world() const;
+  // The TCP is the arm's leaf. It is a tool frame of its own when that is a site: then tcp_site()
+  // is the site's full name, else "". tip_to_tcp() is its pose in the tip body, which is the last
+  // one that the arm moves or the one given to FromScene().
+  bool has_tcp_frame() const { return !tcp_site().empty(); }
+  const std::string& tcp_site() const;
+  Pose tip_to_tcp() const;
   // Torques that hold the arm against gravity: the scene's, or one along the world's z axis, m/s^2.
   // Bodies with gravcomp count less.
   void GravityTorques(std::span<double> out, std::optional<double> gravity_z = {}) const;
+  // The scene's gravity (or one along the world's z axis) in the axes of the robot base frame, for
+  // the dynamics of chain(), m/s^2.
+  Eigen::Vector3d gravity_in_base(std::optional<double> gravity_z = {}) const;
+  // The chains weigh what hangs on them (gripper, tool) where it is at the model's reference. This
+  // takes it where it is now, as of a gripper that has closed, until the next reset or rebuild.
+  void RefreshToolInertia();
   // Farthest the TCP gets from the root body, metres: configured, else measured once.
   double reach() const;
 

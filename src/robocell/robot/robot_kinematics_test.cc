@@ -209,6 +209,90 @@ TEST(RobotKinematics, GravcompTakesItsShareOfGravityTorques) {
   EXPECT_EQ(torques, std::vector<double>(7, 0.0));
 }
 
+// The Gen3 with the 2F-85 as the user of two bodies has it, hanging from the ceiling, nothing
+// compensated.
+Scene HangingGen3() {
+  return Scene::Build(SceneWith({.path = "menagerie:kinova_gen3/gen3.xml",
+                                 .pos = {0, 0, 2},
+                                 .euler = {180, 0, 30},
+                                 .attachments = {{.mjcf_path = "menagerie:robotiq_2f85/2f85.xml",
+                                                  .attach_to = Site("pinch_site"),
+                                                  .prefix = "g_"}}}));
+}
+
+Robot Gen3In(const Scene& scene) {
+  return Robot::FromScene(scene, "base_link", "bracelet_link",
+                          {.tool = {.tool_body = "g_base", .tcp_site = "g_pinch"}});
+}
+
+TEST(RobotKinematics, TheToolsSiteIsTheTcp) {
+  REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
+  const Scene scene = HangingGen3();
+  const Robot robot = Gen3In(scene);
+  EXPECT_TRUE(robot.has_tcp_frame());
+  EXPECT_EQ(robot.tcp_site(), "g_pinch");
+  const Pose in_base = scene.body_pose("base_link").inverse() * scene.site_pose("g_pinch");
+  EXPECT_LT(Difference(robot.FkFrame(), in_base), 1e-12);
+  const Pose in_tip = scene.body_pose("bracelet_link").inverse() * scene.site_pose("g_pinch");
+  EXPECT_LT(Difference(robot.tip_to_tcp(), in_tip), 1e-12);
+
+  const Robot bare = Robot::FromScene(scene, "base_link", "bracelet_link");
+  EXPECT_FALSE(bare.has_tcp_frame());
+  EXPECT_EQ(bare.tcp_site(), "");
+  EXPECT_LT(Difference(bare.tip_to_tcp(), Pose()), 1e-12);
+  const Robot configured = RobotAlone(Rc7());
+  EXPECT_EQ(configured.tcp_site(), "tcp");
+  EXPECT_NEAR(configured.tip_to_tcp().translation().z(), 0.152, 1e-12) << "from link7";
+}
+
+TEST(RobotKinematics, WeighsTheToolWithTheArm) {
+  REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
+  const Scene scene = HangingGen3();
+  const mjModel* m = scene.model();
+  const double arm = m->body_subtreemass[RequireId(m, mjOBJ_BODY, "shoulder_link", "")];
+  EXPECT_NEAR(Gen3In(scene).chain().moving_mass(), arm, 1e-12);
+  EXPECT_GT(m->body_subtreemass[RequireId(m, mjOBJ_BODY, "g_base_mount", "")], 0.8);
+}
+
+// The largest difference between the gravity torques and what the engine needs at rest.
+double GravityError(Robot& robot) {
+  Scene scene = robot.scene();
+  mju_zero(scene.data()->qvel, scene.model()->nv);
+  scene.Forward();
+  std::vector<double> torques(robot.n_joints());
+  robot.GravityTorques(torques);
+  double error = 0;
+  for (int j = 0; j < robot.n_joints(); ++j) {
+    const int dof = robot.chain().joints()[j].dof_address;
+    error = std::max(error, std::abs(torques[j] - scene.data()->qfrc_bias[dof]));
+  }
+  return error;
+}
+
+TEST(RobotKinematics, AClosedGripperIsWeighedWhereItIsWhenAsked) {
+  REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
+  Scene scene = HangingGen3();
+  Robot robot = Gen3In(scene);
+  robot.SetJointPos(std::vector<double>{0.3, 0.8, -0.5, 1.2, 0.2, 1.1, 0.4});
+  EXPECT_LT(GravityError(robot), 1e-9) << "open, as at the reference";
+  scene.SetActuatorCtrl("g_fingers_actuator", 255);
+  EXPECT_TRUE(scene.StepN(500).ok());
+  const double stale = GravityError(robot);
+  EXPECT_GT(stale, 1e-4) << "the linkage has moved";
+  EXPECT_LT(stale, 5e-2);
+  robot.RefreshToolInertia();
+  EXPECT_LT(GravityError(robot), 1e-9);
+  scene.Reset();
+  EXPECT_LT(GravityError(robot), 1e-9) << "a reset forgets it";
+}
+
+TEST(RobotKinematics, GravityIsGivenInTheAxesOfTheBase) {
+  REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
+  const Robot robot = Gen3In(HangingGen3());
+  EXPECT_LT((robot.gravity_in_base() - Eigen::Vector3d(0, 0, 9.81)).norm(), 1e-12);
+  EXPECT_LT((robot.gravity_in_base(-1) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-12);
+}
+
 TEST(RobotKinematics, ReachIsMeasuredUnlessConfigured) {
   Robot measured = RobotAlone(Rc7());
   EXPECT_NEAR(measured.reach(), 0.28 + 0.82, 0.01) << "stretched upwards";

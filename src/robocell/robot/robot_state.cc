@@ -40,6 +40,7 @@ Robot::State::State(const Scene& s, RobotRecord r, ChainOptions options)
 }
 
 void Robot::State::OnReset() {
+  if (refreshed_) RemakeChains();
   for (size_t i = 0; i < slots.size(); ++i) {
     const std::shared_ptr<GroupSlot> slot = slots[i];  // it may replace itself
     const std::shared_ptr<Controller> controller = slot->controller;
@@ -50,10 +51,22 @@ void Robot::State::OnReset() {
 
 void Robot::State::OnRebuild() {
   FindBodies();
-  for (const auto& slot : slots) {
-    if (slot->tip) slot->chain.emplace(scene.model(), record.root_body, *slot->tip, chain_options);
-  }
+  RemakeChains();
   ReadPorts();
+}
+
+void Robot::State::RefreshChains() {
+  RemakeChains({scene.data()->qpos, static_cast<size_t>(scene.model()->nq)});
+  refreshed_ = true;
+}
+
+void Robot::State::RemakeChains(std::span<const double> qpos) {
+  ChainOptions options = chain_options;
+  options.qpos = qpos;
+  for (const auto& slot : slots) {
+    if (slot->tip) slot->chain.emplace(scene.model(), record.root_body, *slot->tip, options);
+  }
+  refreshed_ = false;
 }
 
 void Robot::State::FindBodies() {

@@ -42,6 +42,8 @@ class Robot::State : public SceneObserver {
   Controller& RequireController(GroupSlot& slot);
   const Chain& RequireChain(GroupSlot& slot);
 
+  // Weighs what hangs on the chains where it is now.
+  void RefreshChains();
   // State of the arm into the ports.
   void ReadPorts();
   std::vector<std::string> group_names() const;
@@ -55,6 +57,7 @@ class Robot::State : public SceneObserver {
   Scene scene;
   RobotRecord record;
   ChainOptions chain_options;
+  std::string tip_body;  // as given to FromScene(), full name
   std::vector<std::shared_ptr<GroupSlot>> slots;
   std::vector<double> pos, vel, trq;  // the arm's measurement ports
   int root_body = -1;
@@ -62,12 +65,15 @@ class Robot::State : public SceneObserver {
   std::optional<double> reach;
 
  private:
+  // Anew from the model, with what hangs on them at `qpos` or, without, at the reference.
+  void RemakeChains(std::span<const double> qpos = {});
   void FindBodies();
   void FindCollisionGeoms();
   void ListKinds();
   std::optional<Chain> MakeChain(const MadeGroup& made) const;
 
   std::array<GroupSlot*, 4> first_ = {};  // of each MoveGroupKind
+  bool refreshed_ = false;                // the chains are not those of the reference
   bool reading_ = false;                  // the arm writes into the ports
 };
 

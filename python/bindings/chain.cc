@@ -1,0 +1,177 @@
+// Chain: kinematics and dynamics of a serial arm on its own, read from a scene or from PyKDL.
+#include "robocell/kinematics/chain.h"
+
+#include "kinematics.h"
+#include "values.h"
+#include "robocell/base/error.h"
+#include "robocell/kinematics/ik.h"
+
+namespace robocell::python {
+namespace {
+
+using namespace nb::literals;
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+nb::object Copy(const JointVector& values) {
+  return NumberCopy({values.data(), static_cast<size_t>(values.size())});
+}
+
+nb::object Copy(const RowMajor& matrix) {
+  const auto rows = static_cast<size_t>(matrix.rows()), cols = static_cast<size_t>(matrix.cols());
+  return NumberCopy({matrix.data(), rows * cols}, {rows, cols});
+}
+
+Eigen::Vector3d ToGravity(nb::handle gravity) {
+  const FieldPath path("gravity");
+  const Numbers g(gravity, path, 3);
+  return {g[0], g[1], g[2]};
+}
+
+Chain FromScene(const Scene& scene, const std::string& base_body, const std::string& tip_body,
+                const std::string& tip_site) {
+  if (tip_body.empty() == tip_site.empty())
+    throw ArgumentError("chain: give either tip_body or tip_site");
+  return Chain(scene.model(), base_body,
+               tip_site.empty() ? ChainTip::Body(tip_body) : ChainTip::Site(tip_site));
+}
+
+Chain FromKdlChain(nb::handle chain, nb::handle limits) {
+  std::vector<std::array<double, 2>> intervals;
+  if (!limits.is_none()) {
+    const FieldPath path("limits");
+    for (const nb::object& item : ToItems(limits, path, "pairs of numbers")) {
+      const FieldPath at(path, static_cast<Py_ssize_t>(intervals.size()));
+      const Numbers pair(item, at, 2);
+      intervals.push_back({pair[0], pair[1]});
+    }
+  }
+  return FromPyKdl(chain, intervals);
+}
+
+nb::object Limits(const Chain& chain) {
+  RowMajor limits(chain.n_joints(), 2);
+  for (int i = 0; i < chain.n_joints(); ++i)
+    limits.row(i) << chain.joints()[i].lower, chain.joints()[i].upper;
+  return Copy(limits);
+}
+
+nb::object JacobianAt(const Chain& chain, nb::handle q) {
+  const FieldPath path("q");
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, chain.n_joints());
+  chain.Jacobian(Numbers(q, path), jacobian);
+  return Copy(RowMajor(jacobian));
+}
+
+nb::object MassMatrixAt(const Chain& chain, nb::handle q) {
+  const FieldPath path("q");
+  Eigen::MatrixXd mass(chain.n_joints(), chain.n_joints());
+  chain.MassMatrix(Numbers(q, path), mass);
+  return Copy(RowMajor(mass));
+}
+
+nb::object GravityTorquesAt(const Chain& chain, nb::handle q, nb::handle gravity) {
+  const FieldPath path("q");
+  JointVector torques(chain.n_joints());
+  chain.GravityTorques(Numbers(q, path), ToGravity(gravity), torques);
+  return Copy(torques);
+}
+
+nb::object CoriolisTorquesAt(const Chain& chain, nb::handle q, nb::handle qd) {
+  const FieldPath q_path("q"), qd_path("qd");
+  JointVector torques(chain.n_joints());
+  chain.CoriolisTorques(Numbers(q, q_path), Numbers(qd, qd_path), torques);
+  return Copy(torques);
+}
+
+nb::object InverseDynamicsAt(const Chain& chain, nb::handle q, nb::handle qd, nb::handle qdd,
+                             nb::handle gravity) {
+  const FieldPath q_path("q"), qd_path("qd"), qdd_path("qdd");
+  JointVector torques(chain.n_joints());
+  chain.InverseDynamics(Numbers(q, q_path), Numbers(qd, qd_path), Numbers(qdd, qdd_path),
+                        ToGravity(gravity), torques);
+  return Copy(torques);
+}
+
+IkResult IkOf(const Chain& chain, const PoseOrFrame& target, nb::handle seed, double tolerance,
+              bool position_only) {
+  IkOptions options{.tolerance = tolerance, .position_only = position_only};
+  const FieldPath path("seed");
+  if (!seed.is_none()) options.seed = JointVector(Numbers(seed, path).span());
+  const nb::gil_scoped_release release;
+  return Ik(chain, target.pose, options);
+}
+
+void DefDynamics(nb::class_<Chain>& c) {
+  c.def("mass_matrix", &MassMatrixAt, "q"_a, "(n, n) joint-space inertia with armature.")
+      .def("gravity_torques", &GravityTorquesAt, "q"_a,
+           "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81),
+           nb::sig("def gravity_torques(self, q: object, gravity: numpy.typing.ArrayLike = (0.0, "
+                   "0.0, -9.81)) -> numpy.typing.NDArray[numpy.float64]"),
+           "Torques (n,) that hold the chain still in `gravity`, (3,) m/s^2 in the axes of the "
+           "base. Each body weighs mass * (1 - gravcomp).")
+      .def("coriolis_torques", &CoriolisTorquesAt, "q"_a, "qd"_a,
+           "The part of the torques (n,) that comes from moving at `qd`.")
+      .def("inverse_dynamics", &InverseDynamicsAt, "q"_a, "qd"_a, "qdd"_a,
+           "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81),
+           nb::sig("def inverse_dynamics(self, q: object, qd: object, qdd: object, gravity: "
+                   "numpy.typing.ArrayLike = (0.0, 0.0, -9.81)) -> "
+                   "numpy.typing.NDArray[numpy.float64]"),
+           "Torques (n,) for a motion, gravity and armature included; no friction, damping or "
+           "contact.")
+      .def_prop_ro("moving_mass", &Chain::moving_mass, "Mass of everything that it moves, kg.");
+}
+
+}  // namespace
+
+void BindChain(nb::module_& m) {
+  nb::class_<Chain> c(m, "Chain",
+                      "Kinematics and dynamics of a serial arm, from a base to a tip.\n\nA "
+                      "snapshot of the model that is simulated, what hangs on the arm included. "
+                      "Everything is in the axes of the base; joint values in chain order, rad or "
+                      "m. Raises ArgumentError for a wrong number of values.");
+  c.def_static("from_scene", &FromScene, "scene"_a, "base_body"_a, "tip_body"_a = "",
+               "tip_site"_a = "",
+               "The joints between two bodies, or a body and a site, by their full names.")
+      .def_static("from_kdl", &FromKdlChain, "chain"_a, "limits"_a = nb::none(),
+                  nb::sig("def from_kdl(chain: typing.Any, limits: numpy.typing.ArrayLike | None = "
+                          "None) -> Chain"),
+                  "From a PyKDL.Chain. `limits` (n, 2) are the joints', which KDL keeps elsewhere. "
+                  "ArgumentError for joints with a scale.")
+      .def(
+          "to_kdl", [](const Chain& chain) { return ToPyKdl(chain); },
+          nb::sig("def to_kdl(self) -> typing.Any"),
+          "A PyKDL.Chain with its masses. ImportError with the install line when PyKDL is "
+          "missing.")
+      .def_prop_ro("n_joints", &Chain::n_joints)
+      .def_prop_ro("joint_names", &Chain::joint_names, "In chain order.")
+      .def_prop_ro("joint_limits", &Limits, "(n, 2), infinite where there are none.")
+      .def_prop_ro("base_body", &Chain::base_body)
+      .def_prop_ro(
+          "tip", [](const Chain& chain) { return chain.tip().name; },
+          "Name of the body or site at its end.")
+      .def(
+          "fk",
+          [](const Chain& chain, nb::handle q) {
+            const FieldPath path("q");
+            return chain.Fk(Numbers(q, path));
+          },
+          "q"_a, "Pose of the tip in the base frame.")
+      .def("jacobian", &JacobianAt, "q"_a, "(6, n) at the tip, linear rows first.")
+      .def("ik", &IkOf, "target"_a, "seed"_a = nb::none(), "tolerance"_a = 1e-5,
+           "position_only"_a = false,
+           "Joint values within the limits that put the tip at `target`, a Pose or PyKDL.Frame in "
+           "the base frame.")
+      .def("__repr__", [](const Chain& chain) { return "<" + chain.description() + ">"; });
+  DefDynamics(c);
+  m.def(
+      "jnt_array",
+      [](nb::handle values) {
+        const FieldPath path("values");
+        return ToPyKdl(Numbers(values, path).span());
+      },
+      "values"_a, nb::sig("def jnt_array(values: object) -> typing.Any"),
+      "Joint values as a PyKDL.JntArray.");
+}
+
+}  // namespace robocell::python
