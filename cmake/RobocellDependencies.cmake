@@ -15,6 +15,7 @@ find_package(orocos_kdl REQUIRED)
 find_package(OpenSSL REQUIRED COMPONENTS Crypto)
 find_package(HDF5 REQUIRED COMPONENTS C)
 find_package(PNG REQUIRED)
+find_path(XXHASH_INCLUDE_DIR xxhash.h REQUIRED)  # the header alone is used
 find_package(Threads REQUIRED)
 
 set(ROBOCELL_MUJOCO_VERSION 4.0.0)

@@ -12,7 +12,8 @@ set(fuzz_flags -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-
   -Wno-unknown-warning-option)
 add_library(robocell_fuzzed STATIC ${fuzzed_sources})
 target_compile_options(robocell_fuzzed PUBLIC ${fuzz_flags} PRIVATE -fsanitize=fuzzer-no-link)
-target_include_directories(robocell_fuzzed PUBLIC "${CMAKE_SOURCE_DIR}/src" SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS})
+target_include_directories(robocell_fuzzed PUBLIC "${CMAKE_SOURCE_DIR}/src" SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS}
+  ${XXHASH_INCLUDE_DIR})
 target_link_libraries(robocell_fuzzed PUBLIC robocell_flags Eigen3::Eigen fmt::fmt spdlog::spdlog yaml-cpp
   nlohmann_json::nlohmann_json OpenSSL::Crypto ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads)
 target_compile_definitions(robocell_fuzzed PRIVATE ROBOCELL_VERSION="${PROJECT_VERSION}")

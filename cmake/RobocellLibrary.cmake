@@ -7,7 +7,8 @@ add_library(robocell::robocell ALIAS robocell)
 target_compile_features(robocell PUBLIC cxx_std_20)
 target_include_directories(robocell PUBLIC
   "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>" "$<INSTALL_INTERFACE:include>")
-target_include_directories(robocell SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
+target_include_directories(robocell SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS}
+  ${XXHASH_INCLUDE_DIR})
 target_link_libraries(robocell
   PUBLIC mujoco::mujoco Eigen3::Eigen fmt::fmt
   PRIVATE robocell_flags spdlog::spdlog yaml-cpp nlohmann_json::nlohmann_json orocos-kdl OpenSSL::Crypto

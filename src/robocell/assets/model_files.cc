@@ -128,9 +128,9 @@ ModelFiles FindModelFiles(const fs::path& model) {
   return Walk(fs::absolute(model).lexically_normal()).Take();
 }
 
-FileSet ModelFileSet(const fs::path& model) {
+FileSet ModelFileSet(const fs::path& model, const Hashing& hashing) {
   const fs::path absolute = fs::absolute(model).lexically_normal();
-  return MakeFileSet(absolute, FindModelFiles(absolute).files);
+  return MakeFileSet(absolute, FindModelFiles(absolute).files, hashing);
 }
 
 }  // namespace robocell

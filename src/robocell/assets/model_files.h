@@ -31,6 +31,6 @@ struct ModelFiles {
 ModelFiles FindModelFiles(const std::filesystem::path& model);
 
 // Those that are there, known by what they hold.
-FileSet ModelFileSet(const std::filesystem::path& model);
+FileSet ModelFileSet(const std::filesystem::path& model, const Hashing& hashing = {});
 
 }  // namespace robocell

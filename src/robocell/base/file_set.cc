@@ -9,7 +9,6 @@
 #include <mutex>
 #include <system_error>
 
-#include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/real_file.h"
 
@@ -32,11 +31,40 @@ Mark MarkOf(const fs::path& path) {
           info.st_ctim.tv_nsec};
 }
 
+// Hashes of files that were computed before.
+class Memory {
+ public:
+  using Compute = std::string (*)(const fs::path&);
+  explicit Memory(Compute compute) : compute_(compute) {}
+
+  std::string Of(const fs::path& path) {
+    const Mark mark = MarkOf(path);
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto it = known_.find(path); it != known_.end() && it->second.mark == mark)
+        return it->second.hash;
+    }
+    const std::string hash = compute_(path);
+    const std::lock_guard lock(mutex_);
+    known_[path] = {mark, hash};
+    return hash;
+  }
+
+ private:
+  struct Known {
+    Mark mark;
+    std::string hash;
+  };
+  Compute compute_;
+  std::mutex mutex_;
+  std::map<fs::path, Known> known_;
+};
+
 // Of names and hashes: a line each, as `sha256sum` prints them.
-std::string HashOfLines(const std::map<std::string, std::string>& hashes) {
-  Sha256Stream all;
-  for (const auto& [name, hash] : hashes) all.Update(fmt::format("{}  {}\n", hash, name));
-  return all.Hex();
+std::string Lines(const std::map<std::string, std::string>& hashes) {
+  std::string lines;
+  for (const auto& [name, hash] : hashes) lines += fmt::format("{}  {}\n", hash, name);
+  return lines;
 }
 
 fs::path CommonFolder(fs::path a, const fs::path& b) {
@@ -47,25 +75,17 @@ fs::path CommonFolder(fs::path a, const fs::path& b) {
 }  // namespace
 
 std::string HashOfFile(const fs::path& path) {
-  struct Known {
-    Mark mark;
-    std::string hash;
-  };
-  static std::mutex mutex;
-  static std::map<fs::path, Known> known;
-  const Mark mark = MarkOf(path);
-  {
-    const std::lock_guard lock(mutex);
-    if (const auto it = known.find(path); it != known.end() && it->second.mark == mark)
-      return it->second.hash;
-  }
-  const std::string hash = Sha256File(path);
-  const std::lock_guard lock(mutex);
-  known[path] = {mark, hash};
-  return hash;
+  static Memory memory(Sha256File);
+  return memory.Of(path);
 }
 
-FileSet MakeFileSet(const fs::path& main, const std::vector<fs::path>& files) {
+std::string FingerprintOfFile(const fs::path& path) {
+  static Memory memory(FingerprintFile);
+  return memory.Of(path);
+}
+
+FileSet MakeFileSet(const fs::path& main, const std::vector<fs::path>& files,
+                    const Hashing& hashing) {
   fs::path folder = main.parent_path();
   for (const fs::path& file : files) folder = CommonFolder(folder, file);
   FileSet set{.main = main.lexically_relative(folder).generic_string(), .files = {}, .hash = {}};
@@ -73,9 +93,9 @@ FileSet MakeFileSet(const fs::path& main, const std::vector<fs::path>& files) {
   for (const fs::path& file : files) {
     const std::string name = file.lexically_relative(folder).generic_string();
     set.files[name] = file;
-    hashes[name] = HashOfFile(file);
+    hashes[name] = hashing.of_file(file);
   }
-  set.hash = HashOfLines(hashes);
+  set.hash = hashing.of_text(Lines(hashes));
   return set;
 }
 
@@ -88,7 +108,7 @@ std::string HashOfFolder(const fs::path& folder) {
     hashes[it->path().lexically_relative(folder).generic_string()] = Sha256RealFile(it->path());
   }
   if (error) ThrowIoError("list", folder, error.value());
-  return HashOfLines(hashes);
+  return Sha256(Lines(hashes));
 }
 
 }  // namespace robocell

@@ -12,22 +12,35 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "robocell/base/fingerprint.h"
+#include "robocell/base/hash.h"
 
 namespace robocell {
 
 // SHA-256 of a file, remembered.
 std::string HashOfFile(const std::filesystem::path& path);
+// Its fingerprint (fingerprint.h), remembered: quicker, for files that nobody forges.
+std::string FingerprintOfFile(const std::filesystem::path& path);
+
+// What files and their names are known by.
+struct Hashing {
+  std::string (*of_file)(const std::filesystem::path&) = HashOfFile;
+  std::string (*of_text)(std::string_view) = Sha256;
+};
+inline constexpr Hashing kFingerprints = {FingerprintOfFile, Fingerprint};
 
 struct FileSet {
   std::string main;                                    // the name of the one that names the others
   std::map<std::string, std::filesystem::path> files;  // by their names from the common folder on
-  std::string hash;                                    // SHA-256, hexadecimal
+  std::string hash;                                    // of names and contents, hexadecimal
 };
 
 // `files` are absolute paths and include `main`.
 FileSet MakeFileSet(const std::filesystem::path& main,
-                    const std::vector<std::filesystem::path>& files);
+                    const std::vector<std::filesystem::path>& files, const Hashing& hashing = {});
 
 // The hash of the set that consists of all files in a folder, read anew. IoError names what is
 // neither a file nor a folder, such as a link.

@@ -49,6 +49,20 @@ TEST(FileSet, HasAnotherHashWhenANameChanges) {
   EXPECT_NE(HashOfFolder(temp.path()), before);
 }
 
+TEST(FileSet, IsKnownByTheHashThatWasAskedFor) {
+  TempDir temp;
+  const auto quick = [&](const std::string& mesh) {
+    const FileSet arm = Arm(temp.path(), mesh);
+    std::vector<fs::path> files;
+    for (const auto& [name, file] : arm.files) files.push_back(file);
+    return MakeFileSet(files.front(), files, kFingerprints).hash;
+  };
+  const std::string before = quick("mesh");
+  EXPECT_NE(before, Arm(temp.path()).hash);
+  EXPECT_NE(quick("hsem"), before);
+  EXPECT_EQ(quick("mesh"), before);
+}
+
 TEST(FileSet, NamesAMissingFile) {
   ExpectThrow<IoError>([] { MakeFileSet("/no/such.xml", {"/no/such.xml"}); }, "/no/such.xml");
   ExpectThrow<IoError>([] { HashOfFolder("/no/such"); }, "/no/such");

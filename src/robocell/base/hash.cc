@@ -1,13 +1,11 @@
 #include "robocell/base/hash.h"
 
 #include <array>
-#include <cerrno>
-#include <cstdio>
 
 #include <openssl/evp.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/io_error.h"
+#include "robocell/base/read_blocks.h"
 
 namespace robocell {
 namespace {
@@ -16,10 +14,6 @@ struct FreeContext {
   void operator()(EVP_MD_CTX* context) const { EVP_MD_CTX_free(context); }
 };
 using Context = std::unique_ptr<EVP_MD_CTX, FreeContext>;
-
-struct CloseFile {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
 
 void Require(bool worked) {
   if (!worked) throw Error("SHA-256: OpenSSL's library refused to compute it");
@@ -61,14 +55,8 @@ std::string Sha256(std::string_view bytes) {
 }
 
 std::string Sha256File(const std::filesystem::path& path) {
-  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rbe"));
-  if (!file) ThrowIoError("read", path, errno);
   Sha256Stream stream;
-  std::string block(1 << 16, '\0');
-  while (const size_t count = std::fread(block.data(), 1, block.size(), file.get())) {
-    stream.Update({block.data(), count});
-  }
-  if (std::ferror(file.get())) ThrowIoError("read", path, errno);
+  ReadBlocks(path, [&](std::string_view block) { stream.Update(block); });
   return stream.Hex();
 }
 

@@ -1,5 +1,6 @@
-// One file per scene: a line with the hash of the rest, a line of JSON (what was decided while
-// compiling), then the engine's binary.
+// One file per scene: a line with the fingerprint of the rest, a line of JSON (what was decided
+// while compiling), then the engine's binary. SHA-256 of models and entries would take most of the
+// time of a scene that is there; the files are the user's own.
 #include "robocell/scene/scene_cache.h"
 
 #include <mujoco/mujoco.h>
@@ -17,8 +18,9 @@
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/hash.h"
+#include "robocell/base/fingerprint.h"
 #include "robocell/base/log.h"
+#include "robocell/base/mapped_file.h"
 #include "robocell/base/version.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/scene/scene_records.h"
@@ -31,12 +33,12 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".scene";
 
-std::optional<std::string> ReadEntry(const fs::path& file) {
+// An entry is never changed in place, so it can be read where the system keeps it.
+std::optional<MappedFile> OpenEntry(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
-  std::string text = ReadFile(file);
   fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // used just now
-  return text;
+  return MappedFile(file);
 }
 
 // Takes the first line off a text; all of it when it has one line.
@@ -57,13 +59,13 @@ class SceneCacheEntry {
         {"warnings", scene.warnings()},     {"notes", scene.notes()},
         {"home_key", scene.home_key()},     {"signature", scene.model()->signature}};
     const std::string rest = head.dump() + "\n" + SaveBinaryString(scene.model());
-    return Sha256(rest) + "\n" + rest;
+    return Fingerprint(rest) + "\n" + rest;
   }
 
   // Null when the text is not a whole entry for this spec.
   static std::shared_ptr<CompiledScene> Read(const SceneSpec& spec, std::string_view text) {
-    const std::string_view hash = CutLine(text);
-    if (hash != Sha256(text)) return nullptr;
+    const std::string_view fingerprint = CutLine(text);
+    if (fingerprint != Fingerprint(text)) return nullptr;
     const auto head = nlohmann::json::parse(CutLine(text));
     std::shared_ptr<CompiledScene> scene(new CompiledScene);
     scene->scene_spec_ = spec;
@@ -107,13 +109,13 @@ fs::path SceneCacheFolder() {
 std::string SceneKey(const SceneSpec& spec) {
   SceneSpec content = spec;  // with hashes for names of files
   assets::ForEachModel(content, [](std::string& name, const std::string& directory) {
-    const FileSet files = ModelFileSet(assets::Resolve(name, directory));
+    const FileSet files = ModelFileSet(assets::Resolve(name, directory), kFingerprints);
     name = files.hash + ":" + files.main;
   });
   std::string text = ToYaml(content);
   for (const std::string& version : {std::string(Version()), std::string(mj_versionString())})
     text += version + "\n";
-  return Sha256(text);
+  return Fingerprint(text);
 }
 
 std::shared_ptr<CompiledScene> CompileSceneCached(const SceneSpec& spec, const fs::path& folder) {
@@ -123,8 +125,8 @@ std::shared_ptr<CompiledScene> CompileSceneCached(const SceneSpec& spec, const f
   } catch (const NotFoundError&) {  // the compiler reports it among all that is wrong
     return CompileScene(spec);
   }
-  if (const auto text = ReadEntry(*file)) {
-    if (auto scene = SceneCacheEntry::Read(spec, *text)) return scene;
+  if (const auto entry = OpenEntry(*file)) {
+    if (auto scene = SceneCacheEntry::Read(spec, entry->bytes())) return scene;
     LogWarn("'" + file->string() + "' is damaged; the scene is compiled anew");
   }
   auto scene = CompileScene(spec);

@@ -6,8 +6,8 @@
 //
 // A scene is found again when the spec, the content of every file its models consist of, and the
 // versions of MuJoCo and robocell are the same; where the files lie does not matter. Entries are
-// complete or absent and checked against their hash when they are read; a damaged one is made anew.
-// Any number of threads and processes may use one folder.
+// complete or absent and checked against their fingerprint when they are read; a damaged one is
+// made anew. Any number of threads and processes may use one folder.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ std::filesystem::path SceneCacheFolder();
 std::shared_ptr<CompiledScene> CompileSceneCached(
     const SceneSpec& spec, const std::filesystem::path& folder = SceneCacheFolder());
 
-// What a scene is known by: 64 hexadecimal digits. NotFoundError for models that do not exist.
+// What a scene is known by: hexadecimal digits. NotFoundError for models that do not exist.
 std::string SceneKey(const SceneSpec& spec);
 
 // Removes entries, those that were not used for longest first, until `most_bytes` are left.

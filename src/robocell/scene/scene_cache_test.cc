@@ -6,6 +6,8 @@
 
 #include <chrono>
 #include <fstream>
+#include <map>
+#include <string>
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/files.h"
@@ -120,6 +122,28 @@ TEST(SceneCache, WhatAFileHoldsCountsNotWhereItLies) {
   SceneSpec other = scene(there.Write("thing", one));
   other.timestep = 0.001;
   EXPECT_NE(key, SceneKey(other));
+}
+
+TEST(SceneCache, NoFileOfAModelChangesUnnoticed) {
+  ModelFolder folder;
+  const std::string thing = folder.Write(
+      "thing", "<include file='more.xml'/><asset><texture file='skin.png' type='2d'/></asset>");
+  const std::map<std::string, std::string> files = {
+      {"more.xml", "<mujoco><asset><mesh file='part.stl'/></asset></mujoco>"},
+      {"part.stl", "mesh"},
+      {"skin.png", "texture"}};
+  for (const auto& [name, bytes] : files) AtomicWrite(folder.path() / name, bytes);
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back({.name = "thing", .mjcf_path = thing, .fixed = true});
+  const std::string key = SceneKey(spec);
+  for (const auto& [name, bytes] : files) {
+    std::string changed = bytes;
+    changed.replace(1, 1, "X");  // of the same size
+    AtomicWrite(folder.path() / name, changed);
+    EXPECT_NE(SceneKey(spec), key) << name;
+    AtomicWrite(folder.path() / name, bytes);
+    EXPECT_EQ(SceneKey(spec), key) << name;
+  }
 }
 
 TEST(SceneCache, ADamagedEntryIsToldAndMadeAnew) {
