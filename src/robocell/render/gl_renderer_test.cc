@@ -125,7 +125,7 @@ TEST_F(Rendering, IsTheSameToTheByteWhateverWasRenderedBeforeAndBesides) {
 
 TEST_F(Rendering, ImagesAreNeverAStepBehindTheState) {
   data_->qvel[2] = 5;
-  Step(model_.get(), data_.get(), 50);
+  ASSERT_TRUE(Step(model_.get(), data_.get(), 50).ok());
   EXPECT_NE(data_->xpos[3 + 2], data_->qpos[2]);  // the engine's poses are behind
   const Images after_step = Take(*renderer_);
   Forward(model_.get(), data_.get());

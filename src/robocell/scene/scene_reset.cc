@@ -47,33 +47,35 @@ void AddGroupNoise(const mjModel* model, mjData* data, const RobotRecord& robot,
   }
 }
 
-// Every servo that moves with the noise holds the new positions, whether the robot lists it or not.
-void HoldNewPositions(const mjModel* model, mjData* data, const std::vector<bool>& moved) {
-  for (int actuator = 0; actuator < model->nactuator; ++actuator) {
-    if (ActsOn(model, data, actuator, moved)) Hold(model, data, actuator);
-  }
-}
-
 bool IsZero(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double v) { return v == 0; });
 }
 
+// Moves joints only; marks the degrees of freedom whose position it changed.
 void ApplyHomeNoise(const CompiledScene& compiled, mjData* data, uint64_t seed,
-                    const std::string& context) {
+                    std::vector<bool>& moved) {
   const mjModel* model = compiled.model();
-  bool any = false;
-  std::vector<bool> moved(static_cast<size_t>(model->nv));
   for (const RobotRecord& robot : compiled.robots()) {
     for (const auto& [group, noise] : robot.config.home_noise.entries()) {
       AddGroupNoise(model, data, robot, group, *noise, seed);
-      if (IsZero(*noise)) continue;
-      any = true;
-      MarkDofs(model, robot, robot.config.move_groups.at(group), moved);
+      if (!IsZero(*noise)) MarkDofs(model, robot, robot.config.move_groups.at(group), moved);
     }
   }
-  if (!any) return;
-  Guarded(context, data, [&] { mj_fwdPosition(model, data); });
-  HoldNewPositions(model, data, moved);
+}
+
+// Every servo that moves with the noise holds the new positions, whether the robot lists it or not.
+// Poses have to be those of the positions.
+void HoldNewPositions(const mjModel* model, mjData* data, const std::vector<bool>& moved,
+                      const std::string& context) {
+  if (std::find(moved.begin(), moved.end(), true) == moved.end()) return;
+  // All that the length of an actuator depends on; contacts and masses it does not.
+  Guarded(context, data, [&] {
+    mj_tendon(model, data);
+    mj_transmission(model, data);
+  });
+  for (int actuator = 0; actuator < model->nactuator; ++actuator) {
+    if (ActsOn(model, data, actuator, moved)) Hold(model, data, actuator);
+  }
 }
 
 void Forget(const mjModel* model, mjData* data) {
@@ -95,16 +97,18 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
     }
   }
   Restore(s.model(), s.data.data, info, s.context);
-  if (options.seed) ApplyHomeNoise(*s.compiled, s.data.data, *options.seed, s.context);
+  std::vector<bool> moved(static_cast<size_t>(s.model()->nv));
+  if (options.seed) ApplyHomeNoise(*s.compiled, s.data.data, *options.seed, moved);
   s.poses_at = -1;
   SyncPoses();
+  HoldNewPositions(s.model(), s.data.data, moved, s.context);
   ResetContext reset{*this, options, info};
   const auto hooks = s.hooks;  // a hook may add or remove hooks
   for (const auto& [id, hook] : hooks) {
     hook(reset);
     open();  // a hook that closed the scene ends the reset
   }
-  s.poses_at = -1;
+  if (!hooks.empty()) s.poses_at = -1;
   SyncPoses();
   const auto observers = s.observers;
   for (const auto& watch : observers) {
