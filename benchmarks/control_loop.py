@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robot_bench import microseconds
+from bench_program import scaled, seconds
+from robots import robot_files
 from table import Row
 
 
 def rows(folder: Path) -> list[Row]:
     """One row per robot."""
-    ticks = microseconds("control_loop_bench", "tick_s", folder)
     return [
         Row(
             f"control tick, joint position, {robot}",
             "µs",
-            sides["update+step"],
-            sides["mj_step"],
+            scaled(sides["update+step"], 1e6),
+            scaled(sides["mj_step"], 1e6),
             note="peer: `mj_step` with the same controls",
         )
-        for robot, sides in ticks.items()
+        for robot, sides in seconds("control_loop_bench", robot_files(), folder).items()
     ]

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from robot_bench import microseconds
+from bench_program import scaled, seconds
+from robots import robot_files
 from table import Row
 
 
 def rows(folder: Path) -> list[Row]:
     """One row per robot."""
-    resets = microseconds("reset_bench", "reset_s", folder)
     return [
         Row(
             f"reset with noise, {robot}",
             "µs",
-            sides["reset"],
-            sides["mj_forward"],
+            scaled(sides["reset"], 1e6),
+            scaled(sides["mj_forward"], 1e6),
             note="peer: one `mj_forward` on the same scene",
         )
-        for robot, sides in resets.items()
+        for robot, sides in seconds("reset_bench", robot_files(), folder).items()
     ]

@@ -15,7 +15,9 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import control_loop
+import dataset_writer
 import episodes
+import overlap
 import reset
 import scene_again
 from table import Row, markdown
@@ -25,6 +27,8 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "control_loop": control_loop.rows,
     "reset": reset.rows,
     "scene_again": scene_again.rows,
+    "dataset_writer": dataset_writer.rows,
+    "overlap": overlap.rows,
     "episodes": episodes.rows,
 }
 
