@@ -1,5 +1,6 @@
 // The extension module robocell._core: everything of the C++ library that Python sees. Users import
 // the package robocell, which re-exports it.
+#include "argument_errors.h"
 #include "bindings.h"
 #include "robocell/mujoco/version.h"
 
@@ -20,4 +21,5 @@ NB_MODULE(_core, m) {
   BindPick(m);
   BindData(m);
   BindDatagen(m);
+  ExplainArgumentErrors(m);
 }

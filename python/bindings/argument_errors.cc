@@ -1,0 +1,137 @@
+// nanobind has no hook for this error. Its functions are called through a pointer in each function
+// object (CPython's vectorcall protocol), which is replaced by one that calls the original and,
+// when that fails, looks at the error. A call that succeeds costs one more jump.
+#include "argument_errors.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+#include "returned.h"
+#include "robocell/base/error.h"
+
+namespace robocell::python {
+namespace {
+
+constexpr std::string_view kMismatch = "(): incompatible function arguments.";
+
+struct Named {
+  std::string name;  // "Scene.step_n", "Pose"
+  bool is_constructor = false, is_setter = false;
+};
+
+// What functions are called; they live as long as the module.
+auto& Names() {
+  static auto* names = new std::unordered_map<PyObject*, Named>;
+  return *names;
+}
+
+// A subclass without super().__init__() is refused as an argument of its own class; that is said
+// by an exception.
+void RequireInitialised(const nb::tuple& args, const nb::dict& kwargs, bool but_the_first) {
+  for (size_t i = but_the_first ? 1 : 0; i < args.size(); ++i)
+    python::RequireInitialised(nb::object(args[i]));
+  for (const auto& [key, value] : kwargs) python::RequireInitialised(value);
+}
+
+void Explain(PyObject* function, PyObject* const* given, size_t count, PyObject* keywords) {
+  if (!PyErr_ExceptionMatches(PyExc_TypeError)) return;
+  nb::python_error mismatch;
+  try {
+    const auto named = Names().find(function);
+    const auto text = nb::cast<std::string>(nb::str(mismatch.value()));
+    if (named == Names().end() || text.find(kMismatch) == std::string::npos)
+      return mismatch.restore();
+    nb::list positional;
+    for (size_t i = 0; i < count; ++i) positional.append(nb::handle(given[i]));
+    nb::dict kwargs;
+    for (Py_ssize_t i = 0; keywords && i < PyTuple_GET_SIZE(keywords); ++i)
+      kwargs[nb::handle(PyTuple_GET_ITEM(keywords, i))] = nb::handle(given[count + size_t(i)]);
+    const auto args = nb::steal<nb::tuple>(PyList_AsTuple(positional.ptr()));
+    const Named& call = named->second;
+    RequireInitialised(args, kwargs, call.is_constructor);
+    const nb::object message =
+        nb::module_::import_("robocell._arguments")
+            .attr("explain")(call.name, call.is_setter, nb::handle(function), args, kwargs);
+    PyErr_SetObject(PyExc_TypeError, message.ptr());
+  } catch (nb::python_error&) {
+    mismatch.restore();                           // what was said before
+  } catch (const nb::builtin_exception& error) {  // of RequireInitialised
+    PyErr_SetString(PyExc_TypeError, error.what());
+  } catch (const std::exception&) {
+    mismatch.restore();
+  }
+}
+
+// The high bits of the count are flags, CPython's and nanobind's own.
+constexpr size_t kArgumentCount = (size_t{1} << 32) - 1;
+constexpr size_t kMostOriginals = 16;  // nanobind has one for each of a few shapes of signatures
+std::array<vectorcallfunc, kMostOriginals> originals = {};
+
+template <size_t i>
+PyObject* Call(PyObject* function, PyObject* const* args, size_t count, PyObject* keywords) {
+  PyObject* result = originals[i](function, args, count, keywords);
+  if (!result) Explain(function, args, count & kArgumentCount, keywords);
+  return result;
+}
+
+template <size_t... i>
+constexpr std::array<vectorcallfunc, kMostOriginals> Calls(std::index_sequence<i...>) {
+  return {&Call<i>...};
+}
+
+// The call that stands for an original one.
+vectorcallfunc InPlaceOf(vectorcallfunc original) {
+  static constexpr auto kCalls = Calls(std::make_index_sequence<kMostOriginals>());
+  for (size_t i = 0; i < kMostOriginals; ++i) {
+    if (!originals[i]) originals[i] = original;
+    if (originals[i] == original) return kCalls[i];
+  }
+  throw Error("nanobind calls its functions in more ways than the module can wrap");
+}
+
+void Wrap(nb::handle function, Named named) {
+  const Py_ssize_t offset = Py_TYPE(function.ptr())->tp_vectorcall_offset;
+  if (offset <= 0 || !nb::hasattr(function, "__nb_signature__")) return;
+  if (!Names().emplace(function.ptr(), std::move(named)).second) return;  // under two names
+  auto& call = *reinterpret_cast<vectorcallfunc*>(reinterpret_cast<char*>(function.ptr()) + offset);
+  call = InPlaceOf(call);
+}
+
+// The members of a module or class, by name.
+nb::dict MembersOf(nb::handle owner) {
+  nb::dict members;  // a class has no dict, but a view of one
+  members.attr("update")(owner.attr("__dict__"));
+  return members;
+}
+
+void WrapClass(const std::string& name, nb::handle type) {
+  for (const auto& [key, member] : MembersOf(type)) {
+    const auto member_name = nb::cast<std::string>(key);
+    const bool is_constructor = member_name == "__init__";
+    const std::string full = fmt::format("{}.{}", name, member_name);
+    Wrap(member, {is_constructor ? name : full, is_constructor});
+    if (Py_TYPE(member.ptr()) != &PyProperty_Type) continue;
+    Wrap(member.attr("fget"), {.name = full});
+    Wrap(member.attr("fset"), {.name = full, .is_setter = true});
+  }
+}
+
+}  // namespace
+
+void ExplainArgumentErrors(nb::module_& m) {
+  for (const auto& [key, member] : MembersOf(m)) {
+    const auto name = nb::cast<std::string>(key);
+    if (PyType_Check(member.ptr())) {
+      WrapClass(name, member);
+    } else {
+      Wrap(member, {.name = name});
+    }
+  }
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,261 @@
+"""Why a call to the C++ core does not fit, in words of the caller: class, method, argument.
+
+The core calls `explain` when no signature of a function takes the arguments; it has the signatures
+as text.
+"""
+
+from __future__ import annotations
+
+import ast
+import difflib
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from robocell import _core
+
+MOST_REPR = 60  # characters of a value that a message shows
+MOST_TYPED = 6  # parameters that are shown with their types
+NOTHING_LIKE = (str, bytes, list, tuple, dict, set, type(None))
+NUMBERS: dict[str, type | tuple[type, ...]] = {"int": int, "float": (int, float)}
+WORDS = {
+    "str": "a str",
+    "int": "a whole number",
+    "float": "a number",
+    "bool": "True or False",
+    "bytes": "bytes",
+    "None": "None",
+    "object": "a value",
+    "numpy.typing.ArrayLike": "numbers",
+    "os.PathLike": "a path",
+}
+LISTS = ("list", "collections.abc.Sequence", "collections.abc.Iterable")
+MAPS = ("dict", "collections.abc.Mapping")
+
+
+class Function(Protocol):
+    """What nanobind makes of a C++ function."""
+
+    __nb_signature__: tuple[tuple[str, str | None, tuple[object, ...] | None], ...]
+
+
+@dataclass
+class Parameter:
+    name: str
+    kind: ast.expr | None
+    default: str | None  # None: it must be given
+
+    def __str__(self) -> str:
+        kind = f": {short(self.kind)}" if self.kind else ""
+        return f"{self.name}{kind}" + ("" if self.default is None else f" = {self.default}")
+
+
+@dataclass
+class Form:
+    """One signature, without `self`."""
+
+    positional: list[Parameter]
+    keyword_only: list[Parameter]
+    has_self: bool
+    open: bool  # takes any further arguments
+
+    @property
+    def all(self) -> list[Parameter]:
+        return self.positional + self.keyword_only
+
+    def text(self, name: str) -> str:
+        if len(self.all) > MOST_TYPED:
+            parts = [parameter.name for parameter in self.positional]
+            parts += [f"{parameter.name}=..." for parameter in self.keyword_only]
+        else:
+            parts = [str(parameter) for parameter in self.positional]
+            parts += ["*"] if self.keyword_only else []
+            parts += [str(parameter) for parameter in self.keyword_only]
+        return f"{name}({', '.join(parts)})"
+
+
+def parse(signature: str, defaults: tuple[object, ...] | None) -> Form:
+    """The form of 'def step(self, n: int) -> None'; defaults are numbered there, after a slash."""
+    text = re.sub(r"^def \(", "def f(", signature.rpartition(" -> ")[0])
+    text = re.sub(r"\\(\d+)", lambda found: f"__default_{found[1]}", text)
+    function = ast.parse(f"{text}: ...").body[0]
+    assert isinstance(function, ast.FunctionDef)
+    arguments = function.args
+
+    def shown(value: ast.expr | None) -> str | None:
+        if value is None:
+            return None
+        number = re.fullmatch(r"__default_(\d+)", ast.unparse(value))
+        return ast.unparse(value) if number is None else literal((defaults or ())[int(number[1])])
+
+    plain = arguments.posonlyargs + arguments.args
+    values = [None] * (len(plain) - len(arguments.defaults)) + [*arguments.defaults]
+    positional = [
+        Parameter(a.arg, a.annotation, shown(v)) for a, v in zip(plain, values, strict=True)
+    ]
+    keyword_only = [
+        Parameter(a.arg, a.annotation, shown(v))
+        for a, v in zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+    ]
+    has_self = bool(plain) and plain[0].arg == "self"
+    anything = bool(arguments.vararg or arguments.kwarg)
+    return Form(positional[has_self:], keyword_only, has_self, anything)
+
+
+def literal(value: object) -> str:
+    """A default as it is written; '...' for objects."""
+    return repr(value) if isinstance(value, (bool, int, float, str, type(None))) else "..."
+
+
+def short(kind: ast.expr) -> str:
+    """A type without the modules it comes from."""
+    return re.sub(r"\b(?:[a-z_]+\.)+(?=[A-Z])", "", ast.unparse(kind))
+
+
+def options(kind: ast.expr) -> list[ast.expr]:
+    """The types of a union."""
+    if isinstance(kind, ast.BinOp) and isinstance(kind.op, ast.BitOr):
+        return options(kind.left) + options(kind.right)
+    return [kind]
+
+
+def words(kind: ast.expr) -> str:
+    """What is expected: 'a str or None'."""
+    return " or ".join(dict.fromkeys(word(option) for option in options(kind)))
+
+
+def word(kind: ast.expr) -> str:
+    text = ast.unparse(kind)
+    name = text.partition("[")[0]
+    if name in WORDS:
+        return WORDS[name]
+    if isinstance(kind, ast.Subscript) and name in LISTS:
+        return f"a list of {short(kind.slice)}"
+    if isinstance(kind, ast.Subscript) and name in MAPS:
+        return f"a dict {braces(kind)}"
+    if class_of(kind):
+        return f"{'an' if short(kind)[0] in 'AEIOU' else 'a'} {short(kind)}"
+    return short(kind)
+
+
+def braces(kind: ast.expr) -> str:
+    """A mapping as it is written: '{str: {str: GroupCommand}}'."""
+    if isinstance(kind, ast.Subscript) and isinstance(kind.slice, ast.Tuple):
+        key, value = kind.slice.elts
+        return f"{{{short(key)}: {braces(value)}}}"
+    return short(kind)
+
+
+def class_of(kind: ast.expr) -> type | None:
+    """The class of the core that a type names."""
+    found = getattr(_core, ast.unparse(kind).removeprefix("robocell._core."), None)
+    return found if isinstance(found, type) else None
+
+
+def fits(value: object, kind: ast.expr) -> bool | None:
+    """Whether a value is of a type; None when that is not known."""
+    answers = {fits_one(value, option) for option in options(kind)}
+    return True if True in answers else None if None in answers else False
+
+
+def fits_one(value: object, kind: ast.expr) -> bool | None:
+    text = ast.unparse(kind)
+    name = text.partition("[")[0]
+    if text == "None":
+        return value is None
+    if text in ("object", "numpy.typing.ArrayLike"):
+        return False if value is None else None
+    if text in NUMBERS:
+        if isinstance(value, NUMBERS[text]):
+            return True
+        return False if isinstance(value, (*NOTHING_LIKE, float)) else None
+    if text in ("str", "bool", "bytes"):
+        return isinstance(value, {"str": str, "bool": bool, "bytes": bytes}[text])
+    if name == "os.PathLike":
+        return hasattr(value, "__fspath__")
+    if name in MAPS:
+        return None if isinstance(value, Mapping) else False
+    if isinstance(kind, ast.Subscript) and name in LISTS:
+        if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
+            return False
+        known = isinstance(value, (list, tuple))
+        return False if known and any(fits(item, kind.slice) is False for item in value) else None
+    wanted = class_of(kind)
+    return isinstance(value, wanted) if wanted else None
+
+
+def brief(value: object) -> str:
+    try:
+        text = repr(value)
+    except Exception:
+        return f"a {type(value).__name__}"
+    return text if len(text) <= MOST_REPR else text[:MOST_REPR] + " ..."
+
+
+def show(value: object) -> str:
+    """A value with its type."""
+    text = brief(value)
+    known = value is None or isinstance(value, (str, bool)) or text.startswith("<")
+    return text if known else f"{text} ({type(value).__name__})"
+
+
+def number_problem(form: Form, given: int) -> str:
+    """More values by position than there are places."""
+    if not form.positional and form.keyword_only:
+        first = form.keyword_only[0].name
+        return f"its arguments are given by name, such as {first}=..."
+    names = ", ".join(parameter.name for parameter in form.positional)
+    most = len(form.positional)
+    return (
+        f"takes {most} argument{'s' if most != 1 else ''}{f' ({names})' if names else ''} by "
+        + (f"position, got {given}")
+    )
+
+
+def name_problem(form: Form, name: str) -> str:
+    names = [parameter.name for parameter in form.all]
+    close = difflib.get_close_matches(name, names, 1)
+    hint = f" Did you mean '{close[0]}'?" if close else ""
+    known = f" Its arguments: {', '.join(names)}." if names else " It takes none."
+    return f"no argument '{name}'.{known}{hint}"
+
+
+def problems(form: Form, args: tuple[object, ...], kwargs: Mapping[str, object]) -> list[str]:
+    """What does not fit a form; empty when that cannot be said."""
+    if not form.open and len(args) > len(form.positional):
+        return [number_problem(form, len(args))]
+    given = dict(zip((parameter.name for parameter in form.positional), args, strict=False))
+    found = [f"`{name}` is given twice" for name in kwargs if name in given]
+    names = {parameter.name for parameter in form.all}
+    found += [name_problem(form, name) for name in kwargs if name not in names and not form.open]
+    given |= kwargs
+    for parameter in form.all:
+        if parameter.name not in given:
+            if parameter.default is None:
+                found.append(f"`{parameter.name}` is missing")
+        elif parameter.kind and fits(given[parameter.name], parameter.kind) is False:
+            got = show(given[parameter.name])
+            found.append(f"`{parameter.name}` must be {words(parameter.kind)}, got {got}")
+    return found
+
+
+def explain(
+    name: str, is_setter: bool, function: Function, args: tuple[Any, ...], kwargs: dict[str, Any]
+) -> str:
+    """The message for a call to `name`, 'Scene.robot'; `args` begin with self in methods."""
+    forms = [parse(text, defaults) for text, _, defaults in function.__nb_signature__]
+    if forms[0].has_self:
+        args = args[1:]
+    if is_setter:
+        kind = forms[0].positional[0].kind
+        return f"{name} must be {words(kind) if kind else 'something else'}, got {show(args[0])}"
+    usage = f"It is called as {' or '.join(form.text(name) for form in forms)}"
+    found = problems(forms[0], args, kwargs) if len(forms) == 1 else []
+    if found:
+        text = "; ".join(found)
+        return f"{name}(): {text}{'' if text[-1] in '.?' else '.'} {usage}"
+    given = [brief(value) for value in args] + [f"{key}={brief(v)}" for key, v in kwargs.items()]
+    number = any(isinstance(value, int) for value in (*args, *kwargs.values()))
+    hint = "; is a whole number out of range?" if number else "."
+    return f"{name}(): cannot be called with ({', '.join(given)}){hint} {usage}"

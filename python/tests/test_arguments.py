@@ -1,0 +1,158 @@
+"""Calls with wrong arguments: class, method, argument, what is expected and what came."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+import robocell as rc
+from robocell import _arguments, _core
+
+
+@pytest.fixture(scope="module")
+def scene() -> rc.Scene:
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
+    config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    spec.robots.append(rc.RobotSpec(name="a", config=config))
+    return rc.Scene.build(spec)
+
+
+def told(call: Callable[[], Any]) -> str:
+    with pytest.raises(TypeError) as caught:
+        call()
+    return str(caught.value)
+
+
+POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike | None = None, "
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda s: s.robot(3),
+            "Scene.robot(): `name` must be a str, got 3 (int). It is called as ",
+        ),
+        (lambda s: s.robot(), "Scene.robot(): `name` is missing. It is called as Scene.robot("),
+        (
+            lambda s: s.robot("a", "b"),
+            "Scene.robot(): takes 1 argument (name) by position, got 2. ",
+        ),
+        (
+            lambda s: s.body_pose(nmae="a"),
+            "Scene.body_pose(): no argument 'nmae'. Its arguments: name. Did you mean 'name'?; "
+            "`name` is missing. It is called as Scene.body_pose(name: str)",
+        ),
+        (lambda s: s.step_n(2.5), "Scene.step_n(): `n` must be a whole number, got 2.5 (float)."),
+        (lambda s: s.step(1), "Scene.step(): takes 0 arguments by position, got 1. "),
+        (lambda s: s.contacts(of=None), "Scene.contacts(): `of` must be a str, got None. "),
+        (
+            lambda s: rc.Scene.build("cell.yaml"),
+            "Scene.build(): `spec` must be a SceneSpec, got 'c",
+        ),
+        (lambda s: rc.compile_scene(s), "compile_scene(): `spec` must be a SceneSpec, got <Scene "),
+        (lambda s: rc.Pose([1, 2, 3], [0, 0, 0, 1]), "Pose(): takes 1 argument (matrix) by "),
+        (lambda s: rc.Pose(pos=[1, 2, 3]), "Pose(): no argument 'pos'. Its arguments: matrix, "),
+        (lambda s: rc.RobotSpec("arm.yaml"), "RobotSpec(): its arguments are given by name, such "),
+        (
+            lambda s: rc.RobotConfig("arm"),
+            "RobotConfig(): its arguments are given by name, such as ",
+        ),
+        (
+            lambda s: s.robot("a").ik([1, 2, 3]),
+            "Robot.ik(): `pose` must be a Pose, got [1, 2, 3] (",
+        ),
+        (
+            lambda s: s.robot("a").set_joint_pos(None),
+            "Robot.set_joint_pos(): `q` must be a value, ",
+        ),
+        (
+            lambda s: s.robot("a").apply([1]),
+            "Robot.apply(): `action` must be a dict {str: GroupCommand}, got [1] (list). ",
+        ),
+        (
+            lambda s: rc.Stepper(s, s.robot("a")),
+            "Stepper(): `robots` must be a list of Robot, got <Robot 'a'>. It is called ",
+        ),
+        (lambda s: rc.Dataset(3), "Dataset(): `folder` must be a str or a path, got 3 (int). "),
+        (
+            lambda s: rc.Renderer(s).render(None, "big"),
+            "Renderer.render(): `width` must be a whole",
+        ),
+        (lambda s: rc.Runner("run.yaml"), "Runner(): `run` must be a RunConfig, got 'run.yaml'. "),
+        (
+            lambda s: rc.Rng.stream(-1, "x"),
+            "Rng.stream(): cannot be called with (-1, 'x'); is a whole number out of range? It is "
+            "called as Rng.stream(seed: int, purpose: str)",
+        ),
+        (
+            lambda s: setattr(rc.ToolFrameSpec(), "tool_body", 3),
+            "ToolFrameSpec.tool_body must be a str, got 3 (int)",
+        ),
+    ],
+)
+def test_wrong_arguments_are_told_by_name(
+    scene: rc.Scene, call: Callable[[rc.Scene], Any], message: str
+):
+    text = told(lambda: call(scene))
+    assert text.startswith(message), text
+    assert "robocell._core." not in text.replace("<robocell._core.", "<")
+    assert "incompatible function arguments" not in text
+
+
+def test_the_whole_text_names_the_form_that_fits():
+    text = told(lambda: rc.Pose([1, 2, 3], [0, 0, 0, 1]))
+    assert text == (
+        "Pose(): takes 1 argument (matrix) by position, got 2. It is called as "
+        + POSE
+        + "quaternion: "
+        "ArrayLike | None = None, rpy: ArrayLike | None = None, rotvec: ArrayLike | None = None, "
+        "rotation: ArrayLike | None = None)"
+    )
+
+
+def test_an_object_that_was_never_initialised_is_told(scene: rc.Scene):
+    class Mine(rc.Task):
+        def __init__(self) -> None:
+            pass
+
+    text = told(lambda: rc.PickPlanner(rc.RunConfig(), Mine()))
+    assert text.startswith("Mine.__init__() must call super().__init__(...)")
+    with pytest.warns(RuntimeWarning, match="uninitialized instance"):
+        assert told(lambda: Mine().begin(scene)).startswith("Mine.__init__() must call super()")
+
+
+def test_errors_that_are_not_about_arguments_stay_as_they_are(scene: rc.Scene):
+    with pytest.raises(rc.NotFoundError, match="no robot 'b'"):
+        scene.robot("b")
+
+    def hook(context: rc.ResetContext) -> None:
+        raise TypeError("mine (): incompatible")
+
+    number = scene.on_reset(hook)
+    with pytest.raises(TypeError, match=r"^mine \(\): incompatible$"):
+        scene.reset()
+    scene.remove_reset_hook(number)
+
+
+def functions() -> Iterator[Any]:
+    """All that is bound, with the setters."""
+    for member in vars(_core).values():
+        members = vars(member).values() if isinstance(member, type) else [member]
+        for item in members:
+            for one in (item.fget, item.fset) if isinstance(item, property) else (item,):
+                if hasattr(one, "__nb_signature__"):
+                    yield one
+
+
+def test_every_signature_of_the_core_is_understood():
+    count = 0
+    for function in functions():
+        for text, _, defaults in function.__nb_signature__:
+            form = _arguments.parse(text, defaults)
+            assert all(not p.kind or isinstance(p.kind, ast.expr) for p in form.all)
+            count += 1
+    assert count > 500
