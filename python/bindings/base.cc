@@ -78,7 +78,7 @@ void BindBase(nb::module_& m) {
   classes.io = NewClass(m, "IoError", "A file, folder or child process failed.", classes.error,
                         PyExc_OSError);
   nb::register_exception_translator(Translate);
-  nb::module_::import_("atexit").attr("register")(nb::cpp_function(&ReleaseCallbacks));
+  nb::module_::import_("atexit").attr("register")(nb::cpp_function(&ReleaseHeld));
   m.attr("__version__") = std::string(Version());
   m.def(
       "set_log_level", [](const std::string& level) { SetLogLevel(LogLevelFromName(level)); },

@@ -1,7 +1,11 @@
 #include "move_group_trampoline.h"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "python_owner.h"
 #include "returned.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -9,32 +13,18 @@
 namespace robocell::python {
 namespace {
 
-template <class T>
-T Ask(nb::handle self, const char* method) {
-  const nb::gil_scoped_acquire gil;
-  return Returned<T>(self, method, group_call::Method(self, method)());
-}
-
 nb::object Array(std::span<const double> values) {
   return NewArray<double>(values, {values.size()});
 }
 
-}  // namespace
-
-namespace group_call {
-
-bool Has(nb::handle self, const char* name) {
-  const nb::gil_scoped_acquire gil;
-  return nb::hasattr(self, name);
-}
-
+// The bound method; an Error names the class that does not define it.
 nb::object Method(nb::handle self, const char* name) {
   if (nb::hasattr(self, name)) return self.attr(name);
   throw Error("a group written in Python must define " + std::string(name) + "(); " +
               ClassName(self) + " does not");
 }
 
-void Copy(nb::handle self, const char* name, nb::handle numbers, std::span<double> out) {
+void CopyNumbers(nb::handle self, const char* name, nb::handle numbers, std::span<double> out) {
   const std::vector<double> values = ToDoubles(numbers, name);
   if (values.size() != out.size()) {
     throw ArgumentError(ClassName(self) + "." + name + ": expected " + std::to_string(out.size()) +
@@ -43,42 +33,88 @@ void Copy(nb::handle self, const char* name, nb::handle numbers, std::span<doubl
   std::copy(values.begin(), values.end(), out.begin());
 }
 
-void Get(nb::handle self, const char* name, std::span<double> out) {
-  const nb::gil_scoped_acquire gil;
-  Copy(self, name, Method(self, name)(), out);
+double Finite(nb::handle self, const char* name, double value) {
+  if (std::isfinite(value)) return value;
+  throw ArgumentError(
+      fmt::format("{}.{}() must return a finite number, got {}", ClassName(self), name, value));
 }
 
-void Set(nb::handle self, const char* name, std::span<const double> values) {
+// What the method returned for these arguments.
+template <class T, class... Args>
+T Ask(const WrittenInPython& group, const char* name, const Args&... args) {
   const nb::gil_scoped_acquire gil;
-  Method(self, name)(Array(values));
+  const nb::object self = group.object();
+  return Returned<T>(self, name, Method(self, name)(args...));
 }
 
-int Count(nb::handle self, const char* name) {
+// The same for numbers that C++ goes on with.
+template <class... Args>
+double AskNumber(const WrittenInPython& group, const char* name, const Args&... args) {
   const nb::gil_scoped_acquire gil;
-  return static_cast<int>(ToDoubles(Method(self, name)(), name).size());
+  const nb::object self = group.object();
+  return Finite(self, name, Returned<double>(self, name, Method(self, name)(args...)));
 }
 
-double Number(nb::handle self, const char* name) { return Ask<double>(self, name); }
+// A group as a robot keeps it.
+template <class Calls>
+class KeptGroup : public Calls {
+ public:
+  explicit KeptGroup(nb::object object) : object_(std::move(object)) {}
+  PyObject* target() const override { return object_.target(); }
 
-std::vector<Interval> Intervals(nb::handle self, const char* name) {
+ private:
+  Held object_;
+};
+
+}  // namespace
+
+nb::object WrittenInPython::object() const {
+  if (PyObject* object = target()) return nb::borrow(object);
+  throw ClosedError("a move group written in Python is gone: Python is shutting down");
+}
+
+namespace group_call {
+
+void Get(const WrittenInPython& group, const char* method, std::span<double> out) {
   const nb::gil_scoped_acquire gil;
-  const std::vector<double> flat = ToDoubles(Method(self, name)(), name);
+  const nb::object self = group.object();
+  CopyNumbers(self, method, Method(self, method)(), out);
+}
+
+void Set(const WrittenInPython& group, const char* method, std::span<const double> values) {
+  const nb::gil_scoped_acquire gil;
+  Method(group.object(), method)(Array(values));
+}
+
+int Count(const WrittenInPython& group, const char* method) {
+  const nb::gil_scoped_acquire gil;
+  return static_cast<int>(ToDoubles(Method(group.object(), method)(), method).size());
+}
+
+double Number(const WrittenInPython& group, const char* method) { return AskNumber(group, method); }
+
+std::vector<Interval> Intervals(const WrittenInPython& group, const char* method) {
+  const nb::gil_scoped_acquire gil;
+  const std::vector<double> flat = ToDoubles(Method(group.object(), method)(), method);
   std::vector<Interval> intervals;
   for (size_t i = 0; i + 1 < flat.size(); i += 2) intervals.push_back({flat[i], flat[i + 1]});
   return intervals;
 }
 
-Pose Frame(nb::handle self, const char* name) { return Ask<Pose>(self, name); }
+Pose Frame(const WrittenInPython& group, const char* method) { return Ask<Pose>(group, method); }
 
-std::string Text(nb::handle self, const char* name) { return Ask<std::string>(self, name); }
-
-std::vector<std::string> Texts(nb::handle self, const char* name) {
-  return Ask<std::vector<std::string>>(self, name);
+std::string Text(const WrittenInPython& group, const char* method) {
+  return Ask<std::string>(group, method);
 }
 
-MoveGroupKind Kind(nb::handle self, MoveGroupKind otherwise) {
+std::vector<std::string> Texts(const WrittenInPython& group, const char* method) {
+  return Ask<std::vector<std::string>>(group, method);
+}
+
+MoveGroupKind Kind(const WrittenInPython& group, MoveGroupKind otherwise) {
   const nb::gil_scoped_acquire gil;
-  if (!Has(self, "get_kind")) return otherwise;
+  const nb::object self = group.object();
+  if (!nb::hasattr(self, "get_kind")) return otherwise;
   const nb::object said = Method(self, "get_kind")();
   MoveGroupKind kind{};
   if (nb::try_cast(said, kind)) return kind;
@@ -93,57 +129,68 @@ MoveGroupKind Kind(nb::handle self, MoveGroupKind otherwise) {
   throw NotFoundError(NoSuchName(ClassName(self) + ".get_kind", "kind", name, names));
 }
 
-void CtrlForJointPos(nb::handle self, std::span<const double> q, std::span<double> ctrl) {
+void CtrlForJointPos(const WrittenInPython& group, std::span<const double> q,
+                     std::span<double> ctrl) {
   const nb::gil_scoped_acquire gil;
+  const nb::object self = group.object();
   const char* name = "ctrl_for_joint_pos";
-  Copy(self, name, Method(self, name)(Array(q)), ctrl);
+  CopyNumbers(self, name, Method(self, name)(Array(q)), ctrl);
 }
 
-void Integrate(nb::handle self, std::span<double> q, std::span<const double> v) {
+void Integrate(const WrittenInPython& group, std::span<double> q, std::span<const double> v) {
   const nb::gil_scoped_acquire gil;
-  Copy(self, "integrate", Method(self, "integrate")(Array(q), Array(v)), q);
+  const nb::object self = group.object();
+  CopyNumbers(self, "integrate", Method(self, "integrate")(Array(q), Array(v)), q);
 }
 
-void Jacobian(nb::handle self, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) {
-  std::vector<double> flat(6 * static_cast<size_t>(out.cols()));
-  Get(self, "get_jacobian", flat);
+void Jacobian(const WrittenInPython& group,
+              Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> j) {
+  std::vector<double> flat(6 * static_cast<size_t>(j.cols()));
+  Get(group, "get_jacobian", flat);
   for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c < out.cols(); ++c) out(r, c) = flat[static_cast<size_t>(r * out.cols() + c)];
+    for (int c = 0; c < j.cols(); ++c) j(r, c) = flat[static_cast<size_t>(r * j.cols() + c)];
   }
 }
 
 }  // namespace group_call
 
-void PyGripperGroup::SetOpening(double opening) {
+void GripperGroupCalls::SetOpening(double opening) {
   const nb::gil_scoped_acquire gil;
-  group_call::Method(self(), "set_opening")(opening);
+  Method(object(), "set_opening")(opening);
 }
 
-double PyGripperGroup::ctrl_for_opening(double opening) const {
-  const nb::gil_scoped_acquire gil;
-  const char* name = "ctrl_for_opening";
-  return Returned<double>(self(), name, group_call::Method(self(), name)(opening));
+double GripperGroupCalls::ctrl_for_opening(double opening) const {
+  return AskNumber(*this, "ctrl_for_opening", opening);
 }
 
-Interval PyGripperGroup::inter_finger_dist_range() const {
+Interval GripperGroupCalls::inter_finger_dist_range() const {
   std::vector<double> range(2);
   Get("get_inter_finger_dist_range", range);
   return {range[0], range[1]};
 }
 
-bool PyGripperGroup::is_open() const { return Ask<bool>(self(), "get_is_open"); }
+bool GripperGroupCalls::is_open() const { return Ask<bool>(*this, "get_is_open"); }
 
-bool PyGripperGroup::is_grasping(const std::string& body) const {
-  const nb::gil_scoped_acquire gil;
-  const char* name = "get_is_grasping";
-  return Returned<bool>(self(), name, group_call::Method(self(), name)(body));
+bool GripperGroupCalls::is_grasping(const std::string& body) const {
+  return Ask<bool>(*this, "get_is_grasping", body);
 }
 
-void PyBaseGroup::SetPose(const Pose& pose_in_world) {
+void BaseGroupCalls::SetPose(const Pose& pose_in_world) {
   const nb::gil_scoped_acquire gil;
-  group_call::Method(self(), "set_pose")(pose_in_world);
+  Method(object(), "set_pose")(pose_in_world);
 }
 
-bool PyBaseGroup::is_mobile() const { return Ask<bool>(self(), "get_is_mobile"); }
+bool BaseGroupCalls::is_mobile() const { return Ask<bool>(*this, "get_is_mobile"); }
+
+std::shared_ptr<MoveGroup> KeepGroup(nb::object object) {
+  RequireInitialised(object);
+  MoveGroup* group = nb::cast<MoveGroup*>(object);
+  if (!dynamic_cast<WrittenInPython*>(group)) return Shared<MoveGroup>(std::move(object));
+  if (dynamic_cast<GripperGroup*>(group))
+    return std::make_shared<KeptGroup<GripperGroupCalls>>(std::move(object));
+  if (dynamic_cast<BaseGroup*>(group))
+    return std::make_shared<KeptGroup<BaseGroupCalls>>(std::move(object));
+  return std::make_shared<KeptGroup<MoveGroupCalls>>(std::move(object));
+}
 
 }  // namespace robocell::python

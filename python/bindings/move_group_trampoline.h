@@ -1,12 +1,17 @@
 // Move groups written in Python: a subclass of MoveGroup, GripperGroup or BaseGroup defines methods
 // (get_joint_pos, set_ctrl, ...) that return or take arrays. Each call takes the GIL.
+//
+// Such a group is two C++ objects: the one inside the Python object (PyGroup), and what a robot
+// keeps of it (KeptGroup), which lets go of the Python object when the interpreter ends. Both make
+// the same calls.
 #pragma once
 
 #include <nanobind/nanobind.h>
 #include <nanobind/trampoline.h>
 
+#include <memory>
+#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "arrays.h"
@@ -14,89 +19,84 @@
 
 namespace robocell::python {
 
-// Calls to methods of a group. `self` is the Python object; all but Method take the GIL.
-namespace group_call {
-// The bound method; an Error names the class that does not define it.
-nb::object Method(nb::handle self, const char* name);
-bool Has(nb::handle self, const char* name);
-// Copies numbers; "MyGroup.get_joint_pos: expected 7 values, got 3".
-void Copy(nb::handle self, const char* name, nb::handle numbers, std::span<double> out);
-void Get(nb::handle self, const char* name, std::span<double> out);
-void Set(nb::handle self, const char* name, std::span<const double> values);
-int Count(nb::handle self, const char* name);
-double Number(nb::handle self, const char* name);
-std::vector<Interval> Intervals(nb::handle self, const char* name);
-Pose Frame(nb::handle self, const char* name);
-std::string Text(nb::handle self, const char* name);
-std::vector<std::string> Texts(nb::handle self, const char* name);
-// What get_kind says, else `otherwise`.
-MoveGroupKind Kind(nb::handle self, MoveGroupKind otherwise);
-void CtrlForJointPos(nb::handle self, std::span<const double> q, std::span<double> ctrl);
-void Integrate(nb::handle self, std::span<double> q, std::span<const double> v);
-void Jacobian(nb::handle self, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out);
-}  // namespace group_call
-
 // How a group tells that a Python object is behind it.
 class WrittenInPython {
  public:
   virtual ~WrittenInPython() = default;
-  virtual nb::handle object() const = 0;
+  // Null when it was let go of. Needs no GIL.
+  virtual PyObject* target() const = 0;
+  // The same as a reference, with the GIL; ClosedError when it was let go of.
+  nb::object object() const;
 };
 
-template <class Base, MoveGroupKind kDefaultKind>
-class PyGroupOf : public Base, public WrittenInPython {
- public:
-  NB_TRAMPOLINE(Base);
+// Calls to methods of a group; they take the GIL.
+namespace group_call {
+// A method's result that is copied; "MyGroup.get_joint_pos: expected 7 values, got 3".
+void Get(const WrittenInPython& group, const char* method, std::span<double> out);
+void Set(const WrittenInPython& group, const char* method, std::span<const double> values);
+int Count(const WrittenInPython& group, const char* method);
+// ArgumentError unless it is finite.
+double Number(const WrittenInPython& group, const char* method);
+std::vector<Interval> Intervals(const WrittenInPython& group, const char* method);
+Pose Frame(const WrittenInPython& group, const char* method);
+std::string Text(const WrittenInPython& group, const char* method);
+std::vector<std::string> Texts(const WrittenInPython& group, const char* method);
+// What get_kind says, else `otherwise`.
+MoveGroupKind Kind(const WrittenInPython& group, MoveGroupKind otherwise);
+void CtrlForJointPos(const WrittenInPython& group, std::span<const double> q,
+                     std::span<double> ctrl);
+void Integrate(const WrittenInPython& group, std::span<double> q, std::span<const double> v);
+void Jacobian(const WrittenInPython& group, Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> j);
+}  // namespace group_call
 
-  nb::handle object() const override { return self(); }
-  const std::string& name() const override { return name_ = group_call::Text(self(), "get_name"); }
-  MoveGroupKind kind() const override { return group_call::Kind(self(), kDefaultKind); }
-  int nq() const override { return group_call::Count(self(), "get_joint_pos"); }
-  int nv() const override { return group_call::Count(self(), "get_joint_vel"); }
-  int nu() const override { return group_call::Count(self(), "get_ctrl"); }
+template <class Base, MoveGroupKind kDefaultKind>
+class GroupCalls : public Base, public WrittenInPython {
+ public:
+  const std::string& name() const override { return name_ = group_call::Text(*this, "get_name"); }
+  MoveGroupKind kind() const override { return group_call::Kind(*this, kDefaultKind); }
+  int nq() const override { return group_call::Count(*this, "get_joint_pos"); }
+  int nv() const override { return group_call::Count(*this, "get_joint_vel"); }
+  int nu() const override { return group_call::Count(*this, "get_ctrl"); }
   const std::vector<std::string>& joint_names() const override {
-    return joint_names_ = group_call::Texts(self(), "get_joint_names");
+    return joint_names_ = group_call::Texts(*this, "get_joint_names");
   }
   const std::vector<std::string>& actuator_names() const override {
-    return actuator_names_ = group_call::Texts(self(), "get_actuator_names");
+    return actuator_names_ = group_call::Texts(*this, "get_actuator_names");
   }
   void GetJointPos(std::span<double> out) const override { Get("get_joint_pos", out); }
   void GetJointVel(std::span<double> out) const override { Get("get_joint_vel", out); }
   void GetJointTorque(std::span<double> out) const override { Get("get_joint_torque", out); }
   void GetCtrl(std::span<double> out) const override { Get("get_ctrl", out); }
   void SetJointPos(std::span<const double> q) override {
-    group_call::Set(self(), "set_joint_pos", q);
+    group_call::Set(*this, "set_joint_pos", q);
   }
   void SetJointVel(std::span<const double> v) override {
-    group_call::Set(self(), "set_joint_vel", v);
+    group_call::Set(*this, "set_joint_vel", v);
   }
-  void SetCtrl(std::span<const double> ctrl) override { group_call::Set(self(), "set_ctrl", ctrl); }
+  void SetCtrl(std::span<const double> ctrl) override { group_call::Set(*this, "set_ctrl", ctrl); }
   std::vector<Interval> joint_pos_limits() const override {
-    return group_call::Intervals(self(), "get_joint_pos_limits");
+    return group_call::Intervals(*this, "get_joint_pos_limits");
   }
   std::vector<Interval> ctrl_limits() const override {
-    return group_call::Intervals(self(), "get_ctrl_limits");
+    return group_call::Intervals(*this, "get_ctrl_limits");
   }
   void NoopCtrl(std::span<double> out) const override { Get("get_noop_ctrl", out); }
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const override {
-    group_call::CtrlForJointPos(self(), q, ctrl);
+    group_call::CtrlForJointPos(*this, q, ctrl);
   }
   void Integrate(std::span<double> q, std::span<const double> v) const override {
-    group_call::Integrate(self(), q, v);
+    group_call::Integrate(*this, q, v);
   }
   Pose leaf_frame_to_world() const override { return Frame("get_leaf_frame_to_world"); }
   Pose root_frame_to_world() const override { return Frame("get_root_frame_to_world"); }
   Pose leaf_frame_to_robot() const override { return Frame("get_leaf_frame_to_robot"); }
   void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const override {
-    group_call::Jacobian(self(), out);
+    group_call::Jacobian(*this, out);
   }
 
  protected:
-  nb::handle self() const { return nb_trampoline.base(); }
-  void Get(const char* method, std::span<double> out) const {
-    group_call::Get(self(), method, out);
-  }
-  Pose Frame(const char* method) const { return group_call::Frame(self(), method); }
+  void Get(const char* method, std::span<double> out) const { group_call::Get(*this, method, out); }
+  Pose Frame(const char* method) const { return group_call::Frame(*this, method); }
 
  private:
   // What the C++ side wants by reference is kept here.
@@ -104,26 +104,42 @@ class PyGroupOf : public Base, public WrittenInPython {
   mutable std::vector<std::string> joint_names_, actuator_names_;
 };
 
-using PyMoveGroup = PyGroupOf<MoveGroup, MoveGroupKind::kGeneric>;
+using MoveGroupCalls = GroupCalls<MoveGroup, MoveGroupKind::kGeneric>;
 
-class PyGripperGroup : public PyGroupOf<GripperGroup, MoveGroupKind::kGripper> {
+class GripperGroupCalls : public GroupCalls<GripperGroup, MoveGroupKind::kGripper> {
  public:
-  double opening() const override { return group_call::Number(self(), "get_opening"); }
+  double opening() const override { return group_call::Number(*this, "get_opening"); }
   void SetOpening(double opening) override;
   double ctrl_for_opening(double opening) const override;
   double inter_finger_dist() const override {
-    return group_call::Number(self(), "get_inter_finger_dist");
+    return group_call::Number(*this, "get_inter_finger_dist");
   }
   Interval inter_finger_dist_range() const override;
   bool is_open() const override;
   bool is_grasping(const std::string& body) const override;
 };
 
-class PyBaseGroup : public PyGroupOf<BaseGroup, MoveGroupKind::kBase> {
+class BaseGroupCalls : public GroupCalls<BaseGroup, MoveGroupKind::kBase> {
  public:
   Pose pose() const override { return Frame("get_pose"); }
   void SetPose(const Pose& pose_in_world) override;
   bool is_mobile() const override;
 };
+
+// The group inside the Python object.
+template <class Calls>
+class PyGroup : public Calls {
+ public:
+  NB_TRAMPOLINE(Calls);
+  PyObject* target() const override { return nb_trampoline.base().ptr(); }
+};
+
+using PyMoveGroup = PyGroup<MoveGroupCalls>;
+using PyGripperGroup = PyGroup<GripperGroupCalls>;
+using PyBaseGroup = PyGroup<BaseGroupCalls>;
+
+// A group as a robot keeps it. `object` is an instance of MoveGroup, written in Python or not.
+// TypeError for a subclass whose __init__ did not call that of its base.
+std::shared_ptr<MoveGroup> KeepGroup(nb::object object);
 
 }  // namespace robocell::python

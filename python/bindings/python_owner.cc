@@ -40,7 +40,7 @@ struct Release {
   }
 };
 
-// Guarded by the GIL; never destroyed, for callbacks that outlive static objects.
+// Guarded by the GIL; never destroyed, for what outlives static objects.
 auto& Slots() {
   static auto* slots = new std::vector<std::weak_ptr<void>>;
   return *slots;
@@ -48,22 +48,22 @@ auto& Slots() {
 
 }  // namespace
 
-Callback::Callback(nb::object callable) : slot_(std::make_shared<Slot>()) {
-  PyObject* object = callable.release().ptr();
-  slot_->callable = {object, Release{object}};
+Held::Held(nb::object object) : slot_(std::make_shared<Slot>()) {
+  PyObject* held = object.release().ptr();
+  slot_->object = {held, Release{held}};
   std::erase_if(Slots(), [](const auto& slot) { return slot.expired(); });
   Slots().push_back(slot_);
 }
 
 void Callback::operator()(const std::function<nb::object()>& make_argument) const {
   const nb::gil_scoped_acquire gil;
-  const std::shared_ptr<PyObject> callable = slot_->callable;  // it may replace itself
+  const std::shared_ptr<PyObject> callable = callable_.share();  // it may replace itself
   if (callable) nb::handle(callable.get())(make_argument());
 }
 
-void ReleaseCallbacks() {
-  for (const auto& weak : Slots()) {
-    if (const auto slot = weak.lock()) static_cast<Callback::Slot*>(slot.get())->callable.reset();
+void ReleaseHeld() {
+  for (const auto& weak : std::vector(Slots())) {  // releasing one may drop others
+    if (const auto slot = weak.lock()) static_cast<Held::Slot*>(slot.get())->object.reset();
   }
 }
 

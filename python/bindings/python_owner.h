@@ -41,27 +41,41 @@ inline SharedKeeper ShareKeeper(nb::object object) {
   return keeper;
 }
 
-// A reference to a Python callable from C++. The collector does not see it, so a cycle through it
-// may live until the interpreter ends; then it is let go of, and calls do nothing.
-class Callback {
+// A reference to a Python object from C++ that several objects of Python's may share, which the
+// collector cannot follow: a cycle through it may live until the interpreter ends. Then it is let
+// go of. Copies share it.
+class Held {
  public:
-  explicit Callback(nb::object callable);  // with the GIL; copies need none
+  explicit Held(nb::object object);  // with the GIL; copies need none
 
-  // Takes the GIL. Python's exceptions come through.
-  void operator()(const std::function<nb::object()>& make_argument) const;
   // What is referred to; null when it was let go of.
-  PyObject* target() const { return slot_->callable ? slot_->callable.get() : nullptr; }
+  PyObject* target() const { return slot_->object ? slot_->object.get() : nullptr; }
+  // The same, kept.
+  std::shared_ptr<PyObject> share() const { return slot_->object; }
 
  private:
-  friend void ReleaseCallbacks();
+  friend void ReleaseHeld();
   struct Slot {
-    std::shared_ptr<PyObject> callable;
+    std::shared_ptr<PyObject> object;
   };
   std::shared_ptr<Slot> slot_;
 };
 
-// Lets go of all callbacks; called when the interpreter ends.
-void ReleaseCallbacks();
+// A Python callable held so; once let go of, calls do nothing.
+class Callback {
+ public:
+  explicit Callback(nb::object callable) : callable_(std::move(callable)) {}
+
+  // Takes the GIL. Python's exceptions come through.
+  void operator()(const std::function<nb::object()>& make_argument) const;
+  PyObject* target() const { return callable_.target(); }
+
+ private:
+  Held callable_;
+};
+
+// Lets go of all that is held; called when the interpreter ends.
+void ReleaseHeld();
 
 // Releases what other threads have put aside.
 void ReleaseAbandoned();

@@ -174,7 +174,7 @@ nb::object Values(std::span<const double> values) {
 // As the most specific class that Python knows; it keeps the robot alive, and itself when it is
 // replaced. A group written in Python is its own object, and lives without the robot.
 nb::object GroupObject(const Robot& robot, MoveGroup& group) {
-  if (const auto* own = dynamic_cast<WrittenInPython*>(&group)) return nb::borrow(own->object());
+  if (const auto* own = dynamic_cast<WrittenInPython*>(&group)) return own->object();
   std::shared_ptr<MoveGroup> shared = robot.shared_group(group.name());
   if (auto gripper = std::dynamic_pointer_cast<GripperGroup>(shared)) return nb::cast(gripper);
   if (auto base = std::dynamic_pointer_cast<BaseGroup>(shared)) return nb::cast(base);
@@ -249,9 +249,7 @@ void BindRobotClass(nb::module_& m) {
           nb::sig("def base(self, /) -> BaseGroup"))
       .def(
           "set_group",
-          [](Robot& r, nb::handle_t<MoveGroup> group) {
-            r.SetGroup(Shared<MoveGroup>(nb::borrow(group)));
-          },
+          [](Robot& r, nb::handle_t<MoveGroup> group) { r.SetGroup(KeepGroup(nb::borrow(group))); },
           "group"_a, "Adds or replaces a group by one written in Python, which the robot keeps.")
       .def(
           "apply",

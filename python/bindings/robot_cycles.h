@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "move_group_trampoline.h"
 #include "python_owner.h"
 #include "robocell/robot/move_group.h"
 
@@ -14,7 +15,9 @@ namespace robocell::python {
 inline int VisitGroups(const std::vector<std::shared_ptr<MoveGroup>>& groups, visitproc visit,
                        void* arg) {
   for (const auto& group : groups) {
-    if (group.use_count() == 2) Py_VISIT(TargetOf(group));
+    if (group.use_count() != 2) continue;
+    const auto* own = dynamic_cast<const WrittenInPython*>(group.get());
+    Py_VISIT(own ? own->target() : TargetOf(group));
   }
   return 0;
 }

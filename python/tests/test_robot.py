@@ -184,6 +184,22 @@ class TestOwnGroups:
         with pytest.raises(rc.NotFoundError, match=message):
             robot.apply({"lamp": rc.GroupCommand.joints([0.5])})
 
+    def test_a_gripper_that_measures_nan_is_told_by_name(self, scene):
+        class Vague(rc.GripperGroup):
+            get_name = lambda self: "vague"  # noqa: E731
+            get_joint_names = get_actuator_names = get_joint_pos = lambda self: []
+            get_joint_vel = get_joint_torque = get_ctrl = lambda self: []
+            get_opening = get_inter_finger_dist = lambda self: float("nan")
+
+        scene.robot("a").set_group(Vague())
+        gripper = scene.robot("a").group("vague")
+        with pytest.raises(
+            rc.ArgumentError, match=r"Vague.get_opening\(\) must return a finite number, got nan"
+        ):
+            _ = gripper.opening
+        with pytest.raises(rc.ArgumentError, match=r"Vague.get_inter_finger_dist\(\) must return"):
+            _ = gripper.inter_finger_dist
+
     def test_nothing_but_a_group_is_taken(self, scene):
         with pytest.raises(TypeError):
             scene.robot("a").set_group(object())

@@ -22,6 +22,7 @@ from pathlib import Path
 import robocell
 
 ROUNDS = 4
+DEMO = Path(__file__).parents[2] / "examples" / "demo.yaml"
 Work = Callable[[], None]
 
 

@@ -99,6 +99,58 @@ stepper = rc.Stepper(scene, [robot], 2, 1)
 outcome = stepper.advance({"a": {"gripper": rc.GroupCommand.opening(0)}})
 port, group, kinematics = robot.jnt_pos_cmd, robot.arm, robot.kinematics
 """,
+    "groups of one's own": """
+class Lamp(rc.MoveGroup):
+    def get_name(self): return "lamp"
+    def get_joint_names(self): return []
+    def get_actuator_names(self): return []
+    def get_joint_pos(self): return []
+    def get_joint_vel(self): return []
+    def get_joint_torque(self): return []
+    def get_ctrl(self): return []
+    def scene(self): return scene
+class Hand(rc.GripperGroup):
+    get_name = lambda self: "hand"
+    get_joint_names = get_actuator_names = get_joint_pos = lambda self: []
+    get_joint_vel = get_joint_torque = get_ctrl = lambda self: []
+scene = leaks.cell()
+robot = scene.robot("a")
+robot.set_group(Lamp())
+robot.set_group(Hand())
+lamp, again = robot.group("lamp"), scene.robot("a")
+stepper = rc.Stepper(scene, [robot], 2, 1)
+""",
+    "groups that hold their robot": """
+class Holder(rc.MoveGroup):
+    def __init__(self, robot):
+        super().__init__()
+        self.robot = robot
+    get_name = lambda self: "holder"
+    get_joint_names = get_actuator_names = get_joint_pos = lambda self: []
+    get_joint_vel = get_joint_torque = get_ctrl = lambda self: []
+def work():
+    scene = leaks.cell()
+    robot = scene.robot("a")
+    robot.set_group(Holder(robot))
+work()
+""",
+    "tasks and experts of one's own": """
+class Mine(rc.Task):
+    def begin(self, scene): self.scene = scene
+    def reward(self, scene): return 0.0
+    def success(self, scene): return False
+    def instruction(self): return ""
+    def objects(self): return []
+class Idle(rc.Expert):
+    pass
+scene = leaks.cell()
+task = Mine()
+task.begin(scene)
+start = rc.EpisodeStart(scene, task)
+run = rc.RunConfig.load(leaks.DEMO)
+planner, other = rc.PickPlanner(run, start), rc.EpisodeStart(scene, start.task)
+runner = rc.Runner(run, expert=lambda run, start: Idle())
+""",
     "exceptions": """
 try:
     leaks.cell().robot("b")
