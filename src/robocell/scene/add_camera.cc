@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include "robocell/base/names.h"
 #include "robocell/base/units.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
@@ -20,6 +21,15 @@ void SetFovy(mjsCamera* camera, double fovy, const std::string& place, Report& r
 
 void AddCamera(const CameraSpec& camera, const Placement& placement, const std::string& place,
                Report& report) {
+  const mjSpec* spec = mjs_getSpec(placement.parent->element);
+  if (FindSpecElement(spec, mjOBJ_CAMERA, camera.name)) {
+    report.Problem(place,
+                   fmt::format("there is already a camera of this name; choose another one. The "
+                               "model's cameras: {}",
+                               ListNames(SpecNames(spec, mjOBJ_CAMERA))),
+                   "name");
+    return;
+  }
   mjsCamera* added = mjs_addCamera(placement.parent, nullptr);
   SetSpecName(added->element, camera.name, place);
   SetFovy(added, *camera.fovy, place, report);

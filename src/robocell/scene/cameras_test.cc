@@ -90,7 +90,7 @@ TEST_F(Cameras, OfOneNameAreRefused) {
   spec.robots.push_back({.config = config, .prefix = ""});
   spec.cameras.push_back({.name = "eye", .pos = Vec3{}, .fovy = 60});
   ExpectThrow<SpecError>([&] { Scene::Build(spec); },
-                         "scene 'test': camera 'eye': there is already a camera 'eye'");
+                         "scene 'test' / camera 'eye': there is already a camera of this name");
 }
 
 // Depth range of a camera, from the model alone.

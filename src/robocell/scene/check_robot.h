@@ -11,6 +11,10 @@ namespace robocell {
 
 void CheckRobot(const mjModel* model, const RobotRecord& robot, Report& report);
 
+// check_groups.cc: an arm's joints are those from the root to its leaf, in this order; a gripper's
+// actuators do not move the whole hand. What is missing is passed over: CheckRobot says so.
+void CheckGroups(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
+
 // A TCP given twice, as the leaf of the arm and as attachment_site * tcp_offset, must be the same.
 void CheckToolPoints(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
 

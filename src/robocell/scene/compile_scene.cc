@@ -9,6 +9,7 @@
 #include "robocell/scene/add_robot.h"
 #include "robocell/scene/check_home.h"
 #include "robocell/scene/check_robot.h"
+#include "robocell/scene/compile_problem.h"
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/decorations.h"
 #include "robocell/scene/entity_order.h"
@@ -92,11 +93,12 @@ class SceneCompiler {
     robot_names_ = RobotNames(spec().robots, report_);
     for (size_t i = 0; i < spec().objects.size(); ++i) {
       const SceneObject& object = spec().objects[i];
-      report_.Locate("object '" + object.name + "'", Located("objects", i));
-      Collect([&] { objects_.push_back(LoadObject(object, spec(), report_)); });
+      const std::string place = "object '" + object.name + "'";
+      report_.Locate(place, Located("objects", i));
+      Collect(place, [&] { objects_.push_back(LoadObject(object, spec(), report_)); });
     }
     for (size_t i = 0; i < spec().robots.size(); ++i) {
-      Collect([&] {
+      Collect(RobotPlace(robot_names_[i]), [&] {
         robots_.push_back(
             LoadRobot(spec().robots[i], robot_names_[i], Located("robots", i), spec(), report_));
       });
@@ -115,11 +117,11 @@ class SceneCompiler {
 
   // What one part throws is a problem among the others.
   template <class Function>
-  void Collect(const Function& function) {
+  void Collect(const std::string& place, const Function& function) {
     try {
       function();
     } catch (const SpecError& error) {
-      report_.Problem("", error.what());
+      report_.Thrown(place, error.what());
     }
   }
 
@@ -156,8 +158,9 @@ class SceneCompiler {
   void AddEntities() {
     ElementSet base;
     CollectNames(spec_.get(), "", base);
-    for (const size_t i : BuildOrder(Entities(), base, report_)) {
-      Collect([&] { AddEntity(i); });
+    const std::vector<Entity> entities = Entities();
+    for (const size_t i : BuildOrder(entities, base, report_)) {
+      Collect(entities[i].place, [&] { AddEntity(i); });
     }
     for (const auto& object : objects_) out_->objects_.push_back(object->record);
     for (const auto& robot : robots_) out_->robots_.push_back(robot->record);
@@ -198,16 +201,34 @@ class SceneCompiler {
   void CompileModel() {
     ApplyOptions(spec(), spec_.get(), report_);
     mjsKey* key = AddHomeKey(spec_.get());
-    out_->model_owner_ = Compile(spec_.get(), nullptr, context_, &out_->warnings_);
+    try {
+      out_->model_owner_ = Compile(spec_.get(), nullptr, context_, &out_->warnings_);
+    } catch (const SpecError& error) {
+      report_.Throw(spec().name);  // what is wrong with the options
+      TellWhose(error.what());
+      throw;
+    }
     std::erase_if(out_->warnings_, IsAboutEmptyPrefix);
     mjModel* model = out_->model_ = out_->model_owner_.get();
     for (const RobotRecord& robot : out_->robots_) CheckRobot(model, robot, report_);
+    CheckGroups(model, out_->robots_, report_);
     CheckKeyframes(model, home_, out_->robots_, report_);
     CheckToolPoints(model, out_->robots_, report_);
     FillHomeKey(model, key, home_, out_->robots_);
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
     FixVisibleRange(spec_.get(), model);
     out_->spec_owner_ = std::move(spec_);
+  }
+
+  // The engine's text about an element of a part becomes a problem of that part's file.
+  void TellWhose(const std::string& text) {
+    const auto tell = [&](const Part& part, const std::string& prefix) {
+      if (const auto problem = CompileProblem(text, part, prefix))
+        report_.Problem(part.place, *problem, part.field);
+    };
+    for (const auto& robot : robots_) tell(robot->part, robot->record.prefix);
+    for (const auto& object : objects_) tell(object->part, object->prefix);
+    report_.Throw(spec().name);
   }
 
   std::string context_;

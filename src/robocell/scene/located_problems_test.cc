@@ -85,6 +85,72 @@ TEST_F(Located, AttachmentsAndRootAndCameras) {
                          root + ":3:12: robot 'left': root_body: no body 'bse'");
 }
 
+TEST_F(Located, ACameraThatIsThereTwice) {
+  const std::string eye = "  - {name: eye, pos: [0, 0, 0], fovy: 45, attach_to: {body: base}}\n";
+  const std::string twice = RobotFile("cameras:\n" + eye + eye);
+  ExpectThrow<SpecError>([&] { BuildRobot(twice); },
+                         twice +
+                             ":5:5: cameras[1]: name 'eye' is also that of cameras[0]; each "
+                             "needs its own");
+  const std::string in_model = RobotFile(
+      "edits: [{add_camera: eye, body: base, pos: [0, 0, 1]}]\n"
+      "cameras:\n" +
+      eye);
+  ExpectThrow<SpecError>(
+      [&] { BuildRobot(in_model); },
+      in_model +
+          ":5:12: robot 'left' / camera 'eye': there is already a camera of this name; choose "
+          "another one. The model's cameras: eye");
+}
+
+TEST_F(Located, JointsThatAreNotThoseToTheLeaf) {
+  const std::string swapped = RobotFile(
+      "move_groups:\n"
+      "  arm: {kind: arm, joints: [elbow, shoulder], leaf: {site: flange}}\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(swapped); },
+                         swapped +
+                             ":4:28: robot 'left': move_groups.arm.joints: lists elbow, "
+                             "shoulder, but the joints from 'base' to the arm's leaf are "
+                             "shoulder, elbow; list those, in this order");
+  const std::string one_missing = RobotFile("move_groups: {arm: {kind: arm, joints: [elbow]}}\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(one_missing); },
+                         one_missing +
+                             ":3:40: robot 'left': move_groups.arm.joints: lists elbow, "
+                             "but the joints from 'base' to the arm's leaf are shoulder, "
+                             "elbow; list those, in this order, or name its `leaf`");
+}
+
+TEST_F(Located, AnActuatorThatMovesTheWholeHand) {
+  folder.Write("gripper", kTwoFingerGripper);
+  const std::string fields =
+      "attachments: [{mjcf_path: gripper.xml, prefix: g_, attach_to: {site: flange}}]\n"
+      "move_groups:\n"
+      "  arm: {kind: arm, joints: [shoulder, elbow], leaf: {site: flange}}\n"
+      "  gripper: {kind: gripper, joints: [g_left_slide, g_right_slide], actuators: [";
+  BuildRobot(RobotFile(fields + "g_grip]}\n"));
+  const std::string wrong = RobotFile(fields + "servo2]}\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(wrong); },
+                         wrong +
+                             ":6:79: robot 'left': move_groups.gripper.actuators[0]: 'servo2' "
+                             "moves the whole hand, not a finger. The actuators that move its "
+                             "fingers: g_grip");
+}
+
+TEST_F(Located, ABodyWithoutMass) {
+  folder.Write("light", R"(<worldbody><body name="base"><geom size="0.1"/>
+      <body name="finger"><joint/><geom size="0.1" mass="0"/></body></body></worldbody>)");
+  const std::string file = File("light.yaml", "name: arm\nmodel: light.xml\n");
+  const std::string message = ExpectThrow<SpecError>(
+      [&] { BuildRobot(file); },
+      file + ":2:8: robot 'left': " + (folder.path() / "light.xml").string() +
+          ": body 'finger': mass and inertia of moving bodies must be larger than mjMINVAL. A body "
+          "that moves needs a mass: ");
+  EXPECT_THAT(message, HasSubstr("edits: [{geom: {body: finger, index: 0}, mass: 0.05}]"));
+  BuildRobot(File("heavy.yaml",
+                  "name: arm\nmodel: light.xml\n"
+                  "edits: [{geom: {body: finger, index: 0}, mass: 0.05}]\n"));
+}
+
 TEST_F(Located, AModelFileThatDoesNotExistOrIsWrong) {
   const std::string file = File("gone.yaml", "name: arm\nmodel: amr.xml\n");
   ExpectThrow<NotFoundError>([&] { BuildRobot(file); },

@@ -45,6 +45,12 @@ void Report::Problem(const std::string& place, const std::string& message, std::
   problems_.push_back({place, message, SourceOf(place, field)});
 }
 
+void Report::Thrown(const std::string& place, const std::string& text, std::string_view field) {
+  only_missing_ = false;
+  const bool placed = !place.empty() && text.starts_with(place);
+  problems_.push_back({placed ? "" : place, text, SourceOf(place, field)});
+}
+
 void Report::Missing(const std::string& place, const std::string& message, std::string_view field) {
   problems_.push_back({place, message, SourceOf(place, field)});
 }

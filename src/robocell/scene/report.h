@@ -23,6 +23,9 @@ class Report {
   void Locate(const std::string& place, Locations locations);
 
   void Problem(const std::string& place, const std::string& message, std::string_view field = "");
+  // What an exception says that was thrown while `place` was worked on; its text may begin with the
+  // place or one within it.
+  void Thrown(const std::string& place, const std::string& text, std::string_view field = "");
   // A problem of the kind "there is no element of this name".
   void Missing(const std::string& place, const std::string& message, std::string_view field = "");
   // What the user should look at: a part does not get what it asks for.

@@ -146,6 +146,8 @@ TEST_F(Robots, TakeOnlyTheirRootAndSayWhatStaysBehind) {
 
 TEST_F(Robots, HaveTheirBaseFrameAtANestedRootBody) {
   config.root_body = "upper";
+  config.move_groups["arm"].joints = {"elbow"};
+  config.move_groups["arm"].actuators = {"servo2"};
   const Scene scene = BuildArm();
   EXPECT_EQ(scene.compiled()->robot("left").root_body, "l_upper");
   EXPECT_GE(FindId(scene.model(), mjOBJ_BODY, "l_base"), 0);

@@ -340,7 +340,11 @@ TEST(CompiledScene, SaysWhatTheEngineRefuses) {
       {.name = "ghost",
        .mjcf_path =
            folder.Write("ghost", R"(<worldbody><body name="g"><joint/></body></worldbody>)")});
-  ExpectThrow<SpecError>([&] { Scene::Build(spec); }, "scene 'test': building the model: ");
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                         "scene 'test' / object 'ghost': " + spec.objects[0].mjcf_path +
+                             ": body 'g': mass and inertia of moving bodies must be larger than "
+                             "mjMINVAL. A body that moves needs a mass: give one of its geoms a "
+                             "`mass` or the body an <inertial>");
 }
 
 }  // namespace

@@ -80,6 +80,9 @@ void RobotConfig::Validate(Problems& problems) const {
   CheckLengths(home, "home", *this, false, problems);
   CheckLengths(home_noise, "home_noise", *this, true, problems);
   CheckAttachments(attachments, problems);
+  std::vector<std::string> camera_names;
+  for (const CameraSpec& camera : cameras) camera_names.push_back(camera.name);
+  CheckUnique(camera_names, "cameras", "name", problems);
   if (tcp_offset && !attachment_site) {
     problems.AddAt("tcp_offset", "is relative to attachment_site, which is not set");
   }

@@ -1,6 +1,5 @@
 #include "robocell/spec/scene_spec.h"
 
-#include <map>
 #include <set>
 
 #include "robocell/spec/timestep.h"
@@ -8,20 +7,6 @@
 
 namespace robocell {
 namespace {
-
-// Reports names (or prefixes) that two entities share.
-void CheckUnique(const std::vector<std::string>& names, std::string_view list,
-                 std::string_view what, Problems& problems) {
-  std::map<std::string, size_t> first;
-  Problems::Scope scope(problems, list);
-  for (size_t i = 0; i < names.size(); ++i) {
-    const auto [it, added] = first.emplace(names[i], i);
-    if (added) continue;
-    Problems::Scope item(problems, i);
-    problems.Add(std::string(what) + " '" + names[i] + "' is also that of " + std::string(list) +
-                 "[" + std::to_string(it->second) + "]; each needs its own");
-  }
-}
 
 // Only names that are given; the others are made unique later.
 void CheckRobotNames(const List<RobotSpec>& robots, Problems& problems) {

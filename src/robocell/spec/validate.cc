@@ -1,5 +1,6 @@
 #include "robocell/spec/validate.h"
 
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -74,6 +75,19 @@ void CheckRange(const Vec2& range, std::string_view field, Problems& problems) {
   if (range[0] > range[1]) {
     problems.AddAt(field, fmt::format("[{}, {}] is [smallest, largest]; the first is larger",
                                       range[0], range[1]));
+  }
+}
+
+void CheckUnique(const std::vector<std::string>& names, std::string_view list,
+                 std::string_view what, Problems& problems) {
+  std::map<std::string, size_t> first;
+  Problems::Scope scope(problems, list);
+  for (size_t i = 0; i < names.size(); ++i) {
+    const auto [it, added] = first.emplace(names[i], i);
+    if (added) continue;
+    Problems::Scope item(problems, i);
+    problems.Add(fmt::format("{} '{}' is also that of {}[{}]; each needs its own", what, names[i],
+                             list, it->second));
   }
 }
 

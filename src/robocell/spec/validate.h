@@ -5,7 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include "robocell/spec/containers.h"
 #include "robocell/spec/element_ref.h"
@@ -98,6 +101,9 @@ void CheckPlacement(const Vec3& euler, const Vec4& quat, Problems& problems);
 void CheckUnitQuat(const Vec4& quat, Problems& problems);
 // Reports a range whose lower end is above its upper end.
 void CheckRange(const Vec2& range, std::string_view field, Problems& problems);
+// Reports names (or prefixes, as `what` says) that two entries of a list share.
+void CheckUnique(const std::vector<std::string>& names, std::string_view list,
+                 std::string_view what, Problems& problems);
 // Reports an empty string.
 void CheckNotEmpty(const std::string& value, std::string_view field, std::string_view hint,
                    Problems& problems);

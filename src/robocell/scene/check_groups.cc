@@ -1,0 +1,177 @@
+// The groups of a robot's configuration against the body tree of its model.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <optional>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/owners.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/scene/check_robot.h"
+#include "robocell/scene/element_lookup.h"
+#include "robocell/scene/hold_ctrl.h"
+
+namespace robocell {
+namespace {
+
+int BodyOf(const mjModel* m, const ElementId& element) {
+  switch (element.kind) {
+    case mjOBJ_SITE:
+      return m->site_bodyid[element.id];
+    case mjOBJ_GEOM:
+      return m->geom_bodyid[element.id];
+    default:
+      return element.id;
+  }
+}
+
+// The checks of one robot.
+class GroupCheck {
+ public:
+  GroupCheck(const mjModel* model, const mjData* data, const RobotRecord& robot, Report& report)
+      : m_(model), d_(data), robot_(robot), report_(report) {}
+
+  void Run() {
+    for (const auto& [name, group] : robot_.config.move_groups.entries()) {
+      const std::string field = "move_groups." + name;
+      if (group->kind == MoveGroupKind::kArm) CheckJointOrder(field + ".joints", *group);
+      if (group->kind == MoveGroupKind::kGripper)
+        CheckGripperActuators(field + ".actuators", *group);
+    }
+  }
+
+ private:
+  void Problem(const std::string& field, const std::string& message) {
+    report_.Problem("robot '" + robot_.name + "'", field + ": " + message, field);
+  }
+
+  // The element's body; nothing when there is none of this name.
+  std::optional<int> BodyOfRef(const ElementRef& ref, std::initializer_list<mjtObj> kinds) const {
+    try {
+      return BodyOf(m_, FindElement(m_, robot_, ref, kinds));
+    } catch (const NotFoundError&) {
+      return std::nullopt;
+    }
+  }
+
+  std::optional<int> BodyOfJoint(const std::string& name) const {
+    const int joint = FindId(m_, mjOBJ_JOINT, robot_.prefix + name);
+    return joint < 0 ? std::nullopt : std::optional(m_->jnt_bodyid[joint]);
+  }
+
+  // Where the arm ends: its leaf, else the robot's tool point, else its last joint.
+  std::optional<int> LeafBody(const MoveGroupConfig& group) const {
+    if (group.leaf) return BodyOfRef(*group.leaf, {mjOBJ_SITE, mjOBJ_BODY});
+    for (const auto& site : {robot_.tcp_site, robot_.attachment_site}) {
+      const int id = site ? FindId(m_, mjOBJ_SITE, *site) : -1;
+      if (id >= 0) return m_->site_bodyid[id];
+    }
+    return group.joints.empty() ? std::nullopt : BodyOfJoint(group.joints.names.back());
+  }
+
+  std::string WithoutPrefix(const std::string& name) const {
+    return name.starts_with(robot_.prefix) ? name.substr(robot_.prefix.size()) : name;
+  }
+
+  // Joints on the way from the robot's root to a body, in order; nothing when it does not hang on
+  // the root or one of them has no name.
+  std::optional<std::vector<std::string>> JointsTo(int body) const {
+    const int root = FindId(m_, mjOBJ_BODY, robot_.root_body);
+    if (root < 0 || !IsInSubtree(m_, body, root)) return std::nullopt;
+    std::vector<std::string> joints;
+    for (; body != root; body = m_->body_parentid[body]) {
+      for (int k = m_->body_jntnum[body] - 1; k >= 0; --k) {
+        joints.push_back(WithoutPrefix(ElementName(m_, mjOBJ_JOINT, m_->body_jntadr[body] + k)));
+        if (joints.back().empty()) return std::nullopt;
+      }
+    }
+    std::reverse(joints.begin(), joints.end());
+    return joints;
+  }
+
+  void CheckJointOrder(const std::string& field, const MoveGroupConfig& group) {
+    for (const std::string& joint : group.joints) {
+      if (!BodyOfJoint(joint)) return;
+    }
+    const std::optional<int> leaf = LeafBody(group);
+    if (!leaf) return;
+    const auto joints = JointsTo(*leaf);
+    if (!joints || *joints == group.joints.names) return;
+    Problem(field, fmt::format("lists {}, but the joints from '{}' to the arm's leaf are {}; list "
+                               "those, in this order{}",
+                               ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
+                               ListNames(*joints), group.leaf ? "" : ", or name its `leaf`"));
+  }
+
+  // What both fingers hang on; nothing when it is not known which they are.
+  std::optional<int> HandOf(const MoveGroupConfig& group) const {
+    std::vector<std::optional<int>> ends;
+    for (const ElementRef& finger : group.fingers)
+      ends.push_back(BodyOfRef(finger, {mjOBJ_GEOM, mjOBJ_BODY, mjOBJ_SITE}));
+    if (ends.empty()) {
+      for (const std::string& joint : group.joints) ends.push_back(BodyOfJoint(joint));
+    }
+    if (ends.size() != 2 || !ends[0] || !ends[1]) return std::nullopt;
+    return CommonAncestor(m_, *ends[0], *ends[1]);
+  }
+
+  // Degrees of freedom of the bodies for which `chosen` is true.
+  template <class Chosen>
+  std::vector<bool> Dofs(const Chosen& chosen) const {
+    std::vector<bool> dofs(static_cast<size_t>(m_->nv));
+    for (int i = 0; i < m_->nv; ++i) dofs[i] = chosen(m_->dof_bodyid[i]);
+    return dofs;
+  }
+
+  void CheckGripperActuators(const std::string& field, const MoveGroupConfig& group) {
+    const std::optional<int> hand = HandOf(group);
+    if (!hand) return;
+    const std::vector<bool> carrying = Dofs([&](int body) { return IsInSubtree(m_, *hand, body); });
+    const std::vector<bool> others = Dofs([&](int body) { return !IsInSubtree(m_, *hand, body); });
+    for (size_t i = 0; i < group.actuators.size(); ++i) {
+      const std::string& name = group.actuators.names[i];
+      const int actuator = FindId(m_, mjOBJ_ACTUATOR, robot_.prefix + name);
+      if (actuator < 0 || !ActsOn(m_, d_, actuator, carrying) || ActsOn(m_, d_, actuator, others))
+        continue;
+      Problem(fmt::format("{}[{}]", field, i),
+              fmt::format("'{}' moves the whole hand, not a finger. {}", name, OfFingers(*hand)));
+    }
+  }
+
+  std::string OfFingers(int hand) const {
+    const std::vector<bool> inside =
+        Dofs([&](int body) { return body != hand && IsInSubtree(m_, body, hand); });
+    std::vector<std::string> names;
+    for (const std::string& name : RobotElementNames(m_, robot_, mjOBJ_ACTUATOR)) {
+      if (ActsOn(m_, d_, FindId(m_, mjOBJ_ACTUATOR, robot_.prefix + name), inside))
+        names.push_back(name);
+    }
+    if (names.empty()) return "No actuator of the model moves one: are the `fingers` right?";
+    return "The actuators that move its fingers: " + ListNames(names);
+  }
+
+  const mjModel* m_;
+  const mjData* d_;
+  const RobotRecord& robot_;
+  Report& report_;
+};
+
+}  // namespace
+
+void CheckGroups(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report) {
+  const DataPtr data = MakeData(model);
+  Guarded("checking groups", data.get(), [&] {
+    mj_kinematics(model, data.get());
+    mj_comPos(model, data.get());
+    mj_flex(model, data.get());
+    mj_tendon(model, data.get());
+    mj_transmission(model, data.get());
+  });
+  for (const RobotRecord& robot : robots) GroupCheck(model, data.get(), robot, report).Run();
+}
+
+}  // namespace robocell

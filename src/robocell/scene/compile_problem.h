@@ -1,0 +1,18 @@
+// Private to scene: whose element it is that the engine complains about when a model does not
+// compile.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "robocell/scene/part.h"
+
+namespace robocell {
+
+// The engine's text (of Compile's SpecError) with file and element as the part has them and, for
+// what is known, what to do about it. Nothing when the text is about no element of this part.
+// `prefix` is the part's in the scene.
+std::optional<std::string> CompileProblem(const std::string& text, const Part& part,
+                                          const std::string& prefix);
+
+}  // namespace robocell
