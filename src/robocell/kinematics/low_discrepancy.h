@@ -1,5 +1,5 @@
-// Points that fill the unit cube evenly, in a fixed order: where solvers and samplers of this
-// folder start from.
+// Points that fill the unit cube evenly, in a fixed order: where solvers start from, and what
+// samplers spread over a run.
 //
 // Richtmyer's sequence (R. D. Richtmyer, "The Evaluation of Definite Integrals, and a Quasi-Monte-
 // Carlo Method Based on the Properties of Algebraic Numbers", 1951): the k-th point is the
@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include "robocell/kinematics/joint_vector.h"
 
@@ -20,6 +21,15 @@ inline double LowDiscrepancy(int k, int dimension) {
                                                         23, 29, 31, 37, 41, 43, 47, 53};
   const double x = 0.5 + k * std::sqrt(kPrimes[dimension]);
   return x - std::floor(x);
+}
+
+// Van der Corput's sequence in a base: the digits of `index` mirrored behind the point, in [0, 1).
+// With bases that share no factor, Halton's points.
+inline double RadicalInverse(uint64_t index, uint64_t base) {
+  double value = 0, digit = 1.0 / static_cast<double>(base);
+  for (; index > 0; index /= base, digit /= static_cast<double>(base))
+    value += digit * static_cast<double>(index % base);
+  return value;
 }
 
 }  // namespace robocell

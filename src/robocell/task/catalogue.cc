@@ -19,19 +19,14 @@
 namespace robocell {
 namespace {
 
-// Room that a model takes, measured once on its collision geometry.
-struct ModelSize {
-  double radius = 0;  // around the origin, in the plane
-  double below = 0;   // how far it reaches below its origin
-};
-
-ModelSize MeasureModel(const std::string& path) {
+// On its collision geometry.
+ObjectSize MeasureModel(const std::string& path) {
   SceneSpec spec{
       .name = "object " + path, .timestep = 0.002, .add_floor = false, .add_skybox = false};
   spec.objects.push_back({.name = "object", .mjcf_path = path, .fixed = false});
   const Scene scene = Scene::Build(spec);
   const mjModel* m = scene.model();
-  ModelSize size;
+  ObjectSize size;
   const int body = FindId(m, mjOBJ_BODY, scene.compiled()->object("object").root_body);
   for (int g = 0; g < m->ngeom; ++g) {
     if (!IsCollisionGeom(m, g) || !IsInSubtree(m, m->geom_bodyid[g], body)) continue;
@@ -41,15 +36,15 @@ ModelSize MeasureModel(const std::string& path) {
       most[i] = std::max(std::abs(e.lower), std::abs(e.upper));
     }
     size.radius = std::max(size.radius, std::hypot(most[0], most[1]));
-    size.below =
-        std::max(size.below, -GeomExtent(m, scene.data(), g, Eigen::Vector3d::UnitZ()).lower);
+    size.height =
+        std::max(size.height, -GeomExtent(m, scene.data(), g, Eigen::Vector3d::UnitZ()).lower);
   }
   return size;
 }
 
-ModelSize SizeOfModel(const std::string& path) {
+ObjectSize SizeOfModel(const std::string& path) {
   static std::mutex mutex;
-  static std::map<std::string, ModelSize> known;
+  static std::map<std::string, ObjectSize> known;
   const std::lock_guard lock(mutex);
   const std::string hash = ModelFileSet(assets::Resolve(path)).hash;
   const auto it = known.find(hash);
@@ -108,16 +103,22 @@ SceneObject MakeCatalogueObject(const std::string& kind, const std::string& name
   return {.name = name, .mjcf_path = kind, .fixed = false};
 }
 
-double FootprintRadius(const SceneObject& object) {
-  if (!object.shape) return SizeOfModel(object.mjcf_path).radius;
+ObjectSize ObjectSizes::Of(const SceneObject& object) {
+  if (!object.shape) {
+    const auto it = models_.find(object.mjcf_path);
+    if (it != models_.end()) return it->second;
+    return models_.emplace(object.mjcf_path, SizeOfModel(object.mjcf_path)).first->second;
+  }
   const Vec3& s = *object.size;
-  return *object.shape == Shape::kBox ? std::hypot(s[0], s[1]) : s[0];
-}
-
-double RestHeight(const SceneObject& object) {
-  if (!object.shape) return SizeOfModel(object.mjcf_path).below;
-  const Vec3& s = *object.size;
-  return *object.shape == Shape::kBox ? s[2] : *object.shape == Shape::kCylinder ? s[1] : s[0];
+  switch (*object.shape) {
+    case Shape::kBox:
+      return {std::hypot(s[0], s[1]), s[2]};
+    case Shape::kCylinder:
+      return {s[0], s[1]};
+    case Shape::kSphere:
+      break;
+  }
+  return {s[0], s[0]};
 }
 
 }  // namespace robocell

@@ -2,6 +2,7 @@
 // objects.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,20 @@ std::vector<std::string> ObjectKinds();
 // NotFoundError lists the kinds.
 SceneObject MakeCatalogueObject(const std::string& kind, const std::string& name, Rng& rng);
 
-// Room it needs around its origin in the plane, metres (for placing without overlap), and the
-// height of its origin above a support it stands on upright. Models are measured once, which
-// compiles them.
-double FootprintRadius(const SceneObject& object);
-double RestHeight(const SceneObject& object);
+// Room that an object takes, standing upright. Metres.
+struct ObjectSize {
+  double radius = 0;  // around its origin in the plane, for placing without overlap
+  double height = 0;  // of its origin above the support
+};
+
+// Sizes of objects. A model is measured once per process, which compiles it; whether its files are
+// still those that were measured is looked at once per ObjectSizes.
+class ObjectSizes {
+ public:
+  ObjectSize Of(const SceneObject& object);
+
+ private:
+  std::map<std::string, ObjectSize> models_;  // by path
+};
 
 }  // namespace robocell

@@ -23,8 +23,10 @@ TEST(Catalogue, EveryKindIsAValidObjectThatBuilds) {
       Rng rng = Rng::Stream(1, kind, i);
       const SceneObject object = MakeCatalogueObject(kind, kind + std::to_string(i), rng);
       EXPECT_NO_THROW(RequireValid(object, kind));
-      EXPECT_GT(FootprintRadius(object), 0) << kind;
-      EXPECT_LT(FootprintRadius(object), 0.12) << kind;
+      const ObjectSize size = ObjectSizes().Of(object);
+      EXPECT_GT(size.radius, 0) << kind;
+      EXPECT_LT(size.radius, 0.12) << kind;
+      EXPECT_GT(size.height, 0) << kind;
       if (i == 0) spec.objects.push_back(object);
     }
   }
@@ -40,7 +42,23 @@ TEST(Catalogue, ASizeFollowsTheModelsFile) {
     AtomicWrite(temp / "ball.xml",
                 std::string("<mujoco><worldbody><body><freejoint/><geom size='") + radius +
                     "'/></body></worldbody></mujoco>");
-    EXPECT_NEAR(RestHeight(object), std::stod(radius), 1e-9);
+    EXPECT_NEAR(ObjectSizes().Of(object).height, std::stod(radius), 1e-9);
+  }
+}
+
+TEST(Catalogue, FilesAreLookedAtOncePerObjectSizes) {
+  ObjectSizes sizes;
+  std::optional<ObjectSize> first;
+  {
+    TempDir temp;
+    const SceneObject object{.name = "ball", .mjcf_path = temp / "ball.xml"};
+    AtomicWrite(
+        temp / "ball.xml",
+        "<mujoco><worldbody><body><freejoint/><geom size='.02'/></body></worldbody></mujoco>");
+    first = sizes.Of(object);
+    std::filesystem::remove(temp / "ball.xml");
+    EXPECT_EQ(sizes.Of(object).height, first->height);
+    EXPECT_THROW(ObjectSizes().Of(object), NotFoundError);
   }
 }
 

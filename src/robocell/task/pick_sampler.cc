@@ -9,9 +9,11 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/spec/yaml.h"
 #include "robocell/task/catalogue.h"
 #include "robocell/task/clearance.h"
 #include "robocell/task/grasp_motion.h"
+#include "robocell/task/object_places.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/task/robot_outline.h"
 #include "robocell/task/settle.h"
@@ -20,11 +22,9 @@ namespace robocell {
 namespace {
 
 constexpr int kArrangements = 24;  // of objects and base around each other
-constexpr int kPlaceTries = 60;
+constexpr int kPlaceTries = 60;    // of objects, until a base pose is clear of the support
 constexpr int kMostDistractors = 2;
-constexpr double kObjectGap = 0.03;        // metres between objects
-constexpr double kEdgeMargin = 0.03;       // from the support's edge
-constexpr double kWidening = 0.15;         // share of the range that further attempts spread by
+constexpr size_t kMostSupports = 64;       // that are remembered
 constexpr double kBaseClearance = 0.01;    // metres between the robot and everything else
 constexpr double kFacingNoise = 0.35;      // rad
 constexpr int kBearings = 72;              // directions that a base pose is looked for in
@@ -36,19 +36,18 @@ uint64_t Turn(const SampleRequest& request) {
   return static_cast<uint64_t>(request.scene) * 7919 + static_cast<uint64_t>(request.episode);
 }
 
-// Van der Corput's sequence in a base: the digits of `index` mirrored behind the point.
-double RadicalInverse(uint64_t index, uint64_t base) {
-  double value = 0, digit = 1.0 / static_cast<double>(base);
-  for (; index > 0; index /= base, digit /= static_cast<double>(base))
-    value += digit * static_cast<double>(index % base);
-  return value;
-}
+// Sets a pointer until it goes out of scope.
+template <class T>
+class Lent {
+ public:
+  Lent(T*& slot, T* value) : slot_(slot) { slot_ = value; }
+  ~Lent() { slot_ = nullptr; }
+  Lent(const Lent&) = delete;
+  Lent& operator=(const Lent&) = delete;
 
-// Folds a number into [0, 1] at the ends.
-double Reflected(double u) {
-  u = std::abs(u);
-  return u > 1 ? std::max(0.0, 2 - u) : u;
-}
+ private:
+  T*& slot_;
+};
 
 }  // namespace
 
@@ -68,10 +67,22 @@ SceneSpec PickTaskSampler::MakeBaseScene(int scene_index) {
   return spec;
 }
 
-const Support& PickTaskSampler::SupportOf(int scene_index, const SceneSpec& base) {
-  const auto it = supports_.find(scene_index);
-  return it != supports_.end() ? it->second
-                               : supports_.emplace(scene_index, FindSupport(base)).first->second;
+// What is the same in one call of Sample, and costs a look at the disk each time.
+struct PickTaskSampler::Measured {
+  ObjectSizes sizes;
+  std::shared_ptr<const GripperShape> shape;
+};
+
+PickTaskSampler::PickTaskSampler(RunConfig run) : run_(std::move(run)) {}
+PickTaskSampler::~PickTaskSampler() = default;
+
+// Many scenes of a run may have the same base, and a subclass may make another one every time.
+Support PickTaskSampler::SupportOf(const SceneSpec& base) {
+  const std::string key = ToYaml(base);
+  const auto it = supports_.find(key);
+  if (it != supports_.end()) return it->second;
+  if (supports_.size() >= kMostSupports) supports_.clear();
+  return supports_[key] = FindSupport(base);
 }
 
 std::vector<std::string> PickTaskSampler::ChooseKinds(const SampleRequest& request, Rng& rng) {
@@ -91,51 +102,18 @@ std::vector<std::string> PickTaskSampler::ChooseKinds(const SampleRequest& reque
   return kinds;
 }
 
-// Episode k has the k-th point of a low-discrepancy sequence that the run's seed shifts (Cranley
-// and Patterson 1976). Further attempts spread around it, more and more, so that a corner that
-// never works does not block the episode.
 BasePlacement PickTaskSampler::ChooseBasePlacement(const SampleRequest& request, Rng& rng) {
-  const TaskConfig& task = run_.task;
-  const auto point = [&](int base, const char* purpose) {
-    const double shifted = RadicalInverse(Turn(request) + 1, base) +
-                           Rng::Stream(static_cast<uint64_t>(run_.seed), purpose).Uniform();
-    const double even = shifted - std::floor(shifted);
-    const double spread = std::min(1.0, kWidening * request.attempt);
-    return Reflected(even + spread * rng.Uniform(-1, 1));
-  };
-  const double u = point(2, "base distance");
-  const double v = point(3, "base height");
-  return {
-      std::lerp(task.base_distance[0], task.base_distance[1], u),
-      task.base_height_offset + std::lerp(task.base_height_noise[0], task.base_height_noise[1], v)};
+  return SpreadBasePlacement(run_.task, static_cast<uint64_t>(run_.seed), Turn(request),
+                             request.attempt, rng);
 }
 
 bool PickTaskSampler::PlaceObjects(const Support& support, std::vector<SceneObject>& objects,
                                    Rng& rng) {
-  std::vector<Eigen::Vector2d> taken;
-  for (size_t i = 0; i < objects.size(); ++i) {
-    const double radius = FootprintRadius(objects[i]);
-    const double x = support.half_x - kEdgeMargin - radius,
-                 y = support.half_y - kEdgeMargin - radius;
-    if (x <= 0 || y <= 0) return false;
-    bool placed = false;
-    for (int t = 0; t < kPlaceTries && !placed; ++t) {
-      const Eigen::Vector2d at(rng.Uniform(-x, x), rng.Uniform(-y, y));
-      placed = true;
-      for (size_t j = 0; j < i; ++j) {
-        placed &= (at - taken[j]).norm() > radius + FootprintRadius(objects[j]) + kObjectGap;
-      }
-      if (!placed) continue;
-      taken.push_back(at);
-      const Pose pose =
-          support.frame_to_world * Pose::FromRpy({at.x(), at.y(), RestHeight(objects[i]) + 0.001},
-                                                 {0, 0, rng.Uniform(-kPi, kPi)});
-      objects[i].pos = ToVec3(pose.translation());
-      objects[i].quat = pose.quaternion();
-    }
-    if (!placed) return false;
-  }
-  return true;
+  ObjectSizes own;
+  ObjectSizes& known = measured_ ? measured_->sizes : own;
+  std::vector<ObjectSize> sizes;
+  for (const SceneObject& object : objects) sizes.push_back(known.Of(object));
+  return PlaceOn(support, sizes, objects, rng);
 }
 
 std::optional<Pose> PickTaskSampler::ProposeBasePose(const Robot& robot, const Support& support,
@@ -178,8 +156,10 @@ std::optional<Refusal> PickTaskSampler::CheckBasePose(Scene& scene, Robot& robot
 std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Robot& robot,
                                                     const std::string& target_body) const {
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
-  PlanningScene planning(scene, robot, target_body,
-                         GripperShape::Of(robot.config(), run_.options, scene.timestep()));
+  std::shared_ptr<const GripperShape> shape = measured_ ? measured_->shape : nullptr;
+  if (!shape) shape = GripperShape::Of(robot.config(), run_.options, scene.timestep());
+  if (measured_) measured_->shape = shape;
+  PlanningScene planning(scene, robot, target_body, std::move(shape));
   std::vector<GraspCandidate> candidates =
       FindGrasps(planning.model(), planning.data(), planning.target_body(), planning.shape(),
                  robot.tcp_in_world());
@@ -255,8 +235,10 @@ std::shared_ptr<Task> PickTaskSampler::MakeTask(const std::string& target, const
 }
 
 SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
+  Measured measured;
+  const Lent lent(measured_, &measured);
   SceneSpec spec = MakeBaseScene(request.scene);
-  const Support support = SupportOf(request.scene, spec);
+  const Support support = SupportOf(spec);
   const std::vector<std::string> kinds = ChooseKinds(request, rng);
   const BasePlacement placement = ChooseBasePlacement(request, rng);
   std::vector<std::string> names;

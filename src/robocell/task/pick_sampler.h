@@ -15,22 +15,18 @@
 #include <vector>
 
 #include "robocell/spec/run_config.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/support.h"
 #include "robocell/task/task.h"
 
 namespace robocell {
 
-// Where the base stands relative to the target.
-struct BasePlacement {
-  double distance = 0;  // horizontal, metres
-  double height = 0;    // of the base's bottom above the target, metres
-};
-
 class PickTaskSampler : public TaskSampler {
  public:
   static constexpr double kReachShare = 0.95;  // of the robot's reach that is used
 
-  explicit PickTaskSampler(RunConfig run) : run_(std::move(run)) {}
+  explicit PickTaskSampler(RunConfig run);
+  ~PickTaskSampler() override;
 
   SampleResult Sample(const SampleRequest& request, Rng& rng) override;
   const RunConfig& run() const { return run_; }
@@ -59,7 +55,8 @@ class PickTaskSampler : public TaskSampler {
 
  private:
   struct Setup;  // the scene being made
-  const Support& SupportOf(int scene_index, const SceneSpec& base);
+  struct Measured;
+  Support SupportOf(const SceneSpec& base);
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
   std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
@@ -70,7 +67,8 @@ class PickTaskSampler : public TaskSampler {
                                      const std::string& target_body) const;
 
   RunConfig run_;
-  std::map<int, Support> supports_;  // by scene index
+  std::map<std::string, Support> supports_;  // by the base scene's spec
+  Measured* measured_ = nullptr;             // during Sample
 };
 
 std::unique_ptr<TaskSampler> MakePickSampler(const RunConfig& run);

@@ -1,4 +1,4 @@
-#include "robocell/task/task.h"
+#include "robocell/task/refusal.h"
 
 namespace robocell {
 

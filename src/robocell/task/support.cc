@@ -16,6 +16,7 @@
 namespace robocell {
 namespace {
 
+const std::string kSite = "table_top";
 constexpr double kLevel = 0.9998;     // cosine of one degree
 constexpr double kOnSurface = 0.005;  // metres between the site and the face it is on
 
@@ -23,13 +24,19 @@ std::string Place(const SceneSpec& base) {
   return "scene '" + base.name + "'" + (base.base ? " from '" + *base.base + "'" : "");
 }
 
+// The site of this name, else the only one that has it behind a prefix.
 std::string FindSite(const Scene& scene, const std::string& place) {
   const std::vector<std::string> sites = ElementNames(scene.model(), mjOBJ_SITE);
-  const auto it = std::find_if(sites.begin(), sites.end(),
-                               [](const std::string& s) { return s.ends_with("table_top"); });
-  if (it != sites.end()) return *it;
-  throw NotFoundError(
-      NoSuchName(place + ": where should objects stand", "site", "table_top", sites));
+  std::vector<std::string> prefixed;
+  for (const std::string& site : sites) {
+    if (site == kSite) return site;
+    if (site.ends_with("_" + kSite) || site.ends_with("/" + kSite)) prefixed.push_back(site);
+  }
+  if (prefixed.size() == 1) return prefixed.front();
+  const std::string question = place + ": where should objects stand";
+  if (prefixed.empty()) throw NotFoundError(NoSuchName(question, "site", kSite, sites));
+  throw SpecError(fmt::format("{}? Several sites could be meant: {}. Name the one '{}'", question,
+                              ListNames(prefixed), kSite));
 }
 
 // The box of the site's body with the largest face; -1 without any.

@@ -61,5 +61,17 @@ TEST(Support, ThatTheSiteIsNotOnIsRefused) {
   ExpectRefused("<geom type='sphere' size='.3'/>" + site, "needs a box geom in its body");
 }
 
+TEST(Support, IsMarkedByOneSiteOnly) {
+  const std::string box = "<geom type='box' size='.3 .2 .01' pos='0 0 -.01'/>";
+  SupportOf(box + "<site name='stable_top' pos='9 9 9'/><site name='shop/table_top'/>");
+  SupportOf(box + "<site name='a_table_top' pos='9 9 9'/><site name='table_top'/>");
+  ExpectThrow<NotFoundError>([&] { SupportOf(box + "<site name='stable_top'/>"); },
+                             "where should objects stand: no site 'table_top'. Its sites: "
+                             "stable_top. Did you mean 'stable_top'?");
+  ExpectRefused(box + "<site name='a_table_top'/><site name='b_table_top'/>",
+                "where should objects stand? Several sites could be meant: a_table_top, "
+                "b_table_top. Name the one 'table_top'");
+}
+
 }  // namespace
 }  // namespace robocell

@@ -17,6 +17,7 @@
 #include "robocell/robot/action.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
+#include "robocell/task/refusal.h"
 
 namespace robocell {
 
@@ -32,26 +33,6 @@ class Task {
   // Objects whose poses are worth recording.
   virtual std::vector<std::string> objects() const = 0;
 };
-
-// Why a start was refused: reasons are few and counted, details are for reading.
-struct Refusal {
-  enum Reason {
-    kNoFreePlace,
-    kUnsettled,
-    kNoReachableBasePose,
-    kBaseInCollision,
-    kNoGrasp,
-    kCameraConstraint,
-    kInvalidScene
-  };
-  Reason reason = kInvalidScene;
-  std::string detail = {};
-  // Places that were tried and refused before, in the same call of Sample.
-  std::map<Reason, int> redrawn = {};
-  std::string object_kind = {};  // the target's, when it was chosen already
-};
-using RefusalCounts = std::map<Refusal::Reason, int>;
-const char* ToString(Refusal::Reason reason);
 
 // Where and with what an episode starts: a built scene at its start state, and its task.
 struct EpisodeStart {

@@ -20,7 +20,7 @@ inline RunConfig ExampleRun(const std::string& file) {
 inline SceneObject ObjectOnTheTable(const std::string& kind, double yaw = 0.3) {
   Rng rng = Rng::Stream(3, "object", kind);
   SceneObject object = MakeCatalogueObject(kind, "target", rng);
-  object.pos = {0, 0, 0.4505 + RestHeight(object)};
+  object.pos = {0, 0, 0.4505 + ObjectSizes().Of(object).height};
   object.quat = Pose::FromRpy({0, 0, 0}, {0, 0, yaw}).quaternion();
   return object;
 }
