@@ -20,6 +20,8 @@ using namespace nb::literals;
 namespace robocell::python {
 namespace {
 
+using Unlocked = nb::call_guard<nb::gil_scoped_release>;
+
 // A list of copies, which Python may keep.
 nb::list ToList(const std::vector<SceneObject>& objects) {
   nb::list list;
@@ -121,13 +123,14 @@ void BindPickTask(nb::module_& m) {
       .def(nb::init<std::string, std::string, std::vector<std::string>, double>(), "object"_a,
            "kind"_a, "all_objects"_a, "lift_height"_a = 0.01)
       .def(
-          "begin", [](PickTask& t, const Scene& scene) { t.PickTask::Begin(scene); }, "scene"_a)
+          "begin", [](PickTask& t, const Scene& scene) { t.PickTask::Begin(scene); }, "scene"_a,
+          Unlocked())
       .def(
           "reward", [](PickTask& t, const Scene& scene) { return t.PickTask::Reward(scene); },
-          "scene"_a)
+          "scene"_a, Unlocked())
       .def(
           "success", [](PickTask& t, const Scene& scene) { return t.PickTask::Success(scene); },
-          "scene"_a)
+          "scene"_a, Unlocked())
       .def("instruction", [](const PickTask& t) { return t.PickTask::instruction(); })
       .def("objects", [](const PickTask& t) { return t.PickTask::objects(); });
 }
@@ -206,7 +209,7 @@ void BindPickSampler(nb::module_& m) {
       .def(
           "make_base_scene",
           [](PickTaskSampler& s, int scene) { return s.PickTaskSampler::MakeBaseScene(scene); },
-          "scene_index"_a, "The scene without objects and robot.")
+          "scene_index"_a, Unlocked(), "The scene without objects and robot.")
       .def(
           "choose_kinds",
           [](PickTaskSampler& s, const SampleRequest& request, PythonRng& rng) {
@@ -223,7 +226,12 @@ void BindPickSampler(nb::module_& m) {
           "place_objects",
           [](PickTaskSampler& s, const Support& support, const nb::list& list, PythonRng& rng) {
             std::vector<SceneObject> objects = FromList(list);
-            const bool placed = s.PickTaskSampler::PlaceObjects(support, objects, rng.get());
+            Rng& stream = rng.get();
+            bool placed = false;
+            {
+              const nb::gil_scoped_release unlocked;
+              placed = s.PickTaskSampler::PlaceObjects(support, objects, stream);
+            }
             for (size_t i = 0; i < objects.size(); ++i)
               nb::cast<SceneObject&>(list[i]) = objects[i];
             return placed;
@@ -236,7 +244,9 @@ void BindPickSampler(nb::module_& m) {
           "propose_base_pose",
           [](PickTaskSampler& s, const Robot& robot, const Support& support, const Pose& target,
              const BasePlacement& placement, PythonRng& rng) {
-            return s.PickTaskSampler::ProposeBasePose(robot, support, target, placement, rng.get());
+            Rng& stream = rng.get();
+            const nb::gil_scoped_release unlocked;
+            return s.PickTaskSampler::ProposeBasePose(robot, support, target, placement, stream);
           },
           "robot"_a, "support"_a, "target_in_world"_a, "placement"_a, "rng"_a,
           "A pose for the robot's base, its bottom, in the world; None when the robot as it stands "

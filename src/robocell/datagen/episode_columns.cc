@@ -106,6 +106,7 @@ void RobotColumns::AddGroup(EpisodeSchema& schema, const std::string& name) {
   const std::string path = "robots/" + robot_.name() + "/", own = path + name + "/";
   const mjModel* m = robot_.scene().model();
   GroupColumns columns{.name = name,
+                       .group = robot_.shared_group(name),
                        .kind = group.kind(),
                        .q = std::vector<double>(group.nq()),
                        .v = std::vector<double>(group.nv())};
@@ -153,7 +154,23 @@ void RobotColumns::AddGroup(EpisodeSchema& schema, const std::string& name) {
   groups_.push_back(std::move(columns));
 }
 
+void RobotColumns::RequireSameGroups() const {
+  const auto refuse = [&](const std::string& name, const char* what) {
+    throw Error(
+        fmt::format("robot '{}' / group '{}' was {} during the episode, whose columns were "
+                    "laid out at its start; change groups before, in the sampler or in the "
+                    "begin() of the expert",
+                    robot_.name(), name, what));
+  };
+  for (const GroupColumns& columns : groups_) {
+    if (&robot_.group(columns.name) != columns.group.get()) refuse(columns.name, "replaced");
+  }
+  const std::vector<std::string> names = robot_.group_names();
+  if (names.size() > groups_.size()) refuse(names.back(), "added");
+}
+
 void RobotColumns::PutState(EpisodeWriter& writer) {
+  RequireSameGroups();
   for (GroupColumns& columns : groups_) {
     MoveGroup& group = robot_.group(columns.name);
     if (group.nq() > 0) {
@@ -178,6 +195,7 @@ void RobotColumns::PutState(EpisodeWriter& writer) {
 }
 
 void RobotColumns::PutAction(EpisodeWriter& writer) {
+  RequireSameGroups();
   for (const GroupColumns& columns : groups_) {
     if (columns.before.empty()) continue;
     const Controller& port = robot_.controller(columns.name);

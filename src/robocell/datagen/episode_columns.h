@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -31,11 +32,14 @@ class RobotColumns {
  private:
   struct GroupColumns {
     std::string name;
+    std::shared_ptr<MoveGroup> group;  // the one that the columns were made for
     MoveGroupKind kind;
     ColumnId qpos, qvel, target, action, action_rel;
     std::vector<double> q, v, before;
   };
   void AddGroup(EpisodeSchema& schema, const std::string& name);
+  // Error when the robot's groups are no longer those that the columns were made for.
+  void RequireSameGroups() const;
   void PutArmAction(EpisodeWriter& writer, const Controller& port);
 
   Robot robot_;

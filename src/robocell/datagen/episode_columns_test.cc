@@ -5,6 +5,8 @@
 
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
@@ -48,6 +50,34 @@ TEST(RobotColumns, CoordinatesThatAreNoJointsHaveNoUnits) {
   const RobotColumns columns(schema, robot);
   EXPECT_EQ(Units(schema, "robots/rc7/belt/qpos"), "");
   EXPECT_EQ(Units(schema, "robots/rc7/belt/qvel"), "");
+}
+
+TEST(RobotColumns, AGroupThatChangesDuringTheEpisodeIsRefused) {
+  Robot robot = RobotAlone(Rc7());
+  robot.SetGroup(std::make_shared<Belt>(robot.scene()));
+  EpisodeSchema schema;
+  RobotColumns columns(schema, robot);
+  TempDir folder;
+  EpisodeWriter writer(folder.path(), "e", schema);
+  columns.PutState(writer);
+  columns.PutAction(writer);
+  robot.SetGroup(std::make_shared<Belt>(robot.scene()));
+  const std::string replaced =
+      "robot 'rc7' / group 'belt' was replaced during the episode, whose columns were laid out at "
+      "its start; change groups before, in the sampler or in the begin() of the expert";
+  ExpectThrow<Error>([&] { columns.PutState(writer); }, replaced);
+  ExpectThrow<Error>([&] { columns.PutAction(writer); }, replaced);
+}
+
+TEST(RobotColumns, AGroupThatIsAddedDuringTheEpisodeIsRefused) {
+  Robot robot = RobotAlone(Rc7());
+  EpisodeSchema schema;
+  RobotColumns columns(schema, robot);
+  TempDir folder;
+  EpisodeWriter writer(folder.path(), "e", schema);
+  robot.SetGroup(std::make_shared<Belt>(robot.scene()));
+  ExpectThrow<Error>([&] { columns.PutState(writer); },
+                     "group 'belt' was added during the episode");
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <chrono>
 #include <cmath>
 #include <numeric>
 #include <nlohmann/json.hpp>
@@ -13,27 +12,13 @@
 #include "robocell/datagen/episode_columns.h"
 #include "robocell/datagen/recorded_scene.h"
 #include "robocell/datagen/sensor_columns.h"
+#include "robocell/datagen/stage_clock.h"
 #include "robocell/env/stepper.h"
 #include "robocell/mujoco/warnings.h"
 #include "robocell/spec/yaml.h"
 
 namespace robocell {
 namespace {
-
-// Adds the time until it goes out of scope.
-class Timer {
- public:
-  explicit Timer(double& total) : total_(total) {}
-  ~Timer() {
-    total_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-  Timer(const Timer&) = delete;
-  Timer& operator=(const Timer&) = delete;
-
- private:
-  double& total_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 struct Fraction {
   int num, den;
@@ -50,8 +35,10 @@ Fraction RowRate(double policy_ms) {
 class Recording {
  public:
   Recording(const RunConfig& run, const EpisodeStart& start, const std::vector<Robot>& robots,
-            const Expert& expert, const PortableScene& portable, const RolloutOptions& options)
-      : scene_(schema_, start.scene, start.task->objects(), expert.phase_names()),
+            const Expert& expert, const PortableScene& portable, const RolloutOptions& options,
+            RolloutTimes& times)
+      : times_(times),
+        scene_(schema_, start.scene, start.task->objects(), expert.phase_names()),
         sensors_(schema_, start.scene),
         cameras_(schema_, start.scene, run.cameras, options.renderer,
                  RowRate(run.rates.policy_ms).num, RowRate(run.rates.policy_ms).den) {
@@ -69,28 +56,37 @@ class Recording {
     for (const auto& [name, files] : portable.models) writer_->AddModel(name, files);
   }
 
-  void PutState(int phase, RolloutTimes& times) {
+  void PutState(int phase) {
     {
-      Timer timer(times.writing);
+      const StageClock::Stage stage(clock_, times_.writing);
       scene_.PutState(*writer_, phase);
       sensors_.PutState(*writer_);
       for (RobotColumns& robot : robots_) robot.PutState(*writer_);
     }
-    Timer timer(times.rendering);
+    const StageClock::Stage stage(clock_, times_.rendering);
     cameras_.PutFrames(*writer_);
   }
   void PutControl(const mjModel* model, const mjData* data) {
+    const StageClock::Stage stage(clock_, times_.writing);
     scene_.PutControl(*writer_, model, data);
   }
   void PutOutcome(const RowOutcome& outcome) {
+    const StageClock::Stage stage(clock_, times_.writing);
     for (RobotColumns& robot : robots_) robot.PutAction(*writer_);
     scene_.PutOutcome(*writer_, outcome);
     writer_->EndRow();
   }
-  EpisodeWriter& writer() { return *writer_; }
+  void Commit(const EpisodeSummary& summary) {
+    const StageClock::Stage stage(clock_, times_.writing);
+    writer_->Commit(summary);
+  }
+  // For what is not recording, but stands still while this records.
+  StageClock& clock() { return clock_; }
   EngineWarnings warnings() const { return scene_.warnings(); }
 
  private:
+  RolloutTimes& times_;
+  StageClock clock_;
   EpisodeSchema schema_;
   SceneColumns scene_;
   SensorColumns sensors_;
@@ -150,14 +146,14 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   start.task->Begin(start.scene);
   expert.Begin(start.scene, rng);
   RolloutResult result;
-  Recording recording(run, start, stepper.robots(), expert, portable, options);
+  Recording recording(run, start, stepper.robots(), expert, portable, options, result.times);
   stepper.set_on_control_tick(
       [&](const mjModel* m, const mjData* d) { recording.PutControl(m, d); });
   bool terminated = false, truncated = false;
   while (!terminated && !truncated) {
     if (ShouldStop(options.stop)) return result.stopped = true, result;
-    recording.PutState(expert.phase(), result.times);
-    Timer timer(result.times.acting);
+    recording.PutState(expert.phase());
+    const StageClock::Stage stage(recording.clock(), result.times.acting);
     const StepOutcome outcome = stepper.Advance(expert.Act(start.scene, rng));
     ++result.rows;
     result.success = outcome.ok() && start.task->Success(start.scene);
@@ -175,12 +171,11 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   if (!result.success && result.failure.empty())
     result.failure = WhyFailed(result, expert, truncated);
   if (!result.success && !options.keep_failures) return result;
-  Timer timer(result.times.writing);
-  recording.writer().Commit({.success = result.success,
-                             .terminated = terminated,
-                             .truncated = truncated,
-                             .end_reason = result.success ? "success" : result.failure,
-                             .warnings = Warnings(recording.warnings(), result)});
+  recording.Commit({.success = result.success,
+                    .terminated = terminated,
+                    .truncated = truncated,
+                    .end_reason = result.success ? "success" : result.failure,
+                    .warnings = Warnings(recording.warnings(), result)});
   result.committed = true;
   return result;
 }

@@ -15,8 +15,11 @@
 
 namespace robocell {
 
+// Seconds; none counts twice.
 struct RolloutTimes {
-  double acting = 0, rendering = 0, writing = 0;  // seconds
+  double acting = 0;     // expert, simulation and task
+  double rendering = 0;  // with the encoders that are waited for
+  double writing = 0;    // rows and control ticks, and committing
 };
 
 struct RolloutResult {
