@@ -22,7 +22,9 @@ constexpr size_t kBlock = 1 << 16;
 
 std::string LinkAt(const fs::path& path) {
   std::error_code ignored;
-  return fmt::format("a link to '{}'", fs::read_symlink(path, ignored).string());
+  const bool dangling = fs::status(path, ignored).type() == fs::file_type::not_found;
+  return fmt::format("a link to '{}'{}", fs::read_symlink(path, ignored).string(),
+                     dangling ? ", where there is nothing" : "");
 }
 
 [[noreturn]] void ThrowNoFile(std::string_view action, const fs::path& path) {
@@ -69,6 +71,19 @@ std::string WhatIsAt(const fs::path& path) {
   }
 }
 
+bool CanReadFile(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+const fs::path& RequireReadable(const fs::path& path) {
+  std::error_code ignored;
+  if (CanReadFile(path)) return path;
+  if (fs::symlink_status(path, ignored).type() == fs::file_type::not_found)
+    ThrowIoError("read", path, ENOENT);
+  ThrowNoFile("read", path);
+}
+
 void RequireRealFolder(const fs::path& folder) {
   std::error_code error;
   const fs::file_type type = fs::symlink_status(folder, error).type();
@@ -88,9 +103,12 @@ void ThrowOpenError(std::string_view action, const fs::path& path, int error) {
 }
 
 RealFile::RealFile(const fs::path& path, int flags, std::string_view action) {
+  const bool reading = (flags & O_ACCMODE) == O_RDONLY;
+  if (reading) RequireReadable(path);  // before opening: a device may do something then
+  const int links = reading ? 0 : O_NOFOLLOW;
   // O_NONBLOCK: opening a pipe would wait for its other end.
   do {
-    descriptor_ = ::open(path.c_str(), flags | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644);
+    descriptor_ = ::open(path.c_str(), flags | links | O_NONBLOCK | O_CLOEXEC, 0644);
   } while (descriptor_ < 0 && errno == EINTR);
   if (descriptor_ < 0) ThrowOpenError(action, path, errno);
   struct stat status = {};

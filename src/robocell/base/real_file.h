@@ -1,13 +1,14 @@
 // Files and folders that somebody else may have put there, such as a dataset from elsewhere: opened
-// only when they are what they seem. A link leads out of its folder, a pipe or device never ends,
-// and a file may be larger than the memory.
+// only when they are what they seem. A pipe or device never ends, a file may be larger than the
+// memory, and what is written through a link goes elsewhere.
 //
-//   const std::string text = ReadRealFile(dataset / "dataset.json");  // IoError for a link
+//   const std::string text = ReadRealFile(dataset / "dataset.json");  // IoError for a pipe
 //   RequireRealFolder(dataset / "models");                            // before writing into it
 //
-// The IoError names the path, what is there, and what to do. Links in the folders before the last
-// name are followed: where a dataset lies is its user's choice. Files of the user's own are read
-// with files.h, which follows links. Any thread.
+// A link to a file is read as that file (caches of downloads are made of such links; see
+// docs/decisions/008-read-through-links-never-write.md), and never written through; a folder is
+// never a link. Links in the folders before the last name are followed: where a dataset lies is its
+// user's choice. The IoError names the path, what is there, and what to do. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -19,18 +20,23 @@ namespace robocell {
 
 // "nothing", "a file", "a folder", "a link to '/etc/passwd'", "a pipe", "a socket", "a device".
 std::string WhatIsAt(const std::filesystem::path& path);
+// Whether it is a file, or a link to one.
+bool CanReadFile(const std::filesystem::path& path);
+// IoError that says what it is instead; returns the path.
+const std::filesystem::path& RequireReadable(const std::filesystem::path& path);
 
 // The folder may also be missing.
 void RequireRealFolder(const std::filesystem::path& folder);
 
-// Throws why open(2) with O_NOFOLLOW failed; `error` is its errno.
+// Throws why open(2) failed; `error` is its errno.
 [[noreturn]] void ThrowOpenError(std::string_view action, const std::filesystem::path& path,
                                  int error);
 
 // An open regular file.
 class RealFile {
  public:
-  // `flags` are those of open(2); `action` is for the message: "read".
+  // `flags` are those of open(2): links are followed with O_RDONLY only. `action` is for the
+  // message: "read".
   RealFile(const std::filesystem::path& path, int flags, std::string_view action);
   ~RealFile();
   RealFile(const RealFile&) = delete;

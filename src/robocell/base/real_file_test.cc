@@ -42,21 +42,34 @@ TEST_F(RealFileTest, AFileIsReadAndHashedLikeAnyOther) {
 }
 
 TEST_F(RealFileTest, WhatIsNoFileIsNamedWithTheNextStep) {
-  const std::string target = (temp / "file").string();
-  for (const auto& [name, what] :
-       std::map<std::string, std::string>{{"link", "a link to '" + target + "'"},
-                                          {"endless", "a link to '/dev/zero'"},
-                                          {"pipe", "a pipe"},
-                                          {"folder", "a folder"}}) {
+  fs::create_symlink(temp / "none", temp / "dangling");
+  for (const auto& [name, what] : std::map<std::string, std::string>{
+           {"endless", "a link to '/dev/zero'"},
+           {"dangling", "a link to '" + (temp / "none").string() + "', where there is nothing"},
+           {"folder_link", "a link to '" + temp.path().string() + "'"},
+           {"pipe", "a pipe"},
+           {"folder", "a folder"}}) {
     EXPECT_EQ(WhatIsAt(temp / name), what);
     const std::string text = "cannot read '" + (temp / name).string() + "': it is " + what +
                              ", not a file. Remove it, or put the file itself there";
     ExpectThrow<IoError>([&] { ReadRealFile(temp / name); }, text);
     ExpectThrow<IoError>([&] { Sha256RealFile(temp / name); }, text);
+    ExpectThrow<IoError>([&] { RequireReadable(temp / name); }, text);
+    EXPECT_FALSE(CanReadFile(temp / name));
   }
 }
 
-TEST_F(RealFileTest, WritingFollowsNoLinkEither) {
+TEST_F(RealFileTest, ALinkToAFileIsReadAsThatFile) {
+  fs::create_symlink(temp / "link", temp / "link_to_link");
+  for (const char* name : {"link", "link_to_link"}) {
+    EXPECT_EQ(WhatIsAt(temp / name).substr(0, 9), "a link to");
+    EXPECT_EQ(ReadRealFile(temp / name), "abc");
+    EXPECT_EQ(Sha256RealFile(temp / name), Sha256File(temp / "file"));
+    EXPECT_EQ(RequireReadable(temp / name), temp / name);
+  }
+}
+
+TEST_F(RealFileTest, WritingFollowsNoLink) {
   for (const char* name : {"link", "pipe", "folder"}) {
     EXPECT_THROW(RealFile(temp / name, O_WRONLY | O_CREAT | O_TRUNC, "write"), IoError) << name;
   }

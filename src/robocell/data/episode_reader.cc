@@ -113,7 +113,8 @@ struct Episode::Impl {
       std::error_code error;
       if (!ValidFileName(file))
         throw IoError(fmt::format("{}: episode.json lists a file '{}'", Name(), file));
-      if (const std::string what = WhatIsAt(folder / file); what != "a file" && what != "nothing")
+      const std::string what = WhatIsAt(folder / file);
+      if (what != "nothing" && !CanReadFile(folder / file))
         throw IoError(fmt::format("{}: '{}' is {}, not a file", Name(), file, what));
       const auto size = fs::file_size(folder / file, error);
       if (error) throw IoError(fmt::format("{}: '{}': {}", Name(), file, error.message()));
@@ -134,10 +135,18 @@ struct Episode::Impl {
     }
   }
 
+  // A file in the folder itself.
+  fs::path FileOf(const std::string& name) const {
+    if (!ValidFileName(name))
+      throw IoError(fmt::format(
+          "{}: episode.json names a file '{}', which is not one of its folder", Name(), name));
+    return RequireReadable(folder / name);
+  }
+
   // On first use: lists of episodes need episode.json only.
   const hdf5::File& Steps() const {
     std::call_once(opened, [&] {
-      hdf5::File file = hdf5::File::OpenReadOnly(folder / kStepsFile);
+      hdf5::File file = hdf5::File::OpenReadOnly(RequireReadable(folder / kStepsFile));
       for (const std::string& name : file.DatasetNames()) columns.push_back(ReadColumn(file, name));
       steps.emplace(std::move(file));
     });
@@ -253,12 +262,12 @@ const CameraInfo& Episode::camera(const std::string& name) const {
 
 VideoReader Episode::Video(const std::string& name) const {
   const CameraInfo& info = camera(name);
-  return VideoReader(ConfinedPath(impl_->folder, info.file));
+  return VideoReader(impl_->FileOf(info.file));
 }
 
 VideoReader Episode::DepthVideo(const std::string& name) const {
   const CameraInfo& info = camera(name);
-  if (!info.depth_file.empty()) return VideoReader(ConfinedPath(impl_->folder, info.depth_file));
+  if (!info.depth_file.empty()) return VideoReader(impl_->FileOf(info.depth_file));
   std::vector<std::string> with_depth;
   for (const CameraInfo& each : cameras()) {
     if (!each.depth_file.empty()) with_depth.push_back(each.name);

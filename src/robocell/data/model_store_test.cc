@@ -91,7 +91,7 @@ TEST_F(ModelStoreTest, PathsLeadNowhereElse) {
   }
 }
 
-TEST_F(ModelStoreTest, NothingIsStoredOrReadThroughLinks) {
+TEST_F(ModelStoreTest, FoldersAreNoLinksAndFilesMayBeLinksToFiles) {
   fs::create_directory(temp / "elsewhere");
   fs::create_directory_symlink(temp / "elsewhere", dataset / "models");
   EXPECT_THROW(StoreModel(dataset, arm), IoError);
@@ -101,8 +101,11 @@ TEST_F(ModelStoreTest, NothingIsStoredOrReadThroughLinks) {
   const fs::path mesh = dataset / StoredModels(dataset)[0] / "assets/a.stl";
   fs::remove(mesh);
   fs::create_symlink(temp / "arm/assets/a.stl", mesh);
+  EXPECT_TRUE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  fs::remove(mesh);
+  fs::create_symlink("/dev/zero", mesh);
   EXPECT_THROW(StoredModelIsIntact(dataset, StoredModelPath(arm)), IoError);
-  EXPECT_THAT(Verify(dataset).Text(), HasSubstr("a.stl': it is a link to "));
+  EXPECT_THAT(Verify(dataset).Text(), HasSubstr("a.stl': it is a link to '/dev/zero'"));
 }
 
 }  // namespace

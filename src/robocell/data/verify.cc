@@ -70,7 +70,7 @@ class EpisodeCheck {
       Report(file, "it is missing: the episode was never finished, or it was removed");
       return false;
     }
-    if (what != "a file") {
+    if (!CanReadFile(folder_ / file)) {
       Report(file, fmt::format("it is {}, not a file", what));
       return false;
     }
@@ -98,7 +98,7 @@ class EpisodeCheck {
     const fs::path path = folder_ / name;
     const std::string what = WhatIsAt(path);
     if (what == "nothing") return Report(name, "it is missing");
-    if (what != "a file") return Report(name, fmt::format("it is {}, not a file", what));
+    if (!CanReadFile(path)) return Report(name, fmt::format("it is {}, not a file", what));
     const uint64_t expected = facts.at("bytes");
     const uint64_t size = fs::file_size(path);
     if (size < expected)

@@ -118,11 +118,27 @@ TEST_F(VerifyTest, AForeignFileIsNamed) {
   EXPECT_THAT(OnlyProblem(), HasSubstr("b/notes.txt: it does not belong to the episode"));
 }
 
-TEST_F(VerifyTest, AFileThatBecameALinkIsNamed) {
-  fs::rename(B("scene.mjb"), folder_ / "elsewhere");
-  fs::create_symlink(folder_ / "elsewhere", B("scene.mjb"));
-  EXPECT_EQ(OnlyProblem(), fmt::format("b/scene.mjb: it is a link to '{}', not a file",
-                                       (folder_ / "elsewhere").string()));
+// As a cache of downloads is laid out: all files are links to blobs beside the dataset.
+TEST_F(VerifyTest, FilesMayBeLinksToFiles) {
+  TempDir blobs;
+  for (const char* file : {"episode.json", "steps.h5", "scene.mjb"}) {
+    fs::copy(B(file), blobs / file);
+    fs::remove(B(file));
+    fs::create_symlink(blobs / file, B(file));
+  }
+  const VerifyReport report = Verify(folder_.path());
+  EXPECT_TRUE(report.problems.empty()) << report.Text();
+  EXPECT_GT(Episode(folder_ / "b").rows(), 0);
+  std::string bytes = ReadFile(blobs / "scene.mjb");
+  bytes[10] ^= 1;
+  Store(blobs / "scene.mjb", bytes);
+  EXPECT_THAT(OnlyProblem(), HasSubstr("b/scene.mjb: its bytes are not what was written"));
+  fs::remove(blobs / "scene.mjb");
+  EXPECT_EQ(OnlyProblem(), fmt::format("b/scene.mjb: it is a link to '{}', where there is nothing, "
+                                       "not a file",
+                                       (blobs / "scene.mjb").string()));
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("b"));
+  EXPECT_TRUE(fs::exists(blobs / "steps.h5")) << "the links were moved, not what they lead to";
 }
 
 TEST_F(VerifyTest, ARenamedEpisodeIsNamed) {
