@@ -13,18 +13,23 @@ from robocell.generate.probe import Probe, Sample, spread
 from test_cli import refused, robocell_command, write_run
 
 
-def sample(rows: int, *, frames: int = 0, extra: int = 0, seconds: float = 1.0, **other: int):
+def sample(rows: int, *, frames: int = 0, extra: int = 0, **times: float) -> Sample:
     """An item with one episode: 1000 bytes a row, 500 a frame, and 1 MB for itself."""
     video = 500 * frames
-    given = {"success": True, "kept": 1, "rollouts": 1, **other}
-    stored = 1_000_000 + 1000 * rows + video + extra
     return Sample(
-        rows=rows, frames=frames, bytes=stored, video_bytes=video, seconds=seconds, **given
+        success=True,
+        kept=1,
+        rollouts=1,
+        rows=rows,
+        frames=frames,
+        bytes=1_000_000 + 1000 * rows + video + extra,
+        video_bytes=video,
+        **{"seconds": 1.0, "cpu_seconds": 1.0, **times},
     )
 
 
 def probe(blind: list[Sample], seeing: list[Sample]) -> Probe:
-    return Probe(blind, seeing, start_s=2.0, worker_bytes=100, child_bytes=10)
+    return Probe(blind, seeing, start_s=2.0, worker_bytes=100, encoder_bytes=20)
 
 
 def test_samples_are_spread_over_the_plan():
@@ -37,7 +42,7 @@ def test_samples_are_spread_over_the_plan():
 def test_what_cameras_add_is_scaled_by_rows_and_by_episodes():
     blind = [sample(40), sample(60), sample(80), sample(60)]
     seeing = [sample(40, frames=80, extra=3000, seconds=5.0)]
-    found = scaled(probe(blind, seeing), items=400, workers=3, cores=2)
+    found = scaled(probe(blind, seeing), items=400, workers=3, cores=2, before_s=3.0, own_bytes=50)
     assert found == Estimate(
         items=400,
         episodes=400,
@@ -45,13 +50,23 @@ def test_what_cameras_add_is_scaled_by_rows_and_by_episodes():
         rows=24_000,
         frames=48_000,
         bytes=400 * (1_000_000 + 3000) + 24_000 * 1000 + 48_000 * 500,
-        seconds=2.0 + 400 * (1.0 + 4.0) / 2,  # two cores, whatever the workers
+        seconds=3.0 + 2.0 + 400 * (1.0 + 4.0) / 2,  # two cores, whatever the workers
         workers=3,
-        memory_bytes=3 * (100 + 2 * 10),
+        memory_bytes=50 + 3 * (100 + 20),
         tried=4,
         seen=1,
     )
     assert "reasons" not in found.rows_of_text()
+
+
+def test_workers_that_use_several_cores_each_share_them():
+    # With cameras an item keeps a core and a half busy: a third worker finds nothing to do.
+    blind, seeing = [sample(60)], [sample(60, seconds=2.0, cpu_seconds=3.0)]
+    times = [
+        scaled(probe(blind, seeing), items=100, workers=workers, cores=2).seconds
+        for workers in (1, 2, 3)
+    ]
+    assert times == [2.0 + 100 * 2.0, 2.0 + 100 * 3.0 / 2, 2.0 + 100 * 3.0 / 2]
 
 
 def test_items_that_fail_take_time_and_leave_nothing():
@@ -64,6 +79,7 @@ def test_items_that_fail_take_time_and_leave_nothing():
         bytes=0,
         video_bytes=0,
         seconds=1.0,
+        cpu_seconds=1.0,
         reasons={"timeout": 2, "no grasp": 3},
     )
     blind = [sample(60), failed]

@@ -3,35 +3,93 @@
 from __future__ import annotations
 
 import json
+import os
+import threading
+import time
 from pathlib import Path
+from typing import Any
 
 import pytest
-from commands import ROOT, generate, robocell_command
-from conftest import EXAMPLE
+from commands import generate, robocell_command
+from conftest import DEMO, EXAMPLE
 from generated_run import GeneratedRun
+
+from robocell.generate.procfs import children
 
 WITHIN = 0.2
 
 
-def expect_what_came(run: Path, dataset: Path, scratch: Path) -> None:
-    """Compares the estimate with a dataset of the same run."""
+def expect_what_came(run: Path, dataset: Path, scratch: Path, *options: object) -> dict[str, Any]:
+    """Compares the estimate with a dataset of the same run, and returns it."""
     words = ("generate", run, "--output", scratch, "--dry-run", "--progress", "jsonl")
-    result = robocell_command(*words)
+    result = robocell_command(*words, *options)
     assert result.returncode == 0, result.stderr
     assert not scratch.exists(), "a dry run writes nothing"
-    expected = json.loads(result.stdout)
+    expected: dict[str, Any] = json.loads(result.stdout)
     counted = json.loads(robocell_command("report", "--json", dataset).stdout)["on_disk"]
     assert expected["episodes"] == len(counted) == 20
     for what in ("rows", "frames", "bytes"):
         came = sum(episode[what] for episode in counted)
         assert expected[what] == pytest.approx(came, rel=WITHIN), what
+    return expected
+
+
+class MemoryWatch(threading.Thread):
+    """Memory of all processes that this one started, added up again and again."""
+
+    def __init__(self) -> None:
+        super().__init__(daemon=True)
+        self.most = 0
+        self._stop_it = threading.Event()
+
+    def run(self) -> None:
+        """Until it is left."""
+        while not self._stop_it.wait(0.05):
+            self.most = max(self.most, sum(map(resident_bytes, descendants(os.getpid()))))
+
+    def __enter__(self) -> MemoryWatch:
+        self.start()
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self._stop_it.set()
+        self.join()
+
+
+def descendants(pid: int) -> list[int]:
+    """Children, their children, and so on."""
+    return [found for child in children(pid) for found in (child, *descendants(child))]
+
+
+def resident_bytes(pid: int) -> int:
+    """Of one process; 0 when it is gone."""
+    try:
+        return int(Path(f"/proc/{pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except OSError:
+        return 0
 
 
 def test_the_demo_comes_as_expected(tmp_path: Path):
-    demo = ROOT / "examples" / "demo.yaml"
-    generate(demo, tmp_path / "out")
-    expect_what_came(demo, tmp_path / "out", tmp_path / "none")
+    with MemoryWatch() as watch:
+        generate(DEMO, tmp_path / "out")
+    expected = expect_what_came(DEMO, tmp_path / "out", tmp_path / "none")
+    assert expected["memory_bytes"] == pytest.approx(watch.most, rel=WITHIN)
 
 
 def test_a_real_arm_with_larger_images_comes_as_expected(xarm7_run: GeneratedRun, tmp_path: Path):
     expect_what_came(EXAMPLE, xarm7_run.dataset, tmp_path / "none")
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("run", [DEMO, EXAMPLE], ids=["rc7", "xarm7"])
+@pytest.mark.parametrize("workers", [1, 2])
+def test_time_and_memory_come_as_expected(run: Path, workers: int, tmp_path: Path):
+    # On a machine that does nothing else meanwhile.
+    words = ("--workers", workers)
+    with MemoryWatch() as watch:
+        began = time.monotonic()
+        generate(run, tmp_path / "out", *words)
+        took = time.monotonic() - began
+    expected = expect_what_came(run, tmp_path / "out", tmp_path / "none", *words)
+    assert expected["memory_bytes"] == pytest.approx(watch.most, rel=WITHIN)
+    assert expected["seconds"] == pytest.approx(took, rel=WITHIN)

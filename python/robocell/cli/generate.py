@@ -18,6 +18,7 @@ from robocell.cli.common import ExitCode, fail, print_warning, print_wide, requi
 from robocell.generate.disk import free_bytes
 from robocell.generate.estimate import ProbeError, estimate
 from robocell.generate.job import Job, Result
+from robocell.generate.procfs import age_s
 from robocell.generate.progress import make_progress
 from robocell.generate.resume import DamagedEpisodesError
 from robocell.generate.summary import Summary
@@ -123,7 +124,8 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
     if not to_do:
         return
     try:
-        found = estimate(job.run_file, job.overrides, to_do, job.run.workers)
+        # Up to here it did what it does before it starts workers.
+        found = estimate(job.run_file, job.overrides, to_do, job.run.workers, before_s=age_s())
     except ProbeError as error:
         fail(f"no episode can be made: {error}", EXIT_CODES[error.failure.kind])
     if as_json:

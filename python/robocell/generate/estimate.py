@@ -15,6 +15,7 @@ from typing import Any
 
 from robocell.generate.items import counts_text
 from robocell.generate.probe import Probe, Sample
+from robocell.generate.procfs import peak_bytes
 from robocell.generate.protocol import Failure
 from robocell.generate.totals import counted, duration, size
 
@@ -41,7 +42,7 @@ class Estimate:
         bytes: On the disk.
         seconds: On this machine, with `workers` processes.
         workers: As configured.
-        memory_bytes: Of all workers with their encoders, at most.
+        memory_bytes: Of this command, its workers and their encoders, at most.
         tried, seen: Items that were made without and with cameras to know this.
         reasons: Reason -> starts refused and rollouts failed among those that were tried.
     """
@@ -78,22 +79,38 @@ class Estimate:
 
 
 def estimate(
-    run_file: Path, overrides: Sequence[str], indices: Sequence[int], workers: int
+    run_file: Path,
+    overrides: Sequence[str],
+    indices: Sequence[int],
+    workers: int,
+    *,
+    before_s: float = 0.0,
 ) -> Estimate:
     """Makes a few of the plan's items (by index) in a temporary folder and scales up.
 
-    ProbeError when they cannot be made.
+    `before_s` is what the command takes before it starts its workers. ProbeError when they cannot
+    be made.
     """
     with tempfile.TemporaryDirectory(prefix="robocell-probe-") as folder:
-        return scaled(_probe(run_file, overrides, indices, folder), len(indices), workers)
+        probe = _probe(run_file, overrides, indices, folder)
+    return scaled(probe, len(indices), workers, before_s=before_s, own_bytes=peak_bytes())
 
 
-def scaled(probe: Probe, items: int, workers: int, cores: int | None = None) -> Estimate:
+def scaled(
+    probe: Probe,
+    items: int,
+    workers: int,
+    *,
+    cores: int | None = None,
+    before_s: float = 0.0,
+    own_bytes: int = 0,
+) -> Estimate:
     """From the items that were tried to all.
 
     Rows and bytes of the time series are those of the blind items; what cameras add to an item
     (bytes of the files, seconds) is the difference between both kinds of the same items, in
-    proportion to their rows.
+    proportion to their rows. `before_s` passes before there are workers; `own_bytes` is the
+    memory of the process that supervises them.
     """
     blind, seeing = probe.blind, probe.seeing
     same = blind[: len(seeing)]
@@ -104,10 +121,11 @@ def scaled(probe: Probe, items: int, workers: int, cores: int | None = None) -> 
     video_bytes = _sum(seeing, "video_bytes") / seen_rows * rows
     more_bytes = _sum(seeing, "bytes") - _sum(seeing, "video_bytes") - _sum(same, "bytes")
     more_per_episode = more_bytes / max(1, _sum(seeing, "kept"))
-    more_seconds = max(0.0, _sum(seeing, "seconds") - _sum(same, "seconds"))
-    per_rollout = more_seconds / max(1, _sum(seeing, "rollouts"))
-    work = _sum(blind, "seconds") * factor + per_rollout * _sum(blind, "rollouts") * factor
-    at_once = max(1, min(workers, items, cores or os.cpu_count() or 1))
+    cores = cores or len(os.sched_getaffinity(0))
+    at_once = max(1, min(workers, items, cores))
+    work = _with_cameras(probe, "seconds") * factor / at_once
+    # An item with cameras draws and encodes at the same time: workers share what cores there are.
+    cpu_work = _with_cameras(probe, "cpu_seconds") * factor / cores
     streams = _sum(seeing, "frames") / seen_rows
     return Estimate(
         items=items,
@@ -116,15 +134,21 @@ def scaled(probe: Probe, items: int, workers: int, cores: int | None = None) -> 
         rows=round(rows),
         frames=round(streams * rows),
         bytes=round(_sum(blind, "bytes") * factor + more_per_episode * kept + video_bytes),
-        seconds=probe.start_s + work / at_once,
+        seconds=before_s + probe.start_s + max(work, cpu_work),
         workers=workers,
-        memory_bytes=round(
-            min(workers, items) * (probe.worker_bytes + streams * probe.child_bytes)
-        ),
+        memory_bytes=own_bytes + min(workers, items) * (probe.worker_bytes + probe.encoder_bytes),
         tried=len(blind),
         seen=len(seeing),
         reasons=sum((Counter(sample.reasons) for sample in blind), Counter()),
     )
+
+
+def _with_cameras(probe: Probe, name: str) -> float:
+    """Of the items that were made blind, with what cameras would have added."""
+    seeing = probe.seeing
+    more = max(0.0, _sum(seeing, name) - _sum(probe.blind[: len(seeing)], name))
+    per_rollout = more / max(1, _sum(seeing, "rollouts"))
+    return _sum(probe.blind, name) + per_rollout * _sum(probe.blind, "rollouts")
 
 
 def _sum(samples: Sequence[Sample], name: str) -> float:

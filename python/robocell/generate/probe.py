@@ -21,6 +21,7 @@ from typing import Any
 
 from robocell import Dataset, PlanItem, RunConfig, Runner, make_plan, prepare_dataset
 from robocell.generate.items import recorded_frames
+from robocell.generate.procfs import ChildrenWatch, age_s, peak_bytes
 from robocell.generate.protocol import Failure
 
 MOST_BLIND, BLIND_S = 24, 8.0
@@ -40,6 +41,7 @@ class Sample:
         bytes: Of all their files.
         video_bytes: Of their videos.
         seconds: It took.
+        cpu_seconds: Of all cores, with the encoders.
         reasons: Reason -> starts refused and rollouts failed.
     """
 
@@ -51,6 +53,7 @@ class Sample:
     bytes: int
     video_bytes: int
     seconds: float
+    cpu_seconds: float
     reasons: Mapping[str, int] = field(default_factory=dict)
 
 
@@ -61,16 +64,16 @@ class Probe:
     Attributes:
         blind: Items without cameras.
         seeing: The first of them with cameras.
-        start_s: Until the first item could be begun.
+        start_s: From the start of the process until the first item could be begun.
         worker_bytes: Most memory of this process.
-        child_bytes: Most memory of an encoder.
+        encoder_bytes: Most memory of its encoders, together.
     """
 
     blind: Sequence[Sample]
     seeing: Sequence[Sample]
     start_s: float
     worker_bytes: int
-    child_bytes: int
+    encoder_bytes: int
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Probe:
@@ -90,21 +93,15 @@ def spread(count: int, most: int) -> list[int]:
 
 def measure(run_file: str, overrides: Sequence[str], indices: Sequence[int], folder: Path) -> Probe:
     """Makes items of the plan: blind ones first, then some of the same with their cameras."""
-    began = time.monotonic()
     blind_run = _load(run_file, [*overrides, "cameras.streams=[]"], folder / "blind")
     plan = make_plan(blind_run)
     items = [plan[indices[place]] for place in spread(len(indices), MOST_BLIND)]
-    start_s = time.monotonic() - began
+    start_s = age_s()
     blind = _make(blind_run, items, BLIND_S)
     seeing_run = _load(run_file, overrides, folder / "seeing")
-    seeing = _make(seeing_run, items[: min(MOST_SEEING, len(blind))], SEEING_S)
-    return Probe(
-        blind,
-        seeing,
-        start_s,
-        _most_bytes(resource.RUSAGE_SELF),
-        _most_bytes(resource.RUSAGE_CHILDREN),
-    )
+    with ChildrenWatch() as encoders:
+        seeing = _make(seeing_run, items[: min(MOST_SEEING, len(blind))], SEEING_S)
+    return Probe(blind, seeing, start_s, peak_bytes(), encoders.bytes)
 
 
 def _load(run_file: str, overrides: Sequence[str], folder: Path) -> RunConfig:
@@ -126,9 +123,9 @@ def _make(run: RunConfig, items: Sequence[PlanItem], budget_s: float) -> list[Sa
 
 
 def _make_one(runner: Runner, item: PlanItem, folder: Path) -> Sample:
-    began = time.monotonic()
+    began, cpu_before = time.monotonic(), _cpu_seconds()
     report = runner.run(item)
-    seconds = time.monotonic() - began
+    seconds, cpu_seconds = time.monotonic() - began, _cpu_seconds() - cpu_before
     dataset = Dataset(folder)
     ids = [name for name in dataset.ids if name == item.id or name.startswith(f"{item.id}_a")]
     files = [file for name in ids for file in (dataset.folder / name).iterdir()]
@@ -143,12 +140,14 @@ def _make_one(runner: Runner, item: PlanItem, folder: Path) -> Sample:
         bytes=sum(file.stat().st_size for file in files),
         video_bytes=sum(file.stat().st_size for file in videos),
         seconds=seconds,
+        cpu_seconds=cpu_seconds,
         reasons={**report.refusals, **report.failures},
     )
 
 
-def _most_bytes(who: int) -> int:
-    return resource.getrusage(who).ru_maxrss * 1024  # Linux counts kilobytes
+def _cpu_seconds() -> float:
+    usages = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(usage.ru_utime + usage.ru_stime for usage in usages)
 
 
 def main() -> int:

@@ -1,0 +1,98 @@
+"""What processes take, as the system counts it: memory and time.
+
+    with ChildrenWatch() as watch:
+        encode()
+    watch.bytes  # most that the children of this process had at one time
+    peak_bytes()  # most that this process ever had
+    age_s()  # since this process was started
+
+`getrusage` would count what a child shared with us before it became another program.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+import time
+from pathlib import Path
+from types import TracebackType
+
+LOOK_EVERY_S = 0.05
+
+
+def peak_bytes(pid: int | str = "self") -> int:
+    """Most memory that a process has had so far; 0 when it is gone."""
+    try:
+        lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    except OSError:
+        return 0
+    found = (line for line in lines if line.startswith("VmHWM:"))
+    return sum(int(line.split()[1]) for line in found) * 1024  # there is one
+
+
+def children(pid: int) -> list[int]:
+    """The programs that a process started and that run.
+
+    Without a child that is about to become another program: it still shares its parent's memory.
+    """
+    own = _command(pid)
+    return [child for child in _started_by(pid) if _command(child) not in (own, b"")]
+
+
+def age_s() -> float:
+    """Since this process was started, before it was Python."""
+    started = int(_stat("self")[19]) / os.sysconf("SC_CLK_TCK")
+    return time.clock_gettime(time.CLOCK_BOOTTIME) - started
+
+
+def _started_by(pid: int) -> list[int]:
+    found = []
+    for entry in Path("/proc").iterdir():
+        if not entry.name.isdigit():
+            continue
+        try:
+            parent = int(_stat(entry.name)[1])
+        except OSError:
+            continue  # it ended
+        if parent == pid:
+            found.append(int(entry.name))
+    return found
+
+
+def _stat(pid: str) -> list[str]:
+    """The fields after the name, proc(5)'s third and up."""
+    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+
+
+def _command(pid: int) -> bytes:
+    """Words of its command line; b"" when it is gone."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
+class ChildrenWatch:
+    """Looks at the children of this process again and again; see above."""
+
+    def __init__(self) -> None:
+        self.bytes = 0
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._look, daemon=True)
+
+    def __enter__(self) -> ChildrenWatch:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self._stop.set()
+        self._thread.join()
+
+    def _look(self) -> None:
+        while not self._stop.wait(LOOK_EVERY_S):
+            self.bytes = max(self.bytes, sum(peak_bytes(pid) for pid in children(os.getpid())))
