@@ -52,8 +52,14 @@ def calls(notes: Notes, do: Sequence[str]) -> str:
     return str(count) if count else NOT_RUN
 
 
+def full_disks(notes: Notes) -> str:
+    """Real ones, or those of the shim where none may be mounted."""
+    found = [f"{note['kilobytes']} kB ({note['how']})" for note in of(notes, "full_disk")]
+    return ", ".join(found) if found else NOT_RUN
+
+
 def damage(notes: Notes, how: str) -> str:
-    """Of files of episodes."""
+    """Of files of a dataset."""
     found = [note for note in of(notes, "damage") if note["how"] == how]
     files = ", ".join(sorted({note["file"] for note in found}))
     return f"{sum(note['times'] for note in found)} ({files})" if found else NOT_RUN
@@ -85,6 +91,7 @@ def table(notes: Notes, logs: Mapping[str, str]) -> str:
             notes, ("fail", "full")
         ),
         "deaths at a call, nothing lost": calls(notes, ("kill_before", "kill_after")),
+        "disks that filled up in a run, finished after they grew": full_disks(notes),
         "bits flipped, each found": damage(notes, "flip_bit"),
         "files cut short, each found": damage(notes, "cut"),
         **{

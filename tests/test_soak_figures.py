@@ -13,6 +13,7 @@ NOTES = [
     {"what": "calls", "program": "a", "do": "fail", "times": 30},
     {"what": "calls", "program": "b", "do": "full", "times": 12},
     {"what": "calls", "program": "a", "do": "kill_after", "times": 7},
+    {"what": "full_disk", "how": "tmpfs", "kilobytes": 1024},
     {"what": "damage", "file": "steps.h5", "how": "flip_bit", "times": 100},
     {
         "what": "things",
@@ -30,6 +31,7 @@ def test_figures_are_summed_and_gaps_are_named():
     assert "| kills survived, nothing acknowledged lost | 5 (inside 2, worker 3) |" in text
     assert "each reported | 42 |" in text
     assert "| deaths at a call, nothing lost | 7 |" in text
+    assert "finished after they grew | 1024 kB (tmpfs) |" in text
     assert "| bits flipped, each found | 100 (steps.h5) |" in text
     assert "| files cut short, each found | not run |" in text
     assert "| 1000: 0 descriptors, 0 processes, 0 bytes each stay |" in text

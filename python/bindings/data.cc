@@ -13,6 +13,7 @@
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/leftovers.h"
+#include "robocell/data/signed_json.h"
 #include "robocell/data/verify.h"
 
 namespace nb = nanobind;
@@ -229,6 +230,9 @@ void BindLeftovers(nb::module_& m) {
 }
 
 void BindVerify(nb::module_& m) {
+  m.def("sign_json", &SignJson, "text"_a,
+        "A JSON text with its own hash where 64 zeros are: \"json_sha256\": \"000...\".");
+  m.def("json_is_intact", &JsonIsIntact, "text"_a, "Whether a text is exactly what was signed.");
   nb::class_<VerifyProblem>(m, "VerifyProblem", "What is wrong with one file of a dataset.")
       .def_ro("episode", &VerifyProblem::episode)
       .def_ro("file", &VerifyProblem::file)

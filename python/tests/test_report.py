@@ -118,14 +118,16 @@ def test_what_is_no_report_is_named_with_its_path(tmp_path: Path, text: str):
         reports.load(path)
 
 
-def test_every_cut_of_a_report_is_found(tmp_path: Path):
+def test_every_cut_and_every_flipped_bit_of_a_report_is_found(tmp_path: Path):
     path = tmp_path / "report.json"
     reports.save(path, a_report(("a",)))
     whole = path.read_bytes().rstrip()
     for length in range(0, len(whole), max(1, len(whole) // 100)):
-        path.write_bytes(whole[:length])
-        with pytest.raises(DamagedReportError):
-            reports.load(path)
+        flipped = whole[:length] + bytes([whole[length] ^ 1 << length % 8]) + whole[length + 1 :]
+        for damaged in (whole[:length], flipped + b"\n"):
+            path.write_bytes(damaged)
+            with pytest.raises(DamagedReportError, match=r"report\.json' is damaged: "):
+                reports.load(path)
 
 
 def test_sizes_read_like_words():

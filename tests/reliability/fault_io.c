@@ -1,15 +1,19 @@
-// A shim to preload: the N-th call of a program that changes a file under a folder fails, or kills
-// the program. What a full disk, a dying disk and a power cut do, at a chosen instant.
+// A shim to preload: a chosen call of a program that changes a file fails, or kills the program.
+// What a full disk, a dying disk and a power cut do, at a chosen instant.
 //
 //   LD_PRELOAD=libfault_io.so FAULT_PROGRAM=write_ledger FAULT_UNDER=/data FAULT_AT=17 FAULT_DO=full
 //
-// FAULT_DO: fail (this call: EIO), full (this and all later ones: ENOSPC), kill_before, kill_after.
-// A write that fails or kills takes half of its bytes first, as disks do. The instant is told on
-// standard error as "fault: <call> <path>". Calls that take space away again (unlink) never fail.
+// FAULT_UNDER: how the paths begin that are watched. FAULT_AT: the number of the call, counted in
+// each process; or a pattern, as of file names, for "<call> <path>": "rename */dataset.json"; or
+// "1000 bytes" for the write that would be more than so much. FAULT_DO: fail (the call: EIO), full
+// (the call and all later ones: ENOSPC), kill_before, kill_after. A write that fails or kills takes
+// half of its bytes first, as disks do. The instant is told on standard error as
+// "fault: <call> <path>". Calls that take space away again (unlink) never fail.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <fnmatch.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdarg.h>
@@ -24,7 +28,8 @@
 
 enum { kPass, kFail, kKillBefore, kKillAfter };
 
-static atomic_long calls;
+static atomic_long calls, bytes;
+static atomic_int struck;
 
 static const char* Setting(const char* name) {
   const char* value = getenv(name);
@@ -37,14 +42,26 @@ static int Watched(const char* path) {
          strncmp(path, folder, strlen(folder)) == 0;
 }
 
-// What becomes of a call that changes `path`.
-static int Decide(const char* call, const char* path) {
+// Whether a call is the one that FAULT_AT means.
+static int IsChosen(const char* call, const char* path, size_t size) {
+  const char* at = Setting("FAULT_AT");
+  char* unit;
+  const long number = strtol(at, &unit, 10);
+  if (strcmp(unit, " bytes") == 0)
+    return atomic_fetch_add(&bytes, (long)size) + (long)size > number;
+  if (*unit == 0) return atomic_fetch_add(&calls, 1) + 1 == number;
+  char text[PATH_MAX + 32];
+  snprintf(text, sizeof text, "%s %s", call, path);
+  return fnmatch(at, text, 0) == 0;
+}
+
+// What becomes of a call that changes `path`, by `size` bytes.
+static int Decide(const char* call, const char* path, size_t size) {
   if (!Watched(path)) return kPass;
-  const long at = atol(Setting("FAULT_AT"));
-  const long now = atomic_fetch_add(&calls, 1) + 1;
   const char* action = Setting("FAULT_DO");
   const int full = strcmp(action, "full") == 0;
-  if (now != at && !(full && now > at)) return kPass;
+  if (!IsChosen(call, path, size) && !(full && atomic_load(&struck))) return kPass;
+  atomic_store(&struck, 1);
   dprintf(2, "fault: %s %s\n", call, path);
   if (strcmp(action, "kill_before") == 0) return kKillBefore;
   if (strcmp(action, "kill_after") == 0) return kKillAfter;
@@ -52,13 +69,13 @@ static int Decide(const char* call, const char* path) {
   return kFail;
 }
 
-static int DecideOpen(const char* call, int descriptor) {
+static int DecideOpen(const char* call, int descriptor, size_t size) {
   char link[64], path[PATH_MAX];
   snprintf(link, sizeof link, "/proc/self/fd/%d", descriptor);
-  const ssize_t size = readlink(link, path, sizeof path - 1);
-  if (size < 0) return kPass;
-  path[size] = 0;
-  return Decide(call, path);
+  const ssize_t length = readlink(link, path, sizeof path - 1);
+  if (length < 0) return kPass;
+  path[length] = 0;
+  return Decide(call, path, size);
 }
 
 static void Die(void) {
@@ -85,41 +102,47 @@ static void Die(void) {
 #define REAL(name) ((__typeof__(&name))dlsym(RTLD_NEXT, #name))
 
 ssize_t write(int fd, const void* data, size_t size) {
-  FAULTY(DecideOpen("write", fd), REAL(write)(fd, data, size / 2), REAL(write)(fd, data, size));
+  FAULTY(DecideOpen("write", fd, size), REAL(write)(fd, data, size / 2),
+         REAL(write)(fd, data, size));
 }
 ssize_t pwrite(int fd, const void* data, size_t size, off_t at) {
-  FAULTY(DecideOpen("pwrite", fd), REAL(pwrite)(fd, data, size / 2, at),
+  FAULTY(DecideOpen("pwrite", fd, size), REAL(pwrite)(fd, data, size / 2, at),
          REAL(pwrite)(fd, data, size, at));
 }
 ssize_t pwrite64(int fd, const void* data, size_t size, off64_t at) {
-  FAULTY(DecideOpen("pwrite", fd), REAL(pwrite64)(fd, data, size / 2, at),
+  FAULTY(DecideOpen("pwrite", fd, size), REAL(pwrite64)(fd, data, size / 2, at),
          REAL(pwrite64)(fd, data, size, at));
 }
+static size_t SizeOf(const struct iovec* parts, int count) {
+  size_t size = 0;
+  for (int i = 0; i < count; ++i) size += parts[i].iov_len;
+  return size;
+}
 ssize_t writev(int fd, const struct iovec* parts, int count) {
-  FAULTY(DecideOpen("writev", fd), REAL(writev)(fd, parts, count / 2),
+  FAULTY(DecideOpen("writev", fd, SizeOf(parts, count)), REAL(writev)(fd, parts, count / 2),
          REAL(writev)(fd, parts, count));
 }
-int fsync(int fd) { FAULTY(DecideOpen("fsync", fd), 0, REAL(fsync)(fd)); }
-int fdatasync(int fd) { FAULTY(DecideOpen("fdatasync", fd), 0, REAL(fdatasync)(fd)); }
+int fsync(int fd) { FAULTY(DecideOpen("fsync", fd, 0), 0, REAL(fsync)(fd)); }
+int fdatasync(int fd) { FAULTY(DecideOpen("fdatasync", fd, 0), 0, REAL(fdatasync)(fd)); }
 int ftruncate(int fd, off_t size) {
-  FAULTY(DecideOpen("ftruncate", fd), 0, REAL(ftruncate)(fd, size));
+  FAULTY(DecideOpen("ftruncate", fd, 0), 0, REAL(ftruncate)(fd, size));
 }
 int ftruncate64(int fd, off64_t size) {
-  FAULTY(DecideOpen("ftruncate", fd), 0, REAL(ftruncate64)(fd, size));
+  FAULTY(DecideOpen("ftruncate", fd, 0), 0, REAL(ftruncate64)(fd, size));
 }
 int mkdir(const char* path, mode_t mode) {
-  FAULTY(Decide("mkdir", path), 0, REAL(mkdir)(path, mode));
+  FAULTY(Decide("mkdir", path, 0), 0, REAL(mkdir)(path, mode));
 }
 int rename(const char* from, const char* to) {
-  FAULTY(Decide("rename", to), 0, REAL(rename)(from, to));
+  FAULTY(Decide("rename", to, 0), 0, REAL(rename)(from, to));
 }
 int renameat2(int from_folder, const char* from, int to_folder, const char* to, unsigned flags) {
-  FAULTY(Decide("rename", to), 0, REAL(renameat2)(from_folder, from, to_folder, to, flags));
+  FAULTY(Decide("rename", to, 0), 0, REAL(renameat2)(from_folder, from, to_folder, to, flags));
 }
 
 // Opening counts when it may make a file.
 static int DecideCreation(const char* path, int flags) {
-  return flags & O_CREAT ? Decide("create", path) : kPass;
+  return flags & O_CREAT ? Decide("create", path, 0) : kPass;
 }
 int open(const char* path, int flags, ...) {
   va_list rest;

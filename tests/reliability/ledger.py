@@ -5,15 +5,15 @@ from __future__ import annotations
 import os
 import re
 import subprocess
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import robocell
 
 BUILD = Path(__file__).resolve().parents[2] / "build" / "release"
-COUNT = 2  # the first episode has no video, the last has one
-_FAULT = re.compile(r"fault: \w+ \S+")
-IDS = [f"e{number}" for number in range(COUNT)]
+MODEL = Path(robocell.models.root()) / "robots" / "rc7" / "rc7.xml"  # any file
+_FAULT = re.compile(r"fault: (\w+) (\S+)")
 
 
 @dataclass(frozen=True)
@@ -21,20 +21,27 @@ class Ending:
     """How a run of the program ended.
 
     Attributes:
+        dataset: Where it wrote.
         code: Exit code; negative for a signal.
         acknowledged: Ids of the episodes that it said were committed.
         said: Standard error.
     """
 
+    dataset: Path
     code: int
     acknowledged: list[str]
     said: str
 
     @property
     def fault(self) -> str:
-        """The call that was made to fail, with its path; empty when none was reached."""
+        """The call that was made to fail: "rename e0", "fsync ."; empty when none was reached."""
         found = _FAULT.search(self.said)  # an encoder's words are quoted in the message
-        return found[0] if found else ""
+        return f"{found[1]} {os.path.relpath(found[2], self.dataset)}" if found else ""
+
+    @property
+    def is_write(self) -> bool:
+        """Whether it would have made a file longer."""
+        return "write" in self.fault and ".lock" not in self.fault
 
     @property
     def message(self) -> str:
@@ -42,30 +49,26 @@ class Ending:
         return _FAULT.sub("", self.said)
 
 
-def write(dataset: Path, program: str = "", at: int = 0, do: str = "") -> Ending:
-    """Writes the episodes; with a program, its call number `at` under the dataset meets `do`."""
+def write(
+    dataset: Path, kinds: Sequence[str], program: str = "", at: int | str = 0, do: str = ""
+) -> Ending:
+    """Writes an episode of each kind; with a program, its call `at` in the dataset meets `do`."""
     faults = {
         "LD_PRELOAD": str(BUILD / "libfault_io.so"),
         "FAULT_PROGRAM": program,
-        "FAULT_UNDER": f"{dataset}/",
+        "FAULT_UNDER": str(dataset),  # the folder itself too
         "FAULT_AT": str(at),
         "FAULT_DO": do,
     }
     run = subprocess.run(
-        [BUILD / "write_ledger", dataset, str(COUNT)],
+        [BUILD / "write_ledger", dataset, MODEL, *kinds],
         env={**os.environ, **(faults if program else {})},
         capture_output=True,
         text=True,
         timeout=120,
         check=False,
     )
-    return Ending(run.returncode, run.stdout.split(), run.stderr)
-
-
-def contents(dataset: Path) -> dict[str, bytes]:
-    """Everything of the episodes that must be the same whenever they are written."""
-    files = [*dataset.glob("e*/steps.h5"), *dataset.glob("e*/*.mp4"), *dataset.glob("e*/*.mjb")]
-    return {str(file.relative_to(dataset)): file.read_bytes() for file in files}
+    return Ending(dataset, run.returncode, run.stdout.split(), run.stderr)
 
 
 def is_blank(dataset: Path) -> bool:

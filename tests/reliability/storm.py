@@ -8,6 +8,7 @@ import os
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -17,6 +18,7 @@ from ledger import is_blank
 import robocell
 from contents import contents
 
+EPISODES = 8
 RUN = {
     "run": "storm",
     "robot": str(robocell.models.robot_file("rc7")),
@@ -40,13 +42,11 @@ class Storm:
 
     Attributes:
         folder: Holds the run file and the dataset.
-        episodes: How many the run has.
         acknowledged: Ids that the command said were made.
         kills: Way -> how many.
     """
 
     folder: Path
-    episodes: int
     acknowledged: set[str] = field(default_factory=set)
     kills: Counter[str] = field(default_factory=Counter)
 
@@ -55,14 +55,19 @@ class Storm:
         """Where the episodes are."""
         return self.folder / "out"
 
-    def start(self, workers: int, **environment: str) -> subprocess.Popen[str]:
-        """Starts the command, in a session of its own."""
+    def start(
+        self,
+        workers: int,
+        environment: Mapping[str, str] = {},
+        wrap: Callable[[list[str]], list[str]] = list,
+    ) -> subprocess.Popen[str]:
+        """Starts the command; `wrap` may put another before it."""
         file = self.folder / "run.yaml"
-        run = {**RUN, "episodes_per_scene": self.episodes, "output": str(self.dataset)}
+        run = {**RUN, "episodes_per_scene": EPISODES, "output": str(self.dataset)}
         file.write_text(yaml.safe_dump(run))
         options = ["--workers", str(workers), "--progress", "jsonl"]
         return subprocess.Popen(
-            [sys.executable, "-m", "robocell", "generate", str(file), *options],
+            wrap([sys.executable, "-m", "robocell", "generate", str(file), *options]),
             env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **environment},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
@@ -98,5 +103,12 @@ class Storm:
         self.take(events)
         self.require_nothing_lost()
         report = robocell.verify(self.dataset)
-        assert len(report.good) == self.episodes
+        assert len(report.good) == EPISODES
         assert report.leftovers == [], "what the dead were writing is gone"
+
+
+def marks(storm: Storm) -> dict[Path, tuple[int, int]]:
+    """Of every file of the committed episodes: what changes when it is written."""
+    folders = [storm.dataset / name for name in robocell.Dataset(storm.dataset).ids]
+    files = [(file, file.stat()) for folder in folders for file in folder.iterdir()]
+    return {file: (status.st_ino, status.st_mtime_ns) for file, status in files}

@@ -10,36 +10,101 @@ from pathlib import Path
 
 import figures
 import pytest
-from storm import Storm
+from disks import quick_folder
+from storm import Storm, marks
 
 import robocell
 
-EPISODES = 3
+OF_AN_EPISODE = ["steps.h5", "wrist.mp4", "wrist.depth.mov", "episode.json"]
+OF_THE_DATASET = ["dataset.json", "report.json"]
+OF_A_MODEL = ["models/rc7-*/rc7.xml", "models/rc7-*/SHA256SUMS"]
+FEW = 3  # episodes are enough to damage one of them
+EVERY = [*OF_AN_EPISODE, *OF_THE_DATASET, *OF_A_MODEL]
 
 
-def flip_a_bit(file: Path) -> None:
-    content = bytearray(file.read_bytes())
-    content[len(content) // 3] ^= 0x10
-    file.write_bytes(content)
+def flip_bit(content: bytes, at: int) -> bytes:
+    return content[:at] + bytes([content[at] ^ 1 << at % 8]) + content[at + 1 :]
 
 
-def truncate(file: Path) -> None:
-    file.write_bytes(file.read_bytes()[: file.stat().st_size * 2 // 3])
+def cut(content: bytes, at: int) -> bytes:
+    return content[:at]
 
 
-def empty(file: Path) -> None:
-    file.write_bytes(b"")
+Damage = Callable[[bytes, int], bytes]
 
 
-def remove(file: Path) -> None:
-    file.unlink()
+def damage_at(file: Path, damage: Damage, percent: int) -> None:
+    whole = file.read_bytes()
+    file.write_bytes(damage(whole, len(whole) * percent // 100))
 
 
-@pytest.fixture(scope="module")
-def calm(tmp_path_factory: pytest.TempPathFactory) -> Storm:
-    calm = Storm(tmp_path_factory.mktemp("calm"), EPISODES)
-    calm.finish()
-    return calm
+class Victim:
+    """One file of a copy of the dataset's first episodes.
+
+    Attributes:
+        dataset: The copy.
+        file: The one.
+        name: How `verify` calls it.
+        part: What `repair` moves because of it: the episode, the model, or the file.
+        others: The episodes that have nothing to do with it.
+    """
+
+    def __init__(self, calm: Storm, folder: Path, kind: str) -> None:
+        self._calm = calm
+        self.dataset = folder / "out"
+        self.fresh()
+        ids = robocell.Dataset(self.dataset).ids
+        episode = ids[1] if kind in OF_AN_EPISODE else None
+        self.file = next(self.dataset.glob(f"{episode}/{kind}" if episode else kind))
+        self.name = str(self.file.relative_to(self.dataset))
+        self.part = self.name if kind in OF_THE_DATASET else self.file.parent.name
+        self.others = [name for name in ids if name != episode]
+
+    def fresh(self) -> None:
+        """Everything is as it was."""
+        shutil.rmtree(self.dataset, ignore_errors=True)
+        rest = shutil.ignore_patterns(*robocell.Dataset(self._calm.dataset).ids[FEW:])
+        shutil.copytree(self._calm.dataset, self.dataset, ignore=rest)
+
+
+def require_named_and_set_aside(victim: Victim, where: str) -> None:
+    report = robocell.verify(victim.dataset)
+    assert [str(problem).startswith(f"{victim.name}: ") for problem in report.problems] == [True], (
+        f"{where}: {report}"
+    )
+    assert report.good == victim.others, f"{where}: the others stay readable"
+    assert robocell.repair(victim.dataset).moved == [victim.part], where
+    assert (victim.dataset / ".quarantine" / victim.part).exists(), f"{where}: nothing is deleted"
+    after = robocell.verify(victim.dataset)
+    assert after.good == victim.others, f"{where}: {after}"
+    missing = [problem for problem in after.problems if "it is missing" in problem.reason]
+    assert after.problems == missing, f"{where}: {after}"
+    assert after.ok or "models/" in victim.name, "a model is needed, not to read but to replay"
+
+
+@pytest.mark.parametrize("kind", EVERY)
+@pytest.mark.parametrize("damage", [flip_bit, cut])
+@pytest.mark.parametrize("step", [10, pytest.param(1, marks=pytest.mark.soak)])
+def test_damage_anywhere_is_named_and_set_aside(
+    step: int, damage: Damage, kind: str, tmp_path: Path, calm: Storm
+):
+    with quick_folder(tmp_path) as folder:
+        victim = Victim(calm, folder, kind)
+        for percent in range(0, 100, step):
+            victim.fresh()
+            damage_at(victim.file, damage, percent)
+            require_named_and_set_aside(victim, f"{kind}, {percent} %")
+    times = len(range(0, 100, step))
+    figures.note("damage", file=Path(kind).name, how=damage.__name__, times=times)
+
+
+@pytest.mark.parametrize("kind", [*OF_AN_EPISODE, *OF_A_MODEL[:1]])
+def test_a_file_that_is_gone_is_named_and_its_rest_set_aside(
+    kind: str, tmp_path: Path, calm: Storm
+):
+    victim = Victim(calm, tmp_path, kind)
+    victim.file.unlink()
+    require_named_and_set_aside(victim, kind)
 
 
 def robocell_command(*arguments: object) -> subprocess.CompletedProcess[str]:
@@ -52,54 +117,45 @@ def robocell_command(*arguments: object) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("name", ["steps.h5", "wrist.mp4", "episode.json"])
-@pytest.mark.parametrize("damage", [flip_a_bit, truncate, empty, remove])
-def test_damage_is_named_set_aside_and_made_good(
-    damage: Callable[[Path], None], name: str, tmp_path: Path, calm: Storm
-):
-    storm = Storm(tmp_path, EPISODES)
+def test_what_repair_set_aside_is_made_again_and_nothing_else(tmp_path: Path, calm: Storm):
+    storm = Storm(tmp_path)
     shutil.copytree(calm.dataset, storm.dataset)
-    victim, *others = robocell.Dataset(storm.dataset).ids
-    damage(storm.dataset / victim / name)
+    ids = robocell.Dataset(storm.dataset).ids
+    files = [f"{ids[number]}/{name}" for number, name in enumerate(OF_AN_EPISODE)]
+    victims = [next(storm.dataset.glob(name)) for name in [*files, *OF_THE_DATASET, *OF_A_MODEL]]
+    for number, file in enumerate(victims):
+        damage_at(file, [flip_bit, cut][number % 2], 10 * number)
 
-    report = robocell.verify(storm.dataset)
-    assert not report.ok
-    assert victim in str(report)
-    assert name in str(report)
-    assert report.good == others, "the others stay readable"
     found = robocell_command("verify", storm.dataset)
-    assert found.returncode != 0
-    assert victim in found.stdout + found.stderr
-
+    assert found.returncode == 1
+    for file in victims:
+        assert file.name in found.stdout or "models/" in str(file)
     repaired = robocell_command("verify", "--repair", storm.dataset)
-    assert robocell.verify(storm.dataset).ok, repaired.stdout + repaired.stderr
-    assert (storm.dataset / ".quarantine").is_dir(), "nothing is deleted"
+    assert "moved aside: " in repaired.stdout
+    assert robocell.Dataset(storm.dataset).ids == ids[len(files) :]
+
+    before = marks(storm)
     storm.finish()
+    assert before.items() <= marks(storm).items(), "what was whole was not written again"
+    assert len(storm.acknowledged) == len(files)
+    assert robocell.verify(storm.dataset, decode_videos=True).ok
     assert storm.contents() == calm.contents()
 
 
-def flip_bit(content: bytes, at: int) -> bytes:
-    return content[:at] + bytes([content[at] ^ 1 << at % 8]) + content[at + 1 :]
-
-
-def cut(content: bytes, at: int) -> bytes:
-    return content[:at]
-
-
-@pytest.mark.soak
-@pytest.mark.parametrize("damage", [flip_bit, cut])
-def test_damage_at_every_hundredth_of_every_file_is_named(
-    damage: Callable[[bytes, int], bytes], tmp_path: Path, calm: Storm
-):
-    dataset = shutil.copytree(calm.dataset, tmp_path / "out")
-    victim, *others = robocell.Dataset(dataset).ids
-    for file in sorted((dataset / victim).iterdir()):
-        whole = file.read_bytes()
-        for part in range(100):
-            file.write_bytes(damage(whole, len(whole) * part // 100))
-            report = robocell.verify(dataset)
-            assert report.good == others, f"{file.name}, {part} %"
-            assert f"{victim}/{file.name}" in str(report), f"{file.name}, {part} %"
-        file.write_bytes(whole)
-        figures.note("damage", file=file.name, how=damage.__name__, times=100)
-    assert robocell.verify(dataset).ok
+def test_a_damaged_run_file_is_refused_or_means_the_same_episodes(tmp_path: Path, calm: Storm):
+    file = tmp_path / "run.yaml"
+    whole = (calm.folder / "run.yaml").read_bytes()
+    same, refused = robocell.RunConfig.load(calm.folder / "run.yaml"), 0
+    for damage in (flip_bit, cut):
+        for at in range(0, len(whole), max(1, len(whole) // 100)):
+            file.write_bytes(damage(whole, at))
+            try:
+                run = robocell.RunConfig.load(file)
+                run.output = str(calm.dataset)
+                robocell.check_dataset(run)
+            except robocell.Error:
+                refused += 1
+            else:
+                assert robocell.run_identity(run) == robocell.run_identity(same), (damage, at)
+    assert refused > 0
+    assert robocell.verify(calm.dataset).ok

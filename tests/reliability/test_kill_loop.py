@@ -7,23 +7,39 @@ the dataset ends up with the bytes of an undisturbed run. `make soak` does the l
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import random  # rule-ok: decides when to kill; no data depends on it
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import figures
 import pytest
 from ledger import BUILD
-from storm import Storm
+from storm import EPISODES, Storm
 
 import robocell
 
-# How a command dies. `inside`: a worker kills itself at its n-th change of the dataset.
-WAYS = ["worker", "supervisor", "both", "inside"]
+# How a command dies. Somebody kills it:
+OUTSIDE = ["worker", "supervisor", "both"]
+# Or one of its processes kills itself before or after a call. Death at each call that there is, is
+# for test_failing_disk.py.
+POINTS = {
+    "inside a write": ("pwrite */steps.h5", "kill_before"),
+    "with all files closed": ("write */.episode.json.*", "kill_before"),
+    "before the rename": ("rename */out/s0*", "kill_before"),
+    "between rename and sync": ("rename */out/s0*", "kill_after"),
+    "with the writers' lock": ("mkdir */out/.s0*", "kill_after"),
+    "with the lock": ("write */.lock", "kill_before"),
+    "in the report": ("rename */report.json", "kill_before"),
+}
+ANY_CALL = "at any call"
+WAYS = [*OUTSIDE, *POINTS, ANY_CALL]
 CHANGES_OF_AN_EPISODE = 90
 ATTEMPTS_PER_KILL = 3  # the command may end before its time has come
 
@@ -44,70 +60,103 @@ def kill(pid: int) -> bool:
     return False
 
 
-def strike(storm: Storm, chance: random.Random) -> None:
-    """One run of the command that dies in one of the ways, if it lives long enough."""
-    way = chance.choice(WAYS)
-    inside = {
-        "LD_PRELOAD": str(BUILD / "libfault_io.so"),
-        "FAULT_PROGRAM": Path(sys.executable).name,
-        "FAULT_UNDER": f"{storm.dataset}/.s",  # hidden folders of episodes, not the lock
-        "FAULT_AT": str(chance.randint(1, 3 * CHANGES_OF_AN_EPISODE)),
-        "FAULT_DO": chance.choice(["kill_before", "kill_after"]),
-    }
-    command = storm.start(chance.choice([1, 2, 3]), **(inside if way == "inside" else {}))
-    killed = False
-    if way != "inside":
-        time.sleep(chance.uniform(0.3, 4.0))
-        victims = workers_of(command) if way != "supervisor" else []
-        if way == "worker":
-            victims = [chance.choice(victims)] if victims else []
-        if way != "worker" and command.poll() is None:
-            victims.append(command.pid)
-        killed = sum(kill(pid) for pid in victims) > 0  # all of them, not only the first
+def strike(storm: Storm, chance: random.Random, way: str) -> None:
+    """One run of the command that dies in this way, if it lives long enough."""
+    workers = chance.choice([1, 2, 3, 7])
+    if way in OUTSIDE:
+        died = be_killed(storm, workers, chance, way)
+    else:
+        died = die_inside(storm, workers, chance, way)
+    storm.kills[way] += died
+    storm.require_nothing_lost()
+
+
+def be_killed(storm: Storm, workers: int, chance: random.Random, way: str) -> bool:
+    """Whether there was something to kill."""
+    command = storm.start(workers)
+    time.sleep(chance.uniform(0.3, 4.0))
+    victims = workers_of(command) if way != "supervisor" else []
+    if way == "worker":
+        victims = [chance.choice(victims)] if victims else []
+    if way != "worker" and command.poll() is None:
+        victims.append(command.pid)
+    killed = sum(kill(pid) for pid in victims) > 0  # all of them, not only the first
     if way == "worker" and killed:  # the supervisor goes on; enough seen after a while
         time.sleep(chance.uniform(0.0, 2.0))
         command.terminate()
     try:
-        events, said = command.communicate(timeout=240)
+        events, _ = command.communicate(timeout=240)
     finally:
         command.kill()
-    killed |= "fault: " in said or "SIGKILL" in events
-    storm.kills[way] += killed
     storm.take(events)
-    storm.require_nothing_lost()
+    return killed
 
 
-def survive(tmp_path: Path, kills: int, episodes: int, seed: int) -> Storm:
-    """The whole story: a calm run, a stormy one, and the comparison."""
-    calm = Storm(tmp_path / "calm", episodes)
-    calm.folder.mkdir()
-    calm.finish()
-    storm = Storm(tmp_path / "storm", episodes)
-    storm.folder.mkdir()
+def die_inside(storm: Storm, workers: int, chance: random.Random, point: str) -> bool:
+    """Whether the point was met."""
+    at, do = POINTS.get(
+        point,
+        (
+            str(chance.randint(1, CHANGES_OF_AN_EPISODE)),
+            chance.choice(["kill_before", "kill_after"]),
+        ),
+    )
+    fault = {
+        "LD_PRELOAD": str(BUILD / "libfault_io.so"),
+        "FAULT_PROGRAM": Path(sys.executable).name,
+        "FAULT_UNDER": str(storm.dataset),
+        "FAULT_AT": at,
+        "FAULT_DO": do,
+    }
+    before = told(storm)
+    command = storm.start(workers, fault)
+    assert command.stdout is not None
+    events = ""
+    try:
+        for line in command.stdout:  # every worker dies so: one is enough
+            events += line
+            if "SIGKILL" in line or '"event": "episode"' in line:
+                command.terminate()
+        command.wait(240)
+    finally:
+        command.kill()
+        _, said = command.communicate()
+    storm.take(events)
+    return "fault: " in said or told(storm) > before
+
+
+def told(storm: Storm) -> int:
+    """How often workers said that they kill themselves."""
+    logs = storm.dataset.glob(".logs/*.log")
+    return sum(log.read_text(errors="replace").count("fault: ") for log in logs)
+
+
+def survive(storm: Storm, calm: Storm, ways: Iterator[str], kills: int, seed: int) -> None:
+    """A stormy run, and the comparison with a calm one."""
     chance = random.Random(seed)
-    for _ in range(ATTEMPTS_PER_KILL * kills):
+    for _, way in zip(range(ATTEMPTS_PER_KILL * kills), ways, strict=False):
         if storm.kills.total() >= kills:
             break
-        strike(storm, chance)
-        if len(robocell.Dataset(storm.dataset).ids if storm.dataset.exists() else []) == episodes:
+        strike(storm, chance, way)
+        if len(robocell.Dataset(storm.dataset).ids if storm.dataset.exists() else []) == EPISODES:
             assert storm.contents() == calm.contents()
-            for folder in storm.dataset.glob("s*"):  # all made: begin again
-                for file in folder.iterdir():
-                    file.unlink()
-                folder.rmdir()
+            shutil.rmtree(storm.dataset)  # all made: begin again
             storm.acknowledged.clear()
     assert storm.kills.total() >= kills, storm.kills
     storm.finish()
     assert storm.contents() == calm.contents()
     figures.note("kills", **storm.kills)
-    return storm
 
 
-def test_a_dozen_deaths_lose_nothing(tmp_path: Path):
-    survive(tmp_path, kills=12, episodes=8, seed=1)
+def test_every_kind_of_death_loses_nothing(tmp_path: Path, calm: Storm):
+    storm = Storm(tmp_path)
+    survive(storm, calm, itertools.cycle(WAYS), kills=len(WAYS), seed=1)
+    assert [point for point in POINTS if not storm.kills[point]] == [], "never met"
 
 
 @pytest.mark.soak
-def test_two_hundred_deaths_lose_nothing(tmp_path: Path):
-    storm = survive(tmp_path, kills=200, episodes=12, seed=2)
-    assert set(storm.kills) == set(WAYS)
+def test_two_hundred_deaths_lose_nothing(tmp_path: Path, calm: Storm):
+    storm = Storm(tmp_path)
+    ways = random.Random(2)
+    survive(storm, calm, iter(lambda: ways.choice(WAYS), None), kills=200, seed=3)
+    assert {way for way, count in storm.kills.items() if count} == set(WAYS)

@@ -21,6 +21,7 @@ from robocell.generate.totals import Totals, Unmade, one_after_the_other, side_b
 
 FORMAT = "robocell-report"
 FORMAT_VERSION = 1
+UNSIGNED = {"json_sha256": "0" * 64}  # becomes the hash, see data/signed_json.h
 
 
 class DamagedReportError(Exception):
@@ -141,15 +142,19 @@ def report_paths(dataset: Path) -> list[Path]:
 def load(path: Path) -> RunReport:
     """Reads a report. OSError when there is none; DamagedReportError with its path."""
     try:
-        return RunReport.from_json(json.loads(path.read_bytes()))
+        text = path.read_bytes().decode()
+        if not _core.json_is_intact(text):
+            raise DamagedReportError("its text is not what was written: its own hash does not fit")
+        return RunReport.from_json(json.loads(text))
     except (ValueError, DamagedReportError) as error:
         raise DamagedReportError(f"'{path}' is damaged: {error}") from error
 
 
 def save(path: Path, report: RunReport) -> None:
     """Replaces a report in one step; OSError when the disk fails."""
-    text = json.dumps(report.to_json(), indent=1)
-    _core.atomic_write(path, f"{text}\n".encode())
+    values = {**report.to_json(), **UNSIGNED}
+    text = _core.sign_json(json.dumps(values, indent=1) + "\n")
+    _core.atomic_write(path, text.encode())
 
 
 def whole(reports: Sequence[RunReport]) -> Totals:

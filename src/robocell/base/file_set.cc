@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <cstdint>
 #include <mutex>
+#include <sstream>
+#include <string_view>
 #include <system_error>
 
 #include "robocell/base/io_error.h"
@@ -16,6 +18,9 @@ namespace robocell {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr size_t kHashDigits = 64;
+constexpr std::string_view kBetween = "  ";
 
 // Changes whenever the file does.
 using Mark = std::array<int64_t, 6>;
@@ -60,13 +65,6 @@ class Memory {
   std::map<fs::path, Known> known_;
 };
 
-// Of names and hashes: a line each, as `sha256sum` prints them.
-std::string Lines(const std::map<std::string, std::string>& hashes) {
-  std::string lines;
-  for (const auto& [name, hash] : hashes) lines += fmt::format("{}  {}\n", hash, name);
-  return lines;
-}
-
 fs::path CommonFolder(fs::path a, const fs::path& b) {
   while (*b.lexically_relative(a).begin() == "..") a = a.parent_path();
   return a;
@@ -89,26 +87,44 @@ FileSet MakeFileSet(const fs::path& main, const std::vector<fs::path>& files,
   fs::path folder = main.parent_path();
   for (const fs::path& file : files) folder = CommonFolder(folder, file);
   FileSet set{.main = main.lexically_relative(folder).generic_string(), .files = {}, .hash = {}};
-  std::map<std::string, std::string> hashes;
+  FileSums sums;
   for (const fs::path& file : files) {
     const std::string name = file.lexically_relative(folder).generic_string();
     set.files[name] = file;
-    hashes[name] = hashing.of_file(file);
+    sums[name] = hashing.of_file(file);
   }
-  set.hash = hashing.of_text(Lines(hashes));
+  set.hash = hashing.of_text(TextOf(sums));
   return set;
 }
 
-std::string HashOfFolder(const fs::path& folder) {
-  std::map<std::string, std::string> hashes;
+FileSums SumsOfFolder(const fs::path& folder) {
+  FileSums sums;
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
     if (it->is_directory() && !it->is_symlink()) continue;
-    hashes[it->path().lexically_relative(folder).generic_string()] = Sha256RealFile(it->path());
+    sums[it->path().lexically_relative(folder).generic_string()] = Sha256RealFile(it->path());
   }
   if (error) ThrowIoError("list", folder, error.value());
-  return Sha256(Lines(hashes));
+  return sums;
+}
+
+std::string TextOf(const FileSums& sums) {
+  std::string text;
+  for (const auto& [name, sum] : sums) text += fmt::format("{}{}{}\n", sum, kBetween, name);
+  return text;
+}
+
+std::optional<FileSums> ParseSums(const std::string& text) {
+  FileSums sums;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.size() <= kHashDigits + kBetween.size() ||
+        line.compare(kHashDigits, kBetween.size(), kBetween) != 0)
+      return std::nullopt;
+    sums[line.substr(kHashDigits + kBetween.size())] = line.substr(0, kHashDigits);
+  }
+  return sums;
 }
 
 }  // namespace robocell

@@ -11,6 +11,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,8 +43,15 @@ struct FileSet {
 FileSet MakeFileSet(const std::filesystem::path& main,
                     const std::vector<std::filesystem::path>& files, const Hashing& hashing = {});
 
-// The hash of the set that consists of all files in a folder, read anew. IoError names what is
-// neither a file nor a folder, such as a link.
-std::string HashOfFolder(const std::filesystem::path& folder);
+// Name -> SHA-256.
+using FileSums = std::map<std::string, std::string>;
+
+// Of all files in a folder, read anew. IoError names what is neither a file nor a folder.
+FileSums SumsOfFolder(const std::filesystem::path& folder);
+
+// A line each, as `sha256sum` prints and reads them. Its own SHA-256 is the hash of the set.
+std::string TextOf(const FileSums& sums);
+// Unset when it is no such text.
+std::optional<FileSums> ParseSums(const std::string& text);
 
 }  // namespace robocell

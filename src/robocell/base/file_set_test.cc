@@ -4,6 +4,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/hash.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -31,7 +32,7 @@ TEST(FileSet, HasNamesFromTheCommonFolderOn) {
 TEST(FileSet, HasTheSameHashWhereverItIs) {
   TempDir here, there;
   EXPECT_EQ(Arm(here.path()).hash, Arm(there.path()).hash);
-  EXPECT_EQ(Arm(here.path()).hash, HashOfFolder(there.path()));
+  EXPECT_EQ(Arm(here.path()).hash, Sha256(TextOf(SumsOfFolder(there.path()))));
 }
 
 // Of the same length and at once: the second one must not be taken for the first.
@@ -46,7 +47,15 @@ TEST(FileSet, HasAnotherHashWhenANameChanges) {
   TempDir temp;
   const std::string before = Arm(temp.path()).hash;
   fs::rename(temp / "common/a.stl", temp / "common/b.stl");
-  EXPECT_NE(HashOfFolder(temp.path()), before);
+  EXPECT_NE(Sha256(TextOf(SumsOfFolder(temp.path()))), before);
+}
+
+TEST(FileSums, ComeBackFromTheirText) {
+  const FileSums sums = {{"a b.xml", Sha256("a")}, {"assets/a.stl", Sha256("mesh")}};
+  EXPECT_EQ(ParseSums(TextOf(sums)), sums);
+  EXPECT_EQ(ParseSums(""), FileSums());
+  EXPECT_EQ(ParseSums("no sums\n"), std::nullopt);
+  EXPECT_EQ(ParseSums(Sha256("a") + "  "), std::nullopt);
 }
 
 TEST(FileSet, IsKnownByTheHashThatWasAskedFor) {
@@ -65,7 +74,7 @@ TEST(FileSet, IsKnownByTheHashThatWasAskedFor) {
 
 TEST(FileSet, NamesAMissingFile) {
   ExpectThrow<IoError>([] { MakeFileSet("/no/such.xml", {"/no/such.xml"}); }, "/no/such.xml");
-  ExpectThrow<IoError>([] { HashOfFolder("/no/such"); }, "/no/such");
+  ExpectThrow<IoError>([] { SumsOfFolder("/no/such"); }, "/no/such");
 }
 
 }  // namespace

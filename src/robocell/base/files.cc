@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -44,7 +45,8 @@ class File {
 
   int descriptor() const { return descriptor_; }
 
-  void Sync(SyncKind kind) {
+  // `needed_bytes`: for the message, when the disk turns out to be full.
+  void Sync(SyncKind kind, std::optional<uint64_t> needed_bytes = std::nullopt) {
     int result;
     do {
       result = ::fsync(descriptor_);
@@ -52,7 +54,7 @@ class File {
     if (result == 0) return;
     // Some network file systems have no flush for folders: their entries need none.
     if (kind == kFolder && (errno == EINVAL || errno == ENOTSUP)) return;
-    ThrowIoError("flush", path_, errno);
+    ThrowIoError("flush", path_, errno, needed_bytes);
   }
 
   // Some file systems report a failed write only here.
@@ -77,18 +79,18 @@ fs::path ParentOf(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-std::pair<File, fs::path> CreateTemporaryFile(const fs::path& target) {
+std::pair<File, fs::path> CreateTemporaryFile(const fs::path& target, uint64_t bytes) {
   for (;;) {
     fs::path path = TemporaryPath(ParentOf(target), target.filename().native());
     File file(path, O_WRONLY | O_CREAT | O_EXCL);
     if (file.descriptor() >= 0) return {std::move(file), std::move(path)};
-    if (errno != EEXIST) ThrowIoError("write", target, errno);
+    if (errno != EEXIST) ThrowIoError("write", target, errno, bytes);
   }
 }
 
 void WriteAndSync(File& file, std::string_view bytes, const fs::path& path) {
   WriteAll(file.descriptor(), bytes, path);
-  file.Sync(kContent);
+  file.Sync(kContent, bytes.size());
   file.Close();
 }
 
@@ -164,10 +166,11 @@ void WriteAll(int descriptor, std::string_view bytes, const fs::path& path) {
 }
 
 void AtomicWrite(const fs::path& path, std::string_view bytes) {
-  auto [file, temporary] = CreateTemporaryFile(path);
+  auto [file, temporary] = CreateTemporaryFile(path, bytes.size());
   try {
     WriteAndSync(file, bytes, path);
-    if (::rename(temporary.c_str(), path.c_str()) != 0) ThrowIoError("write", path, errno);
+    if (::rename(temporary.c_str(), path.c_str()) != 0)
+      ThrowIoError("write", path, errno, bytes.size());
   } catch (...) {
     ::unlink(temporary.c_str());
     throw;

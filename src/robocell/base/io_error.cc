@@ -6,21 +6,11 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/full_disk.h"
 
 namespace robocell {
 namespace fs = std::filesystem;
 namespace {
-
-std::string SpaceHint(const fs::path& path, std::optional<uint64_t> needed_bytes) {
-  std::string free = "an unknown number of";
-  try {
-    free = std::to_string(FreeBytes(path));
-  } catch (const IoError&) {
-  }
-  if (!needed_bytes) return fmt::format("{} bytes are free there. Make room and try again.", free);
-  return fmt::format("{} bytes are needed, {} are free there. Make room and try again.",
-                     *needed_bytes, free);
-}
 
 std::string Hint(const fs::path& path, int error, std::optional<uint64_t> needed_bytes) {
   switch (error) {

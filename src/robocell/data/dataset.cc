@@ -14,19 +14,11 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/data/signed_json.h"
 
 namespace robocell {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-bool IsObject(const std::string& text) {
-  const auto value = nlohmann::json::parse(text, nullptr, false);
-  return value.is_object();
-}
-
-}  // namespace
 
 Dataset::Dataset(fs::path folder) : folder_(std::move(folder)) { Refresh(); }
 
@@ -58,19 +50,21 @@ Episode Dataset::Open(const std::string& id) const {
 }
 
 void WriteManifest(const fs::path& dataset, const std::string& json) {
-  if (!IsObject(json)) throw ArgumentError("dataset.json must be a JSON object");
-  AtomicWrite(dataset / kManifestFile, json);
+  auto manifest = nlohmann::ordered_json::parse(json, nullptr, false);
+  if (!manifest.is_object()) throw ArgumentError("dataset.json must be a JSON object");
+  manifest[kJsonHash] = kUnsigned;
+  AtomicWrite(dataset / kManifestFile, SignJson(manifest.dump(2) + "\n"));
 }
 
 std::optional<std::string> ReadManifest(const fs::path& dataset) {
   const fs::path path = dataset / kManifestFile;
   if (!fs::exists(fs::symlink_status(path))) return std::nullopt;
   std::string text = ReadRealFile(path);
-  if (!IsObject(text))
+  if (!JsonIsIntact(text))
     throw IoError(
-        fmt::format("'{}' is damaged: it is not a JSON object. `robocell verify --repair "
-                    "{}` sets it aside, `robocell generate` with the run's file writes it "
-                    "again",
+        fmt::format("'{}' is damaged: its text is not what was written, its own hash does not fit. "
+                    "`robocell verify --repair {}` sets it aside, `robocell generate` with the "
+                    "run's file writes it again",
                     path.string(), dataset.string()));
   return text;
 }

@@ -61,10 +61,10 @@ class Dataset {
   std::vector<std::string> ids_, broken_;
 };
 
-// dataset.json: a JSON object as text, replaced in one step. ArgumentError if the text is no JSON
-// object.
+// dataset.json: a JSON object as text, kept with a hash of itself (signed_json.h) and replaced in
+// one step. ArgumentError if the text is no JSON object.
 void WriteManifest(const std::filesystem::path& dataset, const std::string& json);
-// Unset if there is none; IoError if it is damaged.
+// With its hash. Unset if there is none; IoError if it is not what was written.
 std::optional<std::string> ReadManifest(const std::filesystem::path& dataset);
 
 }  // namespace robocell

@@ -12,6 +12,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/data/dataset.h"
 #include "robocell/data/verify.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -57,7 +58,7 @@ TEST(DatasetLock, ShardsOfDifferentCountsAreRefusedTogether) {
 
 TEST(DatasetLock, WritersWorkBesideRunsButNotBesideARepair) {
   TempDir folder;
-  AtomicWrite(folder / "dataset.json", "{}");
+  WriteManifest(folder.path(), "{}");
   std::optional<DatasetLock> writer = DatasetLock::Writing(folder.path());
   EXPECT_NO_THROW(DatasetLock::Writing(folder.path()));
   EXPECT_NO_THROW(DatasetLock run(folder.path()));
@@ -91,7 +92,7 @@ TEST(DatasetLock, OfAKilledProcessIsFree) {
 
 TEST(DatasetLock, RepairRefusesADatasetThatIsInUse) {
   TempDir folder;
-  AtomicWrite(folder / "dataset.json", "{}");
+  WriteManifest(folder.path(), "{}");
   const DatasetLock run(folder.path(), 3, 8);
   ExpectThrow<IoError>([&] { Repair(folder.path()); }, "in use");
 }

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
@@ -49,10 +50,16 @@ TEST(Manifest, ItComesBackAsItWasWritten) {
   TempDir folder;
   EXPECT_EQ(ReadManifest(folder.path()), std::nullopt);
   WriteManifest(folder.path(), R"({"run": "pick"})");
-  EXPECT_EQ(ReadManifest(folder.path()), R"({"run": "pick"})");
+  const std::string text = ReadManifest(folder.path()).value();
+  EXPECT_EQ(nlohmann::json::parse(text).at("run"), "pick");
+  WriteManifest(folder.path(), text);
+  EXPECT_EQ(ReadManifest(folder.path()), text);
   ExpectThrow<ArgumentError>([&] { WriteManifest(folder.path(), "[1]"); }, "must be a JSON object");
-  AtomicWrite(folder / "dataset.json", "{\"run\":");
-  ExpectThrow<IoError>([&] { ReadManifest(folder.path()); }, "dataset.json' is damaged");
+  for (const std::string& damaged :
+       {text.substr(0, text.size() / 2), std::string("{\"run\": \"pick\"}"), text + " "}) {
+    AtomicWrite(folder / "dataset.json", damaged);
+    ExpectThrow<IoError>([&] { ReadManifest(folder.path()); }, "dataset.json' is damaged");
+  }
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/full_disk.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/host.h"
 #include "robocell/base/names.h"
@@ -23,6 +24,7 @@
 #include "robocell/data/episode_state.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/model_store.h"
+#include "robocell/data/signed_json.h"
 #include "robocell/data/steps_file.h"
 #include "robocell/data/work_folder.h"
 #include "robocell/media/ffmpeg.h"
@@ -113,10 +115,25 @@ struct EpisodeWriter::Impl {
   }
 
   [[noreturn]] void Fail(const std::string& reason) {
-    failure = fmt::format("{} is not saved: {}", name, reason);
     state = State::kFailed;
+    const uint64_t written = BytesWritten();
     Remove();
+    failure = fmt::format("{} is not saved: {}", name, WithSpaceHint(reason, dataset, written));
     throw IoError(failure);
+  }
+
+  // On the disk by now.
+  uint64_t BytesWritten() const {
+    uint64_t bytes = 0;
+    std::error_code error;
+    if (!work) return bytes;
+    for (fs::directory_iterator it(work->path(), error), end; !error && it != end;
+         it.increment(error)) {
+      std::error_code gone;
+      const uint64_t size = it->file_size(gone);
+      if (!gone) bytes += size;
+    }
+    return bytes;
   }
 
   void Open(const EpisodeOptions& options);
@@ -249,13 +266,13 @@ Json EpisodeWriter::Impl::Run(const Json& given) const {
   Json run = {
       {"host", HostName()}, {"process", ::getpid()}, {"started", started}, {"finished", UtcNow()}};
   for (const auto& [key, value] : given.items()) {
-    if (run.contains(key) || key == "json_sha256") {
+    if (run.contains(key) || key == kJsonHash) {
       throw ArgumentError(
           fmt::format("{}: run_json must not have '{}', it is added by the writer", name, key));
     }
   }
   run.update(given);
-  run["json_sha256"] = kUnsigned;
+  run[kJsonHash] = kUnsigned;
   return run;
 }
 
@@ -277,7 +294,7 @@ std::string EpisodeWriter::Impl::Description(const EpisodeSummary& summary, cons
                             {"models", models},
                             {"files", Files()},
                             {"run", run}};
-  return SignEpisodeJson(description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  return SignJson(description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,

@@ -1,11 +1,13 @@
 #include "robocell/data/model_store.h"
 
 #include <algorithm>
+#include <optional>
 #include <string_view>
 #include <system_error>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
@@ -18,6 +20,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kDigits = 16;  // of the hash in a folder's name
+constexpr std::string_view kSumsFile = "SHA256SUMS";
+constexpr const char* kNotStored = "its bytes are not what was stored: the hash does not fit";
 
 std::string FolderName(const FileSet& model) {
   return fs::path(model.main).stem().string() + "-" + model.hash.substr(0, kDigits);
@@ -36,6 +40,27 @@ void Copy(const fs::path& from, const fs::path& to) {
   AtomicWrite(to, ReadFile(from));
 }
 
+std::optional<std::string> ReadSums(const fs::path& folder) {
+  const fs::path path = folder / kSumsFile;
+  if (!fs::exists(fs::symlink_status(path))) return std::nullopt;
+  return ReadRealFile(path);
+}
+
+std::map<std::string, std::string> Differences(const FileSums& stored, const FileSums& there) {
+  std::map<std::string, std::string> reasons;
+  for (const auto& [name, sum] : stored) {
+    const auto it = there.find(name);
+    if (it == there.end())
+      reasons[name] = "it is missing";
+    else if (it->second != sum)
+      reasons[name] = kNotStored;
+  }
+  for (const auto& [name, sum] : there) {
+    if (!stored.contains(name)) reasons[name] = "it does not belong to the model";
+  }
+  return reasons;
+}
+
 }  // namespace
 
 std::string StoredModelPath(const FileSet& model) {
@@ -51,13 +76,16 @@ void StoreModel(const fs::path& dataset, const FileSet& model) {
   if (error) ThrowIoError("create", folder, error.value());
   WorkFolder work(folder, FolderName(model));
   for (const auto& [name, path] : model.files) Copy(path, ConfinedPath(work.path(), name));
-  if (HashOfFolder(work.path()) != model.hash)
+  const std::string sums = TextOf(SumsOfFolder(work.path()));
+  if (Sha256(sums) != model.hash)
     throw IoError("model '" + model.main + "' changed while it was copied into '" +
                   dataset.string() + "'; try again");
+  AtomicWrite(work.path() / kSumsFile, sums);
   try {
     work.Commit(final);
-  } catch (const IoError&) {  // somebody else was quicker
-    if (!fs::exists(final, error)) throw;
+  } catch (const IoError&) {
+    const bool somebody_was_quicker = !work.committed() && fs::exists(final, error);
+    if (!somebody_was_quicker) throw;
   }
 }
 
@@ -79,11 +107,22 @@ std::string StoredModelFolder(const std::string& path) {
   return (*parts.begin() / *std::next(parts.begin())).string();
 }
 
-bool StoredModelIsIntact(const fs::path& dataset, const std::string& path) {
+std::map<std::string, std::string> DamageOfStoredModel(const fs::path& dataset,
+                                                       const std::string& path) {
   const std::string folder = StoredModelFolder(path);
   RequireRealFolder(dataset / kModelsFolder);
   RequireRealFolder(dataset / folder);
-  return HashOfFolder(dataset / folder).starts_with(folder.substr(folder.size() - kDigits));
+  FileSums there = SumsOfFolder(dataset / folder);
+  there.erase(std::string(kSumsFile));
+  const auto is_stored = [&](const std::string& text) {
+    return Sha256(text).starts_with(folder.substr(folder.size() - kDigits));
+  };
+  const std::optional<std::string> listed = ReadSums(dataset / folder);
+  if (listed && is_stored(*listed))
+    return Differences(ParseSums(*listed).value_or(FileSums()), there);
+  if (!is_stored(TextOf(there))) return {{"", "its files are not what was stored"}};
+  if (listed) return {{std::string(kSumsFile), kNotStored}};
+  return {};  // a model without a list, of an older version
 }
 
 std::vector<std::string> StoredModels(const fs::path& dataset) {

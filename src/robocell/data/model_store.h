@@ -1,9 +1,11 @@
 // The models that the episodes of a dataset were made in: each is kept once, by its content, in
 // <dataset>/models/<name>-<hash>, with its meshes and textures. Ordinary model files: a viewer
-// opens them. They are what makes an episode replayable where its models are not installed.
+// opens them. They are what makes an episode replayable where its models are not installed. Beside
+// them SHA256SUMS lists their hashes (`sha256sum --check` reads it); the folder's name has its own.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -24,9 +26,11 @@ bool IsStoredModelPath(const std::string& path);
 // The part of such a path that names the model: "models/rc7-0123456789abcdef".
 std::string StoredModelFolder(const std::string& path);
 
-// Whether the files of a stored model (a path or folder as above) are what was stored. IoError when
-// it is not there.
-bool StoredModelIsIntact(const std::filesystem::path& dataset, const std::string& path);
+// What is wrong with the files of a stored model (a path or folder as above), by their names within
+// it: "assets/a.stl" -> "it is missing"; nothing when they are what was stored. IoError when the
+// model is not there.
+std::map<std::string, std::string> DamageOfStoredModel(const std::filesystem::path& dataset,
+                                                       const std::string& path);
 
 // The folders of models in the dataset: "models/rc7-0123456789abcdef", sorted.
 std::vector<std::string> StoredModels(const std::filesystem::path& dataset);

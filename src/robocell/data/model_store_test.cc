@@ -20,6 +20,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Pair;
 
 class ModelStoreTest : public ::testing::Test {
  protected:
@@ -33,6 +34,10 @@ class ModelStoreTest : public ::testing::Test {
   TempDir temp;
   fs::path dataset = temp / "out";
   FileSet arm;
+
+  std::map<std::string, std::string> Damage() const {
+    return DamageOfStoredModel(dataset, StoredModelPath(arm));
+  }
 };
 
 TEST_F(ModelStoreTest, KeepsAModelOnceWithItsFiles) {
@@ -41,23 +46,38 @@ TEST_F(ModelStoreTest, KeepsAModelOnceWithItsFiles) {
   EXPECT_EQ(StoredModelPath(arm), folder + "/arm.xml");
   EXPECT_THAT(StoredModels(dataset), ElementsAre(folder));
   EXPECT_EQ(ReadFile(dataset / folder / "assets/a.stl"), "mesh");
-  EXPECT_TRUE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  EXPECT_THAT(Damage(), IsEmpty());
   EXPECT_TRUE(Verify(dataset).ok());
 }
 
 TEST_F(ModelStoreTest, TellsWhatWasChangedTakenAwayOrAdded) {
   StoreModel(dataset, arm);
   const fs::path folder = dataset / StoredModels(dataset)[0];
+  const fs::path mesh = folder / "assets/a.stl", sums = folder / "SHA256SUMS";
   AtomicWrite(folder / "more", "");
-  EXPECT_FALSE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  EXPECT_THAT(Damage(), ElementsAre(Pair("more", "it does not belong to the model")));
   fs::remove(folder / "more");
-  EXPECT_TRUE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
-  AtomicWrite(folder / "assets/a.stl", "hsem");
-  EXPECT_FALSE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
-  fs::remove(folder / "assets/a.stl");
-  EXPECT_FALSE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  EXPECT_THAT(Damage(), IsEmpty());
+  AtomicWrite(mesh, "hsem");
+  EXPECT_THAT(Damage(), ElementsAre(Pair("assets/a.stl", HasSubstr("the hash does not fit"))));
+  fs::remove(mesh);
+  EXPECT_THAT(Damage(), ElementsAre(Pair("assets/a.stl", "it is missing")));
+  AtomicWrite(mesh, "mesh");
+  AtomicWrite(sums, "");
+  EXPECT_THAT(Damage(), ElementsAre(Pair("SHA256SUMS", HasSubstr("the hash does not fit"))));
+  AtomicWrite(mesh, "hsem");
+  EXPECT_THAT(Damage(), ElementsAre(Pair("", "its files are not what was stored")));
   fs::remove_all(folder);
-  EXPECT_THROW(StoredModelIsIntact(dataset, StoredModelPath(arm)), IoError);
+  EXPECT_THROW(Damage(), IoError);
+}
+
+TEST_F(ModelStoreTest, ReadsModelsWithoutAListOfAnEarlierVersion) {
+  StoreModel(dataset, arm);
+  const fs::path folder = dataset / StoredModels(dataset)[0];
+  fs::remove(folder / "SHA256SUMS");
+  EXPECT_THAT(Damage(), IsEmpty());
+  AtomicWrite(folder / "assets/a.stl", "hsem");
+  EXPECT_THAT(Damage(), ElementsAre(Pair("", "its files are not what was stored")));
 }
 
 TEST_F(ModelStoreTest, LeavesNothingWhenAFileCannotBeRead) {
@@ -77,7 +97,7 @@ TEST_F(ModelStoreTest, ManyMayStoreTheSameAtOnce) {
   for (int i = 0; i < 8; ++i) threads.emplace_back([&] { StoreModel(dataset, arm); });
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(StoredModels(dataset).size(), 1u);
-  EXPECT_TRUE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  EXPECT_THAT(Damage(), IsEmpty());
   EXPECT_EQ(std::distance(fs::directory_iterator(dataset / "models"), {}), 1);
 }
 
@@ -101,10 +121,10 @@ TEST_F(ModelStoreTest, FoldersAreNoLinksAndFilesMayBeLinksToFiles) {
   const fs::path mesh = dataset / StoredModels(dataset)[0] / "assets/a.stl";
   fs::remove(mesh);
   fs::create_symlink(temp / "arm/assets/a.stl", mesh);
-  EXPECT_TRUE(StoredModelIsIntact(dataset, StoredModelPath(arm)));
+  EXPECT_THAT(Damage(), IsEmpty());
   fs::remove(mesh);
   fs::create_symlink("/dev/zero", mesh);
-  EXPECT_THROW(StoredModelIsIntact(dataset, StoredModelPath(arm)), IoError);
+  EXPECT_THROW(Damage(), IoError);
   EXPECT_THAT(Verify(dataset).Text(), HasSubstr("a.stl': it is a link to '/dev/zero'"));
 }
 

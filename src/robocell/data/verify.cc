@@ -23,6 +23,7 @@
 #include "robocell/data/leftovers.h"
 #include "robocell/data/model_store.h"
 #include "robocell/data/own_folders.h"
+#include "robocell/data/signed_json.h"
 #include "robocell/media/video_info.h"
 
 namespace robocell {
@@ -30,6 +31,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+constexpr const char* kNotAsWritten = "its text is not what was written: its own hash does not fit";
 
 std::vector<std::string> List(const fs::path& folder) {
   std::vector<std::string> names;
@@ -75,8 +78,8 @@ class EpisodeCheck {
       return false;
     }
     const std::string text = ReadRealFile(folder_ / file);
-    if (!EpisodeJsonIsIntact(text)) {
-      Report(file, "its text is not what was written: its own hash does not fit");
+    if (!JsonIsIntact(text)) {
+      Report(file, kNotAsWritten);
       return false;
     }
     description_ = Json::parse(text);
@@ -227,6 +230,17 @@ void CheckManifest(const fs::path& dataset, VerifyReport& report) {
   }
 }
 
+void CheckReport(const fs::path& dataset, const std::string& name, VerifyReport& report) {
+  std::string reason = kNotAsWritten;
+  try {
+    if (JsonIsIntact(ReadRealFile(dataset / name))) return;
+  } catch (const Error& error) {
+    reason = error.what();
+  }
+  report.problems.push_back({"", name, reason});
+  report.bad_parts.push_back(name);
+}
+
 void CheckOwnFolders(const fs::path& dataset, VerifyReport& report) {
   for (const ForeignThing& thing : NotOwn(dataset)) {
     report.problems.push_back(
@@ -236,16 +250,24 @@ void CheckOwnFolders(const fs::path& dataset, VerifyReport& report) {
   }
 }
 
+// File -> reason; "" is the model as a whole.
+std::map<std::string, std::string> DamageOfModel(const fs::path& dataset,
+                                                 const std::string& model) {
+  try {
+    return DamageOfStoredModel(dataset, model);
+  } catch (const Error& error) {
+    return {{"", error.what()}};
+  }
+}
+
 void CheckStoredModels(const fs::path& dataset, VerifyReport& report) {
   for (const std::string& model : StoredModels(dataset)) {
-    std::string reason = "its files are not what was stored";
-    try {
-      if (StoredModelIsIntact(dataset, model)) continue;
-    } catch (const Error& error) {
-      reason = error.what();
+    const auto damage = DamageOfModel(dataset, model);
+    for (const auto& [file, reason] : damage) {
+      const fs::path place = file.empty() ? fs::path(model) : fs::path(model) / file;
+      report.problems.push_back({"", place.string(), reason});
     }
-    report.problems.push_back({"", model, reason});
-    report.bad_parts.push_back(model);
+    if (!damage.empty()) report.bad_parts.push_back(model);
   }
 }
 
@@ -318,6 +340,9 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
     if (options.progress) options.progress(i + 1, episodes.size());
   }
   CheckManifest(dataset, report);
+  for (const std::string& name : List(dataset)) {
+    if (IsReportFile(name)) CheckReport(dataset, name, report);
+  }
   CheckOwnFolders(dataset, report);
   CheckStoredModels(dataset, report);
   CheckMissingModels(dataset, report);

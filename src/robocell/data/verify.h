@@ -63,9 +63,9 @@ struct RepairResult {
   std::vector<std::string> moved;  // what now lies in <dataset>/.quarantine, by its new name
 };
 
-// Moves bad episodes, damaged models, a damaged dataset.json, and leftovers that nobody is writing,
-// into <dataset>/.quarantine. Nothing is deleted. Holds the dataset's lock (dataset_lock.h):
-// IoError names who is generating into it.
+// Moves bad episodes, damaged models, a damaged dataset.json or report, and leftovers that nobody
+// is writing, into <dataset>/.quarantine. Nothing is deleted. Holds the dataset's lock
+// (dataset_lock.h): IoError names who is generating into it.
 RepairResult Repair(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 }  // namespace robocell

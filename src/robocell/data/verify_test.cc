@@ -11,6 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/signed_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -163,13 +164,22 @@ TEST_F(VerifyTest, SwappedVideosOfTwoEpisodesAreFound) {
   EXPECT_THAT(Verify(folder_.path()).bad, ElementsAre("a", "b"));
 }
 
+TEST_F(VerifyTest, ADamagedReportIsNamedAndSetAside) {
+  Store(folder_ / "report-0-of-2.json", "{}");
+  const VerifyReport report = Verify(folder_.path());
+  EXPECT_THAT(report.Text(), HasSubstr("report-0-of-2.json: its text is not what was written"));
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("report-0-of-2.json"));
+  EXPECT_TRUE(Verify(folder_.path()).ok());
+}
+
 TEST_F(VerifyTest, LeftoversAndForeignFoldersAreToldButAreNoProblem) {
   const SampleEpisode sample(0, false);
   EpisodeWriter running(folder_.path(), "d", sample.schema);
   fs::create_directory(folder_ / ".e.99999999.1.partial");
   fs::create_directory(folder_ / "logs");
-  Store(folder_ / "report.json", "{}");
-  Store(folder_ / "report-0-of-2.json", "{}");
+  const std::string account = SignJson("{\"json_sha256\": \"" + std::string(kUnsigned) + "\"}");
+  Store(folder_ / "report.json", account);
+  Store(folder_ / "report-0-of-2.json", account);
   const VerifyReport report = Verify(folder_.path());
   EXPECT_TRUE(report.ok());
   EXPECT_THAT(report.leftovers, ElementsAre(".e.99999999.1.partial"));

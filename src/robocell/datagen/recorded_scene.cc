@@ -74,7 +74,7 @@ class Models {
     const fs::path model = dataset_ / it->second;
     std::error_code ignored;
     if (!fs::is_regular_file(model, ignored)) return Elsewhere(name, it->second);
-    if (StoredModelIsIntact(dataset_, it->second)) {
+    if (DamageOfStoredModel(dataset_, it->second).empty()) {
       RequireSelfContained(name_, dataset_ / StoredModelFolder(it->second), model);
       return model.string();
     }

@@ -160,7 +160,8 @@ TEST_F(RecordedSceneTest, VerifyNamesModelsThatAreDamagedOrMissing) {
   AtomicWrite(stored, ReadFile(stored) + " ");
   const RepairResult repaired = Repair(dataset);
   ASSERT_EQ(repaired.found.problems.size(), 1u) << repaired.found.Text();
-  EXPECT_EQ(repaired.found.problems[0].Text(), folder + ": its files are not what was stored");
+  EXPECT_EQ(repaired.found.problems[0].Text(),
+            folder + "/rc7.xml: its bytes are not what was stored: the hash does not fit");
   EXPECT_THAT(repaired.found.good, ElementsAre("s0000_e0000"));
   EXPECT_THAT(repaired.moved, ElementsAre(stored.parent_path().filename().string()));
   ASSERT_EQ(repaired.remaining.size(), 1u);

@@ -1,4 +1,4 @@
-#include "robocell/data/episode_files.h"
+#include "robocell/data/signed_json.h"
 
 #include "robocell/base/error.h"
 #include "robocell/base/hash.h"
@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::string_view kKey = "\"json_sha256\": \"";
 
-// Where the hash begins: after the last such key, as `run` is written last. npos if there is none.
+// Where the hash begins: after the last such key, as it is written last. npos if there is none.
 size_t HashPosition(const std::string& text) {
   const size_t key = text.rfind(kKey);
   if (key == std::string::npos) return key;
@@ -18,16 +18,16 @@ size_t HashPosition(const std::string& text) {
 
 }  // namespace
 
-std::string SignEpisodeJson(std::string text) {
+std::string SignJson(std::string text) {
   const size_t at = HashPosition(text);
   if (at == std::string::npos || text.compare(at, kUnsigned.size(), kUnsigned) != 0) {
-    throw Error("episode.json has no place for its hash");
+    throw Error("a JSON text to be signed has no place for its hash");
   }
   text.replace(at, kUnsigned.size(), Sha256(text));
   return text;
 }
 
-bool EpisodeJsonIsIntact(const std::string& text) {
+bool JsonIsIntact(const std::string& text) {
   const size_t at = HashPosition(text);
   if (at == std::string::npos) return false;
   std::string unsigned_text = text;
