@@ -21,7 +21,7 @@ def seconds(
 ) -> dict[str, dict[str, list[float]]]:
     """Row -> side -> seconds of each repetition, of one of what the program counts."""
     result = folder / f"{program}.json"
-    subprocess.run(
+    run = subprocess.run(
         [
             *(("taskset", "--cpu-list", "0") if one_core else ()),
             ROOT / "build" / "release" / program,
@@ -31,17 +31,20 @@ def seconds(
             "--benchmark_out_format=json",
             *files,
         ],
-        stdout=subprocess.DEVNULL,
-        check=True,
+        capture_output=True,
+        text=True,
+        check=False,
         cwd=ROOT,
     )
+    if run.returncode:
+        raise RuntimeError(f"{program} failed:\n{run.stdout}{run.stderr}")
     values: defaultdict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
-    for run in json.loads(result.read_text())["benchmarks"]:
-        if run.get("error_occurred"):
-            raise RuntimeError(f"{run['name']}: {run['error_message']}")
-        if run["run_type"] == "iteration":
-            row, side = run["run_name"].split("/")[:2]
-            values[row][side].append(run["each_s"])
+    for measured in json.loads(result.read_text())["benchmarks"]:
+        if measured.get("error_occurred"):
+            raise RuntimeError(f"{measured['name']}: {measured['error_message']}")
+        if measured["run_type"] == "iteration":
+            row, side = measured["run_name"].split("/")[:2]
+            values[row][side].append(measured["each_s"])
     return values
 
 
