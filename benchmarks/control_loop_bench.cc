@@ -7,6 +7,7 @@
 //   build/release/control_loop_bench [ROBOT.yaml ...]   default: the built-in rc7
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -25,9 +26,9 @@ class Swing {
   explicit Swing(const std::string& file)
       : scene_(bench::SceneWith(RobotConfig::Load(file))), robot_(Robot::Of(scene_, "robot")) {
     scene_.Reset();
-    home_.assign(robot_.jnt_pos_cmd().begin(), robot_.jnt_pos_cmd().end());
     ticks_ = static_cast<int>(std::lround(kSeconds / scene_.timestep()));
     start_ = scene_.state();
+    MakeTargets();
     Record();
   }
 
@@ -54,9 +55,18 @@ class Swing {
   int ticks() const { return ticks_; }
 
  private:
+  // What a program commands; where it has that from is not part of the loop.
   void Command(int tick) {
-    const double offset = kAmplitude * std::sin(2 * M_PI * tick / ticks_);
-    for (size_t j = 0; j < home_.size(); ++j) robot_.jnt_pos_cmd()[j] = home_[j] + offset;
+    std::copy_n(targets_.data() + static_cast<size_t>(tick) * joints_, joints_,
+                robot_.jnt_pos_cmd().begin());
+  }
+  void MakeTargets() {
+    const std::vector<double> home(robot_.jnt_pos_cmd().begin(), robot_.jnt_pos_cmd().end());
+    joints_ = home.size();
+    for (int tick = 0; tick < ticks_; ++tick) {
+      const double offset = kAmplitude * std::sin(2 * M_PI * tick / ticks_);
+      for (const double q : home) targets_.push_back(q + offset);
+    }
   }
   void Record() {
     const mjModel* m = scene_.model();
@@ -72,7 +82,8 @@ class Swing {
 
   Scene scene_;
   Robot robot_;
-  std::vector<double> home_, start_, end_, controls_;
+  std::vector<double> targets_, start_, end_, controls_;
+  size_t joints_ = 0;
   int ticks_ = 0;
 };
 
