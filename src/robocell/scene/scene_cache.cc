@@ -33,12 +33,17 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".scene";
 
-// An entry is never changed in place, so it can be read where the system keeps it.
+// An entry is never changed in place, so it can be read where the system keeps it. Nothing when it
+// is not there, another process has just pruned it, or it is not ours to read.
 std::optional<MappedFile> OpenEntry(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
   fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // used just now
-  return MappedFile(file);
+  try {
+    return MappedFile(file);
+  } catch (const IoError&) {
+    return std::nullopt;
+  }
 }
 
 // Takes the first line off a text; all of it when it has one line.

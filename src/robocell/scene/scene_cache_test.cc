@@ -16,6 +16,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/testing/as_nobody.h"
 
 namespace robocell {
 namespace {
@@ -175,6 +176,15 @@ TEST(SceneCache, AFolderThatCannotBeWrittenCostsAWarningOnly) {
   const ScopedLogSink capture([&](LogLevel, std::string_view text) { said.emplace_back(text); });
   EXPECT_NE(CompileSceneCached(EmptyScene(), folder / "file")->model(), nullptr);
   EXPECT_THAT(said, ElementsAre(HasSubstr("scene 'test' is not kept for later processes: cannot")));
+}
+
+TEST(SceneCache, AnEntryThatCannotBeReadIsAsGoodAsNone) {
+  const TempDir folder;
+  CompileSceneCached(EmptyScene(), folder.path());
+  fs::permissions(folder.path(), fs::perms::all);
+  fs::permissions(Entries(folder.path())[0], fs::perms::none);
+  EXPECT_EQ(SaidToNobody([&] { CompileSceneCached(EmptyScene(), folder.path()); }),
+            "nothing was thrown");
 }
 
 TEST(SceneCache, WhatIsWrongWithASpecIsSaidAsByTheCompiler) {
