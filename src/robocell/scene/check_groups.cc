@@ -38,7 +38,7 @@ class GroupCheck {
   void Run() {
     for (const auto& [name, group] : robot_.config.move_groups.entries()) {
       const std::string field = "move_groups." + name;
-      if (group->kind == MoveGroupKind::kArm) CheckJointOrder(field + ".joints", *group);
+      if (group->kind == MoveGroupKind::kArm) CheckJoints(field, *group);
       if (group->kind == MoveGroupKind::kGripper)
         CheckGripperActuators(field + ".actuators", *group);
     }
@@ -93,7 +93,7 @@ class GroupCheck {
     return joints;
   }
 
-  void CheckJointOrder(const std::string& field, const MoveGroupConfig& group) {
+  void CheckJoints(const std::string& field, const MoveGroupConfig& group) {
     for (const std::string& joint : group.joints) {
       if (!BodyOfJoint(joint)) return;
     }
@@ -101,10 +101,17 @@ class GroupCheck {
     if (!leaf) return;
     const auto joints = JointsTo(*leaf);
     if (!joints || *joints == group.joints.names) return;
-    Problem(field, fmt::format("lists {}, but the joints from '{}' to the arm's leaf are {}; list "
-                               "those, in this order{}",
-                               ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
-                               ListNames(*joints), group.leaf ? "" : ", or name its `leaf`"));
+    if (joints->empty()) {
+      return Problem(field + (group.leaf ? ".leaf" : ".joints"),
+                     fmt::format("there is no joint between '{}' and the arm's leaf, so nothing "
+                                 "moves; name what the last joint carries",
+                                 WithoutPrefix(robot_.root_body)));
+    }
+    Problem(field + ".joints",
+            fmt::format("lists {}, but the joints from '{}' to the arm's leaf are {}; list "
+                        "those, in this order{}",
+                        ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
+                        ListNames(*joints), group.leaf ? "" : ", or name its `leaf`"));
   }
 
   // What both fingers hang on; nothing when it is not known which they are.

@@ -112,6 +112,13 @@ TEST_F(Located, JointsThatAreNotThoseToTheLeaf) {
                              ":4:28: robot 'left': move_groups.arm.joints: lists elbow, "
                              "shoulder, but the joints from 'base' to the arm's leaf are "
                              "shoulder, elbow; list those, in this order");
+  const std::string still = RobotFile(
+      "move_groups:\n"
+      "  arm: {kind: arm, joints: [shoulder, elbow], leaf: {body: base}}\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(still); },
+                         still +
+                             ":4:53: robot 'left': move_groups.arm.leaf: there is no joint "
+                             "between 'base' and the arm's leaf, so nothing moves");
   const std::string one_missing = RobotFile("move_groups: {arm: {kind: arm, joints: [elbow]}}\n");
   ExpectThrow<SpecError>([&] { BuildRobot(one_missing); },
                          one_missing +
