@@ -1,7 +1,7 @@
 """Draws docs/example_*.png: what the examples make, as they stand in examples/.
 
-An example that draws a picture gives it; of one that makes a dataset, frames of its videos are
-shown.
+Of an example that makes a dataset, frames of its episodes' videos are shown; the others give their
+picture.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from PIL import Image
 import robocell as rc
 
 EXAMPLES = DOCS.parent / "examples"
+READING = "06_read_dataset"  # makes one only to have something to read
 FRAMES = 5  # of a video
 WIDTH = 960  # px
 
@@ -27,10 +28,11 @@ def draw(example: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
         subprocess.run([sys.executable, example, out], check=True, capture_output=True)
-        if (out / "picture.png").exists():
+        made = list(out.glob("*/dataset.json"))
+        if not made or example.stem == READING:
             save(Image.open(out / "picture.png"), name)
             return
-        dataset = rc.Dataset(next(out.glob("*/dataset.json")).parent)
+        dataset = rc.Dataset(made[0].parent)
         rows = [spread(episode.frames(episode.cameras[0]), FRAMES) for episode in dataset]
         save(sheet(rows), name, WIDTH)
 

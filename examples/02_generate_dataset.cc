@@ -5,11 +5,34 @@
 //   build/release/example_02_generate_dataset [folder]
 #include <robocell/robocell.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace fs = std::filesystem;
 namespace rc = robocell;
+
+namespace {
+
+// Five frames of a video side by side.
+rc::RgbImage Strip(const rc::Episode& episode, const std::string& name) {
+  const rc::CameraInfo& camera = episode.camera(name);
+  rc::VideoReader video = episode.Video(name);
+  std::vector<uint8_t> frame(video.frame_bytes());
+  rc::RgbImage strip{5 * camera.width, camera.height, {}};
+  strip.pixels.resize(5 * frame.size());
+  const size_t line = 3 * static_cast<size_t>(camera.width);
+  for (int i = 0; i < 5; ++i) {
+    video.Read(i * (camera.frames - 1) / 4, frame);
+    for (int y = 0; y < camera.height; ++y)
+      std::copy_n(&frame[y * line], line, &strip.pixels[(5 * y + i) * line]);
+  }
+  return strip;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) try {
   const fs::path folder = argc > 1 ? argv[1] : fs::temp_directory_path() / "robocell_example_02";
@@ -36,6 +59,7 @@ int main(int argc, char** argv) try {
                 episode.Read<double>("reward").back(), static_cast<int>(wrist.frames));
     if (wrist.frames != episode.rows()) throw rc::Error("frame i belongs to row i");
   }
+  rc::WritePng(folder / "picture.png", Strip(*rc::Dataset(run.output).begin(), "wrist"));
   const rc::VerifyReport found = rc::Verify(run.output);
   std::printf("%zu episodes, every byte as it was written: %s\n", found.good.size(),
               found.ok() ? "True" : "False");

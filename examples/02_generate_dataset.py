@@ -11,11 +11,19 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
 import robocell as rc
 
 
+def strip(episode: rc.Episode, camera: str) -> np.ndarray:
+    """Five frames of a video side by side."""
+    frames = episode.frames(camera)
+    return np.hstack([frames[i * (len(frames) - 1) // 4] for i in range(5)])
+
+
 def main(folder: Path) -> None:
-    """Generates into `folder`/dataset."""
+    """Generates into `folder`/dataset; `folder`/picture.png shows the first episode."""
     shutil.rmtree(folder / "dataset", ignore_errors=True)
     run = rc.RunConfig(run="example", episodes_per_scene=2, output=str(folder / "dataset"))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
@@ -36,6 +44,7 @@ def main(folder: Path) -> None:
         frames = episode.frames("wrist")
         print(f"{episode.id}: lifted {episode['reward'][-1]:.3f} m, {len(frames)} frames")
         assert frames.shape == (len(episode), 120, 160, 3)
+    rc.write_png(folder / "picture.png", strip(next(iter(rc.Dataset(run.output))), "wrist"))
     found = rc.verify(run.output)
     print(f"{len(found.good)} episodes, every byte as it was written: {found.ok}")
     assert found.ok
@@ -43,4 +52,8 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="robocell_")))
+    out = Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="robocell_"))
+    try:
+        main(out)
+    except OSError as error:  # also robocell's: the folder cannot be written
+        sys.exit(f"error: {error}")

@@ -5,6 +5,7 @@
 //   build/release/example_04_own_task [folder]
 #include <robocell/robocell.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -107,6 +108,22 @@ class Pusher : public rc::Expert {
   size_t at_ = 0;
 };
 
+// Five frames of a video side by side.
+rc::RgbImage Strip(const rc::Episode& episode, const std::string& name) {
+  const rc::CameraInfo& camera = episode.camera(name);
+  rc::VideoReader video = episode.Video(name);
+  std::vector<uint8_t> frame(video.frame_bytes());
+  rc::RgbImage strip{5 * camera.width, camera.height, {}};
+  strip.pixels.resize(5 * frame.size());
+  const size_t line = 3 * static_cast<size_t>(camera.width);
+  for (int i = 0; i < 5; ++i) {
+    video.Read(i * (camera.frames - 1) / 4, frame);
+    for (int y = 0; y < camera.height; ++y)
+      std::copy_n(&frame[y * line], line, &strip.pixels[(5 * y + i) * line]);
+  }
+  return strip;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -143,6 +160,7 @@ int main(int argc, char** argv) try {
     if (!episode.success() || episode.Read<double>("reward").back() < kFar)
       throw rc::Error("this is no success");
   }
+  rc::WritePng(folder / "picture.png", Strip(*rc::Dataset(run.output).begin(), "side"));
   return rc::Verify(run.output).good.size() == 2 ? 0 : 1;
 } catch (const rc::Error& e) {
   std::fprintf(stderr, "error: %s\n", e.what());

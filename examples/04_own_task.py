@@ -12,6 +12,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
+
 import robocell as rc
 
 FAR = 0.1  # m, how far the cube is to be pushed
@@ -95,8 +97,14 @@ class Pusher(rc.Expert):
         return ["over", "behind", "push"]
 
 
+def strip(episode: rc.Episode, camera: str) -> np.ndarray:
+    """Five frames of a video side by side."""
+    frames = episode.frames(camera)
+    return np.hstack([frames[i * (len(frames) - 1) // 4] for i in range(5)])
+
+
 def main(folder: Path) -> None:
-    """Makes two episodes in `folder`/push, filmed from the side."""
+    """Makes two episodes in `folder`/push, filmed from the side; draws `folder`/picture.png."""
     run = rc.RunConfig(run="push", episodes_per_scene=2, output=str(folder / "push"))
     shutil.rmtree(run.output, ignore_errors=True)
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
@@ -116,8 +124,13 @@ def main(folder: Path) -> None:
         print(f"{episode.id}: pushed {cube[-1, 0] - cube[0, 0]:.3f} m")
         assert episode.success
         assert episode["reward"][-1] >= FAR
+    rc.write_png(folder / "picture.png", strip(next(iter(rc.Dataset(run.output))), "side"))
     assert len(rc.verify(run.output).good) == 2
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="robocell_")))
+    out = Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="robocell_"))
+    try:
+        main(out)
+    except OSError as error:  # also robocell's: the folder cannot be written
+        sys.exit(f"error: {error}")

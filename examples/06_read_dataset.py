@@ -88,5 +88,8 @@ def main(folder: Path, dataset: Path | None) -> None:
 
 if __name__ == "__main__":
     out = Path(sys.argv[1] if len(sys.argv) > 1 else tempfile.mkdtemp(prefix="robocell_"))
-    out.mkdir(parents=True, exist_ok=True)
-    main(out, Path(sys.argv[2]) if len(sys.argv) > 2 else None)
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        main(out, Path(sys.argv[2]) if len(sys.argv) > 2 else None)
+    except OSError as error:  # also robocell's: the folder cannot be written
+        sys.exit(f"error: {error}")
