@@ -4,6 +4,7 @@ Importing it does no work: no file is read, nothing is drawn, the package mujoco
 first scene.
 """
 
+from robocell import _startup as _startup  # the first: Ctrl-C while the command is loaded
 from robocell import menagerie, models
 from robocell._cmake import cmake_dir
 from robocell._core import (

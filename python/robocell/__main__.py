@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import signal
+from robocell import _startup
 
 
 def run() -> None:
-    """Loads the command line and runs it.
-
-    Ctrl-C while it is being loaded ends the process at once and without a traceback: nothing has
-    been begun.
-    """
-    heard = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if heard:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+    """Loads the command line and runs it; see `_startup` for Ctrl-C meanwhile."""
+    _startup.be_quiet()
     from robocell.cli import main
 
-    if heard:
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    _startup.hear_again()
     main()
 
 
