@@ -187,7 +187,8 @@ void BindDatagen(nb::module_& m) {
   m.def(
       "check_run",
       [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {
-        CheckRun(run, {.scripted_expert = scripted_expert, .on_this_machine = on_this_machine});
+        return CheckRun(run,
+                        {.scripted_expert = scripted_expert, .on_this_machine = on_this_machine});
       },
       "run"_a, "scripted_expert"_a = true, "on_this_machine"_a = true,
       nb::call_guard<nb::gil_scoped_release>(),
@@ -195,7 +196,7 @@ void BindDatagen(nb::module_& m) {
       "models, cameras, object kinds, names of columns, what the robot file says although its "
       "model does otherwise, and what the scripted expert needs of the robot. With "
       "`on_this_machine`, streams are drawn once: IoError without ffmpeg, Error without OpenGL. "
-      "Writes nothing.");
+      "Writes nothing. Returns warnings: what works and may yet not be meant.");
   m.def(
       "items_on_disk",
       [](const RunConfig& run, const std::vector<PlanItem>& items) {

@@ -27,7 +27,7 @@ def test_a_crash_is_said_to_be_a_models(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, signal: str
 ):
     ends(tmp_path, monkeypatch, f"ulimit -c 0; kill -{signal} $$")
-    crash = check_apart("run.yaml", [])
+    (crash,) = check_apart("run.yaml", [])
     assert crash == (
         f"the process that looked through the run was killed by SIG{signal}: one of its models "
         "crashes the engine. Episodes that need it will be listed"
@@ -75,6 +75,13 @@ def test_what_it_raised_is_raised_here_after_what_libraries_print(
         check_apart("run.yaml", [])
     assert type(raised.value) is error
     assert str(raised.value) == "run.yaml:3:1: 'x'"
+
+
+def test_warnings_of_the_scene_are_said_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    ends(tmp_path, monkeypatch, """echo chatter; echo '{"warnings": ["a", "b"]}'""")
+    assert check_apart("run.yaml", []) == ["a", "b"]
+    ends(tmp_path, monkeypatch, "true")
+    assert check_apart("run.yaml", []) == []
 
 
 @pytest.mark.parametrize("below", ["", "deeper/dataset"])

@@ -75,8 +75,8 @@ def generate(
         print_warning(too_many)
     try:
         if dry_run:
-            if crash := job.check():
-                print_warning(crash)
+            for warning in job.check():
+                print_warning(warning)
             _say_plan(job, as_json=progress is ProgressChoice.JSONL)
             return
         result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))

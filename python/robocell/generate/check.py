@@ -1,9 +1,10 @@
 """Looks through a run before it starts, in a process of its own: a model may crash the engine.
 
-    crash = check_apart("run.yaml", ["workers=2"])
+    for text in check_apart("run.yaml", ["workers=2"]):
+        print(text)
 
-`python -m robocell.generate.check` is that process. What it raised is the last line of its standard
-output: {"failed": {...}}.
+`python -m robocell.generate.check` is that process. The last line of its standard output is what it
+raised, {"failed": {...}}, or what it found, {"warnings": [...]}.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import subprocess
 import sys
 import traceback
 from collections.abc import Sequence
+from typing import Any
 
 from robocell import Error, IoError, RunConfig, check_run
 from robocell.generate.protocol import Failure
@@ -27,8 +29,8 @@ CRASHES = {
 }
 
 
-def check_apart(run_file: str, overrides: Sequence[str]) -> str | None:
-    """Raises what `robocell.check_run` raises; what to say when a model crashed the engine.
+def check_apart(run_file: str, overrides: Sequence[str]) -> list[str]:
+    """Raises what `robocell.check_run` raises; its warnings, or that a model crashed the engine.
 
     Models that crash the engine must not end the run: workers meet them again, one at a time, and
     what they cannot make is listed. IoError when the process ended in another way.
@@ -40,24 +42,36 @@ def check_apart(run_file: str, overrides: Sequence[str]) -> str | None:
             command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=LONGEST_S
         )
     except subprocess.TimeoutExpired:
-        return f"the run could not be looked through within {LONGEST_S:g} s: a model takes too long"
+        slow = f"the run could not be looked through within {LONGEST_S:g} s: a model takes too long"
+        return [slow]
     sys.stderr.write(done.stderr)
+    said = _last_line(done.stdout)
     if done.returncode == 0:
-        return None
+        return list(map(str, said.get("warnings", [])))
     how = f"the process that looked through the run {describe_exit(done.returncode)}"
     if done.returncode in CRASHES:
-        return f"{how}: one of its models crashes the engine. Episodes that need it will be listed"
-    if failure := _failure(done.stdout):
+        blame = "one of its models crashes the engine. Episodes that need it will be listed"
+        return [f"{how}: {blame}"]
+    if failure := _failure(said):
         raise failure.error()
     again = " when more memory is free" if done.returncode == -signal.SIGKILL else ""
     raise IoError(f"{how}. Nothing was written; give the same command again{again}")
 
 
-def _failure(said: str) -> Failure | None:
-    """What the process raised, if it came to say so."""
+def _last_line(said: str) -> dict[str, Any]:
+    """What the process said, if it came to say something."""
     try:
-        return Failure.from_json(json.loads(said.splitlines()[-1])["failed"])
-    except (ValueError, IndexError, KeyError, TypeError):
+        last = json.loads(said.splitlines()[-1])
+    except (ValueError, IndexError):
+        return {}
+    return last if isinstance(last, dict) else {}
+
+
+def _failure(said: dict[str, Any]) -> Failure | None:
+    """What the process raised."""
+    try:
+        return Failure.from_json(said["failed"])
+    except (ValueError, KeyError, TypeError):
         return None
 
 
@@ -68,12 +82,13 @@ def main() -> int:
     parser.add_argument("run_file")
     arguments = parser.parse_args()
     try:
-        check_run(RunConfig.load(arguments.run_file, arguments.set))
+        warnings = check_run(RunConfig.load(arguments.run_file, arguments.set))
     except Exception as error:
         if not isinstance(error, Error | OSError):
             traceback.print_exc()  # a defect: the message alone does not say where
         print(json.dumps({"failed": Failure.of(error).to_json()}))
         return 1
+    print(json.dumps({"warnings": warnings}))
     return 0
 
 

@@ -87,17 +87,17 @@ class Job:
             return set()
         return made_items(self.run, self._chosen)
 
-    def check(self) -> str | None:
+    def check(self) -> list[str]:
         """SpecError with all that can be known to be wrong before the first episode.
 
         The run (see `robocell.check_run`), or a dataset that is of another one. Writes nothing.
-        Returns what is to be said when a model crashed the engine. IoError when there is no folder
-        to write into, or none of this could be found out.
+        Returns warnings: what works and may yet not be meant, or that a model crashed the engine.
+        IoError when there is no folder to write into, or none of this could be found out.
         """
         require_no_file(self.dataset)
-        crash = check_apart(str(self.run_file), self.overrides)
+        warnings = check_apart(str(self.run_file), self.overrides)
         check_dataset(self.run)
-        return crash
+        return warnings
 
     def reproduce(self, item: Item) -> str:
         """The command that makes one item alone."""
@@ -111,8 +111,8 @@ class Job:
         IoError and OSError when the dataset cannot be written or another process is at it. Ctrl-C
         and SIGTERM stop it; see `Supervisor`.
         """
-        if crash := self.check():
-            observer.warning(crash)
+        for warning in self.check():
+            observer.warning(warning)
         prepare_dataset(self.run, check_run=False)
         with DatasetLock(self.dataset, *self.shard):
             require_same_run(self.run)  # another command may have been quicker

@@ -53,6 +53,9 @@ class SceneCheck {
   SceneCheck(const RunConfig& run, const RunDemands& demands, Problems& problems)
       : run_(run), demands_(demands), problems_(problems) {}
 
+  // Warnings of the scene.
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
   void Run() {
     PickTaskSampler sampler(run_);
     std::vector<SceneSpec> bases;
@@ -62,6 +65,7 @@ class SceneCheck {
     if (!CheckSupports(bases)) return;
     std::optional<Scene> scene;
     if (!Try("robot", [&] { scene = Scene::Build(WithContents(bases.front())); })) return;
+    warnings_ = scene->compiled()->warnings();
     CheckCameras(*scene);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
@@ -162,17 +166,22 @@ class SceneCheck {
   const RunConfig& run_;
   const RunDemands& demands_;
   Problems& problems_;
+  std::vector<std::string> warnings_;
 };
 
 }  // namespace
 
 void CheckRunFields(const RunConfig& run) { FieldProblems(run).Throw(Title(run)); }
 
-void CheckRun(const RunConfig& run, const RunDemands& demands) {
+std::vector<std::string> CheckRun(const RunConfig& run, const RunDemands& demands) {
   Problems problems = FieldProblems(run);
   problems.Throw(Title(run));
-  SceneCheck(run, demands, problems).Run();
+  SceneCheck scene(run, demands, problems);
+  scene.Run();
   problems.Throw(Title(run));
+  std::vector<std::string> warnings = scene.warnings();
+  for (std::string& small : SmallStreams(run)) warnings.push_back(std::move(small));
+  return warnings;
 }
 
 }  // namespace robocell

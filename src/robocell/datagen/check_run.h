@@ -6,6 +6,9 @@
 //   CheckRun(RunConfig::Load("pick.yaml"));   // SpecError: all problems with file:line:column
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "robocell/spec/run_config.h"
 
 namespace robocell {
@@ -16,8 +19,9 @@ struct RunDemands {
 };
 
 // SpecError with all problems; IoError or Error when this machine lacks an encoder or OpenGL and
-// streams are recorded. Writes nothing.
-void CheckRun(const RunConfig& run, const RunDemands& demands = {});
+// streams are recorded. Returns what works and may yet not be meant: warnings of compiling the
+// scene, images that are too small to show anything. Writes nothing.
+std::vector<std::string> CheckRun(const RunConfig& run, const RunDemands& demands = {});
 
 // The part that needs no model.
 void CheckRunFields(const RunConfig& run);

@@ -14,7 +14,9 @@
 namespace robocell {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 
 RunConfig Demo() {
@@ -56,6 +58,24 @@ TEST(CheckRun, AnUnknownCameraIsToldWithNamesAsTheyAreWritten) {
   EXPECT_THAT(text, HasSubstr("no camera 'wirst_camera'"));
   EXPECT_THAT(text, HasSubstr("Did you mean 'wrist_camera'?"));
   EXPECT_THAT(text, Not(HasSubstr("robot_0/")));
+}
+
+TEST(CheckRun, WhatWorksAndMayNotBeMeantIsReturned) {
+  RunConfig run = Demo();
+  EXPECT_THAT(CheckRun(run), IsEmpty());
+  TempDir folder;
+  AtomicWrite(folder / "table.xml",
+              "<mujoco><option cone='elliptic'/><worldbody><body><geom type='box' size='.4 .4 .01' "
+              "pos='0 0 -.01'/><site name='table_top'/></body></worldbody></mujoco>");
+  run.scenes.files = {(folder / "table.xml").string()};
+  run.scenes.source = SceneSourceKind::kFiles;
+  run.cameras.resolution = {4, 4};
+  run.options.cone = FrictionCone::kPyramidal;  // the table and the robot want another one
+  EXPECT_THAT(CheckRun(run),
+              ElementsAre(HasSubstr("base: asks for cone elliptic, the scene uses pyramidal"),
+                          HasSubstr("robot 'rc7': asks for cone elliptic"),
+                          HasSubstr("cameras.streams[0]: images of 'wrist' have 4 x 4 pixels"),
+                          HasSubstr("cameras.streams[1]: images of 'exo'")));
 }
 
 TEST(CheckRun, TheFilesLinesAreNamed) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <new>
 
@@ -13,6 +14,8 @@
 
 namespace robocell {
 namespace {
+
+constexpr int kLeastSide = 32;  // pixels
 
 // What throws becomes a problem of the field, or of the whole stream.
 template <class F>
@@ -72,6 +75,20 @@ void CheckStreams(const RunConfig& run, Problems& problems) {
                      "segmentation cannot be recorded yet, only rgb and depth; remove it");
     if (!stream.rgb) problems.AddAt("rgb", "a recorded stream needs rgb: true");
   }
+}
+
+std::vector<std::string> SmallStreams(const RunConfig& run) {
+  std::vector<std::string> warnings;
+  for (size_t i = 0; i < run.cameras.streams.size(); ++i) {
+    const CameraConfig& stream = run.cameras.streams[i];
+    const int width = run.cameras.width(stream), height = run.cameras.height(stream);
+    if (std::min(width, height) >= kLeastSide) continue;
+    warnings.push_back(
+        fmt::format("cameras.streams[{}]: images of '{}' have {} x {} pixels, on which next to "
+                    "nothing is seen; `cameras.resolution` is [width, height] in pixels",
+                    i, stream.name, width, height));
+  }
+  return warnings;
 }
 
 void CheckStreamsHere(const RunConfig& run, const Scene& scene, Problems& problems) {

@@ -1,6 +1,9 @@
 // Whether the image streams of a run can be recorded: by their fields, and on this machine.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "robocell/scene/scene.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/run_config.h"
@@ -9,6 +12,9 @@ namespace robocell {
 
 // What a spec may say but an episode cannot hold: adds problems at cameras.streams[i].
 void CheckStreams(const RunConfig& run, Problems& problems);
+
+// Streams whose images are too small to show anything, as warnings.
+std::vector<std::string> SmallStreams(const RunConfig& run);
 
 // Draws one image of each stream, with the settings of the run. IoError without an encoder, Error
 // without OpenGL, each saying who needs it; what cannot be drawn becomes a problem of its stream.

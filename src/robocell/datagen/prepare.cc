@@ -14,6 +14,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/log.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
@@ -155,7 +156,11 @@ void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
 
 void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   RequireOutput(run);
-  if (options.check_run) CheckRun(run, {.scripted_expert = false, .on_this_machine = false});
+  if (options.check_run) {
+    for (const std::string& warning :
+         CheckRun(run, {.scripted_expert = false, .on_this_machine = false}))
+      LogWarn(fmt::format("run '{}': {}", run.run, warning));
+  }
   const RunInputs inputs = InputsOf(run);
   CreateFolder(run.output);
   WriteManifestIfDue(run, inputs);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/reach.h"
 #include "robocell/robot/gripper_group.h"
 
 namespace robocell {
@@ -13,6 +14,8 @@ namespace {
 
 // A measured finger distance may differ this much from the configured one, metres.
 constexpr double kDistanceTolerance = 0.005;
+// A configured reach may be so much larger than the measured one, which is within a percent or two.
+constexpr double kMostReach = 1.1;
 
 void CheckDistance(const ActuatedGripper& gripper, const GripperDistance& said,
                    Problems& problems) {
@@ -60,9 +63,21 @@ void CheckBaseSize(const Robot& robot, Problems& problems) {
                              (*size)[0], (*size)[1], (*size)[2], reach));
 }
 
+// Farther than the TCP gets: centimetres, or somebody else's robot.
+void CheckReachField(const Robot& robot, Problems& problems) {
+  const std::optional<double>& said = robot.config().reach;
+  if (!said || !HasArm(robot)) return;
+  const double measured = ApproximateReach(robot.chain());
+  if (*said <= kMostReach * measured) return;
+  problems.AddAt("reach", fmt::format("the TCP gets {:.2f} m away from the root body, not {:g} m: "
+                                      "correct it, or leave `reach` out to have it measured",
+                                      measured, *said));
+}
+
 }  // namespace
 
 void CheckConfig(const Robot& robot, Problems& problems) {
+  CheckReachField(robot, problems);
   CheckGrippers(robot, problems);
   CheckBaseSize(robot, problems);
 }

@@ -1,5 +1,6 @@
 #include "robocell/robot/check_config.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -51,6 +52,21 @@ TEST(CheckConfig, ABaseWiderThanTheReachIsTold) {
   const std::string text = Wrong(config);
   EXPECT_THAT(text, HasSubstr("base.size: on a box of 22 x 22 x 25 m the robot reaches nothing"));
   EXPECT_THAT(text, HasSubstr("are in metres"));
+}
+
+TEST(CheckConfig, AReachThatTheArmDoesNotHaveIsTold) {
+  RobotConfig config = Rc7();
+  const double measured = RobotAlone(config).reach();
+  config.reach = measured;
+  EXPECT_EQ(Wrong(config), "");
+  config.reach = 0.5;  // less than it has: only that is to be used
+  EXPECT_EQ(Wrong(config), "");
+  config.reach = 9;
+  EXPECT_THAT(Wrong(config),
+              HasSubstr(fmt::format("reach: the TCP gets {:.2f} m away from the root "
+                                    "body, not 9 m: correct it, or leave `reach` "
+                                    "out to have it measured",
+                                    measured)));
 }
 
 }  // namespace
