@@ -312,6 +312,20 @@ def test_when_some_were_made_before_all_others_are_tried(tmp_path: Path):
     assert sorted(fake_worker.tries_of(tmp_path)) == ids(8)[1:]
 
 
+def test_a_worker_whose_log_is_on_a_full_disk_tells_its_failure_all_the_same():
+    command = [sys.executable, "-m", "robocell.generate.work", "--", "/no/such/run.yaml"]
+    with Path("/dev/full").open("wb") as log:
+        worker = subprocess.run(
+            command,
+            stdout=subprocess.PIPE,
+            stderr=log,
+            text=True,
+            timeout=60,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        )
+    assert "/no/such/run.yaml" in json.loads(worker.stdout)["refused"]["message"]
+
+
 def test_a_full_disk_ends_the_run_at_once(tmp_path: Path):
     trouble = "the disk is full"
     outcome = supervise(tmp_path, {"*": ["io"]}, disk_trouble=lambda: trouble).run()

@@ -46,7 +46,7 @@ class SmallDisk:
 
 @contextmanager
 def small_disk(mount: Path, kilobytes: int) -> Iterator[SmallDisk]:
-    """A tmpfs; where none may be mounted, a folder in which each process meets ENOSPC."""
+    """A tmpfs; where none may be mounted, a folder where Python meets ENOSPC after so much."""
     mount.mkdir()
     for namespaces in (_AS_ROOT, _AS_USER):
         holder = subprocess.Popen(
@@ -64,10 +64,13 @@ def small_disk(mount: Path, kilobytes: int) -> Iterator[SmallDisk]:
             _pipe(holder.stdin).close()
             holder.wait()
             _pipe(holder.stdout).close()
+    count = mount.with_suffix(".count")
+    count.write_bytes(bytes(8))
     shim = {
         "LD_PRELOAD": str(BUILD / "libfault_io.so"),
         "FAULT_PROGRAM": Path(sys.executable).name,
         "FAULT_UNDER": str(mount),
+        "FAULT_SHARED": str(count),
         "FAULT_AT": f"{kilobytes << 10} bytes",
         "FAULT_DO": "full",
     }

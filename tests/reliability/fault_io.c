@@ -5,7 +5,8 @@
 //
 // FAULT_UNDER: how the paths begin that are watched. FAULT_AT: the number of the call, counted in
 // each process; or a pattern, as of file names, for "<call> <path>": "rename */dataset.json"; or
-// "1000 bytes" for the write that would be more than so much. FAULT_DO: fail (the call: EIO), full
+// "1000 bytes" for the write that would be more than so much, by all processes together when
+// FAULT_SHARED names a file of eight zeros for the count. FAULT_DO: fail (the call: EIO), full
 // (the call and all later ones: ENOSPC), kill_before, kill_after. A write that fails or kills takes
 // half of its bytes first, as disks do. The instant is told on standard error as
 // "fault: <call> <path>". Calls that take space away again (unlink) never fail.
@@ -21,14 +22,16 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <sys/types.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
 enum { kPass, kFail, kKillBefore, kKillAfter };
 
-static atomic_long calls, bytes;
+static atomic_long calls;
 static atomic_int struck;
 
 static const char* Setting(const char* name) {
@@ -42,13 +45,27 @@ static int Watched(const char* path) {
          strncmp(path, folder, strlen(folder)) == 0;
 }
 
+// Written by all processes together, when FAULT_SHARED names a file for the count.
+static atomic_long* Bytes(void) {
+  static atomic_long own;
+  static _Atomic(atomic_long*) shared;
+  if (*Setting("FAULT_SHARED") == 0) return &own;
+  if (atomic_load(&shared)) return atomic_load(&shared);
+  const int file = (int)syscall(SYS_openat, AT_FDCWD, Setting("FAULT_SHARED"), O_RDWR | O_CLOEXEC);
+  void* count = mmap(NULL, sizeof own, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+  close(file);
+  if (count == MAP_FAILED) abort();
+  atomic_store(&shared, (atomic_long*)count);
+  return atomic_load(&shared);
+}
+
 // Whether a call is the one that FAULT_AT means.
 static int IsChosen(const char* call, const char* path, size_t size) {
   const char* at = Setting("FAULT_AT");
   char* unit;
   const long number = strtol(at, &unit, 10);
   if (strcmp(unit, " bytes") == 0)
-    return atomic_fetch_add(&bytes, (long)size) + (long)size > number;
+    return atomic_fetch_add(Bytes(), (long)size) + (long)size > number;
   if (*unit == 0) return atomic_fetch_add(&calls, 1) + 1 == number;
   char text[PATH_MAX + 32];
   snprintf(text, sizeof text, "%s %s", call, path);

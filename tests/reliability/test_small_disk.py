@@ -14,13 +14,13 @@ from storm import EPISODES, Storm, marks
 
 import robocell
 
-SMALL_KB, LARGE = 1024, "64m"
+SMALL_KB, LARGE = 1024, "64m"  # room for two episodes, and for all
 
 
 def test_a_full_disk_ends_the_run_and_the_next_one_goes_on(tmp_path: Path, calm: Storm):
     with small_disk(tmp_path / "disk", SMALL_KB) as disk:
         storm = Storm(disk.folder)
-        command = storm.start(2, disk.environment)
+        command = storm.start(1, disk.environment)
         events, said = command.communicate(timeout=240)
         assert command.returncode == 3, said
         assert "Traceback" not in said

@@ -7,6 +7,7 @@ and ignored here. When the supervisor is gone, the worker ends.
 
 from __future__ import annotations
 
+import contextlib
 import os
 import select
 import signal
@@ -69,8 +70,9 @@ def _work(
 
 
 def _tell_failure(replies: int, verb: str, error: Exception) -> int:
-    traceback.print_exc()
     _send(replies, {verb: Failure.of(error).to_json()})
+    with contextlib.suppress(OSError):  # the log may be on the very disk that is full
+        traceback.print_exc()
     return 1
 
 
