@@ -15,15 +15,13 @@ from pathlib import Path
 import figures
 import pytest
 from disks import quick_folder
-from ledger import Ending, is_blank, require_sound, write
+from ledger import HARMLESS, Ending, is_blank, require_sound, write
 
 import robocell
 from contents import contents
 
 # More calls than any program makes here: a sweep that gets there has lost its end.
 FAR_TOO_MANY = 2000
-# Whose lock it is, is only a note for others.
-HARMLESS = "write .lock"
 Contents = dict[tuple[str, ...], dict[str, bytes]]
 
 

@@ -129,26 +129,26 @@ bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
       run.output, entry));
 }
 
-// A new manifest is the same whoever writes it. One that replaces another is written under the
-// lock, so that nobody makes an episode meanwhile.
-void Begin(const RunConfig& run, const RunInputs& inputs) {
-  if (!ReadManifest(run.output)) return WriteManifest(run.output, Manifest(run, inputs));
-  const DatasetLock lock = DatasetLock::Alone(run.output);
-  if (MustBegin(run, inputs)) WriteManifest(run.output, Manifest(run, inputs));
+// Unset when somebody is at it.
+std::optional<DatasetLock> TryAlone(const fs::path& dataset, bool last_try) {
+  try {
+    return DatasetLock::Alone(dataset);
+  } catch (const IoError&) {
+    if (last_try) throw;
+    return std::nullopt;
+  }
 }
 
-}  // namespace
-
-namespace {
-
+// A new manifest is the same whoever writes it. One that replaces another is written under the
+// lock, so that nobody makes an episode meanwhile; another shard may be at it too.
 void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
   for (int patience = kLockTries; MustBegin(run, inputs); --patience) {
-    try {
-      return Begin(run, inputs);
-    } catch (const IoError&) {  // another shard may be at it
-      if (patience == 0) throw;
-      std::this_thread::sleep_for(kLockPause);
+    if (!ReadManifest(run.output)) return WriteManifest(run.output, Manifest(run, inputs));
+    if (const auto lock = TryAlone(run.output, patience == 0)) {
+      if (MustBegin(run, inputs)) WriteManifest(run.output, Manifest(run, inputs));
+      return;
     }
+    std::this_thread::sleep_for(kLockPause);
   }
 }
 

@@ -1,0 +1,48 @@
+"""The command `robocell` over a disk that fails, in a fork for each fault: its start takes longest.
+
+Started by test_failing_start.py with the shim preloaded. A request is a line of JSON with the
+arguments and what the shim shall do: {"arguments": [...], "at": 17, "do": "fail"}; the answer has
+the exit code and what it said: {"code": 3, "said": "..."}.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import tempfile
+from typing import Any
+
+from robocell.cli import main
+from robocell.generate import job
+
+
+def be_the_command(request: dict[str, Any], said: int) -> None:
+    """In the child: never returns."""
+    os.environ["FAULT_AT"], os.environ["FAULT_DO"] = str(request["at"]), request["do"]
+    os.dup2(said, 2)
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+    sys.argv = ["robocell", *request["arguments"]]
+    try:
+        main()
+    except SystemExit as end:
+        sys.stderr.flush()
+        os._exit(int(end.code or 0))
+    os._exit(0)
+
+
+def answer(request: dict[str, Any]) -> dict[str, Any]:
+    """How the command ended."""
+    with tempfile.TemporaryFile() as said:
+        child = os.fork()
+        if child == 0:
+            be_the_command(request, said.fileno())
+        code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+        said.seek(0)
+        return {"code": code, "said": said.read().decode()}
+
+
+if __name__ == "__main__":
+    job.Job.check = lambda self: []  # in a process of its own, that writes nothing
+    for line in sys.stdin:
+        print(json.dumps(answer(json.loads(line))), flush=True)

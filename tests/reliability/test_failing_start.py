@@ -1,0 +1,157 @@
+"""`robocell generate` before and after its workers: each call of prepare, lock and report may fail.
+
+The episodes are there; manifest, models, lock and report are not. What workers do is for
+test_failing_disk.py.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from fnmatch import fnmatch
+from pathlib import Path
+
+import figures
+import pytest
+from disks import quick_folder
+from ledger import BUILD, HARMLESS, Ending
+from storm import Storm, marks
+
+import robocell
+from contents import contents
+
+FAR_TOO_MANY = 2000
+POINTS = [
+    "mkdir .probe.*",
+    "write .dataset.json.*",
+    "fsync .dataset.json.*",
+    "rename dataset.json",
+    "fsync .",
+    "mkdir models/.rc7-*",
+    "rename models/rc7-*",
+    "fsync models",
+    "create .lock",
+    "mkdir .logs",
+    "rename report.json",
+]
+
+
+class Command:
+    """The command for a dataset of one episode, which is there.
+
+    Attributes:
+        storm: The dataset.
+        episode: The marks of its files.
+        whole: What it holds when nothing fails.
+    """
+
+    def __init__(self, calm: Storm, folder: Path) -> None:
+        self._calm = calm
+        self.storm = Storm(folder)
+        shutil.copy(calm.folder / "run.yaml", folder)
+        faults = {
+            "LD_PRELOAD": str(BUILD / "libfault_io.so"),
+            "FAULT_PROGRAM": Path(sys.executable).name,
+            "FAULT_UNDER": str(self.storm.dataset),
+        }
+        self._forks = subprocess.Popen(
+            [sys.executable, Path(__file__).with_name("forks.py")],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **faults},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        self.fresh()
+        assert self.run().code == 0
+        self.whole = contents(self.storm.dataset)
+
+    def fresh(self) -> None:
+        """Only the episode is there."""
+        shutil.rmtree(self.storm.dataset, ignore_errors=True)
+        first = robocell.Dataset(self._calm.dataset).ids[0]
+        shutil.copytree(self._calm.dataset / first, self.storm.dataset / first)
+        self.episode = marks(self.storm)
+
+    def run(self, at: int | str = 0, do: str = "") -> Ending:
+        """Runs it; its call `at` in the dataset meets `do`."""
+        arguments = ["generate", str(self.storm.folder / "run.yaml"), "--progress", "jsonl"]
+        arguments += ["--output", str(self.storm.dataset), "--episodes", "1"]
+        assert self._forks.stdin is not None
+        assert self._forks.stdout is not None
+        request = {"arguments": arguments, "at": at, "do": do}
+        print(json.dumps(request), file=self._forks.stdin, flush=True)
+        answer = json.loads(self._forks.stdout.readline())
+        return Ending(self.storm.dataset, answer["code"], [], answer["said"])
+
+    def close(self) -> None:
+        """Ends the process."""
+        self._forks.communicate()
+
+    def at_points(self, do: str) -> Iterator[Ending]:
+        """One ending per point."""
+        for point in POINTS:
+            self.fresh()
+            call, path = point.split()
+            ending = self.run(f"{call} {self.storm.dataset / path}", do)
+            assert fnmatch(ending.fault, point), f"{point} was not met: {ending.said}"
+            yield ending
+        figures.note("calls", program="generate", do=do, times=len(POINTS))
+
+    def everywhere(self, do: str) -> Iterator[Ending]:
+        """One ending per call, until the fault comes too late."""
+        seen: list[str] = []
+        for number in range(1, FAR_TOO_MANY):
+            self.fresh()
+            ending = self.run(number, do)
+            if not ending.fault:
+                missed = [point for point in POINTS if not any(fnmatch(met, point) for met in seen)]
+                assert missed == [], seen
+                figures.note("calls", program="generate", do=do, times=number - 1)
+                return
+            seen.append(ending.fault)
+            yield ending
+        raise AssertionError("the sweep has no end")
+
+
+@pytest.fixture
+def command(calm: Storm, tmp_path: Path) -> Iterator[Command]:
+    with quick_folder(tmp_path) as folder:
+        command = Command(calm, folder)
+        yield command
+        command.close()
+
+
+def is_of_the_report(ending: Ending) -> bool:
+    return "report.json" in ending.fault
+
+
+ENDINGS = [Command.at_points, pytest.param(Command.everywhere, marks=pytest.mark.soak)]
+
+
+@pytest.mark.parametrize("endings", ENDINGS)
+@pytest.mark.parametrize("do", ["fail", "full", "kill_before"])
+def test_every_call_before_and_after_the_workers_may_fail(
+    do: str, endings: Callable[[Command, str], Iterator[Ending]], command: Command
+):
+    for ending in endings(command, do):
+        where = f"{ending.fault}: {ending.said}"
+        if do == "kill_before":
+            assert ending.code == -9, where
+        elif is_of_the_report(ending):
+            assert ending.code == 0, where
+        elif not (do == "fail" and ending.fault == HARMLESS):
+            assert ending.code == 3, where
+            assert str(command.storm.dataset) in ending.message, where
+            assert "Traceback" not in ending.said, where
+            if do == "full":
+                hint = "bytes are needed" if ending.is_write else "No space left on device"
+                assert hint in ending.message, where
+        again = command.run()
+        assert again.code == 0, f"after {where}: {again.said}"
+        assert contents(command.storm.dataset) == command.whole, where
+        assert marks(command.storm) == command.episode, where
+        assert robocell.verify(command.storm.dataset).leftovers == [], where
