@@ -4,6 +4,7 @@ list(FILTER ROBOCELL_SOURCES EXCLUDE REGEX "_test\\.cc$|/testing/")
 
 add_library(robocell SHARED ${ROBOCELL_SOURCES})
 add_library(robocell::robocell ALIAS robocell)
+robocell_unity(robocell ${ROBOCELL_SOURCES})
 target_compile_features(robocell PUBLIC cxx_std_20)
 target_include_directories(robocell PUBLIC
   "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>" "$<INSTALL_INTERFACE:include>")

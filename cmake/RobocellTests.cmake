@@ -1,6 +1,5 @@
 # One test program per layer, made from every *_test.cc in its folder; new files need no change here.
 find_package(GTest REQUIRED)
-include(GoogleTest)
 
 # What tests share: where the Menagerie is, how a test is skipped. Never part of the library.
 file(GLOB testing_sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/testing/*.cc")
@@ -12,6 +11,7 @@ target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
 # robocell_test(NAME SOURCES...): a test program and its tests.
 function(robocell_test name)
   add_executable(${name} ${ARGN})
+  robocell_unity(${name} ${ARGN})
   target_include_directories(${name} SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
   target_link_libraries(${name} PRIVATE robocell robocell_testing robocell_flags spdlog::spdlog yaml-cpp
     nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
@@ -19,14 +19,12 @@ function(robocell_test name)
   target_compile_options(${name} PRIVATE "$<$<CONFIG:Release>:-O1>")
   set_target_properties(${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
   string(REPLACE "_test" "" label ${name})
-  if(ROBOCELL_SANITIZE)
-    # One process per layer: starting one with sanitizers costs more than most tests.
-    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1 WORKING_DIRECTORY "${CMAKE_BINARY_DIR}")
-    set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT 900)
-  else()
-    gtest_discover_tests(${name} WORKING_DIRECTORY "${CMAKE_BINARY_DIR}" DISCOVERY_TIMEOUT 60
-      PROPERTIES LABELS ${label} TIMEOUT 300)
-  endif()
+  # Two processes a layer: starting one for every test costs more than most tests.
+  foreach(shard 0 1)
+    add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1 WORKING_DIRECTORY "${CMAKE_BINARY_DIR}")
+    set_tests_properties(${name}.${shard} PROPERTIES LABELS ${label} TIMEOUT 900
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${shard}")
+  endforeach()
 endfunction()
 
 file(GLOB layers RELATIVE "${CMAKE_SOURCE_DIR}/src/robocell" CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/*")

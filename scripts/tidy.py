@@ -1,8 +1,8 @@
 """Run clang-tidy over the project's sources, in parallel, and only over what changed.
 
-    scripts/tidy.py --build build/release [--jobs N] [FILE ...]
+    scripts/tidy.py --build build/tidy [--jobs N] [FILE ...]
 
-Uses compile_commands.json of the build folder. A file that was clean is remembered under
+Uses compile_commands.json of the build folder (``cmake --preset tidy``: every source on its own). A file that was clean is remembered under
 ``<build>/tidy`` by a hash of its text, of all our headers, of its command and of .clang-tidy, so
 that a second run takes seconds. Tests are left out: their macros cost most and find least.
 """
@@ -80,7 +80,7 @@ def findings(text: str) -> list[str]:
 def main() -> int:
     """Check the files named on the command line, or all."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--build", type=Path, default=Path("build/release"))
+    parser.add_argument("--build", type=Path, default=Path("build/tidy"))
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("files", nargs="*")
     arguments = parser.parse_args()

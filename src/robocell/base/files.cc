@@ -20,8 +20,6 @@ namespace robocell {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::string_view kSuffix = ".partial";
-
 enum SyncKind { kContent, kFolder };
 
 // Owns a descriptor.
@@ -193,7 +191,7 @@ fs::path MakeTempDirectory(const fs::path& parent, std::string_view name) {
 }
 
 bool IsTemporaryName(std::string_view file_name) {
-  return file_name.starts_with('.') && file_name.ends_with(kSuffix);
+  return file_name.starts_with('.') && file_name.ends_with(TemporaryName::kSuffix);
 }
 
 void CommitDirectory(const fs::path& temporary, const fs::path& final) {

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kBlock = 1 << 16;
+constexpr size_t kPiece = 1 << 16;
 
 std::string LinkAt(const fs::path& path) {
   std::error_code ignored;
@@ -36,7 +36,7 @@ std::string LinkAt(const fs::path& path) {
 // Calls f(bytes) for every block until the end.
 void ForEachBlock(const RealFile& file, const fs::path& path,
                   const std::function<void(std::string_view)>& f) {
-  std::string block(kBlock, '\0');
+  std::string block(kPiece, '\0');
   for (;;) {
     const ssize_t count = ::read(file.descriptor(), block.data(), block.size());
     if (count < 0 && errno == EINTR) continue;

@@ -7,7 +7,6 @@
 namespace robocell {
 namespace {
 
-constexpr std::string_view kSuffix = ".partial";
 constexpr size_t kLongest = 180;  // of 255 bytes
 
 // Takes ".<number>" off the end.

@@ -9,6 +9,8 @@
 namespace robocell {
 
 struct TemporaryName {
+  static constexpr std::string_view kSuffix = ".partial";
+
   std::string name;     // what it will be called; the beginning of a long one
   int64_t process = 0;  // who writes it
   uint64_t number = 0;  // of the writes of that process

@@ -43,7 +43,7 @@ void CheckVideo(const CameraSystemConfig& cameras, const CameraConfig& stream, P
   });
 }
 
-std::string Title(const RunConfig& run) {
+std::string FailingStreams(const RunConfig& run) {
   const size_t count = run.cameras.streams.size();
   return fmt::format("run '{}' records {} camera stream{}, on this machine that fails: ", run.run,
                      count, count == 1 ? "" : "s");
@@ -54,9 +54,9 @@ std::unique_ptr<Renderer> RendererFor(const RunConfig& run) {
     FfmpegVersion();
     return MakeRenderer({.quality = run.cameras.quality});
   } catch (const IoError& error) {
-    throw IoError(Title(run) + error.what());
+    throw IoError(FailingStreams(run) + error.what());
   } catch (const Error& error) {
-    throw Error(Title(run) + error.what());
+    throw Error(FailingStreams(run) + error.what());
   }
 }
 

@@ -19,12 +19,12 @@ using ::testing::Key;
 using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
-RunConfig Demo() {
+RunConfig DemoRun() {
   return RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
 }
 
 TEST(RunInputs, AreTheModelsOfRobotSceneAndObjects) {
-  RunConfig run = Demo();
+  RunConfig run = DemoRun();
   const RunInputs all = InputsOf(run);
   EXPECT_THAT(all.files, Contains(Key("rc7/rc7.xml")));
   EXPECT_THAT(all.files, Contains(Key("scenes/tabletop.xml")));
@@ -32,11 +32,11 @@ TEST(RunInputs, AreTheModelsOfRobotSceneAndObjects) {
   run.task.objects.names = {"box"};
   EXPECT_THAT(InputsOf(run).files, Not(Contains(Key("mug/mug.xml"))));
   EXPECT_THAT(all.versions, UnorderedElementsAre(Key("robocell"), Key("mujoco")));
-  EXPECT_THAT(Differences(all, InputsOf(Demo())), IsEmpty());
+  EXPECT_THAT(Differences(all, InputsOf(DemoRun())), IsEmpty());
 }
 
 TEST(RunInputs, AreTheSameForOtherWorkersOutputsAndMoreEpisodes) {
-  RunConfig run = Demo();
+  RunConfig run = DemoRun();
   const RunInputs before = InputsOf(run);
   run.workers = 7;
   run.output = "elsewhere";
@@ -46,7 +46,7 @@ TEST(RunInputs, AreTheSameForOtherWorkersOutputsAndMoreEpisodes) {
 }
 
 TEST(RunInputs, ADifferentFieldIsToldByItsPathWithBothValues) {
-  RunConfig run = Demo();
+  RunConfig run = DemoRun();
   const RunInputs before = InputsOf(run);
   run.task.base_distance = {0.2, 0.5};
   run.seed = 7;
@@ -61,7 +61,7 @@ TEST(RunInputs, ADifferentFieldIsToldByItsPathWithBothValues) {
 TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
   TempDir temp;
   fs::create_directory(temp / "rc7");
-  RunConfig run = Demo();
+  RunConfig run = DemoRun();
   fs::copy(fs::path(ROBOCELL_SOURCE_DIR) / "models/robots/rc7", temp / "rc7",
            fs::copy_options::recursive);
   run.robot.config.source_dir = (temp / "rc7").string();
@@ -82,7 +82,7 @@ TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
 
 TEST(RunInputs, ModelsOfTheSameNameInFoldersOfTheSameNameAreTwo) {
   TempDir temp;
-  RunConfig run = Demo();
+  RunConfig run = DemoRun();
   run.scenes.source = SceneSourceKind::kFiles;
   const std::string table = ReadFile(fs::path(ROBOCELL_SOURCE_DIR) / "models/scenes/tabletop.xml");
   for (const char* folder : {"a/room", "b/room"}) {

@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
-constexpr int kCases = 3000;
+constexpr int kPoses = 3000;
 
 double Distance(const Pose& a, const Pose& b) {
   return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff();
@@ -43,7 +43,7 @@ TEST(Pose, ItsArgumentsMayBeListsAndExpressions) {
 
 TEST(Pose, FormsAGroupLikeItsMatrices) {
   Rng rng = Rng::Stream(1, "group");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kPoses; ++i) {
     const Pose a = RandomPose(rng), b = RandomPose(rng), c = RandomPose(rng);
     ASSERT_LT(((a * b).matrix() - a.matrix() * b.matrix()).norm(), 1e-14);
     ASSERT_LT(Distance((a * b) * c, a * (b * c)), 2e-14);
@@ -58,7 +58,7 @@ TEST(Pose, FormsAGroupLikeItsMatrices) {
 
 TEST(Pose, MovesPointsLikeItsMatrix) {
   Rng rng = Rng::Stream(1, "points");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kPoses; ++i) {
     const Pose pose = RandomPose(rng);
     const Vector3d p = RandomVector(rng);
     ASSERT_LT((pose * p - (pose.matrix() * p.homogeneous()).head<3>()).norm(), 4e-15);
@@ -67,7 +67,7 @@ TEST(Pose, MovesPointsLikeItsMatrix) {
 
 TEST(Pose, EveryRepresentationComesBack) {
   Rng rng = Rng::Stream(1, "representations");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kPoses; ++i) {
     const Pose pose = RandomPose(rng);
     const Vector3d& t = pose.translation();
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> rows = pose.rotation();
@@ -101,7 +101,7 @@ TEST(Pose, FromRpyTurnsAboutFixedAxes) {
 
 TEST(Pose, InterpolateStartsHereAndEndsThere) {
   Rng rng = Rng::Stream(1, "interpolate");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kPoses; ++i) {
     const Pose a = RandomPose(rng), b = RandomPose(rng);
     const double s = rng.Uniform();
     const Pose middle = a.interpolate(b, s);
@@ -116,7 +116,7 @@ TEST(Pose, InterpolateStartsHereAndEndsThere) {
 
 TEST(Pose, LimitsBoundOnePartAndKeepItsDirection) {
   Rng rng = Rng::Stream(1, "limits");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kPoses; ++i) {
     const Pose pose = RandomPose(rng);
     const double metres = rng.Uniform(0, 3), radians = rng.Uniform(0, 3);
     const Pose near = pose.limit_translation(metres), slow = pose.limit_rotation(radians);
@@ -162,7 +162,7 @@ TEST(Pose, EqualityIsExact) {
 
 TEST(Pose, IntegrateUndoesPoseDifference) {
   Rng rng = Rng::Stream(1, "difference");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kPoses; ++i) {
     const Pose a = RandomPose(rng), b = RandomPose(rng);
     const Eigen::Matrix<double, 6, 1> difference = PoseDifference(a, b);
     ASSERT_LT(Distance(Integrate(a, difference), b), 1e-14);

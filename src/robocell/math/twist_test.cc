@@ -14,7 +14,7 @@ namespace {
 using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
-constexpr int kCases = 2000;
+constexpr int kTwists = 2000;
 
 Twist RandomTwist(Rng& rng) {
   const Vector3d linear = RandomVector(rng);
@@ -46,7 +46,7 @@ Twist FiniteDifference(const Motion& X_AM) {
 
 TEST(Twist, TransformedIsWhatAnObserverInTheOtherFrameSees) {
   Rng rng = Rng::Stream(1, "adjoint");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kTwists; ++i) {
     const Pose X_AB = RandomPose(rng), start = RandomPose(rng);
     const Vector3d velocity = RandomVector(rng), spin = RandomVector(rng);
     const auto in_B = [&](double t) { return Moving(start, velocity, spin, t); };
@@ -58,7 +58,7 @@ TEST(Twist, TransformedIsWhatAnObserverInTheOtherFrameSees) {
 TEST(Twist, ShiftedIsTheVelocityOfAnotherPointOfTheBody) {
   Rng rng = Rng::Stream(1, "shift");
   constexpr double h = 1e-6;
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kTwists; ++i) {
     const Twist twist = RandomTwist(rng);
     const Vector3d p = RandomVector(rng);
     const auto point = [&](double t) {
@@ -82,7 +82,7 @@ TEST(Wrench, ShiftedHasTheTorqueOfTheSameForceAboutAnotherPoint) {
 
 TEST(Wrench, PowerIsTheSameInEveryFrame) {
   Rng rng = Rng::Stream(1, "power");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kTwists; ++i) {
     const Pose X_AB = RandomPose(rng);
     const Twist twist = RandomTwist(rng);
     const Wrench wrench = RandomWrench(rng);
@@ -97,7 +97,7 @@ TEST(Wrench, PowerIsTheSameInEveryFrame) {
 
 TEST(Twist, TransformationsComposeLikePoses) {
   Rng rng = Rng::Stream(1, "compose");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kTwists; ++i) {
     const Pose X_AB = RandomPose(rng), X_BC = RandomPose(rng);
     const Twist twist = RandomTwist(rng);
     const Wrench wrench = RandomWrench(rng);
@@ -113,7 +113,7 @@ TEST(Twist, TransformationsComposeLikePoses) {
 
 TEST(Twist, TheAdjointMatrixIsTheTransformation) {
   Rng rng = Rng::Stream(1, "matrix");
-  for (int i = 0; i < kCases; ++i) {
+  for (int i = 0; i < kTwists; ++i) {
     const Pose X_AB = RandomPose(rng);
     const Twist twist = RandomTwist(rng);
     const Wrench wrench = RandomWrench(rng);

@@ -10,6 +10,7 @@
 #include <set>
 
 #include "robocell/base/error.h"
+#include "robocell/media/testing/videos.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -22,11 +23,6 @@ std::string Output(ChildProcess& child) {
 }
 
 std::vector<std::string> Shell(const std::string& script) { return {"/bin/sh", "-c", script}; }
-
-void ExpectNoChildLeft() {
-  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
-  EXPECT_EQ(errno, ECHILD);
-}
 
 TEST(ChildProcess, BytesGoInAndComeOut) {
   ChildProcess child({"/bin/cat"}, {.pipe_stdin = true, .pipe_stdout = true});

@@ -17,7 +17,7 @@ namespace {
 constexpr int64_t kNearAhead = 60;
 
 // Pixels come little-endian through the pipe.
-std::span<uint8_t> Bytes(std::span<uint16_t> pixels) {
+std::span<uint8_t> LittleEndian(std::span<uint16_t> pixels) {
   static_assert(std::endian::native == std::endian::little);
   return {reinterpret_cast<uint8_t*>(pixels.data()), pixels.size_bytes()};
 }
@@ -135,13 +135,13 @@ int64_t VideoReader::position() const { return impl_->position; }
 
 bool VideoReader::Next(std::span<uint8_t> rgb) { return impl_->Next(VideoKind::kColour, rgb); }
 bool VideoReader::Next(std::span<uint16_t> depth) {
-  return impl_->Next(VideoKind::kDepth, Bytes(depth));
+  return impl_->Next(VideoKind::kDepth, LittleEndian(depth));
 }
 void VideoReader::Read(int64_t index, std::span<uint8_t> rgb) {
   impl_->Read(VideoKind::kColour, index, rgb);
 }
 void VideoReader::Read(int64_t index, std::span<uint16_t> depth) {
-  impl_->Read(VideoKind::kDepth, index, Bytes(depth));
+  impl_->Read(VideoKind::kDepth, index, LittleEndian(depth));
 }
 
 }  // namespace robocell

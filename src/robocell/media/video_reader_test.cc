@@ -9,7 +9,9 @@
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/media/testing/frames.h"
+#include "robocell/media/testing/videos.h"
 #include "robocell/media/video_writer.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/skip.h"
@@ -20,19 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr VideoOptions kSmall{
+constexpr VideoOptions kClosely{
     .width = 96, .height = 64, .fps_num = 500, .fps_den = 33, .keyframe_interval = 10};
-
-void WriteVideo(const fs::path& path, int frames, const VideoOptions& options = kSmall) {
-  VideoWriter video(path, options);
-  for (int i = 0; i < frames; ++i) video.Write(TestFrame(options.width, options.height, i));
-  video.Finish();
-}
-
-std::string Bytes(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
 
 void Store(const fs::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::trunc)
@@ -103,12 +94,12 @@ TEST(VideoReader, DepthHasTheSameBytesEveryTime) {
     for (int i = 0; i < 12; ++i) writer.Write(TestDepth(96, 64, i));
     writer.Finish();
   }
-  EXPECT_EQ(Bytes(folder / "a"), Bytes(folder / "b"));
+  EXPECT_EQ(ReadFile(folder / "a"), ReadFile(folder / "b"));
 }
 
 TEST(VideoReader, AFrameReadByIndexIsTheFrameReadInOrder) {
   TempDir folder;
-  WriteVideo(folder / "a.mp4", 95);
+  WriteVideo(folder / "a.mp4", 95, kClosely);
   VideoReader in_order(folder / "a.mp4");
   std::vector<std::vector<uint8_t>> frames(95, std::vector<uint8_t>(in_order.frame_bytes()));
   for (auto& frame : frames) ASSERT_TRUE(in_order.Next(frame));
@@ -127,7 +118,7 @@ TEST(VideoReader, AFrameReadByIndexIsTheFrameReadInOrder) {
 TEST(VideoReader, SeekingIsExactAtAwkwardRates) {
   TempDir folder;
   for (const auto& [num, den] : {std::pair{30000, 1001}, {1, 3}, {997, 1}, {500, 33}}) {
-    VideoOptions options = kSmall;
+    VideoOptions options = kClosely;
     options.fps_num = num;
     options.fps_den = den;
     WriteVideo(folder / "a.mp4", 25, options);
@@ -143,7 +134,7 @@ TEST(VideoReader, SeekingIsExactAtAwkwardRates) {
 
 TEST(VideoReader, WhatItIsAskedWronglyIsExplained) {
   TempDir folder;
-  WriteVideo(folder / "a.mp4", 5);
+  WriteVideo(folder / "a.mp4", 5, kClosely);
   VideoReader video(folder / "a.mp4");
   std::vector<uint8_t> rgb(video.frame_bytes());
   ExpectThrow<ArgumentError>([&] { video.Read(5, rgb); }, "no frame 5. It has frames 0 ... 4");
@@ -155,8 +146,8 @@ TEST(VideoReader, WhatItIsAskedWronglyIsExplained) {
 
 TEST(VideoReader, AVideoCutAnywhereIsAnErrorNotAShorterVideo) {
   TempDir folder;
-  WriteVideo(folder / "a.mp4", 30);
-  const std::string whole = Bytes(folder / "a.mp4");
+  WriteVideo(folder / "a.mp4", 30, kClosely);
+  const std::string whole = ReadFile(folder / "a.mp4");
   for (int percent = 0; percent < 100; percent += 7) {
     Store(folder / "cut.mp4", whole.substr(0, whole.size() * percent / 100));
     ExpectThrow<IoError>([&] { CountFrames(folder / "cut.mp4"); }, "cut.mp4");
@@ -165,8 +156,8 @@ TEST(VideoReader, AVideoCutAnywhereIsAnErrorNotAShorterVideo) {
 
 TEST(VideoReader, AFlippedByteNeverChangesTheNumberOfFramesSilently) {
   TempDir folder;
-  WriteVideo(folder / "a.mp4", 12);
-  const std::string whole = Bytes(folder / "a.mp4");
+  WriteVideo(folder / "a.mp4", 12, kClosely);
+  const std::string whole = ReadFile(folder / "a.mp4");
   int found = 0;
   for (int part = 0; part < 25; ++part) {
     std::string damaged = whole;

@@ -15,8 +15,10 @@
 #include <thread>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/media/ffmpeg.h"
 #include "robocell/media/testing/frames.h"
+#include "robocell/media/testing/videos.h"
 #include "robocell/media/video_reader.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -30,24 +32,8 @@ using ::testing::StartsWith;
 
 constexpr VideoOptions kSmall{.width = 96, .height = 64, .fps_num = 500, .fps_den = 33};
 
-std::string Bytes(const fs::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
-void WriteVideo(const fs::path& path, int frames, const VideoOptions& options = kSmall) {
-  VideoWriter video(path, options);
-  for (int i = 0; i < frames; ++i) video.Write(TestFrame(options.width, options.height, i));
-  video.Finish();
-}
-
 // Nothing at all in the folder, hidden files included.
 void ExpectEmpty(const TempDir& folder) { EXPECT_TRUE(fs::is_empty(folder.path())); }
-
-void ExpectNoChildLeft() {
-  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
-  EXPECT_EQ(errno, ECHILD);
-}
 
 // Runs `body` in a process of its own and gives its exit code.
 template <typename Body>
@@ -110,20 +96,20 @@ TEST(VideoWriter, GrayStaysGrayAndColoursHaveNoBias) {
 
 TEST(VideoWriter, SameFramesGiveSameBytesInAnyProcess) {
   TempDir folder;
-  WriteVideo(folder / "a.mp4", 50);
+  WriteVideo(folder / "a.mp4", 50, kSmall);
   {
-    std::thread load([&] { WriteVideo(folder / "load.mp4", 50); });
-    WriteVideo(folder / "b.mp4", 50);
+    std::thread load([&] { WriteVideo(folder / "load.mp4", 50, kSmall); });
+    WriteVideo(folder / "b.mp4", 50, kSmall);
     load.join();
   }
   EXPECT_EQ(InOwnProcess([&] {
-              WriteVideo(folder / "c.mp4", 50);
+              WriteVideo(folder / "c.mp4", 50, kSmall);
               return 0;
             }),
             0);
-  EXPECT_EQ(Bytes(folder / "a.mp4"), Bytes(folder / "b.mp4"));
-  EXPECT_EQ(Bytes(folder / "a.mp4"), Bytes(folder / "load.mp4"));
-  EXPECT_EQ(Bytes(folder / "a.mp4"), Bytes(folder / "c.mp4"));
+  EXPECT_EQ(ReadFile(folder / "a.mp4"), ReadFile(folder / "b.mp4"));
+  EXPECT_EQ(ReadFile(folder / "a.mp4"), ReadFile(folder / "load.mp4"));
+  EXPECT_EQ(ReadFile(folder / "a.mp4"), ReadFile(folder / "c.mp4"));
 }
 
 TEST(VideoWriter, AnOddSizeIsRefusedBeforeEncodingWithTheNearestEvenOne) {
@@ -250,7 +236,7 @@ int WriteWithSpace(const fs::path& path, rlim_t bytes) {
   const rlimit limit{bytes, bytes};
   setrlimit(RLIMIT_FSIZE, &limit);
   try {
-    WriteVideo(path, 60);
+    WriteVideo(path, 60, kSmall);
     return 0;
   } catch (const IoError&) {
     return fs::exists(path) ? 2 : 1;
@@ -259,7 +245,7 @@ int WriteWithSpace(const fs::path& path, rlim_t bytes) {
 
 TEST(VideoWriter, AFullDiskIsAnErrorAtEveryPoint) {
   TempDir folder;
-  WriteVideo(folder / "whole.mp4", 60);
+  WriteVideo(folder / "whole.mp4", 60, kSmall);
   const auto size = fs::file_size(folder / "whole.mp4");
   for (int i = 0; i < 5; ++i) {
     const rlim_t space = i * size / 5;
@@ -275,7 +261,7 @@ TEST(VideoWriter, HostileFileNamesAreOnlyNames) {
   fs::current_path(folder.path());
   for (const std::string name :
        {"-y.mp4", "$(touch injected) ' \".mp4", "concat:a|b.mp4", "ü %03d.mp4"}) {
-    WriteVideo(name, 3);
+    WriteVideo(name, 3, kSmall);
     EXPECT_EQ(ReadVideoInfo(folder / name).frames, 3) << name;
     VideoReader video(folder / name);
     std::vector<uint8_t> rgb(video.frame_bytes());
@@ -290,9 +276,9 @@ TEST(VideoWriter, ManyVideosLeaveNoDescriptorsOpen) {
   auto open_descriptors = [] {
     return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
   };
-  WriteVideo(folder / "a.mp4", 2);
+  WriteVideo(folder / "a.mp4", 2, kSmall);
   const auto before = open_descriptors();
-  for (int i = 0; i < 5; ++i) WriteVideo(folder / "a.mp4", 2);
+  for (int i = 0; i < 5; ++i) WriteVideo(folder / "a.mp4", 2, kSmall);
   EXPECT_EQ(open_descriptors(), before);
 }
 

@@ -29,7 +29,7 @@ constexpr Int kNone = 0x3038;
 // red, green, blue, alpha 8; depth 24; stencil 8; RGB buffers; pbuffers; desktop OpenGL.
 constexpr Int kConfig[] = {0x3024, 8, 0x3023, 8,      0x3022, 8, 0x3021, 8, 0x3025, 24,
                            0x3026, 8, 0x303F, 0x308E, 0x3033, 1, 0x3040, 8, kNone};
-constexpr Enum kGlRenderer = 0x1F01, kGlVersion = 0x1F02;
+constexpr Enum kRendererName = 0x1F01, kVersionName = 0x1F02;
 
 struct Egl {
   GlLibrary library{"libEGL.so.1", "libEGL.so"};
@@ -170,8 +170,8 @@ class EglContext final : public GlContext {
     Current scope(*this);
     using GetString = const char*(Enum);
     auto* get = reinterpret_cast<GetString*>(egl().GetProcAddress("glGetString"));
-    const char* renderer = get ? get(kGlRenderer) : nullptr;
-    const char* version = get ? get(kGlVersion) : nullptr;
+    const char* renderer = get ? get(kRendererName) : nullptr;
+    const char* version = get ? get(kVersionName) : nullptr;
     if (!renderer || !version) throw IoError("the context reports no OpenGL version");
     description_ = std::string("egl: ") + renderer + ", OpenGL " + version;
   }

@@ -26,7 +26,7 @@ namespace {
 
 constexpr int kW = 160, kH = 120;
 
-constexpr char kScene[] = R"(<mujoco>
+constexpr char kSpheres[] = R"(<mujoco>
   <asset>
     <texture name="sky" type="skybox" builtin="gradient" rgb1=".3 .5 .7" rgb2="0 0 0" width="64" height="384"/>
     <texture name="grid" type="2d" builtin="checker" rgb1=".2 .3 .4" rgb2=".1 .2 .3" width="64" height="64"/>
@@ -53,7 +53,7 @@ struct Images {
 class Rendering : public testing::Test {
  protected:
   Rendering() {
-    SpecPtr spec = ParseXmlString(kScene);
+    SpecPtr spec = ParseXmlString(kSpheres);
     SetClipPlanes(spec.get(), 2, 0.01, 50);
     model_ = Compile(spec.get());
     data_ = MakeData(model_.get());
@@ -215,7 +215,7 @@ TEST_F(Rendering, MarkersAreInColourOnly) {
 }
 
 TEST_F(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
-  SpecPtr spec = ParseXmlString(kScene);
+  SpecPtr spec = ParseXmlString(kSpheres);
   mjsBody* extra = mjs_addBody(mjs_findBody(spec.get(), "world"), nullptr);
   mjsGeom* geom = mjs_addGeom(extra, nullptr);
   geom->type = mjGEOM_SPHERE;

@@ -17,7 +17,7 @@
 namespace robocell {
 namespace {
 
-constexpr char kScene[] = R"(<mujoco><statistic extent="2"/><worldbody>
+constexpr char kFalling[] = R"(<mujoco><statistic extent="2"/><worldbody>
   <light pos="0 0 3"/><geom type="plane" size="2 2 .1" rgba=".5 .6 .7 1"/>
   <body pos="0 0 1"><freejoint/><geom size=".2" rgba="1 0 0 1"/></body>
   <camera name="side" pos="0 -3 .7" xyaxes="1 0 0 0 0 1"/></worldbody></mujoco>)";
@@ -26,7 +26,7 @@ constexpr VideoRecorderOptions kSmall{.width = 64, .height = 48, .fps_num = 500,
 
 class Recording : public testing::Test {
  protected:
-  Recording() : model_(Compile(ParseXmlString(kScene).get())), data_(MakeData(model_.get())) {}
+  Recording() : model_(Compile(ParseXmlString(kFalling).get())), data_(MakeData(model_.get())) {}
   void SetUp() override {
     try {
       VideoRecorder(model_.get(), folder_ / "probe.mp4", kSmall);
@@ -56,7 +56,7 @@ TEST_F(Recording, EachCallIsOneFrameAndShowsThatState) {
     frames.emplace_back(3 * 64 * 48);
     renderer->Render(data_.get(), {.camera = ModelCamera{0}, .width = 64, .height = 48},
                      {.rgb = frames.back()});
-    Step(model_.get(), data_.get(), 40);
+    EXPECT_TRUE(Step(model_.get(), data_.get(), 40).ok());
   }
   video.Finish();
   VideoReader reader(folder_ / "fall.mp4");

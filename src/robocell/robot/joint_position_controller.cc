@@ -8,7 +8,7 @@
 namespace robocell {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -24,7 +24,7 @@ JointPositionController::JointPositionController(MoveGroup& group)
       target_(group.joint_pos()),
       within_(target_.size()),
       limits_(group.joint_pos_limits()) {
-  limits_.resize(target_.size(), Interval{-kInfinity, kInfinity});
+  limits_.resize(target_.size(), Interval{-kUnlimited, kUnlimited});
   std::vector<double> ctrl(group.nu());
   group.CtrlForJointPos(target_, ctrl);  // says at once when the group has no servos
 }

@@ -175,8 +175,11 @@ TEST_F(GripperOpening, SetAtTheGroupReallyOpensIt) {
   for (const bool updated : {true, false}) {
     for (const double opening : {0.0, 1.0}) {
       robot.gripper().SetOpening(opening);
-      if (updated) Simulate(robot, 500);
-      if (!updated) EXPECT_TRUE(robot.scene().StepN(500).ok());
+      if (updated) {
+        Simulate(robot, 500);
+      } else {
+        EXPECT_TRUE(robot.scene().StepN(500).ok());
+      }
       EXPECT_NEAR(robot.gripper().opening(), opening, 0.02) << updated;
     }
   }

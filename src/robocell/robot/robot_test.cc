@@ -216,7 +216,7 @@ TEST(Robot, IsClosedWithItsScene) {
   Scene scene = robot.scene();
   scene.Close();
   ExpectThrow<ClosedError>([&] { robot.Update(); }, "robot 'rc7' is closed");
-  ExpectThrow<ClosedError>([&] { robot.Step(); }, "scene 'test' is closed");
+  ExpectThrow<ClosedError>([&] { EXPECT_TRUE(robot.Step().ok()); }, "scene 'test' is closed");
   ExpectThrow<ClosedError>([&] { robot.arm().joint_pos(); }, "scene 'test' is closed");
   ExpectThrow<ClosedError>([&] { robot.gripper().opening(); }, "closed");
   ExpectThrow<ClosedError>([&] { robot.tcp_in_world(); }, "closed");

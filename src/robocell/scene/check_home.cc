@@ -11,8 +11,6 @@
 namespace robocell {
 namespace {
 
-constexpr double kLimitSlack = 1e-4;  // numbers in files are rounded
-
 // For an angle that only makes sense in degrees.
 std::string RadiansHint(int joint_type, double value) {
   if (joint_type != mjJNT_HINGE || std::abs(value) <= 2 * kPi) return "";

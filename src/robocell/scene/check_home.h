@@ -14,6 +14,9 @@
 
 namespace robocell {
 
+// How far outside its limits a number from a file may be: files round.
+inline constexpr double kLimitSlack = 1e-4;
+
 // "2 is outside the limits -1 to 1 of joint 'elbow'", with a hint at degrees that were meant as
 // radians; nothing for what is inside, for joints without limits, and for free and ball joints.
 // `shown` is the joint's name in the message.

@@ -10,8 +10,6 @@
 namespace robocell {
 namespace {
 
-constexpr double kLimitSlack = 1e-4;  // numbers in files are rounded
-
 // The checks of one robot. Messages name the field, then what is wrong with it.
 class RobotCheck {
  public:

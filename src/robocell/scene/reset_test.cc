@@ -16,7 +16,7 @@ namespace {
 using ::testing::Each;
 using ::testing::ElementsAre;
 
-SceneSpec Workplace() {
+SceneSpec Busy() {
   SceneSpec spec = EmptyScene();
   spec.robots.push_back(
       {.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7")), .prefix = "r_"});
@@ -52,7 +52,7 @@ std::vector<std::vector<double>> Trajectory(Scene& scene, uint64_t seed) {
 }
 
 TEST(Reset, ForgetsEverything) {
-  Scene fresh = Scene::Build(Workplace()), lived = Scene::Build(Workplace());
+  Scene fresh = Scene::Build(Busy()), lived = Scene::Build(Busy());
   const auto expected = Trajectory(fresh, 3);
   for (uint64_t seed = 0; seed < 10; ++seed) {
     LiveThrough(lived, Rng::Stream(seed, "life"));
@@ -62,14 +62,14 @@ TEST(Reset, ForgetsEverything) {
 }
 
 TEST(Reset, AfterADivergenceIsAsGoodAsNew) {
-  Scene fresh = Scene::Build(Workplace()), broken = Scene::Build(Workplace());
+  Scene fresh = Scene::Build(Busy()), broken = Scene::Build(Busy());
   broken.data()->qvel[0] = 1e12;
   EXPECT_FALSE(broken.StepN(5).ok());
   EXPECT_TRUE(Trajectory(broken, 1) == Trajectory(fresh, 1));
 }
 
 TEST(Reset, DrawsHomeNoiseFromTheSeed) {
-  Scene scene = Scene::Build(Workplace());
+  Scene scene = Scene::Build(Busy());
   const auto arm = [&](std::optional<uint64_t> seed) {
     scene.Reset({.seed = seed});
     std::vector<double> q;
@@ -93,7 +93,7 @@ TEST(Reset, DrawsHomeNoiseFromTheSeed) {
 }
 
 TEST(Reset, KeepsServosHoldingTheNoisyPose) {
-  Scene scene = Scene::Build(Workplace());
+  Scene scene = Scene::Build(Busy());
   scene.Reset({.seed = 5});
   for (int i = 1; i <= 7; ++i) {
     const int joint = RequireId(scene.model(), mjOBJ_JOINT, "r_joint" + std::to_string(i), "");
@@ -136,7 +136,7 @@ struct Onlooker : SceneObserver {
 };
 
 TEST(Reset, HooksAndObserversFindPosesThatAgreeWithTheState) {
-  Scene scene = Scene::Build(Workplace());
+  Scene scene = Scene::Build(Busy());
   const auto onlooker = std::make_shared<Onlooker>(scene);
   scene.AddObserver(onlooker);
   double in_hook = 0;
@@ -169,7 +169,7 @@ TEST(Reset, KeepsNoiseInsideTheLimits) {
 }
 
 TEST(Reset, NoiseOfARobotDoesNotDependOnItsNeighbours) {
-  SceneSpec spec = Workplace();
+  SceneSpec spec = Busy();
   Scene alone = Scene::Build(spec);
   RobotSpec other = spec.robots[0];
   other.prefix = "a_";
@@ -183,7 +183,7 @@ TEST(Reset, NoiseOfARobotDoesNotDependOnItsNeighbours) {
 }
 
 TEST(Reset, TakesTheDefaultConfigurationWhenAsked) {
-  Scene scene = Scene::Build(Workplace());
+  Scene scene = Scene::Build(Busy());
   const ResetInfo info = scene.Reset({.use_keyframe = false});
   EXPECT_FALSE(info.used_keyframe);
   const int joint = RequireId(scene.model(), mjOBJ_JOINT, "r_joint4", "");
@@ -192,7 +192,7 @@ TEST(Reset, TakesTheDefaultConfigurationWhenAsked) {
 }
 
 TEST(Reset, RefusesAKeyframeThatIsNotThere) {
-  Scene scene = Scene::Build(Workplace());
+  Scene scene = Scene::Build(Busy());
   ExpectThrow<ArgumentError>([&] { scene.Reset({.keyframe = 3}); },
                              "scene 'test': there is no keyframe 3; the scene has 1");
 }
@@ -206,7 +206,7 @@ struct Diary : SceneObserver {
 };
 
 TEST(Reset, CallsHooksThenObserversThenForgetsForcesThenComputesPoses) {
-  Scene scene = Scene::Build(Workplace());
+  Scene scene = Scene::Build(Busy());
   std::vector<std::string> entries;
   const auto diary = std::make_shared<Diary>(entries);
   scene.AddObserver(diary);
@@ -232,14 +232,14 @@ TEST(Reset, CallsHooksThenObserversThenForgetsForcesThenComputesPoses) {
 }
 
 TEST(Reset, AHookThatClosesTheSceneEndsTheReset) {
-  Scene scene = Scene::Build(Workplace());
+  Scene scene = Scene::Build(Busy());
   scene.AddResetHook([](ResetContext& reset) { reset.scene.Close(); });
   EXPECT_THROW(scene.Reset(), ClosedError);
   EXPECT_TRUE(scene.closed());
 }
 
 TEST(Reset, AHookMayRemoveItself) {
-  Scene scene = Scene::Build(Workplace());
+  Scene scene = Scene::Build(Busy());
   int calls = 0, id = -1;
   id = scene.AddResetHook([&](ResetContext& reset) {
     ++calls;

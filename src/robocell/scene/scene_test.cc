@@ -49,7 +49,7 @@ TEST(Scene, StepsWithoutAllocating) {
   Scene scene = Scene::Build(Workplace());
   EXPECT_TRUE(scene.StepN(10).ok());
   const AllocationCount count;
-  for (int i = 0; i < 100; ++i) scene.Step();
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(scene.Step().ok());
   EXPECT_TRUE(scene.StepN(100).ok());
   scene.SyncPoses();
   scene.Forward();
@@ -210,7 +210,7 @@ TEST(Scene, SaysThatItIsClosed) {
   scene.Close();
   EXPECT_EQ(watch->closed, 1);
   EXPECT_TRUE(other.closed());
-  ExpectThrow<ClosedError>([&] { scene.Step(); }, "scene 'test' is closed");
+  ExpectThrow<ClosedError>([&] { EXPECT_TRUE(scene.Step().ok()); }, "scene 'test' is closed");
   ExpectThrow<ClosedError>([&] { other.body_pose("cube"); }, "scene 'test' is closed");
   EXPECT_EQ(scene.name(), "test");
 }
@@ -270,7 +270,7 @@ TEST(CompiledScene, ThatIsNotFrozenServesOneSceneAtATime) {
   scene.reset();
   scene = Scene::FromCompiled(compiled);
   compiled->Freeze();
-  Scene::FromCompiled(compiled).Step();
+  EXPECT_TRUE(Scene::FromCompiled(compiled).Step().ok());
 }
 
 TEST(CompiledScene, IsSharedBetweenScenesWhenFrozen) {

@@ -11,7 +11,7 @@
 namespace robocell {
 namespace {
 
-constexpr const char* kRobot = R"(name: arm
+constexpr const char* kArm = R"(name: arm
 model: arm.xml
 move_groups:
   arm:
@@ -22,7 +22,7 @@ move_groups:
 TEST(Locations, AValueHasItsPlaceInTheFile) {
   const TempDir folder;
   const std::string file = (folder.path() / "arm.yaml").string();
-  AtomicWrite(file, kRobot);
+  AtomicWrite(file, kArm);
   const Locations at = RobotConfig::Load(file).locations;
   EXPECT_EQ(at.At("model"), file + ":2:8");
   EXPECT_EQ(at.At("move_groups.arm.joints[0]"), file + ":6:14");
@@ -34,7 +34,7 @@ TEST(Locations, AValueHasItsPlaceInTheFile) {
 TEST(Locations, WhatIsNotGivenIsPlacedAtThePartAroundIt) {
   const TempDir folder;
   const std::string file = (folder.path() / "arm.yaml").string();
-  AtomicWrite(file, kRobot);
+  AtomicWrite(file, kArm);
   const Locations at = RobotConfig::Load(file).locations;
   EXPECT_EQ(at.At("move_groups.arm.leaf"), file + ":5:5");
   EXPECT_EQ(at.At("root_body"), file + ":1:1");
@@ -43,7 +43,7 @@ TEST(Locations, WhatIsNotGivenIsPlacedAtThePartAroundIt) {
 
 TEST(Locations, ARobotFileNamedByARunFileKeepsItsOwn) {
   const TempDir folder;
-  AtomicWrite(folder.path() / "arm.yaml", kRobot);
+  AtomicWrite(folder.path() / "arm.yaml", kArm);
   const std::string run = (folder.path() / "run.yaml").string();
   AtomicWrite(run, "run: r\nrobot: arm.yaml\noutput: out\n");
   const RunConfig config = RunConfig::Load(run);
@@ -64,7 +64,7 @@ TEST(Locations, ARobotInPlaceIsAPartOfItsFile) {
 }
 
 TEST(Locations, CopiesThroughTextHaveNone) {
-  const RobotConfig copy = FromYamlUnchecked<RobotConfig>(kRobot);
+  const RobotConfig copy = FromYamlUnchecked<RobotConfig>(kArm);
   EXPECT_EQ(copy.locations.At("model"), "");
 }
 

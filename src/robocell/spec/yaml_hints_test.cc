@@ -17,53 +17,53 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::ParseError;
 
-std::string RobotError(const std::string& field) {
+std::string HintFor(const std::string& field) {
   return ParseError<RobotConfig>("name: arm\nmodel: arm.xml\n" + field + "\n");
 }
 
 TEST(Hints, AnAttachTargetWithoutItsKind) {
-  EXPECT_EQ(RobotError("attachments: [{mjcf_path: a.xml, prefix: g_, attach_to: pinch_site}]"),
+  EXPECT_EQ(HintFor("attachments: [{mjcf_path: a.xml, prefix: g_, attach_to: pinch_site}]"),
             "f.yaml is not valid: f.yaml:3:57: attachments[0].attach_to: expected world, root, "
             "shared_base, or {site: name}, found 'pinch_site'; write {site: pinch_site} if it is a "
             "site, or {body: pinch_site}, {frame: pinch_site}. Body, site or frame of the robot or "
             "of an earlier attachment, by its name without the robot's prefix.");
-  EXPECT_THAT(RobotError("attachments: [{mjcf_path: a.xml, prefix: g_, attach_to: wrold}]"),
+  EXPECT_THAT(HintFor("attachments: [{mjcf_path: a.xml, prefix: g_, attach_to: wrold}]"),
               HasSubstr("{frame: wrold}. Did you mean 'world'? Body, site"));
 }
 
 TEST(Hints, AValueInThePlaceOfTheFieldsItBelongsTo) {
-  EXPECT_THAT(RobotError("base: mocap"),
+  EXPECT_THAT(HintFor("base: mocap"),
               HasSubstr("base: expected the fields of a BaseConfig, found 'mocap'; write {kind: "
                         "mocap}. What the robot stands on."));
-  EXPECT_THAT(RobotError("base: [0.2, 0.2, 0.3]"),
+  EXPECT_THAT(HintFor("base: [0.2, 0.2, 0.3]"),
               HasSubstr("found a list; write {size: [0.2, 0.2, 0.3]}"));
-  EXPECT_THAT(RobotError("attachment_site: s\ntcp_offset: [0, 0, 0.1]"),
+  EXPECT_THAT(HintFor("attachment_site: s\ntcp_offset: [0, 0, 0.1]"),
               HasSubstr("tcp_offset: expected the fields of a Pose, found a list; write {pos: [0, "
                         "0, 0.1]}"));
-  EXPECT_THAT(RobotError("move_groups: {arm: arm}"), HasSubstr("; write {kind: arm}"));
-  EXPECT_THAT(RobotError("move_groups: {arm: [j1, j2]}"), HasSubstr("; write {joints: [j1, j2]}"));
+  EXPECT_THAT(HintFor("move_groups: {arm: arm}"), HasSubstr("; write {kind: arm}"));
+  EXPECT_THAT(HintFor("move_groups: {arm: [j1, j2]}"), HasSubstr("; write {joints: [j1, j2]}"));
   EXPECT_THAT(
-      RobotError("move_groups: {g: {kind: gripper, actuators: a, ctrl: [0, 255]}}"),
+      HintFor("move_groups: {g: {kind: gripper, actuators: a, ctrl: [0, 255]}}"),
       HasSubstr("ctrl: expected the fields of a GripperCtrl, found a list; its fields: open, "
                 "closed"));
 }
 
 TEST(Hints, NumbersThatAreNoList) {
-  EXPECT_THAT(RobotError("base: {size: 0.2 0.2 0.3}"),
+  EXPECT_THAT(HintFor("base: {size: 0.2 0.2 0.3}"),
               HasSubstr("base.size: expected a list of 3 numbers, found '0.2 0.2 0.3'; write [0.2, "
                         "0.2, 0.3]"));
-  EXPECT_THAT(RobotError("base: {size: {x: 0.2, y: 0.2, z: 0.3}}"),
+  EXPECT_THAT(HintFor("base: {size: {x: 0.2, y: 0.2, z: 0.3}}"),
               HasSubstr("found names with values; write [0.2, 0.2, 0.3]"));
-  EXPECT_THAT(RobotError("base: {size: 0.2}"), HasSubstr("found '0.2'. Length, width"));
+  EXPECT_THAT(HintFor("base: {size: 0.2}"), HasSubstr("found '0.2'. Length, width"));
 }
 
 TEST(Hints, ListsAndNamesMixedUp) {
-  EXPECT_THAT(RobotError("home: [0, 0]"),
+  EXPECT_THAT(HintFor("home: [0, 0]"),
               HasSubstr("home: expected names with values, found a list; write {name: [0, 0]}"));
-  EXPECT_THAT(RobotError("move_groups:\n  - {kind: arm, joints: [a]}"),
+  EXPECT_THAT(HintFor("move_groups:\n  - {kind: arm, joints: [a]}"),
               HasSubstr("; write `name: {...}` for each, without dashes"));
   EXPECT_THAT(
-      RobotError("edits: {body: link, pos: [0, 0, 0]}"),
+      HintFor("edits: {body: link, pos: [0, 0, 0]}"),
       HasSubstr("edits: expected a list, found names with values; begin each of its entries "
                 "with a dash: `- `"));
 }
@@ -75,7 +75,7 @@ TEST(Hints, TabsThatIndent) {
 }
 
 TEST(Hints, AColonWithoutQuotes) {
-  EXPECT_THAT(RobotError("root_body: menagerie: panda"),
+  EXPECT_THAT(HintFor("root_body: menagerie: panda"),
               HasSubstr("illegal map value; a text that holds `: ` stands in quotes"));
 }
 
@@ -95,7 +95,7 @@ TEST(Misspelt, ARequiredFieldIsOneProblem) {
 }
 
 TEST(Misspelt, WhatFollowsFromItIsNotReported) {
-  const std::string error = RobotError(
+  const std::string error = HintFor(
       "move_gruops: {arm: {kind: arm, joints: [a, b]}}\nhome: {arm: [0, 0]}\ncontrol: {arm: "
       "joint_position}");
   EXPECT_THAT(error, AllOf(HasSubstr("no field 'move_gruops'"), Not(HasSubstr("problems"))));
@@ -103,27 +103,27 @@ TEST(Misspelt, WhatFollowsFromItIsNotReported) {
 
 TEST(Misspelt, ButWhatIsWrongElsewhereIs) {
   const std::string error =
-      RobotError("move_gruops: {arm: {kind: arm, joints: [a, b]}}\nhome: {arm: [0, 0, 0]}");
+      HintFor("move_gruops: {arm: {kind: arm, joints: [a, b]}}\nhome: {arm: [0, 0, 0]}");
   EXPECT_THAT(error, AllOf(HasSubstr("2 problems"),
                            HasSubstr("home.arm: has 3 values for the 2 joints a, b")));
 }
 
 TEST(Misspelt, AValueThatDoesNotFitTheNearestFieldIsNotHeldAgainstIt) {
-  const std::string error = RobotError("bas: 3");
+  const std::string error = HintFor("bas: 3");
   EXPECT_THAT(error, AllOf(HasSubstr("Did you mean 'base'?"), Not(HasSubstr("expected"))));
 }
 
 TEST(Misspelt, AFieldThatIsGivenTooIsNotOverwritten) {
-  EXPECT_THAT(RobotError("modle: other.xml"),
+  EXPECT_THAT(HintFor("modle: other.xml"),
               AllOf(HasSubstr("Did you mean 'model'?"), Not(HasSubstr("problems"))));
 }
 
-constexpr const char* kRun = "run: r\nrobot: arm.yaml\ntask: {kind: pick}\noutput: out\n";
+constexpr const char* kShortRun = "run: r\nrobot: arm.yaml\ntask: {kind: pick}\noutput: out\n";
 constexpr const char* kScene = "timestep: 0.002\nadd_floor: true\nrobots: []\nobjects: []\n";
 
 TEST(OtherKind, ARunFileInThePlaceOfARobotFile) {
   EXPECT_EQ(
-      ParseError<RobotConfig>(kRun),
+      ParseError<RobotConfig>(kShortRun),
       "f.yaml is not valid: f.yaml:1:1: this looks like a run file: it has run, robot, task, "
       "output. A robot file is wanted here. Make its dataset with `robocell generate f.yaml`");
 }
@@ -141,7 +141,7 @@ TEST(OtherKind, ASceneFile) {
 }
 
 TEST(OtherKind, OneStrayFieldIsNotAnotherKind) {
-  EXPECT_THAT(RobotError("task: {kind: pick}"), HasSubstr("no field 'task'"));
+  EXPECT_THAT(HintFor("task: {kind: pick}"), HasSubstr("no field 'task'"));
 }
 
 }  // namespace

@@ -11,13 +11,13 @@
 namespace robocell::yaml {
 namespace {
 
-constexpr size_t kShown = 60;            // longest piece of a file quoted in a message
+constexpr size_t kLongestShown = 60;     // longest piece of a file quoted in a message
 constexpr size_t kMostValues = 200'000;  // a spec has hundreds; only aliases get that far
 constexpr size_t kMostIndices = 2'000'000;
 
 std::string Quoted(const YAML::Node& node) {
   std::string text = node.Scalar();
-  if (text.size() > kShown) text = text.substr(0, kShown) + "...";
+  if (text.size() > kLongestShown) text = text.substr(0, kLongestShown) + "...";
   return "'" + text + "'";
 }
 

@@ -25,8 +25,8 @@ namespace robocell {
 namespace {
 
 constexpr int kRows = 41;
-constexpr double kOpenSeconds = 0.6;  // to open fully
-constexpr double kRowSeconds = 0.2;   // per step of closing
+constexpr double kFullyOpenSeconds = 0.6;  // to open fully
+constexpr double kRowSeconds = 0.2;        // per step of closing
 constexpr double kMostPadHalf =
     0.02;  // a longer "pad" is a whole finger: its last part is what grips
 constexpr double kTipPadHalf = 0.01;  // ... this far from its tip
@@ -77,7 +77,7 @@ class GripperSweep {
     GripperShape shape;
     for (const int j : joints_)
       shape.joint_names_.push_back(ElementName(scene_.model(), mjOBJ_JOINT, j));
-    MoveTo(1, kOpenSeconds);
+    MoveTo(1, kFullyOpenSeconds);
     shape.grasp_in_tcp_ = frame_ = GraspFrame();
     const Eigen::Vector3d a = HalfPad(0), b = HalfPad(1);
     shape.pad_half_width_ = std::min(a.x(), b.x());

@@ -1,0 +1,27 @@
+// For tests only: small videos of test frames, and what must not be left of the encoder.
+#pragma once
+
+#include <sys/wait.h>
+#include <gtest/gtest.h>
+
+#include <cerrno>
+#include <filesystem>
+
+#include "robocell/media/testing/frames.h"
+#include "robocell/media/video_writer.h"
+
+namespace robocell {
+
+inline void WriteVideo(const std::filesystem::path& path, int frames, const VideoOptions& options) {
+  VideoWriter video(path, options);
+  for (int i = 0; i < frames; ++i) video.Write(TestFrame(options.width, options.height, i));
+  video.Finish();
+}
+
+// This process has no child, running or waiting to be asked how it ended.
+inline void ExpectNoChildLeft() {
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
+}
+
+}  // namespace robocell
