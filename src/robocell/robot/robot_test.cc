@@ -198,10 +198,10 @@ TEST(Robot, SaysWhenAnArmListsOtherJointsThanItsLeafHas) {
   config.move_groups.at("arm").actuators = {"servo1", "servo3", "servo2"};
   config.home = {};
   config.home_noise = {};
-  ExpectThrow<ArgumentError>(
+  ExpectThrow<SpecError>(
       [&] { RobotAlone(config); },
-      "robot 'rc7' / group 'arm': it lists the joints joint1, joint3, joint2, but the joints from "
-      "'base_link' to its leaf are joint1 ... joint7; list those, in this order");
+      "robot 'rc7': move_groups.arm.joints: lists joint1, joint3, joint2, but the joints from "
+      "'base_link' to the arm's leaf are joint1 ... joint7; list those, in this order");
 }
 
 TEST(Robot, LeavesWithoutANameAreRefused) {

@@ -22,7 +22,9 @@ struct ChildRun {
 // `filter` is GoogleTest's.
 inline ChildRun RunTestsInChild(const std::string& filter, const std::string& environment) {
   const std::string self = std::filesystem::read_symlink("/proc/self/exe");
-  const std::string command = environment + " '" + self + "' --gtest_filter='" + filter + "' 2>&1";
+  // Also when this program runs only its share of the tests.
+  const std::string command = "env -u GTEST_TOTAL_SHARDS -u GTEST_SHARD_INDEX " + environment +
+                              " '" + self + "' --gtest_filter='" + filter + "' 2>&1";
   ChildRun run;
   FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return run;
