@@ -2,7 +2,7 @@
 
 Started by test_failing_start.py with the shim preloaded. A request is a line of JSON with the
 arguments and what the shim shall do: {"arguments": [...], "at": 17, "do": "fail"}; the answer has
-the exit code and what it said: {"code": 3, "said": "..."}.
+the exit code and all that it said: {"code": 3, "said": "..."}.
 """
 
 from __future__ import annotations
@@ -20,14 +20,16 @@ from robocell.generate import job
 def be_the_command(request: dict[str, Any], said: int) -> None:
     """In the child: never returns."""
     os.environ["FAULT_AT"], os.environ["FAULT_DO"] = str(request["at"]), request["do"]
+    os.dup2(said, 1)
     os.dup2(said, 2)
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     sys.argv = ["robocell", *request["arguments"]]
     try:
         main()
     except SystemExit as end:
+        sys.stdout.flush()
         sys.stderr.flush()
         os._exit(int(end.code or 0))
+    sys.stdout.flush()
     os._exit(0)
 
 

@@ -125,10 +125,6 @@ def command(calm: Storm, tmp_path: Path) -> Iterator[Command]:
         command.close()
 
 
-def is_of_the_report(ending: Ending) -> bool:
-    return "report.json" in ending.fault
-
-
 ENDINGS = [Command.at_points, pytest.param(Command.everywhere, marks=pytest.mark.soak)]
 
 
@@ -141,7 +137,7 @@ def test_every_call_before_and_after_the_workers_may_fail(
         where = f"{ending.fault}: {ending.said}"
         if do == "kill_before":
             assert ending.code == -9, where
-        elif is_of_the_report(ending):
+        elif "the report could not be written" in ending.said:  # the episodes are there
             assert ending.code == 0, where
         elif not (do == "fail" and ending.fault == HARMLESS):
             assert ending.code == 3, where
