@@ -63,7 +63,7 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
         ),
         (
             lambda s: s.robot("a").ik([1, 2, 3]),
-            "Robot.ik(): `pose` must be a Pose, got [1, 2, 3] (",
+            "Robot.ik(): `pose` must be a Pose or something like it, got [1, 2, 3] (",
         ),
         (
             lambda s: s.robot("a").set_joint_pos(None),
