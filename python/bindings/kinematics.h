@@ -12,7 +12,7 @@ struct Kinematics {
   Robot robot;
 };
 
-// An argument that is a Pose or a PyKDL.Frame.
+// An argument that is a Pose or a PyKDL.Frame, which has no type that annotations could name.
 struct PoseOrFrame {
   Pose pose;
 };
@@ -37,7 +37,7 @@ namespace nanobind::detail {
 
 template <>
 struct type_caster<robocell::python::PoseOrFrame> {
-  NB_TYPE_CASTER(robocell::python::PoseOrFrame, const_name("Pose | typing.Any"))
+  NB_TYPE_CASTER(robocell::python::PoseOrFrame, const_name("Pose"))
 
   bool from_python(handle source, uint8_t, cleanup_list*) noexcept {
     try {

@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "control.h"
 #include "kinematics.h"
 #include "move_group_trampoline.h"
 #include "python_owner.h"
@@ -163,6 +164,13 @@ void BindAction(nb::module_& m) {
           "leaf_in_robot"_a, "Pose of the leaf in the robot base frame, through IK.")
       .def_static("opening", &GroupCommand::Opening, "opening"_a,
                   "Of a gripper: 0 closed ... 1 open.")
+      .def_static(
+          "velocities",
+          [](nb::handle v) { return GroupCommand::Velocities(ToDoubles(v, "velocities")); }, "v"_a,
+          "Joint velocities, for a controller that takes them.")
+      .def_static(
+          "torques", [](nb::handle t) { return GroupCommand::Torques(ToDoubles(t, "torques")); },
+          "t"_a, "Joint torques, for a controller that takes them.")
       .def_prop_ro("values", [](const GroupCommand& c) { return NewArray(c.values); })
       .def_ro("pose", &GroupCommand::pose);
 }
@@ -181,18 +189,6 @@ nb::object GroupObject(const Robot& robot, MoveGroup& group) {
   return nb::cast(shared);
 }
 
-void SetPort(Robot& robot, nb::handle q) { robot.SetJntPosCmd(ToDoubles(q, "jnt_pos_cmd")); }
-
-// A writable view of the command port; it keeps the robot alive, and the port when its controller
-// is replaced.
-nb::ndarray<nb::numpy, double, nb::ndim<1>> CommandPort(const Robot& robot) {
-  const std::span<double> target = robot.jnt_pos_cmd();
-  using Keeper = std::shared_ptr<Controller>;
-  const nb::capsule owner(new Keeper(robot.shared_controller(robot.arm().name())),
-                          [](void* keeper) noexcept { delete static_cast<Keeper*>(keeper); });
-  return {target.data(), {target.size()}, owner};
-}
-
 void BindRobotClass(nb::module_& m) {
   nb::class_<ToolFrameSpec>(m, "ToolFrameSpec", "A tool in a robot's hand.")
       .def(
@@ -203,10 +199,12 @@ void BindRobotClass(nb::module_& m) {
           "tool_body"_a = "", "tcp_site"_a = "")
       .def_rw("tool_body", &ToolFrameSpec::tool_body, "Its subtree's inertia joins the chain.")
       .def_rw("tcp_site", &ToolFrameSpec::tcp_site, "Becomes the TCP.");
-  nb::class_<Robot>(m, "Robot",
-                    "A robot of a scene: its move groups, kinematics and controllers.\n\nAll "
-                    "handles to one robot of one scene share their state, which the scene keeps.",
-                    nb::type_slots(robot_slots))
+  nb::class_<Robot> robot(
+      m, "Robot",
+      "A robot of a scene: its move groups, kinematics and controllers.\n\nAll "
+      "handles to one robot of one scene share their state, which the scene keeps.",
+      nb::type_slots(robot_slots));
+  robot
       .def_static("of", &Robot::Of, "scene"_a, "name"_a, Unlocked(),
                   "A configured robot by its name in the scene.")
       .def_static(
@@ -265,20 +263,23 @@ void BindRobotClass(nb::module_& m) {
       .def(
           "step", [](Robot& r) { return r.Step(); }, nb::call_guard<nb::gil_scoped_release>(),
           "Steps the whole scene.")
+      .def(
+          "step_n", [](Robot& r, int n) { return r.StepN(n); }, "n"_a, Unlocked(),
+          "n steps of the whole scene, without update() in between.")
       .def_prop_ro("n_joints", &Robot::n_joints)
       .def_prop_ro("joint_names", &Robot::joint_names)
       .def_prop_ro("joint_limits", [](const Robot& r) { return IntervalArray(r.joint_limits()); })
       .def_prop_ro("jnt_pos_msr", [](const Robot& r) { return Values(r.jnt_pos_msr()); })
       .def_prop_ro("jnt_vel_msr", [](const Robot& r) { return Values(r.jnt_vel_msr()); })
       .def_prop_ro("jnt_trq_msr", [](const Robot& r) { return Values(r.jnt_trq_msr()); })
-      .def_prop_rw("jnt_pos_cmd", &CommandPort, &SetPort, nb::rv_policy::automatic,
-                   nb::for_setter(nb::arg("q").none()),
-                   nb::for_setter(nb::sig("def jnt_pos_cmd(self, q: object, /) -> None")),
-                   "Target of the arm; a view that can be written in place. Values beyond a "
-                   "joint's limits drive it to the limit, and the log says so once.")
       .def(
-          "set_joint_pos", [](Robot& r, nb::handle q) { r.SetJointPos(ToDoubles(q, "q")); }, "q"_a,
-          "Teleports the arm.")
+          "set_joint_pos",
+          [](Robot& r, nb::handle q, bool call_forward) {
+            r.SetJointPos(ToDoubles(q, "q"), call_forward);
+          },
+          "q"_a, "call_forward"_a = true,
+          "Teleports the arm and re-seeds its port. Without `call_forward` poses are updated when "
+          "they are asked for, and all else by the next step.")
       .def(
           "fk_frame",
           [](const Robot& r, nb::handle q) {
@@ -352,6 +353,7 @@ void BindRobotClass(nb::module_& m) {
           },
           "group"_a, "Whether the group has a controller, which `update` runs.")
       .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
+  DefControl(robot);
   m.def(
       "check_config",
       [](const Robot& robot) {
@@ -395,6 +397,7 @@ void BindStepper(nb::module_& m) {
 void BindRobot(nb::module_& m) {
   BindGroups(m);
   BindAction(m);
+  BindControllers(m);
   BindRobotClass(m);
   BindStepper(m);
 }

@@ -48,6 +48,7 @@ void BindEnums(nb::module_& m) {
   BindEnum<BaseKind>(m, "What a robot's base can do.");
   BindEnum<MoveGroupKind>(m, "Kinds of move groups.");
   BindEnum<ControlKind>(m, "Default controllers of move groups.");
+  BindEnum<CtrlMode>(m, "What an arm's joints are driven by.");
   BindEnum<TaskKind>(m, "Kinds of tasks.");
   BindEnum<SceneSourceKind>(m, "Where a run's scenes come from.");
   BindEnum<Keep>(m, "Which episodes a run keeps.");

@@ -32,6 +32,8 @@ inline constexpr const char* kEnumName<MoveGroupKind> = "MoveGroupKind";
 template <>
 inline constexpr const char* kEnumName<ControlKind> = "ControlKind";
 template <>
+inline constexpr const char* kEnumName<CtrlMode> = "CtrlMode";
+template <>
 inline constexpr const char* kEnumName<TaskKind> = "TaskKind";
 template <>
 inline constexpr const char* kEnumName<SceneSourceKind> = "SceneSourceKind";

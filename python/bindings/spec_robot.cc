@@ -23,6 +23,16 @@ void BindRobotSpecs(nb::module_& m) {
   auto config = BindSpecClass<RobotConfig>(
       m, "What a robot is: model, move groups, home, base. Usually a YAML file.");
   DefYamlFile(config);
+  config.def(
+      "used_modes",
+      [](const RobotConfig& c) {
+        nb::list modes;
+        for (const CtrlMode mode : c.used_modes()) modes.append(mode);
+        return modes;
+      },
+      nb::sig("def used_modes(self) -> list[CtrlMode]"),
+      "The modes that its `control` needs, position included: what a scene has to declare "
+      "(RobotSpec.control_modes) where nobody switches.");
   auto robot =
       BindSpecClass<RobotSpec>(m, "A robot in a scene: which, called what, standing where.");
   DefYamlFile(robot);

@@ -26,7 +26,9 @@ def load_robot(path: Path) -> RobotScene:
     config = RobotConfig.load(path)
     _require_arm(path, config)
     spec = SceneSpec(name=config.name, timestep=TIMESTEP_S, add_floor=True, add_skybox=True)
-    spec.robots.append(RobotSpec(name=config.name, config=config))
+    spec.robots.append(
+        RobotSpec(name=config.name, config=config, control_modes=config.used_modes())
+    )
     scene = Scene.build(spec)
     return RobotScene(config, scene, Robot.of(scene, config.name))
 
@@ -46,7 +48,9 @@ def _require_arm(path: Path, config: RobotConfig) -> None:
 def _elements(config: RobotConfig) -> str:
     """The names that a robot file refers to, as the robot's own file and attachments have them."""
     spec = SceneSpec(name=config.name, timestep=TIMESTEP_S, add_floor=False, add_skybox=False)
-    spec.robots.append(RobotSpec(name=config.name, config=config))
+    spec.robots.append(
+        RobotSpec(name=config.name, config=config, control_modes=config.used_modes())
+    )
     scene = Scene.build(spec)
     prefix = scene.robot(config.name).prefix
     model = scene.model

@@ -19,7 +19,8 @@ class RelativeJointController : public Controller {
   void SetTarget(std::span<const double> delta) override;
   // The last one added.
   std::span<const double> target() const override { return delta_; }
-  bool target_is_relative() const override { return true; }
+  TargetKind target_kind() const override { return TargetKind::kJointSteps; }
+  TargetKind port_kind() const override { return TargetKind::kJointPositions; }
   std::span<const double> commanded_joint_pos() const override { return absolute_.target(); }
   std::span<double> command_port() override { return absolute_.command_port(); }
   void Reset() override;

@@ -26,7 +26,7 @@ class RelativeJoint : public ::testing::Test {
 
 TEST_F(RelativeJoint, AddsToTheTargetNotToWhereTheArmIs) {
   EXPECT_EQ(controller().kind(), "relative_joint_position");
-  EXPECT_TRUE(controller().target_is_relative());
+  EXPECT_EQ(controller().target_kind(), TargetKind::kJointSteps);
   Add(1, 0.125);
   robot.Update();
   Add(1, 0.125);  // the arm has not moved at all yet

@@ -112,7 +112,8 @@ class SceneCheck {
     spec.robots.push_back({.name = run_.robot.config.name,
                            .config = run_.robot.config,
                            .prefix = "robot_0/",
-                           .pos = Vec3{20, 10, 1}});
+                           .pos = Vec3{20, 10, 1},
+                           .control_modes = run_.robot.config.used_modes()});
     return spec;
   }
 

@@ -20,6 +20,8 @@ struct GroupCommand {
     kRelativeJoints,  // added to the present target
     kPose,            // of the leaf in the robot base frame, reached through IK
     kOpening,         // of a gripper, 0 closed ... 1 open
+    kVelocities,      // of the joints, rad/s or m/s
+    kTorques,         // of the joints, Nm or N
   };
   Kind kind = kJoints;
   std::vector<double> values = {};
@@ -31,6 +33,8 @@ struct GroupCommand {
   }
   static GroupCommand LeafPose(const Pose& leaf_in_robot) { return {kPose, {}, leaf_in_robot}; }
   static GroupCommand Opening(double opening) { return {kOpening, {opening}, {}}; }
+  static GroupCommand Velocities(std::vector<double> v) { return {kVelocities, std::move(v), {}}; }
+  static GroupCommand Torques(std::vector<double> t) { return {kTorques, std::move(t), {}}; }
 };
 
 using RobotAction = std::map<std::string, GroupCommand>;

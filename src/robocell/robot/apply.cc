@@ -29,15 +29,48 @@ void CheckKind(const std::string& place, const GroupSlot& slot, const GroupComma
                                        : " is no gripper: command it with joints or a pose"));
 }
 
+[[noreturn]] void ThrowOtherKind(const std::string& place, const GroupSlot& slot, TargetKind got) {
+  throw ArgumentError(fmt::format(
+      "{}: its controller '{}' takes {}, not {}; command it with those, "
+      "or choose another controller",
+      place, slot.controller->kind(), Describe(slot.controller->target_kind()), Describe(got)));
+}
+
+Values PoseTarget(const Pose& pose) {
+  const auto& p = pose.translation();
+  const auto& q = pose.quaternion();
+  return {p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
+}
+
 // The target for the slot's controller in the controller's own terms. Checks the values.
 Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
   CheckValues([&] { return place; }, "joint", command.values, slot.group->nq(),
               slot.group->joint_names());
+  const bool relative = command.kind == GroupCommand::kRelativeJoints;
   const std::span<const double> now = slot.controller->commanded_joint_pos();
-  const bool as_delta = slot.controller->target_is_relative();
-  if ((command.kind == GroupCommand::kRelativeJoints) == as_delta) return command.values;
-  if (as_delta) return Sum(command.values, now, -1);
-  return Clamped(Sum(now, command.values, 1), slot.group->joint_pos_limits());
+  switch (slot.controller->target_kind()) {
+    case TargetKind::kJointSteps:
+      return relative ? command.values : Sum(command.values, now, -1);
+    case TargetKind::kJointPositions:
+      if (!relative) return command.values;
+      return Clamped(Sum(now, command.values, 1), slot.group->joint_pos_limits());
+    case TargetKind::kPose:
+      if (!slot.chain) break;
+      return PoseTarget(slot.chain->Fk(relative ? Sum(now, command.values, 1) : command.values));
+    default:
+      break;
+  }
+  ThrowOtherKind(place, slot, TargetKind::kJointPositions);
+}
+
+// Velocities and torques, for controllers that take them.
+Values DirectTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
+  const TargetKind kind = command.kind == GroupCommand::kTorques ? TargetKind::kJointTorques
+                                                                 : TargetKind::kJointVelocities;
+  if (slot.controller->target_kind() != kind) ThrowOtherKind(place, slot, kind);
+  CheckValues([&] { return place; }, "joint", command.values, slot.group->nv(),
+              slot.group->joint_names());
+  return command.values;
 }
 
 }  // namespace
@@ -56,6 +89,10 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
     } else if (command.kind == GroupCommand::kPose) {
       if (!IsFinite(command.pose))
         throw ArgumentError(place + ": the target pose has a number that is not finite");
+      if (controller.target_kind() == TargetKind::kPose) {
+        targets.emplace_back(&controller, PoseTarget(command.pose));
+        continue;
+      }
       const JointVector seed(controller.commanded_joint_pos());
       const IkResult ik = robocell::Ik(state_->RequireChain(slot), command.pose, {.seed = seed});
       if (!ik.success) {
@@ -64,6 +101,9 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
       }
       const GroupCommand joints = GroupCommand::Joints(Values(ik.q.begin(), ik.q.end()));
       targets.emplace_back(&controller, JointTarget(place, slot, joints));
+    } else if (command.kind == GroupCommand::kVelocities ||
+               command.kind == GroupCommand::kTorques) {
+      targets.emplace_back(&controller, DirectTarget(place, slot, command));
     } else {
       targets.emplace_back(&controller, JointTarget(place, slot, command));
     }

@@ -9,27 +9,63 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/robot/joint_position_controller.h"
+#include "robocell/robot/joint_torque_controller.h"
+#include "robocell/robot/joint_velocity_controller.h"
 
 namespace robocell {
 namespace {
 
+struct Kind {
+  ControllerFactory factory;
+  CtrlMode mode = CtrlMode::kPosition;
+};
+
 struct Registry {
   std::mutex mutex;
-  std::map<std::string, ControllerFactory> factories;
+  std::map<std::string, Kind> kinds;
 };
 
 Registry& TheRegistry() {
-  static Registry registry{.factories = {{"joint_position", MakeJointPositionController}}};
+  static Registry registry{
+      .kinds = {{"joint_position", {MakeJointPositionController}},
+                {"joint_velocity", {MakeJointVelocityController, CtrlMode::kVelocity}},
+                {"joint_torque", {MakeJointTorqueController, CtrlMode::kTorque}}}};
   return registry;
 }
 
 std::vector<std::string> Kinds(const Registry& registry) {
   std::vector<std::string> kinds;
-  for (const auto& [kind, factory] : registry.factories) kinds.push_back(kind);
+  for (const auto& [name, kind] : registry.kinds) kinds.push_back(name);
   return kinds;
 }
 
+Kind FindKind(const std::string& kind, const std::string& place) {
+  Registry& registry = TheRegistry();
+  std::lock_guard lock(registry.mutex);
+  const auto it = registry.kinds.find(kind);
+  if (it != registry.kinds.end()) return it->second;
+  throw NotFoundError(NoSuchName(place, "controller", kind, Kinds(registry)));
+}
+
 }  // namespace
+
+const char* Describe(TargetKind kind) {
+  switch (kind) {
+    case TargetKind::kJointPositions:
+      return "joint positions";
+    case TargetKind::kJointSteps:
+      return "steps of the joints";
+    case TargetKind::kOpening:
+      return "an opening";
+    case TargetKind::kJointVelocities:
+      return "joint velocities";
+    case TargetKind::kJointTorques:
+      return "joint torques";
+    case TargetKind::kPose:
+      return "a pose";
+  }
+  return "?";
+}
 
 void ThrowBadValues(std::string_view place, std::string_view what, std::span<const double> values,
                     int expected, const std::vector<std::string>& names) {
@@ -46,27 +82,21 @@ void ThrowBadValues(std::string_view place, std::string_view what, std::span<con
       fmt::format("{}: the target of {} is {}; targets must be finite", place, name, values[bad]));
 }
 
-void RegisterController(const std::string& kind, ControllerFactory factory) {
+void RegisterController(const std::string& kind, ControllerFactory factory, CtrlMode mode) {
   if (!factory) throw ArgumentError("controller '" + kind + "' needs a function that makes it");
   Registry& registry = TheRegistry();
   std::lock_guard lock(registry.mutex);
-  if (!registry.factories.emplace(kind, std::move(factory)).second) {
+  if (!registry.kinds.emplace(kind, Kind{std::move(factory), mode}).second) {
     throw ArgumentError("controller '" + kind + "' is registered already; choose another name");
   }
 }
 
 std::unique_ptr<Controller> MakeController(const std::string& kind, MoveGroup& group) {
-  ControllerFactory factory;
-  {
-    Registry& registry = TheRegistry();
-    std::lock_guard lock(registry.mutex);
-    const auto it = registry.factories.find(kind);
-    if (it == registry.factories.end()) {
-      throw NotFoundError(NoSuchName(group.place(), "controller", kind, Kinds(registry)));
-    }
-    factory = it->second;
-  }
-  return factory(group);
+  return FindKind(kind, group.place()).factory(group);
+}
+
+CtrlMode ControllerMode(const std::string& kind, const std::string& place) {
+  return FindKind(kind, place).mode;
 }
 
 std::vector<std::string> ControllerKinds() {

@@ -8,6 +8,9 @@
 //   RegisterController("mine", [](MoveGroup& g) { return std::make_unique<Mine>(g); });
 //   robot.SetController("arm", "mine");
 //
+// One that drives motors or velocity servos says so by its mode; it is then made for the group that
+// has these actuators, an ArmGroup, and switched to when it is put in.
+//
 // Errors: see each function. Threads: the registry may be used from any; a controller belongs to
 // its scene's thread.
 #pragma once
@@ -21,26 +24,42 @@
 #include <vector>
 
 #include "robocell/robot/move_group.h"
+#include "robocell/spec/ctrl_mode.h"
 
 namespace robocell {
+
+// What numbers are that a controller is told.
+enum class TargetKind {
+  kJointPositions,
+  kJointSteps,  // added to the present target
+  kOpening,     // of a gripper
+  kJointVelocities,
+  kJointTorques,
+  kPose,  // of the leaf in the robot base frame: x y z, quaternion xyzw
+};
+// "joint positions", "a pose" ... for messages.
+const char* Describe(TargetKind kind);
 
 class Controller {
  public:
   virtual ~Controller() = default;
 
   virtual std::string_view kind() const = 0;  // "joint_position", ...
+  // What it drives.
+  virtual CtrlMode mode() const { return CtrlMode::kPosition; }
+  virtual TargetKind target_kind() const { return TargetKind::kJointPositions; }
   // Number of values in a target.
   virtual int target_size() const = 0;
   // ArgumentError for a wrong size or a value that is not finite, naming group and joint.
   virtual void SetTarget(std::span<const double> target) = 0;
   virtual std::span<const double> target() const = 0;
-  // Whether a target is added to what is commanded now.
-  virtual bool target_is_relative() const { return false; }
-  // What the group is being driven to: nq() absolute joint positions, or a gripper's opening.
+  // What the group is being driven to: nq() absolute joint positions, or a gripper's opening. Where
+  // no positions are commanded, those that were last measured.
   virtual std::span<const double> commanded_joint_pos() const = 0;
-  // The same numbers for writing in place (the robot's command port). What is written is checked
-  // when it is used.
+  // What the group is being driven to, for writing in place (the robot's command port), and what
+  // these numbers are. What is written is checked when it is used.
   virtual std::span<double> command_port() = 0;
+  virtual TargetKind port_kind() const { return target_kind(); }
   // Forget the target and hold: the present joint positions, or what a gripper is commanded to.
   virtual void Reset() = 0;
   // The control for this tick, nu() values. No allocation.
@@ -65,10 +84,14 @@ void CheckValues(const Place& place, std::string_view what, std::span<const doub
 
 using ControllerFactory = std::function<std::unique_ptr<Controller>(MoveGroup&)>;
 
-// Adds a kind of controller; ArgumentError when the name is taken or the factory empty.
-void RegisterController(const std::string& kind, ControllerFactory factory);
+// Adds a kind of controller; ArgumentError when the name is taken or the factory empty. `mode` is
+// that of the controllers made.
+void RegisterController(const std::string& kind, ControllerFactory factory,
+                        CtrlMode mode = CtrlMode::kPosition);
 // NotFoundError lists the kinds; else what the factory throws.
 std::unique_ptr<Controller> MakeController(const std::string& kind, MoveGroup& group);
+// The mode of a kind. `place` begins the message of a NotFoundError.
+CtrlMode ControllerMode(const std::string& kind, const std::string& place);
 std::vector<std::string> ControllerKinds();
 
 }  // namespace robocell

@@ -43,6 +43,14 @@ int DrivenPosition(const mjModel* m, int actuator, const std::vector<int>& qpos_
   return at == qpos_addresses.end() ? -1 : static_cast<int>(at - qpos_addresses.begin());
 }
 
+// Whether joints move a body.
+bool IsCarried(const mjModel* m, int body) {
+  for (; body > 0; body = m->body_parentid[body]) {
+    if (m->body_jntnum[body] > 0) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 GroupCore::GroupCore(const Scene& scene, GroupNames names)
@@ -62,6 +70,7 @@ void GroupCore::Resolve() const {
   root_ = Find(names_.root, where);
   leaf_ = Find(names_.leaf, where);
   base_ = Find(names_.robot_base, where);
+  base_is_carried_ = IsCarried(model(), base_.is_site ? model()->site_bodyid[base_.id] : base_.id);
   jacobian_.resize(6 * static_cast<size_t>(model()->nv));
   generation_ = scene_.generation();
 }
@@ -140,11 +149,16 @@ void GroupCore::GetCtrl(std::span<double> out) const {
 }
 
 void GroupCore::SetJointPos(std::span<const double> q) const {
+  WriteJointPos(q);
+  Scene(scene_).Forward();
+}
+
+void GroupCore::WriteJointPos(std::span<const double> q) const {
   Bind();
   CheckSize(q.size(), nq(), "joint");
   CheckFinite(q, names_.joints, "joint");
   Scatter(q, qpos_addresses_, data()->qpos);
-  Scene(scene_).Forward();
+  Scene(scene_).PosesChanged();
 }
 
 void GroupCore::SetJointVel(std::span<const double> v) const {
@@ -250,6 +264,15 @@ Pose GroupCore::FramePose(FrameId& frame) const {
     return Pose::FromTranslationAndMatrix(d->site_xpos + 3 * id, d->site_xmat + 9 * id);
   }
   return Pose::FromWxyz(d->xpos + 3 * id, d->xquat + 4 * id);
+}
+
+Eigen::Vector3d GroupCore::gravity_in_base() const {
+  Bind();
+  if (base_is_carried_) scene_.SyncPoses();
+  const mjtNum* matrix = base_.is_site ? data()->site_xmat : data()->xmat;
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(matrix +
+                                                                                9 * base_.id);
+  return rotation.transpose() * Eigen::Map<const Eigen::Vector3d>(model()->opt.gravity);
 }
 
 void GroupCore::Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {

@@ -57,6 +57,8 @@ class GroupCore {
   void GetJointTorque(std::span<double> out) const;
   void GetCtrl(std::span<double> out) const;
   void SetJointPos(std::span<const double> q) const;
+  // Without computing what follows from it: poses are brought up to date when asked for.
+  void WriteJointPos(std::span<const double> q) const;
   void SetJointVel(std::span<const double> v) const;
   void SetCtrl(std::span<const double> ctrl) const;
 
@@ -70,6 +72,9 @@ class GroupCore {
   Pose root_frame_to_world() const { return FramePose(root_); }
   Pose leaf_frame_to_robot() const { return FramePose(base_).inverse() * FramePose(leaf_); }
   void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const;
+  // The world's gravity in the axes of the robot base frame, m/s^2. Poses are brought up to date
+  // only where joints carry the base.
+  Eigen::Vector3d gravity_in_base() const;
 
   // "robot 'left' / group 'arm'".
   std::string place() const;
@@ -98,6 +103,7 @@ class GroupCore {
   mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
   mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;
+  mutable bool base_is_carried_ = false;  // by joints
 };
 
 }  // namespace robocell

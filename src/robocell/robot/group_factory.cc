@@ -52,6 +52,12 @@ Servos ServosOf(const mjModel* m, const std::vector<std::string>& joints) {
           .incomplete = true};
 }
 
+MadeGroup MakeArmGroup(const Scene& scene, GroupNames names, const ChainTip& tip,
+                       const std::string& why_no_actuators) {
+  const auto arm = std::make_shared<ArmGroup>(scene, names);
+  return {arm, tip, why_no_actuators, FindDrives(scene, arm, std::move(names))};
+}
+
 // Makes one configured group.
 class GroupMaker {
  public:
@@ -110,7 +116,7 @@ class GroupMaker {
     if (names_.actuators.empty()) names_.actuators = servos.names;
     const ChainTip tip =
         names_.leaf.is_site ? ChainTip::Site(names_.leaf.name) : ChainTip::Body(names_.leaf.name);
-    return {std::make_shared<JointGroup>(scene_, names_, config_.kind), tip, servos.why_none};
+    return MakeArmGroup(scene_, names_, tip, servos.why_none);
   }
 
   FrameName Frame(const char* field, const ElementRef& ref, std::initializer_list<mjtObj> kinds) {
@@ -186,8 +192,7 @@ MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
     LogWarn(fmt::format("robot '{}' / group 'arm' is not driven: {}", robot.name, servos.why_none));
   }
   names.actuators = servos.names;
-  return {std::make_shared<JointGroup>(scene, std::move(names), MoveGroupKind::kArm), tip,
-          servos.why_none};
+  return MakeArmGroup(scene, std::move(names), tip, servos.why_none);
 }
 
 }  // namespace robocell

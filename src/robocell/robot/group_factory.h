@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "robocell/kinematics/chain.h"
+#include "robocell/robot/drives.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/scene/scene.h"
 
@@ -16,6 +17,7 @@ struct MadeGroup {
   std::shared_ptr<MoveGroup> group;
   std::optional<ChainTip> tip = {};  // where an arm's chain ends; unset for the other kinds
   std::string why_no_actuators = {};
+  Drives drives = {};  // of an arm
 };
 
 // The groups of RobotConfig.move_groups in their order, and a group "base" when none is configured.

@@ -37,6 +37,21 @@ TEST(HotPath, OfTheBuiltInRobotAllocatesNothing) {
   ExpectNoAllocation(robot);
 }
 
+TEST(HotPath, OfEveryControlModeAllocatesNothing) {
+  RobotSpec spec{.name = "rc7", .config = Rc7()};
+  spec.control_modes = std::vector{CtrlMode::kVelocity, CtrlMode::kTorque};
+  Robot robot = Robot::Of(Scene::Build(SceneWith(spec)), "rc7");
+  for (const CtrlMode mode : {CtrlMode::kVelocity, CtrlMode::kTorque}) {
+    robot.set_ctrl_mode(mode);
+    const AllocationCount count;
+    for (int i = 0; i < 10; ++i) {
+      robot.Update();
+      EXPECT_TRUE(robot.Step().ok());
+    }
+    EXPECT_EQ(count.allocations(), 0) << ToString(mode);
+  }
+}
+
 TEST(HotPath, OfALinkageGripperAllocatesNothing) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   Robot robot = RobotAlone(XArm7());

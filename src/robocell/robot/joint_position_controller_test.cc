@@ -86,7 +86,7 @@ TEST(JointPosition, RefusesTargetsByGroupAndJoint) {
   Robot robot = RobotAlone(Rc7());
   Controller& controller = robot.controller("arm");
   EXPECT_EQ(controller.target_size(), 7);
-  EXPECT_FALSE(controller.target_is_relative());
+  EXPECT_EQ(controller.target_kind(), TargetKind::kJointPositions);
   ExpectThrow<ArgumentError>([&] { controller.SetTarget(std::vector<double>(6)); },
                              "group 'arm': expected 7 joint values, got 6");
   std::vector<double> bad(7);

@@ -1,6 +1,7 @@
 // Robot: what handles do; making them is in make_robot.cc, Apply in apply.cc.
 #include "robocell/robot/robot.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -83,11 +84,27 @@ std::shared_ptr<Controller> Robot::shared_controller(const std::string& group) c
 
 void Robot::SetController(const std::string& group, std::unique_ptr<Controller> controller) {
   if (!controller) throw ArgumentError(state_->place() + ": a controller cannot be null");
-  state_->Require(group).controller = std::move(controller);
+  state_->Use(state_->Require(group), std::move(controller));
 }
 
 void Robot::SetController(const std::string& group, const std::string& kind) {
-  SetController(group, MakeController(kind, this->group(group)));
+  GroupSlot& slot = state_->Require(group);
+  const CtrlMode mode = ControllerMode(kind, state_->place(slot));
+  SetController(group, MakeController(kind, state_->RequireDrive(slot, mode)));
+}
+
+CtrlMode Robot::ctrl_mode() const {
+  return state_->RequireController(state_->RequireKind(MoveGroupKind::kArm)).mode();
+}
+
+void Robot::set_ctrl_mode(CtrlMode mode) {
+  GroupSlot& slot = state_->RequireKind(MoveGroupKind::kArm);
+  const std::string kind = std::string("joint_") + ToString(mode);
+  if (!slot.controller || slot.controller->kind() != kind) SetController(slot.group->name(), kind);
+}
+
+MoveGroup& Robot::drive(const std::string& group, CtrlMode mode) const {
+  return state_->RequireDrive(state_->Require(group), mode);
 }
 
 std::vector<std::shared_ptr<MoveGroup>> Robot::groups_of_sole_handle() const {
@@ -113,7 +130,7 @@ void Robot::Update() {
     const std::shared_ptr<Controller> controller = slot->controller;
     if (!controller) continue;
     controller->Compute(slot->ctrl);
-    slot->group->SetCtrl(slot->ctrl);
+    slot->drive->SetCtrl(slot->ctrl);
   }
 }
 
@@ -124,20 +141,46 @@ std::span<const double> Robot::jnt_pos_msr() const { return state_->pos; }
 std::span<const double> Robot::jnt_vel_msr() const { return state_->vel; }
 std::span<const double> Robot::jnt_trq_msr() const { return state_->trq; }
 
-std::span<double> Robot::jnt_pos_cmd() const {
-  return state_->RequireController(state_->RequireKind(MoveGroupKind::kArm)).command_port();
-}
-
-void Robot::SetJntPosCmd(std::span<const double> q) {
-  const std::span<double> port = jnt_pos_cmd();
-  CheckValues([&] { return state_->place(state_->RequireKind(MoveGroupKind::kArm)); }, "joint", q,
-              static_cast<int>(port.size()), joint_names());
-  std::copy(q.begin(), q.end(), port.begin());
-}
-
-void Robot::SetJointPos(std::span<const double> q) {
+std::span<double> Robot::Port(TargetKind kind, const char* name, CtrlMode mode) const {
   GroupSlot& slot = state_->RequireKind(MoveGroupKind::kArm);
-  slot.group->SetJointPos(q);
+  Controller& controller = state_->RequireController(slot);
+  if (controller.port_kind() == kind) return controller.command_port();
+  throw Error(
+      fmt::format("{}: there is no {} while its controller is '{}'; set ctrl_mode to {} "
+                  "first",
+                  state_->place(slot), name, controller.kind(), ToString(mode)));
+}
+
+void Robot::WritePort(std::span<double> port, std::span<const double> values) {
+  CheckValues([&] { return state_->place(state_->RequireKind(MoveGroupKind::kArm)); }, "joint",
+              values, static_cast<int>(port.size()), joint_names());
+  std::copy(values.begin(), values.end(), port.begin());
+}
+
+std::span<double> Robot::jnt_pos_cmd() const {
+  return Port(TargetKind::kJointPositions, "jnt_pos_cmd", CtrlMode::kPosition);
+}
+
+std::span<double> Robot::jnt_vel_cmd() const {
+  return Port(TargetKind::kJointVelocities, "jnt_vel_cmd", CtrlMode::kVelocity);
+}
+
+std::span<double> Robot::jnt_trq_cmd() const {
+  return Port(TargetKind::kJointTorques, "jnt_trq_cmd", CtrlMode::kTorque);
+}
+
+void Robot::SetJntPosCmd(std::span<const double> q) { WritePort(jnt_pos_cmd(), q); }
+void Robot::SetJntVelCmd(std::span<const double> velocity) { WritePort(jnt_vel_cmd(), velocity); }
+void Robot::SetJntTrqCmd(std::span<const double> torque) { WritePort(jnt_trq_cmd(), torque); }
+
+void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
+  GroupSlot& slot = state_->RequireKind(MoveGroupKind::kArm);
+  auto* arm = dynamic_cast<ArmGroup*>(slot.group.get());
+  if (arm && !call_forward) {
+    arm->WriteJointPos(q);
+  } else {
+    slot.group->SetJointPos(q);
+  }
   if (slot.controller) slot.controller->Reset();
   state_->ReadPorts();
 }
@@ -196,9 +239,10 @@ Pose Robot::tip_to_tcp() const {
 }
 
 Eigen::Vector3d Robot::gravity_in_base(std::optional<double> gravity_z) const {
-  const mjtNum* scene_gravity = state_->scene.model()->opt.gravity;
-  Eigen::Vector3d gravity(scene_gravity[0], scene_gravity[1], scene_gravity[2]);
-  if (gravity_z) gravity = Eigen::Vector3d(0, 0, *gravity_z);
+  if (gravity_z) return base_in_world().rotation().transpose() * Eigen::Vector3d(0, 0, *gravity_z);
+  const auto* arm = dynamic_cast<const ArmGroup*>(&this->arm());
+  if (arm) return arm->gravity_in_base();
+  const Eigen::Map<const Eigen::Vector3d> gravity(state_->scene.model()->opt.gravity);
   return base_in_world().rotation().transpose() * gravity;
 }
 

@@ -87,6 +87,15 @@ class Robot {
   void SetController(const std::string& group, std::unique_ptr<Controller> controller);
   // By the name of its kind (controller.h).
   void SetController(const std::string& group, const std::string& kind);
+  // What the arm is driven by, and switching it: puts in the port's controller (joint_position,
+  // joint_velocity, joint_torque) unless it is there. Forces do not jump: torques start with what
+  // holds the arm against gravity, servos where they push as the motors did. Takes effect at once.
+  // ArgumentError for a mode that the arm does not have (RobotSpec::control_modes), Error on a
+  // frozen model.
+  CtrlMode ctrl_mode() const;
+  void set_ctrl_mode(CtrlMode mode);
+  // A group's actuators of a mode, for making a controller for them; ArgumentError without.
+  MoveGroup& drive(const std::string& group, CtrlMode mode) const;
   // For garbage collectors of other languages: all groups of this and the scene's other robots when
   // this handle alone keeps them alive; none when other handles to the scene or its robots live.
   std::vector<std::shared_ptr<MoveGroup>> groups_of_sole_handle() const;
@@ -103,9 +112,11 @@ class Robot {
   // Reads the state and runs every controller once. Then Step() steps the whole scene.
   void Update();
   StepResult Step() { return scene_.Step(); }
+  StepResult StepN(int n) { return scene_.StepN(n); }
 
-  // Ports of the arm, in chain order. `msr` are what Update() read; `cmd` is what the arm's
-  // controller drives it to, for writing in place.
+  // Ports of the arm, in chain order. `msr` are what Update() read; `trq_msr` is what its actuators
+  // apply. `cmd` is what the arm's controller drives it to, for writing in place: each is there
+  // while a controller that takes it is, else an Error says what to do.
   int n_joints() const;
   const std::vector<std::string>& joint_names() const;
   std::vector<Interval> joint_limits() const;
@@ -114,8 +125,13 @@ class Robot {
   std::span<const double> jnt_trq_msr() const;
   std::span<double> jnt_pos_cmd() const;
   void SetJntPosCmd(std::span<const double> q);
-  // Teleports the arm, re-seeds its port and updates the poses. Velocities stay.
-  void SetJointPos(std::span<const double> q);
+  std::span<double> jnt_vel_cmd() const;
+  void SetJntVelCmd(std::span<const double> velocity);
+  std::span<double> jnt_trq_cmd() const;
+  void SetJntTrqCmd(std::span<const double> torque);
+  // Teleports the arm, re-seeds its port and updates the poses. Velocities stay. Without
+  // `call_forward` poses are updated when they are asked for, and all else by the next step.
+  void SetJointPos(std::span<const double> q, bool call_forward = true);
 
   // Kinematics of the arm: from the root body (robot base frame) to the TCP.
   const Chain& chain() const;
@@ -158,6 +174,8 @@ class Robot {
  private:
   friend std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene);
   class State;
+  std::span<double> Port(TargetKind kind, const char* name, CtrlMode mode) const;
+  void WritePort(std::span<double> port, std::span<const double> values);
   Robot(Scene scene, std::shared_ptr<State> state)
       : scene_(std::move(scene)), state_(std::move(state)) {}
   Scene scene_;

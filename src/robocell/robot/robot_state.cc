@@ -27,6 +27,22 @@ class Reading {
   bool& flag_;
 };
 
+// One tick of a slot's controller.
+void Run(GroupSlot& slot, Controller& controller) {
+  controller.Compute(slot.ctrl);
+  slot.drive->SetCtrl(slot.ctrl);
+}
+
+// Position targets at which the servos go on pushing as what they take over from.
+void SeedServos(const GroupSlot& slot, Controller& controller) {
+  const auto* servos = dynamic_cast<const ArmGroup*>(slot.drives.of(CtrlMode::kPosition));
+  if (!servos || controller.mode() != CtrlMode::kPosition ||
+      controller.port_kind() != TargetKind::kJointPositions)
+    return;
+  servos->JointPosForTorque(slot.group->joint_pos(), slot.group->joint_torque(),
+                            controller.command_port());
+}
+
 // A message about a place without its "place: ", which the reader has in front of it already.
 std::string WithoutPlace(const std::string& text, const std::string& place) {
   return text.starts_with(place + ": ") ? text.substr(place.size() + 2) : text;
@@ -44,7 +60,10 @@ void Robot::State::OnReset() {
   for (size_t i = 0; i < slots.size(); ++i) {
     const std::shared_ptr<GroupSlot> slot = slots[i];  // it may replace itself
     const std::shared_ptr<Controller> controller = slot->controller;
-    if (controller) controller->Reset();
+    if (!controller) continue;
+    controller->Reset();
+    // The key that was restored holds servos only.
+    if (controller->mode() != CtrlMode::kPosition) Run(*slot, *controller);
   }
   ReadPorts();
 }
@@ -52,6 +71,9 @@ void Robot::State::OnReset() {
 void Robot::State::OnRebuild() {
   FindBodies();
   RemakeChains();
+  for (const auto& slot : slots) {
+    if (slot->controller) SwitchTo(slot->controller->mode(), slot->drives, scene);
+  }
   ReadPorts();
 }
 
@@ -119,8 +141,12 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
   slot->chain = MakeChain(made);
   slot->tip = std::move(made.tip);
   slot->group = std::move(made.group);
-  slot->ctrl.resize(slot->group->nu());
-  if (slot->ctrl.empty()) {
+  slot->drives =
+      made.drives.groups == Drives{}.groups ? OwnDrive(slot->group) : std::move(made.drives);
+  for (const auto& drive : slot->drives.groups) {
+    if (auto* arm = dynamic_cast<ArmGroup*>(drive.get())) arm->UseChain(&slot->chain);
+  }
+  if (slot->group->nu() == 0) {
     slot->why_no_controller =
         made.why_no_actuators.empty() ? "it has no actuators" : made.why_no_actuators;
     if (must_be_driven) {
@@ -131,7 +157,8 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
     }
   } else {
     try {
-      slot->controller = MakeController(controller, *slot->group);
+      Use(*slot, MakeController(controller,
+                                RequireDrive(*slot, ControllerMode(controller, place(*slot)))));
     } catch (const ArgumentError& error) {
       if (must_be_driven) throw;
       slot->why_no_controller = WithoutPlace(error.what(), slot->group->place());
@@ -186,6 +213,26 @@ GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
 Controller& Robot::State::RequireController(GroupSlot& slot) {
   if (slot.controller) return *slot.controller;
   throw NotFoundError(fmt::format("{} has no controller: {}", place(slot), slot.why_no_controller));
+}
+
+MoveGroup& Robot::State::RequireDrive(GroupSlot& slot, CtrlMode mode) {
+  if (MoveGroup* drive = slot.drives.of(mode)) return *drive;
+  // What its actuators are instead is said when they are asked for a position.
+  if (mode == CtrlMode::kPosition) return *slot.group;
+  throw ArgumentError(fmt::format("{} cannot be switched to {}: {}", place(slot), ToString(mode),
+                                  slot.drives.why_none[static_cast<size_t>(mode)]));
+}
+
+void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) {
+  MoveGroup& drive = RequireDrive(slot, controller->mode());
+  SwitchTo(controller->mode(), slot.drives, scene);
+  const bool switched = slot.drive && slot.drive != &drive;
+  if (switched) SeedServos(slot, *controller);
+  slot.controller = std::move(controller);
+  slot.drive = &drive;
+  slot.ctrl.resize(drive.nu());
+  // At once, so that nothing falls in a step before the next Update().
+  if (switched) Run(slot, *slot.controller);
 }
 
 const Chain& Robot::State::RequireChain(GroupSlot& slot) {

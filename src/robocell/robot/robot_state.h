@@ -15,7 +15,9 @@ namespace robocell {
 // A group with its controller and the buffer that carries the control to the engine.
 struct GroupSlot : std::enable_shared_from_this<GroupSlot> {
   std::shared_ptr<MoveGroup> group;
-  std::shared_ptr<Controller> controller;  // declared after the group: destroyed before it
+  Drives drives;
+  MoveGroup* drive = nullptr;              // the one in use
+  std::shared_ptr<Controller> controller;  // declared after the groups: destroyed before them
   std::string why_no_controller;
   std::vector<double> ctrl;
   std::optional<ChainTip> tip;  // of arms whose chain is known
@@ -40,6 +42,10 @@ class Robot::State : public SceneObserver {
   GroupSlot& Require(const std::string& name);
   GroupSlot& RequireKind(MoveGroupKind kind);
   Controller& RequireController(GroupSlot& slot);
+  // The group that has the actuators of a mode; ArgumentError says why there is none.
+  MoveGroup& RequireDrive(GroupSlot& slot, CtrlMode mode);
+  // Puts a controller in, and switches to what it drives without a jump of the forces.
+  void Use(GroupSlot& slot, std::shared_ptr<Controller> controller);
   const Chain& RequireChain(GroupSlot& slot);
 
   // Weighs what hangs on the chains where it is now.

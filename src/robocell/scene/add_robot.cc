@@ -83,10 +83,14 @@ std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& na
   if (!out.top) return std::nullopt;
   const std::string top = NamedBody(out.top->element, place);
   const std::string root = config.root_body.empty() ? top : config.root_body;
+  const bool configured = !config.move_groups.empty();
+  if (!configured) out.limbs = SerialLimbs(out.part.spec.get());
   AddAttachments(config.attachments, config.locations, directory, out.part, scene, report);
   AddAttachments(robot.attachments, locations, scene.source_dir, out.part, scene, report);
   AddRobotCameras(config, out.part, report);
   ApplyOverrides(config, out.part, report);
+  if (configured) out.limbs = ConfiguredLimbs(config, out.part.spec.get());
+  out.limbs = AddModeActuators(robot, std::move(out.limbs), place, out.part.spec.get(), report);
   if (const auto tcp = AddTcpSite(config, out.part, report)) record.tcp_site = robot.prefix + *tcp;
   record.top_body = BaseBodyName(record.base, robot.prefix).value_or(robot.prefix + top);
   record.root_body = robot.prefix + root;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/control_modes.h"
 #include "robocell/scene/part.h"
 #include "robocell/scene/placement.h"
 
@@ -14,6 +15,7 @@ struct RobotPart {
   Part part;
   mjsBody* top = nullptr;  // the body of the part's world that is attached
   RobotRecord record;
+  std::vector<Limb> limbs;  // with names of the part
 };
 
 // How problems of the robot of that name are headed.

@@ -198,8 +198,20 @@ class SceneCompiler {
       AddCamera(camera, *at, place, report_);
   }
 
+  std::vector<RobotLimbs> Limbs() const {
+    std::vector<RobotLimbs> limbs;
+    for (size_t i = 0; i < robots_.size(); ++i) {
+      limbs.push_back({robots_[i]->part.place, robots_[i]->record.prefix,
+                       spec().robots[i].control_modes.has_value(), robots_[i]->limbs});
+    }
+    return limbs;
+  }
+
   void CompileModel() {
     ApplyOptions(spec(), spec_.get(), report_);
+    const std::vector<RobotLimbs> limbs = Limbs();
+    AssignActuatorGroups(spec_.get(), limbs, report_);
+    report_.Throw(spec().name);
     mjsKey* key = AddHomeKey(spec_.get());
     try {
       out_->model_owner_ = Compile(spec_.get(), nullptr, context_, &out_->warnings_);
@@ -210,6 +222,7 @@ class SceneCompiler {
     }
     std::erase_if(out_->warnings_, IsAboutEmptyPrefix);
     mjModel* model = out_->model_ = out_->model_owner_.get();
+    FillVelocityGains(model, limbs);
     for (const RobotRecord& robot : out_->robots_) CheckRobot(model, robot, report_);
     CheckGroups(model, out_->robots_, report_);
     CheckKeyframes(model, home_, out_->robots_, report_);

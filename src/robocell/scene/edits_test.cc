@@ -102,7 +102,7 @@ TEST_F(Edits, DeleteElementsOfAModelWithAKeyframe) {
   const Scene scene = Build(
       "{delete: {actuator: servo2}}, {delete: {sensor: elbow_position}}, {delete: {joint: elbow}}");
   EXPECT_EQ(scene.model()->nq, 1);
-  EXPECT_EQ(scene.model()->nu, 1);
+  EXPECT_EQ(scene.model()->nu, 1 + 1) << "and its motor";
   EXPECT_EQ(scene.model()->nsensor, 0);
   EXPECT_NEAR(scene.data()->qpos[0], 0.3, 1e-12)
       << "the key's value still belongs to the joint that is left";

@@ -40,7 +40,7 @@ TEST_F(ElementLookup, ListsARobotsOwnNamesWithoutItsPrefix) {
   EXPECT_THAT(RobotElementNames(model, compiled->robot("two"), mjOBJ_JOINT),
               ElementsAre("shoulder", "elbow"));
   EXPECT_THAT(RobotElementNames(model, compiled->robot("two"), mjOBJ_ACTUATOR),
-              ElementsAre("servo1", "servo2"));
+              ElementsAre("servo1", "servo2", "shoulder_torque", "elbow_torque"));
 }
 
 TEST_F(ElementLookup, FindsNamedElementsOfTheRobotOnly) {

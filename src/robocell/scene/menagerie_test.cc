@@ -22,7 +22,10 @@ TEST_P(Menagerie, RobotComesWithAllItHas) {
   SceneSpec spec = EmptyScene();
   spec.add_floor = spec.add_skybox = false;
   for (int i = 0; i < 2; ++i)
-    spec.robots.push_back({.path = file, .prefix = fmt::format("r{}_", i), .pos = {0, 2.0 * i, 0}});
+    spec.robots.push_back({.path = file,
+                           .prefix = fmt::format("r{}_", i),
+                           .pos = {0, 2.0 * i, 0},
+                           .control_modes = std::vector{CtrlMode::kPosition}});
   const Scene scene = Scene::Build(spec);
   const mjModel* m = scene.model();
   EXPECT_EQ(m->nq, 2 * alone->nq);

@@ -65,7 +65,7 @@ TEST_F(Robots, TwoOfTheSameKindAreIndependent) {
   spec.robots.push_back({.config = config, .prefix = "l_"});
   spec.robots.push_back({.config = config, .prefix = "r_", .pos = {0, 2, 0}});
   Scene scene = Scene::Build(spec);
-  EXPECT_EQ(scene.model()->nu, 4);
+  EXPECT_EQ(scene.model()->nu, 4 + 4) << "servos and motors";
   EXPECT_EQ(scene.model()->nsensor, 2);
   scene.SetActuatorCtrl("l_servo1", 1.0);
   EXPECT_TRUE(scene.StepN(500).ok());
@@ -93,7 +93,7 @@ TEST_F(Robots, CarryToolsOnToolsWithAllTheirElements) {
   EXPECT_TRUE(scene.body_pose("l_p_needle")
                   .is_close(palm * Pose::FromRpy({0, 0, 0}, {0, M_PI / 2, 0}), 1e-9, 1e-9));
   const mjModel* m = scene.model();
-  EXPECT_EQ(m->nu, 3);
+  EXPECT_EQ(m->nu, 3 + 2) << "and motors of the arm";
   EXPECT_EQ(m->neq, 1);
   EXPECT_EQ(m->ntendon, 1);
   ASSERT_EQ(m->nexclude, 1);
@@ -285,7 +285,7 @@ TEST(MenagerieRobots, KeepAllActuatorsAndNamesWhenAGripperIsMounted) {
   spec.robots[1].pos = {0, 1, 0};
   spec.robots[2].pos = {0, -1, 0};
   Scene scene = Scene::Build(spec);
-  EXPECT_EQ(scene.model()->nu, 8 + 8 + 8);
+  EXPECT_EQ(scene.model()->nu, 8 + 8 + 8 + 3 * 7) << "and motors of the arms";
   EXPECT_EQ(scene.model()->njnt, (7 + 8) + (7 + 8) + 13);
   EXPECT_EQ(scene.model()->nexclude, 6 + 6 + 4);
   EXPECT_THAT(scene.camera_names(), ElementsAre("k_wrist", "t_exo_camera", "t_wrist_camera"));

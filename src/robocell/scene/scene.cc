@@ -75,6 +75,8 @@ void Scene::SyncPoses() const {
   s.poses_at = data->time;
 }
 
+void Scene::PosesChanged() { open().poses_at = -1; }
+
 Pose Scene::root_frame_to_world() const { return RootFrameToWorld(open().compiled->spec()); }
 
 Pose Scene::shared_base_frame_to_world() const {

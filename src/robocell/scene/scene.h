@@ -96,6 +96,8 @@ class Scene {
   // This brings them up to date: about a microsecond after a step, nothing otherwise; physics is
   // not affected. The pose functions below and all handles (move groups, cameras) call it first.
   void SyncPoses() const;
+  // To be called after writing qpos without Forward(): poses are computed anew when next asked for.
+  void PosesChanged();
 
   // Restores the keyframe (or default), puts robots at home plus noise, calls the hooks, tells the
   // observers, clears stale forces and warm starts, and runs Forward. The trajectory after a reset

@@ -32,6 +32,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".scene";
+// Another one when the same spec compiles to another model than before.
+constexpr const char* kLayout = "2";
 
 // An entry is never changed in place, so it can be read where the system keeps it. Nothing when it
 // is not there, another process has just pruned it, or it is not ours to read.
@@ -118,7 +120,8 @@ std::string SceneKey(const SceneSpec& spec) {
     name = files.hash + ":" + files.main;
   });
   std::string text = ToYaml(content);
-  for (const std::string& version : {std::string(Version()), std::string(mj_versionString())})
+  for (const std::string& version :
+       {std::string(Version()), std::string(mj_versionString()), std::string(kLayout)})
     text += version + "\n";
   return Fingerprint(text);
 }

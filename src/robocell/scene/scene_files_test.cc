@@ -143,7 +143,7 @@ TEST(SavedScene, HasWhatWasChangedInTheModelSince) {
 TEST(SavedScene, HasTheHomeKeyWithItsNumbers) {
   const bool found =
       Scene::Build(Kitchen()).ToXml().find(
-          R"(0 -0.15 0 1.9 0 1.39159 0 0.044 0.044" ctrl="0 -0.15 0 1.9 0 1.39159 0 100")") !=
+          R"(0 -0.15 0 1.9 0 1.39159 0 0.044 0.044" ctrl="0 -0.15 0 1.9 0 1.39159 0 100 0 0 0 0 0 0 0")") !=
       std::string::npos;
   EXPECT_TRUE(found);
 }

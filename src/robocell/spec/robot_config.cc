@@ -1,5 +1,7 @@
 #include "robocell/spec/robot_config.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "robocell/base/names.h"
@@ -69,6 +71,28 @@ void MoveGroupConfig::Validate(Problems& problems) const {
         std::string("fingers, ctrl and distance belong to a gripper; this group's kind is ") +
         ToString(kind));
   }
+}
+
+CtrlMode ModeOf(ControlKind kind) {
+  switch (kind) {
+    case ControlKind::kJointVelocity:
+      return CtrlMode::kVelocity;
+    case ControlKind::kJointTorque:
+    case ControlKind::kJointImpedance:
+    case ControlKind::kCartesianImpedance:
+      return CtrlMode::kTorque;
+    default:
+      return CtrlMode::kPosition;
+  }
+}
+
+std::vector<CtrlMode> RobotConfig::used_modes() const {
+  std::vector<CtrlMode> modes = {CtrlMode::kPosition};
+  for (const auto& [group, kind] : control.entries()) {
+    const CtrlMode mode = ModeOf(*kind);
+    if (std::find(modes.begin(), modes.end(), mode) == modes.end()) modes.push_back(mode);
+  }
+  return modes;
 }
 
 void RobotConfig::Validate(Problems& problems) const {

@@ -19,6 +19,7 @@
 #include "robocell/spec/attachment_spec.h"
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/containers.h"
+#include "robocell/spec/ctrl_mode.h"
 #include "robocell/spec/edit.h"
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/fields.h"
@@ -44,13 +45,29 @@ struct EnumNames<MoveGroupKind> {
 };
 
 // The default controller of a group.
-enum class ControlKind { kJointPosition, kRelativeJointPosition };
+enum class ControlKind {
+  kJointPosition,
+  kRelativeJointPosition,
+  kJointVelocity,
+  kJointTorque,
+  kJointImpedance,
+  kCartesianPose,
+  kCartesianImpedance
+};
 template <>
 struct EnumNames<ControlKind> {
   static constexpr std::array kNames = {
       std::pair{ControlKind::kJointPosition, "joint_position"},
-      std::pair{ControlKind::kRelativeJointPosition, "relative_joint_position"}};
+      std::pair{ControlKind::kRelativeJointPosition, "relative_joint_position"},
+      std::pair{ControlKind::kJointVelocity, "joint_velocity"},
+      std::pair{ControlKind::kJointTorque, "joint_torque"},
+      std::pair{ControlKind::kJointImpedance, "joint_impedance"},
+      std::pair{ControlKind::kCartesianPose, "cartesian_pose"},
+      std::pair{ControlKind::kCartesianImpedance, "cartesian_impedance"}};
 };
+
+// What a controller drives the joints by.
+CtrlMode ModeOf(ControlKind kind);
 
 struct BaseConfig {
   BaseKind kind = BaseKind::kFixed;
@@ -179,6 +196,10 @@ struct RobotConfig {
     v("cameras", &RobotConfig::cameras, "Cameras that belong to the robot.");
   }
   void Validate(Problems& problems) const;
+
+  // The modes that its `control` needs, position included: what a scene has to declare where nobody
+  // switches (RobotSpec::control_modes).
+  std::vector<CtrlMode> used_modes() const;
 
   // Reads a robot file. SpecError lists all problems with file:line:column.
   static RobotConfig Load(const std::string& path);

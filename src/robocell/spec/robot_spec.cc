@@ -1,5 +1,7 @@
 #include "robocell/spec/robot_spec.h"
 
+#include <algorithm>
+
 #include "robocell/spec/check_attachments.h"
 #include "robocell/spec/validate.h"
 
@@ -8,6 +10,12 @@ namespace robocell {
 const BaseConfig& RobotSpec::EffectiveBase() const {
   static const BaseConfig kFixed;
   return base ? *base : config ? config->base : kFixed;
+}
+
+bool RobotSpec::can_switch_to(CtrlMode mode) const {
+  if (!control_modes) return mode != CtrlMode::kVelocity;
+  return mode == CtrlMode::kPosition ||
+         std::find(control_modes->begin(), control_modes->end(), mode) != control_modes->end();
 }
 
 void RobotSpec::Validate(Problems& problems) const {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "robocell/spec/robot_config.h"
 
@@ -20,6 +21,7 @@ struct RobotSpec {
   Vec3 euler = {};
   Vec4 quat = kIdentityQuat;
   List<AttachmentSpec> attachments = {};
+  std::optional<std::vector<CtrlMode>> control_modes = {};
 
   static constexpr const char* kTypeName = "RobotSpec";
   template <class V>
@@ -39,9 +41,13 @@ struct RobotSpec {
     v("quat", &RobotSpec::quat, "Orientation in the parent, quaternion xyzw; instead of euler.");
     v("attachments", &RobotSpec::attachments,
       "Tools mounted in this scene, after the configuration's own.");
+    v("control_modes", &RobotSpec::control_modes,
+      "What its arms can be switched to beside the actuators of the model: position, velocity, "
+      "torque. Unset: position and torque.");
   }
   Pose pose() const { return PlacementPose(pos, euler, quat); }
   const BaseConfig& EffectiveBase() const;
+  bool can_switch_to(CtrlMode mode) const;
   void Validate(Problems& problems) const;
 };
 

@@ -42,6 +42,7 @@ SceneSpec RobotAlone(const RobotConfig& config, const SimOptions& options, doubl
   RobotSpec robot;
   robot.name = config.name;
   robot.config = config;
+  robot.control_modes = config.used_modes();
   spec.robots.push_back(robot);
   return spec;
 }

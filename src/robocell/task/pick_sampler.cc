@@ -257,7 +257,8 @@ SampleResult PickTaskSampler::Sample(const SampleRequest& request, Rng& rng) {
   spec.robots.push_back({.name = run_.robot.config.name,
                          .config = run_.robot.config,
                          .prefix = "robot_0/",
-                         .pos = ToVec3(kParked)});
+                         .pos = ToVec3(kParked),
+                         .control_modes = run_.robot.config.used_modes()});
 
   Scene scene = Scene::Build(spec);
   scene.Reset({.seed = rng.Fork("home").NextBits()});

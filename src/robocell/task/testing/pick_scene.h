@@ -56,7 +56,8 @@ inline PickScene MakePickScene(SceneObject object, const std::string& run_file =
   spec.robots.push_back({.name = run.robot.config.name,
                          .config = run.robot.config,
                          .prefix = "robot_0/",
-                         .pos = {-distance, 0, 0.2}});
+                         .pos = {-distance, 0, 0.2},
+                         .control_modes = run.robot.config.used_modes()});
   Scene scene = Scene::Build(spec);
   scene.Reset();
   EXPECT_TRUE(scene.StepN(200).ok());

@@ -1,0 +1,212 @@
+#include "control.h"
+
+#include <fmt/format.h>
+#include <nanobind/ndarray.h>
+
+#include "arrays.h"
+#include "kinematics.h"
+#include "values.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/control/cartesian_impedance_controller.h"
+#include "robocell/control/cartesian_pose_controller.h"
+#include "robocell/control/joint_impedance_controller.h"
+
+namespace robocell::python {
+namespace {
+
+using namespace nb::literals;
+
+nb::object Copy(std::span<const double> values) { return NumberCopy(values); }
+
+CtrlMode ToCtrlMode(nb::handle value) {
+  if (CtrlMode mode{}; nb::try_cast(value, mode, /*convert=*/false)) return mode;
+  const FieldPath path("ctrl_mode");
+  if (!IsText(value)) ThrowType(path, "a CtrlMode", value);
+  const std::string text = ToText(value, path);
+  for (const auto& [mode, name] : EnumNames<CtrlMode>::kNames) {
+    if (text == name) return mode;
+  }
+  const std::vector<std::string> names = ValueNames<CtrlMode>();
+  ThrowValue(path, "must be one of " + ListNames(names) + ", got '" + text + "'." +
+                       DidYouMean(text, names));
+}
+
+// As the most specific class that Python knows; it keeps the robot alive, and itself when it is
+// replaced.
+nb::object ControllerObject(const Robot& robot, const std::string& group) {
+  const std::shared_ptr<Controller> shared = robot.shared_controller(group);
+  if (auto c = std::dynamic_pointer_cast<JointImpedanceController>(shared)) return nb::cast(c);
+  if (auto c = std::dynamic_pointer_cast<CartesianPoseController>(shared)) return nb::cast(c);
+  if (auto c = std::dynamic_pointer_cast<CartesianImpedanceController>(shared)) return nb::cast(c);
+  return nb::cast(shared);
+}
+
+using View = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
+
+// A writable view of a command port; it keeps the robot alive, and the port when its controller is
+// replaced.
+View ViewOf(const Robot& robot, std::span<double> port) {
+  using Keeper = std::shared_ptr<Controller>;
+  const nb::capsule owner(new Keeper(robot.shared_controller(robot.arm().name())),
+                          [](void* keeper) noexcept { delete static_cast<Keeper*>(keeper); });
+  return {port.data(), {port.size()}, owner};
+}
+
+CartesianImpedanceController::Gains ToSix(nb::handle values, const char* name) {
+  const FieldPath path(name);
+  const Numbers six(values, path, 6);
+  CartesianImpedanceController::Gains gains;
+  std::copy(six.span().begin(), six.span().end(), gains.begin());
+  return gains;
+}
+
+// Of controllers that are told a pose.
+template <class C>
+void DefPose(nb::class_<C, Controller>& c) {
+  c.def_prop_rw(
+       "pose", [](const C& self) { return self.pose(); },
+       [](C& self, const PoseOrFrame& pose) { self.SetPose(pose.pose); },
+       "Where the leaf is to be, in the robot base frame; a PyKDL.Frame is taken too.")
+      .def_prop_rw(
+          "posture", [](const C& self) { return Copy(self.posture()); },
+          [](C& self, nb::handle q) { self.SetPosture(ToDoubles(q, "posture")); },
+          nb::for_getter(nb::sig("def posture(self, /) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def posture(self, value: object, /) -> None")),
+          "Joint positions (n,) that joints to spare go to; at first where the arm is.");
+}
+
+void BindJointImpedance(nb::module_& m) {
+  using C = JointImpedanceController;
+  nb::class_<C, Controller>(m, "JointImpedanceController",
+                            "Each joint a spring and a damper towards its target, whatever the arm "
+                            "weighs.\n\ntorque = stiffness * (target - q) - damping * qd + gravity "
+                            "+ Coriolis. Targets are joint positions, also robot.jnt_pos_cmd.")
+      .def_prop_rw(
+          "stiffness", [](const C& c) { return Copy(c.stiffness()); },
+          [](C& c, nb::handle value) {
+            const FieldPath path("stiffness");
+            if (PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())) {
+              const double one = ToDouble(value, path);
+              return c.SetStiffness({&one, 1});
+            }
+            c.SetStiffness(ToDoubles(value, "stiffness"));
+          },
+          nb::for_getter(nb::sig("def stiffness(self, /) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def stiffness(self, value: object, /) -> None")),
+          "(n,) Nm/rad or N/m; one number stands for all. At first joints swing with 3 Hz, light "
+          "ones "
+          "faster.")
+      .def_prop_rw("damping_ratio", &C::damping_ratio, &C::SetDampingRatio, "1 is critical.");
+}
+
+void BindCartesianPose(nb::module_& m) {
+  using C = CartesianPoseController;
+  nb::class_<C, Controller> c(m, "CartesianPoseController",
+                              "The leaf goes to its target on a straight line, through position "
+                              "servos, no faster than it is told to.");
+  DefPose(c);
+  c.def_prop_rw(
+       "max_linear_speed", &C::max_linear_speed,
+       [](C& self, double v) { self.SetMaxSpeeds(v, self.max_angular_speed()); }, "m/s.")
+      .def_prop_rw(
+          "max_angular_speed", &C::max_angular_speed,
+          [](C& self, double v) { self.SetMaxSpeeds(self.max_linear_speed(), v); }, "rad/s.");
+}
+
+void BindCartesianImpedance(nb::module_& m) {
+  using C = CartesianImpedanceController;
+  nb::class_<C, Controller> c(
+      m, "CartesianImpedanceController",
+      "The leaf is held to its target by springs and dampers along and about the axes of the robot "
+      "base frame; joints to spare are drawn to a posture without the leaf feeling it.");
+  DefPose(c);
+  c.def_prop_rw(
+       "stiffness", [](const C& self) { return Copy(self.stiffness()); },
+       [](C& self, nb::handle k) { self.SetStiffness(ToSix(k, "stiffness")); },
+       nb::for_getter(nb::sig("def stiffness(self, /) -> numpy.typing.NDArray[numpy.float64]")),
+       nb::for_setter(nb::sig("def stiffness(self, value: numpy.typing.ArrayLike, /) -> None")),
+       "(6,) N/m along x y z, then Nm/rad about them.")
+      .def_prop_rw("damping_ratio", &C::damping_ratio, &C::SetDampingRatio, "1 is critical.")
+      .def_prop_rw(
+          "posture_frequency", &C::posture_frequency, &C::SetPostureFrequency,
+          "How fast joints to spare would swing around the posture, rad/s; 0 lets them go.")
+      .def_prop_rw(
+          "feedforward", [](const C& self) { return Copy(self.feedforward()); },
+          [](C& self, nb::handle wrench) {
+            if (const auto kdl = FromPyKdlWrench(wrench)) {
+              const auto six = kdl->vector();
+              return self.SetFeedforward({six[0], six[1], six[2], six[3], six[4], six[5]});
+            }
+            self.SetFeedforward(ToSix(wrench, "feedforward"));
+          },
+          nb::for_getter(
+              nb::sig("def feedforward(self, /) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def feedforward(self, value: object, /) -> None")),
+          "(6,) pushed on top by the arm on what it touches: N, then Nm, in the axes of the robot "
+          "base frame; a PyKDL.Wrench is taken too.");
+}
+
+}  // namespace
+
+void BindControllers(nb::module_& m) {
+  nb::class_<Controller>(m, "Controller",
+                         "Turns the state and a target into the controls of one move group. "
+                         "robot.update() runs it.")
+      .def_prop_ro("kind", [](const Controller& c) { return std::string(c.kind()); })
+      .def_prop_ro("mode", &Controller::mode, "The CtrlMode that it drives.")
+      .def_prop_rw(
+          "target", [](const Controller& c) { return Copy(c.target()); },
+          [](Controller& c, nb::handle target) { c.SetTarget(ToDoubles(target, "target")); },
+          nb::for_getter(nb::sig("def target(self, /) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def target(self, value: object, /) -> None")),
+          "What it was told, a copy; its numbers depend on the kind.")
+      .def("reset", &Controller::Reset, "Forget the target and hold.");
+  BindJointImpedance(m);
+  BindCartesianPose(m);
+  BindCartesianImpedance(m);
+}
+
+void DefControl(nb::class_<Robot>& robot) {
+  robot
+      .def_prop_rw(
+          "jnt_pos_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_pos_cmd()); },
+          [](Robot& r, nb::handle q) { r.SetJntPosCmd(ToDoubles(q, "jnt_pos_cmd")); },
+          nb::rv_policy::automatic, nb::for_setter(nb::arg("q").none()),
+          nb::for_setter(nb::sig("def jnt_pos_cmd(self, q: object, /) -> None")),
+          "Target of the arm; a view that can be written in place. Values beyond a joint's limits "
+          "drive it to the limit, and the log says so once.")
+      .def_prop_rw(
+          "jnt_vel_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_vel_cmd()); },
+          [](Robot& r, nb::handle v) { r.SetJntVelCmd(ToDoubles(v, "jnt_vel_cmd")); },
+          nb::rv_policy::automatic, nb::for_setter(nb::arg("v").none()),
+          nb::for_setter(nb::sig("def jnt_vel_cmd(self, v: object, /) -> None")),
+          "Joint velocities of the arm in velocity mode; a view.")
+      .def_prop_rw(
+          "jnt_trq_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_trq_cmd()); },
+          [](Robot& r, nb::handle t) { r.SetJntTrqCmd(ToDoubles(t, "jnt_trq_cmd")); },
+          nb::rv_policy::automatic, nb::for_setter(nb::arg("t").none()),
+          nb::for_setter(nb::sig("def jnt_trq_cmd(self, t: object, /) -> None")),
+          "Joint torques of the arm in torque mode, Nm or N; a view.")
+      .def_prop_rw(
+          "ctrl_mode", &Robot::ctrl_mode,
+          [](Robot& r, nb::handle mode) { r.set_ctrl_mode(ToCtrlMode(mode)); },
+          nb::for_setter(nb::arg("mode").none()),
+          nb::for_setter(nb::sig("def ctrl_mode(self, mode: CtrlMode | str, /) -> None")),
+          "What the arm is driven by. Setting it switches at once, without a jump of the forces, "
+          "and puts in the controller of that port: joint_position, joint_velocity, joint_torque.")
+      .def("controller", &ControllerObject, "group"_a = "arm",
+           nb::sig("def controller(self, group: str = 'arm') -> Controller"),
+           "A group's controller; NotFoundError says why it has none.")
+      .def(
+          "set_controller",
+          [](Robot& r, const std::string& group, const std::string& kind) {
+            r.SetController(group, kind);
+            return ControllerObject(r, group);
+          },
+          "group"_a, "kind"_a,
+          nb::sig("def set_controller(self, group: str, kind: str) -> Controller"),
+          "Puts a controller in, switches the group to what it drives, and returns it.");
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,293 @@
+"""Cells put together from Python: tools, several robots, objects, cameras, actuators, reset."""
+
+import mujoco
+import numpy as np
+import pytest
+
+import robocell as rc
+
+PROBE = """<mujoco model="probe"><worldbody><body name="needle" pos="0 0 0.01" quat="0 1 0 0">
+<geom size="0.005" mass="0.01"/><site name="tip" pos="0 0 0.03"/></body></worldbody></mujoco>"""
+TABLE = """<mujoco model="table"><worldbody><body name="frame" pos="0 0 0.35">
+<geom type="box" size="0.4 0.3 0.35"/><site name="table_top" pos="0 0 0.35"/>
+<frame name="corner" pos="0.3 0.2 0.35"/></body></worldbody></mujoco>"""
+
+
+def cube(name: str = "cube", **fields: object) -> rc.SceneObject:
+    numbers: dict[str, object] = {
+        "shape": rc.Shape.BOX, "size": [0.03] * 3, "rgba": [1, 0, 0, 1], "mass": 0.1,
+        "friction": [0.8, 0.02, 0.001],
+    }  # fmt: skip
+    return rc.SceneObject(name=name, **(numbers | fields))
+
+
+def empty(**fields: object) -> rc.SceneSpec:
+    return rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=True, **fields)
+
+
+def rc7(**fields: object) -> rc.RobotSpec:
+    return rc.RobotSpec(config=rc.RobotConfig.load(rc.models.robot_file("rc7")), **fields)
+
+
+def bare_rc7(**fields: object) -> rc.RobotSpec:
+    """The model of the built-in robot without its configuration."""
+    return rc.RobotSpec(path=rc.models.robot_file("rc7").replace(".yaml", ".xml"), **fields)
+
+
+@pytest.fixture
+def probe(tmp_path) -> str:
+    (tmp_path / "probe.xml").write_text(PROBE)
+    return str(tmp_path / "probe.xml")
+
+
+@pytest.fixture
+def table(tmp_path) -> rc.SceneObject:
+    (tmp_path / "table.xml").write_text(TABLE)
+    return rc.SceneObject(name="table", mjcf_path=tmp_path / "table.xml", fixed=True)
+
+
+AUTHORED = rc.Pose(translation=[0, 0, 0.01], quaternion=[1, 0, 0, 0])  # of the needle in its file
+
+
+class TestScenes:
+    def test_one_spec_is_built_again_with_other_contents(self):
+        spec = empty(robots=[bare_rc7()])
+        assert len(rc.Scene.build(spec).body_names()) > 8
+        spec.objects = [rc.SceneObject(name="mug", mjcf_path="mug", fixed=True)]
+        scene = rc.Scene.build(spec)
+        assert {"base_link", "mug_mug"} <= set(scene.body_names())
+        spec.robots = []
+        scene = rc.Scene.build(spec)
+        assert "mug_mug" in scene.body_names()
+        assert "base_link" not in scene.body_names()
+        assert scene.model.nq == 0
+
+    @pytest.mark.parametrize("field", ["timestep", "add_floor", "add_skybox"])
+    def test_choices_must_be_made(self, field):
+        spec = empty()
+        setattr(spec, field, None)
+        with pytest.raises(rc.SpecError, match=field):
+            rc.Scene.build(spec)
+        spec = empty()
+        spec.timestep = 0
+        with pytest.raises(rc.SpecError, match="timestep"):
+            rc.Scene.build(spec)
+
+    def test_files_keep_parts_of_several_folders_whatever_is_compiled_in_between(
+        self, probe, tmp_path, menagerie
+    ):
+        arm = rc.RobotSpec(path=rc.menagerie.model_path("kinova_gen3"))
+        arm.attachments.append(
+            rc.AttachmentSpec(mjcf_path=probe, attach_to={"site": "pinch_site"}, prefix="p_")
+        )
+        scene = rc.Scene.build(empty(robots=[arm]))
+        rc.Scene.build(empty(objects=[cube()]))
+        scene.save_xml(tmp_path / "saved.xml")
+        scene.save_binary(tmp_path / "saved.mjb")
+        for model in (
+            mujoco.MjModel.from_xml_path(str(tmp_path / "saved.xml")),
+            mujoco.MjModel.from_binary_path(str(tmp_path / "saved.mjb")),
+        ):
+            for size in ("nq", "nv", "nu", "nbody", "nmesh"):
+                assert getattr(model, size) == getattr(scene.model, size)
+
+
+class TestAttachments:
+    @pytest.mark.parametrize("kind", ["body", "site"])
+    def test_tools_hang_on_bodies_and_sites_with_their_authored_pose(self, probe, kind):
+        target = rc.AttachTarget(
+            rc.AttachKind.Site if kind == "site" else rc.AttachKind.Body,
+            "attachment_site" if kind == "site" else "link7",
+        )
+        tool = rc.AttachmentSpec(mjcf_path=probe, attach_to=target, prefix="p_")
+        scene = rc.Scene.build(empty(robots=[bare_rc7(attachments=[tool])]))
+        of = scene.site_pose if kind == "site" else scene.body_pose
+        expected = of(target.name) * AUTHORED
+        assert scene.body_pose("p_needle").is_close(expected, 1e-9, 1e-9)
+
+    def test_edits_in_place_move_the_tool(self, probe):
+        spec = empty(robots=[bare_rc7()])
+        tool = rc.AttachmentSpec(
+            mjcf_path=probe, attach_to={"site": "attachment_site"}, prefix="p_"
+        )
+        spec.robots[0].attachments.append(tool)
+        before = rc.Scene.build(spec).body_pose("p_needle")
+        tool.pos[2] = 0.005
+        tool.euler[2] = 15.0
+        scene = rc.Scene.build(spec)
+        offset = rc.Pose(translation=[0, 0, 0.005], rpy=[0, 0, np.deg2rad(15)])
+        expected = scene.site_pose("attachment_site") * offset * AUTHORED
+        assert scene.body_pose("p_needle").is_close(expected, 1e-9, 1e-9)
+        moved = before.inverse() * scene.body_pose("p_needle")
+        assert np.linalg.norm(moved.translation) == pytest.approx(0.005, abs=1e-9)
+        assert moved.angle == pytest.approx(np.deg2rad(15), abs=1e-9)
+
+    def test_euler_angles_are_degrees_about_fixed_axes(self, probe):
+        tool = rc.AttachmentSpec(mjcf_path=probe, attach_to={"body": "link7"}, prefix="p_")
+        tool.euler = [10, 20, 30]
+        scene = rc.Scene.build(empty(robots=[bare_rc7(attachments=[tool])]))
+        turn = rc.Pose(rpy=np.deg2rad([10, 20, 30]))
+        expected = scene.body_pose("link7") * turn * AUTHORED
+        assert scene.body_pose("p_needle").is_close(expected, 1e-9, 1e-9)
+
+    def test_a_chain_of_four_tools(self, probe):
+        robot = bare_rc7()
+        site = "attachment_site"
+        for i in range(4):
+            prefix = f"t{i}_"
+            robot.attachments.append(
+                rc.AttachmentSpec(mjcf_path=probe, attach_to={"site": site}, prefix=prefix)
+            )
+            site = f"{prefix}tip"
+        scene = rc.Scene.build(empty(robots=[robot]))
+        step = AUTHORED * rc.Pose(translation=[0, 0, 0.03])
+        expected = scene.site_pose("attachment_site") * step * step * step * step
+        assert scene.site_pose("t3_tip").is_close(expected, 1e-9, 1e-9)
+
+    def test_relative_paths_start_in_the_working_folder(self, probe, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        tool = rc.AttachmentSpec(mjcf_path="probe.xml", attach_to={"body": "link7"}, prefix="p_")
+        scene = rc.Scene.build(empty(robots=[bare_rc7(attachments=[tool])]))
+        assert "p_needle" in scene.body_names()
+
+
+class TestRobots:
+    def test_the_same_robot_twice_is_independent(self):
+        left, right = bare_rc7(pos=[-0.5, 0, 0]), bare_rc7(prefix="r2_", pos=[0.5, 0, 0])
+        scene = rc.Scene.build(empty(robots=[left, right]))
+        robots = [rc.Robot.from_scene(scene, "base_link", "link7", prefix=p) for p in ("", "r2_")]
+        assert robots[1].joint_names == [f"r2_{name}" for name in robots[0].joint_names]
+        assert robots[0].base_in_world.translation.tolist() == [-0.5, 0, 0]
+        assert robots[1].base_in_world.translation.tolist() == [0.5, 0, 0]
+        still = robots[1].arm.joint_pos
+        robots[0].jnt_pos_cmd[0] += 0.3
+        for _ in range(500):
+            for robot in robots:
+                robot.update()
+            scene.step()
+        assert robots[0].arm.joint_pos[0] == pytest.approx(0.3, abs=5e-3)
+        np.testing.assert_allclose(robots[1].arm.joint_pos, still, atol=5e-3)
+
+
+class TestObjects:
+    def test_a_robot_stands_on_a_table(self, table):
+        mount = rc.scene_object_element_name("table", "table_top")
+        assert mount == "table_table_top"
+        robot = bare_rc7(attach_to=rc.AttachTarget(rc.AttachKind.Site, mount), pos=[0, 0.1, 0])
+        on_top = cube("can", attach_to={"site": mount}, fixed=True, pos=[0.1, 0, 0.03])
+        scene = rc.Scene.build(empty(robots=[robot], objects=[table, on_top]))
+        np.testing.assert_allclose(scene.body_pose("base_link").translation, [0, 0.1, 0.7])
+        np.testing.assert_allclose(scene.body_pose("can").translation, [0.1, 0, 0.73])
+
+    def test_things_hang_on_frames_too(self, table):
+        on_frame = cube("can", attach_to={"frame": "table_corner"}, fixed=True)
+        scene = rc.Scene.build(empty(objects=[table, on_frame]))
+        np.testing.assert_allclose(scene.body_pose("can").translation, [0.3, 0.2, 0.7])
+
+    def test_a_later_object_is_nothing_to_stand_on(self, table):
+        mount = rc.scene_object_element_name("table", "table_top")
+        can = cube("can", attach_to={"site": mount}, fixed=True)
+        with pytest.raises(rc.SpecError, match=r"object 'can'.*object 'table'"):
+            rc.Scene.build(empty(objects=[can, table]))
+
+    def test_a_box_falls_and_rests(self):
+        box = cube("red_cube", pos=[0.35, 0.1, 0.3], condim=rc.Condim.TORSIONAL)
+        scene = rc.Scene.build(empty(objects=[box]))
+        geom = scene.model.geom("red_cube_geom")
+        assert geom.condim[0] == 4
+        assert geom.friction.tolist() == [0.8, 0.02, 0.001]
+        assert scene.step_n(500)
+        np.testing.assert_allclose(
+            scene.body_pose("red_cube").translation, [0.35, 0.1, 0.03], atol=1e-3
+        )
+
+    @pytest.mark.parametrize("field", ["size", "rgba", "mass", "friction"])
+    def test_a_primitive_needs_all_its_numbers(self, field):
+        with pytest.raises(rc.SpecError, match=field):
+            rc.Scene.build(empty(objects=[cube(**{field: None})]))
+
+    def test_what_can_move_freely_hangs_on_the_world(self, table):
+        mount = rc.scene_object_element_name("table", "table_top")
+        loose = cube("can", attach_to={"site": mount})
+        with pytest.raises(rc.SpecError, match=r"'can': can move freely.*or set fixed: true"):
+            rc.Scene.build(empty(objects=[table, loose]))
+
+
+class TestCamerasActuatorsPoses:
+    def test_cameras_need_a_place_and_a_lens(self):
+        camera = rc.CameraSpec(name="overview")
+        with pytest.raises(rc.SpecError) as error:
+            rc.Scene.build(empty(cameras=[camera]))
+        assert "pos" in str(error.value)
+        assert "fovy" in str(error.value)
+        camera.pos, camera.fovy = [1.8, -2.0, 1.4], 45.0
+        scene = rc.Scene.build(empty(cameras=[camera], robots=[rc7(prefix="r_")]))
+        assert {"overview", "r_wrist_camera"} <= set(scene.camera_names())
+        assert scene.model.camera("overview").fovy[0] == 45
+        np.testing.assert_allclose(scene.camera_pose("overview").translation, [1.8, -2.0, 1.4])
+
+    def test_a_teleported_body_stands_still_there(self):
+        scene = rc.Scene.build(empty(objects=[cube("red_cube", pos=[0, 0, 1])]))
+        scene.step_n(50)
+        assert np.abs(scene.data.qvel).max() > 0.5
+        scene.set_body_pose("red_cube", [0.45, 0.0, 0.75], [0.0, 0.0, 0.0, 1.0])
+        assert scene.body_pose("red_cube") == rc.Pose(translation=[0.45, 0, 0.75])
+        assert not scene.data.qvel.any()
+        with pytest.raises(rc.ArgumentError, match="body 'world' cannot be moved by its pose"):
+            scene.set_body_pose("world", [0, 0, 0])
+
+    def test_actuators_by_name(self):
+        scene = rc.Scene.build(empty(robots=[rc7()]))
+        assert scene.has_actuator("gripper")
+        assert not scene.has_actuator("finger")
+        scene.set_actuator_ctrl("gripper", 25.0)
+        assert scene.actuator_ctrl("gripper") == 25.0
+        with pytest.raises(rc.NotFoundError, match=r"no actuator 'griper'.*mean 'gripper'"):
+            scene.actuator_ctrl("griper")
+
+
+class TestReset:
+    def test_a_robot_holds_the_pose_that_the_hook_leaves(self):
+        scene = rc.Scene.build(empty(robots=[rc7(name="a")]))
+        robot = scene.robot("a")
+        q = [0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1.0]
+        order = []
+
+        def on_reset(reset: rc.ResetContext) -> None:
+            order.append((reset.info.used_keyframe, reset.options.keyframe))
+            robot.set_joint_pos(q, call_forward=False)
+
+        scene.on_reset(on_reset)
+        robot.jnt_pos_cmd = np.zeros(7)
+        scene.set_body_wrench("link7", [100, 0, 0], [0, 0, 0])
+        info = scene.reset(rc.ResetOptions(keyframe=0))
+        assert (info.used_keyframe, info.keyframe) == (True, 0)
+        assert order == [(True, 0)]
+        assert robot.jnt_pos_cmd.tolist() == q
+        assert not scene.data.xfrc_applied.any()
+        for _ in range(200):
+            robot.update()
+            robot.step()
+        np.testing.assert_allclose(robot.arm.joint_pos, q, atol=1e-4)
+
+    def test_default_configuration_and_keyframes_that_are_not_there(self):
+        scene = rc.Scene.build(empty(robots=[rc7()]))
+        info = scene.reset(rc.ResetOptions(use_keyframe=False))
+        assert (info.used_keyframe, info.keyframe) == (False, -1)
+        np.testing.assert_array_equal(scene.data.qpos, scene.model.qpos0)
+        with pytest.raises(rc.ArgumentError, match="there is no keyframe 3; the scene has 1"):
+            scene.reset(keyframe=3)
+
+    def test_two_scenes_are_independent(self, tmp_path):
+        spec = empty(robots=[rc7(name="a")])
+        first, second = rc.Scene.build(spec), rc.Scene.build(spec)
+        first.robot("a").ctrl_mode = "torque"
+        first.set_actuator_ctrl("gripper", 10)
+        first.step_n(50)
+        assert second.time() == 0
+        assert second.robot("a").ctrl_mode == rc.CtrlMode.POSITION
+        assert second.actuator_ctrl("gripper") != 10
+        first.save_xml(tmp_path / "episode_start.xml")
+        assert (
+            mujoco.MjModel.from_xml_path(str(tmp_path / "episode_start.xml")).nq == first.model.nq
+        )

@@ -1,0 +1,253 @@
+"""Control modes and controllers from Python: what holds, what moves, what gives way."""
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from test_kdl import PyKDL, needs_pykdl
+
+MODES = ["position", "velocity", "torque"]
+
+
+def gen3(prefix: str = "", y: float = 0) -> rc.RobotSpec:
+    """The Gen3 with the 2F-85, without a configuration."""
+    arm = rc.RobotSpec(path=rc.menagerie.model_path("kinova_gen3"), prefix=prefix, pos=[0, y, 0])
+    arm.attachments.append(
+        rc.AttachmentSpec(
+            mjcf_path=rc.menagerie.model_path("robotiq_2f85"),
+            attach_to=rc.AttachTarget(rc.AttachKind.Site, "pinch_site"),
+            prefix="g_",
+        )
+    )
+    return arm
+
+
+def build(*robots: rc.RobotSpec) -> rc.Scene:
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
+    spec.robots = list(robots)
+    return rc.Scene.build(spec)
+
+
+def arm_of(scene: rc.Scene, prefix: str = "") -> rc.Robot:
+    tool = rc.ToolFrameSpec(tool_body="g_base", tcp_site="g_pinch")
+    return rc.Robot.from_scene(scene, "base_link", "bracelet_link", prefix=prefix, tool=tool)
+
+
+def rc7(gravcomp: bool = True, **fields: object) -> rc.Robot:
+    """The built-in robot."""
+    config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    config.gravcomp = gravcomp
+    return build(rc.RobotSpec(name="a", config=config, **fields)).robot("a")
+
+
+def tcp(robot: rc.Robot) -> np.ndarray:
+    return robot.tcp_in_world.translation
+
+
+def run(robot: rc.Robot, steps: int) -> None:
+    for _ in range(steps):
+        robot.update()
+        assert robot.step()
+
+
+class TestModes:
+    def test_gravity_torques_hold_the_arm_with_its_gripper(self, menagerie):
+        robot = arm_of(build(gen3()))
+        robot.ctrl_mode = rc.CtrlMode.TORQUE
+        start = tcp(robot)
+        for _ in range(500):
+            assert robot.step()
+            robot.update()
+            robot.jnt_trq_cmd = robot.gravity_torques()
+        assert np.linalg.norm(tcp(robot) - start) < 1e-3
+
+    def test_gravity_torques_hold_two_arms(self, menagerie):
+        scene = build(gen3("l_", 0.6), gen3("r_", -0.6))
+        robots = [arm_of(scene, "l_"), arm_of(scene, "r_")]
+        robots[0].ctrl_mode = "torque"
+        assert robots[1].ctrl_mode == rc.CtrlMode.POSITION
+        robots[1].ctrl_mode = "torque"
+        start = [tcp(robot) for robot in robots]
+        for _ in range(500):
+            for robot in robots:
+                robot.update()
+                robot.jnt_trq_cmd = robot.gravity_torques()
+            assert scene.step()
+        for robot, before in zip(robots, start, strict=True):
+            assert np.linalg.norm(tcp(robot) - before) < 1e-3
+
+    def test_nothing_of_the_servos_is_left_in_torque_mode(self):
+        robot = rc7()
+        bare = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+        for i in range(1, 8):
+            bare.edits.append(rc.Edit(delete={"actuator": f"servo{i}"}))
+        bare.move_groups["arm"].actuators = []
+        bare.control.clear()
+        without = build(rc.RobotSpec(name="a", config=bare)).robot("a")
+        robot.ctrl_mode = "torque"
+        robot.jnt_trq_cmd = np.zeros(7)
+        for one in (robot, without):
+            one.arm.joint_vel = [0.5, -0.4, 0.3, 0.6, -0.7, 0.8, 2]
+            run(one, 300)
+        np.testing.assert_allclose(robot.arm.joint_pos, without.arm.joint_pos, atol=1e-9)
+
+    def test_switching_moves_nothing(self):
+        robot = rc7(gravcomp=False, control_modes=MODES)
+        run(robot, 1000)
+        for mode in ("torque", "position", "velocity", "torque"):
+            start = tcp(robot)
+            robot.ctrl_mode = mode
+            run(robot, 100)
+            assert np.linalg.norm(tcp(robot) - start) < 1e-3, mode
+        robot.scene.reset()
+        assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+        start = tcp(robot)
+        run(robot, 100)
+        assert np.linalg.norm(tcp(robot) - start) < 1e-3
+
+    def test_velocity_mode_moves_as_it_is_told(self):
+        robot = rc7(gravcomp=False, control_modes=MODES)
+        robot.ctrl_mode = rc.CtrlMode.VELOCITY
+        before = robot.arm.joint_pos
+        robot.jnt_vel_cmd[0] = 0.3
+        run(robot, 500)
+        assert robot.arm.joint_pos[0] - before[0] == pytest.approx(0.3, abs=0.02)
+        assert robot.arm.joint_vel[0] == pytest.approx(0.3, abs=0.02)
+
+    def test_modes_are_actuator_groups_of_the_model(self):
+        robot = rc7(control_modes=["torque"])
+        model = robot.scene.model
+        servo, motor = model.actuator("servo1").group[0], model.actuator("joint1_torque").group[0]
+        assert servo != motor
+        assert model.opt.disableactuator == 1 << motor
+        robot.ctrl_mode = "torque"
+        assert model.opt.disableactuator == 1 << servo
+        with pytest.raises(rc.ArgumentError, match=r"to velocity: .* add velocity to the control"):
+            robot.ctrl_mode = "velocity"
+        with pytest.raises(rc.ArgumentError, match=r"ctrl_mode must be one of position, velocity"):
+            robot.ctrl_mode = "torq"
+
+    def test_ports_are_there_while_they_are_in_use(self):
+        robot = rc7()
+        with pytest.raises(RuntimeError, match=r"no jnt_trq_cmd while .*set ctrl_mode to torque"):
+            robot.jnt_trq_cmd = np.zeros(7)
+        robot.ctrl_mode = "torque"
+        with pytest.raises(ValueError, match="expected 7 joint values, got 3"):
+            robot.jnt_trq_cmd = np.zeros(3)
+        with pytest.raises(RuntimeError, match="set ctrl_mode to position"):
+            robot.jnt_pos_cmd  # noqa: B018
+        robot.jnt_trq_cmd[2] = np.nan
+        with pytest.raises(rc.ArgumentError, match="actuator 'joint3_torque' cannot be set to nan"):
+            robot.update()
+
+    def test_actions_carry_torques_and_velocities(self):
+        robot = rc7(control_modes=MODES)
+        robot.ctrl_mode = "torque"
+        robot.apply({"arm": rc.GroupCommand.torques(range(7))})
+        assert robot.jnt_trq_cmd.tolist() == list(range(7))
+        with pytest.raises(rc.ArgumentError, match="takes joint torques, not joint positions"):
+            robot.apply({"arm": rc.GroupCommand.joints(np.zeros(7))})
+        robot.ctrl_mode = "velocity"
+        robot.apply({"arm": rc.GroupCommand.velocities([0.1] * 7)})
+        assert robot.jnt_vel_cmd.tolist() == [0.1] * 7
+
+    def test_teleports_update_frames_at_once_or_when_asked(self):
+        robot = rc7()
+        for q, forward in ((np.linspace(0, 0.6, 7), True), (np.linspace(0.6, 0, 7), False)):
+            robot.set_joint_pos(q, call_forward=forward)
+            assert robot.tcp_in_world.is_close(robot.base_in_world * robot.fk_frame(q), 1e-7, 1e-9)
+
+    def test_stepping_by_the_robot_is_the_scenes(self):
+        robot = rc7()
+        assert robot.step_n(10)
+        assert robot.scene.time() == pytest.approx(0.02)
+
+
+def push(robot: rc.Robot, joint: int, torque: float) -> None:
+    dof = robot.scene.model.joint(robot.joint_names[joint]).dofadr[0]
+    robot.scene.data.qfrc_applied[dof] = torque
+
+
+class TestImpedance:
+    def test_a_joint_gives_way_as_a_spring(self):
+        robot = rc7(gravcomp=False)
+        impedance = robot.set_controller("arm", "joint_impedance")
+        assert isinstance(impedance, rc.JointImpedanceController)
+        impedance.stiffness = 300
+        assert impedance.stiffness.tolist() == [300.0] * 7
+        start = robot.arm.joint_pos
+        run(robot, 200)
+        np.testing.assert_allclose(robot.arm.joint_pos, start, atol=2e-3)
+        push(robot, 3, 6.0)
+        run(robot, 1500)
+        assert robot.arm.joint_pos[3] - start[3] == pytest.approx(0.02, abs=1e-3)
+        with pytest.raises(rc.ArgumentError, match="stiffness has 2 values; give 1 or 7"):
+            impedance.stiffness = [1, 2]
+
+    def test_the_leaf_gives_way_along_the_axes_of_the_base(self):
+        robot = rc7(gravcomp=False, euler=[0, 40, 0])
+        soft = robot.set_controller("arm", "cartesian_impedance")
+        soft.stiffness = [500, 700, 900, 60, 60, 60]
+        start = robot.fk_frame()
+        assert soft.pose == start
+        soft.feedforward = [5, -7, 9, 0, 0, 0]
+        run(robot, 1500)
+        moved = robot.fk_frame().translation - start.translation
+        np.testing.assert_allclose(moved, [0.01, -0.01, 0.01], atol=1e-3)
+
+    def test_the_leaf_does_not_feel_the_posture(self):
+        robot = rc7(gravcomp=False)
+        soft = robot.set_controller("arm", "cartesian_impedance")
+        start, before = robot.fk_frame(), robot.arm.joint_pos
+        soft.posture = before + np.array([0.3, 0, 0, 0, 0, 0, 0])
+        run(robot, 1000)
+        assert robot.fk_frame().is_close(start, 5e-3, 2e-3)
+        assert abs(robot.arm.joint_pos[0] - before[0]) > 0.02
+
+    @needs_pykdl
+    def test_frames_and_wrenches_of_kdl_are_taken(self):
+        soft = rc7().set_controller("arm", "cartesian_impedance")
+        goal = rc.Pose(translation=[0.4, 0.1, 0.3])
+        soft.pose = goal.to_kdl()
+        assert soft.pose.is_close(goal, 1e-7, 1e-12)
+        soft.feedforward = PyKDL.Wrench(PyKDL.Vector(1, 2, 3), PyKDL.Vector(4, 5, 6))
+        assert soft.feedforward.tolist() == [1, 2, 3, 4, 5, 6]
+
+
+class TestCartesianPose:
+    def test_goes_straight_and_not_too_fast(self):
+        robot = rc7()
+        cartesian = robot.set_controller("arm", "cartesian_pose")
+        cartesian.max_linear_speed = 0.1
+        start = robot.fk_frame()
+        goal = rc.Pose(
+            translation=start.translation + np.array([-0.05, 0.08, -0.06]), rotation=start.rotation
+        )
+        cartesian.pose = goal
+        way = goal.translation - start.translation
+        way /= np.linalg.norm(way)
+        path = [start.translation]
+        for _ in range(700):
+            run(robot, 1)
+            path.append(robot.fk_frame().translation)
+        moved = np.array(path) - start.translation
+        assert np.linalg.norm(moved - np.outer(moved @ way, way), axis=1).max() < 2e-3
+        assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() / 0.002 < 0.13
+        assert robot.fk_frame().is_close(goal, 5e-3, 1e-3)
+
+    def test_a_controller_may_outlive_its_robot(self):
+        cartesian = rc7().set_controller("arm", "cartesian_pose")
+        assert cartesian.kind == "cartesian_pose"
+        assert cartesian.target.shape == (7,)
+        cartesian.reset()
+
+    def test_unknown_controllers_list_those_that_are(self):
+        with pytest.raises(rc.NotFoundError, match=r"no controller 'cartesian_impedence'.*mean"):
+            rc7().set_controller("arm", "cartesian_impedence")
+
+    def test_the_configuration_chooses(self):
+        config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+        config.control["arm"] = "joint_impedance"
+        robot = build(rc.RobotSpec(name="a", config=config)).robot("a")
+        assert robot.controller().kind == "joint_impedance"
+        assert robot.controller("gripper").kind == "joint_position"

@@ -1,0 +1,75 @@
+// Cartesian impedance: the leaf of an arm is held to its target by springs and dampers along and
+// about the axes of the robot base frame; joints to spare are drawn to a posture without the leaf
+// feeling it.
+//
+//   force  = stiffness * (target - pose) - damping * velocity
+//   torque = J^T force + N^T posture torque + gravity + Coriolis
+//
+//   robot.SetController("arm", "cartesian_impedance");
+//   auto& soft = dynamic_cast<CartesianImpedanceController&>(robot.controller("arm"));
+//   soft.SetStiffness({800, 800, 100, 40, 40, 40});        // N/m, then Nm/rad
+//   soft.SetPose(target_in_robot);
+//
+// Needs the control mode torque. With damping_ratio 1 no motion of the leaf overshoots, whatever
+// mass it shows at that moment; N is the dynamically consistent null space (O. Khatib, "A unified
+// approach for motion and force control of robot manipulators", 1987). Poses are in the robot base
+// frame. No allocation in Compute.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "robocell/control/pose_target.h"
+#include "robocell/robot/arm_group.h"
+#include "robocell/robot/controller.h"
+
+namespace robocell {
+
+class CartesianImpedanceController : public Controller {
+ public:
+  using Gains = std::array<double, 6>;
+
+  // NotFoundError for an arm without a chain.
+  explicit CartesianImpedanceController(ArmGroup& arm);
+
+  std::string_view kind() const override { return "cartesian_impedance"; }
+  CtrlMode mode() const override { return CtrlMode::kTorque; }
+  TargetKind target_kind() const override { return TargetKind::kPose; }
+  int target_size() const override { return 7; }
+  void SetTarget(std::span<const double> numbers) override;
+  std::span<const double> target() const override { return target_; }
+  std::span<const double> commanded_joint_pos() const override { return q_; }
+  std::span<double> command_port() override { return target_; }
+  // Holds the pose and the posture that are there.
+  void Reset() override;
+  void Compute(std::span<double> ctrl) override;
+
+  void SetPose(const Pose& leaf_in_robot) { target_ = ToNumbers(leaf_in_robot); }
+  Pose pose() const;
+
+  // x y z in N/m, then about x y z in Nm/rad. ArgumentError for negative or infinite ones.
+  const Gains& stiffness() const { return stiffness_; }
+  void SetStiffness(const Gains& stiffness);
+  double damping_ratio() const { return damping_ratio_; }
+  void SetDampingRatio(double ratio);
+  // Where joints to spare are drawn to (rad or m), and how fast they would swing around it, rad/s;
+  // 0 lets them go.
+  std::span<const double> posture() const { return posture_; }
+  void SetPosture(std::span<const double> q);
+  double posture_frequency() const { return posture_frequency_; }
+  void SetPostureFrequency(double frequency);
+  // Pushed on top, by the arm on what it touches, in the axes of the robot base frame: N, then Nm.
+  const Gains& feedforward() const { return feedforward_; }
+  void SetFeedforward(const Gains& wrench);
+
+ private:
+  ArmGroup& arm_;
+  PoseNumbers target_ = {};
+  Gains stiffness_ = {400, 400, 400, 30, 30, 30};
+  Gains feedforward_ = {};
+  double damping_ratio_ = 1, posture_frequency_ = 5;
+  std::vector<double> posture_;
+  std::vector<double> q_, qd_, torque_, coriolis_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,136 @@
+#include "robocell/control/cartesian_pose_controller.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <Eigen/Cholesky>
+
+#include "robocell/base/error.h"
+#include "robocell/kinematics/pose_error.h"
+#include "robocell/robot/joint_torque_controller.h"
+
+namespace robocell {
+namespace {
+
+using Jacobian6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxChainJoints>;
+using JointColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxChainJoints, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+// Keeps joint speeds bounded near singularities: least squares weigh the error against the motion.
+constexpr double kDamping = 1e-4;
+constexpr double kPostureRate = 1;           // 1/s
+constexpr double kLongestTick = 0.1;         // s; after a pause nothing jumps
+constexpr double kLargestJointSpeed = M_PI;  // rad/s or m/s
+// How far the reference may be ahead of what the joints can follow, m and rad, so that it does not
+// have to come all the way back from a target that cannot be reached.
+constexpr double kLongestLead = 0.02, kWidestLead = 0.1;
+
+[[maybe_unused]] const bool kCartesianPoseRegistered = [] {
+  RegisterController("cartesian_pose", [](MoveGroup& group) -> std::unique_ptr<Controller> {
+    return std::make_unique<CartesianPoseController>(RequireArm(group, "cartesian_pose"));
+  });
+  return true;
+}();
+
+}  // namespace
+
+CartesianPoseController::CartesianPoseController(ArmGroup& arm)
+    : arm_(arm), servos_(arm), posture_(arm.nq()) {
+  arm_.chain();  // says at once when there is none
+  Reset();
+}
+
+void CartesianPoseController::SetTarget(std::span<const double> numbers) {
+  target_ = ToNumbers(PoseFromNumbers(numbers, arm_));
+}
+
+Pose CartesianPoseController::pose() const { return PoseFromNumbers(target_, arm_); }
+
+void CartesianPoseController::SetMaxSpeeds(double linear, double angular) {
+  if (!(linear > 0 && angular > 0 && std::isfinite(linear) && std::isfinite(angular))) {
+    throw ArgumentError(
+        fmt::format("{}: the largest speeds cannot be {} m/s and {} rad/s; both "
+                    "must be above 0",
+                    arm_.place(), linear, angular));
+  }
+  max_linear_speed_ = linear;
+  max_angular_speed_ = angular;
+}
+
+void CartesianPoseController::SetPosture(std::span<const double> q) {
+  CheckValues([&] { return arm_.place(); }, "joint", q, arm_.nq(), arm_.joint_names());
+  std::copy(q.begin(), q.end(), posture_.begin());
+}
+
+void CartesianPoseController::Reset() {
+  servos_.Reset();
+  const std::span<const double> q = servos_.target();
+  std::copy(q.begin(), q.end(), posture_.begin());
+  const Pose here = arm_.chain().Fk(q);
+  reference_ = ToTransform(here);
+  target_ = ToNumbers(here);
+  time_ = arm_.time();
+}
+
+void CartesianPoseController::MoveReference(double seconds) {
+  const PoseError way = ErrorTo(ToTransform(pose()), reference_);
+  const double distance = way.linear.norm(), angle = way.angular.norm();
+  // Both arrive together.
+  const double needed = std::max(distance / max_linear_speed_, angle / max_angular_speed_);
+  const double share = needed > seconds ? seconds / needed : 1;
+  reference_.translation += share * way.linear;
+  if (angle > 0) {
+    const Eigen::AngleAxisd turn(share * angle, way.angular / angle);
+    reference_.rotation = turn.toRotationMatrix() * reference_.rotation;
+  }
+}
+
+void CartesianPoseController::HoldReferenceBack() {
+  const Transform commanded = ToTransform(arm_.chain().Fk(servos_.target()));
+  const PoseError lead = ErrorTo(reference_, commanded);
+  const double distance = lead.linear.norm(), angle = lead.angular.norm();
+  if (distance > kLongestLead)
+    reference_.translation = commanded.translation + kLongestLead / distance * lead.linear;
+  if (angle > kWidestLead) {
+    const Eigen::AngleAxisd turn(kWidestLead, lead.angular / angle);
+    reference_.rotation = turn.toRotationMatrix() * commanded.rotation;
+  }
+}
+
+void CartesianPoseController::FollowReference(double seconds) {
+  const Chain& chain = arm_.chain();
+  const int n = chain.n_joints();
+  const std::span<double> q = servos_.command_port();
+  Jacobian6 jacobian(6, n);
+  const PoseError error = ErrorTo(reference_, ToTransform(chain.Jacobian(q, jacobian)));
+  JointColumn spare(n);
+  for (int i = 0; i < n; ++i) spare[i] = kPostureRate * seconds * (posture_[i] - q[i]);
+  Vector6 task;
+  task << error.linear, error.angular;
+  Matrix6 squared = jacobian * jacobian.transpose();
+  squared.diagonal().array() += kDamping;
+  const Vector6 weighted = squared.llt().solve(task - jacobian * spare);
+  const JointColumn step = spare + jacobian.transpose() * weighted;
+  const double largest = kLargestJointSpeed * seconds;
+  const double scale = std::min(1.0, largest / std::max(step.cwiseAbs().maxCoeff(), 1e-300));
+  for (int i = 0; i < n; ++i) {
+    const ChainJoint& joint = chain.joints()[i];
+    q[i] = std::clamp(q[i] + scale * step[i], joint.lower, joint.upper);
+  }
+}
+
+void CartesianPoseController::Compute(std::span<double> ctrl) {
+  const double now = arm_.time();
+  const double seconds = std::clamp(now - time_, 0.0, kLongestTick);
+  time_ = now;
+  if (seconds > 0) {
+    MoveReference(seconds);
+    FollowReference(seconds);
+    HoldReferenceBack();
+  }
+  servos_.Compute(ctrl);
+}
+
+}  // namespace robocell

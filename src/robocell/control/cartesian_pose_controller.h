@@ -1,0 +1,63 @@
+// Cartesian pose through position servos: the leaf goes to its target on a straight line, turning
+// along the shortest arc, no faster than it is told to.
+//
+//   robot.SetController("arm", "cartesian_pose");
+//   auto& cartesian = dynamic_cast<CartesianPoseController&>(robot.controller("arm"));
+//   cartesian.SetPose(robot.FkFrame() * Pose(Eigen::Vector3d(0, 0, -0.1)));
+//
+// Differential inverse kinematics at control rate: a reference moves towards the target, and the
+// joint targets follow it by damped least squares, within their limits; joints to spare go towards
+// the posture. A target that cannot be reached is approached as far as the joints allow. Poses are
+// in the robot base frame. No allocation in Compute.
+#pragma once
+
+#include <vector>
+
+#include "robocell/control/pose_target.h"
+#include "robocell/kinematics/transform.h"
+#include "robocell/robot/arm_group.h"
+#include "robocell/robot/joint_position_controller.h"
+
+namespace robocell {
+
+class CartesianPoseController : public Controller {
+ public:
+  // NotFoundError for an arm without a chain, ArgumentError for one without position servos.
+  explicit CartesianPoseController(ArmGroup& arm);
+
+  std::string_view kind() const override { return "cartesian_pose"; }
+  TargetKind target_kind() const override { return TargetKind::kPose; }
+  int target_size() const override { return 7; }
+  void SetTarget(std::span<const double> numbers) override;
+  std::span<const double> target() const override { return target_; }
+  std::span<const double> commanded_joint_pos() const override { return servos_.target(); }
+  std::span<double> command_port() override { return target_; }
+  void Reset() override;
+  void Compute(std::span<double> ctrl) override;
+
+  void SetPose(const Pose& leaf_in_robot) { target_ = ToNumbers(leaf_in_robot); }
+  Pose pose() const;
+
+  // m/s and rad/s; above 0.
+  double max_linear_speed() const { return max_linear_speed_; }
+  double max_angular_speed() const { return max_angular_speed_; }
+  void SetMaxSpeeds(double linear, double angular);
+  // Where joints to spare go, rad or m; at first where the arm is.
+  std::span<const double> posture() const { return posture_; }
+  void SetPosture(std::span<const double> q);
+
+ private:
+  void MoveReference(double seconds);
+  void FollowReference(double seconds);
+  void HoldReferenceBack();
+
+  ArmGroup& arm_;
+  JointPositionController servos_;
+  PoseNumbers target_ = {};
+  Transform reference_;
+  std::vector<double> posture_;
+  double max_linear_speed_ = 0.25, max_angular_speed_ = 1;
+  double time_ = 0;  // of the last Compute
+};
+
+}  // namespace robocell

@@ -1,0 +1,111 @@
+// Straight lines of the leaf, no faster than allowed, within the limits.
+#include "robocell/control/cartesian_pose_controller.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using Eigen::Vector3d;
+
+CartesianPoseController& Use(Robot& robot) {
+  robot.SetController("arm", "cartesian_pose");
+  return dynamic_cast<CartesianPoseController&>(robot.controller("arm"));
+}
+
+class CartesianPose : public ::testing::TestWithParam<RobotCase> {};
+INSTANTIATE_TEST_SUITE_P(Robots, CartesianPose, ::testing::ValuesIn(AllRobots()), CaseName);
+
+TEST_P(CartesianPose, GoesStraightAndNotTooFast) {
+  REQUIRE_ROBOT(GetParam());
+  RobotSpec spec = GetParam().spec();
+  spec.name = GetParam().name;
+  const Scene scene = Scene::Build(SceneWith(spec));
+  Robot robot = GetParam().robot(scene, GetParam().name);
+  std::vector<double> bent = robot.arm().joint_pos();
+  if (GetParam().name == "xarm7") bent = {0, 0.2, 0, 0.9, 0, 0.7, 0};
+  if (GetParam().name == "fr3") bent = {0, 0.2, 0, -1.8, 0, 2, 0.8};
+  robot.SetJointPos(bent);
+  CartesianPoseController& cartesian = Use(robot);
+  cartesian.SetMaxSpeeds(0.1, 0.5);
+  const Pose start = robot.FkFrame(cartesian.commanded_joint_pos());
+  const Pose goal = Pose(start.translation() + Vector3d(-0.05, 0.08, -0.06), start.rotation()) *
+                    Pose::FromRotvec(Vector3d::Zero(), Vector3d(0.1, 0.15, 0));
+  cartesian.SetPose(goal);
+  const Vector3d way = (goal.translation() - start.translation()).normalized();
+  const double dt = scene.timestep();
+  double off = 0, fastest = 0;
+  Vector3d before = start.translation();
+  for (int i = 0; i < 1200; ++i) {
+    robot.Update();
+    ASSERT_TRUE(robot.Step().ok());
+    const Pose now = robot.FkFrame(cartesian.commanded_joint_pos());
+    const Vector3d moved = now.translation() - start.translation();
+    off = std::max(off, (moved - moved.dot(way) * way).norm());
+    fastest = std::max(fastest, (now.translation() - before).norm() / dt);
+    before = now.translation();
+  }
+  EXPECT_LT(off, 1e-3);
+  EXPECT_LT(fastest, 0.11);
+  const Pose end = robot.FkFrame(cartesian.commanded_joint_pos());
+  EXPECT_TRUE(end.is_close(goal, 1e-3, 1e-4));
+}
+
+TEST(CartesianPoseLimits, ATargetOutOfReachIsApproachedAsFarAsTheJointsAllow) {
+  Robot robot = RobotAlone(Rc7());
+  CartesianPoseController& cartesian = Use(robot);
+  cartesian.SetMaxSpeeds(1, 3);
+  const Pose start = robot.FkFrame();
+  cartesian.SetPose(Pose(Vector3d(3, 0, 0.4), start.rotation()));
+  for (int i = 0; i < 2000; ++i) {
+    robot.Update();
+    ASSERT_TRUE(robot.Step().ok());
+  }
+  for (int j = 0; j < 7; ++j) {
+    const double q = cartesian.commanded_joint_pos()[j];
+    EXPECT_GE(q, robot.joint_limits()[j].lower);
+    EXPECT_LE(q, robot.joint_limits()[j].upper);
+  }
+  EXPECT_GT(robot.FkFrame().translation().x(), start.translation().x() + 0.1);
+  cartesian.SetPose(start);
+  for (int i = 0; i < 1000; ++i) {
+    robot.Update();
+    ASSERT_TRUE(robot.Step().ok());
+  }
+  EXPECT_TRUE(robot.FkFrame().is_close(start, 5e-3, 2e-3)) << "and it comes back at once";
+}
+
+TEST(CartesianPoseLimits, HoldsWithoutATargetAndAfterAReset) {
+  Robot robot = RobotAlone(Rc7());
+  CartesianPoseController& cartesian = Use(robot);
+  const Pose start = robot.FkFrame();
+  for (int i = 0; i < 300; ++i) {
+    robot.Update();
+    ASSERT_TRUE(robot.Step().ok());
+  }
+  EXPECT_TRUE(robot.FkFrame().is_close(start, 1e-4, 1e-4));
+  cartesian.SetPose(Pose(Vector3d(0.3, 0.3, 0.3)));
+  Scene scene = robot.scene();
+  scene.Reset();
+  EXPECT_TRUE(cartesian.pose().is_close(robot.FkFrame(), 1e-12, 1e-12));
+}
+
+TEST(CartesianPoseLimits, RefusesBadNumbers) {
+  Robot robot = RobotAlone(Rc7());
+  CartesianPoseController& cartesian = Use(robot);
+  ExpectThrow<ArgumentError>([&] { cartesian.SetMaxSpeeds(0, 1); },
+                             "group 'arm': the largest speeds cannot be 0 m/s and 1 rad/s");
+  ExpectThrow<ArgumentError>([&] { cartesian.SetTarget(std::vector<double>(7, std::nan(""))); },
+                             "group 'arm': the target of value 0 is nan");
+  ExpectThrow<ArgumentError>([&] { cartesian.SetPosture(std::vector<double>(2)); },
+                             "group 'arm': expected 7 joint values, got 2");
+  ExpectThrow<ArgumentError>([&] { robot.SetController("gripper", "cartesian_pose"); },
+                             "controller 'cartesian_pose' drives arms that have a chain");
+}
+
+}  // namespace
+}  // namespace robocell

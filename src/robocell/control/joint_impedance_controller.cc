@@ -1,0 +1,107 @@
+#include "robocell/control/joint_impedance_controller.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/robot/joint_torque_controller.h"
+
+namespace robocell {
+namespace {
+
+// How the default stiffness is found: joints swing this fast, rad/s; light ones faster, so that
+// they are no softer than a share of the strongest, but not faster than control at usual rates can
+// damp.
+constexpr double kFrequency = 2 * M_PI * 3, kLeastShare = 0.1, kFastest = 100;
+
+[[maybe_unused]] const bool kJointImpedanceRegistered = [] {
+  RegisterController(
+      "joint_impedance",
+      [](MoveGroup& group) -> std::unique_ptr<Controller> {
+        return std::make_unique<JointImpedanceController>(RequireArm(group, "joint_impedance"));
+      },
+      CtrlMode::kTorque);
+  return true;
+}();
+
+}  // namespace
+
+std::vector<double> MiddleInertia(const Chain& chain) {
+  JointVector middle(chain.n_joints());
+  for (int i = 0; i < middle.size(); ++i) {
+    const ChainJoint& joint = chain.joints()[i];
+    const bool bounded = std::isfinite(joint.lower) && std::isfinite(joint.upper);
+    middle[i] = bounded ? (joint.lower + joint.upper) / 2 : 0;
+  }
+  Eigen::MatrixXd mass(chain.n_joints(), chain.n_joints());
+  chain.MassMatrix(middle, mass);
+  std::vector<double> inertia;
+  for (int i = 0; i < chain.n_joints(); ++i) inertia.push_back(mass(i, i));
+  return inertia;
+}
+
+std::vector<double> PositiveGains(std::string_view place, std::string_view what,
+                                  std::span<const double> values, int expected) {
+  if (values.size() != 1 && values.size() != static_cast<size_t>(expected)) {
+    throw ArgumentError(
+        fmt::format("{}: {} has {} values; give 1 or {}", place, what, values.size(), expected));
+  }
+  for (const double value : values) {
+    if (std::isfinite(value) && value >= 0) continue;
+    throw ArgumentError(
+        fmt::format("{}: {} cannot be {}; it must be 0 or more, and finite", place, what, value));
+  }
+  if (values.size() == 1) return std::vector<double>(static_cast<size_t>(expected), values[0]);
+  return {values.begin(), values.end()};
+}
+
+JointImpedanceController::JointImpedanceController(ArmGroup& arm)
+    : arm_(arm),
+      inertia_(MiddleInertia(arm.chain())),
+      damping_(arm.nv()),
+      target_(arm.joint_pos()),
+      q_(arm.nq()),
+      qd_(arm.nv()),
+      torque_(arm.nv()),
+      coriolis_(arm.nv()) {
+  const double least = kLeastShare * *std::max_element(inertia_.begin(), inertia_.end());
+  for (const double inertia : inertia_) {
+    stiffness_.push_back(std::min(std::max(inertia, least) * kFrequency * kFrequency,
+                                  inertia * kFastest * kFastest));
+  }
+  ComputeDamping();
+}
+
+void JointImpedanceController::SetTarget(std::span<const double> q) {
+  CheckValues([&] { return arm_.place(); }, "joint", q, target_size(), arm_.joint_names());
+  std::copy(q.begin(), q.end(), target_.begin());
+}
+
+void JointImpedanceController::SetStiffness(std::span<const double> stiffness) {
+  stiffness_ = PositiveGains(arm_.place(), "stiffness", stiffness, arm_.nv());
+  ComputeDamping();
+}
+
+void JointImpedanceController::SetDampingRatio(double ratio) {
+  damping_ratio_ = PositiveGains(arm_.place(), "damping_ratio", {&ratio, 1}, 1)[0];
+  ComputeDamping();
+}
+
+void JointImpedanceController::ComputeDamping() {
+  for (size_t i = 0; i < damping_.size(); ++i)
+    damping_[i] = 2 * damping_ratio_ * std::sqrt(stiffness_[i] * inertia_[i]);
+}
+
+void JointImpedanceController::Compute(std::span<double> ctrl) {
+  arm_.GetJointPos(q_);
+  arm_.GetJointVel(qd_);
+  arm_.GravityTorques(q_, torque_);
+  arm_.chain().CoriolisTorques(q_, qd_, coriolis_);
+  for (size_t i = 0; i < torque_.size(); ++i)
+    torque_[i] += stiffness_[i] * (target_[i] - q_[i]) - damping_[i] * qd_[i] + coriolis_[i];
+  arm_.CtrlForJointTorque(torque_, ctrl);
+}
+
+}  // namespace robocell

@@ -1,0 +1,51 @@
+// ArmGroup: joints of one degree of freedom each, moved by one actuator each: position servos,
+// velocity servos or motors. An arm that can be switched has one such group per mode, over the same
+// joints; controllers work on the group of their mode.
+//
+// It knows the arm's chain, from the robot base frame to the leaf, so that controllers can ask for
+// gravity and inertia. Errors: those of GroupCore; NotFoundError without a chain. No allocation in
+// what controllers call every tick.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+
+#include "robocell/kinematics/chain.h"
+#include "robocell/robot/joint_group.h"
+#include "robocell/spec/ctrl_mode.h"
+
+namespace robocell {
+
+class ArmGroup : public JointGroupOf<MoveGroup> {
+ public:
+  ArmGroup(const Scene& scene, GroupNames names)
+      : JointGroupOf(scene, std::move(names), MoveGroupKind::kArm) {}
+
+  // `chain` is looked at whenever it is needed: it may be made anew. It outlives the group's use.
+  void UseChain(const std::optional<Chain>* chain) { chain_ = chain; }
+  bool has_chain() const { return chain_ && chain_->has_value(); }
+  const Chain& chain() const;
+
+  // As SetJointPos, but what follows from it is computed when next asked for, or stepped.
+  void WriteJointPos(std::span<const double> q) { core().WriteJointPos(q); }
+  // Simulated seconds.
+  double time() const { return core().scene().time(); }
+  Eigen::Vector3d gravity_in_base() const { return core().gravity_in_base(); }
+  // What holds the joints at `q` against gravity, N m or N.
+  void GravityTorques(std::span<const double> q, std::span<double> out) const;
+
+  // The controls of motors that push with `torque`.
+  void CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const;
+  // The controls of velocity servos that drive at `velocity` and push with `torque` on top.
+  void CtrlForJointVel(std::span<const double> velocity, std::span<const double> torque,
+                       std::span<double> ctrl) const;
+  // Where position servos have to be sent to push with `torque` at `q`.
+  void JointPosForTorque(std::span<const double> q, std::span<const double> torque,
+                         std::span<double> out) const;
+
+ private:
+  const std::optional<Chain>* chain_ = nullptr;
+};
+
+}  // namespace robocell

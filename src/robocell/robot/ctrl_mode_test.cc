@@ -1,0 +1,265 @@
+// Position, velocity and torque mode: what holds, what moves, what is left of the servos, and
+// switching.
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+constexpr CtrlMode kPosition = CtrlMode::kPosition, kVelocity = CtrlMode::kVelocity,
+                   kTorque = CtrlMode::kTorque;
+
+RobotSpec Gen3With2F85(const std::string& prefix, const Vec3& pos) {
+  return {.path = "menagerie:kinova_gen3/gen3.xml",
+          .prefix = prefix,
+          .pos = pos,
+          .attachments = {{.mjcf_path = "menagerie:robotiq_2f85/2f85.xml",
+                           .attach_to = Site("pinch_site"),
+                           .prefix = "g_"}},
+          .control_modes = std::vector{kPosition, kVelocity, kTorque}};
+}
+
+Robot Gen3In(const Scene& scene, const std::string& prefix) {
+  return Robot::FromScene(
+      scene, "base_link", "bracelet_link",
+      {.prefix = prefix, .tool = {.tool_body = "g_base", .tcp_site = "g_pinch"}});
+}
+
+// Updates and steps; the farthest that the TCP gets from where it was.
+double Drift(Robot& robot, int steps) {
+  const Eigen::Vector3d start = robot.tcp_in_world().translation();
+  double farthest = 0;
+  for (int i = 0; i < steps; ++i) {
+    robot.Update();
+    EXPECT_TRUE(robot.Step().ok());
+    farthest = std::max(farthest, (robot.tcp_in_world().translation() - start).norm());
+  }
+  return farthest;
+}
+
+class Modes : public ::testing::TestWithParam<RobotCase> {
+ protected:
+  Scene Build() {
+    RobotSpec spec = GetParam().spec();
+    spec.name = GetParam().name;
+    spec.prefix = "r_";
+    spec.control_modes = std::vector{kPosition, kVelocity, kTorque};
+    if (spec.config) spec.config->gravcomp = false;
+    return Scene::Build(SceneWith(spec));
+  }
+  Robot In(const Scene& scene) {
+    Robot robot = GetParam().robot(scene, GetParam().name);
+    if (GetParam().name != "fr3") return robot;
+    robot.SetJointPos(InTheLimits());  // which its reference is not
+    return robot;
+  }
+  static std::vector<double> InTheLimits() { return {0.2, 0.3, -0.2, -1.7, 0.2, 1.9, 0.4}; }
+};
+INSTANTIATE_TEST_SUITE_P(Robots, Modes, ::testing::ValuesIn(AllRobots()), CaseName);
+
+TEST_P(Modes, GravityTorquesHoldTheArm) {
+  REQUIRE_ROBOT(GetParam());
+  Robot robot = In(Build());
+  robot.set_ctrl_mode(kTorque);
+  const Eigen::Vector3d start = robot.tcp_in_world().translation();
+  for (int i = 0; i < 500; ++i) {
+    robot.Update();
+    robot.GravityTorques(robot.jnt_trq_cmd());
+    ASSERT_TRUE(robot.Step().ok());
+  }
+  EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-3);
+}
+
+TEST_P(Modes, SwitchingMovesNothingAndStaysThroughAReset) {
+  REQUIRE_ROBOT(GetParam());
+  Scene scene = Build();
+  Robot robot = In(scene);
+  Drift(robot, 1000);  // the servos settle
+  for (const CtrlMode mode : {kTorque, kPosition, kVelocity, kPosition, kTorque, kVelocity}) {
+    robot.set_ctrl_mode(mode);
+    EXPECT_EQ(robot.ctrl_mode(), mode);
+    EXPECT_LT(Drift(robot, 100), 1e-3) << ToString(mode);
+  }
+  scene.Reset();
+  EXPECT_EQ(robot.ctrl_mode(), kVelocity);
+  if (GetParam().name == "fr3") robot.SetJointPos(InTheLimits());
+  EXPECT_LT(Drift(robot, 200), 2e-3);
+}
+
+// A velocity servo that is slowed by what the joint itself resists.
+TEST_P(Modes, VelocityModeMovesAsItIsTold) {
+  REQUIRE_ROBOT(GetParam());
+  const Scene scene = Build();
+  Robot robot = In(scene);
+  const mjModel* m = scene.model();
+  const int dof = robot.chain().joints()[0].dof_address;
+  const int servo = RequireId(m, mjOBJ_ACTUATOR, robot.joint_names()[0] + "_velocity", "");
+  const double gain = m->actuator_gainprm[mjNGAIN * servo];
+  const double speed = (gain * 0.3 - m->dof_frictionloss[dof]) / (gain + m->dof_damping[dof]);
+  EXPECT_GT(speed, 0.25);
+  robot.set_ctrl_mode(kVelocity);
+  const double before = robot.jnt_pos_msr()[0];
+  robot.jnt_vel_cmd()[0] = 0.3;
+  Drift(robot, 500);
+  robot.Update();
+  EXPECT_NEAR(robot.jnt_pos_msr()[0] - before, speed * 500 * scene.timestep(), 0.015);
+  EXPECT_NEAR(robot.jnt_vel_msr()[0], speed, 2e-3);
+}
+
+TEST(CtrlMode, GravityTorquesHoldTwoArmsWithGrippers) {
+  REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
+  SceneSpec spec = SceneWith(Gen3With2F85("l_", {0, 0.6, 0}));
+  spec.robots.push_back(Gen3With2F85("r_", {0, -0.6, 0}));
+  const Scene scene = Scene::Build(spec);
+  Robot left = Gen3In(scene, "l_"), right = Gen3In(scene, "r_");
+  left.set_ctrl_mode(kTorque);
+  EXPECT_EQ(right.ctrl_mode(), kPosition) << "each arm has its own mode";
+  right.set_ctrl_mode(kTorque);
+  const Pose left_tcp = left.tcp_in_world(), right_tcp = right.tcp_in_world();
+  for (int i = 0; i < 500; ++i) {
+    for (Robot* robot : {&left, &right}) {
+      robot->Update();
+      robot->GravityTorques(robot->jnt_trq_cmd());
+    }
+    ASSERT_TRUE(left.Step().ok());
+  }
+  EXPECT_LT((left.tcp_in_world().translation() - left_tcp.translation()).norm(), 1e-3);
+  EXPECT_LT((right.tcp_in_world().translation() - right_tcp.translation()).norm(), 1e-3);
+}
+
+// The built-in robot without its servos.
+RobotConfig WithoutServos() {
+  RobotConfig config = Rc7();
+  for (int i = 1; i <= 7; ++i) {
+    config.edits.push_back({.remove = ElementRef{.kind = ElementKind::kActuator,
+                                                 .name = "servo" + std::to_string(i)}});
+  }
+  config.move_groups.at("arm").actuators = {};
+  config.control = {};
+  return config;
+}
+
+TEST(CtrlMode, NothingOfTheServosIsLeftInTorqueMode) {
+  Robot with = RobotAlone(Rc7()), without = RobotAlone(WithoutServos());
+  EXPECT_LT(without.scene().model()->nu, with.scene().model()->nu);
+  with.set_ctrl_mode(kTorque);
+  for (Robot* robot : {&with, &without}) {
+    const std::vector<double> moving{0.5, -0.4, 0.3, 0.6, -0.7, 0.8, 2};
+    robot->arm().SetJointVel(moving);
+  }
+  with.SetJntTrqCmd(std::vector<double>(7, 0.0));
+  for (int i = 0; i < 300; ++i) {
+    with.Update();
+    without.Update();
+    ASSERT_TRUE(with.Step().ok() && without.Step().ok());
+    for (int j = 0; j < 7; ++j) {
+      ASSERT_NEAR(with.arm().joint_pos()[j], without.arm().joint_pos()[j], 1e-9)
+          << "joint " << j << ", step " << i;
+    }
+  }
+}
+
+TEST(CtrlMode, TheMeasuredTorqueIsThatOfTheMotors) {
+  Robot robot = RobotAlone(Rc7());
+  robot.set_ctrl_mode(kTorque);
+  const std::vector<double> torque{1, -2, 3, -4, 0.5, 0.25, -0.125};
+  robot.SetJntTrqCmd(torque);
+  robot.Update();
+  EXPECT_TRUE(robot.Step().ok());
+  robot.Update();
+  for (int i = 0; i < 7; ++i) EXPECT_NEAR(robot.jnt_trq_msr()[i], torque[i], 1e-12);
+  robot.jnt_trq_cmd()[0] = 1000;
+  robot.Update();
+  EXPECT_TRUE(robot.Step().ok());
+  robot.Update();
+  EXPECT_EQ(robot.jnt_trq_msr()[0], 120) << "the servo's force limit";
+}
+
+TEST(CtrlMode, ForcesDoNotJumpWhenSwitched) {
+  RobotConfig config = Rc7();
+  config.gravcomp = false;
+  Robot robot = RobotAlone(config);
+  Scene scene = robot.scene();
+  Drift(robot, 1000);
+  for (const CtrlMode mode : {kTorque, kPosition, kTorque, kPosition}) {
+    scene.Forward();
+    const std::vector<double> before = robot.arm().joint_torque();
+    robot.set_ctrl_mode(mode);
+    scene.Forward();
+    const std::vector<double> after = robot.arm().joint_torque();
+    for (int i = 0; i < 7; ++i) EXPECT_NEAR(after[i], before[i], 1e-2) << ToString(mode);
+    Drift(robot, 10);
+  }
+}
+
+TEST(CtrlMode, ATeleportWithoutForwardIsSeenWhenAskedFor) {
+  Robot robot = RobotAlone(Rc7());
+  const std::vector<double> q{0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1};
+  robot.SetJointPos(q, false);
+  EXPECT_EQ(robot.arm().joint_pos(), q);
+  EXPECT_TRUE(robot.arm().leaf_frame_to_robot().is_close(robot.FkFrame(q), 1e-12, 1e-12));
+}
+
+TEST(CtrlMode, CommandsAreThoseOfTheController) {
+  Robot robot = RobotAlone(Rc7());
+  ExpectThrow<Error>([&] { robot.jnt_trq_cmd(); },
+                     "group 'arm': there is no jnt_trq_cmd while its controller is "
+                     "'joint_position'; set ctrl_mode to torque first");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        robot.Apply({{"arm", GroupCommand::Torques(std::vector<double>(7))}});
+      },
+      "its controller 'joint_position' takes joint positions, not joint torques");
+  robot.set_ctrl_mode(kTorque);
+  ExpectThrow<Error>([&] { robot.jnt_pos_cmd(); }, "set ctrl_mode to position first");
+  ExpectThrow<ArgumentError>([&] { robot.SetJntTrqCmd(std::vector<double>(3)); },
+                             "group 'arm': expected 7 joint values, got 3");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        robot.Apply({{"arm", GroupCommand::Joints(std::vector<double>(7))}});
+      },
+      "its controller 'joint_torque' takes joint torques, not joint positions; command it with "
+      "those, or choose another controller");
+  const std::vector<double> torque{1, 2, 3, 4, 5, 6, 7};
+  robot.Apply({{"arm", GroupCommand::Torques(torque)}});
+  EXPECT_EQ(robot.jnt_trq_cmd()[6], 7);
+  robot.jnt_trq_cmd()[2] = std::nan("");
+  ExpectThrow<ArgumentError>([&] { robot.Update(); }, "actuator 'joint3_torque' cannot be set to");
+}
+
+TEST(CtrlMode, SaysWhyAModeIsNotThere) {
+  Robot robot = RobotAlone(Rc7());
+  ExpectThrow<ArgumentError>(
+      [&] { robot.set_ctrl_mode(kVelocity); },
+      "robot 'rc7' / group 'arm' cannot be switched to velocity: the scene has no actuators for "
+      "it: add velocity to the control_modes of its RobotSpec");
+  EXPECT_EQ(robot.ctrl_mode(), kPosition);
+  ExpectThrow<ArgumentError>([&] { robot.SetController("gripper", "joint_torque"); },
+                             "group 'gripper' cannot be switched to torque: only configured arms");
+  REQUIRE_MENAGERIE("kinova_gen3");
+  const Scene whole = Scene::Build(SceneWith({.path = "menagerie:kinova_gen3/gen3.xml"}));
+  Robot part = Robot::FromScene(whole, "base_link", "forearm_link");
+  ExpectThrow<ArgumentError>([&] { part.set_ctrl_mode(kTorque); },
+                             "its actuators are switched together with others ('joint_5_torque')");
+}
+
+TEST(CtrlMode, AFrozenModelIsNotSwitchedButMayStartInAnyMode) {
+  RobotConfig config = Rc7();
+  config.control["arm"] = ControlKind::kJointTorque;
+  const auto compiled = CompileScene(SceneWith({.name = "rc7", .config = config}));
+  compiled->Freeze();
+  const Scene a = Scene::FromCompiled(compiled), b = Scene::FromCompiled(compiled);
+  Robot first = Robot::Of(a, "rc7"), second = Robot::Of(b, "rc7");
+  EXPECT_EQ(first.ctrl_mode(), kTorque);
+  second.Update();
+  ExpectThrow<Error>([&] { first.set_ctrl_mode(kPosition); }, "frozen");
+  EXPECT_EQ(first.ctrl_mode(), kTorque);
+}
+
+}  // namespace
+}  // namespace robocell

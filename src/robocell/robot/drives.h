@@ -1,0 +1,32 @@
+// Private to robot: the actuators that an arm can be driven by, one set per control mode, and
+// switching between them.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+
+#include "robocell/robot/arm_group.h"
+#include "robocell/spec/ctrl_mode.h"
+
+namespace robocell {
+
+struct Drives {
+  // By CtrlMode; null where there is none, for the reason beside it.
+  std::array<std::shared_ptr<MoveGroup>, kCtrlModes> groups = {};
+  std::array<std::string, kCtrlModes> why_none = {};
+
+  MoveGroup* of(CtrlMode mode) const { return groups[static_cast<size_t>(mode)].get(); }
+};
+
+// A group with nothing but its own actuators. Does not keep it.
+Drives OwnDrive(const std::shared_ptr<MoveGroup>& group);
+// An arm with its own actuators and those that were added to the scene for its joints
+// (RobotSpec::control_modes).
+Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, GroupNames names);
+
+// Switches on the actuators of `mode` and off those of the other modes. Nothing is written where
+// that is so already, so that it may be done on a frozen model; else that is an Error.
+void SwitchTo(CtrlMode mode, const Drives& drives, const Scene& scene);
+
+}  // namespace robocell

@@ -1,0 +1,42 @@
+// The torque port: motors push with the torques that are commanded, and nothing else acts.
+//
+// Without a command it pushes with what held the arm against gravity when it was put in or reset.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "robocell/robot/arm_group.h"
+#include "robocell/robot/controller.h"
+
+namespace robocell {
+
+// ArgumentError unless the group is an arm's.
+std::unique_ptr<Controller> MakeJointTorqueController(MoveGroup& group);
+
+class JointTorqueController : public Controller {
+ public:
+  explicit JointTorqueController(ArmGroup& arm);
+
+  std::string_view kind() const override { return "joint_torque"; }
+  CtrlMode mode() const override { return CtrlMode::kTorque; }
+  TargetKind target_kind() const override { return TargetKind::kJointTorques; }
+  int target_size() const override { return arm_.nv(); }
+  void SetTarget(std::span<const double> torque) override;
+  std::span<const double> target() const override { return torque_; }
+  std::span<const double> commanded_joint_pos() const override { return q_; }
+  std::span<double> command_port() override { return torque_; }
+  void Reset() override;
+  void Compute(std::span<double> ctrl) override;
+
+ private:
+  ArmGroup& arm_;
+  std::vector<double> torque_;
+  std::vector<double> q_;  // as last measured
+};
+
+// The arm that a controller of torques or velocities was asked for; ArgumentError, beginning with
+// the group's place, for any other group.
+ArmGroup& RequireArm(MoveGroup& group, std::string_view controller);
+
+}  // namespace robocell

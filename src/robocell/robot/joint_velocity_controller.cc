@@ -1,0 +1,34 @@
+#include "robocell/robot/joint_velocity_controller.h"
+
+#include <algorithm>
+
+#include "robocell/robot/joint_torque_controller.h"
+
+namespace robocell {
+
+std::unique_ptr<Controller> MakeJointVelocityController(MoveGroup& group) {
+  return std::make_unique<JointVelocityController>(RequireArm(group, "joint_velocity"));
+}
+
+JointVelocityController::JointVelocityController(ArmGroup& arm)
+    : arm_(arm), velocity_(arm.nv()), gravity_(arm.nv()), q_(arm.nq()) {
+  Reset();
+}
+
+void JointVelocityController::SetTarget(std::span<const double> velocity) {
+  CheckValues([&] { return arm_.place(); }, "joint", velocity, target_size(), arm_.joint_names());
+  std::copy(velocity.begin(), velocity.end(), velocity_.begin());
+}
+
+void JointVelocityController::Reset() {
+  std::fill(velocity_.begin(), velocity_.end(), 0.0);
+  arm_.GetJointPos(q_);
+}
+
+void JointVelocityController::Compute(std::span<double> ctrl) {
+  arm_.GetJointPos(q_);
+  arm_.GravityTorques(q_, gravity_);
+  arm_.CtrlForJointVel(velocity_, gravity_, ctrl);
+}
+
+}  // namespace robocell

@@ -1,0 +1,37 @@
+// The velocity port: velocity servos drive each joint at the velocity that is commanded. They are
+// fed what holds the arm against gravity, so that it does not sag.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "robocell/robot/arm_group.h"
+#include "robocell/robot/controller.h"
+
+namespace robocell {
+
+// ArgumentError unless the group is an arm's.
+std::unique_ptr<Controller> MakeJointVelocityController(MoveGroup& group);
+
+class JointVelocityController : public Controller {
+ public:
+  explicit JointVelocityController(ArmGroup& arm);
+
+  std::string_view kind() const override { return "joint_velocity"; }
+  CtrlMode mode() const override { return CtrlMode::kVelocity; }
+  TargetKind target_kind() const override { return TargetKind::kJointVelocities; }
+  int target_size() const override { return arm_.nv(); }
+  void SetTarget(std::span<const double> velocity) override;
+  std::span<const double> target() const override { return velocity_; }
+  std::span<const double> commanded_joint_pos() const override { return q_; }
+  std::span<double> command_port() override { return velocity_; }
+  void Reset() override;
+  void Compute(std::span<double> ctrl) override;
+
+ private:
+  ArmGroup& arm_;
+  std::vector<double> velocity_, gravity_;
+  std::vector<double> q_;  // as last measured
+};
+
+}  // namespace robocell

@@ -1,0 +1,305 @@
+#include "robocell/scene/control_modes.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <set>
+
+#include "robocell/base/names.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kLastGroup = 30;  // the engine ignores higher ones
+
+bool ActsOnJoint(const mjsActuator* a) {
+  return a->trntype == mjTRN_JOINT || a->trntype == mjTRN_JOINTINPARENT;
+}
+
+bool IsServo(const mjsActuator* a) {
+  return ActsOnJoint(a) && a->gaintype == mjGAIN_FIXED && a->biastype == mjBIAS_AFFINE &&
+         a->gainprm[0] != 0 && a->biasprm[1] < 0;
+}
+
+bool IsMotor(const mjsActuator* a) {
+  return ActsOnJoint(a) && a->gaintype == mjGAIN_FIXED && a->biastype == mjBIAS_NONE &&
+         a->dyntype == mjDYN_NONE && a->gainprm[0] != 0;
+}
+
+// Names of the position servos by the joints they act on; where a joint has several, the first.
+std::map<std::string, std::string> ServosByJoint(const mjSpec* spec) {
+  std::map<std::string, std::string> servos;
+  for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
+    const mjsActuator* actuator = mjs_asActuator(element);
+    const std::string name = SpecName(element);
+    if (IsServo(actuator) && !name.empty()) servos.emplace(mjs_getString(actuator->target), name);
+  }
+  return servos;
+}
+
+// --- Which joints belong together ----------------------------------------------------------------
+
+// Follows a tree of bodies; where it branches into several with servos, new limbs begin.
+class SerialStretches {
+ public:
+  explicit SerialStretches(const mjSpec* spec) : servos_(ServosByJoint(spec)) {}
+
+  std::vector<Limb> Find(mjsBody* world) {
+    Follow(world, Begin());
+    std::erase_if(limbs_, [](const Limb& limb) { return limb.joints.empty(); });
+    return std::move(limbs_);
+  }
+
+ private:
+  size_t Begin() {
+    limbs_.push_back({.name = "arm"});
+    return limbs_.size() - 1;
+  }
+
+  std::vector<std::string> ServoJoints(mjsBody* body, bool whole_subtree) const {
+    std::vector<std::string> joints;
+    for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT, whole_subtree)) {
+      if (servos_.contains(SpecName(joint))) joints.push_back(SpecName(joint));
+    }
+    return joints;
+  }
+
+  void Follow(mjsBody* body, size_t limb) {
+    for (const std::string& joint : ServoJoints(body, false)) {
+      limbs_[limb].joints.push_back(joint);
+      limbs_[limb].actuators.push_back(servos_.at(joint));
+    }
+    std::vector<mjsBody*> ways;
+    for (mjsElement* child : BodyElements(body, mjOBJ_BODY)) {
+      if (!ServoJoints(mjs_asBody(child), true).empty()) ways.push_back(mjs_asBody(child));
+    }
+    for (mjsBody* way : ways) Follow(way, ways.size() == 1 ? limb : Begin());
+  }
+
+  std::map<std::string, std::string> servos_;
+  std::vector<Limb> limbs_;
+};
+
+// What all actuators of a limb are; nothing when they are not of one kind, or when something is not
+// there (which is said when the model is compiled and everything that is missing is known).
+std::optional<CtrlMode> NativeMode(const mjSpec* spec, const Limb& limb) {
+  for (const std::string& joint : limb.joints) {
+    if (!FindSpecElement(spec, mjOBJ_JOINT, joint)) return std::nullopt;
+  }
+  bool servos = true, motors = true;
+  for (const std::string& name : limb.actuators) {
+    mjsElement* element = FindSpecElement(spec, mjOBJ_ACTUATOR, name);
+    servos &= element && IsServo(mjs_asActuator(element));
+    motors &= element && IsMotor(mjs_asActuator(element));
+  }
+  if (servos) return CtrlMode::kPosition;
+  if (motors) return CtrlMode::kTorque;
+  return std::nullopt;
+}
+
+// --- Adding actuators ----------------------------------------------------------------------------
+
+// On the joint of `authored`, with its gear and force limit.
+void AddActuator(const mjsActuator* authored, const std::string& joint, CtrlMode mode, mjSpec* spec,
+                 const std::string& place) {
+  mjsActuator* actuator = mjs_addActuator(spec, nullptr);
+  SetSpecName(actuator->element, ModeActuatorName(joint, mode), place);
+  if (mode == CtrlMode::kTorque) {
+    mjs_setToMotor(actuator);
+  } else {
+    mjs_setToVelocity(actuator, 1);  // FillVelocityGains knows better
+  }
+  actuator->trntype = mjTRN_JOINT;
+  mjs_setString(actuator->target, joint.c_str());
+  std::copy_n(authored->gear, 6, actuator->gear);
+  actuator->forcelimited = authored->forcelimited;
+  std::copy_n(authored->forcerange, 2, actuator->forcerange);
+  actuator->ctrllimited = mjLIMITED_FALSE;
+  std::fill_n(actuator->ctrlrange, 2, 0.0);
+  actuator->actlimited = mjLIMITED_FALSE;
+  std::fill_n(actuator->damping, mjNPOLY + 1, 0.0);
+  actuator->armature = 0;
+}
+
+// The modes that are declared and not there already get their actuators.
+void AddModes(const RobotSpec& robot, const std::string& place, mjSpec* spec, Limb& limb) {
+  limb.modes = {limb.native};
+  for (const CtrlMode mode : {CtrlMode::kVelocity, CtrlMode::kTorque}) {
+    if (mode == limb.native || !robot.can_switch_to(mode)) continue;
+    for (size_t i = 0; i < limb.joints.size(); ++i) {
+      mjsElement* authored = FindSpecElement(spec, mjOBJ_ACTUATOR, limb.actuators[i]);
+      AddActuator(mjs_asActuator(authored), limb.joints[i], mode, spec, place);
+    }
+    limb.modes.push_back(mode);
+  }
+}
+
+bool Has(const Limb& limb, CtrlMode mode) {
+  return std::find(limb.modes.begin(), limb.modes.end(), mode) != limb.modes.end();
+}
+
+void CheckInitialMode(const std::string& place, Limb& limb, Report& report) {
+  if (Has(limb, limb.initial)) return;
+  if (limb.initial != CtrlMode::kPosition) {  // position is said where the controller is made
+    const std::string field = "control." + limb.name;
+    report.Problem(place,
+                   fmt::format("{}: its controller needs the control mode {}, which the robot does "
+                               "not declare; add it to control_modes in the scene",
+                               field, ToString(limb.initial)),
+                   field);
+  }
+  limb.initial = limb.native;
+}
+
+// --- Groups --------------------------------------------------------------------------------------
+
+std::vector<std::string> ActuatorsOf(const RobotLimbs& robot, const Limb& limb, CtrlMode mode) {
+  std::vector<std::string> names;
+  for (size_t i = 0; i < limb.joints.size(); ++i) {
+    names.push_back(robot.prefix + (mode == limb.native ? limb.actuators[i]
+                                                        : ModeActuatorName(limb.joints[i], mode)));
+  }
+  return names;
+}
+
+class GroupNumbers {
+ public:
+  GroupNumbers(mjSpec* spec, const std::vector<RobotLimbs>& robots) : spec_(spec) {
+    std::set<std::string> ours;
+    for (const RobotLimbs& robot : robots) {
+      for (const Limb& limb : robot.limbs) {
+        for (const CtrlMode mode : limb.modes) {
+          for (const std::string& name : ActuatorsOf(robot, limb, mode)) ours.insert(name);
+        }
+      }
+    }
+    for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
+      if (!ours.contains(SpecName(element))) taken_.insert(mjs_asActuator(element)->group);
+    }
+    Skip();
+  }
+
+  int left() const {
+    int left = 0;
+    for (int group = next_; group <= kLastGroup; ++group) left += taken_.contains(group) ? 0 : 1;
+    return left;
+  }
+
+  // Puts the actuators into the next group.
+  void Assign(const std::vector<std::string>& actuators, bool enabled) {
+    for (const std::string& name : actuators) {
+      if (mjsElement* element = FindSpecElement(spec_, mjOBJ_ACTUATOR, name))
+        mjs_asActuator(element)->group = next_;
+    }
+    if (!enabled) spec_->option.disableactuator |= 1 << next_;
+    ++next_;
+    Skip();
+  }
+
+ private:
+  void Skip() {
+    while (taken_.contains(next_)) ++next_;
+  }
+
+  mjSpec* spec_;
+  std::set<int> taken_;
+  int next_ = 1;  // 0 is where everything is unless somebody says so
+};
+
+void ReportTooMany(const RobotLimbs& robot, int needed, int left, Report& report) {
+  const std::string message =
+      fmt::format("its arms need {} actuator groups for their control modes and {} of {} are left",
+                  needed, left, kLastGroup);
+  if (robot.declared) {
+    report.Problem(robot.place, message + "; declare fewer control_modes", "control_modes");
+  } else {
+    report.Note(robot.place, message +
+                                 ", so they cannot be switched. Set control_modes of robots that "
+                                 "need no torque to [position]");
+  }
+}
+
+}  // namespace
+
+std::string ModeActuatorName(const std::string& joint, CtrlMode mode) {
+  return joint + "_" + ToString(mode);
+}
+
+std::vector<Limb> ConfiguredLimbs(const RobotConfig& config, const mjSpec* spec) {
+  const auto servos = ServosByJoint(spec);
+  std::vector<Limb> limbs;
+  for (const auto& [name, group] : config.move_groups.entries()) {
+    if (group->kind != MoveGroupKind::kArm || group->joints.empty()) continue;
+    Limb limb{.name = name, .joints = group->joints.names, .actuators = group->actuators.names};
+    if (limb.actuators.empty()) {
+      for (const std::string& joint : limb.joints) {
+        const auto servo = servos.find(joint);
+        if (servo != servos.end()) limb.actuators.push_back(servo->second);
+      }
+    }
+    if (const ControlKind* control = config.control.find(name)) limb.initial = ModeOf(*control);
+    if (limb.actuators.size() == limb.joints.size()) limbs.push_back(std::move(limb));
+  }
+  return limbs;
+}
+
+std::vector<Limb> SerialLimbs(mjSpec* spec) { return SerialStretches(spec).Find(WorldBody(spec)); }
+
+std::vector<Limb> AddModeActuators(const RobotSpec& robot, std::vector<Limb> limbs,
+                                   const std::string& place, mjSpec* spec, Report& report) {
+  std::vector<Limb> switched;
+  for (Limb& limb : limbs) {
+    const auto native = NativeMode(spec, limb);
+    if (!native) continue;
+    limb.native = *native;
+    AddModes(robot, place, spec, limb);
+    CheckInitialMode(place, limb, report);
+    if (limb.modes.size() > 1) switched.push_back(std::move(limb));
+  }
+  return switched;
+}
+
+void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, Report& report) {
+  GroupNumbers groups(spec, robots);
+  for (const RobotLimbs& robot : robots) {
+    int needed = 0;
+    for (const Limb& limb : robot.limbs) needed += static_cast<int>(limb.modes.size());
+    if (needed > groups.left()) {
+      ReportTooMany(robot, needed, groups.left(), report);
+      continue;
+    }
+    for (const Limb& limb : robot.limbs) {
+      for (const CtrlMode mode : limb.modes)
+        groups.Assign(ActuatorsOf(robot, limb, mode), mode == limb.initial);
+    }
+  }
+}
+
+void FillVelocityGains(mjModel* m, const std::vector<RobotLimbs>& robots) {
+  for (const RobotLimbs& robot : robots) {
+    for (const Limb& limb : robot.limbs) {
+      if (!Has(limb, CtrlMode::kVelocity) || limb.native == CtrlMode::kVelocity) continue;
+      for (size_t i = 0; i < limb.joints.size(); ++i) {
+        const int servo = FindId(m, mjOBJ_ACTUATOR, robot.prefix + limb.actuators[i]);
+        const int added =
+            FindId(m, mjOBJ_ACTUATOR,
+                   robot.prefix + ModeActuatorName(limb.joints[i], CtrlMode::kVelocity));
+        if (servo < 0 || added < 0) continue;
+        const mjtNum* bias = m->actuator_biasprm + mjNBIAS * servo;
+        const int dof = m->jnt_dofadr[m->actuator_trnid[2 * servo]];
+        double gain = -bias[2];
+        if (gain <= 0) gain = 2 * std::sqrt(std::max(-bias[1], 1.0) / m->dof_invweight0[dof]);
+        m->actuator_gainprm[mjNGAIN * added] = gain;
+        m->actuator_biasprm[mjNBIAS * added + 2] = -gain;
+      }
+    }
+  }
+}
+
+}  // namespace robocell

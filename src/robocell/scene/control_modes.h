@@ -1,0 +1,63 @@
+// Private to scene: actuators for the control modes of arms, and the groups by which modes are
+// switched (RobotSpec::control_modes, docs/control.md).
+//
+// An arm whose joints have servos gets motors `<joint>_torque` and velocity servos
+// `<joint>_velocity` for the modes that its robot declares, after all that its model has. Each mode
+// of each arm is an actuator group of its own; the engine switches groups off by their numbers
+// 0 ... 30. All other actuators, grippers' too, stay in groups that are never switched off. An arm
+// that declares position only is left as authored.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "robocell/mujoco/forward.h"
+#include "robocell/scene/report.h"
+#include "robocell/spec/robot_spec.h"
+
+struct mjSpec_;
+typedef struct mjSpec_ mjSpec;
+
+namespace robocell {
+
+// Joints that are switched together, with the actuators that the model has for them, one each.
+struct Limb {
+  std::string name = {};  // of the move group, for messages
+  std::vector<std::string> joints = {}, actuators = {};
+  CtrlMode native = CtrlMode::kPosition;   // what the model's actuators are
+  CtrlMode initial = CtrlMode::kPosition;  // what the configuration asks for
+  std::vector<CtrlMode> modes = {};        // all that it can be switched to, the native one first
+};
+
+// "joint1_torque".
+std::string ModeActuatorName(const std::string& joint, CtrlMode mode);
+
+// The limbs of a robot without move groups: the serial stretches of joints with position servos.
+// To be asked before tools are mounted, whose joints are none of its limbs.
+std::vector<Limb> SerialLimbs(mjSpec* spec);
+// Those of its arm groups.
+std::vector<Limb> ConfiguredLimbs(const RobotConfig& config, const mjSpec* spec);
+
+// Adds actuators for `limbs` to a robot's own model, once it is complete. Returns the limbs that
+// can be switched, in names of that model. A problem when the configuration asks for a controller
+// whose mode is not declared.
+std::vector<Limb> AddModeActuators(const RobotSpec& robot, std::vector<Limb> limbs,
+                                   const std::string& place, mjSpec* spec, Report& report);
+
+// What each robot of a scene got, with the prefix of its names there.
+struct RobotLimbs {
+  std::string place;
+  std::string prefix;
+  bool declared = false;  // control_modes was given, so that it has to be kept to
+  std::vector<Limb> limbs = {};
+};
+
+// Gives every limb's modes their groups and switches on the initial ones. A problem when the groups
+// do not suffice for what was declared; a note when they do not for what was not.
+void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, Report& report);
+
+// Velocity servos brake as the position servos of their joints do; where these do not say, so that
+// a position servo as stiff would be critically damped. Written into the compiled model.
+void FillVelocityGains(mjModel* model, const std::vector<RobotLimbs>& robots);
+
+}  // namespace robocell

@@ -1,0 +1,201 @@
+// Actuators and groups of control modes: what is added, what is left alone, what is refused.
+#include "robocell/scene/control_modes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <filesystem>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scene/testing/scenes.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Modes = std::vector<CtrlMode>;
+
+constexpr CtrlMode kPosition = CtrlMode::kPosition, kVelocity = CtrlMode::kVelocity,
+                   kTorque = CtrlMode::kTorque;
+
+class ControlModes : public ::testing::Test {
+ protected:
+  ModelFolder folder;
+  std::string arm = folder.Write("arm", kTwoJointArm);
+  std::string gripper = folder.Write("gripper", kTwoFingerGripper);
+
+  // Arms side by side, without a configuration.
+  SceneSpec Arms(int count, std::optional<Modes> modes) {
+    SceneSpec spec = EmptyScene();
+    for (int i = 0; i < count; ++i) {
+      spec.robots.push_back({.path = arm,
+                             .prefix = "a" + std::to_string(i) + "_",
+                             .pos = {0, 1.0 * i, 0},
+                             .control_modes = modes});
+    }
+    return spec;
+  }
+};
+
+int Actuator(const mjModel* m, const std::string& name) {
+  return RequireId(m, mjOBJ_ACTUATOR, name, "");
+}
+
+int GroupOf(const mjModel* m, const std::string& name) {
+  return m->actuator_group[Actuator(m, name)];
+}
+
+bool IsOn(const mjModel* m, const std::string& name) {
+  return !(m->opt.disableactuator & (1 << GroupOf(m, name)));
+}
+
+TEST_F(ControlModes, MotorsComeAfterAllOtherActuatorsInAGroupOfTheirOwn) {
+  SceneSpec spec = Arms(2, std::nullopt);
+  spec.robots[0].attachments.push_back(
+      {.mjcf_path = gripper, .attach_to = Site("flange"), .prefix = "g_"});
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  EXPECT_THAT(
+      ElementNames(m, mjOBJ_ACTUATOR),
+      ElementsAre("a0_servo1", "a0_servo2", "a0_g_grip", "a0_shoulder_torque", "a0_elbow_torque",
+                  "a1_servo1", "a1_servo2", "a1_shoulder_torque", "a1_elbow_torque"));
+  EXPECT_EQ(GroupOf(m, "a0_g_grip"), 0);
+  EXPECT_EQ(GroupOf(m, "a0_servo1"), GroupOf(m, "a0_servo2"));
+  const std::set<int> groups = {GroupOf(m, "a0_servo1"), GroupOf(m, "a0_elbow_torque"),
+                                GroupOf(m, "a1_servo1"), GroupOf(m, "a1_elbow_torque")};
+  EXPECT_EQ(groups, (std::set<int>{1, 2, 3, 4}));
+  EXPECT_TRUE(IsOn(m, "a0_servo1") && IsOn(m, "a0_g_grip") && IsOn(m, "a1_servo2"));
+  EXPECT_FALSE(IsOn(m, "a0_shoulder_torque") || IsOn(m, "a1_elbow_torque"));
+  EXPECT_EQ(scene.actuator_ctrl("a0_shoulder_torque"), 0) << "at home";
+}
+
+TEST_F(ControlModes, PositionAloneLeavesTheModelAsAuthored) {
+  const Scene scene = Scene::Build(Arms(1, Modes{kPosition}));
+  const mjModel* m = scene.model();
+  EXPECT_EQ(m->nu, 2);
+  EXPECT_EQ(GroupOf(m, "a0_servo1"), 0);
+  EXPECT_EQ(m->opt.disableactuator, 0);
+}
+
+TEST_F(ControlModes, AddedActuatorsHaveGearAndForceLimitOfTheServo) {
+  std::string model = kTwoJointArm;
+  const std::string servo = R"(<position name="servo1" joint="shoulder" kp="100" kv="10"/>)";
+  model.replace(model.find(servo), servo.size(),
+                R"(<position name="servo1" joint="shoulder" kp="100" kv="10" gear="3"
+                   forcerange="-7 8"/>)");
+  SceneSpec spec = Arms(1, Modes{kPosition, kVelocity, kTorque});
+  spec.robots[0].path = folder.Write("geared", model);
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  for (const std::string name : {"a0_shoulder_torque", "a0_shoulder_velocity"}) {
+    const int id = Actuator(m, name);
+    EXPECT_EQ(m->actuator_gear[6 * id], 3);
+    EXPECT_TRUE(m->actuator_forcelimited[id]);
+    EXPECT_EQ(m->actuator_forcerange[2 * id], -7);
+    EXPECT_EQ(m->actuator_forcerange[2 * id + 1], 8);
+    EXPECT_FALSE(m->actuator_ctrllimited[id]);
+  }
+  const int brake = Actuator(m, "a0_shoulder_velocity");
+  EXPECT_EQ(m->actuator_gainprm[mjNGAIN * brake], 10) << "as the servo brakes";
+  EXPECT_EQ(m->actuator_biasprm[mjNBIAS * brake + 2], -10);
+  EXPECT_FALSE(m->actuator_forcelimited[Actuator(m, "a0_elbow_torque")]);
+}
+
+TEST_F(ControlModes, GroupsThatPartsUseAreLeftToThem) {
+  std::string model = kTwoFingerGripper;
+  model.replace(model.find("name=\"grip\""), 11, "name=\"grip\" group=\"1\"");
+  SceneSpec spec = Arms(1, std::nullopt);
+  spec.robots[0].attachments.push_back(
+      {.mjcf_path = folder.Write("grouped", model), .attach_to = Site("flange"), .prefix = "g_"});
+  const Scene scene = Scene::Build(spec);
+  EXPECT_EQ(GroupOf(scene.model(), "a0_g_grip"), 1);
+  EXPECT_EQ(GroupOf(scene.model(), "a0_servo1"), 2);
+  EXPECT_EQ(GroupOf(scene.model(), "a0_elbow_torque"), 3);
+  EXPECT_TRUE(IsOn(scene.model(), "a0_g_grip"));
+}
+
+TEST_F(ControlModes, MoreGroupsThanTheEngineHasAreRefusedWhenDeclared) {
+  ExpectThrow<SpecError>(
+      [&] {
+        Scene::Build(Arms(11, Modes{kPosition, kVelocity, kTorque}));
+      },
+      "robot 'a10': its arms need 3 actuator groups for their control modes and 0 of 30 are left; "
+      "declare fewer control_modes");
+  const Scene scene = Scene::Build(Arms(16, std::nullopt));
+  EXPECT_THAT(scene.compiled()->notes(),
+              ElementsAre(HasSubstr("robot 'a15': its arms need 2 actuator groups for their "
+                                    "control modes and 0 of 30 are left, so they cannot be "
+                                    "switched")));
+}
+
+// A torso that carries two arms, each with two fingers.
+constexpr const char* kTorso = R"(
+  <compiler angle="radian"/><default><geom size="0.01" mass="0.1"/></default>
+  <worldbody><body name="torso"><joint name="waist"/><geom/>
+    <body name="l1"><joint name="l1"/><geom/><body name="l2"><joint name="l2"/><geom/>
+      <body name="lf"><joint name="lf" type="slide"/><geom/></body>
+      <body name="lg"><joint name="lg" type="slide"/><geom/></body></body></body>
+    <body name="r1"><joint name="r1"/><geom/><body name="r2"><joint name="r2"/><geom/></body></body>
+  </body></worldbody>
+  <actuator>
+    <position name="waist" joint="waist"/><position name="l1" joint="l1"/>
+    <position name="l2" joint="l2"/><position name="lf" joint="lf"/><position name="lg" joint="lg"/>
+    <position name="r1" joint="r1"/><position name="r2" joint="r2"/>
+  </actuator>)";
+
+TEST_F(ControlModes, OfARobotWithoutGroupsBelongToItsSerialStretches) {
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.path = folder.Write("torso", kTorso)});
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  EXPECT_EQ(GroupOf(m, "l1"), GroupOf(m, "l2"));
+  EXPECT_EQ(GroupOf(m, "r1_torque"), GroupOf(m, "r2_torque"));
+  const std::set<int> stretches = {GroupOf(m, "waist"), GroupOf(m, "l1"), GroupOf(m, "lf"),
+                                   GroupOf(m, "lg"), GroupOf(m, "r1")};
+  EXPECT_EQ(stretches.size(), 5u);
+}
+
+TEST_F(ControlModes, AreThoseOfTheArmGroupsOfAConfiguration) {
+  RobotConfig config = ArmConfig(folder.Write("torso", kTorso));
+  config.move_groups.at("arm") = {.kind = MoveGroupKind::kArm, .joints = {"l1", "l2"}};
+  config.move_groups["hand"] = {.kind = MoveGroupKind::kGripper,
+                                .joints = {"lf", "lg"},
+                                .actuators = {"lf"},
+                                .fingers = {{.name = "lf"}, {.name = "lg"}},
+                                .ctrl = GripperCtrl{1, 0},
+                                .distance = GripperDistance{0, 0.1}};
+  config.control["arm"] = ControlKind::kJointTorque;
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.config = config});
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  EXPECT_EQ(m->nu, 9) << "two motors";
+  EXPECT_FALSE(IsOn(m, "l1") || IsOn(m, "l2"));
+  EXPECT_TRUE(IsOn(m, "l1_torque") && IsOn(m, "lf") && IsOn(m, "waist"));
+
+  spec.robots[0].control_modes = Modes{kPosition};
+  ExpectThrow<SpecError>(
+      [&] { Scene::Build(spec); },
+      "robot 'robot': control.arm: its controller needs the control mode torque, which the robot "
+      "does not declare; add it to control_modes in the scene");
+  EXPECT_THAT(config.used_modes(), ElementsAre(kPosition, kTorque));
+}
+
+TEST_F(ControlModes, AreInTheFilesOfAScene) {
+  Scene scene = Scene::Build(Arms(1, std::nullopt));
+  const std::string file = (folder.path() / "saved.xml").string();
+  scene.SaveXml(file);
+  SpecPtr spec = ParseXmlFile(file);
+  const ModelPtr loaded = Compile(spec.get());
+  EXPECT_EQ(loaded->opt.disableactuator, scene.model()->opt.disableactuator);
+  EXPECT_EQ(GroupOf(loaded.get(), "a0_elbow_torque"), GroupOf(scene.model(), "a0_elbow_torque"));
+}
+
+}  // namespace
+}  // namespace robocell
