@@ -2,9 +2,10 @@
 
     scripts/tidy.py --build build/tidy [--jobs N] [FILE ...]
 
-Uses compile_commands.json of the build folder (``cmake --preset tidy``: every source on its own). A file that was clean is remembered under
-``<build>/tidy`` by a hash of its text, of all our headers, of its command and of .clang-tidy, so
-that a second run takes seconds. Tests are left out: their macros cost most and find least.
+Uses compile_commands.json of the build folder (``cmake --preset tidy``: every source on its own). A
+file that was clean is remembered under ``<build>/tidy`` by a hash of its text, of all our headers,
+of its command and of .clang-tidy, so that a second run takes seconds. Tests are left out: their
+macros cost most and find least.
 """
 
 from __future__ import annotations
