@@ -19,6 +19,15 @@ namespace {
 
 constexpr std::string_view kMismatch = "(): incompatible function arguments.";
 
+// Whether nanobind raised it for this very call: an error of what was called within has passed
+// through Python, or is of a function of another name (pybind11 uses the same words).
+bool IsOfThisCall(nb::handle function, const nb::python_error& error) {
+  if (error.traceback().is_valid()) return false;
+  const auto text = nb::cast<std::string>(nb::str(error.value()));
+  return text.starts_with(nb::cast<std::string>(function.attr("__name__")) +
+                          std::string(kMismatch));
+}
+
 struct Named {
   std::string name;  // "Scene.step_n", "Pose"
   bool is_constructor = false, is_setter = false;
@@ -43,9 +52,7 @@ void Explain(PyObject* function, PyObject* const* given, size_t count, PyObject*
   nb::python_error mismatch;
   try {
     const auto named = Names().find(function);
-    const auto text = nb::cast<std::string>(nb::str(mismatch.value()));
-    if (named == Names().end() || text.find(kMismatch) == std::string::npos)
-      return mismatch.restore();
+    if (named == Names().end() || !IsOfThisCall(function, mismatch)) return mismatch.restore();
     nb::list positional;
     for (size_t i = 0; i < count; ++i) positional.append(nb::handle(given[i]));
     nb::dict kwargs;
@@ -58,9 +65,9 @@ void Explain(PyObject* function, PyObject* const* given, size_t count, PyObject*
         nb::module_::import_("robocell._arguments")
             .attr("explain")(call.name, call.is_setter, nb::handle(function), args, kwargs);
     PyErr_SetObject(PyExc_TypeError, message.ptr());
-  } catch (nb::python_error&) {
-    mismatch.restore();                           // what was said before
-  } catch (const nb::builtin_exception& error) {  // of RequireInitialised
+  } catch (nb::python_error& error) {
+    (error.matches(PyExc_Exception) ? mismatch : error).restore();  // Ctrl-C is no explanation
+  } catch (const nb::builtin_exception& error) {                    // of RequireInitialised
     PyErr_SetString(PyExc_TypeError, error.what());
   } catch (const std::exception&) {
     mismatch.restore();

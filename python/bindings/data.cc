@@ -232,7 +232,8 @@ void BindLeftovers(nb::module_& m) {
 void BindVerify(nb::module_& m) {
   m.def("sign_json", &SignJson, "text"_a,
         "A JSON text with its own hash where 64 zeros are: \"json_sha256\": \"000...\".");
-  m.def("json_is_intact", &JsonIsIntact, "text"_a, "Whether a text is exactly what was signed.");
+  m.def("json_damage", &JsonDamage, "text"_a,
+        "Why a text is not exactly what was signed; None when it is.");
   nb::class_<VerifyProblem>(m, "VerifyProblem", "What is wrong with one file of a dataset.")
       .def_ro("episode", &VerifyProblem::episode)
       .def_ro("file", &VerifyProblem::file)

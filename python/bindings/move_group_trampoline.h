@@ -23,7 +23,7 @@ namespace robocell::python {
 class WrittenInPython {
  public:
   virtual ~WrittenInPython() = default;
-  // Null when it was let go of. Needs no GIL.
+  // Null when it was let go of. With the GIL.
   virtual PyObject* target() const = 0;
   // The same as a reference, with the GIL; ClosedError when it was let go of.
   nb::object object() const;

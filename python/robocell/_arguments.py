@@ -29,7 +29,6 @@ WORDS = {
     "object": "a value",
     "numpy.typing.ArrayLike": "numbers",
     "os.PathLike": "a path",
-    "typing.Any": "something like it",  # beside a class: a PyKDL.Frame is like a Pose
 }
 LISTS = ("list", "collections.abc.Sequence", "collections.abc.Iterable")
 MAPS = ("dict", "collections.abc.Mapping")
@@ -156,20 +155,17 @@ def class_of(kind: ast.expr) -> type | None:
 
 def fits(value: object, kind: ast.expr) -> bool | None:
     """Whether a value is of a type; None when that is not known."""
-    kinds = options(kind)
-    answers = {fits_one(value, option, len(kinds) > 1) for option in kinds}
+    answers = {fits_one(value, option) for option in options(kind)}
     return True if True in answers else None if None in answers else False
 
 
-def fits_one(value: object, kind: ast.expr, in_union: bool) -> bool | None:
+def fits_one(value: object, kind: ast.expr) -> bool | None:
     text = ast.unparse(kind)
     name = text.partition("[")[0]
     if text == "None":
         return value is None
     if text in ("object", "numpy.typing.ArrayLike"):
         return False if value is None else None
-    if text == "typing.Any":
-        return False if in_union and isinstance(value, (*NOTHING_LIKE, int, float)) else None
     if text in NUMBERS:
         if isinstance(value, NUMBERS[text]):
             return True

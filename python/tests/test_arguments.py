@@ -6,6 +6,7 @@ import ast
 from collections.abc import Callable, Iterator
 from typing import Any
 
+import mujoco
 import pytest
 
 import robocell as rc
@@ -63,7 +64,7 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
         ),
         (
             lambda s: s.robot("a").ik([1, 2, 3]),
-            "Robot.ik(): `pose` must be a Pose or something like it, got [1, 2, 3] (",
+            "Robot.ik(): `pose` must be a Pose, got [1, 2, 3] (list). It is called as Robot.ik(",
         ),
         (
             lambda s: s.robot("a").set_joint_pos(None),
@@ -129,13 +130,31 @@ def test_errors_that_are_not_about_arguments_stay_as_they_are(scene: rc.Scene):
     with pytest.raises(rc.NotFoundError, match="no robot 'b'"):
         scene.robot("b")
 
+
+@pytest.mark.parametrize("name", ["mine", "reset"])
+def test_an_error_within_a_callback_is_its_own(scene: rc.Scene, name: str):
+    message = f"{name}(): incompatible function arguments."
+
     def hook(context: rc.ResetContext) -> None:
-        raise TypeError("mine (): incompatible")
+        raise TypeError(message)
 
     number = scene.on_reset(hook)
-    with pytest.raises(TypeError, match=r"^mine \(\): incompatible$"):
+    with pytest.raises(TypeError) as caught:
         scene.reset()
     scene.remove_reset_hook(number)
+    assert str(caught.value) == message
+    assert caught.traceback[-1].name == "hook"
+
+
+def test_an_error_of_the_engines_own_bindings_is_theirs(scene: rc.Scene):
+    def hook(context: rc.ResetContext) -> None:
+        mujoco.mj_step("x")  # type: ignore[call-arg, arg-type]
+
+    number = scene.on_reset(hook)
+    with pytest.raises(TypeError, match=r"^mj_step\(\): incompatible function arguments") as caught:
+        scene.reset()
+    scene.remove_reset_hook(number)
+    assert "hook" in [entry.name for entry in caught.traceback]
 
 
 def functions() -> Iterator[Any]:

@@ -143,8 +143,8 @@ def load(path: Path) -> RunReport:
     """Reads a report. OSError when there is none; DamagedReportError with its path."""
     try:
         text = path.read_bytes().decode()
-        if not _core.json_is_intact(text):
-            raise DamagedReportError("its text is not what was written: its own hash does not fit")
+        if damage := _core.json_damage(text):
+            raise DamagedReportError(damage)
         return RunReport.from_json(json.loads(text))
     except (ValueError, DamagedReportError) as error:
         raise DamagedReportError(f"'{path}' is damaged: {error}") from error

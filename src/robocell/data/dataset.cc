@@ -60,12 +60,11 @@ std::optional<std::string> ReadManifest(const fs::path& dataset) {
   const fs::path path = dataset / kManifestFile;
   if (!fs::exists(fs::symlink_status(path))) return std::nullopt;
   std::string text = ReadRealFile(path);
-  if (!JsonIsIntact(text))
+  if (const auto damage = JsonDamage(text))
     throw IoError(
-        fmt::format("'{}' is damaged: its text is not what was written, its own hash does not fit. "
-                    "`robocell verify --repair {}` sets it aside, `robocell generate` with the "
-                    "run's file writes it again",
-                    path.string(), dataset.string()));
+        fmt::format("'{}' is damaged: {}. `robocell verify --repair {}` sets it aside, `robocell "
+                    "generate` with the run's file writes it again",
+                    path.string(), *damage, dataset.string()));
   return text;
 }
 

@@ -27,13 +27,15 @@ std::string SignJson(std::string text) {
   return text;
 }
 
-bool JsonIsIntact(const std::string& text) {
+std::optional<std::string> JsonDamage(const std::string& text) {
   const size_t at = HashPosition(text);
-  if (at == std::string::npos) return false;
+  if (at == std::string::npos)
+    return "it carries no hash of itself: it was changed, or an early version of robocell wrote it";
   std::string unsigned_text = text;
   const std::string hash = text.substr(at, kUnsigned.size());
   unsigned_text.replace(at, kUnsigned.size(), kUnsigned);
-  return Sha256(unsigned_text) == hash;
+  if (Sha256(unsigned_text) == hash) return std::nullopt;
+  return "its text is not what was written: its own hash does not fit";
 }
 
 }  // namespace robocell

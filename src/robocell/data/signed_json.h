@@ -5,9 +5,10 @@
 //
 //   object[kJsonHash] = kUnsigned;
 //   const std::string text = SignJson(object.dump(2));
-//   if (!JsonIsIntact(text)) ...
+//   if (const auto damage = JsonDamage(text)) throw IoError(path + ": " + *damage);
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -21,7 +22,7 @@ inline constexpr std::string_view kUnsigned =
 // Puts the hash in. Error unless the text has the place for it, written as `"json_sha256":
 // "000..."`.
 std::string SignJson(std::string text);
-// Whether the text is exactly what was signed.
-bool JsonIsIntact(const std::string& text);
+// Why the text is not exactly what was signed ("its text is not ..."); nothing when it is.
+std::optional<std::string> JsonDamage(const std::string& text);
 
 }  // namespace robocell

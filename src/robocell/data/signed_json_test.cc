@@ -1,5 +1,6 @@
 #include "robocell/data/signed_json.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"
@@ -15,22 +16,22 @@ std::string Text() {
 TEST(SignedJson, EveryBitCounts) {
   const std::string text = SignJson(Text());
   EXPECT_EQ(text.size(), Text().size());
-  EXPECT_TRUE(JsonIsIntact(text));
+  EXPECT_EQ(JsonDamage(text), std::nullopt);
   for (size_t bit = 0; bit < 8 * text.size(); ++bit) {
     std::string flipped = text;
     flipped[bit / 8] ^= static_cast<char>(1 << bit % 8);
-    EXPECT_FALSE(JsonIsIntact(flipped)) << "bit " << bit;
+    EXPECT_TRUE(JsonDamage(flipped)) << "bit " << bit;
   }
   for (size_t size = 0; size < text.size(); ++size) {
-    EXPECT_FALSE(JsonIsIntact(text.substr(0, size))) << size << " bytes";
+    EXPECT_TRUE(JsonDamage(text.substr(0, size))) << size << " bytes";
   }
-  EXPECT_FALSE(JsonIsIntact(text + " "));
+  EXPECT_THAT(JsonDamage(text + " "), Optional(HasSubstr("its own hash does not fit")));
 }
 
 TEST(SignedJson, ATextWithoutAPlaceForItsHashIsRefused) {
   ExpectThrow<Error>([] { SignJson("{}"); }, "no place for its hash");
-  EXPECT_FALSE(JsonIsIntact("{}"));
-  EXPECT_FALSE(JsonIsIntact(Text()));
+  EXPECT_THAT(JsonDamage("{}"), Optional(HasSubstr("carries no hash of itself")));
+  EXPECT_THAT(JsonDamage(Text()), Optional(HasSubstr("its own hash does not fit")));
 }
 
 }  // namespace

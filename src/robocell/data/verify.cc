@@ -32,8 +32,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kNotAsWritten = "its text is not what was written: its own hash does not fit";
-
 std::vector<std::string> List(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
@@ -78,8 +76,8 @@ class EpisodeCheck {
       return false;
     }
     const std::string text = ReadRealFile(folder_ / file);
-    if (!JsonIsIntact(text)) {
-      Report(file, kNotAsWritten);
+    if (const auto damage = JsonDamage(text)) {
+      Report(file, *damage);
       return false;
     }
     description_ = Json::parse(text);
@@ -231,9 +229,11 @@ void CheckManifest(const fs::path& dataset, VerifyReport& report) {
 }
 
 void CheckReport(const fs::path& dataset, const std::string& name, VerifyReport& report) {
-  std::string reason = kNotAsWritten;
+  std::string reason;
   try {
-    if (JsonIsIntact(ReadRealFile(dataset / name))) return;
+    const auto damage = JsonDamage(ReadRealFile(dataset / name));
+    if (!damage) return;
+    reason = *damage;
   } catch (const Error& error) {
     reason = error.what();
   }

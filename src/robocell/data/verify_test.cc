@@ -167,7 +167,7 @@ TEST_F(VerifyTest, SwappedVideosOfTwoEpisodesAreFound) {
 TEST_F(VerifyTest, ADamagedReportIsNamedAndSetAside) {
   Store(folder_ / "report-0-of-2.json", "{}");
   const VerifyReport report = Verify(folder_.path());
-  EXPECT_THAT(report.Text(), HasSubstr("report-0-of-2.json: its text is not what was written"));
+  EXPECT_THAT(report.Text(), HasSubstr("report-0-of-2.json: it carries no hash of itself"));
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("report-0-of-2.json"));
   EXPECT_TRUE(Verify(folder_.path()).ok());
 }

@@ -12,25 +12,26 @@
 
 namespace robocell {
 
-class StageClock {
+template <class Clock>
+class BasicStageClock {
  public:
   // Adds to `total` (seconds) what passes until it goes out of scope, less the stages within.
   class Stage {
    public:
-    Stage(StageClock& clock, double& total) : clock_(clock), outer_(clock.SwitchTo(&total)) {}
+    Stage(BasicStageClock& clock, double& total) : clock_(clock), outer_(clock.SwitchTo(&total)) {}
     ~Stage() { clock_.SwitchTo(outer_); }
     Stage(const Stage&) = delete;
     Stage& operator=(const Stage&) = delete;
 
    private:
-    StageClock& clock_;
+    BasicStageClock& clock_;
     double* outer_;
   };
 
  private:
   // Returns the stage that ran until now.
   double* SwitchTo(double* total) {
-    const auto now = std::chrono::steady_clock::now();
+    const auto now = Clock::now();
     if (running_) *running_ += std::chrono::duration<double>(now - since_).count();
     double* before = running_;
     running_ = total;
@@ -39,7 +40,9 @@ class StageClock {
   }
 
   double* running_ = nullptr;
-  std::chrono::steady_clock::time_point since_ = {};
+  typename Clock::time_point since_ = {};
 };
+
+using StageClock = BasicStageClock<std::chrono::steady_clock>;
 
 }  // namespace robocell

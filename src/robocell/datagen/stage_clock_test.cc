@@ -2,34 +2,47 @@
 
 #include <gtest/gtest.h>
 
-#include <thread>
-
 namespace robocell {
 namespace {
 
-using std::chrono::milliseconds;
+// A clock that moves when it is told to.
+struct HandClock {
+  using duration = std::chrono::duration<double>;
+  using time_point = std::chrono::time_point<HandClock, duration>;
+  static inline double seconds = 100;
+  static time_point now() { return time_point(duration(seconds)); }
+};
+
+using Clock = BasicStageClock<HandClock>;
+
+void Pass(double seconds) { HandClock::seconds += seconds; }
 
 TEST(StageClock, AnOuterStageStandsStillWhileAnInnerOneRuns) {
-  StageClock clock;
+  Clock clock;
   double outer = 0, inner = 0;
-  const auto begin = std::chrono::steady_clock::now();
   {
-    const StageClock::Stage first(clock, outer);
+    const Clock::Stage first(clock, outer);
     for (int i = 0; i < 2; ++i) {
-      const StageClock::Stage second(clock, inner);
-      std::this_thread::sleep_for(milliseconds(15));
+      const Clock::Stage second(clock, inner);
+      Pass(15);
     }
-    std::this_thread::sleep_for(milliseconds(5));
+    Pass(5);
   }
-  const double whole =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  EXPECT_GE(inner, 0.030);
-  EXPECT_GE(outer, 0.005);
-  EXPECT_LE(inner + outer, whole);
-  EXPECT_GE(inner + outer, 0.99 * whole - 1e-3);
-  std::this_thread::sleep_for(milliseconds(5));
-  { const StageClock::Stage third(clock, inner); }
-  EXPECT_LE(inner + outer, whole) << "what passes between stages belongs to none";
+  EXPECT_DOUBLE_EQ(inner, 30);
+  EXPECT_DOUBLE_EQ(outer, 5);
+}
+
+TEST(StageClock, WhatPassesBetweenStagesBelongsToNone) {
+  Clock clock;
+  double total = 0;
+  Pass(3);
+  { const Clock::Stage first(clock, total); }
+  Pass(7);
+  {
+    const Clock::Stage second(clock, total);
+    Pass(2);
+  }
+  EXPECT_DOUBLE_EQ(total, 2);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 
 #include <string_view>
+#include <vector>
 
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/spec_tree.h"
@@ -46,13 +47,16 @@ std::optional<std::string> CompileProblem(const std::string& text, const Part& p
   const std::string full_name = Between(text, "Element name '", "'");
   if (full_name.size() <= prefix.size() || !full_name.starts_with(prefix)) return std::nullopt;
   const std::string name = full_name.substr(prefix.size());
+  std::vector<mjtObj> kinds;
   for (const mjtObj kind : kKinds) {
-    if (!FindSpecElement(part.spec.get(), kind, name)) continue;
-    const std::string complaint = Between(text, "Error: ", "\n");
-    return fmt::format("{}: {} '{}': {}{}", part.file, KindName(kind), name, complaint,
-                       NextStep(complaint, kind, name, part.place.starts_with("robot ")));
+    if (FindSpecElement(part.spec.get(), kind, name)) kinds.push_back(kind);
   }
-  return std::nullopt;
+  if (kinds.empty()) return std::nullopt;
+  const std::string complaint = Between(text, "Error: ", "\n");
+  const bool is_certain = kinds.size() == 1;  // the engine tells the name only
+  return fmt::format("{}: {} '{}': {}{}", part.file, is_certain ? KindName(kinds[0]) : "element",
+                     name, complaint,
+                     NextStep(complaint, kinds[0], name, part.place.starts_with("robot ")));
 }
 
 }  // namespace robocell

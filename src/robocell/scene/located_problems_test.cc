@@ -153,6 +153,10 @@ TEST_F(Located, ABodyWithoutMass) {
           ": body 'finger': mass and inertia of moving bodies must be larger than mjMINVAL. A body "
           "that moves needs a mass: ");
   EXPECT_THAT(message, HasSubstr("edits: [{geom: {body: finger, index: 0}, mass: 0.05}]"));
+  folder.Write("same", R"(<worldbody><body name="base"><geom size="0.1"/>
+      <body name="thumb"><joint name="thumb"/><geom size="0.1" mass="0"/></body></body></worldbody>)");
+  ExpectThrow<SpecError>([&] { BuildRobot(File("same.yaml", "name: arm\nmodel: same.xml\n")); },
+                         ": element 'thumb': mass and inertia of moving bodies");
   BuildRobot(File("heavy.yaml",
                   "name: arm\nmodel: light.xml\n"
                   "edits: [{geom: {body: finger, index: 0}, mass: 0.05}]\n"));

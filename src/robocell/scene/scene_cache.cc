@@ -20,7 +20,6 @@
 #include "robocell/base/files.h"
 #include "robocell/base/fingerprint.h"
 #include "robocell/base/log.h"
-#include "robocell/base/mapped_file.h"
 #include "robocell/base/version.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/scene/scene_records.h"
@@ -35,14 +34,14 @@ constexpr const char* kSuffix = ".scene";
 // Another one when the same spec compiles to another model than before.
 constexpr const char* kLayout = "2";
 
-// An entry is never changed in place, so it can be read where the system keeps it. Nothing when it
-// is not there, another process has just pruned it, or it is not ours to read.
-std::optional<MappedFile> OpenEntry(const fs::path& file) {
+// Nothing when it is not there, another process has just pruned it, or it cannot be read. (Copied,
+// not mapped: a disk that fails or a machine that prunes a shared folder would end the process.)
+std::optional<std::string> ReadEntry(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
   fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // used just now
   try {
-    return MappedFile(file);
+    return ReadFile(file);
   } catch (const IoError&) {
     return std::nullopt;
   }
@@ -133,8 +132,8 @@ std::shared_ptr<CompiledScene> CompileSceneCached(const SceneSpec& spec, const f
   } catch (const NotFoundError&) {  // the compiler reports it among all that is wrong
     return CompileScene(spec);
   }
-  if (const auto entry = OpenEntry(*file)) {
-    if (auto scene = SceneCacheEntry::Read(spec, entry->bytes())) return scene;
+  if (const auto entry = ReadEntry(*file)) {
+    if (auto scene = SceneCacheEntry::Read(spec, *entry)) return scene;
     LogWarn("'" + file->string() + "' is damaged; the scene is compiled anew");
   }
   auto scene = CompileScene(spec);

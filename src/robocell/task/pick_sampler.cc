@@ -9,7 +9,7 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
-#include "robocell/spec/yaml.h"
+#include "robocell/scene/scene_cache.h"
 #include "robocell/task/catalogue.h"
 #include "robocell/task/clearance.h"
 #include "robocell/task/grasp_motion.h"
@@ -76,9 +76,10 @@ struct PickTaskSampler::Measured {
 PickTaskSampler::PickTaskSampler(RunConfig run) : run_(std::move(run)) {}
 PickTaskSampler::~PickTaskSampler() = default;
 
-// Many scenes of a run may have the same base, and a subclass may make another one every time.
+// Many scenes of a run may have the same base, and a subclass may make another one every time, or
+// another file of the same name.
 Support PickTaskSampler::SupportOf(const SceneSpec& base) {
-  const std::string key = ToYaml(base);
+  const std::string key = SceneKey(base);
   const auto it = supports_.find(key);
   if (it != supports_.end()) return it->second;
   if (supports_.size() >= kMostSupports) supports_.clear();

@@ -1,5 +1,6 @@
 #include "robocell/task/pick_sampler.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -8,11 +9,13 @@
 #include <map>
 #include <set>
 
+#include "robocell/base/files.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/task/catalogue.h"
 #include "robocell/task/clearance.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/testing/menagerie.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
@@ -131,6 +134,43 @@ TEST(PickTaskSampler, SameStreamSameStart) {
     if (!x.start) continue;
     EXPECT_EQ(x.start->scene.state(), y.start->scene.state());
     EXPECT_EQ(x.start->object_kinds, y.start->object_kinds);
+  }
+}
+
+// Houses made on the way, each in the place of the one before.
+class OneHouseAfterTheOther : public PickTaskSampler {
+ public:
+  using PickTaskSampler::PickTaskSampler;
+  static double Height(int house) { return 0.5 + 0.1 * house; }
+  SceneSpec MakeBaseScene(int house) override {
+    AtomicWrite(folder_ / "house.xml",
+                fmt::format("<mujoco><worldbody><body name='table' pos='0 0 {}'>"
+                            "<geom type='box' size='.4 .4 .02' pos='0 0 -.02'/>"
+                            "<site name='table_top'/></body></worldbody></mujoco>",
+                            Height(house)));
+    SceneSpec spec{.name = "house", .timestep = 0.002, .add_floor = true, .add_skybox = false};
+    spec.base = (folder_ / "house.xml").string();
+    return spec;
+  }
+
+ private:
+  TempDir folder_;
+};
+
+TEST(PickTaskSampler, ObjectsLieOnTheTableOfTheHouseThatIsThereNow) {
+  OneHouseAfterTheOther sampler(Demo());
+  for (const int house : {0, 1, 2}) {
+    SampleResult result;
+    for (int attempt = 0; attempt < 20 && !result.start; ++attempt) {
+      Rng rng = Rng::Stream(7, house, attempt);
+      result = sampler.Sample({.scene = house, .attempt = attempt}, rng);
+    }
+    ASSERT_TRUE(result.start.has_value()) << result.refusal.detail;
+    Scene& scene = result.start->scene;
+    const std::string target = scene.compiled()->object("target").root_body;
+    const double above = scene.body_pose(target).translation().z() - sampler.Height(house);
+    EXPECT_GT(above, -0.001) << house;
+    EXPECT_LT(above, 0.095) << house;
   }
 }
 
