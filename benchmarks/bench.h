@@ -3,7 +3,7 @@
 //   void Register(const std::string& file) {
 //     const auto arm = std::make_shared<Arm>(file);
 //     Add({.row = arm->name, .side = "reset", .count = 200, .run = [=] { arm->Reset(200); }});
-//     Add({.row = arm->name, .side = "mj_forward", .count = 200, .run = [=] { arm->Forward(200); }});
+//     Add({.row = arm->name, .side = "forward", .count = 200, .run = [=] { arm->Forward(200); }});
 //   }
 //   int main(int argc, char** argv) { return robocell::bench::Main(argc, argv, Register); }
 //
