@@ -19,6 +19,7 @@
 #include "robocell/data/dataset.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
+#include "robocell/data/signed_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/data/verify.h"
 #include "robocell/testing/temp_dir.h"
@@ -83,8 +84,7 @@ void Forge(Sample& sample, std::string text) {
       std::find_if(sample.files.begin(), sample.files.end(),
                    [](const fs::path& path) { return path.filename() == robocell::kEpisodeFile; });
   text += ", \"run\": {\"json_sha256\": \"" + std::string(robocell::kUnsigned) + "\"}}";
-  text = robocell::SignEpisodeJson(text);
-  Write(*file, text);
+  Write(*file, robocell::SignJson(text));
   (void)robocell::Verify(sample.dataset.path());
   Use(sample.episode);
   Write(*file, sample.contents[static_cast<size_t>(file - sample.files.begin())]);
