@@ -56,6 +56,7 @@ class Model:
     rgba: str
     collision: list[str]
     meshes: dict[str, Mesh] = field(default_factory=dict)
+    contact: str = ""  # more attributes of its collision geoms
 
 
 def lathe(profile: list[tuple[float, float]], segments: int = SEGMENTS) -> Mesh:
@@ -293,13 +294,13 @@ def bracket() -> Model:
     )
 
 
-TEMPLATE = """<!-- {about} Written by scripts/make_objects.py.
+TEMPLATE = """<!-- {about} Written by scripts/{script}.
      The origin is in the middle of its bounding box. -->
 <mujoco model="{name}">
   <compiler angle="radian" inertiafromgeom="true"/>
   <default>
     <default class="{name}_collision">
-      <geom group="3" friction="0.8 0.02 0.001" condim="4" rgba="0.9 0.5 0.2 0.5"/>
+      <geom group="3" friction="0.8 0.02 0.001" condim="4" rgba="0.9 0.5 0.2 0.5"{contact}/>
     </default>
   </default>
   <asset>
@@ -319,8 +320,8 @@ TEMPLATE = """<!-- {about} Written by scripts/make_objects.py.
 """
 
 
-def write(model: Model, out: Path) -> None:
-    """Writes the folder of one object."""
+def write(model: Model, out: Path, script: str = "make_objects.py") -> None:
+    """Writes the folder of one object; `script` is named in the file."""
     folder = out / model.name
     folder.mkdir(parents=True, exist_ok=True)
     meshes = {model.name: model.visual, **model.meshes}
@@ -332,6 +333,8 @@ def write(model: Model, out: Path) -> None:
     lines = [f"        {line}" for line in model.collision]
     text = TEMPLATE.format(
         about=model.about,
+        script=script,
+        contact=f" {model.contact}" if model.contact else "",
         name=model.name,
         rgba=model.rgba,
         assets="\n".join(assets),

@@ -1,4 +1,4 @@
-"""Draws the pictures of the catalogue: one PNG beside each built-in robot, object and scene.
+"""Draws the pictures of the catalogue: one PNG beside each built-in model.
 
 Plain mujoco, so that a picture shows the model and nothing of robocell. Each model stands on a
 plain floor; robots take their keyframe `home`. Drawn at twice the size and scaled down.
@@ -36,14 +36,15 @@ class View:
 VIEWS = {
     "robots": View(1.5, 145, -18),
     "objects": View(2.0, 125, -28),
+    "equipment": View(1.7, 150, -24),
     "scenes": View(1.4, 130, -24),
 }
 
 
 def models() -> dict[str, Path]:
     """The MJCF files of the catalogue by name; worlds with nothing to see are left out."""
-    files = [*MODELS.glob("robots/*/*.xml"), *MODELS.glob("objects/*/*.xml")]
-    files += MODELS.glob("scenes/*.xml")
+    folders = ("robots/*", "objects/*", "equipment/*", "scenes")
+    files = [file for folder in folders for file in MODELS.glob(f"{folder}/*.xml")]
     return {f.stem: f for f in sorted(files) if f.stem != "empty_world"}
 
 

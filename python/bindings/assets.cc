@@ -1,6 +1,7 @@
 // Where models are found.
 
 #include "bindings.h"
+#include "robocell/assets/override.h"
 #include "robocell/assets/resolve.h"
 
 namespace robocell::python {
@@ -11,9 +12,13 @@ void BindAssets(nb::module_& m) {
         "ROBOCELL_MODEL_PATH, or a built-in name.\n\n"
         "Relative paths start at `directory`. NotFoundError lists where it looked and the command "
         "that fetches.");
+  m.def("override_file", &assets::OverrideFile, nb::arg("name"),
+        "The file of ROBOCELL_OVERRIDE_<NAME>; None when the variable is not set.");
   m.def("models_root", &assets::ModelsRoot, "Folder of the built-in models.");
   m.def("builtin_robots", &assets::BuiltinRobots, "Names of the built-in robots.");
   m.def("builtin_objects", &assets::BuiltinObjects, "Names of the built-in objects.");
+  m.def("builtin_equipment", &assets::BuiltinEquipment,
+        "Names of the built-in furniture, sensors and vessels.");
   m.def("builtin_scenes", &assets::BuiltinScenes, "Names of the built-in scenes.");
   m.def("builtin_robot_file", &assets::BuiltinRobotFile, nb::arg("name"),
         "The YAML file of a built-in robot.");

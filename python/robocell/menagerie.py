@@ -11,6 +11,7 @@ from robocell._core import (
     menagerie_model_path,
     menagerie_robot_folder,
     menagerie_robot_folders,
+    override_file,
 )
 
 __all__ = ["folder", "folders", "model_path"]
@@ -37,9 +38,12 @@ def model_path(name: str) -> str:
         An absolute path. Downloads the robot when it is nowhere on this machine.
 
     Raises:
-        NotFoundError: It is nowhere, and could not be downloaded.
+        NotFoundError: It is nowhere, and could not be downloaded; or what a variable
+            ``ROBOCELL_OVERRIDE_<NAME>`` names is no file.
         ArgumentError: The robot has several models and none is named.
     """
+    if (mine := override_file(name)) is not None:
+        return mine
     try:
         return menagerie_model_path(name)
     except NotFoundError as missing:

@@ -57,7 +57,7 @@ def missing_text(names: tuple[str, ...]) -> str:
     root = os.environ.get("MENAGERIE_ROOT") or "not set"
     return (
         f"Menagerie models missing: {', '.join(missing)}. Looked: MENAGERIE_ROOT ({root}), "
-        f"the cache of mujoco-menagerie. Fetch them: mujoco-menagerie prefetch {' '.join(missing)}"
+        f"the cache of mujoco-menagerie. Fetch them: robocell fetch {' '.join(missing)}"
     )
 
 

@@ -288,7 +288,7 @@ def set_in(*keys: str | int, value: object) -> Callable[[dict[str, Any]], object
     [
         (set_in("move_groups", "arm", "joints", value="joint2..joint8"), "no joint 'joint8'"),
         (set_in("move_groups", "arm", "leaf", value={"body": "base_link"}), "nothing moves"),
-        (set_in("model", value="menagerie:no_robot/no.xml"), "mujoco-menagerie prefetch no_robot"),
+        (set_in("model", value="menagerie:no_robot/no.xml"), "robocell fetch no_robot"),
         (set_in("base", "size", value=[0.2, 0.2]), "base.size: expected a list of 3 numbers"),
         (set_in("home", "arm", 0, value=float("nan")), "home.arm[0]: nan is not a finite number"),
     ],

@@ -39,7 +39,7 @@ def test_a_missing_model_names_itself_the_place_and_the_command(tmp_path, monkey
         rule.Menagerie().path("arm")
     assert str(error.value) == (
         f"Menagerie models missing: arm. Looked: MENAGERIE_ROOT ({tmp_path}), "
-        "the cache of mujoco-menagerie. Fetch them: mujoco-menagerie prefetch arm"
+        "the cache of mujoco-menagerie. Fetch them: robocell fetch arm"
     )
 
 

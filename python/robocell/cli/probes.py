@@ -147,7 +147,7 @@ def _ask(program: str, option: str) -> str:
 
 def robots() -> list[Finding]:
     """Where `menagerie:` models would be found."""
-    fetch = "mujoco-menagerie prefetch ufactory_xarm7"
+    fetch = "robocell fetch ufactory_xarm7"
     package = importlib.util.find_spec("mujoco_menagerie")
     remedy = (fetch if package else f"pip install mujoco-menagerie && {fetch}") + (
         ", or set MENAGERIE_ROOT to a checkout of mujoco_menagerie"

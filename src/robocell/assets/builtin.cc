@@ -2,6 +2,7 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "robocell/assets/resolve.h"
@@ -61,11 +62,21 @@ std::vector<std::string> BuiltinRobots() { return ModelsWithFolder("robots"); }
 
 std::vector<std::string> BuiltinObjects() { return ModelsWithFolder("objects"); }
 
+std::vector<std::string> BuiltinEquipment() { return ModelsWithFolder("equipment"); }
+
 std::vector<std::string> BuiltinScenes() {
   std::vector<std::string> names;
   for (const std::string& file : ListFolder(fs::path(ModelsRoot()) / "scenes")) {
     if (fs::path(file).extension() == ".xml") names.push_back(fs::path(file).stem().string());
   }
+  return names;
+}
+
+std::vector<std::string> BuiltinModels() {
+  std::vector<std::string> names = BuiltinRobots();
+  for (const auto& more : {BuiltinObjects(), BuiltinEquipment(), BuiltinScenes()})
+    names.insert(names.end(), more.begin(), more.end());
+  std::sort(names.begin(), names.end());
   return names;
 }
 

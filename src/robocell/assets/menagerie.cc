@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "robocell/assets/override.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
@@ -94,7 +95,7 @@ std::string Remedy(const std::string& robot) {
   std::vector<std::string> robots;
   for (const auto& [name, folder] : RobotFolders()) robots.push_back(name);
   const std::string near = DidYouMean(robot, robots);
-  const std::string fetch = "mujoco-menagerie prefetch " + robot;
+  const std::string fetch = "robocell fetch " + robot;
   if (!near.empty()) return near.substr(1) + " Else fetch it with: " + fetch;
   const std::string here = robots.empty() ? "" : "On this machine: " + ListNames(robots) + ". ";
   return here + "Fetch it with: " + fetch;
@@ -139,6 +140,7 @@ std::string ModelPath(const std::string& name) {
     throw ArgumentError("'menagerie:" + name +
                         "' names no robot; write for example menagerie:ufactory_xarm7/xarm7.xml");
   }
+  if (auto file = assets::OverrideFile(name)) return *file;
   const fs::path folder = RobotFolder(robot);
   const std::string file =
       slash == std::string::npos ? MainFile(robot, folder) : name.substr(slash + 1);

@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <vector>
 
+#include "robocell/assets/override.h"
 #include "robocell/assets/resolve.h"
+#include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
 
 namespace robocell::assets {
@@ -14,6 +16,7 @@ namespace fs = std::filesystem;
 constexpr size_t kVersionLength = 17;  // "-" and 16 digits: the Menagerie's folders in its cache
 
 bool Means(const std::string& name, const fs::path& path) {
+  if (!Environment(OverrideVariable(name).c_str()).empty()) return false;  // here only
   try {
     std::error_code error;
     return fs::equivalent(Resolve(name), path, error);

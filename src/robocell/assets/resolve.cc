@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "robocell/assets/override.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -47,6 +48,7 @@ bool TryBuiltin(Search& search, const std::string& name) {
   const fs::path root = ModelsRoot();
   const std::string file = name + "/" + name + ".xml";
   return search.TryBelow(root / "robots", file) || search.TryBelow(root / "objects", file) ||
+         search.TryBelow(root / "equipment", file) ||
          search.TryBelow(root / "scenes", name + ".xml");
 }
 
@@ -62,9 +64,7 @@ std::string MenagerieHint(const std::string& name) {
 }
 
 std::string BuiltinHint(const std::string& name) {
-  std::vector<std::string> names = BuiltinRobots();
-  for (const auto& more : {BuiltinObjects(), BuiltinScenes()})
-    names.insert(names.end(), more.begin(), more.end());
+  const std::vector<std::string> names = BuiltinModels();
   const std::string near = DidYouMean(name, names);
   return "Built-in models: " + ListNames(names) + "." + (near.empty() ? MenagerieHint(name) : near);
 }
@@ -98,6 +98,9 @@ std::string Resolve(const std::string& name, const std::string& directory) {
   if (path.is_absolute()) {
     if (search.TryFile(path)) return search.found();
     ThrowNotFound("model file '" + name + "'", search.looked(), "");
+  }
+  if (IsPlainName(name)) {
+    if (auto file = OverrideFile(name)) return *file;
   }
   if (!directory.empty() && search.TryFile(fs::path(directory) / path)) return search.found();
   if (search.TryFile(path)) return search.found();

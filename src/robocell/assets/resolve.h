@@ -4,7 +4,9 @@
 //   relative/path.xml                    from the referring file's folder, then from the working
 //                                        folder, then below each root of ROBOCELL_MODEL_PATH
 //                                        (folders separated by ':')
-//   rc7, tabletop, ...                   a built-in model by its name (builtin.h)
+//   rc7, table, tabletop, ...            a built-in model by its name
+// A variable ROBOCELL_OVERRIDE_<NAME> puts a file of one's own in the place of the model of that
+// name (override.h).
 //
 //   const std::string path = assets::Resolve("menagerie:ufactory_xarm7/xarm7.xml");
 //
@@ -28,11 +30,14 @@ std::vector<std::string> ModelPathRoots();
 // Folder of the built-in models: ROBOCELL_MODELS, else beside the library (installed), else the
 // source tree that the library was built in. NotFoundError when there is none.
 std::string ModelsRoot();
-// Names of built-in robots, objects and scenes, sorted (models/robots/NAME/NAME.xml and
-// models/objects/NAME/NAME.xml, models/scenes/NAME.xml).
+// Names of built-in models, sorted (models/robots/NAME/NAME.xml, the same with objects and
+// equipment, models/scenes/NAME.xml). Objects are what tasks pick; equipment is what a cell has
+// else: furniture, sensors, vessels.
 std::vector<std::string> BuiltinRobots();
 std::vector<std::string> BuiltinObjects();
+std::vector<std::string> BuiltinEquipment();
 std::vector<std::string> BuiltinScenes();
+std::vector<std::string> BuiltinModels();  // all of these
 // The YAML file of a built-in robot; NotFoundError with the nearest names.
 std::string BuiltinRobotFile(const std::string& name);
 

@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/scoped_env.h"
 
 namespace robocell::assets {
 namespace {
@@ -16,21 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::HasSubstr;
-
-// Sets an environment variable and puts the former value back.
-class ScopedEnv {
- public:
-  ScopedEnv(const char* name, const std::string& value) : name_(name) {
-    if (const char* former = std::getenv(name)) former_ = former, had_ = true;
-    setenv(name, value.c_str(), 1);
-  }
-  ~ScopedEnv() { had_ ? setenv(name_, former_.c_str(), 1) : unsetenv(name_); }
-
- private:
-  const char* name_;
-  std::string former_;
-  bool had_ = false;
-};
 
 class Resolving : public ::testing::Test {
  protected:
@@ -102,6 +88,34 @@ TEST_F(Resolving, BuiltInModelsAreFoundByName) {
   ExpectThrow<NotFoundError>([] { BuiltinRobotFile("rc8"); }, "no robot 'rc8'. Its robots: rc7");
 }
 
+TEST_F(Resolving, AVariablePutsAFileInTheModelsPlace) {
+  const std::string mine = Write("my table.xml"), arm = Write("arm.xml");
+  const ScopedEnv root("MENAGERIE_ROOT", At("none")), cache("MENAGERIE_CACHE_DIR", At("none"));
+  const ScopedEnv table("ROBOCELL_OVERRIDE_TABLE", mine);
+  const ScopedEnv gen3("ROBOCELL_OVERRIDE_KINOVA_GEN3", arm);
+  const ScopedEnv file("ROBOCELL_OVERRIDE_FRANKA_FR3_FR3_XML", arm);
+  EXPECT_EQ(Resolve("table"), mine);
+  EXPECT_EQ(Resolve("menagerie:kinova_gen3"), arm);
+  EXPECT_EQ(menagerie::ModelPath("kinova_gen3"), arm);
+  EXPECT_EQ(Resolve("menagerie:franka_fr3/fr3.xml"), arm);
+  EXPECT_EQ(Resolve(At("arm.xml")), arm);
+  EXPECT_NE(Resolve("cabinet"), mine) << "the others stay";
+  const ScopedEnv wrong("ROBOCELL_OVERRIDE_TABLE", At("nowhere.xml"));
+  ExpectThrow<NotFoundError>(
+      [] { Resolve("table"); },
+      "ROBOCELL_OVERRIDE_TABLE is '" + At("nowhere.xml") +
+          "', which is no file; it takes the place of the model 'table': correct the variable or "
+          "unset it");
+}
+
+TEST_F(Resolving, EquipmentIsFoundByNameAndIsNothingToPick) {
+  EXPECT_THAT(BuiltinEquipment(),
+              ::testing::ElementsAre("cabinet", "ft_sensor", "open_bottle", "receiver", "table"));
+  EXPECT_EQ(Resolve("cabinet"), ModelsRoot() + "/equipment/cabinet/cabinet.xml");
+  EXPECT_THAT(BuiltinObjects(), ::testing::Not(Contains("cabinet")));
+  EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));
+}
+
 TEST_F(Resolving, BuiltInModelsCanBeMoved) {
   const std::string file = Write("robots/mine/mine.xml");
   const ScopedEnv env("ROBOCELL_MODELS", folder_.string());
@@ -132,7 +146,7 @@ TEST_F(Resolving, TheMenagerieCacheHoldsCompleteVersionsOnly) {
   const std::string message = ExpectThrow<NotFoundError>([] { Resolve("menagerie:franka_fr3"); },
                                                          "menagerie robot 'franka_fr3' not found");
   EXPECT_THAT(message, HasSubstr(At("models/franka_fr3-*")));
-  EXPECT_THAT(message, HasSubstr("Fetch it with: mujoco-menagerie prefetch franka_fr3"));
+  EXPECT_THAT(message, HasSubstr("Fetch it with: robocell fetch franka_fr3"));
   Write(done + ".complete");
   Write("models/franka_fr3_v2-0123456789abcdef/.complete");
   EXPECT_EQ(Resolve("menagerie:franka_fr3"), file);
@@ -145,10 +159,10 @@ TEST_F(Resolving, AMisspeltRobotOfTheMenagerieIsToldWithTheNearestHere) {
   const ScopedEnv cache("MENAGERIE_CACHE_DIR", At("none"));
   ExpectThrow<NotFoundError>([] { Resolve("menagerie:franka_emika_pnada/panda.xml"); },
                              ". Did you mean 'franka_emika_panda'? Else fetch it with: "
-                             "mujoco-menagerie prefetch franka_emika_pnada");
+                             "robocell fetch franka_emika_pnada");
   ExpectThrow<NotFoundError>([] { Resolve("menagerie:spot"); },
                              "On this machine: franka_emika_panda, kinova_gen3. Fetch it with: "
-                             "mujoco-menagerie prefetch spot");
+                             "robocell fetch spot");
   ExpectThrow<NotFoundError>([] { Resolve("franka_emika_panda/panda.xml"); },
                              "Did you mean 'menagerie:franka_emika_panda/panda.xml'?");
   ExpectThrow<NotFoundError>([] { Resolve("panda"); },

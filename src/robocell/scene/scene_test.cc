@@ -131,6 +131,19 @@ TEST(Scene, AWrenchActsUntilItIsChanged) {
   EXPECT_NEAR(scene.body_pose("cube").translation().z() - 0.02, 0.5, 0.01);
 }
 
+TEST(Scene, ActuatorsAreReadAndSetByName) {
+  Scene scene = Scene::Build(Workplace());
+  EXPECT_TRUE(scene.has_actuator("servo2"));
+  EXPECT_FALSE(scene.has_actuator("finger"));
+  scene.SetActuatorCtrl("servo2", 0.25);
+  EXPECT_EQ(scene.actuator_ctrl("servo2"), 0.25);
+  const int actuator = RequireId(scene.model(), mjOBJ_ACTUATOR, "servo2", "test");
+  EXPECT_EQ(scene.data()->ctrl[scene.model()->actuator_ctrladr[actuator]], 0.25);
+  ExpectThrow<NotFoundError>([&] { scene.actuator_ctrl("servo22"); },
+                             "scene 'test': no actuator 'servo22'.");
+  ExpectThrow<NotFoundError>([&] { scene.SetActuatorCtrl("srvo2", 0); }, "Did you mean 'servo2'?");
+}
+
 TEST(Scene, RefusesNumbersThatAreNotFinite) {
   Scene scene = Scene::Build(Workplace());
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -72,7 +72,7 @@ std::string MissingMenagerie(const std::vector<std::string>& models) {
   } catch (const NotFoundError& error) {
     places = error.what();
   }
-  return fmt::format("Menagerie models missing: {}. Fetch them: mujoco-menagerie prefetch {}\n{}",
+  return fmt::format("Menagerie models missing: {}. Fetch them: robocell fetch {}\n{}",
                      fmt::join(missing, ", "), fmt::join(missing, " "), places);
 }
 

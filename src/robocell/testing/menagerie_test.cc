@@ -5,9 +5,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <optional>
 
 #include "robocell/base/error.h"
+#include "robocell/testing/scoped_env.h"
 
 namespace robocell {
 namespace {
@@ -15,28 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-
-// Sets an environment variable for the length of a scope.
-class ScopedEnvironment {
- public:
-  ScopedEnvironment(const char* name, const std::string& value) : name_(name) {
-    if (const char* old = std::getenv(name)) old_ = old;
-    setenv(name, value.c_str(), 1);
-  }
-  ~ScopedEnvironment() {
-    if (old_) {
-      setenv(name_, old_->c_str(), 1);
-    } else {
-      unsetenv(name_);
-    }
-  }
-  ScopedEnvironment(const ScopedEnvironment&) = delete;
-  ScopedEnvironment& operator=(const ScopedEnvironment&) = delete;
-
- private:
-  const char* name_;
-  std::optional<std::string> old_;
-};
 
 class MenagerieTest : public ::testing::Test {
  protected:
@@ -60,7 +38,7 @@ class MenagerieTest : public ::testing::Test {
 
 TEST_F(MenagerieTest, ARootFromTheEnvironmentIsUsed) {
   Write("arm/arm.xml");
-  ScopedEnvironment root("MENAGERIE_ROOT", dir_.string());
+  ScopedEnv root("MENAGERIE_ROOT", dir_.string());
   EXPECT_EQ(MenagerieModel("arm", "arm.xml"), (dir_ / "arm/arm.xml").string());
   EXPECT_EQ(MenagerieModel("arm"), (dir_ / "arm").string());
   EXPECT_EQ(MissingMenagerie({"arm"}), "");
@@ -68,8 +46,8 @@ TEST_F(MenagerieTest, ARootFromTheEnvironmentIsUsed) {
 
 TEST_F(MenagerieTest, WithoutARootTheCacheOfThePackageIsUsedWhenComplete) {
   Write("models/arm-0123456789abcdef/arm.xml");
-  ScopedEnvironment root("MENAGERIE_ROOT", "");
-  ScopedEnvironment cache("MENAGERIE_CACHE_DIR", dir_.string());
+  ScopedEnv root("MENAGERIE_ROOT", "");
+  ScopedEnv cache("MENAGERIE_CACHE_DIR", dir_.string());
   EXPECT_NE(MissingMenagerie({"arm"}), "") << "half a download is no model";
   Write("models/arm-0123456789abcdef/.complete");
   EXPECT_EQ(MenagerieModel("arm", "arm.xml"),
@@ -78,17 +56,17 @@ TEST_F(MenagerieTest, WithoutARootTheCacheOfThePackageIsUsedWhenComplete) {
 }
 
 TEST_F(MenagerieTest, AMissingModelNamesItselfThePlacesAndTheCommand) {
-  ScopedEnvironment root("MENAGERIE_ROOT", dir_.string());
+  ScopedEnv root("MENAGERIE_ROOT", dir_.string());
   EXPECT_THAT(MissingMenagerie({"arm", "hand"}),
               AllOf(HasSubstr("missing: arm, hand."),
                     HasSubstr((dir_ / "arm").string() + " (MENAGERIE_ROOT)"),
-                    HasSubstr("mujoco-menagerie prefetch arm hand")));
+                    HasSubstr("robocell fetch arm hand")));
   EXPECT_THROW(MenagerieModel("arm"), IoError);
 }
 
 TEST_F(MenagerieTest, AMissingFileNamesTheFolder) {
   Write("arm/arm.xml");
-  ScopedEnvironment root("MENAGERIE_ROOT", dir_.string());
+  ScopedEnv root("MENAGERIE_ROOT", dir_.string());
   try {
     MenagerieModel("arm", "scene.xml");
     FAIL() << "no error";
@@ -98,7 +76,7 @@ TEST_F(MenagerieTest, AMissingFileNamesTheFolder) {
 }
 
 TEST(Skip, OnlyCiTurnsSkipsIntoFailures) {
-  ScopedEnvironment ci("CI", "true");
+  ScopedEnv ci("CI", "true");
   EXPECT_TRUE(SkipsAreFailures());
   setenv("CI", "", 1);
   EXPECT_FALSE(SkipsAreFailures());
