@@ -262,6 +262,29 @@ void DefStepping(nb::class_<Scene>& c) {
       .def("remove_reset_hook", &Scene::RemoveResetHook, nb::arg("id"));
 }
 
+void AddObject(Scene& scene, const SceneObject& object) {
+  ImportMujoco();
+  // Another thread may change the spec while the lock is released.
+  const SceneObject copy = object;  // NOLINT(performance-unnecessary-copy-initialization)
+  const nb::gil_scoped_release release;
+  scene.AddObject(copy);
+}
+
+void DefObjects(nb::class_<Scene>& c) {
+  c.def("add_object", &AddObject, nb::arg("object"),
+        "Add an object to the running scene, by compiling the spec with it.\n\n"
+        "Everything else goes on as it was, to the bit: state, time, controls, applied forces, "
+        "what was written to `model`. Robots, groups, controllers, cameras, recorders and hooks "
+        "follow by name. `model` and `data` are new objects; ones that you kept stay valid and are "
+        "the old ones. The object stands where a reset would put it, and later resets, `spec` and "
+        "saved files have it. An error (SpecError, ArgumentError for a name that is taken, Error "
+        "when the compiled scene is frozen) leaves the scene as it was.")
+      .def("remove_object", &Scene::RemoveObject, nb::arg("name"), Unlocked(),
+           "Take an object away, as add_object adds one. NotFoundError lists the objects; "
+           "ArgumentError tells what is attached to it.")
+      .def_prop_ro("object_names", &Scene::object_names, "Of the objects that are there now.");
+}
+
 void DefFrames(nb::class_<Scene>& c) {
   c.def("body_pose", &Scene::body_pose, nb::arg("name"), "Pose of a body in the world.")
       .def("site_pose", &Scene::site_pose, nb::arg("name"), "Pose of a site in the world.")
@@ -380,6 +403,7 @@ void BindScene(nb::module_& m) {
       "A simulation of its own on a compiled model; an Error when another scene uses it and "
       "it is not frozen.");
   DefStepping(c);
+  DefObjects(c);
   DefFrames(c);
   DefActuation(c);
   DefSharing(c);

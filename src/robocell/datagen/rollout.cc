@@ -38,6 +38,8 @@ class Recording {
             const Expert& expert, const PortableScene& portable, const RolloutOptions& options,
             RolloutTimes& times)
       : times_(times),
+        simulation_(start.scene),
+        generation_(start.scene.generation()),
         scene_(schema_, start.scene, start.task->objects(), expert.phase_names()),
         sensors_(schema_, start.scene),
         cameras_(schema_, start.scene, run.cameras, options.renderer,
@@ -57,6 +59,11 @@ class Recording {
   }
 
   void PutState(int phase) {
+    if (simulation_.generation() != generation_) {
+      throw Error("scene '" + simulation_.name() +
+                  "': objects were added or removed while an episode is recorded, whose rows have "
+                  "numbers for those it began with; declare what may come in the scene");
+    }
     {
       const StageClock::Stage stage(clock_, times_.writing);
       scene_.PutState(*writer_, phase);
@@ -86,6 +93,8 @@ class Recording {
 
  private:
   RolloutTimes& times_;
+  Scene simulation_;
+  uint64_t generation_;
   StageClock clock_;
   EpisodeSchema schema_;
   SceneColumns scene_;

@@ -6,6 +6,7 @@
 
 #include "robocell/data/episode_reader.h"
 #include "robocell/task/pick_sampler.h"
+#include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -76,6 +77,30 @@ TEST_F(RolloutTest, CommandsThatAreFollowedAreNoFailures) {
   EXPECT_EQ(result.failure, "not lifted");
   EXPECT_THAT(result.ik_failures, IsEmpty());
   EXPECT_THAT(Episode(folder / "e").Read<uint8_t>("ik_failed"), Each(0));
+}
+
+// Adds an object in the middle of an episode.
+class Adding : public Commanding {
+ public:
+  Adding() : Commanding(Pose(), 4) {}
+  Action Act(const Scene& scene, Rng&) override {
+    if (scene.object_names().back() != "late") {
+      Scene(scene).AddObject({.name = "late",
+                              .shape = Shape::kSphere,
+                              .size = Vec3{0.01, 0, 0},
+                              .rgba = Vec4{1, 1, 1, 1},
+                              .mass = 0.1,
+                              .friction = Vec3{1, 0.1, 0.1},
+                              .pos = {3, 3, 0.01}});
+    }
+    return {};
+  }
+};
+
+TEST_F(RolloutTest, ObjectsThatComeInTheMiddleEndItWithAnError) {
+  Adding expert;
+  ExpectThrow<Error>([&] { Rollout(expert); },
+                     "objects were added or removed while an episode is recorded");
 }
 
 TEST_F(RolloutTest, WarningsFromBeforeTheStartAreNotTheEpisodes) {

@@ -215,6 +215,7 @@ LockedJoints Robot::LockGroups(std::span<const std::string> groups) const {
 }
 
 Pose Robot::base_in_world() const {
+  state_->RequireBodies();
   state_->scene.SyncPoses();
   const mjData* d = state_->scene.data();
   const int id = state_->root_body;

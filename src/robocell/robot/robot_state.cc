@@ -68,13 +68,31 @@ void Robot::State::OnReset() {
   ReadPorts();
 }
 
+// A robot made of an object's bodies is lost when that object is removed, until one with the same
+// names is there again.
 void Robot::State::OnRebuild() {
-  FindBodies();
-  RemakeChains();
-  for (const auto& slot : slots) {
-    if (slot->controller) SwitchTo(slot->controller->mode(), slot->drives, scene);
+  lost.clear();
+  try {
+    FindBodies();
+    RemakeChains();
+    for (const auto& slot : slots) {
+      if (slot->controller) SwitchTo(slot->controller->mode(), slot->drives, scene);
+    }
+    ReadPorts();
+  } catch (const NotFoundError& error) {
+    lost = error.what();
+    bodies.clear();
+    geoms.clear();
+    collision_geoms.clear();
   }
-  ReadPorts();
+}
+
+void Robot::State::RequireBodies() const {
+  if (lost.empty()) return;
+  throw ClosedError("robot '" + record.name +
+                    "' went with an object that was removed from its scene; add the object again, "
+                    "or make another robot: " +
+                    lost);
 }
 
 void Robot::State::RefreshChains() {
@@ -196,11 +214,13 @@ GroupSlot* Robot::State::Find(const std::string& name) {
 }
 
 GroupSlot& Robot::State::Require(const std::string& name) {
+  RequireBodies();
   if (GroupSlot* slot = Find(name)) return *slot;
   throw NotFoundError(NoSuchName(place(), "group", name, group_names()));
 }
 
 GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
+  RequireBodies();
   if (GroupSlot* slot = FindKind(kind)) return *slot;
   const std::string next =
       record.config.move_groups.empty()
@@ -244,6 +264,7 @@ const Chain& Robot::State::RequireChain(GroupSlot& slot) {
 void Robot::State::ReadPorts() {
   if (scene.closed())
     throw ClosedError("robot '" + record.name + "' is closed: its scene was closed");
+  RequireBodies();
   const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
   if (!arm || reading_) return;
   const Reading reading(reading_);

@@ -52,6 +52,8 @@ class Robot::State : public SceneObserver {
   void RefreshChains();
   // State of the arm into the ports.
   void ReadPorts();
+  // ClosedError when its bodies were removed with an object of the scene.
+  void RequireBodies() const;
   std::vector<std::string> group_names() const;
   void AppendGroups(std::vector<std::shared_ptr<MoveGroup>>& out) const;
   // "scene 'pick' / robot 'left'".
@@ -69,6 +71,7 @@ class Robot::State : public SceneObserver {
   int root_body = -1;
   std::vector<int> bodies, geoms, collision_geoms;
   std::optional<double> reach;
+  std::string lost;  // why it could not follow when the scene was compiled anew
 
  private:
   // Anew from the model, with what hangs on them at `qpos` or, without, at the reference.

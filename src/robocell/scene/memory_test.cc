@@ -83,5 +83,17 @@ TEST(Memory, TenThousandResetsLeaveNothingBehind) {
             kMostBytes);
 }
 
+TEST(Memory, AHundredObjectsThatComeAndGoLeaveNothingBehind) {
+  Scene scene = Scene::Build(Primitives());
+  const SceneObject mug{.name = "mug", .mjcf_path = "mug", .pos = {0.5, 0.5, 0}, .fixed = false};
+  EXPECT_LT(BytesLeft(100,
+                      [&] {
+                        scene.AddObject(mug);
+                        EXPECT_TRUE(scene.Step().ok());
+                        scene.RemoveObject("mug");
+                      }),
+            kMostBytes);
+}
+
 }  // namespace
 }  // namespace robocell

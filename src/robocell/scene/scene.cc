@@ -31,7 +31,8 @@ Scene Scene::FromCompiled(std::shared_ptr<CompiledScene> compiled, const DataFac
   state->claim = compiled->Claim();
   state->name = compiled->spec().name;
   state->context = "scene '" + state->name + "'";
-  state->data = factory ? factory(*compiled) : MakeOwnData(*compiled);
+  state->factory = factory ? factory : MakeOwnData;
+  state->data = state->factory(*compiled);
   state->compiled = std::move(compiled);
   Scene scene(std::move(state), std::make_shared<Kept>());
   scene.Reset();

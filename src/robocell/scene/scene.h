@@ -57,8 +57,10 @@ using ResetHook = std::function<void(ResetContext&)>;
 class SceneObserver {
  public:
   virtual ~SceneObserver() = default;
-  virtual void OnReset() {}    // after the reset hook; poses agree with qpos
-  virtual void OnRebuild() {}  // model and data are new: look names up again
+  virtual void OnReset() {}  // after the reset hook; poses agree with qpos
+  // After objects were added or removed: model and data are new, look names up again. What it
+  // throws undoes the change; those that were told already are told of the old model again.
+  virtual void OnRebuild() {}
   virtual void OnClose() {}
 };
 
@@ -114,6 +116,16 @@ class Scene {
   std::shared_ptr<SceneObserver> FindObserver(const std::string& key) const;
   // A handle that keeps the simulation alive, but not what the scene keeps.
   Scene inner() const;
+
+  // Adds an object to the running scene, or takes one away, by compiling its spec with the object
+  // more or less. Everything else goes on as it was, to the bit: state, time, controls, applied
+  // forces and what was written to the model. Handles follow by name; model() and data() are new,
+  // pointers to the old ones end here. The new object stands where a reset would put it; spec(),
+  // saved files and later resets have it. An error (bad object, name taken, unknown name, something
+  // is attached to the object, frozen model) leaves the scene as it was.
+  void AddObject(const SceneObject& object);
+  void RemoveObject(const std::string& name);
+  std::vector<std::string> object_names() const;
 
   // Frames, in the world.
   Pose body_pose(const std::string& name) const;
@@ -179,6 +191,7 @@ class Scene {
   Scene(std::shared_ptr<State> state, std::shared_ptr<Kept> kept)
       : state_(std::move(state)), kept_(std::move(kept)) {}
   State& open() const;
+  void Rebuild(const SceneSpec& spec);
 
   std::shared_ptr<State> state_;
   std::shared_ptr<Kept> kept_;  // null in an inner handle

@@ -14,6 +14,7 @@ struct Scene::State {
   std::string context;  // "scene 'pick'", for messages
   std::shared_ptr<CompiledScene> compiled;
   DataHandle data;
+  DataFactory factory;
   std::map<int, ResetHook> hooks;  // by id, called in order of adding
   int next_hook = 0;
   struct Watch {

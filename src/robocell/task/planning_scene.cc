@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
@@ -20,9 +21,16 @@ struct PlanningScene::State {
       : scene(std::move(s)),
         robot(std::move(r)),
         shape(std::move(g)),
+        compiled(scene.compiled()),
         model(*scene.model()),
         data(MakeData(&model)) {}
 
+  void RequireSameModel() const {
+    if (scene.compiled() == compiled) return;
+    throw Error("scene '" + scene.name() +
+                "': objects were added or removed since the robot's motion was planned in it; "
+                "begin planning again");
+  }
   void Place(const JointVector& q, double gap);
   // False when there were more contacts than the engine has room for, so that some are missing.
   bool FindContacts();
@@ -30,6 +38,7 @@ struct PlanningScene::State {
   Scene scene;
   Robot robot;
   std::shared_ptr<const GripperShape> shape;
+  std::shared_ptr<CompiledScene> compiled;
   mjModel model;  // shares the arrays of the scene's; only the contact margin differs
   DataPtr data;
   int target = -1;
@@ -90,6 +99,7 @@ bool PlanningScene::State::FindContacts() {
 
 void PlanningScene::Update() {
   State& s = *state_;
+  s.RequireSameModel();
   const mjData* from = s.scene.data();
   mju_copy(s.data->qpos, from->qpos, s.model.nq);
   mju_copy(s.data->mocap_pos, from->mocap_pos, 3 * s.model.nmocap);
@@ -105,6 +115,7 @@ void PlanningScene::Update() {
 
 bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
   State& s = *state_;
+  s.RequireSameModel();
   ++s.checks;
   s.Place(q, demand.gap);
   if (!s.FindContacts()) return false;  // what is missing may be in the way

@@ -4,9 +4,8 @@
 //   PlanningScene planning(scene, robot, target_body, shape);
 //   if (planning.IsFree(q, {.gap = shape->open_gap(), .clearance = 0.02})) ...
 //
-// Only the robot moves in it; objects stay where they were at the last Update(). A planning scene
-// holds pointers into the scene's model: after a rebuild of the scene make a new one. One thread at
-// a time.
+// Only the robot moves in it; objects stay where they were at the last Update(). After objects were
+// added to the scene or removed make a new one: an Error says so. One thread at a time.
 #pragma once
 
 #include <memory>

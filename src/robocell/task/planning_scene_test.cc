@@ -6,10 +6,12 @@
 #include <set>
 #include <string>
 
+#include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/task/clearance.h"
 #include "robocell/task/testing/pick_scene.h"
+#include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
@@ -110,6 +112,17 @@ TEST(PlanningScene, SeesObjectsWhereTheyWereAtTheLastUpdate) {
   planning.Update();
   EXPECT_FALSE(planning.IsFree(q, {.gap = open}));
   EXPECT_TRUE(planning.IsFree(q, {.gap = open, .touch_target = true}));
+}
+
+TEST(PlanningScene, IsOfNoUseAfterObjectsCame) {
+  PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  PlanningScene planning = pick.planning();
+  SceneObject other = pick.scene.spec().objects[0];
+  other.name = "other";
+  other.pos = {3, 3, 1};
+  pick.scene.AddObject(other);
+  ExpectThrow<Error>([&] { planning.Update(); }, "objects were added or removed since");
+  ExpectThrow<Error>([&] { planning.IsFree(pick.home(), {.gap = 0.01}); }, "begin planning again");
 }
 
 // The hand's link alone: the others may be in the table.

@@ -1,0 +1,248 @@
+"""Objects that come and go while a scene runs: handles, state, lifetimes, threads."""
+
+import gc
+import threading
+import weakref
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import robocell as rc
+
+
+def cube(name: str = "cube", **fields: object) -> rc.SceneObject:
+    numbers: dict[str, object] = {
+        "shape": "box", "size": [0.02] * 3, "rgba": [1, 0, 0, 1], "mass": 0.1,
+        "friction": [0.8, 0.02, 0.001], "pos": [0.9, 0.9, 0.02],
+    }  # fmt: skip
+    return rc.SceneObject(name=name, **(numbers | fields))
+
+
+@pytest.fixture
+def scene() -> rc.Scene:
+    robot = rc.RobotSpec(name="a", config=rc.RobotConfig.load(rc.models.robot_file("rc7")))
+    spec = rc.SceneSpec(
+        name="cell", timestep=0.002, add_floor=True, add_skybox=True, robots=[robot],
+        cameras=[rc.CameraSpec(name="front", pos=[2, 0, 0.5], fovy=45, look_at=[0, 0, 0.3])],
+    )  # fmt: skip
+    return rc.Scene.build(spec)
+
+
+def joint_numbers(scene: rc.Scene) -> dict[str, list[float]]:
+    """Position, velocity, control and warm start of everything that has a name."""
+    model, data = scene.model, scene.data
+    numbers = {"time": [data.time]}
+    for i in range(model.njnt):
+        joint = data.joint(i)
+        numbers[joint.name] = [*joint.qpos, *joint.qvel, *joint.qacc_warmstart]
+    for i in range(model.nactuator):
+        numbers[data.actuator(i).name] = list(data.actuator(i).ctrl)
+    return numbers
+
+
+class TestState:
+    def test_survivors_are_unchanged(self, scene):
+        robot = scene.robot("a")
+        scene.data.ctrl[:] += 0.1
+        scene.step_n(50)
+        before, state = joint_numbers(scene), scene.state()
+        generation = scene.generation
+        scene.add_object(cube())
+        after = joint_numbers(scene)
+        assert {name: after[name] for name in before} == before
+        assert scene.object_names == ["cube"]
+        assert scene.generation > generation
+        robot.update()
+        scene.step_n(100)
+        assert scene.body_pose("cube").translation[2] == pytest.approx(0.02, abs=1e-3)
+        scene.remove_object("cube")
+        assert scene.state().shape == state.shape
+        assert scene.object_names == []
+
+    def test_add_then_remove_gives_back_the_state(self, scene):
+        scene.step_n(20)
+        state, model = scene.state(), scene.to_xml()
+        scene.add_object(cube())
+        scene.remove_object("cube")
+        np.testing.assert_array_equal(scene.state(), state)
+        assert scene.to_xml() == model
+
+    def test_a_failure_changes_nothing(self, scene):
+        scene.add_object(cube())
+        state, model, data = scene.state(), scene.model, scene.data
+        with pytest.raises(rc.ArgumentError, match="there is an object 'cube' already"):
+            scene.add_object(cube())
+        with pytest.raises(rc.SpecError, match="a primitive needs its mass"):
+            scene.add_object(cube("half", mass=None))
+        with pytest.raises(rc.NotFoundError, match=r"no object 'cub'.*Did you mean 'cube'"):
+            scene.remove_object("cub")
+        with pytest.raises(TypeError, match="`object` must be a SceneObject"):
+            scene.add_object(3)
+        np.testing.assert_array_equal(scene.state(), state)
+        assert scene.model is model
+        assert scene.data is data
+
+    def test_a_frozen_model_keeps_its_objects(self):
+        spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False, objects=[cube()])
+        compiled = rc.compile_scene(spec)
+        compiled.freeze()
+        scene = rc.Scene.from_compiled(compiled)
+        with pytest.raises(rc.Error, match=r"'other' cannot be added.* frozen .*Scene::Build"):
+            scene.add_object(cube("other"))
+
+
+class TestHandles:
+    def test_robots_groups_and_ports_follow(self, scene):
+        robot = scene.robot("a")
+        arm, port, pose = robot.arm, robot.jnt_pos_cmd, robot.tcp_in_world
+        robot.ctrl_mode = "torque"
+        robot.jnt_trq_cmd = robot.gravity_torques()
+        scene.add_object(cube())
+        assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+        assert robot.tcp_in_world.is_close(pose)
+        assert list(robot.jnt_trq_cmd) == list(robot.gravity_torques())
+        assert len(arm.joint_pos) == 7
+        robot.ctrl_mode = "position"
+        start = arm.joint_pos[0]
+        robot.jnt_pos_cmd[0] += 0.2
+        for _ in range(500):
+            robot.update()
+            robot.step()
+        assert arm.joint_pos[0] == pytest.approx(start + 0.2, abs=0.02)
+        scene.remove_object("cube")
+        robot.update()
+        assert len(port) == 7
+        assert scene.robot("a").jnt_pos_cmd[0] == robot.jnt_pos_cmd[0]
+
+    def test_kdl_chains_of_a_robot_stay_right(self, scene):
+        robot = scene.robot("a")
+        before = robot.kdl_chain().getNrOfJoints()
+        scene.add_object(cube())
+        assert robot.kdl_chain().getNrOfJoints() == before
+        np.testing.assert_array_equal(robot.jnt_pos_msr, robot.arm.joint_pos)
+
+    def test_a_group_written_in_python_follows(self, scene):
+        class Watch(rc.MoveGroup):
+            get_name = lambda self: "watch"  # noqa: E731
+            get_joint_names = get_actuator_names = lambda self: []
+            get_joint_pos = get_joint_vel = get_joint_torque = get_ctrl = lambda self: []
+
+        watch = Watch()
+        scene.robot("a").set_group(watch)
+        scene.add_object(cube())
+        scene.robot("a").update()
+        assert scene.robot("a").group("watch") is watch
+
+    def test_hooks_and_later_resets(self, scene):
+        poses = []
+        scene.on_reset(lambda reset: poses.append(reset.scene.body_pose("cube").translation[0]))
+        scene.add_object(cube(pos=[0.7, 0, 0.5]))
+        scene.step_n(50)
+        scene.reset()
+        assert poses == [0.7]
+        assert scene.body_pose("cube").translation[2] == 0.5
+        scene.on_reset(lambda reset: reset.scene.remove_object("cube"))
+        scene.reset()
+        assert scene.object_names == []
+
+    def test_pictures_and_videos_follow(self, scene, tmp_path: Path):
+        renderer = rc.Renderer(scene)
+        bare = renderer.render("front", 64, 48, segmentation=True)["segmentation"]
+        with rc.VideoRecorder(scene, tmp_path / "cell.mp4", 64, 48, 30) as video:
+            video.use_camera("front")
+            video.record_frame()
+            scene.add_object(cube("big", size=[0.3] * 3, pos=[1, 0, 0.3]))
+            video.record_frame()
+            scene.remove_object("big")
+            scene.add_object(cube("big", size=[0.3] * 3, pos=[1, 0, 0.3]))
+            seen = renderer.render("front", 64, 48, segmentation=True)["segmentation"]
+            assert (seen == scene.model.body("big").id).sum() > 500
+            scene.remove_object("big")
+            video.record_frame()
+        np.testing.assert_array_equal(
+            renderer.render("front", 64, 48, segmentation=True)["segmentation"], bare
+        )
+        assert video.frames == 3
+        assert (tmp_path / "cell.mp4").stat().st_size > 0
+
+
+class TestLifetimes:
+    def test_model_and_data_that_were_kept_are_the_old_ones(self, scene):
+        scene.step_n(5)
+        model, data = scene.model, scene.data
+        scene.add_object(cube())
+        gc.collect()
+        assert scene.data is not data
+        assert scene.data.model is scene.model is not model
+        assert data.time == pytest.approx(0.01)
+        mujoco.mj_step(model, data)
+        assert data.time == pytest.approx(0.012)
+        assert scene.time() == pytest.approx(0.01)
+        scene.data.qpos[:] = scene.data.qpos
+        mujoco.mj_step(scene.model, scene.data)
+        assert scene.time() == pytest.approx(0.012)
+
+    def test_what_nobody_kept_is_gone(self, scene):
+        data, model = weakref.ref(scene.data), weakref.ref(scene.model)
+        scene.add_object(cube())
+        scene.time()
+        gc.collect()
+        assert data() is None
+        assert model() is None
+
+    def test_views_of_the_old_data_stay_readable(self, scene):
+        qpos = scene.data.qpos
+        before = qpos.copy()
+        scene.add_object(cube())
+        scene.step_n(10)
+        gc.collect()
+        np.testing.assert_array_equal(qpos, before)
+
+    def test_another_thread_may_add_while_this_one_waits(self, scene):
+        data = weakref.ref(scene.data)
+        failed: list[BaseException] = []
+
+        def work() -> None:
+            try:
+                for _ in range(3):
+                    scene.add_object(cube())
+                    scene.step_n(5)
+                    scene.remove_object("cube")
+            except BaseException as error:
+                failed.append(error)
+
+        thread = threading.Thread(target=work)
+        thread.start()
+        thread.join()
+        assert failed == []
+        gc.collect()
+        assert data() is None
+        assert scene.robot("a").n_joints == 7
+
+    def test_an_error_in_a_group_undoes_the_change(self, scene):
+        class Sulky(rc.MoveGroup):
+            sulks = False
+            get_name = lambda self: "arm"  # noqa: E731
+            get_joint_names = lambda self: [f"joint{i}" for i in range(1, 8)]  # noqa: E731
+            get_actuator_names = lambda self: []  # noqa: E731
+            get_kind = lambda self: "arm"  # noqa: E731
+            get_joint_vel = get_joint_torque = lambda self: [0] * 7
+            get_ctrl = lambda self: []  # noqa: E731
+
+            def get_joint_pos(self) -> list[float]:
+                if self.sulks:
+                    raise RuntimeError("I would rather not")
+                return [0.0] * 7
+
+        arm = Sulky()
+        scene.robot("a").set_group(arm)
+        data = scene.data
+        arm.sulks = True
+        with pytest.raises(RuntimeError, match="I would rather not"):
+            scene.add_object(cube())
+        arm.sulks = False
+        assert scene.data is data
+        assert scene.object_names == []
+        scene.add_object(cube())

@@ -1,0 +1,156 @@
+// Objects that come and go while a scene runs.
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/step.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/scene/carry_over.h"
+#include "robocell/scene/placement.h"
+#include "robocell/scene/scene_state.h"
+
+namespace robocell {
+namespace {
+
+// --- What is attached to an object ---------------------------------------------------------------
+
+// Whether a target is part of an object that begins at `root`.
+bool IsPartOf(const mjModel* m, const AttachTarget& target, const std::string& object, int root) {
+  if (target.kind == AttachKind::kBody) {
+    const int body = FindId(m, mjOBJ_BODY, target.name);
+    return body >= 0 && IsInSubtree(m, body, root);
+  }
+  if (target.kind == AttachKind::kSite) {
+    const int site = FindId(m, mjOBJ_SITE, target.name);
+    return site >= 0 && IsInSubtree(m, m->site_bodyid[site], root);
+  }
+  // Frames are not in the model.
+  return target.kind == AttachKind::kFrame &&
+         target.name.starts_with(SceneObjectElementName(object, ""));
+}
+
+// "object 'cup' (to site 'table_top')" for everything that would be left in the air.
+std::vector<std::string> AttachedTo(const CompiledScene& compiled, const std::string& object) {
+  const mjModel* m = compiled.model();
+  const int root = FindId(m, mjOBJ_BODY, compiled.object(object).root_body);
+  std::vector<std::string> attached;
+  const auto look = [&](const std::string& what, const AttachTarget& target) {
+    if (IsPartOf(m, target, object, root))
+      attached.push_back(fmt::format("{} (to {})", what, Describe(target)));
+  };
+  const SceneSpec& spec = compiled.spec();
+  for (const SceneObject& other : spec.objects) {
+    if (other.name != object) look("object '" + other.name + "'", other.attach_to);
+  }
+  for (size_t i = 0; i < spec.robots.size(); ++i)
+    look("robot '" + compiled.robots()[i].name + "'", spec.robots[i].attach_to);
+  for (const CameraSpec& camera : spec.cameras)
+    look("camera '" + camera.name + "'", camera.attach_to);
+  return attached;
+}
+
+void RequireNothingAttached(const CompiledScene& compiled, const std::string& object,
+                            const std::string& context) {
+  const std::vector<std::string> attached = AttachedTo(compiled, object);
+  if (attached.empty()) return;
+  throw ArgumentError(fmt::format(
+      "{}: object '{}' cannot be removed: attached to it {} {}. Remove objects that hang on it "
+      "first; robots and cameras stay where they are, build another scene without them",
+      context, object, attached.size() == 1 ? "is" : "are", ListNames(attached)));
+}
+
+// --- Spec and model ------------------------------------------------------------------------------
+
+std::vector<std::string> NamesOf(const SceneSpec& spec) {
+  std::vector<std::string> names;
+  for (const SceneObject& object : spec.objects) names.push_back(object.name);
+  return names;
+}
+
+void RequireOwnModel(const CompiledScene& compiled, const char* what, const std::string& object,
+                     const std::string& context) {
+  if (!compiled.frozen()) return;
+  throw Error(fmt::format(
+      "{}: object '{}' cannot be {}: the compiled scene is frozen because it is shared between "
+      "scenes. Build a scene of its own (Scene::Build), or change the spec and compile it again",
+      context, object, what));
+}
+
+}  // namespace
+
+void Scene::AddObject(const SceneObject& object) {
+  const State& s = open();
+  SceneSpec spec = s.compiled->spec();
+  const std::vector<std::string> names = NamesOf(spec);
+  if (std::find(names.begin(), names.end(), object.name) != names.end()) {
+    throw ArgumentError(
+        fmt::format("{}: there is an object '{}' already; remove it first, or choose another name. "
+                    "The objects: {}",
+                    s.context, object.name, ListNames(names)));
+  }
+  RequireOwnModel(*s.compiled, "added", object.name, s.context);
+  spec.objects.push_back(object);
+  Rebuild(spec);
+}
+
+void Scene::RemoveObject(const std::string& name) {
+  const State& s = open();
+  static_cast<void>(s.compiled->object(name));  // or the names there are
+  RequireOwnModel(*s.compiled, "removed", name, s.context);
+  RequireNothingAttached(*s.compiled, name, s.context);
+  SceneSpec spec = s.compiled->spec();
+  std::erase_if(spec.objects.boxes(), [&](const auto& object) { return object->name == name; });
+  spec.locations = {};  // those of later objects would be one off
+  Rebuild(spec);
+}
+
+std::vector<std::string> Scene::object_names() const { return NamesOf(open().compiled->spec()); }
+
+void Scene::Rebuild(const SceneSpec& spec) {
+  State& s = open();
+  std::shared_ptr<CompiledScene> compiled = CompileScene(spec);
+  std::shared_ptr<void> claim = compiled->Claim();
+  const ElementMatch match(s.model(), compiled->model());
+  CarryModel(match, compiled->mutable_model());
+  DataHandle data = s.factory(*compiled);
+  // What is new starts as after a reset.
+  Guarded(s.context, data.data, [&, m = compiled->model(), key = compiled->home_key()] {
+    mj_resetDataKeyframe(m, data.data, key);
+  });
+  CarryState(match, s.data.data, data.data);
+  robocell::Forward(compiled->model(), data.data, s.context);
+  CarryState(match, s.data.data, data.data);  // the forward pass leaves its own warm start
+
+  const auto swap = [&] {
+    s.compiled.swap(compiled);
+    s.claim.swap(claim);
+    std::swap(s.data, data);
+    s.poses_at = -1;
+  };
+  swap();
+  const auto observers = s.observers;
+  const auto tell = [&] {
+    for (const auto& watch : observers) {
+      if (const auto observer = watch.observer.lock()) observer->OnRebuild();
+      open();
+    }
+  };
+  try {
+    tell();
+  } catch (...) {
+    if (s.closed) throw;
+    swap();
+    try {
+      tell();
+    } catch (const std::exception&) {  // who could follow neither way has said so by now
+    }
+    throw;
+  }
+}
+
+}  // namespace robocell
