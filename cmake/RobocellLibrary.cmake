@@ -5,6 +5,11 @@ list(FILTER ROBOCELL_SOURCES EXCLUDE REGEX "_test\\.cc$|/testing/")
 add_library(robocell SHARED ${ROBOCELL_SOURCES})
 add_library(robocell::robocell ALIAS robocell)
 robocell_unity(robocell ${ROBOCELL_SOURCES})
+# Kernels: compiled for every instruction set, or worth the better optimisation.
+foreach(kernel lane_kernel start_table)
+  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/kinematics/${kernel}.cc" PROPERTIES
+    COMPILE_OPTIONS "-O3" SKIP_UNITY_BUILD_INCLUSION ON)
+endforeach()
 target_compile_features(robocell PUBLIC cxx_std_20)
 target_include_directories(robocell PUBLIC
   "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>" "$<INSTALL_INTERFACE:include>")
@@ -13,7 +18,7 @@ target_include_directories(robocell SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${oroc
 target_link_libraries(robocell
   PUBLIC mujoco::mujoco Eigen3::Eigen fmt::fmt
   PRIVATE robocell_flags spdlog::spdlog yaml-cpp nlohmann_json::nlohmann_json orocos-kdl OpenSSL::Crypto
-          ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads ${CMAKE_DL_LIBS}
+          PkgConfig::HWY ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads ${CMAKE_DL_LIBS}
           $<LINK_ONLY:tinyxml2::tinyxml2>)  # its flags would be those of every file; its header needs none
 # In the wheel MuJoCo's package is a neighbour; an installed library finds MuJoCo where it was when it was built.
 set(ROBOCELL_INSTALL_RPATH "$ORIGIN;$ORIGIN/../mujoco")

@@ -30,8 +30,12 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
                       const std::vector<std::string>& locked_groups, double tolerance,
                       int threads) {
   const std::vector<Pose> poses = PosesFromMatrices(ToDoubles(targets, "targets"), "targets");
-  const std::vector<double> seed_values =
-      seeds.is_none() ? k.robot.arm().joint_pos() : ToDoubles(seeds, "seeds");
+  std::vector<double> seed_values;
+  if (!seeds.is_none()) {
+    seed_values = ToDoubles(seeds, "seeds");
+  } else if (!locked_groups.empty()) {
+    seed_values = k.robot.arm().joint_pos();
+  }
   const LockedJoints locked = k.robot.LockGroups(locked_groups);
   IkBatchResult result;
   {
@@ -113,10 +117,13 @@ void BindKinematics(nb::module_& m) {
            nb::sig("def ik_batch(self, targets: object, seeds: object | None = None, "
                    "locked_groups: collections.abc.Sequence[str] = [], tolerance: float = 1e-05, "
                    "threads: int = 1) -> types.SimpleNamespace"),
-           "targets (B, 4, 4) in the robot base frame, seeds (B, n) or (n,), where the joints of "
-           "`locked_groups` stay. Returns q (B, n), "
-           "success (B,), position_error,\n"
-           "rotation_error and iterations. An answer does not depend on the batch it is in.")
+           "Many poses at once, as many at a time as the processor has lanes.\n\n"
+           "targets (B, 4, 4) in the robot base frame. seeds (B, n) or (n,): where each search "
+           "begins, and where the joints of `locked_groups` stay; without seeds it begins near "
+           "the target (joints of locked groups stay where the robot has them). Returns q (B, n), "
+           "success (B,), position_error (B,) in m, rotation_error (B,) in rad and iterations "
+           "(B,). Limits are always obeyed. An answer does not depend on the batch it is in; "
+           "processors with other instruction sets may find another solution.")
       .def_prop_ro(
           "reach", [](const Kinematics& k) { return k.robot.reach(); },
           nb::call_guard<nb::gil_scoped_release>(),

@@ -2,11 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <mutex>
+#include <optional>
+
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/kinematics/chain_builder.h"
+#include "robocell/kinematics/lane_chain.h"
 
 namespace robocell {
+
+struct Chain::Lazy {
+  std::once_flag made;
+  std::optional<LaneChain> lanes;
+};
+
+std::shared_ptr<Chain::Lazy> Chain::NewLazy() { return std::make_shared<Lazy>(); }
+
+const LaneChain& Chain::lanes() const {
+  std::call_once(lazy_->made, [this] { lazy_->lanes.emplace(model_); });
+  return *lazy_->lanes;
+}
 
 Chain::Chain(const mjModel* model, std::string_view base_body, const ChainTip& tip,
              const ChainOptions& options)

@@ -24,6 +24,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -76,6 +77,7 @@ struct ChainJoint {
 };
 
 struct KdlSegment;
+class LaneChain;
 
 class Chain {
  public:
@@ -124,6 +126,7 @@ class Chain {
 
   // The folded numbers, for solvers.
   const ChainModel& model() const { return model_; }
+  const LaneChain& lanes() const;
   // "chain 'link_base' -> site 'link_tcp'", for messages.
   std::string description() const;
 
@@ -132,8 +135,11 @@ class Chain {
                                  std::span<const std::array<double, 2>> limits);
   Chain() = default;
   void CheckSize(std::string_view what, std::size_t size) const;
+  struct Lazy;
+  static std::shared_ptr<Lazy> NewLazy();
 
   ChainModel model_;
+  std::shared_ptr<Lazy> lazy_ = NewLazy();  // copies share it
   std::vector<ChainJoint> joints_;
   std::string base_body_;
   ChainTip tip_;

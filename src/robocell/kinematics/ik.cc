@@ -4,20 +4,14 @@
 
 #include <algorithm>
 #include <limits>
-#include <numbers>
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_descent.h"
-#include "robocell/kinematics/low_discrepancy.h"
-#include "robocell/kinematics/start_range.h"
+#include "robocell/kinematics/ik_parts.h"
 
 namespace robocell {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-// A target that no stretched chain can touch is tried from a few starts only, for the best
-// approach.
-constexpr int kRestartsWhenTooFar = 8;
 // How many solutions are compared when the nearest to the seed is wanted.
 constexpr int kSolutionsCompared = 8;
 
@@ -28,11 +22,12 @@ class Search {
         options_(options),
         target_(target),
         descent_(chain_, target_, options_),
-        seed_(SeedOf(options)) {}
+        seed_(SeedOf(chain_, options.seed, options.locked)) {}
 
   IkResult Run() {
+    const bool too_far = IsOutOfReach(chain_, target_, options_.tolerance);
     const int restarts =
-        TooFar() ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
+        too_far ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
     const int wanted = options_.prefer_near_seed ? kSolutionsCompared : 1;
     for (int k = 0, found = 0; k <= restarts && found < wanted; ++k) {
       best_.restarts = k;
@@ -43,36 +38,12 @@ class Search {
   }
 
  private:
-  JointVector SeedOf(const IkOptions& options) const {
-    JointVector seed = options.seed.empty() ? JointVector(chain_.n) : options.seed;
-    for (int i = 0; i < chain_.n; ++i) {
-      const JointModel& joint = chain_.joints[i];
-      const StartRange range = StartRangeOf(joint, chain_.length);
-      if (options.seed.empty()) seed[i] = range.middle();
-      if (!options.locked[i]) seed[i] = std::clamp(seed[i], joint.lower, joint.upper);
-    }
-    return seed;
-  }
-
-  bool TooFar() const {
-    const Eigen::Vector3d& root = chain_.joints[0].fixed.translation;
-    return (target_.translation - root).norm() > chain_.reach_bound + options_.tolerance;
-  }
-
   // Start 0 is the seed. The others fill the joint space; when near solutions are wanted, a growing
   // part of it.
   JointVector Start(int k) const {
-    JointVector q = seed_;
-    if (k == 0) return q;
+    if (k == 0) return seed_;
     const double part = options_.prefer_near_seed ? std::min(1.0, 0.1 * k) : 1;
-    for (int i = 0; i < chain_.n; ++i) {
-      if (options_.locked[i]) continue;
-      const JointModel& joint = chain_.joints[i];
-      const StartRange range = StartRangeOf(joint, chain_.length);
-      const double anywhere = range.at(LowDiscrepancy(k, i));
-      q[i] = std::clamp(seed_[i] + part * (anywhere - seed_[i]), joint.lower, joint.upper);
-    }
-    return q;
+    return SpreadStart(chain_, seed_, options_.locked, k, part);
   }
 
   // Whether a solution was found from this start.
@@ -82,7 +53,7 @@ class Search {
         Keep(q, descent_.cost());
       return false;
     }
-    UnwindTowardsSeed(&q);
+    UnwindTowards(chain_, seed_, options_.locked, &q);
     if (options_.prefer_near_seed) MoveTowardsSeed(&q);
     const double distance = DistanceToSeed(q);
     if (!best_.success || distance < best_cost_) Keep(q, distance);
@@ -92,20 +63,8 @@ class Search {
   void MoveTowardsSeed(JointVector* q) {
     JointVector nearer = *q;
     if (!descent_.Approach(seed_.data(), nearer.data())) return;
-    UnwindTowardsSeed(&nearer);
+    UnwindTowards(chain_, seed_, options_.locked, &nearer);
     if (DistanceToSeed(nearer) < DistanceToSeed(*q)) *q = nearer;
-  }
-
-  // Whole turns do not move the tip: take as many as bring a hinge nearest to the seed, within its
-  // limits.
-  void UnwindTowardsSeed(JointVector* q) const {
-    for (int i = 0; i < chain_.n; ++i) {
-      const JointModel& joint = chain_.joints[i];
-      if (joint.slide || options_.locked[i]) continue;
-      const double turns = std::round((seed_[i] - (*q)[i]) / kTurn);
-      const double moved = (*q)[i] + turns * kTurn;
-      if (moved >= joint.lower && moved <= joint.upper) (*q)[i] = moved;
-    }
   }
 
   double DistanceToSeed(const JointVector& q) const {
@@ -119,15 +78,11 @@ class Search {
 
   // Makes q the answer and judges it by a fresh forward kinematics.
   void Keep(JointVector q, double cost) {
-    UnwindTowardsSeed(&q);
-    const PoseError error =
-        ErrorTo(target_, WalkChain(chain_, q.data(), [](int, const Transform&) {}));
+    UnwindTowards(chain_, seed_, options_.locked, &q);
+    const int restarts = best_.restarts;
+    best_ = Judged(chain_, target_, options_, q);
+    best_.restarts = restarts;
     best_cost_ = cost;
-    best_.q = q;
-    best_.position_error = error.linear.stableNorm();
-    best_.rotation_error = error.angular.norm();
-    best_.success = best_.position_error <= options_.tolerance &&
-                    (options_.position_only || best_.rotation_error <= options_.tolerance);
   }
 
   const ChainModel& chain_;

@@ -8,9 +8,13 @@
 #include <thread>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/lane_solver.h"
 
 namespace robocell {
 namespace {
+
+// Questions between two polls of a thread.
+constexpr int kPollEvery = 16;
 
 // How the seeds are laid out for B questions about n joints.
 enum class Seeds { kNone, kOne, kEach };
@@ -50,14 +54,10 @@ class Batch {
   }
 
  private:
-  IkOptions OptionsOf(int b) const {
-    IkOptions options = options_.ik;
-    const int n = chain_.n_joints();
-    if (layout_ != Seeds::kNone) {
-      options.seed =
-          JointVector(seeds_.subspan(layout_ == Seeds::kEach ? std::size_t(b) * n : 0, n));
-    }
-    return options;
+  std::span<const double> SeedOf(int b) const {
+    if (layout_ == Seeds::kNone) return {};
+    const std::size_t n = chain_.n_joints();
+    return seeds_.subspan(layout_ == Seeds::kEach ? b * n : 0, n);
   }
 
   void Check() const {
@@ -74,7 +74,11 @@ class Batch {
       throw ArgumentError(fmt::format("batched inverse kinematics: seeds[{}][{}] is {}",
                                       i / chain_.n_joints(), i % chain_.n_joints(), seeds_[i]));
     }
-    if (!targets_.empty()) CheckIkOptions(chain_, OptionsOf(0));
+    if (!targets_.empty()) {
+      IkOptions first = options_.ik;
+      first.seed = JointVector(SeedOf(0));
+      CheckIkOptions(chain_, first);
+    }
     for (std::size_t b = 0; b < targets_.size(); ++b) {
       const Pose& target = targets_[b];
       if (!IsFinite(target)) CheckIkTarget(target, fmt::format("targets[{}]", b));
@@ -99,16 +103,44 @@ class Batch {
     ~Ending() { flag = std::uncaught_exceptions() > before; }
   };
 
-  void SolveEvery(int first, int stride, const std::function<void()>& poll) {
-    for (int b = first; b < out_.size && !ended_; b += stride) {
-      if (poll) poll();
-      const IkResult found = Ik(chain_, targets_[b], OptionsOf(b));
-      std::copy(found.q.begin(), found.q.end(), out_.q.begin() + std::ptrdiff_t(b) * out_.n_joints);
-      out_.success[b] = found.success;
-      out_.position_error[b] = found.position_error;
-      out_.rotation_error[b] = found.rotation_error;
-      out_.iterations[b] = found.iterations;
+  // One thread's share: every so-manieth question.
+  class Share : public LaneQueue {
+   public:
+    Share(Batch* batch, int first, int stride, const std::function<void()>& poll)
+        : batch_(*batch), next_(first), stride_(stride), poll_(poll) {}
+
+    bool Next(LaneQuestion* question) override {
+      if (poll_ && ++asked_ % kPollEvery == 1) poll_();
+      if (next_ >= batch_.out_.size || batch_.ended_) return false;
+      *question = {next_, ToTransform(batch_.targets_[next_]), batch_.SeedOf(next_)};
+      next_ += stride_;
+      return true;
     }
+    void Take(int number, const IkResult& answer) override { batch_.Keep(number, answer); }
+
+   private:
+    Batch& batch_;
+    int next_, stride_, asked_ = 0;
+    const std::function<void()>& poll_;
+  };
+
+  void SolveEvery(int first, int stride, const std::function<void()>& poll) {
+    Share share(this, first, stride, poll);
+    if (!options_.ik.prefer_near_seed) return SolveLanes(chain_, options_.ik, &share);
+    LaneQuestion question;
+    while (share.Next(&question)) {
+      IkOptions options = options_.ik;
+      if (!question.seed.empty()) options.seed = JointVector(question.seed);
+      Keep(question.number, Ik(chain_, targets_[question.number], options));
+    }
+  }
+
+  void Keep(int b, const IkResult& found) {
+    std::copy(found.q.begin(), found.q.end(), out_.q.begin() + std::ptrdiff_t(b) * out_.n_joints);
+    out_.success[b] = found.success;
+    out_.position_error[b] = found.position_error;
+    out_.rotation_error[b] = found.rotation_error;
+    out_.iterations[b] = found.iterations;
   }
 
   const Chain& chain_;

@@ -62,8 +62,9 @@ TEST_F(IkBatchTest, DoesNotDependOnOrderOrThreads) {
 TEST_F(IkBatchTest, GivesOneSeedToAll) {
   const std::span<const double> seed = std::span(seeds_).first(7);
   const IkBatchResult result = IkBatch(chain_, targets_, seed);
-  EXPECT_TRUE(
-      std::ranges::equal(result.row(3), Ik(chain_, targets_[3], {.seed = JointVector(seed)}).q));
+  std::vector<double> repeated;
+  for (int b = 0; b < result.size; ++b) repeated.insert(repeated.end(), seed.begin(), seed.end());
+  EXPECT_EQ(result.q, IkBatch(chain_, targets_, repeated).q);
 }
 
 TEST_F(IkBatchTest, UsesTheResultsMemoryAgain) {
@@ -77,12 +78,13 @@ TEST_F(IkBatchTest, UsesTheResultsMemoryAgain) {
 }
 
 TEST_F(IkBatchTest, EndsWithTheExceptionOfItsPoll) {
+  while (targets_.size() < 1000) targets_.push_back(targets_[targets_.size() % 40]);
   for (const int threads : {1, 3}) {
     int polls = 0;
     const IkBatchOptions options{.threads = threads, .poll = [&] {
                                    if (++polls == 3) throw Error("interrupted");
                                  }};
-    ExpectThrow<Error>([&] { IkBatch(chain_, targets_, seeds_, options); }, "interrupted");
+    ExpectThrow<Error>([&] { IkBatch(chain_, targets_, {}, options); }, "interrupted");
     EXPECT_EQ(polls, 3);
   }
 }

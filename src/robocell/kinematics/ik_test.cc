@@ -9,6 +9,7 @@
 
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/start_range.h"
+#include "robocell/kinematics/testing/ik_judge.h"
 #include "robocell/kinematics/testing/models.h"
 #include "robocell/testing/count_allocations.h"
 #include "robocell/testing/expect_throw.h"
@@ -17,34 +18,6 @@ namespace robocell {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-
-// Uniform in the limits; within half a turn of 0 where there are none.
-JointVector RandomJoints(const Chain& chain, Rng* rng) {
-  JointVector q(chain.n_joints());
-  for (int i = 0; i < q.size(); ++i) {
-    const ChainJoint& joint = chain.joints()[i];
-    q[i] = joint.limited ? rng->Uniform(joint.lower, joint.upper) : rng->Uniform(-kPi, kPi);
-  }
-  return q;
-}
-
-bool InLimits(const Chain& chain, const JointVector& q) {
-  for (int i = 0; i < q.size(); ++i) {
-    if (!(q[i] >= chain.joints()[i].lower && q[i] <= chain.joints()[i].upper)) return false;
-  }
-  return true;
-}
-
-// Judges an answer by the engine: position and rotation as norms.
-bool EngineAgrees(const TestModel& t, const Chain& chain, const Pose& target, const JointVector& q,
-                  double tolerance) {
-  for (int i = 0; i < q.size(); ++i) t.data()->qpos[chain.joints()[i].qpos_address] = q[i];
-  mj_kinematics(t.model(), t.data());
-  const Transform tip = t.TipInBase(chain);
-  const Eigen::Matrix3d difference = ToTransform(target).rotation * tip.rotation.transpose();
-  return (tip.translation - target.translation()).norm() <= tolerance &&
-         Eigen::AngleAxisd(difference).angle() <= tolerance;
-}
 
 // How many of `count` reachable targets are solved; every claimed solution must convince the
 // engine.
@@ -63,14 +36,6 @@ int CountSolved(const TestModel& t, const Chain& chain, int count, Rng* rng,
   }
   return solved;
 }
-
-struct Arm {
-  explicit Arm(const MenagerieArm& arm)
-      : model(TestModel::FromFile(MenagerieModel(arm.folder, arm.file))),
-        chain(model.model(), arm.base, arm.tip) {}
-  TestModel model;
-  Chain chain;
-};
 
 // A chain without files: six or seven hinges and a slide or two, seeded.
 struct AnyArm {

@@ -15,11 +15,9 @@
 #include <string>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/joint_count.h"
 
 namespace robocell {
-
-// Longest chain that robocell handles; a longer one is an ArgumentError when the chain is made.
-inline constexpr int kMaxChainJoints = 16;
 
 class JointVector {
  public:

@@ -1,0 +1,49 @@
+// FoldedChain: a serial chain as few numbers as possible, for kernels that handle many poses at
+// once.
+//
+// Between two joint axes lie a length along their common normal and a twist about it; everything
+// else about a joint is a turn about and a shift along its own axis, which the joint's value is
+// simply added to (J. Denavit and R. S. Hartenberg, "A Kinematic Notation for Lower-Pair
+// Mechanisms", 1955). Axes that are nearly, but not exactly, parallel have their common normal far
+// away, where digits are lost: their link keeps its whole transform.
+//
+//   pose of the tip = base * screw(0) * link(1) * screw(1) * ... * screw(n-1) * tip
+//
+// Lengths are in units of the chain's `length`, so that a kernel can weigh them against angles.
+// Plain numbers only: this header may be used by code for any instruction set.
+#pragma once
+
+#include "robocell/kinematics/joint_count.h"
+
+namespace robocell {
+
+// A rigid transform of plain numbers.
+struct PlainTransform {
+  double rotation[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  // row by row
+  double translation[3] = {};
+};
+
+struct FoldedJoint {
+  // From the joint before, along the common normal and about it. Not for joint 0.
+  bool whole_link = false;  // `link` instead
+  double normal_length = 0, cos_twist = 1, sin_twist = 0;
+  PlainTransform link;
+  // Its own screw: turned by (hinge: value +) angle, shifted by (slide: value * per_metre +) shift.
+  bool slide = false;
+  double angle = 0, shift = 0;
+  double cos_angle = 1, sin_angle = 0;  // of `angle`, for slides
+  double lower = 0, upper = 0;          // rad or m; +-infinity without limits
+};
+
+struct FoldedChain {
+  int n = 0;
+  double per_metre = 1;  // 1 / length
+  FoldedJoint joints[kMaxChainJoints];
+  PlainTransform base;  // base body -> first screw
+  PlainTransform tip;   // last screw -> tip
+};
+
+struct ChainModel;
+FoldedChain Fold(const ChainModel& chain);
+
+}  // namespace robocell

@@ -1,0 +1,69 @@
+#include "robocell/kinematics/ik_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "robocell/kinematics/low_discrepancy.h"
+#include "robocell/kinematics/pose_error.h"
+#include "robocell/kinematics/start_range.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+}  // namespace
+
+JointVector SeedOf(const ChainModel& chain, std::span<const double> seed,
+                   const LockedJoints& locked) {
+  JointVector q = seed.empty() ? JointVector(chain.n) : JointVector(seed);
+  for (int i = 0; i < chain.n; ++i) {
+    const JointModel& joint = chain.joints[i];
+    if (seed.empty()) q[i] = StartRangeOf(joint, chain.length).middle();
+    if (!locked[i]) q[i] = std::clamp(q[i], joint.lower, joint.upper);
+  }
+  return q;
+}
+
+JointVector SpreadStart(const ChainModel& chain, const JointVector& seed,
+                        const LockedJoints& locked, int k, double part) {
+  JointVector q = seed;
+  for (int i = 0; i < chain.n; ++i) {
+    if (locked[i]) continue;
+    const JointModel& joint = chain.joints[i];
+    const double anywhere = StartRangeOf(joint, chain.length).at(LowDiscrepancy(k, i));
+    q[i] = std::clamp(seed[i] + part * (anywhere - seed[i]), joint.lower, joint.upper);
+  }
+  return q;
+}
+
+bool IsOutOfReach(const ChainModel& chain, const Transform& target, double tolerance) {
+  const Eigen::Vector3d& root = chain.joints[0].fixed.translation;
+  return (target.translation - root).norm() > chain.reach_bound + tolerance;
+}
+
+void UnwindTowards(const ChainModel& chain, const JointVector& seed, const LockedJoints& locked,
+                   JointVector* q) {
+  for (int i = 0; i < chain.n; ++i) {
+    const JointModel& joint = chain.joints[i];
+    if (joint.slide || locked[i]) continue;
+    const double turns = std::round((seed[i] - (*q)[i]) / kTurn);
+    if (turns == 0) continue;
+    const double moved = (*q)[i] + turns * kTurn;
+    if (moved >= joint.lower && moved <= joint.upper) (*q)[i] = moved;
+  }
+}
+
+IkResult Judged(const ChainModel& chain, const Transform& target, const IkOptions& options,
+                const JointVector& q) {
+  IkResult result{.q = q};
+  const PoseError error = ErrorTo(target, WalkChain(chain, q.data(), [](int, const Transform&) {}));
+  result.position_error = error.linear.stableNorm();
+  result.rotation_error = error.angular.norm();
+  result.success = result.position_error <= options.tolerance &&
+                   (options.position_only || result.rotation_error <= options.tolerance);
+  return result;
+}
+
+}  // namespace robocell

@@ -1,0 +1,34 @@
+// What every search for joint values needs: where it begins, what a found configuration is worth.
+// For the solvers of this folder.
+#pragma once
+
+#include "robocell/kinematics/ik.h"
+#include "robocell/kinematics/transform.h"
+
+namespace robocell {
+
+// The seed, or the middle of the limits without one; inside the limits but for locked joints.
+JointVector SeedOf(const ChainModel& chain, std::span<const double> seed,
+                   const LockedJoints& locked);
+
+// Start k > 0 of those that fill the joint space, locked joints as in the seed. With `part` < 1
+// they fill that part of the space around the seed.
+JointVector SpreadStart(const ChainModel& chain, const JointVector& seed,
+                        const LockedJoints& locked, int k, double part = 1);
+
+// Whether no stretched chain can touch the target.
+bool IsOutOfReach(const ChainModel& chain, const Transform& target, double tolerance);
+// A target out of reach is tried from a few starts only, for the best approach.
+inline constexpr int kRestartsWhenTooFar = 8;
+
+// Whole turns do not move the tip: takes as many as bring a hinge nearest to the seed, within its
+// limits.
+void UnwindTowards(const ChainModel& chain, const JointVector& seed, const LockedJoints& locked,
+                   JointVector* q);
+
+// Judges q by a fresh forward kinematics, in double precision and one pose at a time: what a faster
+// kernel says counts for nothing. Fills in the errors and `success`.
+IkResult Judged(const ChainModel& chain, const Transform& target, const IkOptions& options,
+                const JointVector& q);
+
+}  // namespace robocell

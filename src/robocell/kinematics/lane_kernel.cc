@@ -1,0 +1,303 @@
+#include "robocell/kinematics/lane_kernel.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "robocell/kinematics/lane_kernel.cc"
+// Without fused multiplication there is little to gain.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "robocell/kinematics/lane_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace robocell::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// While one group waits for its divisions, the processor works on the next.
+constexpr int kGroups = 2;
+
+using D = hn::CappedTag<double, kMaxLanes / kGroups>;
+using V = hn::Vec<D>;
+constexpr D d;
+
+// Damping = kDamping * |error|^2 + kLeastDamping: bold far away would overshoot, cautious near the
+// target would crawl (T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by the
+// Levenberg-Marquardt Method", 2011).
+constexpr double kDamping = 0.01, kLeastDamping = 1e-9;
+// A far target pulls no stronger than one at this cost.
+constexpr double kMostCost = 4;
+// No hinge turns farther in one step (rad): the linear model holds no longer.
+constexpr double kLargestTurn = 1.2;
+
+HWY_INLINE V Load(const double* p) { return hn::Load(d, p); }
+HWY_INLINE V Number(double value) { return hn::Set(d, value); }
+
+struct V3 {
+  V x, y, z;
+};
+HWY_INLINE V3 Cross(const V3& a, const V3& b) {
+  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
+          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
+}
+HWY_INLINE V Dot(const V3& a, const V3& b) {
+  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+}
+// a * s + b
+HWY_INLINE V3 MulAdd(V s, const V3& a, const V3& b) {
+  return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y), hn::MulAdd(s, a.z, b.z)};
+}
+HWY_INLINE V3 Sub(const V3& a, const V3& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE V3 Add(const V3& a, const V3& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+// Turns u towards v by an angle: u' = c u + s v, v' = c v - s u.
+HWY_INLINE void Turn(V c, V s, V3* u, V3* v) {
+  const V3 turned = {hn::MulAdd(c, u->x, hn::Mul(s, v->x)), hn::MulAdd(c, u->y, hn::Mul(s, v->y)),
+                     hn::MulAdd(c, u->z, hn::Mul(s, v->z))};
+  *v = {hn::MulSub(c, v->x, hn::Mul(s, u->x)), hn::MulSub(c, v->y, hn::Mul(s, u->y)),
+        hn::MulSub(c, v->z, hn::Mul(s, u->z))};
+  *u = turned;
+}
+HWY_INLINE V3 Load3(const double (*rows)[kMaxLanes], int lane) {
+  return {Load(rows[0] + lane), Load(rows[1] + lane), Load(rows[2] + lane)};
+}
+
+struct Frame {
+  V3 x, y, z, p;
+};
+
+HWY_INLINE V3 Times(const Frame& f, const double* v) {
+  return MulAdd(Number(v[0]), f.x,
+                MulAdd(Number(v[1]), f.y,
+                       {hn::Mul(Number(v[2]), f.z.x), hn::Mul(Number(v[2]), f.z.y),
+                        hn::Mul(Number(v[2]), f.z.z)}));
+}
+
+HWY_NOINLINE void WholeLink(const PlainTransform& link, Frame* f) {
+  const double* r = link.rotation;
+  const double x[3] = {r[0], r[3], r[6]}, y[3] = {r[1], r[4], r[7]}, z[3] = {r[2], r[5], r[8]};
+  const Frame old = *f;
+  f->p = Add(old.p, Times(old, link.translation));
+  f->x = Times(old, x);
+  f->y = Times(old, y);
+  f->z = Times(old, z);
+}
+
+HWY_INLINE void LinkTo(const FoldedJoint& joint, Frame* f) {
+  if (HWY_UNLIKELY(joint.whole_link)) return WholeLink(joint.link, f);
+  f->p = MulAdd(Number(joint.normal_length), f->x, f->p);
+  Turn(Number(joint.cos_twist), Number(joint.sin_twist), &f->y, &f->z);
+}
+
+// What a step needs of one joint.
+struct Axis {
+  V3 direction, point;
+};
+
+// Frames of all screws at q; the frame of the last one.
+template <int N>
+HWY_INLINE Frame Walk(const FoldedChain& chain, const V* q, Axis* axes) {
+  const int n = N ? N : chain.n;
+  V sine[N ? N : kMaxChainJoints], cosine[N ? N : kMaxChainJoints];
+  for (int i = 0; i < n; ++i) {
+    const FoldedJoint& joint = chain.joints[i];
+    if (HWY_UNLIKELY(joint.slide)) {
+      sine[i] = Number(joint.sin_angle);
+      cosine[i] = Number(joint.cos_angle);
+    } else {
+      SinCos(d, hn::Add(q[i], Number(joint.angle)), &sine[i], &cosine[i]);
+    }
+  }
+  const V zero = hn::Zero(d), one = Number(1);
+  Frame f{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}, {zero, zero, zero}};
+  for (int i = 0; i < n; ++i) {
+    const FoldedJoint& joint = chain.joints[i];
+    if (i > 0) LinkTo(joint, &f);
+    V shift = Number(joint.shift);
+    if (HWY_UNLIKELY(joint.slide)) shift = hn::MulAdd(q[i], Number(chain.per_metre), shift);
+    f.p = MulAdd(shift, f.z, f.p);
+    axes[i] = {f.z, f.p};
+    Turn(cosine[i], sine[i], &f.x, &f.y);
+  }
+  return f;
+}
+
+// The lower triangle of a symmetric 6 x 6 matrix, row by row, and what it is to be solved for.
+struct System {
+  V a[21];
+  V b[6];
+};
+HWY_INLINE constexpr int At(int row, int column) { return row * (row + 1) / 2 + column; }
+
+// In place by L D L^T.
+HWY_INLINE void Solve(System* s) {
+  V inverse[6];
+#pragma GCC unroll 6
+  for (int j = 0; j < 6; ++j) {
+    inverse[j] = hn::Div(Number(1), s->a[At(j, j)]);
+#pragma GCC unroll 6
+    for (int i = j + 1; i < 6; ++i) {
+      const V factor = hn::Mul(s->a[At(i, j)], inverse[j]);
+#pragma GCC unroll 6
+      for (int k = j + 1; k <= i; ++k)
+        s->a[At(i, k)] = hn::NegMulAdd(factor, s->a[At(k, j)], s->a[At(i, k)]);
+      s->b[i] = hn::NegMulAdd(factor, s->b[j], s->b[i]);
+    }
+  }
+#pragma GCC unroll 6
+  for (int j = 5; j >= 0; --j) {
+    V sum = s->b[j];
+#pragma GCC unroll 6
+    for (int i = j + 1; i < 6; ++i) sum = hn::NegMulAdd(s->a[At(i, j)], s->b[i], sum);
+    s->b[j] = hn::Mul(sum, inverse[j]);
+  }
+}
+
+template <int N>
+HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& options, int lane,
+                              LaneState* state) {
+  constexpr int kMost = N ? N : kMaxChainJoints;
+  const int n = N ? N : chain.n;
+  V q[kMost];
+  for (int i = 0; i < n; ++i) q[i] = Load(state->q[i] + lane);
+  Axis axes[kMost];
+  const Frame f = Walk<N>(chain, q, axes);
+
+  // The twist that takes the tip to where it shall be.
+  const V3 tip = Add(f.p, Times(f, chain.tip.translation));
+  const V3 linear = Sub(Load3(state->position, lane), tip);
+  const V3 x = Load3(state->axes, lane), y = Load3(state->axes + 3, lane),
+           z = Load3(state->axes + 6, lane);
+  const V3 sine2 = Add(Cross(f.x, x), Add(Cross(f.y, y), Cross(f.z, z)));   // 2 sin(angle) axis
+  const V trace = hn::Add(Dot(f.x, x), hn::Add(Dot(f.y, y), Dot(f.z, z)));  // 1 + 2 cos(angle)
+  // 2 tan(angle / 2) axis; grows beyond all bounds at half a turn.
+  V scale = hn::Div(Number(2), hn::Max(hn::Add(trace, Number(1)), Number(1e-3)));
+  if (options.position_only) scale = hn::Zero(d);
+  const V3 angular = {hn::Mul(scale, sine2.x), hn::Mul(scale, sine2.y), hn::Mul(scale, sine2.z)};
+  const V distance2 = Dot(linear, linear), turn2 = Dot(angular, angular);
+  const V cost = hn::Add(distance2, turn2);
+  hn::Store(distance2, d, state->distance2 + lane);
+  hn::Store(turn2, d, state->turn2 + lane);
+  const V best = Load(state->best_cost + lane);
+  const auto better = hn::Lt(cost, best);
+  hn::Store(hn::Min(cost, best), d, state->best_cost + lane);
+  for (int i = 0; i < n; ++i) hn::BlendedStore(q[i], better, d, state->best_q[i] + lane);
+  const auto arrived =
+      hn::And(hn::Le(distance2, Number(options.distance2)), hn::Le(turn2, Number(options.turn2)));
+
+  System s;
+  for (V& entry : s.a) entry = hn::Zero(d);
+  const V damping =
+      hn::MulAdd(hn::Min(cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
+  for (int i = 0; i < 6; ++i) s.a[At(i, i)] = damping;
+  s.b[0] = linear.x, s.b[1] = linear.y, s.b[2] = linear.z;
+  s.b[3] = angular.x, s.b[4] = angular.y, s.b[5] = angular.z;
+  V column[kMost][6];
+  for (int i = 0; i < n; ++i) {
+    V* c = column[i];
+    const FoldedJoint& joint = chain.joints[i];
+    V3 moves, turns = axes[i].direction;
+    if (HWY_UNLIKELY(joint.slide)) {
+      const V per_metre = Number(chain.per_metre);
+      moves = {hn::Mul(turns.x, per_metre), hn::Mul(turns.y, per_metre),
+               hn::Mul(turns.z, per_metre)};
+      turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    } else {
+      moves = Cross(turns, Sub(tip, axes[i].point));
+    }
+    if (options.position_only) turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    // A joint that presses on its limit takes no part (projected gradient: D. P. Bertsekas,
+    // "Projected Newton Methods for Optimization Problems with Simple Constraints", 1982).
+    const V pull = hn::Add(Dot(moves, linear), Dot(turns, angular));
+    const auto up = hn::Gt(pull, hn::Zero(d));
+    const auto stuck = hn::Or(hn::And(up, hn::Ge(q[i], Number(joint.upper))),
+                              hn::AndNot(up, hn::Le(q[i], Number(joint.lower))));
+    c[0] = hn::IfThenZeroElse(stuck, moves.x);
+    c[1] = hn::IfThenZeroElse(stuck, moves.y);
+    c[2] = hn::IfThenZeroElse(stuck, moves.z);
+    c[3] = hn::IfThenZeroElse(stuck, turns.x);
+    c[4] = hn::IfThenZeroElse(stuck, turns.y);
+    c[5] = hn::IfThenZeroElse(stuck, turns.z);
+    if (HWY_UNLIKELY(options.locked[i])) {
+      for (int k = 0; k < 6; ++k) c[k] = hn::Zero(d);
+    }
+#pragma GCC unroll 6
+    for (int r = 0; r < 6; ++r) {
+#pragma GCC unroll 6
+      for (int k = 0; k <= r; ++k) s.a[At(r, k)] = hn::MulAdd(c[r], c[k], s.a[At(r, k)]);
+    }
+  }
+  Solve(&s);
+
+  V step[kMost];
+  V most = hn::Zero(d);
+  for (int i = 0; i < n; ++i) {
+    const V* c = column[i];
+    V sum = hn::Mul(c[0], s.b[0]);
+    for (int k = 1; k < 6; ++k) sum = hn::MulAdd(c[k], s.b[k], sum);
+    step[i] = sum;
+    if (!chain.joints[i].slide) most = hn::Max(most, hn::Abs(sum));
+  }
+  const V shorten = hn::IfThenZeroElse(
+      arrived, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
+  for (int i = 0; i < n; ++i) {
+    if (HWY_UNLIKELY(options.locked[i])) continue;
+    const FoldedJoint& joint = chain.joints[i];
+    const V moved = hn::MulAdd(shorten, step[i], q[i]);
+    hn::Store(hn::Min(hn::Max(moved, Number(joint.lower)), Number(joint.upper)), d,
+              state->q[i] + lane);
+  }
+  uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, arrived, bits);
+  return bits[0];
+}
+
+template <int N>
+uint32_t Step(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
+              LaneState* state) {
+  const int width = hn::Lanes(d);
+  uint32_t arrived = 0;
+  for (int first = 0; first < kGroups * width; first += width) {
+    if ((busy >> first & ((1U << width) - 1)) != 0)
+      arrived |= StepGroup<N>(chain, options, first, state) << first;
+  }
+  return arrived;
+}
+
+int Count() { return kGroups * hn::Lanes(d); }
+
+// The common numbers of joints have code of their own, whose arrays the compiler can lay out.
+uint32_t StepAny(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
+                 LaneState* state) {
+  switch (chain.n) {
+    case 6:
+      return Step<6>(chain, options, busy, state);
+    case 7:
+      return Step<7>(chain, options, busy, state);
+    default:
+      return Step<0>(chain, options, busy, state);
+  }
+}
+
+}  // namespace robocell::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace robocell {
+
+HWY_EXPORT(StepAny);
+HWY_EXPORT(Count);
+
+int LaneCount() { return HWY_DYNAMIC_DISPATCH(Count)(); }
+
+uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
+                   LaneState* state) {
+  return HWY_DYNAMIC_DISPATCH(StepAny)(chain, options, busy, state);
+}
+
+}  // namespace robocell
+#endif

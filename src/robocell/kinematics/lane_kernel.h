@@ -1,0 +1,50 @@
+// One damped least-squares step for many inverse kinematics questions at once: every lane of a
+// vector register works on its own question, with the widest registers this processor has.
+//
+// Lanes never mix: what happens in one depends on its own numbers alone, so that an answer does not
+// depend on its neighbours. Other instruction sets round differently.
+//
+// Plain numbers only; this header is included by code for every instruction set. Lengths are in
+// units of the chain's `length` (FoldedChain).
+#pragma once
+
+#include <cstdint>
+
+#include "robocell/kinematics/folded_chain.h"
+
+namespace robocell {
+
+// The most lanes that any instruction set uses.
+inline constexpr int kMaxLanes = 16;
+
+// What the lanes work on; one column per lane.
+struct LaneState {
+  alignas(64) double q[kMaxChainJoints][kMaxLanes] = {};
+  // Where the last screw's frame shall be, in the frame of the first: x, y and z axis; and where
+  // the tip shall be.
+  alignas(64) double axes[9][kMaxLanes] = {};
+  alignas(64) double position[3][kMaxLanes] = {};
+  // Of the q before the step: squared distance of the tip, and squared 2 tan(angle / 2) for the
+  // rotation left, which is never less than the angle.
+  alignas(64) double distance2[kMaxLanes] = {};
+  alignas(64) double turn2[kMaxLanes] = {};
+  // The q with the least sum of both since it was last set to infinity.
+  alignas(64) double best_cost[kMaxLanes] = {};
+  alignas(64) double best_q[kMaxChainJoints][kMaxLanes] = {};
+};
+
+struct LaneOptions {
+  double distance2 = 0, turn2 = 0;  // a lane that is not above either has arrived
+  bool position_only = false;
+  bool locked[kMaxChainJoints] = {};
+};
+
+// Lanes of this processor's kernel: a multiple of its registers' width, at most kMaxLanes.
+int LaneCount();
+
+// Measures the busy lanes (bits), and moves those that have not arrived one step. Returns the lanes
+// that have arrived; bits of others have no meaning.
+uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
+                   LaneState* state);
+
+}  // namespace robocell

@@ -1,0 +1,35 @@
+// Answers a queue of inverse kinematics questions, as many at a time as a processor core has lanes.
+//
+// A lane whose question is answered takes the next one at once, so that hard questions hold up no
+// others; one that gets nowhere starts again elsewhere. What a question is answered depends on the
+// question alone.
+#pragma once
+
+#include <span>
+
+#include "robocell/kinematics/chain.h"
+#include "robocell/kinematics/ik.h"
+
+namespace robocell {
+
+struct LaneQuestion {
+  int number = 0;  // the asker's
+  Transform target;
+  std::span<const double> seed;  // tried first; empty: none
+};
+
+// Where questions come from and answers go; called on the solving thread.
+class LaneQueue {
+ public:
+  virtual ~LaneQueue() = default;
+  // False when there are no more.
+  virtual bool Next(LaneQuestion* question) = 0;
+  virtual void Take(int number, const IkResult& answer) = 0;
+};
+
+// Until the queue is empty and everything is answered. options.seed and options.prefer_near_seed
+// have no meaning here. Starts after the seed: those of the chain's table near the target (unless
+// joints are locked, which the table knows nothing of), then points that fill the joint space.
+void SolveLanes(const Chain& chain, const IkOptions& options, LaneQueue* queue);
+
+}  // namespace robocell

@@ -1,0 +1,138 @@
+#include "robocell/kinematics/start_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "robocell/kinematics/low_discrepancy.h"
+#include "robocell/kinematics/start_range.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kEntries = 8192;
+constexpr int kCellsAlongTheLongestSide = 7;
+// Solutions found from near a limit end up pressed on it more often than others.
+constexpr double kPartOfTheRange = 0.8;
+// A cell with fewer entries has no choice to offer.
+constexpr int kFewestEntries = 8;
+// This part of the chain's length is as far as one radian.
+constexpr double kLengthPerRadian = 0.4;
+
+JointVector StartNumber(const ChainModel& chain, int k) {
+  JointVector q(chain.n);
+  for (int i = 0; i < chain.n; ++i) {
+    const double part = 0.5 + kPartOfTheRange * (LowDiscrepancy(k, i) - 0.5);
+    q[i] = StartRangeOf(chain.joints[i], chain.length).at(part);
+  }
+  return q;
+}
+
+}  // namespace
+
+StartTable::Aim StartTable::At(const Transform& tip, bool position_only) {
+  const Eigen::Vector3f p = tip.translation.cast<float>();
+  const Eigen::Quaterniond turn(tip.rotation);
+  const Eigen::Vector4f q = turn.coeffs().cast<float>();  // xyzw
+  return {{p.x(), p.y(), p.z()}, {q.w(), q.x(), q.y(), q.z()}, position_only ? 0.F : 8.F};
+}
+
+StartTable::StartTable(const ChainModel& chain)
+    : n_(chain.n),
+      per_distance2_(static_cast<float>(1 / std::pow(kLengthPerRadian * chain.length, 2))) {
+  std::vector<std::array<float, kColumns>> poses(kEntries);
+  std::vector<JointVector> starts(kEntries);
+  for (int k = 0; k < kEntries; ++k) {
+    starts[k] = StartNumber(chain, k);
+    const Aim at = At(WalkChain(chain, starts[k].data(), [](int, const Transform&) {}), false);
+    std::copy(at.position.begin(), at.position.end(), poses[k].begin());
+    std::copy(at.quaternion.begin(), at.quaternion.end(), poses[k].begin() + kQw);
+  }
+  MakeCells(poses);
+
+  std::vector<int> next = begin_;
+  for (std::vector<float>& column : poses_) column.resize(kEntries);
+  q_.resize(static_cast<std::size_t>(kEntries) * n_);
+  for (int k = 0; k < kEntries; ++k) {
+    const int entry = next[CellOf(poses[k].data())]++;
+    for (int c = 0; c < kColumns; ++c) poses_[c][entry] = poses[k][c];
+    std::copy(starts[k].begin(), starts[k].end(), q_.begin() + std::ptrdiff_t(entry) * n_);
+  }
+  MakeDetours();
+}
+
+// Cubes over the box of all positions, and how many entries fall into each.
+void StartTable::MakeCells(const std::vector<std::array<float, kColumns>>& poses) {
+  std::array<float, 3> sides{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto less = [axis](const auto& a, const auto& b) { return a[axis] < b[axis]; };
+    const auto [low, high] = std::minmax_element(poses.begin(), poses.end(), less);
+    corner_[axis] = (*low)[axis];
+    sides[axis] = (*high)[axis] - (*low)[axis];
+  }
+  const float longest = *std::max_element(sides.begin(), sides.end());
+  per_edge_ = longest > 0 ? kCellsAlongTheLongestSide / longest : 0;
+  for (int axis = 0; axis < 3; ++axis)
+    cells_[axis] = std::max(1, static_cast<int>(std::ceil(sides[axis] * per_edge_)));
+
+  begin_.assign(cells_[0] * cells_[1] * cells_[2] + 1, 0);
+  for (const auto& pose : poses) ++begin_[CellOf(pose.data()) + 1];
+  most_ = *std::max_element(begin_.begin(), begin_.end());
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+}
+
+int StartTable::CellOf(const float* position) const {
+  int cell = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float at = (position[axis] - corner_[axis]) * per_edge_;
+    const float last = static_cast<float>(cells_[axis] - 1);
+    cell = cell * cells_[axis] + static_cast<int>(std::clamp(at, 0.F, last));
+  }
+  return cell;
+}
+
+// Near the border of the reach, cells are nearly empty: the nearest one with enough entries serves.
+void StartTable::MakeDetours() {
+  const int count = static_cast<int>(begin_.size()) - 1;
+  const auto entries = [&](int cell) { return begin_[cell + 1] - begin_[cell]; };
+  const auto place = [&](int cell) {
+    return Eigen::Vector3i(cell / (cells_[1] * cells_[2]), cell / cells_[2] % cells_[1],
+                           cell % cells_[2]);
+  };
+  detour_.resize(count);
+  for (int cell = 0; cell < count; ++cell) {
+    detour_[cell] = cell;
+    if (entries(cell) >= kFewestEntries) continue;
+    int nearest = std::numeric_limits<int>::max();
+    for (int other = 0; other < count; ++other) {
+      const int distance2 = (place(other) - place(cell)).squaredNorm();
+      if (entries(other) < kFewestEntries || distance2 >= nearest) continue;
+      nearest = distance2;
+      detour_[cell] = other;
+    }
+  }
+}
+
+// Without fused operations, so that all processors choose alike.
+const float* StartTable::Next(const Aim& aim, Place* place) const {
+  const int cell = detour_[CellOf(aim.position.data())];
+  Place best{std::numeric_limits<float>::infinity(), -1};
+  for (int k = begin_[cell]; k < begin_[cell + 1]; ++k) {
+    float distance2 = 0, cosine = 0;  // of half the angle
+    for (int axis = 0; axis < 3; ++axis) {
+      const float d = poses_[kX + axis][k] - aim.position[axis];
+      distance2 += d * d;
+    }
+    for (int c = 0; c < 4; ++c) cosine += poses_[kQw + c][k] * aim.quaternion[c];
+    // angle^2 is about 8 (1 - cos(angle / 2))
+    const float score = per_distance2_ * distance2 + aim.turn_weight * (1 - std::abs(cosine));
+    const bool later = score > place->score || (score == place->score && k > place->entry);
+    if (later && score < best.score) best = {score, k};
+  }
+  if (best.entry < 0) return nullptr;
+  *place = best;
+  return q_.data() + static_cast<std::ptrdiff_t>(best.entry) * n_;
+}
+
+}  // namespace robocell

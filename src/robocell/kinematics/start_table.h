@@ -1,0 +1,58 @@
+// StartTable: joint values spread over a chain's limits, found by the pose that they give the tip:
+// where a search for a pose best begins.
+//
+// Points of a low-discrepancy sequence, sorted into cells of space by the position of the tip; in a
+// cell they are ranked by how far the tip has to turn and to move. A start nearby needs few steps,
+// and ends more often inside the limits. Immutable; a chain makes it once, in some milliseconds.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "robocell/kinematics/chain_model.h"
+
+namespace robocell {
+
+class StartTable {
+ public:
+  explicit StartTable(const ChainModel& chain);
+
+  // A pose to start near.
+  struct Aim {
+    std::array<float, 3> position;    // m, in the base frame
+    std::array<float, 4> quaternion;  // wxyz
+    float turn_weight;                // 0: any rotation will do
+  };
+  static Aim At(const Transform& tip_in_base, bool position_only);
+
+  // How far a walk through the starts near an aim has come.
+  struct Place {
+    float score = -1;
+    int entry = -1;
+  };
+  // The next start in order of nearness: n values, or null when there are no more nearby.
+  const float* Next(const Aim& aim, Place* place) const;
+
+  int n_joints() const { return n_; }
+
+ private:
+  enum Column { kX, kY, kZ, kQw, kQx, kQy, kQz, kColumns };
+
+  void MakeCells(const std::vector<std::array<float, kColumns>>& poses);
+  void MakeDetours();
+  int CellOf(const float* position) const;
+
+  int n_ = 0;
+  float per_distance2_ = 0;        // weight of a squared distance against a squared angle
+  std::array<float, 3> corner_{};  // of the first cell, m
+  float per_edge_ = 0;             // 1 / edge of a cell, 1/m
+  std::array<int, 3> cells_{};     // along each axis
+  std::vector<int> begin_;         // of each cell's entries; one more at the end
+  std::vector<int> detour_;        // the cell to look in for a cell: itself, or one with entries
+  int most_ = 0;                   // entries in one cell
+  std::array<std::vector<float>, kColumns> poses_;
+  std::vector<float> q_;  // n values each
+};
+
+}  // namespace robocell

@@ -1,0 +1,73 @@
+// Starts come in order of nearness, lie inside the limits, and are there for every pose.
+#include "robocell/kinematics/start_table.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/kinematics/testing/models.h"
+
+namespace robocell {
+namespace {
+
+class StartTableTest : public testing::Test {
+ protected:
+  Transform TipAt(const float* q) const {
+    const std::vector<double> values(q, q + chain_.n_joints());
+    return ToTransform(chain_.Fk(values));
+  }
+  // Metres and radians between two poses, each.
+  static double Away(const Transform& a, const Transform& b) {
+    return (a.translation - b.translation).norm() +
+           Eigen::AngleAxisd(a.rotation * b.rotation.transpose()).angle();
+  }
+
+  Rng rng_ = Rng::Stream(1, "start table");
+  TestModel model_ = TestModel::FromXml(
+      RandomChainXml(&rng_, {.joints = 7, .slide_share = 0, .limited_share = 1}).Write());
+  Chain chain_{model_.model(), "base", ChainTip::Site("tip")};
+  StartTable table_{chain_.model()};
+};
+
+TEST_F(StartTableTest, ComeInOrderAndEndAndLieInTheLimits) {
+  const StartTable::Aim aim = StartTable::At(TipAt(std::vector<float>(7).data()), false);
+  StartTable::Place place;
+  int count = 0;
+  for (StartTable::Place before; const float* q = table_.Next(aim, &place); before = place) {
+    ++count;
+    ASSERT_TRUE(place.score > before.score ||
+                (place.score == before.score && place.entry > before.entry));
+    for (int i = 0; i < 7; ++i) {
+      EXPECT_GE(q[i], chain_.joints()[i].lower);
+      EXPECT_LE(q[i], chain_.joints()[i].upper);
+    }
+  }
+  EXPECT_GE(count, 8);
+}
+
+TEST_F(StartTableTest, AreNearerThanTheMiddle) {
+  double first = 0, middle = 0;
+  const JointVector centre(7);
+  for (int k = 0; k < 200; ++k) {
+    JointVector q(7);
+    for (int i = 0; i < 7; ++i)
+      q[i] = rng_.Uniform(chain_.joints()[i].lower, chain_.joints()[i].upper);
+    const Transform target = ToTransform(chain_.Fk(q));
+    StartTable::Place place;
+    const float* start = table_.Next(StartTable::At(target, false), &place);
+    ASSERT_NE(start, nullptr);
+    first += Away(TipAt(start), target);
+    middle += Away(ToTransform(chain_.Fk(centre)), target);
+  }
+  EXPECT_LT(first, 0.5 * middle);
+}
+
+TEST_F(StartTableTest, AreThereForPosesThatNothingReaches) {
+  for (const double far : {3.0, 1e6, 1e300}) {
+    StartTable::Place place;
+    const Transform target{Eigen::Matrix3d::Identity(), {far, -far, far}};
+    const float* start = table_.Next(StartTable::At(target, false), &place);
+    ASSERT_TRUE(start != nullptr || far == 1e300) << far;
+  }
+}
+
+}  // namespace
+}  // namespace robocell
