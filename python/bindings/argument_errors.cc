@@ -1,6 +1,10 @@
-// nanobind has no hook for this error. Its functions are called through a pointer in each function
+// What happens around every call: a handle that was closed refuses it (closed_handles.h), and
+// arguments that do not fit are told.
+//
+// nanobind has no hook for either. Its functions are called through a pointer in each function
 // object (CPython's vectorcall protocol), which is replaced by one that calls the original and,
-// when that fails, looks at the error. A call that succeeds costs one more jump.
+// when that fails, looks at the error. A call that succeeds costs one more jump, and one of a
+// handle a look-up.
 #include "argument_errors.h"
 
 #include <fmt/format.h>
@@ -11,6 +15,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "closed_handles.h"
 #include "returned.h"
 #include "robocell/base/error.h"
 
@@ -31,6 +36,7 @@ bool IsOfThisCall(nb::handle function, const nb::python_error& error) {
 struct Named {
   std::string name;  // "Scene.step_n", "Pose"
   bool is_constructor = false, is_setter = false;
+  const HandleGuard* guard = nullptr;
 };
 
 // What functions are called; they live as long as the module.
@@ -79,24 +85,40 @@ constexpr size_t kArgumentCount = (size_t{1} << 32) - 1;
 constexpr size_t kMostOriginals = 16;  // nanobind has one for each of a few shapes of signatures
 std::array<vectorcallfunc, kMostOriginals> originals = {};
 
-template <size_t i>
+// Whether a handle's function may be called; else the error is set.
+bool MayCall(PyObject* function, PyObject* const* args, size_t count) {
+  if (count == 0) return true;
+  try {
+    (*Names().find(function)->second.guard)(nb::handle(args[0]));
+    return true;
+  } catch (const ClosedError& error) {
+    SetError(error);
+  } catch (const std::exception& error) {  // of a group of the user's own
+    PyErr_SetString(PyExc_RuntimeError, error.what());
+  }
+  return false;
+}
+
+template <size_t i, bool guarded>
 PyObject* Call(PyObject* function, PyObject* const* args, size_t count, PyObject* keywords) {
+  if (guarded && !MayCall(function, args, count & kArgumentCount)) return nullptr;
   PyObject* result = originals[i](function, args, count, keywords);
   if (!result) Explain(function, args, count & kArgumentCount, keywords);
   return result;
 }
 
-template <size_t... i>
+template <bool guarded, size_t... i>
 constexpr std::array<vectorcallfunc, kMostOriginals> Calls(std::index_sequence<i...>) {
-  return {&Call<i>...};
+  return {&Call<i, guarded>...};
 }
 
 // The call that stands for an original one.
-vectorcallfunc InPlaceOf(vectorcallfunc original) {
-  static constexpr auto kCalls = Calls(std::make_index_sequence<kMostOriginals>());
+vectorcallfunc InPlaceOf(vectorcallfunc original, bool guarded) {
+  static constexpr auto kIndices = std::make_index_sequence<kMostOriginals>();
+  static constexpr auto kPlain = Calls<false>(kIndices), kGuarded = Calls<true>(kIndices);
   for (size_t i = 0; i < kMostOriginals; ++i) {
     if (!originals[i]) originals[i] = original;
-    if (originals[i] == original) return kCalls[i];
+    if (originals[i] == original) return guarded ? kGuarded[i] : kPlain[i];
   }
   throw Error("nanobind calls its functions in more ways than the module can wrap");
 }
@@ -104,9 +126,10 @@ vectorcallfunc InPlaceOf(vectorcallfunc original) {
 void Wrap(nb::handle function, Named named) {
   const Py_ssize_t offset = Py_TYPE(function.ptr())->tp_vectorcall_offset;
   if (offset <= 0 || !nb::hasattr(function, "__nb_signature__")) return;
+  const bool guarded = named.guard;
   if (!Names().emplace(function.ptr(), std::move(named)).second) return;  // under two names
   auto& call = *reinterpret_cast<vectorcallfunc*>(reinterpret_cast<char*>(function.ptr()) + offset);
-  call = InPlaceOf(call);
+  call = InPlaceOf(call, guarded);
 }
 
 // The members of a module or class, by name.
@@ -121,10 +144,11 @@ void WrapClass(const std::string& name, nb::handle type) {
     const auto member_name = nb::cast<std::string>(key);
     const bool is_constructor = member_name == "__init__";
     const std::string full = fmt::format("{}.{}", name, member_name);
-    Wrap(member, {is_constructor ? name : full, is_constructor});
+    const HandleGuard* guard = GuardOf(type, member_name);
+    Wrap(member, {is_constructor ? name : full, is_constructor, false, guard});
     if (Py_TYPE(member.ptr()) != &PyProperty_Type) continue;
-    Wrap(member.attr("fget"), {.name = full});
-    Wrap(member.attr("fset"), {.name = full, .is_setter = true});
+    Wrap(member.attr("fget"), {.name = full, .guard = guard});
+    Wrap(member.attr("fset"), {.name = full, .is_setter = true, .guard = guard});
   }
 }
 

@@ -16,14 +16,20 @@ nb::object AsSequence(nb::handle value) {
 
 std::vector<double> ToDoubles(nb::handle value, const char* what, std::vector<size_t>& shape) {
   nb::module_ numpy = nb::module_::import_("numpy");
+  const auto refuse = [&] {
+    throw ArgumentError(std::string(what) + " must be a list of numbers, got " +
+                        nb::cast<std::string>(nb::repr(value)));
+  };
+  if (value.is_none()) refuse();  // numpy makes NaN of it
   nb::object array;
   try {
-    array = numpy.attr("ascontiguousarray")(AsSequence(value), "float64");
+    array = numpy.attr("asarray")(AsSequence(value), "float64", "C");
   } catch (nb::python_error& e) {
-    throw ArgumentError(std::string(what) + " must be numbers, got " +
-                        nb::cast<std::string>(nb::repr(value)));
+    if (!e.matches(PyExc_TypeError) && !e.matches(PyExc_ValueError)) throw;
+    refuse();
   }
   const auto view = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
+  if (view.ndim() == 0) refuse();
   shape.clear();
   for (size_t i = 0; i < view.ndim(); ++i) shape.push_back(view.shape(i));
   return {view.data(), view.data() + view.size()};

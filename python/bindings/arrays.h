@@ -16,7 +16,7 @@ namespace robocell::python {
 
 namespace nb = nanobind;
 
-// Flat float64 values of `value`. ArgumentError: "<what> must be numbers, got <type>".
+// Flat float64 values of `value`. ArgumentError: "<what> must be a list of numbers, got None".
 std::vector<double> ToDoubles(nb::handle value, const char* what);
 // The same with the shape, as numpy sees it.
 std::vector<double> ToDoubles(nb::handle value, const char* what, std::vector<size_t>& shape);

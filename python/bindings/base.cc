@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "bindings.h"
+#include "closed_handles.h"
 #include "python_owner.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
@@ -62,6 +63,8 @@ void Translate(const std::exception_ptr& p, void*) {
 }
 
 }  // namespace
+
+void SetError(const ClosedError& error) { Raise(classes.closed, error.what()); }
 
 void BindBase(nb::module_& m) {
   classes.error = NewClass(m, "Error", "Base of everything robocell raises.", PyExc_RuntimeError);

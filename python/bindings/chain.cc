@@ -1,6 +1,10 @@
 // Chain: kinematics and dynamics of a serial arm on its own, read from a scene or from PyKDL.
 #include "robocell/kinematics/chain.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "kinematics.h"
 #include "values.h"
 #include "robocell/base/error.h"
@@ -25,6 +29,11 @@ nb::object Copy(const RowMajor& matrix) {
 Eigen::Vector3d ToGravity(nb::handle gravity) {
   const FieldPath path("gravity");
   const Numbers g(gravity, path, 3);
+  for (size_t i = 0; i < 3; ++i) {
+    if (!std::isfinite(g[i]))
+      ThrowValue(FieldPath(path, static_cast<Py_ssize_t>(i)),
+                 fmt::format("must be finite, is {}", g[i]));
+  }
   return {g[0], g[1], g[2]};
 }
 
@@ -56,40 +65,51 @@ nb::object Limits(const Chain& chain) {
   return Copy(limits);
 }
 
+// The joint values of an argument, checked: the dynamics themselves only count them.
+class JointNumbers {
+ public:
+  JointNumbers(const Chain& chain, nb::handle value, const char* name)
+      : path_(name), numbers_(value, path_) {
+    chain.CheckJointValues(name, numbers_.span());
+  }
+  std::span<const double> span() const { return numbers_.span(); }
+
+ private:
+  FieldPath path_;
+  Numbers numbers_;
+};
+
 nb::object JacobianAt(const Chain& chain, nb::handle q) {
-  const FieldPath path("q");
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, chain.n_joints());
-  chain.Jacobian(Numbers(q, path), jacobian);
+  chain.Jacobian(JointNumbers(chain, q, "q").span(), jacobian);
   return Copy(RowMajor(jacobian));
 }
 
 nb::object MassMatrixAt(const Chain& chain, nb::handle q) {
-  const FieldPath path("q");
   Eigen::MatrixXd mass(chain.n_joints(), chain.n_joints());
-  chain.MassMatrix(Numbers(q, path), mass);
+  chain.MassMatrix(JointNumbers(chain, q, "q").span(), mass);
   return Copy(RowMajor(mass));
 }
 
 nb::object GravityTorquesAt(const Chain& chain, nb::handle q, nb::handle gravity) {
-  const FieldPath path("q");
   JointVector torques(chain.n_joints());
-  chain.GravityTorques(Numbers(q, path), ToGravity(gravity), torques);
+  chain.GravityTorques(JointNumbers(chain, q, "q").span(), ToGravity(gravity), torques);
+  for (int i = 0; i < torques.size(); ++i) torques[i] += 0.0;  // not -0
   return Copy(torques);
 }
 
 nb::object CoriolisTorquesAt(const Chain& chain, nb::handle q, nb::handle qd) {
-  const FieldPath q_path("q"), qd_path("qd");
   JointVector torques(chain.n_joints());
-  chain.CoriolisTorques(Numbers(q, q_path), Numbers(qd, qd_path), torques);
+  chain.CoriolisTorques(JointNumbers(chain, q, "q").span(), JointNumbers(chain, qd, "qd").span(),
+                        torques);
   return Copy(torques);
 }
 
 nb::object InverseDynamicsAt(const Chain& chain, nb::handle q, nb::handle qd, nb::handle qdd,
                              nb::handle gravity) {
-  const FieldPath q_path("q"), qd_path("qd"), qdd_path("qdd");
   JointVector torques(chain.n_joints());
-  chain.InverseDynamics(Numbers(q, q_path), Numbers(qd, qd_path), Numbers(qdd, qdd_path),
-                        ToGravity(gravity), torques);
+  chain.InverseDynamics(JointNumbers(chain, q, "q").span(), JointNumbers(chain, qd, "qd").span(),
+                        JointNumbers(chain, qdd, "qdd").span(), ToGravity(gravity), torques);
   return Copy(torques);
 }
 
@@ -153,8 +173,7 @@ void BindChain(nb::module_& m) {
       .def(
           "fk",
           [](const Chain& chain, nb::handle q) {
-            const FieldPath path("q");
-            return chain.Fk(Numbers(q, path));
+            return chain.Fk(JointNumbers(chain, q, "q").span());
           },
           "q"_a, "Pose of the tip in the base frame.")
       .def("jacobian", &JacobianAt, "q"_a, "(6, n) at the tip, linear rows first.")

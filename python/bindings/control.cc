@@ -4,6 +4,7 @@
 #include <nanobind/ndarray.h>
 
 #include "arrays.h"
+#include "closed_handles.h"
 #include "kinematics.h"
 #include "values.h"
 #include "robocell/base/error.h"
@@ -22,12 +23,12 @@ nb::object Copy(std::span<const double> values) { return NumberCopy(values); }
 CtrlMode ToCtrlMode(nb::handle value) {
   if (CtrlMode mode{}; nb::try_cast(value, mode, /*convert=*/false)) return mode;
   const FieldPath path("ctrl_mode");
-  if (!IsText(value)) ThrowType(path, "a CtrlMode", value);
+  const std::vector<std::string> names = ValueNames<CtrlMode>();
+  if (!IsText(value)) ThrowType(path, "a CtrlMode or one of " + ListNames(names), value);
   const std::string text = ToText(value, path);
   for (const auto& [mode, name] : EnumNames<CtrlMode>::kNames) {
     if (text == name) return mode;
   }
-  const std::vector<std::string> names = ValueNames<CtrlMode>();
   ThrowValue(path, "must be one of " + ListNames(names) + ", got '" + text + "'." +
                        DidYouMean(text, names));
 }
@@ -150,10 +151,10 @@ void BindCartesianImpedance(nb::module_& m) {
 }  // namespace
 
 void BindControllers(nb::module_& m) {
-  nb::class_<Controller>(m, "Controller",
-                         "Turns the state and a target into the controls of one move group. "
-                         "robot.update() runs it.")
-      .def_prop_ro("kind", [](const Controller& c) { return std::string(c.kind()); })
+  nb::class_<Controller> controller(
+      m, "Controller",
+      "Turns the state and a target into the controls of one move group. robot.update() runs it.");
+  controller.def_prop_ro("kind", [](const Controller& c) { return std::string(c.kind()); })
       .def_prop_ro("mode", &Controller::mode, "The CtrlMode that it drives.")
       .def_prop_rw(
           "target", [](const Controller& c) { return Copy(c.target()); },
@@ -165,6 +166,10 @@ void BindControllers(nb::module_& m) {
   BindJointImpedance(m);
   BindCartesianPose(m);
   BindCartesianImpedance(m);
+  for (const nb::handle type :
+       {nb::handle(controller), nb::type<JointImpedanceController>(),
+        nb::type<CartesianPoseController>(), nb::type<CartesianImpedanceController>()})
+    GuardHandle<Controller>(type, [](const Controller& c) { c.RequireOpen(); }, {"kind"});
 }
 
 void DefControl(nb::class_<Robot>& robot) {

@@ -12,7 +12,9 @@
 #include "robocell/base/names.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
+#include "robocell/data/episode_files.h"
 #include "robocell/data/leftovers.h"
+#include "robocell/data/quarantine.h"
 #include "robocell/data/signed_json.h"
 #include "robocell/data/verify.h"
 
@@ -232,6 +234,13 @@ void BindLeftovers(nb::module_& m) {
 void BindVerify(nb::module_& m) {
   m.def("sign_json", &SignJson, "text"_a,
         "A JSON text with its own hash where 64 zeros are: \"json_sha256\": \"000...\".");
+  m.def(
+      "set_aside",
+      [](const std::filesystem::path& dataset, const std::string& name) {
+        return std::string(kQuarantineFolder) + "/" + Quarantine(dataset, name);
+      },
+      "dataset"_a, "name"_a,
+      "Moves a damaged part of a dataset to where repair moves it; its name from the dataset on.");
   m.def("json_damage", &JsonDamage, "text"_a,
         "Why a text is not exactly what was signed; None when it is.");
   nb::class_<VerifyProblem>(m, "VerifyProblem", "What is wrong with one file of a dataset.")

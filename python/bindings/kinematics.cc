@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "closed_handles.h"
 #include "signals.h"
 #include "robocell/kinematics/ik_batch.h"
 
@@ -94,8 +95,10 @@ void BindKinematics(nb::module_& m) {
                " rad>";
       });
   BindChain(m);
-  nb::class_<Kinematics>(m, "Kinematics",
-                         "Kinematics of a robot's arm, from the robot base frame to the TCP.")
+  nb::class_<Kinematics> kinematics(
+      m, "Kinematics", "Kinematics of a robot's arm, from the robot base frame to the TCP.");
+  GuardHandle<Kinematics>(kinematics, [](const Kinematics& k) { k.robot.RequireOpen(); });
+  kinematics
       .def_prop_ro("joint_names", [](const Kinematics& k) { return k.robot.chain().joint_names(); })
       .def(
           "fk",

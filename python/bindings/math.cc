@@ -50,6 +50,16 @@ int Given(nb::handle a, nb::handle b, nb::handle c, nb::handle d) {
   return !a.is_none() + !b.is_none() + !c.is_none() + !d.is_none();
 }
 
+// Three numbers in the place of the matrix.
+void CheckIsNoPosition(nb::handle matrix) {
+  if (!nb::hasattr(matrix, "__len__") || nb::len(matrix) != 3 || IsText(matrix)) return;
+  if (nb::hasattr(nb::object(matrix[0]), "__len__")) return;
+  throw ArgumentError(
+      fmt::format("Pose: by position it takes a 4x4 matrix, got 3 numbers; a position is given as "
+                  "Pose(translation={})",
+                  nb::cast<std::string>(nb::repr(matrix))));
+}
+
 Pose MakePose(nb::handle matrix, nb::handle translation, nb::handle quaternion, nb::handle rpy,
               nb::handle rotvec, nb::handle rotation) {
   if (!matrix.is_none()) {
@@ -57,7 +67,9 @@ Pose MakePose(nb::handle matrix, nb::handle translation, nb::handle quaternion, 
       throw ArgumentError("Pose: a matrix is the whole pose; give nothing else with it");
     }
     if (const Pose* pose = nullptr; nb::try_cast(matrix, pose) && pose) return *pose;
-    return IsFrame(matrix) ? FromFrame(matrix) : Pose(ToSquare<4>(matrix, "matrix"));
+    if (IsFrame(matrix)) return FromFrame(matrix);
+    CheckIsNoPosition(matrix);
+    return Pose(ToSquare<4>(matrix, "matrix"));
   }
   if (Given(quaternion, rpy, rotvec, rotation) > 1) {
     throw ArgumentError("Pose: give only one of quaternion, rpy, rotvec and rotation");

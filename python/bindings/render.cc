@@ -6,6 +6,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "closed_handles.h"
 #include "returned.h"
 #include "robocell/media/png.h"
 #include "robocell/render/gl_context.h"
@@ -178,8 +179,13 @@ void BindVideo(nb::module_& m) {
       .value("R1080p", VideoResolution::kR1080p)
       .value("R2K", VideoResolution::kR2K)
       .value("R4K", VideoResolution::kR4K);
-  nb::class_<SceneRecorder>(m, "VideoRecorder",
-                            "Records a scene as an mp4 of exact length, without a display.")
+  nb::class_<SceneRecorder> recorder(
+      m, "VideoRecorder", "Records a scene as an mp4 of exact length, without a display.");
+  // What was recorded can be ended and counted.
+  GuardHandle<SceneRecorder>(recorder,
+                             [](const SceneRecorder& r) { RequireOpen(r.scene, "video recorder"); },
+                             {"finish", "frames", "__enter__", "__exit__"});
+  recorder
       .def(
           "__init__",
           [](SceneRecorder* self, const Scene& scene, const std::filesystem::path& path, int width,
@@ -230,9 +236,13 @@ void BindVideo(nb::module_& m) {
 
 void BindRender(nb::module_& m) {
   BindCameras(m);
-  nb::class_<SceneRenderer>(m, "Renderer",
-                            "Images of a scene: colour, depth in metres, body ids; with the camera "
-                            "that they were drawn with.")
+  nb::class_<SceneRenderer> renderer(
+      m, "Renderer",
+      "Images of a scene: colour, depth in metres, body ids; with the camera that they were drawn "
+      "with.");
+  GuardHandle<SceneRenderer>(renderer,
+                             [](const SceneRenderer& r) { RequireOpen(r.scene, "renderer"); });
+  renderer
       .def(
           "__init__",
           [](SceneRenderer* self, const Scene& scene, bool shadows, int multisamples,

@@ -3,6 +3,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "closed_handles.h"
 #include "control.h"
 #include "kinematics.h"
 #include "move_group_trampoline.h"
@@ -54,8 +55,12 @@ PyType_Slot robot_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseR
                              {Py_tp_clear, reinterpret_cast<void*>(&ClearRobot)},
                              {0, nullptr}};
 
+void GuardGroup(nb::handle type) {
+  GuardHandle<MoveGroup>(type, [](const MoveGroup& g) { g.RequireOpen(); }, {"name", "kind"});
+}
+
 void BindGroups(nb::module_& m) {
-  nb::class_<MoveGroup, PyMoveGroup>(
+  nb::class_<MoveGroup, PyMoveGroup> group(
       m, "MoveGroup",
       "A named set of joints and actuators that move together.\n\n"
       "To write your own, subclass it (or GripperGroup, BaseGroup) and define get_name, get_kind "
@@ -69,8 +74,8 @@ void BindGroups(nb::module_& m) {
       "defines get_opening, set_opening,\n"
       "ctrl_for_opening, get_inter_finger_dist, get_inter_finger_dist_range, get_is_open and "
       "get_is_grasping(body); a base\n"
-      "get_pose, set_pose and get_is_mobile.")
-      .def(nb::init<>())
+      "get_pose, set_pose and get_is_mobile.");
+  group.def(nb::init<>())
       .def_prop_ro("name", [](const MoveGroup& g) { return g.name(); })
       .def_prop_ro("kind", [](const MoveGroup& g) { return std::string(ToString(g.kind())); })
       .def_prop_ro("nq", [](const MoveGroup& g) { return g.nq(); })
@@ -108,9 +113,9 @@ void BindGroups(nb::module_& m) {
       .def_prop_ro("leaf_frame_to_robot", &MoveGroup::leaf_frame_to_robot)
       .def_prop_ro("leaf_frame_to_root", &MoveGroup::leaf_frame_to_root)
       .def("jacobian", &GroupJacobian, "(6, nv) at the leaf, world axes, linear rows first.");
-  nb::class_<GripperGroup, MoveGroup, PyGripperGroup>(
-      m, "GripperGroup", "A gripper: opening 0 closed ... 1 open whatever the raw control means.")
-      .def(nb::init<>())
+  nb::class_<GripperGroup, MoveGroup, PyGripperGroup> gripper(
+      m, "GripperGroup", "A gripper: opening 0 closed ... 1 open whatever the raw control means.");
+  gripper.def(nb::init<>())
       .def_prop_rw(
           "opening",
           [](const GripperGroup& g) {
@@ -140,11 +145,13 @@ void BindGroups(nb::module_& m) {
       .def_prop_ro("is_open", &GripperGroup::is_open)
       .def("is_grasping", &GripperGroup::is_grasping, "body"_a = "",
            "Both fingers touch `body`, or any body that is not the robot's.");
-  nb::class_<BaseGroup, MoveGroup, PyBaseGroup>(m, "BaseGroup", "What a robot stands on.")
-      .def(nb::init<>())
+  nb::class_<BaseGroup, MoveGroup, PyBaseGroup> base(m, "BaseGroup", "What a robot stands on.");
+  base.def(nb::init<>())
       .def_prop_rw("pose", &BaseGroup::pose, &BaseGroup::SetPose,
                    "Pose in the world; only a mocap, free or planar base can be set.")
       .def_prop_ro("is_mobile", &BaseGroup::is_mobile);
+  for (const nb::handle type : {nb::handle(group), nb::handle(gripper), nb::handle(base)})
+    GuardGroup(type);
 }
 
 void BindAction(nb::module_& m) {
@@ -204,6 +211,7 @@ void BindRobotClass(nb::module_& m) {
       "A robot of a scene: its move groups, kinematics and controllers.\n\nAll "
       "handles to one robot of one scene share their state, which the scene keeps.",
       nb::type_slots(robot_slots));
+  GuardHandle<Robot>(robot, [](const Robot& r) { r.RequireOpen(); }, {"name", "prefix", "scene"});
   robot
       .def_static("of", &Robot::Of, "scene"_a, "name"_a, Unlocked(),
                   "A configured robot by its name in the scene.")
@@ -317,6 +325,7 @@ void BindRobotClass(nb::module_& m) {
           [](const Robot& r, std::optional<double> gravity_z) {
             std::vector<double> torques(static_cast<size_t>(r.n_joints()));
             r.GravityTorques(torques, gravity_z);
+            for (double& torque : torques) torque += 0.0;  // not -0
             return NewArray(torques);
           },
           "gravity_z"_a = nb::none(),
@@ -375,9 +384,11 @@ void BindStepper(nb::module_& m) {
       .def_ro("failed_robot", &StepOutcome::failed_robot)
       .def_ro("failed_group", &StepOutcome::failed_group)
       .def_prop_ro("ok", &StepOutcome::ok);
-  nb::class_<Stepper>(
+  nb::class_<Stepper> stepper(
       m, "Stepper",
-      "Drives robots and engine: per control tick every robot's update, then the engine's steps.")
+      "Drives robots and engine: per control tick every robot's update, then the engine's steps.");
+  GuardHandle<Stepper>(stepper, [](const Stepper& s) { RequireOpen(s.scene(), "stepper"); });
+  stepper
       .def(
           "__init__",
           [](Stepper* self, const Scene& scene, const std::vector<Robot>& robots, int ticks,

@@ -10,6 +10,7 @@
 #include <nanobind/stl/variant.h>
 
 #include "bindings.h"
+#include "closed_handles.h"
 #include "kinematics.h"
 #include "python_owner.h"
 #include "robot_cycles.h"
@@ -395,6 +396,9 @@ void BindScene(nb::module_& m) {
       "scene is used by one thread at a time. Raises NotFoundError for unknown names and "
       "ClosedError after close().",
       nb::type_slots(scene_slots), nb::is_weak_referenceable());
+  // By a call that every scene that is open answers.
+  GuardHandle<Scene>(c, [](const Scene& s) { s.time(); },
+                     {"name", "close", "closed", "__eq__", "__hash__", "__enter__", "__exit__"});
   c.def_static("build", &Build, nb::arg("spec"),
                "Compile a SceneSpec and reset it. SpecError lists all that is wrong with the spec; "
                "EngineError has the engine's text.");

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import difflib
+import os
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -30,6 +31,12 @@ WORDS = {
     "numpy.typing.ArrayLike": "numbers",
     "os.PathLike": "a path",
 }
+# Words for the same thing, one of which a function uses.
+SYNONYMS = (
+    {"translation", "pos", "position", "xyz"},
+    {"quaternion", "quat", "orientation"},
+    {"rpy", "euler"},
+)
 LISTS = ("list", "collections.abc.Sequence", "collections.abc.Iterable")
 MAPS = ("dict", "collections.abc.Mapping")
 
@@ -175,7 +182,11 @@ def fits_one(value: object, kind: ast.expr) -> bool | None:
     if name == "os.PathLike":
         return hasattr(value, "__fspath__")
     if name in MAPS:
-        return None if isinstance(value, Mapping) else False
+        inner = value_kind(kind)
+        if not isinstance(value, Mapping):
+            return False
+        wrong = inner and any(fits(item, inner) is False for item in value.values())
+        return False if wrong else None
     if isinstance(kind, ast.Subscript) and name in LISTS:
         if isinstance(value, (str, bytes)) or not isinstance(value, Iterable):
             return False
@@ -215,7 +226,10 @@ def number_problem(form: Form, given: int) -> str:
 
 def name_problem(form: Form, name: str) -> str:
     names = [parameter.name for parameter in form.all]
-    close = difflib.get_close_matches(name, names, 1)
+    meant = set().union(*(group for group in SYNONYMS if name in group))
+    close = [other for other in names if other in meant] or difflib.get_close_matches(
+        name, names, 1
+    )
     hint = f" Did you mean '{close[0]}'?" if close else ""
     known = f" Its arguments: {', '.join(names)}." if names else " It takes none."
     return f"no argument '{name}'.{known}{hint}"
@@ -235,9 +249,45 @@ def problems(form: Form, args: tuple[object, ...], kwargs: Mapping[str, object])
             if parameter.default is None:
                 found.append(f"`{parameter.name}` is missing")
         elif parameter.kind and fits(given[parameter.name], parameter.kind) is False:
-            got = show(given[parameter.name])
-            found.append(f"`{parameter.name}` must be {words(parameter.kind)}, got {got}")
+            found.append(value_problem(parameter.name, given[parameter.name], parameter.kind))
     return found
+
+
+def value_problem(name: str, value: object, kind: ast.expr) -> str:
+    """What is wrong with a value, or with one in it: "`action['arm']` must be a GroupCommand"."""
+    if isinstance(value, Mapping) and (inner := value_kind(kind)):
+        key = next(key for key, item in value.items() if fits(item, inner) is False)
+        return value_problem(f"{name}[{key!r}]", value[key], inner)
+    return f"`{name}` must be {words(kind)}, got {show(value)}{way_to(kind, value)}"
+
+
+def value_kind(kind: ast.expr) -> ast.expr | None:
+    """The type of a mapping's values."""
+    if ast.unparse(kind).partition("[")[0] not in MAPS or not isinstance(kind, ast.Subscript):
+        return None
+    return kind.slice.elts[1] if isinstance(kind.slice, ast.Tuple) else None
+
+
+def way_to(kind: ast.expr, value: object) -> str:
+    """'; make it with Scene.build(...)', for a class that is not called; and files to read."""
+    wanted = next(filter(None, map(class_of, options(kind))), None)
+    if wanted is None:
+        return ""
+    if isinstance(value, (str, os.PathLike)) and hasattr(wanted, "load"):
+        return f"; {wanted.__name__}.load({os.fspath(value)!r}) reads one from a file"
+    if hasattr(vars(wanted).get("__init__"), "__nb_signature__"):
+        return ""
+    makers = [name for name, member in vars(wanted).items() if makes(member, wanted)]
+    calls = [f"{wanted.__name__}.{name}(...)" for name in makers]
+    return f"; make it with {' or '.join(calls)}" if calls else ""
+
+
+def makes(member: object, wanted: type) -> bool:
+    """Whether a static method returns an object of the class."""
+    return any(
+        text.endswith(f"-> robocell._core.{wanted.__name__}") and not parse(text, defaults).has_self
+        for text, _, defaults in getattr(member, "__nb_signature__", ())
+    )
 
 
 def explain(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -27,6 +28,7 @@ def told(call: Callable[[], Any]) -> str:
     return str(caught.value)
 
 
+NAN = float("nan")
 POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike | None = None, "
 
 
@@ -52,10 +54,21 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
         (lambda s: s.contacts(of=None), "Scene.contacts(): `of` must be a str, got None. "),
         (
             lambda s: rc.Scene.build("cell.yaml"),
-            "Scene.build(): `spec` must be a SceneSpec, got 'c",
+            "Scene.build(): `spec` must be a SceneSpec, got 'cell.yaml'; "
+            "SceneSpec.load('cell.yaml') reads one from a file. ",
         ),
         (lambda s: rc.compile_scene(s), "compile_scene(): `spec` must be a SceneSpec, got <Scene "),
+        (
+            lambda s: rc.Renderer("cell.yaml"),
+            "Renderer(): `scene` must be a Scene, got 'cell.yaml'; make it with Scene.build(...) "
+            "or Scene.from_compiled(...). ",
+        ),
         (lambda s: rc.Pose([1, 2, 3], [0, 0, 0, 1]), "Pose(): takes 1 argument (matrix) by "),
+        (
+            lambda s: rc.Pose(position=[1, 2, 3]),
+            "Pose(): no argument 'position'. Its arguments: matrix, translation, quaternion, rpy, "
+            "rotvec, rotation. Did you mean 'translation'? ",
+        ),
         (lambda s: rc.Pose(pos=[1, 2, 3]), "Pose(): no argument 'pos'. Its arguments: matrix, "),
         (lambda s: rc.RobotSpec("arm.yaml"), "RobotSpec(): its arguments are given by name, such "),
         (
@@ -75,6 +88,21 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             "Robot.apply(): `action` must be a dict {str: GroupCommand}, got [1] (list). ",
         ),
         (
+            lambda s: s.robot("a").apply({"arm": rc.GroupCommand.joints([0] * 7), "gripper": 1}),
+            "Robot.apply(): `action['gripper']` must be a GroupCommand, got 1 (int); make it with "
+            "GroupCommand.joints(...) or GroupCommand.relative_joints(...) or "
+            "GroupCommand.leaf_pose(...) or GroupCommand.opening(...) or ",
+        ),
+        (
+            lambda s: rc.Stepper(s, s.robots).advance({"a": {"arm": [0] * 7}}),
+            "Stepper.advance(): `action['a']['arm']` must be a GroupCommand, got [0, 0, 0, 0, 0, "
+            "0, 0] (list); make it with ",
+        ),
+        (
+            lambda s: setattr(s.robot("a"), "ctrl_mode", 3),
+            "ctrl_mode must be a CtrlMode or one of position, velocity, torque, got int",
+        ),
+        (
             lambda s: rc.Stepper(s, s.robot("a")),
             "Stepper(): `robots` must be a list of Robot, got <Robot 'a'>. It is called ",
         ),
@@ -83,7 +111,10 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             lambda s: rc.Renderer(s).render(None, "big"),
             "Renderer.render(): `width` must be a whole",
         ),
-        (lambda s: rc.Runner("run.yaml"), "Runner(): `run` must be a RunConfig, got 'run.yaml'. "),
+        (
+            lambda s: rc.Runner("run.yaml"),
+            "Runner(): `run` must be a RunConfig, got 'run.yaml'; RunConf",
+        ),
         (
             lambda s: rc.Rng.stream(-1, "x"),
             "Rng.stream(): cannot be called with (-1, 'x'); is a whole number out of range? It is "
@@ -102,6 +133,88 @@ def test_wrong_arguments_are_told_by_name(
     assert text.startswith(message), text
     assert "robocell._core." not in text.replace("<robocell._core.", "<")
     assert "incompatible function arguments" not in text
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda s: rc.Pose([1, 2, 3]),
+            "Pose: by position it takes a 4x4 matrix, got 3 numbers; a position is given as "
+            "Pose(translation=[1, 2, 3])",
+        ),
+        (lambda s: rc.Pose([[1, 2], [3, 4], [5, 6]]), "matrix must be a 4x4 matrix, got 3 rows"),
+        (
+            lambda s: setattr(s.robot("a"), "jnt_pos_cmd", None),
+            "jnt_pos_cmd must be a list of numbers, got None",
+        ),
+        (
+            lambda s: setattr(s.robot("a"), "jnt_pos_cmd", 3),
+            "jnt_pos_cmd must be a list of numbers, got 3",
+        ),
+        (
+            lambda s: s.robot("a").kinematics.fk(["a"] * 7),
+            "q must be a list of numbers, got ['a', ",
+        ),
+        (lambda s: s.robot("a").gravity_torques(NAN), "gravity_z is nan; it must be finite"),
+    ],
+)
+def test_wrong_values_are_told_by_name(
+    scene: rc.Scene, call: Callable[[rc.Scene], Any], message: str
+):
+    with pytest.raises(rc.ArgumentError) as caught:
+        call(scene)
+    assert message in str(caught.value)
+
+
+SPOILT = [0.0, 0.0, NAN, 0.0, 0.0, 0.0, 0.0]
+BAD_JOINT = (
+    "chain 'base_link' -> site 'tcp': {}: joint 'joint3' is nan; joint values must be finite"
+)
+
+
+@pytest.mark.parametrize(
+    ("call", "argument"),
+    [
+        (lambda r: r.kinematics.fk(SPOILT), "q"),
+        (lambda r: r.kinematics.jacobian(SPOILT), "q"),
+        (lambda r: r.fk_frame(SPOILT), "q"),
+        (lambda r: r.chain.fk(SPOILT), "q"),
+        (lambda r: r.chain.jacobian(SPOILT), "q"),
+        (lambda r: r.chain.mass_matrix(SPOILT), "q"),
+        (lambda r: r.chain.gravity_torques(SPOILT), "q"),
+        (lambda r: r.chain.coriolis_torques([0] * 7, SPOILT), "qd"),
+        (lambda r: r.chain.inverse_dynamics([0] * 7, [0] * 7, SPOILT), "qdd"),
+    ],
+)
+def test_joint_values_that_are_no_numbers_are_told_with_argument_and_joint(
+    scene: rc.Scene, call: Callable[[rc.Robot], Any], argument: str
+):
+    with pytest.raises(rc.ArgumentError) as caught:
+        call(scene.robot("a"))
+    assert str(caught.value) == BAD_JOINT.format(argument)
+
+
+def test_gravity_is_told_by_its_number(scene: rc.Scene):
+    with pytest.raises(rc.ArgumentError, match=r"^gravity\[2\] must be finite, is nan$"):
+        scene.robot("a").chain.gravity_torques([0] * 7, gravity=(0, 0, NAN))
+
+
+def test_gravity_torques_have_no_negative_zeros(scene: rc.Scene):
+    robot = scene.robot("a")
+    for torques in (robot.gravity_torques(), robot.chain.gravity_torques([0] * 7)):
+        assert not any(value == 0 and str(value).startswith("-") for value in torques)
+
+
+def test_a_dataset_that_is_not_there_is_told_with_the_nearest_and_the_next_step(tmp_path: Path):
+    (tmp_path / "pick_v1").mkdir()
+    with pytest.raises(rc.IoError) as caught:
+        rc.Dataset(tmp_path / "pick_v2")
+    path = tmp_path / "pick_v2"
+    assert str(caught.value) == (
+        f"no dataset '{path}': there is no such folder. Did you mean 'pick_v1'? `robocell generate "
+        f"RUN.yaml --output {path}` makes one"
+    )
 
 
 def test_the_whole_text_names_the_form_that_fits():

@@ -18,6 +18,7 @@ from robocell._startup import is_command
 from robocell.cli.doctor import advice
 from robocell.cli.generate import many_workers
 from robocell.cli.probes import Finding, State
+from robocell.generate.disk import require_writable
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 RC7 = Path(robocell.models.robot_file("rc7"))
@@ -190,6 +191,53 @@ def test_an_unwritable_output_is_refused_with_its_path(tmp_path: Path):
         output = tmp_path / folder / "out"
         text = refused("generate", write_run(tmp_path), "--output", output, code=3)
         assert f"'{output}'" in text
+
+
+def tree(folder: Path) -> set[Path]:
+    """All that is in a folder."""
+    return set(folder.rglob("*"))
+
+
+def test_a_dry_run_refuses_an_output_that_cannot_be_written(tmp_path: Path):
+    run = write_run(tmp_path)
+    (tmp_path / "file").write_text("")
+    before = tree(tmp_path)
+    text = refused("generate", run, "--output", tmp_path / "file" / "out", "--dry-run", code=3)
+    assert f"'{tmp_path / 'file'}' is a file, and a dataset is a folder" in text
+    text = refused("generate", run, "--output", "/proc/none/out", "--dry-run", code=3)
+    assert "output '/proc/none/out': cannot write into '/proc': " in text
+    assert "Name another one (--output), or make that folder writable" in text
+    assert tree(tmp_path) == before
+
+
+def test_what_can_be_written_is_left_as_it_was(tmp_path: Path):
+    for output in (tmp_path, tmp_path / "a" / "b"):
+        require_writable(output)
+    assert tree(tmp_path) == set()
+    locked = [Path("/proc")]
+    if os.geteuid() != 0:  # root writes everywhere else
+        tmp_path.chmod(0o500)
+        locked.append(tmp_path)
+    for folder in locked:
+        with pytest.raises(robocell.IoError, match=f"cannot write into '{folder}': "):
+            require_writable(folder)
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "least"),
+    [("--seed", -1, 0), ("--episodes", 0, 1), ("--workers", 0, 1)],
+)
+def test_a_number_out_of_range_is_refused_with_option_and_range(
+    tmp_path: Path, option: str, value: int, least: int
+):
+    text = refused("generate", write_run(tmp_path), option, value)
+    words = " ".join(text.replace("│", " ").split())
+    assert f"Invalid value for '{option}': " in words
+    assert any(allowed in words for allowed in (f"greater than or equal to {least}", f"x>={least}"))
+    field = option.removeprefix("--")
+    text = refused("generate", write_run(tmp_path), "--set", f"{field}={value}")
+    wrong = "must be greater than 0" if least else "must not be negative"
+    assert f"{field}: {value} {wrong}" in text
 
 
 def test_a_shard_that_does_not_exist_is_refused(tmp_path: Path):

@@ -8,7 +8,13 @@ import subprocess
 import sys
 import time
 
-from robocell.generate.procfs import ChildrenWatch, children, peak_bytes
+from robocell.generate.procfs import (
+    MemoryWatch,
+    _with_parent,
+    children,
+    children_peak_bytes,
+    peak_bytes,
+)
 
 LARGE = 64 << 20
 HOLD = f"""
@@ -30,9 +36,10 @@ def start() -> subprocess.Popen[bytes]:
 
 
 def test_memory_of_children_is_seen_while_they_live():
-    with ChildrenWatch() as watch:
+    with MemoryWatch(children_peak_bytes) as watch:
         processes = [start(), start()]
         assert {process.pid for process in processes} <= set(children(os.getpid()))
+        assert set(children(os.getpid())) <= set(_with_parent(os.getpid()))
         largest = peak_bytes(processes[0].pid)
         assert LARGE < largest < 1.5 * LARGE
         until = time.monotonic() + 10

@@ -226,6 +226,10 @@ def test_a_damaged_report_does_not_stop_a_run(dataset: Path, tmp_path: Path):
     shutil.rmtree(copy / IDS[1])
     result = robocell_command("generate", write_run(tmp_path))
     assert result.returncode == 0, result.stderr
+    kept = copy / ".quarantine" / "report.json"
+    assert f"'{copy / 'report.json'}' is damaged: " in result.stderr
+    assert f"It is kept as '{kept}'; the new one begins with this command" in result.stderr
+    assert kept.read_text() == "{"
     assert list(reports.load(copy / "report.json").episodes) == [IDS[1]]
     text = robocell_command("report", copy).stdout
     assert "1 episode, made by commands that were killed" in text
@@ -261,6 +265,15 @@ def test_a_run_that_fails_says_so_in_its_report(tmp_path: Path):
     lines = robocell_command("report", tmp_path / "out", "--episodes").stdout.splitlines()
     words = next(line.split() for line in lines if line.split()[:1] == [IDS[0]])
     assert words[:5] == [IDS[0], "rc7", kind, "given", "up"]
+
+
+def test_when_time_runs_out_the_number_of_actions_is_named():
+    totals = Totals(planned=3)
+    totals.failures.update({"timeout": 2, "not lifted": 2})
+    assert "hint" not in Summary("r", Path(), 0, totals).rows()
+    totals.failures["timeout"] += 1
+    hint = "most failures are rollouts that ran out of actions: raise `rates.max_steps`"
+    assert Summary("r", Path(), 0, totals).rows()["hint"] == hint
 
 
 def test_success_is_told_by_object_when_there_are_several():

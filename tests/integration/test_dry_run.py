@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import threading
 import time
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ from commands import generate, robocell_command
 from conftest import DEMO, EXAMPLE
 from generated_run import GeneratedRun
 
-from robocell.generate.procfs import children
+from robocell.generate.procfs import MemoryWatch, children
 
 WITHIN = 0.2
 
@@ -34,28 +33,6 @@ def expect_what_came(run: Path, dataset: Path, scratch: Path, *options: object) 
     return expected
 
 
-class MemoryWatch(threading.Thread):
-    """Memory of all processes that this one started, added up again and again."""
-
-    def __init__(self) -> None:
-        super().__init__(daemon=True)
-        self.most = 0
-        self._stop_it = threading.Event()
-
-    def run(self) -> None:
-        """Until it is left."""
-        while not self._stop_it.wait(0.05):
-            self.most = max(self.most, sum(map(resident_bytes, descendants(os.getpid()))))
-
-    def __enter__(self) -> MemoryWatch:
-        self.start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._stop_it.set()
-        self.join()
-
-
 def descendants(pid: int) -> list[int]:
     """Children, their children, and so on."""
     return [found for child in children(pid) for found in (child, *descendants(child))]
@@ -69,11 +46,16 @@ def resident_bytes(pid: int) -> int:
         return 0
 
 
+def all_resident_bytes() -> int:
+    """Memory of all processes that this one started."""
+    return sum(map(resident_bytes, descendants(os.getpid())))
+
+
 def test_the_demo_comes_as_expected(tmp_path: Path):
-    with MemoryWatch() as watch:
+    with MemoryWatch(all_resident_bytes) as watch:
         generate(DEMO, tmp_path / "out")
     expected = expect_what_came(DEMO, tmp_path / "out", tmp_path / "none")
-    assert expected["memory_bytes"] == pytest.approx(watch.most, rel=WITHIN)
+    assert expected["memory_bytes"] == pytest.approx(watch.bytes, rel=WITHIN)
 
 
 def test_a_real_arm_with_larger_images_comes_as_expected(xarm7_run: GeneratedRun, tmp_path: Path):
@@ -86,10 +68,10 @@ def test_a_real_arm_with_larger_images_comes_as_expected(xarm7_run: GeneratedRun
 def test_time_and_memory_come_as_expected(run: Path, workers: int, tmp_path: Path):
     # On a machine that does nothing else meanwhile.
     words = ("--workers", workers)
-    with MemoryWatch() as watch:
+    with MemoryWatch(all_resident_bytes) as watch:
         began = time.monotonic()
         generate(run, tmp_path / "out", *words)
         took = time.monotonic() - began
     expected = expect_what_came(run, tmp_path / "out", tmp_path / "none", *words)
-    assert expected["memory_bytes"] == pytest.approx(watch.most, rel=WITHIN)
+    assert expected["memory_bytes"] == pytest.approx(watch.bytes, rel=WITHIN)
     assert expected["seconds"] == pytest.approx(took, rel=WITHIN)

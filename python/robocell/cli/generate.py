@@ -44,7 +44,9 @@ def generate(
         Path | None, typer.Option(help="Folder of the dataset, from the working folder on.")
     ] = None,
     episodes: Annotated[int | None, typer.Option(min=1, help="How many in all.")] = None,
-    seed: Annotated[int | None, typer.Option(help="Everything random follows from it.")] = None,
+    seed: Annotated[
+        int | None, typer.Option(min=0, help="Everything random follows from it.")
+    ] = None,
     shard: Annotated[
         str | None, typer.Option(metavar="i/N", help="Only every N-th episode, from the i-th on.")
     ] = None,

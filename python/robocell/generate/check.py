@@ -3,7 +3,7 @@
     for text in check_apart("run.yaml", ["workers=2"]):
         print(text)
 
-`python -m robocell.generate.check` is that process. The last line of its standard output is what it
+The module is that process. The last line of its standard output is what it
 raised, {"failed": {...}}, or what it found, {"warnings": [...]}.
 """
 
@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from robocell import Error, IoError, RunConfig, check_run
+from robocell.generate.own_process import own_process
 from robocell.generate.protocol import Failure
 from robocell.generate.worker_process import describe_exit
 
@@ -36,7 +37,7 @@ def check_apart(run_file: str, overrides: Sequence[str]) -> list[str]:
     what they cannot make is listed. IoError when the process ended in another way.
     """
     sets = [f"--set={override}" for override in overrides]
-    command = [sys.executable, "-m", "robocell.generate.check", *sets, "--", run_file]
+    command = [*own_process("robocell.generate.check"), *sets, "--", run_file]
     try:
         done = subprocess.run(
             command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=LONGEST_S

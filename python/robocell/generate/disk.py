@@ -16,8 +16,13 @@ PROBE_BYTES = 64 << 10
 
 def free_bytes(folder: Path) -> int:
     """What the disk has room for, of a folder that need not exist yet."""
-    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
-    return shutil.disk_usage(there).free
+    return shutil.disk_usage(_nearest(folder)).free
+
+
+def _nearest(folder: Path) -> Path:
+    """The folder itself, or what there is of those that it is to be in."""
+    absolute = folder.absolute()
+    return next(path for path in (absolute, *absolute.parents) if path.exists())
 
 
 def require_no_file(folder: Path) -> None:
@@ -28,6 +33,24 @@ def require_no_file(folder: Path) -> None:
                 f"output '{folder}': '{path}' is a file, and a dataset is a folder. Name another "
                 "one (--output), or move the file away"
             )
+
+
+def require_writable(folder: Path) -> None:
+    """IoError when nothing can be written where the folder is or, when there is none yet, is to be.
+
+    Tries it with an empty folder, which it removes again.
+    """
+    require_no_file(folder)
+    there = _nearest(folder)
+    probe = there / f".probe.{os.getpid()}"
+    try:
+        probe.mkdir()
+        probe.rmdir()
+    except OSError as error:
+        raise IoError(
+            f"output '{folder}': cannot write into '{there}': {error.strerror or error}. Name "
+            "another one (--output), or make that folder writable"
+        ) from error
 
 
 def disk_trouble(folder: Path) -> str | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import sys
 import tempfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -14,10 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from robocell.generate.items import counts_text
+from robocell.generate.own_process import own_process
 from robocell.generate.probe import Probe, Sample
 from robocell.generate.procfs import peak_bytes
 from robocell.generate.protocol import Failure
-from robocell.generate.totals import counted, duration, size
+from robocell.generate.totals import counted, duration, size, time_hint
 
 LONGEST_S = 300.0
 
@@ -68,9 +68,11 @@ class Estimate:
         """Label -> text, in order."""
         share = f" ({self.successes} of {counted(self.items, 'item')} succeed)"
         failing = self.successes < self.items
+        hint = time_hint(self.reasons) if failing else ""
         return {
             "episodes": f"{self.episodes}{share if failing else ''}",
             **({"reasons": counts_text(self.reasons, 6)} if failing and self.reasons else {}),
+            **({"hint": hint} if hint else {}),
             "frames": f"{self.frames} ({counted(self.rows, 'row')})",
             "size": size(self.bytes),
             "time": f"{duration(self.seconds)} on {counted(self.workers, 'worker')}",
@@ -157,7 +159,7 @@ def _sum(samples: Sequence[Sample], name: str) -> float:
 
 def _probe(run_file: Path, overrides: Sequence[str], indices: Sequence[int], folder: str) -> Probe:
     sets = [f"--set={override}" for override in overrides]
-    command = [sys.executable, "-m", "robocell.generate.probe", *sets, "--", str(run_file), folder]
+    command = [*own_process("robocell.generate.probe"), *sets, "--", str(run_file), folder]
     try:
         done = subprocess.run(
             command,

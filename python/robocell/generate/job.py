@@ -23,7 +23,7 @@ from robocell import (
 )
 from robocell.generate import work
 from robocell.generate.check import check_apart
-from robocell.generate.disk import disk_trouble, require_no_file
+from robocell.generate.disk import disk_trouble, require_writable
 from robocell.generate.items import Item
 from robocell.generate.observer import Observer
 from robocell.generate.report import (
@@ -35,6 +35,7 @@ from robocell.generate.report import (
     load,
     report_path,
     save,
+    set_aside,
     utc_now,
 )
 from robocell.generate.resume import is_made, made_items
@@ -92,9 +93,9 @@ class Job:
 
         The run (see `robocell.check_run`), or a dataset that is of another one. Writes nothing.
         Returns warnings: what works and may yet not be meant, or that a model crashed the engine.
-        IoError when there is no folder to write into, or none of this could be found out.
+        IoError when the dataset cannot be written, or none of this could be found out.
         """
-        require_no_file(self.dataset)
+        require_writable(self.dataset)
         warnings = check_apart(str(self.run_file), self.overrides)
         check_dataset(self.run)
         return warnings
@@ -138,15 +139,15 @@ class Job:
                 outcome = supervisor.run()
             result = Result(outcome, len(self.made()))
             try:
-                self._report(result, started)
+                self._report(result, started, observer)
             except OSError as error:  # the episodes are there all the same
                 observer.warning(f"the report could not be written: {error}")
             return result
 
-    def _report(self, result: Result, started: str) -> None:
+    def _report(self, result: Result, started: str, observer: Observer) -> None:
         """Adds this command to the dataset's report; one that had nothing to do is not listed."""
         outcome, path = result.outcome, report_path(self.dataset, self.shard)
-        report = self._former_report(path)
+        report = self._former_report(path, observer)
         idle = outcome.totals.already == outcome.totals.planned
         if idle and report.commands:
             return
@@ -161,15 +162,24 @@ class Job:
         report.add(command, outcome.reports, [item.id for item in self.items])
         save(path, report)
 
-    def _former_report(self, path: Path) -> RunReport:
-        """What earlier commands of the same run reported; an empty report when there is nothing."""
+    def _former_report(self, path: Path, observer: Observer) -> RunReport:
+        """What earlier commands of the same run reported; an empty report when there is nothing.
+
+        A damaged one is set aside, and told.
+        """
         manifest = json.loads((self.dataset / "dataset.json").read_bytes())
         versions = {**manifest["versions"], "python": platform.python_version()}
         identity = identity_hash(run_identity(self.run))
         report = RunReport(self.run.run, identity, self.shard, versions)
         try:
             former = load(path)
-        except (OSError, DamagedReportError):  # none, or one to be replaced
+        except OSError:  # none
+            return report
+        except DamagedReportError as error:
+            kept = set_aside(path)
+            observer.warning(
+                f"{error}. It is kept as '{kept}'; the new one begins with this command"
+            )
             return report
         if former.identity == identity:
             report.commands, report.episodes = former.commands, former.episodes

@@ -21,7 +21,7 @@ from typing import Any
 
 from robocell import Dataset, PlanItem, RunConfig, Runner, make_plan, prepare_dataset
 from robocell.generate.items import recorded_frames
-from robocell.generate.procfs import ChildrenWatch, age_s, peak_bytes
+from robocell.generate.procfs import MemoryWatch, age_s, children_peak_bytes, peak_bytes
 from robocell.generate.protocol import Failure
 
 MOST_BLIND, BLIND_S = 24, 8.0
@@ -99,7 +99,7 @@ def measure(run_file: str, overrides: Sequence[str], indices: Sequence[int], fol
     start_s = age_s()
     blind = _make(blind_run, items, BLIND_S)
     seeing_run = _load(run_file, overrides, folder / "seeing")
-    with ChildrenWatch() as encoders:
+    with MemoryWatch(children_peak_bytes) as encoders:
         seeing = _make(seeing_run, items[: min(MOST_SEEING, len(blind))], SEEING_S)
     return Probe(blind, seeing, start_s, peak_bytes(), encoders.bytes)
 

@@ -1,6 +1,6 @@
 """What processes take, as the system counts it: memory and time.
 
-    with ChildrenWatch() as watch:
+    with MemoryWatch(children_peak_bytes) as watch:
         encode()
     watch.bytes  # most that the children of this process had at one time
     peak_bytes()  # most that this process ever had
@@ -14,6 +14,7 @@ from __future__ import annotations
 import os
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
 
@@ -45,7 +46,23 @@ def age_s() -> float:
     return time.clock_gettime(time.CLOCK_BOOTTIME) - started
 
 
+def children_peak_bytes() -> int:
+    """Of all children of this process, see `peak_bytes`."""
+    return sum(map(peak_bytes, children(os.getpid())))
+
+
 def _started_by(pid: int) -> list[int]:
+    """The kernel's own lists, one for each thread; where it keeps none, the parents of all."""
+    try:
+        lists = [path.read_text() for path in Path(f"/proc/{pid}/task").glob("*/children")]
+    except OSError:
+        lists = []  # a thread ended meanwhile
+    if lists:
+        return [int(child) for text in lists for child in text.split()]
+    return _with_parent(pid)
+
+
+def _with_parent(pid: int) -> list[int]:
     found = []
     for entry in Path("/proc").iterdir():
         if not entry.name.isdigit():
@@ -72,15 +89,23 @@ def _command(pid: int) -> bytes:
         return b""
 
 
-class ChildrenWatch:
-    """Looks at the children of this process again and again; see above."""
+class MemoryWatch:
+    """Looks again and again how many bytes something takes; see above.
 
-    def __init__(self) -> None:
+    Args:
+        count: What they are now, such as `children_peak_bytes`.
+
+    Attributes:
+        bytes: The most it was.
+    """
+
+    def __init__(self, count: Callable[[], int]) -> None:
         self.bytes = 0
+        self._count = count
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._look, daemon=True)
 
-    def __enter__(self) -> ChildrenWatch:
+    def __enter__(self) -> MemoryWatch:
         self._thread.start()
         return self
 
@@ -95,4 +120,4 @@ class ChildrenWatch:
 
     def _look(self) -> None:
         while not self._stop.wait(LOOK_EVERY_S):
-            self.bytes = max(self.bytes, sum(peak_bytes(pid) for pid in children(os.getpid())))
+            self.bytes = max(self.bytes, self._count())

@@ -157,6 +157,11 @@ def save(path: Path, report: RunReport) -> None:
     _core.atomic_write(path, text.encode())
 
 
+def set_aside(path: Path) -> Path:
+    """Moves a report to where its dataset keeps what is damaged; OSError when that fails."""
+    return path.parent / _core.set_aside(path.parent, path.name)
+
+
 def whole(reports: Sequence[RunReport]) -> Totals:
     """Of all reports of a dataset; items that several of them have count once.
 

@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robocell.generate.items import STAGES, counts_text
-from robocell.generate.totals import Totals, counted, duration, percent
+from robocell.generate.totals import Totals, counted, duration, percent, time_hint
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,7 @@ class Summary:
             "refusals": counts_text(totals.refusals),
             "placed again": counts_text(totals.redrawn),
             "failures": counts_text(totals.failures),
+            "hint": time_hint(totals.failures),
             "dropped": _dropped(totals),
             "workers died": counts_text(Counter(death.reason for death in totals.deaths)),
             "made again": str(totals.retries) if totals.retries else "",

@@ -13,6 +13,7 @@ from robocell.generate.items import Report
 # What adds up: the same names in `Totals`, in `Report` and in records.
 NUMBERS = ("attempts", "accepted", "undecided", "rows")
 COUNTERS = ("refusals", "redrawn", "failures", "seconds", "kinds", "rollouts", "made_of")
+TIMEOUT = "timeout"  # why a rollout failed that used up `rates.max_steps`
 
 
 @dataclass(frozen=True)
@@ -237,6 +238,13 @@ def _add(totals: Totals, part: Totals | Report, numbers: Sequence[str]) -> None:
         setattr(totals, name, getattr(totals, name) + getattr(part, name))
     for name in COUNTERS:
         getattr(totals, name).update(getattr(part, name))
+
+
+def time_hint(failures: Mapping[str, int]) -> str:
+    """What may help when most rollouts that failed ran out of actions; else nothing."""
+    if 2 * failures.get(TIMEOUT, 0) <= sum(failures.values()):
+        return ""
+    return "most failures are rollouts that ran out of actions: raise `rates.max_steps`"
 
 
 def counted(number: int, noun: str) -> str:

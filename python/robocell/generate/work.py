@@ -1,4 +1,4 @@
-"""`python -m robocell.generate.work`: a worker process. Started by the supervisor, not by people.
+"""The module `robocell.generate.work`: a worker process. Started by the supervisor, not by people.
 
 It loads the run file itself and refuses to go on when that, a model file or a version is not what
 the dataset was begun with.
@@ -12,13 +12,14 @@ from collections.abc import Sequence
 
 from robocell import RunConfig, Runner, StopFlag, make_plan, require_same_run
 from robocell.generate.items import Item, Report
+from robocell.generate.own_process import own_process
 from robocell.generate.worker import MakeEpisode, serve
 
 
 def command(run_file: str, overrides: Sequence[str]) -> list[str]:
     """The command that starts a worker for a run."""
     sets = [f"--set={override}" for override in overrides]
-    return [sys.executable, "-m", "robocell.generate.work", *sets, "--", run_file]
+    return [*own_process("robocell.generate.work"), *sets, "--", run_file]
 
 
 def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:

@@ -6,19 +6,17 @@
 #include <fmt/format.h>
 
 #include <cerrno>
-#include <functional>
 #include <system_error>
 
 #include "robocell/base/error.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/read_blocks.h"
 
 namespace robocell {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr size_t kPiece = 1 << 16;
 
 std::string LinkAt(const fs::path& path) {
   std::error_code ignored;
@@ -31,19 +29,6 @@ std::string LinkAt(const fs::path& path) {
   throw IoError(
       fmt::format("cannot {} '{}': it is {}, not a file. Remove it, or put the file itself there",
                   action, path.string(), WhatIsAt(path)));
-}
-
-// Calls f(bytes) for every block until the end.
-void ForEachBlock(const RealFile& file, const fs::path& path,
-                  const std::function<void(std::string_view)>& f) {
-  std::string block(kPiece, '\0');
-  for (;;) {
-    const ssize_t count = ::read(file.descriptor(), block.data(), block.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) ThrowIoError("read", path, errno);
-    if (count == 0) return;
-    f({block.data(), static_cast<size_t>(count)});
-  }
 }
 
 }  // namespace
@@ -131,7 +116,7 @@ std::string ReadRealFile(const fs::path& path, uint64_t max_bytes) {
                               path.string(), size, max_bytes));
   };
   require(file.size());
-  ForEachBlock(file, path, [&](std::string_view block) {
+  ReadBlocks(file.descriptor(), path, [&](std::string_view block) {
     require(bytes.size() + block.size());  // it may have grown
     bytes += block;
   });
@@ -141,7 +126,7 @@ std::string ReadRealFile(const fs::path& path, uint64_t max_bytes) {
 std::string Sha256RealFile(const fs::path& path) {
   const RealFile file(path, O_RDONLY, "read");
   Sha256Stream stream;
-  ForEachBlock(file, path, [&](std::string_view block) { stream.Update(block); });
+  ReadBlocks(file.descriptor(), path, [&](std::string_view block) { stream.Update(block); });
   return stream.Hex();
 }
 

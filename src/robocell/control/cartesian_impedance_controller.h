@@ -33,6 +33,7 @@ class CartesianImpedanceController : public Controller {
   explicit CartesianImpedanceController(ArmGroup& arm);
 
   std::string_view kind() const override { return "cartesian_impedance"; }
+  void RequireOpen() const override { arm_.RequireOpen(); }
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   TargetKind target_kind() const override { return TargetKind::kPose; }
   int target_size() const override { return 7; }

@@ -26,6 +26,7 @@ class CartesianPoseController : public Controller {
   explicit CartesianPoseController(ArmGroup& arm);
 
   std::string_view kind() const override { return "cartesian_pose"; }
+  void RequireOpen() const override { arm_.RequireOpen(); }
   TargetKind target_kind() const override { return TargetKind::kPose; }
   int target_size() const override { return 7; }
   void SetTarget(std::span<const double> numbers) override;

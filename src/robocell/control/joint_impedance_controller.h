@@ -26,6 +26,7 @@ class JointImpedanceController : public Controller {
   explicit JointImpedanceController(ArmGroup& arm);
 
   std::string_view kind() const override { return "joint_impedance"; }
+  void RequireOpen() const override { arm_.RequireOpen(); }
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   int target_size() const override { return arm_.nq(); }
   void SetTarget(std::span<const double> q) override;

@@ -14,6 +14,7 @@ class RelativeJointController : public Controller {
       : group_(group), absolute_(group), delta_(group.nq()) {}
 
   std::string_view kind() const override { return "relative_joint_position"; }
+  void RequireOpen() const override { group_.RequireOpen(); }
   int target_size() const override { return absolute_.target_size(); }
   // Adds `delta` (rad or m) to where the group is being driven, kept within the joint limits.
   void SetTarget(std::span<const double> delta) override;

@@ -20,12 +20,32 @@ namespace robocell {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+[[noreturn]] void ThrowNoDataset(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  const fs::path whole = path.has_filename() ? path : path.parent_path();  // without a last slash
+  std::vector<std::string> beside;
+  std::error_code ignored;
+  for (fs::directory_iterator it(whole.parent_path(), ignored), end; !ignored && it != end;
+       it.increment(ignored)) {
+    if (it->is_directory(ignored)) beside.push_back(it->path().filename().string());
+  }
+  throw IoError(
+      fmt::format("no dataset '{}': there is no such folder.{} `robocell generate RUN.yaml "
+                  "--output {}` makes one",
+                  folder.string(), DidYouMean(whole.filename().string(), beside), folder.string()));
+}
+
+}  // namespace
+
 Dataset::Dataset(fs::path folder) : folder_(std::move(folder)) { Refresh(); }
 
 void Dataset::Refresh() {
   ids_.clear();
   broken_.clear();
   std::error_code error;
+  if (!fs::exists(folder_, error) && !error) ThrowNoDataset(folder_);
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
     if (!IsEpisodeId(name)) continue;

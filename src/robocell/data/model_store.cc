@@ -20,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kDigits = 16;  // of the hash in a folder's name
-constexpr std::string_view kSumsFile = "SHA256SUMS";
 constexpr const char* kNotStored = "its bytes are not what was stored: the hash does not fit";
 
 std::string FolderName(const FileSet& model) {
@@ -41,7 +40,7 @@ void Copy(const fs::path& from, const fs::path& to) {
 }
 
 std::optional<std::string> ReadSums(const fs::path& folder) {
-  const fs::path path = folder / kSumsFile;
+  const fs::path path = folder / kModelListFile;
   if (!fs::exists(fs::symlink_status(path))) return std::nullopt;
   return ReadRealFile(path);
 }
@@ -80,7 +79,7 @@ void StoreModel(const fs::path& dataset, const FileSet& model) {
   if (Sha256(sums) != model.hash)
     throw IoError("model '" + model.main + "' changed while it was copied into '" +
                   dataset.string() + "'; try again");
-  AtomicWrite(work.path() / kSumsFile, sums);
+  AtomicWrite(work.path() / kModelListFile, sums);
   try {
     work.Commit(final);
   } catch (const IoError&) {
@@ -113,7 +112,7 @@ std::map<std::string, std::string> DamageOfStoredModel(const fs::path& dataset,
   RequireRealFolder(dataset / kModelsFolder);
   RequireRealFolder(dataset / folder);
   FileSums there = SumsOfFolder(dataset / folder);
-  there.erase(std::string(kSumsFile));
+  there.erase(std::string(kModelListFile));
   const auto is_stored = [&](const std::string& text) {
     return Sha256(text).starts_with(folder.substr(folder.size() - kDigits));
   };
@@ -121,8 +120,17 @@ std::map<std::string, std::string> DamageOfStoredModel(const fs::path& dataset,
   if (listed && is_stored(*listed))
     return Differences(ParseSums(*listed).value_or(FileSums()), there);
   if (!is_stored(TextOf(there))) return {{"", "its files are not what was stored"}};
-  if (listed) return {{std::string(kSumsFile), kNotStored}};
-  return {};  // a model without a list, of an older version
+  if (listed) return {{std::string(kModelListFile), kNotStored}};
+  return {};  // a model without a list
+}
+
+bool HasModelList(const fs::path& dataset, const std::string& path) {
+  return ReadSums(dataset / StoredModelFolder(path)).has_value();
+}
+
+void WriteModelList(const fs::path& dataset, const std::string& path) {
+  const fs::path folder = dataset / StoredModelFolder(path);
+  AtomicWrite(folder / kModelListFile, TextOf(SumsOfFolder(folder)));
 }
 
 std::vector<std::string> StoredModels(const fs::path& dataset) {

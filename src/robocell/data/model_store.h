@@ -7,11 +7,15 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "robocell/base/file_set.h"
 
 namespace robocell {
+
+// The list of a stored model's files.
+inline constexpr std::string_view kModelListFile = "SHA256SUMS";
 
 // Where a model is kept, within the dataset: "models/rc7-0123456789abcdef/rc7.xml".
 std::string StoredModelPath(const FileSet& model);
@@ -27,10 +31,16 @@ bool IsStoredModelPath(const std::string& path);
 std::string StoredModelFolder(const std::string& path);
 
 // What is wrong with the files of a stored model (a path or folder as above), by their names within
-// it: "assets/a.stl" -> "it is missing"; nothing when they are what was stored. IoError when the
-// model is not there.
+// it: "assets/a.stl" -> "it is missing"; nothing when they are what was stored. That the list is
+// missing is no damage. IoError when the model is not there.
 std::map<std::string, std::string> DamageOfStoredModel(const std::filesystem::path& dataset,
                                                        const std::string& path);
+
+// Whether the list of a stored model, which has a path or folder as above, is there.
+bool HasModelList(const std::filesystem::path& dataset, const std::string& path);
+
+// Writes the list of an undamaged model that has none. IoError.
+void WriteModelList(const std::filesystem::path& dataset, const std::string& path);
 
 // The folders of models in the dataset: "models/rc7-0123456789abcdef", sorted.
 std::vector<std::string> StoredModels(const std::filesystem::path& dataset);

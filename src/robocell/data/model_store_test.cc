@@ -71,7 +71,25 @@ TEST_F(ModelStoreTest, TellsWhatWasChangedTakenAwayOrAdded) {
   EXPECT_THROW(Damage(), IoError);
 }
 
-TEST_F(ModelStoreTest, ReadsModelsWithoutAListOfAnEarlierVersion) {
+TEST_F(ModelStoreTest, AListThatIsMissingIsToldAndWrittenAgain) {
+  StoreModel(dataset, arm);
+  const std::string name = StoredModels(dataset)[0];
+  const fs::path sums = dataset / name / "SHA256SUMS";
+  const std::string listed = ReadFile(sums);
+  fs::remove(sums);
+  const VerifyReport report = Verify(dataset);
+  EXPECT_FALSE(report.ok());
+  EXPECT_THAT(report.Text(), HasSubstr(name + "/SHA256SUMS: it is missing; the model's files are "
+                                              "what was stored, and `robocell verify --repair` "
+                                              "lists them again"));
+  const RepairResult repaired = Repair(dataset);
+  EXPECT_THAT(repaired.moved, IsEmpty());
+  EXPECT_THAT(repaired.remaining, IsEmpty());
+  EXPECT_EQ(ReadFile(sums), listed);
+  EXPECT_TRUE(Verify(dataset).ok());
+}
+
+TEST_F(ModelStoreTest, ReadsModelsWithoutAList) {
   StoreModel(dataset, arm);
   const fs::path folder = dataset / StoredModels(dataset)[0];
   fs::remove(folder / "SHA256SUMS");

@@ -23,6 +23,7 @@
 #include "robocell/data/leftovers.h"
 #include "robocell/data/model_store.h"
 #include "robocell/data/own_folders.h"
+#include "robocell/data/quarantine.h"
 #include "robocell/data/signed_json.h"
 #include "robocell/media/video_info.h"
 
@@ -173,22 +174,6 @@ class EpisodeCheck {
   std::vector<VerifyProblem> problems_;
 };
 
-// Moves it into the quarantine under a name that is free there.
-std::string Quarantine(const fs::path& dataset, const std::string& name) {
-  const fs::path folder = dataset / kQuarantineFolder;
-  std::error_code error;
-  RequireRealFolder(folder);
-  fs::create_directory(folder, error);
-  if (error) ThrowIoError("create", folder, error.value());
-  const std::string own = fs::path(name).filename().string();
-  std::string target = own;
-  for (int i = 1; fs::exists(fs::symlink_status(folder / target)); ++i)
-    target = fmt::format("{}.{}", own, i);
-  fs::rename(dataset / name, folder / target, error);
-  if (error) ThrowIoError("move aside", dataset / name, error.value());
-  return target;
-}
-
 bool IsOfDataset(const fs::path& folder, const std::string& name) {
   return name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
          IsReportFile(name) || IsTemporaryName(name) ||
@@ -267,7 +252,14 @@ void CheckStoredModels(const fs::path& dataset, VerifyReport& report) {
       const fs::path place = file.empty() ? fs::path(model) : fs::path(model) / file;
       report.problems.push_back({"", place.string(), reason});
     }
-    if (!damage.empty()) report.bad_parts.push_back(model);
+    if (!damage.empty()) {
+      report.bad_parts.push_back(model);
+    } else if (!HasModelList(dataset, model)) {
+      report.problems.push_back({"", model + "/" + std::string(kModelListFile),
+                                 "it is missing; the model's files are what was stored, and "
+                                 "`robocell verify --repair` lists them again"});
+      report.unlisted.push_back(model);
+    }
   }
 }
 
@@ -359,6 +351,7 @@ RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
       result.moved.push_back(Quarantine(dataset, name));
     }
   }
+  for (const std::string& model : found.unlisted) WriteModelList(dataset, model);
   FsyncDirectory(dataset);
   VerifyReport after{.good = found.good};
   CheckManifest(dataset, after);

@@ -28,6 +28,7 @@ struct VerifyReport {
   std::vector<std::string> good;        // ids of intact episodes
   std::vector<std::string> bad;         // ids of the others
   std::vector<std::string> bad_parts;   // damaged parts of the dataset itself, by name
+  std::vector<std::string> unlisted;    // models that are whole but for the list of their files
   std::vector<VerifyProblem> problems;  // of the bad ones, and of the dataset
   // Temporary folders and files. No problem.
   std::vector<std::string> leftovers;  // what a crash left behind
@@ -64,7 +65,8 @@ struct RepairResult {
 };
 
 // Moves bad episodes, damaged models, a damaged dataset.json or report, and leftovers that nobody
-// is writing, into <dataset>/.quarantine. Nothing is deleted. Holds the dataset's lock
+// is writing, into <dataset>/.quarantine; writes the list of files of a model that lost it. Nothing
+// is deleted. Holds the dataset's lock
 // (dataset_lock.h): IoError names who is generating into it.
 RepairResult Repair(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 

@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/datagen/ctrl_units.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
@@ -41,6 +42,14 @@ const char* JointUnit(const mjModel* m, int joint, bool rate) {
   }
 }
 
+// "rad" when all are the same, else all in their order.
+std::string OneOrAll(const std::vector<std::string>& units) {
+  const bool same =
+      std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();
+  if (same && !units.empty()) return units.front();
+  return fmt::format("{}", fmt::join(units, ", "));
+}
+
 // Units of a group's joints: "rad", "m", or all in their order. "" when one of them is no joint of
 // the model: a group of the user's own kind may have other coordinates.
 std::string JointUnits(const mjModel* m, const std::vector<std::string>& joints, bool rate) {
@@ -50,10 +59,7 @@ std::string JointUnits(const mjModel* m, const std::vector<std::string>& joints,
     if (id < 0) return "";
     units.push_back(JointUnit(m, id, rate));
   }
-  const bool same =
-      std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();
-  if (same && !units.empty()) return units.front();
-  return fmt::format("{}", fmt::join(units, ", "));
+  return OneOrAll(units);
 }
 
 // Experts without names of phases are in phase 0 throughout.
@@ -259,6 +265,7 @@ SceneColumns::SceneColumns(EpisodeSchema& schema, Scene scene, std::vector<std::
     control_ctrl_ = schema.AddColumn(
         {.name = "ctrl",
          .shape = {m->nu},
+         .units = OneOrAll(CtrlUnits(m)),
          .names = std::move(names),
          .description = "Raw controls that act from this time on; replaying them from the "
                         "first row's state gives the episode."},

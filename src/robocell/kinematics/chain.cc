@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <mutex>
 #include <optional>
 
@@ -57,13 +58,25 @@ void Chain::CheckSize(std::string_view what, std::size_t size) const {
                                   n_joints(), size));
 }
 
+void Chain::CheckJointValues(std::string_view what, std::span<const double> values) const {
+  CheckSize(what, values.size());
+  double nothing = 0;
+  for (const double value : values) nothing += 0 * value;  // NaN for what is not finite
+  if (nothing == 0) return;
+  for (int i = 0; i < n_joints(); ++i) {
+    if (std::isfinite(values[i])) continue;
+    throw ArgumentError(fmt::format("{}: {}: joint '{}' is {}; joint values must be finite",
+                                    description(), what, joints_[i].name, values[i]));
+  }
+}
+
 Pose Chain::Fk(std::span<const double> q) const {
-  CheckSize("q", q.size());
+  CheckJointValues("q", q);
   return WalkChain(model_, q.data(), [](int, const Transform&) {}).pose();
 }
 
 Pose Chain::FkAll(std::span<const double> q, std::span<Pose> bodies) const {
-  CheckSize("q", q.size());
+  CheckJointValues("q", q);
   CheckSize("bodies", bodies.size());
   return WalkChain(model_, q.data(),
                    [&](int i, const Transform& frame) {
@@ -74,7 +87,7 @@ Pose Chain::FkAll(std::span<const double> q, std::span<Pose> bodies) const {
 
 Pose Chain::Jacobian(std::span<const double> q,
                      Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {
-  CheckSize("q", q.size());
+  CheckJointValues("q", q);
   CheckSize("columns of the Jacobian", out.cols());
   ChainFrames frames;
   ComputeFrames(model_, q.data(), &frames);

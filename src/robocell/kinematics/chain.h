@@ -124,6 +124,11 @@ class Chain {
   // Mass of everything that the chain moves, kg.
   double moving_mass() const;
 
+  // ArgumentError, naming the argument and the joint, unless `values` are one finite number for
+  // each joint. Forward kinematics and Jacobian check; the dynamics, which control loops call,
+  // check the number of values only.
+  void CheckJointValues(std::string_view what, std::span<const double> values) const;
+
   // The folded numbers, for solvers.
   const ChainModel& model() const { return model_; }
   const LaneChain& lanes() const;

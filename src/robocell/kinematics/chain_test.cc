@@ -1,7 +1,11 @@
 // What a Chain knows about itself, and what it says when it cannot be made.
 #include "robocell/kinematics/chain.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
 
 #include "robocell/kinematics/testing/models.h"
 #include "robocell/testing/expect_throw.h"
@@ -121,6 +125,24 @@ TEST_F(ChainTest, RefusesMoreJointsThanItCanHoldAndNamesThem) {
   EXPECT_EQ(Make("world", ChainTip::Body("b16")).n_joints(), 16);
   ExpectThrow<ArgumentError>([&] { Make("world", ChainTip::Body("b17")); },
                              "a chain has at most 16 joints, this one has more: j1 ... j16, 'j17'");
+}
+
+TEST_F(ChainTest, RefusesJointValuesThatAreNotFinite) {
+  const Chain chain = Make("left_base", ChainTip::Site("left_tcp"));
+  const std::string name = chain.joint_names()[1];
+  Eigen::MatrixXd jacobian(6, 3);
+  std::vector<Pose> bodies(3);
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {std::nan(""), kInfinity, -kInfinity}) {
+    const JointVector q{1, bad, -kInfinity};
+    const std::string text = fmt::format(
+        "chain 'left_base' -> site 'left_tcp': q: joint '{}' is {}; joint values must be finite",
+        name, bad);
+    ExpectThrow<ArgumentError>([&] { chain.Fk(q); }, text);
+    ExpectThrow<ArgumentError>([&] { chain.FkAll(q, bodies); }, text);
+    ExpectThrow<ArgumentError>([&] { chain.Jacobian(q, jacobian); }, text);
+  }
+  EXPECT_NO_THROW(chain.Fk(JointVector{1e300, -1e300, 0}));
 }
 
 TEST_F(ChainTest, RefusesAWrongNumberOfJointValues) {

@@ -63,6 +63,15 @@ Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupC
   ThrowOtherKind(place, slot, TargetKind::kJointPositions);
 }
 
+// A pose becomes joint positions for a controller that takes these.
+void CheckTakesPose(const std::string& place, const GroupSlot& slot) {
+  const TargetKind kind = slot.controller->target_kind();
+  if (kind == TargetKind::kPose || kind == TargetKind::kJointPositions ||
+      kind == TargetKind::kJointSteps)
+    return;
+  ThrowOtherKind(place, slot, TargetKind::kPose);
+}
+
 // Velocities and torques, for controllers that take them.
 Values DirectTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
   const TargetKind kind = command.kind == GroupCommand::kTorques ? TargetKind::kJointTorques
@@ -76,17 +85,19 @@ Values DirectTarget(const std::string& place, const GroupSlot& slot, const Group
 }  // namespace
 
 Robot::ApplyResult Robot::Apply(const RobotAction& action) {
+  State& state = open();
   ApplyResult result;
   std::vector<std::pair<Controller*, Values>> targets;
   for (const auto& [name, command] : action) {
-    GroupSlot& slot = state_->Require(name);
-    Controller& controller = state_->RequireController(slot);
-    const std::string place = state_->place(slot);
+    GroupSlot& slot = state.Require(name);
+    Controller& controller = state.RequireController(slot);
+    const std::string place = state.place(slot);
     CheckKind(place, slot, command);
     if (command.kind == GroupCommand::kOpening) {
       CheckValues([&] { return place; }, "opening", command.values, 1);
       targets.emplace_back(&controller, command.values);
     } else if (command.kind == GroupCommand::kPose) {
+      CheckTakesPose(place, slot);
       if (!IsFinite(command.pose))
         throw ArgumentError(place + ": the target pose has a number that is not finite");
       if (controller.target_kind() == TargetKind::kPose) {
@@ -94,7 +105,7 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
         continue;
       }
       const JointVector seed(controller.commanded_joint_pos());
-      const IkResult ik = robocell::Ik(state_->RequireChain(slot), command.pose, {.seed = seed});
+      const IkResult ik = robocell::Ik(state.RequireChain(slot), command.pose, {.seed = seed});
       if (!ik.success) {
         if (result.ok) result = {.ok = false, .failed_group = name, .ik = ik};
         continue;

@@ -45,6 +45,8 @@ class Controller {
   virtual ~Controller() = default;
 
   virtual std::string_view kind() const = 0;  // "joint_position", ...
+  // ClosedError when the scene of its group was closed.
+  virtual void RequireOpen() const {}
   // What it drives.
   virtual CtrlMode mode() const { return CtrlMode::kPosition; }
   virtual TargetKind target_kind() const { return TargetKind::kJointPositions; }

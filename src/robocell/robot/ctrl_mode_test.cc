@@ -225,6 +225,15 @@ TEST(CtrlMode, CommandsAreThoseOfTheController) {
       },
       "its controller 'joint_torque' takes joint torques, not joint positions; command it with "
       "those, or choose another controller");
+  // Before inverse kinematics: whether the pose is in reach is not the question.
+  for (const double x : {0.3, 9.0}) {
+    ExpectThrow<ArgumentError>(
+        [&] {
+          robot.Apply({{"arm", GroupCommand::LeafPose(Pose(Eigen::Vector3d(x, 0, 0.5)))}});
+        },
+        "its controller 'joint_torque' takes joint torques, not a pose; command it with those, or "
+        "choose another controller");
+  }
   const std::vector<double> torque{1, 2, 3, 4, 5, 6, 7};
   robot.Apply({{"arm", GroupCommand::Torques(torque)}});
   EXPECT_EQ(robot.jnt_trq_cmd()[6], 7);

@@ -18,6 +18,7 @@ class GripperOpeningController : public Controller {
   explicit GripperOpeningController(GripperGroup& group);
 
   std::string_view kind() const override { return "joint_position"; }
+  void RequireOpen() const override { group_.RequireOpen(); }
   TargetKind target_kind() const override { return TargetKind::kOpening; }
   int target_size() const override { return 1; }
   // Beyond 0..1 the nearest is used, which is told once; the actuators are told at once.

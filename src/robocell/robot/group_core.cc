@@ -63,6 +63,10 @@ std::string GroupCore::place() const {
   return names_.robot.empty() ? group : "robot '" + names_.robot + "' / " + group;
 }
 
+void GroupCore::ThrowClosed() const {
+  throw ClosedError(place() + " is closed: its scene was closed");
+}
+
 void GroupCore::Resolve() const {
   const std::string where = "scene '" + scene_.name() + "' / " + place();
   ResolveJoints(where);

@@ -40,8 +40,12 @@ class GroupCore {
   const Scene& scene() const { return scene_; }
   const mjModel* model() const { return scene_.model(); }
   mjData* data() const { return scene_.data(); }
+  void RequireOpen() const {
+    if (scene_.closed()) ThrowClosed();
+  }
   // Looks the names up again when the scene was rebuilt. Every public function calls it.
   void Bind() const {
+    RequireOpen();
     if (scene_.generation() != generation_) Resolve();
   }
 
@@ -85,6 +89,7 @@ class GroupCore {
     int id = -1;
   };
 
+  [[noreturn]] void ThrowClosed() const;
   void Resolve() const;
   void ResolveJoints(const std::string& where) const;
   void ResolveActuators(const std::string& where) const;

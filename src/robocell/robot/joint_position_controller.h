@@ -20,6 +20,7 @@ class JointPositionController : public Controller {
   explicit JointPositionController(MoveGroup& group);
 
   std::string_view kind() const override { return "joint_position"; }
+  void RequireOpen() const override { group_.RequireOpen(); }
   int target_size() const override { return group_.nq(); }
   void SetTarget(std::span<const double> target) override;
   std::span<const double> target() const override { return target_; }

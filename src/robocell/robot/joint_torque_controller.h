@@ -19,6 +19,7 @@ class JointTorqueController : public Controller {
   explicit JointTorqueController(ArmGroup& arm);
 
   std::string_view kind() const override { return "joint_torque"; }
+  void RequireOpen() const override { arm_.RequireOpen(); }
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   TargetKind target_kind() const override { return TargetKind::kJointTorques; }
   int target_size() const override { return arm_.nv(); }

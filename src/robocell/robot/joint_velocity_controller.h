@@ -18,6 +18,7 @@ class JointVelocityController : public Controller {
   explicit JointVelocityController(ArmGroup& arm);
 
   std::string_view kind() const override { return "joint_velocity"; }
+  void RequireOpen() const override { arm_.RequireOpen(); }
   CtrlMode mode() const override { return CtrlMode::kVelocity; }
   TargetKind target_kind() const override { return TargetKind::kJointVelocities; }
   int target_size() const override { return arm_.nv(); }

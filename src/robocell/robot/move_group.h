@@ -38,6 +38,8 @@ class MoveGroup {
   virtual const std::string& name() const = 0;  // as in RobotConfig.move_groups
   // For messages: "robot 'left' / group 'arm'", or without the robot when the group knows of none.
   virtual std::string place() const { return "group '" + name() + "'"; }
+  // ClosedError when its scene was closed. A group that knows of no scene is never closed.
+  virtual void RequireOpen() const {}
   virtual MoveGroupKind kind() const = 0;
 
   // Sizes and names (full names in the model).

@@ -5,6 +5,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/reach.h"
@@ -33,41 +34,48 @@ JointVector Positions(const MoveGroup& group) {
 
 }  // namespace
 
+void Robot::RequireOpen() const { state_->RequireOpen(); }
+
+Robot::State& Robot::open() const {
+  RequireOpen();
+  return *state_;
+}
+
 const std::string& Robot::name() const { return state_->record.name; }
 const std::string& Robot::prefix() const { return state_->record.prefix; }
-const RobotConfig& Robot::config() const { return state_->record.config; }
+const RobotConfig& Robot::config() const { return open().record.config; }
 
-std::vector<std::string> Robot::group_names() const { return state_->group_names(); }
-bool Robot::has_group(const std::string& name) const { return state_->Find(name) != nullptr; }
-MoveGroup& Robot::group(const std::string& name) const { return *state_->Require(name).group; }
+std::vector<std::string> Robot::group_names() const { return open().group_names(); }
+bool Robot::has_group(const std::string& name) const { return open().Find(name) != nullptr; }
+MoveGroup& Robot::group(const std::string& name) const { return *open().Require(name).group; }
 std::shared_ptr<MoveGroup> Robot::shared_group(const std::string& name) const {
-  const std::shared_ptr<MoveGroup>& group = state_->Require(name).group;
+  const std::shared_ptr<MoveGroup>& group = open().Require(name).group;
   return {std::make_shared<std::pair<Robot, std::shared_ptr<MoveGroup>>>(*this, group),
           group.get()};
 }
-MoveGroup& Robot::arm() const { return *state_->RequireKind(MoveGroupKind::kArm).group; }
-bool Robot::has_gripper() const { return state_->FindKind(MoveGroupKind::kGripper) != nullptr; }
+MoveGroup& Robot::arm() const { return *open().RequireKind(MoveGroupKind::kArm).group; }
+bool Robot::has_gripper() const { return open().FindKind(MoveGroupKind::kGripper) != nullptr; }
 
 GripperGroup& Robot::gripper() const {
-  return dynamic_cast<GripperGroup&>(*state_->RequireKind(MoveGroupKind::kGripper).group);
+  return dynamic_cast<GripperGroup&>(*open().RequireKind(MoveGroupKind::kGripper).group);
 }
 
 BaseGroup& Robot::base() const {
-  return dynamic_cast<BaseGroup&>(*state_->RequireKind(MoveGroupKind::kBase).group);
+  return dynamic_cast<BaseGroup&>(*open().RequireKind(MoveGroupKind::kBase).group);
 }
 
 void Robot::SetGroup(std::shared_ptr<MoveGroup> group) {
   CheckInterface(group.get());
   MadeGroup made{std::move(group)};
-  const GroupSlot* old = state_->Find(made.group->name());
+  const GroupSlot* old = open().Find(made.group->name());
   const bool same_arm = old && old->tip && made.group->kind() == MoveGroupKind::kArm &&
                         old->group->joint_names() == made.group->joint_names();
   if (same_arm) made.tip = old->tip;
-  state_->AddGroup(std::move(made), "joint_position", false);
+  open().AddGroup(std::move(made), "joint_position", false);
 }
 
 Controller& Robot::controller(const std::string& group) const {
-  return state_->RequireController(state_->Require(group));
+  return open().RequireController(open().Require(group));
 }
 
 std::shared_ptr<Controller> Robot::shared_controller(const std::string& group) const {
@@ -77,34 +85,34 @@ std::shared_ptr<Controller> Robot::shared_controller(const std::string& group) c
     std::shared_ptr<Controller> controller;
   };
   controller(group);  // or why there is none
-  GroupSlot& slot = state_->Require(group);
+  GroupSlot& slot = open().Require(group);
   const auto kept = std::make_shared<Kept>(Kept{*this, slot.shared_from_this(), slot.controller});
   return {kept, kept->controller.get()};
 }
 
 void Robot::SetController(const std::string& group, std::unique_ptr<Controller> controller) {
-  if (!controller) throw ArgumentError(state_->place() + ": a controller cannot be null");
-  state_->Use(state_->Require(group), std::move(controller));
+  if (!controller) throw ArgumentError(open().place() + ": a controller cannot be null");
+  open().Use(open().Require(group), std::move(controller));
 }
 
 void Robot::SetController(const std::string& group, const std::string& kind) {
-  GroupSlot& slot = state_->Require(group);
-  const CtrlMode mode = ControllerMode(kind, state_->place(slot));
-  SetController(group, MakeController(kind, state_->RequireDrive(slot, mode)));
+  GroupSlot& slot = open().Require(group);
+  const CtrlMode mode = ControllerMode(kind, open().place(slot));
+  SetController(group, MakeController(kind, open().RequireDrive(slot, mode)));
 }
 
 CtrlMode Robot::ctrl_mode() const {
-  return state_->RequireController(state_->RequireKind(MoveGroupKind::kArm)).mode();
+  return open().RequireController(open().RequireKind(MoveGroupKind::kArm)).mode();
 }
 
 void Robot::set_ctrl_mode(CtrlMode mode) {
-  GroupSlot& slot = state_->RequireKind(MoveGroupKind::kArm);
+  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   const std::string kind = std::string("joint_") + ToString(mode);
   if (!slot.controller || slot.controller->kind() != kind) SetController(slot.group->name(), kind);
 }
 
 MoveGroup& Robot::drive(const std::string& group, CtrlMode mode) const {
-  return state_->RequireDrive(state_->Require(group), mode);
+  return open().RequireDrive(open().Require(group), mode);
 }
 
 std::vector<std::shared_ptr<MoveGroup>> Robot::groups_of_sole_handle() const {
@@ -124,9 +132,10 @@ std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene) {
 }
 
 void Robot::Update() {
-  state_->ReadPorts();
-  for (size_t i = 0; i < state_->slots.size(); ++i) {
-    const std::shared_ptr<GroupSlot> slot = state_->slots[i];  // it may replace itself
+  State& state = open();
+  state.ReadPorts();
+  for (size_t i = 0; i < state.slots.size(); ++i) {
+    const std::shared_ptr<GroupSlot> slot = state.slots[i];  // it may replace itself
     const std::shared_ptr<Controller> controller = slot->controller;
     if (!controller) continue;
     controller->Compute(slot->ctrl);
@@ -137,22 +146,22 @@ void Robot::Update() {
 int Robot::n_joints() const { return arm().nq(); }
 const std::vector<std::string>& Robot::joint_names() const { return arm().joint_names(); }
 std::vector<Interval> Robot::joint_limits() const { return arm().joint_pos_limits(); }
-std::span<const double> Robot::jnt_pos_msr() const { return state_->pos; }
-std::span<const double> Robot::jnt_vel_msr() const { return state_->vel; }
-std::span<const double> Robot::jnt_trq_msr() const { return state_->trq; }
+std::span<const double> Robot::jnt_pos_msr() const { return open().pos; }
+std::span<const double> Robot::jnt_vel_msr() const { return open().vel; }
+std::span<const double> Robot::jnt_trq_msr() const { return open().trq; }
 
 std::span<double> Robot::Port(TargetKind kind, const char* name, CtrlMode mode) const {
-  GroupSlot& slot = state_->RequireKind(MoveGroupKind::kArm);
-  Controller& controller = state_->RequireController(slot);
+  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  Controller& controller = open().RequireController(slot);
   if (controller.port_kind() == kind) return controller.command_port();
   throw Error(
       fmt::format("{}: there is no {} while its controller is '{}'; set ctrl_mode to {} "
                   "first",
-                  state_->place(slot), name, controller.kind(), ToString(mode)));
+                  open().place(slot), name, controller.kind(), ToString(mode)));
 }
 
 void Robot::WritePort(std::span<double> port, std::span<const double> values) {
-  CheckValues([&] { return state_->place(state_->RequireKind(MoveGroupKind::kArm)); }, "joint",
+  CheckValues([&] { return open().place(open().RequireKind(MoveGroupKind::kArm)); }, "joint",
               values, static_cast<int>(port.size()), joint_names());
   std::copy(values.begin(), values.end(), port.begin());
 }
@@ -174,7 +183,7 @@ void Robot::SetJntVelCmd(std::span<const double> velocity) { WritePort(jnt_vel_c
 void Robot::SetJntTrqCmd(std::span<const double> torque) { WritePort(jnt_trq_cmd(), torque); }
 
 void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
-  GroupSlot& slot = state_->RequireKind(MoveGroupKind::kArm);
+  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   auto* arm = dynamic_cast<ArmGroup*>(slot.group.get());
   if (arm && !call_forward) {
     arm->WriteJointPos(q);
@@ -182,15 +191,15 @@ void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
     slot.group->SetJointPos(q);
   }
   if (slot.controller) slot.controller->Reset();
-  state_->ReadPorts();
+  open().ReadPorts();
 }
 
 const Chain& Robot::chain() const {
-  return state_->RequireChain(state_->RequireKind(MoveGroupKind::kArm));
+  return open().RequireChain(open().RequireKind(MoveGroupKind::kArm));
 }
 
 const Chain& Robot::chain(const std::string& group) const {
-  return state_->RequireChain(state_->Require(group));
+  return open().RequireChain(open().Require(group));
 }
 
 Pose Robot::FkFrame() const { return chain().Fk(Positions(arm())); }
@@ -215,10 +224,11 @@ LockedJoints Robot::LockGroups(std::span<const std::string> groups) const {
 }
 
 Pose Robot::base_in_world() const {
-  state_->RequireBodies();
-  state_->scene.SyncPoses();
-  const mjData* d = state_->scene.data();
-  const int id = state_->root_body;
+  const State& state = open();
+  state.RequireBodies();
+  state.scene.SyncPoses();
+  const mjData* d = state.scene.data();
+  const int id = state.root_body;
   return Pose::FromWxyz(d->xpos + 3 * id, d->xquat + 4 * id);
 }
 
@@ -232,18 +242,20 @@ const std::string& Robot::tcp_site() const {
 
 Pose Robot::tip_to_tcp() const {
   const Chain& to_tcp = chain();
-  const std::string& body =
-      state_->tip_body.empty() ? to_tcp.joints().back().body : state_->tip_body;
-  const Chain to_tip(state_->scene.model(), state_->record.root_body, ChainTip::Body(body));
+  const std::string& body = open().tip_body.empty() ? to_tcp.joints().back().body : open().tip_body;
+  const Chain to_tip(open().scene.model(), open().record.root_body, ChainTip::Body(body));
   const JointVector q(to_tcp.n_joints());
   return to_tip.Fk({q.data(), static_cast<size_t>(to_tip.n_joints())}).inverse() * to_tcp.Fk(q);
 }
 
 Eigen::Vector3d Robot::gravity_in_base(std::optional<double> gravity_z) const {
+  if (gravity_z && !std::isfinite(*gravity_z))
+    throw ArgumentError(
+        fmt::format("{}: gravity_z is {}; it must be finite", open().place(), *gravity_z));
   if (gravity_z) return base_in_world().rotation().transpose() * Eigen::Vector3d(0, 0, *gravity_z);
   const auto* arm = dynamic_cast<const ArmGroup*>(&this->arm());
   if (arm) return arm->gravity_in_base();
-  const Eigen::Map<const Eigen::Vector3d> gravity(state_->scene.model()->opt.gravity);
+  const Eigen::Map<const Eigen::Vector3d> gravity(open().scene.model()->opt.gravity);
   return base_in_world().rotation().transpose() * gravity;
 }
 
@@ -251,17 +263,17 @@ void Robot::GravityTorques(std::span<double> out, std::optional<double> gravity_
   chain().GravityTorques(Positions(arm()), gravity_in_base(gravity_z), out);
 }
 
-void Robot::RefreshToolInertia() { state_->RefreshChains(); }
+void Robot::RefreshToolInertia() { open().RefreshChains(); }
 
 double Robot::reach() const {
-  std::optional<double>& reach = state_->reach;
+  std::optional<double>& reach = open().reach;
   if (!reach) reach = config().reach;
   if (!reach) reach = ApproximateReach(chain());
   return *reach;
 }
 
-const std::vector<int>& Robot::body_ids() const { return state_->bodies; }
-const std::vector<int>& Robot::geom_ids() const { return state_->geoms; }
-const std::vector<int>& Robot::collision_geom_ids() const { return state_->collision_geoms; }
+const std::vector<int>& Robot::body_ids() const { return open().bodies; }
+const std::vector<int>& Robot::geom_ids() const { return open().geoms; }
+const std::vector<int>& Robot::collision_geom_ids() const { return open().collision_geoms; }
 
 }  // namespace robocell

@@ -20,7 +20,8 @@
 // Frames: the robot base frame is the root body's. Joint values in chain order, rad or m.
 //
 // Errors: NotFoundError for names and for what the robot does not have, ArgumentError for sizes and
-// values that are not finite, ClosedError after the scene was closed. Threads: those of the scene.
+// values that are not finite; after the scene was closed ClosedError for all but name(), prefix()
+// and scene(). Threads: those of the scene.
 #pragma once
 
 #include <memory>
@@ -61,6 +62,8 @@ class Robot {
   const std::string& name() const;
   const std::string& prefix() const;
   Scene scene() const { return scene_; }
+  // ClosedError after the scene was closed.
+  void RequireOpen() const;
   const RobotConfig& config() const;
 
   // Groups by name, and the first of each kind. References, and spans of ports, stay valid until
@@ -174,6 +177,7 @@ class Robot {
  private:
   friend std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene);
   class State;
+  State& open() const;
   std::span<double> Port(TargetKind kind, const char* name, CtrlMode mode) const;
   void WritePort(std::span<double> port, std::span<const double> values);
   Robot(Scene scene, std::shared_ptr<State> state)

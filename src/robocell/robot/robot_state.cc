@@ -55,6 +55,11 @@ Robot::State::State(const Scene& s, RobotRecord r, ChainOptions options)
   FindBodies();
 }
 
+void Robot::State::RequireOpen() const {
+  if (scene.closed())
+    throw ClosedError("robot '" + record.name + "' is closed: its scene was closed");
+}
+
 void Robot::State::OnReset() {
   if (refreshed_) RemakeChains();
   for (size_t i = 0; i < slots.size(); ++i) {
@@ -262,8 +267,6 @@ const Chain& Robot::State::RequireChain(GroupSlot& slot) {
 }
 
 void Robot::State::ReadPorts() {
-  if (scene.closed())
-    throw ClosedError("robot '" + record.name + "' is closed: its scene was closed");
   RequireBodies();
   const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
   if (!arm || reading_) return;

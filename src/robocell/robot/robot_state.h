@@ -32,6 +32,8 @@ class Robot::State : public SceneObserver {
 
   void OnReset() override;
   void OnRebuild() override;
+  // ClosedError after the scene was closed.
+  void RequireOpen() const;
 
   // Adds the group or takes the place of the one of that name. A group that `controller` cannot
   // drive gets none; with `must_be_driven` that is an error.

@@ -214,11 +214,20 @@ TEST(Robot, LeavesWithoutANameAreRefused) {
 TEST(Robot, IsClosedWithItsScene) {
   Robot robot = RobotAlone(Rc7());
   Scene scene = robot.scene();
+  const MoveGroup& arm = robot.arm();
+  const GripperGroup& gripper = robot.gripper();
+  const Controller& controller = robot.controller("arm");
   scene.Close();
   ExpectThrow<ClosedError>([&] { robot.Update(); }, "robot 'rc7' is closed");
   ExpectThrow<ClosedError>([&] { EXPECT_TRUE(robot.Step().ok()); }, "scene 'test' is closed");
-  ExpectThrow<ClosedError>([&] { robot.arm().joint_pos(); }, "scene 'test' is closed");
-  ExpectThrow<ClosedError>([&] { robot.gripper().opening(); }, "closed");
+  ExpectThrow<ClosedError>([&] { arm.joint_pos(); }, "robot 'rc7' / group 'arm' is closed");
+  ExpectThrow<ClosedError>([&] { gripper.opening(); }, "robot 'rc7' / group 'gripper' is closed");
+  ExpectThrow<ClosedError>([&] { robot.arm(); }, "robot 'rc7' is closed: its scene was closed");
+  ExpectThrow<ClosedError>([&] { robot.Apply({}); }, "robot 'rc7' is closed");
+  ExpectThrow<ClosedError>([&] { robot.jnt_pos_msr(); }, "robot 'rc7' is closed");
+  ExpectThrow<ClosedError>([&] { robot.jnt_pos_cmd(); }, "robot 'rc7' is closed");
+  ExpectThrow<ClosedError>([&] { robot.ctrl_mode(); }, "robot 'rc7' is closed");
+  ExpectThrow<ClosedError>([&] { controller.RequireOpen(); }, "group 'arm' is closed");
   ExpectThrow<ClosedError>([&] { robot.tcp_in_world(); }, "closed");
   ExpectThrow<ClosedError>([&] { robot.base_in_world(); }, "closed");
   ExpectThrow<ClosedError>([&] { Robot::Of(scene, "rc7"); }, "scene 'test' is closed");

@@ -9,6 +9,8 @@
 namespace robocell {
 namespace {
 
+constexpr double kLeastDistance = 1e-9;  // metres; of two points that have a direction
+
 // Camera axes x right, y up, looking along -z, towards `target`; z of the parent is up.
 Eigen::Matrix3d LookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& target) {
   const Eigen::Vector3d z = (from - target).normalized();
@@ -38,7 +40,11 @@ void CameraSpec::Validate(Problems& problems) const {
   if (look_at && (euler != Vec3{} || quat != kIdentityQuat)) {
     problems.AddAt("look_at", "is set together with a rotation; keep one of them");
   }
-  if (look_at && pos && *look_at == *pos) problems.AddAt("look_at", "is the camera's own position");
+  if (look_at && pos && (ToEigen(*look_at) - ToEigen(*pos)).norm() < kLeastDistance) {
+    problems.AddAt("look_at",
+                   "is the camera's own position, so there is nowhere to look; give a point in "
+                   "front of the camera, or `euler` or `quat`");
+  }
 }
 
 void CameraConfig::Validate(Problems& problems) const {

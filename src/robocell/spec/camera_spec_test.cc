@@ -31,14 +31,26 @@ TEST(CameraSpec, LooksAtItsTargetWithZUp) {
   EXPECT_GT(r(2, 1), 0);                              // and its y axis points up
 }
 
-TEST(CameraSpec, LooksStraightDown) {
-  const CameraSpec camera{.name = "a", .pos = Vec3{0, 0, 3}, .fovy = 45, .look_at = Vec3{}};
-  EXPECT_TRUE((-camera.pose().rotation().col(2)).isApprox(-Eigen::Vector3d::UnitZ(), 1e-12));
+TEST(CameraSpec, LooksStraightDownAndUp) {
+  for (const double z : {0.0, 6.0}) {
+    const CameraSpec camera{
+        .name = "a", .pos = Vec3{0, 0, 3}, .fovy = 45, .look_at = Vec3{0, 0, z}};
+    EXPECT_EQ(ValidationError(camera), "");
+    const Eigen::Matrix3d r = camera.pose().rotation();
+    EXPECT_TRUE((-r.col(2)).isApprox(Eigen::Vector3d(0, 0, z - 3).normalized(), 1e-12));
+    EXPECT_TRUE(r.col(0).isApprox(Eigen::Vector3d::UnitX(), 1e-12));
+  }
 }
 
 TEST(CameraSpec, LookAtIsInsteadOfARotation) {
   CameraSpec camera{.name = "a", .pos = Vec3{}, .fovy = 45, .look_at = Vec3{}};
-  EXPECT_THAT(ValidationError(camera), HasSubstr("look_at: is the camera's own position"));
+  const std::string nowhere =
+      "look_at: is the camera's own position, so there is nowhere to look; give a point in front "
+      "of "
+      "the camera, or `euler` or `quat`";
+  EXPECT_THAT(ValidationError(camera), HasSubstr(nowhere));
+  camera.look_at = Vec3{0, 1e-200, 0};  // its square is 0
+  EXPECT_THAT(ValidationError(camera), HasSubstr(nowhere));
   camera.look_at = Vec3{1, 0, 0};
   camera.euler = {0, 0, 90};
   EXPECT_THAT(ValidationError(camera), HasSubstr("look_at: is set together with a rotation"));

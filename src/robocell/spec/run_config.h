@@ -169,7 +169,7 @@ struct RunConfig {
       "How many in all; the scenes take turns. Default: episodes_per_scene for each.",
       Check::kPositive);
     v("workers", &RunConfig::workers, "Worker processes.", Check::kPositive);
-    v("seed", &RunConfig::seed, "Everything random follows from it.");
+    v("seed", &RunConfig::seed, "Everything random follows from it.", Check::kNonNegative);
     v("output", &RunConfig::output,
       "Folder of the dataset; a relative one starts at the working folder.");
   }

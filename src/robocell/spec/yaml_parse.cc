@@ -9,6 +9,7 @@
 #include "robocell/spec/spec_file.h"
 #include "robocell/spec/yaml_hints.h"
 #include "robocell/spec/yaml_reader.h"
+#include "robocell/spec/yaml_syntax.h"
 
 namespace robocell::yaml {
 namespace {
@@ -39,21 +40,22 @@ bool TooDeep(std::string_view text) {
 }
 
 // Refuses a second document as soon as it starts: some broken texts, such as ", 1", are documents
-// without end to yaml-cpp 0.7.
+// without end to yaml-cpp 0.7. And quotes without an end, which it takes for texts.
 class OneDocument : public YAML::EventHandler {
  public:
-  explicit OneDocument(const std::string& source) : source_(source) {}
+  OneDocument(std::string_view text, const std::string& source) : text_(text), source_(source) {}
 
   void OnDocumentStart(const YAML::Mark& mark) override {
-    if (documents_++ == 0) return;
-    throw SpecError(fmt::format("{}:{}:{}: a second document starts here; a spec file has one",
-                                source_, mark.line + 1, mark.column + 1));
+    if (documents_++ > 0) throw SpecError(SecondDocument(text_, source_, mark));
   }
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
   void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                const std::string&) override {}
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                const std::string&) override {
+    if (const std::string error = UnclosedQuote(text_, source_, mark); !error.empty())
+      throw SpecError(error);
+  }
   void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
                        YAML::EmitterStyle::value) override {}
   void OnSequenceEnd() override {}
@@ -62,6 +64,7 @@ class OneDocument : public YAML::EventHandler {
   void OnMapEnd() override {}
 
  private:
+  std::string_view text_;
   const std::string& source_;
   int documents_ = 0;
 };
@@ -69,23 +72,8 @@ class OneDocument : public YAML::EventHandler {
 void RequireOneDocument(const std::string& text, const std::string& source) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
-  OneDocument handler(source);
+  OneDocument handler(text, source);
   while (parser.HandleNextDocument(handler)) continue;
-}
-
-// What the parser says, and what was probably done to make it say so.
-std::string Invalid(std::string_view text, const std::string& source,
-                    const YAML::ParserException& e) {
-  const int line = e.mark.line + 1;
-  if (const int tabbed = TabbedLine(text, line)) {
-    return fmt::format("{}:{}:1: not valid YAML: the line is indented with a tab; use spaces",
-                       source, tabbed);
-  }
-  const bool colon = e.msg == "illegal map value";
-  return fmt::format("{}:{}:{}: not valid YAML: {}{}", source, line, e.mark.column + 1, e.msg,
-                     colon ? "; a text that holds `: ` stands in quotes, and every field in a line "
-                             "of its own or in {...}"
-                           : "");
 }
 
 }  // namespace
@@ -103,12 +91,12 @@ YAML::Node ParseText(std::string_view text, const std::string& source) {
   if (TooDeep(text)) {
     throw SpecError(fmt::format("{}: is nested more than {} levels deep", source, kMostDepth));
   }
+  const std::string document(text);
   try {
-    const std::string document(text);
     RequireOneDocument(document, source);
     return YAML::Load(document);
   } catch (const YAML::ParserException& e) {
-    throw SpecError(Invalid(text, source, e));
+    throw SpecError(SyntaxError(document, source, e));
   } catch (const YAML::Exception& e) {
     throw SpecError(source + ": not valid YAML: " + e.what());
   }
