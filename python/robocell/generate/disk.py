@@ -42,7 +42,7 @@ def require_writable(folder: Path) -> None:
     """
     require_no_file(folder)
     there = _nearest(folder)
-    probe = there / f".probe.{os.getpid()}"
+    probe = there / f".probe.{os.getpid()}.0.partial"  # as of writers, which clean up
     try:
         probe.mkdir()
         probe.rmdir()
