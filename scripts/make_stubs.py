@@ -55,8 +55,9 @@ def make_stubs(extension_folder: Path, out: Path) -> None:
     top = out / "_core.pyi" if (out / "_core.pyi").exists() else out / "_core" / "__init__.pyi"
     for stub in {top, *(out / "_core").glob("*.pyi")}:
         stub.write_text(without_false_imports(stub.read_text()))
-    if hasattr(module, "__version__"):  # stubgen leaves it out
-        top.write_text(top.read_text() + "\n__version__: str\n")
+    for name in ("__version__", "__mujoco_version__"):  # stubgen leaves them out
+        if hasattr(module, name):
+            top.write_text(top.read_text() + f"\n{name}: str\n")
 
 
 if __name__ == "__main__":

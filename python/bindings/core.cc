@@ -9,6 +9,10 @@ NB_MODULE(_core, m) {
   m.doc() = "robocell's C++ core. Use it through the package `robocell`.";
   BindBase(m);
   robocell::CheckEngineVersion();
+  m.attr("__mujoco_version__") = robocell::CompiledEngineVersion();
+  m.def("mujoco_version", &robocell::LoadedEngineVersion,
+        "Version of the MuJoCo that is loaded; __mujoco_version__ is the one robocell was built "
+        "for.");
   BindMath(m);
   BindSpec(m);
   BindAssets(m);

@@ -197,15 +197,6 @@ nb::object GroupObject(const Robot& robot, MoveGroup& group) {
 }
 
 void BindRobotClass(nb::module_& m) {
-  nb::class_<ToolFrameSpec>(m, "ToolFrameSpec", "A tool in a robot's hand.")
-      .def(
-          "__init__",
-          [](ToolFrameSpec* self, std::string body, std::string site) {
-            new (self) ToolFrameSpec{std::move(body), std::move(site)};
-          },
-          "tool_body"_a = "", "tcp_site"_a = "")
-      .def_rw("tool_body", &ToolFrameSpec::tool_body, "Its subtree's inertia joins the chain.")
-      .def_rw("tcp_site", &ToolFrameSpec::tcp_site, "Becomes the TCP.");
   nb::class_<Robot> robot(
       m, "Robot",
       "A robot of a scene: its move groups, kinematics and controllers.\n\nAll "
@@ -310,6 +301,29 @@ void BindRobotClass(nb::module_& m) {
       .def_prop_ro("base_in_world", &Robot::base_in_world)
       .def_prop_ro("tcp_in_world", &Robot::tcp_in_world)
       .def_prop_ro("reach", &Robot::reach, Unlocked())
+      .def_prop_ro("ft_sensor_names", &Robot::ft_sensor_names)
+      .def(
+          "ft_sensor",
+          [](const Robot& r, const std::string& name) { return ToPyKdl(r.ft_sensor(name)); },
+          "name"_a, nb::sig("def ft_sensor(self, name: str) -> typing.Any"),
+          "What update() read of a force-torque sensor, as a PyKDL.Wrench: the load on the sensor "
+          "(a "
+          "mass that hangs from it reads its weight, along gravity), N and Nm, in the axes and "
+          "about "
+          "the origin of its `frame_site`.\n\nNotFoundError lists the sensors; ImportError with "
+          "the "
+          "install line when PyKDL is missing.")
+      .def(
+          "ft_sensor_wrench",
+          [](const Robot& r, const std::string& name) {
+            const Eigen::Matrix<double, 6, 1> six = r.ft_sensor(name).vector();
+            return Values({six.data(), 6});
+          },
+          "name"_a, "The same as numbers (6,): force, then torque.")
+      .def("ft_sensor_frame", &Robot::ft_sensor_frame, "name"_a,
+           "Pose in the world of the site that the reading is expressed in.")
+      .def("tare_ft_sensor", &Robot::TareFtSensor, "name"_a,
+           "What the sensor reads now is taken off its readings until the next reset.")
       .def(
           "kdl_chain", [](const Robot& r) { return ToPyKdl(r.chain()); },
           nb::sig("def kdl_chain(self) -> typing.Any"),

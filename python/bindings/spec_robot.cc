@@ -16,6 +16,9 @@ void BindRobotSpecs(nb::module_& m) {
   auto attachment = BindSpecClass<AttachmentSpec>(
       m, "A tool, sensor or other model mounted on a robot or on an earlier attachment of it.");
   DefYamlFile(attachment);
+  BindSpecClass<ForceTorqueSensorSpec>(
+      m, "A force-torque sensor: the model's pair of a force and a torque sensor as one.");
+  BindSpecClass<ToolFrameSpec>(m, "What is in a robot's hand.");
   auto camera = BindSpecClass<CameraSpec>(
       m,
       "A camera added to a scene or robot. MuJoCo's camera axes: x right, y up, looking along -z.");

@@ -1,12 +1,13 @@
 """Robots of the MuJoCo Menagerie: where their model files are.
 
 Looked for below the folder named by ``MENAGERIE_ROOT``, then in the cache of the package
-``mujoco-menagerie``, which is asked to download what is missing.
+``mujoco-menagerie``. What is missing is fetched there and recorded, as `robocell fetch` does.
 """
 
 from __future__ import annotations
 
 from robocell._core import (
+    IoError,
     NotFoundError,
     menagerie_model_path,
     menagerie_robot_folder,
@@ -52,12 +53,10 @@ def model_path(name: str) -> str:
 
 
 def _download(robot: str, missing: NotFoundError) -> None:
-    """Let the package fetch a robot; raise `missing` when there is none to fetch it."""
+    """Fetch a robot as `robocell fetch` does; else say that it is missing and why it stays so."""
+    from robocell import fetching
+
     try:
-        import mujoco_menagerie
-    except ImportError:
-        raise missing from None
-    try:
-        mujoco_menagerie.get(robot).path()
-    except (mujoco_menagerie.MenagerieError, OSError) as error:
+        fetching.fetch(robot)
+    except (NotFoundError, IoError) as error:
         raise NotFoundError(f"{missing}\nDownloading it failed: {error}") from error

@@ -121,8 +121,8 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             "called as Rng.stream(seed: int, purpose: str)",
         ),
         (
-            lambda s: setattr(rc.ToolFrameSpec(), "tool_body", 3),
-            "ToolFrameSpec.tool_body must be a str, got 3 (int)",
+            lambda s: setattr(rc.ResetOptions(), "use_keyframe", 3),
+            "ResetOptions.use_keyframe must be True or False, got 3 (int)",
         ),
     ],
 )

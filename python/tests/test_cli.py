@@ -81,6 +81,7 @@ def test_every_command_is_listed_with_what_it_does():
         "check",
         "gripper-range",
         "ik-test",
+        "fetch",
         "doctor",
     ):
         assert command in text

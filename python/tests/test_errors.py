@@ -1,5 +1,6 @@
 """The exceptions and what else they are."""
 
+import mujoco
 import pytest
 
 import robocell as rc
@@ -32,10 +33,17 @@ def test_c_plus_plus_errors_arrive_as_their_class():
         rc.RobotConfig.load("/nonexistent/nothing.yaml")
 
 
+def test_versions_are_texts():
+    assert rc.__version__.count(".") == 2
+    assert rc.mujoco_version() == mujoco.mj_versionString()
+    assert rc.__mujoco_version__ == rc.mujoco_version()
+
+
 def test_log_levels():
     before = rc.log_level()
-    rc.set_log_level("error")
-    assert rc.log_level() == "error"
+    for level in ("error", "warn", "info", "debug"):
+        rc.set_log_level(level)
+        assert rc.log_level() == level
     with pytest.raises(rc.NotFoundError):
         rc.set_log_level("loud")
     rc.set_log_level(before)

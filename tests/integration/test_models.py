@@ -6,6 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
+import make_equipment
 import make_objects
 
 MODELS = Path(__file__).resolve().parents[2] / "models"
@@ -54,6 +55,15 @@ def test_the_generator_writes_the_objects_that_are_in_the_repository(tmp_path, m
     assert written == kept
     for path in written:
         assert (tmp_path / path).read_bytes() == (MODELS / "objects" / path).read_bytes(), path
+
+
+def test_the_generator_writes_the_vessels_that_are_in_the_repository(tmp_path, monkeypatch):
+    monkeypatch.setattr("sys.argv", ["make_equipment.py", "--out", str(tmp_path)])
+    make_equipment.main()
+    written = sorted(p.relative_to(tmp_path) for p in tmp_path.rglob("*.*"))
+    assert [str(p.parent) for p in written] == ["open_bottle"] * 2 + ["receiver"] * 2
+    for path in written:
+        assert (tmp_path / path).read_bytes() == (MODELS / "equipment" / path).read_bytes(), path
 
 
 @pytest.mark.parametrize("name", OBJECTS)

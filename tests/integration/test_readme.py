@@ -39,6 +39,7 @@ GIVEN = {
     "media": "",
     "mujoco": "",
     "render": "Scene scene, Eigen::Vector3d cube_in_world",
+    "robots": "Robot robot",
     "scenes": "",
     "spec": "",
 }

@@ -10,6 +10,7 @@ from robocell import Error
 from robocell.cli.check import check
 from robocell.cli.common import ExitCode, print_error
 from robocell.cli.doctor import doctor
+from robocell.cli.fetch import fetch
 from robocell.cli.generate import generate
 from robocell.cli.gripper_range import gripper_range
 from robocell.cli.ik_test import ik_test
@@ -23,7 +24,7 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (generate, report, verify, replay, check, gripper_range, ik_test, doctor):
+for command in (generate, report, verify, replay, check, gripper_range, ik_test, fetch, doctor):
     app.command()(command)
 
 

@@ -154,9 +154,24 @@ SensorColumns::SensorColumns(EpisodeSchema& schema, Scene scene) : scene_(std::m
       spec.description = "What the parent exerts on the site's body: the load's negative.";
     columns_.push_back({schema.AddColumn(std::move(spec)), m->sensor_adr[s], dim, quaternion});
   }
-  if (columns_.empty()) return;
+  for (const RobotRecord& robot : scene_.compiled()->robots()) AddFtSensors(schema, robot);
+  if (columns_.empty()) return;  // no force-torque sensors either
   data_ = MakeData(m);
   state_.resize(static_cast<size_t>(mj_stateSize(m, mjSTATE_INTEGRATION)));
+}
+
+void SensorColumns::AddFtSensors(EpisodeSchema& schema, const RobotRecord& robot) {
+  for (const ForceTorqueSensorSpec& spec : robot.config.ft_sensors) {
+    FtSensor sensor(scene_.model(), robot, spec);
+    const ColumnId id = schema.AddColumn(
+        {.name = "robots/" + robot.name + "/sensors/" + sensor.name(),
+         .shape = {6},
+         .units = "N, N m",
+         .frame = "site '" + sensor.frame_site() + "'",
+         .names = {"fx", "fy", "fz", "tx", "ty", "tz"},
+         .description = "Load on the force-torque sensor: force, then torque about the site."});
+    ft_columns_.push_back({id, std::move(sensor)});
+  }
 }
 
 void SensorColumns::PutState(EpisodeWriter& writer) {
@@ -169,6 +184,10 @@ void SensorColumns::PutState(EpisodeWriter& writer) {
     double* values = data_->sensordata + column.address;
     if (column.quaternion) std::rotate(values, values + 1, values + 4);
     writer.Put(column.id, std::span<const double>(values, static_cast<size_t>(column.dim)));
+  }
+  for (const FtColumn& column : ft_columns_) {
+    const Eigen::Matrix<double, 6, 1> load = column.sensor.Read(m, data_.get()).vector();
+    writer.Put(column.id, std::span<const double>(load.data(), 6));
   }
 }
 

@@ -1,6 +1,8 @@
 // The scene's sensors as columns of a recorded episode: `sensors/<name>`, one for each sensor of
-// the model, with its unit and frame. The values are the engine's, computed from the row's state
-// with the controls that act until then; quaternions are xyzw like everywhere else.
+// the model, with its unit and frame, and `robots/<robot>/sensors/<name>` for each force-torque
+// sensor of a robot: the load on it (scene/ft_sensor.h), never tared. The values are the engine's,
+// computed from the row's state with the controls that act until then; quaternions are xyzw like
+// everywhere else.
 #pragma once
 
 #include <vector>
@@ -8,6 +10,7 @@
 #include "robocell/data/episode_schema.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/scene/ft_sensor.h"
 #include "robocell/scene/scene.h"
 
 namespace robocell {
@@ -26,9 +29,16 @@ class SensorColumns {
     int address, dim;
     bool quaternion;
   };
+  struct FtColumn {
+    ColumnId id;
+    FtSensor sensor;
+  };
+  void AddFtSensors(EpisodeSchema& schema, const RobotRecord& robot);
+
   Scene scene_;
   DataPtr data_;
   std::vector<Column> columns_;
+  std::vector<FtColumn> ft_columns_;
   std::vector<double> state_;
 };
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "robocell/base/files.h"
@@ -129,6 +130,34 @@ TEST_F(SensorColumnsTest, RecordingDoesNotChangeTheTrajectory) {
     EXPECT_TRUE(scene->StepN(10).ok());
   }
   EXPECT_EQ(scene->state(), recorded);
+}
+
+// The engine's pair is the reaction, the robot's sensor the load.
+TEST(SensorColumns, ForceTorqueSensorsOfRobotsAreRecordedAsLoads) {
+  RobotConfig config{.name = "probe", .model = "ft_sensor"};
+  config.attachments.push_back({.mjcf_path = "mug", .attach_to = Site("wrist_ft_site")});
+  config.ft_sensors = {{.name = "wrist_ft"}};
+  SceneSpec spec{.name = "ft", .timestep = 0.002, .add_floor = false, .add_skybox = false};
+  spec.robots.push_back({.name = "probe", .config = config, .prefix = "p/", .euler = {30, 40, 50}});
+  const Scene scene = Scene::Build(spec);
+  const TempDir folder;
+  EpisodeSchema schema;
+  SensorColumns columns(schema, scene);
+  EpisodeWriter writer(folder.path(), "e", schema);
+  columns.PutState(writer);
+  writer.EndRow();
+  const Episode episode(writer.Commit({}));
+  const auto load = episode.Read<double>("robots/probe/sensors/wrist_ft");
+  auto reaction = episode.Read<double>("sensors/p/wrist_ft_force");
+  const auto torque = episode.Read<double>("sensors/p/wrist_ft_torque");
+  reaction.insert(reaction.end(), torque.begin(), torque.end());
+  ASSERT_EQ(load.size(), 6u);
+  for (size_t i = 0; i < 6; ++i) EXPECT_EQ(load[i], -reaction[i]);
+  EXPECT_NEAR(std::hypot(load[0], load[1], load[2]), 0.107 * 9.81, 0.01) << "the mug's weight";
+  const ColumnSpec& column = episode.column("robots/probe/sensors/wrist_ft").spec;
+  EXPECT_EQ(column.units, "N, N m");
+  EXPECT_EQ(column.frame, "site 'p/wrist_ft_site'");
+  EXPECT_THAT(column.names, ElementsAre("fx", "fy", "fz", "tx", "ty", "tz"));
 }
 
 TEST(SensorColumns, ASceneWithoutSensorsHasNone) {

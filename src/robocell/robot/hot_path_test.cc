@@ -52,6 +52,19 @@ TEST(HotPath, OfEveryControlModeAllocatesNothing) {
   }
 }
 
+TEST(HotPath, OfForceTorqueSensorsAllocatesNothing) {
+  RobotConfig config = Rc7();
+  config.attachments.push_back({.mjcf_path = "ft_sensor", .attach_to = Site("tcp")});
+  config.ft_sensors = {{.name = "wrist_ft", .frame_site = "tcp", .compensate_tool = true},
+                       {.name = "wrist_ft"}};
+  config.ft_sensors[1].name = "plain";
+  config.ft_sensors[1].force_sensor = "wrist_ft_force";
+  config.ft_sensors[1].torque_sensor = "wrist_ft_torque";
+  Robot robot = RobotAlone(config);
+  ExpectNoAllocation(robot);
+  EXPECT_EQ(robot.ft_sensor_names().size(), 2u);
+}
+
 TEST(HotPath, OfALinkageGripperAllocatesNothing) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   Robot robot = RobotAlone(XArm7());

@@ -4,6 +4,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/robot_state.h"
+#include "robocell/spec/validate.h"
 
 namespace robocell {
 namespace {
@@ -58,7 +59,9 @@ Robot Robot::Of(const Scene& scene, const std::string& name) {
 
 Robot Robot::FromScene(const Scene& scene, const std::string& base_body,
                        const std::string& tip_body, const RobotOptions& options) {
-  const RobotRecord record = AdHocRecord(scene, options.prefix, base_body);
+  RequireValid(options.tool, "tool");
+  RobotRecord record = AdHocRecord(scene, options.prefix, base_body);
+  record.config.ft_sensors = options.tool.ft_sensors;
   const std::string& tool = options.tool.tool_body;
   const ChainOptions chain_options{.tool_body = tool.empty() ? "" : options.prefix + tool};
   const ChainTip tip = TipOf(scene, tip_body, options);

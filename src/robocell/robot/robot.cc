@@ -265,6 +265,24 @@ void Robot::GravityTorques(std::span<double> out, std::optional<double> gravity_
 
 void Robot::RefreshToolInertia() { open().RefreshChains(); }
 
+std::vector<std::string> Robot::ft_sensor_names() const { return state_->ft_sensor_names(); }
+
+const Wrench& Robot::ft_sensor(const std::string& name) const {
+  return state_->RequireFtSensor(name).value;
+}
+
+Pose Robot::ft_sensor_frame(const std::string& name) const {
+  const FtSensor& sensor = state_->RequireFtSensor(name).sensor;
+  state_->scene.SyncPoses();
+  return sensor.frame_in_world(state_->scene.data());
+}
+
+void Robot::TareFtSensor(const std::string& name) {
+  FtReading& reading = state_->RequireFtSensor(name);
+  reading.tare = reading.tare + reading.value;
+  reading.value = {};
+}
+
 double Robot::reach() const {
   std::optional<double>& reach = open().reach;
   if (!reach) reach = config().reach;

@@ -32,18 +32,13 @@
 
 #include "robocell/kinematics/chain.h"
 #include "robocell/kinematics/ik.h"
+#include "robocell/math/twist.h"
 #include "robocell/robot/action.h"
 #include "robocell/robot/controller.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/scene/scene.h"
 
 namespace robocell {
-
-// A tool in a robot's hand: its inertia joins the chain, its site becomes the TCP.
-struct ToolFrameSpec {
-  std::string tool_body = {};
-  std::string tcp_site = {};
-};
 
 struct RobotOptions {
   std::string prefix = {};
@@ -163,6 +158,14 @@ class Robot {
   // The chains weigh what hangs on them (gripper, tool) where it is at the model's reference. This
   // takes it where it is now, as of a gripper that has closed, until the next reset or rebuild.
   void RefreshToolInertia();
+  // Force-torque sensors: those of the configuration, or of the ToolFrameSpec. The reading is what
+  // Update() read: the load on the sensor (ft_sensor.h says which way it points), less what tare
+  // took off. NotFoundError lists the sensors.
+  std::vector<std::string> ft_sensor_names() const;
+  const Wrench& ft_sensor(const std::string& name) const;
+  Pose ft_sensor_frame(const std::string& name) const;  // of the reading, in the world
+  // What the sensor reads now is taken off its readings until the next reset.
+  void TareFtSensor(const std::string& name);
   // Farthest the TCP gets from the root body, metres: configured, else measured once.
   double reach() const;
 

@@ -53,6 +53,7 @@ std::string WithoutPlace(const std::string& text, const std::string& place) {
 Robot::State::State(const Scene& s, RobotRecord r, ChainOptions options)
     : scene(s.inner()), record(std::move(r)), chain_options(std::move(options)) {
   FindBodies();
+  FindFtSensors();
 }
 
 void Robot::State::RequireOpen() const {
@@ -62,6 +63,7 @@ void Robot::State::RequireOpen() const {
 
 void Robot::State::OnReset() {
   if (refreshed_) RemakeChains();
+  for (FtReading& reading : ft_sensors) reading.tare = {};
   for (size_t i = 0; i < slots.size(); ++i) {
     const std::shared_ptr<GroupSlot> slot = slots[i];  // it may replace itself
     const std::shared_ptr<Controller> controller = slot->controller;
@@ -79,6 +81,7 @@ void Robot::State::OnRebuild() {
   lost.clear();
   try {
     FindBodies();
+    FindFtSensors();
     RemakeChains();
     for (const auto& slot : slots) {
       if (slot->controller) SwitchTo(slot->controller->mode(), slot->drives, scene);
@@ -140,6 +143,38 @@ void Robot::State::FindCollisionGeoms() {
     chosen.insert(FindElement(m, record, ref, {mjOBJ_GEOM}).id);
   if (record.pedestal_height > 0) chosen.insert(FindId(m, mjOBJ_GEOM, record.prefix + "pedestal"));
   std::erase_if(collision_geoms, [&](int g) { return !chosen.contains(g); });
+}
+
+// What they were tared by stays.
+void Robot::State::FindFtSensors() {
+  std::vector<FtReading> found;
+  for (const ForceTorqueSensorSpec& spec : record.config.ft_sensors) {
+    found.push_back({FtSensor(scene.model(), record, spec)});
+    const auto known = std::find_if(ft_sensors.begin(), ft_sensors.end(), [&](const FtReading& r) {
+      return r.sensor.name() == spec.name;
+    });
+    if (known != ft_sensors.end()) found.back().tare = known->tare;
+  }
+  ft_sensors = std::move(found);
+}
+
+std::vector<std::string> Robot::State::ft_sensor_names() const {
+  std::vector<std::string> names;
+  for (const FtReading& reading : ft_sensors) names.push_back(reading.sensor.name());
+  return names;
+}
+
+FtReading& Robot::State::RequireFtSensor(const std::string& name) {
+  if (scene.closed())
+    throw ClosedError("robot '" + record.name + "' is closed: its scene was closed");
+  RequireBodies();
+  for (FtReading& reading : ft_sensors) {
+    if (reading.sensor.name() == name) return reading;
+  }
+  throw NotFoundError(NoSuchName(place(), "ft sensor", name, ft_sensor_names()) +
+                      (ft_sensors.empty() ? " List them as `ft_sensors` of its configuration or of "
+                                            "the ToolFrameSpec"
+                                          : ""));
 }
 
 std::optional<Chain> Robot::State::MakeChain(const MadeGroup& made) const {
@@ -268,6 +303,8 @@ const Chain& Robot::State::RequireChain(GroupSlot& slot) {
 
 void Robot::State::ReadPorts() {
   RequireBodies();
+  for (FtReading& reading : ft_sensors)
+    reading.value = reading.sensor.Read(scene.model(), scene.data()) - reading.tare;
   const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
   if (!arm || reading_) return;
   const Reading reading(reading_);

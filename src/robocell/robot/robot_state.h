@@ -9,6 +9,7 @@
 
 #include "robocell/robot/group_factory.h"
 #include "robocell/robot/robot.h"
+#include "robocell/scene/ft_sensor.h"
 
 namespace robocell {
 
@@ -22,6 +23,11 @@ struct GroupSlot : std::enable_shared_from_this<GroupSlot> {
   std::vector<double> ctrl;
   std::optional<ChainTip> tip;  // of arms whose chain is known
   std::optional<Chain> chain;   // from the root body to `tip`
+};
+
+struct FtReading {
+  FtSensor sensor;
+  Wrench tare = {}, value = {};
 };
 
 // The scene keeps the configured robots' states, as observers; they hold it by inner().
@@ -50,9 +56,12 @@ class Robot::State : public SceneObserver {
   void Use(GroupSlot& slot, std::shared_ptr<Controller> controller);
   const Chain& RequireChain(GroupSlot& slot);
 
+  FtReading& RequireFtSensor(const std::string& name);
+  std::vector<std::string> ft_sensor_names() const;
+
   // Weighs what hangs on the chains where it is now.
   void RefreshChains();
-  // State of the arm into the ports.
+  // State of the arm into the ports, and readings of the force-torque sensors.
   void ReadPorts();
   // ClosedError when its bodies were removed with an object of the scene.
   void RequireBodies() const;
@@ -70,6 +79,7 @@ class Robot::State : public SceneObserver {
   std::string tip_body;  // as given to FromScene(), full name
   std::vector<std::shared_ptr<GroupSlot>> slots;
   std::vector<double> pos, vel, trq;  // the arm's measurement ports
+  std::vector<FtReading> ft_sensors;
   int root_body = -1;
   std::vector<int> bodies, geoms, collision_geoms;
   std::optional<double> reach;
@@ -80,6 +90,7 @@ class Robot::State : public SceneObserver {
   void RemakeChains(std::span<const double> qpos = {});
   void FindBodies();
   void FindCollisionGeoms();
+  void FindFtSensors();
   void ListKinds();
   std::optional<Chain> MakeChain(const MadeGroup& made) const;
 

@@ -6,6 +6,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/check_home.h"
 #include "robocell/scene/element_lookup.h"
+#include "robocell/scene/ft_sensor.h"
 
 namespace robocell {
 namespace {
@@ -21,6 +22,7 @@ class RobotCheck {
     const auto& geoms = robot_.config.collision_geoms;
     for (size_t i = 0; i < geoms.size(); ++i)
       Element("collision_geoms", Item("collision_geoms", i), geoms[i], {mjOBJ_GEOM});
+    for (size_t i = 0; i < robot_.config.ft_sensors.size(); ++i) CheckFtSensor(i);
     for (const auto& [name, values] : robot_.config.home.entries()) CheckHome(name, *values);
   }
 
@@ -60,6 +62,14 @@ class RobotCheck {
       FindElement(model_, robot_, ref, kinds);
     } catch (const NotFoundError& error) {
       report_.Problem(place_, shown + ": " + WithoutPlace(error), field);
+    }
+  }
+
+  void CheckFtSensor(size_t i) {
+    try {
+      const FtSensor sensor(model_, robot_, robot_.config.ft_sensors[i]);
+    } catch (const Error& error) {
+      report_.Problem(place_, WithoutPlace(error), Item("ft_sensors", i));
     }
   }
 

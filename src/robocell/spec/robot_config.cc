@@ -107,6 +107,7 @@ void RobotConfig::Validate(Problems& problems) const {
   std::vector<std::string> camera_names;
   for (const CameraSpec& camera : cameras) camera_names.push_back(camera.name);
   CheckUnique(camera_names, "cameras", "name", problems);
+  CheckFtSensors(ft_sensors, problems);
   if (tcp_offset && !attachment_site) {
     problems.AddAt("tcp_offset", "is relative to attachment_site, which is not set");
   }

@@ -24,6 +24,7 @@
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/locations.h"
+#include "robocell/spec/tool_frame_spec.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
@@ -159,6 +160,7 @@ struct RobotConfig {
   std::optional<double> damping = {};
   std::optional<double> force_limit = {};
   List<CameraSpec> cameras = {};
+  List<ForceTorqueSensorSpec> ft_sensors = {};
   // Where the file was: relative model paths start here. Not a field: it is no property of the
   // robot. Neither is where each value stood in it.
   std::string source_dir = {};
@@ -194,6 +196,7 @@ struct RobotConfig {
     v("force_limit", &RobotConfig::force_limit, "Force limit of all arm servos, N or Nm.",
       Check::kPositive);
     v("cameras", &RobotConfig::cameras, "Cameras that belong to the robot.");
+    v("ft_sensors", &RobotConfig::ft_sensors, "Its force-torque sensors.");
   }
   void Validate(Problems& problems) const;
 

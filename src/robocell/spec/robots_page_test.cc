@@ -37,6 +37,7 @@ TEST(RobotsPage, HasEveryFieldInOrderAndNoOther) {
   ExpectAllFieldsOnPage<GripperDistance>();
   ExpectAllFieldsOnPage<AttachmentSpec>();
   ExpectAllFieldsOnPage<CameraSpec>();
+  ExpectAllFieldsOnPage<ForceTorqueSensorSpec>();
   ExpectAllFieldsOnPage<Edit>();
 }
 

@@ -91,7 +91,7 @@ TEST(Misspelt, ARequiredFieldIsOneProblem) {
   EXPECT_EQ(ParseError<RobotConfig>("name: arm\nmodle: arm.xml\n"),
             "f.yaml is not valid: f.yaml:2:1: modle: a RobotConfig: no field 'modle'. Its fields: "
             "name, model, edits, attachments, root_body, base, move_groups, attachment_site, "
-            "tcp_offset, home, home_noise, control and 8 more. Did you mean 'model'?");
+            "tcp_offset, home, home_noise, control and 9 more. Did you mean 'model'?");
 }
 
 TEST(Misspelt, WhatFollowsFromItIsNotReported) {

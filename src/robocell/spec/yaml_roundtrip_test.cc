@@ -33,10 +33,11 @@ T Read(const std::string& text) {
 template <class T>
 class RoundTrip : public ::testing::Test {};
 
-using SpecTypes = ::testing::Types<SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, SceneObject,
-                                   CameraSpec, CameraConfig, CameraSystemConfig, RenderQuality,
-                                   SimOptions, Edit, BaseConfig, MoveGroupConfig, GripperCtrl,
-                                   GripperDistance, RunConfig, TaskConfig, SceneSource, Rates>;
+using SpecTypes =
+    ::testing::Types<SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec,
+                     ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
+                     RenderQuality, SimOptions, Edit, BaseConfig, MoveGroupConfig, GripperCtrl,
+                     GripperDistance, RunConfig, TaskConfig, SceneSource, Rates>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
 TYPED_TEST(RoundTrip, RandomSpecsComeBackEqual) {

@@ -1,0 +1,78 @@
+"""`robocell fetch`: robots of the MuJoCo Menagerie, downloaded and pinned."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.table import Table
+
+from robocell import IoError, fetching
+from robocell.cli.common import ExitCode, fail, print_warning, print_wide
+
+MEGABYTE = 1_000_000
+
+
+def fetch(
+    robots: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[ROBOT]...", help="Names in the Menagerie; those of the examples."),
+    ] = None,
+    listing: Annotated[
+        bool, typer.Option("--list", help="List all robots and what of them is here.")
+    ] = False,
+    dest: Annotated[
+        Path | None, typer.Option(help="Also copy them into this folder, as a MENAGERIE_ROOT.")
+    ] = None,
+    update: Annotated[
+        bool, typer.Option("--update", help="Take the newest version the package has.")
+    ] = False,
+) -> None:
+    """Fetch robots of the MuJoCo Menagerie into the cache, where `menagerie:` names find them.
+
+    They come through the package mujoco-menagerie. What was fetched is recorded with its version
+    and a hash of every file, and stays until --update. Exit code 3 when a download failed.
+    """
+    if listing:
+        print_wide(_table(robots))
+        return
+    try:
+        for robot in robots or fetching.EXAMPLE_ROBOTS:
+            _fetch(robot, dest, update)
+    except IoError as error:
+        fail(str(error), ExitCode.OUTPUT)
+    if dest:
+        print(f"use them with MENAGERIE_ROOT={dest.resolve()}")
+    elif root := os.environ.get("MENAGERIE_ROOT"):
+        print_warning(f"MENAGERIE_ROOT is {root}: what is there comes before the cache")
+
+
+def _fetch(robot: str, dest: Path | None, update: bool) -> None:
+    fetched = fetching.fetch(robot, update=update, progress=_progress())
+    folder = fetching.copy_to(fetched, dest, update=update) if dest else fetched.folder
+    note = "; the package has another version: --update takes it" if fetched.newer else ""
+    print(f"{robot}: {folder} (Menagerie {fetched.pin.commit[:12]}){note}", flush=True)
+
+
+def _progress() -> fetching.Progress:
+    from mujoco_menagerie import print_progress
+
+    draw: fetching.Progress = print_progress
+    return draw
+
+
+def _table(robots: list[str] | None) -> Table:
+    record = fetching.read_record(fetching.record_path())
+    table = Table("robot", "kind", "license", "MB", "here", box=None)
+    for robot in fetching.known_robots():
+        if robots and robot.name not in robots:
+            continue
+        pin = record.get(robot.name)
+        here = "yes" if fetching.is_here(robot.name, robot.oid) else ""
+        if pin and fetching.is_here(robot.name, pin.tree):
+            here = f"pinned to {pin.commit[:12]}"
+        size = f"{(robot.download_size or 0) / MEGABYTE:.1f}"
+        table.add_row(robot.name, robot.category, robot.license, size, here)
+    return table

@@ -1,0 +1,72 @@
+"""The names of the Python package ``mj_kdl_wrapper`` 0.2, for programs that were written for it.
+
+    import robocell.compat.mj_kdl_wrapper as mjk
+
+Almost all of it is robocell under the same name. What is here beside that: `Env`, the log levels as
+an enumeration, `menagerie` with the variables ``MJ_KDL_*``, and the command
+``mj-kdl-fetch-menagerie``. Nothing here simulates.
+
+Other than there, errors say what is wrong and where, in subclasses of RuntimeError, and a scene's
+names are its parts' own: see docs/compat.md.
+"""
+
+from __future__ import annotations
+
+from robocell import (
+    AttachKind,
+    AttachmentSpec,
+    AttachTarget,
+    CameraSpec,
+    CtrlMode,
+    ForceTorqueSensorSpec,
+    ResetContext,
+    ResetInfo,
+    ResetOptions,
+    Robot,
+    RobotSpec,
+    Scene,
+    SceneObject,
+    SceneSpec,
+    Shape,
+    ToolFrameSpec,
+    VideoResolution,
+    __mujoco_version__,
+    __version__,
+    mujoco_version,
+)
+from robocell.compat.mj_kdl_wrapper import menagerie
+from robocell.compat.mj_kdl_wrapper.env import Env
+from robocell.compat.mj_kdl_wrapper.log import LogLevel, get_log_level, set_log_level
+from robocell.compat.mj_kdl_wrapper.names import Condim, scene_object_site_name
+from robocell.compat.mj_kdl_wrapper.video import VideoRecorder
+
+__all__ = [
+    "AttachKind",
+    "AttachTarget",
+    "AttachmentSpec",
+    "CameraSpec",
+    "Condim",
+    "CtrlMode",
+    "Env",
+    "ForceTorqueSensorSpec",
+    "LogLevel",
+    "ResetContext",
+    "ResetInfo",
+    "ResetOptions",
+    "Robot",
+    "RobotSpec",
+    "Scene",
+    "SceneObject",
+    "SceneSpec",
+    "Shape",
+    "ToolFrameSpec",
+    "VideoRecorder",
+    "VideoResolution",
+    "__mujoco_version__",
+    "__version__",
+    "get_log_level",
+    "menagerie",
+    "mujoco_version",
+    "scene_object_site_name",
+    "set_log_level",
+]

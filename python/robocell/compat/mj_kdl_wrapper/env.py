@@ -1,0 +1,53 @@
+"""Env: a scene with one reset hook, and robots that are made from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from robocell import ResetContext, Robot, Scene, SceneSpec, ToolFrameSpec
+
+Hook = Callable[[ResetContext], Any]
+
+
+class Env:
+    """A scene that is reset with a hook. Everything else is the scene's: steps, frames, files.
+
+    Attributes:
+        scene: The scene itself.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        """Of a scene that is built already."""
+        self.scene = scene
+        self._hook: Hook | None = None
+        self._hook_id: int | None = None
+
+    @classmethod
+    def build(cls, spec: SceneSpec) -> Env:
+        """Compiles the scene."""
+        return cls(Scene.build(spec))
+
+    def create_robot(
+        self, base_body: str, tip_body: str, prefix: str = "", tool: ToolFrameSpec | None = None
+    ) -> Robot:
+        """The chain between two bodies; it follows resets and rebuilds of the scene."""
+        return Robot.from_scene(self.scene, base_body, tip_body, prefix=prefix, tool=tool)
+
+    @property
+    def on_reset(self) -> Hook | None:
+        """Called in every reset after the state was restored, before commands are re-seeded."""
+        return self._hook
+
+    @on_reset.setter
+    def on_reset(self, hook: Hook | None) -> None:
+        if self._hook_id is not None:
+            self.scene.remove_reset_hook(self._hook_id)
+        self._hook = hook
+        self._hook_id = None if hook is None else self.scene.on_reset(hook)
+
+    def __getattr__(self, name: str) -> Any:
+        """The scene's."""
+        if name.startswith("_") or name == "scene":
+            raise AttributeError(name)
+        return getattr(self.scene, name)

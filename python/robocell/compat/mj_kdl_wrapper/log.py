@@ -1,0 +1,26 @@
+"""Log levels as an enumeration."""
+
+from __future__ import annotations
+
+import enum
+
+import robocell
+
+
+class LogLevel(enum.Enum):
+    """A level shows itself and everything more severe."""
+
+    INFO = "info"
+    WARN = "warn"
+    ERROR = "error"
+
+
+def set_log_level(level: LogLevel) -> None:
+    """How much is logged, of the whole process."""
+    robocell.set_log_level(level.value)
+
+
+def get_log_level() -> LogLevel:
+    """The level that is set; what robocell has beyond these is the nearest of them."""
+    level = robocell.log_level()
+    return LogLevel(level) if level in {each.value for each in LogLevel} else LogLevel.INFO

@@ -1,0 +1,18 @@
+"""Values and functions that have other names here."""
+
+from __future__ import annotations
+
+import robocell
+
+
+class Condim:
+    """Which friction acts at contacts."""
+
+    Tangential = robocell.Condim.TANGENTIAL
+    Torsional = robocell.Condim.TORSIONAL
+    Rolling = robocell.Condim.ROLLING
+
+
+def scene_object_site_name(scene_object: robocell.SceneObject, site: str) -> str:
+    """What a site of an object's model is called in a scene."""
+    return robocell.scene_object_element_name(scene_object.name, site)

@@ -1,0 +1,265 @@
+"""Fetching robots of the MuJoCo Menagerie, and pinning what was fetched.
+
+Robots come through the package ``mujoco-menagerie`` into its cache, where ``menagerie:`` names find
+them. What was fetched is written down in a record: the Menagerie's commit, the robot's version, the
+package's, and a hash of every file. A robot that is in the record stays at that version until it is
+asked to be updated, and a file that has changed is an error.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import hashlib
+import json
+import os
+import shutil
+import tarfile
+import uuid
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from typing import Any
+
+from robocell._core import ArgumentError, IoError, NotFoundError
+
+RECORD = "menagerie.json"
+# Those that the examples use.
+EXAMPLE_ROBOTS = (
+    "ufactory_xarm7",
+    "kinova_gen3",
+    "robotiq_2f85",
+    "franka_fr3",
+    "franka_emika_panda",
+)
+VERSION_DIGITS = 16  # of the tree's id, in the names of the cache's folders
+Progress = Callable[[str, int, int], None]
+
+
+@dataclass(frozen=True)
+class Pin:
+    """One version of a robot.
+
+    Attributes:
+        commit: Of the Menagerie, that the package's registry was made from.
+        tree: The git tree id of the robot's folder: its version.
+        package: Version of mujoco-menagerie that fetched it.
+        files: Path in the robot's folder -> SHA-256.
+    """
+
+    commit: str
+    tree: str
+    package: str
+    files: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Fetched:
+    """A robot that is on this machine.
+
+    Attributes:
+        folder: Where its files are.
+        pin: Its version.
+        newer: The installed package has another version than the record.
+    """
+
+    robot: str
+    folder: Path
+    pin: Pin
+    newer: bool = False
+
+
+def record_path() -> Path:
+    """Of what is in the cache; beside the package's own folder, which holds nothing else."""
+    return _user_cache() / "robocell" / RECORD
+
+
+def read_record(path: Path) -> dict[str, Pin]:
+    """Robot -> Pin; empty when nothing was fetched. IoError when the file is no record."""
+    try:
+        entries = json.loads(path.read_text())["robots"]
+        return {robot: Pin(**pin) for robot, pin in entries.items()}
+    except FileNotFoundError:
+        return {}
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise IoError(
+            f"{path} is no record of fetched robots ({error}); move it away and fetch again"
+        ) from error
+
+
+def write_record(path: Path, record: dict[str, Pin]) -> None:
+    """Atomically, robots in the order of their names."""
+    robots = {robot: dataclasses.asdict(pin) for robot, pin in sorted(record.items())}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
+    part.write_text(json.dumps({"robots": robots}, indent=1) + "\n")
+    part.replace(path)
+
+
+def fetch(robot: str, *, update: bool = False, progress: Progress | None = None) -> Fetched:
+    """Downloads a robot into the cache unless it is there, and records it.
+
+    Args:
+        robot: Its name in the Menagerie, such as ``"kinova_gen3"``.
+        update: Take the installed package's version where the record has another.
+        progress: Called with (robot, bytes done, bytes in all).
+
+    Raises:
+        NotFoundError: There is no such robot, or the recorded version cannot be had.
+        IoError: It could not be downloaded, or its files are not those that were recorded.
+    """
+    known = _package().get
+    try:
+        entry = known(robot)
+    except _package().MenagerieError as error:
+        raise NotFoundError(f"{error} `robocell fetch --list` lists all robots.") from None
+    record = read_record(record_path())
+    pin = record.get(robot)
+    if pin and pin.tree != entry.oid and not update:
+        return _as_recorded(robot, pin)
+    folder = _download(entry, progress)
+    pin = Pin(_package().commit(), entry.oid, _package().__version__, _hashes(folder))
+    require_unchanged(robot, folder, _published(folder))
+    if record.get(robot) != pin:
+        write_record(record_path(), {**record, robot: pin})
+    return Fetched(robot, folder, pin)
+
+
+def copy_to(fetched: Fetched, root: Path, *, update: bool = False) -> Path:
+    """Copies a fetched robot to ``root/<robot>``, which is then a MENAGERIE_ROOT, with a record.
+
+    What is there already stays when it is the same. ArgumentError when it is not, unless `update`.
+    """
+    target = root / fetched.robot
+    if target.exists() and not update and _hashes(target) != fetched.pin.files:
+        raise ArgumentError(
+            f"{target} is there already and holds other files; fetch with --update to replace it"
+        )
+    if not target.exists() or _hashes(target) != fetched.pin.files:
+        root.mkdir(parents=True, exist_ok=True)
+        part = root / f".{fetched.robot}.{uuid.uuid4().hex}"
+        shutil.copytree(fetched.folder, part, ignore=shutil.ignore_patterns(".complete"))
+        if target.exists():
+            shutil.rmtree(target)
+        part.replace(target)
+    record = read_record(root / RECORD)
+    write_record(root / RECORD, {**record, fetched.robot: fetched.pin})
+    return target
+
+
+def require_unchanged(robot: str, folder: Path, files: dict[str, str]) -> None:
+    """IoError that names the files that are not as they were recorded."""
+    have = _hashes(folder)
+    wrong = sorted(file for file in files if have.get(file) != files[file])
+    if wrong:
+        more = f" and {len(wrong) - 3} more" if len(wrong) > 3 else ""
+        raise IoError(
+            f"robot '{robot}' is not what was fetched: {', '.join(wrong[:3])}{more} changed in "
+            f"{folder}; delete that folder and fetch it again"
+        )
+
+
+def known_robots() -> list[Any]:
+    """All robots of the installed registry: name, category, license, download_size. No network."""
+    robots: list[Any] = _package().robots()
+    return robots
+
+
+def cached_folder(robot: str, tree: str) -> Path:
+    """Where the cache has a version of a robot; it need not be there."""
+    return Path(_cache().dir) / "models" / f"{robot}-{tree[:VERSION_DIGITS]}"
+
+
+def is_here(robot: str, tree: str) -> bool:
+    """Whether a version of a robot is in the cache."""
+    return (cached_folder(robot, tree) / ".complete").is_file()
+
+
+def _as_recorded(robot: str, pin: Pin) -> Fetched:
+    """The version of the record, which the installed package does not have."""
+    if not is_here(robot, pin.tree):
+        package = "mujoco-menagerie"
+        raise NotFoundError(
+            f"robot '{robot}' is pinned to its version of Menagerie commit {pin.commit[:12]}, "
+            f"which is not in the cache, and {package} {_package().__version__} has another; get "
+            f"the pinned one with `pip install {package}=={pin.package}`, or this one with --update"
+        )
+    folder = cached_folder(robot, pin.tree)
+    require_unchanged(robot, folder, pin.files)
+    return Fetched(robot, folder, pin, newer=True)
+
+
+def _download(entry: Any, progress: Progress | None) -> Path:
+    cache = _cache()
+    try:
+        with _extraction():
+            return Path(entry.path(cache, progress))
+    except (_package().MenagerieError, OSError) as error:
+        raise IoError(
+            f"robot '{entry.name}' could not be fetched: {error}. Without a network: copy "
+            f"{cache.dir} from a machine that has it, or set MENAGERIE_ROOT to a checkout of "
+            "mujoco_menagerie"
+        ) from error
+
+
+@contextlib.contextmanager
+def _extraction() -> Iterator[None]:
+    """Lets archives be unpacked where Python has no filters for that (before 3.11.4).
+
+    The package asks for the filter `data`; what that refuses and the archives do not need is
+    refused here: links, devices, names that lead out.
+    """
+    if hasattr(tarfile, "data_filter"):
+        yield
+        return
+    plain = tarfile.TarFile.extractall
+
+    def extractall(tar: tarfile.TarFile, path: str | Path = ".", **_: Any) -> None:
+        for member in tar:
+            parts = PurePosixPath(member.name)
+            inside = not parts.is_absolute() and ".." not in parts.parts
+            if not inside or not (member.isfile() or member.isdir()):
+                raise OSError(f"the archive holds '{member.name}', which is no plain file in it")
+        plain(tar, path)
+
+    tarfile.TarFile.extractall = extractall  # type: ignore[method-assign,assignment]
+    try:
+        yield
+    finally:
+        tarfile.TarFile.extractall = plain  # type: ignore[method-assign]
+
+
+def _published(folder: Path) -> dict[str, str]:
+    """The hashes that the package wrote down when it unpacked a robot."""
+    files: dict[str, str] = json.loads((folder / ".complete").read_text())["files"]
+    return files
+
+
+def _hashes(folder: Path) -> dict[str, str]:
+    return {
+        path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file() and path.name != ".complete"
+    }
+
+
+def _cache() -> Any:
+    """The package's cache, also where MENAGERIE_ROOT is set: what is fetched goes there."""
+    cache = _package().Cache()
+    cache.root = None
+    return cache
+
+
+def _package() -> Any:
+    try:
+        import mujoco_menagerie
+    except ImportError:
+        raise NotFoundError(
+            "robots are fetched by the package mujoco-menagerie, which is not installed: "
+            "pip install mujoco-menagerie"
+        ) from None
+    return mujoco_menagerie
+
+
+def _user_cache() -> Path:
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")

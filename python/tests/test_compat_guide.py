@@ -1,0 +1,403 @@
+"""The user's guide of mj_kdl_wrapper 0.2.2, section by section, on the Gen3 with the 2F-85.
+
+The code is the guide's; what is asserted is what it says. The viewer is left out.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import robocell.compat.mj_kdl_wrapper as mjk
+from robocell.compat.mj_kdl_wrapper.fetch import main
+from test_kdl import PyKDL, needs_pykdl
+
+pytestmark = needs_pykdl
+
+
+@pytest.fixture(scope="module", autouse=True)
+def in_a_fetched_folder(tmp_path_factory: pytest.TempPathFactory):
+    """Started in a folder that `mj-kdl-fetch-menagerie --dest` filled: `assets/...` is there."""
+    from menagerie import require_menagerie
+
+    require_menagerie("kinova_gen3", "robotiq_2f85")
+    folder = tmp_path_factory.mktemp("guide")
+    mjk.menagerie.fetch(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        yield folder
+
+
+def base_spec() -> mjk.SceneSpec:
+    spec = mjk.SceneSpec()
+    spec.timestep = 0.002
+    spec.add_floor = True
+    spec.add_skybox = True
+    return spec
+
+
+def with_gripper() -> mjk.RobotSpec:
+    gripper = mjk.AttachmentSpec()
+    gripper.mjcf_path = "assets/robotiq_2f85/2f85.xml"
+    gripper.attach_to = mjk.AttachTarget(mjk.AttachKind.Site, "pinch_site")
+    gripper.prefix = "g_"
+    robot_spec = mjk.RobotSpec()
+    robot_spec.path = mjk.menagerie.model_path("kinova_gen3")
+    robot_spec.attachments = [gripper]
+    return robot_spec
+
+
+@pytest.fixture
+def scene() -> mjk.Scene:
+    spec = base_spec()
+    spec.robots = [with_gripper()]
+    return mjk.Scene.build(spec)
+
+
+@pytest.fixture
+def robot(scene: mjk.Scene) -> mjk.Robot:
+    tool = mjk.ToolFrameSpec()
+    tool.tool_body = "g_base"
+    tool.tcp_site = "g_pinch"
+    return mjk.Robot.from_scene(scene, "base_link", "bracelet_link", tool=tool)
+
+
+def test_load_from_mjcf(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    spec = base_spec()
+    robot_spec = mjk.RobotSpec()
+    robot_spec.path = mjk.menagerie.model_path("kinova_gen3")
+    spec.robots = [robot_spec]
+    scene = mjk.Scene.build(spec)
+    with_robot = scene.model.nq
+
+    cabinet = mjk.SceneObject()
+    cabinet.name = "cabinet"
+    cabinet.mjcf_path = mjk.menagerie.asset_path("cabinet/cabinet.xml")
+    cabinet.fixed = True
+    spec.objects = [cabinet]
+    scene = mjk.Scene.build(spec)
+    assert scene.model.nq == with_robot + 2
+    spec.robots = []
+    scene = mjk.Scene.build(spec)
+
+    scene.step_n(10)
+    assert (scene.time(), scene.timestep()) == (pytest.approx(0.02), 0.002)
+    scene.save_xml("combined_scene.xml")
+    scene.save_binary("combined_scene.mjb")
+    for stock in (
+        mujoco.MjModel.from_xml_path("combined_scene.xml"),
+        mujoco.MjModel.from_binary_path("combined_scene.mjb"),
+    ):
+        assert (stock.nq, stock.nv, stock.nbody) == (2, 2, scene.model.nbody)
+    scene.close()
+    scene.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        scene.step()
+
+
+def test_choices_are_required():
+    for missing in ("timestep", "add_floor", "add_skybox"):
+        spec = base_spec()
+        setattr(spec, missing, None)
+        with pytest.raises(RuntimeError, match=missing):
+            mjk.Scene.build(spec)
+    spec = base_spec()
+    spec.timestep = 0
+    with pytest.raises(RuntimeError, match="timestep"):
+        mjk.Scene.build(spec)
+
+
+def test_log_levels_and_versions():
+    before = mjk.get_log_level()
+    mjk.set_log_level(mjk.LogLevel.ERROR)
+    assert mjk.get_log_level() == mjk.LogLevel.ERROR
+    mjk.set_log_level(mjk.LogLevel.INFO)
+    assert mjk.get_log_level() == mjk.LogLevel.INFO
+    mjk.set_log_level(before)
+    assert mjk.mujoco_version() == mjk.__mujoco_version__ == mujoco.mj_versionString()
+    assert isinstance(mjk.__version__, str)
+
+
+def test_init_a_kdl_chain(scene: mjk.Scene):
+    robot = mjk.Robot.from_scene(scene, "base_link", "bracelet_link")
+    robot.ctrl_mode = mjk.CtrlMode.POSITION
+    robot.jnt_pos_cmd = [0.0] * robot.n_joints
+    robot.update()
+    robot.step()
+    assert robot.n_joints == len(robot.joint_names) == len(robot.joint_limits) == 7
+    tool = mjk.ToolFrameSpec()
+    tool.tool_body = "g_base"
+    tool.tcp_site = "g_pinch"
+    robot = mjk.Robot.from_scene(scene, "base_link", "bracelet_link", tool=tool)
+    assert robot.has_tcp_frame
+
+
+def test_a_wrist_force_torque_sensor():
+    ft_sensor = mjk.AttachmentSpec()
+    ft_sensor.mjcf_path = mjk.menagerie.asset_path("ft_sensor.xml")
+    ft_sensor.attach_to = mjk.AttachTarget(mjk.AttachKind.Site, "pinch_site")
+    gripper = mjk.AttachmentSpec()
+    gripper.mjcf_path = mjk.menagerie.asset_path("robotiq_2f85/2f85.xml")
+    gripper.attach_to = mjk.AttachTarget(mjk.AttachKind.Site, "wrist_ft_site")
+    gripper.prefix = "g_"
+    robot_spec = mjk.RobotSpec()
+    robot_spec.path = mjk.menagerie.model_path("kinova_gen3")
+    robot_spec.attachments = [ft_sensor, gripper]
+    spec = base_spec()
+    spec.robots = [robot_spec]
+    scene = mjk.Scene.build(spec)
+
+    tool = mjk.ToolFrameSpec()
+    tool.tool_body = "g_base"
+    tool.tcp_site = "g_pinch"
+    ft = mjk.ForceTorqueSensorSpec()
+    ft.name = "wrist_ft"  # resolves wrist_ft_force + wrist_ft_torque
+    ft.frame_site = "wrist_ft_site"
+    tool.ft_sensors = [ft]
+    robot = mjk.Robot.from_scene(scene, "base_link", "bracelet_link", tool=tool)
+    for _ in range(1000):  # until it hangs still
+        robot.update()
+        robot.step()
+    robot.update()
+    wrench = robot.ft_sensor("wrist_ft")
+    assert isinstance(wrench, PyKDL.Wrench)
+    weight = 9.81 * scene.model.body_subtreemass[scene.model.body("g_base_mount").id]
+    assert wrench.force.Norm() == pytest.approx(weight, rel=0.01)
+
+
+def test_attach_mjcf_bodies(scene: mjk.Scene):
+    robot_spec = with_gripper()
+    gripper = robot_spec.attachments[0]
+    gripper.pos[2] = 0.005
+    gripper.euler[2] = 15.0
+    spec = base_spec()
+    spec.robots = [robot_spec]
+    moved = mjk.Scene.build(spec)
+    before, after = scene.site_frame("g_pinch"), moved.site_frame("g_pinch")
+    difference = before.Inverse() * after
+    assert list(difference.p) == pytest.approx([0, 0, 0.005], abs=1e-9)
+    assert difference.M.GetRPY() == pytest.approx((0, 0, np.radians(15)), abs=1e-9)
+
+
+def test_multi_robot_scene():
+    left = mjk.RobotSpec()
+    left.path = mjk.menagerie.model_path("kinova_gen3")
+    left.pos = [-0.5, 0.0, 0.0]
+    right = mjk.RobotSpec()
+    right.path = mjk.menagerie.model_path("kinova_gen3")
+    right.prefix = "r2_"
+    right.pos = [0.5, 0.0, 0.0]
+    spec = base_spec()
+    spec.robots = [left, right]
+    scene = mjk.Scene.build(spec)
+    robot1 = mjk.Robot.from_scene(scene, "base_link", "bracelet_link")
+    robot2 = mjk.Robot.from_scene(scene, "base_link", "bracelet_link", prefix="r2_")
+    assert not set(robot1.joint_names) & set(robot2.joint_names)
+    assert scene.body_frame("r2_base_link").p.x() == pytest.approx(0.5)
+
+
+def table_scene() -> mjk.Scene:
+    spec = base_spec()
+    table = mjk.SceneObject()
+    table.name = "table"
+    table.mjcf_path = "assets/table.xml"
+    table.pos = [0.0, 0.0, 0.7]
+    table.fixed = True
+    mount = mjk.scene_object_site_name(table, "table_top")
+    robot_spec = mjk.RobotSpec()
+    robot_spec.path = mjk.menagerie.model_path("kinova_gen3")
+    robot_spec.attach_to = mjk.AttachTarget(mjk.AttachKind.Site, mount)
+    cube = mjk.SceneObject()
+    cube.name = "red_cube"
+    cube.shape = mjk.Shape.BOX
+    cube.size = [0.03, 0.03, 0.03]
+    cube.pos = [0.35, 0.10, 0.73]
+    cube.rgba = [1.0, 0.0, 0.0, 1.0]
+    cube.mass = 0.1
+    cube.condim = mjk.Condim.Torsional
+    cube.friction = [0.8, 0.02, 0.001]
+    spec.objects = [table, cube]
+    spec.robots = [robot_spec]
+    return mjk.Scene.build(spec)
+
+
+def test_table_and_scene_objects():
+    scene = table_scene()
+    assert scene.body_frame("base_link").p.z() == pytest.approx(0.7)
+    assert scene.model.geom("red_cube_geom").condim[0] == 4
+    scene.step_n(200)
+    assert scene.body_frame("red_cube").p.z() == pytest.approx(0.73, abs=2e-3)
+
+
+def test_cameras_actuators_and_poses():
+    spec = base_spec()
+    spec.robots = [with_gripper()]
+    cam = mjk.CameraSpec()
+    cam.name = "overview"
+    cam.pos = [1.8, -2.0, 1.4]
+    cam.fovy = 45.0
+    spec.cameras = [cam]
+    scene = mjk.Scene.build(spec)
+    assert "overview" in scene.camera_names()
+    tcp = scene.site_frame("g_pinch")
+    assert isinstance(tcp, PyKDL.Frame)
+    assert not scene.has_actuator("finger")
+    if scene.has_actuator("g_fingers_actuator"):
+        scene.set_actuator_ctrl("g_fingers_actuator", 0.25)
+        assert scene.actuator_ctrl("g_fingers_actuator") == 0.25
+    scene = table_scene()
+    scene.set_body_pose("red_cube", [0.45, 0.0, 0.75], [0.0, 0.0, 0.0, 1.0])
+    assert list(scene.body_frame("red_cube").p) == pytest.approx([0.45, 0, 0.75])
+
+
+def test_pykdl_interop(robot: mjk.Robot):
+    chain = robot.kdl_chain()
+    fk = PyKDL.ChainFkSolverPos_recursive(chain)
+    q = PyKDL.JntArray(robot.n_joints)
+    for i, value in enumerate(robot.jnt_pos_msr):
+        q[i] = value
+    tcp = PyKDL.Frame()
+    fk.JntToCart(q, tcp)
+    frame = robot.fk_frame(q)
+    assert list(tcp.p) == pytest.approx(list(frame.translation), abs=1e-9)
+    robot.set_joint_pos(q)
+
+
+def test_control_loop(robot: mjk.Robot):
+    robot.ctrl_mode = mjk.CtrlMode.TORQUE
+    robot.set_joint_pos([0.0, 0.26, 3.14, -2.27, 0.0, 0.96, 1.57])
+    start = np.array(robot.tcp_in_world.translation)
+    steps = 0
+    while robot.step() and steps < 500:
+        robot.update()
+        robot.jnt_trq_cmd = robot.gravity_torques()
+        steps += 1
+    assert np.linalg.norm(robot.tcp_in_world.translation - start) < 1e-3
+    robot.set_joint_pos([0.0] * robot.n_joints)
+    assert robot.fk_frame() is not None
+
+
+def test_reset():
+    spec = base_spec()
+    spec.robots = [with_gripper()]
+    env = mjk.Env.build(spec)
+    robot = env.create_robot("base_link", "bracelet_link")
+    seen = []
+
+    def on_reset(ctx: mjk.ResetContext) -> None:
+        seen.append((ctx.options.keyframe, ctx.info.used_keyframe))
+        robot.set_joint_pos([0.0] * robot.n_joints, call_forward=False)
+
+    env.on_reset = on_reset
+    opts = mjk.ResetOptions()
+    opts.keyframe = 0
+    info = env.reset(opts)
+    assert (info.used_keyframe, info.keyframe, seen) == (True, 0, [(0, True)])
+    assert list(robot.jnt_pos_cmd) == [0.0] * 7
+    opts.use_keyframe = False
+    assert not env.reset(opts).used_keyframe
+    env.on_reset = None
+    env.reset()
+    assert len(seen) == 2
+    assert any(robot.jnt_pos_cmd), "the keyframe's pose"
+    env.set_actuator_ctrl("g_fingers_actuator", 0.25)
+    assert isinstance(env.body_frame("bracelet_link"), PyKDL.Frame)
+    env.save_xml("episode_start.xml")
+    assert mujoco.MjModel.from_xml_path("episode_start.xml").nq == env.model.nq
+    env.close()
+    with pytest.raises(RuntimeError, match="is closed"):
+        robot.update()
+
+
+def test_runtime_add_and_remove_objects(scene: mjk.Scene, robot: mjk.Robot):
+    cube = mjk.SceneObject()
+    cube.name = "cube"
+    cube.shape = mjk.Shape.BOX
+    cube.size = [0.02, 0.02, 0.02]
+    cube.pos = [0.4, 0.0, 0.02]
+    cube.rgba = [1.0, 0.5, 0.0, 1.0]
+    cube.mass = 0.1
+    cube.friction = [0.8, 0.02, 0.001]
+    q = list(robot.jnt_pos_msr)
+    scene.add_object(cube)
+    robot.update()
+    assert list(robot.jnt_pos_msr) == q
+    assert "cube" in scene.body_names()
+    scene.remove_object("cube")
+    assert "cube" not in scene.body_names()
+    robot.update()
+    env = mjk.Env(scene)
+    env.add_object(cube)
+    env.remove_object("cube")
+    env.close()
+    with pytest.raises(RuntimeError, match="is closed"):
+        robot.update()
+
+
+def test_headless_video_recording(robot: mjk.Robot):
+    from robocell import describe_gl
+
+    describe_gl()
+    recorder = mjk.VideoRecorder.open_preset(
+        robot.scene,
+        "sim.mp4",
+        mjk.VideoResolution.R360p,
+        fps=60,
+    )
+    recorder.set_free_camera(2.5, 135.0, -20.0, (0.0, 0.0, 0.7))
+    for _ in range(5):
+        robot.update()
+        robot.step()
+        recorder.record_frame()
+    recorder.close()
+    assert Path("sim.mp4").stat().st_size > 1000
+
+
+class TestModelPaths:
+    def test_files_of_ones_own_come_first(self, tmp_path, monkeypatch):
+        mine = tmp_path / "mine.xml"
+        mine.write_text("<mujoco/>")
+        for variable, path in (
+            ("MJ_KDL_MODEL", lambda: mjk.menagerie.model_path("kinova_gen3")),
+            ("MJ_KDL_GRIPPER", lambda: mjk.menagerie.asset_path("robotiq_2f85/2f85.xml")),
+            ("MJ_KDL_TABLE", lambda: mjk.menagerie.asset_path("table.xml")),
+            ("MJ_KDL_BOTTLE", lambda: mjk.menagerie.asset_path("bottle.xml")),
+            ("MJ_KDL_RECEIVER", lambda: mjk.menagerie.asset_path("receiver.xml")),
+        ):
+            assert Path(path()).is_file()
+            monkeypatch.setenv(variable, str(mine))
+            assert path() == str(mine)
+            monkeypatch.setenv(variable, "/nonexistent")
+            with pytest.raises(RuntimeError, match=f"^{variable} is '/nonexistent', which is no"):
+                path()
+            monkeypatch.delenv(variable)
+
+    def test_a_root_of_ones_own_comes_next(self, in_a_fetched_folder, monkeypatch):
+        root = in_a_fetched_folder / "menagerie"
+        monkeypatch.setenv("MJ_KDL_MENAGERIE", str(root))
+        assert mjk.menagerie.model_path("kinova_gen3") == str(root / "kinova_gen3" / "gen3.xml")
+        monkeypatch.setenv("MJ_KDL_MENAGERIE", "/nonexistent")
+        with pytest.raises(RuntimeError, match=r"^MJ_KDL_MENAGERIE is '/nonexistent', which holds"):
+            mjk.menagerie.model_path("kinova_gen3")
+
+    def test_unknown_assets_are_told_with_those_there_are(self):
+        with pytest.raises(RuntimeError, match=r"no asset 'tabel\.xml'\. The assets: table\.xml, "):
+            mjk.menagerie.asset_path("tabel.xml")
+
+    def test_every_asset_of_the_folder_loads(self, in_a_fetched_folder):
+        for asset in [*mjk.menagerie.ASSETS, mjk.menagerie.GRIPPER_ASSET]:
+            assert mujoco.MjModel.from_xml_path(str(in_a_fetched_folder / "assets" / asset)).nbody
+
+    def test_the_command_prints_where_everything_is(self, tmp_path, capsys, monkeypatch):
+        monkeypatch.setattr("sys.argv", ["mj-kdl-fetch-menagerie", "--dest", str(tmp_path)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert not end.value.code
+        lines = dict(line.split(": ") for line in capsys.readouterr().out.splitlines())
+        assert lines["cabinet/cabinet.xml"] == str(tmp_path / "assets" / "cabinet" / "cabinet.xml")
+        assert lines["kinova_gen3"] == str(tmp_path / "menagerie" / "kinova_gen3" / "gen3.xml")
+        assert all(Path(path).is_file() for path in lines.values())

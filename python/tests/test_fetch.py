@@ -1,0 +1,162 @@
+"""`robocell fetch`, with archives of a made-up robot instead of the network."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import tarfile
+from pathlib import Path
+
+import mujoco_menagerie
+import pytest
+
+import robocell as rc
+from robocell import fetching
+
+MODEL = (
+    "<mujoco model='{0}'><worldbody><body name='base'><geom size='.1'/></body></worldbody></mujoco>"
+)
+
+
+@pytest.fixture
+def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Publishes versions of the robot ``toy_arm``; caches are empty."""
+    monkeypatch.delenv("MENAGERIE_ROOT", raising=False)
+    monkeypatch.setenv("MENAGERIE_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "user"))
+    archives = tmp_path / "archives"
+    archives.mkdir()
+    monkeypatch.setenv("MENAGERIE_BASE_URL", archives.as_uri())
+    here: dict[str, mujoco_menagerie.Robot] = {}
+
+    def publish(version: str) -> None:
+        source = tmp_path / version / "toy_arm"
+        source.mkdir(parents=True)
+        (source / "arm.xml").write_text(MODEL.format(version))
+        archive = archives / f"toy_arm-{version}.tar.xz"
+        with tarfile.open(archive, "w:xz") as tar:
+            tar.add(source, "toy_arm")
+        here["toy_arm"] = mujoco_menagerie.Robot(
+            "toy_arm", "Toy arm", "arm", "Apache-2.0", hashlib.sha1(version.encode()).hexdigest(),
+            archive.name, hashlib.sha256(archive.read_bytes()).hexdigest(),
+            archive.stat().st_size, 1, (mujoco_menagerie.EntryPoint("arm", "robot", "arm.xml"),),
+            "arm", None,
+        )  # fmt: skip
+
+    def get(name: str) -> mujoco_menagerie.Robot:
+        if name not in here:
+            raise mujoco_menagerie.UnknownRobotError(name, here)
+        return here[name]
+
+    monkeypatch.setattr(mujoco_menagerie, "get", get)
+    monkeypatch.setattr(mujoco_menagerie, "commit", lambda: "c0ffee" * 6)
+    publish("one")
+    return publish
+
+
+def version_of(path: str | Path) -> str:
+    return Path(path).read_text().split("'")[1]
+
+
+@pytest.mark.usefixtures("shop")
+def test_a_robot_is_fetched_recorded_and_found():
+    fetched = fetching.fetch("toy_arm")
+    assert rc.menagerie.model_path("toy_arm") == str(fetched.folder / "arm.xml")
+    recorded = json.loads(fetching.record_path().read_text())["robots"]["toy_arm"]
+    digest = hashlib.sha256((fetched.folder / "arm.xml").read_bytes()).hexdigest()
+    assert recorded["files"] == {"arm.xml": digest}
+    assert recorded["commit"] == "c0ffee" * 6
+    assert recorded["package"] == mujoco_menagerie.__version__
+    assert fetching.fetch("toy_arm") == fetched, "a second time nothing happens"
+
+
+def test_it_stays_at_its_version_until_it_is_updated(shop):
+    first = fetching.fetch("toy_arm")
+    shop("two")
+    kept = fetching.fetch("toy_arm")
+    assert (kept.folder, kept.newer, version_of(kept.folder / "arm.xml")) == (
+        first.folder, True, "one",
+    )  # fmt: skip
+    new = fetching.fetch("toy_arm", update=True)
+    assert version_of(new.folder / "arm.xml") == "two"
+    assert version_of(rc.menagerie.model_path("toy_arm")) == "two"
+    assert fetching.read_record(fetching.record_path())["toy_arm"] == new.pin
+
+
+def test_a_pinned_version_that_is_gone_names_the_package_that_has_it(shop):
+    first = fetching.fetch("toy_arm")
+    shop("two")
+    (first.folder / ".complete").unlink()
+    with pytest.raises(rc.NotFoundError, match=rf"mujoco-menagerie=={first.pin.package}`, or this"):
+        fetching.fetch("toy_arm")
+
+
+@pytest.mark.usefixtures("shop")
+def test_a_changed_file_is_an_error_that_names_it():
+    folder = fetching.fetch("toy_arm").folder
+    (folder / "arm.xml").write_text("<mujoco/>")
+    with pytest.raises(rc.IoError, match=r"'toy_arm' is not what was fetched: arm\.xml changed in"):
+        fetching.fetch("toy_arm")
+
+
+def test_a_folder_filled_with_robots_is_a_root(shop, tmp_path, monkeypatch):
+    fetched = fetching.fetch("toy_arm")
+    root = tmp_path / "root"
+    assert fetching.copy_to(fetched, root) == root / "toy_arm"
+    assert sorted(p.name for p in (root / "toy_arm").iterdir()) == ["arm.xml"]
+    assert fetching.read_record(root / fetching.RECORD) == {"toy_arm": fetched.pin}
+    monkeypatch.setenv("MENAGERIE_ROOT", str(root))
+    assert rc.menagerie.model_path("toy_arm") == str(root / "toy_arm" / "arm.xml")
+    shop("two")
+    new = fetching.fetch("toy_arm", update=True)
+    with pytest.raises(rc.ArgumentError, match="holds other files; fetch with --update"):
+        fetching.copy_to(new, root)
+    fetching.copy_to(new, root, update=True)
+    assert version_of(root / "toy_arm" / "arm.xml") == "two"
+
+
+@pytest.mark.usefixtures("shop")
+def test_without_a_network_it_says_what_else_there_is(tmp_path, monkeypatch):
+    monkeypatch.setenv("MENAGERIE_BASE_URL", (tmp_path / "nowhere").as_uri())
+    with pytest.raises(rc.IoError) as error:
+        fetching.fetch("toy_arm")
+    assert str(error.value).startswith("robot 'toy_arm' could not be fetched: file://")
+    assert f"copy {tmp_path / 'cache'} from a machine that has it, or set MENAGERIE_ROOT" in str(
+        error.value
+    )
+    assert fetching.read_record(fetching.record_path()) == {}
+
+
+@pytest.mark.usefixtures("shop")
+def test_unknown_robots_and_broken_records_are_told():
+    with pytest.raises(
+        rc.NotFoundError, match=r"'toy_amr'. Did you mean 'toy_arm'\?.*fetch --list"
+    ):
+        fetching.fetch("toy_amr")
+    fetching.record_path().parent.mkdir(parents=True)
+    fetching.record_path().write_text("[]")
+    with pytest.raises(rc.IoError, match=r"menagerie\.json is no record of fetched robots"):
+        fetching.fetch("toy_arm")
+
+
+def test_the_command_lists_and_fails_as_documented(tmp_path):
+    def robocell(*arguments: str) -> subprocess.CompletedProcess[str]:
+        environment = os.environ | {
+            "MENAGERIE_CACHE_DIR": str(tmp_path / "cache"),
+            "XDG_CACHE_HOME": str(tmp_path),
+            "MENAGERIE_BASE_URL": (tmp_path / "nowhere").as_uri(),
+        }
+        return subprocess.run(
+            [sys.executable, "-m", "robocell", "fetch", *arguments],
+            env=environment, capture_output=True, text=True, timeout=60, check=False,
+        )  # fmt: skip
+
+    listing = robocell("--list", "kinova_gen3")
+    assert (listing.returncode, "kinova_gen3" in listing.stdout) == (0, True), listing.stderr
+    offline = robocell("robotiq_2f85")
+    assert (offline.returncode, "could not be fetched" in offline.stderr) == (3, True)
+    unknown = robocell("kinova_gen4")
+    assert (unknown.returncode, "Did you mean" in unknown.stderr) == (2, True), unknown.stderr
