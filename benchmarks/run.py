@@ -17,6 +17,7 @@ from pathlib import Path
 import control_loop
 import dataset_writer
 import episodes
+import ik
 import overlap
 import reset
 import scene_again
@@ -26,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "control_loop": control_loop.rows,
     "reset": reset.rows,
+    "ik": ik.rows,
     "scene_again": scene_again.rows,
     "dataset_writer": dataset_writer.rows,
     "overlap": overlap.rows,

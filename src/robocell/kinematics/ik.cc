@@ -8,6 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_descent.h"
 #include "robocell/kinematics/ik_parts.h"
+#include "robocell/kinematics/lane_search.h"
 
 namespace robocell {
 namespace {
@@ -15,9 +16,10 @@ namespace {
 // How many solutions are compared when the nearest to the seed is wanted.
 constexpr int kSolutionsCompared = 8;
 
-class Search {
+// Looks for several solutions and keeps the one nearest to the seed.
+class NearSearch {
  public:
-  Search(const Chain& chain, const Transform& target, const IkOptions& options)
+  NearSearch(const Chain& chain, const Transform& target, const IkOptions& options)
       : chain_(chain.model()),
         options_(options),
         target_(target),
@@ -28,8 +30,7 @@ class Search {
     const bool too_far = IsOutOfReach(chain_, target_, options_.tolerance);
     const int restarts =
         too_far ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
-    const int wanted = options_.prefer_near_seed ? kSolutionsCompared : 1;
-    for (int k = 0, found = 0; k <= restarts && found < wanted; ++k) {
+    for (int k = 0, found = 0; k <= restarts && found < kSolutionsCompared; ++k) {
       best_.restarts = k;
       found += Try(Start(k));
     }
@@ -38,11 +39,10 @@ class Search {
   }
 
  private:
-  // Start 0 is the seed. The others fill the joint space; when near solutions are wanted, a growing
-  // part of it.
+  // Start 0 is the seed. The others fill a growing part of the joint space around it.
   JointVector Start(int k) const {
     if (k == 0) return seed_;
-    const double part = options_.prefer_near_seed ? std::min(1.0, 0.1 * k) : 1;
+    const double part = std::min(1.0, 0.1 * k);
     return SpreadStart(chain_, seed_, options_.locked, k, part);
   }
 
@@ -54,7 +54,7 @@ class Search {
       return false;
     }
     UnwindTowards(chain_, seed_, options_.locked, &q);
-    if (options_.prefer_near_seed) MoveTowardsSeed(&q);
+    MoveTowardsSeed(&q);
     const double distance = DistanceToSeed(q);
     if (!best_.success || distance < best_cost_) Keep(q, distance);
     return true;
@@ -149,7 +149,9 @@ void CheckIkOptions(const Chain& chain, const IkOptions& options) {
 IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& options) {
   CheckIkTarget(tip_in_base, "target");
   CheckIkOptions(chain, options);
-  return Search(chain, ToTransform(tip_in_base), options).Run();
+  const Transform target = ToTransform(tip_in_base);
+  if (!options.prefer_near_seed) return SearchInLanes(chain, target, options);
+  return NearSearch(chain, target, options).Run();
 }
 
 }  // namespace robocell

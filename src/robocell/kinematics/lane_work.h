@@ -1,0 +1,57 @@
+// The lanes of one chain with what every search in them needs: targets and starts put in, joint
+// values taken out. For the solvers of this folder.
+#pragma once
+
+#include "robocell/kinematics/ik.h"
+#include "robocell/kinematics/ik_parts.h"
+#include "robocell/kinematics/lane_chain.h"
+#include "robocell/kinematics/lane_kernel.h"
+
+namespace robocell {
+
+class LaneWork {
+ public:
+  LaneWork(const Chain& chain, const IkOptions& options);
+
+  const ChainModel& chain() const { return chain_; }
+  const IkOptions& options() const { return options_; }
+
+  // A new question for a lane; forgets the best of the last one.
+  void Aim(int lane, const Transform& tip_in_base);
+  template <class Number>
+  void Put(int lane, const Number* q) {
+    for (int i = 0; i < chain_.n; ++i) state_.q[i][lane] = q[i];
+  }
+  // Measures the busy lanes (bits) and moves them on; the bits of those that have arrived.
+  uint32_t Step(uint32_t busy) { return StepLanes(folded_, limits_, busy, &state_) & busy; }
+
+  // Joint values of a lane: now, and the best met since it was aimed. Locked joints are the seed's
+  // to the bit, hinges the turn nearest to it.
+  JointVector Now(int lane, const JointVector& seed) const { return Taken(state_.q, lane, seed); }
+  JointVector Best(int lane, const JointVector& seed) const {
+    return Taken(state_.best_q, lane, seed);
+  }
+  double best_cost(int lane) const { return state_.best_cost[lane]; }
+
+  // Whether the start with this number (0, 1, ...) that has made `age` steps in the lane is to be
+  // given up: it came too slowly, or took too long.
+  bool IsHopeless(int lane, int start, int age) const;
+  // Starts that the table has for a target; null when it has none, as it knows no locked joints.
+  const StartTable* table() const;
+  // How often a search may start again.
+  int RestartsFor(const Transform& tip_in_base) const;
+
+ private:
+  JointVector Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
+                    const JointVector& seed) const;
+
+  const ChainModel& chain_;
+  const LaneChain& lane_chain_;
+  const FoldedChain& folded_;
+  const IkOptions& options_;
+  bool any_locked_ = false;
+  LaneOptions limits_;
+  LaneState state_;
+};
+
+}  // namespace robocell
