@@ -118,8 +118,9 @@ IkResult IkOf(const Chain& chain, const PoseOrFrame& target, nb::handle seed, do
   IkOptions options{.tolerance = tolerance, .position_only = position_only};
   const FieldPath path("seed");
   if (!seed.is_none()) options.seed = JointVector(Numbers(seed, path).span());
+  const Pose pose = target.get();
   const nb::gil_scoped_release release;
-  return Ik(chain, target.pose, options);
+  return Ik(chain, pose, options);
 }
 
 void DefDynamics(nb::class_<Chain>& c) {

@@ -67,7 +67,7 @@ template <class C>
 void DefPose(nb::class_<C, Controller>& c) {
   c.def_prop_rw(
        "pose", [](const C& self) { return self.pose(); },
-       [](C& self, const PoseOrFrame& pose) { self.SetPose(pose.pose); },
+       [](C& self, const PoseOrFrame& pose) { self.SetPose(pose.get()); },
        "Where the leaf is to be, in the robot base frame; a PyKDL.Frame is taken too.")
       .def_prop_rw(
           "posture", [](const C& self) { return Copy(self.posture()); },

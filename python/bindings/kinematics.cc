@@ -23,8 +23,9 @@ IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed
       .tolerance = tolerance, .position_only = position_only, .prefer_near_seed = prefer_near_seed};
   if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
   options.locked = k.robot.LockGroups(locked_groups);
+  const Pose pose = target.get();
   const nb::gil_scoped_release release;
-  return k.robot.Ik(target.pose, options);
+  return k.robot.Ik(pose, options);
 }
 
 nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,

@@ -13,8 +13,13 @@ struct Kinematics {
 };
 
 // An argument that is a Pose or a PyKDL.Frame, which has no type that annotations could name.
+// What is no Pose becomes one in the function, so that its error says why it is none.
 struct PoseOrFrame {
   Pose pose;
+  nb::object frame = {};  // set when it is not a Pose yet
+
+  // With the GIL.
+  Pose get() const { return frame.is_valid() ? nb::cast<Pose>(nb::type<Pose>()(frame)) : pose; }
 };
 
 // Chains on their own. Needs IkResult to be bound.
@@ -40,20 +45,14 @@ struct type_caster<robocell::python::PoseOrFrame> {
   NB_TYPE_CASTER(robocell::python::PoseOrFrame, const_name("Pose"))
 
   bool from_python(handle source, uint8_t, cleanup_list*) noexcept {
-    try {
-      const robocell::Pose* pose = nullptr;
-      if (!try_cast(source, pose) || !pose) {
-        if (!hasattr(source, "M") || !hasattr(source, "p")) return false;
-        const object made = type<robocell::Pose>()(source);
-        value.pose = cast<robocell::Pose>(made);
-      } else {
-        value.pose = *pose;
-      }
+    const robocell::Pose* pose = nullptr;
+    if (try_cast(source, pose) && pose) {
+      value.pose = *pose;
       return true;
-    } catch (...) {
-      PyErr_Clear();
-      return false;
     }
+    if (!hasattr(source, "M") || !hasattr(source, "p")) return false;
+    value.frame = borrow(source);
+    return true;
   }
 };
 

@@ -167,7 +167,7 @@ void BindAction(nb::module_& m) {
           },
           "dq"_a, "Added to the present target.")
       .def_static(
-          "leaf_pose", [](const PoseOrFrame& p) { return GroupCommand::LeafPose(p.pose); },
+          "leaf_pose", [](const PoseOrFrame& p) { return GroupCommand::LeafPose(p.get()); },
           "leaf_in_robot"_a, "Pose of the leaf in the robot base frame, through IK.")
       .def_static("opening", &GroupCommand::Opening, "opening"_a,
                   "Of a gripper: 0 closed ... 1 open.")
@@ -292,8 +292,9 @@ void BindRobotClass(nb::module_& m) {
             IkOptions options;
             if (!seed.is_none())
               options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
+            const Pose pose = target.get();
             const nb::gil_scoped_release release;
-            return r.Ik(target.pose, options);
+            return r.Ik(pose, options);
           },
           "pose"_a, "seed"_a = nb::none(),
           "Joint values that put the TCP at `pose` (in the robot base frame), a Pose or "

@@ -10,6 +10,7 @@ import ast
 import difflib
 import os
 import re
+import reprlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -196,9 +197,24 @@ def fits_one(value: object, kind: ast.expr) -> bool | None:
     return isinstance(value, wanted) if wanted else None
 
 
+def shortened() -> reprlib.Repr:
+    """A repr that looks at no more than a message shows, however large the value is."""
+    short = reprlib.Repr()
+    for kind in ("list", "tuple", "dict", "set", "frozenset", "deque", "array"):
+        setattr(short, f"max{kind}", MOST_REPR // 3)
+    short.maxstring = short.maxlong = short.maxother = 2 * MOST_REPR
+    return short
+
+
 def brief(value: object) -> str:
+    """What a message shows of a value; of large arrays and buffers the size only."""
     try:
-        text = repr(value)
+        size, shape = getattr(value, "size", 0), getattr(value, "shape", None)
+        if shape is not None and isinstance(size, int) and size > MOST_REPR:
+            return f"<{type(value).__name__} of shape {shape}>"
+        if isinstance(value, (bytes, bytearray)) and len(value) > MOST_REPR:
+            return f"<{len(value)} {type(value).__name__}>"
+        text = shortened().repr(value)
     except Exception:
         return f"a {type(value).__name__}"
     return text if len(text) <= MOST_REPR else text[:MOST_REPR] + " ..."

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import mujoco
+import numpy as np
 import pytest
 
 import robocell as rc
@@ -215,6 +216,36 @@ def test_a_dataset_that_is_not_there_is_told_with_the_nearest_and_the_next_step(
         f"no dataset '{path}': there is no such folder. Did you mean 'pick_v1'? `robocell generate "
         f"RUN.yaml --output {path}` makes one"
     )
+
+
+def test_large_values_are_not_looked_at_in_full():
+    class Seen:
+        count = 0
+
+        def __repr__(self) -> str:
+            Seen.count += 1
+            return "x"
+
+    text = told(lambda: rc.Scene.build([Seen()] * 100_000))
+    assert text.startswith("Scene.build(): `spec` must be a SceneSpec, got [x, x, x, x"), text
+    assert Seen.count < 100
+    assert "got <ndarray of shape (1000, 1000)>." in told(
+        lambda: rc.Scene.build(np.zeros((1000, 1000)))
+    )
+    assert "got <1000000 bytes>." in told(lambda: rc.Scene.build(bytes(1_000_000)))
+
+
+def test_what_is_wrong_with_a_frame_is_told(scene: rc.Scene):
+    class Rotation:
+        def GetQuaternion(self) -> tuple[float, ...]:
+            return (0.0, 0.0, 0.0)
+
+    class Frame:
+        M = Rotation()
+        p = (0.0, 0.0, 0.0)
+
+    with pytest.raises(ValueError, match="frame must be 4 numbers, got 3"):
+        scene.robot("a").ik(Frame())
 
 
 def test_the_whole_text_names_the_form_that_fits():
