@@ -46,6 +46,18 @@ void CheckTargetKind(const std::optional<ElementRef>& ref, ElementKind kind, std
                             "'s name, or {body: name, index: 0} if it has none");
 }
 
+// What an actuator acts on says which it is; it sits in no body.
+void CheckActuator(const std::optional<ElementRef>& ref, Problems& problems) {
+  using enum ElementKind;
+  if (!ref) return;
+  const bool acts_on = ref->kind == kJoint || ref->kind == kTendon || ref->kind == kSite ||
+                       ref->kind == kBody || ref->kind == kActuator;
+  if (ref->body.empty() && (!ref->kind || acts_on)) return;
+  problems.AddAt("actuator", "is given " + Describe(*ref) +
+                                 "; write the actuator's name, or {joint: name}, the joint that it "
+                                 "acts on (likewise tendon, site, body)");
+}
+
 std::vector<std::string> SetFields(const Edit& edit, bool targets) {
   std::vector<std::string> set;
   ForEachField(edit, [&](const char* name, const auto& value, const char*, Check) {
@@ -111,7 +123,7 @@ void Edit::Validate(Problems& problems) const {
   CheckTargetKind(joint, ElementKind::kJoint, "joint", problems);
   CheckTargetKind(geom, ElementKind::kGeom, "geom", problems);
   CheckTargetKind(camera, ElementKind::kCamera, "camera", problems);
-  CheckTargetKind(actuator, ElementKind::kActuator, "actuator", problems);
+  CheckActuator(actuator, problems);
   CheckTargetKind(body, ElementKind::kBody, "body", problems);
   if (range) CheckRange(*range, "range", problems);
   if (ctrlrange) CheckRange(*ctrlrange, "ctrlrange", problems);

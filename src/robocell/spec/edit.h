@@ -5,6 +5,7 @@
 //   edits:
 //     - {body: link_base, pos: [0, 0, 0]}
 //     - {geom: {body: left_finger, index: 3}, friction: [1, 0.005, 0.0001]}
+//     - {actuator: {joint: joint2}, name: servo2}
 //     - {add_site: tool, body: flange, pos: [0, 0, 0.1]}
 //     - {delete: {camera: demo_view}}
 #pragma once
@@ -59,10 +60,11 @@ struct Edit {
   static void Fields(V&& v) {
     v("body", &Edit::body, "Body to change, or the parent of what is added.");
     v("site", &Edit::site, "Site to change, or the site an added sensor measures at.");
-    v("joint", &Edit::joint, "Joint to change.");
+    v("joint", &Edit::joint, "Joint to change; unnamed ones as {body, index}.");
     v("geom", &Edit::geom, "Geom to change; unnamed ones as {body, index}.");
     v("camera", &Edit::camera, "Camera to change.");
-    v("actuator", &Edit::actuator, "Actuator to change.");
+    v("actuator", &Edit::actuator,
+      "Actuator to change; unnamed ones as {joint: name}, what they act on.");
     v("add_site", &Edit::add_site, "Name of a site to add to `body`.");
     v("add_camera", &Edit::add_camera, "Name of a camera to add to `body`.");
     v("add_sensor", &Edit::add_sensor,

@@ -34,7 +34,8 @@ struct EnumNames<ElementKind> {
   };
 };
 
-// A named element, or the index-th element of its kind directly under a body.
+// A named element, or the index-th element of its kind directly under a body; {body: {body: hand,
+// index: 1}} is hand's second child.
 // In YAML `link_tcp` (any kind that the field allows), `{site: link_tcp}` or `{geom: {body:
 // left_finger, index: 3}}`.
 struct ElementRef {

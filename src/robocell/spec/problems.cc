@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
+#include "robocell/spec/split_place.h"
 
 namespace robocell {
 
@@ -19,9 +20,7 @@ Problems::Scope::Scope(Problems& problems, size_t index)
 
 Problems::Scope::~Scope() { problems_.path_.resize(length_); }
 
-void Problems::Add(const std::string& message) {
-  list_.push_back({path_, message, locations_.At(path_)});
-}
+void Problems::Add(const std::string& message) { AddFromSource(locations_.At(path_), message); }
 
 void Problems::AddAt(std::string_view field, const std::string& message) {
   Scope scope(*this, field);
@@ -29,7 +28,12 @@ void Problems::AddAt(std::string_view field, const std::string& message) {
 }
 
 void Problems::AddFromSource(const std::string& source, const std::string& message) {
-  list_.push_back({path_, message, source});
+  const auto [place, rest] = SplitPlace(message);
+  if (place.empty()) {
+    list_.push_back({path_, message, source});
+  } else {
+    list_.push_back({"", rest, place});
+  }
 }
 
 void Problems::AppendBelow(const Problems& other) {

@@ -36,7 +36,8 @@ class Problems {
   // `locations` of the spec that is looked at.
   explicit Problems(Locations locations = {}) : locations_(std::move(locations)) {}
 
-  // At the current path, or at `field` below it.
+  // At the current path, or at `field` below it. A message that begins with a place of its own
+  // (what was thrown while a part was worked on) keeps that instead.
   void Add(const std::string& message);
   void AddAt(std::string_view field, const std::string& message);
   void AddFromSource(const std::string& source, const std::string& message);

@@ -40,6 +40,18 @@ TEST(Problems, PlacesComeFromTheNearestPartOfThePath) {
   EXPECT_EQ(problems.list()[2].source, "f:1:1");
 }
 
+TEST(Problems, AMessageWithAPlaceOfItsOwnKeepsThat) {
+  const auto sources = std::make_shared<SourceMap>(SourceMap{{"robot", "run.yaml:1:1"}});
+  Problems problems{Locations(sources)};
+  problems.AddAt("robot", "my robots/r.yaml:7:73: no joint 'j8': why: so");
+  EXPECT_EQ(problems.Text("run.yaml"),
+            "run.yaml is not valid: my robots/r.yaml:7:73: no joint 'j8': why: so");
+  problems.AddAt("robot", "at 12:30: no place");
+  problems.AddAt("robot", ":7:73: no file");
+  EXPECT_EQ(problems.list()[1].source, "run.yaml:1:1");
+  EXPECT_EQ(problems.list()[2].source, "run.yaml:1:1");
+}
+
 TEST(Problems, ThoseOfAPartGoBelowThePath) {
   Problems part;
   part.AddAt("home.arm", "x");

@@ -97,6 +97,8 @@ std::vector<CtrlMode> RobotConfig::used_modes() const {
 
 void RobotConfig::Validate(Problems& problems) const {
   CheckNotEmpty(name, "name", "what this kind of robot is called", problems);
+  CheckNamePart(name, "name", problems);
+  for (const std::string& group : move_groups.keys()) CheckNamePart(group, "move_groups", problems);
   CheckNotEmpty(model, "model", "the robot's MJCF file", problems);
   CheckGroupKeys(home, "home", move_groups, problems);
   CheckGroupKeys(home_noise, "home_noise", move_groups, problems);

@@ -109,6 +109,20 @@ TEST(RobotConfig, ATcpOffsetNeedsItsSite) {
   EXPECT_THAT(ValidationError(robot), HasSubstr("tcp_offset: is relative to attachment_site"));
 }
 
+TEST(RobotConfig, NamesInDatasetsHaveNoSlash) {
+  RobotConfig robot = Arm();
+  robot.name = "lab/arm";
+  const std::string why =
+      " cannot be a name here: datasets have it in their columns' names, robots/ROBOT/GROUP; write "
+      "it without '/' and control characters";
+  EXPECT_EQ(ValidationError(robot), "it is not valid: name: 'lab/arm'" + why);
+  robot.name = "arm";
+  robot.move_groups["left/arm"] = robot.move_groups.at("arm");
+  EXPECT_EQ(ValidationError(robot), "it is not valid: move_groups: 'left/arm'" + why);
+  EXPECT_EQ(ValidationError(RobotSpec{.name = "a/b", .config = Arm()}),
+            "it is not valid: name: 'a/b'" + why);
+}
+
 TEST(RobotSpec, NeedsAModelOrAConfiguration) {
   EXPECT_THAT(ValidationError(RobotSpec{}),
               HasSubstr("path: is empty: give the robot's model file"));

@@ -20,6 +20,7 @@ bool RobotSpec::can_switch_to(CtrlMode mode) const {
 
 void RobotSpec::Validate(Problems& problems) const {
   CheckPlacement(euler, quat, problems);
+  if (name) CheckNamePart(*name, "name", problems);
   CheckAttachments(attachments, problems);
   if (path.empty() && !config)
     problems.AddAt("path", "is empty: give the robot's model file, or a config");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <vector>
 
@@ -17,21 +18,34 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::string> YamlFilesIn(const fs::path& folder) {
+constexpr size_t kEnoughToTell = 1 << 16;  // bytes
+
+bool IsOtherKind(const fs::path& file, const std::string& type) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(kEnoughToTell, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+  return yaml::IsOtherKindOfText(text, type);
+}
+
+// Those that may be of the `type`, not those that are of another one.
+std::vector<std::string> SpecFilesIn(const fs::path& folder, const std::string& type) {
   std::vector<std::string> names;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename(), ending = entry.path().extension();
-    if (name.front() != '.' && (ending == ".yaml" || ending == ".yml")) names.push_back(name);
+    const bool is_yaml = name.front() != '.' && (ending == ".yaml" || ending == ".yml");
+    if (is_yaml && !IsOtherKind(entry.path(), type)) names.push_back(name);
   }
   std::sort(names.begin(), names.end());
   return names;
 }
 
-std::string Listing(const fs::path& folder, const std::vector<std::string>& names) {
+std::string Listing(const fs::path& folder, const std::string& kind,
+                    const std::vector<std::string>& names) {
   std::error_code error;
   const std::string place = fs::absolute(folder, error).lexically_normal().string();
-  if (names.empty()) return fmt::format(" There are no YAML files in {}.", place);
+  if (names.empty()) return fmt::format(" There are no {}s in {}.", kind, place);
   return fmt::format(" In {}: {}.", place, ListNames(names, 8));
 }
 
@@ -63,7 +77,7 @@ std::string MissingSpecFile(const std::string& path, const std::string& type) {
   const std::string tail = fmt::format(" How to write a {}: {}", kind.what, kind.page);
   if (fs::is_directory(path, error)) {
     return fmt::format("'{}' is a folder; give a {}.{}{}", path, kind.what,
-                       Listing(path, YamlFilesIn(path)), tail);
+                       Listing(path, kind.what, SpecFilesIn(path, type)), tail);
   }
   const fs::path folder = fs::path(path).parent_path();
   const fs::path looked = folder.empty() ? fs::path(".") : folder;
@@ -71,11 +85,12 @@ std::string MissingSpecFile(const std::string& path, const std::string& type) {
     return fmt::format("no {} '{}': there is no folder '{}' in {}.{}", kind.what, path,
                        looked.string(), fs::current_path(error).string(), tail);
   }
-  const std::vector<std::string> names = YamlFilesIn(looked);
+  const std::vector<std::string> names = SpecFilesIn(looked, type);
   const std::vector<std::string> near = NearestNames(fs::path(path).filename().string(), names, 1);
   const std::string hint =
       near.empty() ? "" : fmt::format(" Did you mean '{}'?", (folder / near[0]).string());
-  return fmt::format("no {} '{}'.{}{}{}", kind.what, path, Listing(looked, names), hint, tail);
+  return fmt::format("no {} '{}'.{}{}{}", kind.what, path, Listing(looked, kind.what, names), hint,
+                     tail);
 }
 
 std::string ReadSpecFile(const std::string& path, const std::string& type) {

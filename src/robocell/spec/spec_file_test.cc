@@ -37,7 +37,21 @@ TEST(SpecFile, AMissingOneIsToldWithWhatIsThere) {
 TEST(SpecFile, AFolderWithoutAnySaysSo) {
   const TempDir folder;
   EXPECT_THAT(MissingSpecFile((folder.path() / "a.yaml").string(), "RobotConfig"),
-              HasSubstr("There are no YAML files in " + folder.path().string()));
+              HasSubstr("There are no robot files in " + folder.path().string()));
+}
+
+TEST(SpecFile, FilesOfOtherKindsAreNotOffered) {
+  const TempDir folder;
+  const std::string in = folder.path().string();
+  AtomicWrite(folder.path() / "arm.yaml", "name: a\nmodel: b.xml\nmove_groups: {\n");
+  AtomicWrite(folder.path() / "arm_pick.yaml", "# a run\nrun: a\nrobot: arm.yaml\nworkers: 2\n");
+  AtomicWrite(folder.path() / "notes.yaml", "some: thing\n");
+  EXPECT_THAT(
+      MissingSpecFile(in + "/arm_pik.yaml", "RobotConfig"),
+      HasSubstr("In " + in + ": arm.yaml, notes.yaml. Did you mean '" + in + "/arm.yaml'?"));
+  EXPECT_THAT(MissingSpecFile(in + "/am_pick.yaml", "RunConfig"),
+              HasSubstr("In " + in + ": arm_pick.yaml, notes.yaml. Did you mean '" + in +
+                        "/arm_pick.yaml'?"));
 }
 
 TEST(SpecFile, ZeroBytesAreRefusedWithTheirPlace) {

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "robocell/base/paths.h"
+
 namespace robocell {
 
 void CheckNumber(double value, Check check, Problems& problems) {
@@ -61,6 +63,15 @@ void CheckElementRef(const ElementRef& ref, Problems& problems) {
   if (ref.index < 0) {
     problems.Add(fmt::format("index {} is negative; the first is 0", ref.index));
   }
+}
+
+void CheckNamePart(const std::string& name, std::string_view field, Problems& problems) {
+  if (name.empty() || ValidFileName(name)) return;
+  problems.AddAt(field,
+                 fmt::format("'{}' cannot be a name here: datasets have it in their columns' "
+                             "names, robots/ROBOT/GROUP; write it without '/' and control "
+                             "characters",
+                             name));
 }
 
 void CheckNameList(const NameList& list, Problems& problems) {

@@ -22,6 +22,8 @@ void CheckNumber(double value, Check check, Problems& problems);
 
 void CheckAttachTarget(const AttachTarget& target, Problems& problems);
 void CheckElementRef(const ElementRef& ref, Problems& problems);
+// A name that becomes part of columns' names and of files': without '/' and control characters.
+void CheckNamePart(const std::string& name, std::string_view field, Problems& problems);
 void CheckNameList(const NameList& names, Problems& problems);
 
 template <HasFields T>

@@ -63,6 +63,18 @@ std::vector<std::string> Shared(const std::vector<std::string>& keys,
   return out;
 }
 
+// The kind of file that has more of the keys than `type`, whose fields are given; null for none.
+const FileKind* OtherKind(const std::vector<std::string>& keys, const std::string& type,
+                          const std::vector<std::string>& fields) {
+  const FileKind* best = nullptr;
+  size_t most = std::max<size_t>(Shared(keys, fields).size(), 1);
+  for (const FileKind& kind : FileKinds()) {
+    const size_t count = Shared(keys, kind.fields).size();
+    if (kind.type != type && count > most) best = &kind, most = count;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::string Short(const YAML::Node& node) {
@@ -120,19 +132,23 @@ std::string OtherKindOfFile(const YAML::Node& root, const std::string& type,
                             const std::vector<std::string>& fields, const std::string& source) {
   std::vector<std::string> keys;
   for (const auto& entry : root) keys.push_back(entry.first.IsScalar() ? entry.first.Scalar() : "");
-  const size_t own = Shared(keys, fields).size();
-  const FileKind* best = nullptr;
-  size_t most = std::max<size_t>(own, 1);
-  for (const FileKind& kind : FileKinds()) {
-    const size_t count = Shared(keys, kind.fields).size();
-    if (kind.type != type && count > most) best = &kind, most = count;
-  }
+  const FileKind* best = OtherKind(keys, type, fields);
   if (!best) return "";
   std::string use = best->use;
   use.replace(use.find("FILE"), 4, source);
   return "this looks like a " + best->what + ": it has " +
          ListNames(Shared(keys, best->fields), 5) + ". A " + FileKindOf(type).what +
          " is wanted here. " + use;
+}
+
+bool IsOtherKindOfText(std::string_view text, const std::string& type) {
+  std::vector<std::string> keys;
+  std::istringstream lines{std::string(text)};
+  for (std::string line; std::getline(lines, line);) {
+    const size_t colon = line.find(':');
+    if (colon != std::string::npos) keys.push_back(line.substr(0, colon));
+  }
+  return OtherKind(keys, type, FileKindOf(type).fields) != nullptr;
 }
 
 }  // namespace robocell::yaml

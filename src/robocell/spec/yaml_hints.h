@@ -48,4 +48,8 @@ FileKind FileKindOf(const std::string& type);
 std::string OtherKindOfFile(const YAML::Node& root, const std::string& type,
                             const std::vector<std::string>& fields, const std::string& source);
 
+// Whether a text's fields, those that begin its lines, are those of another kind of file than
+// `type`'s.
+bool IsOtherKindOfText(std::string_view text, const std::string& type);
+
 }  // namespace robocell::yaml
