@@ -11,6 +11,7 @@
 #include "robocell/base/files.h"
 #include "robocell/base/log.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/parse_problem.h"
 #include "robocell/mujoco/warnings.h"
 
 namespace robocell {
@@ -65,13 +66,16 @@ void Report(const std::vector<std::string>& found, std::string_view context,
   }
 }
 
+// `file` is "" for a text.
 template <class Parse>
-SpecPtr Parsed(Parse parse, const std::string& what, std::string_view context) {
+SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
   std::array<char, 2048> error{};
-  const std::string place = Prefix(context) + what;
+  const std::string place =
+      Prefix(context) + (file.empty() ? "model text" : "model file '" + file + "'");
   SpecPtr spec(Guarded(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
-  if (!spec) throw SpecError(place + ": " + Trim(error.data()));
-  return spec;
+  if (spec) return spec;
+  throw SpecError((file.empty() ? place + ": " : Prefix(context)) +
+                  ParseProblem(Trim(error.data()), file));
 }
 
 }  // namespace
@@ -80,13 +84,13 @@ SpecPtr ParseXmlFile(const Path& path, std::string_view context, mjVFS* vfs) {
   const std::string file = path.string();
   if (!vfs || !mj_containsFileVFS(vfs, "", file.c_str())) CheckReadable(path, context);
   return Parsed([&](char* error, int size) { return mj_parseXML(file.c_str(), vfs, error, size); },
-                "model file '" + file + "'", context);
+                file, context);
 }
 
 SpecPtr ParseXmlString(const std::string& xml, std::string_view context, mjVFS* vfs) {
   return Parsed(
-      [&](char* error, int size) { return mj_parseXMLString(xml.c_str(), vfs, error, size); },
-      "model text", context);
+      [&](char* error, int size) { return mj_parseXMLString(xml.c_str(), vfs, error, size); }, "",
+      context);
 }
 
 ModelPtr Compile(mjSpec* spec, mjVFS* vfs, std::string_view context,

@@ -1,0 +1,100 @@
+#include "robocell/mujoco/parse_problem.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <map>
+#include <regex>
+#include <sstream>
+#include <vector>
+
+#include "robocell/base/names.h"
+
+namespace robocell {
+namespace {
+
+constexpr const char* kReference = "https://mujoco.readthedocs.io/en/stable/XMLreference.html";
+
+using Schema = std::map<std::string, std::vector<std::string>>;
+
+// The attributes of MJCF's elements; of elements that occur in several places, all that they have.
+Schema ReadSchema() {
+  std::vector<char> text(1 << 18);
+  const int size = mj_printSchema(nullptr, text.data(), static_cast<int>(text.size()), 0, 0);
+  std::istringstream lines(std::string(text.data(), static_cast<size_t>(std::max(size, 0))));
+  Schema schema;
+  std::string line, element;
+  while (std::getline(lines, line)) {
+    std::istringstream stream(line);
+    std::vector<std::string> words;
+    for (std::string word; stream >> word;) words.push_back(word);
+    const bool begins = words.size() > 1 && words[1].front() == '(';  // "geom (*)  axisangle ..."
+    if (begins) element = words[0].substr(words[0].find(')') + 1);    // "(world)body (R) ..."
+    std::vector<std::string>& attributes = schema[element];
+    attributes.insert(attributes.end(), words.begin() + (begins ? 2 : 0), words.end());
+  }
+  schema["worldbody"];
+  return schema;
+}
+
+std::string Suggestion(const std::string& what, const std::string& element) {
+  const Schema schema = ReadSchema();
+  std::smatch found;
+  if (std::regex_search(what, found, std::regex("unrecognized attribute: '(.*)'"))) {
+    const auto known = schema.find(element);
+    return known == schema.end() ? "" : DidYouMean(found[1].str(), known->second);
+  }
+  if (!what.starts_with("unrecognized element")) return "";
+  std::vector<std::string> elements;
+  for (const auto& [name, attributes] : schema) elements.push_back(name);
+  return DidYouMean(element, elements);
+}
+
+std::string Without(const std::string& text, const std::string& beginning) {
+  return text.starts_with(beginning) ? text.substr(beginning.size()) : text;
+}
+
+std::string Place(const std::string& file, const std::string& line) {
+  const bool known = !line.empty() && line != "0";  // it is 0 in files that the model includes
+  if (file.empty()) return known ? "line " + line + ": " : "";
+  return known ? file + ":" + line + ": " : file + ": ";
+}
+
+// "XML parse error 14:\nError=XML_ERROR_MISMATCHED_ELEMENT ... Line number=2: XMLElement name=body"
+std::string NotWellFormed(const std::string& complaint, const std::string& file) {
+  std::smatch found;
+  std::regex_search(complaint, found, std::regex(R"(Error=XML_ERROR_(\w+))"));
+  std::string what = found.empty() ? complaint : found[1].str();
+  std::transform(what.begin(), what.end(), what.begin(),
+                 [](unsigned char c) { return c == '_' ? ' ' : std::tolower(c); });
+  std::smatch line, name;
+  std::regex_search(complaint, line, std::regex("Line number=(\\d+)"));
+  std::regex_search(complaint, name, std::regex("name=(\\w+)"));
+  const std::string element = name.empty() ? "" : fmt::format("<{}>: ", name[1].str());
+  return fmt::format(
+      "{}{}not well-formed XML: {}. Each element that is opened is closed, inside of the one "
+      "around "
+      "it, and each attribute is written name=\"value\"",
+      Place(file, line.empty() ? "" : line[1].str()), element, what);
+}
+
+}  // namespace
+
+std::string ParseProblem(const std::string& complaint, const std::string& file) {
+  if (complaint.starts_with("XML parse error")) return NotWellFormed(complaint, file);
+  // "XML Error: Schema violation: unrecognized element\nElement 'bdy', line 1"
+  std::smatch found;
+  const bool placed =
+      std::regex_search(complaint, found, std::regex("\\s*\nElement '([^']*)', line (\\d+)"));
+  std::string what = placed ? found.prefix().str() : complaint;
+  for (const char* word : {"XML Error: ", "Schema violation: ", "ParseXML: ", "Error: "})
+    what = Without(what, word);
+  const std::string element = placed ? found[1].str() : "";
+  const std::string tag = placed ? fmt::format("<{}>: ", element) : "";
+  return fmt::format("{}{}{}.{} Correct it there; MJCF's elements and attributes: {}",
+                     Place(file, placed ? found[2].str() : ""), tag, what,
+                     Suggestion(what, element), kReference);
+}
+
+}  // namespace robocell

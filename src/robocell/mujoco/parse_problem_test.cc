@@ -1,0 +1,86 @@
+// Complaints of the engine's own reader, as it has them today.
+#include "robocell/mujoco/parse_problem.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// What ParseXmlFile says of a model in which the third line is `line`, without the folder.
+std::string Told(const std::string& line) {
+  const TempDir folder;
+  AtomicWrite(folder.path() / "arm.xml",
+              "<mujoco>\n<worldbody>\n" + line + "\n</worldbody></mujoco>");
+  std::string told = ExpectThrow<SpecError>([&] { ParseXmlFile(folder.path() / "arm.xml"); }, "");
+  const std::string in = folder.path().string() + "/";
+  for (size_t at = told.find(in); at != std::string::npos; at = told.find(in))
+    told.erase(at, in.size());
+  return told;
+}
+
+TEST(ParseProblem, UnknownAttributesAndElementsHaveTheNearest) {
+  EXPECT_EQ(Told("<geom tpye='box'/>"),
+            "arm.xml:3: <geom>: unrecognized attribute: 'tpye'. Did you mean 'type'? Correct it "
+            "there; MJCF's elements and attributes: "
+            "https://mujoco.readthedocs.io/en/stable/XMLreference.html");
+  EXPECT_THAT(Told("<gemo/>"), HasSubstr("arm.xml:3: <gemo>: unrecognized element. Did you mean "
+                                         "'geom'? Correct it there"));
+  EXPECT_THAT(Told("<geom qqqqqqqqqqqq='1'/>"),
+              AllOf(HasSubstr("'qqqqqqqqqqqq'. Correct it"), Not(HasSubstr("Did you mean"))));
+}
+
+TEST(ParseProblem, WrongValuesHaveTheirLine) {
+  EXPECT_THAT(Told("<geom type='bx'/>"), HasSubstr("arm.xml:3: <geom>: invalid keyword: 'bx'. "));
+  EXPECT_THAT(Told("<geom pos='1 2 x'/>"),
+              HasSubstr("arm.xml:3: <geom>: bad format in attribute 'pos'. "));
+}
+
+TEST(ParseProblem, WhatIsNoXmlIsTold) {
+  EXPECT_EQ(Told("<body>"),
+            "arm.xml:3: <body>: not well-formed XML: mismatched element. Each element that is "
+            "opened is closed, inside of the one around it, and each attribute is written "
+            "name=\"value\"");
+  EXPECT_THAT(Told("<geom size=1/>"), HasSubstr("arm.xml:3: <geom>: not well-formed XML: parsing "
+                                                "attribute. "));
+}
+
+TEST(ParseProblem, FilesThatAreNoModels) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "x.xml").string();
+  const auto told = [&](const std::string& text) {
+    AtomicWrite(file, text);
+    return ExpectThrow<SpecError>([&] { ParseXmlFile(file, "robot 'a'"); }, "robot 'a': " + file);
+  };
+  EXPECT_THAT(told("<html/>"), HasSubstr("x.xml: Unrecognized XML model type: 'html'. Correct it"));
+  EXPECT_THAT(told(""), HasSubstr("x.xml: empty file"));
+  EXPECT_THAT(told("hello"), HasSubstr("x.xml:1: not well-formed XML: parsing text"));
+}
+
+TEST(ParseProblem, OfATextHasTheLineAlone) {
+  EXPECT_THAT(ExpectThrow<SpecError>([] { ParseXmlString("<mujoco>\n<wrldbody/></mujoco>"); }, ""),
+              HasSubstr("line 2: <wrldbody>: unrecognized element. Did you mean 'worldbody'?"));
+}
+
+TEST(ParseProblem, LinesOfIncludedFilesAreUnknown) {
+  EXPECT_EQ(ParseProblem("XML Error: Schema violation: unrecognized attribute: 'nam'\nElement "
+                         "'mesh', line 0\n",
+                         "arm.xml")
+                .substr(0, 46),
+            "arm.xml: <mesh>: unrecognized attribute: 'nam'");
+}
+
+}  // namespace
+}  // namespace robocell
