@@ -9,6 +9,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/spec/split_place.h"
 
 namespace robocell {
 namespace {
@@ -43,6 +44,14 @@ ActuatedGripper::ActuatedGripper(const Scene& scene, GroupNames names, MoveGroup
   ResolveFingers();
 }
 
+void ActuatedGripper::Fail(const char* field, const std::string& message) const {
+  const RobotConfig& config = core().scene().compiled()->robot(core().names().robot).config;
+  const std::string& group = core().names().group;
+  const std::string path = "move_groups." + group + "." + field;
+  const std::string place = config.move_groups.contains(group) ? config.locations.At(path) : "";
+  throw ArgumentError(WithPlace(place, core().place() + ": " + message));
+}
+
 const GripperParts& ActuatedGripper::Parts() const {
   core().Bind();
   if (generation_ != core().scene().generation()) ResolveFingers();
@@ -63,10 +72,10 @@ void ActuatedGripper::ResolveFingers() const {
     } else if (joints.size() == 2) {
       ends[i] = {mjOBJ_BODY, tips[i]};
     } else {
-      throw ArgumentError(
-          fmt::format("{}: which are its fingers? Name two geoms, bodies or sites in `fingers` "
-                      "(they can be guessed only for a gripper with two joints; this one has {})",
-                      core().place(), joints.size()));
+      Fail("fingers",
+           fmt::format("which are its fingers? Name two geoms, bodies or sites in `fingers` (they "
+                       "can be guessed only for a gripper with two joints; this one has {})",
+                       joints.size()));
     }
   }
   parts_ = {RequireId(m, mjOBJ_BODY, robot.base_body, core().place()), core().ctrl_addresses(),
@@ -92,23 +101,21 @@ GripperRange ActuatedGripper::Measure() const {
   const Interval limits = ctrl_limits()[0];
   const GripperCtrl ends = config_.ctrl.value_or(GripperCtrl{limits.upper, limits.lower});
   if (!std::isfinite(ends.open) || !std::isfinite(ends.closed)) {
-    throw ArgumentError(fmt::format(
-        "{}: actuator '{}' has no control range; give `ctrl: {{open: ..., closed: ...}}`",
-        core().place(), actuator_names()[0]));
+    Fail("ctrl",
+         fmt::format("actuator '{}' has no control range; give `ctrl: {{open: ..., closed: ...}}`",
+                     actuator_names()[0]));
   }
   const auto [at_open, at_closed] = Settled({ends.open, ends.closed});
   if (std::abs(at_open - at_closed) < kLeastTravel) {
-    throw ArgumentError(
-        fmt::format("{}: the finger distance stays at {:.4f} m between control {} and {}; are "
-                    "`fingers` and `ctrl` right?",
-                    core().place(), at_open, ends.open, ends.closed));
+    Fail("fingers", fmt::format("the finger distance stays at {:.4f} m between control {} and {}; "
+                                "are `fingers` and `ctrl` right?",
+                                at_open, ends.open, ends.closed));
   }
   if (at_open > at_closed) return {ends, {at_closed, at_open}};
   if (!config_.ctrl) return {{ends.closed, ends.open}, {at_open, at_closed}};
-  throw ArgumentError(fmt::format(
-      "{}: the fingers are {:.4f} m apart at ctrl.open = {} and {:.4f} m at ctrl.closed = {}; open "
-      "and closed are swapped",
-      core().place(), at_open, ends.open, at_closed, ends.closed));
+  Fail("ctrl", fmt::format("the fingers are {:.4f} m apart at ctrl.open = {} and {:.4f} m at "
+                           "ctrl.closed = {}; open and closed are swapped",
+                           at_open, ends.open, at_closed, ends.closed));
 }
 
 double ActuatedGripper::inter_finger_dist() const {

@@ -47,6 +47,8 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
  private:
   const GripperParts& Parts() const;
   void ResolveFingers() const;
+  // ArgumentError about a field of its configuration, with its place in the robot's file.
+  [[noreturn]] void Fail(const char* field, const std::string& message) const;
   std::array<double, 2> Settled(std::array<double, 2> ctrl) const;
   // Measured once.
   const GripperRange& Measured() const;

@@ -10,13 +10,14 @@
 #include "robocell/robot/base_group.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/joint_group.h"
+#include "robocell/robot/located.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/hold_ctrl.h"
 
 namespace robocell {
 namespace {
 
-// The named position servo on a joint; "" when there is none.
+// The position servo on a joint; "" when there is none.
 std::string ServoOf(const mjModel* m, const std::string& joint) {
   const int id = FindId(m, mjOBJ_JOINT, joint);
   for (int a = 0; a < m->nactuator; ++a) {
@@ -76,7 +77,7 @@ class GroupMaker {
     for (const std::string& actuator : config_.actuators) {
       names_.actuators.push_back(robot_.prefix + actuator);
     }
-    if (config_.root) names_.root = Frame("root", *config_.root, {mjOBJ_BODY, mjOBJ_SITE});
+    if (config_.root) names_.root = Frame(*config_.root, {mjOBJ_BODY, mjOBJ_SITE});
     switch (config_.kind) {
       case MoveGroupKind::kArm:
         return MakeArm();
@@ -119,16 +120,13 @@ class GroupMaker {
     return MakeArmGroup(scene_, names_, tip, servos.why_none);
   }
 
-  FrameName Frame(const char* field, const ElementRef& ref, std::initializer_list<mjtObj> kinds) {
+  FrameName Frame(const ElementRef& ref, std::initializer_list<mjtObj> kinds) {
     const ElementId element = FindElement(model(), robot_, ref, kinds);
-    const std::string name = ElementName(model(), element.kind, element.id);
-    if (!name.empty()) return {element.kind == mjOBJ_SITE, name};
-    throw ArgumentError(fmt::format("{}: its {} is {}, which has no name; give it one in `edits`",
-                                    place_, field, Describe(model(), element.kind, element.id)));
+    return {element.kind == mjOBJ_SITE, ElementName(model(), element.kind, element.id)};
   }
 
   FrameName LeafOr(const FrameName& otherwise) {
-    return config_.leaf ? Frame("leaf", *config_.leaf, {mjOBJ_SITE, mjOBJ_BODY}) : otherwise;
+    return config_.leaf ? Frame(*config_.leaf, {mjOBJ_SITE, mjOBJ_BODY}) : otherwise;
   }
 
   FrameName ToolFrame() const {
@@ -166,7 +164,8 @@ std::vector<MadeGroup> MakeGroups(const Scene& scene, const RobotRecord& robot) 
   std::vector<MadeGroup> groups;
   bool has_base = false;
   for (const auto& [name, config] : robot.config.move_groups.entries()) {
-    groups.push_back(GroupMaker(scene, robot, name, *config).Make());
+    GroupMaker maker(scene, robot, name, *config);
+    groups.push_back(Located(robot.config, "move_groups." + name, [&] { return maker.Make(); }));
     has_base |= config->kind == MoveGroupKind::kBase || name == "base";
   }
   if (!has_base) groups.push_back(MakeImplicitBase(scene, robot));

@@ -22,8 +22,8 @@ struct MadeGroup {
 
 // The groups of RobotConfig.move_groups in their order, and a group "base" when none is configured.
 // An arm that names no actuators is driven by the position servos found on its joints. Errors:
-// those of the groups' constructors; ArgumentError for a leaf or root without a name, and for an
-// arm that has servos on some of its joints only.
+// those of the groups' constructors; ArgumentError for an arm that has servos on some of its joints
+// only. They begin with the group's place in the robot's file.
 std::vector<MadeGroup> MakeGroups(const Scene& scene, const RobotRecord& robot);
 
 // What is under a robot whose configuration names no base group.

@@ -3,6 +3,7 @@
 
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/located.h"
 #include "robocell/robot/robot_state.h"
 #include "robocell/spec/validate.h"
 
@@ -49,9 +50,12 @@ Robot Robot::Of(const Scene& scene, const std::string& name) {
   }
   auto state = std::make_shared<State>(scene, record);
   for (MadeGroup& made : MakeGroups(scene, record)) {
-    const ControlKind* control = record.config.control.find(made.group->name());
-    state->AddGroup(std::move(made), control ? ToString(*control) : kDefaultControl,
-                    control != nullptr);
+    const std::string group = made.group->name();
+    const ControlKind* control = record.config.control.find(group);
+    Located(record.config, (control ? "control." : "move_groups.") + group, [&] {
+      state->AddGroup(std::move(made), control ? ToString(*control) : kDefaultControl,
+                      control != nullptr);
+    });
   }
   Scene(scene).KeepObserver(state, key);
   return Robot(scene, std::move(state));

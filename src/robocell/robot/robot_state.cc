@@ -177,18 +177,6 @@ FtReading& Robot::State::RequireFtSensor(const std::string& name) {
                                           : ""));
 }
 
-std::optional<Chain> Robot::State::MakeChain(const MadeGroup& made) const {
-  if (!made.tip) return std::nullopt;
-  Chain chain(scene.model(), record.root_body, *made.tip, chain_options);
-  const std::vector<std::string>& joints = made.group->joint_names();
-  if (chain.joint_names() == joints) return chain;
-  throw ArgumentError(fmt::format(
-      "{} / group '{}': it lists the joints {}, but the joints from '{}' to its leaf are {}; list "
-      "those, in this order",
-      place(), made.group->name(), ListNames(joints), chain.base_body(),
-      ListNames(chain.joint_names())));
-}
-
 void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool must_be_driven) {
   if (reading_) {  // the ports it is writing to would be gone
     throw Error(place() + ": its groups cannot change while the arm's state is read; replace '" +
@@ -196,7 +184,7 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
                 "' outside of the arm's joint_pos, joint_vel and joint_torque");
   }
   auto slot = std::make_shared<GroupSlot>();
-  slot->chain = MakeChain(made);
+  if (made.tip) slot->chain.emplace(scene.model(), record.root_body, *made.tip, chain_options);
   slot->tip = std::move(made.tip);
   slot->group = std::move(made.group);
   slot->drives =

@@ -92,7 +92,6 @@ class Robot::State : public SceneObserver {
   void FindCollisionGeoms();
   void FindFtSensors();
   void ListKinds();
-  std::optional<Chain> MakeChain(const MadeGroup& made) const;
 
   std::array<GroupSlot*, 4> first_ = {};  // of each MoveGroupKind
   bool refreshed_ = false;                // the chains are not those of the reference

@@ -204,13 +204,6 @@ TEST(Robot, SaysWhenAnArmListsOtherJointsThanItsLeafHas) {
       "'base_link' to the arm's leaf are joint1 ... joint7; list those, in this order");
 }
 
-TEST(Robot, LeavesWithoutANameAreRefused) {
-  RobotConfig config = Panda();
-  REQUIRE_MENAGERIE("franka_emika_panda");
-  config.move_groups.at("arm").leaf = ElementRef{.kind = ElementKind::kGeom, .body = "hand"};
-  ExpectThrow<ArgumentError>([&] { RobotAlone(config); }, "group 'arm': its leaf is geom");
-}
-
 TEST(Robot, IsClosedWithItsScene) {
   Robot robot = RobotAlone(Rc7());
   Scene scene = robot.scene();

@@ -75,7 +75,7 @@ std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec&
   const std::string place = "object '" + object.name + "'";
   if (object.shape) return MakePrimitive(object, place);
   auto part =
-      LoadPart(object.mjcf_path, scene.source_dir, place, "mjcf_path", scene.options, report);
+      LoadPart(object.mjcf_path, scene.source_dir, place, "mjcf_path", scene.options, "", report);
   if (!part) return std::nullopt;
   ObjectPart out{
       std::move(*part), nullptr, SceneObjectElementName(object.name, ""), {object.name, "", {}}};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <set>
 
 #include "robocell/base/names.h"
@@ -14,8 +15,12 @@
 namespace robocell {
 namespace {
 
+constexpr const char* kRootLabel = "root_body";
+
+// A robot's name from its prefix.
 std::string StrippedPrefix(std::string prefix) {
   while (!prefix.empty() && (prefix.back() == '_' || prefix.back() == '/')) prefix.pop_back();
+  std::replace(prefix.begin(), prefix.end(), '/', '_');  // no name has it
   return prefix;
 }
 
@@ -24,11 +29,6 @@ RobotConfig ConfigOf(const RobotSpec& robot) {
   RobotConfig config;
   config.model = robot.path;
   return config;
-}
-
-std::string NamedBody(mjsElement* root, const std::string& place) {
-  if (SpecName(root).empty()) SetSpecName(root, "root_body", place);
-  return SpecName(root);
 }
 
 }  // namespace
@@ -75,13 +75,13 @@ std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& na
   report.Locate(place, locations);
   report.Locate(place, config.locations);
   auto part = LoadPart(config.model, directory, place, robot.config ? "model" : "path",
-                       scene.options, report);
+                       scene.options, kRootLabel, report);
   if (!part) return std::nullopt;
   out.part = std::move(*part);
-  ApplyEdits(config, out.part.spec.get(), place, report);
+  ApplyEdits(config, out.part, report);
   out.top = ChooseRoot(out.part, config.root_body, report);
   if (!out.top) return std::nullopt;
-  const std::string top = NamedBody(out.top->element, place);
+  const std::string top = SpecName(out.top->element);
   const std::string root = config.root_body.empty() ? top : config.root_body;
   const bool configured = !config.move_groups.empty();
   if (!configured) out.limbs = SerialLimbs(out.part.spec.get());

@@ -50,7 +50,8 @@ class AssetPaths {
     std::error_code error;
     const fs::path absolute = fs::absolute(full, error).lexically_normal();
     if (fs::is_regular_file(full, error)) return void(mjs_setString(asset.file, absolute.c_str()));
-    missing_.push_back({fmt::format("{} '{}'", kind, SpecName(element)), name,
+    const std::string own = SpecName(element);
+    missing_.push_back({own.empty() ? kind : fmt::format("{} '{}'", kind, own), name,
                         mjs_getString(asset.info), absolute});
   }
 
@@ -65,8 +66,8 @@ std::string InFolder(const MissingFile& file) {
     return fmt::format("there is no folder {}", folder.string());
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
     names.push_back(entry.path().filename());
-  return fmt::format("there is no {}.{}", file.path.string(),
-                     DidYouMean(file.path.filename().string(), names));
+  const std::string near = DidYouMean(file.path.filename().string(), names);
+  return fmt::format("there is no {}{}{}", file.path.string(), near.empty() ? "" : ".", near);
 }
 
 std::string Sentence(const std::string& text) { return text.ends_with('?') ? text : text + "."; }

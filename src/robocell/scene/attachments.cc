@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <filesystem>
+
 #include "robocell/base/names.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/scene/placement.h"
@@ -33,8 +35,9 @@ void AddExclusions(const AttachmentSpec& attachment, const std::string& place, P
 
 void AddAttachment(const AttachmentSpec& attachment, const std::string& directory,
                    const std::string& place, Part& robot, const SceneSpec& scene, Report& report) {
-  const auto loaded =
-      LoadPart(attachment.mjcf_path, directory, place, "mjcf_path", scene.options, report);
+  const std::string root_label = std::filesystem::path(attachment.mjcf_path).stem().string();
+  const auto loaded = LoadPart(attachment.mjcf_path, directory, place, "mjcf_path", scene.options,
+                               root_label, report);
   if (!loaded) return;
   const Part& tool = *loaded;
   mjsBody* root = ChooseRoot(tool, "", report);
@@ -45,6 +48,7 @@ void AddAttachment(const AttachmentSpec& attachment, const std::string& director
   const Pose authored = attachment.reset_root_pose ? Pose() : PoseInParent(root->element);
   AttachPart(at->parent, tool, root, at->pose * authored, attachment.prefix, report);
   robot.home.Merge(tool.home, attachment.prefix);
+  robot.tools.push_back({attachment.prefix, tool.file});
   AddExclusions(attachment, place, robot, report);
 }
 

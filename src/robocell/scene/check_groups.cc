@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <array>
 #include <optional>
 
 #include "robocell/base/error.h"
@@ -14,6 +15,7 @@
 #include "robocell/scene/check_robot.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/hold_ctrl.h"
+#include "robocell/scene/label_unnamed.h"
 
 namespace robocell {
 namespace {
@@ -39,8 +41,7 @@ class GroupCheck {
     for (const auto& [name, group] : robot_.config.move_groups.entries()) {
       const std::string field = "move_groups." + name;
       if (group->kind == MoveGroupKind::kArm) CheckJoints(field, *group);
-      if (group->kind == MoveGroupKind::kGripper)
-        CheckGripperActuators(field + ".actuators", *group);
+      if (group->kind == MoveGroupKind::kGripper) CheckGripper(field, *group);
     }
   }
 
@@ -78,7 +79,7 @@ class GroupCheck {
   }
 
   // Joints on the way from the robot's root to a body, in order; nothing when it does not hang on
-  // the root or one of them has no name.
+  // the root.
   std::optional<std::vector<std::string>> JointsTo(int body) const {
     const int root = FindId(m_, mjOBJ_BODY, robot_.root_body);
     if (root < 0 || !IsInSubtree(m_, body, root)) return std::nullopt;
@@ -86,7 +87,6 @@ class GroupCheck {
     for (; body != root; body = m_->body_parentid[body]) {
       for (int k = m_->body_jntnum[body] - 1; k >= 0; --k) {
         joints.push_back(WithoutPrefix(ElementName(m_, mjOBJ_JOINT, m_->body_jntadr[body] + k)));
-        if (joints.back().empty()) return std::nullopt;
       }
     }
     std::reverse(joints.begin(), joints.end());
@@ -109,13 +109,21 @@ class GroupCheck {
     }
     Problem(field + ".joints",
             fmt::format("lists {}, but the joints from '{}' to the arm's leaf are {}; list "
-                        "those, in this order{}",
+                        "those, in this order{}{}",
                         ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
-                        ListNames(*joints), group.leaf ? "" : ", or name its `leaf`"));
+                        ListNames(*joints), group.leaf ? "" : ", or name its `leaf`",
+                        HowToNameFirst(*joints)));
   }
 
-  // What both fingers hang on; nothing when it is not known which they are.
-  std::optional<int> HandOf(const MoveGroupConfig& group) const {
+  static std::string HowToNameFirst(const std::vector<std::string>& joints) {
+    for (const std::string& joint : joints) {
+      if (std::string how = HowToNameJoint(joint); !how.empty()) return how;
+    }
+    return "";
+  }
+
+  // The bodies of the fingers; nothing when it is not known which they are.
+  std::optional<std::array<int, 2>> FingersOf(const MoveGroupConfig& group) const {
     std::vector<std::optional<int>> ends;
     for (const ElementRef& finger : group.fingers)
       ends.push_back(BodyOfRef(finger, {mjOBJ_GEOM, mjOBJ_BODY, mjOBJ_SITE}));
@@ -123,7 +131,7 @@ class GroupCheck {
       for (const std::string& joint : group.joints) ends.push_back(BodyOfJoint(joint));
     }
     if (ends.size() != 2 || !ends[0] || !ends[1]) return std::nullopt;
-    return CommonAncestor(m_, *ends[0], *ends[1]);
+    return std::array{*ends[0], *ends[1]};
   }
 
   // Degrees of freedom of the bodies for which `chosen` is true.
@@ -134,18 +142,25 @@ class GroupCheck {
     return dofs;
   }
 
-  void CheckGripperActuators(const std::string& field, const MoveGroupConfig& group) {
-    const std::optional<int> hand = HandOf(group);
-    if (!hand) return;
-    const std::vector<bool> carrying = Dofs([&](int body) { return IsInSubtree(m_, *hand, body); });
-    const std::vector<bool> others = Dofs([&](int body) { return !IsInSubtree(m_, *hand, body); });
+  void CheckGripper(const std::string& field, const MoveGroupConfig& group) {
+    const auto fingers = FingersOf(group);
+    if (!fingers) return;
+    const int hand = CommonAncestor(m_, (*fingers)[0], (*fingers)[1]);
+    CheckGripperActuators(field + ".actuators", group, hand);
+    const std::string named = group.fingers.empty() ? ".joints" : ".fingers";
+    CheckFingers(m_, d_, robot_, field + named, *fingers, report_);
+  }
+
+  void CheckGripperActuators(const std::string& field, const MoveGroupConfig& group, int hand) {
+    const std::vector<bool> carrying = Dofs([&](int body) { return IsInSubtree(m_, hand, body); });
+    const std::vector<bool> others = Dofs([&](int body) { return !IsInSubtree(m_, hand, body); });
     for (size_t i = 0; i < group.actuators.size(); ++i) {
       const std::string& name = group.actuators.names[i];
       const int actuator = FindId(m_, mjOBJ_ACTUATOR, robot_.prefix + name);
       if (actuator < 0 || !ActsOn(m_, d_, actuator, carrying) || ActsOn(m_, d_, actuator, others))
         continue;
       Problem(fmt::format("{}[{}]", field, i),
-              fmt::format("'{}' moves the whole hand, not a finger. {}", name, OfFingers(*hand)));
+              fmt::format("'{}' moves the whole hand, not a finger. {}", name, OfFingers(hand)));
     }
   }
 

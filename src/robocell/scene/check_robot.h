@@ -4,6 +4,9 @@
 
 #include <mujoco/mujoco.h>
 
+#include <array>
+#include <string>
+
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/report.h"
 
@@ -14,6 +17,11 @@ void CheckRobot(const mjModel* model, const RobotRecord& robot, Report& report);
 // check_groups.cc: an arm's joints are those from the root to its leaf, in this order; a gripper's
 // actuators do not move the whole hand. What is missing is passed over: CheckRobot says so.
 void CheckGroups(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
+
+// A warning for each finger (body) that hangs on joints which nothing moves: no actuator, equality
+// or spring. `data` has the actuators' moments.
+void CheckFingers(const mjModel* model, const mjData* data, const RobotRecord& robot,
+                  const std::string& field, const std::array<int, 2>& fingers, Report& report);
 
 // A TCP given twice, as the leaf of the arm and as attachment_site * tcp_offset, must be the same.
 void CheckToolPoints(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);

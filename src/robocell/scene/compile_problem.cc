@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "robocell/base/error.h"
+#include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -27,6 +29,38 @@ std::string Between(std::string_view text, std::string_view before, std::string_
   return std::string(text.substr(begin + before.size(), end - begin - before.size()));
 }
 
+// The number that a text begins with.
+std::string Digits(const std::string& text) {
+  return text.substr(0, text.find_first_not_of("0123456789"));
+}
+
+// The file of the part's element of that name; "" when it may be one of several.
+std::string FileOf(const Part& part, const std::string& name) {
+  const Part::Tool* of = nullptr;
+  for (const Part::Tool& tool : part.tools) {
+    if (tool.prefix.empty()) return "";
+    if (name.starts_with(tool.prefix) && (!of || of->prefix.size() < tool.prefix.size()))
+      of = &tool;
+  }
+  return of ? of->file : part.file;
+}
+
+// "arm.xml:12: "; lines count where the file is known.
+std::string PlaceOf(const Part& part, const std::string& file, const std::string& line) {
+  if (file.empty()) return part.file + " or a tool of it: ";
+  return line.empty() || line == "0" ? file + ": " : file + ":" + line + ": ";
+}
+
+// Elements without a name do not tell whose they are; their part does not compile alone either.
+bool FailsAlone(const Part& part, const std::string& complaint) {
+  try {
+    Compile(part.spec.get());
+  } catch (const SpecError& error) {
+    return Between(error.what(), "Error: ", "\n") == complaint;
+  }
+  return false;
+}
+
 // What to do about the engine's complaint; "" when nothing more can be said.
 std::string NextStep(const std::string& complaint, mjtObj kind, const std::string& name,
                      bool is_robot) {
@@ -45,6 +79,10 @@ std::string NextStep(const std::string& complaint, mjtObj kind, const std::strin
 std::optional<std::string> CompileProblem(const std::string& text, const Part& part,
                                           const std::string& prefix) {
   const std::string full_name = Between(text, "Element name '", "'");
+  const std::string complaint = Between(text, "Error: ", "\n");
+  const std::string line = Digits(Between(text + "\n", ", line ", "\n"));
+  if (full_name.empty() && !complaint.empty() && FailsAlone(part, complaint))
+    return PlaceOf(part, part.tools.empty() ? part.file : "", line) + complaint;
   if (full_name.size() <= prefix.size() || !full_name.starts_with(prefix)) return std::nullopt;
   const std::string name = full_name.substr(prefix.size());
   std::vector<mjtObj> kinds;
@@ -52,11 +90,12 @@ std::optional<std::string> CompileProblem(const std::string& text, const Part& p
     if (FindSpecElement(part.spec.get(), kind, name)) kinds.push_back(kind);
   }
   if (kinds.empty()) return std::nullopt;
-  const std::string complaint = Between(text, "Error: ", "\n");
+  const std::string file = FileOf(part, name);
   const bool is_certain = kinds.size() == 1;  // the engine tells the name only
-  return fmt::format("{}: {} '{}': {}{}", part.file, is_certain ? KindName(kinds[0]) : "element",
-                     name, complaint,
-                     NextStep(complaint, kinds[0], name, part.place.starts_with("robot ")));
+  const bool editable = part.place.starts_with("robot ") && file == part.file;
+  return fmt::format("{}{} '{}': {}{}", PlaceOf(part, file, line),
+                     is_certain ? KindName(kinds[0]) : "element", name, complaint,
+                     NextStep(complaint, kinds[0], name, editable));
 }
 
 }  // namespace robocell

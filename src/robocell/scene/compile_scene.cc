@@ -14,6 +14,7 @@
 #include "robocell/scene/decorations.h"
 #include "robocell/scene/entity_order.h"
 #include "robocell/scene/home_key.h"
+#include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
 #include "robocell/scene/spec_tree.h"
 #include "robocell/spec/validate.h"
@@ -70,6 +71,7 @@ class SceneCompiler {
       const auto file = FindModel(*spec().base, spec().source_dir, "base", "base", report_);
       report_.Throw(spec().name);
       spec_ = ParseXmlFile(*file, context_ + " / base");
+      LabelUnnamed(spec_.get(), "body");
       home_ = ReadHomeKey(spec_.get(), "base", "base", *file);
       DropKeys(spec_.get());
       MakeAssetPathsAbsolute(spec_.get(), *file, "base", "base", report_);

@@ -37,8 +37,7 @@ std::map<std::string, std::string> ServosByJoint(const mjSpec* spec) {
   std::map<std::string, std::string> servos;
   for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
     const mjsActuator* actuator = mjs_asActuator(element);
-    const std::string name = SpecName(element);
-    if (IsServo(actuator) && !name.empty()) servos.emplace(mjs_getString(actuator->target), name);
+    if (IsServo(actuator)) servos.emplace(mjs_getString(actuator->target), SpecName(element));
   }
   return servos;
 }
@@ -231,18 +230,22 @@ std::string ModeActuatorName(const std::string& joint, CtrlMode mode) {
   return joint + "_" + ToString(mode);
 }
 
-std::vector<Limb> ConfiguredLimbs(const RobotConfig& config, const mjSpec* spec) {
+std::vector<std::string> ArmActuators(const MoveGroupConfig& arm, const mjSpec* spec) {
+  if (!arm.actuators.empty()) return arm.actuators.names;
   const auto servos = ServosByJoint(spec);
+  std::vector<std::string> actuators;
+  for (const std::string& joint : arm.joints) {
+    const auto servo = servos.find(joint);
+    if (servo != servos.end()) actuators.push_back(servo->second);
+  }
+  return actuators;
+}
+
+std::vector<Limb> ConfiguredLimbs(const RobotConfig& config, const mjSpec* spec) {
   std::vector<Limb> limbs;
   for (const auto& [name, group] : config.move_groups.entries()) {
     if (group->kind != MoveGroupKind::kArm || group->joints.empty()) continue;
-    Limb limb{.name = name, .joints = group->joints.names, .actuators = group->actuators.names};
-    if (limb.actuators.empty()) {
-      for (const std::string& joint : limb.joints) {
-        const auto servo = servos.find(joint);
-        if (servo != servos.end()) limb.actuators.push_back(servo->second);
-      }
-    }
+    Limb limb{.name = name, .joints = group->joints.names, .actuators = ArmActuators(*group, spec)};
     if (const ControlKind* control = config.control.find(name)) limb.initial = ModeOf(*control);
     if (limb.actuators.size() == limb.joints.size()) limbs.push_back(std::move(limb));
   }

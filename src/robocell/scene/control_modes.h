@@ -32,6 +32,10 @@ struct Limb {
 // "joint1_torque".
 std::string ModeActuatorName(const std::string& joint, CtrlMode mode);
 
+// The actuators of an arm, in the order of its joints: those that it lists, else the position
+// servos on its joints (fewer than joints when some have none).
+std::vector<std::string> ArmActuators(const MoveGroupConfig& arm, const mjSpec* spec);
+
 // The limbs of a robot without move groups: the serial stretches of joints with position servos.
 // To be asked before tools are mounted, whose joints are none of its limbs.
 std::vector<Limb> SerialLimbs(mjSpec* spec);

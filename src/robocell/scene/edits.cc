@@ -16,11 +16,33 @@
 namespace robocell {
 namespace {
 
+// What an actuator with this transmission names as its target.
+mjtObj TargetKind(mjtTrn transmission) {
+  switch (transmission) {
+    case mjTRN_JOINT:
+    case mjTRN_JOINTINPARENT:
+      return mjOBJ_JOINT;
+    case mjTRN_TENDON:
+      return mjOBJ_TENDON;
+    case mjTRN_SITE:
+    case mjTRN_SLIDERCRANK:
+      return mjOBJ_SITE;
+    case mjTRN_BODY:
+      return mjOBJ_BODY;
+    default:
+      return mjOBJ_UNKNOWN;
+  }
+}
+
 // One edit on one model.
 class Editor {
  public:
-  Editor(const Edit& edit, mjSpec* spec, std::string place, Report& report)
-      : edit_(edit), spec_(spec), place_(std::move(place)), report_(report) {}
+  Editor(const Edit& edit, Part& part, std::string place, Report& report)
+      : edit_(edit),
+        part_(part),
+        spec_(part.spec.get()),
+        place_(std::move(place)),
+        report_(report) {}
 
   void Apply() {
     if (edit_.remove) return Delete();
@@ -32,7 +54,7 @@ class Editor {
     if (edit_.joint) return Change(Find(*edit_.joint, mjOBJ_JOINT));
     if (edit_.geom) return Change(Find(*edit_.geom, mjOBJ_GEOM));
     if (edit_.camera) return Change(Find(*edit_.camera, mjOBJ_CAMERA));
-    if (edit_.actuator) return Change(Find(*edit_.actuator, mjOBJ_ACTUATOR));
+    if (edit_.actuator) return Change(FindActuator(*edit_.actuator));
   }
 
  private:
@@ -51,6 +73,25 @@ class Editor {
     if (ref.index >= 0 && ref.index < static_cast<int>(elements.size())) return elements[ref.index];
     Miss(fmt::format("body '{}' has {} {}(s), so there is none with index {} (they count from 0)",
                      ref.body, elements.size(), KindName(kind), ref.index));
+    return nullptr;
+  }
+
+  // By its name, or the only one that acts on a joint, tendon, site or body.
+  mjsElement* FindActuator(const ElementRef& ref) {
+    if (!ref.kind || *ref.kind == ElementKind::kActuator) return Find(ref, mjOBJ_ACTUATOR);
+    const mjtObj kind = EngineKind(*ref.kind);
+    if (!Find(ref, kind)) return nullptr;
+    std::vector<std::string> found;
+    for (mjsElement* element : SpecElements(spec_, mjOBJ_ACTUATOR)) {
+      const mjsActuator* actuator = mjs_asActuator(element);
+      if (TargetKind(actuator->trntype) == kind && mjs_getString(actuator->target) == ref.name)
+        found.push_back(SpecName(element));
+    }
+    if (found.size() == 1) return FindSpecElement(spec_, mjOBJ_ACTUATOR, found[0]);
+    Miss(found.empty() ? fmt::format("no actuator acts on {}. Its actuators: {}", Describe(ref),
+                                     ListNames(SpecNames(spec_, mjOBJ_ACTUATOR)))
+                       : fmt::format("{} actuators act on {}; write which: {}", found.size(),
+                                     Describe(ref), ListNames(found)));
     return nullptr;
   }
 
@@ -118,7 +159,7 @@ class Editor {
 
   void Change(mjsElement* element) {
     if (!element) return;
-    if (edit_.name) SetSpecName(element, *edit_.name, place_);
+    if (edit_.name) Rename(element, *edit_.name);
     switch (element->elemtype) {
       case mjOBJ_BODY:
         return ChangeBody(mjs_asBody(element));
@@ -135,6 +176,11 @@ class Editor {
       default:
         return;
     }
+  }
+
+  void Rename(mjsElement* element, const std::string& name) {
+    part_.home.Rename(element->elemtype, SpecName(element), name);
+    SetSpecName(element, name, place_);
   }
 
   template <class Placed>
@@ -220,6 +266,7 @@ class Editor {
   }
 
   const Edit& edit_;
+  Part& part_;
   mjSpec* spec_;
   std::string place_;
   Report& report_;
@@ -227,12 +274,12 @@ class Editor {
 
 }  // namespace
 
-void ApplyEdits(const RobotConfig& config, mjSpec* spec, const std::string& place, Report& report) {
+void ApplyEdits(const RobotConfig& config, Part& robot, Report& report) {
   for (size_t i = 0; i < config.edits.size(); ++i) {
     const std::string edit = fmt::format("edits[{}]", i);
-    const std::string here = fmt::format("{} / {}", place, edit);
+    const std::string here = fmt::format("{} / {}", robot.place, edit);
     report.Locate(here, config.locations.Below(edit));
-    Editor(config.edits[i], spec, here, report).Apply();
+    Editor(config.edits[i], robot, here, report).Apply();
   }
 }
 

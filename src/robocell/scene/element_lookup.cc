@@ -50,16 +50,30 @@ int IdOf(const mjModel* model, const RobotRecord& robot, mjtObj kind, const std:
   return id >= 0 && Belongs(model, robot, kind, id) ? id : -1;
 }
 
+// The body whose elements of this kind are counted: of a body its parent.
+int HolderOf(const mjModel* model, mjtObj kind, int id) {
+  if (kind != mjOBJ_BODY) return BodyOf(model, kind, id);
+  return id == 0 ? -1 : model->body_parentid[id];
+}
+
 ElementId FindByIndex(const mjModel* model, const RobotRecord& robot, const ElementRef& ref,
                       mjtObj kind) {
   const int body = FindElement(model, robot, mjOBJ_BODY, ref.body);
   int seen = 0;
   for (int id = 0; id < ElementCount(model, kind); ++id) {
-    if (BodyOf(model, kind, id) == body && seen++ == ref.index) return {kind, id};
+    if (HolderOf(model, kind, id) == body && seen++ == ref.index) return {kind, id};
   }
   throw NotFoundError(
       fmt::format("{}: body '{}' has {} {}(s), so there is none with index {} (they count from 0)",
                   Place(robot), ref.body, seen, KindName(kind), ref.index));
+}
+
+// "site or body".
+std::string Words(std::initializer_list<mjtObj> kinds) {
+  std::string words;
+  for (const mjtObj kind : kinds)
+    words += (words.empty() ? "" : " or ") + std::string(KindName(kind));
+  return words;
 }
 
 }  // namespace
@@ -112,22 +126,30 @@ int FindElement(const mjModel* model, const RobotRecord& robot, mjtObj kind,
 
 ElementId FindElement(const mjModel* model, const RobotRecord& robot, const ElementRef& ref,
                       std::initializer_list<mjtObj> kinds) {
+  if (!ref.kind && !ref.body.empty()) {
+    throw NotFoundError(fmt::format(
+        "{}: element {} of body '{}': of which kind? Write for example {{{}: {{body: "
+        "{}, index: {}}}}}",
+        Place(robot), ref.index, ref.body, KindName(*kinds.begin()), ref.body, ref.index));
+  }
   if (ref.kind) {
     const mjtObj kind = EngineKind(*ref.kind);
+    if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+      throw NotFoundError(fmt::format("{}: {} is given; a {} is wanted here", Place(robot),
+                                      Describe(ref), Words(kinds)));
+    }
     if (!ref.body.empty()) return FindByIndex(model, robot, ref, kind);
     return {kind, FindElement(model, robot, kind, ref.name)};
   }
   for (const mjtObj kind : kinds) {
     if (const int id = IdOf(model, robot, kind, ref.name); id >= 0) return {kind, id};
   }
-  std::string words;
   std::vector<std::string> names;
   for (const mjtObj kind : kinds) {
-    words += (words.empty() ? "" : " or ") + std::string(KindName(kind));
     for (std::string& name : RobotElementNames(model, robot, kind))
       names.push_back(std::move(name));
   }
-  throw NotFoundError(NoSuchName(Place(robot), words, ref.name, names));
+  throw NotFoundError(NoSuchName(Place(robot), Words(kinds), ref.name, names));
 }
 
 }  // namespace robocell

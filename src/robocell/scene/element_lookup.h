@@ -24,7 +24,7 @@ struct ElementId {
 };
 
 // Looks for a named element among the kinds in their order (only the ref's own kind when it has
-// one), or for the index-th element of its kind of a body.
+// one), or for the index-th element of its kind directly in a body (of bodies: its child bodies).
 ElementId FindElement(const mjModel* model, const RobotRecord& robot, const ElementRef& ref,
                       std::initializer_list<mjtObj> kinds);
 

@@ -69,14 +69,43 @@ TEST_F(ElementLookup, TriesKindsInOrder) {
 
 TEST_F(ElementLookup, CountsUnnamedElementsOfABody) {
   const RobotRecord& robot = compiled->robot("two");
-  const ElementId geom =
-      FindElement(model, robot, {.kind = ElementKind::kGeom, .body = "fore", .index = 0}, {});
+  const ElementId geom = FindElement(
+      model, robot, {.kind = ElementKind::kGeom, .body = "fore", .index = 0}, {mjOBJ_GEOM});
   EXPECT_EQ(model->geom_bodyid[geom.id], FindId(model, mjOBJ_BODY, "l_fore"));
   ExpectThrow<NotFoundError>(
       [&] {
-        FindElement(model, robot, {.kind = ElementKind::kSite, .body = "base", .index = 0}, {});
+        FindElement(model, robot, {.kind = ElementKind::kSite, .body = "base", .index = 0},
+                    {mjOBJ_SITE});
       },
       "robot 'two': body 'base' has 0 site(s), so there is none with index 0 (they count from 0)");
+}
+
+TEST_F(ElementLookup, CountsTheChildrenOfABody) {
+  const RobotRecord& robot = compiled->robot("two");
+  const ElementId upper =
+      FindElement(model, robot, {.kind = ElementKind::kBody, .body = "base"}, {mjOBJ_BODY});
+  EXPECT_EQ(upper.id, FindId(model, mjOBJ_BODY, "l_upper"));
+  ExpectThrow<NotFoundError>(
+      [&] {
+        FindElement(model, robot, {.kind = ElementKind::kBody, .body = "fore"}, {mjOBJ_BODY});
+      },
+      "robot 'two': body 'fore' has 0 body(s), so there is none with index 0");
+}
+
+TEST_F(ElementLookup, RefusesKindsThatAreNotWanted) {
+  const RobotRecord& robot = compiled->robot("two");
+  ExpectThrow<NotFoundError>(
+      [&] {
+        FindElement(model, robot, {.kind = ElementKind::kJoint, .name = "elbow"},
+                    {mjOBJ_SITE, mjOBJ_BODY});
+      },
+      "robot 'two': joint 'elbow' is given; a site or body is wanted here");
+  ExpectThrow<NotFoundError>(
+      [&] {
+        FindElement(model, robot, {.body = "fore"}, {mjOBJ_GEOM, mjOBJ_BODY});
+      },
+      "robot 'two': element 0 of body 'fore': of which kind? Write for example {geom: {body: fore, "
+      "index: 0}}");
 }
 
 }  // namespace

@@ -150,16 +150,64 @@ TEST_F(Located, ABodyWithoutMass) {
   const std::string message = ExpectThrow<SpecError>(
       [&] { BuildRobot(file); },
       file + ":2:8: robot 'left': " + (folder.path() / "light.xml").string() +
-          ": body 'finger': mass and inertia of moving bodies must be larger than mjMINVAL. A body "
+          ":2: body 'finger': mass and inertia of moving bodies must be larger than mjMINVAL. A "
+          "body "
           "that moves needs a mass: ");
   EXPECT_THAT(message, HasSubstr("edits: [{geom: {body: finger, index: 0}, mass: 0.05}]"));
   folder.Write("same", R"(<worldbody><body name="base"><geom size="0.1"/>
       <body name="thumb"><joint name="thumb"/><geom size="0.1" mass="0"/></body></body></worldbody>)");
   ExpectThrow<SpecError>([&] { BuildRobot(File("same.yaml", "name: arm\nmodel: same.xml\n")); },
-                         ": element 'thumb': mass and inertia of moving bodies");
+                         ":2: element 'thumb': mass and inertia of moving bodies");
   BuildRobot(File("heavy.yaml",
                   "name: arm\nmodel: light.xml\n"
                   "edits: [{geom: {body: finger, index: 0}, mass: 0.05}]\n"));
+}
+
+TEST_F(Located, WhatTheEngineDislikesHasTheModelsLine) {
+  folder.Write("flat", R"(<worldbody><body name="base">
+      <geom type="sphere" size="-1"/></body></worldbody>)");
+  const std::string file = File("flat.yaml", "name: arm\nmodel: flat.xml\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(file); },
+                         file + ":2:8: robot 'left': " + (folder.path() / "flat.xml").string() +
+                             ":2: size 0 must be positive in geom");
+  folder.Write("tool", R"(<worldbody><body name="t"><geom name="ball" type="sphere" size="-1"/>
+      </body></worldbody>)");
+  const std::string with_tool =
+      RobotFile("attachments: [{mjcf_path: tool.xml, prefix: t_, attach_to: {site: flange}}]\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(with_tool); },
+                         with_tool +
+                             ":2:8: robot 'left': " + (folder.path() / "tool.xml").string() +
+                             ":1: geom 't_ball': size 0 must be positive in geom");
+}
+
+TEST_F(Located, AFingerThatNothingMoves) {
+  std::string gripper = kTwoFingerGripper;
+  const std::string tie = R"(<joint joint1="left_slide" joint2="right_slide"/>)";
+  const std::string tendon = R"(<joint joint="right_slide" coef="0.5"/>)";
+  gripper.erase(gripper.find(tie), tie.size());
+  const auto warnings = [&](const std::string& model, const std::string& fingers) {
+    folder.Write("gripper", model);
+    const Scene scene = BuildRobot(
+        RobotFile("attachments: [{mjcf_path: gripper.xml, prefix: g_, attach_to: {site: flange}}]\n"
+                  "move_groups:\n"
+                  "  gripper: {kind: gripper, joints: [g_left_slide, g_right_slide], actuators: "
+                  "g_grip" +
+                  fingers + "}\n"));
+    return scene.compiled()->warnings();
+  };
+  EXPECT_THAT(warnings(gripper, ""), ::testing::IsEmpty()) << "the tendon moves both";
+  gripper.erase(gripper.find(tendon), tendon.size());
+  const std::string why =
+      ": nothing moves the finger 'g_right': no actuator acts on its joint 'g_right_slide' and no "
+      "equality ties it to the other finger. In the model, couple it (<equality><joint "
+      "joint1=\"g_right_slide\" joint2=\"g_left_slide\"/></equality>) or give it an actuator";
+  EXPECT_THAT(warnings(gripper, ""),
+              ::testing::ElementsAre("robot 'left': move_groups.gripper.joints" + why));
+  EXPECT_THAT(warnings(gripper, ", fingers: [g_left_pad, g_right_pad]"),
+              ::testing::ElementsAre("robot 'left': move_groups.gripper.fingers" + why));
+  std::string tied = gripper;
+  tied.insert(tied.find("</equality>"), tie);
+  EXPECT_THAT(warnings(tied, ""), ::testing::IsEmpty());
 }
 
 TEST_F(Located, AModelFileThatDoesNotExistOrIsWrong) {
@@ -168,7 +216,10 @@ TEST_F(Located, AModelFileThatDoesNotExistOrIsWrong) {
                              file + ":2:8: robot 'left': model file 'amr.xml' not found");
   folder.Write("bad", "<worldbody><bdy/></worldbody>");
   const std::string bad = File("bad.yaml", "name: arm\nmodel: bad.xml\n");
-  ExpectThrow<SpecError>([&] { BuildRobot(bad); }, bad + ":2:8: robot 'left': model file '");
+  ExpectThrow<SpecError>([&] { BuildRobot(bad); },
+                         bad + ":2:8: robot 'left': " + (folder.path() / "bad.xml").string() +
+                             ":1: <bdy>: unrecognized element. Did you mean "
+                             "'body'?");
 }
 
 TEST_F(Located, AMissingMeshIsToldWithTheModelThatWantsIt) {
@@ -186,6 +237,15 @@ TEST_F(Located, AMissingMeshIsToldWithTheModelThatWantsIt) {
           "/lnik1.stl. Did you mean 'link1.stl'? Also missing: " +
           "visual/hand.stl. Get the model with all its files, or correct `file`, `meshdir` or " +
           "`texturedir` in it");
+}
+
+TEST_F(Located, AMissingMeshWithNothingLikeItEndsInOneFullStop) {
+  folder.Write("meshes", R"(<asset><mesh file="q.stl"/></asset>
+  <worldbody><body name="b"><geom type="mesh" mesh="q"/></body></worldbody>)");
+  const std::string in = folder.path().string();
+  ExpectThrow<NotFoundError>(
+      [&] { BuildRobot(File("meshes.yaml", "name: arm\nmodel: meshes.xml\n")); },
+      "(mesh 'q', line 1), but there is no " + in + "/q.stl. Get the model with all its files");
 }
 
 TEST_F(Located, AMissingMeshOfAnObjectAndOfABase) {

@@ -12,6 +12,7 @@
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/class_names.h"
+#include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -20,26 +21,31 @@ namespace {
 
 std::vector<std::string> Names(const std::vector<mjsElement*>& elements) {
   std::vector<std::string> names;
-  for (mjsElement* element : elements) names.push_back(SpecName(element));
+  for (mjsElement* element : elements) {
+    names.push_back(SpecName(element));
+    if (names.back().empty()) names.back() = DescribeSpecElement(element);
+  }
   return names;
 }
 
+// Those of a kind in the part's world but `except`.
+std::vector<std::string> InWorld(const Part& part, mjtObj kind, mjsElement* except = nullptr) {
+  std::vector<std::string> out;
+  for (mjsElement* element : BodyElements(WorldBody(part.spec.get()), kind)) {
+    if (element != except) out.push_back(DescribeSpecElement(element));
+  }
+  return out;
+}
+
 void WarnLeftBehind(const Part& part, mjsBody* root, Report& report) {
-  std::vector<std::string> left, lights;
-  mjsBody* world = WorldBody(part.spec.get());
-  for (mjsElement* body : BodyElements(world, mjOBJ_BODY)) {
-    if (body != root->element) left.push_back("body '" + SpecName(body) + "'");
+  std::vector<std::string> left = InWorld(part, mjOBJ_BODY, root->element);
+  for (const mjtObj kind : {mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_CAMERA}) {
+    for (std::string& element : InWorld(part, kind)) left.push_back(std::move(element));
   }
-  for (const auto& [kind, word] :
-       {std::pair{mjOBJ_GEOM, "geom"}, {mjOBJ_SITE, "site"}, {mjOBJ_CAMERA, "camera"}}) {
-    for (mjsElement* element : BodyElements(world, kind))
-      left.push_back(fmt::format("{} '{}'", word, SpecName(element)));
-  }
-  for (mjsElement* light : BodyElements(world, mjOBJ_LIGHT))
-    lights.push_back("light '" + SpecName(light) + "'");
+  const std::vector<std::string> lights = InWorld(part, mjOBJ_LIGHT);
   const auto text = [&](const std::vector<std::string>& names) {
-    return fmt::format("only body '{}' of {} is attached; left out of its world: {}",
-                       SpecName(root->element), part.file, ListNames(names));
+    return fmt::format("only {} of {} is attached; left out of its world: {}",
+                       DescribeSpecElement(root->element), part.file, ListNames(names));
   };
   if (!left.empty()) report.Warn(part.place, text(left));
   if (!lights.empty()) report.Note(part.place, text(lights) + "; the scene has its own");
@@ -82,7 +88,8 @@ std::optional<std::string> FindModel(const std::string& name, const std::string&
 
 std::optional<Part> LoadPart(const std::string& name, const std::string& directory,
                              const std::string& place, const std::string& field,
-                             const SimOptions& options, Report& report) {
+                             const SimOptions& options, const std::string& root_label,
+                             Report& report) {
   const auto file = FindModel(name, directory, place, field, report);
   if (!file) return std::nullopt;
   Part part{place, field, *file, nullptr, {}};
@@ -92,6 +99,7 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
     report.Problem(place, error.what(), field);
     return std::nullopt;
   }
+  if (!root_label.empty()) LabelUnnamed(part.spec.get(), root_label);
   part.home = ReadHomeKey(part.spec.get(), place, field, *file);
   DropKeys(part.spec.get());
   if (!MakeAssetPathsAbsolute(part.spec.get(), *file, place, field, report)) return std::nullopt;

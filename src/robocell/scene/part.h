@@ -3,6 +3,8 @@
 // scene writes its own), global settings reported and dropped (the scene sets its own).
 #pragma once
 
+#include <mujoco/mjtype.h>
+
 #include <map>
 #include <optional>
 #include <string>
@@ -30,16 +32,23 @@ struct PartHome {
   std::map<std::string, std::vector<double>> ctrl;  // actuator -> its controls
   std::map<std::string, Source> sources;            // joint -> where its numbers stand
 
+  // What belongs to a joint or actuator goes with its new name.
+  void Rename(mjtObj kind, const std::string& from, const std::string& to);
   // The same with a prefix on every name; entries that are there already win.
   void Merge(const PartHome& other, const std::string& prefix);
 };
 
 struct Part {
+  // A tool that became part of it, and what its names begin with there.
+  struct Tool {
+    std::string prefix, file;
+  };
   std::string place;  // "robot 'left'", for messages
   std::string field;  // of its spec: the one that names the file
   std::string file;
   SpecPtr spec;
   PartHome home;
+  std::vector<Tool> tools = {};
 };
 
 // Absolute path of a model file that `field` names. Null and an entry in the report when it is not
@@ -50,10 +59,12 @@ std::optional<std::string> FindModel(const std::string& name, const std::string&
 
 // The model of `place`, which names it as `name` in `field`; null and an entry in the report when
 // it is not found or files are missing that it refers to. `options` are the scene's; what the part
-// asks for instead is reported as a warning.
+// asks for instead is reported as a warning. Unnamed elements are labelled (label_unnamed.h) when
+// there is a `root_label`.
 std::optional<Part> LoadPart(const std::string& name, const std::string& directory,
                              const std::string& place, const std::string& field,
-                             const SimOptions& options, Report& report);
+                             const SimOptions& options, const std::string& root_label,
+                             Report& report);
 
 // The body that the part hangs on when it is attached: the only child of its world, or the one that
 // holds `root_body` when that is given. A problem in the report and null when there is no such

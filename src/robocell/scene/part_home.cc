@@ -50,6 +50,20 @@ void PartHome::Merge(const PartHome& other, const std::string& prefix) {
   for (const auto& [name, source] : other.sources) sources.emplace(prefix + name, source);
 }
 
+void PartHome::Rename(mjtObj kind, const std::string& from, const std::string& to) {
+  const auto rename = [&](auto& map) {
+    auto entry = map.extract(from);
+    if (entry.empty()) return;
+    entry.key() = to;
+    map.insert(std::move(entry));
+  };
+  if (kind == mjOBJ_ACTUATOR) rename(ctrl);
+  if (kind != mjOBJ_JOINT) return;
+  rename(qpos);
+  rename(sources);
+  if (const auto source = sources.find(to); source != sources.end()) source->second.joint = to;
+}
+
 PartHome ReadHomeKey(mjSpec* spec, const std::string& place, const std::string& field,
                      const std::string& file) {
   PartHome home;

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
+#include "robocell/spec/split_place.h"
 
 namespace robocell {
 namespace {
@@ -47,8 +48,10 @@ void Report::Problem(const std::string& place, const std::string& message, std::
 
 void Report::Thrown(const std::string& place, const std::string& text, std::string_view field) {
   only_missing_ = false;
-  const bool placed = !place.empty() && text.starts_with(place);
-  problems_.push_back({placed ? "" : place, text, SourceOf(place, field)});
+  const auto [source, message] = SplitPlace(text);
+  const bool placed = !place.empty() && message.starts_with(place);
+  problems_.push_back(
+      {placed ? "" : place, message, source.empty() ? SourceOf(place, field) : source});
 }
 
 void Report::Missing(const std::string& place, const std::string& message, std::string_view field) {

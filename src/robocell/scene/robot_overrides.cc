@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/names.h"
+#include "robocell/scene/control_modes.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -29,7 +30,7 @@ void OverrideServo(const RobotConfig& config, mjsActuator* actuator) {
 
 void OverrideArm(const RobotConfig& config, const MoveGroupConfig& arm, Part& robot,
                  Report& report) {
-  for (const std::string& name : arm.actuators) {
+  for (const std::string& name : ArmActuators(arm, robot.spec.get())) {
     mjsElement* element = FindSpecElement(robot.spec.get(), mjOBJ_ACTUATOR, name);
     if (!element) continue;  // reported with all other names after compiling
     if (IsPositionServo(mjs_asActuator(element))) {

@@ -11,7 +11,7 @@
 namespace robocell {
 
 // edits.cc
-void ApplyEdits(const RobotConfig& config, mjSpec* spec, const std::string& place, Report& report);
+void ApplyEdits(const RobotConfig& config, Part& robot, Report& report);
 
 // attachments.cc: mounts tools one after the other; their home keys join the robot's. `locations`
 // and `directory` are those of the spec that lists them.

@@ -97,15 +97,15 @@ TEST(Scene, UnknownNamesSuggestTheNearest) {
   EXPECT_TRUE(scene.has_actuator("servo1"));
 }
 
-TEST(Scene, ListsNamedElementsOnly) {
+TEST(Scene, ListsNamesAndLabels) {
   ModelFolder folder;
   SceneSpec spec = EmptyScene();
   spec.robots.push_back(
       {.path = folder.Write("anonymous", R"(<worldbody><body name="base"><geom size="0.1"/>
       <body><joint axis="0 0 1"/><geom size="0.1"/><camera/></body></body></worldbody>)")});
   const Scene scene = Scene::Build(spec);
-  EXPECT_THAT(scene.body_names(), ElementsAre("world", "base"));
-  EXPECT_THAT(scene.joint_names(), IsEmpty());
+  EXPECT_THAT(scene.body_names(), ElementsAre("world", "base", "base:body0"));
+  EXPECT_THAT(scene.joint_names(), ElementsAre("base:body0:joint0"));
   EXPECT_THAT(scene.camera_names(), IsEmpty());
 }
 
@@ -355,7 +355,7 @@ TEST(CompiledScene, SaysWhatTheEngineRefuses) {
            folder.Write("ghost", R"(<worldbody><body name="g"><joint/></body></worldbody>)")});
   ExpectThrow<SpecError>([&] { Scene::Build(spec); },
                          "scene 'test' / object 'ghost': " + spec.objects[0].mjcf_path +
-                             ": body 'g': mass and inertia of moving bodies must be larger than "
+                             ":1: body 'g': mass and inertia of moving bodies must be larger than "
                              "mjMINVAL. A body that moves needs a mass: give one of its geoms a "
                              "`mass` or the body an <inertial>");
 }

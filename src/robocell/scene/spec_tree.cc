@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -70,6 +71,18 @@ std::vector<std::string> SpecNames(const mjSpec* spec, mjtObj kind) {
     if (std::string name = SpecName(element); !name.empty()) names.push_back(std::move(name));
   }
   return names;
+}
+
+std::string DescribeSpecElement(mjsElement* element) {
+  const char* kind = KindName(element->elemtype);
+  if (const std::string name = SpecName(element); !name.empty())
+    return fmt::format("{} '{}'", kind, name);
+  mjsBody* body = mjs_getParent(element);
+  if (!body) return fmt::format("{} (unnamed)", kind);
+  const std::vector<mjsElement*> all = BodyElements(body, element->elemtype);
+  const auto index = std::find(all.begin(), all.end(), element) - all.begin();
+  if (!mjs_getParent(body->element)) return fmt::format("{} {} (unnamed)", kind, index);
+  return fmt::format("{} {} (unnamed, of {})", kind, index, DescribeSpecElement(body->element));
 }
 
 void SetSpecName(mjsElement* element, const std::string& name, const std::string& context) {

@@ -20,6 +20,9 @@ std::vector<mjsElement*> SpecElements(const mjSpec* spec, mjtObj kind);
 std::string SpecName(mjsElement* element);
 // The names of a kind, without the unnamed.
 std::vector<std::string> SpecNames(const mjSpec* spec, mjtObj kind);
+// "light 'lamp'"; "light 1 (unnamed, of body 'hand')" for the second light of that body, "light 1
+// (unnamed)" in the world.
+std::string DescribeSpecElement(mjsElement* element);
 void SetSpecName(mjsElement* element, const std::string& name, const std::string& context);
 // Elements of a kind directly in a body, or in its whole subtree.
 std::vector<mjsElement*> BodyElements(mjsBody* body, mjtObj kind, bool whole_subtree = false);

@@ -1,0 +1,26 @@
+// Private to scene: what a model leaves unnamed gets a label for a name, so that everything can be
+// found by name, in a robot's file and in a scene that was built anew.
+//
+// A label says where the element is: `elbow:joint0` is the first joint of body `elbow`,
+// `hand:body1` its second child, `flange:site0` a site; `joint2:actuator0` the first actuator that
+// acts on `joint2`. Geoms, cameras, lights and what else is not asked for by name stay unnamed.
+#pragma once
+
+#include <string>
+
+#include "robocell/mujoco/forward.h"
+
+struct mjSpec_;
+typedef struct mjSpec_ mjSpec;
+
+namespace robocell {
+
+// Labels the bodies, joints, sites and actuators of a model that have no name. `root` is the label
+// of a body in the model's world; further ones have their number behind it.
+void LabelUnnamed(mjSpec* spec, const std::string& root);
+
+// For messages about names that may be labels: " ('elbow:joint0' has no name in the model; to give
+// it one: edits: [{joint: {body: elbow, index: 0}, name: NAME}])"; "" for other names of joints.
+std::string HowToNameJoint(const std::string& label);
+
+}  // namespace robocell
