@@ -320,7 +320,9 @@ void BindRobotClass(nb::module_& m) {
             const Eigen::Matrix<double, 6, 1> six = r.ft_sensor(name).vector();
             return Values({six.data(), 6});
           },
-          "name"_a, "The same as numbers (6,): force, then torque.")
+          "name"_a,
+          nb::sig("def ft_sensor_wrench(self, name: str) -> numpy.typing.NDArray[numpy.float64]"),
+          "The same as numbers (6,): force, then torque.")
       .def("ft_sensor_frame", &Robot::ft_sensor_frame, "name"_a,
            "Pose in the world of the site that the reading is expressed in.")
       .def("tare_ft_sensor", &Robot::TareFtSensor, "name"_a,

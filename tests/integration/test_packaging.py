@@ -46,6 +46,7 @@ def test_a_user_builds_against_an_install(build_folder, tmp_path):
     version, models, rest = build_consumer(prefix / "lib/cmake/robocell", tmp_path / "build")
     assert version == "0.1.0"
     assert Path(models) == prefix / "share/robocell/models"
+    assert (Path(models) / "equipment/cabinet/cabinet.xml").exists()
     assert float(rest) == pytest.approx(0, abs=1e-15)
     assert not (prefix / "include/robocell/testing").exists()
 
