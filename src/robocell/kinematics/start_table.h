@@ -42,6 +42,8 @@ class StartTable {
   void MakeCells(const std::vector<std::array<float, kColumns>>& poses);
   void MakeDetours();
   int CellOf(const float* position) const;
+  // Of entries in a row: how far each is from the aim.
+  void Score(const Aim& aim, int first, int count, float* scores) const;
 
   int n_ = 0;
   float per_distance2_ = 0;        // weight of a squared distance against a squared angle
@@ -50,7 +52,6 @@ class StartTable {
   std::array<int, 3> cells_{};     // along each axis
   std::vector<int> begin_;         // of each cell's entries; one more at the end
   std::vector<int> detour_;        // the cell to look in for a cell: itself, or one with entries
-  int most_ = 0;                   // entries in one cell
   std::array<std::vector<float>, kColumns> poses_;
   std::vector<float> q_;  // n values each
 };
