@@ -85,6 +85,7 @@ struct EpisodeWriter::Impl {
   std::vector<CameraFiles> videos;  // by the camera's number
   std::vector<std::string> extra_files;
   Json models = Json::object();
+  std::vector<FileSet> model_files;  // of these
   State state = State::kOpen;
   std::string failure;
 
@@ -393,8 +394,8 @@ void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
 
 void EpisodeWriter::AddModel(const std::string& name, const FileSet& model) {
   impl_->Do("AddModel()", [&] {
-    StoreModel(impl_->dataset, model);
     impl_->models[name] = StoredModelPath(model);
+    impl_->model_files.push_back(model);
   });
 }
 
@@ -406,6 +407,8 @@ fs::path EpisodeWriter::Commit(const EpisodeSummary& summary) {
     impl_->RequireFramesMatchRows();
     impl_->CloseFiles();
     AtomicWrite(impl_->work->path() / kEpisodeFile, impl_->Description(summary, results, run));
+    // Now: an episode that is given up leaves no model behind.
+    for (const FileSet& model : impl_->model_files) StoreModel(impl_->dataset, model);
     impl_->Rename();
     impl_->Remove();
   });

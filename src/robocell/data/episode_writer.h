@@ -95,7 +95,7 @@ class EpisodeWriter {
   void AddFile(const std::string& name, std::string_view bytes);
 
   // A model that the episode was made in, by the name that its metadata uses. Kept once in the
-  // dataset (model_store.h), whatever becomes of the episode.
+  // dataset (model_store.h), from the first commit of an episode that has it.
   void AddModel(const std::string& name, const FileSet& model);
 
   // Makes the episode visible and returns its folder. ArgumentError if a row is unfinished, there

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <thread>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/episode_reader.h"
 #include "robocell/data/model_store.h"
 #include "robocell/datagen/check_run.h"
 #include "robocell/datagen/lost_manifest.h"
@@ -152,6 +154,38 @@ void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
   }
 }
 
+// The folders in the dataset that keep an episode's models; none of one that cannot be read, which
+// is told elsewhere.
+std::vector<std::string> ModelFoldersOf(const fs::path& episode) {
+  std::vector<std::string> folders;
+  try {
+    for (const auto& [name, path] : Episode(episode).models())
+      folders.push_back(StoredModelFolder(path));
+  } catch (const Error&) {
+    return {};
+  }
+  return folders;
+}
+
+// Episodes bring their models when they are committed. What the dataset lost of them since is
+// copied into it again.
+void RestoreModels(const RunConfig& run) {
+  std::map<std::string, std::string> missing;  // folder in the dataset -> path of the model
+  for (const std::string& model : ModelsOf(run)) {
+    const std::string folder = StoredModelFolder(StoredModelPath(ModelFileSet(model)));
+    if (!fs::exists(fs::path(run.output) / folder)) missing.emplace(folder, model);
+  }
+  const Dataset dataset(run.output);
+  for (auto id = dataset.ids().begin(); id != dataset.ids().end() && !missing.empty(); ++id) {
+    for (const std::string& folder : ModelFoldersOf(fs::path(run.output) / *id)) {
+      const auto found = missing.find(folder);
+      if (found == missing.end()) continue;
+      StoreModel(run.output, ModelFileSet(found->second));
+      missing.erase(found);
+    }
+  }
+}
+
 }  // namespace
 
 void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
@@ -164,7 +198,7 @@ void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   const RunInputs inputs = InputsOf(run);
   CreateFolder(run.output);
   WriteManifestIfDue(run, inputs);
-  for (const std::string& model : ModelsOf(run)) StoreModel(run.output, ModelFileSet(model));
+  RestoreModels(run);
 }
 
 void CheckDataset(const RunConfig& run) {

@@ -12,8 +12,9 @@ namespace robocell {
 // run is checked first (check_run.h, without the scripted expert's demands), so that a mistake
 // leaves nothing behind; callers that have done so, in a process of their own perhaps because
 // models may crash the engine, leave it out. A dataset without episodes is begun anew when the
-// inputs changed. The run's models are copied into the dataset. IoError when the folder cannot be
-// written, or somebody is generating into it. Any number of processes may call it for the same run.
+// inputs changed. Models that episodes there were made in and that are missing are copied into the
+// dataset again. IoError when the folder cannot be written, or somebody is generating into it. Any
+// number of processes may call it for the same run.
 struct PrepareOptions {
   bool check_run = true;
 };

@@ -6,17 +6,24 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "robocell/assets/model_files.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
+#include "robocell/data/model_store.h"
+#include "robocell/data/testing/sample_episode.h"
+#include "robocell/data/verify.h"
+#include "robocell/datagen/run_inputs.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
 
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 
 RunConfig Demo(const std::filesystem::path& output) {
@@ -38,6 +45,31 @@ TEST(PrepareDataset, CreatesTheFolderWithItsManifest) {
   EXPECT_EQ(manifest["run"], "demo");
   EXPECT_THAT(manifest["identity"].get<std::string>(), HasSubstr("base_distance: [0.3, 0.55]"));
   EXPECT_EQ(Dataset(folder / "a/b").size(), 0u);
+}
+
+TEST(PrepareDataset, KeepsTheModelsOfEpisodesAndNoOthers) {
+  TempDir folder;
+  const RunConfig run = Demo(folder.path());
+  PrepareDataset(run);
+  EXPECT_THAT(StoredModels(folder.path()), IsEmpty());
+  const std::vector<std::string> models = ModelsOf(run);
+  ASSERT_GT(models.size(), 1u);
+  const FileSet used = ModelFileSet(models.front());
+  const SampleEpisode sample(0, false, false);
+  for (const bool kept : {false, true}) {
+    EpisodeWriter episode(folder.path(), "s0000_e0000", sample.schema, sample.Options());
+    episode.AddModel("robot", used);
+    sample.PutRows(episode, 3);
+    EXPECT_THAT(StoredModels(folder.path()), IsEmpty()) << "an episode may be given up";
+    if (kept) episode.Commit({.success = true, .terminated = true, .end_reason = "success"});
+  }
+  const std::string stored = StoredModelFolder(StoredModelPath(used));
+  EXPECT_THAT(StoredModels(folder.path()), ElementsAre(stored));
+  std::filesystem::remove_all(folder / stored);
+  PrepareDataset(run);
+  EXPECT_THAT(StoredModels(folder.path()), ElementsAre(stored))
+      << "what was lost, and nothing else";
+  EXPECT_TRUE(Verify(folder.path()).ok());
 }
 
 TEST(PrepareDataset, IsTheSameManifestWhoeverMakesIt) {
