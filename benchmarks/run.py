@@ -14,6 +14,7 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
+import add_remove
 import control_loop
 import dataset_writer
 import episodes
@@ -28,6 +29,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "control_loop": control_loop.rows,
     "reset": reset.rows,
     "ik": ik.rows,
+    "add_remove": add_remove.rows,
     "scene_again": scene_again.rows,
     "dataset_writer": dataset_writer.rows,
     "overlap": overlap.rows,

@@ -263,27 +263,57 @@ void DefStepping(nb::class_<Scene>& c) {
       .def("remove_reset_hook", &Scene::RemoveResetHook, nb::arg("id"));
 }
 
-void AddObject(Scene& scene, const SceneObject& object) {
+using ObjectOrName = std::variant<std::string, const SceneObject*>;
+
+void AddObject(Scene& scene, const ObjectOrName& what, nb::handle pos, nb::handle quat) {
+  if (const auto* name = std::get_if<std::string>(&what)) {
+    std::optional<Pose> pose;
+    if (!pos.is_none()) pose = ToPose(pos, quat);
+    if (pos.is_none() && !quat.is_none()) throw ArgumentError("add_object: give pos with quat");
+    const nb::gil_scoped_release release;
+    return scene.AddObject(*name, pose);
+  }
+  if (!pos.is_none() || !quat.is_none()) {
+    throw ArgumentError(
+        "add_object: a SceneObject has its own pose; pos and quat are for objects of the pool that "
+        "are added by name");
+  }
+  const SceneObject* object = std::get<const SceneObject*>(what);
+  if (!object) {
+    throw nb::type_error(
+        "Scene.add_object(): `object` must be a SceneObject or the name of one of the pool, got "
+        "None");
+  }
   ImportMujoco();
   // Another thread may change the spec while the lock is released.
-  const SceneObject copy = object;  // NOLINT(performance-unnecessary-copy-initialization)
+  const SceneObject copy = *object;
   const nb::gil_scoped_release release;
   scene.AddObject(copy);
 }
 
 void DefObjects(nb::class_<Scene>& c) {
-  c.def("add_object", &AddObject, nb::arg("object"),
+  c.def("add_object", &AddObject, nb::arg("object"), nb::arg("pos") = nb::none(),
+        nb::arg("quat") = nb::none(),
+        nb::sig("def add_object(self, object: SceneObject | str, pos: Pose | "
+                "numpy.typing.ArrayLike | None = None, quat: numpy.typing.ArrayLike | None = None) "
+                "-> None"),
         "Add an object to the running scene, by compiling the spec with it.\n\n"
         "Everything else goes on as it was, to the bit: state, time, controls, applied forces, "
         "what was written to `model`. Robots, groups, controllers, cameras, recorders and hooks "
         "follow by name. `model` and `data` are new objects; ones that you kept stay valid and are "
         "the old ones. The object stands where a reset would put it, and later resets, `spec` and "
         "saved files have it. An error (SpecError, ArgumentError for a name that is taken, Error "
-        "when the compiled scene is frozen) leaves the scene as it was.")
+        "when the compiled scene is frozen) leaves the scene as it was.\n\n"
+        "Objects of the pool (`parked` is set in the spec) are added and removed within "
+        "microseconds, nothing is compiled and `model` and `data` stay: by name, with the pose of "
+        "the root body in the world (a Pose, or position and quaternion xyzw) unless it is the "
+        "spec's, or as SceneObject. A reset puts the pool back as the spec says.")
       .def("remove_object", &Scene::RemoveObject, nb::arg("name"), Unlocked(),
            "Take an object away, as add_object adds one. NotFoundError lists the objects; "
            "ArgumentError tells what is attached to it.")
-      .def_prop_ro("object_names", &Scene::object_names, "Of the objects that are there now.");
+      .def_prop_ro("object_names", &Scene::object_names, "Of the objects that are there now.")
+      .def_prop_ro("parked_objects", &Scene::parked_objects,
+                   "Of the objects of the pool that are not there now.");
 }
 
 void DefFrames(nb::class_<Scene>& c) {

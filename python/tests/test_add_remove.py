@@ -80,6 +80,8 @@ class TestState:
             scene.remove_object("cub")
         with pytest.raises(TypeError, match="`object` must be a SceneObject"):
             scene.add_object(3)
+        with pytest.raises(TypeError, match="`object` must be a SceneObject"):
+            scene.add_object(None)
         np.testing.assert_array_equal(scene.state(), state)
         assert scene.model is model
         assert scene.data is data
@@ -246,3 +248,58 @@ class TestLifetimes:
         assert scene.data is data
         assert scene.object_names == []
         scene.add_object(cube())
+
+
+class TestPool:
+    @pytest.fixture
+    def pool(self) -> rc.Scene:
+        spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
+        spec.objects = [cube("there"), *(cube(f"pool{i}", parked=True) for i in range(3))]
+        return rc.Scene.build(spec)
+
+    def test_objects_come_and_go_by_name_on_the_same_model(self, pool):
+        model, data, generation = pool.model, pool.data, pool.generation
+        assert pool.object_names == ["there"]
+        assert pool.parked_objects == ["pool0", "pool1", "pool2"]
+        pool.add_object("pool1", [0.3, 0.2, 0.02], [0, 0, 0, 1])
+        pool.add_object("pool2", rc.Pose(translation=[0.3, -0.2, 0.02]))
+        pool.add_object(cube("pool0", pos=[0.3, 0, 0.02]))
+        pool.step_n(100)
+        for i, y in enumerate([0, 0.2, -0.2]):
+            np.testing.assert_allclose(
+                pool.body_pose(f"pool{i}").translation, [0.3, y, 0.02], atol=1e-3
+            )
+        pool.remove_object("pool1")
+        assert pool.object_names == ["there", "pool0", "pool2"]
+        assert pool.contacts("pool1") == []
+        assert (pool.model, pool.data, pool.generation) == (model, data, generation)
+
+    def test_a_reset_puts_it_back_and_hooks_choose(self, pool):
+        pool.add_object("pool0")
+        pool.reset()
+        assert pool.parked_objects == ["pool0", "pool1", "pool2"]
+        pool.on_reset(lambda reset: reset.scene.add_object("pool2", [0.5, 0, 0.02]))
+        pool.reset()
+        assert pool.object_names == ["there", "pool2"]
+
+    def test_a_state_has_what_is_there(self, pool):
+        before = pool.state()
+        pool.add_object("pool0")
+        there = pool.state()
+        pool.set_state(before)
+        assert pool.object_names == ["there"]
+        pool.set_state(there)
+        assert pool.object_names == ["there", "pool0"]
+
+    def test_what_is_refused_says_why(self, pool):
+        with pytest.raises(rc.NotFoundError, match=r"pool: no object 'pol1'.*mean 'pool1'"):
+            pool.add_object("pol1")
+        with pytest.raises(rc.ArgumentError, match="only its pose may differ from the spec's"):
+            pool.add_object(cube("pool0", mass=3))
+        with pytest.raises(rc.ArgumentError, match="a SceneObject has its own pose"):
+            pool.add_object(cube("new"), [0, 0, 1])
+        with pytest.raises(rc.NotFoundError, match="'pool0' is parked, not in the scene"):
+            pool.remove_object("pool0")
+        with pytest.raises(rc.SpecError, match="only what can move freely comes and goes"):
+            pool.add_object(cube("new", parked=True, fixed=True))
+        assert pool.object_names == ["there"]

@@ -89,6 +89,13 @@ std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec&
 void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Placement& placement,
                   Report& report) {
   Placement at = placement;
+  if (object.parked && !loaded.record.free_joint) {
+    report.Problem(loaded.part.place,
+                   "parked: only what can move freely comes and goes without compiling; set fixed: "
+                   "false, or leave parked unset",
+                   "parked");
+    return;
+  }
   if (loaded.record.free_joint) {
     const auto target = object.attach_to.kind;
     if (target != AttachKind::kWorld && target != AttachKind::kRoot &&

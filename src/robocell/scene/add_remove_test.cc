@@ -279,7 +279,9 @@ TEST(AddRemove, WhatWasWrittenToTheModelStays) {
 }
 
 TEST(AddRemove, LaterResetsAndSavedFilesHaveTheObject) {
-  Scene scene = Scene::Build(EmptyScene());
+  SceneSpec spec = EmptyScene();
+  spec.cameras.push_back({.name = "front", .pos = Vec3{2, 0, 1}, .fovy = 50});
+  Scene scene = Scene::Build(spec);
   scene.AddObject(BoxObject("cube", {0.4, 0, 0.5}));
   int calls = 0;
   scene.AddResetHook([&](ResetContext& reset) {

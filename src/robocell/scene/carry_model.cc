@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "robocell/scene/carry_over.h"
+#include "robocell/scene/pool.h"
 
 namespace robocell {
 namespace {
@@ -17,10 +18,10 @@ namespace {
 // the author, who may give every model another number of them.
 bool IsNotWritten(std::string_view field) {
   static const std::set<std::string_view> derived = {
-      "body_subtreemass",  "body_invweight0", "dof_invweight0",  "dof_M0",
-      "dof_length",        "cam_poscom0",     "cam_pos0",        "cam_mat0",
-      "light_poscom0",     "light_pos0",      "light_dir0",      "tendon_length0",
-      "tendon_invweight0", "actuator_acc0",   "actuator_length0"};
+      "body_subtreemass", "body_invweight0",   "dof_invweight0", "dof_M0",
+      "dof_length",       "cam_poscom0",       "cam_pos0",       "cam_mat0",
+      "light_poscom0",    "light_pos0",        "light_dir0",     "tendon_length0",
+      "cam_intrinsic",    "tendon_invweight0", "actuator_acc0",  "actuator_length0"};
   return derived.contains(field) || field.ends_with("_user");
 }
 
@@ -120,6 +121,7 @@ void CarryModel(const ElementMatch& match, mjModel* to) {
   MJMODEL_POINTERS_ACTUATOR
 #undef X
 #undef XNV
+  CountCompensatedBodies(to);
 }
 
 }  // namespace robocell

@@ -16,6 +16,7 @@
 #include "robocell/scene/home_key.h"
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
+#include "robocell/scene/pool.h"
 #include "robocell/scene/spec_tree.h"
 #include "robocell/spec/validate.h"
 
@@ -229,10 +230,24 @@ class SceneCompiler {
     CheckGroups(model, out_->robots_, report_);
     CheckKeyframes(model, home_, out_->robots_, report_);
     CheckToolPoints(model, out_->robots_, report_);
+    FillPool(model);
     FillHomeKey(model, key, home_, out_->robots_);
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
     FixVisibleRange(spec_.get(), model);
     out_->spec_owner_ = std::move(spec_);
+  }
+
+  // What is parked after a reset is so in the model and its key.
+  void FillPool(mjModel* model) {
+    for (size_t i = 0; i < objects_.size(); ++i) {
+      if (!spec().objects[i].parked) continue;
+      ObjectRecord& object = out_->objects_[i];
+      object.pool = ReadPoolRecord(model, object, *spec().objects[i].parked);
+      if (!object.pool->parked) continue;
+      PooledObject(model, object, i).Switch(model, true);
+      const FreeJointPos place = ParkingPlace(i);
+      home_.qpos[*object.free_joint] = {place.begin(), place.end()};
+    }
   }
 
   // The engine's text about an element of a part becomes a problem of that part's file.

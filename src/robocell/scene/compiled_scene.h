@@ -36,10 +36,18 @@ struct RobotRecord {
   std::string base_body = {};
 };
 
+// An object of the pool as it is inside of the scene; what is parked has none of it.
+struct PoolRecord {
+  bool parked = false;                         // after a reset
+  std::vector<int> contype, conaffinity = {};  // of its geoms
+  std::vector<double> gravcomp = {};           // of its bodies
+};
+
 struct ObjectRecord {
   std::string name;
   std::string root_body;
   std::optional<std::string> free_joint;  // unless it is fixed
+  std::optional<PoolRecord> pool = {};    // unless it comes and goes by compiling
 };
 
 // Shared by its scenes, and by Python without a reference to a Python object: a scene may die on

@@ -95,5 +95,18 @@ TEST(Memory, AHundredObjectsThatComeAndGoLeaveNothingBehind) {
             kMostBytes);
 }
 
+TEST(Memory, AThousandSwapsOfThePoolLeaveNothingBehind) {
+  SceneSpec spec = Primitives();
+  spec.objects[0].parked = true;
+  Scene scene = Scene::Build(spec);
+  EXPECT_LT(BytesLeft(1000,
+                      [&] {
+                        scene.AddObject("cube0");
+                        EXPECT_TRUE(scene.Step().ok());
+                        scene.RemoveObject("cube0");
+                      }),
+            kMostBytes / 100);
+}
+
 }  // namespace
 }  // namespace robocell

@@ -34,6 +34,7 @@ Scene Scene::FromCompiled(std::shared_ptr<CompiledScene> compiled, const DataFac
   state->factory = factory ? factory : MakeOwnData;
   state->data = state->factory(*compiled);
   state->compiled = std::move(compiled);
+  state->BindPool();
   Scene scene(std::move(state), std::make_shared<Kept>());
   scene.Reset();
   return scene;

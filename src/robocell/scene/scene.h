@@ -32,6 +32,7 @@
 namespace robocell {
 
 class Scene;
+class PooledObject;
 
 struct ResetOptions {
   std::optional<int> keyframe = {};   // unset: the scene's home key
@@ -123,9 +124,15 @@ class Scene {
   // pointers to the old ones end here. The new object stands where a reset would put it; spec(),
   // saved files and later resets have it. An error (bad object, name taken, unknown name, something
   // is attached to the object, frozen model) leaves the scene as it was.
+  //
+  // Objects of the pool (SceneObject::parked) come and go within microseconds: nothing is compiled,
+  // handles and pointers stay. They can be added by name, with the pose of their root body in the
+  // world unless it is the spec's. No allocation. A reset puts the pool back as the spec says.
   void AddObject(const SceneObject& object);
+  void AddObject(const std::string& name, const std::optional<Pose>& pose_in_world = {});
   void RemoveObject(const std::string& name);
-  std::vector<std::string> object_names() const;
+  std::vector<std::string> object_names() const;    // of those that are there now
+  std::vector<std::string> parked_objects() const;  // of those of the pool that are not
 
   // Frames, in the world.
   Pose body_pose(const std::string& name) const;
@@ -192,6 +199,9 @@ class Scene {
       : state_(std::move(state)), kept_(std::move(kept)) {}
   State& open() const;
   void Rebuild(const SceneSpec& spec);
+  void AddPooled(const SceneObject& object);
+  bool RemovePooled(const std::string& name);  // false: it is not of the pool
+  void Swap(PooledObject& object, bool park, const double* pos);
 
   std::shared_ptr<State> state_;
   std::shared_ptr<Kept> kept_;  // null in an inner handle

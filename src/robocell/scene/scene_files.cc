@@ -6,6 +6,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/scene/carry_over.h"
 #include "robocell/scene/scene_state.h"
 
 namespace robocell {
@@ -29,16 +30,31 @@ mjSpec* UpToDateSpec(CompiledScene& compiled, const std::string& context) {
 
 }  // namespace
 
+// What is parked is left out; what is there of the pool is an object as any other.
+std::shared_ptr<CompiledScene> Scene::State::WithoutPool() {
+  SceneSpec spec = compiled->spec();
+  std::erase_if(spec.objects.boxes(), [&](const auto& object) {
+    const PooledObject* pooled = FindPooled(object->name);
+    return pooled && pooled->parked;
+  });
+  for (SceneObject& object : spec.objects) object.parked.reset();
+  std::shared_ptr<CompiledScene> there = CompileScene(spec);
+  CarryModel(ElementMatch(model(), there->model()), there->mutable_model());
+  return there;
+}
+
 std::string Scene::ToXml() const {
   State& s = open();
   const std::lock_guard lock(saving);
-  return SaveXmlString(UpToDateSpec(*s.compiled, s.context), s.context);
+  const std::shared_ptr<CompiledScene> there = s.pool.empty() ? s.compiled : s.WithoutPool();
+  return SaveXmlString(UpToDateSpec(*there, s.context), s.context);
 }
 
 void Scene::SaveXml(const std::string& path) const {
   State& s = open();
   const std::lock_guard lock(saving);
-  robocell::SaveXml(UpToDateSpec(*s.compiled, s.context), path, s.context);
+  const std::shared_ptr<CompiledScene> there = s.pool.empty() ? s.compiled : s.WithoutPool();
+  robocell::SaveXml(UpToDateSpec(*there, s.context), path, s.context);
 }
 
 void Scene::SaveBinary(const std::string& path) const {

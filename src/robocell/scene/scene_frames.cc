@@ -69,6 +69,13 @@ Pose Scene::camera_pose(const std::string& name) const {
 void Scene::SetBodyPose(const std::string& name, const Pose& pose_in_world) {
   State& s = open();
   const int body = RequireId(s.model(), mjOBJ_BODY, name, s.context);
+  for (const PooledObject& object : s.pool) {
+    if (!object.parked || object.body() != body) continue;
+    throw ArgumentError(fmt::format(
+        "{}: object '{}' is parked, so it cannot be moved; AddObject(name, pose) puts it into the "
+        "scene",
+        s.context, object.name()));
+  }
   const int mocap = s.model()->body_mocapid[body];
   if (mocap >= 0) {
     MoveMocapBody(s.data.data, mocap, pose_in_world);
@@ -133,6 +140,7 @@ void Scene::SetState(std::span<const double> state) {
         "{}: a state has {} numbers, got {}; states fit only the model they were taken from",
         s.context, size, state.size()));
   }
+  s.FollowPool(state.data() + mj_stateSize(s.model(), mjSTATE_TIME));  // positions come next
   const auto set = [&] { mj_setState(s.model(), s.data.data, state.data(), kState); };
   Guarded(s.context, s.data.data, set);
   Forward();

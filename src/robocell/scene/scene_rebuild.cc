@@ -72,19 +72,11 @@ std::vector<std::string> NamesOf(const SceneSpec& spec) {
   return names;
 }
 
-void RequireOwnModel(const CompiledScene& compiled, const char* what, const std::string& object,
-                     const std::string& context) {
-  if (!compiled.frozen()) return;
-  throw Error(fmt::format(
-      "{}: object '{}' cannot be {}: the compiled scene is frozen because it is shared between "
-      "scenes. Build a scene of its own (Scene::Build), or change the spec and compile it again",
-      context, object, what));
-}
-
 }  // namespace
 
 void Scene::AddObject(const SceneObject& object) {
-  const State& s = open();
+  State& s = open();
+  if (s.FindPooled(object.name)) return AddPooled(object);
   SceneSpec spec = s.compiled->spec();
   const std::vector<std::string> names = NamesOf(spec);
   if (std::find(names.begin(), names.end(), object.name) != names.end()) {
@@ -93,23 +85,22 @@ void Scene::AddObject(const SceneObject& object) {
                     "The objects: {}",
                     s.context, object.name, ListNames(names)));
   }
-  RequireOwnModel(*s.compiled, "added", object.name, s.context);
+  s.RequireOwnModel("added", object.name);
   spec.objects.push_back(object);
   Rebuild(spec);
 }
 
 void Scene::RemoveObject(const std::string& name) {
   const State& s = open();
+  if (RemovePooled(name)) return;
   static_cast<void>(s.compiled->object(name));  // or the names there are
-  RequireOwnModel(*s.compiled, "removed", name, s.context);
+  s.RequireOwnModel("removed", name);
   RequireNothingAttached(*s.compiled, name, s.context);
   SceneSpec spec = s.compiled->spec();
   std::erase_if(spec.objects.boxes(), [&](const auto& object) { return object->name == name; });
   spec.locations = {};  // those of later objects would be one off
   Rebuild(spec);
 }
-
-std::vector<std::string> Scene::object_names() const { return NamesOf(open().compiled->spec()); }
 
 void Scene::Rebuild(const SceneSpec& spec) {
   State& s = open();
@@ -126,7 +117,13 @@ void Scene::Rebuild(const SceneSpec& spec) {
   robocell::Forward(compiled->model(), data.data, s.context);
   CarryState(match, s.data.data, data.data);  // the forward pass leaves its own warm start
 
+  std::vector<PooledObject> pool = PoolOf(*compiled);
+  for (PooledObject& object : pool) {
+    if (const PooledObject* known = s.FindPooled(object.name())) object.parked = known->parked;
+  }
   const auto swap = [&] {
+    s.pool.swap(pool);
+    s.warm_start.resize(static_cast<size_t>(compiled->model()->nv));
     s.compiled.swap(compiled);
     s.claim.swap(claim);
     std::swap(s.data, data);

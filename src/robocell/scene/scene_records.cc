@@ -41,6 +41,11 @@ json ToJson(const std::vector<ObjectRecord>& objects) {
     all.push_back({{"name", object.name},
                    {"root_body", object.root_body},
                    {"free_joint", Or(object.free_joint)}});
+    if (!object.pool) continue;
+    all.back()["pool"] = {{"parked", object.pool->parked},
+                          {"contype", object.pool->contype},
+                          {"conaffinity", object.pool->conaffinity},
+                          {"gravcomp", object.pool->gravcomp}};
   }
   return all;
 }
@@ -69,6 +74,12 @@ std::vector<ObjectRecord> ObjectsFromJson(const json& objects) {
     records.push_back({.name = said.at("name"),
                        .root_body = said.at("root_body"),
                        .free_joint = Optional(said.at("free_joint"))});
+    if (!said.contains("pool")) continue;
+    const json& pool = said.at("pool");
+    records.back().pool = PoolRecord{.parked = pool.at("parked"),
+                                     .contype = pool.at("contype"),
+                                     .conaffinity = pool.at("conaffinity"),
+                                     .gravcomp = pool.at("gravcomp")};
   }
   return records;
 }

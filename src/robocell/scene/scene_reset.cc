@@ -97,6 +97,7 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
     }
   }
   Restore(s.model(), s.data.data, info, s.context);
+  s.ResetPool();
   std::vector<bool> moved(static_cast<size_t>(s.model()->nv));
   if (options.seed) ApplyHomeNoise(*s.compiled, s.data.data, *options.seed, moved);
   s.poses_at = -1;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/scene/pool.h"
 #include "robocell/scene/scene.h"
 
 namespace robocell {
@@ -27,7 +28,20 @@ struct Scene::State {
   // it.
   double poses_at = -1;
   bool closed = false;
+  std::vector<PooledObject> pool;
+  std::vector<mjtNum> warm_start;  // scratch
 
+  // After the compiled scene was set.
+  void BindPool();
+  PooledObject* FindPooled(const std::string& object);
+  // The pool as the spec says.
+  void ResetPool();
+  // The pool as these positions have it.
+  void FollowPool(const mjtNum* qpos);
+  // The scene compiled with what is there now and without a pool, for files.
+  std::shared_ptr<CompiledScene> WithoutPool();
+  // An Error that an object cannot be `what`.
+  void RequireOwnModel(const char* what, const std::string& object) const;
   const mjModel* model() const { return compiled->model(); }
 };
 

@@ -360,5 +360,20 @@ TEST(CompiledScene, SaysWhatTheEngineRefuses) {
                              "`mass` or the body an <inertial>");
 }
 
+TEST(Scene, SwappingObjectsOfThePoolAllocatesNothing) {
+  SceneSpec spec = EmptyScene();
+  spec.objects = {BoxObject("there", {0.5, 0, 0.02}), BoxObject("a", {0.5, 0.2, 0.02})};
+  spec.objects[1].parked = true;
+  Scene scene = Scene::Build(spec);
+  const std::string name = "a";
+  const Pose pose(Eigen::Vector3d(0.4, 0.4, 0.02));
+  const AllocationCount count;
+  for (int i = 0; i < 10; ++i) {
+    scene.AddObject(name, pose);
+    scene.RemoveObject(name);
+  }
+  EXPECT_EQ(count.allocations(), 0);
+}
+
 }  // namespace
 }  // namespace robocell

@@ -44,6 +44,7 @@ struct SceneObject {
   Vec4 quat = kIdentityQuat;
   bool reset_root_pose = false;
   std::optional<bool> fixed = {};
+  std::optional<bool> parked = {};
 
   static constexpr const char* kTypeName = "SceneObject";
   template <class V>
@@ -69,6 +70,9 @@ struct SceneObject {
     v("reset_root_pose", &SceneObject::reset_root_pose,
       "Drop the pose authored on the model's root.");
     v("fixed", &SceneObject::fixed, "Unset: as authored for models, free for primitives.");
+    v("parked", &SceneObject::parked,
+      "Set for objects of the pool, which are added and removed without compiling: true when a "
+      "reset leaves it outside of the scene, false when inside. They can move freely.");
   }
   Pose pose() const { return PlacementPose(pos, euler, quat); }
   void Validate(Problems& problems) const;
