@@ -18,9 +18,12 @@ namespace {
 
 IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
                  const std::vector<std::string>& locked_groups, double tolerance,
-                 bool position_only, bool prefer_near_seed) {
-  IkOptions options{
-      .tolerance = tolerance, .position_only = position_only, .prefer_near_seed = prefer_near_seed};
+                 bool position_only, bool prefer_near_seed, int max_restarts, int max_iterations) {
+  IkOptions options{.tolerance = tolerance,
+                    .position_only = position_only,
+                    .prefer_near_seed = prefer_near_seed,
+                    .max_restarts = max_restarts,
+                    .max_iterations = max_iterations};
   if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
   options.locked = k.robot.LockGroups(locked_groups);
   const Pose pose = target.get();
@@ -29,8 +32,9 @@ IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed
 }
 
 nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
-                      const std::vector<std::string>& locked_groups, double tolerance,
-                      int threads) {
+                      const std::vector<std::string>& locked_groups, double tolerance, int threads,
+                      bool position_only, bool prefer_near_seed, int max_restarts,
+                      int max_iterations) {
   const std::vector<Pose> poses = PosesFromMatrices(ToDoubles(targets, "targets"), "targets");
   std::vector<double> seed_values;
   if (!seeds.is_none()) {
@@ -43,11 +47,15 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
   {
     const nb::gil_scoped_release release;
     SignalPoll poll;
-    result =
-        IkBatch(k.robot.chain(), poses, seed_values,
-                {.ik = {.tolerance = tolerance, .locked = locked}, .threads = threads, .poll = [&] {
-                   poll();
-                 }});
+    const IkBatchOptions options{.ik = {.tolerance = tolerance,
+                                        .locked = locked,
+                                        .position_only = position_only,
+                                        .prefer_near_seed = prefer_near_seed,
+                                        .max_restarts = max_restarts,
+                                        .max_iterations = max_iterations},
+                                 .threads = threads,
+                                 .poll = [&] { poll(); }};
+    result = IkBatch(k.robot.chain(), poses, seed_values, options);
   }
   const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
   nb::object make = nb::module_::import_("types").attr("SimpleNamespace");
@@ -88,7 +96,9 @@ void BindKinematics(nb::module_& m) {
       .def_ro("success", &IkResult::success)
       .def_ro("position_error", &IkResult::position_error, "Metres.")
       .def_ro("rotation_error", &IkResult::rotation_error, "Radians.")
-      .def_ro("iterations", &IkResult::iterations)
+      .def_ro("iterations", &IkResult::iterations,
+              "Steps; those that lanes take at once count as one.")
+      .def_ro("restarts", &IkResult::restarts, "Starts before the one that led to q.")
       .def("__bool__", [](const IkResult& r) { return r.success; })
       .def("__repr__", [](const IkResult& r) {
         return "<IkResult " + std::string(r.success ? "success" : "no solution") + ", " +
@@ -109,7 +119,8 @@ void BindKinematics(nb::module_& m) {
            "(6, n) at the TCP, axes of the robot base frame, linear rows first.")
       .def("ik", &SolveIk, "target"_a, "seed"_a = nb::none(),
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
-           "position_only"_a = false, "prefer_near_seed"_a = false,
+           "position_only"_a = false, "prefer_near_seed"_a = false, "max_restarts"_a = 100,
+           "max_iterations"_a = 40,
            "Joint values that put the TCP at `target` (in the robot base frame). Starts at `seed`, "
            "else where the arm is.\n\n"
            "The joints of `locked_groups` stay where the seed has them. "
@@ -118,9 +129,12 @@ void BindKinematics(nb::module_& m) {
            "evenly spread restarts.")
       .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(),
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5, "threads"_a = 1,
+           "position_only"_a = false, "prefer_near_seed"_a = false, "max_restarts"_a = 100,
+           "max_iterations"_a = 40,
            nb::sig("def ik_batch(self, targets: object, seeds: object | None = None, "
                    "locked_groups: collections.abc.Sequence[str] = [], tolerance: float = 1e-05, "
-                   "threads: int = 1) -> types.SimpleNamespace"),
+                   "threads: int = 1, position_only: bool = False, prefer_near_seed: bool = False, "
+                   "max_restarts: int = 100, max_iterations: int = 40) -> types.SimpleNamespace"),
            "Many poses at once, as many at a time as the processor has lanes.\n\n"
            "targets (B, 4, 4) in the robot base frame. seeds (B, n) or (n,): where each search "
            "begins, and where the joints of `locked_groups` stay; without seeds it begins near "

@@ -342,6 +342,22 @@ class TestLockedGroups:
         assert batch.success.all()
         np.testing.assert_array_equal(batch.q[:, 5:], [seed[5:]] * 2)
 
+    def test_batches_take_the_options_of_single_poses(self, robot):
+        target = robot.kinematics.fk(robot.arm.joint_pos + 0.1)
+        turned = (target * rc.Pose(rpy=[1, 1, 1])).matrix[None]
+        found = robot.kinematics.ik_batch(turned, position_only=True)
+        assert found.success.all()
+        reached = robot.kinematics.fk(found.q[0]).translation
+        np.testing.assert_allclose(reached, target.translation, atol=1e-5)
+        seed = robot.arm.joint_pos
+        options = {"seeds": seed, "max_restarts": 0, "max_iterations": 0}
+        assert not robot.kinematics.ik_batch(target.matrix[None], **options).success.any()
+        alone = robot.kinematics.ik(target, seed=seed, max_restarts=0, max_iterations=0)
+        assert (alone.success, alone.iterations, alone.restarts) == (False, 0, 0)
+        near = robot.kinematics.ik_batch(target.matrix[None], seeds=seed, prefer_near_seed=True)
+        one = robot.kinematics.ik(target, seed=seed, prefer_near_seed=True)
+        np.testing.assert_allclose(near.q[0], one.q, atol=1e-12)
+
     def test_groups_outside_the_chain_stand_still_anyway(self, robot):
         target = robot.kinematics.fk(robot.arm.joint_pos + 0.1)
         free = robot.kinematics.ik(target)

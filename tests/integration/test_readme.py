@@ -40,7 +40,7 @@ GIVEN = {
     "mujoco": "",
     "render": "Scene scene, Eigen::Vector3d cube_in_world",
     "robots": "Robot robot",
-    "scenes": "",
+    "scenes": "Scene scene, Robot robot",
     "spec": "",
 }
 

@@ -15,7 +15,7 @@
 //
 // Errors: NotFoundError for a missing body or site, ArgumentError for a chain that cannot be made
 // and for a wrong number of joint values. Threads: a Chain is immutable, its functions are const,
-// allocate nothing and may run in parallel.
+// allocate nothing and may run in parallel; what solvers need is made once, when first asked for.
 //
 //   Chain chain(model, "link_base", ChainTip::Site("link_tcp"));
 //   Pose tip_in_base = chain.Fk(q);

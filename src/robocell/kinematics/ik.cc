@@ -31,7 +31,7 @@ class NearSearch {
     const int restarts =
         too_far ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
     for (int k = 0, found = 0; k <= restarts && found < kSolutionsCompared; ++k) {
-      best_.restarts = k;
+      start_ = k;
       found += Try(Start(k));
     }
     best_.iterations = descent_.iterations();
@@ -79,9 +79,8 @@ class NearSearch {
   // Makes q the answer and judges it by a fresh forward kinematics.
   void Keep(JointVector q, double cost) {
     UnwindTowards(chain_, seed_, options_.locked, &q);
-    const int restarts = best_.restarts;
     best_ = Judged(chain_, target_, options_, q);
-    best_.restarts = restarts;
+    best_.restarts = start_;
     best_cost_ = cost;
   }
 
@@ -90,6 +89,7 @@ class NearSearch {
   Transform target_;
   IkDescent descent_;
   JointVector seed_;
+  int start_ = 0;
   IkResult best_;
   double best_cost_ = std::numeric_limits<double>::infinity();
 };

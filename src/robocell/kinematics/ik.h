@@ -51,7 +51,7 @@ struct IkOptions {
   bool prefer_near_seed = false;
   // Starts after the one from the seed.
   int max_restarts = 100;
-  // Steps of one start.
+  // Most steps of one start; starts that get nowhere end earlier.
   int max_iterations = 40;
 };
 

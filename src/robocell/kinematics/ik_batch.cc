@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/lane_solver.h"
 
 namespace robocell {
@@ -46,6 +47,7 @@ class Batch {
 
   void Run() {
     const int threads = std::clamp(options_.threads, 1, std::max(1, out_.size));
+    if (threads > 1) chain_.lanes().starts(chain_.model());  // what throws, throws here
     std::vector<std::jthread> helpers;
     const Ending ending{ended_};  // destroyed before the helpers are joined
     for (int t = 1; t < threads; ++t)

@@ -123,6 +123,22 @@ TEST(IkBatchOfRandomChains, SaysOfWhatNothingReachesHowNearItCame) {
   }
 }
 
+// Numbers that no kernel survives: the answer is inside the limits, and the question's own.
+TEST(IkBatchOfRandomChains, AnswersAbsurdTargetsBehindOthersAsAlone) {
+  Rng rng = Rng::Stream(8, "absurd");
+  const TestModel t = TestModel::FromXml(
+      RandomChainXml(&rng, {.joints = 5, .slide_share = 0, .limited_share = 1}).Write());
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  for (const double far : {1e30, 1e160, 1.79e308}) {
+    std::vector<Pose> targets = ReachableTargets(chain, 40, &rng);
+    targets.emplace_back(Eigen::Vector3d(far, far, 0));
+    const IkBatchResult all = IkBatch(chain, targets);
+    const IkBatchResult alone = IkBatch(chain, std::span(targets).last(1));
+    EXPECT_TRUE(std::ranges::equal(all.row(40), alone.row(0))) << far;
+    EXPECT_TRUE(InLimits(chain, alone.row(0))) << far;
+  }
+}
+
 TEST(IkBatchOfRandomChains, ReachesPositionsWithAnyRotationWhenAsked) {
   Rng rng = Rng::Stream(7, "positions");
   const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 4}).Write());

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <thread>
 
 #include "robocell/kinematics/testing/models.h"
 #include "robocell/testing/expect_throw.h"
@@ -57,6 +58,19 @@ TEST_F(IkBatchTest, DoesNotDependOnOrderOrThreads) {
   const IkBatchResult reversed = IkBatch(chain_, targets_);
   for (int b = 0; b < all.size; ++b)
     EXPECT_TRUE(std::ranges::equal(reversed.row(39 - b), all.row(b))) << b;
+}
+
+// What a chain makes when it is first asked for, is asked for by several threads.
+TEST_F(IkBatchTest, AFreshChainMayBeAskedByManyThreads) {
+  const IkBatchResult expected = IkBatch(chain_, targets_);
+  const Chain fresh(model_.model(), "base", ChainTip::Site("tip"));
+  std::vector<IkBatchResult> results(3);
+  {
+    std::vector<std::jthread> threads;
+    for (IkBatchResult& result : results)
+      threads.emplace_back([&] { IkBatch(fresh, targets_, {}, {}, &result); });
+  }
+  for (const IkBatchResult& result : results) EXPECT_EQ(result.q, expected.q);
 }
 
 TEST_F(IkBatchTest, GivesOneSeedToAll) {

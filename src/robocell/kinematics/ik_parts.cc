@@ -12,6 +12,8 @@ namespace robocell {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
+// After more of them too few digits are left for an angle.
+constexpr double kMostTurns = 1e5;
 
 }  // namespace
 
@@ -49,7 +51,7 @@ void UnwindTowards(const ChainModel& chain, const JointVector& seed, const Locke
     const JointModel& joint = chain.joints[i];
     if (joint.slide || locked[i]) continue;
     const double turns = std::round((seed[i] - (*q)[i]) / kTurn);
-    if (turns == 0) continue;
+    if (turns == 0 || std::abs(turns) > kMostTurns) continue;
     const double moved = (*q)[i] + turns * kTurn;
     if (moved >= joint.lower && moved <= joint.upper) (*q)[i] = moved;
   }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 #include <thread>
 
@@ -176,6 +177,75 @@ TEST(Ik, FindsTheStretchedPoseWhereTheJacobianIsSingular) {
     const IkResult result = Ik(chain, chain.Fk(JointVector{0.4, elbow, 0.1}));
     EXPECT_TRUE(result.success) << elbow << " " << result.position_error;
   }
+}
+
+// One hinge after the other along x, and slides where the axis says so.
+std::string Row(const std::vector<std::string>& joints, double link, double tip) {
+  std::string open, close;
+  for (const std::string& joint : joints) {
+    open += fmt::format("<body pos='{} 0 0'><joint {}/><geom size='.1'/>", link, joint);
+    close += "</body>";
+  }
+  return fmt::format(
+      "<mujoco><compiler angle='radian'/><worldbody><body name='base'><geom size='.1'/>{}"
+      "<site name='tip' pos='{} 0 0'/>{}</body></worldbody></mujoco>",
+      open, tip, close);
+}
+
+TEST(Ik, TurnsTheLastHingeHalfAroundAndNothingElse) {
+  const TestModel t = TestModel::FromXml(kPlanar);
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  const JointVector seed = {0.4, 1, 0.1};
+  for (const double off : {0.0, 1e-9, 1e-3}) {
+    const Pose target = chain.Fk(JointVector{0.4, 1, 0.1 + kPi - off});
+    const IkResult result = Ik(chain, target, {.seed = seed});
+    ASSERT_TRUE(result.success);
+    EXPECT_EQ(result.restarts, 0);
+    EXPECT_NEAR(result.q[0], 0.4, 1e-4);
+    EXPECT_NEAR(result.q[1], 1, 1e-4);
+  }
+}
+
+TEST(Ik, ComesAsNearAsItCanToHalfATurn) {
+  const TestModel t = TestModel::FromXml(Row({"range='-1 1' axis='1 0 0'"}, 0, 0));
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  for (const double turn : {kPi, kPi - 1e-3, kPi - 0.1}) {
+    const Pose target(Eigen::Vector3d::Zero(),
+                      Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitX()).toRotationMatrix());
+    const IkResult result = Ik(chain, target, {.seed = JointVector{0}});
+    EXPECT_FALSE(result.success);
+    EXPECT_NEAR(result.rotation_error, turn - 1, 1e-6) << turn;
+  }
+}
+
+TEST(Ik, TravelsFarOnSlidesWithoutLimits) {
+  for (const double tip : {0.002, 0.5}) {
+    const TestModel t = TestModel::FromXml(
+        Row({"type='slide' axis='1 0 0'", "type='slide' axis='0 1 0'", "axis='0 0 1'"}, 0, tip));
+    const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+    for (const double far : {3.0, -50.0, 3000.0}) {
+      const Pose target = chain.Fk(JointVector{far, -0.5 * far, 2});
+      EXPECT_TRUE(Ik(chain, target).success) << tip << " " << far;
+      EXPECT_TRUE(Ik(chain, target, {.seed = JointVector{0, 0, 0}}).success) << tip << " " << far;
+    }
+  }
+}
+
+TEST(Ik, CountsStepsAndObeysTheirNumber) {
+  const TestModel t = TestModel::FromXml(Row({"type='slide' axis='1 0 0'"}, 0, 0));
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  const Pose target(Eigen::Vector3d(0.3, 0, 0));
+  IkOptions options{.tolerance = 0.01, .seed = {0}, .max_restarts = 0, .max_iterations = 0};
+  EXPECT_FALSE(Ik(chain, target, options).success);
+  EXPECT_EQ(Ik(chain, target, options).q[0], 0);
+  EXPECT_EQ(Ik(chain, Pose(), options).iterations, 0);
+  EXPECT_TRUE(Ik(chain, Pose(), options).success);
+  options.max_iterations = 1;
+  const IkResult one = Ik(chain, target, options);
+  EXPECT_TRUE(one.success) << one.position_error;
+  EXPECT_EQ(one.iterations, 1);
+  options.max_restarts = std::numeric_limits<int>::max();
+  EXPECT_TRUE(Ik(chain, target, options).success);
 }
 
 TEST(Ik, KeepsLockedJointsExactlyWhereTheSeedHasThem) {

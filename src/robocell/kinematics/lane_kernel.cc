@@ -5,7 +5,9 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/kinematics/lane_kernel.cc"
 // Without fused multiplication there is little to gain.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL)
+// Registers without a fixed size cannot be members.
+#define HWY_DISABLED_TARGETS \
+  (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -26,10 +28,13 @@ constexpr D d;
 // target would crawl (T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by the
 // Levenberg-Marquardt Method", 2011).
 constexpr double kDamping = 0.01, kLeastDamping = 1e-9;
-// A far target pulls no stronger than one at this cost.
+// Beyond this cost the damping grows no more.
 constexpr double kMostCost = 4;
 // No hinge turns farther in one step (rad): the linear model holds no longer.
 constexpr double kLargestTurn = 1.2;
+// Of 2 (1 + cos(angle)): below this the rotation left is nearly half a turn, whose axis is lost in
+// the difference between turning this way and that.
+constexpr double kNearHalfTurn = 1e-2;
 
 HWY_INLINE V Load(const double* p) { return hn::Load(d, p); }
 HWY_INLINE V Number(double value) { return hn::Set(d, value); }
@@ -47,6 +52,9 @@ HWY_INLINE V Dot(const V3& a, const V3& b) {
 // a * s + b
 HWY_INLINE V3 MulAdd(V s, const V3& a, const V3& b) {
   return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y), hn::MulAdd(s, a.z, b.z)};
+}
+HWY_INLINE V3 Times(V s, const V3& a) {
+  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
 }
 HWY_INLINE V3 Sub(const V3& a, const V3& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
@@ -71,10 +79,7 @@ struct Frame {
 };
 
 HWY_INLINE V3 Times(const Frame& f, const double* v) {
-  return MulAdd(Number(v[0]), f.x,
-                MulAdd(Number(v[1]), f.y,
-                       {hn::Mul(Number(v[2]), f.z.x), hn::Mul(Number(v[2]), f.z.y),
-                        hn::Mul(Number(v[2]), f.z.z)}));
+  return MulAdd(Number(v[0]), f.x, MulAdd(Number(v[1]), f.y, Times(Number(v[2]), f.z)));
 }
 
 HWY_NOINLINE void WholeLink(const PlainTransform& link, Frame* f) {
@@ -157,6 +162,25 @@ HWY_INLINE void Solve(System* s) {
   }
 }
 
+// For lanes with nearly half a turn left: some axis of it, from how a vector and its image lie (R +
+// 1 is 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine.
+HWY_NOINLINE void TurnAround(const Frame& f, const V3& x, const V3& y, const V3& z, const V3& sine2,
+                             V cosine2, hn::Mask<D> lanes, V3* angular, V* turn2) {
+  const V3 some = {Number(0.48), Number(0.60), Number(0.64)};
+  V3 axis = MulAdd(Dot(f.x, some), x, MulAdd(Dot(f.y, some), y, Times(Dot(f.z, some), z)));
+  axis = Add(axis, some);
+  const V length2 = hn::Max(Dot(axis, axis), Number(1e-12));
+  // The way on which the turn is a little shorter.
+  const V shorter = hn::CopySign(Number(3), Dot(axis, sine2));
+  axis = Times(hn::Div(shorter, hn::Sqrt(length2)), axis);
+  angular->x = hn::IfThenElse(lanes, axis.x, angular->x);
+  angular->y = hn::IfThenElse(lanes, axis.y, angular->y);
+  angular->z = hn::IfThenElse(lanes, axis.z, angular->z);
+  const V tangent2 =
+      hn::Div(hn::Mul(Number(4), hn::Sub(Number(4), cosine2)), hn::Max(cosine2, Number(1e-3)));
+  *turn2 = hn::IfThenElse(lanes, tangent2, *turn2);
+}
+
 template <int N>
 HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& options, int lane,
                               LaneState* state) {
@@ -175,16 +199,21 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
   const V3 sine2 = Add(Cross(f.x, x), Add(Cross(f.y, y), Cross(f.z, z)));   // 2 sin(angle) axis
   const V trace = hn::Add(Dot(f.x, x), hn::Add(Dot(f.y, y), Dot(f.z, z)));  // 1 + 2 cos(angle)
   // 2 tan(angle / 2) axis; grows beyond all bounds at half a turn.
-  V scale = hn::Div(Number(2), hn::Max(hn::Add(trace, Number(1)), Number(1e-3)));
+  const V cosine2 = hn::Add(trace, Number(1));  // 2 (1 + cos(angle))
+  V scale = hn::Div(Number(2), hn::Max(cosine2, Number(kNearHalfTurn)));
   if (options.position_only) scale = hn::Zero(d);
-  const V3 angular = {hn::Mul(scale, sine2.x), hn::Mul(scale, sine2.y), hn::Mul(scale, sine2.z)};
-  const V distance2 = Dot(linear, linear), turn2 = Dot(angular, angular);
+  V3 angular = Times(scale, sine2);
+  const V distance2 = Dot(linear, linear);
+  V turn2 = Dot(angular, angular);
+  const auto half_turn = hn::Lt(cosine2, Number(kNearHalfTurn));
+  if (HWY_UNLIKELY(!options.position_only && !hn::AllFalse(d, half_turn)))
+    TurnAround(f, x, y, z, sine2, cosine2, half_turn, &angular, &turn2);
   const V cost = hn::Add(distance2, turn2);
   hn::Store(distance2, d, state->distance2 + lane);
   hn::Store(turn2, d, state->turn2 + lane);
   const V best = Load(state->best_cost + lane);
   const auto better = hn::Lt(cost, best);
-  hn::Store(hn::Min(cost, best), d, state->best_cost + lane);
+  hn::Store(hn::IfThenElse(better, cost, best), d, state->best_cost + lane);
   for (int i = 0; i < n; ++i) hn::BlendedStore(q[i], better, d, state->best_q[i] + lane);
   const auto arrived =
       hn::And(hn::Le(distance2, Number(options.distance2)), hn::Le(turn2, Number(options.turn2)));
@@ -202,9 +231,7 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
     const FoldedJoint& joint = chain.joints[i];
     V3 moves, turns = axes[i].direction;
     if (HWY_UNLIKELY(joint.slide)) {
-      const V per_metre = Number(chain.per_metre);
-      moves = {hn::Mul(turns.x, per_metre), hn::Mul(turns.y, per_metre),
-               hn::Mul(turns.z, per_metre)};
+      moves = Times(Number(chain.per_metre), turns);
       turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     } else {
       moves = Cross(turns, Sub(tip, axes[i].point));
@@ -242,12 +269,15 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
     step[i] = sum;
     if (!chain.joints[i].slide) most = hn::Max(most, hn::Abs(sum));
   }
+  // Slides are linear however far they go.
+  const V go = hn::IfThenZeroElse(arrived, Number(1));
   const V shorten = hn::IfThenZeroElse(
       arrived, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
   for (int i = 0; i < n; ++i) {
     if (HWY_UNLIKELY(options.locked[i])) continue;
     const FoldedJoint& joint = chain.joints[i];
-    const V moved = hn::MulAdd(shorten, step[i], q[i]);
+    const V part = joint.slide ? go : shorten;
+    const V moved = hn::MulAdd(part, step[i], q[i]);
     hn::Store(hn::Min(hn::Max(moved, Number(joint.lower)), Number(joint.upper)), d,
               state->q[i] + lane);
   }

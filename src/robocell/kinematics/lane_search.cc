@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdint>
 
 #include "robocell/kinematics/lane_starts.h"
 
@@ -18,7 +19,7 @@ class LaneSearch {
       : work_(chain, options),
         target_(target),
         starts_(work_, target, options.seed),
-        starts_left_(1 + work_.RestartsFor(target)) {}
+        starts_left_(1 + int64_t{work_.RestartsFor(target)}) {}
 
   IkResult Run() {
     Begin(0);
@@ -27,7 +28,7 @@ class LaneSearch {
       if (steps_ == kStepsAlone) Join();
     }
     if (!answer_.success) answer_ = Judged(work_.chain(), target_, work_.options(), Best());
-    answer_.iterations = steps_;
+    answer_.iterations = steps_ - 1;  // the last one only measured
     answer_.restarts = answer_.success ? winner_ : starts_.begun() - 1;
     return answer_;
   }
@@ -94,7 +95,7 @@ class LaneSearch {
   LaneWork work_;
   const Transform& target_;
   LaneStarts starts_;
-  int starts_left_;
+  int64_t starts_left_;
   int steps_ = 0;
   bool joined_ = false;
   uint32_t busy_ = 0;

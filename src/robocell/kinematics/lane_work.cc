@@ -16,8 +16,10 @@ constexpr int StepsOf(int start) { return start < 4 ? 12 : start < 12 ? 20 : 40;
 constexpr int kFirstLook = 5, kSecondLook = 8, kStartsLookedAt = 8;
 constexpr double kFirstCost = 0.1, kSecondCost = 1e-4;
 // Targets are pulled in to this many reaches from the root: the way to the nearest point is the
-// same, and no number overflows.
-constexpr double kMostReaches = 1.5, kMostLengths = 1e3;
+// same.
+constexpr double kMostReaches = 1.5;
+// And to these lengths of the chain, and metres: no number overflows.
+constexpr double kMostLengths = 1e9, kMostMetres = 1e100;
 
 }  // namespace
 
@@ -38,14 +40,25 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
 
 void LaneWork::Aim(int lane, const Transform& tip_in_base) {
   state_.best_cost[lane] = std::numeric_limits<double>::infinity();
-  const Transform target = chain_.joints[0].fixed.inverse() * tip_in_base;
+  Transform tip = tip_in_base;
+  tip.translation = tip.translation.cwiseMax(-kMostMetres).cwiseMin(kMostMetres);
+  const Transform target = chain_.joints[0].fixed.inverse() * tip;
   const Eigen::Matrix3d axes = target.rotation * chain_.last_to_tip.rotation.transpose();
   for (int i = 0; i < 9; ++i) state_.axes[i][lane] = axes.data()[i];
   Eigen::Vector3d position = target.translation * folded_.per_metre;
-  const double far = std::min(kMostReaches * chain_.reach_bound * folded_.per_metre, kMostLengths);
+  // Locked joints may be beyond the limits, and so beyond the reach.
+  const double reach = any_locked_ ? kMostLengths : chain_.reach_bound * folded_.per_metre;
+  const double far = std::min(kMostReaches * reach, kMostLengths);
   const double distance = position.stableNorm();
   if (distance > far) position *= far / distance;
   for (int i = 0; i < 3; ++i) state_.position[i][lane] = position[i];
+}
+
+void LaneWork::PutJoint(int lane, int i, double value) {
+  const JointModel& joint = chain_.joints[i];
+  if (!options_.locked[i]) value = std::clamp(value, joint.lower, joint.upper);
+  state_.q[i][lane] = value;
+  if (std::isinf(state_.best_cost[lane])) state_.best_q[i][lane] = value;
 }
 
 JointVector LaneWork::Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
@@ -57,7 +70,7 @@ JointVector LaneWork::Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], in
 }
 
 bool LaneWork::IsHopeless(int lane, int start, int age) const {
-  if (age >= std::min(options_.max_iterations, StepsOf(start))) return true;
+  if (age > std::min(options_.max_iterations, StepsOf(start))) return true;
   if (start >= kStartsLookedAt) return false;
   const double cost = state_.distance2[lane] + state_.turn2[lane];
   return (age == kFirstLook && cost > kFirstCost) || (age == kSecondLook && cost > kSecondCost);

@@ -18,9 +18,10 @@ class LaneWork {
 
   // A new question for a lane; forgets the best of the last one.
   void Aim(int lane, const Transform& tip_in_base);
+  // Where the lane starts; the best there is until something better is met.
   template <class Number>
   void Put(int lane, const Number* q) {
-    for (int i = 0; i < chain_.n; ++i) state_.q[i][lane] = q[i];
+    for (int i = 0; i < chain_.n; ++i) PutJoint(lane, i, q[i]);
   }
   // Measures the busy lanes (bits) and moves them on; the bits of those that have arrived.
   uint32_t Step(uint32_t busy) { return StepLanes(folded_, limits_, busy, &state_) & busy; }
@@ -33,8 +34,8 @@ class LaneWork {
   }
   double best_cost(int lane) const { return state_.best_cost[lane]; }
 
-  // Whether the start with this number (0, 1, ...) that has made `age` steps in the lane is to be
-  // given up: it came too slowly, or took too long.
+  // Whether the start with this number (0, 1, ...) that was measured `age` times in the lane is to
+  // be given up: it came too slowly, or took too long.
   bool IsHopeless(int lane, int start, int age) const;
   // Starts that the table has for a target; null when it has none, as it knows no locked joints.
   const StartTable* table() const;
@@ -42,6 +43,7 @@ class LaneWork {
   int RestartsFor(const Transform& tip_in_base) const;
 
  private:
+  void PutJoint(int lane, int i, double value);
   JointVector Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
                     const JointVector& seed) const;
 

@@ -72,7 +72,8 @@ void StartTable::MakeCells(const std::vector<std::array<float, kColumns>>& poses
     sides[axis] = (*high)[axis] - (*low)[axis];
   }
   const float longest = *std::max_element(sides.begin(), sides.end());
-  per_edge_ = longest > 0 ? kCellsAlongTheLongestSide / longest : 0;
+  // Rounding is no space.
+  per_edge_ = longest * std::sqrt(per_distance2_) > 1e-5F ? kCellsAlongTheLongestSide / longest : 0;
   for (int axis = 0; axis < 3; ++axis)
     cells_[axis] = std::max(1, static_cast<int>(std::ceil(sides[axis] * per_edge_)));
 
@@ -86,7 +87,8 @@ int StartTable::CellOf(const float* position) const {
   for (int axis = 0; axis < 3; ++axis) {
     const float at = (position[axis] - corner_[axis]) * per_edge_;
     const float last = static_cast<float>(cells_[axis] - 1);
-    cell = cell * cells_[axis] + static_cast<int>(std::clamp(at, 0.F, last));
+    // What is no number (an infinite position in a table of one place) is in the first cell.
+    cell = cell * cells_[axis] + (at > 0 ? static_cast<int>(std::min(at, last)) : 0);
   }
   return cell;
 }

@@ -69,5 +69,19 @@ TEST_F(StartTableTest, AreThereForPosesThatNothingReaches) {
   }
 }
 
+// All configurations put the tip at the same place.
+TEST(StartTable, MayHaveOnePlaceOnly) {
+  ChainModel chain;
+  chain.n = 1;
+  chain.joints[0].lower = -1;
+  chain.joints[0].upper = 1;
+  const StartTable table(chain);
+  for (const double far : {0.0, 1.0, 1e39, 1e300}) {
+    StartTable::Place place;
+    table.Next(StartTable::At({Eigen::Matrix3d::Identity(), {far, -far, 0}}, false), &place);
+    EXPECT_EQ(place.entry >= 0, far < 1e19) << far;
+  }
+}
+
 }  // namespace
 }  // namespace robocell
