@@ -326,7 +326,8 @@ void BindRobotClass(nb::module_& m) {
       .def("ft_sensor_frame", &Robot::ft_sensor_frame, "name"_a,
            "Pose in the world of the site that the reading is expressed in.")
       .def("tare_ft_sensor", &Robot::TareFtSensor, "name"_a,
-           "What the sensor reads now is taken off its readings until the next reset.")
+           "What the sensor reads now, as the last step or forward() left it, is taken off its "
+           "readings until the next reset.")
       .def(
           "kdl_chain", [](const Robot& r) { return ToPyKdl(r.chain()); },
           nb::sig("def kdl_chain(self) -> typing.Any"),

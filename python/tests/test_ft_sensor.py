@@ -82,6 +82,22 @@ def test_tare_and_compensation():
     assert not robot.ft_sensor_wrench("wrist_ft").any()
 
 
+def test_after_a_reset_it_reads_the_new_state_and_can_be_tared(robot: rc.Robot):
+    for _ in range(50):
+        robot.update()
+        robot.step()
+    robot.scene.reset()
+    after = robot.ft_sensor_wrench("wrist_ft").copy()
+    assert np.linalg.norm(after[:3]) > 5
+    robot.scene.forward()
+    robot.update()
+    np.testing.assert_allclose(robot.ft_sensor_wrench("wrist_ft"), after, atol=1e-6)
+    robot.scene.reset()
+    robot.tare_ft_sensor("wrist_ft")
+    robot.update()
+    np.testing.assert_allclose(robot.ft_sensor_wrench("wrist_ft"), np.zeros(6), atol=1e-9)
+
+
 def test_wrong_names_are_told(robot: rc.Robot):
     with pytest.raises(rc.NotFoundError, match=r"no ft sensor 'wrist'.*Did you mean 'wrist_ft'\?"):
         robot.ft_sensor_wrench("wrist")

@@ -139,6 +139,34 @@ TEST_F(FtSensorTest, TareTakesOffWhatItReadsUntilTheNextReset) {
   EXPECT_LT(FtError(robot.ft_sensor("wrist_ft"), before), 1e-9);
 }
 
+TEST_F(FtSensorTest, AfterAResetItReadsWhatHangsFromItThen) {
+  Robot robot = Make();
+  Scene scene = robot.scene();
+  scene.SetBodyWrench("w_mass", {0, 0, -2}, {0, 0, 0});
+  Turn(robot, Pose(Eigen::Vector3d(0, 0, 1), Quaternion{1, 0, 0, 0}));
+  scene.Reset();
+  const Wrench after = robot.ft_sensor("wrist_ft");
+  EXPECT_NEAR(after.force.norm(), kMass * kGravity, 1e-3);
+  scene.Forward();
+  robot.Update();
+  EXPECT_LT(FtError(robot.ft_sensor("wrist_ft"), after), 1e-9);
+  scene.Reset();
+  robot.TareFtSensor("wrist_ft");
+  EXPECT_EQ(robot.ft_sensor("wrist_ft"), Wrench{});
+  robot.Update();
+  EXPECT_LT(robot.ft_sensor("wrist_ft").vector().norm(), 1e-9);
+}
+
+TEST_F(FtSensorTest, TareTakesOffWhatItReadsNowAndNotWhatTheLastUpdateRead) {
+  Robot robot = Make();
+  Turn(robot, Pose(Eigen::Vector3d(0, 0, 1)));
+  robot.scene().SetBodyWrench("w_mass", {0, 0, -2}, {0, 0, 0});
+  robot.scene().Forward();
+  robot.TareFtSensor("wrist_ft");
+  robot.Update();
+  EXPECT_LT(robot.ft_sensor("wrist_ft").vector().norm(), 1e-9);
+}
+
 TEST_F(FtSensorTest, ReadsOnWhenObjectsComeAndGo) {
   Robot robot = Make();
   Scene scene = robot.scene();

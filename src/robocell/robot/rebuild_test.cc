@@ -157,9 +157,15 @@ TEST(Rebuild, ARobotThatWentWithItsObjectSaysSoAndComesBack) {
   ExpectThrow<ClosedError>([&] { robot.arm(); }, why);
   EXPECT_TRUE(robot.body_ids().empty());
   EXPECT_TRUE(scene.Step().ok());
+  scene.Reset();
+  EXPECT_EQ(scene.time(), 0);
+  ExpectThrow<ClosedError>([&] { robot.Update(); }, why);
   scene.AddObject(door);
   robot.Update();
   EXPECT_EQ(robot.n_joints(), 1);
+  scene.data()->qpos[0] = 0.5;
+  scene.Reset();
+  EXPECT_EQ(robot.jnt_pos_msr()[0], 0);
 }
 
 }  // namespace

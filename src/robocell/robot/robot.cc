@@ -279,7 +279,7 @@ Pose Robot::ft_sensor_frame(const std::string& name) const {
 
 void Robot::TareFtSensor(const std::string& name) {
   FtReading& reading = state_->RequireFtSensor(name);
-  reading.tare = reading.tare + reading.value;
+  reading.tare = reading.sensor.Read(state_->scene.model(), state_->scene.data());
   reading.value = {};
 }
 

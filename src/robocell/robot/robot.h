@@ -159,12 +159,13 @@ class Robot {
   // takes it where it is now, as of a gripper that has closed, until the next reset or rebuild.
   void RefreshToolInertia();
   // Force-torque sensors: those of the configuration, or of the ToolFrameSpec. The reading is what
-  // Update() read: the load on the sensor (ft_sensor.h says which way it points), less what tare
-  // took off. NotFoundError lists the sensors.
+  // Update() or the end of a reset read: the load on the sensor (ft_sensor.h says which way it
+  // points), less what tare took off. NotFoundError lists the sensors.
   std::vector<std::string> ft_sensor_names() const;
   const Wrench& ft_sensor(const std::string& name) const;
   Pose ft_sensor_frame(const std::string& name) const;  // of the reading, in the world
-  // What the sensor reads now is taken off its readings until the next reset.
+  // What the sensor reads now, as the last step or Forward() left it, is taken off its readings
+  // until the next reset.
   void TareFtSensor(const std::string& name);
   // Farthest the TCP gets from the root body, metres: configured, else measured once.
   double reach() const;

@@ -62,6 +62,7 @@ void Robot::State::RequireOpen() const {
 }
 
 void Robot::State::OnReset() {
+  if (!lost.empty()) return;
   if (refreshed_) RemakeChains();
   for (FtReading& reading : ft_sensors) reading.tare = {};
   for (size_t i = 0; i < slots.size(); ++i) {
@@ -72,7 +73,10 @@ void Robot::State::OnReset() {
     // The key that was restored holds servos only.
     if (controller->mode() != CtrlMode::kPosition) Run(*slot, *controller);
   }
-  ReadPorts();
+}
+
+void Robot::State::OnResetDone() {
+  if (lost.empty()) ReadPorts();
 }
 
 // A robot made of an object's bodies is lost when that object is removed, until one with the same

@@ -37,6 +37,7 @@ class Robot::State : public SceneObserver {
   State(const Scene& scene, RobotRecord record, ChainOptions chain_options = {});
 
   void OnReset() override;
+  void OnResetDone() override;
   void OnRebuild() override;
   // ClosedError after the scene was closed.
   void RequireOpen() const;

@@ -352,5 +352,19 @@ TEST(Robot, TheSameCommandsAfterAResetGiveTheSameBits) {
   EXPECT_EQ(Trajectory(RobotAlone(Rc7()), 5), first);
 }
 
+TEST(Robot, AfterAResetItsPortsAreThoseOfTheForwardThatEndsIt) {
+  Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));
+  Robot robot = Robot::Of(scene, "a");
+  scene.AddResetHook([](ResetContext& reset) {
+    mjData* data = reset.scene.data();
+    for (int i = 0; i < reset.scene.model()->nu; ++i) data->ctrl[i] += 0.1;
+  });
+  scene.Reset();
+  const std::vector<double> torque = robot.arm().joint_torque();
+  EXPECT_THAT(robot.jnt_trq_msr(), ::testing::ElementsAreArray(torque));
+  EXPECT_THAT(robot.jnt_pos_msr(), ::testing::ElementsAreArray(robot.arm().joint_pos()));
+  EXPECT_THAT(torque, ::testing::Contains(::testing::Ne(0)));
+}
+
 }  // namespace
 }  // namespace robocell

@@ -278,6 +278,40 @@ TEST(AddRemove, WhatWasWrittenToTheModelStays) {
   EXPECT_EQ(scene.model()->geom_contype[now], 2);
 }
 
+TEST(AddRemove, WhatWasWrittenToPairsAndSensorsStaysAndMassesAreSummedAnew) {
+  ModelFolder folder;
+  const std::string rig = folder.Write("rig", R"(<worldbody><body name="rig">
+      <geom name="plate" size="0.1"/><site name="here"/>
+      <body name="arm" pos="0.3 0 0"><joint axis="0 0 1"/><geom name="ball" size="0.1"/>
+      </body></body></worldbody>
+      <contact><pair geom1="plate" geom2="ball"/></contact>
+      <sensor><force site="here"/></sensor>)");
+  SceneSpec spec = EmptyScene();
+  spec.objects = {{.name = "rig", .mjcf_path = rig}, {.name = "twin", .mjcf_path = rig}};
+  Scene scene = Scene::Build(spec);
+  mjModel* m = scene.mutable_model();
+  ASSERT_EQ(m->npair, 2);
+  const auto number_of = [](const mjModel* model, const char* geom) {
+    const int id = RequireId(model, mjOBJ_GEOM, geom, "");
+    return model->pair_geom1[0] == id || model->pair_geom2[0] == id ? 0 : 1;
+  };
+  m->pair_friction[5 * number_of(m, "twin_ball")] = 0.125;
+  m->sensor_noise[1] = 0.25;
+  m->body_mass[RequireId(m, mjOBJ_BODY, "twin_arm", "")] = 0.75;
+  mj_setConst(m, scene.data());
+  const double mass = m->body_subtreemass[RequireId(m, mjOBJ_BODY, "twin_rig", "")];
+  const double all = m->body_subtreemass[0];
+  scene.AddObject(BoxObject("cube", {0.4, 0, 0.02}));
+  const mjModel* n = scene.model();
+  EXPECT_EQ(n->pair_friction[5 * number_of(n, "twin_ball")], 0.125);
+  EXPECT_EQ(n->sensor_noise[1], 0.25);
+  EXPECT_EQ(n->body_subtreemass[RequireId(n, mjOBJ_BODY, "twin_rig", "")], mass);
+  EXPECT_DOUBLE_EQ(n->body_subtreemass[0], all + 0.1);
+  scene.RemoveObject("rig");
+  EXPECT_EQ(scene.model()->pair_friction[0], 0.125);
+  EXPECT_EQ(scene.model()->sensor_noise[0], 0.25);
+}
+
 TEST(AddRemove, LaterResetsAndSavedFilesHaveTheObject) {
   SceneSpec spec = EmptyScene();
   spec.cameras.push_back({.name = "front", .pos = Vec3{2, 0, 1}, .fovy = 50});
@@ -383,6 +417,37 @@ TEST(AddRemove, WhatIsRefusedChangesNothing) {
             "where they are, build another scene without them");
 }
 
+// Names do not say whose a frame is: `cup_big_handle` could be of `cup` as well.
+TEST(AddRemove, WhatIsAttachedToAFrameOfAnotherObjectDoesNotHoldIt) {
+  ModelFolder folder;
+  const std::string cup = folder.Write("cup", R"(<worldbody><body name="cup">
+      <geom size="0.05"/><frame name="big_lid" pos="0 0 0.1"><site/></frame></body></worldbody>)");
+  const std::string big = folder.Write("big", R"(<worldbody><body name="cup"><geom size="0.1"/>
+      <body name="side" pos="0.1 0 0"><geom size="0.02"/>
+      <frame name="handle" pos="0.1 0 0"><site/></frame></body></body></worldbody>)");
+  SceneSpec spec = EmptyScene();
+  spec.objects = {{.name = "cup", .mjcf_path = cup, .pos = {1, 0, 0}},
+                  {.name = "cup_big", .mjcf_path = big},
+                  BoxObject("spoon", {})};
+  spec.objects[2].fixed = true;
+  spec.objects[2].attach_to = {AttachKind::kFrame, "cup_big_handle"};
+  Scene scene = Scene::Build(spec);
+  scene.RemoveObject("cup");
+  EXPECT_THAT(scene.object_names(), ElementsAre("cup_big", "spoon"));
+  EXPECT_THAT(MessageOfRefused<ArgumentError>(scene, [&] { scene.RemoveObject("cup_big"); }),
+              HasSubstr("attached to it is object 'spoon' (to frame 'cup_big_handle')"));
+  scene.RemoveObject("spoon");
+  scene.AddObject(spec.objects[0]);
+  SceneObject lid = BoxObject("lid", {});
+  lid.fixed = true;
+  lid.attach_to = {AttachKind::kFrame, "cup_big_lid"};
+  scene.AddObject(lid);
+  EXPECT_THAT(MessageOfRefused<ArgumentError>(scene, [&] { scene.RemoveObject("cup"); }),
+              HasSubstr("attached to it is object 'lid' (to frame 'cup_big_lid')"));
+  scene.RemoveObject("cup_big");
+  EXPECT_THAT(scene.object_names(), ElementsAre("cup", "lid"));
+}
+
 TEST(AddRemove, AFrozenModelKeepsItsObjects) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back(BoxObject("cube", {0.4, 0, 0.02}));
@@ -404,11 +469,12 @@ class Follower : public SceneObserver {
  public:
   explicit Follower(Scene scene) : scene_(scene.inner()) {}
   void OnRebuild() override {
+    const bool back = !seen.empty() && scene_.generation() < seen.back();
     seen.push_back(scene_.generation());
-    if (fails) throw Error("cannot follow");
+    if (fails || (back && fails_to_go_back)) throw Error("cannot follow");
   }
   std::vector<uint64_t> seen;
-  bool fails = false;
+  bool fails = false, fails_to_go_back = false;
 
  private:
   Scene scene_;
@@ -432,6 +498,21 @@ TEST(AddRemove, AnObserverThatCannotFollowUndoesTheChange) {
   second->fails = false;
   scene.AddObject(BoxObject("cube", {0.4, 0, 0.02}));
   EXPECT_EQ(second->seen.back(), scene.generation());
+}
+
+TEST(AddRemove, OfAChangeThatIsUndoneEveryObserverIsTold) {
+  Scene scene = Scene::Build(EmptyScene());
+  const auto first = std::make_shared<Follower>(scene), second = std::make_shared<Follower>(scene),
+             third = std::make_shared<Follower>(scene);
+  for (const auto& follower : {first, second, third}) scene.AddObserver(follower);
+  first->fails_to_go_back = true;
+  third->fails = true;
+  const uint64_t generation = scene.generation();
+  EXPECT_THROW(scene.AddObject(BoxObject("cube", {0.4, 0, 0.02})), Error);
+  for (const auto& follower : {first, second, third}) {
+    ASSERT_EQ(follower->seen.size(), 2U);
+    EXPECT_EQ(follower->seen[1], generation);
+  }
 }
 
 TEST(AddRemove, TwoScenesAreIndependent) {

@@ -55,6 +55,13 @@ int SwitchedOff(const mjModel* m, int actuator) {
   return group >= 0 && group < 31 ? m->opt.disableactuator >> group & 1 : 0;
 }
 
+// As the engine does it, to the bit.
+void SumMasses(mjModel* m) {
+  std::copy_n(m->body_mass, m->nbody, m->body_subtreemass);
+  for (int b = static_cast<int>(m->nbody) - 1; b > 0; --b)
+    m->body_subtreemass[m->body_parentid[b]] += m->body_subtreemass[b];
+}
+
 // Groups may have other numbers in the new model.
 void CarryModes(const ElementMatch& match, mjModel* to) {
   const std::vector<int>& ids = match.of(mjOBJ_ACTUATOR);
@@ -90,7 +97,8 @@ void CarryModel(const ElementMatch& match, mjModel* to) {
              &rows_ngeom = match.of(mjOBJ_GEOM), &rows_nsite = match.of(mjOBJ_SITE),
              &rows_ncam = match.of(mjOBJ_CAMERA), &rows_nlight = match.of(mjOBJ_LIGHT),
              &rows_nmat = match.of(mjOBJ_MATERIAL), &rows_neq = match.of(mjOBJ_EQUALITY),
-             &rows_ntendon = match.of(mjOBJ_TENDON), &rows_nactuator = match.of(mjOBJ_ACTUATOR);
+             &rows_ntendon = match.of(mjOBJ_TENDON), &rows_nactuator = match.of(mjOBJ_ACTUATOR),
+             &rows_nsensor = match.of(mjOBJ_SENSOR), &rows_npair = match.of(mjOBJ_PAIR);
   const Rows rows_nv = MatchRows(rows_njnt, to->nv, from->jnt_dofadr, to->jnt_dofadr, velocities);
   const Rows rows_nq = MatchRows(rows_njnt, to->nq, from->jnt_qposadr, to->jnt_qposadr, positions);
   const Rows rows_nu =
@@ -103,7 +111,7 @@ void CarryModel(const ElementMatch& match, mjModel* to) {
   const Rows rows_nJten;
   // The engine's own list of its fields: (type, name, rows, columns).
   constexpr int nuser_body = 0, nuser_jnt = 0, nuser_geom = 0, nuser_site = 0, nuser_cam = 0,
-                nuser_tendon = 0, nuser_actuator = 0;
+                nuser_tendon = 0, nuser_actuator = 0, nuser_sensor = 0;
 #define X(type, name, nr, nc) CopyRows(#name, rows_##nr, nc, from->name, to->name);
 #define XNV X
   X(mjtNum, qpos0, nq, 1)
@@ -116,11 +124,14 @@ void CarryModel(const ElementMatch& match, mjModel* to) {
   MJMODEL_POINTERS_CAMERA
   MJMODEL_POINTERS_LIGHT
   MJMODEL_POINTERS_MATERIAL
+  MJMODEL_POINTERS_PAIR
   MJMODEL_POINTERS_EQUALITY
   MJMODEL_POINTERS_TENDON
   MJMODEL_POINTERS_ACTUATOR
+  MJMODEL_POINTERS_SENSOR
 #undef X
 #undef XNV
+  SumMasses(to);
   CountCompensatedBodies(to);
 }
 

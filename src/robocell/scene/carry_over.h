@@ -14,8 +14,10 @@ void CarryState(const ElementMatch& match, const mjData* from, mjData* to);
 
 // Copies what was written to the model while it was simulated: options, which actuators are
 // switched off (control modes), and the real numbers and contact masks of everything that is in
-// both models. What the engine derives from the whole model is that of `to`; pictures and meshes
-// are too.
+// both models: of bodies, joints, geoms, sites, cameras, lights, materials, contact pairs,
+// equalities, tendons, actuators and sensors. Masses of subtrees are summed anew. All else is that
+// of `to`: what the engine derives from the whole model, other integers and flags, user numbers,
+// numerics, keyframes, tendons' wraps, flexes, skins, meshes, height fields and textures.
 void CarryModel(const ElementMatch& match, mjModel* to);
 
 }  // namespace robocell

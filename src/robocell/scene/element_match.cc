@@ -14,7 +14,8 @@ using Keys = std::vector<std::string>;
 // Owners before what they own.
 constexpr mjtObj kMatched[] = {mjOBJ_BODY,     mjOBJ_JOINT,  mjOBJ_GEOM,   mjOBJ_SITE,
                                mjOBJ_CAMERA,   mjOBJ_LIGHT,  mjOBJ_TENDON, mjOBJ_MATERIAL,
-                               mjOBJ_ACTUATOR, mjOBJ_SENSOR, mjOBJ_PLUGIN, mjOBJ_EQUALITY};
+                               mjOBJ_ACTUATOR, mjOBJ_SENSOR, mjOBJ_PLUGIN, mjOBJ_EQUALITY,
+                               mjOBJ_PAIR};
 
 mjtObj WrapKind(int type) {
   return type == mjWRAP_JOINT ? mjOBJ_JOINT : type == mjWRAP_SITE ? mjOBJ_SITE : mjOBJ_GEOM;
@@ -117,6 +118,8 @@ class KeyMaker {
       case mjOBJ_EQUALITY:
         return Key(m_->eq_objtype[id], m_->eq_obj1id[id]) + " and " +
                Key(m_->eq_objtype[id], m_->eq_obj2id[id]);
+      case mjOBJ_PAIR:
+        return Key(mjOBJ_GEOM, m_->pair_geom1[id]) + " and " + Key(mjOBJ_GEOM, m_->pair_geom2[id]);
       case mjOBJ_PLUGIN:
         return OwnerOfPlugin(id);
       default:

@@ -201,6 +201,7 @@ TEST(Reset, RefusesAKeyframeThatIsNotThere) {
 struct Diary : SceneObserver {
   explicit Diary(std::vector<std::string>& entries) : entries(entries) {}
   void OnReset() override { entries.push_back("observer"); }
+  void OnResetDone() override { entries.push_back("done"); }
   void OnClose() override { entries.push_back("closed"); }
   std::vector<std::string>& entries;
 };
@@ -222,13 +223,13 @@ TEST(Reset, CallsHooksThenObserversThenForgetsForcesThenComputesPoses) {
   });
   EXPECT_TRUE(scene.StepN(3).ok());
   scene.Reset({.seed = 4});
-  EXPECT_THAT(entries, ElementsAre("hook", "second hook", "observer"));
+  EXPECT_THAT(entries, ElementsAre("hook", "second hook", "observer", "done"));
   EXPECT_EQ(scene.body_pose("cube0").translation().x(), 0.9) << "poses follow what the hook wrote";
   EXPECT_EQ(scene.data()->qfrc_applied[0], 0);
   scene.RemoveResetHook(id);
   entries.clear();
   scene.Reset({.seed = 4});
-  EXPECT_THAT(entries, ElementsAre("hook", "observer"));
+  EXPECT_THAT(entries, ElementsAre("hook", "observer", "done"));
 }
 
 TEST(Reset, AHookThatClosesTheSceneEndsTheReset) {

@@ -59,6 +59,8 @@ class SceneObserver {
  public:
   virtual ~SceneObserver() = default;
   virtual void OnReset() {}  // after the reset hook; poses agree with qpos
+  // After the Forward() that ends a reset: forces and sensors agree with the state too.
+  virtual void OnResetDone() {}
   // After objects were added or removed: model and data are new, look names up again. What it
   // throws undoes the change; those that were told already are told of the old model again.
   virtual void OnRebuild() {}
@@ -120,10 +122,12 @@ class Scene {
 
   // Adds an object to the running scene, or takes one away, by compiling its spec with the object
   // more or less. Everything else goes on as it was, to the bit: state, time, controls, applied
-  // forces and what was written to the model. Handles follow by name; model() and data() are new,
-  // pointers to the old ones end here. The new object stands where a reset would put it; spec(),
-  // saved files and later resets have it. An error (bad object, name taken, unknown name, something
-  // is attached to the object, frozen model) leaves the scene as it was.
+  // forces and what was written to the model, but for the few fields of the model that
+  // docs/scenes.md names (what mj_setConst derives, keyframes, integers, meshes and the like).
+  // Handles follow by name; model() and data() are new, pointers to the old ones end here. The new
+  // object stands where a reset would put it; spec(), saved files and later resets have it. An
+  // error (bad object, name taken, unknown name, something is attached to the object, frozen model)
+  // leaves the scene as it was.
   //
   // Objects of the pool (SceneObject::parked) come and go within microseconds: nothing is compiled,
   // handles and pointers stay. They can be added by name, with the pose of their root body in the

@@ -13,14 +13,27 @@
 #include "robocell/scene/carry_over.h"
 #include "robocell/scene/placement.h"
 #include "robocell/scene/scene_state.h"
+#include "robocell/scene/spec_tree.h"
 
 namespace robocell {
 namespace {
 
 // --- What is attached to an object ---------------------------------------------------------------
 
-// Whether a target is part of an object that begins at `root`.
-bool IsPartOf(const mjModel* m, const AttachTarget& target, const std::string& object, int root) {
+// Frames are not in the model.
+bool IsFrameIn(CompiledScene& compiled, const std::string& frame, const std::string& root_body) {
+  mjsElement* element = FindSpecElement(compiled.mutable_spec(), mjOBJ_FRAME, frame);
+  if (!element) return false;
+  for (mjsBody* body = mjs_getParent(element); body; body = mjs_getParent(body->element)) {
+    if (SpecName(body->element) == root_body) return true;
+  }
+  return false;
+}
+
+// Whether a target is part of the object that begins at `root_body`.
+bool IsPartOf(CompiledScene& compiled, const AttachTarget& target, const std::string& root_body) {
+  const mjModel* m = compiled.model();
+  const int root = FindId(m, mjOBJ_BODY, root_body);
   if (target.kind == AttachKind::kBody) {
     const int body = FindId(m, mjOBJ_BODY, target.name);
     return body >= 0 && IsInSubtree(m, body, root);
@@ -29,18 +42,15 @@ bool IsPartOf(const mjModel* m, const AttachTarget& target, const std::string& o
     const int site = FindId(m, mjOBJ_SITE, target.name);
     return site >= 0 && IsInSubtree(m, m->site_bodyid[site], root);
   }
-  // Frames are not in the model.
-  return target.kind == AttachKind::kFrame &&
-         target.name.starts_with(SceneObjectElementName(object, ""));
+  return target.kind == AttachKind::kFrame && IsFrameIn(compiled, target.name, root_body);
 }
 
 // "object 'cup' (to site 'table_top')" for everything that would be left in the air.
-std::vector<std::string> AttachedTo(const CompiledScene& compiled, const std::string& object) {
-  const mjModel* m = compiled.model();
-  const int root = FindId(m, mjOBJ_BODY, compiled.object(object).root_body);
+std::vector<std::string> AttachedTo(CompiledScene& compiled, const std::string& object) {
+  const std::string& root = compiled.object(object).root_body;
   std::vector<std::string> attached;
   const auto look = [&](const std::string& what, const AttachTarget& target) {
-    if (IsPartOf(m, target, object, root))
+    if (IsPartOf(compiled, target, root))
       attached.push_back(fmt::format("{} (to {})", what, Describe(target)));
   };
   const SceneSpec& spec = compiled.spec();
@@ -54,7 +64,7 @@ std::vector<std::string> AttachedTo(const CompiledScene& compiled, const std::st
   return attached;
 }
 
-void RequireNothingAttached(const CompiledScene& compiled, const std::string& object,
+void RequireNothingAttached(CompiledScene& compiled, const std::string& object,
                             const std::string& context) {
   const std::vector<std::string> attached = AttachedTo(compiled, object);
   if (attached.empty()) return;
@@ -142,9 +152,12 @@ void Scene::Rebuild(const SceneSpec& spec) {
   } catch (...) {
     if (s.closed) throw;
     swap();
-    try {
-      tell();
-    } catch (const std::exception&) {  // who could follow neither way has said so by now
+    for (const auto& watch : observers) {
+      try {
+        if (const auto observer = watch.observer.lock()) observer->OnRebuild();
+      } catch (const std::exception&) {  // who can go back neither is no reason not to tell others
+      }
+      if (s.closed) break;
     }
     throw;
   }

@@ -118,6 +118,10 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
   }
   Forget(s.model(), s.data.data);
   Forward();
+  for (const auto& watch : observers) {
+    if (const auto observer = watch.observer.lock()) observer->OnResetDone();
+    open();
+  }
   return info;
 }
 
