@@ -86,27 +86,35 @@ void BindGroups(nb::module_& m) {
       .def_prop_rw(
           "joint_pos", [](const MoveGroup& g) { return NewArray(g.joint_pos()); },
           [](MoveGroup& g, nb::handle q) { g.SetJointPos(ToDoubles(q, "joint_pos")); },
+          nb::for_getter(nb::sig("def joint_pos(self) -> numpy.typing.NDArray[numpy.float64]")),
           "Joint positions (nq,), rad or m. Setting them teleports the joints.")
       .def_prop_rw(
           "joint_vel", [](const MoveGroup& g) { return NewArray(g.joint_vel()); },
           [](MoveGroup& g, nb::handle v) { g.SetJointVel(ToDoubles(v, "joint_vel")); },
+          nb::for_getter(nb::sig("def joint_vel(self) -> numpy.typing.NDArray[numpy.float64]")),
           "Joint velocities (nv,).")
       .def_prop_ro(
           "joint_torque", [](const MoveGroup& g) { return NewArray(g.joint_torque()); },
+          nb::for_getter(nb::sig("def joint_torque(self) -> numpy.typing.NDArray[numpy.float64]")),
           "What the actuators apply (nv,), Nm or N.")
       .def_prop_rw(
           "ctrl", [](const MoveGroup& g) { return NewArray(g.ctrl()); },
           [](MoveGroup& g, nb::handle c) { g.SetCtrl(ToDoubles(c, "ctrl")); },
+          nb::for_getter(nb::sig("def ctrl(self) -> numpy.typing.NDArray[numpy.float64]")),
           "Raw actuator controls (nu,).")
       .def_prop_ro(
           "noop_ctrl", [](const MoveGroup& g) { return NewArray(g.noop_ctrl()); },
+          nb::for_getter(nb::sig("def noop_ctrl(self) -> numpy.typing.NDArray[numpy.float64]")),
           "The control that leaves the group where it is.")
       .def_prop_ro(
           "joint_pos_limits",
           [](const MoveGroup& g) { return IntervalArray(g.joint_pos_limits()); },
+          nb::for_getter(
+              nb::sig("def joint_pos_limits(self) -> numpy.typing.NDArray[numpy.float64]")),
           "(nq, 2); infinite where there are none.")
       .def_prop_ro(
           "ctrl_limits", [](const MoveGroup& g) { return IntervalArray(g.ctrl_limits()); },
+          nb::for_getter(nb::sig("def ctrl_limits(self) -> numpy.typing.NDArray[numpy.float64]")),
           "(nu, 2).")
       .def_prop_ro("leaf_frame_to_world", &MoveGroup::leaf_frame_to_world)
       .def_prop_ro("root_frame_to_world", &MoveGroup::root_frame_to_world)
