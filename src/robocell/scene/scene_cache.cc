@@ -23,7 +23,7 @@
 #include "robocell/base/version.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/scene/scene_records.h"
-#include "robocell/spec/yaml.h"
+#include "robocell/spec/spec_bytes.h"
 
 namespace robocell {
 namespace {
@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".scene";
 // Another one when the same spec compiles to another model than before.
-constexpr const char* kLayout = "3";
+constexpr const char* kLayout = "4";
 
 // Nothing when it is not there, another process has just pruned it, or it cannot be read. (Copied,
 // not mapped: a disk that fails or a machine that prunes a shared folder would end the process.)
@@ -118,7 +118,7 @@ std::string SceneKey(const SceneSpec& spec) {
     const FileSet files = ModelFileSet(assets::Resolve(name, directory), kFingerprints);
     name = files.hash + ":" + files.main;
   });
-  std::string text = ToYaml(content);
+  std::string text = SpecBytes(content);
   for (const std::string& version :
        {std::string(Version()), std::string(mj_versionString()), std::string(kLayout)})
     text += version + "\n";
