@@ -71,8 +71,8 @@ class ByteWriter {
   }
   template <HasFields T>
   void Write(const T& value) {
-    ForEachField(value,
-                 [this](const char*, const auto& field, const char*, Check) { Write(field); });
+    T::Fields(
+        [&](const char*, auto member, const char*, Check = Check::kNone) { Write(value.*member); });
   }
 
  private:
