@@ -30,7 +30,8 @@ CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
-  check-rules check-docs check-tidy check-sanitizers check-fuzz check-tsan bench soak clean format docs
+  check-rules check-docs check-tidy check-sanitizers check-fuzz check-tsan bench soak soak-reliability \
+  soak-tests soak-fuzz clean format docs
 
 setup:
 	@scripts/setup
@@ -123,16 +124,24 @@ bench: setup
 	@$(PYTHON) benchmarks/run.py
 
 # The long form of what make test does quickly: kills, full disks, damage, leaks, the wheel, fuzzing,
-# races. Then `scripts/soak_figures.py` writes the figures into docs/reliability.md.
+# races. Then `scripts/soak_figures.py` writes the figures into docs/reliability.md. Hours, on a machine
+# that does nothing else (times are compared); `make --keep-going soak` goes on after a failure.
 SOAK_FUZZ_SECONDS ?= 600
-soak: build
-	@$(call headline,soak)
+soak: soak-reliability soak-tests check-tsan soak-fuzz
+
+soak-reliability: build
+	@$(call headline,soak: whatever dies)
 	@scripts/fetch_test_robots
 	@mkdir -p build/soak && rm -f build/soak/figures.jsonl
 	@ROBOCELL_FIGURES=$(ROOT)/build/soak/figures.jsonl $(PYTHON) -m pytest -n $(JOBS) --dist loadfile \
 	  -m "soak or not soak" tests/reliability
+
+soak-tests: build
+	@$(call headline,soak: long tests)
+	@scripts/fetch_test_robots
 	@$(PYTHON) -m pytest -m soak --ignore tests/reliability
-	@$(MAKE) check-tsan
+
+soak-fuzz:
 	@$(MAKE) check-fuzz FUZZ_SECONDS=$(SOAK_FUZZ_SECONDS)
 
 # Not part of make check: the second build of everything takes longer than all of the rest.
