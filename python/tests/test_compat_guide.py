@@ -352,7 +352,10 @@ def test_headless_video_recording(robot: mjk.Robot):
     for _ in range(5):
         robot.update()
         robot.step()
-        recorder.record_frame()
+        assert recorder.record_frame()
+    assert not recorder.use_camera("no such camera")
+    assert recorder.use_camera("")
+    assert recorder.record_frame()
     recorder.close()
     assert Path("sim.mp4").stat().st_size > 1000
 

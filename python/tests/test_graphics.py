@@ -81,7 +81,7 @@ def test_a_camera_is_a_name_or_a_view():
     scene = rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=True))
     renderer = rc.Renderer(scene)
     for wrong in (5, None, rc.CameraSpec(name="wrist")):
-        with pytest.raises(TypeError, match="must be the name of a camera, an OrbitCamera or a F"):
+        with pytest.raises(TypeError, match="must be the name of a camera, an OrbitCamera, a Free"):
             renderer.render(wrong)  # type: ignore[arg-type]
     with pytest.raises(rc.ArgumentError, match="an image of 1000000 x 240 pixels"):
         renderer.render(rc.OrbitCamera(), width=1_000_000)

@@ -54,6 +54,18 @@ void SetModelCamera(CameraModel& camera, const mjModel* model, const mjData* dat
   }
 }
 
+OrbitCamera Around(const mjModel* model, const mjData* data, const TrackingCamera& tracking) {
+  if (tracking.body < 0 || tracking.body >= model->nbody) {
+    throw ArgumentError(fmt::format("a camera that tracks body id {}: the model has {} bodies",
+                                    tracking.body, static_cast<int>(model->nbody)));
+  }
+  return {.lookat = Eigen::Vector3d(data->subtree_com + 3 * tracking.body),
+          .distance = tracking.distance,
+          .azimuth = tracking.azimuth,
+          .elevation = tracking.elevation,
+          .fovy = tracking.fovy};
+}
+
 // Camera axes from the directions of right and up.
 Pose FromAxes(const Eigen::Vector3d& position, const Eigen::Vector3d& right,
               const Eigen::Vector3d& up) {
@@ -73,6 +85,16 @@ Pose OrbitCamera::camera_in_world() const {
 
 CameraView NamedCamera(const mjModel* model, std::string_view name, std::string_view place) {
   return ModelCamera{RequireId(model, mjOBJ_CAMERA, name, place)};
+}
+
+OrbitCamera InitialView(const mjModel* model) {
+  mjvCamera camera;
+  mjv_defaultFreeCamera(model, &camera);
+  return {.lookat = Eigen::Vector3d(camera.lookat[0], camera.lookat[1], camera.lookat[2]),
+          .distance = camera.distance,
+          .azimuth = camera.azimuth,
+          .elevation = camera.elevation,
+          .fovy = model->vis.global.fovy};
 }
 
 Eigen::Matrix3d CameraModel::intrinsics() const {
@@ -129,7 +151,9 @@ CameraModel ComputeCamera(const mjModel* model, const mjData* data, const Camera
     camera.camera_in_world = free->camera_in_world;
     SetFieldOfView(camera, free->fovy);
   } else {
-    const auto& orbit = std::get<OrbitCamera>(view);
+    const auto* tracking = std::get_if<TrackingCamera>(&view);
+    const OrbitCamera orbit =
+        tracking ? Around(model, data, *tracking) : std::get<OrbitCamera>(view);
     camera.camera_in_world = orbit.camera_in_world();
     SetFieldOfView(camera, orbit.fovy);
   }

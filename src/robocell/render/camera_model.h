@@ -52,7 +52,20 @@ struct OrbitCamera {
   Pose camera_in_world() const;
 };
 
-using CameraView = std::variant<ModelCamera, FreeCamera, OrbitCamera>;
+// An orbit around a body wherever it goes: around the centre of mass of the body (by id) and of all
+// that hangs from it, as the interactive viewer tracks. Degrees and metres as above.
+struct TrackingCamera {
+  int body = 0;
+  double distance = 2;
+  double azimuth = 90;
+  double elevation = -45;
+  double fovy = 45;
+};
+
+using CameraView = std::variant<ModelCamera, FreeCamera, OrbitCamera, TrackingCamera>;
+
+// What MuJoCo's viewer shows first: the whole model.
+OrbitCamera InitialView(const mjModel* model);
 
 // NotFoundError that lists the model's cameras.
 CameraView NamedCamera(const mjModel* model, std::string_view name, std::string_view place);
@@ -81,7 +94,7 @@ struct CameraModel {
   bool Contains(const Eigen::Vector3d& point_in_world) const;
 };
 
-// Throws ArgumentError for a camera id that does not exist or an image without pixels.
+// Throws ArgumentError for a camera or body id that does not exist or an image without pixels.
 CameraModel ComputeCamera(const mjModel* model, const mjData* data, const CameraView& view,
                           int width, int height);
 

@@ -144,6 +144,38 @@ TEST_F(Cameras, AnOrbitIsTheViewersFreeCamera) {
   }
 }
 
+TEST_F(Cameras, ATrackingCameraIsTheViewersOne) {
+  mjvCamera viewer;
+  mjv_defaultCamera(&viewer);
+  viewer.type = mjCAMERA_TRACKING;
+  mjvOption option;
+  mjv_defaultOption(&option);
+  mjvScene scene;
+  mjv_defaultScene(&scene);
+  mjv_makeScene(model_.get(), &scene, 100);
+  for (int body = 1; body < model_->nbody; ++body) {
+    const TrackingCamera tracking{.body = body, .distance = 0.9, .azimuth = 30, .elevation = -20};
+    viewer.trackbodyid = body;
+    viewer.distance = tracking.distance;
+    viewer.azimuth = tracking.azimuth;
+    viewer.elevation = tracking.elevation;
+    mjv_updateScene(model_.get(), data_.get(), &option, nullptr, &viewer, mjCAT_ALL, &scene);
+    const CameraModel camera = ComputeCamera(model_.get(), data_.get(), tracking, 640, 480);
+    const mjvGLCamera& left = scene.camera[0];
+    const mjvGLCamera& right = scene.camera[1];  // the eyes stand beside the camera
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_NEAR(camera.camera_in_world.translation()[i], 0.5 * (left.pos[i] + right.pos[i]),
+                  1e-6);
+      EXPECT_NEAR(camera.camera_in_world.rotation()(i, 2), -left.forward[i], 1e-6);
+      EXPECT_NEAR(camera.camera_in_world.rotation()(i, 1), left.up[i], 1e-6);
+    }
+  }
+  mjv_freeScene(&scene);
+  ExpectThrow<ArgumentError>(
+      [&] { ComputeCamera(model_.get(), data_.get(), TrackingCamera{99}, 10, 10); },
+      "a camera that tracks body id 99: the model has ");
+}
+
 TEST_F(Cameras, ContainsKnowsTheEdgesOfTheImageAndTheClipPlanes) {
   const CameraModel camera = Camera("down");
   EXPECT_TRUE(camera.Contains(camera.Unproject({-0.49, 479.49}, 2)));

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "robocell/mujoco/names.h"
+
 namespace robocell {
 namespace {
 
@@ -14,18 +16,6 @@ VideoOptions ToVideoOptions(const VideoRecorderOptions& options) {
   video.fps_num = options.fps_num;
   video.fps_den = options.fps_den;
   return video;
-}
-
-// What MuJoCo's viewer shows first: the whole model.
-CameraView InitialView(const mjModel* model) {
-  mjvCamera camera;
-  mjv_defaultFreeCamera(model, &camera);
-  return OrbitCamera{
-      .lookat = Eigen::Vector3d(camera.lookat[0], camera.lookat[1], camera.lookat[2]),
-      .distance = camera.distance,
-      .azimuth = camera.azimuth,
-      .elevation = camera.elevation,
-      .fovy = model->vis.global.fovy};
 }
 
 }  // namespace
@@ -54,7 +44,8 @@ VideoRecorder::VideoRecorder(const mjModel* model, std::filesystem::path path,
     : writer_(std::move(path), ToVideoOptions(options)),
       renderer_(MakeRenderer(options.renderer)),
       model_(model),
-      view_(InitialView(model)),
+      free_(InitialView(model)),
+      view_(free_),
       size_{options.width, options.height},
       rgb_(3 * static_cast<size_t>(options.width) * static_cast<size_t>(options.height)) {
   renderer_->SetModel(model);
@@ -63,27 +54,47 @@ VideoRecorder::VideoRecorder(const mjModel* model, std::filesystem::path path,
 void VideoRecorder::SetModel(const mjModel* model) {
   model_ = model;
   renderer_->SetModel(model);
-  if (!camera_name_.empty()) UseCamera(std::string(camera_name_));
+  if (name_.empty()) return;
+  if (auto* tracking = std::get_if<TrackingCamera>(&view_)) {
+    tracking->body = RequireId(model, mjOBJ_BODY, name_, Place());
+  } else {
+    view_ = NamedCamera(model, name_, Place());
+  }
 }
 
 void VideoRecorder::UseCamera(std::string_view name) {
-  view_ = NamedCamera(model_, name, "video '" + path().string() + "'");
-  camera_name_ = name;
+  UseCamera(name.empty() ? CameraView(free_) : NamedCamera(model_, name, Place()));
 }
 
 void VideoRecorder::UseCamera(const CameraView& view) {
   view_ = view;
-  camera_name_.clear();
+  name_.clear();
+  if (const auto* fixed = std::get_if<ModelCamera>(&view))
+    name_ = ElementName(model_, mjOBJ_CAMERA, fixed->id);
+  if (const auto* tracking = std::get_if<TrackingCamera>(&view))
+    name_ = ElementName(model_, mjOBJ_BODY, tracking->body);
 }
 
 void VideoRecorder::SetFreeCamera(double distance, double azimuth, double elevation,
                                   const Eigen::Vector3d& lookat) {
-  UseCamera(CameraView(OrbitCamera{.lookat = lookat,
-                                   .distance = distance,
-                                   .azimuth = azimuth,
-                                   .elevation = elevation,
-                                   .fovy = model_->vis.global.fovy}));
+  free_ = {.lookat = lookat,
+           .distance = distance,
+           .azimuth = azimuth,
+           .elevation = elevation,
+           .fovy = model_->vis.global.fovy};
+  UseCamera(free_);
 }
+
+void VideoRecorder::SetTrackingCamera(std::string_view body, double distance, double azimuth,
+                                      double elevation) {
+  UseCamera(TrackingCamera{.body = RequireId(model_, mjOBJ_BODY, body, Place()),
+                           .distance = distance,
+                           .azimuth = azimuth,
+                           .elevation = elevation,
+                           .fovy = model_->vis.global.fovy});
+}
+
+std::string VideoRecorder::Place() const { return "video '" + path().string() + "'"; }
 
 void VideoRecorder::RecordFrame(const mjData* data) {
   renderer_->Render(

@@ -9,8 +9,9 @@
 //   video.Finish();   // the file exists from here on
 //
 // One call is one frame: the caller decides the time between frames, the file plays them at the
-// given rate. Without a choice the camera is the model's initial view. Lifetime: the model as for
-// Renderer. Errors: those of render/renderer.h and media/video_writer.h. Threads: one at a time.
+// given rate. The camera is free until another one is chosen, and shows the whole model until it is
+// set. Lifetime: the model as for Renderer. Errors: those of render/renderer.h and
+// media/video_writer.h. Threads: one at a time.
 #pragma once
 
 #include <filesystem>
@@ -43,15 +44,20 @@ class VideoRecorder {
   VideoRecorder(const mjModel* model, std::filesystem::path path,
                 const VideoRecorderOptions& options = {});
 
-  // After the scene was compiled anew. A camera chosen by name is looked up again.
+  // After the scene was compiled anew. A camera of the model and a tracked body are looked up again
+  // by their names: NotFoundError when they are gone, until another camera is chosen.
   void SetModel(const mjModel* model);
 
-  // NotFoundError with the model's cameras.
+  // A camera of the model (NotFoundError with its cameras); "" is the free camera.
   void UseCamera(std::string_view name);
   void UseCamera(const CameraView& view);
-  // Looks at a point; degrees and metres, as in the interactive viewer.
+  // The free camera, from now on: looks at a point; degrees and metres, as in the interactive
+  // viewer.
   void SetFreeCamera(double distance, double azimuth, double elevation,
                      const Eigen::Vector3d& lookat);
+  // Follows a body and what hangs from it, from the same direction. NotFoundError with the model's
+  // bodies.
+  void SetTrackingCamera(std::string_view body, double distance, double azimuth, double elevation);
 
   // Drawn into every frame from now on.
   void SetMarkers(std::vector<Marker> markers) { markers_ = std::move(markers); }
@@ -64,11 +70,14 @@ class VideoRecorder {
   const std::filesystem::path& path() const { return writer_.path(); }
 
  private:
+  std::string Place() const;  // for messages
+
   VideoWriter writer_;
   std::unique_ptr<Renderer> renderer_;
   const mjModel* model_;
-  std::string camera_name_;  // empty: not by name
+  OrbitCamera free_;
   CameraView view_;
+  std::string name_;  // of the model's camera or the body in view_
   VideoSize size_;
   std::vector<Marker> markers_;
   std::vector<uint8_t> rgb_;

@@ -19,7 +19,7 @@ namespace {
 
 constexpr char kFalling[] = R"(<mujoco><statistic extent="2"/><worldbody>
   <light pos="0 0 3"/><geom type="plane" size="2 2 .1" rgba=".5 .6 .7 1"/>
-  <body pos="0 0 1"><freejoint/><geom size=".2" rgba="1 0 0 1"/></body>
+  <body name="ball" pos="0 0 1"><freejoint/><geom size=".2" rgba="1 0 0 1"/></body>
   <camera name="side" pos="0 -3 .7" xyaxes="1 0 0 0 0 1"/></worldbody></mujoco>)";
 
 constexpr VideoRecorderOptions kSmall{.width = 64, .height = 48, .fps_num = 500, .fps_den = 33};
@@ -72,12 +72,80 @@ TEST_F(Recording, EachCallIsOneFrameAndShowsThatState) {
   EXPECT_FALSE(reader.Next(rgb));
 }
 
+// Where most of the ball's red is, in pixels from the top; the file is read again.
+std::vector<double> RowsOfRed(const std::filesystem::path& file) {
+  VideoReader reader(file);
+  std::vector<uint8_t> rgb(reader.frame_bytes());
+  std::vector<double> rows;
+  while (reader.Next(rgb)) {
+    double sum = 0, red = 0;
+    for (size_t pixel = 0; pixel < rgb.size() / 3; ++pixel) {
+      if (rgb[3 * pixel] < 100 || rgb[3 * pixel + 1] > 80) continue;
+      sum += static_cast<double>(pixel / 64);
+      ++red;
+    }
+    rows.push_back(red > 0 ? sum / red : NAN);
+  }
+  return rows;
+}
+
+TEST_F(Recording, TheTrackingCameraFollowsTheFreeOneStaysAndOneGoesBackToIt) {
+  VideoRecorder video(model_.get(), folder_ / "cameras.mp4", kSmall);
+  const auto fall = [&](int steps) { EXPECT_TRUE(Step(model_.get(), data_.get(), steps).ok()); };
+  video.SetFreeCamera(3, 90, 0, {0, 0, 0.7});
+  video.RecordFrame(data_.get());
+  video.SetTrackingCamera("ball", 3, 90, 0);
+  video.RecordFrame(data_.get());
+  fall(120);
+  video.RecordFrame(data_.get());
+  video.UseCamera("side");
+  video.RecordFrame(data_.get());
+  video.UseCamera("");  // the free camera where it was left
+  video.RecordFrame(data_.get());
+  video.Finish();
+  const std::vector<double> rows = RowsOfRed(folder_ / "cameras.mp4");
+  ASSERT_EQ(rows.size(), 5);
+  EXPECT_LT(rows[0], 20) << "above the middle of the free camera";
+  EXPECT_NEAR(rows[1], 23.5, 1);
+  EXPECT_NEAR(rows[2], 23.5, 1) << "it fell, and the camera with it";
+  EXPECT_GT(rows[4], rows[0] + 3) << "it fell";
+  EXPECT_NEAR(rows[3], rows[4], 2);
+}
+
+TEST_F(Recording, NamesAreLookedUpAgainInANewModel) {
+  VideoRecorder video(model_.get(), folder_ / "again.mp4", kSmall);
+  video.SetTrackingCamera("ball", 3, 90, 0);
+  video.RecordFrame(data_.get());
+  const std::string before = R"(<mujoco><worldbody><light pos="0 0 3"/><body name="new"/>)";
+  const ModelPtr other = Compile(
+      ParseXmlString(before + R"(<body name="ball" pos="0 0 5"><geom size=".2" rgba="1 0 0 1"/>
+                     </body></worldbody></mujoco>)")
+          .get());
+  const DataPtr there = MakeData(other.get());
+  video.SetModel(other.get());
+  video.RecordFrame(there.get());
+  const ModelPtr without = Compile(ParseXmlString(before + "</worldbody></mujoco>").get());
+  const DataPtr none = MakeData(without.get());
+  ExpectThrow<NotFoundError>([&] { video.SetModel(without.get()); }, "no body 'ball'");
+  video.UseCamera("");
+  video.SetModel(without.get());
+  video.RecordFrame(none.get());
+  video.Finish();
+  const std::vector<double> rows = RowsOfRed(folder_ / "again.mp4");
+  ASSERT_EQ(rows.size(), 3);
+  EXPECT_NEAR(rows[0], 23.5, 1);
+  EXPECT_NEAR(rows[1], 23.5, 1);
+  EXPECT_TRUE(std::isnan(rows[2]));
+}
+
 TEST_F(Recording, OddSizesAndUnknownCamerasAreErrorsThatTell) {
   ExpectThrow<ArgumentError>(
       [&] { VideoRecorder(model_.get(), folder_ / "odd.mp4", {.width = 63, .height = 48}); }, "63");
   VideoRecorder video(model_.get(), folder_ / "a.mp4", kSmall);
   ExpectThrow<NotFoundError>([&] { video.UseCamera("sied"); },
                              "no camera 'sied'. Its cameras: side.");
+  ExpectThrow<NotFoundError>([&] { video.SetTrackingCamera("bal", 2, 90, 0); },
+                             "no body 'bal'. Its bodies: world, ball. Did you mean 'ball'?");
 }
 
 TEST(VideoResolutions, AreSixteenToNineAndEven) {

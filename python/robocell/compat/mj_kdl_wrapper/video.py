@@ -38,8 +38,21 @@ class VideoRecorder:
         """Ends the file; without it there is none."""
         self.recorder.finish()
 
+    def use_camera(self, name: str = "") -> bool:
+        """Chooses a camera by name, or the free one: False, and no change, when there is none."""
+        try:
+            self.recorder.use_camera(name)
+        except robocell.NotFoundError:
+            return False
+        return True
+
+    def record_frame(self) -> bool:
+        """The scene as it is now becomes a frame; never False, what goes wrong is raised."""
+        self.recorder.record_frame()
+        return True
+
     def __getattr__(self, name: str) -> Any:
-        """The recorder's: record_frame, use_camera, set_free_camera."""
+        """The recorder's: set_free_camera, frames."""
         if name.startswith("_") or name == "recorder":
             raise AttributeError(name)
         return getattr(self.recorder, name)
