@@ -31,6 +31,6 @@ add_custom_command(OUTPUT "${CMAKE_BINARY_DIR}/core_stubs.stamp"
   COMMAND "${CMAKE_COMMAND}" -E env PYTHONDONTWRITEBYTECODE=1
           "${Python_EXECUTABLE}" "${CMAKE_SOURCE_DIR}/scripts/make_stubs.py" "$<TARGET_FILE_DIR:_core>" "${stub_dir}"
   COMMAND "${CMAKE_COMMAND}" -E touch "${CMAKE_BINARY_DIR}/core_stubs.stamp"
-  DEPENDS _core "${CMAKE_SOURCE_DIR}/scripts/make_stubs.py"
+  DEPENDS _core "${CMAKE_SOURCE_DIR}/scripts/make_stubs.py" "${CMAKE_SOURCE_DIR}/python/bindings/stubs.pat"
   COMMENT "Writing the type stubs of robocell._core" VERBATIM)
 add_custom_target(_core_stubs ALL DEPENDS "${CMAKE_BINARY_DIR}/core_stubs.stamp")

@@ -16,6 +16,7 @@ from pathlib import Path
 from nanobind import stubgen
 
 MODULE = "robocell._core"
+PATTERNS = Path(__file__).resolve().parents[1] / "python" / "bindings" / "stubs.pat"
 
 
 def import_alone(extension_folder: Path) -> types.ModuleType:
@@ -50,7 +51,7 @@ def make_stubs(extension_folder: Path, out: Path) -> None:
     claim_classes(module)
     (out / "_core.pyi").unlink(missing_ok=True)
     shutil.rmtree(out / "_core", ignore_errors=True)
-    options = ["--quiet", "--recursive", "--include-private"]
+    options = ["--quiet", "--recursive", "--include-private", "--pattern-file", str(PATTERNS)]
     stubgen.main([*options, "--module", MODULE, "--output-dir", str(out)])
     top = out / "_core.pyi" if (out / "_core.pyi").exists() else out / "_core" / "__init__.pyi"
     for stub in {top, *(out / "_core").glob("*.pyi")}:
