@@ -15,6 +15,7 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/leftovers.h"
 #include "robocell/data/quarantine.h"
+#include "robocell/data/require_dataset.h"
 #include "robocell/data/signed_json.h"
 #include "robocell/data/verify.h"
 
@@ -241,6 +242,8 @@ void BindVerify(nb::module_& m) {
       },
       "dataset"_a, "name"_a,
       "Moves a damaged part of a dataset to where repair moves it; its name from the dataset on.");
+  m.def("require_dataset", &RequireDataset, "dataset"_a,
+        "ArgumentError for a folder that is no dataset; it names the one that is near.");
   m.def("json_damage", &JsonDamage, "text"_a,
         "Why a text is not exactly what was signed; None when it is.");
   nb::class_<VerifyProblem>(m, "VerifyProblem", "What is wrong with one file of a dataset.")

@@ -419,6 +419,8 @@ void BindScene(nb::module_& m) {
   BindReset(m);
   BindContact(m);
   BindCompiled(m);
+  m.def("import_mujoco", &ImportMujoco, nb::sig("def import_mujoco() -> types.ModuleType"),
+        "The package mujoco; an Error says what keeps it from being imported.");
   nb::class_<Scene> c(
       m, "Scene",
       "A simulation that is alive. A handle: copies share the simulation, which lives as long as "

@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <mutex>
+#include <string_view>
 
 #include "python_owner.h"
 #include "robocell/base/error.h"
@@ -73,10 +75,25 @@ void MakeReadOnly(nb::handle model) {
   ProtectArrays(model);
 }
 
+// The package refuses to be imported at all when MUJOCO_GL has a value that it does not know.
+nb::object ImportWithAnyGl() {
+  try {
+    return nb::module_::import_("mujoco");
+  } catch (const nb::python_error& error) {
+    const char* gl = std::getenv("MUJOCO_GL");
+    if (!gl || std::string_view(error.what()).find("MUJOCO_GL: ") == std::string_view::npos) throw;
+    throw Error(
+        fmt::format("the environment variable MUJOCO_GL is '{}', and with that the Python package "
+                    "mujoco cannot be imported. It may be egl, osmesa, glfw or unset: "
+                    "`unset MUJOCO_GL`, or `export MUJOCO_GL=egl`",
+                    gl));
+  }
+}
+
 }  // namespace
 
 nb::object ImportMujoco() {
-  const nb::object mujoco = nb::module_::import_("mujoco");
+  const nb::object mujoco = ImportWithAnyGl();
   const auto version = nb::cast<std::string>(mujoco.attr("mj_versionString")());
   if (version != CompiledEngineVersion()) {
     throw EngineError(fmt::format(

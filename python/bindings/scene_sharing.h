@@ -9,7 +9,8 @@
 
 namespace robocell::python {
 
-// The package mujoco, imported now; an Error when its version is not the one we were built for.
+// The package mujoco, imported now; an Error when its version is not the one we were built for, or
+// when MUJOCO_GL keeps it from being imported.
 nb::object ImportMujoco();
 
 // mujoco.MjModel of a compiled scene, the same object every time. Its arrays are read-only when the

@@ -559,7 +559,7 @@ def test_the_doctor_tells_what_to_do_about_what_is_missing(tmp_path: Path):
         "video must be mended: sudo apt install ffmpeg",
         "menagerie (for robots named `menagerie:...`; the built-in ones need it not) is optional: "
         "mujoco-menagerie prefetch x",
-        "until this is mended, datasets cannot be generated",
+        "until this is mended, not all of robocell can be used",
     ]
     result = robocell_command("doctor", environment={"ROBOCELL_FFMPEG": tmp_path / "none"})
     assert result.returncode == 1

@@ -53,6 +53,44 @@ def test_a_misspelt_back_end_is_named():
     assert issubclass(rc.NotFoundError, rc.Error)
 
 
+def test_a_bad_mujoco_gl_is_named_by_all_that_needs_mujoco_and_hinders_nothing_else(tmp_path: Path):
+    # One process for all: the package is imported once in each.
+    (tmp_path / ".quarantine").mkdir()  # a dataset, and nothing in it
+    code = (
+        "import sys, robocell\n"
+        "from robocell.cli import main, probes\n"
+        "print(probes.engine())\n"
+        "def command(*words):\n"
+        "    sys.argv[1:] = words\n"
+        "    try: main()\n"
+        "    except SystemExit as end: print('ended with', end.code, flush=True)\n"
+        f"command('check', {rc.models.robot_file('rc7')!r})\n"
+        f"command('verify', {str(tmp_path)!r})\n"
+        f"command('report', {str(tmp_path)!r})\n"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", code],
+        env={"PYTHONPATH": ":".join(sys.path), "MUJOCO_GL": "foo"},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    message = (
+        "the environment variable MUJOCO_GL is 'foo', and with that the Python package mujoco "
+        "cannot be imported. It may be egl, osmesa, glfw or unset: `unset MUJOCO_GL`, or "
+        "`export MUJOCO_GL=egl`"
+    )
+    assert result.returncode == 0, result.stderr
+    assert "State.BROKEN" in result.stdout
+    assert message in result.stdout
+    assert "remedy='unset MUJOCO_GL, or export MUJOCO_GL=egl'" in result.stdout
+    assert result.stderr.splitlines() == [
+        f"error: {message}",
+        f"error: '{tmp_path}' holds no episodes and no report",
+    ]
+    assert "ended with 2\n0 episodes good, 0 bad\nended with 0\nended with 2\n" in result.stdout
+
+
 @pytest.mark.parametrize(
     ("image", "message"),
     [

@@ -1,4 +1,4 @@
-"""`robocell replay --check`: equal episodes pass, a changed one is told by its first difference."""
+"""`robocell replay`: equal episodes pass, a changed one is told by its first difference."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def changed(dataset: Path, tmp_path: Path) -> Path:
 
 
 def test_the_recorded_controls_give_the_recorded_episodes(dataset: Path):
-    result = robocell_command("replay", "--check", dataset, "--tolerance", 0)
+    result = robocell_command("replay", dataset, "--tolerance", 0)
     assert result.returncode == 0, result.stdout + result.stderr
     for name, line in zip(IDS, result.stdout.splitlines(), strict=True):
         episode = robocell.Dataset(dataset)[name]
@@ -43,14 +43,14 @@ def test_the_recorded_controls_give_the_recorded_episodes(dataset: Path):
 
 
 def test_the_first_difference_is_named_with_row_tick_and_joint(changed: Path):
-    result = robocell_command("replay", "--check", changed)
+    result = robocell_command("replay", changed)
     assert result.returncode == 1, result.stdout + result.stderr
     assert f"{IDS[0]}: " in result.stdout.splitlines()[0]
     assert f"{IDS[1]}: differs first in row 9 (control tick 297, t = " in result.stdout
     assert "joint 'robot_0/joint2' of rc7/arm: " in result.stdout
     assert "1 of 2 episodes differ" in result.stdout
-    assert robocell_command("replay", "--check", changed, "--tolerance", 1e-5).returncode == 0
-    assert robocell_command("replay", "--check", changed, IDS[0]).returncode == 0
+    assert robocell_command("replay", changed, "--tolerance", 1e-5).returncode == 0
+    assert robocell_command("replay", changed, IDS[0]).returncode == 0
 
 
 def test_the_difference_is_a_value_in_python(changed: Path):
@@ -71,10 +71,37 @@ def test_the_scene_of_an_episode_is_read_with_the_folders_of_its_models(dataset:
 
 
 def test_wrong_commands_are_told(dataset: Path, tmp_path: Path):
-    assert f"say what for: robocell replay --check {dataset}" in refused("replay", dataset)
-    assert "no dataset" in refused("replay", "--check", tmp_path / "none")
-    text = refused("replay", "--check", dataset, "s0000_e0009")
+    assert "no dataset" in refused("replay", tmp_path / "none")
+    text = refused("replay", "--check", dataset, "s0000_e0009")  # as it had to be written once
     assert "s0000_e0009" in text
     assert IDS[1] in text
-    (tmp_path / "empty").mkdir()
-    assert "has no episodes" in refused("replay", "--check", tmp_path / "empty")
+    around = refused("replay", dataset.parent)
+    assert (
+        f"is no dataset: it has neither a dataset.json nor episodes, it holds {dataset.name}"
+        in (around)
+    )
+    assert f". Did you mean '{dataset}'?" in around
+    (tmp_path / ".quarantine").mkdir()
+    assert "has no episodes" in refused("replay", tmp_path)
+
+
+def test_a_damaged_episode_is_named_and_does_not_stop_the_others(dataset: Path, tmp_path: Path):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    described = copy / IDS[0] / "episode.json"
+    described.write_bytes(described.read_bytes()[:100])
+    message = (
+        f"episode '{copy / IDS[0]}': episode.json is damaged: it is cut short: its text ends after "
+        f"100 bytes, in the middle. `robocell verify {copy}` names all that is damaged, `robocell "
+        f"verify --repair {copy}` sets it aside"
+    )
+    result = robocell_command("replay", copy)
+    assert result.returncode == 3
+    assert result.stderr == f"error: {message}\n"
+    first, last = result.stdout.splitlines()
+    assert first.startswith(f"{IDS[1]}: ")
+    assert last == "1 of 2 episodes cannot be read"
+    result = robocell_command("report", copy)
+    assert result.returncode == 3
+    assert result.stderr == f"error: {message}\n"
+    assert "1 episode, " in result.stdout
+    assert f"Did you mean '{copy}'?" in refused("report", tmp_path)

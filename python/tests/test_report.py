@@ -212,7 +212,7 @@ def test_without_a_report_the_disk_still_counts(dataset: Path, tmp_path: Path):
 
 
 def test_what_cannot_be_reported_is_told(dataset: Path, tmp_path: Path):
-    (tmp_path / "empty").mkdir()
+    (tmp_path / "empty" / ".quarantine").mkdir(parents=True)
     assert "holds no episodes and no report" in refused("report", tmp_path / "empty")
     assert "no dataset" in refused("report", tmp_path / "none")
     copy = shutil.copytree(dataset, tmp_path / "copy")

@@ -35,7 +35,7 @@ def advice(findings: list[Finding]) -> list[str]:
         remedy = finding.remedy or "nothing to do"
         lines.append(f"{what} is optional: {remedy}")
     lines.append(
-        "until this is mended, datasets cannot be generated"
+        "until this is mended, not all of robocell can be used"
         if broken
         else "everything that is needed to generate datasets is here"
     )

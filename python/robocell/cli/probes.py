@@ -28,6 +28,7 @@ PURPOSES = {
     "PyKDL": "for functions that return KDL objects",
 }
 KDL_REMEDY = "sudo apt install python3-pykdl, then scripts/setup"
+GL_REMEDY = "unset MUJOCO_GL, or export MUJOCO_GL=egl"
 DISK_REMEDY = "make room, or write elsewhere with `--output`"
 
 
@@ -36,7 +37,7 @@ class State(StrEnum):
 
     OK = "ok"
     MISSING = "missing"  # something optional
-    BROKEN = "broken"  # generating datasets will fail
+    BROKEN = "broken"  # a part of robocell will fail
 
 
 @dataclass(frozen=True)
@@ -51,19 +52,31 @@ class Finding:
 
 def versions() -> list[Finding]:
     """robocell, Python, the engine, and packages it works with."""
-    import mujoco
-
     import robocell
 
-    built, loaded = mujoco.__version__, mujoco.mj_versionString()
     return [
         Finding(
             "robocell", State.OK, f"{robocell.__version__} in {Path(robocell.__file__).parent}"
         ),
         Finding("python", State.OK, f"{platform.python_version()} ({sys.executable})"),
-        Finding("mujoco", State.OK, loaded if built == loaded else f"{loaded}, package {built}"),
+        engine(),
         packages(),
     ]
+
+
+def engine() -> Finding:
+    """The Python package mujoco, which scenes in Python need, and the engine that it brings."""
+    import robocell
+    from robocell import _core
+
+    try:
+        mujoco = _core.import_mujoco()
+    except (robocell.Error, ImportError) as error:
+        install = f"pip install mujoco=={robocell.__mujoco_version__}"
+        remedy = GL_REMEDY if "MUJOCO_GL" in str(error) else install
+        return Finding("mujoco", State.BROKEN, str(error), remedy)
+    built, loaded = mujoco.__version__, mujoco.mj_versionString()
+    return Finding("mujoco", State.OK, loaded if built == loaded else f"{loaded}, package {built}")
 
 
 def packages() -> Finding:

@@ -1,4 +1,4 @@
-"""`robocell replay --check`: do the recorded controls give the recorded episode?"""
+"""`robocell replay`: do the recorded controls give the recorded episode?"""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from typing import Annotated
 import typer
 
 import robocell
-from robocell.cli.common import ExitCode, fail, require_folder
+from robocell import _core
+from robocell.cli.common import ExitCode, fail, print_error, require_folder
+from robocell.generate.totals import counted
 
 
 def replay(
@@ -16,30 +18,53 @@ def replay(
     episode: Annotated[
         str | None, typer.Argument(metavar="EPISODE", help="Its id; all of them unless given.")
     ] = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Name the first step that comes out otherwise.")
-    ] = False,
+    _check: Annotated[
+        bool, typer.Option("--check", hidden=True, help="What it does anyway.")
+    ] = True,
     tolerance: Annotated[
         float, typer.Option(min=0, help="Differences up to this count as none: m, rad, m/s, s.")
     ] = 1e-9,
 ) -> None:
     """Simulate episodes again from their start and their recorded controls, and compare.
 
-    Exit codes: 0 all the same, 1 some differ, 2 wrong command or an episode that cannot be
-    replayed, 3 a file cannot be read.
+    The first step that comes out otherwise is named; an episode that cannot be read or replayed is
+    told, and the others go on. Exit codes: 0 all the same, 1 some differ, 2 wrong command or an
+    episode that cannot be replayed, 3 a file cannot be read.
     """
-    if not check:
-        fail(f"say what for: robocell replay --check {dataset}")
     require_folder(dataset, "dataset")
+    _core.require_dataset(dataset)
     episodes = robocell.Dataset(dataset)
+    if episode is not None and episode not in episodes:
+        episodes[episode]  # says which there are
     ids = [episode] if episode is not None else episodes.ids
     if not ids:
         fail(f"'{dataset}' has no episodes")
-    differing = 0
+    differing, unread, unplayed = 0, 0, 0
     for name in ids:
-        report = robocell.check_replay(episodes[name], tolerance)
-        print(report, flush=True)
-        differing += not report.ok
-    if differing:
-        print(f"{differing} of {len(ids)} episodes differ")
-        raise typer.Exit(ExitCode.INCOMPLETE)
+        try:
+            report = robocell.check_replay(episodes[name], tolerance)
+        except robocell.IoError as error:
+            print_error(str(error))
+            unread += 1
+        except robocell.Error as error:
+            print_error(f"{name} cannot be replayed: {error}")
+            unplayed += 1
+        else:
+            print(report, flush=True)
+            differing += not report.ok
+    _end(len(ids), differing=differing, unplayed=unplayed, unread=unread)
+
+
+def _end(count: int, differing: int, unplayed: int, unread: int) -> None:
+    """Counts what is not as recorded, and ends with the code of the worst."""
+    told = (
+        (differing, "differ" if count > 1 else "differs", ExitCode.INCOMPLETE),
+        (unplayed, "cannot be replayed", ExitCode.USAGE),
+        (unread, "cannot be read", ExitCode.OUTPUT),
+    )
+    for number, what, _ in told:
+        if number:
+            print(f"{number} of {counted(count, 'episode')} {what}")
+    codes = [code for number, _, code in told if number]
+    if codes:
+        raise typer.Exit(codes[-1])

@@ -13,7 +13,15 @@ from rich.box import SIMPLE
 from rich.table import Table
 
 import robocell
-from robocell.cli.common import ExitCode, fail, print_warning, print_wide, require_folder
+from robocell import _core
+from robocell.cli.common import (
+    ExitCode,
+    fail,
+    print_error,
+    print_warning,
+    print_wide,
+    require_folder,
+)
 from robocell.generate.items import Report, counts_text, recorded_frames
 from robocell.generate.report import DamagedReportError, RunReport, load, report_paths, whole
 from robocell.generate.summary import Summary
@@ -57,19 +65,36 @@ def report(
 ) -> None:
     """Count a dataset's episodes on the disk and tell how they were made.
 
-    Exit codes: 0, 2 wrong command, 3 a file cannot be read.
+    Exit codes: 0, 2 wrong command, 3 a file cannot be read; the others are counted all the same.
     """
     require_folder(dataset, "dataset")
-    found = [OnDisk.of(episode) for episode in robocell.Dataset(dataset)]
+    _core.require_dataset(dataset)
+    found, damaged = _read(dataset)
     reports = _load_all(dataset)
-    if not found and not reports:
+    if not found and not reports and not damaged:
         fail(f"'{dataset}' holds no episodes and no report")
     if as_json:
-        print(json.dumps(_json(found, reports), indent=1))
-        return
-    print_wide(_summary(dataset, found, reports).table())
-    if episodes:
-        print_wide(_episode_table(found, reports))
+        print(json.dumps(_json(found, damaged, reports), indent=1))
+    else:
+        print_wide(_summary(dataset, found, reports).table())
+        if episodes:
+            print_wide(_episode_table(found, reports))
+    for problem in damaged.values():
+        print_error(problem)
+    if damaged:
+        raise typer.Exit(ExitCode.OUTPUT)
+
+
+def _read(dataset: Path) -> tuple[list[OnDisk], dict[str, str]]:
+    """The episodes, and what keeps the damaged ones, by their ids, from being read."""
+    found, damaged = [], {}
+    episodes = robocell.Dataset(dataset)
+    for name in episodes.ids:
+        try:
+            found.append(OnDisk.of(episodes[name]))
+        except robocell.IoError as error:
+            damaged[name] = str(error)
+    return found, damaged
 
 
 def _load_all(dataset: Path) -> list[RunReport]:
@@ -162,10 +187,13 @@ def _episode_table(found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Tab
     return table
 
 
-def _json(found: Sequence[OnDisk], reports: Sequence[RunReport]) -> dict[str, Any]:
+def _json(
+    found: Sequence[OnDisk], damaged: dict[str, str], reports: Sequence[RunReport]
+) -> dict[str, Any]:
     totals = _totals(reports)
     return {
         "on_disk": [asdict(episode) for episode in found],
+        "damaged": damaged,
         "totals": totals.record() if totals else None,
         "reports": [report.to_json() for report in reports],
     }

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import mujoco
 import numpy as np
 from rich.table import Table
 
@@ -12,12 +11,8 @@ from robocell import Pose, RobotConfig
 from robocell.cli.gripper_range import range_lines
 from robocell.cli.robot_scene import RobotScene
 
-JOINT_KINDS = {
-    mujoco.mjtJoint.mjJNT_FREE: "free",
-    mujoco.mjtJoint.mjJNT_BALL: "ball",
-    mujoco.mjtJoint.mjJNT_SLIDE: "slide, m",
-    mujoco.mjtJoint.mjJNT_HINGE: "hinge, rad",
-}
+# By the engine's number (mjtJoint). The package mujoco is imported by scenes only.
+JOINT_KINDS = ("free", "ball", "slide, m", "hinge, rad")
 
 DEFAULT_CONTROL = "joint_position"  # of a group that the file's `control` does not name
 CAMERA_TO_OPENCV = Pose(rpy=[math.pi, 0, 0])
@@ -37,7 +32,7 @@ def joints_table(loaded: RobotScene) -> Table:
         for joint, (lower, upper) in values:
             entry = model.joint(joint)
             home = loaded.scene.data.qpos[int(entry.qposadr[0])]
-            kind = JOINT_KINDS[mujoco.mjtJoint(int(entry.type[0]))]
+            kind = JOINT_KINDS[int(entry.type[0])]
             table.add_row(name, joint, kind, _number(lower), _number(upper), _number(home))
     return table
 

@@ -14,6 +14,7 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/model_store.h"
+#include "robocell/data/signed_json.h"
 
 namespace robocell {
 namespace {
@@ -103,9 +104,22 @@ struct Episode::Impl {
       }
       CheckFiles();
       CheckModels();
-    } catch (const nlohmann::json::exception& error) {
-      throw IoError(fmt::format("{}: episode.json is damaged: {}", Name(), error.what()));
+    } catch (const nlohmann::json::exception&) {
+      throw IoError(fmt::format("{}: episode.json is damaged: {}{}", Name(), Damage(), Advice()));
     }
+  }
+
+  // Of a text that cannot be read, without the parser's own words.
+  std::string Damage() const {
+    return JsonDamage(text).value_or("it is signed, and yet no description of an episode");
+  }
+
+  std::string Advice() const {
+    const std::string dataset = folder.parent_path().string();
+    return fmt::format(
+        ". `robocell verify {}` names all that is damaged, `robocell verify "
+        "--repair {}` sets it aside",
+        dataset, dataset);
   }
 
   void CheckFiles() const {
@@ -115,12 +129,13 @@ struct Episode::Impl {
         throw IoError(fmt::format("{}: episode.json lists a file '{}'", Name(), file));
       const std::string what = WhatIsAt(folder / file);
       if (what != "nothing" && !CanReadFile(folder / file))
-        throw IoError(fmt::format("{}: '{}' is {}, not a file", Name(), file, what));
+        throw IoError(fmt::format("{}: '{}' is {}, not a file{}", Name(), file, what, Advice()));
       const auto size = fs::file_size(folder / file, error);
-      if (error) throw IoError(fmt::format("{}: '{}': {}", Name(), file, error.message()));
+      if (error)
+        throw IoError(fmt::format("{}: '{}': {}{}", Name(), file, error.message(), Advice()));
       if (size != facts.at("bytes").get<uint64_t>()) {
-        throw IoError(fmt::format("{}: '{}' has {} bytes, {} were written", Name(), file, size,
-                                  facts.at("bytes").get<uint64_t>()));
+        throw IoError(fmt::format("{}: '{}' has {} bytes, {} were written{}", Name(), file, size,
+                                  facts.at("bytes").get<uint64_t>(), Advice()));
       }
     }
   }

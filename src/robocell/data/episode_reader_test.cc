@@ -54,7 +54,15 @@ TEST(Episode, AFolderThatIsNoEpisodeIsNamed) {
   ExpectThrow<IoError>([&] { Episode(folder / "none"); }, (folder / "none").string());
   SampleEpisode(0, false).Write(folder.path(), "a");
   AtomicWrite(folder / "a" / "episode.json", "{\"format\": \"robocell-ep");
-  ExpectThrow<IoError>([&] { Episode(folder / "a"); }, "episode.json is damaged");
+  ExpectThrow<IoError>(
+      [&] { Episode(folder / "a"); },
+      "a': episode.json is damaged: it is cut short: its text ends after 23 bytes, "
+      "in the middle. `robocell verify " +
+          folder.path().string() + "` names all that is damaged, `robocell verify --repair " +
+          folder.path().string() + "` sets it aside");
+  AtomicWrite(folder / "a" / "episode.json", R"({"format": "robocell-episode"})");
+  ExpectThrow<IoError>([&] { Episode(folder / "a"); },
+                       "episode.json is damaged: it carries no hash of itself");
   AtomicWrite(folder / "a" / "episode.json",
               R"({"format": "robocell-episode", "format_version": 99})");
   ExpectThrow<IoError>([&] { Episode(folder / "a"); },

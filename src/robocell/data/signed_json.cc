@@ -1,5 +1,9 @@
 #include "robocell/data/signed_json.h"
 
+#include <fmt/format.h>
+
+#include <string_view>
+
 #include "robocell/base/error.h"
 #include "robocell/base/hash.h"
 
@@ -16,6 +20,12 @@ size_t HashPosition(const std::string& text) {
   return begin + kUnsigned.size() <= text.size() ? begin : std::string::npos;
 }
 
+// Whether the text of an object ends before the object does.
+bool IsCut(std::string_view text) {
+  const size_t last = text.find_last_not_of(" \n");
+  return last == std::string_view::npos || text[last] != '}';
+}
+
 }  // namespace
 
 std::string SignJson(std::string text) {
@@ -29,6 +39,8 @@ std::string SignJson(std::string text) {
 
 std::optional<std::string> JsonDamage(const std::string& text) {
   const size_t at = HashPosition(text);
+  if (at == std::string::npos && IsCut(text))
+    return fmt::format("it is cut short: its text ends after {} bytes, in the middle", text.size());
   if (at == std::string::npos)
     return "it carries no hash of itself: it was changed, or an early version of robocell wrote it";
   std::string unsigned_text = text;

@@ -30,6 +30,9 @@ TEST(SignedJson, EveryBitCounts) {
 
 TEST(SignedJson, ATextWithoutAPlaceForItsHashIsRefused) {
   ExpectThrow<Error>([] { SignJson("{}"); }, "no place for its hash");
+  EXPECT_THAT(JsonDamage("{\"id\": \"a"),
+              ::testing::Optional(
+                  std::string("it is cut short: its text ends after 9 bytes, in the middle")));
   EXPECT_THAT(JsonDamage("{}"), Optional(HasSubstr("carries no hash of itself")));
   EXPECT_THAT(JsonDamage(Text()), Optional(HasSubstr("its own hash does not fit")));
 }

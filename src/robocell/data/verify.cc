@@ -24,6 +24,7 @@
 #include "robocell/data/model_store.h"
 #include "robocell/data/own_folders.h"
 #include "robocell/data/quarantine.h"
+#include "robocell/data/require_dataset.h"
 #include "robocell/data/signed_json.h"
 #include "robocell/media/video_info.h"
 
@@ -174,34 +175,8 @@ class EpisodeCheck {
   std::vector<VerifyProblem> problems_;
 };
 
-bool IsOfDataset(const fs::path& folder, const std::string& name) {
-  return name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
-         IsReportFile(name) || IsTemporaryName(name) ||
-         (IsEpisodeId(name) && fs::is_directory(folder / name) && LooksLikeEpisode(folder / name));
-}
-
-// Where the dataset is that somebody may have meant: around an episode, or one folder below.
-std::string NearestDataset(const fs::path& folder, const std::vector<std::string>& names) {
-  const fs::path around = fs::absolute(folder).lexically_normal().parent_path();
-  if (fs::exists(folder / kEpisodeFile))
-    return fmt::format(". It is an episode of a dataset; give '{}'", around.string());
-  for (const std::string& name : names) {
-    if (fs::exists(folder / name / kManifestFile))
-      return fmt::format(". Did you mean '{}'?", (folder / name).string());
-  }
-  return "";
-}
-
-void RequireDataset(const fs::path& folder) {
-  const std::vector<std::string> names = List(folder);
-  if (std::any_of(names.begin(), names.end(),
-                  [&](const std::string& name) { return IsOfDataset(folder, name); }))
-    return;
-  const std::string holds =
-      names.empty() ? "it is empty" : fmt::format("it holds {}", ListNames(names, 5));
-  throw ArgumentError(
-      fmt::format("'{}' is no dataset: it has neither a dataset.json nor episodes, {}{}",
-                  folder.string(), holds, NearestDataset(folder, names)));
+std::string CountOfEpisodes(size_t count) {
+  return fmt::format("{} episode{}", count, count == 1 ? "" : "s");
 }
 
 void CheckManifest(const fs::path& dataset, VerifyReport& report) {
@@ -265,7 +240,7 @@ void CheckStoredModels(const fs::path& dataset, VerifyReport& report) {
 
 // Models that good episodes were made in and that are not in the dataset.
 void CheckMissingModels(const fs::path& dataset, VerifyReport& report) {
-  std::map<std::string, int> missing;
+  std::map<std::string, size_t> missing;
   for (const std::string& id : report.good) {
     std::set<std::string> folders;
     for (const auto& [name, path] : Episode(dataset / id).models())
@@ -277,9 +252,9 @@ void CheckMissingModels(const fs::path& dataset, VerifyReport& report) {
   for (const auto& [folder, episodes] : missing) {
     report.problems.push_back(
         {"", folder,
-         fmt::format("it is missing; {} episodes can be read, not replayed. `robocell generate` "
+         fmt::format("it is missing; {} can be read, not replayed. `robocell generate` "
                      "with the run's file stores it again",
-                     episodes)});
+                     CountOfEpisodes(episodes))});
   }
 }
 
@@ -300,7 +275,7 @@ std::string VerifyReport::Text() const {
   if (!has_manifest && !good.empty())
     text +=
         "dataset.json: there is none; `robocell generate` with the run's file writes it again\n";
-  return text + fmt::format("{} episodes good, {} bad\n", good.size(), bad.size());
+  return text + fmt::format("{} good, {} bad\n", CountOfEpisodes(good.size()), bad.size());
 }
 
 std::vector<VerifyProblem> VerifyEpisode(const fs::path& folder, bool decode_videos) {

@@ -68,6 +68,9 @@ TEST_F(VerifyTest, AnIntactDatasetHasNoProblems) {
   EXPECT_TRUE(report.ok()) << report.Text();
   EXPECT_THAT(report.good, ElementsAre("a", "b", "c"));
   EXPECT_EQ(report.Text(), "3 episodes good, 0 bad\n");
+  fs::remove_all(folder_ / "a");
+  fs::remove_all(folder_ / "b");
+  EXPECT_EQ(Verify(folder_.path()).Text(), "1 episode good, 0 bad\n");
 }
 
 TEST_F(VerifyTest, AFlippedBitIsFoundAnywhereInEveryFile) {
@@ -248,6 +251,13 @@ TEST_F(VerifyTest, AFolderThatIsNoDatasetIsRefusedWithWhereOneIs) {
       ExpectThrow<ArgumentError>([&] { Verify(around.path()); }, "it holds notes.txt, set. ");
   EXPECT_THAT(text, HasSubstr("Did you mean '" + (around / "set").string() + "'?"));
   ExpectThrow<ArgumentError>([&] { Repair(around.path()); }, "is no dataset");
+  fs::create_directory(around / "set" / "notes");
+  ExpectThrow<ArgumentError>([&] { Verify(around / "set" / "notes" / ""); },
+                             "It is a part of a dataset; give '" + (around / "set").string());
+  fs::copy(around / "set", around / "two", fs::copy_options::recursive);
+  ExpectThrow<ArgumentError>([&] { Verify(around.path()); },
+                             ". It holds 2 datasets, give one of them: " +
+                                 (around / "set").string() + ", " + (around / "two").string());
   EXPECT_FALSE(fs::exists(around / ".lock")) << "nothing is written into it";
   ExpectThrow<ArgumentError>([&] { Verify(around / "set" / "a"); },
                              "It is an episode of a dataset; give '" + (around / "set").string());

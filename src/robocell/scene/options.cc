@@ -9,6 +9,7 @@
 #include <span>
 
 #include "robocell/base/names.h"
+#include "robocell/spec/timestep.h"
 
 namespace robocell {
 namespace {
@@ -163,6 +164,9 @@ void ApplyOptions(const SceneSpec& scene, mjSpec* spec, Report& report) {
   spec->option.enableflags |= enabled;
   spec->option.disableflags |= disabled | mjDSBL_AUTORESET;
   if (scene.timestep) spec->option.timestep = *scene.timestep;
+  // The spec's own was looked at; this one may be that of the base's file.
+  const std::string problem = TimestepProblem(spec->option.timestep, 1);
+  if (!problem.empty()) report.Problem("base", "<option timestep>: " + problem, "base");
   std::copy(scene.gravity.begin(), scene.gravity.end(), spec->option.gravity);
 }
 

@@ -85,6 +85,14 @@ TEST_F(Options, OfTheBaseCountWhereTheSceneSaysNothing) {
   EXPECT_EQ(option.cone, mjCONE_ELLIPTIC);
 }
 
+TEST_F(Options, WithATimestepOfTheBaseThatNeverEndsAreRefused) {
+  spec.base = folder.Write("lab", R"(<option timestep="1e-9"/>)");
+  spec.timestep.reset();
+  ExpectThrow<SpecError>([&] { Compiled(); },
+                         "base: <option timestep>: 1e-09 s is too short for a step of the engine, "
+                         "at least 1e-05 s");
+}
+
 TEST_F(Options, OfPartsAreReportedNotTaken) {
   const std::string rubber = folder.Write(
       "rubber",

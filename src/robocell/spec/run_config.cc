@@ -32,6 +32,18 @@ void CheckMultiple(const char* field, double whole, const char* of, double part,
   }
 }
 
+// More than these and one action takes longer than anybody waits.
+constexpr double kMostStepsPerAction = 1e6;
+
+void CheckStepsPerAction(const Rates& rates, Problems& problems) {
+  const double steps = rates.policy_ms / rates.sim_ms;
+  if (!(rates.sim_ms > 0) || steps <= kMostStepsPerAction) return;
+  problems.AddAt("policy_ms",
+                 fmt::format("{:g} ms are {:.0f} steps of the engine of {:g} ms for every action, "
+                             "at most {:.0f}; 66 ms is usual",
+                             rates.policy_ms, steps, rates.sim_ms, kMostStepsPerAction));
+}
+
 }  // namespace
 
 void TaskConfig::Validate(Problems& problems) const {
@@ -75,6 +87,7 @@ int Rates::sim_steps() const { return Multiple(control_ms, sim_ms); }
 
 void Rates::Validate(Problems& problems) const {
   CheckTimestep(sim_ms, 1000, "sim_ms", problems);
+  if (sim_ms >= kShortestTimestep * 1000) CheckStepsPerAction(*this, problems);
   CheckMultiple("policy_ms", policy_ms, "control_ms", control_ms, problems);
   CheckMultiple("control_ms", control_ms, "sim_ms", sim_ms, problems);
 }

@@ -58,6 +58,18 @@ TEST(Rates, AreMultiplesOfEachOther) {
             "2 ms is usual");
 }
 
+TEST(Rates, AreNeverSoShortOrSoLongThatARunDoesNotEnd) {
+  EXPECT_EQ(ParseError<RunConfig>("run: r\nrobot: {name: a, model: b}\noutput: o\n"
+                                  "rates: {policy_ms: 66, control_ms: 2, sim_ms: 0.002}"),
+            "f.yaml is not valid: f.yaml:4:47: rates.sim_ms: 0.002 ms is too short for a step of "
+            "the engine, at least "
+            "0.01 ms; 2 ms is usual");
+  EXPECT_EQ(ValidationError(Rates{.sim_ms = 0.01}), "");
+  EXPECT_EQ(ValidationError(Rates{.policy_ms = 66e6}),
+            "it is not valid: policy_ms: 6.6e+07 ms are 33000000 steps of the engine of 2 ms for "
+            "every action, at most 1000000; 66 ms is usual");
+}
+
 TEST(TaskConfig, RangesAreSmallestFirst) {
   EXPECT_THAT(ValidationError(TaskConfig{.base_distance = {0.6, 0.15}}),
               HasSubstr("base_distance: [0.6, 0.15] is [smallest, largest]; the first is larger"));

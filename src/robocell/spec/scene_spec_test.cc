@@ -46,6 +46,10 @@ TEST(SceneSpec, ATimestepInAnotherUnitIsTold) {
   EXPECT_EQ(ValidationError(spec),
             "it is not valid: timestep: 2 s is too long for a step of the engine, at most 0.1 s; "
             "0.002 s is usual");
+  spec.timestep = 2e-6;
+  EXPECT_EQ(ValidationError(spec),
+            "it is not valid: timestep: 2e-06 s is too short for a step of the engine, at least "
+            "1e-05 s; 0.002 s is usual");
 }
 
 TEST(SceneSpec, NamesAndPrefixesAreUnique) {

@@ -1,26 +1,34 @@
-// The longest step of the engine that makes sense: a larger number was meant in another unit.
+// The shortest and the longest step of the engine that make sense: another number was meant in
+// another unit. With a shorter one nothing ever ends: at 10 us a simulated second is 100 000 steps.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <string>
 #include <string_view>
 
 #include "robocell/spec/problems.h"
 
 namespace robocell {
 
-constexpr double kLongestTimestep = 0.1;  // seconds
+constexpr double kShortestTimestep = 1e-5, kLongestTimestep = 0.1;  // seconds
 
-// Adds a problem at `field` for a longer one. `per_second`: 1 for a value in s, 1000 for ms.
+// What is wrong with a step; "" when nothing is. `per_second`: 1 for a value in s, 1000 for ms.
+inline std::string TimestepProblem(double value, double per_second) {
+  const bool too_long = value > kLongestTimestep * per_second;
+  if (!too_long && !(value > 0 && value < kShortestTimestep * per_second)) return "";
+  const char* unit = per_second == 1 ? "s" : "ms";
+  return fmt::format("{:g} {} is too {} for a step of the engine, at {} {:g} {}; {:g} {} is usual",
+                     value, unit, too_long ? "long" : "short", too_long ? "most" : "least",
+                     (too_long ? kLongestTimestep : kShortestTimestep) * per_second, unit,
+                     0.002 * per_second, unit);
+}
+
+// Adds that problem at `field`.
 inline void CheckTimestep(double value, double per_second, std::string_view field,
                           Problems& problems) {
-  const char* unit = per_second == 1 ? "s" : "ms";
-  if (value <= kLongestTimestep * per_second) return;
-  problems.AddAt(
-      field,
-      fmt::format("{:g} {} is too long for a step of the engine, at most {:g} {}; "
-                  "{:g} {} is usual",
-                  value, unit, kLongestTimestep * per_second, unit, 0.002 * per_second, unit));
+  const std::string problem = TimestepProblem(value, per_second);
+  if (!problem.empty()) problems.AddAt(field, problem);
 }
 
 }  // namespace robocell
