@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include "robocell/base/names.h"
@@ -84,6 +85,7 @@ std::string Short(const YAML::Node& node) {
 }
 
 std::string ListHint(const YAML::Node& node, size_t count) {
+  if (const std::string quoted = QuotedListHint(node); !quoted.empty()) return quoted;
   std::vector<std::string> items;
   if (node.IsScalar()) items = Words(node.Scalar());
   if (node.IsMap()) items = Scalars(node);
@@ -92,13 +94,49 @@ std::string ListHint(const YAML::Node& node, size_t count) {
 }
 
 std::string DashHint(const YAML::Node& node) {
-  return node.IsMap() ? "; begin each of its entries with a dash: `- `" : "";
+  if (!node.IsMap()) return "";
+  return node.Style() == YAML::EmitterStyle::Flow ? "; put brackets around it: [{...}]"
+                                                  : "; begin each of its entries with a dash: `- `";
 }
 
-std::string NamesHint(const YAML::Node& node) {
-  if (!node.IsSequence()) return "";
-  if (node.size() > 0 && node[0].IsMap()) return "; write `name: {...}` for each, without dashes";
-  return "; write {name: " + Short(node) + "}";
+std::string NamesHint(const YAML::Node& node, bool lists) {
+  const bool several = node.IsSequence() && node.size() > 0 && node[0].IsMap();
+  if (several && node[0]["name"] && node[0]["name"].IsScalar()) {
+    return fmt::format("; write `{0}:` in the place of `- name: {0}`, without the dash",
+                       Cut(node[0]["name"].Scalar()));
+  }
+  if (several) return "; write `name: {...}` for each, without dashes";
+  if (lists && (node.IsSequence() || node.IsScalar())) {
+    return fmt::format("; write {{arm: {}}} with the name of the group in the place of `arm`",
+                       node.IsSequence() ? Short(node) : "[" + Short(node) + "]");
+  }
+  return node.IsSequence() ? "; write {name: " + Short(node) + "}" : "";
+}
+
+std::string NumbersHint(const YAML::Node& node) {
+  const std::vector<std::string> words = node.IsScalar() ? Words(node.Scalar()) : Words("");
+  const auto is_number = [](const std::string& word) {
+    return word.find_first_not_of("+-.0123456789eE") == std::string::npos;
+  };
+  if (words.size() < 2 || !std::all_of(words.begin(), words.end(), is_number)) return "";
+  return "; write " + Cut("[" + Joined(words) + "]");
+}
+
+std::string QuotedListHint(const YAML::Node& node) {
+  if (!node.IsScalar() || node.Tag() != "!") return "";
+  const std::string& text = node.Scalar();
+  const bool list = text.starts_with('[') && text.ends_with(']');
+  const bool map = text.starts_with('{') && text.ends_with('}');
+  return list || map ? "; write it without the quotes: " + Cut(text) : "";
+}
+
+std::string NoBlankHint(const std::string& text, const std::vector<std::string>& fields) {
+  const size_t colon = text.find(':');
+  if (colon == std::string::npos || colon + 1 == text.size()) return "";
+  const std::string name = text.substr(0, colon);
+  if (std::find(fields.begin(), fields.end(), name) == fields.end()) return "";
+  return fmt::format("there is no blank after the `:`; write `{}: {}`", name,
+                     Cut(text.substr(colon + 1)));
 }
 
 int TabbedLine(std::string_view text, int last) {

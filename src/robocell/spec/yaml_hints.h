@@ -22,8 +22,18 @@ std::string ListHint(const YAML::Node& node, size_t count);
 // How to give one entry in a list, for names with values in its place.
 std::string DashHint(const YAML::Node& node);
 
-// How to give names with values, for a list in their place.
-std::string NamesHint(const YAML::Node& node);
+// How to give names with values, for a list in their place; `lists`: each value is a list.
+std::string NamesHint(const YAML::Node& node, bool lists);
+
+// "; write [0, 0, 0.1]" for several numbers in one text ("0 0 0.1"); else "".
+std::string NumbersHint(const YAML::Node& node);
+
+// "; write it without the quotes" for a text that is a list but for its quotes; else "".
+std::string QuotedListHint(const YAML::Node& node);
+
+// "there is no blank after ..." for a text like `joints:[a, b]` that begins with one of the fields
+// and a colon; else "".
+std::string NoBlankHint(const std::string& text, const std::vector<std::string>& fields);
 
 // The first line, from 1, up to line `last` that is indented with a tab; 0 when there is none.
 int TabbedLine(std::string_view text, int last);

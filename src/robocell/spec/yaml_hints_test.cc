@@ -59,13 +59,66 @@ TEST(Hints, NumbersThatAreNoList) {
 
 TEST(Hints, ListsAndNamesMixedUp) {
   EXPECT_THAT(HintFor("home: [0, 0]"),
-              HasSubstr("home: expected names with values, found a list; write {name: [0, 0]}"));
+              HasSubstr("home: expected names with values, found a list; write {arm: [0, 0]} with "
+                        "the name of the group in the place of `arm`"));
+  EXPECT_THAT(HintFor("control: [joint_position]"), HasSubstr("; write {name: [joint_position]}"));
   EXPECT_THAT(HintFor("move_groups:\n  - {kind: arm, joints: [a]}"),
               HasSubstr("; write `name: {...}` for each, without dashes"));
+  EXPECT_THAT(HintFor("edits: {body: link, pos: [0, 0, 0]}"),
+              HasSubstr("edits: expected a list, found names with values; put brackets around it: "
+                        "[{...}]"));
+  EXPECT_THAT(HintFor("cameras:\n  name: wrist\n  pos: [0, 0, 0]"),
+              HasSubstr("found names with values; begin each of its entries with a dash: `- `"));
+  EXPECT_THAT(HintFor("move_groups:\n  - name: left\n    kind: arm"),
+              HasSubstr("; write `left:` in the place of `- name: left`, without the dash"));
+}
+
+TEST(Hints, ListsInQuotesOrWithoutBrackets) {
+  EXPECT_THAT(HintFor("base: {size: '[0.1, 0.2, 0.3]'}"),
+              HasSubstr("found '[0.1, 0.2, 0.3]'; write it without the quotes: [0.1, 0.2, 0.3]"));
+  EXPECT_THAT(HintFor("home: {arm: \"[0, 0]\"}"),
+              HasSubstr("found '[0, 0]'; write it without the quotes: [0, 0]"));
+  EXPECT_THAT(HintFor("move_groups: {arm: {kind: arm, joints: '[a, b]'}}"),
+              HasSubstr("joints: expected a name, or a list of names, found '[a, b]'; write it "
+                        "without the quotes: [a, b]"));
+  EXPECT_THAT(HintFor("move_groups:\n  arm:\n    joints: a, b"),
+              HasSubstr("expected a name, or a list of names, found 'a, b'; write [a, b]"));
+  EXPECT_EQ(HintFor("move_groups: {arm: {kind: arm, joints: 'a, b'}}"), "") << "a curious name";
+  EXPECT_THAT(HintFor("home: {arm: 0 0.5 -1}"),
+              HasSubstr("expected a number, found '0 0.5 -1'; write [0, 0.5, -1]"));
+}
+
+TEST(Hints, WhatFollowsACommaOfAListWithoutBrackets) {
+  EXPECT_EQ(HintFor("move_groups: {arm: {kind: arm, joints: [a, b]}}\nhome: {arm: 0, 0, 1}"),
+            "f.yaml is not valid: f.yaml:4:8: home.arm: it ends at the comma, and what follows has "
+            "no name; if a list was meant, write arm: [0, 0, 1]");
+  EXPECT_EQ(HintFor("base: {size: 0.1, 0.2, 0.3}"),
+            "f.yaml is not valid: f.yaml:3:8: base.size: it ends at the comma, and what follows "
+            "has no name; if a list was meant, write size: [0.1, 0.2, 0.3]");
+}
+
+TEST(Hints, FieldsThatAreNotIndented) {
+  EXPECT_EQ(HintFor("move_groups:\n  arm:\n  kind: arm\n  joints: [a, b]"),
+            "f.yaml is not valid: f.yaml:4:3: move_groups.arm: nothing belongs to it: `kind` of "
+            "line 5 begins in the same column; what belongs to `arm` is indented further than it");
+  EXPECT_EQ(HintFor("base:\nkind: mocap\nsize: [1, 1, 1]"),
+            "f.yaml is not valid: f.yaml:3:1: base: nothing belongs to it: `kind` of line 4 begins "
+            "in the same column; what belongs to `base` is indented further than it");
+  EXPECT_THAT(HintFor("base:\ngravcmp: true"), HasSubstr("Did you mean 'gravcomp'?"));
+}
+
+TEST(Hints, AColonWithoutABlank) {
+  EXPECT_THAT(HintFor("move_groups:\n  arm:\n    kind: arm\n    joints:[a, b]"),
+              HasSubstr("f.yaml:6:5: move_groups.arm.joints:[a, b]: there is no blank after the "
+                        "`:`; write `joints: [a, b]`"));
+  EXPECT_THAT(HintFor("move_groups:\n  arm:\n    kind:arm"),
+              HasSubstr("found 'kind:arm'; there is no blank after the `:`; write `kind: arm`"));
   EXPECT_THAT(
-      HintFor("edits: {body: link, pos: [0, 0, 0]}"),
-      HasSubstr("edits: expected a list, found names with values; begin each of its entries "
-                "with a dash: `- `"));
+      HintFor("move_groups: {arm: {kind: arm, joints:[a, b]}}"),
+      HasSubstr("f.yaml:3:39: not valid YAML: there is no blank between the `:` and the `[` "
+                "of line 3, column 39"));
+  EXPECT_THAT(HintFor("home:{arm: [0, 0]}"),
+              HasSubstr("there is no blank between the `:` and the `{` of line 3, column 6"));
 }
 
 TEST(Hints, TabsThatIndent) {

@@ -85,7 +85,14 @@ void Reader::FailKind(const YAML::Node& node, const std::string& expected,
                             : node.IsScalar()   ? Quoted(node)
                             : node.IsSequence() ? "a list"
                                                 : "names with values";
-  Fail(node, "expected " + expected + ", found " + found + hint);
+  Fail(node,
+       "expected " + expected + ", found " + found + (hint.empty() ? QuotedListHint(node) : hint));
+}
+
+void Reader::TellStray(const Stray& stray) {
+  problems_.Truncate(stray.problems());
+  const Problems::Scope scope(problems_, stray.key().Scalar());
+  Fail(stray.key(), stray.Text());
 }
 
 void Reader::ExplainField(std::string_view name, std::string_view doc, size_t first_problem) {
@@ -180,7 +187,7 @@ void Reader::Read(const YAML::Node& node, int& out) {
 void Reader::Read(const YAML::Node& node, double& out) {
   std::string text;
   if (!ReadScalar(node, "a number", text)) return;
-  if (!ParseDouble(text, out)) FailKind(node, "a number");
+  if (!ParseDouble(text, out)) FailKind(node, "a number", NumbersHint(node));
 }
 
 void Reader::Read(const YAML::Node& node, std::string& out) { ReadScalar(node, "a text", out); }
@@ -195,7 +202,10 @@ void Reader::Read(const YAML::Node& node, NameList& out) {
       Mark(item);
       out.names.push_back(name);
     };
+    if (!QuotedListHint(item).empty()) return FailKind(item, "a name, or a list of names");
     if (item.Tag() == "!") return add(text);  // in quotes: never a range
+    if (text.find(", ") != std::string::npos)
+      return FailKind(item, "a name, or a list of names", "; write [" + text + "]");
     try {
       for (const std::string& name : NameList::Expand(text).names) add(name);
     } catch (const ArgumentError& e) {

@@ -23,6 +23,7 @@
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/validate.h"
 #include "robocell/spec/yaml_hints.h"
+#include "robocell/spec/yaml_stray.h"
 
 namespace robocell::yaml {
 
@@ -134,10 +135,15 @@ class Reader {
   template <class T>
   void Read(const YAML::Node& node, Map<T>& out) {
     out.clear();
-    if (!node.IsMap()) return FailKind(node, "names with values", NamesHint(node));
-    ForEachKey(node, [&](const YAML::Node&, const std::string& name, const YAML::Node& value) {
+    if (!node.IsMap())
+      return FailKind(node, "names with values", NamesHint(node, IsVector<T>::value));
+    const auto read = [&](const YAML::Node&, const std::string& name, const YAML::Node& value) {
       T& item = *out.entries().emplace_back(name, std::make_shared<T>()).second;
       ReadAt(value, name, item);
+    };
+    ForEachKey(node, read, [](const std::string& name) {
+      if constexpr (HasFields<T>) return IsOneOf(name, FieldNames<T>());
+      return false;
     });
   }
 
@@ -162,6 +168,8 @@ class Reader {
   std::string FieldHint(const YAML::Node& node) const {
     if (node.IsNull()) return "";
     std::string hint;
+    if (node.IsScalar()) hint = NoBlankHint(node.Scalar(), FieldNames<T>());
+    if (!hint.empty()) return "; " + hint;
     T trial{};
     ForEachField(trial, [&](const char* name, auto& value, const char*, Check) {
       if (hint.empty() && FitsInto(node, value)) {
@@ -211,6 +219,12 @@ class Reader {
   void ReadRobotFile(const YAML::Node& node, RobotConfig& out);
   void ReadAttachWord(const YAML::Node& node, AttachTarget& out);
 
+  // Says of the last value what seems to have been cut off from it, in the place of what was said.
+  void TellStray(const Stray& stray);
+
+  static bool IsOneOf(const std::string& name, const std::vector<std::string>& names) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  }
   static std::string WithArticle(std::string_view noun);
   static Vec4 NormalizedFromWxyz(const Vec4& wxyz);
 
@@ -222,12 +236,20 @@ class Reader {
   }
 
   // Calls f(key node, key, value) once for each key, then for keys that only overrides have.
-  template <class F>
-  void ForEachKey(const YAML::Node& node, F&& f) {
+  // `strange(key)`: no key of this map; in the place of a value it may be what lost its
+  // indentation.
+  template <class F, class Strange>
+  void ForEachKey(const YAML::Node& node, F&& f, Strange&& strange) {
     std::set<std::string> seen;
+    Stray stray(node);
     for (const auto& entry : node) {
       std::string name;
       if (!ReadScalar(entry.first, "a name", name)) continue;
+      if (stray.IsPartOfLast(entry.first, entry.second, strange(name))) {
+        TellStray(stray);
+        continue;
+      }
+      stray.SetLast(entry.first, entry.second, problems_.list().size());
       if (seen.insert(name).second) {
         f(entry.first, name, entry.second);
       } else {
@@ -260,12 +282,16 @@ class Reader {
   template <HasFields T>
   void ReadFields(const YAML::Node& node, T& out) {
     bool quat = false, quat_wxyz = false;
-    ForEachKey(node, [&](const YAML::Node& key, const std::string& name, const YAML::Node& value) {
+    const auto read = [&](const YAML::Node& key, const std::string& name, const YAML::Node& value) {
       if (name == "quat") quat = true;
       if (ReadField(name, value, out)) return;
       if (ReadQuatWxyz(name, value, out)) return void(quat_wxyz = true);
       FailField(key, name, out);
       ReadAsMeant(node, name, value, out);
+    };
+    ForEachKey(node, read, [](const std::string& name) {
+      const std::vector<std::string> fields = FieldNames<T>();
+      return !IsOneOf(name, fields) && name != "quat_wxyz" && NearestNames(name, fields, 1).empty();
     });
     if (quat && quat_wxyz) Fail(node, "both quat and quat_wxyz are given; keep one of them");
     if constexpr (requires { out.source_dir; }) out.source_dir = directory_;
@@ -279,6 +305,7 @@ class Reader {
     std::vector<std::string> names = FieldNames<T>();
     if constexpr (requires { out.quat; }) names.push_back("quat_wxyz");
     Problems::Scope scope(problems_, name);
+    if (const std::string hint = NoBlankHint(name, names); !hint.empty()) return Fail(key, hint);
     Fail(key, NoSuchName(WithArticle(T::kTypeName), "field", name, names));
   }
 

@@ -170,8 +170,24 @@ std::string OutOfPlace(const std::vector<std::string_view>& lines, TextPlace at)
          "column, what belongs to a field further to the right";
 }
 
+// Whether a bracket stands directly behind a colon: a text to the parser, no value.
+bool IsBehindColon(const std::vector<std::string_view>& lines, TextPlace bracket) {
+  const std::string_view line = LineAt(lines, bracket);
+  const auto column = static_cast<size_t>(bracket.column);
+  return column > 0 && column < line.size() && line[column - 1] == ':' &&
+         (line[column] == '[' || line[column] == '{');
+}
+
 std::string Brackets(const std::vector<std::string_view>& lines, TextPlace at) {
   const BracketScan scan(lines, at);
+  std::vector<TextPlace> brackets = {at};
+  for (const OpenBracket& open : scan.open()) brackets.push_back(open.at);
+  for (const TextPlace& bracket : brackets) {
+    if (!IsBehindColon(lines, bracket)) continue;
+    return fmt::format("there is no blank between the `:` and the `{}` of line {}, column {}",
+                       LineAt(lines, bracket).substr(static_cast<size_t>(bracket.column), 1),
+                       bracket.line + 1, bracket.column + 1);
+  }
   const bool at_end = LineAbove(lines, static_cast<int>(lines.size())) < at.line;
   if (!scan.open().empty()) return StillOpen(scan.open().back(), at_end);
   const std::string_view line = LineAt(lines, at);
