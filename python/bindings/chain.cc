@@ -178,10 +178,11 @@ void BindChain(nb::module_& m) {
           },
           "q"_a, "Pose of the tip in the base frame.")
       .def("jacobian", &JacobianAt, "q"_a, "(6, n) at the tip, linear rows first.")
-      .def("ik", &IkOf, "target"_a, "seed"_a = nb::none(), "tolerance"_a = 1e-5,
-           "position_only"_a = false,
-           "Joint values within the limits that put the tip at `target`, a Pose or PyKDL.Frame in "
-           "the base frame.")
+      .def(
+          "ik", &IkOf, "target"_a, "seed"_a = nb::none(), "tolerance"_a = 1e-5,
+          "position_only"_a = false,
+          "Joint values within the limits that put the tip at `target`, a Pose, PyKDL.Frame or 4x4 "
+          "matrix in the base frame.")
       .def("__repr__", [](const Chain& chain) { return "<" + chain.description() + ">"; });
   DefDynamics(c);
   m.def(

@@ -2,6 +2,7 @@
 // for batches.
 #include "kinematics.h"
 
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
 
 #include "arrays.h"
@@ -31,11 +32,36 @@ IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed
   return k.robot.Ik(pose, options);
 }
 
+// A Pose, a Frame, or something with four rows.
+bool IsOnePose(nb::handle value) {
+  if (nb::isinstance<Pose>(value) || nb::hasattr(value, "M")) return true;
+  if (!MayBePose(value) || nb::len(value) != 4) return false;
+  return MayBePose(nb::object(value[0])) && nb::len(nb::object(value[0])) == 4;
+}
+
+// (B, 4, 4), a list of poses, or one.
+std::vector<Pose> ToPoses(nb::handle targets) {
+  if (const Pose* one = nullptr; nb::try_cast(targets, one) && one) return {*one};
+  const bool is_list = nb::isinstance<nb::list>(targets) || nb::isinstance<nb::tuple>(targets);
+  if (!is_list || nb::len(targets) == 0 || !IsOnePose(nb::object(targets[0])))
+    return PosesFromMatrices(ToDoubles(targets, "targets"), "targets");
+  std::vector<Pose> poses;
+  for (const nb::handle item : targets) {
+    try {
+      poses.push_back(nb::cast<Pose>(nb::type<Pose>()(item)));
+    } catch (const nb::python_error& error) {
+      throw ArgumentError(fmt::format("targets[{}]: {}", poses.size(),
+                                      nb::cast<std::string>(nb::str(error.value()))));
+    }
+  }
+  return poses;
+}
+
 nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
                       const std::vector<std::string>& locked_groups, double tolerance, int threads,
                       bool position_only, bool prefer_near_seed, int max_restarts,
                       int max_iterations) {
-  const std::vector<Pose> poses = PosesFromMatrices(ToDoubles(targets, "targets"), "targets");
+  const std::vector<Pose> poses = ToPoses(targets);
   std::vector<double> seed_values;
   if (!seeds.is_none()) {
     seed_values = ToDoubles(seeds, "seeds");
@@ -81,6 +107,14 @@ nb::object JacobianAt(const Kinematics& k, nb::handle q) {
 
 }  // namespace
 
+bool MayBePose(nb::handle value) noexcept {
+  if (nb::hasattr(value, "M") && nb::hasattr(value, "p")) return true;
+  if (!PySequence_Check(value.ptr()) || PyUnicode_Check(value.ptr())) return false;
+  const bool has_length = PySequence_Size(value.ptr()) >= 0;  // not so an array without dimensions
+  PyErr_Clear();
+  return has_length;
+}
+
 void BindKinematics(nb::module_& m) {
   nb::class_<IkResult>(
       m, "IkResult",
@@ -121,8 +155,8 @@ void BindKinematics(nb::module_& m) {
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
            "position_only"_a = false, "prefer_near_seed"_a = false, "max_restarts"_a = 100,
            "max_iterations"_a = 40,
-           "Joint values that put the TCP at `target` (in the robot base frame). Starts at `seed`, "
-           "else where the arm is.\n\n"
+           "Joint values that put the TCP at `target` (in the robot base frame): a Pose, a "
+           "PyKDL.Frame or a 4x4 matrix. Starts at `seed`, else where the arm is.\n\n"
            "The joints of `locked_groups` stay where the seed has them. "
            "Limits are always obeyed; the same question has the same answer. Damped least squares "
            "(Sugihara 2011) with\n"
@@ -136,7 +170,8 @@ void BindKinematics(nb::module_& m) {
                    "threads: int = 1, position_only: bool = False, prefer_near_seed: bool = False, "
                    "max_restarts: int = 100, max_iterations: int = 40) -> types.SimpleNamespace"),
            "Many poses at once, as many at a time as the processor has lanes.\n\n"
-           "targets (B, 4, 4) in the robot base frame. seeds (B, n) or (n,): where each search "
+           "targets (B, 4, 4) in the robot base frame, or a list of poses. seeds (B, n) or (n,): "
+           "where each search "
            "begins, and where the joints of `locked_groups` stay; without seeds it begins near "
            "the target (joints of locked groups stay where the robot has them). Returns q (B, n), "
            "success (B,), position_error (B,) in m, rotation_error (B,) in rad and iterations "

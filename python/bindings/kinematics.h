@@ -12,15 +12,18 @@ struct Kinematics {
   Robot robot;
 };
 
-// An argument that is a Pose or a PyKDL.Frame, which has no type that annotations could name.
-// What is no Pose becomes one in the function, so that its error says why it is none.
+// An argument that is a Pose, a PyKDL.Frame, which has no type that annotations could name, or a
+// 4x4 matrix. What is no Pose becomes one in the function, so that its error says why it is none.
 struct PoseOrFrame {
   Pose pose;
-  nb::object frame = {};  // set when it is not a Pose yet
+  nb::object other = {};  // set when it is not a Pose yet
 
   // With the GIL.
-  Pose get() const { return frame.is_valid() ? nb::cast<Pose>(nb::type<Pose>()(frame)) : pose; }
+  Pose get() const { return other.is_valid() ? nb::cast<Pose>(nb::type<Pose>()(other)) : pose; }
 };
+
+// Whether it may be meant as one: a Pose, a Frame, or rows of numbers.
+bool MayBePose(nb::handle value) noexcept;
 
 // Chains on their own. Needs IkResult to be bound.
 void BindChain(nb::module_& m);
@@ -42,7 +45,7 @@ namespace nanobind::detail {
 
 template <>
 struct type_caster<robocell::python::PoseOrFrame> {
-  NB_TYPE_CASTER(robocell::python::PoseOrFrame, const_name("Pose"))
+  NB_TYPE_CASTER(robocell::python::PoseOrFrame, const_name("Pose | numpy.typing.ArrayLike"))
 
   bool from_python(handle source, uint8_t, cleanup_list*) noexcept {
     const robocell::Pose* pose = nullptr;
@@ -50,8 +53,8 @@ struct type_caster<robocell::python::PoseOrFrame> {
       value.pose = *pose;
       return true;
     }
-    if (!hasattr(source, "M") || !hasattr(source, "p")) return false;
-    value.frame = borrow(source);
+    if (!robocell::python::MayBePose(source)) return false;
+    value.other = borrow(source);
     return true;
   }
 };

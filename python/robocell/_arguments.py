@@ -173,7 +173,8 @@ def fits_one(value: object, kind: ast.expr) -> bool | None:
     if text == "None":
         return value is None
     if text in ("object", "numpy.typing.ArrayLike"):
-        return False if value is None else None
+        texts = (type(None),) if text == "object" else (type(None), str)
+        return False if isinstance(value, texts) else None
     if text in NUMBERS:
         if isinstance(value, NUMBERS[text]):
             return True

@@ -77,8 +77,8 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             "RobotConfig(): its arguments are given by name, such as ",
         ),
         (
-            lambda s: s.robot("a").ik([1, 2, 3]),
-            "Robot.ik(): `pose` must be a Pose, got [1, 2, 3] (list). It is called as Robot.ik(",
+            lambda s: s.robot("a").ik("up"),
+            "Robot.ik(): `pose` must be a Pose or numbers, got 'up'. It is called as Robot.ik(",
         ),
         (
             lambda s: s.robot("a").set_joint_pos(None),

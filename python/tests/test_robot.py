@@ -358,6 +358,30 @@ class TestLockedGroups:
         one = robot.kinematics.ik(target, seed=seed, prefer_near_seed=True)
         np.testing.assert_allclose(near.q[0], one.q, atol=1e-12)
 
+    def test_a_target_is_a_pose_or_a_matrix_and_a_batch_a_list_of_either(self, robot):
+        target = robot.kinematics.fk(robot.arm.joint_pos + 0.1)
+        solve, batch = robot.kinematics.ik, robot.kinematics.ik_batch
+        for ik in (solve, robot.ik):
+            for matrix in (target.matrix, target.matrix.tolist()):
+                np.testing.assert_array_equal(ik(matrix).q, ik(rc.Pose(matrix)).q)
+        expected = batch(target.matrix[None]).q
+        for one in (target, [target], (target,), [target.matrix], [target.matrix.tolist()]):
+            np.testing.assert_allclose(batch(one).q, expected, atol=1e-12)
+        for many in ([target] * 4, [target.matrix] * 4, [target.matrix, target, target, target]):
+            np.testing.assert_allclose(batch(many).q, np.repeat(expected, 4, 0), atol=1e-12)
+        with pytest.raises(rc.ArgumentError, match=r"targets\[1\]: matrix must be"):
+            batch([target, 3])
+        with pytest.raises(rc.ArgumentError, match=r"targets\[1\]: .*4"):
+            batch([target, np.zeros((4, 4))])
+        with pytest.raises(TypeError, match=r"matrix\[0\]\[0\] must be a number"):
+            solve(np.zeros((4, 4, 4)))
+        with pytest.raises(rc.ArgumentError, match=r"given as Pose\(translation=\[1, 2, 3\]\)"):
+            solve([1, 2, 3])
+        with pytest.raises(rc.ArgumentError, match="matrix must be"):
+            solve([0, 0, 1, 0, 0, 0, 1])
+        with pytest.raises(TypeError, match="`target` must be a Pose or numbers, got 'up'"):
+            solve("up")
+
     def test_groups_outside_the_chain_stand_still_anyway(self, robot):
         target = robot.kinematics.fk(robot.arm.joint_pos + 0.1)
         free = robot.kinematics.ik(target)

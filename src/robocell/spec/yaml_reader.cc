@@ -89,10 +89,10 @@ void Reader::FailKind(const YAML::Node& node, const std::string& expected,
        "expected " + expected + ", found " + found + (hint.empty() ? QuotedListHint(node) : hint));
 }
 
-void Reader::TellStray(const Stray& stray) {
+void Reader::TellStray(const YAML::Node& key, const Stray& stray) {
   problems_.Truncate(stray.problems());
-  const Problems::Scope scope(problems_, stray.key().Scalar());
-  Fail(stray.key(), stray.Text());
+  const Problems::Scope scope(problems_, key.Scalar());
+  Fail(key, stray.Text());
 }
 
 void Reader::ExplainField(std::string_view name, std::string_view doc, size_t first_problem) {

@@ -219,8 +219,9 @@ class Reader {
   void ReadRobotFile(const YAML::Node& node, RobotConfig& out);
   void ReadAttachWord(const YAML::Node& node, AttachTarget& out);
 
-  // Says of the last value what seems to have been cut off from it, in the place of what was said.
-  void TellStray(const Stray& stray);
+  // Says of the last key's value what seems to have been cut off from it, in the place of what was
+  // said.
+  void TellStray(const YAML::Node& key, const Stray& stray);
 
   static bool IsOneOf(const std::string& name, const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -242,13 +243,15 @@ class Reader {
   void ForEachKey(const YAML::Node& node, F&& f, Strange&& strange) {
     std::set<std::string> seen;
     Stray stray(node);
+    YAML::Node last;
     for (const auto& entry : node) {
       std::string name;
       if (!ReadScalar(entry.first, "a name", name)) continue;
       if (stray.IsPartOfLast(entry.first, entry.second, strange(name))) {
-        TellStray(stray);
+        TellStray(last, stray);
         continue;
       }
+      last.reset(entry.first);
       stray.SetLast(entry.first, entry.second, problems_.list().size());
       if (seen.insert(name).second) {
         f(entry.first, name, entry.second);

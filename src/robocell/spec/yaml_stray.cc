@@ -1,39 +1,41 @@
 #include "robocell/spec/yaml_stray.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
+#include <yaml-cpp/yaml.h>
 
 namespace robocell::yaml {
 
+Stray::Stray(const YAML::Node& map) : in_braces_(map.Style() == YAML::EmitterStyle::Flow) {}
+
 bool Stray::IsPartOfLast(const YAML::Node& key, const YAML::Node& value, bool strange) {
-  if (!key_.IsScalar()) return false;  // nothing came before
-  const bool after_comma = in_braces_ && value.IsNull() && value_.IsScalar();
-  const bool not_indented = !in_braces_ && value_.IsNull() && strange;
+  const bool after_comma = in_braces_ && value.IsNull() && has_text_;
+  const bool not_indented = !in_braces_ && has_no_value_ && strange;
   if (!after_comma && !not_indented) return false;
-  parts_.push_back(key);
+  parts_.push_back({key.Scalar(), key.Mark().line + 1});
   return true;
 }
 
 void Stray::SetLast(const YAML::Node& key, const YAML::Node& value, size_t problems) {
-  key_.reset(key);
-  value_.reset(value);
+  name_ = key.Scalar();
+  has_no_value_ = value.IsNull();
+  has_text_ = value.IsScalar();
+  value_ = has_text_ ? value.Scalar() : "";
   problems_ = problems;
   parts_.clear();
 }
 
 std::string Stray::Text() const {
-  const std::string& name = key_.Scalar();
   if (!in_braces_) {
     return fmt::format(
         "nothing belongs to it: `{}` of line {} begins in the same column; what belongs to `{}` is "
         "indented further than it",
-        parts_.front().Scalar(), parts_.front().Mark().line + 1, name);
+        parts_.front().name, parts_.front().line, name_);
   }
-  std::vector<std::string> items = {value_.Scalar()};
-  for (const YAML::Node& part : parts_) items.push_back(part.Scalar());
+  std::string items = value_;
+  for (const Part& part : parts_) items += ", " + part.name;
   return fmt::format(
       "it ends at the comma, and what follows has no name; if a list was meant, write {}: [{}]",
-      name, fmt::join(items, ", "));
+      name_, items);
 }
 
 }  // namespace robocell::yaml

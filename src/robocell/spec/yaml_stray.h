@@ -6,14 +6,16 @@
 #include <string>
 #include <vector>
 
-#include <yaml-cpp/yaml.h>
+namespace YAML {
+class Node;
+}
 
 namespace robocell::yaml {
 
 // Looks at the entries of one map, in their order.
 class Stray {
  public:
-  explicit Stray(const YAML::Node& map) : in_braces_(map.Style() == YAML::EmitterStyle::Flow) {}
+  explicit Stray(const YAML::Node& map);
 
   // Whether this entry is no entry of the map but a part of the last one; it is kept then.
   // `strange`: the map has no use for such a name.
@@ -21,16 +23,20 @@ class Stray {
   // An entry of the map; there were `problems` before it was read.
   void SetLast(const YAML::Node& key, const YAML::Node& value, size_t problems);
 
-  // Of the last entry with all that belongs to it.
-  const YAML::Node& key() const { return key_; }
+  // Of the last entry: its problems begin there, and what to say of it with all its parts.
   size_t problems() const { return problems_; }
   std::string Text() const;
 
  private:
+  struct Part {
+    std::string name;
+    int line = 0;  // from 1
+  };
   bool in_braces_;
-  YAML::Node key_, value_;
+  std::string name_, value_;
+  bool has_no_value_ = false, has_text_ = false;
   size_t problems_ = 0;
-  std::vector<YAML::Node> parts_;  // keys
+  std::vector<Part> parts_;
 };
 
 }  // namespace robocell::yaml
