@@ -10,14 +10,14 @@ from table import Row
 
 
 def rows(folder: Path) -> list[Row]:
-    """One row per robot."""
+    """One row per robot and kind of control."""
     return [
         Row(
-            f"control tick, joint position, {robot}",
+            f"control tick, {control}",
             "µs",
             scaled(sides["update+step"], 1e6),
             scaled(sides["mj_step"], 1e6),
             note="peer: `mj_step` with the same controls",
         )
-        for robot, sides in seconds("control_loop_bench", robot_files(), folder).items()
+        for control, sides in seconds("control_loop_bench", robot_files(), folder).items()
     ]

@@ -1,8 +1,9 @@
-// The cost of the control loop: Robot::Update() with joint position control and one engine step,
-// beside the bare engine stepping with the very controls that loop produced. Row P7 of RESULTS.md.
+// The cost of the control loop: what a control program does in a tick (a command, Robot::Update())
+// and one engine step, beside the bare engine stepping with the very controls that loop produced.
+// Row P7 of RESULTS.md, for each kind of control that has one there.
 //
-// Each iteration is one simulated second from the same start, the arm swinging around its home.
-// The replay must end at the same bits, or the row is an error.
+// Each iteration is one simulated second from the same start, the arm swinging around its home. The
+// replay must end at the same bits, or the row is an error.
 //
 //   build/release/control_loop_bench [ROBOT.yaml ...]   default: the built-in rc7
 #include <mujoco/mujoco.h>
@@ -21,21 +22,37 @@ namespace {
 constexpr double kAmplitude = 0.2;  // rad around home
 constexpr double kSeconds = 1;
 
+// What a program commands in a tick; where it has that from is not part of the loop.
+struct Control {
+  std::string name;
+  CtrlMode mode = CtrlMode::kPosition;
+  std::string controller;  // "": the mode's own
+};
+const std::vector<Control> kControls = {
+    {"joint position"},
+    {"joint impedance", CtrlMode::kTorque, "joint_impedance"},
+    {"gravity torques", CtrlMode::kTorque},
+    {"Cartesian impedance", CtrlMode::kTorque, "cartesian_impedance"}};
+
 class Swing {
  public:
-  explicit Swing(const std::string& file)
-      : scene_(bench::SceneWith(RobotConfig::Load(file))), robot_(Robot::Of(scene_, "robot")) {
+  Swing(const std::string& file, const Control& control)
+      : control_(control),
+        scene_(bench::SceneWith(Config(file, control))),
+        robot_(Robot::Of(scene_, "robot")) {
     scene_.Reset();
-    ticks_ = static_cast<int>(std::lround(kSeconds / scene_.timestep()));
+    const std::span<double> home = robot_.jnt_pos_cmd();
+    MakeTargets({home.begin(), home.end()});
+    if (control.mode != CtrlMode::kPosition) robot_.set_ctrl_mode(control.mode);
+    if (!control.controller.empty()) UseController();
     start_ = scene_.state();
-    MakeTargets();
     Record();
   }
 
   // One second of the loop that a control program has.
   void Loop() {
-    for (int tick = 0; tick < ticks_; ++tick) {
-      Command(tick);
+    for (int tick = 0; tick < ticks(); ++tick) {
+      Command(static_cast<size_t>(tick));
       robot_.Update();
       (void)robot_.Step();  // where it ends is checked
     }
@@ -43,7 +60,7 @@ class Swing {
   // The same second by the engine alone.
   void Replay() {
     const mjModel* m = scene_.model();
-    for (int tick = 0; tick < ticks_; ++tick) {
+    for (int tick = 0; tick < ticks(); ++tick) {
       mju_copy(scene_.data()->ctrl, controls_.data() + tick * m->nu, m->nu);
       mj_step(m, scene_.data());
     }
@@ -52,25 +69,41 @@ class Swing {
   std::string Problem() const {
     return scene_.state() == end_ ? "" : "ends elsewhere than recorded";
   }
-  int ticks() const { return ticks_; }
+  int ticks() const { return static_cast<int>(targets_.size()); }
 
  private:
-  // What a program commands; where it has that from is not part of the loop.
-  void Command(int tick) {
-    std::copy_n(targets_.data() + static_cast<size_t>(tick) * joints_, joints_,
-                robot_.jnt_pos_cmd().begin());
+  // Else the engine carries the arm, and there is nothing to compensate.
+  static RobotConfig Config(const std::string& file, const Control& control) {
+    RobotConfig config = RobotConfig::Load(file);
+    config.gravcomp = control.mode == CtrlMode::kPosition;
+    return config;
   }
-  void MakeTargets() {
-    const std::vector<double> home(robot_.jnt_pos_cmd().begin(), robot_.jnt_pos_cmd().end());
-    joints_ = home.size();
-    for (int tick = 0; tick < ticks_; ++tick) {
-      const double offset = kAmplitude * std::sin(2 * M_PI * tick / ticks_);
-      for (const double q : home) targets_.push_back(q + offset);
+  void UseController() {
+    const std::string arm = robot_.arm().name();
+    robot_.SetController(arm, control_.controller);
+    cartesian_ = dynamic_cast<CartesianImpedanceController*>(&robot_.controller(arm));
+  }
+  void Command(size_t tick) {
+    if (cartesian_) {
+      cartesian_->SetPose(poses_[tick]);
+    } else if (control_.name == "gravity torques") {
+      robot_.GravityTorques(robot_.jnt_trq_cmd());
+    } else {
+      std::copy(targets_[tick].begin(), targets_[tick].end(), robot_.jnt_pos_cmd().begin());
+    }
+  }
+  void MakeTargets(const std::vector<double>& home) {
+    const int ticks = static_cast<int>(std::lround(kSeconds / scene_.timestep()));
+    for (int tick = 0; tick < ticks; ++tick) {
+      const double offset = kAmplitude * std::sin(2 * M_PI * tick / ticks);
+      targets_.push_back(home);
+      for (double& q : targets_.back()) q += offset;
+      poses_.push_back(robot_.FkFrame(targets_.back()));
     }
   }
   void Record() {
     const mjModel* m = scene_.model();
-    for (int tick = 0; tick < ticks_; ++tick) {
+    for (size_t tick = 0; tick < targets_.size(); ++tick) {
       Command(tick);
       robot_.Update();
       controls_.insert(controls_.end(), scene_.data()->ctrl, scene_.data()->ctrl + m->nu);
@@ -80,25 +113,29 @@ class Swing {
     Rewind();
   }
 
+  Control control_;
   Scene scene_;
   Robot robot_;
-  std::vector<double> targets_, start_, end_, controls_;
-  size_t joints_ = 0;
-  int ticks_ = 0;
+  CartesianImpedanceController* cartesian_ = nullptr;
+  std::vector<std::vector<double>> targets_;  // of each tick
+  std::vector<Pose> poses_;
+  std::vector<double> start_, end_, controls_;
 };
 
 void Register(const std::string& file) {
-  const auto swing = std::make_shared<Swing>(file);
-  const auto add = [&](const std::string& side, auto second) {
-    bench::Add({.row = RobotConfig::Load(file).name,
-                .side = side,
-                .count = static_cast<double>(swing->ticks()),
-                .prepare = [=] { swing->Rewind(); },
-                .run = [=] { second(*swing); },
-                .problem = [=] { return swing->Problem(); }});
-  };
-  add("update+step", [](Swing& s) { s.Loop(); });
-  add("mj_step", [](Swing& s) { s.Replay(); });
+  for (const Control& control : kControls) {
+    const auto swing = std::make_shared<Swing>(file, control);
+    const auto add = [&](const std::string& side, auto second) {
+      bench::Add({.row = control.name + ", " + RobotConfig::Load(file).name,
+                  .side = side,
+                  .count = static_cast<double>(swing->ticks()),
+                  .prepare = [=] { swing->Rewind(); },
+                  .run = [=] { second(*swing); },
+                  .problem = [=] { return swing->Problem(); }});
+    };
+    add("update+step", [](Swing& s) { s.Loop(); });
+    add("mj_step", [](Swing& s) { s.Replay(); });
+  }
 }
 
 }  // namespace

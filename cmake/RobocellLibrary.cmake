@@ -6,7 +6,7 @@ add_library(robocell SHARED ${ROBOCELL_SOURCES})
 add_library(robocell::robocell ALIAS robocell)
 robocell_unity(robocell ${ROBOCELL_SOURCES})
 # Kernels: compiled for every instruction set, or worth the better optimisation.
-foreach(kernel lane_kernel start_table)
+foreach(kernel chain_dynamics lane_kernel start_table)
   set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/kinematics/${kernel}.cc" PROPERTIES
     COMPILE_OPTIONS "-O3" SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()

@@ -34,26 +34,24 @@ constexpr double kLeastMobility = 1e-6;
   return true;
 }();
 
-// The damping with which no motion of a mass on springs overshoots: in coordinates in which all
-// springs are alike it is twice the root of the mass.
-Matrix6 CriticalDamping(const Vector6& stiffness, const Matrix6& mobility) {
+// The force of the damping with which no motion of a mass on springs overshoots: in coordinates in
+// which all springs are alike it is twice the root of the mass.
+Vector6 CriticalDampingForce(const Vector6& stiffness, const Matrix6& mobility,
+                             const Vector6& velocity) {
   constexpr double kNoSpring = 1e-9;
   const Vector6 root = stiffness.cwiseSqrt();
   Matrix6 scaled = root.asDiagonal() * mobility * root.asDiagonal();
   scaled.diagonal().array() += kNoSpring;
   const Eigen::SelfAdjointEigenSolver<Matrix6> modes(scaled);
-  return 2 * root.asDiagonal() * modes.operatorInverseSqrt() * root.asDiagonal();
+  const Vector6 along = modes.eigenvectors().transpose() * root.cwiseProduct(velocity);
+  return 2 * root.cwiseProduct(modes.eigenvectors() *
+                               along.cwiseQuotient(modes.eigenvalues().cwiseSqrt()));
 }
 
 }  // namespace
 
 CartesianImpedanceController::CartesianImpedanceController(ArmGroup& arm)
-    : arm_(arm),
-      posture_(arm.nq()),
-      q_(arm.nq()),
-      qd_(arm.nv()),
-      torque_(arm.nv()),
-      coriolis_(arm.nv()) {
+    : arm_(arm), posture_(arm.nq()), q_(arm.nq()), qd_(arm.nv()), torque_(arm.nv()) {
   Reset();
 }
 
@@ -103,9 +101,9 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   JointMatrix mass(n, n);
   const PoseError error = ErrorTo(ToTransform(pose()), ToTransform(chain.Jacobian(q_, jacobian)));
   chain.MassMatrix(q_, mass);
-  const Eigen::LLT<JointMatrix> factored(mass);
-  const JointColumns6 response = factored.solve(JointColumns6(jacobian.transpose()));  // M^-1 J^T
-  Matrix6 mobility = jacobian * response;
+  // Root of J M^-1 J^T, what the leaf yields to a force.
+  const JointColumns6 root = mass.llt().matrixL().solve(JointColumns6(jacobian.transpose()));
+  Matrix6 mobility = root.transpose() * root;
   mobility.diagonal().array() += kLeastMobility;
 
   Vector6 deviation;
@@ -113,20 +111,18 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   const Vector6 velocity = jacobian * qd;
   const Vector6 stiffness = Eigen::Map<const Vector6>(stiffness_.data());
   const Vector6 force = stiffness.cwiseProduct(deviation) -
-                        damping_ratio_ * CriticalDamping(stiffness, mobility) * velocity +
+                        damping_ratio_ * CriticalDampingForce(stiffness, mobility, velocity) +
                         Eigen::Map<const Vector6>(feedforward_.data());
 
   const double w = posture_frequency_;
   JointColumn wanted(n);  // acceleration of the joints to spare
   for (int i = 0; i < n; ++i) wanted[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd[i];
-  const JointColumn pull = mass * wanted;
-  const Vector6 unwanted = response.transpose() * pull;
-  const Vector6 felt = mobility.llt().solve(unwanted);  // the force that would have that effect
+  // The force that would accelerate the leaf as they do: it is not to feel them.
+  const Vector6 felt = mobility.llt().solve(jacobian * wanted);
 
-  arm_.GravityTorques(q_, torque_);
-  chain.CoriolisTorques(q_, qd_, coriolis_);
-  const JointColumn control = pull + jacobian.transpose() * (force - felt);
-  for (int i = 0; i < n; ++i) torque_[i] += coriolis_[i] + control[i];
+  arm_.InverseDynamics(q_, qd_, {wanted.data(), q_.size()}, torque_);
+  const JointColumn control = jacobian.transpose() * (force - felt);
+  for (int i = 0; i < n; ++i) torque_[i] += control[i];
   arm_.CtrlForJointTorque(torque_, ctrl);
 }
 

@@ -70,7 +70,7 @@ class CartesianImpedanceController : public Controller {
   Gains feedforward_ = {};
   double damping_ratio_ = 1, posture_frequency_ = 5;
   std::vector<double> posture_;
-  std::vector<double> q_, qd_, torque_, coriolis_;
+  std::vector<double> q_, qd_, torque_;
 };
 
 }  // namespace robocell

@@ -49,7 +49,8 @@ class JointImpedanceController : public Controller {
   std::vector<double> inertia_, stiffness_, damping_;
   double damping_ratio_ = 1;
   std::vector<double> target_;
-  std::vector<double> q_, qd_, torque_, coriolis_;  // scratch
+  std::vector<double> q_, qd_, torque_;  // scratch
+  const std::vector<double> still_;      // no acceleration
 };
 
 // The joint-space inertia of each joint alone in the middle of its limits, kg m^2 or kg.

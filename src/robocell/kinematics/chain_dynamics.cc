@@ -133,9 +133,10 @@ void Chain::CoriolisTorques(std::span<const double> q, std::span<const double> q
 void Chain::InverseDynamics(std::span<const double> q, std::span<const double> qd,
                             std::span<const double> qdd, const Vector3d& gravity_in_base,
                             std::span<double> out) const {
+  CheckSize("q", q.size());
   CheckSize("qd", qd.size());
   CheckSize("qdd", qdd.size());
-  GravityTorques(q, gravity_in_base, out);
+  CheckSize("torques", out.size());
   std::array<Vector3d, kMaxChainJoints> axis, origin;
   std::array<Force, kMaxChainJoints> forces;
   Motion motion;
@@ -146,15 +147,18 @@ void Chain::InverseDynamics(std::span<const double> q, std::span<const double> q
     Shift(origin[i] - at, &motion);
     at = origin[i];
     AddJointMotion(model_.joints[i].slide, axis[i], qd[i], qdd[i], &motion);
-    forces[i] = NewtonEuler(Turn(model_.joints[i].link, frame.rotation), motion);
+    const LinkInertia& link = model_.joints[i].link;
+    forces[i] = NewtonEuler(Turn(link, frame.rotation), motion);
+    forces[i].force -= link.weight_mass * gravity_in_base;
+    forces[i].torque -= (frame.rotation * link.weight_moment).cross(gravity_in_base);
   });
   Force sum{Vector3d::Zero(), Vector3d::Zero()};
   for (int i = n_joints() - 1; i >= 0; --i) {
     if (i + 1 < n_joints()) sum.torque += (origin[i + 1] - origin[i]).cross(sum.force);
     sum.force += forces[i].force;
     sum.torque += forces[i].torque;
-    out[i] += axis[i].dot(model_.joints[i].slide ? sum.force : sum.torque) +
-              model_.joints[i].armature * qdd[i];
+    out[i] = axis[i].dot(model_.joints[i].slide ? sum.force : sum.torque) +
+             model_.joints[i].armature * qdd[i];
   }
 }
 

@@ -16,6 +16,11 @@ void ArmGroup::GravityTorques(std::span<const double> q, std::span<double> out) 
   chain().GravityTorques(q, gravity_in_base(), out);
 }
 
+void ArmGroup::InverseDynamics(std::span<const double> q, std::span<const double> qd,
+                               std::span<const double> qdd, std::span<double> out) const {
+  chain().InverseDynamics(q, qd, qdd, gravity_in_base(), out);
+}
+
 void ArmGroup::CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const {
   core().Bind();
   const mjModel* m = core().model();

@@ -34,6 +34,9 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   Eigen::Vector3d gravity_in_base() const { return core().gravity_in_base(); }
   // What holds the joints at `q` against gravity, N m or N.
   void GravityTorques(std::span<const double> q, std::span<double> out) const;
+  // What makes the joints at `q` that move at `qd` accelerate by `qdd`, gravity included, N m or N.
+  void InverseDynamics(std::span<const double> q, std::span<const double> qd,
+                       std::span<const double> qdd, std::span<double> out) const;
 
   // The controls of motors that push with `torque`.
   void CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const;
