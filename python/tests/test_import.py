@@ -21,6 +21,16 @@ def test_importing_loads_neither_mujoco_nor_gl_nor_numpy():
     assert result.returncode == 0, result.stderr
 
 
+def test_the_command_line_loads_neither_mujoco_nor_numpy():
+    """They take longer than the rest; the commands that need them load them."""
+    result = run(
+        "import sys, robocell.cli; "
+        "bad = {'mujoco', 'numpy', 'h5py', 'matplotlib', 'plotly', 'PIL'} & set(sys.modules); "
+        "sys.exit(str(bad) if bad else 0)"
+    )
+    assert result.returncode == 0, result.stderr
+
+
 def test_importing_opens_no_data_file():
     result = run(
         "import sys, os; opened = []; "

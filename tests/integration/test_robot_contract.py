@@ -14,7 +14,7 @@ from robot_files import ROBOT_FILES
 
 import robocell as rc
 from menagerie import require_menagerie
-from robocell.cli.ik_test import reachable_poses, solve_each
+from robocell.cli.ik_answers import reachable_poses, solve_each
 from robocell.cli.robot_scene import RobotScene, load_robot
 
 Array = NDArray[np.float64]

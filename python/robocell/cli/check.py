@@ -10,10 +10,7 @@ from rich.console import Console
 
 from robocell import SpecError, check_config
 from robocell.cli.common import fail, print_warning, print_wide, require_png
-from robocell.cli.robot_checks import CHECKS
-from robocell.cli.robot_picture import draw_robot
 from robocell.cli.robot_scene import RobotScene, load_robot
-from robocell.cli.robot_table import actuators_table, frames_table, joints_table, summary_lines
 
 
 def check(
@@ -27,6 +24,11 @@ def check(
     A wrong file is an error (exit code 2); what looks wrong but works is a warning. Notes are good
     to know and need no change.
     """
+    # With MuJoCo and numpy, which take longer to load than all that the other commands need.
+    from robocell.cli.robot_checks import CHECKS
+    from robocell.cli.robot_picture import draw_robot
+    from robocell.cli.robot_table import actuators_table, frames_table, joints_table, summary_lines
+
     if picture:
         require_png(picture)
     loaded = load_robot(robot_file)

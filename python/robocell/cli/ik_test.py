@@ -2,25 +2,16 @@
 
 from __future__ import annotations
 
-import os
-import time
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
-import numpy as np
 import typer
-from numpy.typing import NDArray
-from rich.table import Table
 
-from robocell import Pose, Robot
 from robocell.cli.common import ExitCode, print_wide
 from robocell.cli.robot_scene import load_robot
 
 # The share that any sensible arm reaches; below it the command fails.
 EXPECTED_SHARE = 0.99
-
-Array = NDArray[np.float64]
 
 
 def ik_test(
@@ -37,102 +28,16 @@ def ik_test(
     Each pose is that of random joint positions within the limits. An answer is judged by forward
     kinematics. Exit code 1 when less than 99 % are solved.
     """
+    # With numpy, which takes longer to load than all that the other commands need.
+    import numpy as np
+
+    from robocell.cli.ik_answers import answers_table, reachable_poses, solve_batch, solve_each
+
     robot = load_robot(robot_file).robot
     targets = reachable_poses(robot, samples, np.random.default_rng(seed))
     solve = solve_batch if parallel else solve_each
     answers = solve(robot, targets, tolerance)
     share = float(np.mean(answers.solved(tolerance)))
-    print_wide(_table(robot, answers, tolerance))
+    print_wide(answers_table(robot, answers, tolerance))
     if share < EXPECTED_SHARE:
         raise typer.Exit(ExitCode.INCOMPLETE)
-
-
-@dataclass(frozen=True)
-class Answers:
-    """Errors of B answers, and the seconds each took (one mean for all in a batch).
-
-    Attributes:
-        position_error: (B,) metres.
-        rotation_error: (B,) radians.
-        claimed: (B,) what the solver said.
-        seconds: (B,) or (1,).
-    """
-
-    position_error: Array
-    rotation_error: Array
-    claimed: NDArray[np.bool_]
-    seconds: Array
-
-    def solved(self, tolerance: float) -> NDArray[np.bool_]:
-        """(B,) claimed and true by forward kinematics."""
-        near = (self.position_error <= tolerance) & (self.rotation_error <= tolerance)
-        return self.claimed & near
-
-
-def reachable_poses(robot: Robot, count: int, rng: np.random.Generator) -> list[Pose]:
-    """TCP poses in the robot base frame; joints without limits are taken within one turn."""
-    limits = np.array(robot.joint_limits)
-    limits = np.where(np.isfinite(limits), limits, np.clip(limits, -np.pi, np.pi))
-    joints = rng.uniform(limits[:, 0], limits[:, 1], (count, len(limits)))
-    return [robot.kinematics.fk(q) for q in joints]
-
-
-def solve_each(robot: Robot, targets: list[Pose], tolerance: float) -> Answers:
-    """One after the other, each from where the arm is."""
-    home = robot.arm.joint_pos
-    seconds, results = [], []
-    for target in targets:
-        begin = time.perf_counter()
-        results.append(robot.kinematics.ik(target, seed=home, tolerance=tolerance))
-        seconds.append(time.perf_counter() - begin)
-    joints = np.array([result.q for result in results])
-    claimed = np.array([result.success for result in results])
-    return _judge(robot, targets, joints, claimed, np.array(seconds))
-
-
-def solve_batch(robot: Robot, targets: list[Pose], tolerance: float) -> Answers:
-    """All at once, on all cores."""
-    matrices = np.array([target.matrix for target in targets])
-    threads = len(os.sched_getaffinity(0))
-    begin = time.perf_counter()
-    result: Any = robot.kinematics.ik_batch(matrices, tolerance=tolerance, threads=threads)
-    mean = (time.perf_counter() - begin) / len(targets)
-    return _judge(robot, targets, result.q, result.success, np.array([mean]))
-
-
-def _judge(
-    robot: Robot, targets: list[Pose], joints: Array, claimed: NDArray[np.bool_], seconds: Array
-) -> Answers:
-    """The errors by forward kinematics, whatever the solver said."""
-    errors = [
-        pose_error(robot.kinematics.fk(q).matrix, target.matrix)
-        for q, target in zip(joints, targets, strict=True)
-    ]
-    position, rotation = np.array(errors).T
-    return Answers(position, rotation, claimed, seconds)
-
-
-def pose_error(X_WA: Array, X_WB: Array) -> tuple[float, float]:
-    """Distance in metres and angle in radians between two poses (4, 4)."""
-    position = float(np.linalg.norm(X_WA[:3, 3] - X_WB[:3, 3]))
-    R_AB = X_WA[:3, :3].T @ X_WB[:3, :3]
-    # By the sine: the cosine loses small angles.
-    skew = np.array([R_AB[2, 1] - R_AB[1, 2], R_AB[0, 2] - R_AB[2, 0], R_AB[1, 0] - R_AB[0, 1]])
-    angle = np.arctan2(float(np.linalg.norm(skew)), float(np.trace(R_AB)) - 1)
-    return position, float(angle)
-
-
-def _table(robot: Robot, answers: Answers, tolerance: float) -> Table:
-    solved = answers.solved(tolerance)
-    micro = 1e6 * answers.seconds
-    table = Table(title=f"IK of '{robot.name}'", show_header=False, box=None, title_justify="left")
-    table.add_row("solved", f"{100 * solved.mean():.2f} % of {len(solved)} at {tolerance:g} m, rad")
-    if solved.any():
-        worst = answers.position_error[solved].max(), answers.rotation_error[solved].max()
-        table.add_row("largest error", f"{worst[0]:.1e} m, {worst[1]:.1e} rad")
-    if len(micro) == 1:
-        table.add_row("time", f"{micro[0]:.1f} us a pose in one batch")
-    else:
-        median, late = np.percentile(micro, [50, 99])
-        table.add_row("time", f"mean {micro.mean():.0f}, median {median:.0f}, p99 {late:.0f} us")
-    return table
