@@ -132,7 +132,7 @@ int main(int argc, char** argv) try {
   hand.Take(scene.site_pose("cabinet_door_handle") * kUpright);
   const rc::Pose grasp = hand.pose();
   const auto arc = [&](double s) {
-    const double angle = s * 70 * pi / 180;
+    const double angle = s * (70 * (pi / 180));
     const rc::Pose bar = hinge * Turn(0, 0, angle) * hinge.inverse() * grasp;
     // The fingers can turn around the bar: the hand turns half as far as the door.
     return bar * Turn(-angle / 2, 0, 0);
