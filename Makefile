@@ -96,7 +96,7 @@ check-types: build
 	@$(call headline,types)
 	@mypy
 
-# Looks at one source at a time; the build folder is only configured, for the commands.
+# The build folder is only configured, for the commands.
 check-tidy: setup
 	@$(call headline,clang-tidy)
 	@$(call configure,tidy)

@@ -2,10 +2,13 @@
 
     scripts/tidy.py --build build/tidy [--jobs N] [FILE ...]
 
-Uses compile_commands.json of the build folder (``cmake --preset tidy``: every source on its own). A
-file that was clean is remembered under ``<build>/tidy`` by a hash of its text, of all our headers,
-of its command and of .clang-tidy, so that a second run takes seconds. Tests are left out: their
-macros cost most and find least.
+Uses compile_commands.json of the build folder (``cmake --preset tidy``). Nearly all of clang-tidy's
+time goes into the headers, so it looks at the sources that are compiled together (ROBOCELL_UNITY)
+together, and the headers once. Each of them is parsed on its own as well, with clang's warnings: a
+missing include, or what the compiler says of a main file only, comes out there. A group that was
+clean is remembered under ``<build>/tidy`` by a hash of its text, of all our headers, of its
+command, of .clang-tidy and of this file, so that a second run takes seconds. Tests are left out:
+their macros cost most and find least.
 """
 
 from __future__ import annotations
@@ -15,62 +18,108 @@ import hashlib
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 OURS = ("src/robocell/", "python/bindings/", "examples/")
+# The file that includes a group is not ours to judge: what it includes, and our headers, are.
+LINES = json.dumps([{"name": ".cc"}, {"name": ".h"}])
+# The commands were written for g++; clang need not know every option. (.clang-tidy has the same.)
+LENIENT = (
+    "-Qunused-arguments",
+    "-Wno-unknown-warning-option",
+    "-Wno-ignored-optimization-argument",
+)
 
 
-def commands(build: Path) -> dict[str, str]:
-    """Our sources (relative to the repository) with the command that compiles each."""
-    database = json.loads((build / "compile_commands.json").read_text())
-    result = {}
-    for entry in database:
-        name = os.path.relpath(entry["file"], ROOT)
-        skipped = name.endswith("_test.cc") or "/testing/" in name
-        if name.startswith(OURS) and not skipped:
-            result[name] = entry["command"]
-    return result
+@dataclass(frozen=True)
+class Group:
+    """Sources (relative to the repository) that are compiled together.
+
+    Attributes:
+        file: What the compiler is given: a file that includes the sources, or the one source.
+        sources: The sources.
+        command: What compiles it.
+        folder: Where.
+    """
+
+    file: Path
+    sources: tuple[str, ...]
+    command: str
+    folder: str
+
+    def size(self) -> int:
+        """How much text it is: about how long it takes."""
+        return sum((ROOT / source).stat().st_size for source in self.sources)
+
+    def stamp(self, build: Path, common: bytes) -> Path:
+        """The file that says that these texts were clean."""
+        digest = hashlib.sha256(common + self.command.encode())
+        for source in self.sources:
+            digest.update((ROOT / source).read_bytes())
+        return build / "tidy" / f"{self.file.stem}-{digest.hexdigest()[:20]}"
 
 
-def headers_hash() -> bytes:
+def sources_of(file: Path) -> tuple[str, ...]:
+    """The sources that a file of the compilation database stands for."""
+    files = [str(file)]
+    if file.parent.name == "Unity":
+        files = re.findall(r'^#include "(.*)"', file.read_text(), re.MULTILINE)
+    return tuple(os.path.relpath(name, ROOT) for name in files)
+
+
+def groups(build: Path) -> list[Group]:
+    """Our sources as they are compiled, the longest first."""
+    result = []
+    for entry in json.loads((build / "compile_commands.json").read_text()):
+        file = Path(entry["file"])
+        sources = sources_of(file)
+        skipped = sources[0].endswith("_test.cc") or "/testing/" in sources[0]
+        if sources[0].startswith(OURS) and not skipped:
+            result.append(Group(file, sources, entry["command"], entry["directory"]))
+    return sorted(result, key=Group.size, reverse=True)
+
+
+def common_hash() -> bytes:
     """A hash of everything that can change the result of every file."""
-    digest = hashlib.sha256((ROOT / ".clang-tidy").read_bytes())
+    digest = hashlib.sha256((ROOT / ".clang-tidy").read_bytes() + Path(__file__).read_bytes())
     for folder in OURS:
         for header in sorted((ROOT / folder).rglob("*.h")):
             digest.update(header.read_bytes())
     return digest.digest()
 
 
-def stamp(build: Path, name: str, command: str, common: bytes) -> Path:
-    """The file that says this text of this source was clean."""
-    digest = hashlib.sha256(common + command.encode() + (ROOT / name).read_bytes())
-    return build / "tidy" / f"{Path(name).stem}-{digest.hexdigest()[:20]}"
+def said(command: list[str], folder: str) -> str:
+    """What a command said of our files; a failure that says nothing is one too."""
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    noise = re.compile(r"^(?:\d+ (?:warning|error)s?|Suppressed|Use ).*$\n?", re.MULTILINE)
+    text = run.stdout + noise.sub("", run.stderr)
+    return text or (f"{shlex.join(command)}: exit code {run.returncode}\n" * bool(run.returncode))
 
 
-def tidy(build: Path, name: str) -> str:
-    """The findings of clang-tidy on one source; empty when there are none."""
-    # The commands were written for g++; clang need not know every option.
-    run = subprocess.run(
-        [
-            "clang-tidy",
-            "--quiet",
-            "--extra-arg=-Qunused-arguments",
-            "-p",
-            str(build),
-            str(ROOT / name),
-        ],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    if run.returncode == 0:
-        return ""
-    noise = re.compile(r"^\d+ warnings? (?:generated|treated as).*$\n?", re.MULTILINE)
-    return run.stdout + noise.sub("", run.stderr)
+def alone(group: Group, source: str) -> str:
+    """What clang says of one source of a group, compiled on its own."""
+    words = shlex.split(group.command)
+    first = next(i for i, word in enumerate(words) if word.startswith("-"))
+    end = words.index("-o")  # from here on: what is written, and the file that includes the group
+    parse = ["clang++", *words[first:end], *LENIENT, "-fsyntax-only", str(ROOT / source)]
+    return said(parse, group.folder)
+
+
+def tidy(build: Path, group: Group) -> str:
+    """The findings on a group; empty when there are none."""
+    lenient = (f"--extra-arg={option}" for option in LENIENT)
+    rules = f"--config-file={ROOT / '.clang-tidy'}"
+    look = ["clang-tidy", "--quiet", rules, f"--line-filter={LINES}", *lenient, "-p", str(build)]
+    found = [said([*look, str(group.file)], group.folder)]
+    if group.file != ROOT / group.sources[0]:
+        found += [alone(group, source) for source in group.sources]
+    return "".join(found)
 
 
 def findings(text: str) -> list[str]:
@@ -87,25 +136,27 @@ def main() -> int:
     arguments = parser.parse_args()
     build: Path = arguments.build.resolve()
 
-    known = commands(build)
-    wanted = [os.path.relpath(file, ROOT) for file in arguments.files] or sorted(known)
-    common = headers_hash()
+    named = {os.path.relpath(file, ROOT) for file in arguments.files}
+    wanted = [group for group in groups(build) if not named or named & set(group.sources)]
+    common = common_hash()
     (build / "tidy").mkdir(exist_ok=True)
-    stamps = {name: stamp(build, name, known[name], common) for name in wanted if name in known}
-    todo = [name for name, file in stamps.items() if not file.exists()]
-    print(f"clang-tidy: {len(todo)} of {len(wanted)} files to look at", flush=True)
+    stamps = {group: group.stamp(build, common) for group in wanted}
+    todo = [group for group, file in stamps.items() if not file.exists()]
+    count, total = (sum(len(group.sources) for group in some) for some in (todo, wanted))
+    print(f"clang-tidy: {count} of {total} files to look at", flush=True)
     dirty = 0
     seen: set[str] = set()  # a finding in a header comes back with every file that includes it
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        for name, text in zip(todo, pool.map(lambda name: tidy(build, name), todo), strict=True):
+        results = pool.map(lambda group: tidy(build, group), todo)
+        for group, text in zip(todo, results, strict=True):
             if text:
                 dirty += 1
                 news = [finding for finding in findings(text) if finding not in seen]
                 seen.update(news)
                 print("".join(news), end="", flush=True)
             else:
-                stamps[name].touch()
-    print(f"clang-tidy: {dirty} files with findings" if dirty else "clang-tidy: nothing found")
+                stamps[group].touch()
+    print(f"clang-tidy: findings in {dirty} groups" if dirty else "clang-tidy: nothing found")
     return 1 if dirty else 0
 
 
