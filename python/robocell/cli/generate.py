@@ -37,6 +37,9 @@ class ProgressChoice(StrEnum):
     JSONL = "jsonl"
 
 
+WORKERS_PER_CORE = 8
+
+
 def generate(
     run_file: Annotated[Path, typer.Argument(metavar="RUN.yaml", help="The run file.")],
     workers: Annotated[int | None, typer.Option(min=1, help="Worker processes.")] = None,
@@ -72,9 +75,12 @@ def generate(
     """
     require_spec_file(run_file, RunConfig)
     named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
-    job = Job(run_file, [*(set_ or []), *overrides(named)], shard)
+    replaced = [*(set_ or []), *overrides(named)]
+    job = Job(run_file, replaced, shard)
     if too_many := many_workers(job.run.workers):
         print_warning(too_many)
+    if job.run.workers > most_workers():
+        job = Job(run_file, [*replaced, f"workers={most_workers()}"], shard)
     try:
         if dry_run:
             for warning in job.check():
@@ -98,10 +104,17 @@ def many_workers(workers: int) -> str:
     if workers <= 2 * cores:
         return ""
     many = "1 core" if cores == 1 else f"{cores} cores"
+    most = most_workers()
+    started = f"{most} are started, and " if workers > most else ""
     return (
         f"{workers} workers on {many}: they make nothing faster and each takes its own memory; "
-        f"--workers {cores} is enough"
+        f"{started}--workers {cores} is enough"
     )
+
+
+def most_workers() -> int:
+    """No more are started on this machine, whatever is asked for: it would come to a halt."""
+    return WORKERS_PER_CORE * len(os.sched_getaffinity(0))
 
 
 def overrides(named: dict[str, Path | int | None]) -> list[str]:

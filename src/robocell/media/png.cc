@@ -3,6 +3,7 @@
 #include <png.h>
 #include <fmt/format.h>
 
+#include <cctype>
 #include <csetjmp>
 #include <cstring>
 #include <new>
@@ -172,6 +173,17 @@ class Decoder {
   png_infop info_ = nullptr;
 };
 
+// Programs go by a file's name: a PNG called .jpg opens in few of them.
+void RequirePngName(const std::filesystem::path& path) {
+  std::string suffix = path.extension().string();
+  for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (suffix == ".png") return;
+  throw ArgumentError(
+      fmt::format("pictures are written as PNG, under names that end in .png or "
+                  ".PNG: give '{}' instead of '{}'",
+                  std::filesystem::path(path).replace_extension(".png").string(), path.string()));
+}
+
 std::string_view AsText(const std::vector<uint8_t>& bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
@@ -190,10 +202,12 @@ std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint16_t> 
 }
 
 void WritePng(const std::filesystem::path& path, const RgbImage& image) {
+  RequirePngName(path);
   AtomicWrite(path, AsText(EncodePng(image.width, image.height, image.pixels)));
 }
 
 void WritePng(const std::filesystem::path& path, const GrayImage16& image) {
+  RequirePngName(path);
   AtomicWrite(path, AsText(EncodePng(image.width, image.height, image.pixels)));
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 
 #include "robocell/base/error.h"
@@ -82,6 +83,19 @@ TEST(Png, AWrongNumberOfPixelsIsRefused) {
         WritePng("/nowhere/a.png", RgbImage{2, 2, std::vector<uint8_t>(11)});
       },
       "2x2 px with 3 values per pixel needs 12 values, got 11");
+}
+
+TEST(Png, ANameOfAnotherKindIsRefused) {
+  TempDir folder;
+  const auto write = [&](const char* name) { WritePng(folder / name, Picture()); };
+  for (const char* name : {"a.jpg", "a.JPG", "a"}) {
+    ExpectThrow<ArgumentError>([&] { write(name); },
+                               "pictures are written as PNG, under names that end in .png or .PNG: "
+                               "give '" +
+                                   (folder / "a.png").string() + "' instead of '");
+    EXPECT_FALSE(std::filesystem::exists(folder / name));
+  }
+  EXPECT_NO_THROW(write("a.PNG"));
 }
 
 TEST(Png, AMissingFolderIsNamed) {

@@ -113,14 +113,16 @@ TEST(RobotConfig, NamesInDatasetsHaveNoSlash) {
   RobotConfig robot = Arm();
   robot.name = "lab/arm";
   const std::string why =
-      " cannot be a name here: datasets have it in their columns' names, robots/ROBOT/GROUP; write "
-      "it without '/' and control characters";
+      " cannot be a name here: datasets have it in their columns' names, robots/ROBOT/GROUP and "
+      "objects/OBJECT; write it without '/' and control characters";
   EXPECT_EQ(ValidationError(robot), "it is not valid: name: 'lab/arm'" + why);
   robot.name = "arm";
   robot.move_groups["left/arm"] = robot.move_groups.at("arm");
   EXPECT_EQ(ValidationError(robot), "it is not valid: move_groups: 'left/arm'" + why);
   EXPECT_EQ(ValidationError(RobotSpec{.name = "a/b", .config = Arm()}),
             "it is not valid: name: 'a/b'" + why);
+  const SceneObject cube{.name = "a/b", .mjcf_path = "cube.xml"};
+  EXPECT_EQ(ValidationError(cube), "it is not valid: name: 'a/b'" + why);
 }
 
 TEST(RobotSpec, NeedsAModelOrAConfiguration) {

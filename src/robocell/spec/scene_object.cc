@@ -27,6 +27,7 @@ void CheckPrimitive(const SceneObject& o, Problems& problems) {
 
 void SceneObject::Validate(Problems& problems) const {
   CheckNotEmpty(name, "name", "objects are looked up by name", problems);
+  CheckNamePart(name, "name", problems);
   CheckPlacement(euler, quat, problems);
   if (shape && !mjcf_path.empty())
     problems.Add("has both a shape and an mjcf_path; keep one of them");

@@ -69,8 +69,8 @@ void CheckNamePart(const std::string& name, std::string_view field, Problems& pr
   if (name.empty() || ValidFileName(name)) return;
   problems.AddAt(field,
                  fmt::format("'{}' cannot be a name here: datasets have it in their columns' "
-                             "names, robots/ROBOT/GROUP; write it without '/' and control "
-                             "characters",
+                             "names, robots/ROBOT/GROUP and objects/OBJECT; write it without "
+                             "'/' and control characters",
                              name));
 }
 
