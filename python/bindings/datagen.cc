@@ -45,6 +45,9 @@ void BindReport(nb::module_& m) {
               "Attempts that the stop flag ended; they count nowhere else.")
       .def_ro("accepted", &EpisodeReport::accepted, "Attempts whose start the sampler accepted.")
       .def_ro("refusals", &EpisodeReport::refusals, "Reason -> count, of refused starts.")
+      .def_ro("advice", &EpisodeReport::advice,
+              "What most starts were refused for, and from where the robot would reach its "
+              "object; '' when a start was accepted.")
       .def_ro("redrawn", &EpisodeReport::redrawn,
               "Reason -> count, of places for objects and robot that were tried and given up "
               "within the attempts; the sampler tried attempts + these.")

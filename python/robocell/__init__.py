@@ -135,6 +135,7 @@ from robocell._core import (
     scene_object_element_name,
     set_log_level,
     shard_plan,
+    try_robot,
     verify,
     write_png,
 )
@@ -270,6 +271,7 @@ __all__ = [
     "scene_object_element_name",
     "set_log_level",
     "shard_plan",
+    "try_robot",
     "verify",
     "write_png",
 ]

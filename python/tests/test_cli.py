@@ -459,6 +459,21 @@ def test_a_distance_that_the_gripper_does_not_have_is_refused_by_check_and_by_ru
     assert not (tmp_path / "out").exists()
 
 
+def test_what_check_warns_of_runs_warn_of_and_say_from_where_the_robot_would_reach(tmp_path: Path):
+    robot = write_robot(tmp_path, set_in("force_limit", value=0.01))
+    warned = "pushes with all it may, 0.01 N m"
+    assert warned in robocell_command("check", robot).stderr
+    task = {"kind": "pick", "objects": ["box"], "base_distance": [0.3, 0.5]}
+    task |= {"base_height_offset": 0.4, "base_height_noise": [0.0, 0.0]}
+    run = write_run(tmp_path, robot=str(robot), task=task, max_attempts=1, episodes_per_scene=1)
+    result = robocell_command("generate", run)
+    assert result.returncode == 1, result.stdout + result.stderr
+    assert warned in result.stderr
+    said = " ".join((result.stdout + result.stderr).split())
+    assert "a grasp from above, pregrasp and lift included, is in reach with" in said
+    assert "the run says 0.4, with noise 0 ... 0, and 0.3 ... 0.5" in said
+
+
 @pytest.mark.parametrize("control", ["", "control: {arm: joint_position}\n"])
 def test_an_arm_of_motors_is_refused_by_check_and_by_runs(tmp_path: Path, control: str):
     (tmp_path / "bob.xml").write_text(
@@ -573,6 +588,9 @@ def test_more_workers_than_cores_are_told(tmp_path: Path):
     assert "make nothing faster" in result.stderr
     cores = len(os.sched_getaffinity(0))
     assert many_workers(cores) == ""
+    assert f"{8 * cores} are started, and --workers {cores} is enough" in result.stderr
+    assert f"workers:  {8 * cores}\n" in result.stdout
+    assert "are started" not in many_workers(8 * cores)
 
 
 CTRL_C_AT_IMPORT = """

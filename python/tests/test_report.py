@@ -82,7 +82,7 @@ def test_the_counts_of_commands_add_up():
 
 def test_totals_come_back_from_their_record_in_every_field():
     totals = a_report(("b",), ("c", "a")).commands[1].totals
-    totals.already, totals.undecided = 1, 2
+    totals.already, totals.undecided, totals.advice = 1, 2, "stand nearer"
     nothing = Totals(planned=0, workers=0, started=-1.0)
     same = [name for name, value in vars(totals).items() if value == getattr(nothing, name)]
     assert same == [], "a field that nobody filled would come back whatever happens to it"
@@ -250,8 +250,8 @@ def test_shards_have_reports_of_their_own_and_one_table(tmp_path: Path):
 
 
 def test_a_run_that_fails_says_so_in_its_report(tmp_path: Path):
-    run = write_run(tmp_path, cameras={"streams": []})
-    result = robocell_command("generate", run, "--set", "task.lift_height=5", "--episodes", 1)
+    run = write_run(tmp_path, cameras={"streams": []}, max_attempts=1)
+    result = robocell_command("generate", run, "--set", "task.lift_height=1", "--episodes", 1)
     assert result.returncode == 1, result.stderr
     (told,) = reports.load(tmp_path / "out" / "report.json").commands
     assert told.end == "incomplete"

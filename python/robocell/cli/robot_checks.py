@@ -8,11 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-import numpy as np
-
-from robocell.cli.robot_scene import TIMESTEP_S, RobotScene
-
-HOLD_S = 1.0
+from robocell import try_robot
+from robocell.cli.robot_scene import RobotScene
 
 
 def compiler_warnings(loaded: RobotScene) -> list[str]:
@@ -20,37 +17,9 @@ def compiler_warnings(loaded: RobotScene) -> list[str]:
     return list(loaded.scene.warnings)
 
 
-def contacts_at_home(loaded: RobotScene) -> list[str]:
-    """Parts that touch each other, or the floor, before anything has moved."""
-    loaded.scene.reset()
-    pairs = sorted({tuple(sorted((c.body1, c.body2))) for c in loaded.scene.contacts()})
-    return [
-        f"'{a}' and '{b}' touch at home: exclude the pair in the model or choose another `home`"
-        for a, b in pairs
-    ]
-
-
-def hold(loaded: RobotScene) -> list[str]:
-    """Does the arm stay at home when its controller holds it there?"""
-    scene, robot = loaded.scene, loaded.robot
-    if not robot.is_driven(robot.arm.name):
-        return []  # told as an error
-    scene.reset()
-    before = np.array(robot.arm.joint_pos)
-    for _ in range(round(HOLD_S / TIMESTEP_S)):
-        robot.update()
-        result = scene.step()
-        if not result:
-            return [f"the simulation diverges while the arm holds still: {result.message}"]
-    drift = np.abs(np.array(robot.arm.joint_pos) - before)
-    worst = int(np.argmax(drift))
-    if drift[worst] <= loaded.config.arrival_tolerance:
-        return []
-    return [
-        f"joint '{robot.joint_names[worst]}' drifts by {drift[worst]:.3g} in {HOLD_S:g} s while it "
-        f"should hold home (arrival_tolerance is {loaded.config.arrival_tolerance:g}): set "
-        "`gravcomp: true` or a higher `stiffness`"
-    ]
+def trial(loaded: RobotScene) -> list[str]:
+    """What touches at home, and whether the arm holds home and follows a small step."""
+    return try_robot(loaded.robot)
 
 
 def idle_actuators(loaded: RobotScene) -> list[str]:
@@ -66,7 +35,6 @@ def idle_actuators(loaded: RobotScene) -> list[str]:
 
 CHECKS: tuple[Callable[[RobotScene], list[str]], ...] = (
     compiler_warnings,
-    contacts_at_home,
-    hold,
+    trial,
     idle_actuators,
 )

@@ -45,6 +45,7 @@ class Estimate:
         memory_bytes: Of this command, its workers and their encoders, at most.
         tried, seen: Items that were made without and with cameras to know this.
         reasons: Reason -> starts refused and rollouts failed among those that were tried.
+        advice: Why starts are refused and what would help, of an item of which none was accepted.
     """
 
     items: int
@@ -59,6 +60,7 @@ class Estimate:
     tried: int
     seen: int
     reasons: Mapping[str, int] = field(default_factory=dict)
+    advice: str = ""
 
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""
@@ -68,7 +70,7 @@ class Estimate:
         """Label -> text, in order."""
         share = f" ({self.successes} of {counted(self.items, 'item')} succeed)"
         failing = self.successes < self.items
-        hint = time_hint(self.reasons) if failing else ""
+        hint = time_hint(self.reasons) or self.advice if failing else ""
         return {
             "episodes": f"{self.episodes}{share if failing else ''}",
             **({"reasons": counts_text(self.reasons, 6)} if failing and self.reasons else {}),
@@ -142,6 +144,7 @@ def scaled(
         tried=len(blind),
         seen=len(seeing),
         reasons=sum((Counter(sample.reasons) for sample in blind), Counter()),
+        advice=next((sample.advice for sample in blind if sample.advice), ""),
     )
 
 

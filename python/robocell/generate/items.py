@@ -39,6 +39,7 @@ class Report:
         accepted: Starts that the sampler accepted, that is rollouts.
         undecided: Attempts that a stop request ended; they count nowhere else.
         refusals: Reason -> number of starts refused.
+        advice: Why the last start was refused and what would help, when none was accepted.
         redrawn: Reason -> number of places tried and given up within the attempts.
         failures: Reason -> number of rollouts that failed.
         rows: Rows of the episode.
@@ -65,6 +66,7 @@ class Report:
     object_kind: str = ""
     kinds: Mapping[str, int] = field(default_factory=dict)
     rollouts: Mapping[str, int] = field(default_factory=dict)
+    advice: str = ""
 
     @classmethod
     def from_core(cls, report: Any) -> Report:
@@ -86,6 +88,7 @@ class Report:
             object_kind=report.object_kind,
             kinds=dict(report.kinds),
             rollouts=dict(report.rollouts),
+            advice=report.advice,
         )
 
     @property

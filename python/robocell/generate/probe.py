@@ -43,6 +43,7 @@ class Sample:
         seconds: It took.
         cpu_seconds: Of all cores, with the encoders.
         reasons: Reason -> starts refused and rollouts failed.
+        advice: Why starts are refused and what would help, when none was accepted.
     """
 
     success: bool
@@ -55,6 +56,7 @@ class Sample:
     seconds: float
     cpu_seconds: float
     reasons: Mapping[str, int] = field(default_factory=dict)
+    advice: str = ""
 
 
 @dataclass(frozen=True)
@@ -142,6 +144,7 @@ def _make_one(runner: Runner, item: PlanItem, folder: Path) -> Sample:
         seconds=seconds,
         cpu_seconds=cpu_seconds,
         reasons={**report.refusals, **report.failures},
+        advice=report.advice,
     )
 
 

@@ -69,6 +69,7 @@ class Totals:
         redrawn: Reason -> places for objects and robot tried and given up within the attempts.
         failures: Reason -> rollouts failed.
         seconds: Stage -> seconds, summed over the workers.
+        advice: Why starts are refused and what would help, of an item of which none was accepted.
         kinds: Object kind -> attempts.
         rollouts: Object kind -> rollouts.
         made_of: Object kind -> episodes made now.
@@ -89,6 +90,7 @@ class Totals:
     redrawn: Counter[str] = field(default_factory=Counter)
     failures: Counter[str] = field(default_factory=Counter)
     seconds: Counter[str] = field(default_factory=Counter)
+    advice: str = ""
     kinds: Counter[str] = field(default_factory=Counter)
     rollouts: Counter[str] = field(default_factory=Counter)
     made_of: Counter[str] = field(default_factory=Counter)
@@ -101,6 +103,7 @@ class Totals:
     def add(self, report: Report) -> None:
         """Counts a report; what a stopped item did before the stop counts too."""
         self.made += report.success
+        self.advice = self.advice or report.advice
         _add(self, report, NUMBERS)
 
     @property
@@ -181,6 +184,7 @@ class Totals:
             "counts": self.to_json(),
             "workers": self.workers,
             "rows": self.rows,
+            "advice": self.advice,
             "seconds": {stage: round(spent, 3) for stage, spent in self.seconds.items()},
             "deaths": [asdict(death) for death in self.deaths],
             "again": [asdict(again) for again in self.again],
@@ -198,6 +202,7 @@ class Totals:
         counts.update({name: Counter(every[name]) for name in COUNTERS})
         return cls(
             **counts,
+            advice=str(every.get("advice", "")),
             again=[Again(**again) for again in every["again"]],
             deaths=[Death(**death) for death in every["deaths"]],
             unmade=[Unmade(**unmade) for unmade in every["unmade"]],

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/task/grasp_motion.h"
 #include "robocell/task/pick_sampler.h"
 
 namespace robocell {
@@ -29,6 +30,21 @@ void CheckReach(const RunConfig& run, const Robot& robot, Problems& problems) {
                                "on), but {}",
                                task.base_height_offset, low, high, up.z(), reach));
     return;
+  }
+  // The arm that stands highest has least to lift, and the nearest the farthest to go.
+  const double nearest = std::max(task.base_distance[0] - up.head<2>().norm(), 0.0);
+  const double lift = GraspMotionOptionsOf(task).lift;
+  if (nearest < robot.reach()) {
+    const double top = high + std::sqrt(robot.reach() * robot.reach() - nearest * nearest);
+    if (lift > top) {
+      problems.AddAt(
+          "lift_height",
+          fmt::format("{:g} m is more than the arm can lift: it reaches {:.2f} m from "
+                      "its base frame, at most {:.2f} m above the object, and lifts "
+                      "{:.2f} m more than is asked for; give at most {:.2f}",
+                      task.lift_height, robot.reach(), std::max(top, 0.0), lift - task.lift_height,
+                      std::max(top - (lift - task.lift_height), 0.0)));
+    }
   }
   const double farthest = std::sqrt(most * most - height * height) + up.head<2>().norm();
   if (task.base_distance[1] <= farthest) return;

@@ -7,8 +7,8 @@
 
 namespace robocell {
 
-// Adds problems of task.base_distance and task.base_height_offset for distances from which
-// PickTaskSampler refuses every start.
+// Adds problems of task.base_distance, task.base_height_offset and task.lift_height for places and
+// lifts that PickTaskSampler refuses in every start.
 void CheckReach(const RunConfig& run, const Robot& robot, Problems& problems);
 
 }  // namespace robocell

@@ -15,9 +15,13 @@
 #include "robocell/datagen/plan.h"
 #include "robocell/datagen/run_inputs.h"
 #include "robocell/datagen/sensor_columns.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/robot/check_config.h"
+#include "robocell/robot/robot_trial.h"
+#include "robocell/spec/problem_lines.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/catalogue.h"
+#include "robocell/task/grasp_candidates.h"
 #include "robocell/task/gripper_shape.h"
 #include "robocell/task/pick_sampler.h"
 
@@ -72,6 +76,7 @@ class SceneCheck {
     Try("robot", [&] { CheckColumns(*scene, *robot); });
     Try("robot", [&] { CheckRobot(*robot); });
     if (demands_.scripted_expert) CheckForExpert(*scene, *robot);
+    if (demands_.scripted_expert && problems_.empty()) Try("robot", [&] { TryAlone(); });
     if (demands_.on_this_machine && problems_.empty()) CheckStreamsHere(run_, *scene, problems_);
   }
 
@@ -144,6 +149,41 @@ class SceneCheck {
     if (!CheckControllers(robot)) return;
     if (!Try("robot", [&] { CheckParts(scene, robot); })) return;
     CheckReach(run_, robot, problems_);
+    Try("task", [&] { CheckGraspable(scene, robot); });
+  }
+
+  // Kinds of objects that the gripper cannot take; sizes that are drawn may differ.
+  void CheckGraspable(Scene scene, const Robot& robot) {
+    const auto shape = GripperShape::Of(robot.config(), run_.options, scene.timestep());
+    scene.Forward();
+    const std::vector<std::string> kinds = ObjectKindsOf(run_);
+    for (size_t i = 0; i < kinds.size(); ++i) {
+      const ObjectRecord& object = scene.compiled()->object(fmt::format("object_{}", i));
+      const int body = FindId(scene.model(), mjOBJ_BODY, object.root_body);
+      if (!FindGrasps(scene.model(), scene.data(), body, *shape, robot.tcp_in_world()).empty())
+        continue;
+      Problems doubt(run_.locations);
+      doubt.AddAt("task.objects",
+                  fmt::format("gripper '{}' cannot hold '{}' ({}): such starts are refused. Leave "
+                              "the kind out of task.objects, or take a gripper that opens wider",
+                              robot.gripper().name(), kinds[i],
+                              SizesForGrasp(scene.model(), scene.data(), body, *shape)));
+      warnings_.push_back(LinesOf(doubt).front());
+    }
+  }
+
+  // What it does, in a scene of its own.
+  void TryAlone() {
+    SceneSpec spec{.name = run_.run,
+                   .timestep = run_.rates.sim_ms / 1000,
+                   .add_floor = false,
+                   .add_skybox = false,
+                   .options = run_.options};
+    const RobotConfig& config = run_.robot.config;
+    spec.robots.push_back(
+        {.name = config.name, .config = config, .control_modes = config.used_modes()});
+    const std::vector<std::string> doubts = TryRobot(Robot::Of(Scene::Build(spec), config.name));
+    warnings_.insert(warnings_.end(), doubts.begin(), doubts.end());
   }
 
   bool CheckControllers(const Robot& robot) {

@@ -20,7 +20,8 @@ struct RunDemands {
 
 // SpecError with all problems; IoError or Error when this machine lacks an encoder or OpenGL and
 // streams are recorded. Returns what works and may yet not be meant: warnings of compiling the
-// scene, images that are too small to show anything. Writes nothing.
+// scene, an arm that does not do what it is told (robot_trial.h), images that are too small to show
+// anything. Writes nothing.
 std::vector<std::string> CheckRun(const RunConfig& run, const RunDemands& demands = {});
 
 // The part that needs no model.

@@ -14,6 +14,8 @@
 namespace robocell {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -165,6 +167,38 @@ TEST(CheckRun, DistancesOutOfReachAreToldWithTheReach) {
   run = Demo();
   run.task.base_height_offset = -25;
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.base_height_offset: -25 m puts the base");
+}
+
+TEST(CheckRun, ALiftThatNoArmHasIsRefused) {
+  RunConfig run = Demo();
+  run.task.lift_height = 10;
+  const std::string text = ExpectThrow<SpecError>(
+      [&] { CheckRun(run); }, "task.lift_height: 10 m is more than the arm can lift: it reaches ");
+  EXPECT_THAT(text,
+              HasSubstr(" m above the object, and lifts 0.05 m more than is asked for; give"));
+  run.task.lift_height = 0.1;
+  EXPECT_THAT(CheckRun(run), IsEmpty());
+}
+
+TEST(CheckRun, AnArmThatDoesNotFollowIsTold) {
+  RunConfig run = Demo();
+  run.robot.config.force_limit = 0.01;
+  const std::vector<std::string> warnings = CheckRun(run);
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_THAT(warnings[0], HasSubstr("pushes with all it may, 0.01 N m"));
+  EXPECT_THAT(warnings[0], HasSubstr("Raise `force_limit` (0.01 is set)"));
+  EXPECT_THAT(CheckRun(run, {.scripted_expert = false}), IsEmpty());
+}
+
+TEST(CheckRun, AKindThatTheGripperCannotHoldIsTold) {
+  RunConfig run = Demo();
+  run.robot.config.move_groups.find("gripper")->ctrl = GripperCtrl{.open = 10, .closed = 0};
+  run.robot.config.move_groups.find("gripper")->distance.reset();
+  run.task.objects.names = {"mug"};
+  EXPECT_THAT(CheckRun(run),
+              Contains(AllOf(HasSubstr("task.objects: gripper 'gripper' cannot hold 'mug' (it is "),
+                             HasSubstr(" m high, and the gripper holds from "),
+                             HasSubstr("Leave the kind out of task.objects"))));
 }
 
 TEST(CheckRun, ARunWithStreamsNeedsAnEncoder) {

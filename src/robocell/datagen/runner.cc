@@ -1,16 +1,19 @@
 #include "robocell/datagen/runner.h"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/datagen/check_run.h"
 #include "robocell/datagen/rollout.h"
 #include "robocell/task/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
+#include "robocell/task/reach_advice.h"
 
 namespace robocell {
 namespace {
@@ -34,6 +37,9 @@ struct Runner::State {
       renderer = MakeRenderer({.quality = run.cameras.quality});
     return renderer.get();
   }
+  std::optional<std::string> advice;
+  // From where the robot would reach; "" for a task of the user's own. Found out once.
+  const std::string& Advice();
   DatasetLock Enter();
   RolloutOptions Options(const PlanItem& item, int attempt, const StopCheck& stop);
   void Attempt(const PlanItem& item, int attempt, const StopCheck& stop, EpisodeReport& report);
@@ -47,6 +53,18 @@ DatasetLock Runner::State::Enter() {
   if (!manifest || manifest != checked_manifest) RequireSameRun(run);
   checked_manifest = manifest;
   return lock;
+}
+
+const std::string& Runner::State::Advice() {
+  if (advice) return *advice;
+  advice.emplace();
+  if (own_sampler) return *advice;
+  try {
+    advice = ReachAdvice(run);
+  } catch (const Error& error) {
+    LogDebug(std::string("no advice on reach: ") + error.what());
+  }
+  return *advice;
 }
 
 RolloutOptions Runner::State::Options(const PlanItem& item, int attempt, const StopCheck& stop) {
@@ -87,6 +105,12 @@ void Drop(EpisodeReport& report) {
   ++report.undecided;
 }
 
+int MostFrequent(const std::map<std::string, int>& counts) {
+  int most = 0;
+  for (const auto& [what, count] : counts) most = std::max(most, count);
+  return most;
+}
+
 // Sums up a rollout.
 void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
   if (rollout.stopped) return Drop(report);
@@ -124,7 +148,8 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
     count_redrawn();
     count_kind();
     ++report.attempts;
-    ++report.refusals[ToString(sample.refusal.reason)];
+    const int count = ++report.refusals[ToString(sample.refusal.reason)];
+    if (count >= MostFrequent(report.refusals)) report.advice = sample.refusal.detail;
     return;
   }
   const std::shared_ptr<Expert> expert = parts.expert(run, *sample.start);
@@ -153,6 +178,11 @@ EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
     }
     state_->Attempt(item, attempt, stop, report);
   }
+  if (report.accepted > 0) report.advice.clear();
+  if (report.accepted > 0 || !report.refusals.contains(ToString(Refusal::kNoReachableBasePose)))
+    return report;
+  if (const std::string& where = state_->Advice(); !where.empty())
+    report.advice += (report.advice.empty() ? "" : ". Hint: ") + where;
   return report;
 }
 

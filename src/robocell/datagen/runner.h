@@ -41,6 +41,9 @@ struct EpisodeReport {
   int accepted = 0;                     // attempts whose start the sampler accepted (= rollouts)
   int undecided = 0;                    // attempts that the stop request ended
   std::map<std::string, int> refusals;  // reason -> count, of starts
+  // What starts were refused for most often, the last of them, and, when none was accepted for want
+  // of reach, from where the robot would reach; "" else.
+  std::string advice;
   std::map<std::string, int> redrawn;   // reason -> count, of places tried within the attempts
   std::map<std::string, int> failures;  // reason -> count, of rollouts
   std::string robot;                    // its name

@@ -2,9 +2,17 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "robocell/base/error.h"
 
 namespace robocell {
+namespace {
+
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+}  // namespace
 
 const Chain& ArmGroup::chain() const {
   if (has_chain()) return **chain_;
@@ -19,6 +27,27 @@ void ArmGroup::GravityTorques(std::span<const double> q, std::span<double> out) 
 void ArmGroup::InverseDynamics(std::span<const double> q, std::span<const double> qd,
                                std::span<const double> qdd, std::span<double> out) const {
   chain().InverseDynamics(q, qd, qdd, gravity_in_base(), out);
+}
+
+std::vector<Interval> ArmGroup::torque_limits() const {
+  core().Bind();
+  const mjModel* m = core().model();
+  const std::vector<int>&ids = core().actuator_ids(), &joints = core().joint_ids();
+  std::vector<Interval> limits;
+  for (size_t i = 0; i < ids.size(); ++i) {
+    Interval& limit = limits.emplace_back(Interval{-kNoLimit, kNoLimit});
+    const auto within = [&](const mjtNum* range, double scale) {
+      const double a = scale * range[0], b = scale * range[1];
+      limit = {std::max(limit.lower, std::min(a, b)), std::min(limit.upper, std::max(a, b))};
+    };
+    const int input = m->actuator_ctrladr[ids[i]];
+    const double gear = m->actuator_gear[6 * m->actuator_outadr[ids[i]]];
+    if (m->actuator_ctrllimited[input])
+      within(m->actuator_ctrlrange + 2 * input, gear * m->actuator_gainprm[mjNGAIN * ids[i]]);
+    if (m->actuator_forcelimited[ids[i]]) within(m->actuator_forcerange + 2 * ids[i], gear);
+    if (m->jnt_actfrclimited[joints[i]]) within(m->jnt_actfrcrange + 2 * joints[i], 1);
+  }
+  return limits;
 }
 
 void ArmGroup::CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const {

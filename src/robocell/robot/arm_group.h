@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "robocell/kinematics/chain.h"
 #include "robocell/robot/joint_group.h"
@@ -38,6 +39,8 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   void InverseDynamics(std::span<const double> q, std::span<const double> qd,
                        std::span<const double> qdd, std::span<double> out) const;
 
+  // What the motors can push their joints with; +-infinity where nothing limits it.
+  std::vector<Interval> torque_limits() const;
   // The controls of motors that push with `torque`.
   void CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const;
   // The controls of velocity servos that drive at `velocity` and push with `torque` on top.

@@ -231,8 +231,9 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
   const mjModel* m = model();
   for (size_t i = 0; i < actuator_ids_.size(); ++i) {
     const int id = actuator_ids_[i];
+    const double gear = m->actuator_gear[6 * m->actuator_outadr[id]];
     std::optional<double> rest;
-    if (driven_[i] >= 0) rest = RestingCtrl(m, id, m->actuator_gear[6 * id] * q[driven_[i]]);
+    if (driven_[i] >= 0) rest = FreeRestingCtrl(m, id, gear * q[driven_[i]]);
     if (!rest) {
       throw ArgumentError(fmt::format(
           "{}: actuator '{}' is no position servo of one of its joints, so it cannot be driven to "
@@ -240,6 +241,12 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
           place(), names_.actuators[i]));
     }
     ctrl[i] = *rest;
+    const int input = m->actuator_ctrladr[id];
+    if (!m->actuator_ctrllimited[input]) continue;
+    const mjtNum* range = m->actuator_ctrlrange + 2 * input;
+    ctrl[i] = beyond_.Clamp(*rest, {range[0], range[1]}, [&] {
+      return fmt::format("{}: actuator '{}', by its ctrlrange,", place(), names_.actuators[i]);
+    });
   }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 #include <Eigen/Core>
 
+#include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/scene/scene.h"
 
@@ -105,6 +106,7 @@ class GroupCore {
   mutable std::vector<int> joint_ids_, actuator_ids_;
   // One per number, in the order of joints and actuators.
   mutable std::vector<int> qpos_addresses_, dof_addresses_, ctrl_addresses_;
+  mutable BeyondLimits beyond_;           // of the servos' controls
   mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
   mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;

@@ -26,7 +26,9 @@ JointPositionController::JointPositionController(MoveGroup& group)
       limits_(group.joint_pos_limits()) {
   limits_.resize(target_.size(), Interval{-kUnlimited, kUnlimited});
   std::vector<double> ctrl(group.nu());
-  group.CtrlForJointPos(target_, ctrl);  // says at once when the group has no servos
+  for (size_t i = 0; i < target_.size(); ++i)  // nobody has commanded it yet: not a word
+    within_[i] = std::clamp(target_[i], limits_[i].lower, limits_[i].upper);
+  group.CtrlForJointPos(within_, ctrl);  // says at once when the group has no servos
 }
 
 void JointPositionController::SetTarget(std::span<const double> target) {

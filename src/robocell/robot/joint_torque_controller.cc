@@ -21,7 +21,7 @@ std::unique_ptr<Controller> MakeJointTorqueController(MoveGroup& group) {
 }
 
 JointTorqueController::JointTorqueController(ArmGroup& arm)
-    : arm_(arm), torque_(arm.nv()), q_(arm.nq()) {
+    : arm_(arm), torque_(arm.nv()), q_(arm.nq()), limits_(arm.torque_limits()) {
   Reset();
 }
 
@@ -37,6 +37,11 @@ void JointTorqueController::Reset() {
 
 void JointTorqueController::Compute(std::span<double> ctrl) {
   arm_.GetJointPos(q_);
+  for (size_t i = 0; i < torque_.size(); ++i) {  // to tell: the engine cuts off by itself
+    beyond_.Clamp(torque_[i], limits_[i], [&] {
+      return fmt::format("{}: the torque of joint '{}'", arm_.place(), arm_.joint_names()[i]);
+    });
+  }
   arm_.CtrlForJointTorque(torque_, ctrl);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "robocell/robot/arm_group.h"
+#include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/controller.h"
 
 namespace robocell {
@@ -28,12 +29,15 @@ class JointTorqueController : public Controller {
   std::span<const double> commanded_joint_pos() const override { return q_; }
   std::span<double> command_port() override { return torque_; }
   void Reset() override;
+  // A torque beyond what a motor can do is cut off there, and told once.
   void Compute(std::span<double> ctrl) override;
 
  private:
   ArmGroup& arm_;
   std::vector<double> torque_;
   std::vector<double> q_;  // as last measured
+  std::vector<Interval> limits_;
+  BeyondLimits beyond_;
 };
 
 // The arm that a controller of torques or velocities was asked for; ArgumentError, beginning with

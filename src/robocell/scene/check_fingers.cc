@@ -68,6 +68,33 @@ bool IsMoved(const mjModel* m, const mjData* d, const FingerJoints& joints) {
                      [&](int joint) { return m->jnt_stiffness[joint] > 0; });
 }
 
+bool Collides(const mjModel* m, int geom) {
+  if (m->geom_contype[geom] || m->geom_conaffinity[geom]) return true;
+  for (int p = 0; p < m->npair; ++p) {
+    if (m->pair_geom1[p] == geom || m->pair_geom2[p] == geom) return true;
+  }
+  return false;
+}
+
+// Whether a loop is closed in the finger: then its tip may hang on another branch of the hand.
+bool IsLinkage(const mjModel* m, const FingerJoints& joints) {
+  for (int e = 0; e < m->neq; ++e) {
+    if (m->eq_type[e] != mjEQ_CONNECT && m->eq_type[e] != mjEQ_WELD) continue;
+    if (Ties(m, e, m->eq_obj1id[e], joints) || Ties(m, e, m->eq_obj2id[e], joints)) return true;
+  }
+  return false;
+}
+
+// Whether the finger has a geom that can touch something.
+bool CanTouch(const mjModel* m, int hand, int finger, const FingerJoints& joints) {
+  const bool linkage = !joints.ids.empty() && IsLinkage(m, joints);
+  const int root = linkage ? hand : joints.branch < 0 ? finger : joints.branch;
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (IsInSubtree(m, m->geom_bodyid[g], root) && Collides(m, g)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void CheckFingers(const mjModel* m, const mjData* d, const RobotRecord& robot,
@@ -78,6 +105,14 @@ void CheckFingers(const mjModel* m, const mjData* d, const RobotRecord& robot,
   const int hand = CommonAncestor(m, fingers[0], fingers[1]);
   for (int i = 0; i < 2; ++i) {
     const FingerJoints joints = JointsBetween(m, hand, fingers[i]);
+    if (!CanTouch(m, hand, fingers[i], joints)) {
+      report.Warn("robot '" + robot.name + "'",
+                  fmt::format("{}: no geom of the finger '{}' collides (their contype and "
+                              "conaffinity are 0), so it can hold nothing. In the model, give one "
+                              "of them contype=\"1\" conaffinity=\"1\"",
+                              field, name(mjOBJ_BODY, fingers[i])),
+                  field);
+    }
     if (joints.ids.empty() || IsMoved(m, d, joints)) continue;
     const FingerJoints others = JointsBetween(m, hand, fingers[1 - i]);
     const std::string other = others.ids.empty() ? "..." : name(mjOBJ_JOINT, others.ids[0]);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/part.h"
 #include "robocell/scene/report.h"
 
 namespace robocell {
@@ -18,12 +19,23 @@ void CheckRobot(const mjModel* model, const RobotRecord& robot, Report& report);
 // actuators do not move the whole hand. What is missing is passed over: CheckRobot says so.
 void CheckGroups(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
 
-// A warning for each finger (body) that hangs on joints which nothing moves: no actuator, equality
-// or spring. `data` has the actuators' moments.
+// A warning for each finger (body) that hangs on joints which nothing moves (no actuator, equality
+// or spring), or that has nothing to touch with. `data` has the actuators' moments.
 void CheckFingers(const mjModel* model, const mjData* data, const RobotRecord& robot,
                   const std::string& field, const std::array<int, 2>& fingers, Report& report);
 
 // A TCP given twice, as the leaf of the arm and as attachment_site * tcp_offset, must be the same.
 void CheckToolPoints(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
+
+// check_ranges.cc: warnings for ranges that contradict each other or that look like degrees where
+// radians are meant: joints, their servos, home_noise. `part` is the robot's own model; the home
+// key is filled.
+void CheckRanges(const mjModel* model, int home_key, const RobotRecord& robot, const Part& part,
+                 Report& report);
+
+// check_camera_places.cc: a warning for each of the robot's cameras that is far away from it at
+// home.
+void CheckCameraPlaces(const mjModel* model, int home_key, const RobotRecord& robot,
+                       Report& report);
 
 }  // namespace robocell

@@ -51,6 +51,14 @@ std::string PlaceOf(const Part& part, const std::string& file, const std::string
   return line.empty() || line == "0" ? file + ": " : file + ":" + line + ": ";
 }
 
+// "line 12", as the engine notes where it read an element.
+std::string LineOf(mjsElement* element) {
+  const mjString* info = element->elemtype == mjOBJ_JOINT      ? mjs_asJoint(element)->info
+                         : element->elemtype == mjOBJ_ACTUATOR ? mjs_asActuator(element)->info
+                                                               : nullptr;
+  return info ? Digits(Between(mjs_getString(info) + std::string("\n"), "line ", "\n")) : "";
+}
+
 // Elements without a name do not tell whose they are; their part does not compile alone either.
 bool FailsAlone(const Part& part, const std::string& complaint) {
   try {
@@ -96,6 +104,12 @@ std::optional<std::string> CompileProblem(const std::string& text, const Part& p
   return fmt::format("{}{} '{}': {}{}", PlaceOf(part, file, line),
                      is_certain ? KindName(kinds[0]) : "element", name, complaint,
                      NextStep(complaint, kinds[0], name, editable));
+}
+
+std::string PlaceInModel(const Part& part, mjtObj kind, const std::string& name) {
+  mjsElement* element = FindSpecElement(part.spec.get(), kind, name);
+  const std::string place = PlaceOf(part, FileOf(part, name), element ? LineOf(element) : "");
+  return place.substr(0, place.size() - std::string_view(": ").size());
 }
 
 }  // namespace robocell

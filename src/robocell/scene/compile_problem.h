@@ -1,5 +1,5 @@
-// Private to scene: whose element it is that the engine complains about when a model does not
-// compile.
+// Private to scene: where the elements of a model stand in its files, and whose element it is that
+// the engine complains about when a model does not compile.
 #pragma once
 
 #include <optional>
@@ -14,5 +14,9 @@ namespace robocell {
 // `prefix` is the part's in the scene.
 std::optional<std::string> CompileProblem(const std::string& text, const Part& part,
                                           const std::string& prefix);
+
+// Where the part's joint or actuator of that name stands: "arm.xml:12", or the file alone when the
+// line is not known.
+std::string PlaceInModel(const Part& part, mjtObj kind, const std::string& name);
 
 }  // namespace robocell

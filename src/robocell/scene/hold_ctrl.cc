@@ -18,16 +18,21 @@ bool IsPositionServo(const mjModel* model, int actuator) {
          model->actuator_biasprm[mjNBIAS * actuator + 1] < 0;
 }
 
-std::optional<double> RestingCtrl(const mjModel* model, int actuator, double length) {
+std::optional<double> FreeRestingCtrl(const mjModel* model, int actuator, double length) {
   if (!IsPositionServo(model, actuator)) return std::nullopt;
   const mjtNum* bias = model->actuator_biasprm + mjNBIAS * actuator;
   const mjtNum gain = model->actuator_gainprm[mjNGAIN * actuator];
   // The quotients first: 1 and 0 for a plain servo, whose control is then the length to the bit.
-  double ctrl = -bias[1] / gain * length - bias[0] / gain;
+  return -bias[1] / gain * length - bias[0] / gain + 0.0;  // not -0
+}
+
+std::optional<double> RestingCtrl(const mjModel* model, int actuator, double length) {
+  std::optional<double> ctrl = FreeRestingCtrl(model, actuator, length);
   const int input = model->actuator_ctrladr[actuator];
   const mjtNum* range = model->actuator_ctrlrange + 2 * input;
-  if (model->actuator_ctrllimited[input]) ctrl = std::clamp(ctrl, range[0], range[1]);
-  return ctrl + 0.0;  // not -0
+  if (ctrl && model->actuator_ctrllimited[input])
+    ctrl = std::clamp(*ctrl, range[0], range[1]) + 0.0;
+  return ctrl;
 }
 
 std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int actuator) {

@@ -16,6 +16,10 @@ bool IsPositionServo(const mjModel* model, int actuator);
 // Whether an actuator's activation follows its control with a delay.
 bool IsFiltered(const mjModel* model, int actuator);
 
+// The control with which a position servo would rest at `length`, whatever its control range is.
+// Nothing for other actuators.
+std::optional<double> FreeRestingCtrl(const mjModel* model, int actuator, double length);
+
 // The control with which a position servo rests at `length`, clamped to the control range. Nothing
 // for other actuators.
 std::optional<double> RestingCtrl(const mjModel* model, int actuator, double length);

@@ -11,6 +11,7 @@
 #include "robocell/base/names.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/check_model_file.h"
 #include "robocell/scene/class_names.h"
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
@@ -92,6 +93,9 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
                              Report& report) {
   const auto file = FindModel(name, directory, place, field, report);
   if (!file) return std::nullopt;
+  const size_t before = report.problem_count();
+  CheckIsMjcf(*file, place, field, report);
+  if (report.problem_count() > before) return std::nullopt;
   Part part{place, field, *file, nullptr, {}};
   try {
     part.spec = ParseXmlFile(*file);
@@ -100,6 +104,9 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
     return std::nullopt;
   }
   if (!root_label.empty()) LabelUnnamed(part.spec.get(), root_label);
+  CheckActuatorTargets(part, report);
+  CheckHomeKeyLength(part, report);
+  if (report.problem_count() > before) return std::nullopt;
   part.home = ReadHomeKey(part.spec.get(), place, field, *file);
   DropKeys(part.spec.get());
   if (!MakeAssetPathsAbsolute(part.spec.get(), *file, place, field, report)) return std::nullopt;

@@ -76,6 +76,12 @@ mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& repo
 // are one entry in the report; false then.
 bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::string& place,
                             const std::string& field, Report& report);
+// The joints in the order of qpos, and how many numbers each has there.
+struct JointPositions {
+  std::string name;
+  int count = 1;
+};
+std::vector<JointPositions> PositionsInOrder(mjSpec* spec);
 // `place`, `field` and `file` are kept as the source of what is found.
 PartHome ReadHomeKey(mjSpec* spec, const std::string& place, const std::string& field,
                      const std::string& file);

@@ -64,17 +64,24 @@ void PartHome::Rename(mjtObj kind, const std::string& from, const std::string& t
   if (const auto source = sources.find(to); source != sources.end()) source->second.joint = to;
 }
 
+std::vector<JointPositions> PositionsInOrder(mjSpec* spec) {
+  std::vector<mjsElement*> joints;
+  CollectJoints(WorldBody(spec), joints);
+  std::vector<JointPositions> out;
+  for (mjsElement* joint : joints)
+    out.push_back({SpecName(joint), PositionCount(mjs_asJoint(joint))});
+  return out;
+}
+
 PartHome ReadHomeKey(mjSpec* spec, const std::string& place, const std::string& field,
                      const std::string& file) {
   PartHome home;
   mjsElement* element = FindSpecElement(spec, mjOBJ_KEY, "home");
   if (!element) return home;
   const mjsKey* key = mjs_asKey(element);
-  std::vector<mjsElement*> joints;
-  CollectJoints(WorldBody(spec), joints);
   Splitter qpos(key->qpos), ctrl(key->ctrl);
-  for (mjsElement* joint : joints)
-    qpos.Take(SpecName(joint), PositionCount(mjs_asJoint(joint)), home.qpos);
+  for (const JointPositions& joint : PositionsInOrder(spec))
+    qpos.Take(joint.name, joint.count, home.qpos);
   // Actuators with several inputs are told apart only after compiling; none of them is a servo
   // here.
   for (mjsElement* actuator : SpecElements(spec, mjOBJ_ACTUATOR))

@@ -58,8 +58,13 @@ void Report::Missing(const std::string& place, const std::string& message, std::
   problems_.push_back({place, message, SourceOf(place, field)});
 }
 
-void Report::Warn(const std::string& place, const std::string& message) {
-  warnings_.push_back(Line(place, message));
+void Report::Warn(const std::string& place, const std::string& message, std::string_view field) {
+  WarnAt(field.empty() ? "" : SourceOf(place, field), place, message);
+}
+
+void Report::WarnAt(const std::string& source, const std::string& place,
+                    const std::string& message) {
+  warnings_.push_back(Line(source, Line(place, message)));
 }
 
 void Report::Note(const std::string& place, const std::string& message) {

@@ -28,12 +28,16 @@ class Report {
   void Thrown(const std::string& place, const std::string& text, std::string_view field = "");
   // A problem of the kind "there is no element of this name".
   void Missing(const std::string& place, const std::string& message, std::string_view field = "");
-  // What the user should look at: a part does not get what it asks for.
-  void Warn(const std::string& place, const std::string& message);
+  // What the user should look at: a part does not get what it asks for. With a field, it begins
+  // with file:line:column when that is known.
+  void Warn(const std::string& place, const std::string& message, std::string_view field = "");
+  // The same for what stands in another file, "arm.xml:12".
+  void WarnAt(const std::string& source, const std::string& place, const std::string& message);
   // What is good to know and needs no change.
   void Note(const std::string& place, const std::string& message);
 
   bool ok() const { return problems_.empty(); }
+  size_t problem_count() const { return problems_.size(); }
   // Throws unless ok: NotFoundError when all that is wrong are missing elements, else SpecError.
   // One problem: "scene 'pick' / robot 'left': message"; several: one line each. With locations,
   // "left.yaml:7:12: robot 'left': message".

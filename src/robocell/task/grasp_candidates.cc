@@ -1,5 +1,6 @@
 #include "robocell/task/grasp_candidates.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -247,6 +248,25 @@ std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int ob
   std::stable_sort(grasps.begin(), grasps.end(),
                    [](const auto& a, const auto& b) { return a.cost < b.cost; });
   return grasps;
+}
+
+std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_body,
+                          const GripperShape& shape) {
+  const std::vector<int> geoms = CollisionGeomsOf(model, object_body);
+  if (geoms.empty()) return "none of its geoms collides";
+  double narrowest = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < kYaws; ++k) {
+    const double yaw = BodyYaw(data, object_body) + k * kPi / kYaws;
+    const Eigen::Vector3d across(std::cos(yaw), std::sin(yaw), 0);
+    narrowest = std::min(narrowest, Length(ExtentAlong(model, data, geoms, across)));
+  }
+  return fmt::format(
+      "it is {:.3g} m wide where it is narrowest and {:.3g} m high, and the gripper holds from "
+      "{:.3g} "
+      "to {:.3g} m",
+      narrowest, Length(ExtentAlong(model, data, geoms, Eigen::Vector3d::UnitZ())),
+      std::max(kLeastWidth, shape.closed_gap() + kLeastAboveClosed),
+      std::max(shape.open_gap() - 2 * kOpenClearance, 0.0));
 }
 
 }  // namespace robocell

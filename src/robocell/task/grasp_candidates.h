@@ -8,6 +8,7 @@
 // frame, so flat faces are met exactly.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "robocell/math/pose.h"
@@ -27,6 +28,11 @@ struct GraspCandidate {
 // are preferred. Poses in `data` must be up to date.
 std::vector<GraspCandidate> FindGrasps(const mjModel* model, const mjData* data, int object_body,
                                        const GripperShape& shape, const Pose& tcp_now);
+
+// For an object without a candidate, its size and the gripper's: "it is 0.30 m wide where it is
+// narrowest and 0.30 m high, and the gripper holds from 0.007 to 0.078 m".
+std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_body,
+                          const GripperShape& shape);
 
 // Distance along the unit vector `direction` to the collision geoms of a body's subtree, and the
 // surface's normal there; infinite when there is nothing.

@@ -17,7 +17,20 @@ constexpr double kMostTurn =
 constexpr double kJustBefore =
     0.003;  // metres between the pads and the object just before they touch
 
+constexpr double kSlip = 0.05;  // metres
+
+// The share of a line that the arm does not get along.
+double Missing(const JointPath& line) {
+  return 1 - (static_cast<double>(line.size()) - 1) / kLinePoints;
+}
+
 }  // namespace
+
+GraspMotionOptions GraspMotionOptionsOf(const TaskConfig& task) {
+  GraspMotionOptions options;
+  options.lift = std::max(options.lift, task.lift_height + kSlip);
+  return options;
+}
 
 GraspMotions::GraspMotions(PlanningScene& planning, std::vector<GraspCandidate> candidates,
                            const JointVector& home, const GraspMotionOptions& options)
@@ -41,6 +54,7 @@ void GraspMotions::SolveMore() {
   const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, home_, options);
   for (int b = 0; b < result.size; ++b) {
     solved_.push_back(result.success[b] ? JointVector(result.row(b)) : JointVector());
+    missed_by_.push_back(result.position_error[b]);
   }
 }
 
@@ -49,7 +63,7 @@ std::optional<GraspMotion> GraspMotions::Next() {
     if (next_ >= solved_.size()) SolveMore();
     const size_t i = next_++;
     if (solved_[i].empty()) {
-      ++out_of_reach_;
+      out_of_reach_.Add(missed_by_[i]);
     } else if (auto motion = TryCandidate(candidates_[i], solved_[i])) {
       return motion;
     }
@@ -67,35 +81,51 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   if (!planning_.IsFree(q, {.gap = open}) || !planning_.IsFree(q, {.gap = before}))
     return ++in_collision_, std::nullopt;
   const Pose tcp = world_in_base_ * grasp.tcp_in_world;
-  std::optional<JointPath> down = Line(tcp, q, options_.above), up = Line(tcp, q, options_.lift);
-  if (!down || !up) return ++out_of_reach_, std::nullopt;
-  for (size_t i = 1; i < down->size(); ++i) {
-    if (!planning_.IsFree((*down)[i], {.gap = open})) return ++in_collision_, std::nullopt;
+  JointPath down = Line(tcp, q, options_.above), up = Line(tcp, q, options_.lift);
+  if (const double missing = Missing(down); missing > 0)
+    return no_way_down_.Add(missing * options_.above), std::nullopt;
+  if (const double missing = Missing(up); missing > 0)
+    return no_way_up_.Add(missing * options_.lift), std::nullopt;
+  for (size_t i = 1; i < down.size(); ++i) {
+    if (!planning_.IsFree(down[i], {.gap = open})) return ++in_collision_, std::nullopt;
   }
-  for (size_t i = 1; i < up->size(); ++i) {
-    if (!planning_.IsFree((*up)[i], {.gap = grasp.width, .touch_target = true}))
+  for (size_t i = 1; i < up.size(); ++i) {
+    if (!planning_.IsFree(up[i], {.gap = grasp.width, .touch_target = true}))
       return ++in_collision_, std::nullopt;
   }
-  std::reverse(down->begin(), down->end());
-  return GraspMotion{grasp, std::move(*down), std::move(*up)};
+  std::reverse(down.begin(), down.end());
+  return GraspMotion{grasp, std::move(down), std::move(up)};
 }
 
 // Straight up from q.
-std::optional<JointPath> GraspMotions::Line(const Pose& tcp, const JointVector& q,
-                                            double height) const {
+JointPath GraspMotions::Line(const Pose& tcp, const JointVector& q, double height) const {
   JointPath line = {q};
   for (int k = 1; k <= kLinePoints; ++k) {
     const Pose at(tcp.translation() + up_in_base_ * (height * k / kLinePoints), tcp.quaternion());
     const IkResult ik = Ik(planning_.robot().chain(), at,
                            {.tolerance = kIkTolerance, .seed = line.back(), .max_restarts = 0});
-    if (!ik.success || JointDistance(ik.q, q) > kMostTurn) return std::nullopt;
+    if (!ik.success || JointDistance(ik.q, q) > kMostTurn) break;
     line.push_back(ik.q);
   }
   return line;
 }
 
 std::string GraspMotions::Reasons() const {
-  return fmt::format("{} out of reach, {} in collision", out_of_reach_, in_collision_);
+  std::string text;
+  const auto add = [&](int count, const std::string& what) {
+    if (count > 0) text += fmt::format("{} {} {}", text.empty() ? "" : ",", count, what);
+  };
+  add(out_of_reach_.count,
+      fmt::format("out of reach (the nearest by {:.2f} m)", out_of_reach_.least));
+  add(no_way_down_.count,
+      fmt::format("whose pregrasp, {:.2f} m above, is out of reach (by {:.2f} m)", options_.above,
+                  no_way_down_.least));
+  add(no_way_up_.count,
+      fmt::format("that cannot be lifted by {:.2f} m (the last {:.2f} m are out of "
+                  "reach)",
+                  options_.lift, no_way_up_.least));
+  add(in_collision_, "in collision");
+  return fmt::format("of {} grasps{}", candidates_.size(), text);
 }
 
 }  // namespace robocell

@@ -5,11 +5,14 @@
 //   while (std::optional<GraspMotion> motion = motions.Next()) ...
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "robocell/kinematics/joint_vector.h"
+#include "robocell/spec/run_config.h"
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/joint_path.h"
 #include "robocell/task/planning_scene.h"
@@ -27,6 +30,8 @@ struct GraspMotionOptions {
   double lift = 0.10;   // metres
   int most = 60;        // candidates looked at
 };
+// A pick lifts a little more than the task asks for: objects slip.
+GraspMotionOptions GraspMotionOptionsOf(const TaskConfig& task);
 
 class GraspMotions {
  public:
@@ -37,13 +42,15 @@ class GraspMotions {
 
   // The next best one; unset when there is none left.
   std::optional<GraspMotion> Next();
-  // Why the candidates so far were no good: "12 out of reach, 3 in collision".
+  // Why the candidates so far were no good: "of 15 grasps 12 out of reach (the nearest by 0.08 m),
+  // 3 in collision".
   std::string Reasons() const;
 
  private:
   void SolveMore();
   std::optional<GraspMotion> TryCandidate(const GraspCandidate& grasp, const JointVector& q);
-  std::optional<JointPath> Line(const Pose& tcp_in_base, const JointVector& q, double height) const;
+  // Up from the grasp, as far as the arm gets: the whole height when it has all points.
+  JointPath Line(const Pose& tcp_in_base, const JointVector& q, double height) const;
 
   PlanningScene& planning_;
   std::vector<GraspCandidate> candidates_;
@@ -53,7 +60,15 @@ class GraspMotions {
   Eigen::Vector3d up_in_base_;
   size_t next_ = 0;
   std::vector<JointVector> solved_;  // of the first candidates; empty: none
-  int out_of_reach_ = 0, in_collision_ = 0;
+  std::vector<double> missed_by_;    // of the same, metres
+  // How many candidates failed at what, and by how much at least, metres.
+  struct Misses {
+    int count = 0;
+    double least = std::numeric_limits<double>::infinity();
+    void Add(double amount) { ++count, least = std::min(least, amount); }
+  };
+  Misses out_of_reach_, no_way_down_, no_way_up_;
+  int in_collision_ = 0;
 };
 
 }  // namespace robocell

@@ -64,7 +64,29 @@ TEST(GraspMotions, CountWhatIsOutOfReach) {
   candidates.resize(5);
   GraspMotions motions(planning, candidates, pick.home());
   EXPECT_FALSE(motions.Next());
-  EXPECT_EQ(motions.Reasons(), "5 out of reach, 0 in collision");
+  const std::string reasons = motions.Reasons(),
+                    begin = "of 5 grasps 5 out of reach (the nearest by ";
+  ASSERT_TRUE(reasons.starts_with(begin)) << reasons;
+  // The arm's end comes to within what its reach lacks of the nearest grasp.
+  const double far =
+      (candidates[0].tcp_in_world.translation() - planning.robot().base_in_world().translation())
+          .norm();
+  const double missing = std::stod(reasons.substr(begin.size()));
+  EXPECT_GT(missing, far - planning.robot().reach() - 0.1) << reasons;
+  EXPECT_LT(missing, far) << reasons;
+}
+
+TEST(GraspMotions, TellsThatTheLiftIsWhatIsOutOfReach) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  PlanningScene planning = pick.planning();
+  GraspMotions motions(planning, Candidates(planning), pick.home(), {.lift = 3});
+  EXPECT_FALSE(motions.Next());
+  const std::string what = " that cannot be lifted by 3.00 m (the last ";
+  const std::string reasons = motions.Reasons();
+  ASSERT_NE(reasons.find(what), std::string::npos) << reasons;
+  const double missing = std::stod(reasons.substr(reasons.find(what) + what.size()));
+  EXPECT_GT(missing, 1.4) << "more than half of it";
+  EXPECT_LE(missing, 3);
 }
 
 // A wall of boxes around the object leaves no room for fingers.

@@ -29,9 +29,8 @@ constexpr double kOpened = 0.9;      // opening that counts as open
 constexpr double kRisenShare = 0.5;  // of the lift that the object must have made
 
 PickPlannerOptions OptionsOf(const RunConfig& run) {
-  const PickPlannerOptions defaults;
-  return {.tick = run.rates.policy_ms / 1000,
-          .lift = std::max(defaults.lift, run.task.lift_height + 0.05)};
+  const GraspMotionOptions motion = GraspMotionOptionsOf(run.task);
+  return {.tick = run.rates.policy_ms / 1000, .above = motion.above, .lift = motion.lift};
 }
 
 }  // namespace

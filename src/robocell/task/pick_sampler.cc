@@ -166,9 +166,12 @@ std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Ro
                  robot.tcp_in_world());
   if (candidates.empty())
     return Refusal{Refusal::kNoGrasp,
-                   "the object is too large, too small or too flat for the gripper"};
+                   "the object is too large, too small or too flat for the gripper: " +
+                       SizesForGrasp(planning.model(), planning.data(), planning.target_body(),
+                                     planning.shape())};
   const std::vector<double> home = robot.arm().joint_pos();
-  GraspMotions motions(planning, std::move(candidates), JointVector(std::span<const double>(home)));
+  GraspMotions motions(planning, std::move(candidates), JointVector(std::span<const double>(home)),
+                       GraspMotionOptionsOf(run_.task));
   if (motions.Next()) return std::nullopt;
   return Refusal{Refusal::kNoReachableBasePose, "grasps: " + motions.Reasons()};
 }

@@ -1,0 +1,341 @@
+#include "robocell/robot/robot_trial.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/robot/arm_group.h"
+#include "robocell/scene/hold_ctrl.h"
+#include "robocell/spec/problem_lines.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kHoldSeconds = 1.0;
+constexpr double kRampSeconds = 0.5, kFollowSeconds = 2.5;  // of a step
+constexpr double kTurn = 0.1, kShift = 0.05;                // a step of a hinge, of a slide
+constexpr double kShareOfRange = 0.25;                      // that a step has at most
+constexpr double kShareMissing = 0.2;                       // of a step, that need not be reached
+constexpr double kSaturated = 0.98;                         // of what a servo may push with
+constexpr double kSlow = 0.4;                               // a servo's time constant, seconds
+
+// Why a joint is not where it should be, and what to do about it.
+struct Cause {
+  std::string why, remedy;
+  std::string field;  // of the robot's file
+};
+
+struct Miss {
+  std::string joint, how;  // "drifts by 0.2 rad"
+  double amount = 0;
+  Cause cause;
+};
+
+// One arm.
+class ArmTrial {
+ public:
+  ArmTrial(Robot& robot, ArmGroup& arm, Problems& doubts)
+      : robot_(robot), arm_(arm), scene_(robot.scene()), doubts_(doubts) {
+    for (const std::string& name : arm.joint_names())
+      joints_.push_back(FindId(model(), mjOBJ_JOINT, name));
+  }
+
+  void Run() {
+    scene_.Reset();
+    home_ = arm_.joint_pos();
+    if (Holds() && TakesPositions()) Follows();
+  }
+
+ private:
+  const mjModel* model() const { return scene_.model(); }
+  const mjData* data() const { return scene_.data(); }
+  const RobotConfig& config() const { return robot_.config(); }
+  std::string Field() const { return "move_groups." + arm_.name(); }
+  const char* Unit(size_t i) const {
+    return model()->jnt_type[joints_[i]] == mjJNT_SLIDE ? "m" : "rad";
+  }
+  const char* ForceUnit(size_t i) const {
+    return model()->jnt_type[joints_[i]] == mjJNT_SLIDE ? "N" : "N m";
+  }
+  std::string JointName(size_t i) const { return WithoutPrefix(arm_.joint_names()[i]); }
+  std::string WithoutPrefix(const std::string& name) const {
+    return name.starts_with(robot_.prefix()) ? name.substr(robot_.prefix().size()) : name;
+  }
+
+  // False when the simulation diverges.
+  bool Step() {
+    robot_.Update();
+    const StepResult result = scene_.Step();
+    if (!result.ok()) diverged_ = result.message;
+    return result.ok();
+  }
+
+  bool Diverged(const char* while_doing) {
+    doubts_.AddAt(Field(), fmt::format("the simulation diverges while the arm {}: {}", while_doing,
+                                       diverged_));
+    return false;
+  }
+
+  bool Holds() {
+    touching_ = Touching();
+    const int steps = static_cast<int>(std::ceil(kHoldSeconds / scene_.timestep()));
+    for (int k = 0; k < steps; ++k) {
+      if (!Step()) return Diverged("holds still");
+    }
+    std::vector<Miss> misses;
+    const std::vector<double> now = arm_.joint_pos();
+    for (size_t i = 0; i < home_.size(); ++i) {
+      const double drift = std::abs(now[i] - home_[i]);
+      if (drift <= config().arrival_tolerance) continue;
+      misses.push_back({JointName(i), fmt::format("drifts by {:.3g} {}", drift, Unit(i)), drift,
+                        Why(i, touching_[i])});
+    }
+    std::stable_sort(misses.begin(), misses.end(),
+                     [](const Miss& a, const Miss& b) { return a.amount > b.amount; });
+    Tell(misses, fmt::format(" in {:g} s while it should hold home (arrival_tolerance is {:g})",
+                             kHoldSeconds, config().arrival_tolerance));
+    return misses.empty();
+  }
+
+  // A controller of torques or velocities is told no positions, and one of poses may choose others.
+  bool TakesPositions() const {
+    const TargetKind kind = robot_.controller(arm_.name()).target_kind();
+    return kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps;
+  }
+
+  void Follows() {
+    std::vector<Miss> misses;
+    for (size_t i = 0; i < home_.size(); ++i) {
+      const std::optional<Miss> miss = TryJoint(i);
+      if (!diverged_.empty()) return void(Diverged("takes a small step"));
+      if (miss) misses.push_back(*miss);
+    }
+    Tell(misses, fmt::format(" when it is sent there from home and given {:g} s", kFollowSeconds));
+  }
+
+  // Nothing when the joint follows in one direction: the other may be blocked.
+  std::optional<Miss> TryJoint(size_t i) {
+    const Interval limits = arm_.joint_pos_limits()[i];
+    const double up = limits.upper - home_[i], down = home_[i] - limits.lower;
+    const double most = *Unit(i) == 'm' ? kShift : kTurn;
+    const double step = std::min(most, kShareOfRange * (limits.upper - limits.lower));
+    std::optional<Miss> first;
+    for (const double sign : {up >= down ? 1.0 : -1.0, up >= down ? -1.0 : 1.0}) {
+      const double room = sign > 0 ? up : down;
+      if (room < step / 2 || step <= 0) continue;
+      const std::optional<Miss> miss = TryStep(i, sign * std::min(step, room));
+      if (!miss || !diverged_.empty()) return std::nullopt;
+      if (!first) first = miss;
+    }
+    return first;
+  }
+
+  std::optional<Miss> TryStep(size_t i, double step) {
+    scene_.Reset();
+    const double size = std::abs(step);
+    const double enough =
+        std::max(std::min(config().arrival_tolerance, size / 2), kShareMissing * size);
+    std::vector<double> q = home_, now = home_;
+    const int steps = static_cast<int>(std::ceil(kFollowSeconds / scene_.timestep()));
+    for (int k = 0; k < steps; ++k) {
+      const double part = std::min(1.0, k * scene_.timestep() / kRampSeconds);
+      q[i] = home_[i] + part * step;
+      robot_.Apply({{arm_.name(), GroupCommand::Joints(q)}});
+      if (!Step()) return std::nullopt;
+      arm_.GetJointPos(now);
+      if (part == 1 && std::abs(now[i] - q[i]) <= enough) return std::nullopt;
+    }
+    const double moved = (now[i] - home_[i]) * (step > 0 ? 1 : -1);
+    return Miss{JointName(i), fmt::format("moves {:.3g} of {:.3g} {}", moved + 0.0, size, Unit(i)),
+                size - moved, Why(i, Touching()[i])};
+  }
+
+  // One text for all joints with the same remedy.
+  void Tell(std::vector<Miss> misses, const std::string& when) {
+    while (!misses.empty()) {
+      const Miss worst = misses.front();
+      std::string others;
+      std::erase_if(misses, [&](const Miss& miss) {
+        const bool same = miss.cause.remedy == worst.cause.remedy;
+        if (same && miss.joint != worst.joint)
+          others += fmt::format("{}'{}' {}", others.empty() ? "" : ", ", miss.joint, miss.how);
+        return same;
+      });
+      doubts_.AddAt(
+          worst.cause.field,
+          fmt::format("joint '{}' {}{}{}{}. {}", worst.joint, worst.how, when, worst.cause.why,
+                      others.empty() ? "" : "; likewise " + others, worst.cause.remedy));
+    }
+  }
+
+  // Per joint: what touches what the joint moves, "'hand' and 'floor'"; "" for nothing.
+  std::vector<std::string> Touching() const {
+    std::vector<std::string> out(joints_.size());
+    for (const Contact& contact : scene_.contacts()) {
+      if (contact.distance > 0) continue;
+      const int a = FindId(model(), mjOBJ_BODY, contact.body1),
+                b = FindId(model(), mjOBJ_BODY, contact.body2);
+      for (size_t i = 0; i < joints_.size(); ++i) {
+        const int moved = model()->jnt_bodyid[joints_[i]];
+        if (IsInSubtree(model(), a, moved) == IsInSubtree(model(), b, moved)) continue;
+        out[i] = fmt::format("'{}' and '{}'", WithoutPrefix(contact.body1),
+                             WithoutPrefix(contact.body2));
+      }
+    }
+    return out;
+  }
+
+  // The position servo of a joint; -1 when something else drives it.
+  int ServoOf(size_t i) const {
+    for (const std::string& name : arm_.actuator_names()) {
+      const int a = FindId(model(), mjOBJ_ACTUATOR, name);
+      const int type = model()->actuator_trntype[a];
+      const bool of_joint = type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT;
+      if (of_joint && model()->actuator_trnid[2 * a] == joints_[i] && IsPositionServo(model(), a))
+        return a;
+    }
+    return -1;
+  }
+
+  // What a servo may push a joint with; unset without a limit.
+  std::optional<double> MostForce(size_t i, int servo) const {
+    std::optional<double> most;
+    const auto limit = [&](const mjtNum* range) {
+      const double larger = std::max(std::abs(range[0]), std::abs(range[1]));
+      most = std::min(most.value_or(larger), larger);
+    };
+    const double gear = std::abs(model()->actuator_gear[6 * model()->actuator_outadr[servo]]);
+    if (model()->actuator_forcelimited[servo]) limit(model()->actuator_forcerange + 2 * servo);
+    if (most) *most *= gear;
+    if (model()->jnt_actfrclimited[joints_[i]]) limit(model()->jnt_actfrcrange + 2 * joints_[i]);
+    return most;
+  }
+
+  Cause Why(size_t i, const std::string& touching) {
+    if (!touching.empty()) {
+      return {fmt::format(": {} touch", touching),
+              "Exclude the pair in the model if they may overlap, or choose another `home`",
+              Field()};
+    }
+    const int servo = ServoOf(i);
+    if (servo < 0) return {"", "Look at its controller", Field()};
+    const double gravity = GravityAtHome(i);
+    const std::optional<double> most = MostForce(i, servo);
+    const double force = std::abs(data()->qfrc_actuator[model()->jnt_dofadr[joints_[i]]]);
+    if (most && force >= kSaturated * *most) return TooWeak(i, servo, *most, gravity);
+    return TooSoft(i, servo, gravity);
+  }
+
+  double GravityAtHome(size_t i) const {
+    if (!arm_.has_chain()) return 0;
+    std::vector<double> torques(home_.size());
+    arm_.GravityTorques(home_, torques);
+    return std::abs(torques[i]);
+  }
+
+  bool compensated() const { return config().gravcomp.value_or(false); }
+
+  Cause TooWeak(size_t i, int servo, double most, double gravity) const {
+    const std::string name = WithoutPrefix(ElementName(model(), mjOBJ_ACTUATOR, servo));
+    Cause cause{
+        fmt::format(": its servo '{}' pushes with all it may, {:.3g} {}", name, most, ForceUnit(i)),
+        "", config().force_limit ? "force_limit" : Field()};
+    if (gravity > most / 2)
+      cause.why += fmt::format(", and gravity asks for {:.3g} at home", gravity);
+    cause.remedy = config().force_limit
+                       ? fmt::format("Raise `force_limit` ({:g} is set)", *config().force_limit)
+                       : "Give the servos larger forces (edits: [{actuator: NAME, forcerange: [-F, "
+                         "F]}], or `force_limit` for all)";
+    if (gravity > most / 2 && !compensated()) cause.remedy += ", or set `gravcomp: true`";
+    return cause;
+  }
+
+  Cause TooSoft(size_t i, int servo, double gravity) const {
+    const mjtNum* bias = model()->actuator_biasprm + mjNBIAS * servo;
+    const double gear = model()->actuator_gear[6 * model()->actuator_outadr[servo]];
+    const double stiffness = -bias[1] * gear * gear;
+    const double damping =
+        -bias[2] * gear * gear + model()->dof_damping[model()->jnt_dofadr[joints_[i]]];
+    Cause cause{
+        fmt::format(": its servo's stiffness is {:g} {}/{}", stiffness, ForceUnit(i), Unit(i)), "",
+        config().stiffness ? "stiffness" : Field()};
+    double needed = 2 * stiffness;
+    if (gravity > config().arrival_tolerance / 2 * stiffness) {
+      needed = std::max(needed, 2 * gravity / config().arrival_tolerance);
+      cause.why += fmt::format(", and gravity pulls with {:.3g} {} at home", gravity, ForceUnit(i));
+      if (!compensated()) cause.remedy = "Set `gravcomp: true` or ";
+    } else if (damping > kSlow * stiffness) {
+      needed = 2 * damping / kSlow;
+      cause.why += fmt::format(" against a damping of {:g}, so that it takes {:g} s",
+                               Rounded(damping), Rounded(damping / stiffness));
+      if (config().damping)
+        cause.remedy = fmt::format("Lower `damping` ({:g} is set) or ", *config().damping);
+    }
+    cause.why += fmt::format(" ({:g} would do)", Rounded(needed));
+    const std::string raise = cause.remedy.empty() ? "Raise" : "raise";
+    cause.remedy += config().stiffness
+                        ? fmt::format("{} `stiffness` ({:g} is set)", raise, *config().stiffness)
+                        : fmt::format("{} the servos' stiffness (`stiffness`, N m/rad)", raise);
+    return cause;
+  }
+
+  // To two digits.
+  static double Rounded(double value) {
+    if (value <= 0) return 0;
+    const double unit = std::pow(10, std::floor(std::log10(value)) - 1);
+    return std::round(value / unit) * unit;
+  }
+
+  Robot& robot_;
+  ArmGroup& arm_;
+  Scene scene_;
+  Problems& doubts_;
+  std::vector<int> joints_;
+  std::vector<double> home_;
+  std::vector<std::string> touching_;
+  std::string diverged_;
+};
+
+// What overlaps before anything has moved.
+void TellContacts(const Robot& robot, Problems& doubts) {
+  const auto own = [&](const std::string& name) {
+    return name.starts_with(robot.prefix()) ? name.substr(robot.prefix().size()) : name;
+  };
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (const Contact& contact : robot.scene().contacts())
+    pairs.insert(std::minmax(own(contact.body1), own(contact.body2)));
+  for (const auto& [a, b] : pairs) {
+    doubts.AddAt("home",
+                 fmt::format("'{}' and '{}' touch at home: exclude the pair in the model or "
+                             "choose another `home`",
+                             a, b));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> TryRobot(Robot robot) {
+  Problems doubts(robot.config().locations);
+  robot.scene().Reset();
+  TellContacts(robot, doubts);
+  for (const std::string& name : robot.group_names()) {
+    auto* arm = dynamic_cast<ArmGroup*>(&robot.group(name));
+    if (!arm) continue;
+    try {
+      robot.controller(name);
+    } catch (const NotFoundError&) {
+      continue;  // told as an error
+    }
+    ArmTrial(robot, *arm, doubts).Run();
+  }
+  return LinesOf(doubts);
+}
+
+}  // namespace robocell

@@ -1,0 +1,116 @@
+#include "robocell/scene/check_model_file.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+#include "robocell/base/names.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/compile_problem.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+constexpr size_t kHead = 1 << 16;  // bytes in which the first element stands
+
+std::string HeadOf(const std::string& file) {
+  std::string head(kHead, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(stream.gcount()));
+  return head;
+}
+
+// The name of the first element: "mujoco", "robot"; "" when there is none.
+std::string RootElement(std::string_view xml) {
+  for (size_t at = 0; (at = xml.find('<', at)) != std::string_view::npos; ++at) {
+    const std::string_view rest = xml.substr(at + 1);
+    if (rest.starts_with("!--")) {
+      at = xml.find("-->", at);
+      if (at == std::string_view::npos) return "";
+    } else if (!rest.starts_with("?") && !rest.starts_with("!")) {
+      return std::string(rest.substr(0, rest.find_first_of(" \t\r\n/>")));
+    }
+  }
+  return "";
+}
+
+// What is asked of the model for an actuator, tendons and sites included.
+mjtObj Target(const mjsActuator* actuator) {
+  switch (actuator->trntype) {
+    case mjTRN_JOINT:
+    case mjTRN_JOINTINPARENT:
+      return mjOBJ_JOINT;
+    case mjTRN_TENDON:
+      return mjOBJ_TENDON;
+    case mjTRN_SITE:
+    case mjTRN_SLIDERCRANK:
+      return mjOBJ_SITE;
+    case mjTRN_BODY:
+      return mjOBJ_BODY;
+    default:
+      return mjOBJ_UNKNOWN;
+  }
+}
+
+}  // namespace
+
+void CheckIsMjcf(const std::string& file, const std::string& place, const std::string& field,
+                 Report& report) {
+  if (!place.starts_with("robot ") || RootElement(HeadOf(file)) != "robot") return;
+  const std::string mjcf = std::filesystem::path(file).replace_extension(".mjcf.xml").string();
+  report.Problem(
+      place,
+      fmt::format("{0} is a URDF, and robots are read from MJCF: a URDF has no actuators, sites or "
+                  "cameras. Convert it once: python -c \"import mujoco; "
+                  "s = mujoco.MjSpec.from_file('{0}'); s.compile(); "
+                  "open('{1}', 'w').write(s.to_xml())\"; then give the new file actuators "
+                  "(<position joint=... kp=... kv=.../>) and name it here",
+                  file, mjcf),
+      field);
+}
+
+void CheckActuatorTargets(const Part& part, Report& report) {
+  const mjSpec* spec = part.spec.get();
+  for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
+    const mjsActuator* actuator = mjs_asActuator(element);
+    const mjtObj kind = Target(actuator);
+    const std::string target = mjs_getString(actuator->target);
+    if (kind == mjOBJ_UNKNOWN || FindSpecElement(spec, kind, target)) continue;
+    const std::string name = SpecName(element);
+    report.Thrown(part.place,
+                  PlaceInModel(part, mjOBJ_ACTUATOR, name) + ": " +
+                      NoSuchName(fmt::format("the target of actuator '{}'", name), KindName(kind),
+                                 target, SpecNames(spec, kind)),
+                  part.field);
+  }
+}
+
+void CheckHomeKeyLength(const Part& part, Report& report) {
+  mjsElement* element = FindSpecElement(part.spec.get(), mjOBJ_KEY, "home");
+  if (!element) return;
+  int given = 0;
+  mjs_getDouble(mjs_asKey(element)->qpos, &given);
+  const std::vector<JointPositions> joints = PositionsInOrder(part.spec.get());
+  int wanted = 0;
+  std::vector<std::string> names;
+  for (const JointPositions& joint : joints) {
+    wanted += joint.count;
+    names.push_back(joint.count == 1 ? joint.name
+                                     : fmt::format("{} ({})", joint.name, joint.count));
+  }
+  if (given == 0 || given == wanted) return;  // none: all joints at their reference
+  report.Thrown(
+      part.place,
+      fmt::format("{}: the keyframe 'home' has {} numbers in qpos, and the model's joints "
+                  "need {}, in this order: {}",
+                  part.file, given, wanted, ListNames(names, 40)),
+      part.field);
+}
+
+}  // namespace robocell

@@ -1,0 +1,161 @@
+#include "robocell/task/reach_advice.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "robocell/base/units.h"
+#include "robocell/kinematics/ik_batch.h"
+#include "robocell/robot/robot.h"
+#include "robocell/task/grasp_motion.h"
+#include "robocell/task/gripper_shape.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kGrid = 0.05;           // metres between the places that are tried
+constexpr int kMostPlaces = 20;          // in each direction: large robots get a coarser grid
+constexpr int kTurns = 4;                // of the gripper around the vertical, in half a turn
+constexpr double kTolerance = 1e-3;      // m and rad
+constexpr double kTypicalGap = 0.04;     // metres between the fingers
+constexpr double kTypicalHeight = 0.03;  // of an object's middle above what it stands on
+
+struct BasePlace {
+  double distance, offset;  // as base_distance and base_height_offset have them
+  bool grasp = false, pregrasp = false, lift = false;
+};
+
+Robot OnlyRobot(const RunConfig& run) {
+  SceneSpec spec{.name = run.run,
+                 .timestep = run.rates.sim_ms / 1000,
+                 .add_floor = false,
+                 .add_skybox = false,
+                 .options = run.options};
+  const RobotConfig& config = run.robot.config;
+  spec.robots.push_back(
+      {.name = config.name, .config = config, .control_modes = config.used_modes()});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  return Robot::Of(scene, config.name);
+}
+
+class Search {
+ public:
+  explicit Search(const RunConfig& run)
+      : run_(run),
+        robot_(OnlyRobot(run)),
+        shape_(GripperShape::Of(robot_.config(), run.options, robot_.scene().timestep())),
+        motion_(GraspMotionOptionsOf(run.task)) {
+    const double reach = robot_.reach(), step = std::max(kGrid, reach / kMostPlaces);
+    const double up = BaseUp();
+    for (double distance = step; distance <= reach; distance += step) {
+      for (double height = -reach; height <= reach; height += step)
+        places_.push_back({distance, step * std::round((height - up) / step)});
+    }
+  }
+
+  std::string Text() {
+    Try(0, &BasePlace::grasp);
+    Try(motion_.above, &BasePlace::pregrasp);
+    Try(motion_.lift, &BasePlace::lift);
+    const auto all = Those([](const BasePlace& p) { return p.grasp && p.pregrasp && p.lift; });
+    if (!all.empty())
+      return Where("a grasp from above, pregrasp and lift included, is in reach", all);
+    const auto unlifted = Those([](const BasePlace& p) { return p.grasp && p.pregrasp; });
+    if (!unlifted.empty()) {
+      return Where(fmt::format("no place of the base lets the arm lift by {:.2f} m "
+                               "(task.lift_height, {:g} m, and what a grasp slips): give less. "
+                               "Without the lift a grasp from above is in reach",
+                               motion_.lift, run_.task.lift_height),
+                   unlifted);
+    }
+    const auto grasped = Those([](const BasePlace& p) { return p.grasp; });
+    if (!grasped.empty()) {
+      return Where(fmt::format("no place of the base lets the arm come from {:.2f} m above, which "
+                               "it does before a grasp. The grasp alone is in reach",
+                               motion_.above),
+                   grasped);
+    }
+    return "at no place around the robot does its gripper point straight down within the joints' "
+           "ranges, and objects are grasped from above: look at the ranges, at the order of the "
+           "arm's joints and at the fingers (robocell check)";
+  }
+
+ private:
+  // From the bottom of what the robot stands on to its base frame.
+  double BaseUp() const {
+    return (robot_.base().pose().inverse() * robot_.base_in_world()).translation().z();
+  }
+
+  template <class Wanted>
+  std::vector<BasePlace> Those(const Wanted& wanted) const {
+    std::vector<BasePlace> out;
+    std::copy_if(places_.begin(), places_.end(), std::back_inserter(out), wanted);
+    return out;
+  }
+
+  // The TCP for a grasp of what is `distance` in front of the base and `offset` below its bottom.
+  Pose Tcp(const BasePlace& place, int turn, double above) const {
+    const Pose& bottom = robot_.base().pose();
+    const Eigen::Vector3d object =
+        bottom * Eigen::Vector3d(place.distance, 0, kTypicalHeight - place.offset + above);
+    const Pose grasp = Pose::FromRpy(object, {kPi, 0, bottom.rpy().z() + turn * kPi / kTurns}) *
+                       Pose(Eigen::Vector3d(-shape_->PadAt(kTypicalGap)), Quaternion{0, 0, 0, 1});
+    return robot_.base_in_world().inverse() * grasp * shape_->grasp_in_tcp().inverse();
+  }
+
+  void Try(double above, bool BasePlace::*reached) {
+    std::vector<Pose> targets;
+    for (const BasePlace& place : places_) {
+      for (int turn = 0; turn < kTurns; ++turn) targets.push_back(Tcp(place, turn, above));
+    }
+    IkBatchOptions options;
+    options.ik.tolerance = kTolerance;
+    const std::vector<double> home = robot_.arm().joint_pos();
+    const IkBatchResult result = IkBatch(robot_.chain(), targets, home, options);
+    for (int b = 0; b < result.size; ++b) {
+      if (result.success[b]) places_[static_cast<size_t>(b) / kTurns].*reached = true;
+    }
+  }
+
+  // The height with the most distances, and these; then what is configured.
+  std::string Where(const std::string& what, const std::vector<BasePlace>& places) const {
+    double best = 0;
+    int most = 0;
+    for (const BasePlace& place : places) {
+      const auto same = [&](const BasePlace& p) { return p.offset == place.offset; };
+      const int count = static_cast<int>(std::count_if(places.begin(), places.end(), same));
+      const bool nearer = std::abs(place.offset - run_.task.base_height_offset) <
+                          std::abs(best - run_.task.base_height_offset);
+      if (count > most || (count == most && nearer)) best = place.offset, most = count;
+    }
+    double low = 0, high = 0;
+    bool first = true;
+    for (const BasePlace& place : places) {
+      if (place.offset != best) continue;
+      low = first ? place.distance : std::min(low, place.distance);
+      high = first ? place.distance : std::max(high, place.distance);
+      first = false;
+    }
+    const TaskConfig& task = run_.task;
+    return fmt::format(
+        "{} with task.base_height_offset {:.2f} and base_distance {:.2f} ... {:.2f} m, for example "
+        "(collisions aside); the run says {:g}, with noise {:g} ... {:g}, and {:g} ... {:g}",
+        what, best, low, high, task.base_height_offset, task.base_height_noise[0],
+        task.base_height_noise[1], task.base_distance[0], task.base_distance[1]);
+  }
+
+  const RunConfig& run_;
+  Robot robot_;
+  std::shared_ptr<const GripperShape> shape_;
+  GraspMotionOptions motion_;
+  std::vector<BasePlace> places_;
+};
+
+}  // namespace
+
+std::string ReachAdvice(const RunConfig& run) { return Search(run).Text(); }
+
+}  // namespace robocell
