@@ -11,6 +11,7 @@
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scene/testing/random_scenes.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -20,22 +21,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-
-// A thing with a hinge, an actuator with activation, an equality, a tendon, most of it without
-// names.
-constexpr const char* kLidBox = R"(
-  <worldbody>
-    <body name="box" pos="0 0 0.05">
-      <geom type="box" size="0.05 0.05 0.02" mass="0.2"/>
-      <body pos="0 0 0.03"><joint axis="0 1 0" pos="-0.05 0 0" range="0 90" limited="true" damping="0.01"/>
-        <geom type="box" size="0.05 0.05 0.005" mass="0.05"/></body>
-      <body pos="0 0 -0.03"><joint name="foot" type="slide" axis="0 0 1" range="-0.01 0.01" limited="true" stiffness="50" damping="1"/>
-        <geom type="box" size="0.01 0.01 0.005" mass="0.05"/></body>
-    </body>
-  </worldbody>
-  <tendon><fixed><joint joint="foot" coef="1"/></fixed></tendon>
-  <equality><joint joint1="foot"/></equality>
-  <actuator><general joint="foot" dyntype="filter" dynprm="0.1" gainprm="5" biastype="affine" biasprm="0 -5 0"/></actuator>)";
 
 // All numbers of the state, and what they belong to.
 using Numbers = std::map<std::string, std::vector<double>>;
@@ -98,56 +83,6 @@ void LiveOn(Scene& scene, Rng& rng) {
   for (int i = 0; i < 3 * m->nmocap; ++i) d->mocap_pos[i] += rng.Uniform(-0.001, 0.001);
   EXPECT_TRUE(scene.StepN(1 + static_cast<int>(rng.UniformInt(40))).ok());
 }
-
-// Random scenes of built-in and written models.
-class RandomScenes {
- public:
-  RandomScenes()
-      : arm_(ArmConfig(folder_.Write("arm", kTwoJointArm))),
-        gripper_(folder_.Write("gripper", kTwoFingerGripper)),
-        lid_box_(folder_.Write("lid_box", kLidBox)) {}
-
-  SceneSpec Next(Rng& rng) {
-    SceneSpec spec = EmptyScene();
-    for (uint64_t i = 0, n = rng.UniformInt(4); i < n; ++i) spec.robots.push_back(Robot(rng, i));
-    for (uint64_t i = 0, n = rng.UniformInt(6); i < n; ++i)
-      spec.objects.push_back(Object(rng, "thing" + std::to_string(i)));
-    return spec;
-  }
-
-  SceneObject Object(Rng& rng, const std::string& name) {
-    const Vec3 pos{rng.Uniform(2, 9), rng.Uniform(-9, 9), rng.Uniform(0.1, 0.4)};
-    switch (rng.UniformInt(4)) {
-      case 0:
-        return {.name = name, .mjcf_path = lid_box_, .pos = pos, .fixed = rng.UniformInt(2) == 0};
-      case 1:
-        return {.name = name, .mjcf_path = "mug", .pos = pos, .fixed = false};
-      case 2:
-        return {.name = name, .mjcf_path = "bracket", .pos = pos, .fixed = rng.UniformInt(2) == 0};
-      default:
-        return BoxObject(name, pos);
-    }
-  }
-
- private:
-  RobotSpec Robot(Rng& rng, uint64_t i) {
-    RobotSpec robot{.prefix = "r" + std::to_string(i) + "_", .pos = {0, 2.0 * i, 0}};
-    if (rng.UniformInt(2) == 0) {
-      robot.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7"));
-      robot.base = BaseConfig{.kind = rng.UniformInt(2) == 0 ? BaseKind::kMocap : BaseKind::kFixed};
-    } else {
-      robot.config = arm_;
-      if (rng.UniformInt(2) == 0)
-        robot.attachments = {
-            {.mjcf_path = gripper_, .attach_to = {AttachKind::kSite, "flange"}, .prefix = "g_"}};
-    }
-    return robot;
-  }
-
-  ModelFolder folder_;
-  RobotConfig arm_;
-  std::string gripper_, lid_box_;
-};
 
 TEST(AddRemove, AnObjectComesAndGoesWhileASceneRuns) {
   Scene scene = Scene::Build(EmptyScene());

@@ -10,15 +10,12 @@
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/random_values.h"
 
 namespace robocell {
 namespace {
 
 constexpr double kExact = 1e-9;  // MJCF text and the engine's normalisation round
-
-Pose RandomPose(Rng& rng) {
-  return Pose({rng.Uniform(-1, 1), rng.Uniform(-1, 1), rng.Uniform(-1, 1)}, RandomQuaternion(rng));
-}
 
 template <class Spec>
 void PutAt(Spec& spec, const Pose& pose) {

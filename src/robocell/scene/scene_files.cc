@@ -2,6 +2,8 @@
 #include <mujoco/mujoco.h>
 
 #include <mutex>
+#include <string>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/compile.h"
@@ -28,6 +30,51 @@ mjSpec* UpToDateSpec(CompiledScene& compiled, const std::string& context) {
   return spec;
 }
 
+bool WeighsNothing(const mjsElement* element) {
+  const mjsGeom* geom = mjs_asGeom(const_cast<mjsElement*>(element));
+  return geom && (geom->mass == 0 || geom->density == 0);
+}
+
+// Bodies whose inertia is made from geoms, some of which weigh nothing.
+std::vector<mjsBody*> WithWeightlessGeoms(mjSpec* spec) {
+  std::vector<mjsBody*> bodies;
+  for (mjsElement* e = mjs_firstElement(spec, mjOBJ_BODY); e; e = mjs_nextElement(spec, e)) {
+    mjsBody* body = mjs_asBody(e);
+    if (body->explicitinertial || mjs_getId(e) == 0) continue;
+    for (mjsElement* g = mjs_firstChild(body, mjOBJ_GEOM, 0); g; g = mjs_nextChild(body, g, 0)) {
+      if (!WeighsNothing(g)) continue;
+      bodies.push_back(body);
+      break;
+    }
+  }
+  return bodies;
+}
+
+// The spec as it is written. The engine's writer leaves out that a class of geoms weighs nothing, so
+// such bodies are given their inertia in so many numbers.
+class Writable {
+ public:
+  Writable(mjSpec* spec, const mjModel* model, const std::string& context) : spec_(spec) {
+    if (WithWeightlessGeoms(spec).empty()) return;
+    copy_ = CopySpec(spec);
+    spec_ = copy_.get();
+    for (mjsBody* body : WithWeightlessGeoms(spec_)) {
+      const int id = mjs_getId(body->element);
+      body->explicitinertial = 1;
+      body->mass = model->body_mass[id];
+      mju_copy3(body->ipos, model->body_ipos + 3 * id);
+      mju_copy4(body->iquat, model->body_iquat + 4 * id);
+      mju_copy3(body->inertia, model->body_inertia + 3 * id);
+    }
+    Compile(spec_, nullptr, context);  // what is written is what was compiled
+  }
+  mjSpec* get() const { return spec_; }
+
+ private:
+  SpecPtr copy_;
+  mjSpec* spec_;
+};
+
 }  // namespace
 
 // What is parked is left out; what is there of the pool is an object as any other.
@@ -47,14 +94,16 @@ std::string Scene::ToXml() const {
   State& s = open();
   const std::lock_guard lock(saving);
   const std::shared_ptr<CompiledScene> there = s.pool.empty() ? s.compiled : s.WithoutPool();
-  return SaveXmlString(UpToDateSpec(*there, s.context), s.context);
+  mjSpec* spec = UpToDateSpec(*there, s.context);
+  return SaveXmlString(Writable(spec, there->model(), s.context).get(), s.context);
 }
 
 void Scene::SaveXml(const std::string& path) const {
   State& s = open();
   const std::lock_guard lock(saving);
   const std::shared_ptr<CompiledScene> there = s.pool.empty() ? s.compiled : s.WithoutPool();
-  robocell::SaveXml(UpToDateSpec(*there, s.context), path, s.context);
+  mjSpec* spec = UpToDateSpec(*there, s.context);
+  robocell::SaveXml(Writable(spec, there->model(), s.context).get(), path, s.context);
 }
 
 void Scene::SaveBinary(const std::string& path) const {

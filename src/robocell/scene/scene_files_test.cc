@@ -11,6 +11,7 @@
 #include "robocell/mujoco/compile.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/model_compare.h"
+#include "robocell/scene/testing/saved.h"
 #include "robocell/scene/testing/robots.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
@@ -18,21 +19,6 @@
 
 namespace robocell {
 namespace {
-
-constexpr double kSixDigits = 1e-5;
-
-// Left out: tables of paths, trees of bounding boxes (made from rounded numbers), and the
-// intrinsics of cameras without a sensor size (a copy of znear that nothing uses).
-std::string DifferencesAfterXml(const Scene& scene, const std::filesystem::path& file) {
-  scene.SaveXml(file.string());
-  std::filesystem::current_path("/");  // nothing may depend on where it is read
-  char error[1000] = "";
-  ModelPtr loaded(mj_loadXML(file.c_str(), nullptr, error, sizeof error));
-  if (!loaded) return error;
-  return ModelDifferences(scene.model(), loaded.get(), kSixDigits,
-                          {"paths", "npaths", "path", "mesh_pathadr", "tex_pathadr", "bvh_",
-                           "nbuffer", "oct_", "cam_intrinsic"});
-}
 
 SceneSpec Kitchen() {
   SceneSpec spec = EmptyScene();
