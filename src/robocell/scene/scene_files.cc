@@ -50,8 +50,8 @@ std::vector<mjsBody*> WithWeightlessGeoms(mjSpec* spec) {
   return bodies;
 }
 
-// The spec as it is written. The engine's writer leaves out that a class of geoms weighs nothing, so
-// such bodies are given their inertia in so many numbers.
+// The spec as it is written. The engine's writer leaves out that a class of geoms weighs nothing,
+// so such bodies are given their inertia in so many numbers.
 class Writable {
  public:
   Writable(mjSpec* spec, const mjModel* model, const std::string& context) : spec_(spec) {
