@@ -132,6 +132,31 @@ void Wrap(nb::handle function, Named named) {
   call = InPlaceOf(call, guarded);
 }
 
+// A name that the class does not have: with the names that it has. Reading is left alone, where
+// Python itself tells the nearest name and each call would cost more.
+int SetAttribute(PyObject* self, PyObject* name, PyObject* value) {
+  const int result = PyObject_GenericSetAttr(self, name, value);
+  if (result == 0 || !PyErr_ExceptionMatches(PyExc_AttributeError)) return result;
+  nb::python_error error;
+  try {
+    if (nb::hasattr(nb::handle(self).type(), nb::handle(name))) return error.restore(), result;
+    const nb::object message = nb::module_::import_("robocell._arguments")
+                                   .attr("no_attribute")(nb::handle(self).type(), nb::handle(name));
+    PyErr_SetObject(PyExc_AttributeError, message.ptr());
+  } catch (nb::python_error& other) {
+    (other.matches(PyExc_Exception) ? error : other).restore();
+  }
+  return result;
+}
+
+// Not of subclasses made in Python, which take any name.
+void WrapSetAttribute(nb::handle type) {
+  auto* slots = reinterpret_cast<PyTypeObject*>(type.ptr());
+  if (slots->tp_setattro != &PyObject_GenericSetAttr) return;
+  slots->tp_setattro = &SetAttribute;
+  PyType_Modified(slots);
+}
+
 // The members of a module or class, by name.
 nb::dict MembersOf(nb::handle owner) {
   nb::dict members;  // a class has no dict, but a view of one
@@ -159,6 +184,7 @@ void ExplainArgumentErrors(nb::module_& m) {
     const auto name = nb::cast<std::string>(key);
     if (PyType_Check(member.ptr())) {
       WrapClass(name, member);
+      WrapSetAttribute(member);
     } else {
       Wrap(member, {.name = name});
     }

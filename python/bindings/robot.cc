@@ -140,6 +140,9 @@ void BindGroups(nb::module_& m) {
           nb::for_setter(nb::sig("def opening(self, value: float, /) -> None")),
           "Measured opening; setting it commands the actuator, and the robot's update keeps to "
           "it. Beyond 0 ... 1 the nearest is used, and the log says so once.")
+      .def(
+          "raw_ctrl", [](const GripperGroup& g, double o) { return g.ctrl_for_opening(o); },
+          "opening"_a, Unlocked(), "The raw control that leads to an opening, 0 ... 1.")
       .def("open", &GripperGroup::Open, Unlocked())
       .def("close", &GripperGroup::Close, Unlocked())
       .def_prop_ro("inter_finger_dist", &GripperGroup::inter_finger_dist, "Metres.")

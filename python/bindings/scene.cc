@@ -381,8 +381,19 @@ void DefSharing(nb::class_<Scene>& c) {
           "was rebuilt or closed is the old data. After writing to it call forward().")
       .def_prop_ro("compiled", [](const Scene& s) { return s.compiled(); })
       .def_prop_ro(
-          "spec", [](const Scene& s) { return SceneSpec(s.spec()); },
-          "A copy of the spec the scene was built from.")
+          "spec",
+          [](const Scene&) -> nb::object {
+            throw nb::attribute_error(
+                "a Scene has no `spec` that could be changed. copy_spec() gives a copy of what it "
+                "was built from: change that and build a scene of it with Scene.build; "
+                "add_object, remove_object and model change the scene that runs");
+          },
+          nb::sig("def spec(self, /) -> typing.NoReturn"),
+          "There is none to write to: AttributeError, see copy_spec().")
+      .def(
+          "copy_spec", [](const Scene& s) { return SceneSpec(s.spec()); },
+          "A copy of the spec the scene was built from, with the objects that came and went since. "
+          "Changing it changes no scene; Scene.build makes one of it.")
       .def_prop_ro("name", [](const Scene& s) { return s.name(); })
       .def_prop_ro(
           "warnings", [](const Scene& s) { return s.compiled()->warnings(); },

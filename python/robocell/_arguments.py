@@ -270,6 +270,21 @@ def problems(form: Form, args: tuple[object, ...], kwargs: Mapping[str, object])
     return found
 
 
+def negative_problem(
+    form: Form, args: tuple[object, ...], kwargs: Mapping[str, object]
+) -> str | None:
+    """For a whole number below 0, where all that is given has the right type."""
+    values = dict(zip((parameter.name for parameter in form.positional), args, strict=False))
+    values |= kwargs
+    kinds = {parameter.name: parameter.kind for parameter in form.all}
+    for name, value in values.items():
+        kind = kinds.get(name)
+        if kind is None or not fits(value, kind):
+            return None
+    below = [name for name, value in values.items() if type(value) is int and value < 0]
+    return f"`{below[0]}` cannot be negative, got {values[below[0]]}" if len(below) == 1 else None
+
+
 def value_problem(name: str, value: object, kind: ast.expr) -> str:
     """What is wrong with a value, or with one in it: "`action['arm']` must be a GroupCommand"."""
     if isinstance(value, Mapping) and (inner := value_kind(kind)):
@@ -307,6 +322,15 @@ def makes(member: object, wanted: type) -> bool:
     )
 
 
+def no_attribute(kind: type, name: str) -> str:
+    """The message for setting what a class of the core does not have."""
+    names = [other for other in dir(kind) if not other.startswith("_")]
+    close = difflib.get_close_matches(name, names, 1)
+    hint = f" Did you mean '{close[0]}'?" if close else ""
+    article = "an" if kind.__name__[0] in "AEIOU" else "a"
+    return f"{article} {kind.__name__} has no '{name}'.{hint or ' It has ' + ', '.join(names)}"
+
+
 def explain(
     name: str, is_setter: bool, function: Function, args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> str:
@@ -322,6 +346,8 @@ def explain(
     if found:
         text = "; ".join(found)
         return f"{name}(): {text}{'' if text[-1] in '.?' else '.'} {usage}"
+    if len(forms) == 1 and (negative := negative_problem(forms[0], args, kwargs)):
+        return f"{name}(): {negative}. {usage}"
     given = [brief(value) for value in args] + [f"{key}={brief(v)}" for key, v in kwargs.items()]
     number = any(isinstance(value, int) for value in (*args, *kwargs.values()))
     hint = "; is a whole number out of range?" if number else "."

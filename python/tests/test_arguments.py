@@ -118,8 +118,16 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
         ),
         (
             lambda s: rc.Rng.stream(-1, "x"),
-            "Rng.stream(): cannot be called with (-1, 'x'); is a whole number out of range? It is "
-            "called as Rng.stream(seed: int, purpose: str)",
+            "Rng.stream(): `seed` cannot be negative, got -1. It is called as Rng.stream(seed:",
+        ),
+        (
+            lambda s: s.reset(seed=-1),
+            "Scene.reset(): `seed` cannot be negative, got -1. It is called as Scene.reset(",
+        ),
+        (
+            lambda s: s.reset(seed=1 << 70),
+            "Scene.reset(): cannot be called with (seed=1180591620717411303424); is a whole number "
+            "out of range? It is called as Scene.reset(",
         ),
         (
             lambda s: setattr(rc.ResetOptions(), "use_keyframe", 3),
@@ -319,3 +327,25 @@ def test_every_signature_of_the_core_is_understood():
             assert all(not p.kind or isinstance(p.kind, ast.expr) for p in form.all)
             count += 1
     assert count > 500
+
+
+def test_a_misspelt_attribute_is_never_set(scene: rc.Scene):
+    class Own(rc.SceneSpec):
+        pass
+
+    with pytest.raises(AttributeError) as caught:
+        rc.SceneSpec().timstep = 1  # type: ignore[attr-defined]
+    assert str(caught.value) == "a SceneSpec has no 'timstep'. Did you mean 'timestep'?"
+    for owner, name, meant in (
+        (scene.robot("a"), "jnt_pos_cmnd", "jnt_pos_cmd"),
+        (scene.robot("a").gripper, "openning", "opening"),
+    ):
+        with pytest.raises(AttributeError, match=f"no '{name}'. Did you mean '{meant}'"):
+            setattr(owner, name, 1)
+    with pytest.raises(AttributeError, match=r"an IkResult has no 'zzz'\. It has "):
+        scene.robot("a").ik(rc.Pose()).zzz = 1  # type: ignore[attr-defined]
+    with pytest.raises(AttributeError, match="no setter"):
+        scene.name = "b"  # type: ignore[misc]
+    own = Own()
+    own.note = "mine"  # type: ignore[attr-defined]
+    assert own.note == "mine"  # type: ignore[attr-defined]

@@ -124,7 +124,9 @@ def test_nan_written_into_the_port_is_refused_when_it_is_used(scene: rc.Scene):
     good = robot.jnt_pos_cmd.copy()
     robot.jnt_pos_cmd[4] = NAN
     controls = robot.arm.ctrl
-    with pytest.raises(rc.ArgumentError, match=f"{ARM}: actuator 'servo5' cannot be set to nan"):
+    with pytest.raises(
+        rc.ArgumentError, match=f"{ARM}: the target of 'joint5' is nan; targets must be finite"
+    ):
         robot.update()
     np.testing.assert_array_equal(robot.arm.ctrl, controls)
     robot.jnt_pos_cmd = good

@@ -206,7 +206,9 @@ def test_a_dry_run_refuses_an_output_that_cannot_be_written(tmp_path: Path):
     text = refused("generate", run, "--output", tmp_path / "file" / "out", "--dry-run", code=3)
     assert f"'{tmp_path / 'file'}' is a file, and a dataset is a folder" in text
     text = refused("generate", run, "--output", "/proc/none/out", "--dry-run", code=3)
-    assert "output '/proc/none/out': cannot write into '/proc': " in text
+    assert (
+        "output '/proc/none/out': cannot write into '/proc': no folder can be made there. " in text
+    )
     assert "Name another one (--output), or make that folder writable" in text
     assert tree(tmp_path) == before
 
@@ -541,6 +543,11 @@ def test_check_shows_the_robot_and_finds_nothing_wrong_with_the_builtin_one(tmp_
     assert result.returncode == 0, result.stderr
     for text in ("move groups: arm (arm), gripper (gripper)", "reach: ", "tcp", "wrist_camera"):
         assert text in result.stdout
+    ctrl = robocell.RobotConfig.load(RC7).move_groups["gripper"].ctrl
+    assert ctrl is not None
+    assert (
+        f"    Gripper 'gripper': ctrl {ctrl.closed:g} closed, {ctrl.open:g} open\n" in result.stdout
+    )
     assert "nothing found wrong" in result.stdout, result.stderr
     assert picture.read_bytes().startswith(b"\x89PNG")
 

@@ -374,8 +374,17 @@ class TestCalls:
                 call()
 
     def test_the_spec_is_a_copy(self, scene):
-        scene.spec.objects.clear()
-        assert len(scene.spec.objects) == 1
+        scene.copy_spec().objects.clear()
+        assert len(scene.copy_spec().objects) == 1
+
+    def test_a_change_of_its_spec_is_never_lost_silently(self, scene):
+        with pytest.raises(
+            AttributeError, match=r"copy_spec\(\) gives a copy of what it was built"
+        ):
+            scene.spec.timestep = 0.1
+        changed = scene.copy_spec()
+        changed.timestep = 0.001
+        assert rc.Scene.build(changed).timestep() == 0.001
 
     def test_editing_the_spec_later_changes_no_scene(self):
         spec = small_spec()

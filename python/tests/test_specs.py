@@ -412,3 +412,15 @@ class TestValues:
         spec = rc.SceneSpec(timestep=np.float32(0.5), add_floor=np.bool_(True))
         spec.options.iterations = np.int64(7)
         assert (spec.timestep, spec.add_floor, spec.options.iterations) == (0.5, True, 7)
+
+
+class TestPlaces:
+    def test_what_was_added_in_python_has_no_place_in_the_file(self):
+        config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+        config.edits.append(rc.Edit(joint="joint9", damping=1.0))
+        spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
+        spec.robots.append(rc.RobotSpec(name="q", config=config))
+        with pytest.raises(rc.NotFoundError) as caught:
+            rc.Scene.build(spec)
+        place = f"scene 'scene' / robot 'q' / edits[{len(config.edits) - 1}]: the model: no joint"
+        assert str(caught.value).startswith(place)

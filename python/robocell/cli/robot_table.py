@@ -7,7 +7,7 @@ import math
 import numpy as np
 from rich.table import Table
 
-from robocell import Pose, RobotConfig
+from robocell import GripperGroup, Pose, Robot, RobotConfig
 from robocell.cli.gripper_range import range_lines
 from robocell.cli.robot_scene import RobotScene
 
@@ -92,7 +92,18 @@ def summary_lines(loaded: RobotScene) -> list[str]:
         f"reach: {robot.reach:.3f} m from the base to the TCP",
     ]
     ranges = range_lines(robot)
-    return [*lines, "Gripper finger ranges:", *ranges] if ranges else lines
+    return [*lines, "Gripper finger ranges:", *ranges, *ctrl_lines(robot)] if ranges else lines
+
+
+def ctrl_lines(robot: Robot) -> list[str]:
+    """A line for each gripper: "    Gripper 'gripper': ctrl 255 closed, 0 open"."""
+    lines = []
+    for name in robot.group_names:
+        group = robot.group(name)
+        if isinstance(group, GripperGroup):
+            closed, opened = (group.raw_ctrl(opening) for opening in (0, 1))
+            lines.append(f"    Gripper '{name}': ctrl {closed:g} closed, {opened:g} open")
+    return lines
 
 
 def base_text(config: RobotConfig) -> str:

@@ -47,8 +47,11 @@ def require_writable(folder: Path) -> None:
         probe.mkdir()
         probe.rmdir()
     except OSError as error:
+        reason = error.strerror or str(error)
+        if isinstance(error, FileNotFoundError):  # as /proc says, which is there
+            reason = "no folder can be made there"
         raise IoError(
-            f"output '{folder}': cannot write into '{there}': {error.strerror or error}. Name "
+            f"output '{folder}': cannot write into '{there}': {reason}. Name "
             "another one (--output), or make that folder writable"
         ) from error
 

@@ -77,7 +77,7 @@ TEST_F(BadCommands, PortsNameTheJointAndRecover) {
   robot.jnt_pos_cmd()[1] = kNan;
   for (int i = 0; i < 2; ++i) {
     ExpectThrow<ArgumentError>([&] { robot.Update(); },
-                               kArm + ": actuator 'servo2' cannot be set to nan");
+                               kArm + ": the target of 'joint2' is nan; targets must be finite");
   }
   EXPECT_EQ(Ctrl(), ctrl);
   robot.SetJntPosCmd(home);

@@ -29,6 +29,18 @@ std::string ServoOf(const mjModel* m, const std::string& joint) {
   return "";
 }
 
+// "elbow ('motor' on it is a motor)": why a joint has no servo.
+std::string WithoutServo(const mjModel* m, const std::string& joint) {
+  const int id = FindId(m, mjOBJ_JOINT, joint);
+  for (int a = 0; a < m->nactuator; ++a) {
+    if (m->actuator_trntype[a] != mjTRN_JOINT || m->actuator_trnid[2 * a] != id) continue;
+    const bool motor = m->actuator_biastype[a] == mjBIAS_NONE;
+    return fmt::format("{} ('{}' on it is {})", joint, ElementName(m, mjOBJ_ACTUATOR, a),
+                       motor ? "a motor" : "no position servo");
+  }
+  return joint;
+}
+
 // One servo for each joint, or none and the reason why.
 struct Servos {
   std::vector<std::string> names = {};
@@ -41,15 +53,15 @@ Servos ServosOf(const mjModel* m, const std::vector<std::string>& joints) {
   for (const std::string& joint : joints) {
     std::string servo = ServoOf(m, joint);
     if (servo.empty()) {
-      without.push_back(joint);
+      without.push_back(WithoutServo(m, joint));
     } else {
       names.push_back(std::move(servo));
     }
   }
   if (without.empty()) return {std::move(names)};
   if (names.empty()) return {.why_none = "it has no actuators: no position servo on its joints"};
-  return {.why_none = fmt::format("{} of its joints have no position servo: {}", without.size(),
-                                  ListNames(without)),
+  return {.why_none = fmt::format("{} of its joints {} no position servo: {}", without.size(),
+                                  without.size() == 1 ? "has" : "have", ListNames(without)),
           .incomplete = true};
 }
 

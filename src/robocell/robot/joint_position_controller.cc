@@ -37,6 +37,9 @@ void JointPositionController::SetTarget(std::span<const double> target) {
 }
 
 void JointPositionController::Compute(std::span<double> ctrl) {
+  // The port is written to without a check.
+  CheckValues([&] { return group_.place(); }, "joint", target_, target_size(),
+              group_.joint_names());
   for (size_t i = 0; i < target_.size(); ++i) {
     within_[i] = beyond_.Clamp(target_[i], limits_[i], [&] {
       const std::vector<std::string>& names = group_.joint_names();

@@ -71,7 +71,7 @@ TEST_F(LocatedRobot, AWrongDistanceThatCannotBeMeasuredHasOnePlace) {
 TEST_F(LocatedRobot, AnArmWithServosOnSomeOfItsJoints) {
   ExpectThrow<ArgumentError>(
       [&] { Make("edits: [{delete: {actuator: servo2}}]\nmove_groups:\n" + arm_); },
-      file_ + ":6:8: robot 'arm' / group 'arm': 1 of its joints have no position servo: elbow");
+      file_ + ":6:8: robot 'arm' / group 'arm': 1 of its joints has no position servo: elbow");
 }
 
 TEST_F(LocatedRobot, AControllerThatTheArmCannotHave) {

@@ -131,8 +131,8 @@ TEST(Robot, PortsRefuseWrongSizesAtOnceAndBadNumbersWhenTheyAreUsed) {
   robot.jnt_pos_cmd()[2] = std::nan("");
   const std::vector<double> ctrl = robot.arm().ctrl();
   ExpectThrow<ArgumentError>([&] { robot.Update(); },
-                             "robot 'rc7' / group 'arm': actuator 'servo3' cannot be set to nan; "
-                             "values must be finite");
+                             "robot 'rc7' / group 'arm': the target of 'joint3' is nan; targets "
+                             "must be finite");
   EXPECT_EQ(robot.arm().ctrl(), ctrl) << "nothing reached the engine";
 }
 
@@ -272,8 +272,9 @@ TEST(Robot, AnArmThatServosDriveOnlyPartlyIsRefused) {
   config.move_groups.at("arm").actuators = {};
   ExpectThrow<ArgumentError>(
       [&] { RobotAlone(config); },
-      "robot 'arm' / group 'arm': 1 of its joints have no position servo: elbow. Name the "
-      "`actuators` that move it, one for each joint, or leave those joints out");
+      "robot 'arm' / group 'arm': 1 of its joints has no position servo: elbow ('push' on it "
+      "is a motor). Name the `actuators` that move it, one for each joint, or leave those joints "
+      "out");
   config.move_groups.at("arm").actuators = {"servo1", "push"};
   EXPECT_EQ(RobotAlone(config).arm().actuator_names().size(), 2u);
 }
@@ -303,7 +304,8 @@ TEST(Robot, MadeFromTwoBodiesSaysWhyItIsNotDriven) {
   EXPECT_EQ(robot.n_joints(), 2);
   EXPECT_TRUE(robot.arm().actuator_names().empty());
   ExpectThrow<NotFoundError>([&] { robot.jnt_pos_cmd(); },
-                             "has no controller: 1 of its joints have no position servo: elbow");
+                             "has no controller: 1 of its joints has no position servo: elbow "
+                             "('push' on it is a motor)");
 }
 
 TEST(Robot, ResetReseedsTargetsFromThePoseThatAHookLeaves) {

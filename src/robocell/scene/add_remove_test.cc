@@ -334,8 +334,10 @@ TEST(AddRemove, WhatIsRefusedChangesNothing) {
             "name. The objects: table, cube");
   EXPECT_THAT(MessageOfRefused<SpecError>(scene, add(BoxObject("r_fore", {}))),
               HasSubstr("'r_fore'"));
-  EXPECT_THAT(MessageOfRefused<SpecError>(scene, add({.name = "half", .shape = Shape::kBox})),
-              HasSubstr("objects[2].size: a primitive needs its half sizes"));
+  EXPECT_THAT(
+      MessageOfRefused<SpecError>(scene, add({.name = "half", .shape = Shape::kBox})),
+      HasSubstr("scene 'test': the object 'half' given to add_object is not valid, 4 problems:\n"
+                "  size: a primitive needs its half sizes"));
   EXPECT_THAT(
       MessageOfRefused<NotFoundError>(scene, add({.name = "x", .mjcf_path = "no_such.xml"})),
       HasSubstr("no_such.xml"));

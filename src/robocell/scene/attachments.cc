@@ -58,9 +58,11 @@ void AddAttachments(const List<AttachmentSpec>& attachments, const Locations& lo
                     const std::string& directory, Part& robot, const SceneSpec& scene,
                     Report& report) {
   for (size_t i = 0; i < attachments.size(); ++i) {
-    const std::string place = robot.place + " / attachment '" + attachments[i].prefix + "'";
+    const AttachmentSpec& attachment = attachments[i];
+    const std::string& name = attachment.prefix.empty() ? attachment.mjcf_path : attachment.prefix;
+    const std::string place = robot.place + " / attachment '" + name + "'";
     report.Locate(place, locations.Below(fmt::format("attachments[{}]", i)));
-    AddAttachment(attachments[i], directory, place, robot, scene, report);
+    AddAttachment(attachment, directory, place, robot, scene, report);
   }
 }
 

@@ -61,8 +61,20 @@ class Editor {
   mjsElement* Find(const ElementRef& ref, mjtObj kind) {
     if (!ref.body.empty()) return FindInBody(ref, kind);
     mjsElement* element = FindSpecElement(spec_, kind, ref.name);
-    if (!element) Miss(NoSuchName("the model", KindName(kind), ref.name, SpecNames(spec_, kind)));
+    if (!element)
+      Miss(NoSuchName("the model", KindName(kind), ref.name, SpecNames(spec_, kind)) +
+           HowToReferToUnnamed(kind));
     return element;
+  }
+
+  // " 9 geoms have no name; write for example {geom: {body: palm, index: 0}}"; "" without any.
+  std::string HowToReferToUnnamed(mjtObj kind) {
+    std::vector<std::string> bodies;
+    for (mjsElement* element : SpecElements(spec_, kind)) {
+      mjsBody* body = SpecName(element).empty() ? mjs_getParent(element) : nullptr;
+      if (body) bodies.push_back(SpecName(body->element));
+    }
+    return bodies.empty() ? "" : UnnamedHint(KindName(kind), bodies.size(), bodies.front());
   }
 
   mjsElement* FindInBody(const ElementRef& ref, mjtObj kind) {

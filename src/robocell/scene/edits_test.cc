@@ -122,6 +122,9 @@ TEST_F(Edits, SayWhatTheyDoNotFind) {
   ExpectThrow<NotFoundError>(
       [&] { Build("{geom: {body: fore, index: 2}, mass: 1}"); },
       "edits[0]: body 'fore' has 1 geom(s), so there is none with index 2 (they count from 0)");
+  ExpectThrow<NotFoundError>([&] { Build("{geom: foo, mass: 1}"); },
+                             "edits[0]: the model: no geom 'foo'. Its geoms: (none). 3 have no "
+                             "name; write for example {geom: {body: 'base', index: 0}}");
   ExpectThrow<NotFoundError>([&] { Build("{delete: {camera: view}}"); },
                              "edits[0]: the model: no camera 'view'. Its cameras: (none).");
   ExpectThrow<SpecError>([&] { Build("{add_site: flange, body: fore}"); },

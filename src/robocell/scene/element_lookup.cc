@@ -68,6 +68,22 @@ ElementId FindByIndex(const mjModel* model, const RobotRecord& robot, const Elem
                   Place(robot), ref.body, seen, KindName(kind), ref.index));
 }
 
+// Of geoms and cameras; what else a robot's file refers to has labels.
+std::string HowToReferToUnnamed(const mjModel* model, const RobotRecord& robot, mjtObj kind) {
+  const int top = FindId(model, mjOBJ_BODY, robot.top_body);
+  size_t count = 0;
+  int first = -1;
+  for (int id = 0; id < ElementCount(model, kind); ++id) {
+    const int body = BodyOf(model, kind, id);
+    if (body < 0 || !ElementName(model, kind, id).empty() || !IsInSubtree(model, body, top))
+      continue;
+    if (count++ == 0) first = body;
+  }
+  if (count == 0) return "";
+  return UnnamedHint(KindName(kind), count,
+                     ElementName(model, mjOBJ_BODY, first).substr(robot.prefix.size()));
+}
+
 // "site or body".
 std::string Words(std::initializer_list<mjtObj> kinds) {
   std::string words;
@@ -77,6 +93,11 @@ std::string Words(std::initializer_list<mjtObj> kinds) {
 }
 
 }  // namespace
+
+std::string UnnamedHint(std::string_view kind, size_t count, const std::string& body) {
+  return fmt::format(" {} {} no name; write for example {{{}: {{body: '{}', index: 0}}}}", count,
+                     count == 1 ? "has" : "have", kind, body);
+}
 
 mjtObj EngineKind(ElementKind kind) {
   switch (kind) {
@@ -121,7 +142,8 @@ int FindElement(const mjModel* model, const RobotRecord& robot, mjtObj kind,
   const int id = IdOf(model, robot, kind, name);
   if (id >= 0) return id;
   throw NotFoundError(
-      NoSuchName(Place(robot), KindName(kind), name, RobotElementNames(model, robot, kind)));
+      NoSuchName(Place(robot), KindName(kind), name, RobotElementNames(model, robot, kind)) +
+      HowToReferToUnnamed(model, robot, kind));
 }
 
 ElementId FindElement(const mjModel* model, const RobotRecord& robot, const ElementRef& ref,

@@ -40,4 +40,8 @@ std::vector<std::string> RobotElementNames(const mjModel* model, const RobotReco
 // The engine's kind, and the spec's.
 mjtObj EngineKind(ElementKind kind);
 
+// " 9 have no name; write for example {geom: {body: palm, index: 0}}": for a look-up that failed,
+// in a model that leaves `count` elements of this kind unnamed, the first of them in `body`.
+std::string UnnamedHint(std::string_view kind, size_t count, const std::string& body);
+
 }  // namespace robocell

@@ -80,6 +80,13 @@ TEST_F(ElementLookup, CountsUnnamedElementsOfABody) {
       "robot 'two': body 'base' has 0 site(s), so there is none with index 0 (they count from 0)");
 }
 
+TEST_F(ElementLookup, SaysHowToReferToWhatHasNoName) {
+  const RobotRecord& robot = compiled->robot("two");
+  ExpectThrow<NotFoundError>([&] { FindElement(model, robot, mjOBJ_GEOM, "foo"); },
+                             "robot 'two': no geom 'foo'. Its geoms: (none). 3 have no name; write "
+                             "for example {geom: {body: 'base', index: 0}}");
+}
+
 TEST_F(ElementLookup, CountsTheChildrenOfABody) {
   const RobotRecord& robot = compiled->robot("two");
   const ElementId upper =

@@ -118,6 +118,8 @@ TEST_F(Robots, SayWhereAToolCannotGo) {
                                  "scene 'test' / robot 'left' / attachment 'g_': model file "
                                  "'griper.xml' not found. Looked for: ");
   EXPECT_THAT(message, HasSubstr("ROBOCELL_MODEL_PATH"));
+  config.attachments[0].prefix = "";
+  ExpectThrow<NotFoundError>([&] { BuildArm(); }, "robot 'left' / attachment 'griper.xml': model");
 }
 
 TEST_F(Robots, TakeOnlyTheirRootAndSayWhatStaysBehind) {

@@ -14,6 +14,7 @@
 #include "robocell/scene/placement.h"
 #include "robocell/scene/scene_state.h"
 #include "robocell/scene/spec_tree.h"
+#include "robocell/spec/validate.h"
 
 namespace robocell {
 namespace {
@@ -96,6 +97,8 @@ void Scene::AddObject(const SceneObject& object) {
                     s.context, object.name, ListNames(names)));
   }
   s.RequireOwnModel("added", object.name);
+  RequireValid(object,
+               fmt::format("{}: the object '{}' given to add_object", s.context, object.name));
   spec.objects.push_back(object);
   Rebuild(spec);
 }

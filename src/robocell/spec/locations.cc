@@ -1,8 +1,18 @@
 #include "robocell/spec/locations.h"
 
+#include "robocell/spec/any_key.h"
+
 namespace robocell {
 
 namespace {
+
+// Whether an entry of a list or map that is not in the file was added to it later: the fields
+// around it say nothing of where it came from. A list whose entries have no places of their own is
+// one that stands there in another form.
+bool IsAddedLater(const SourceMap& sources, const std::string& list, bool is_index) {
+  if (!is_index) return sources.contains(list + std::string(kAnyKey));
+  return !sources.contains(list) || sources.contains(list + "[0]");
+}
 
 // The location of the path or of the nearest part around it; "" when there is none.
 std::string NearestSource(const SourceMap& sources, std::string path) {
@@ -10,7 +20,9 @@ std::string NearestSource(const SourceMap& sources, std::string path) {
     if (const auto it = sources.find(path); it != sources.end()) return it->second;
     if (path.empty()) return "";
     const size_t cut = path.find_last_of(".[");
+    const bool is_index = cut != std::string::npos && path[cut] == '[';
     path.resize(cut == std::string::npos ? 0 : cut);
+    if (cut != std::string::npos && IsAddedLater(sources, path, is_index)) return "";
   }
 }
 

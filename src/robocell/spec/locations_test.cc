@@ -41,6 +41,20 @@ TEST(Locations, WhatIsNotGivenIsPlacedAtThePartAroundIt) {
   EXPECT_FALSE(at.Exactly("root_body"));
 }
 
+TEST(Locations, WhatIsAddedLaterHasNone) {
+  const TempDir folder;
+  const std::string file = (folder.path() / "arm.yaml").string();
+  AtomicWrite(file, std::string(kArm) + "edits: [{body: a, quat_wxyz: [1, 0, 0, 0]}]\n");
+  const Locations at = RobotConfig::Load(file).locations;
+  EXPECT_EQ(at.At("edits[0].pos"), file + ":7:9");
+  EXPECT_EQ(at.At("edits[0].quat[2]"), file + ":7:30") << "given in another form";
+  EXPECT_EQ(at.At("edits[1].pos"), "") << "a list of the file";
+  EXPECT_EQ(at.At("ft_sensors[0]"), "") << "a list that the file does not have";
+  EXPECT_EQ(at.At("move_groups.hand.leaf"), "") << "a map of the file";
+  EXPECT_EQ(at.At("home.arm[2]"), "") << "a map that the file does not have";
+  EXPECT_EQ(at.At("home"), file + ":1:1");
+}
+
 TEST(Locations, ARobotFileNamedByARunFileKeepsItsOwn) {
   const TempDir folder;
   AtomicWrite(folder.path() / "arm.yaml", kArm);

@@ -61,7 +61,8 @@ TEST(SceneSpec, NamesAndPrefixesAreUnique) {
                   {.name = "c", .pos = Vec3{}, .fovy = 45}};
   EXPECT_EQ(ValidationError(spec),
             "it is not valid, 4 problems:\n"
-            "  robots[1]: prefix 'l_' is also that of robots[0]; each needs its own\n"
+            "  robots[1]: prefix 'l_' is also that of robots[0]; each needs its own, for example "
+            "`prefix: right_`\n"
             "  robots[1].name: 'a' is used twice; each robot needs its own\n"
             "  objects[1]: name 'cube' is also that of objects[0]; each needs its own\n"
             "  cameras[1]: name 'c' is also that of cameras[0]; each needs its own");

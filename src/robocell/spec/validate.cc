@@ -97,8 +97,9 @@ void CheckUnique(const std::vector<std::string>& names, std::string_view list,
     const auto [it, added] = first.emplace(names[i], i);
     if (added) continue;
     Problems::Scope item(problems, i);
-    problems.Add(fmt::format("{} '{}' is also that of {}[{}]; each needs its own", what, names[i],
-                             list, it->second));
+    const char* example = what == "prefix" ? ", for example `prefix: right_`" : "";
+    problems.Add(fmt::format("{} '{}' is also that of {}[{}]; each needs its own{}", what, names[i],
+                             list, it->second, example));
   }
 }
 

@@ -18,6 +18,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "robocell/base/names.h"
+#include "robocell/spec/any_key.h"
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
@@ -298,9 +299,19 @@ class Reader {
     });
     if (quat && quat_wxyz) Fail(node, "both quat and quat_wxyz are given; keep one of them");
     if constexpr (requires { out.source_dir; }) out.source_dir = directory_;
+    MarkMaps(out);
     if constexpr (requires { out.locations; }) {
       if (keep_locations_) out.locations = Locations(sources_, problems_.path());
     }
+  }
+
+  // The map fields of T, for locations.h.
+  template <class T>
+  void MarkMaps(T& out) {
+    ForEachField(out, [&](const char* field, auto& value, const char*, Check) {
+      if constexpr (IsMap<std::remove_cvref_t<decltype(value)>>::value)
+        (*sources_)[JoinPath(problems_.path(), field) + std::string(kAnyKey)] = "";
+    });
   }
 
   template <class T>
