@@ -67,7 +67,7 @@ test-cc: build
 test-python: build
 	@$(call headline,Python tests)
 	@scripts/fetch_test_robots
-	@$(PYTHON) -m pytest -n $(JOBS) --dist loadfile
+	@$(PYTHON) -m pytest -n $(JOBS) --dist worksteal
 
 check: check-format check-lint check-rules check-docs check-types check-tidy check-sanitizers check-fuzz
 	@$(call headline,make check: nothing found)
