@@ -167,7 +167,7 @@ TEST_F(RecordedSceneTest, VerifyNamesModelsThatAreDamagedOrMissing) {
   ASSERT_EQ(repaired.remaining.size(), 1u);
   EXPECT_EQ(repaired.remaining[0].Text(),
             folder +
-                ": it is missing; 1 episodes can be read, not replayed. `robocell generate` with "
+                ": it is missing; 1 episode can be read, not replayed. `robocell generate` with "
                 "the run's file stores it again");
   PrepareDataset(run);
   EXPECT_TRUE(Verify(dataset).ok()) << Verify(dataset).Text();
