@@ -41,7 +41,8 @@ CameraView ViewOf(const mjModel* model, nb::handle camera, std::string_view plac
     const auto name = nb::cast<std::string>(camera);
     return name.empty() ? CameraView(InitialView(model)) : NamedCamera(model, name, place);
   }
-  throw nb::type_error(("render: `camera` must be the name of a camera, an OrbitCamera, a "
+  throw nb::type_error((std::string(place) +
+                        ": `camera` must be the name of a camera, an OrbitCamera, a "
                         "FreeCamera or a TrackingCamera, got " +
                         ShortRepr(camera))
                            .c_str());

@@ -36,6 +36,7 @@ class SceneRecorder {
   }
   // For a change of the camera: the one in use may be gone from the present model.
   VideoRecorder& FollowToChange() {
+    const nb::gil_scoped_release release;
     try {
       return Follow();
     } catch (const NotFoundError&) {

@@ -15,7 +15,15 @@ from robocell.generate import report as reports
 from robocell.generate.items import Report
 from robocell.generate.report import Command, DamagedReportError, RunReport
 from robocell.generate.summary import Summary
-from robocell.generate.totals import Again, Death, Totals, Unmade, side_by_side, size
+from robocell.generate.totals import (
+    Again,
+    Death,
+    Totals,
+    Unmade,
+    one_after_the_other,
+    side_by_side,
+    size,
+)
 from test_cli import refused, robocell_command, write_run
 
 IDS = ["s0000_e0000", "s0000_e0001"]
@@ -78,6 +86,18 @@ def test_the_counts_of_commands_add_up():
     assert [unmade.id for unmade in totals.unmade] == ["z"], "the last command knows"
     both = side_by_side([totals, totals])
     assert (both.planned, both.made, both.elapsed_s, both.workers) == (10, 6, 20.0, 4)
+
+
+def test_advice_survives_every_sum_and_is_told_while_something_is_missing():
+    totals = a_report(("b",)).totals
+    totals.advice = "stand nearer"
+    whole = one_after_the_other([side_by_side([a_report(("a",)).totals, totals])])
+    assert whole.advice == "stand nearer"
+    whole.failures.clear()
+    assert whole.unmade
+    assert Summary("r", Path(), 0, whole).rows()["hint"] == "stand nearer"
+    whole.unmade.clear()
+    assert "hint" not in Summary("r", Path(), 0, whole).rows()
 
 
 def test_totals_come_back_from_their_record_in_every_field():

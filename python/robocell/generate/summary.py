@@ -43,7 +43,7 @@ class Summary:
             "refusals": counts_text(totals.refusals),
             "placed again": counts_text(totals.redrawn),
             "failures": counts_text(totals.failures),
-            "hint": time_hint(totals.failures) or totals.advice,
+            "hint": time_hint(totals.failures) or (totals.advice if totals.unmade else ""),
             "dropped": _dropped(totals),
             "workers died": counts_text(Counter(death.reason for death in totals.deaths)),
             "made again": str(totals.retries) if totals.retries else "",

@@ -230,6 +230,7 @@ def side_by_side(shards: Sequence[Totals]) -> Totals:
 def _sum(parts: Sequence[Totals]) -> Totals:
     """Counts and lists added up; none of them was there `already`."""
     whole = Totals(planned=0, workers=0, started=0.0)
+    whole.advice = next((part.advice for part in parts if part.advice), "")
     for part in parts:
         _add(whole, part, ("planned", "workers", "made", *NUMBERS))
         for listed in ("again", "deaths", "unmade"):

@@ -54,12 +54,18 @@ VideoRecorder::VideoRecorder(const mjModel* model, std::filesystem::path path,
 void VideoRecorder::SetModel(const mjModel* model) {
   model_ = model;
   renderer_->SetModel(model);
+  LookUpAgain();
+}
+
+void VideoRecorder::LookUpAgain() {
   if (name_.empty()) return;
+  missing_ = true;
   if (auto* tracking = std::get_if<TrackingCamera>(&view_)) {
-    tracking->body = RequireId(model, mjOBJ_BODY, name_, Place());
+    tracking->body = RequireId(model_, mjOBJ_BODY, name_, Place());
   } else {
-    view_ = NamedCamera(model, name_, Place());
+    view_ = NamedCamera(model_, name_, Place());
   }
+  missing_ = false;
 }
 
 void VideoRecorder::UseCamera(std::string_view name) {
@@ -68,6 +74,7 @@ void VideoRecorder::UseCamera(std::string_view name) {
 
 void VideoRecorder::UseCamera(const CameraView& view) {
   view_ = view;
+  missing_ = false;
   name_.clear();
   if (const auto* fixed = std::get_if<ModelCamera>(&view))
     name_ = ElementName(model_, mjOBJ_CAMERA, fixed->id);
@@ -97,6 +104,7 @@ void VideoRecorder::SetTrackingCamera(std::string_view body, double distance, do
 std::string VideoRecorder::Place() const { return "video '" + path().string() + "'"; }
 
 void VideoRecorder::RecordFrame(const mjData* data) {
+  if (missing_) LookUpAgain();  // throws
   renderer_->Render(
       data, {.camera = view_, .width = size_.width, .height = size_.height, .markers = markers_},
       {.rgb = rgb_});

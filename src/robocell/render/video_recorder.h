@@ -45,7 +45,8 @@ class VideoRecorder {
                 const VideoRecorderOptions& options = {});
 
   // After the scene was compiled anew. A camera of the model and a tracked body are looked up again
-  // by their names: NotFoundError when they are gone, until another camera is chosen.
+  // by their names: NotFoundError when they are gone, here and for each frame until another camera
+  // is chosen.
   void SetModel(const mjModel* model);
 
   // A camera of the model (NotFoundError with its cameras); "" is the free camera.
@@ -71,13 +72,15 @@ class VideoRecorder {
 
  private:
   std::string Place() const;  // for messages
+  void LookUpAgain();
 
   VideoWriter writer_;
   std::unique_ptr<Renderer> renderer_;
   const mjModel* model_;
   OrbitCamera free_;
   CameraView view_;
-  std::string name_;  // of the model's camera or the body in view_
+  std::string name_;      // of the model's camera or the body in view_
+  bool missing_ = false;  // the present model has none of that name
   VideoSize size_;
   std::vector<Marker> markers_;
   std::vector<uint8_t> rgb_;

@@ -127,8 +127,8 @@ TEST_F(Recording, NamesAreLookedUpAgainInANewModel) {
   const ModelPtr without = Compile(ParseXmlString(before + "</worldbody></mujoco>").get());
   const DataPtr none = MakeData(without.get());
   ExpectThrow<NotFoundError>([&] { video.SetModel(without.get()); }, "no body 'ball'");
+  ExpectThrow<NotFoundError>([&] { video.RecordFrame(none.get()); }, "no body 'ball'");
   video.UseCamera("");
-  video.SetModel(without.get());
   video.RecordFrame(none.get());
   video.Finish();
   const std::vector<double> rows = RowsOfRed(folder_ / "again.mp4");

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".scene";
 // Another one when the same spec compiles to another model than before.
-constexpr const char* kLayout = "4";
+constexpr const char* kLayout = "5";
 
 // Nothing when it is not there, another process has just pruned it, or it cannot be read. (Copied,
 // not mapped: a disk that fails or a machine that prunes a shared folder would end the process.)
@@ -56,6 +56,33 @@ std::string_view CutLine(std::string_view& text) {
 
 }  // namespace
 
+// "r.yaml:7:73" -> "r.yaml".
+fs::path FileOf(const Locations& locations) {
+  std::string place = locations.At();
+  for (int i = 0; i < 2; ++i) place.resize(std::min(place.size(), place.rfind(':')));
+  return place;
+}
+
+// The files that warnings may name, and what is in those whose lines they name: with other ones the
+// warnings would be about somebody else's file.
+std::string PlacesOf(SceneSpec spec) {
+  std::string places;
+  assets::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
+    places += assets::Resolve(name, directory) + "\n";
+  });
+  const auto add = [&](const Locations& locations) {
+    const fs::path file = FileOf(locations);
+    std::error_code error;
+    places += fs::absolute(file, error).string() + "\n";
+    if (fs::is_regular_file(file, error)) places += FingerprintFile(file) + "\n";
+  };
+  add(spec.locations);
+  for (const RobotSpec& robot : spec.robots) {
+    if (robot.config) add(robot.config->locations);
+  }
+  return Fingerprint(places);
+}
+
 // Takes a CompiledScene apart into an entry, and puts it together again.
 class SceneCacheEntry {
  public:
@@ -63,16 +90,24 @@ class SceneCacheEntry {
     const nlohmann::json head = {
         {"robots", ToJson(scene.robots())}, {"objects", ToJson(scene.objects())},
         {"warnings", scene.warnings()},     {"notes", scene.notes()},
-        {"home_key", scene.home_key()},     {"signature", scene.model()->signature}};
+        {"home_key", scene.home_key()},     {"signature", scene.model()->signature},
+        {"places", PlacesOf(scene.spec())}};
     const std::string rest = head.dump() + "\n" + SaveBinaryString(scene.model());
     return Fingerprint(rest) + "\n" + rest;
   }
 
-  // Null when the text is not a whole entry for this spec.
-  static std::shared_ptr<CompiledScene> Read(const SceneSpec& spec, std::string_view text) {
+  // Whether the text is whole.
+  static bool IsWhole(std::string_view text) {
     const std::string_view fingerprint = CutLine(text);
-    if (fingerprint != Fingerprint(text)) return nullptr;
+    return fingerprint == Fingerprint(text);
+  }
+
+  // Null when there are warnings, and they are about other files with the same content.
+  static std::shared_ptr<CompiledScene> Read(const SceneSpec& spec, std::string_view text) {
+    CutLine(text);
     const auto head = nlohmann::json::parse(CutLine(text));
+    const bool tells = !head.at("warnings").empty() || !head.at("notes").empty();
+    if (tells && head.at("places") != PlacesOf(spec)) return nullptr;
     std::shared_ptr<CompiledScene> scene(new CompiledScene);
     scene->scene_spec_ = spec;
     scene->robots_ = RobotsFromJson(spec, head.at("robots"));
@@ -133,8 +168,11 @@ std::shared_ptr<CompiledScene> CompileSceneCached(const SceneSpec& spec, const f
     return CompileScene(spec);
   }
   if (const auto entry = ReadEntry(*file)) {
-    if (auto scene = SceneCacheEntry::Read(spec, *entry)) return scene;
-    LogWarn("'" + file->string() + "' is damaged; the scene is compiled anew");
+    if (!SceneCacheEntry::IsWhole(*entry)) {
+      LogWarn("'" + file->string() + "' is damaged; the scene is compiled anew");
+    } else if (auto scene = SceneCacheEntry::Read(spec, *entry)) {
+      return scene;
+    }
   }
   auto scene = CompileScene(spec);
   Keep(*scene, folder, *file);

@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 SceneSpec RichScene() {
   SceneSpec spec = EmptyScene();
@@ -123,6 +124,27 @@ TEST(SceneCache, WhatAFileHoldsCountsNotWhereItLies) {
   SceneSpec other = scene(there.Write("thing", one));
   other.timestep = 0.001;
   EXPECT_NE(key, SceneKey(other));
+}
+
+TEST(SceneCache, WarningsAreAboutTheFilesThatAreThere) {
+  const TempDir cache;
+  ModelFolder here, there;
+  const auto compile = [&](ModelFolder& folder, const std::string& above) {
+    folder.Write("arm", kTwoJointArm);
+    const std::filesystem::path file = folder.path() / "arm.yaml";
+    std::ofstream(file) << above << "name: arm\nmodel: arm.xml\n"
+                        << "move_groups: {arm: {kind: arm, joints: [shoulder, elbow]}}\n"
+                        << "home: {arm: [0, 0]}\nhome_noise: {arm: 3}\n";
+    SceneSpec spec = EmptyScene();
+    spec.robots.push_back({.config = RobotConfig::Load(file.string())});
+    return CompileSceneCached(spec, cache.path())->warnings();
+  };
+  const std::vector<std::string> warnings = compile(here, "");
+  ASSERT_THAT(warnings, Not(IsEmpty()));
+  EXPECT_THAT(warnings[0], HasSubstr(here.path().string() + "/arm.yaml:5:"));
+  EXPECT_EQ(compile(here, ""), warnings);
+  EXPECT_THAT(compile(here, "# a line more\n")[0], HasSubstr("/arm.yaml:6:"));
+  EXPECT_THAT(compile(there, "")[0], HasSubstr(there.path().string() + "/arm.yaml:5:"));
 }
 
 TEST(SceneCache, NoFileOfAModelChangesUnnoticed) {
