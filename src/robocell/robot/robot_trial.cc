@@ -12,6 +12,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/arm_group.h"
+#include "robocell/robot/gripper_group.h"
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/spec/problem_lines.h"
 
@@ -25,6 +26,7 @@ constexpr double kShareOfRange = 0.25;                      // that a step has a
 constexpr double kShareMissing = 0.2;                       // of a step, that need not be reached
 constexpr double kSaturated = 0.98;                         // of what a servo may push with
 constexpr double kSlow = 0.4;                               // a servo's time constant, seconds
+constexpr double kExplains = 0.5;                           // of what is missing, for a cause
 
 // Why a joint is not where it should be, and what to do about it.
 struct Cause {
@@ -95,7 +97,7 @@ class ArmTrial {
       const double drift = std::abs(now[i] - home_[i]);
       if (drift <= config().arrival_tolerance) continue;
       misses.push_back({JointName(i), fmt::format("drifts by {:.3g} {}", drift, Unit(i)), drift,
-                        Why(i, touching_[i])});
+                        Why(i, home_[i], touching_[i])});
     }
     std::stable_sort(misses.begin(), misses.end(),
                      [](const Miss& a, const Miss& b) { return a.amount > b.amount; });
@@ -154,7 +156,7 @@ class ArmTrial {
     }
     const double moved = (now[i] - home_[i]) * (step > 0 ? 1 : -1);
     return Miss{JointName(i), fmt::format("moves {:.3g} of {:.3g} {}", moved + 0.0, size, Unit(i)),
-                size - moved, Why(i, Touching()[i])};
+                size - moved, Why(i, q[i], Touching()[i])};
   }
 
   // One text for all joints with the same remedy.
@@ -218,7 +220,8 @@ class ArmTrial {
     return most;
   }
 
-  Cause Why(size_t i, const std::string& touching) {
+  // Why it is not at `wanted`.
+  Cause Why(size_t i, double wanted, const std::string& touching) const {
     if (!touching.empty()) {
       return {fmt::format(": {} touch", touching),
               "Exclude the pair in the model if they may overlap, or choose another `home`",
@@ -226,11 +229,43 @@ class ArmTrial {
     }
     const int servo = ServoOf(i);
     if (servo < 0) return {"", "Look at its controller", Field()};
+    const double off = std::abs(wanted - data()->qpos[model()->jnt_qposadr[joints_[i]]]);
+    if (const std::optional<Cause> cut = CutOff(i, servo, wanted, off)) return *cut;
     const double gravity = GravityAtHome(i);
     const std::optional<double> most = MostForce(i, servo);
-    const double force = std::abs(data()->qfrc_actuator[model()->jnt_dofadr[joints_[i]]]);
-    if (most && force >= kSaturated * *most) return TooWeak(i, servo, *most, gravity);
-    return TooSoft(i, servo, gravity);
+    if (most && Force(i) >= kSaturated * *most) return TooWeak(i, servo, *most, gravity);
+    return TooSoft(i, servo, gravity, off);
+  }
+
+  double Force(size_t i) const {
+    return std::abs(data()->qfrc_actuator[model()->jnt_dofadr[joints_[i]]]);
+  }
+
+  std::string ServoName(int servo) const {
+    return WithoutPrefix(ElementName(model(), mjOBJ_ACTUATOR, servo));
+  }
+
+  // When the servo's ctrlrange ends so far before `wanted` that this is why.
+  std::optional<Cause> CutOff(size_t i, int servo, double wanted, double off) const {
+    const int input = model()->actuator_ctrladr[servo];
+    if (!model()->actuator_ctrllimited[input]) return std::nullopt;
+    const double gear = model()->actuator_gear[6 * model()->actuator_outadr[servo]];
+    const std::optional<double> ctrl = FreeRestingCtrl(model(), servo, gear * wanted);
+    if (!ctrl) return std::nullopt;
+    const mjtNum* range = model()->actuator_ctrlrange + 2 * input;
+    const double cut = std::abs(*ctrl - std::clamp(*ctrl, range[0], range[1]));
+    const double per_ctrl = -model()->actuator_gainprm[mjNGAIN * servo] /
+                            (model()->actuator_biasprm[mjNBIAS * servo + 1] * gear);
+    if (cut * std::abs(per_ctrl) < kExplains * off) return std::nullopt;
+    const std::string name = ServoName(servo);
+    return Cause{
+        fmt::format(": to be at {:.4g} {} its servo '{}' needs the control {:.4g}, but its "
+                    "ctrlrange is [{:g}, {:g}]",
+                    wanted, Unit(i), name, *ctrl, range[0], range[1]),
+        fmt::format("Widen it (edits: [{{actuator: '{}', ctrlrange: [LOWER, UPPER]}}]) or choose "
+                    "another `home`",
+                    name),
+        Field()};
   }
 
   double GravityAtHome(size_t i) const {
@@ -243,10 +278,9 @@ class ArmTrial {
   bool compensated() const { return config().gravcomp.value_or(false); }
 
   Cause TooWeak(size_t i, int servo, double most, double gravity) const {
-    const std::string name = WithoutPrefix(ElementName(model(), mjOBJ_ACTUATOR, servo));
-    Cause cause{
-        fmt::format(": its servo '{}' pushes with all it may, {:.3g} {}", name, most, ForceUnit(i)),
-        "", config().force_limit ? "force_limit" : Field()};
+    Cause cause{fmt::format(": its servo '{}' pushes with all it may, {:.3g} {}", ServoName(servo),
+                            most, ForceUnit(i)),
+                "", config().force_limit ? "force_limit" : Field()};
     if (gravity > most / 2)
       cause.why += fmt::format(", and gravity asks for {:.3g} at home", gravity);
     cause.remedy = config().force_limit
@@ -257,28 +291,35 @@ class ArmTrial {
     return cause;
   }
 
-  Cause TooSoft(size_t i, int servo, double gravity) const {
+  // Gravity or damping where they explain it; else only what is measured is told.
+  Cause TooSoft(size_t i, int servo, double gravity, double off) const {
+    const int dof = model()->jnt_dofadr[joints_[i]];
     const mjtNum* bias = model()->actuator_biasprm + mjNBIAS * servo;
     const double gear = model()->actuator_gear[6 * model()->actuator_outadr[servo]];
     const double stiffness = -bias[1] * gear * gear;
-    const double damping =
-        -bias[2] * gear * gear + model()->dof_damping[model()->jnt_dofadr[joints_[i]]];
+    const double damping = -bias[2] * gear * gear + model()->dof_damping[dof];
     Cause cause{
         fmt::format(": its servo's stiffness is {:g} {}/{}", stiffness, ForceUnit(i), Unit(i)), "",
         config().stiffness ? "stiffness" : Field()};
-    double needed = 2 * stiffness;
-    if (gravity > config().arrival_tolerance / 2 * stiffness) {
-      needed = std::max(needed, 2 * gravity / config().arrival_tolerance);
-      cause.why += fmt::format(", and gravity pulls with {:.3g} {} at home", gravity, ForceUnit(i));
+    if (gravity >= kExplains * off * stiffness) {
+      cause.why += fmt::format(
+          ", and gravity pulls with {:.3g} {} at home ({:g} would do)", gravity, ForceUnit(i),
+          Rounded(2 * std::max(stiffness, gravity / config().arrival_tolerance)));
       if (!compensated()) cause.remedy = "Set `gravcomp: true` or ";
-    } else if (damping > kSlow * stiffness) {
-      needed = 2 * damping / kSlow;
-      cause.why += fmt::format(" against a damping of {:g}, so that it takes {:g} s",
-                               Rounded(damping), Rounded(damping / stiffness));
+    } else if (damping > kSlow * stiffness &&
+               damping * std::abs(data()->qvel[dof]) >= kExplains * off * stiffness) {
+      cause.why +=
+          fmt::format(" against a damping of {:g}, so that it takes {:g} s ({:g} would do)",
+                      Rounded(damping), Rounded(damping / stiffness), Rounded(2 * damping / kSlow));
       if (config().damping)
         cause.remedy = fmt::format("Lower `damping` ({:g} is set) or ", *config().damping);
+    } else {
+      cause.why += fmt::format(", it pushes with {:.3g} {} and the joint is still {:.3g} {} away",
+                               Force(i), ForceUnit(i), off, Unit(i));
+      cause.remedy =
+          "Look for what holds it (its limits, frictionloss, equality constraints, margins of "
+          "geoms, other actuators) or ";
     }
-    cause.why += fmt::format(" ({:g} would do)", Rounded(needed));
     const std::string raise = cause.remedy.empty() ? "Raise" : "raise";
     cause.remedy += config().stiffness
                         ? fmt::format("{} `stiffness` ({:g} is set)", raise, *config().stiffness)
@@ -303,14 +344,54 @@ class ArmTrial {
   std::string diverged_;
 };
 
-// What overlaps before anything has moved.
+// Whether a gripper moves both bodies: a closed one touches itself.
+bool InOneGripper(const Robot& robot, int a, int b) {
+  const mjModel* m = robot.scene().model();
+  for (const std::string& name : robot.group_names()) {
+    const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
+    if (!gripper) continue;
+    const int hand = gripper->hand_body();
+    const auto moved = [&](int body) {
+      return IsInSubtree(m, body, hand) && m->body_weldid[body] != m->body_weldid[hand];
+    };
+    if (moved(a) && moved(b)) return true;
+  }
+  return false;
+}
+
+// Whether a robot stands on one of the two with the other: a body that no arm or gripper moves.
+bool StandsOn(const Robot& robot, int a, int b) {
+  const mjModel* m = robot.scene().model();
+  if (m->body_weldid[a] != 0 && m->body_weldid[b] != 0) return false;
+  const int body = m->body_weldid[a] == 0 ? b : a;
+  for (const std::string& name : robot.group_names()) {
+    const MoveGroup& group = robot.group(name);
+    if (group.kind() != MoveGroupKind::kArm && group.kind() != MoveGroupKind::kGripper) continue;
+    for (const std::string& joint : group.joint_names()) {
+      if (IsInSubtree(m, body, m->jnt_bodyid[FindId(m, mjOBJ_JOINT, joint)])) return false;
+    }
+  }
+  return true;
+}
+
+// What of the robot overlaps with anything before it has moved.
 void TellContacts(const Robot& robot, Problems& doubts) {
+  const mjModel* m = robot.scene().model();
   const auto own = [&](const std::string& name) {
     return name.starts_with(robot.prefix()) ? name.substr(robot.prefix().size()) : name;
   };
+  const auto is_part = [&](int body) {
+    const std::vector<int>& parts = robot.body_ids();
+    return std::find(parts.begin(), parts.end(), body) != parts.end();
+  };
   std::set<std::pair<std::string, std::string>> pairs;
-  for (const Contact& contact : robot.scene().contacts())
+  for (const Contact& contact : robot.scene().contacts()) {
+    if (contact.distance > 0) continue;  // within a margin only
+    const int a = FindId(m, mjOBJ_BODY, contact.body1), b = FindId(m, mjOBJ_BODY, contact.body2);
+    if (!is_part(a) && !is_part(b)) continue;
+    if (InOneGripper(robot, a, b) || StandsOn(robot, a, b)) continue;
     pairs.insert(std::minmax(own(contact.body1), own(contact.body2)));
+  }
   for (const auto& [a, b] : pairs) {
     doubts.AddAt("home",
                  fmt::format("'{}' and '{}' touch at home: exclude the pair in the model or "

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "robocell/base/files.h"
 #include "robocell/base/log.h"
 #include "robocell/robot/testing/robots.h"
@@ -15,6 +17,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
 using ::testing::Not;
 using ::testing::StartsWith;
 
@@ -105,6 +108,30 @@ TEST_F(RobotTrial, AServoThatIsTooWeakIsToldWithItsLimit) {
                                 Not(HasSubstr("gravcomp")))));
 }
 
+TEST_F(RobotTrial, AServoThatMayNotBeSentThereIsToldWithItsRange) {
+  EXPECT_THAT(
+      Doubts("kp='500' kv='50' ctrlrange='-0.1 0.1'", "gravcomp: true\nhome: {arm: [0.3]}\n"),
+      ElementsAre(HasSubstr("joint 'hip' drifts by 0.2 rad in 1 s while it should hold home "
+                            "(arrival_tolerance is 0.01): to be at 0.3 rad its servo 'drive' needs "
+                            "the control 0.3, but its ctrlrange is [-0.1, 0.1]. Widen it (edits: "
+                            "[{actuator: 'drive', ctrlrange: [LOWER, UPPER]}]) or choose another "
+                            "`home`")));
+}
+
+// Neither gravity nor damping: what is measured, and nothing that would not help.
+TEST_F(RobotTrial, AServoThatSomethingElseHoldsIsToldWithWhatIsMeasured) {
+  EXPECT_THAT(
+      Doubts("kp='500' kv='50'", "gravcomp: true\n", "",
+             "frictionloss='60' solimpfriction='0.999 0.999 0.001'"),
+      ElementsAre(AllOf(HasSubstr("joint 'hip' moves "),
+                        HasSubstr(": its servo's stiffness is 500 N m/rad, it pushes with "),
+                        HasSubstr(" N m and the joint is still 0.0"),
+                        HasSubstr(" rad away. Look for what holds it (its limits, frictionloss, "
+                                  "equality constraints, margins of geoms, other actuators) or "
+                                  "raise the servos' stiffness"),
+                        Not(HasSubstr("would do")))));
+}
+
 TEST_F(RobotTrial, WhatTouchesIsNamedBeforeStiffness) {
   const char* block = "<body name='block' pos='0.3 0 0'><geom type='box' size='.02 .1 .1'/></body>";
   const std::vector<std::string> doubts = Doubts("kp='500' kv='50'", "gravcomp: true\n", block);
@@ -114,6 +141,34 @@ TEST_F(RobotTrial, WhatTouchesIsNamedBeforeStiffness) {
   for (size_t i = 1; i < doubts.size(); ++i)
     EXPECT_THAT(doubts[i],
                 AllOf(HasSubstr("'bar' and 'block' touch"), Not(HasSubstr("stiffness"))));
+}
+
+TEST_F(RobotTrial, WhatIsWithinAMarginDoesNotTouch) {
+  const char* block =
+      "<body name='block' pos='0.3 0 0.05'><geom type='box' size='.02 .1 .02' "
+      "margin='.0105'/></body>";
+  EXPECT_THAT(Doubts("kp='500' kv='50'", "gravcomp: true\n", block), IsEmpty());
+}
+
+// Neither two objects of its scene nor the fingers of a closed gripper.
+TEST_F(RobotTrial, ContactsAreThoseOfTheRobot) {
+  Doubts("kp='500' kv='50'");
+  const std::string gripper = folder_.Write("grip", kTwoFingerGripper);
+  AtomicWrite(file_, "name: bar\nmodel: bar.xml\ngravcomp: true\nattachments: [{mjcf_path: " +
+                         gripper + R"(, attach_to: {site: tip}}]
+move_groups:
+  arm: {kind: arm, joints: [hip], leaf: {site: tip}}
+  gripper: {kind: gripper, joints: [left_slide, right_slide], actuators: [grip],
+            fingers: [left_pad, right_pad], ctrl: {open: 255, closed: 0}}
+home: {arm: [0], gripper: [0.004, 0.004]}
+)");
+  SceneSpec spec = SceneWith({.name = "bar", .config = RobotConfig::Load(file_)});
+  spec.objects = {BoxObject("low", {1, 1, 0.02}), BoxObject("high", {1, 1, 0.059})};
+  const Scene scene = Scene::Build(spec);
+  std::set<std::string> touching;
+  for (const Contact& contact : scene.contacts()) touching.insert(contact.body2);
+  EXPECT_THAT(touching, IsSupersetOf({"right", "high"})) << "else this tests nothing";
+  EXPECT_THAT(TryRobot(Robot::Of(scene, "bar")), IsEmpty());
 }
 
 TEST_F(RobotTrial, AnArmOfTorquesIsHeldOnly) {
