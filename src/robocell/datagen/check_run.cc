@@ -172,11 +172,11 @@ class SceneCheck {
     }
   }
 
-  // What it does, in a scene of its own.
+  // What it does, in a scene of its own. On a floor: a free base that falls carries nothing.
   void TryAlone() {
     SceneSpec spec{.name = run_.run,
                    .timestep = run_.rates.sim_ms / 1000,
-                   .add_floor = false,
+                   .add_floor = true,
                    .add_skybox = false,
                    .options = run_.options};
     const RobotConfig& config = run_.robot.config;

@@ -190,6 +190,17 @@ TEST(CheckRun, AnArmThatDoesNotFollowIsTold) {
   EXPECT_THAT(CheckRun(run, {.scripted_expert = false}), IsEmpty());
 }
 
+// As `check` does, on a floor: in free fall no servo is too weak.
+TEST(CheckRun, AnArmOnAFreeBaseIsTriedUnderGravity) {
+  RunConfig run = Demo();
+  run.robot.config.base.kind = BaseKind::kFree;
+  run.robot.config.gravcomp = false;
+  EXPECT_THAT(CheckRun(run), Not(Contains(HasSubstr("touch at home"))));
+  run.robot.config.force_limit = 3;
+  EXPECT_THAT(CheckRun(run), Contains(AllOf(HasSubstr("pushes with all it may, 3 N m"),
+                                            HasSubstr("gravity asks for"))));
+}
+
 TEST(CheckRun, AKindThatTheGripperCannotHoldIsTold) {
   RunConfig run = Demo();
   run.robot.config.move_groups.find("gripper")->ctrl = GripperCtrl{.open = 10, .closed = 0};
