@@ -40,7 +40,7 @@ def _require_arm(path: Path, config: RobotConfig) -> None:
     fail(
         f"{path}: robot '{config.name}' has no arm group. Declare one, with the joints from "
         "its base to its tool:\n  move_groups:\n"
-        "    arm: {kind: arm, joints: FIRST..LAST, leaf: {site: TOOL_CENTRE_POINT}}\n"
+        "    arm: {kind: arm, joints: [FIRST, ..., LAST], leaf: {site: TOOL_CENTRE_POINT}}\n"
         f"{_elements(config)}"
     )
 

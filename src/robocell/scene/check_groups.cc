@@ -107,12 +107,30 @@ class GroupCheck {
                                  "moves; name what the last joint carries",
                                  WithoutPrefix(robot_.root_body)));
     }
+    if (const std::string carrier = JointOfTheRoot(group); !carrier.empty()) {
+      return Problem(
+          field + ".joints",
+          fmt::format(
+              "'{0}' moves the root body '{1}' itself, and an arm begins behind the root. Put "
+              "a body without joints around '{1}' in the model, or give '{0}' a group of "
+              "its own: {{kind: generic, joints: [{0}], actuators: [NAME]}}",
+              carrier, WithoutPrefix(robot_.root_body)));
+    }
     Problem(field + ".joints",
             fmt::format("lists {}, but the joints from '{}' to the arm's leaf are {}; list "
                         "those, in this order{}{}",
                         ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
                         ListNames(*joints), group.leaf ? "" : ", or name its `leaf`",
                         HowToNameFirst(*joints)));
+  }
+
+  // The first joint listed that the root body itself has.
+  std::string JointOfTheRoot(const MoveGroupConfig& group) const {
+    const int root = FindId(m_, mjOBJ_BODY, robot_.root_body);
+    for (const std::string& joint : group.joints) {
+      if (BodyOfJoint(joint) == root) return joint;
+    }
+    return "";
   }
 
   static std::string HowToNameFirst(const std::vector<std::string>& joints) {
@@ -145,9 +163,14 @@ class GroupCheck {
   void CheckGripper(const std::string& field, const MoveGroupConfig& group) {
     const auto fingers = FingersOf(group);
     if (!fingers) return;
+    const std::string named = group.fingers.empty() ? ".joints" : ".fingers";
+    if ((*fingers)[0] == (*fingers)[1]) {
+      return Problem(field + named,
+                     fmt::format("both fingers are the body '{}'; name one body of each finger",
+                                 WithoutPrefix(ElementName(m_, mjOBJ_BODY, (*fingers)[0]))));
+    }
     const int hand = CommonAncestor(m_, (*fingers)[0], (*fingers)[1]);
     CheckGripperActuators(field + ".actuators", group, hand);
-    const std::string named = group.fingers.empty() ? ".joints" : ".fingers";
     CheckFingers(m_, d_, robot_, field + named, *fingers, report_);
   }
 

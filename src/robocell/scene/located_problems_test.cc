@@ -83,6 +83,9 @@ TEST_F(Located, AttachmentsAndRootAndCameras) {
   const std::string root = RobotFile("root_body: bse\n");
   ExpectThrow<SpecError>([&] { BuildRobot(root); },
                          root + ":3:12: robot 'left': root_body: no body 'bse'");
+  const std::string world = RobotFile("root_body: world\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(world); },
+                         "root_body: no body 'world'. Its bodies: base, upper, fore.");
 }
 
 TEST_F(Located, ACameraThatIsThereTwice) {
@@ -125,6 +128,33 @@ TEST_F(Located, JointsThatAreNotThoseToTheLeaf) {
                              ":3:40: robot 'left': move_groups.arm.joints: lists elbow, "
                              "but the joints from 'base' to the arm's leaf are shoulder, "
                              "elbow; list those, in this order, or name its `leaf`");
+}
+
+TEST_F(Located, AJointOfTheRootItself) {
+  const std::string model = folder.Write(
+      "cart", R"(<worldbody><body name="sled"><joint name="rail" type="slide"/><geom size=".1"/>
+      <body name="link"><joint name="j2"/><geom size=".1"/></body></body></worldbody>)");
+  const std::string file = (folder.path() / "cart.yaml").string();
+  std::ofstream(file) << "name: left\nmodel: cart.xml\n"
+                      << "move_groups: {arm: {kind: arm, joints: [rail, j2]}}\n";
+  ExpectThrow<SpecError>(
+      [&] { BuildRobot(file); },
+      file +
+          ":3:40: robot 'left': move_groups.arm.joints: 'rail' moves the root body 'sled' itself, "
+          "and an arm begins behind the root. Put a body without joints around 'sled' in the "
+          "model, or give 'rail' a group of its own: {kind: generic, joints: [rail], actuators: "
+          "[NAME]}");
+}
+
+TEST_F(Located, OneFingerTwice) {
+  folder.Write("gripper", kTwoFingerGripper);
+  const std::string file = RobotFile(
+      "attachments: [{mjcf_path: gripper.xml, prefix: g_, attach_to: {site: flange}}]\n"
+      "move_groups:\n"
+      "  hand: {kind: gripper, actuators: [g_grip], fingers: [{body: g_left}, {body: g_left}]}\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(file); },
+                         "move_groups.hand.fingers: both fingers are the body 'g_left'; name one "
+                         "body of each finger");
 }
 
 TEST_F(Located, AnActuatorThatMovesTheWholeHand) {

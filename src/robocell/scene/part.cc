@@ -121,10 +121,9 @@ mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& repo
   if (!root_body.empty()) {
     mjsBody* named = mjs_findBody(part.spec.get(), root_body.c_str());
     if (!named || root_body == "world") {
-      report.Problem(
-          part.place,
-          NoSuchName("root_body", "body", root_body, SpecNames(part.spec.get(), mjOBJ_BODY)),
-          "root_body");
+      std::vector<std::string> names = SpecNames(part.spec.get(), mjOBJ_BODY);
+      std::erase(names, "world");  // is the scene's
+      report.Problem(part.place, NoSuchName("root_body", "body", root_body, names), "root_body");
       return nullptr;
     }
     root = TopBody(named);

@@ -106,6 +106,11 @@ std::string NamesHint(const YAML::Node& node, bool lists) {
                        Cut(node[0]["name"].Scalar()));
   }
   if (several) return "; write `name: {...}` for each, without dashes";
+  double number = 0;
+  if (lists && node.IsScalar() && !YAML::convert<double>::decode(node, number)) {
+    return "; write {arm: [0, 0.5]} with the name of the group in the place of `arm`, and its "
+           "numbers";
+  }
   if (lists && (node.IsSequence() || node.IsScalar())) {
     return fmt::format("; write {{arm: {}}} with the name of the group in the place of `arm`",
                        node.IsSequence() ? Short(node) : "[" + Short(node) + "]");

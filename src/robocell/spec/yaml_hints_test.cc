@@ -61,6 +61,9 @@ TEST(Hints, ListsAndNamesMixedUp) {
   EXPECT_THAT(HintFor("home: [0, 0]"),
               HasSubstr("home: expected names with values, found a list; write {arm: [0, 0]} with "
                         "the name of the group in the place of `arm`"));
+  EXPECT_THAT(HintFor("home: ready"),
+              HasSubstr("home: expected names with values, found 'ready'; write {arm: [0, 0.5]} "
+                        "with the name of the group in the place of `arm`, and its numbers"));
   EXPECT_THAT(HintFor("control: [joint_position]"), HasSubstr("; write {name: [joint_position]}"));
   EXPECT_THAT(HintFor("move_groups:\n  - {kind: arm, joints: [a]}"),
               HasSubstr("; write `name: {...}` for each, without dashes"));
