@@ -14,6 +14,7 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/data/require_dataset.h"
 #include "robocell/data/signed_json.h"
 
 namespace robocell {
@@ -39,7 +40,12 @@ namespace {
 
 }  // namespace
 
-Dataset::Dataset(fs::path folder) : folder_(std::move(folder)) { Refresh(); }
+Dataset::Dataset(fs::path folder) : folder_(std::move(folder)) {
+  Refresh();
+  // An empty folder may become one.
+  std::error_code error;
+  if (ids_.empty() && broken_.empty() && !fs::is_empty(folder_, error)) RequireDataset(folder_);
+}
 
 void Dataset::Refresh() {
   ids_.clear();

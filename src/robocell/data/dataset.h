@@ -20,6 +20,8 @@ namespace robocell {
 
 class Dataset {
  public:
+  // IoError when it is not there, ArgumentError for a folder that holds other things, with the
+  // dataset that is near.
   explicit Dataset(std::filesystem::path folder);
 
   const std::filesystem::path& folder() const { return folder_; }

@@ -35,6 +35,7 @@ TEST_F(EpisodeStateTest, NothingAndAnEmptyFolderAreAbsent) {
   EXPECT_EQ(LookAtEpisode(e()).state, EpisodeState::kAbsent);
   fs::create_directory(e());
   EXPECT_EQ(LookAtEpisode(e()).state, EpisodeState::kAbsent);
+  WriteManifest(folder_.path(), "{}");
   EXPECT_THAT(Dataset(folder_.path()).ids(), IsEmpty());
 }
 

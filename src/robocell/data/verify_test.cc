@@ -251,6 +251,7 @@ TEST_F(VerifyTest, AFolderThatIsNoDatasetIsRefusedWithWhereOneIs) {
       ExpectThrow<ArgumentError>([&] { Verify(around.path()); }, "it holds notes.txt, set. ");
   EXPECT_THAT(text, HasSubstr("Did you mean '" + (around / "set").string() + "'?"));
   ExpectThrow<ArgumentError>([&] { Repair(around.path()); }, "is no dataset");
+  ExpectThrow<ArgumentError>([&] { Dataset{around.path()}; }, text);
   fs::create_directory(around / "set" / "notes");
   ExpectThrow<ArgumentError>([&] { Verify(around / "set" / "notes" / ""); },
                              "It is a part of a dataset; give '" + (around / "set").string());

@@ -171,7 +171,9 @@ ElementId FindElement(const mjModel* model, const RobotRecord& robot, const Elem
     for (std::string& name : RobotElementNames(model, robot, kind))
       names.push_back(std::move(name));
   }
-  throw NotFoundError(NoSuchName(Place(robot), Words(kinds), ref.name, names));
+  std::string how;
+  for (const mjtObj kind : kinds) how += HowToReferToUnnamed(model, robot, kind);
+  throw NotFoundError(NoSuchName(Place(robot), Words(kinds), ref.name, names) + how);
 }
 
 }  // namespace robocell

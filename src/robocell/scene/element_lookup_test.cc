@@ -85,6 +85,8 @@ TEST_F(ElementLookup, SaysHowToReferToWhatHasNoName) {
   ExpectThrow<NotFoundError>([&] { FindElement(model, robot, mjOBJ_GEOM, "foo"); },
                              "robot 'two': no geom 'foo'. Its geoms: (none). 3 have no name; write "
                              "for example {geom: {body: 'base', index: 0}}");
+  ExpectThrow<NotFoundError>([&] { FindElement(model, robot, {.name = "foo"}, {mjOBJ_GEOM}); },
+                             "3 have no name; write for example {geom: {body: 'base', index: 0}}");
 }
 
 TEST_F(ElementLookup, CountsTheChildrenOfABody) {

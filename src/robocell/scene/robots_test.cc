@@ -141,9 +141,8 @@ TEST_F(Robots, TakeOnlyTheirRootAndSayWhatStaysBehind) {
                               " refer to elements that are not attached and are left out: m2"));
   EXPECT_THAT(scene.compiled()->notes(), ElementsAre(HasSubstr("light 'lamp'")));
   spec.robots[0].config->root_body = "bse";
-  ExpectThrow<SpecError>(
-      [&] { Scene::Build(spec); },
-      "root_body: no body 'bse'. Its bodies: world, base, chair. Did you mean 'base'?");
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                         "root_body: no body 'bse'. Its bodies: base, chair. Did you mean 'base'?");
 }
 
 TEST_F(Robots, HaveTheirBaseFrameAtANestedRootBody) {
