@@ -72,6 +72,7 @@ void BindRefusal(nb::module_& m) {
       .value("NO_REACHABLE_BASE_POSE", Refusal::kNoReachableBasePose)
       .value("BASE_IN_COLLISION", Refusal::kBaseInCollision)
       .value("NO_GRASP", Refusal::kNoGrasp)
+      .value("GRASPS_IN_COLLISION", Refusal::kGraspsInCollision)
       .value("CAMERA_CONSTRAINT", Refusal::kCameraConstraint)
       .value("INVALID_SCENE", Refusal::kInvalidScene);
   nb::class_<Refusal>(m, "Refusal", "A start that was refused, and why.")

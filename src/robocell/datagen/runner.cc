@@ -182,7 +182,7 @@ EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
   if (report.accepted > 0 || !report.refusals.contains(ToString(Refusal::kNoReachableBasePose)))
     return report;
   if (const std::string& where = state_->Advice(); !where.empty())
-    report.advice += (report.advice.empty() ? "" : ". Hint: ") + where;
+    report.advice += (report.advice.empty() ? "" : "; ") + where;
   return report;
 }
 

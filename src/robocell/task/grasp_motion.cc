@@ -1,10 +1,12 @@
 #include "robocell/task/grasp_motion.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 
 #include "robocell/kinematics/ik_batch.h"
+#include "robocell/mujoco/names.h"
 
 namespace robocell {
 namespace {
@@ -71,6 +73,17 @@ std::optional<GraspMotion> GraspMotions::Next() {
   return std::nullopt;
 }
 
+bool GraspMotions::IsFree(const JointVector& q, const FreedomDemand& demand) {
+  if (planning_.IsFree(q, demand)) return true;
+  ++in_collision_;
+  ++in_the_way_[planning_.in_the_way()];
+  return false;
+}
+
+bool GraspMotions::MostCollide() const {
+  return in_collision_ > out_of_reach_.count + no_way_down_.count + no_way_up_.count;
+}
+
 std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& grasp,
                                                       const JointVector& q) {
   const GripperShape& shape = planning_.shape();
@@ -78,8 +91,7 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   // Nothing but the pads may arrive first. The named fingers need not be the innermost geoms: the
   // gap of the closed gripper is theirs.
   const double before = std::min(open, grasp.width + shape.closed_gap() + kJustBefore);
-  if (!planning_.IsFree(q, {.gap = open}) || !planning_.IsFree(q, {.gap = before}))
-    return ++in_collision_, std::nullopt;
+  if (!IsFree(q, {.gap = open}) || !IsFree(q, {.gap = before})) return std::nullopt;
   const Pose tcp = world_in_base_ * grasp.tcp_in_world;
   JointPath down = Line(tcp, q, options_.above), up = Line(tcp, q, options_.lift);
   if (const double missing = Missing(down); missing > 0)
@@ -87,11 +99,10 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   if (const double missing = Missing(up); missing > 0)
     return no_way_up_.Add(missing * options_.lift), std::nullopt;
   for (size_t i = 1; i < down.size(); ++i) {
-    if (!planning_.IsFree(down[i], {.gap = open})) return ++in_collision_, std::nullopt;
+    if (!IsFree(down[i], {.gap = open})) return std::nullopt;
   }
   for (size_t i = 1; i < up.size(); ++i) {
-    if (!planning_.IsFree(up[i], {.gap = grasp.width, .touch_target = true}))
-      return ++in_collision_, std::nullopt;
+    if (!IsFree(up[i], {.gap = grasp.width, .touch_target = true})) return std::nullopt;
   }
   std::reverse(down.begin(), down.end());
   return GraspMotion{grasp, std::move(down), std::move(up)};
@@ -110,6 +121,15 @@ JointPath GraspMotions::Line(const Pose& tcp, const JointVector& q, double heigh
   return line;
 }
 
+// " (most often 'palm' with 'table')".
+std::string GraspMotions::MostlyInTheWay() const {
+  const auto most = std::max_element(in_the_way_.begin(), in_the_way_.end(),
+                                     [](auto& a, auto& b) { return a.second < b.second; });
+  if (most == in_the_way_.end()) return "";
+  const auto name = [&](int body) { return Describe(planning_.model(), mjOBJ_BODY, body); };
+  return fmt::format(" (most often {} with {})", name(most->first[0]), name(most->first[1]));
+}
+
 std::string GraspMotions::Reasons() const {
   std::string text;
   const auto add = [&](int count, const std::string& what) {
@@ -124,7 +144,7 @@ std::string GraspMotions::Reasons() const {
       fmt::format("that cannot be lifted by {:.2f} m (the last {:.2f} m are out of "
                   "reach)",
                   options_.lift, no_way_up_.least));
-  add(in_collision_, "in collision");
+  add(in_collision_, "in collision" + MostlyInTheWay());
   return fmt::format("of {} grasps{}", candidates_.size(), text);
 }
 

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <limits>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -45,10 +47,15 @@ class GraspMotions {
   // Why the candidates so far were no good: "of 15 grasps 12 out of reach (the nearest by 0.08 m),
   // 3 in collision".
   std::string Reasons() const;
+  // Whether most of those that were no good collide; else most are out of reach.
+  bool MostCollide() const;
 
  private:
   void SolveMore();
   std::optional<GraspMotion> TryCandidate(const GraspCandidate& grasp, const JointVector& q);
+  std::string MostlyInTheWay() const;
+  // IsFree of the planning scene; what is in the way is counted.
+  bool IsFree(const JointVector& q, const FreedomDemand& demand);
   // Up from the grasp, as far as the arm gets: the whole height when it has all points.
   JointPath Line(const Pose& tcp_in_base, const JointVector& q, double height) const;
 
@@ -69,6 +76,7 @@ class GraspMotions {
   };
   Misses out_of_reach_, no_way_down_, no_way_up_;
   int in_collision_ = 0;
+  std::map<std::array<int, 2>, int> in_the_way_;  // bodies, and how often they met
 };
 
 }  // namespace robocell

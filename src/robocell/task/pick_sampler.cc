@@ -173,7 +173,9 @@ std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Ro
   GraspMotions motions(planning, std::move(candidates), JointVector(std::span<const double>(home)),
                        GraspMotionOptionsOf(run_.task));
   if (motions.Next()) return std::nullopt;
-  return Refusal{Refusal::kNoReachableBasePose, "grasps: " + motions.Reasons()};
+  return Refusal{
+      motions.MostCollide() ? Refusal::kGraspsInCollision : Refusal::kNoReachableBasePose,
+      "grasps: " + motions.Reasons()};
 }
 
 struct PickTaskSampler::Setup {

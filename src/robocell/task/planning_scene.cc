@@ -47,6 +47,7 @@ struct PlanningScene::State {
   std::vector<double> finger_values;
   std::set<std::pair<int, int>> always_touching;  // geoms of the robot
   int checks = 0;
+  std::array<int, 2> in_the_way = {};
 };
 
 PlanningScene::PlanningScene(Scene scene, Robot robot, const std::string& target_body,
@@ -118,21 +119,26 @@ bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
   s.RequireSameModel();
   ++s.checks;
   s.Place(q, demand.gap);
+  s.in_the_way = {};
   if (!s.FindContacts()) return false;  // what is missing may be in the way
   for (int c = 0; c < s.data->ncon; ++c) {
     const auto [a, b] = s.data->contact[c].geom;
     if (a < 0 || b < 0 || (!s.is_robot[a] && !s.is_robot[b])) continue;
     if (!s.counts[a] || !s.counts[b]) continue;
     const double distance = s.data->contact[c].dist;
-    if (s.is_robot[a] && s.is_robot[b]) {
-      if (distance < 0 && !s.always_touching.contains({a, b})) return false;
-    } else if (distance < demand.clearance) {
-      if (!demand.touch_target || !(s.is_target[a] || s.is_target[b])) return false;
-    }
+    const bool itself = s.is_robot[a] && s.is_robot[b];
+    const bool fine = itself ? distance >= 0 || s.always_touching.contains({a, b})
+                             : distance >= demand.clearance ||
+                                   (demand.touch_target && (s.is_target[a] || s.is_target[b]));
+    if (fine) continue;
+    s.in_the_way = {s.model.geom_bodyid[s.is_robot[a] ? a : b],
+                    s.model.geom_bodyid[s.is_robot[a] ? b : a]};
+    return false;
   }
   return true;
 }
 
+std::array<int, 2> PlanningScene::in_the_way() const { return state_->in_the_way; }
 int PlanningScene::checks() const { return state_->checks; }
 const Robot& PlanningScene::robot() const { return state_->robot; }
 const GripperShape& PlanningScene::shape() const { return *state_->shape; }

@@ -8,6 +8,7 @@
 // added to the scene or removed make a new one: an Error says so. One thread at a time.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 
@@ -37,6 +38,8 @@ class PlanningScene {
   // Nothing that is not the robot is nearer than the clearance, and no two parts of the robot touch
   // that do not touch in its present posture anyhow.
   bool IsFree(const JointVector& q, const FreedomDemand& demand);
+  // The bodies that met when IsFree last said no, a part of the robot first.
+  std::array<int, 2> in_the_way() const;
   // How often IsFree was asked.
   int checks() const;
 

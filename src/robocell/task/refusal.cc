@@ -14,6 +14,8 @@ const char* ToString(Refusal::Reason reason) {
       return "no base pose is free of collisions";
     case Refusal::kNoGrasp:
       return "no grasp";
+    case Refusal::kGraspsInCollision:
+      return "something is in the way of every grasp";
     case Refusal::kCameraConstraint:
       return "camera constraint";
     case Refusal::kInvalidScene:

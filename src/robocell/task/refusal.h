@@ -15,6 +15,7 @@ struct Refusal {
     kNoReachableBasePose,
     kBaseInCollision,
     kNoGrasp,
+    kGraspsInCollision,
     kCameraConstraint,
     kInvalidScene
   };
