@@ -137,7 +137,7 @@ class TestModes:
         with pytest.raises(RuntimeError, match="set ctrl_mode to position"):
             robot.jnt_pos_cmd  # noqa: B018
         robot.jnt_trq_cmd[2] = np.nan
-        with pytest.raises(rc.ArgumentError, match="actuator 'joint3_torque' cannot be set to nan"):
+        with pytest.raises(rc.ArgumentError, match="the target of 'joint3' is nan"):
             robot.update()
 
     def test_actions_carry_torques_and_velocities(self):

@@ -29,25 +29,24 @@ void ArmGroup::InverseDynamics(std::span<const double> q, std::span<const double
   chain().InverseDynamics(q, qd, qdd, gravity_in_base(), out);
 }
 
-std::vector<Interval> ArmGroup::torque_limits() const {
+Interval ArmGroup::torque_limit(size_t joint) const {
   core().Bind();
   const mjModel* m = core().model();
-  const std::vector<int>&ids = core().actuator_ids(), &joints = core().joint_ids();
-  std::vector<Interval> limits;
-  for (size_t i = 0; i < ids.size(); ++i) {
-    Interval& limit = limits.emplace_back(Interval{-kNoLimit, kNoLimit});
-    const auto within = [&](const mjtNum* range, double scale) {
-      const double a = scale * range[0], b = scale * range[1];
-      limit = {std::max(limit.lower, std::min(a, b)), std::min(limit.upper, std::max(a, b))};
-    };
-    const int input = m->actuator_ctrladr[ids[i]];
-    const double gear = m->actuator_gear[6 * m->actuator_outadr[ids[i]]];
-    if (m->actuator_ctrllimited[input])
-      within(m->actuator_ctrlrange + 2 * input, gear * m->actuator_gainprm[mjNGAIN * ids[i]]);
-    if (m->actuator_forcelimited[ids[i]]) within(m->actuator_forcerange + 2 * ids[i], gear);
-    if (m->jnt_actfrclimited[joints[i]]) within(m->jnt_actfrcrange + 2 * joints[i], 1);
-  }
-  return limits;
+  const int actuator = core().actuator_ids()[joint], id = core().joint_ids()[joint];
+  Interval limit{-kNoLimit, kNoLimit};
+  // In the engine's order: what one leaves the next cuts off, even where they have nothing in
+  // common.
+  const auto within = [&](const mjtNum* range, double scale) {
+    const auto [low, high] = std::minmax({scale * range[0], scale * range[1]});
+    limit = {std::clamp(limit.lower, low, high), std::clamp(limit.upper, low, high)};
+  };
+  const int input = m->actuator_ctrladr[actuator];
+  const double gear = m->actuator_gear[6 * m->actuator_outadr[actuator]];
+  if (m->actuator_ctrllimited[input])
+    within(m->actuator_ctrlrange + 2 * input, gear * m->actuator_gainprm[mjNGAIN * actuator]);
+  if (m->actuator_forcelimited[actuator]) within(m->actuator_forcerange + 2 * actuator, gear);
+  if (m->jnt_actfrclimited[id]) within(m->jnt_actfrcrange + 2 * id, 1);
+  return limit;
 }
 
 void ArmGroup::CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const {

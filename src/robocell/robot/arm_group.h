@@ -39,8 +39,8 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   void InverseDynamics(std::span<const double> q, std::span<const double> qd,
                        std::span<const double> qdd, std::span<double> out) const;
 
-  // What the motors can push their joints with; +-infinity where nothing limits it.
-  std::vector<Interval> torque_limits() const;
+  // What the motor of a joint can push it with; +-infinity where nothing limits it.
+  Interval torque_limit(size_t joint) const;
   // The controls of motors that push with `torque`.
   void CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const;
   // The controls of velocity servos that drive at `velocity` and push with `torque` on top.

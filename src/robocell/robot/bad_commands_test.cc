@@ -85,6 +85,20 @@ TEST_F(BadCommands, PortsNameTheJointAndRecover) {
   EXPECT_TRUE(robot.Step().ok());
 }
 
+TEST_F(BadCommands, EveryPortNamesTheJoint) {
+  RobotSpec spec{.name = "rc7", .config = Rc7()};
+  spec.control_modes = std::vector{CtrlMode::kVelocity, CtrlMode::kTorque};
+  robot = Robot::Of(Scene::Build(SceneWith(spec)), "rc7");
+  for (const CtrlMode mode : {CtrlMode::kVelocity, CtrlMode::kTorque}) {
+    robot.set_ctrl_mode(mode);
+    const std::vector<double> ctrl = Ctrl();
+    robot.controller("arm").command_port()[2] = kNan;
+    ExpectThrow<ArgumentError>([&] { robot.Update(); },
+                               kArm + ": the target of 'joint3' is nan; targets must be finite");
+    EXPECT_EQ(Ctrl(), ctrl);
+  }
+}
+
 TEST_F(BadCommands, APoseThatOverflowedIsNoTarget) {
   const Pose far(Eigen::Vector3d(1.7e308, 0, 0));
   Refuses(

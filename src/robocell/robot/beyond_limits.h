@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "robocell/robot/move_group.h"
@@ -15,13 +16,19 @@ class BeyondLimits {
   // once in the life of this object. No allocation inside the range.
   template <class What>
   double Clamp(double value, const Interval& range, const What& what) {
-    const double inside = std::clamp(value, range.lower, range.upper);
-    if (!told_ && (value < range.lower - kSlack || value > range.upper + kSlack)) {
-      told_ = true;
-      Tell(what(), value, range);
-    }
-    return inside;
+    Check(value, range, what);
+    return std::clamp(value, range.lower, range.upper);
   }
+
+  // Only tells, for what something else cuts off.
+  template <class What>
+  void Check(double value, const Interval& range, const What& what) {
+    if (told_ || (value >= range.lower - kSlack && value <= range.upper + kSlack)) return;
+    if (std::isnan(value)) return;
+    told_ = true;
+    Tell(what(), value, range);
+  }
+  bool told() const { return told_; }
 
  private:
   static constexpr double kSlack = 1e-3;  // what rounding and small overshoot may amount to

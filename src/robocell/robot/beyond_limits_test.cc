@@ -3,10 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include <cmath>
 
 #include "robocell/base/log.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/robot/testing/robots.h"
 
 namespace robocell {
@@ -51,6 +53,76 @@ TEST_F(BeyondLimitsTest, AnArmIsDrivenToItsLimits) {
   robot.Update();
   EXPECT_EQ(robot.arm().ctrl()[3], limits.lower);
   EXPECT_EQ(lines_.size(), 1u);
+}
+
+// What nobody commanded is not spoken of, and what is commanded then still is.
+TEST_F(BeyondLimitsTest, HoldingWhereAServoCannotHoldIsNoCommand) {
+  RobotConfig config = Rc7();
+  const double home = config.home.at("arm")[3];
+  Edit edit;
+  edit.actuator = ElementRef{.name = "servo4"};
+  edit.ctrlrange = Vec2{-1, home - 0.3};
+  config.edits.push_back(edit);
+  config.force_limit = 0.1;  // less than what gravity asks for
+  config.gravcomp = false;
+  RobotSpec spec{.name = "rc7", .config = config};
+  spec.control_modes = std::vector{CtrlMode::kTorque};
+  Robot robot = Robot::Of(Scene::Build(SceneWith(spec)), "rc7");
+  const auto run = [&] {
+    for (int i = 0; i < 3; ++i) {
+      robot.Update();
+      EXPECT_TRUE(robot.Step().ok());
+    }
+  };
+  std::vector<double> ctrl(7);
+  robot.arm().CtrlForJointPos(robot.arm().joint_pos(), ctrl);
+  EXPECT_EQ(ctrl[3], home - 0.3) << "a question is answered without a word";
+  run();
+  robot.jnt_pos_cmd()[0] += 0.1;  // another joint
+  run();
+  robot.set_ctrl_mode(CtrlMode::kTorque);
+  run();
+  robot.SetJointPos(robot.arm().joint_pos());
+  run();
+  EXPECT_THAT(lines_, IsEmpty());
+  robot.jnt_trq_cmd()[1] = 50;
+  run();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("the torque of joint 'joint2' is commanded to 50")));
+  lines_.clear();
+  robot.set_ctrl_mode(CtrlMode::kPosition);
+  robot.jnt_pos_cmd()[3] = home - 0.1;
+  run();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("actuator 'servo4', by its ctrlrange, is commanded")));
+}
+
+// As the model has them when a torque is commanded, not as they were.
+TEST_F(BeyondLimitsTest, LimitsOfMotorsAreThoseOfTheModel) {
+  RobotSpec spec{.name = "rc7", .config = Rc7()};
+  spec.control_modes = std::vector{CtrlMode::kTorque};
+  Scene scene = Scene::Build(SceneWith(spec));
+  Robot robot = Robot::Of(scene, "rc7");
+  robot.set_ctrl_mode(CtrlMode::kTorque);
+  mjModel* m = scene.mutable_model();
+  const int motor = FindId(m, mjOBJ_ACTUATOR, "joint1_torque");
+  const auto limit = [&](double low, double high) {
+    m->actuator_forcelimited[motor] = 1;
+    m->actuator_forcerange[2 * motor] = low;
+    m->actuator_forcerange[2 * motor + 1] = high;
+    m->jnt_actfrclimited[FindId(m, mjOBJ_JOINT, "joint1")] = 0;
+  };
+  limit(-500, 500);
+  robot.jnt_trq_cmd()[0] = 400;
+  robot.Update();
+  EXPECT_THAT(lines_, IsEmpty());
+  // Two that have nothing in common: what the engine makes of them.
+  limit(-5, 5);
+  m->actuator_ctrllimited[m->actuator_ctrladr[motor]] = 1;
+  m->actuator_ctrlrange[2 * m->actuator_ctrladr[motor]] = 10;
+  m->actuator_ctrlrange[2 * m->actuator_ctrladr[motor] + 1] = 20;
+  robot.Update();
+  EXPECT_THAT(lines_, ElementsAre(HasSubstr("is commanded to 400, beyond [5, 5]")));
+  EXPECT_TRUE(robot.Step().ok());
+  EXPECT_EQ(robot.arm().joint_torque()[0], 5);
 }
 
 TEST_F(BeyondLimitsTest, AnOpeningInPercentIsTold) {

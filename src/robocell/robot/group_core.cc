@@ -224,16 +224,21 @@ void GroupCore::NoopCtrl(std::span<double> out) const {
   }
 }
 
+// Whatever its control range is. Nothing when it is no position servo of one of the joints.
+std::optional<double> GroupCore::RestingCtrlFor(size_t actuator, std::span<const double> q) const {
+  const mjModel* m = model();
+  const int id = actuator_ids_[actuator], joint = driven_[actuator];
+  if (joint < 0) return std::nullopt;
+  return FreeRestingCtrl(m, id, m->actuator_gear[6 * m->actuator_outadr[id]] * q[joint]);
+}
+
 void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const {
   Bind();
   CheckSize(q.size(), nq(), "joint");
   CheckSize(ctrl.size(), nu(), "control");
   const mjModel* m = model();
   for (size_t i = 0; i < actuator_ids_.size(); ++i) {
-    const int id = actuator_ids_[i];
-    const double gear = m->actuator_gear[6 * m->actuator_outadr[id]];
-    std::optional<double> rest;
-    if (driven_[i] >= 0) rest = FreeRestingCtrl(m, id, gear * q[driven_[i]]);
+    const std::optional<double> rest = RestingCtrlFor(i, q);
     if (!rest) {
       throw ArgumentError(fmt::format(
           "{}: actuator '{}' is no position servo of one of its joints, so it cannot be driven to "
@@ -241,13 +246,27 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
           place(), names_.actuators[i]));
     }
     ctrl[i] = *rest;
-    const int input = m->actuator_ctrladr[id];
+    const int input = m->actuator_ctrladr[actuator_ids_[i]];
     if (!m->actuator_ctrllimited[input]) continue;
     const mjtNum* range = m->actuator_ctrlrange + 2 * input;
-    ctrl[i] = beyond_.Clamp(*rest, {range[0], range[1]}, [&] {
-      return fmt::format("{}: actuator '{}', by its ctrlrange,", place(), names_.actuators[i]);
-    });
+    ctrl[i] = std::clamp(ctrl[i], range[0], range[1]);
   }
+}
+
+std::optional<CutCtrl> GroupCore::FindCutCtrl(std::span<const double> q,
+                                              std::span<const double> ctrl, size_t from) const {
+  Bind();
+  const mjModel* m = model();
+  for (size_t i = from; i < actuator_ids_.size(); ++i) {
+    const int input = m->actuator_ctrladr[actuator_ids_[i]];
+    const mjtNum* range = m->actuator_ctrlrange + 2 * input;
+    const bool at_end = ctrl[i] <= range[0] || ctrl[i] >= range[1];
+    if (!m->actuator_ctrllimited[input] || !at_end) continue;
+    const std::optional<double> rest = RestingCtrlFor(i, q);
+    if (!rest || (*rest >= range[0] && *rest <= range[1])) continue;
+    return CutCtrl{i, static_cast<size_t>(driven_[i]), *rest, {range[0], range[1]}};
+  }
+  return std::nullopt;
 }
 
 void GroupCore::Integrate(std::span<double> q, std::span<const double> v) const {

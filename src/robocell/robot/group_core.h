@@ -5,12 +5,12 @@
 // Members mean what move_group.h says of the functions of the same name. Errors begin with place().
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 #include <Eigen/Core>
 
-#include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/scene/scene.h"
 
@@ -30,6 +30,13 @@ struct GroupNames {
   std::vector<std::string> actuators = {};
   FrameName root = {}, leaf = {};
   FrameName robot_base = {};
+};
+
+// A control that its actuator's ctrlrange cuts off.
+struct CutCtrl {
+  size_t actuator = 0, joint = 0;  // of the group's
+  double wanted = 0;
+  Interval range = {};
 };
 
 class GroupCore {
@@ -71,6 +78,10 @@ class GroupCore {
   std::vector<Interval> ctrl_limits() const;
   void NoopCtrl(std::span<double> out) const;
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const;
+  // The first one, from the actuator `from` on, that CtrlForJointPos cut off when it made `ctrl`
+  // for `q`. No allocation.
+  std::optional<CutCtrl> FindCutCtrl(std::span<const double> q, std::span<const double> ctrl,
+                                     size_t from) const;
   void Integrate(std::span<double> q, std::span<const double> v) const;
 
   Pose leaf_frame_to_world() const { return FramePose(leaf_); }
@@ -96,6 +107,7 @@ class GroupCore {
   void ResolveActuators(const std::string& where) const;
   FrameId Find(const FrameName& frame, const std::string& where) const;
   Pose FramePose(FrameId& frame) const;
+  std::optional<double> RestingCtrlFor(size_t actuator, std::span<const double> q) const;
   void CheckSize(size_t got, int expected, const char* what) const;
   void CheckFinite(std::span<const double> values, const std::vector<std::string>& element_names,
                    const char* kind) const;
@@ -106,7 +118,6 @@ class GroupCore {
   mutable std::vector<int> joint_ids_, actuator_ids_;
   // One per number, in the order of joints and actuators.
   mutable std::vector<int> qpos_addresses_, dof_addresses_, ctrl_addresses_;
-  mutable BeyondLimits beyond_;           // of the servos' controls
   mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
   mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;

@@ -3,6 +3,8 @@
 // and generic groups.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,8 +14,18 @@
 
 namespace robocell {
 
+// What such groups say of the controls that they made; see GroupCore.
+class ServoGroup {
+ public:
+  virtual std::optional<CutCtrl> FindCutCtrl(std::span<const double> q,
+                                             std::span<const double> ctrl, size_t from) const = 0;
+
+ protected:
+  ~ServoGroup() = default;
+};
+
 template <class Interface>
-class JointGroupOf : public Interface {
+class JointGroupOf : public Interface, public ServoGroup {
  public:
   JointGroupOf(const Scene& scene, GroupNames names, MoveGroupKind kind)
       : core_(scene, std::move(names)), kind_(kind) {}
@@ -41,6 +53,10 @@ class JointGroupOf : public Interface {
   void NoopCtrl(std::span<double> out) const override { core_.NoopCtrl(out); }
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const override {
     core_.CtrlForJointPos(q, ctrl);
+  }
+  std::optional<CutCtrl> FindCutCtrl(std::span<const double> q, std::span<const double> ctrl,
+                                     size_t from) const override {
+    return core_.FindCutCtrl(q, ctrl, from);
   }
   void Integrate(std::span<double> q, std::span<const double> v) const override {
     core_.Integrate(q, v);

@@ -21,19 +21,26 @@ std::unique_ptr<Controller> MakeJointPositionController(MoveGroup& group) {
 
 JointPositionController::JointPositionController(MoveGroup& group)
     : group_(group),
+      servos_(dynamic_cast<const ServoGroup*>(&group)),
       target_(group.joint_pos()),
+      held_(target_),
       within_(target_.size()),
       limits_(group.joint_pos_limits()) {
   limits_.resize(target_.size(), Interval{-kUnlimited, kUnlimited});
   std::vector<double> ctrl(group.nu());
-  for (size_t i = 0; i < target_.size(); ++i)  // nobody has commanded it yet: not a word
-    within_[i] = std::clamp(target_[i], limits_[i].lower, limits_[i].upper);
-  group.CtrlForJointPos(within_, ctrl);  // says at once when the group has no servos
+  group.CtrlForJointPos(target_, ctrl);  // says at once when the group has no servos
 }
 
 void JointPositionController::SetTarget(std::span<const double> target) {
   CheckValues([&] { return group_.place(); }, "joint", target, target_size(), group_.joint_names());
   std::copy(target.begin(), target.end(), target_.begin());
+  commanded_ = true;
+}
+
+void JointPositionController::Reset() {
+  group_.GetJointPos(target_);
+  std::copy(target_.begin(), target_.end(), held_.begin());
+  commanded_ = false;
 }
 
 void JointPositionController::Compute(std::span<double> ctrl) {
@@ -41,13 +48,27 @@ void JointPositionController::Compute(std::span<double> ctrl) {
   CheckValues([&] { return group_.place(); }, "joint", target_, target_size(),
               group_.joint_names());
   for (size_t i = 0; i < target_.size(); ++i) {
-    within_[i] = beyond_.Clamp(target_[i], limits_[i], [&] {
+    within_[i] = std::clamp(target_[i], limits_[i].lower, limits_[i].upper);
+    if (within_[i] == target_[i] || !IsCommanded(i)) continue;
+    beyond_.Check(target_[i], limits_[i], [&] {
       const std::vector<std::string>& names = group_.joint_names();
       return group_.place() + ": joint " +
              (names.size() == target_.size() ? "'" + names[i] + "'" : std::to_string(i));
     });
   }
   group_.CtrlForJointPos(within_, ctrl);
+  if (servos_ && !beyond_.told()) TellCutCtrl(ctrl);
+}
+
+void JointPositionController::TellCutCtrl(std::span<const double> ctrl) {
+  for (auto cut = servos_->FindCutCtrl(within_, ctrl, 0); cut;
+       cut = servos_->FindCutCtrl(within_, ctrl, cut->actuator + 1)) {
+    if (!IsCommanded(cut->joint)) continue;
+    beyond_.Check(cut->wanted, cut->range, [&] {
+      return group_.place() + ": actuator '" + group_.actuator_names()[cut->actuator] +
+             "', by its ctrlrange,";
+    });
+  }
 }
 
 }  // namespace robocell

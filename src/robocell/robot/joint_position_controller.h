@@ -7,6 +7,7 @@
 
 #include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/controller.h"
+#include "robocell/robot/joint_group.h"
 #include "robocell/robot/move_group.h"
 
 namespace robocell {
@@ -26,13 +27,21 @@ class JointPositionController : public Controller {
   std::span<const double> target() const override { return target_; }
   std::span<const double> commanded_joint_pos() const override { return target_; }
   std::span<double> command_port() override { return target_; }
-  void Reset() override { group_.GetJointPos(target_); }
-  // What is beyond a joint's limits drives the joint to its limit, and is told once.
+  void Reset() override;
+  // What is beyond a joint's limits drives the joint to its limit, or the servo to the end of its
+  // ctrlrange, and is told once. What nobody commanded is not told.
   void Compute(std::span<double> ctrl) override;
 
  private:
+  // By SetTarget(), or by a number that was written into the port.
+  bool IsCommanded(size_t joint) const { return commanded_ || target_[joint] != held_[joint]; }
+  void TellCutCtrl(std::span<const double> ctrl);
+
   MoveGroup& group_;
+  const ServoGroup* servos_;  // the same, when it can say what its servos cut off
   std::vector<double> target_;
+  std::vector<double> held_;  // the target without a command
+  bool commanded_ = false;
   std::vector<double> within_;  // the target inside the limits, scratch
   std::vector<Interval> limits_;
   BeyondLimits beyond_;

@@ -21,24 +21,30 @@ std::unique_ptr<Controller> MakeJointTorqueController(MoveGroup& group) {
 }
 
 JointTorqueController::JointTorqueController(ArmGroup& arm)
-    : arm_(arm), torque_(arm.nv()), q_(arm.nq()), limits_(arm.torque_limits()) {
+    : arm_(arm), torque_(arm.nv()), held_(arm.nv()), q_(arm.nq()) {
   Reset();
 }
 
 void JointTorqueController::SetTarget(std::span<const double> torque) {
   CheckValues([&] { return arm_.place(); }, "joint", torque, target_size(), arm_.joint_names());
   std::copy(torque.begin(), torque.end(), torque_.begin());
+  commanded_ = true;
 }
 
 void JointTorqueController::Reset() {
   arm_.GetJointPos(q_);
   arm_.GravityTorques(q_, torque_);
+  std::copy(torque_.begin(), torque_.end(), held_.begin());
+  commanded_ = false;
 }
 
 void JointTorqueController::Compute(std::span<double> ctrl) {
+  // The port is written to without a check.
+  CheckValues([&] { return arm_.place(); }, "joint", torque_, target_size(), arm_.joint_names());
   arm_.GetJointPos(q_);
   for (size_t i = 0; i < torque_.size(); ++i) {  // to tell: the engine cuts off by itself
-    beyond_.Clamp(torque_[i], limits_[i], [&] {
+    if (beyond_.told() || !IsCommanded(i)) continue;
+    beyond_.Check(torque_[i], arm_.torque_limit(i), [&] {
       return fmt::format("{}: the torque of joint '{}'", arm_.place(), arm_.joint_names()[i]);
     });
   }

@@ -29,14 +29,18 @@ class JointTorqueController : public Controller {
   std::span<const double> commanded_joint_pos() const override { return q_; }
   std::span<double> command_port() override { return torque_; }
   void Reset() override;
-  // A torque beyond what a motor can do is cut off there, and told once.
+  // A torque beyond what a motor can do is cut off there, and told once when somebody commanded it.
   void Compute(std::span<double> ctrl) override;
 
  private:
+  // By SetTarget(), or by a number that was written into the port.
+  bool IsCommanded(size_t joint) const { return commanded_ || torque_[joint] != held_[joint]; }
+
   ArmGroup& arm_;
   std::vector<double> torque_;
+  std::vector<double> held_;  // the torques without a command
+  bool commanded_ = false;
   std::vector<double> q_;  // as last measured
-  std::vector<Interval> limits_;
   BeyondLimits beyond_;
 };
 

@@ -26,6 +26,8 @@ void JointVelocityController::Reset() {
 }
 
 void JointVelocityController::Compute(std::span<double> ctrl) {
+  // The port is written to without a check.
+  CheckValues([&] { return arm_.place(); }, "joint", velocity_, target_size(), arm_.joint_names());
   arm_.GetJointPos(q_);
   arm_.GravityTorques(q_, gravity_);
   arm_.CtrlForJointVel(velocity_, gravity_, ctrl);
