@@ -18,6 +18,8 @@ from robocell._startup import is_command
 from robocell.cli.doctor import advice
 from robocell.cli.generate import many_workers
 from robocell.cli.probes import Finding, State
+from robocell.cli.robot_checks import idle_actuators
+from robocell.cli.robot_scene import load_robot
 from robocell.generate.disk import require_writable
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -437,6 +439,21 @@ def test_a_robot_without_gripper_is_told_with_its_groups(tmp_path: Path):
     )
     warnings = robocell_command("check", path).stderr
     assert "no move group has the actuators gripper: nothing will command them" in warnings
+
+
+@pytest.mark.parametrize("controller", ["joint_velocity", "joint_torque", "joint_impedance"])
+def test_actuators_that_were_added_for_a_controller_are_not_idle(tmp_path: Path, controller: str):
+    def choose(config: dict[str, Any]) -> None:
+        config["control"]["arm"] = controller
+        config["move_groups"].pop("gripper")
+        for field in ("home", "control", "home_noise"):
+            config[field].pop("gripper")
+
+    loaded = load_robot(write_robot(tmp_path, choose))
+    assert loaded.scene.model.nu == 7 + 1 + 7
+    assert idle_actuators(loaded) == [
+        "no move group has the actuators gripper: nothing will command them"
+    ]
 
 
 def test_check_warns_of_what_is_valid_but_looks_wrong(tmp_path: Path):

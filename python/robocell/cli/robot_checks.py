@@ -26,7 +26,11 @@ def idle_actuators(loaded: RobotScene) -> list[str]:
     """Actuators that belong to no group: nothing will ever command them."""
     model, robot = loaded.scene.model, loaded.robot
     every = [model.actuator(i).name for i in range(model.nu)]
-    used = {name for group in robot.group_names for name in robot.group(group).actuator_names}
+    groups = [robot.group(name) for name in robot.group_names]
+    used = {name for group in groups for name in group.actuator_names}
+    # The motors and velocity servos that were added for the controllers of its file.
+    for mode in loaded.config.used_modes():
+        used |= {f"{joint}_{mode.name.lower()}" for g in groups for joint in g.joint_names}
     idle = [name or f"#{i}" for i, name in enumerate(every) if name not in used]
     if not idle:
         return []
