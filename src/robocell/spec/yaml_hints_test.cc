@@ -100,6 +100,28 @@ TEST(Hints, WhatFollowsACommaOfAListWithoutBrackets) {
             "has no name; if a list was meant, write size: [0.1, 0.2, 0.3]");
 }
 
+TEST(Hints, FieldsWithoutAValueAreNoListItems) {
+  for (const std::string nothing : {"null", "~", ""}) {
+    EXPECT_EQ(HintFor("base: {kind: mocap, size: " + nothing + "}"), "") << nothing;
+    EXPECT_EQ(HintFor("base: {kind: mocap, size: " + nothing + " }"), "") << nothing;
+    EXPECT_EQ(HintFor("base: {kind: mocap, \"size\": " + nothing + "}"), "") << nothing;
+    const std::string arm = "move_groups: {arm: {kind: arm, actuators: ";
+    EXPECT_THAT(
+        HintFor(arm + nothing + ", joints: [a]}}"),
+        AllOf(HasSubstr("f.yaml:3:43: move_groups.arm.actuators: expected a name, a list of "),
+              HasSubstr(", found nothing")))
+        << nothing;
+    EXPECT_THAT(HintFor("base: {kind: mocap, colour: " + nothing + "}"),
+                HasSubstr("base.colour: a BaseConfig: no field 'colour'"))
+        << nothing;
+    EXPECT_THAT(HintFor("control: {arm: joint_position, hand: " + nothing + "}"),
+                HasSubstr("control.hand: expected one of"))
+        << nothing;
+  }
+  EXPECT_THAT(HintFor("move_groups: {arm: {kind: arm, joints: one, two }}"),
+              HasSubstr("if a list was meant, write joints: [one, two]"));
+}
+
 TEST(Hints, FieldsThatAreNotIndented) {
   EXPECT_EQ(HintFor("move_groups:\n  arm:\n  kind: arm\n  joints: [a, b]"),
             "f.yaml is not valid: f.yaml:4:3: move_groups.arm: nothing belongs to it: `kind` of "

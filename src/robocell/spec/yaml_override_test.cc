@@ -53,6 +53,11 @@ TEST_F(OverrideTest, ReplacesWhatTheFileHas) {
   EXPECT_EQ(Load({"run=other"}).run, "other");
 }
 
+TEST_F(OverrideTest, UnsetsFieldsOfAMap) {
+  for (const std::string nothing : {"null", "~", ""})
+    EXPECT_EQ(Error({"task={kind: pick, objects: " + nothing + "}"}), "") << nothing;
+}
+
 TEST_F(OverrideTest, AddsWhatTheFileDoesNotHave) {
   EXPECT_EQ(Load({"episodes=5"}).episodes, 5);
   EXPECT_EQ(Load({"rates.policy_ms=40", "rates.control_ms=4"}).rates.policy_ms, 40);

@@ -4,11 +4,25 @@
 #include <yaml-cpp/yaml.h>
 
 namespace robocell::yaml {
+namespace {
+
+bool IsNumber(const YAML::Node& key) {
+  double number = 0;
+  return YAML::convert<double>::decode(key, number);
+}
+
+// Whether no `:` stands behind the key: its null then stands at its end, but for a blank.
+bool IsWithoutColon(const YAML::Node& key, const YAML::Node& null) {
+  return null.Mark().pos <= key.Mark().pos + static_cast<int>(key.Scalar().size()) + 1;
+}
+
+}  // namespace
 
 Stray::Stray(const YAML::Node& map) : in_braces_(map.Style() == YAML::EmitterStyle::Flow) {}
 
 bool Stray::IsPartOfLast(const YAML::Node& key, const YAML::Node& value, bool strange) {
-  const bool after_comma = in_braces_ && value.IsNull() && has_text_;
+  const bool after_comma = in_braces_ && has_text_ && value.IsNull() &&
+                           (IsNumber(key) || (strange && IsWithoutColon(key, value)));
   const bool not_indented = !in_braces_ && has_no_value_ && strange;
   if (!after_comma && !not_indented) return false;
   parts_.push_back({key.Scalar(), key.Mark().line + 1});
