@@ -8,6 +8,7 @@
 
 #include "robocell/base/names.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/scene/check_model_file.h"
 #include "robocell/scene/robot_base.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
@@ -29,6 +30,18 @@ RobotConfig ConfigOf(const RobotSpec& robot) {
   RobotConfig config;
   config.model = robot.path;
   return config;
+}
+
+// LoadPart, for what has joints to drive.
+std::optional<Part> LoadRobotModel(const std::string& name, const std::string& directory,
+                                   const std::string& place, const std::string& field,
+                                   const SimOptions& options, Report& report) {
+  const auto file = FindModel(name, directory, place, field, report);
+  if (!file) return std::nullopt;
+  const size_t before = report.problem_count();
+  CheckIsMjcf(*file, place, field, report);
+  if (report.problem_count() > before) return std::nullopt;
+  return LoadPart(*file, directory, place, field, options, kRootLabel, report);
 }
 
 }  // namespace
@@ -74,8 +87,8 @@ std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& na
   const std::string& directory = config.source_dir.empty() ? scene.source_dir : config.source_dir;
   report.Locate(place, locations);
   report.Locate(place, config.locations);
-  auto part = LoadPart(config.model, directory, place, robot.config ? "model" : "path",
-                       scene.options, kRootLabel, report);
+  auto part = LoadRobotModel(config.model, directory, place, robot.config ? "model" : "path",
+                             scene.options, report);
   if (!part) return std::nullopt;
   out.part = std::move(*part);
   ApplyEdits(config, out.part, report);

@@ -1,5 +1,6 @@
-// A robot's cameras belong to it: one that is far away was placed in other units, or in the frame
-// of something else.
+// Cameras that a robot's configuration adds or moves belong to it: one that is far away was placed
+// in other units, or in the frame of something else. Where the model's own file has its cameras is
+// its author's intention.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -22,12 +23,38 @@ constexpr double kFar = 3, kFarCarried = 1;
 
 using Eigen::Vector3d;
 
+// A camera that the configuration gives a place, and where it does.
+struct GivenCamera {
+  int id = -1;
+  std::string name, place;
+};
+
+std::vector<GivenCamera> GivenCameras(const mjModel* model, const RobotRecord& robot) {
+  std::vector<GivenCamera> out;
+  const std::string place = "robot '" + robot.name + "'";
+  const auto add = [&](const std::string& name, const std::string& where) {
+    const int id = name.empty() ? -1 : FindId(model, mjOBJ_CAMERA, robot.prefix + name);
+    const auto same = [&](const GivenCamera& other) { return other.id == id; };
+    if (id >= 0 && model->cam_mode[id] == mjCAMLIGHT_FIXED && std::ranges::none_of(out, same))
+      out.push_back({id, name, place + " / " + where});
+  };
+  const auto& edits = robot.config.edits;
+  for (size_t i = edits.size(); i-- > 0;) {  // the last one counts
+    const std::string where = fmt::format("edits[{}]", i);
+    if (edits[i].add_camera) add(*edits[i].add_camera, where);
+    if (edits[i].camera && edits[i].pos) add(edits[i].name.value_or(edits[i].camera->name), where);
+  }
+  for (const CameraSpec& camera : robot.config.cameras)
+    add(camera.name, "camera '" + camera.name + "'");
+  return out;
+}
+
 class CameraCheck {
  public:
   CameraCheck(const mjModel* model, const mjData* data, const RobotRecord& robot, Report& report)
       : m_(model), d_(data), robot_(robot), report_(report) {}
 
-  void Run() {
+  void Run(const std::vector<GivenCamera>& cameras) {
     const int base = FindId(m_, mjOBJ_BODY, robot_.base_body);
     const int root = FindId(m_, mjOBJ_BODY, robot_.root_body);
     if (base < 0 || root < 0) return;
@@ -36,11 +63,13 @@ class CameraCheck {
     }
     if (geoms_.empty()) return;
     const double size = Size();
-    for (int c = 0; c < m_->ncam; ++c) {
-      if (!IsInSubtree(m_, m_->cam_bodyid[c], base)) continue;
-      const bool carried = m_->body_weldid[m_->cam_bodyid[c]] != m_->body_weldid[root];
-      const double distance = Distance(Vector3d(d_->cam_xpos + 3 * c));
-      if (distance > (carried ? kFarCarried : kFar) * std::max(1.0, size)) Warn(c, distance, size);
+    for (const GivenCamera& camera : cameras) {
+      const int body = m_->cam_bodyid[camera.id];
+      if (!IsInSubtree(m_, body, base)) continue;
+      const bool carried = m_->body_weldid[body] != m_->body_weldid[root];
+      const double distance = Distance(Vector3d(d_->cam_xpos + 3 * camera.id));
+      if (distance > (carried ? kFarCarried : kFar) * std::max(1.0, size))
+        Warn(camera, distance, size);
     }
   }
 
@@ -65,23 +94,13 @@ class CameraCheck {
     return nearest;
   }
 
-  void Warn(int camera, double distance, double size) {
-    const std::string full = ElementName(m_, mjOBJ_CAMERA, camera);
-    const std::string name =
-        full.starts_with(robot_.prefix) ? full.substr(robot_.prefix.size()) : full;
-    const std::string message = fmt::format(
-        "is {:.3g} m away from the robot, which is {:.2g} m large: `pos` is in metres, in the "
-        "frame "
-        "of what it is attached to",
-        distance, size);
-    const std::string place = "robot '" + robot_.name + "'";
-    const auto& edits = robot_.config.edits;
-    for (size_t i = 0; i < edits.size(); ++i) {
-      if (edits[i].add_camera == name || (edits[i].camera && edits[i].camera->name == name))
-        return report_.Warn(fmt::format("{} / edits[{}]", place, i),
-                            fmt::format("camera '{}' {}", name, message), "pos");
-    }
-    report_.Warn(fmt::format("{} / camera '{}'", place, name), message, "pos");
+  void Warn(const GivenCamera& camera, double distance, double size) {
+    report_.Warn(
+        camera.place,
+        fmt::format("camera '{}' is {:.3g} m away from the robot, which is {:.2g} m large: "
+                    "`pos` is in metres, in the frame of what it is attached to",
+                    camera.name, distance, size),
+        "pos");
   }
 
   const mjModel* m_;
@@ -93,15 +112,22 @@ class CameraCheck {
 
 }  // namespace
 
-void CheckCameraPlaces(const mjModel* model, int home_key, const RobotRecord& robot,
+void CheckCameraPlaces(const mjModel* model, int home_key, const std::vector<RobotRecord>& robots,
                        Report& report) {
-  const DataPtr data = MakeData(model);
-  Guarded("checking cameras", data.get(), [&] {
-    mj_resetDataKeyframe(model, data.get(), home_key);
-    mj_kinematics(model, data.get());
-    mj_camlight(model, data.get());
-  });
-  CameraCheck(model, data.get(), robot, report).Run();
+  DataPtr data;  // not made for nothing
+  for (const RobotRecord& robot : robots) {
+    const std::vector<GivenCamera> cameras = GivenCameras(model, robot);
+    if (cameras.empty()) continue;
+    if (!data) {
+      data = MakeData(model);
+      Guarded("checking cameras", data.get(), [&] {
+        mj_resetDataKeyframe(model, data.get(), home_key);
+        mj_kinematics(model, data.get());
+        mj_camlight(model, data.get());
+      });
+    }
+    CameraCheck(model, data.get(), robot, report).Run(cameras);
+  }
 }
 
 }  // namespace robocell

@@ -7,15 +7,16 @@
 
 namespace robocell {
 
-// A problem when the file of a robot or tool is no MJCF but a URDF, which has no actuators, sites
-// or cameras.
+// A problem when the file is no MJCF but a URDF, which has no actuators, sites or cameras: for
+// robots; a passive tool and an object need none.
 void CheckIsMjcf(const std::string& file, const std::string& place, const std::string& field,
                  Report& report);
 
 // A problem for each actuator whose joint, tendon, site or body is not in the model.
 void CheckActuatorTargets(const Part& part, Report& report);
 
-// A problem when the keyframe `home` has not the numbers that the model needs.
+// A problem when the keyframe `home` has more numbers than the model's joints, as for the engine; a
+// warning when it has fewer.
 void CheckHomeKeyLength(const Part& part, Report& report);
 
 }  // namespace robocell

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
@@ -14,6 +17,7 @@ namespace robocell {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -22,7 +26,7 @@ using ::testing::StartsWith;
 
 struct ModelText {
   std::string angle = "radian", hip = "-2 2", knee = "-2.5 2.5", hip_ctrl = "-2 2",
-              knee_ctrl = "-2.5 2.5", finger = "", rest = "", servo = "knee";
+              knee_ctrl = "-2.5 2.5", finger = "", rest = "", servo = "knee", first = "";
 };
 
 class Ranges : public ::testing::Test {
@@ -38,11 +42,11 @@ class Ranges : public ::testing::Test {
 <geom type="box" size="0.01 0.004 0.02" {}/></body>
 <body name="right" pos="0 -0.05 0.05"><joint name="r" type="slide" axis="0 -1 0" range="-0.04 0"/>
 <geom type="box" size="0.01 0.004 0.02"/></body></body></body></body></worldbody>
-<equality><joint joint1="l" joint2="r"/></equality><actuator>
+<equality><joint joint1="l" joint2="r"/></equality>{}<actuator>
 <position name="s1" joint="hip" kp="100" kv="10" ctrlrange="{}"/>
 <position name="s2" joint="{}" kp="100" kv="10" ctrlrange="{}"/>
 <position name="grip" joint="l" kp="100" kv="10" ctrlrange="-0.04 0"/></actuator>{}</mujoco>)",
-                                    m.angle, m.hip, m.knee, m.finger, m.hip_ctrl, m.servo,
+                                    m.angle, m.hip, m.knee, m.finger, m.first, m.hip_ctrl, m.servo,
                                     m.knee_ctrl, m.rest));
     return model_;
   }
@@ -52,11 +56,11 @@ class Ranges : public ::testing::Test {
     Model(m);
     return Build(fields).compiled()->warnings();
   }
-  Scene Build(const std::string& fields = "") {
+  Scene Build(const std::string& fields = "", const std::string& of_arm = "") {
     AtomicWrite(file_,
                 "name: arm\nmodel: arm.xml\nmove_groups:\n"
-                "  arm: {kind: arm, joints: [hip, knee], leaf: {site: tip}}\n"
-                "  hand: {kind: gripper, joints: [l, r], actuators: [grip]}\n" +
+                "  arm: {kind: arm, joints: [hip, knee], leaf: {site: tip}" +
+                    of_arm + "}\n  hand: {kind: gripper, joints: [l, r], actuators: [grip]}\n" +
                     fields);
     SceneSpec spec = EmptyScene();
     spec.robots.push_back({.name = "arm", .config = RobotConfig::Load(file_), .prefix = "a/"});
@@ -76,19 +80,37 @@ TEST_F(Ranges, WhatFitsIsNotSpokenOf) {
   EXPECT_THAT(Warnings({}, "home_noise: {arm: [0.1], hand: [0.01]}\n"), IsEmpty());
 }
 
-TEST_F(Ranges, AServoThatStopsBeforeItsJoint) {
+TEST_F(Ranges, AServoThatHardlyMovesOrIsNotAtHome) {
   EXPECT_THAT(
-      Warnings({.hip_ctrl = "-0.5 2"}),
-      ElementsAre(model_ + ":11: robot 'arm': the servo 's1' sends joint 'hip' from -0.5 to 2 rad "
-                           "(its ctrlrange), but the joint may move from -2 to 2 rad: commands "
-                           "beyond stop there. To use all of it: edits: [{actuator: 's1', "
-                           "ctrlrange: [-2, 2]}]"));
+      Warnings({.hip_ctrl = "-0.035 0.035"}),
+      ElementsAre(model_ + ":11: robot 'arm': the servo 's1' sends joint 'hip' from -0.035 to "
+                           "0.035 rad (its ctrlrange), but the joint may move from -2 to 2 rad: it "
+                           "hardly moves. To use all of it: edits: [{actuator: 's1', ctrlrange: "
+                           "[-2, 2]}]"));
   EXPECT_THAT(Warnings({.hip_ctrl = "2.5 3"}),
               ElementsAre(AllOf(HasSubstr("from 2.5 to 3 rad"),
-                                HasSubstr("it is driven against its limit, and so does the way to "
-                                          "home, 0"))));
+                                HasSubstr("it is driven against its limit, and the way to home, 0, "
+                                          "stops there"))));
   EXPECT_THAT(Warnings({.hip_ctrl = "-0.5 0.5"}, "home: {arm: [1, 0]}\n"),
-              ElementsAre(HasSubstr("stop there, and so does the way to home, 1")));
+              ElementsAre(HasSubstr("commands beyond stop there, and the way to home, 1, stops")));
+}
+
+TEST_F(Ranges, AServoThatStopsBeforeItsJointIsANote) {
+  Model({.hip_ctrl = "-0.5 2", .knee_ctrl = "-2.25 2.25"});
+  const Scene scene = Build();
+  EXPECT_THAT(scene.compiled()->warnings(), IsEmpty());
+  EXPECT_THAT(scene.compiled()->notes(),
+              ElementsAre("robot 'arm': servos of 'arm' stop before their joints do (their "
+                          "ctrlrange): s1 -0.5 to 2 of -2 to 2, s2 -2.25 to 2.25 of -2.5 to 2.5"));
+}
+
+TEST_F(Ranges, OnlyTheServosThatTheArmIsDrivenBy) {
+  const std::string fine =
+      "<actuator><position name=\"s0\" joint=\"hip\" ctrlrange=\"0.1 0.2\"/></actuator>";
+  Model({.first = fine});
+  EXPECT_THAT(Build("", ", actuators: [s1, s2]").compiled()->warnings(), IsEmpty());
+  EXPECT_THAT(Build().compiled()->warnings(), ElementsAre(HasSubstr("the servo 's0' sends")));
+  EXPECT_THAT(Warnings({.hip_ctrl = "1 2"}, "control: {arm: joint_torque}\n"), IsEmpty());
 }
 
 TEST_F(Ranges, RadiansThatWereReadAsDegrees) {
@@ -110,6 +132,15 @@ TEST_F(Ranges, DegreesThatWereReadAsRadians) {
   const auto edited = Warnings({}, "edits: [{joint: hip, range: [-170, 170]}]\n");
   EXPECT_THAT(edited, ElementsAre(AllOf(StartsWith(file_ + ":6:29: robot 'arm': joint 'hip' may"),
                                         HasSubstr("in radians: [-2.9671, 2.9671]"))));
+}
+
+TEST_F(Ranges, JointsThatTurnManyTimes) {
+  EXPECT_THAT(Warnings({.hip = "-50 50", .hip_ctrl = "-50 50"}), IsEmpty()) << "a winch";
+  EXPECT_THAT(Warnings({.hip = "-1e6 1e6"}), IsEmpty()) << "without end";
+  EXPECT_THAT(Warnings({.hip = "-720 720"}), ElementsAre(HasSubstr("Are these degrees?")));
+  EXPECT_THAT(Warnings({.hip = "-170 170", .hip_ctrl = "0 0\" inheritrange=\"1"}),
+              ElementsAre(HasSubstr("Are these degrees?")))
+      << "the servo only repeats the joint";
 }
 
 TEST_F(Ranges, TheLargerNumberFirst) {
@@ -147,11 +178,25 @@ TEST_F(Ranges, ACameraFarAway) {
   EXPECT_THAT(Warnings({}, fmt::format(fmt::runtime(camera), "fore", 0.3)), IsEmpty());
   EXPECT_THAT(Warnings({}, fmt::format(fmt::runtime(camera), "base", 2.5)), IsEmpty());
   EXPECT_THAT(Warnings({}, fmt::format(fmt::runtime(camera), "fore", 80)),
-              ElementsAre(AllOf(StartsWith(file_ + ":7:"),
-                                HasSubstr("robot 'arm' / camera 'eye': is 79.8 m away from the "
-                                          "robot, which is 0."),
-                                HasSubstr("m large: `pos` is in metres, in the frame of what it "
-                                          "is attached to"))));
+              ElementsAre(AllOf(
+                  StartsWith(file_ + ":7:"),
+                  HasSubstr("robot 'arm' / camera 'eye': camera 'eye' is 79.8 m away from the "
+                            "robot, which is 0."),
+                  HasSubstr("m large: `pos` is in metres, in the frame of what it "
+                            "is attached to"))));
+}
+
+TEST_F(Ranges, ACameraOfTheModelsOwnMayBeAnywhere) {
+  Model({.finger = "/><camera name=\"view\" pos=\"5 0 0\"/><camera name=\"follow\" "
+                   "mode=\"trackcom\" pos=\"0 5 0\"/><geom size=\"0.001\""});
+  EXPECT_THAT(Build().compiled()->warnings(), IsEmpty());
+  EXPECT_THAT(Build("edits: [{camera: follow, pos: [0, 6, 0]}, {camera: view, fovy: 50}]\n")
+                  .compiled()
+                  ->warnings(),
+              IsEmpty());
+  EXPECT_THAT(Build("edits: [{camera: view, pos: [80, 0, 0]}]\n").compiled()->warnings(),
+              ElementsAre(AllOf(StartsWith(file_ + ":6:"),
+                                HasSubstr("robot 'arm' / edits[0]: camera 'view' is "))));
 }
 
 TEST_F(Ranges, AnActuatorOfAJointThatIsNotThere) {
@@ -163,11 +208,52 @@ TEST_F(Ranges, AnActuatorOfAJointThatIsNotThere) {
 }
 
 TEST_F(Ranges, AKeyframeOfAnotherModel) {
-  Model({.rest = "<keyframe><key name=\"home\" qpos=\"0 0.5\"/></keyframe>"});
+  Model({.rest = "<keyframe><key name=\"home\" qpos=\"0 0.5 0 0 1\"/></keyframe>"});
+  EXPECT_THROW(Compile(ParseXmlFile(model_).get()), SpecError);
   ExpectThrow<SpecError>([&] { Build(); },
                          model_ +
-                             ": the keyframe 'home' has 2 numbers in qpos, and the model's "
+                             ": the keyframe 'home' has 5 numbers in qpos, and the model's "
                              "joints need 4, in this order: hip, knee, l, r");
+}
+
+// The engine completes the keyframe, here of a model that another one is attached to; it is the
+// oracle.
+TEST_F(Ranges, AKeyframeOfTheOwnJointsOnly) {
+  AtomicWrite(folder_.path() / "tool.xml",
+              "<mujoco model=\"tool\"><worldbody><body name=\"t\"><joint name=\"spin\"/>"
+              "<geom size=\"0.02\" mass=\"0.1\"/></body></worldbody></mujoco>");
+  Model({.rest =
+             "<asset><model name=\"tool\" file=\"tool.xml\"/></asset><worldbody><body name=\"c\">"
+             "<attach model=\"tool\" body=\"t\" prefix=\"t_\"/></body></worldbody>"
+             "<keyframe><key name=\"home\" qpos=\"0.1 0.5\"/></keyframe>"});
+  const ModelPtr alone = Compile(ParseXmlFile(model_).get());
+  ASSERT_EQ(alone->nq, 5);
+  const Scene scene = Build("root_body: base\n");
+  EXPECT_THAT(scene.compiled()->warnings(),
+              Contains(model_ + ": robot 'arm': the keyframe 'home' has 2 numbers in qpos, and the "
+                                "model's joints need 5, in this order: hip, knee, l, r, t_spin. "
+                                "Without a number, and at their reference: l, r, t_spin"));
+  const mjModel* model = scene.model();
+  const int home = scene.compiled()->home_key();
+  for (const std::string joint : {"hip", "knee", "l", "r"}) {
+    const int own = FindId(alone.get(), mjOBJ_JOINT, joint);
+    const int there = FindId(model, mjOBJ_JOINT, "a/" + joint);
+    EXPECT_EQ(model->key_qpos[home * model->nq + model->jnt_qposadr[there]],
+              alone->key_qpos[alone->jnt_qposadr[own]])
+        << joint;
+  }
+}
+
+TEST_F(Ranges, AUrdfMayBeAPassiveTool) {
+  AtomicWrite(
+      folder_.path() / "pen.urdf",
+      "<robot name=\"pen\"><link name=\"pen\"><inertial><mass value=\"0.1\"/><inertia "
+      "ixx=\"1e-4\" iyy=\"1e-4\" izz=\"1e-4\" ixy=\"0\" ixz=\"0\" iyz=\"0\"/></inertial>"
+      "<collision><geometry><sphere radius=\"0.02\"/></geometry></collision></link></robot>");
+  Model();
+  const Scene scene =
+      Build("attachments: [{mjcf_path: pen.urdf, attach_to: {site: tip}, prefix: pen_}]\n");
+  EXPECT_GE(FindId(scene.model(), mjOBJ_BODY, "a/pen_pen"), 0);
 }
 
 TEST_F(Ranges, AUrdfIsNoRobotsModel) {

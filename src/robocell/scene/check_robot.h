@@ -6,6 +6,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/part.h"
@@ -28,14 +29,19 @@ void CheckFingers(const mjModel* model, const mjData* data, const RobotRecord& r
 void CheckToolPoints(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
 
 // check_ranges.cc: warnings for ranges that contradict each other or that look like degrees where
-// radians are meant: joints, their servos, home_noise. `part` is the robot's own model; the home
-// key is filled.
+// radians are meant: joints, actuators, home_noise. `part` is the robot's own model; the home key
+// is filled.
 void CheckRanges(const mjModel* model, int home_key, const RobotRecord& robot, const Part& part,
                  Report& report);
 
-// check_camera_places.cc: a warning for each of the robot's cameras that is far away from it at
-// home.
-void CheckCameraPlaces(const mjModel* model, int home_key, const RobotRecord& robot,
+// check_servos.cc: warnings for servos of an arm that cannot send it home, or hardly anywhere; a
+// note for those that stop before their joints do.
+void CheckServos(const mjModel* model, int home_key, const RobotRecord& robot, const Part& part,
+                 Report& report);
+
+// check_camera_places.cc: a warning for each camera that a robot's configuration adds or moves and
+// that is far away from the robot at home.
+void CheckCameraPlaces(const mjModel* model, int home_key, const std::vector<RobotRecord>& robots,
                        Report& report);
 
 }  // namespace robocell

@@ -235,8 +235,9 @@ class SceneCompiler {
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
     for (size_t i = 0; i < robots_.size(); ++i) {
       CheckRanges(model, out_->home_key_, out_->robots_[i], robots_[i]->part, report_);
-      CheckCameraPlaces(model, out_->home_key_, out_->robots_[i], report_);
+      CheckServos(model, out_->home_key_, out_->robots_[i], robots_[i]->part, report_);
     }
+    CheckCameraPlaces(model, out_->home_key_, out_->robots_, report_);
     FixVisibleRange(spec_.get(), model);
     out_->spec_owner_ = std::move(spec_);
   }

@@ -94,8 +94,6 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
   const auto file = FindModel(name, directory, place, field, report);
   if (!file) return std::nullopt;
   const size_t before = report.problem_count();
-  CheckIsMjcf(*file, place, field, report);
-  if (report.problem_count() > before) return std::nullopt;
   Part part{place, field, *file, nullptr, {}};
   try {
     part.spec = ParseXmlFile(*file);
