@@ -53,9 +53,13 @@ TEST_F(OverrideTest, ReplacesWhatTheFileHas) {
   EXPECT_EQ(Load({"run=other"}).run, "other");
 }
 
-TEST_F(OverrideTest, UnsetsFieldsOfAMap) {
-  for (const std::string nothing : {"null", "~", ""})
-    EXPECT_EQ(Error({"task={kind: pick, objects: " + nothing + "}"}), "") << nothing;
+TEST_F(OverrideTest, FieldsOfAMapWithoutAValueAreNoListItems) {
+  for (const std::string nothing : {"null", "~", ""}) {
+    EXPECT_THAT(Error({"task={kind: pick, objects: " + nothing + "}"}),
+                HasSubstr("task.objects: expected a name, a list of names, or a range like "
+                          "joint1..joint7, found nothing"))
+        << nothing;
+  }
 }
 
 TEST_F(OverrideTest, AddsWhatTheFileDoesNotHave) {
