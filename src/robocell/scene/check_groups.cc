@@ -165,9 +165,10 @@ class GroupCheck {
     if (!fingers) return;
     const std::string named = group.fingers.empty() ? ".joints" : ".fingers";
     if ((*fingers)[0] == (*fingers)[1]) {
-      return Problem(field + named,
-                     fmt::format("both fingers are the body '{}'; name one body of each finger",
-                                 WithoutPrefix(ElementName(m_, mjOBJ_BODY, (*fingers)[0]))));
+      // Of two parts of one body the gripper tells.
+      if (group.fingers.size() != 2 || group.fingers[0] != group.fingers[1]) return;
+      return Problem(field + named, fmt::format("both fingers are {}; name one body of each finger",
+                                                Describe(group.fingers[0])));
     }
     const int hand = CommonAncestor(m_, (*fingers)[0], (*fingers)[1]);
     CheckGripperActuators(field + ".actuators", group, hand);

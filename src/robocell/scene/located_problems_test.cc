@@ -153,7 +153,7 @@ TEST_F(Located, OneFingerTwice) {
       "move_groups:\n"
       "  hand: {kind: gripper, actuators: [g_grip], fingers: [{body: g_left}, {body: g_left}]}\n");
   ExpectThrow<SpecError>([&] { BuildRobot(file); },
-                         "move_groups.hand.fingers: both fingers are the body 'g_left'; name one "
+                         "move_groups.hand.fingers: both fingers are body 'g_left'; name one "
                          "body of each finger");
 }
 
