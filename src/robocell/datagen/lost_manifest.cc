@@ -7,6 +7,7 @@
 
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/portable_name.h"
+#include "robocell/base/error.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/model_store.h"
 
@@ -45,6 +46,15 @@ RunInputs InputsIn(const Episode& episode, const std::string& identity, const Ru
   return then;
 }
 
+// Unset for a folder that holds other things.
+std::optional<Dataset> DatasetIn(const std::string& folder) {
+  try {
+    return Dataset(folder);
+  } catch (const ArgumentError&) {
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run,
@@ -53,9 +63,11 @@ std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& ru
   const StoredPaths stored = StoredPathsOf(run);
   inputs.files.clear();
   for (const auto& [key, paths] : stored) inputs.files[key] = *paths.begin();
+  const std::optional<Dataset> dataset = DatasetIn(run.output);
+  if (!dataset) return std::nullopt;
   bool found = false;
   std::set<std::string> changes;
-  for (const Episode& episode : Dataset(run.output)) {
+  for (const Episode& episode : *dataset) {
     const Json identity = Json::parse(episode.metadata_json()).value("identity", Json());
     if (!identity.is_string()) continue;
     found = true;
