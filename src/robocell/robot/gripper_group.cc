@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kOpenFrom = 0.9;      // opening above which a gripper counts as open
 constexpr double kLeastTravel = 1e-4;  // metres; fingers that move less do not move
+constexpr double kJammed = 0.8;        // of the travel; slow fingers differ by less
 
 // Whether a geom of the finger's side is in contact with a geom on a body that `accept` takes.
 template <class Accept>
@@ -106,11 +107,25 @@ GripperRange ActuatedGripper::Measure() const {
                      actuator_names()[0]));
   }
   const auto [at_open, at_closed] = Settled({ends.open, ends.closed});
-  if (std::abs(at_open - at_closed) < kLeastTravel) {
+  // The other way round: the one is from home then, and the other after it.
+  const auto [closed_first, open_after] = Settled({ends.closed, ends.open});
+  const auto [least, most] = std::minmax({at_open, at_closed, closed_first, open_after});
+  if (most - least < kLeastTravel) {
     Fail("fingers", fmt::format("the finger distance stays at {:.4f} m between control {} and {}; "
                                 "are `fingers` and `ctrl` right?",
                                 at_open, ends.open, ends.closed));
   }
+  const auto jams = [&](double ctrl, double from_home, double later, double other) {
+    if (std::abs(from_home - later) < kJammed * (most - least)) return;
+    Fail("fingers",
+         fmt::format(
+             "the fingers do not come back: control {} brings them {:.4f} m apart from home, and "
+             "leaves them {:.4f} m apart after control {}. Do they overlap or catch on each "
+             "other, or is the actuator too weak to move them?",
+             ctrl, from_home, later, other));
+  };
+  jams(ends.open, at_open, open_after, ends.closed);
+  jams(ends.closed, closed_first, at_closed, ends.open);
   if (at_open > at_closed) return {ends, {at_closed, at_open}};
   if (!config_.ctrl) return {{ends.closed, ends.open}, {at_open, at_closed}};
   Fail("ctrl", fmt::format("the fingers are {:.4f} m apart at ctrl.open = {} and {:.4f} m at "

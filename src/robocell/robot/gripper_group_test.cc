@@ -8,6 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/testing/robots.h"
+#include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -253,6 +254,35 @@ TEST(Gripper, SaysWhenOpenAndClosedAreSwapped) {
       [&] { robot.gripper().opening(); },
       "robot 'rc7' / group 'gripper': the fingers are 0.0020 m apart at ctrl.open = 0 and 0.0900 m "
       "at ctrl.closed = 100; open and closed are swapped");
+}
+
+// It closes with 5 N and opens with less than friction takes.
+TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
+  constexpr const char* kSticky = R"(<compiler angle="radian"/><worldbody><body name="palm">
+    <geom size=".01" mass=".1"/>
+    <body name="left" pos="0 .05 .05"><joint name="l" type="slide" axis="0 1 0" range="-.04 0"
+      limited="true" frictionloss="1"/><geom type="box" size=".01 .004 .02" mass=".05"/></body>
+    <body name="right" pos="0 -.05 .05"><joint name="r" type="slide" axis="0 -1 0" range="-.04 0"
+      limited="true" frictionloss="1"/><geom type="box" size=".01 .004 .02" mass=".05"/></body>
+    </body></worldbody><equality><joint joint1="l" joint2="r"/></equality><actuator>
+    <position name="grip" joint="l" kp="200" kv="5" ctrlrange="-.04 0" forcerange="-5 .5"/>
+    </actuator>)";
+  ModelFolder folder;
+  RobotConfig config = ArmConfig(folder.Write("arm", kTwoJointArm));
+  config.attachments.push_back({.mjcf_path = folder.Write("sticky", kSticky),
+                                .attach_to = {AttachKind::kSite, "flange"},
+                                .prefix = "g_"});
+  config.move_groups["gripper"] = {
+      .kind = MoveGroupKind::kGripper, .joints = {"g_l", "g_r"}, .actuators = {"g_grip"}};
+  for (const bool said : {false, true}) {
+    if (said) GripperConfig(config).ctrl = GripperCtrl{.open = 0, .closed = -0.04};
+    Robot robot = RobotAlone(config);
+    ExpectThrow<ArgumentError>(
+        [&] { robot.gripper().opening(); },
+        "group 'gripper': the fingers do not come back: control 0 brings them 0.0920 m apart from "
+        "home, "
+        "and leaves them 0.02");
+  }
 }
 
 TEST(Gripper, SaysWhenItsFingersDoNotMove) {

@@ -104,6 +104,16 @@ TEST_F(Ranges, AServoThatStopsBeforeItsJointIsANote) {
                           "ctrlrange): s1 -0.5 to 2 of -2 to 2, s2 -2.25 to 2.25 of -2.5 to 2.5"));
 }
 
+TEST_F(Ranges, ControlsInDegrees) {
+  EXPECT_THAT(Warnings({.knee_ctrl = "-143 143"}),
+              ElementsAre(model_ + ":12: robot 'arm': the servo 's2' takes -143 to 143 rad for "
+                                   "joint 'knee' (its ctrlrange), which may move from -2.5 to 2.5 "
+                                   "rad. Are these degrees? The engine converts joints' ranges, "
+                                   "never ctrlrange: edits: [{actuator: 's2', ctrlrange: [-2.5, "
+                                   "2.5]}]"));
+  EXPECT_THAT(Warnings({.knee_ctrl = "-7 7"}), IsEmpty());
+}
+
 TEST_F(Ranges, OnlyTheServosThatTheArmIsDrivenBy) {
   const std::string fine =
       "<actuator><position name=\"s0\" joint=\"hip\" ctrlrange=\"0.1 0.2\"/></actuator>";

@@ -1,20 +1,29 @@
-// Where an arm's servos can send its joints, against home and the joints' ranges. A servo that
-// stops short of its joint is meant so more often than not: that is a note.
+// Where servos can send their joints, against home and the joints' ranges. A servo that stops short
+// of its joint is meant so more often than not: that is a note. One that goes far beyond was given
+// degrees: the engine converts joints' ranges, and never controls.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "robocell/base/names.h"
 #include "robocell/base/units.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/check_robot.h"
 #include "robocell/scene/compile_problem.h"
+#include "robocell/scene/control_modes.h"
+#include "robocell/scene/hold_ctrl.h"
 #include "robocell/scene/joint_ranges.h"
 
 namespace robocell {
 namespace {
 
-constexpr double kServoSlack = 0.02;               // of a joint's range
-constexpr double kHardlyAny = 0.05;                // of a joint's range: no safety margin
+constexpr double kServoSlack = 0.02;  // of a joint's range
+constexpr double kHardlyAny = 0.05;   // of a joint's range: no safety margin
+constexpr double kManyTimes = 20;     // a joint's range; degrees are 57 times
+constexpr double kManyTurns = 4 * kPi;
 constexpr double kHardlyTurns = Radians(4 * kPi);  // what 4 pi become that are taken for degrees
 
 class ServoCheck {
@@ -82,6 +91,38 @@ class ServoCheck {
   std::vector<std::string> short_;
 };
 
+// The hinge with a range that a position servo drives; -1 without.
+int HingeOf(const mjModel* m, int actuator) {
+  if (actuator < 0 || m->actuator_trntype[actuator] != mjTRN_JOINT || !IsPositionServo(m, actuator))
+    return -1;
+  const int joint = m->actuator_trnid[2 * actuator];
+  return m->jnt_type[joint] == mjJNT_HINGE && m->jnt_limited[joint] ? joint : -1;
+}
+
+// Of arms and grippers: a finger's controls are the ends of this very range unless it is said.
+void CheckForDegrees(const mjModel* m, const RobotRecord& robot, const Part& part,
+                     const MoveGroupConfig& group, Report& report) {
+  const JointRanges ranges(m, robot, part);
+  const bool arm = group.kind == MoveGroupKind::kArm;
+  for (const std::string& name :
+       arm ? ArmActuators(group, part.spec.get()) : group.actuators.names) {
+    const int servo = FindId(m, mjOBJ_ACTUATOR, robot.prefix + name);
+    const int joint = HingeOf(m, servo);
+    const auto span = joint < 0 ? std::nullopt : ranges.ServoSpan(servo);
+    if (!span || span->width() < std::max(kManyTurns, kManyTimes * ranges.RangeOf(joint).width()))
+      continue;
+    const Reach range = ranges.RangeOf(joint);
+    report.WarnAt(
+        PlaceInModel(part, mjOBJ_ACTUATOR, name), part.place,
+        fmt::format("the servo '{0}' takes {1} rad for joint '{2}' (its ctrlrange), which may move "
+                    "from {3} rad. Are these degrees? The engine converts joints' ranges, never "
+                    "ctrlrange: edits: [{{actuator: '{0}', ctrlrange: [{4:.4g}, {5:.4g}]}}]",
+                    name, span->text(), ranges.Name(mjOBJ_JOINT, joint), range.text(),
+                    std::min(ranges.Ctrl(servo, range.lower), ranges.Ctrl(servo, range.upper)),
+                    std::max(ranges.Ctrl(servo, range.lower), ranges.Ctrl(servo, range.upper))));
+  }
+}
+
 bool IsOfPositions(const RobotConfig& config, const std::string& group) {
   const ControlKind* control = config.control.find(group);
   return !control || ModeOf(*control) == CtrlMode::kPosition;
@@ -92,6 +133,7 @@ bool IsOfPositions(const RobotConfig& config, const std::string& group) {
 void CheckServos(const mjModel* model, int home_key, const RobotRecord& robot, const Part& part,
                  Report& report) {
   for (const auto& [name, group] : robot.config.move_groups.entries()) {
+    CheckForDegrees(model, robot, part, *group, report);
     if (group->kind == MoveGroupKind::kArm && IsOfPositions(robot.config, name))
       ServoCheck(model, home_key, robot, part, report).Run(name, *group);
   }
