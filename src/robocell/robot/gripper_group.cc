@@ -109,14 +109,15 @@ GripperRange ActuatedGripper::Measure() const {
   const auto [at_open, at_closed] = Settled({ends.open, ends.closed});
   // The other way round: the one is from home then, and the other after it.
   const auto [closed_first, open_after] = Settled({ends.closed, ends.open});
-  const auto [least, most] = std::minmax({at_open, at_closed, closed_first, open_after});
-  if (most - least < kLeastTravel) {
+  const auto ends_of_travel = std::minmax({at_open, at_closed, closed_first, open_after});
+  const double travel = ends_of_travel.second - ends_of_travel.first;
+  if (travel < kLeastTravel) {
     Fail("fingers", fmt::format("the finger distance stays at {:.4f} m between control {} and {}; "
                                 "are `fingers` and `ctrl` right?",
                                 at_open, ends.open, ends.closed));
   }
   const auto jams = [&](double ctrl, double from_home, double later, double other) {
-    if (std::abs(from_home - later) < kJammed * (most - least)) return;
+    if (std::abs(from_home - later) < kJammed * travel) return;
     Fail("fingers",
          fmt::format(
              "the fingers do not come back: control {} brings them {:.4f} m apart from home, and "
