@@ -15,8 +15,13 @@ function(robocell_test name)
   target_include_directories(${name} SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
   target_link_libraries(${name} PRIVATE robocell robocell_testing robocell_flags spdlog::spdlog yaml-cpp
     nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
-  # Tests wait for the library, which is optimised; optimising them costs more than it brings.
-  target_compile_options(${name} PRIVATE "$<$<CONFIG:Release>:-O1>")
+  # Tests wait for the library, which is optimised; optimising them costs more than it brings, but for
+  # those that compute much themselves.
+  set(level -O0)
+  if(name MATCHES "^(math|kinematics|control|render|threads)_test$")
+    set(level -O1)
+  endif()
+  target_compile_options(${name} PRIVATE "$<$<CONFIG:Release>:${level}>")
   set_target_properties(${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
   string(REPLACE "_test" "" label ${name})
   # Two processes a layer: starting one for every test costs more than most tests.
