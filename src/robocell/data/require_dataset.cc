@@ -14,6 +14,7 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/data/folder_names.h"
 #include "robocell/data/model_store.h"
 #include "robocell/data/quarantine.h"
 
@@ -23,17 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kShown = 5;
-
-std::vector<std::string> NamesIn(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    names.push_back(it->path().filename().string());
-  }
-  if (error) ThrowIoError("list", folder, error.value());
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 bool IsOfDataset(const fs::path& folder, const std::string& name) {
   return name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
@@ -62,7 +52,7 @@ std::string NearestDataset(const fs::path& folder, const std::vector<std::string
 }  // namespace
 
 void RequireDataset(const fs::path& folder) {
-  const std::vector<std::string> names = NamesIn(folder);
+  const std::vector<std::string> names = FolderNames(folder);
   if (std::any_of(names.begin(), names.end(),
                   [&](const std::string& name) { return IsOfDataset(folder, name); }))
     return;

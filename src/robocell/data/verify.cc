@@ -20,6 +20,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/data/folder_names.h"
 #include "robocell/data/leftovers.h"
 #include "robocell/data/model_store.h"
 #include "robocell/data/own_folders.h"
@@ -33,17 +34,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-std::vector<std::string> List(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    names.push_back(it->path().filename().string());
-  }
-  if (error) ThrowIoError("list", folder, error.value());
-  std::sort(names.begin(), names.end());
-  return names;
-}
 
 // Checks one episode from the outside in: episode.json, the list of files, their bytes, then what
 // they hold.
@@ -114,7 +104,7 @@ class EpisodeCheck {
   }
 
   void CheckNothingElse() {
-    for (const std::string& name : List(folder_)) {
+    for (const std::string& name : FolderNames(folder_)) {
       if (name == kEpisodeFile || description_.at("files").contains(name)) continue;
       Report(name, "it does not belong to the episode: episode.json does not list it");
     }
@@ -286,7 +276,7 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
   RequireDataset(dataset);
   VerifyReport report;
   std::vector<std::string> episodes;
-  for (const std::string& name : List(dataset)) {
+  for (const std::string& name : FolderNames(dataset)) {
     if (IsTemporaryName(name) || name == kManifestFile || name == kQuarantineFolder ||
         name == kModelsFolder || IsReportFile(name)) {
       continue;
@@ -307,7 +297,7 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
     if (options.progress) options.progress(i + 1, episodes.size());
   }
   CheckManifest(dataset, report);
-  for (const std::string& name : List(dataset)) {
+  for (const std::string& name : FolderNames(dataset)) {
     if (IsReportFile(name)) CheckReport(dataset, name, report);
   }
   CheckOwnFolders(dataset, report);

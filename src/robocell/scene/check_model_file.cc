@@ -41,24 +41,6 @@ std::string RootElement(std::string_view xml) {
   return "";
 }
 
-// What is asked of the model for an actuator, tendons and sites included.
-mjtObj Target(const mjsActuator* actuator) {
-  switch (actuator->trntype) {
-    case mjTRN_JOINT:
-    case mjTRN_JOINTINPARENT:
-      return mjOBJ_JOINT;
-    case mjTRN_TENDON:
-      return mjOBJ_TENDON;
-    case mjTRN_SITE:
-    case mjTRN_SLIDERCRANK:
-      return mjOBJ_SITE;
-    case mjTRN_BODY:
-      return mjOBJ_BODY;
-    default:
-      return mjOBJ_UNKNOWN;
-  }
-}
-
 }  // namespace
 
 void CheckIsMjcf(const std::string& file, const std::string& place, const std::string& field,
@@ -80,7 +62,7 @@ void CheckActuatorTargets(const Part& part, Report& report) {
   const mjSpec* spec = part.spec.get();
   for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
     const mjsActuator* actuator = mjs_asActuator(element);
-    const mjtObj kind = Target(actuator);
+    const mjtObj kind = TargetKind(actuator->trntype);
     const std::string target = mjs_getString(actuator->target);
     if (kind == mjOBJ_UNKNOWN || FindSpecElement(spec, kind, target)) continue;
     const std::string name = SpecName(element);

@@ -16,24 +16,6 @@
 namespace robocell {
 namespace {
 
-// What an actuator with this transmission names as its target.
-mjtObj TargetKind(mjtTrn transmission) {
-  switch (transmission) {
-    case mjTRN_JOINT:
-    case mjTRN_JOINTINPARENT:
-      return mjOBJ_JOINT;
-    case mjTRN_TENDON:
-      return mjOBJ_TENDON;
-    case mjTRN_SITE:
-    case mjTRN_SLIDERCRANK:
-      return mjOBJ_SITE;
-    case mjTRN_BODY:
-      return mjOBJ_BODY;
-    default:
-      return mjOBJ_UNKNOWN;
-  }
-}
-
 // One edit on one model.
 class Editor {
  public:

@@ -111,6 +111,23 @@ mjsElement* FindSpecElement(const mjSpec* spec, mjtObj kind, const std::string& 
   return mjs_findElement(spec, kind, name.c_str());
 }
 
+mjtObj TargetKind(mjtTrn transmission) {
+  switch (transmission) {
+    case mjTRN_JOINT:
+    case mjTRN_JOINTINPARENT:
+      return mjOBJ_JOINT;
+    case mjTRN_TENDON:
+      return mjOBJ_TENDON;
+    case mjTRN_SITE:
+    case mjTRN_SLIDERCRANK:
+      return mjOBJ_SITE;
+    case mjTRN_BODY:
+      return mjOBJ_BODY;
+    default:
+      return mjOBJ_UNKNOWN;
+  }
+}
+
 mjsBody* WorldBody(mjSpec* spec) { return mjs_findBody(spec, "world"); }
 
 Pose PoseInParent(mjsElement* element) {

@@ -27,6 +27,9 @@ void SetSpecName(mjsElement* element, const std::string& name, const std::string
 // Elements of a kind directly in a body, or in its whole subtree.
 std::vector<mjsElement*> BodyElements(mjsBody* body, mjtObj kind, bool whole_subtree = false);
 
+// What an actuator with this transmission names as its target; mjOBJ_UNKNOWN for none of ours.
+mjtObj TargetKind(mjtTrn transmission);
+
 // The element of that name, null when there is none. Frames are a kind like the others.
 mjsElement* FindSpecElement(const mjSpec* spec, mjtObj kind, const std::string& name);
 mjsBody* WorldBody(mjSpec* spec);
