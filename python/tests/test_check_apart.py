@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 import robocell
+from command_line import refused, write_run
 from robocell.generate.check import check_apart
 from robocell.generate.protocol import Failure
-from test_cli import refused, write_run
 
 
 def ends(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> None:

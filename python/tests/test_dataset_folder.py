@@ -10,10 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from command_line import write_run
 from robocell import DatasetLock, IoError, RunConfig, make_plan, remove_leftovers
 from robocell.generate.disk import disk_trouble
 from robocell.generate.resume import DamagedEpisodesError, is_made, made_items
-from test_cli import write_run
 
 
 def test_a_folder_is_generated_by_one_run_at_a_time(tmp_path: Path):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import robocell
-from test_cli import refused, robocell_command, write_run
+from command_line import refused, robocell_command, write_run
 
 SIZE = (64, 48)
 CAMERAS = {

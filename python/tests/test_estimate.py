@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 import robocell
+from command_line import refused, robocell_command, write_run
 from robocell.generate.estimate import Estimate, scaled
 from robocell.generate.probe import Probe, Sample, spread
-from test_cli import refused, robocell_command, write_run
 
 
 def sample(rows: int, *, frames: int = 0, extra: int = 0, **times: float) -> Sample:

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from test_cli import write_run
+from command_line import write_run
 
 
 class Idle(rc.Expert):

@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 import robocell
+from command_line import RUN, robocell_command, write_run
 from contents import contents, of_episodes
-from test_cli import RUN, robocell_command, write_run
 
 IDS = ["s0000_e0000", "s0000_e0001"]
 # Enough that each of seven workers gets one; too far away for every first start to be in reach.

@@ -9,7 +9,7 @@ import h5py
 import pytest
 
 import robocell
-from test_cli import refused, robocell_command, write_run
+from command_line import refused, robocell_command, write_run
 
 IDS = ["s0000_e0000", "s0000_e0001"]
 QPOS = "robots/rc7/arm/qpos"

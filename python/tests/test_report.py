@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 import robocell
+from command_line import refused, robocell_command, write_run
 from robocell.generate import report as reports
 from robocell.generate.items import Report
 from robocell.generate.report import Command, DamagedReportError, RunReport
@@ -24,7 +25,6 @@ from robocell.generate.totals import (
     side_by_side,
     size,
 )
-from test_cli import refused, robocell_command, write_run
 
 IDS = ["s0000_e0000", "s0000_e0001"]
 

@@ -1,0 +1,221 @@
+"""`robocell check` and its neighbours: what is said of a robot's file and model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import robocell
+from command_line import RC7, refused, robocell_command, set_in, write_robot, write_run
+from robocell.cli.robot_checks import idle_actuators
+from robocell.cli.robot_scene import load_robot
+
+
+def test_check_of_a_file_that_only_names_a_model_says_what_the_model_has(tmp_path: Path):
+    path = tmp_path / "new.yaml"
+    path.write_text(f"name: new\nmodel: {RC7.parent / 'rc7.xml'}\n")
+    text = refused("check", path)
+    assert "robot 'new' has no arm group" in text
+    assert "move_groups" in text
+    assert "Its joints: joint1, joint2" in text
+    assert "Its sites: " in text
+    assert "Robot::FromScene" not in text
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (set_in("move_groups", "arm", "joints", value="joint2..joint8"), "no joint 'joint8'"),
+        (set_in("move_groups", "arm", "leaf", value={"body": "base_link"}), "nothing moves"),
+        (set_in("model", value="menagerie:no_robot/no.xml"), "robocell fetch no_robot"),
+        (set_in("base", "size", value=[0.2, 0.2]), "base.size: expected a list of 3 numbers"),
+        (set_in("home", "arm", 0, value=float("nan")), "home.arm[0]: nan is not a finite number"),
+    ],
+)
+def test_a_wrong_robot_file_is_told_with_the_place(
+    tmp_path: Path, change: Callable[[dict[str, Any]], object], told: str
+):
+    assert told in refused("check", write_robot(tmp_path, change))
+
+
+def test_what_is_wrong_with_the_model_is_told_with_the_line_of_the_robot_file(tmp_path: Path):
+    path = write_robot(tmp_path, set_in("move_groups", "arm", "leaf", value={"site": "tpc"}))
+    number = 1 + next(i for i, line in enumerate(path.read_text().splitlines()) if "tpc" in line)
+    text = refused("check", path)
+    assert f"{path}:{number}:" in text
+    assert "robot 'rc7': move_groups.arm.leaf: no site 'tpc'. Its sites:" in text
+    assert "scene" not in text
+
+
+def test_a_missing_mesh_is_told_with_robot_and_model(tmp_path: Path):
+    model = tmp_path / "arm.xml"
+    model.write_text(
+        '<mujoco><asset><mesh name="link" file="link.stl"/></asset><worldbody><body name="b">'
+        '<geom type="mesh" mesh="link"/></body></worldbody></mujoco>'
+    )
+    path = tmp_path / "arm.yaml"
+    path.write_text("name: arm\nmodel: arm.xml\n")
+    text = refused("check", path)
+    assert f"{path}:2:8: robot 'arm': {model} refers to the file 'link.stl' (mesh 'link'" in text
+    assert f"there is no {tmp_path}/link.stl." in text
+    assert "Get the model with all its files" in text
+
+
+def test_a_picture_is_a_png_or_refused_before_anything_is_done(tmp_path: Path):
+    text = refused("check", RC7, "--picture", tmp_path / "rc7.jpg")
+    assert f"pictures are PNG files: give '{tmp_path}/rc7.png'" in text
+    assert not list(tmp_path.iterdir())
+    assert "there is no folder" in refused(
+        "check", RC7, "--picture", tmp_path / "none" / "a.png", code=3
+    )
+    text = refused("check", RC7, "--picture", tmp_path)
+    assert f"'{tmp_path}' is a folder; give the picture a name: '{tmp_path}/picture.png'" in text
+
+
+def test_lights_of_a_model_are_a_note_and_nothing_wrong(tmp_path: Path):
+    lit = tmp_path / "lit.xml"
+    text = (RC7.parent / "rc7.xml").read_text()
+    lit.write_text(text.replace("<worldbody>", '<worldbody><light name="lamp"/>', 1))
+    result = robocell_command("check", write_robot(tmp_path, set_in("model", value=str(lit))))
+    assert result.returncode == 0, result.stderr
+    assert "note: robot 'rc7': only body 'base_link' of " in result.stdout
+    assert "light 'lamp'; the scene has its own" in result.stdout
+    assert "nothing found wrong" in result.stdout
+    assert result.stderr == ""
+
+
+def test_a_robot_without_gripper_is_told_with_its_groups(tmp_path: Path):
+    def remove_gripper(config: dict[str, Any]) -> None:
+        for field in ("move_groups", "home", "control", "home_noise"):
+            config[field].pop("gripper")
+
+    path = write_robot(tmp_path, remove_gripper)
+    assert "robot 'rc7' has no gripper. Its move groups: arm (arm)" in refused(
+        "gripper-range", path
+    )
+    warnings = robocell_command("check", path).stderr
+    assert "no move group has the actuators gripper: nothing will command them" in warnings
+
+
+@pytest.mark.parametrize("controller", ["joint_velocity", "joint_torque", "joint_impedance"])
+def test_actuators_that_were_added_for_a_controller_are_not_idle(tmp_path: Path, controller: str):
+    def choose(config: dict[str, Any]) -> None:
+        config["control"]["arm"] = controller
+        config["move_groups"].pop("gripper")
+        for field in ("home", "control", "home_noise"):
+            config[field].pop("gripper")
+
+    loaded = load_robot(write_robot(tmp_path, choose))
+    assert loaded.scene.model.nu == 7 + 1 + 7
+    assert idle_actuators(loaded) == [
+        "no move group has the actuators gripper: nothing will command them"
+    ]
+
+
+def test_check_warns_of_what_is_valid_but_looks_wrong(tmp_path: Path):
+    def spoil(config: dict[str, Any]) -> None:
+        config.update(gravcomp=False, stiffness=20.0)
+
+    result = robocell_command("check", write_robot(tmp_path, spoil))
+    assert result.returncode == 0, result.stderr
+    assert "drifts by" in result.stderr
+    assert "gravcomp: true" in result.stderr
+    assert "nothing found wrong" not in result.stdout
+
+
+def test_a_distance_that_the_gripper_does_not_have_is_refused_by_check_and_by_runs(tmp_path: Path):
+    distance = {"closed": 0.0, "open": 0.9}
+    robot = write_robot(tmp_path, set_in("move_groups", "gripper", "distance", value=distance))
+    text = "move_groups.gripper.distance: the fingers are 0.002 m apart when closed and 0.090 m "
+    assert text in refused("check", robot)
+    run = write_run(tmp_path, robot=str(robot))
+    for more in ([], ["--dry-run"]):
+        assert f"robot.{text}" in refused("generate", run, *more)
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_check_warns_of_runs_warn_of_and_say_from_where_the_robot_would_reach(tmp_path: Path):
+    robot = write_robot(tmp_path, set_in("force_limit", value=0.01))
+    warned = "pushes with all it may, 0.01 N m"
+    assert warned in robocell_command("check", robot).stderr
+    task = {"kind": "pick", "objects": ["box"], "base_distance": [0.3, 0.5]}
+    task |= {"base_height_offset": 0.4, "base_height_noise": [0.0, 0.0]}
+    run = write_run(tmp_path, robot=str(robot), task=task, max_attempts=1, episodes_per_scene=1)
+    result = robocell_command("generate", run)
+    assert result.returncode == 1, result.stdout + result.stderr
+    assert warned in result.stderr
+    said = " ".join((result.stdout + result.stderr).split())
+    assert "a grasp from above, pregrasp and lift included, is in reach with" in said
+    assert "the run says 0.4, with noise 0 ... 0, and 0.3 ... 0.5" in said
+
+
+@pytest.mark.parametrize("control", ["", "control: {arm: joint_position}\n"])
+def test_an_arm_of_motors_is_refused_by_check_and_by_runs(tmp_path: Path, control: str):
+    (tmp_path / "bob.xml").write_text(
+        '<mujoco><worldbody><body name="base"><geom size="0.05"/><body name="link" pos="0 0 0.1">'
+        '<joint name="hip" axis="0 1 0" range="-90 90"/><geom type="capsule" size="0.02" '
+        'fromto="0 0 0 0 0 0.3"/><site name="tip" pos="0 0 0.3"/></body></body></worldbody>'
+        '<actuator><motor name="drive" joint="hip"/></actuator></mujoco>'
+    )
+    robot = tmp_path / "bob.yaml"
+    robot.write_text(
+        "name: bob\nmodel: bob.xml\nmove_groups:\n"
+        "  arm: {kind: arm, joints: [hip], actuators: [drive], leaf: {site: tip}}\n" + control
+    )
+    result = robocell_command("check", robot)
+    assert result.returncode == 2
+    assert "actuator 'drive' is no position servo of one of its joints" in result.stderr
+    assert "give the group another controller, or the model a servo" in result.stderr
+    assert "robot 'bob' / group 'arm'" in result.stderr
+    for hint in ("gravcomp", "stiffness"):
+        assert hint not in result.stderr
+    run = write_run(tmp_path, robot=str(robot))
+    assert "drive' is no position servo of one of its joints" in refused("generate", run)
+    if not control:
+        assert "none" in next(line for line in result.stdout.splitlines() if "drive" in line)
+
+
+def test_the_range_of_grippers_is_printed_in_this_form():
+    result = robocell_command("gripper-range", RC7)
+    assert result.returncode == 0, result.stderr
+    first, second = result.stdout.splitlines()
+    assert first == "Gripper finger ranges:"
+    config = robocell.RobotConfig.load(RC7)
+    assert second.startswith("    Gripper 'gripper': ")
+    closed, opened = map(float, second.rpartition(": ")[2].split(" - "))
+    if config.move_groups["gripper"].distance:
+        distance = config.move_groups["gripper"].distance
+        assert (closed, opened) == (distance.closed, distance.open)
+    assert 0 <= closed < opened < 0.2
+
+
+def test_check_shows_the_robot_and_finds_nothing_wrong_with_the_builtin_one(tmp_path: Path):
+    picture = tmp_path / "rc7.png"
+    result = robocell_command("check", RC7, "--picture", picture)
+    assert result.returncode == 0, result.stderr
+    for text in ("move groups: arm (arm), gripper (gripper)", "reach: ", "tcp", "wrist_camera"):
+        assert text in result.stdout
+    ctrl = robocell.RobotConfig.load(RC7).move_groups["gripper"].ctrl
+    assert ctrl is not None
+    assert (
+        f"    Gripper 'gripper': ctrl {ctrl.closed:g} closed, {ctrl.open:g} open\n" in result.stdout
+    )
+    assert "nothing found wrong" in result.stdout, result.stderr
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_ik_test_solves_what_the_robot_can_reach():
+    for parallel in ((), ("--parallel",)):
+        result = robocell_command("ik-test", RC7, "--samples", 200, *parallel)
+        assert result.returncode == 0, result.stdout + result.stderr
+        assert "of 200 at 1e-05 m, rad" in result.stdout
+
+
+@pytest.mark.parametrize("command", ["check", "generate"])
+def test_a_model_file_in_the_place_of_a_yaml_file_is_told(command: str):
+    model = RC7.with_suffix(".xml")
+    text = refused(command, model)
+    assert f"{model}: this is XML, a model file; a YAML file is wanted here" in text

@@ -1,0 +1,68 @@
+"""The command line while it starts: Ctrl-C, and what counts as the command."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from robocell._startup import is_command
+
+CTRL_C_AT_IMPORT = """
+import builtins, os, signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+real = builtins.__import__
+def load(name, *rest, **more):
+    if name == "{module}":
+        os.kill(os.getpid(), signal.SIGINT)
+    return real(name, *rest, **more)
+builtins.__import__ = load
+"""
+
+
+def interrupted_at_import(
+    folder: Path, module: str, *arguments: str
+) -> subprocess.CompletedProcess[str]:
+    """Runs Python, with Ctrl-C when it comes to import a module."""
+    (folder / "sitecustomize.py").write_text(CTRL_C_AT_IMPORT.format(module=module))
+    return subprocess.run(
+        [sys.executable, *arguments],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(folder), *sys.path])},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("module", ["robocell._core", "typer", "robocell.cli.generate"])
+def test_ctrl_c_while_the_command_is_loaded_leaves_no_traceback(tmp_path: Path, module: str):
+    result = interrupted_at_import(tmp_path, module, "-m", "robocell", "doctor")
+    assert (result.returncode, result.stderr) == (-signal.SIGINT, "")
+
+
+def test_a_program_that_imports_robocell_keeps_its_ctrl_c(tmp_path: Path):
+    code = "try: import robocell\nexcept KeyboardInterrupt: print('heard')"
+    result = interrupted_at_import(tmp_path, "robocell._core", "-c", code)
+    assert (result.returncode, result.stdout) == (0, "heard\n")
+
+
+@pytest.mark.parametrize(
+    ("line", "command"),
+    [
+        ("/usr/bin/robocell generate run.yaml", True),
+        ("python -m robocell check", True),
+        ("/usr/bin/python3 -X dev -u -m robocell", True),
+        ("python3 /opt/bin/robocell check", True),
+        ("python -m robocell.generate.worker", False),
+        ("python -m pytest robocell", False),
+        ("python script.py robocell", False),
+        ("python -c code robocell", False),
+        ("python", False),
+    ],
+)
+def test_what_counts_as_the_command(line: str, command: bool):
+    assert is_command(line.split()) is command
