@@ -124,8 +124,8 @@ bench: setup
 	@$(PYTHON) benchmarks/run.py
 
 # The long form of what make test does quickly: kills, full disks, damage, leaks, the wheel, fuzzing,
-# races. Then `scripts/soak_figures.py` writes the figures into docs/reliability.md. Hours, on a machine
-# that does nothing else (times are compared); `make --keep-going soak` goes on after a failure.
+# races. Then `scripts/soak_figures.py` writes the figures into docs/reliability.md. An hour or more, on
+# a machine that does nothing else (times are compared); `make --keep-going soak` goes on after a failure.
 SOAK_FUZZ_SECONDS ?= 600
 soak: soak-reliability soak-tests check-tsan soak-fuzz
 
