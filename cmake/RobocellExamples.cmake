@@ -5,6 +5,8 @@ foreach(source ${examples})
   get_filename_component(name "${source}" NAME_WE)
   add_executable(example_${name} "${source}")
   target_link_libraries(example_${name} PRIVATE robocell robocell_flags)
+  # They wait for the library, which is optimised.
+  target_compile_options(example_${name} PRIVATE "$<$<CONFIG:Release>:-O0>")
   target_compile_definitions(example_${name} PRIVATE EXAMPLES_DIR="${CMAKE_SOURCE_DIR}/examples")
   set_target_properties(example_${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
   if(ROBOCELL_TESTS)

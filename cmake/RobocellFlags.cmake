@@ -19,10 +19,12 @@ add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,GNU>:SHELL:--param ggc-min-heap
 # Files of one folder are compiled several at a time, which halves the time of a whole build: they share the same
 # headers and the same templates. So names in anonymous namespaces are unique within a layer.
 option(ROBOCELL_UNITY "Compile several sources of a layer together" ON)
-set(ROBOCELL_UNITY_FILES 6)  # more would make the build after one change slow
+# More would make the build after one change slow.
+set(ROBOCELL_UNITY_FILES 6)
+set(ROBOCELL_UNITY_BINDINGS 3)  # nanobind's templates are many
 
-# robocell_unity(TARGET SOURCES...): groups of sources, never across folders.
-function(robocell_unity target)
+# robocell_unity(TARGET FILES SOURCES...): groups of that many sources, never across folders.
+function(robocell_unity target files)
   if(NOT ROBOCELL_UNITY)
     return()
   endif()
@@ -37,7 +39,7 @@ function(robocell_unity target)
     endif()
     set(last_folder "${folder}")
     cmake_path(GET folder FILENAME layer)
-    math(EXPR group "${number} / ${ROBOCELL_UNITY_FILES}")
+    math(EXPR group "${number} / ${files}")
     set_source_files_properties("${source}" PROPERTIES UNITY_GROUP "${layer}_${group}")
     math(EXPR number "${number} + 1")
   endforeach()

@@ -4,7 +4,7 @@ list(FILTER ROBOCELL_SOURCES EXCLUDE REGEX "_test\\.cc$|/testing/")
 
 add_library(robocell SHARED ${ROBOCELL_SOURCES})
 add_library(robocell::robocell ALIAS robocell)
-robocell_unity(robocell ${ROBOCELL_SOURCES})
+robocell_unity(robocell ${ROBOCELL_UNITY_FILES} ${ROBOCELL_SOURCES})
 # Kernels: compiled for every instruction set, or worth the better optimisation.
 foreach(kernel chain_dynamics lane_kernel start_table)
   set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/kinematics/${kernel}.cc" PROPERTIES

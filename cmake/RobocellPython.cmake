@@ -12,7 +12,8 @@ execute_process(COMMAND "${Python_EXECUTABLE}" -m nanobind --cmake_dir
   OUTPUT_VARIABLE nanobind_ROOT OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 find_package(nanobind CONFIG REQUIRED)
 
-nanobind_add_module(_core NB_STATIC NOMINSIZE ${binding_sources})
+nanobind_add_module(_core NB_STATIC ${binding_sources})
+robocell_unity(_core ${ROBOCELL_UNITY_BINDINGS} ${binding_sources})
 target_link_libraries(_core PRIVATE robocell orocos-kdl)
 target_include_directories(_core SYSTEM PRIVATE ${orocos_kdl_INCLUDE_DIRS})
 set_target_properties(_core PROPERTIES BUILD_RPATH "${MUJOCO_DIR};${CMAKE_BINARY_DIR}"
