@@ -10,9 +10,11 @@ from pathlib import Path
 import pytest
 from commands import ROOT, generate
 from generated_run import GeneratedRun
+from memory import all_resident_bytes
 
 import robocell
 from menagerie import require_menagerie
+from robocell.generate.procfs import MemoryWatch
 
 EXAMPLE = ROOT / "examples" / "xarm7_pick.yaml"
 DEMO = ROOT / "examples" / "demo.yaml"
@@ -50,6 +52,9 @@ def generated_once(
     with (shared / f"{name}.lock").open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not counts.exists():
-            events = generate(run_file, folder, "--workers", 2, *options)
-            counts.write_text(json.dumps(events[-1]["totals"]))
-    return GeneratedRun(robocell.RunConfig.load(run_file), folder, json.loads(counts.read_text()))
+            with MemoryWatch(all_resident_bytes) as watch:
+                events = generate(run_file, folder, "--workers", 2, *options)
+            made = {"totals": events[-1]["totals"], "peak_bytes": watch.bytes}
+            counts.write_text(json.dumps(made))
+    made = json.loads(counts.read_text())
+    return GeneratedRun(robocell.RunConfig.load(run_file), folder, **made)

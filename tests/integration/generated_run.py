@@ -18,11 +18,13 @@ class GeneratedRun:
         run: The run file's content.
         dataset: Folder.
         totals: The counts that the command ended with.
+        peak_bytes: Most memory that the command and its processes had at one time.
     """
 
     run: robocell.RunConfig
     dataset: Path
     totals: dict[str, Any]
+    peak_bytes: int
 
     def episodes(self) -> list[Path]:
         """The folders of the episodes, in their order."""
