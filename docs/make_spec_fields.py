@@ -1,4 +1,4 @@
-"""Writes docs/spec_fields.md: every field of the specs that scenes and runs are made of.
+"""Writes docs/spec_fields.md: every field of what scenes, runs and environments are made of.
 
 From the declarations in src/robocell/spec, by way of the docstrings that Python has of them.
 """
@@ -24,8 +24,15 @@ RUNS = (
     rc.RenderQuality,
     rc.Rates,
 )
+ENVIRONMENTS = (
+    rc.EnvConfig,
+    rc.EnvObject,
+    rc.CameraAdderConfig,
+    rc.SimSettings,
+    rc.WrapperConfig,
+)
 PYTHON_ONLY = ("gravity_z",)  # another name for a part of a field
-HEAD = """# All fields of scenes and runs
+HEAD = """# All fields of scenes, runs and environments
 
 Written by `docs/make_spec_fields.py` from the declarations in `src/robocell/spec`. What robots are
 made of (`RobotConfig`, `AttachmentSpec`, `CameraSpec`, edits): [robots](robots.md#reference). A
@@ -74,6 +81,7 @@ def table(spec: type) -> str:
 def page() -> str:
     """The whole page."""
     parts = [HEAD, "## Scenes\n", *map(table, SCENES), "## Runs\n", *map(table, RUNS)]
+    parts += ["## Environments\n", *map(table, ENVIRONMENTS)]
     return "\n".join(parts)
 
 

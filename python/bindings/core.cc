@@ -23,6 +23,7 @@ NB_MODULE(_core, m) {
   BindTask(m);
   BindSampler(m);
   BindPick(m);
+  BindEnv(m);
   BindData(m);
   BindDatagen(m);
   ExplainArgumentErrors(m);

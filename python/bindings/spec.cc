@@ -1,5 +1,5 @@
-// The specs' enums and value types; the spec classes are in spec_robot.cc, spec_scene.cc and
-// spec_run.cc.
+// The specs' enums and value types; the spec classes are in spec_robot.cc, spec_scene.cc,
+// spec_run.cc and spec_env.cc.
 #include <cctype>
 
 #include <nanobind/operators.h>
@@ -52,6 +52,9 @@ void BindEnums(nb::module_& m) {
   BindEnum<TaskKind>(m, "Kinds of tasks.");
   BindEnum<SceneSourceKind>(m, "Where a run's scenes come from.");
   BindEnum<Keep>(m, "Which episodes a run keeps.");
+  BindEnum<ControlMode>(m, "What an environment's actions are.");
+  BindEnum<RelativeTo>(m, "What an environment's actions are added to.");
+  BindEnum<OnCollision>(m, "What an environment's step does when a robot runs into something.");
 }
 
 void BindAttachTarget(nb::module_& m) {
@@ -159,6 +162,7 @@ void BindSpec(nb::module_& m) {
   BindRobotSpecs(m);
   BindSceneSpecs(m);
   BindRunSpecs(m);
+  BindEnvSpecs(m);
   m.def("missing_spec_file", &MissingSpecFile, nb::arg("path"), nb::arg("type"),
         "Why there is no such spec file and what is there instead; '' when it is a file.");
   m.def("scene_object_element_name", &SceneObjectElementName, nb::arg("object"), nb::arg("element"),

@@ -31,6 +31,10 @@ void VisitBoxes(T& value, F&& f) {
   } else if constexpr (IsMap<T>::value) {
     if constexpr (HasFields<typename T::mapped_type>) {
       for (auto& [key, box] : value.entries()) f(box);
+    } else if constexpr (IsMap<typename T::mapped_type>::value) {
+      for (auto& [key, box] : value.entries()) {
+        if (box.use_count() == 1) VisitBoxes(*box, f);
+      }
     }
   } else if constexpr (requires { value.box(); }) {
     if (value) f(value.box());
@@ -125,6 +129,25 @@ void DefFields(nb::class_<T>& c) {
   }
 }
 
+// Calls f(std::string&) with the folder of the spec's file, and with those of the specs in it.
+template <class T, class F>
+void ForEachSourceDir(T& value, F&& f) {
+  if constexpr (requires { value.source_dir; }) f(value.source_dir);
+  if constexpr (IsList<T>::value) {
+    for (auto& item : value) ForEachSourceDir(item, f);
+  } else if constexpr (IsMap<T>::value) {
+    for (auto& [key, box] : value.entries()) ForEachSourceDir(*box, f);
+  } else if constexpr (IsOptional<T>::value) {
+    if (value) ForEachSourceDir(*value, f);
+  } else if constexpr (std::is_same_v<T, RobotSource>) {
+    ForEachSourceDir(value.config, f);
+  } else if constexpr (HasFields<T>) {
+    ForEachField(value,
+                 [&](const char*, auto& field, const char*, Check) { ForEachSourceDir(field, f); });
+  }
+}
+
+// Pickled as YAML, and the folders of files.
 template <HasFields T>
 void DefCopies(nb::class_<T>& c) {
   c.def(
@@ -135,17 +158,19 @@ void DefCopies(nb::class_<T>& c) {
       nb::sig("def __deepcopy__(self, memo: typing.Any, /) -> typing.Self"));
   c.def(
       "__getstate__",
-      [](const T& self) {
-        std::string directory;
-        if constexpr (requires { self.source_dir; }) directory = self.source_dir;
-        return std::vector<std::string>{ToYaml(self), directory};
+      [](T& self) {
+        std::vector<std::string> state = {ToYaml(self)};
+        ForEachSourceDir(self, [&](const std::string& folder) { state.push_back(folder); });
+        return state;
       },
       nb::sig("def __getstate__(self) -> list[str]"));
   c.def(
       "__setstate__",
       [](T& self, const std::vector<std::string>& state) {
-        new (&self) T(FromYamlUnchecked<T>(state.at(0)));
-        if constexpr (requires { self.source_dir; }) self.source_dir = state.at(1);
+        T value = FromYamlUnchecked<T>(state.at(0));
+        size_t next = 1;
+        ForEachSourceDir(value, [&](std::string& folder) { folder = state.at(next++); });
+        new (&self) T(std::move(value));
       },
       nb::sig("def __setstate__(self, state: list[str]) -> None"));
 }

@@ -1,6 +1,7 @@
 // Names of the specs' enums in Python.
 #pragma once
 
+#include "robocell/spec/env_action.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_object.h"
@@ -39,5 +40,11 @@ template <>
 inline constexpr const char* kEnumName<SceneSourceKind> = "SceneSourceKind";
 template <>
 inline constexpr const char* kEnumName<Keep> = "Keep";
+template <>
+inline constexpr const char* kEnumName<ControlMode> = "ControlMode";
+template <>
+inline constexpr const char* kEnumName<RelativeTo> = "RelativeTo";
+template <>
+inline constexpr const char* kEnumName<OnCollision> = "OnCollision";
 
 }  // namespace robocell::python

@@ -12,6 +12,8 @@
 #include <type_traits>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "spec_containers.h"
 #include "spec_enums.h"
 #include "values.h"
@@ -224,6 +226,24 @@ requires(!std::is_arithmetic_v<T>) struct Convert<std::vector<T>> {
   }
 };
 
+// Numbers; a single one stands for a list of one.
+template <>
+struct Convert<std::vector<double>> {
+  static std::string Type() { return "tuple[float, ...]"; }
+  static std::string SetType() { return "collections.abc.Iterable[float] | float"; }
+  static nb::object Get(std::vector<double>& value, const char*, nb::handle) {
+    return ToTuple(value, [](double x) { return nb::float_(x); });
+  }
+  static void Set(std::vector<double>& out, nb::handle value, const FieldPath& path) {
+    if (nb::isinstance<nb::float_>(value) || nb::isinstance<nb::int_>(value)) {
+      out = {ToDouble(value, path)};
+    } else {
+      const Numbers numbers(value, path);
+      out.assign(numbers.span().begin(), numbers.span().end());
+    }
+  }
+};
+
 template <>
 struct Convert<NameList> {
   static std::string Type() { return "tuple[str, ...]"; }
@@ -255,9 +275,34 @@ struct Convert<IndexList> {
 
 // --- Specs inside specs --------------------------------------------------------------------------
 
-// An object of class S, or a dictionary of its fields.
+// Specs whose first two fields can be given as a pair.
+template <class S>
+concept IsPair = requires {
+  S::kWrittenAsPair;
+};
+
+template <class S>
+Box<S> PairToSpecBox(nb::handle pair, const FieldPath& path) {
+  auto box = std::make_shared<S>();
+  for (int i = 0; i < 2; ++i) {
+    const Field& field = FieldsOf<S>()[i];
+    field.set(box.get(), pair[i], FieldPath(path, field.name));
+  }
+  return box;
+}
+
+inline bool IsPath(nb::handle value) { return IsText(value) || nb::hasattr(value, "__fspath__"); }
+
+// An object of class S, a dictionary of its fields, or what else it can be written as.
 template <HasFields S>
 Box<S> ToSpecBox(nb::handle value, const FieldPath& path) {
+  if constexpr (IsPair<S>) {
+    if (nb::isinstance<nb::tuple>(value) && nb::len(value) == 2)
+      return PairToSpecBox<S>(value, path);
+  }
+  if constexpr (std::is_same_v<S, RobotConfig>) {
+    if (IsPath(value)) return std::make_shared<S>(RobotConfig::Load(ToText(value, path)));
+  }
   Box<S> box;
   if (nb::isinstance<nb::dict>(value)) {
     box = std::make_shared<S>();
@@ -271,7 +316,14 @@ Box<S> ToSpecBox(nb::handle value, const FieldPath& path) {
 template <HasFields S>
 struct Convert<S> {
   static std::string Type() { return S::kTypeName; }
-  static std::string SetType() { return Type() + " | dict[str, typing.Any]"; }
+  static std::string SetType() {
+    std::string type = Type() + " | dict[str, typing.Any]";
+    if constexpr (IsPair<S>) {
+      type += fmt::format(" | tuple[{}, {}]", FieldsOf<S>()[0].set_type, FieldsOf<S>()[1].set_type);
+    }
+    if constexpr (std::is_same_v<S, RobotConfig>) type += " | str | os.PathLike[str]";
+    return type;
+  }
   static nb::object Get(S& value, const char*, nb::handle owner) {
     return nb::cast(&value, nb::rv_policy::reference_internal, owner);
   }
@@ -344,7 +396,10 @@ struct Convert<List<S>> {
   }
 };
 
-// What a mapping's values are: specs, enums, or lists of numbers.
+template <class T>
+const MapOps* MapOpsOf();
+
+// What a mapping's values are: specs, enums, poses, lists of numbers, or mappings of these.
 template <class T>
 struct MapValue {
   static std::string Type() { return Convert<T>::Type(); }
@@ -375,6 +430,23 @@ struct MapValue<std::vector<double>> {
   static Box<std::vector<double>> ToBox(nb::handle value, const FieldPath& path) {
     const Numbers numbers(value, path);
     return std::make_shared<std::vector<double>>(numbers.span().begin(), numbers.span().end());
+  }
+};
+
+// A mapping of names to mappings.
+template <class S>
+struct MapValue<Map<S>> {
+  static std::string Type() { return "SpecMap[" + MapValue<S>::Type() + "]"; }
+  static std::string SetType() {
+    return "collections.abc.Mapping[str, " + MapValue<S>::SetType() + "]";
+  }
+  static nb::object Get(Box<Map<S>>& box) {
+    return nb::cast(SpecMap{Keeper(box), "", box.get(), MapOpsOf<S>()});
+  }
+  static Box<Map<S>> ToBox(nb::handle value, const FieldPath& path) {
+    auto box = std::make_shared<Map<S>>();
+    AssignMap(box.get(), *MapOpsOf<S>(), value, path);
+    return box;
   }
 };
 
@@ -428,21 +500,13 @@ struct Convert<Map<T>> {
 template <>
 struct Convert<RobotSource> {
   static std::string Type() { return "RobotConfig"; }
-  static std::string SetType() {
-    return "RobotConfig | dict[str, typing.Any] | str | os.PathLike[str]";
-  }
+  static std::string SetType() { return Convert<RobotConfig>::SetType(); }
   static nb::object Get(RobotSource& value, const char* name, nb::handle owner) {
     return Convert<RobotConfig>::Get(value.config, name, owner);
   }
   static void Set(RobotSource& out, nb::handle value, const FieldPath& path) {
-    if (IsText(value) || nb::hasattr(value, "__fspath__")) {
-      const std::string file = ToText(value, path);
-      out.config = RobotConfig::Load(file);
-      out.file = file;
-    } else {
-      Convert<RobotConfig>::Set(out.config, value, path);
-      out.file.clear();
-    }
+    Convert<RobotConfig>::Set(out.config, value, path);
+    out.file = IsPath(value) ? ToText(value, path) : "";
   }
 };
 

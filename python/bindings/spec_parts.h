@@ -8,5 +8,6 @@ namespace robocell::python {
 void BindRobotSpecs(nb::module_& m);
 void BindSceneSpecs(nb::module_& m);
 void BindRunSpecs(nb::module_& m);
+void BindEnvSpecs(nb::module_& m);
 
 }  // namespace robocell::python

@@ -17,6 +17,7 @@ ALWAYS = {
     "MoveGroup": {"name", "kind"},
     "Controller": {"kind"},
     "VideoRecorder": {"finish", "frames"},
+    "Env": {"close", "config"},
 }
 GROUP = "robot 'a' / group '{}' is closed: its scene was closed"
 ROBOT = "robot 'a' is closed: its scene was closed"
@@ -54,6 +55,9 @@ def handles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, st
     }
     for kind in ("cartesian_pose", "joint_impedance", "cartesian_impedance"):
         made[kind] = (robot.set_controller("arm", kind), GROUP.format("arm"))
+    env = rc.Env(rc.EnvConfig(name="cell", robots={"a": config}))
+    made["environment"] = (env, SCENE.format("environment 'cell'"))
+    env.close()
     scene.close()
     return made
 
@@ -61,7 +65,7 @@ def handles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, st
 KINDS = [
     *("scene", "robot", "ad hoc robot", "kinematics", "arm", "gripper", "base", "stepper"),
     *("gripper controller", "position controller", "renderer", "video recorder"),
-    *("cartesian_pose", "joint_impedance", "cartesian_impedance"),
+    *("cartesian_pose", "joint_impedance", "cartesian_impedance", "environment"),
 ]
 
 

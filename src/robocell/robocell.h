@@ -20,6 +20,8 @@
 #include "robocell/datagen/recorded_scene.h"
 #include "robocell/datagen/replay.h"
 #include "robocell/datagen/runner.h"
+#include "robocell/env/env.h"
+#include "robocell/env/env_scene.h"
 #include "robocell/env/stepper.h"
 #include "robocell/kinematics/chain.h"
 #include "robocell/kinematics/ik.h"

@@ -50,4 +50,17 @@ StepOutcome Stepper::Advance(const Action& action) {
   return outcome;
 }
 
+StepOutcome Stepper::AdvanceUntil(const Action& action, int64_t most_ticks, const StopCheck& done) {
+  StepOutcome outcome;
+  Apply(action, outcome);
+  for (int64_t tick = 0; tick < most_ticks && outcome.ok(); ++tick) {
+    const int before = outcome.step.steps;
+    outcome.step = RunControlTicks(scene_, robots_, {1, rates_.sim_steps}, on_control_tick_);
+    outcome.step.steps += before;
+    if (outcome.ok() && ShouldStop(done)) break;
+  }
+  ++policy_ticks_;
+  return outcome;
+}
+
 }  // namespace robocell

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/base/stop.h"
 #include "robocell/robot/action.h"
 #include "robocell/robot/control_ticks.h"
 #include "robocell/robot/robot.h"
@@ -43,8 +44,11 @@ class Stepper {
   // Applies the action and advances by one policy tick. Stops at divergence. An unknown robot is a
   // NotFoundError before anything is applied.
   StepOutcome Advance(const Action& action);
+  // The same for as many control ticks as it takes until `done()`, which is asked after each one;
+  // `most_ticks` at most.
+  StepOutcome AdvanceUntil(const Action& action, int64_t most_ticks, const StopCheck& done);
 
-  // Calls of Advance that did not throw.
+  // Calls of Advance and AdvanceUntil that did not throw.
   int64_t policy_ticks() const { return policy_ticks_; }
   const std::vector<Robot>& robots() const { return robots_; }
   const Scene& scene() const { return scene_; }

@@ -51,6 +51,14 @@ TEST_F(StepperTest, DoesNotDriftOverTenThousandPolicyTicks) {
   EXPECT_NEAR(scene.time(), 660, 1e-7);
 }
 
+TEST_F(StepperTest, AdvancesUntilSomethingIsSoOrItsTicksAreSpent) {
+  Stepper stepper = Make(33, 2);
+  int asked = 0;
+  EXPECT_EQ(stepper.AdvanceUntil({}, 10, [&] { return ++asked == 4; }).step.steps, 8);
+  EXPECT_EQ(stepper.AdvanceUntil({}, 10, [] { return false; }).step.steps, 20);
+  EXPECT_EQ(stepper.policy_ticks(), 2);
+}
+
 TEST_F(StepperTest, ControlTicksSeeTheControlsThatWillAct) {
   Stepper stepper = Make(2, 1);
   std::vector<double> seen;

@@ -8,8 +8,52 @@
 #include "robocell/base/units.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
+#include "robocell/spec/scene_object.h"
 
 namespace robocell {
+namespace {
+
+bool NameIsTaken(const CameraSpec& camera, const mjSpec* spec, const std::string& place,
+                 Report& report) {
+  if (!FindSpecElement(spec, mjOBJ_CAMERA, camera.name)) return false;
+  report.Problem(place,
+                 fmt::format("there is already a camera of this name; choose another one. The "
+                             "model's cameras: {}",
+                             ListNames(SpecNames(spec, mjOBJ_CAMERA))),
+                 "name");
+  return true;
+}
+
+// The only camera of the model, with a name; null and an entry in the report without.
+mjsElement* OnlyCamera(const Part& model, mjsBody* root, Report& report) {
+  const std::vector<mjsElement*> cameras = BodyElements(root, mjOBJ_CAMERA, true);
+  if (cameras.size() == 1) {
+    if (SpecName(cameras[0]).empty()) SetSpecName(cameras[0], "camera", model.place);
+    return cameras[0];
+  }
+  std::vector<std::string> names;
+  for (mjsElement* camera : cameras) names.push_back(SpecName(camera));
+  report.Problem(model.place,
+                 fmt::format("a camera's model holds one camera, {} holds {}: {}", model.file,
+                             names.size(), ListNames(names)),
+                 model.field);
+  return nullptr;
+}
+
+void AddHousing(const CameraSpec& camera, const Placement& placement, const Part& model,
+                Report& report) {
+  mjsBody* root = ChooseRoot(model, "", report);
+  mjsElement* own = root ? OnlyCamera(model, root, report) : nullptr;
+  if (!own) return;
+  const std::string prefix = SceneObjectElementName(camera.name, "");
+  AttachPart(placement.parent, model, root, placement.pose, prefix, report);
+  mjsElement* added =
+      FindSpecElement(mjs_getSpec(placement.parent->element), mjOBJ_CAMERA, prefix + SpecName(own));
+  SetSpecName(added, camera.name, model.place);
+  if (camera.fovy) SetFovy(mjs_asCamera(added), *camera.fovy, model.place, report);
+}
+
+}  // namespace
 
 void SetFovy(mjsCamera* camera, double fovy, const std::string& place, Report& report) {
   camera->fovy = fovy;
@@ -19,15 +63,13 @@ void SetFovy(mjsCamera* camera, double fovy, const std::string& place, Report& r
                                  fovy, fovy, fovy * 180 / kPi));
 }
 
-void AddCamera(const CameraSpec& camera, const Placement& placement, const std::string& place,
-               Report& report) {
-  const mjSpec* spec = mjs_getSpec(placement.parent->element);
-  if (FindSpecElement(spec, mjOBJ_CAMERA, camera.name)) {
-    report.Problem(place,
-                   fmt::format("there is already a camera of this name; choose another one. The "
-                               "model's cameras: {}",
-                               ListNames(SpecNames(spec, mjOBJ_CAMERA))),
-                   "name");
+void AddCamera(const CameraSpec& camera, const Placement& placement, const std::string& directory,
+               const SimOptions& options, const std::string& place, Report& report) {
+  if (NameIsTaken(camera, mjs_getSpec(placement.parent->element), place, report)) return;
+  if (!camera.mjcf_path.empty()) {
+    const auto model =
+        LoadPart(camera.mjcf_path, directory, place, "mjcf_path", options, "", report);
+    if (model) AddHousing(camera, placement, *model, report);
     return;
   }
   mjsCamera* added = mjs_addCamera(placement.parent, nullptr);
@@ -36,7 +78,8 @@ void AddCamera(const CameraSpec& camera, const Placement& placement, const std::
   SetPose(added, placement.pose);
 }
 
-void AddRobotCameras(const RobotConfig& config, Part& robot, Report& report) {
+void AddRobotCameras(const RobotConfig& config, const std::string& directory, Part& robot,
+                     const SceneSpec& scene, Report& report) {
   for (size_t i = 0; i < config.cameras.size(); ++i) {
     const CameraSpec& camera = config.cameras[i];
     const std::string place = robot.place + " / camera '" + camera.name + "'";
@@ -51,7 +94,7 @@ void AddRobotCameras(const RobotConfig& config, Part& robot, Report& report) {
     }
     if (const auto at =
             Place(target, camera.pose(), robot.spec.get(), SceneSpec{}, {}, place, report)) {
-      AddCamera(camera, *at, place, report);
+      AddCamera(camera, *at, directory, scene.options, place, report);
     }
   }
 }

@@ -4,12 +4,14 @@
 #include "robocell/scene/placement.h"
 #include "robocell/scene/report.h"
 #include "robocell/spec/camera_spec.h"
+#include "robocell/spec/sim_options.h"
 
 namespace robocell {
 
-// `placement` holds the camera's full pose in its body.
-void AddCamera(const CameraSpec& camera, const Placement& placement, const std::string& place,
-               Report& report);
+// `placement` holds the full pose, in its body, of the camera or of its model's root. A relative
+// path of a model starts at `directory`.
+void AddCamera(const CameraSpec& camera, const Placement& placement, const std::string& directory,
+               const SimOptions& options, const std::string& place, Report& report);
 
 // Sets the vertical field of view, degrees; warns of an angle that was meant in radians.
 void SetFovy(mjsCamera* camera, double fovy, const std::string& place, Report& report);

@@ -100,7 +100,7 @@ std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& na
   if (!configured) out.limbs = SerialLimbs(out.part.spec.get());
   AddAttachments(config.attachments, config.locations, directory, out.part, scene, report);
   AddAttachments(robot.attachments, locations, scene.source_dir, out.part, scene, report);
-  AddRobotCameras(config, out.part, report);
+  AddRobotCameras(config, directory, out.part, scene, report);
   ApplyOverrides(config, out.part, report);
   if (configured) out.limbs = ConfiguredLimbs(config, out.part.spec.get());
   out.limbs = AddModeActuators(robot, std::move(out.limbs), place, out.part.spec.get(), report);

@@ -134,5 +134,33 @@ TEST_F(Cameras, KeepTheLightsOfTheBase) {
       "scene 'test': add_floor: the base has a geom 'floor' already; set add_floor to false");
 }
 
+TEST_F(Cameras, ComeWithTheirHousing) {
+  const std::string housing = folder.Write("housing", R"(<worldbody><body name="shell">
+      <geom name="case" size="0.02"/><camera pos="0 0 0.1" fovy="70"/></body></worldbody>)");
+  spec.cameras.push_back({.name = "eye", .mjcf_path = housing, .pos = Vec3{1, 0, 0}});
+  config.cameras.push_back(
+      {.name = "wrist", .mjcf_path = housing, .fovy = 50, .attach_to = Site("flange")});
+  spec.robots.push_back({.config = config, .prefix = "r_"});
+  const Scene scene = Scene::Build(spec);
+  const Pose lens(Eigen::Vector3d(0, 0, 0.1));
+  EXPECT_THAT(scene.camera_names(), ::testing::UnorderedElementsAre("eye", "r_wrist"));
+  EXPECT_TRUE(scene.camera_pose("eye").is_close(Pose(Eigen::Vector3d(1, 0, 0.1)), 1e-9, 1e-9));
+  EXPECT_TRUE(
+      scene.camera_pose("r_wrist").is_close(scene.site_pose("r_flange") * lens, 1e-9, 1e-9));
+  EXPECT_EQ(scene.model()->cam_fovy[FindId(scene.model(), mjOBJ_CAMERA, "eye")], 70);
+  EXPECT_EQ(scene.model()->cam_fovy[FindId(scene.model(), mjOBJ_CAMERA, "r_wrist")], 50);
+  EXPECT_GE(FindId(scene.model(), mjOBJ_GEOM, "eye_case"), 0);
+  EXPECT_GE(FindId(scene.model(), mjOBJ_GEOM, "r_wrist_case"), 0);
+}
+
+TEST_F(Cameras, AHousingHoldsOneCamera) {
+  spec.cameras.push_back(
+      {.name = "eye", .mjcf_path = folder.Write("two", R"(<worldbody><body name="shell">
+      <geom size="0.02"/><camera name="a"/><camera name="b"/></body></worldbody>)")});
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                         "camera 'eye': a camera's model holds one camera, " +
+                             (folder.path() / "two.xml").string() + " holds 2: a, b");
+}
+
 }  // namespace
 }  // namespace robocell

@@ -198,7 +198,7 @@ class SceneCompiler {
   void AddSceneCamera(const CameraSpec& camera) {
     const std::string place = "camera '" + camera.name + "'";
     if (const auto at = PlaceIt(camera.attach_to, camera.pose(), place))
-      AddCamera(camera, *at, place, report_);
+      AddCamera(camera, *at, spec().source_dir, spec().options, place, report_);
   }
 
   std::vector<RobotLimbs> Limbs() const {

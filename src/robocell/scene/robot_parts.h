@@ -20,7 +20,8 @@ void AddAttachments(const List<AttachmentSpec>& attachments, const Locations& lo
                     Report& report);
 
 // add_camera.cc
-void AddRobotCameras(const RobotConfig& config, Part& robot, Report& report);
+void AddRobotCameras(const RobotConfig& config, const std::string& directory, Part& robot,
+                     const SceneSpec& scene, Report& report);
 
 // robot_overrides.cc: gravcomp, stiffness, damping, force_limit.
 void ApplyOverrides(const RobotConfig& config, Part& robot, Report& report);

@@ -25,14 +25,16 @@ Eigen::Matrix3d LookAt(const Eigen::Vector3d& from, const Eigen::Vector3d& targe
 }  // namespace
 
 Pose CameraSpec::pose() const {
-  if (look_at) return Pose(ToEigen(*pos), LookAt(ToEigen(*pos), ToEigen(*look_at)));
-  return PlacementPose(*pos, euler, quat);
+  const Vec3 at = pos.value_or(Vec3{});
+  if (look_at) return Pose(ToEigen(at), LookAt(ToEigen(at), ToEigen(*look_at)));
+  return PlacementPose(at, euler, quat);
 }
 
 void CameraSpec::Validate(Problems& problems) const {
   CheckNotEmpty(name, "name", "cameras are looked up by name", problems);
-  if (!pos) problems.AddAt("pos", "is required: where the camera is, [x, y, z] in metres");
-  if (!fovy)
+  const bool alone = mjcf_path.empty();
+  if (alone && !pos) problems.AddAt("pos", "is required: where the camera is, [x, y, z] in metres");
+  if (alone && !fovy)
     problems.AddAt("fovy", "is required: the vertical field of view in degrees, for example 45");
   if (fovy && *fovy >= 180)
     problems.AddAt("fovy", fmt::format("{} degrees is not below 180", *fovy));

@@ -13,9 +13,11 @@
 
 namespace robocell {
 
-// A camera that is added to the scene.
+// A camera that is added to the scene: one of a given lens, or a model that holds one and what is
+// around it (`mjcf_path`), whose root body then stands at the pose.
 struct CameraSpec {
   std::string name = {};
+  std::string mjcf_path = {};
   std::optional<Vec3> pos = {};
   std::optional<double> fovy = {};
   Vec3 euler = {};
@@ -27,8 +29,13 @@ struct CameraSpec {
   template <class V>
   static void Fields(V&& v) {
     v("name", &CameraSpec::name, "Name of the camera in the scene.");
-    v("pos", &CameraSpec::pos, "Position in the parent, metres; required.");
-    v("fovy", &CameraSpec::fovy, "Vertical field of view, degrees; required.", Check::kPositive);
+    v("mjcf_path", &CameraSpec::mjcf_path,
+      "Model with one camera and its housing, instead of a camera alone: path, `menagerie:...` or "
+      "built-in name. The camera gets this one's name, all else `name_` in front.");
+    v("pos", &CameraSpec::pos, "Position in the parent, metres; required without a model.");
+    v("fovy", &CameraSpec::fovy,
+      "Vertical field of view, degrees; required without a model, else that of its camera.",
+      Check::kPositive);
     v("euler", &CameraSpec::euler, "Orientation in the parent, degrees, extrinsic xyz.");
     v("quat", &CameraSpec::quat,
       "Orientation in the parent, quaternion xyzw (in YAML also quat_wxyz).");

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "robocell/spec/robot_spec.h"
+#include "robocell/spec/scene_object.h"
 #include "robocell/spec/testing/messages.h"
 
 namespace robocell {

@@ -74,9 +74,10 @@ std::string MissingSpecFile(const std::string& path, const std::string& type) {
   std::error_code error;
   if (fs::exists(path, error) && !fs::is_directory(path, error)) return "";
   const yaml::FileKind kind = yaml::FileKindOf(type);
-  const std::string tail = fmt::format(" How to write a {}: {}", kind.what, kind.page);
+  const std::string tail =
+      fmt::format(" How to write {}: {}", yaml::WithArticle(kind.what), kind.page);
   if (fs::is_directory(path, error)) {
-    return fmt::format("'{}' is a folder; give a {}.{}{}", path, kind.what,
+    return fmt::format("'{}' is a folder; give {}.{}{}", path, yaml::WithArticle(kind.what),
                        Listing(path, kind.what, SpecFilesIn(path, type)), tail);
   }
   const fs::path folder = fs::path(path).parent_path();

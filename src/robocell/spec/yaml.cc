@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "robocell/spec/env_config.h"
 #include "robocell/spec/spec_file.h"
 #include "robocell/spec/yaml_reader.h"
 #include "robocell/spec/yaml_writer.h"
@@ -71,6 +72,7 @@ ROBOCELL_YAML_FILE(SceneObject)
 ROBOCELL_YAML_FILE(CameraSpec)
 ROBOCELL_YAML_FILE(CameraSystemConfig)
 ROBOCELL_YAML_FILE(AttachmentSpec)
+ROBOCELL_YAML_FILE(EnvConfig)
 
 ROBOCELL_YAML(SceneSpec)
 ROBOCELL_YAML(SimOptions)
@@ -93,11 +95,17 @@ ROBOCELL_YAML(RunConfig)
 ROBOCELL_YAML(TaskConfig)
 ROBOCELL_YAML(SceneSource)
 ROBOCELL_YAML(Rates)
+ROBOCELL_YAML(EnvConfig)
+ROBOCELL_YAML(EnvObject)
+ROBOCELL_YAML(CameraAdderConfig)
+ROBOCELL_YAML(SimSettings)
+ROBOCELL_YAML(WrapperConfig)
 #undef ROBOCELL_YAML_FILE
 #undef ROBOCELL_YAML
 
 RobotConfig RobotConfig::Load(const std::string& path) { return LoadYaml<RobotConfig>(path); }
 SceneSpec SceneSpec::Load(const std::string& path) { return LoadYaml<SceneSpec>(path); }
 RunConfig RunConfig::Load(const std::string& path) { return LoadYaml<RunConfig>(path); }
+EnvConfig EnvConfig::Load(const std::string& path) { return LoadYaml<EnvConfig>(path); }
 
 }  // namespace robocell

@@ -15,7 +15,7 @@
 namespace robocell {
 
 // T: RobotConfig, SceneSpec, RunConfig, RobotSpec, SceneObject, CameraSpec, CameraSystemConfig,
-// AttachmentSpec. SpecError when the file is not valid, IoError when it cannot be read.
+// AttachmentSpec, EnvConfig. SpecError when the file is not valid, IoError when it cannot be read.
 template <class T>
 T LoadYaml(const std::string& path);
 

@@ -7,6 +7,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "robocell/base/names.h"
+#include "robocell/spec/env_config.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 
@@ -51,6 +52,8 @@ const std::vector<FileKind>& FileKinds() {
        "docs/generate.md", FieldNames<RunConfig>()},
       {SceneSpec::kTypeName, "scene file", "Build it with Scene.build(SceneSpec.load(FILE))",
        "docs/scenes.md", FieldNames<SceneSpec>()},
+      {EnvConfig::kTypeName, "environment file", "Load it with EnvConfig.load(FILE)",
+       "docs/environments.md", FieldNames<EnvConfig>()},
   };
   return kKinds;
 }
@@ -77,6 +80,11 @@ const FileKind* OtherKind(const std::vector<std::string>& keys, const std::strin
 }
 
 }  // namespace
+
+std::string WithArticle(std::string_view noun) {
+  const bool vowel = std::string_view("AEIOUaeiou").find(noun.front()) != std::string_view::npos;
+  return (vowel ? "an " : "a ") + std::string(noun);
+}
 
 std::string Short(const YAML::Node& node) {
   if (node.IsScalar()) return Cut(node.Scalar());
@@ -179,9 +187,10 @@ std::string OtherKindOfFile(const YAML::Node& root, const std::string& type,
   if (!best) return "";
   std::string use = best->use;
   use.replace(use.find("FILE"), 4, source);
-  return "this looks like a " + best->what + ": it has " +
-         ListNames(Shared(keys, best->fields), 5) + ". A " + FileKindOf(type).what +
-         " is wanted here. " + use;
+  std::string wanted = WithArticle(FileKindOf(type).what);
+  wanted.front() = 'A';
+  return "this looks like " + WithArticle(best->what) + ": it has " +
+         ListNames(Shared(keys, best->fields), 5) + ". " + wanted + " is wanted here. " + use;
 }
 
 bool IsOtherKindOfText(std::string_view text, const std::string& type) {

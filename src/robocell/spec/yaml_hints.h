@@ -12,6 +12,9 @@ class Node;
 
 namespace robocell::yaml {
 
+// "a robot file", "an environment file".
+std::string WithArticle(std::string_view noun);
+
 // The node as it could stand in a line of YAML, shortened: "[0, 0, 0.1]".
 std::string Short(const YAML::Node& node);
 

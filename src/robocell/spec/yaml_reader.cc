@@ -47,11 +47,6 @@ bool IsAtOrBelow(std::string_view path, std::string_view root) {
 
 }  // namespace
 
-std::string Reader::WithArticle(std::string_view noun) {
-  const bool vowel = std::string_view("AEIOUaeiou").find(noun.front()) != std::string_view::npos;
-  return (vowel ? "an " : "a ") + std::string(noun);
-}
-
 std::string Reader::At(const YAML::Node& node) const {
   const std::string& path = problems_.path();
   const bool made_up = node.Mark().is_null();  // stands for what the file does not have

@@ -227,7 +227,6 @@ class Reader {
   static bool IsOneOf(const std::string& name, const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), name) != names.end();
   }
-  static std::string WithArticle(std::string_view noun);
   static Vec4 NormalizedFromWxyz(const Vec4& wxyz);
 
   // A single value stands for a list of one.

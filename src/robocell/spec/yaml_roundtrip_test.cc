@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "robocell/spec/env_config.h"
 #include "robocell/spec/testing/random_spec.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/spec/yaml_reader.h"
@@ -69,7 +70,8 @@ using SpecTypes =
     ::testing::Types<SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec,
                      ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
                      RenderQuality, SimOptions, Edit, BaseConfig, MoveGroupConfig, GripperCtrl,
-                     GripperDistance, RunConfig, TaskConfig, SceneSource, Rates>;
+                     GripperDistance, RunConfig, TaskConfig, SceneSource, Rates, EnvConfig,
+                     EnvObject, CameraAdderConfig, SimSettings, WrapperConfig>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
 TYPED_TEST(RoundTrip, RandomSpecsComeBackEqual) {

@@ -28,7 +28,7 @@ std::string ObjectError(const std::string& more) {
 TEST(Yaml, AMisspelledFieldIsNamedWithItsPlaceAndTheNearestOne) {
   EXPECT_EQ(ParseError<CameraSpec>("name: top\npos: [0, 0, 2]\nfvoy: 45\n"),
             "f.yaml is not valid: f.yaml:3:1: fvoy: a CameraSpec: no field 'fvoy'. Its fields: "
-            "name, pos, fovy, "
+            "name, mjcf_path, pos, fovy, "
             "euler, quat, look_at, attach_to, quat_wxyz. Did you mean 'fovy'?");
 }
 
@@ -56,7 +56,7 @@ TEST(Yaml, AValueThatCouldNotBeReadIsNotReportedTwice) {
   const std::string error = ParseError<CameraSpec>("name: top\npos: here\nfovy: 45\n");
   EXPECT_EQ(error,
             "f.yaml is not valid: f.yaml:2:6: pos: expected a list of 3 numbers, found 'here'. "
-            "Position in the parent, metres; required.");
+            "Position in the parent, metres; required without a model.");
 }
 
 TEST(Yaml, AProblemHidesNoOtherOneBesideIt) {

@@ -1,0 +1,226 @@
+// Environments: actions and observations as dictionaries of arrays. What has to do with Gymnasium
+// is written in Python (robocell.gym).
+#include "robocell/env/env.h"
+
+#include <fmt/format.h>
+
+#include "argument_errors.h"
+#include "bindings.h"
+#include "closed_handles.h"
+#include "scene_sharing.h"
+#include "values.h"
+#include "robocell/base/names.h"
+#include "robocell/env/env_scene.h"
+
+namespace robocell::python {
+
+using namespace nb::literals;
+
+namespace {
+
+std::string Place(const Env& env) { return "environment '" + env.config().name + "'"; }
+
+std::vector<std::string> RobotNamesOf(const Env& env) {
+  std::vector<std::string> names;
+  for (const RobotLayout& robot : env.layout().robots) names.push_back(robot.robot);
+  return names;
+}
+
+// The keys that a dictionary has to have, no more and no less.
+void CheckKeys(const Env& env, const FieldPath& path, const nb::dict& values, const char* kind,
+               const std::vector<std::string>& keys, const std::string& why = "") {
+  for (const auto& [key, value] : values) {
+    const std::string name = ToText(key, path);
+    if (std::find(keys.begin(), keys.end(), name) != keys.end()) continue;
+    throw ArgumentError(fmt::format("{}: {}: {}{}", Place(env), path.text(),
+                                    NoSuchName("", kind, name, keys), why));
+  }
+  for (const std::string& key : keys) {
+    if (values.contains(key.c_str())) continue;
+    throw ArgumentError(fmt::format("{}: {} has no '{}'; it takes {}{}", Place(env), path.text(),
+                                    key, ListNames(keys), why));
+  }
+}
+
+nb::dict ToDict(nb::handle value, const FieldPath& path, const char* expected) {
+  nb::dict dict;
+  if (!nb::try_cast(value, dict)) ThrowType(path, expected, value);
+  return dict;
+}
+
+void PutNumbers(nb::handle value, const FieldPath& path, const VectorPart& part,
+                std::vector<double>& out) {
+  const Numbers numbers(value, path, static_cast<size_t>(part.size));
+  std::copy(numbers.span().begin(), numbers.span().end(), out.begin() + part.begin);
+}
+
+// A number, or an array of one.
+double ToGripper(nb::handle value, const FieldPath& path) {
+  if (PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())) return ToDouble(value, path);
+  return Numbers(value, path, 1)[0];
+}
+
+std::vector<double> ToAction(const Env& env, nb::handle value) {
+  const FieldPath path("action");
+  const nb::dict action = ToDict(value, path, "a dict of robots");
+  CheckKeys(env, path, action, "robot", RobotNamesOf(env));
+  std::vector<double> out(static_cast<size_t>(env.layout().action.size()));
+  for (const RobotLayout& robot : env.layout().robots) {
+    const FieldPath of_robot(path, robot.robot);
+    const nb::dict own =
+        ToDict(nb::object(action[robot.robot.c_str()]), of_robot, "a dict of the robot's commands");
+    std::vector<std::string> keys = {robot.command};
+    if (robot.has_gripper) keys.emplace_back("gripper");
+    CheckKeys(env, of_robot, own, "command", keys,
+              fmt::format(" (control_mode {})", ToString(env.config().control_mode)));
+    PutNumbers(nb::object(own[robot.command.c_str()]), FieldPath(of_robot, robot.command),
+               robot.action, out);
+    if (!robot.has_gripper) continue;
+    out[robot.gripper_action] =
+        ToGripper(nb::object(own["gripper"]), FieldPath(of_robot, "gripper"));
+  }
+  return out;
+}
+
+// The parts of a vector as arrays of their own, by robot.
+nb::dict RobotParts(const std::vector<RobotLayout>& robots, std::span<const double> vector,
+                    bool observation) {
+  nb::dict out;
+  const auto part = [&](const VectorPart& p) {
+    return NumberCopy(vector.subspan(p.begin, p.size));
+  };
+  for (const RobotLayout& robot : robots) {
+    nb::dict own;
+    if (observation) {
+      own["tquat"] = part(robot.tquat);
+      own["xyzrpy"] = part(robot.xyzrpy);
+      own["joints"] = part(robot.joints);
+      if (robot.has_gripper) own["gripper"] = part({robot.gripper, 1});
+    } else {
+      own[robot.command.c_str()] = part(robot.action);
+      if (robot.has_gripper) own["gripper"] = part({robot.gripper_action, 1});
+    }
+    out[robot.robot.c_str()] = own;
+  }
+  return out;
+}
+
+nb::tuple RangeParts(const Env& env, const VectorRange& range, bool observation) {
+  return nb::make_tuple(RobotParts(env.layout().robots, range.lower, observation),
+                        RobotParts(env.layout().robots, range.upper, observation));
+}
+
+nb::dict Observation(const Env& env) {
+  return RobotParts(env.layout().robots, env.observation(), true);
+}
+
+nb::dict CollisionDict(const Collision& collision) {
+  nb::dict out;
+  out["robot"] = collision.robot;
+  out["body"] = collision.body;
+  out["other_robot"] = collision.other_robot;
+  out["other_body"] = collision.other_body;
+  return out;
+}
+
+nb::dict Info(const Env& env, const EnvStep& step) {
+  nb::dict out, robots;
+  nb::list collisions;
+  for (const Collision& collision : step.collisions) collisions.append(CollisionDict(collision));
+  for (const std::string& name : RobotNamesOf(env)) {
+    nb::dict robot;
+    robot["ik_success"] =
+        std::find(step.ik_failed.begin(), step.ik_failed.end(), name) == step.ik_failed.end();
+    robot["collision"] =
+        std::any_of(step.collisions.begin(), step.collisions.end(),
+                    [&](const Collision& c) { return c.robot == name || c.other_robot == name; });
+    robots[name.c_str()] = robot;
+  }
+  out["reason"] = ToString(step.reason);
+  out["message"] = step.message;
+  out["time"] = step.time;
+  out["collisions"] = collisions;
+  out["robots"] = robots;
+  return out;
+}
+
+void InitEnv(Env* self, const EnvConfig& config) {
+  ImportMujoco();  // before the work is done
+  // Another thread may change the configuration while the lock is released.
+  const EnvConfig copy = config;  // NOLINT(performance-unnecessary-copy-initialization)
+  const nb::gil_scoped_release release;
+  new (self) Env(copy, PythonData());
+}
+
+nb::tuple Reset(Env& env, std::optional<uint64_t> seed) {
+  {
+    const nb::gil_scoped_release release;
+    env.Reset({.seed = seed});
+  }
+  return nb::make_tuple(Observation(env), nb::dict());
+}
+
+nb::tuple Step(Env& env, nb::handle action) {
+  const std::vector<double> numbers = ToAction(env, action);
+  EnvStep step;
+  {
+    const nb::gil_scoped_release release;
+    step = env.Step(numbers);
+  }
+  const bool diverged = step.reason == EndReason::kDiverged;
+  return nb::make_tuple(Observation(env), 0.0, false, diverged, Info(env, step));
+}
+
+}  // namespace
+
+void BindEnv(nb::module_& m) {
+  m.def("env_scene_spec", &EnvSceneSpec, "config"_a,
+        "The scene of an environment: robots and grippers in the rig, objects and cameras in their "
+        "frames.\n\nSpecError lists all that is wrong with the configuration.");
+  nb::class_<Env> env(
+      m, "Env",
+      "A cell of robots behind reset and step; all poses in the shared base frame.\n\n"
+      "Actions are {robot: {'joints' | 'xyzrpy' | 'tquat': numbers, 'gripper': number}},\n"
+      "observations {robot: {'tquat': (7,), 'xyzrpy': (6,), 'joints': (n,), 'gripper': (1,)}};\n"
+      "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.");
+  GuardHandle<Env>(env, [](const Env& e) { RequireOpen(e.scene(), Place(e)); },
+                   {"close", "config"});
+  env.def("__init__", &InitEnv, "config"_a)
+      .def("reset", &Reset, "seed"_a = nb::none(),
+           nb::sig("def reset(self, seed: int | None = None) -> tuple[dict[str, typing.Any], "
+                   "dict[str, typing.Any]]"),
+           "To the start: (observation, info). Without a seed the next start of those that the "
+           "last seed began.")
+      .def("step", &Step, "action"_a,
+           nb::sig("def step(self, action: collections.abc.Mapping[str, typing.Any]) -> "
+                   "tuple[dict[str, typing.Any], float, bool, bool, dict[str, typing.Any]]"),
+           "Sends the commands and simulates until the step ends: (observation, reward, "
+           "terminated, truncated, info).\n\n"
+           "info['reason'] says why it ended: arrived, collision, ik_failed, timeout or diverged "
+           "(then truncated is true, and only reset goes on); info['robots'][name] has ik_success "
+           "and collision; info['collisions'] lists what touched, by robot and body. Wrong keys, "
+           "sizes and numbers that are not finite are an ArgumentError before anything moves; "
+           "numbers beyond their range are cut to it.")
+      .def("set_origin_to_current", &Env::SetOriginToCurrent, "robot"_a,
+           "With relative_to configured_origin: from now on relative to where it was last sent.")
+      .def_prop_ro(
+          "action_range", [](const Env& e) { return RangeParts(e, e.layout().action, false); },
+          nb::sig("def action_range(self, /) -> tuple[dict[str, typing.Any], "
+                  "dict[str, typing.Any]]"),
+          "What actions lie between: (lower, upper), each like an action.")
+      .def_prop_ro(
+          "observation_range",
+          [](const Env& e) { return RangeParts(e, e.layout().observation, true); },
+          nb::sig("def observation_range(self, /) -> tuple[dict[str, typing.Any], "
+                  "dict[str, typing.Any]]"),
+          "What observations lie between: (lower, upper), each like an observation.")
+      .def_prop_ro(
+          "scene", [](const Env& e) { return e.scene(); }, "The simulation.")
+      .def_prop_ro(
+          "config", [](const Env& e) { return EnvConfig(e.config()); },
+          "A copy of the configuration it was made from.")
+      .def(
+          "close", [](Env& e) { Scene(e.scene()).Close(); }, "Ends its use, and its scene's.");
+}
+
+}  // namespace robocell::python

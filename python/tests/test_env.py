@@ -1,0 +1,135 @@
+"""rc.Env from Python: dictionaries in and out, messages, copies."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import robocell as rc
+
+RC7 = rc.models.robot_file("rc7")
+
+
+def config(**fields) -> rc.EnvConfig:
+    fields.setdefault("control_mode", "cartesian_tquat")
+    return rc.EnvConfig(
+        name="duo",
+        robots={"left": RC7, "right": RC7},
+        robot_to_shared_base_frame={
+            "left": rc.Pose(translation=[0, 0.3, 0], rpy=[-0.4, 0.1, 0]),
+            "right": rc.Pose(translation=[0, -0.3, 0], rpy=[0.4, 0, 0.2]),
+        },
+        shared_base_frame_to_root_frame=rc.Pose(translation=[0, 0, 0.3]),
+        **fields,
+    )
+
+
+STAY = {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": [1]}
+
+
+@pytest.fixture(scope="module")
+def env() -> rc.Env:
+    return rc.Env(config())
+
+
+def test_a_step_moves_the_arm_that_is_told_to(env):
+    before, _ = env.reset(seed=1)
+    after, reward, terminated, truncated, info = env.step(
+        {"left": {"tquat": [0.01, 0, 0.02, 0, 0, 0, 1], "gripper": 0}, "right": STAY}
+    )
+    assert info["reason"] == "arrived"
+    moved = after["left"]["tquat"][:3] - before["left"]["tquat"][:3]
+    assert np.allclose(moved, [0.01, 0, 0.02], atol=0.006)
+    assert np.allclose(after["right"]["tquat"], before["right"]["tquat"], atol=1e-3)
+    assert (after["left"]["gripper"], after["right"]["gripper"]) == ([0], [1])
+    assert (reward, terminated, truncated) == (0, False, False)
+    assert info["robots"]["left"] == {"ik_success": True, "collision": False}
+
+
+def test_observations_are_poses_in_the_shared_frame(env):
+    observation, _ = env.reset(seed=2)
+    shared = env.scene.shared_base_frame_to_world
+    for name, own in observation.items():
+        robot = env.scene.robot(name)
+        world = robot.base_in_world * robot.kinematics.fk(own["joints"])
+        tquat = rc.Pose(translation=own["tquat"][:3], quaternion=own["tquat"][3:])
+        assert (shared * tquat).is_close(world, 1e-9, 1e-9)
+        assert np.allclose(tquat.xyzrpy, own["xyzrpy"], atol=1e-12)
+
+
+def test_observations_are_copies(env):
+    first, _ = env.reset(seed=3)
+    kept = {name: {k: v.copy() for k, v in own.items()} for name, own in first.items()}
+    env.step({"left": {"tquat": [0, 0, 0.05, 0, 0, 0, 1], "gripper": 0}, "right": STAY})
+    for name, own in first.items():
+        for key, value in own.items():
+            assert np.array_equal(value, kept[name][key])
+            assert not np.shares_memory(value, env.scene.data.qpos)
+
+
+def test_everything_lies_in_its_range(env):
+    lower, upper = env.observation_range
+    low, high = env.action_range
+    rng = np.random.default_rng(0)
+    env.reset(seed=4)
+    for _ in range(10):
+        action = {
+            robot: {key: rng.uniform(low[robot][key], high[robot][key]) for key in low[robot]}
+            for robot in low
+        }
+        observation, *_ = env.step(action)
+        for robot, own in observation.items():
+            for key, value in own.items():
+                assert np.all(value >= lower[robot][key])
+                assert np.all(value <= upper[robot][key])
+
+
+def test_what_is_wrong_with_an_action_is_told(env):
+    env.reset()
+    time = env.scene.time()
+
+    def message(action) -> str:
+        with pytest.raises((rc.ArgumentError, TypeError)) as error:
+            env.step(action)
+        return str(error.value)
+
+    assert message({"left": STAY}) == (
+        "environment 'duo': action has no 'right'; it takes left, right"
+    )
+    assert "action: no robot 'rigth'. Known robots: left, right. Did you mean 'right'?" in message(
+        {"left": STAY, "rigth": STAY}
+    )
+    assert (
+        "environment 'duo': action.left: no command 'joints'. Known commands: tquat, gripper. "
+        "(control_mode cartesian_tquat)"
+    ) in message({"left": {"joints": [0] * 7, "gripper": 1}, "right": STAY})
+    assert "action.left.tquat must be 7 numbers, got 3" in message(
+        {"left": {"tquat": [0, 0, 0], "gripper": 1}, "right": STAY}
+    )
+    assert "robot 'left': number 0 of its tquat is nan" in message(
+        {"left": {"tquat": [np.nan, 0, 0, 0, 0, 0, 1], "gripper": 1}, "right": STAY}
+    )
+    assert "action must be a dict of robots, got list" in message([1, 2])
+    assert env.scene.time() == time
+
+
+def test_the_same_seed_is_the_same_episode():
+    noisy = config(control_mode="joints")
+    runs = []
+    for _ in range(2):
+        env = rc.Env(noisy)
+        seen = [env.reset(seed=7)[0]]
+        action = {r: {"joints": np.full(7, 0.02), "gripper": 0.2} for r in ("left", "right")}
+        seen += [env.step(action)[0] for _ in range(3)]
+        seen.append(env.reset()[0])
+        runs.append(np.concatenate([own["joints"] for o in seen for own in o.values()]))
+        env.close()
+    assert np.array_equal(*runs)
+
+
+def test_a_closed_environment_says_so():
+    env = rc.Env(config())
+    env.close()
+    with pytest.raises(rc.ClosedError, match="environment 'duo' is closed"):
+        env.reset()
+    assert env.config.name == "duo"

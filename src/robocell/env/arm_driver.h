@@ -1,0 +1,69 @@
+// ArmDriver: one robot of an environment and its gripper: from its part of the action to commands,
+// and from the state to its part of the observation. Private to env; the Env steps.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/env/arm_target.h"
+#include "robocell/env/env_layout.h"
+#include "robocell/robot/robot.h"
+
+namespace robocell {
+
+class ArmDriver {
+ public:
+  // `robot` is one of the configuration's, `layout` its part of the vectors.
+  ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout);
+
+  const RobotLayout& layout() const { return layout_; }
+  const Robot& robot() const { return robot_; }
+  // The robots that it moves: the arm, and its gripper when that is one of its own.
+  std::vector<Robot> robots() const;
+
+  // Takes what the scene's reset left for the last target and the origin.
+  void Reset();
+  // Relative actions are now relative to where the arm was last sent.
+  void SetOriginToCurrent();
+  // ArgumentError for numbers that are not finite and a quaternion without direction, in the words
+  // of `place`. `action` is the whole vector, here and below.
+  void Check(std::span<const double> action, const std::string& place) const;
+  // Sends the command; false when its pose has no solution: then the arm keeps its target.
+  bool Send(std::span<const double> action);
+  // Whether arm and gripper are where they were sent, or can go no further. Asked at every control
+  // tick.
+  bool HasArrived(double time);
+  // Into its parts of the whole vector. Poses in the shared base frame.
+  void Observe(std::span<double> observation) const;
+
+ private:
+  // What a number of an action says of the gripper.
+  double Opening(double value) const;
+  void SendGripper(double value, RobotAction& own);
+  Pose NextPose(std::span<const double> command) const;
+  std::vector<double> NextJoints(std::span<const double> command) const;
+  bool GripperIsStill(double time);
+  const GripperGroup* gripper() const { return gripper_ ? &gripper_->gripper() : nullptr; }
+
+  ControlMode mode_;
+  RelativeTo relative_to_;
+  StepLimit limit_;
+  bool binary_gripper_;
+  double tolerance_;
+  Robot robot_;
+  std::optional<Robot> gripper_;  // the robot that has the gripper
+  RobotLayout layout_;
+  std::vector<Interval> joint_limits_;
+  Pose base_in_shared_;
+
+  Pose sent_, origin_;
+  std::vector<double> sent_joints_, origin_joints_;
+  double sent_opening_ = 1;
+  // The gripper is watched over windows of time: still at their end, or not yet.
+  bool gripper_still_ = false;
+  double window_start_ = 0, window_opening_ = 0;
+};
+
+}  // namespace robocell

@@ -1,0 +1,46 @@
+#include "robocell/env/arm_target.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace robocell {
+namespace {
+
+constexpr double kShortest = 1e-6;  // quaternion that has a direction
+
+double Length(std::span<const double> q) {
+  return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+}
+
+}  // namespace
+
+bool HasDirection(std::span<const double> quaternion) { return Length(quaternion) >= kShortest; }
+
+Pose MovedBy(const Pose& tcp, const Pose& delta) {
+  return Pose(tcp.translation() + delta.translation(),
+              QuaternionProduct(delta.quaternion(), tcp.quaternion()));
+}
+
+Pose LimitedStep(const Pose& from, const Pose& to, const StepLimit& limit) {
+  const Pose delta(to.translation() - from.translation(),
+                   QuaternionProduct(to.quaternion(), QuaternionInverse(from.quaternion())));
+  const bool near = delta.translation().norm() <= limit.translation;
+  if (near && delta.angle() <= limit.rotation) return to;
+  return MovedBy(from, delta.limit_translation(limit.translation).limit_rotation(limit.rotation));
+}
+
+void LimitJointStep(std::span<const double> from, double limit, std::span<double> to) {
+  for (size_t i = 0; i < to.size(); ++i)
+    to[i] = std::clamp(to[i], from[i] - limit, from[i] + limit);
+}
+
+Pose PoseOfAction(ControlMode mode, std::span<const double> action) {
+  const Eigen::Vector3d translation(action[0], action[1], action[2]);
+  if (mode == ControlMode::kCartesianTrpy)
+    return Pose::FromRpy(translation, {action[3], action[4], action[5]});
+  const std::span<const double> q = action.subspan(3, 4);
+  const double length = Length(q);
+  return Pose(translation, Quaternion{q[0] / length, q[1] / length, q[2] / length, q[3] / length});
+}
+
+}  // namespace robocell

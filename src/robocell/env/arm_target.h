@@ -1,0 +1,30 @@
+// What one arm is to do, as a pure function of its action and of what came before: where it is sent
+// to in the shared base frame, or in its joints. No scene, no state.
+//
+//   const Pose to = MovedBy(last, Pose::FromRpy({0.01, 0, 0}, {0, 0, 0.1}));
+//   const Pose sent = LimitedStep(last, to, 0.05, 0.2);
+#pragma once
+
+#include <span>
+
+#include "robocell/math/pose.h"
+#include "robocell/spec/env_action.h"
+
+namespace robocell {
+
+// The TCP moved by `delta`: along the axes of the frame that the pose is in, and turned about
+// itself around these same axes.
+Pose MovedBy(const Pose& tcp, const Pose& delta);
+
+// `to`, or as far on the way from `from` as the limit lets it go.
+Pose LimitedStep(const Pose& from, const Pose& to, const StepLimit& limit);
+void LimitJointStep(std::span<const double> from, double limit, std::span<double> to);
+
+// Whether a quaternion of any length says which way; [0, 0, 0, 0] does not.
+bool HasDirection(std::span<const double> quaternion);
+
+// The pose that the numbers of a Cartesian action are: x y z and roll pitch yaw, or a quaternion
+// xyzw that HasDirection, which is normalised.
+Pose PoseOfAction(ControlMode mode, std::span<const double> action);
+
+}  // namespace robocell

@@ -1,0 +1,76 @@
+#include "robocell/env/arm_target.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "robocell/base/rng.h"
+#include "robocell/testing/random_values.h"
+
+namespace robocell {
+namespace {
+
+TEST(ArmTarget, MovesAlongAndTurnsAroundTheAxesOfTheFrame) {
+  Rng rng = Rng::Stream(1, "arm target");
+  for (int i = 0; i < 100; ++i) {
+    const Pose tcp = RandomPose(rng), delta = RandomPose(rng);
+    const Pose moved = MovedBy(tcp, delta);
+    EXPECT_TRUE(moved.translation().isApprox(tcp.translation() + delta.translation(), 1e-12));
+    EXPECT_TRUE(moved.rotation().isApprox(delta.rotation() * tcp.rotation(), 1e-12));
+  }
+}
+
+TEST(ArmTarget, WhatIsNearIsReached) {
+  Rng rng = Rng::Stream(2, "arm target");
+  for (int i = 0; i < 100; ++i) {
+    const Pose from = RandomPose(rng), to = RandomPose(rng);
+    EXPECT_EQ(LimitedStep(from, to, {10, 4}), to);
+    EXPECT_EQ(LimitedStep(from, to, {INFINITY, INFINITY}), to);
+  }
+}
+
+TEST(ArmTarget, WhatIsFarIsApproachedByTheLimit) {
+  Rng rng = Rng::Stream(3, "arm target");
+  constexpr StepLimit kLimit{0.05, 0.2};
+  for (int i = 0; i < 100; ++i) {
+    const Pose from = RandomPose(rng), to = RandomPose(rng);
+    const Pose sent = LimitedStep(from, to, kLimit);
+    const Eigen::Vector3d moved = sent.translation() - from.translation(),
+                          wanted = to.translation() - from.translation();
+    EXPECT_LE(moved.norm(), kLimit.translation + 1e-12);
+    EXPECT_NEAR(moved.cross(wanted).norm(), 0, 1e-12);
+    const double turned = AngleBetween(from.quaternion(), sent.quaternion());
+    EXPECT_LE(turned, kLimit.rotation + 1e-9);
+    EXPECT_NEAR(turned + AngleBetween(sent.quaternion(), to.quaternion()),
+                AngleBetween(from.quaternion(), to.quaternion()), 1e-9);
+  }
+}
+
+TEST(ArmTarget, StepsAddUpToTheWholeWay) {
+  const Pose to = Pose::FromRpy({0.3, -0.2, 0.1}, {0.4, 0.5, -1});
+  Pose at;
+  for (int i = 0; i < 20; ++i) at = LimitedStep(at, to, {0.05, 0.1});
+  EXPECT_TRUE(at.is_close(to, 1e-9, 1e-9));
+}
+
+TEST(ArmTarget, JointsAreLimitedOneByOne) {
+  const std::vector<double> from = {0, 1, 2};
+  std::vector<double> to = {1, 1.05, -3};
+  LimitJointStep(from, 0.1, to);
+  EXPECT_EQ(to, (std::vector<double>{0.1, 1.05, 1.9}));
+}
+
+TEST(ArmTarget, ReadsBothKindsOfCartesianActions) {
+  const Pose pose = Pose::FromRpy({0.1, 0.2, 0.3}, {0.4, -0.5, 0.6});
+  const auto xyzrpy = pose.xyzrpy();
+  EXPECT_TRUE(PoseOfAction(ControlMode::kCartesianTrpy, xyzrpy).is_close(pose, 1e-12, 1e-12));
+  std::vector<double> tquat = {0.1, 0.2, 0.3};
+  for (const double number : pose.quaternion()) tquat.push_back(-7 * number);
+  EXPECT_TRUE(PoseOfAction(ControlMode::kCartesianTquat, tquat).is_close(pose, 1e-12, 1e-12));
+  EXPECT_FALSE(HasDirection(std::vector<double>{0, 0, 0, 0}));
+  EXPECT_TRUE(HasDirection(std::vector<double>{0, 0, 0.01, 0}));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,90 @@
+#include "robocell/env/collision_monitor.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/robot/gripper_group.h"
+
+namespace robocell {
+
+std::string Describe(const Collision& collision) {
+  return fmt::format(
+      "robot '{}' ({}) touches {}", collision.robot, collision.body,
+      collision.other_robot.empty()
+          ? collision.other_body
+          : fmt::format("robot '{}' ({})", collision.other_robot, collision.other_body));
+}
+
+CollisionMonitor::CollisionMonitor(std::vector<Watched> watched)
+    : watched_(std::move(watched)), scene_(watched_.front().robot.scene()) {}
+
+void CollisionMonitor::HideGripper(const MoveGroup& gripper) {
+  const auto* fingers = dynamic_cast<const ActuatedGripper*>(&gripper);
+  if (!fingers) return;
+  const mjModel* m = scene_.model();
+  const std::vector<bool> of_hand = SubtreeMask(m, fingers->hand_body());
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (of_hand[m->geom_bodyid[g]]) owner_[g] = -1;
+  }
+}
+
+void CollisionMonitor::MarkGeoms(const Watched& watched, int index) {
+  for (const int body : watched.robot.body_ids()) body_owner_[body] = index;
+  for (const int geom : watched.robot.collision_geom_ids()) owner_[geom] = index;
+  if (watched.robot.has_gripper()) HideGripper(watched.robot.gripper());
+  for (const Robot& gripper : watched.grippers) {
+    for (const int body : gripper.body_ids()) body_owner_[body] = index;
+    for (const int geom : gripper.geom_ids()) owner_[geom] = -1;
+  }
+}
+
+void CollisionMonitor::Bind() {
+  if (generation_ == scene_.generation()) return;
+  owner_.assign(scene_.model()->ngeom, -1);
+  body_owner_.assign(scene_.model()->nbody, -1);
+  for (size_t i = 0; i < watched_.size(); ++i) MarkGeoms(watched_[i], static_cast<int>(i));
+  generation_ = scene_.generation();
+}
+
+void CollisionMonitor::Begin() {
+  Bind();
+  found_.clear();
+  FindNew();
+}
+
+bool CollisionMonitor::FindNew() {
+  const mjModel* m = scene_.model();
+  const mjData* d = scene_.data();
+  const size_t before = found_.size();
+  for (int c = 0; c < d->ncon; ++c) {
+    const mjContact& contact = d->contact[c];
+    const int a = contact.geom[0], b = contact.geom[1];
+    if (contact.exclude != 0 || a < 0 || b < 0 || (owner_[a] < 0 && owner_[b] < 0)) continue;
+    std::pair<int, int> bodies(m->geom_bodyid[a], m->geom_bodyid[b]);
+    if (owner_[a] < 0) std::swap(bodies.first, bodies.second);
+    if (std::find(found_.begin(), found_.end(), bodies) == found_.end()) found_.push_back(bodies);
+  }
+  return found_.size() > before;
+}
+
+Collision CollisionMonitor::MakeCollision(std::pair<int, int> bodies) const {
+  const mjModel* m = scene_.model();
+  const auto robot = [&](int body) {
+    const int index = body_owner_[body];
+    return index < 0 ? "" : watched_[index].robot.name();
+  };
+  return {robot(bodies.first), ElementName(m, mjOBJ_BODY, bodies.first), robot(bodies.second),
+          ElementName(m, mjOBJ_BODY, bodies.second)};
+}
+
+std::vector<Collision> CollisionMonitor::found() const {
+  std::vector<Collision> out;
+  for (const auto& bodies : found_) out.push_back(MakeCollision(bodies));
+  return out;
+}
+
+}  // namespace robocell

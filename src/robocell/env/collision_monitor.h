@@ -1,0 +1,61 @@
+// CollisionMonitor: which robots ran into something, by robot and body, and whether that is new.
+//
+// A robot's collision geoms (RobotConfig::collision_geoms, else all of its own) count, what it
+// carries included, but for its gripper, whose business it is to touch things. Contacts with
+// itself count too.
+//
+//   monitor.Begin();                               // what touches now is not new
+//   ... step ...; if (monitor.FindNew()) ...       // no allocation unless something is new
+//   for (const Collision& c : monitor.found()) ... // all since Begin
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robocell/robot/robot.h"
+
+namespace robocell {
+
+struct Collision {
+  std::string robot;        // as in the scene
+  std::string body;         // of it, full name
+  std::string other_robot;  // "" when the other body is none's
+  std::string other_body;
+
+  bool operator==(const Collision&) const = default;
+};
+
+// "robot 'left' (robotleft_fr3_link5) touches table_top": for messages.
+std::string Describe(const Collision& collision);
+
+class CollisionMonitor {
+ public:
+  // The arms, each with the robot that has its gripper as far as that is another one.
+  struct Watched {
+    Robot robot;
+    std::vector<Robot> grippers;
+  };
+  explicit CollisionMonitor(std::vector<Watched> watched);
+
+  void Begin();
+  // Looks at the present contacts; true when there is a pair of bodies that was not found before.
+  bool FindNew();
+  std::vector<Collision> found() const;
+
+ private:
+  void Bind();
+  void MarkGeoms(const Watched& watched, int index);
+  void HideGripper(const MoveGroup& gripper);
+  Collision MakeCollision(std::pair<int, int> bodies) const;
+
+  std::vector<Watched> watched_;
+  Scene scene_;
+  uint64_t generation_ = ~uint64_t{0};
+  std::vector<int> owner_;       // per geom: index into watched_, or -1
+  std::vector<int> body_owner_;  // per body
+  std::vector<std::pair<int, int>> found_;
+};
+
+}  // namespace robocell

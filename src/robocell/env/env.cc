@@ -1,0 +1,182 @@
+#include "robocell/env/env.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/env/env_scene.h"
+
+namespace robocell {
+namespace {
+
+constexpr const char* kSeedPurpose = "env reset";
+
+std::vector<Robot> ArmsOf(const EnvConfig& config, const Scene& scene) {
+  std::vector<Robot> robots;
+  for (const std::string& name : config.robots.keys()) robots.push_back(Robot::Of(scene, name));
+  return robots;
+}
+
+std::vector<ArmDriver> DriversOf(const EnvConfig& config, const Scene& scene,
+                                 const EnvLayout& layout) {
+  std::vector<ArmDriver> drivers;
+  for (const RobotLayout& robot : layout.robots)
+    drivers.emplace_back(config, Robot::Of(scene, robot.robot), robot);
+  return drivers;
+}
+
+std::vector<Robot> RobotsOfDrivers(const std::vector<ArmDriver>& drivers) {
+  std::vector<Robot> robots;
+  for (const ArmDriver& driver : drivers) {
+    for (const Robot& robot : driver.robots()) robots.push_back(robot);
+  }
+  return robots;
+}
+
+std::vector<CollisionMonitor::Watched> WatchedOf(const std::vector<ArmDriver>& drivers) {
+  std::vector<CollisionMonitor::Watched> watched;
+  for (const ArmDriver& driver : drivers) {
+    std::vector<Robot> robots = driver.robots();
+    robots.erase(robots.begin());
+    watched.push_back({driver.robot(), std::move(robots)});
+  }
+  return watched;
+}
+
+// The number of engine steps after which `seconds` have passed.
+int64_t TicksUntil(double seconds, double timestep) {
+  return static_cast<int64_t>(std::ceil(seconds / timestep - 1e-9));
+}
+
+}  // namespace
+
+const char* ToString(EndReason reason) {
+  switch (reason) {
+    case EndReason::kDiverged:
+      return "diverged";
+    case EndReason::kCollision:
+      return "collision";
+    case EndReason::kIkFailed:
+      return "ik_failed";
+    case EndReason::kArrived:
+      return "arrived";
+    case EndReason::kTimeout:
+      break;
+  }
+  return "timeout";
+}
+
+Env::Env(const EnvConfig& config, const DataFactory& factory)
+    : Env(config, Scene::Build(EnvSceneSpec(config), factory)) {}
+
+Env::Env(EnvConfig config, Scene scene)
+    : config_(std::move(config)),
+      scene_(std::move(scene)),
+      layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_))),
+      arms_(DriversOf(config_, scene_, layout_)),
+      stepper_(scene_, RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1}),
+      collisions_(WatchedOf(arms_)),
+      seeds_(Rng::Stream(0, kSeedPurpose)),
+      observation_(layout_.observation.size()) {}
+
+void Env::Reset(const EnvResetOptions& options) {
+  if (options.seed) seeds_ = Rng::Stream(*options.seed, kSeedPurpose);
+  std::vector<std::vector<double>> kept;
+  if (!config_.wrappers.home_on_reset && phase_ == Phase::kReady) {
+    for (const ArmDriver& arm : arms_) kept.push_back(arm.robot().arm().joint_pos());
+  }
+  scene_.Reset({.seed = seeds_.NextBits()});
+  for (size_t i = 0; i < kept.size(); ++i) Robot(arms_[i].robot()).SetJointPos(kept[i]);
+  for (ArmDriver& arm : arms_) arm.Reset();
+  phase_ = Phase::kReady;
+  steps_ = ticks_ = 0;
+  pacer_.Start(0);
+  Observe();
+}
+
+void Env::CheckAction(std::span<const double> action) const {
+  if (phase_ != Phase::kReady) {
+    throw Error(place() + (phase_ == Phase::kUnready
+                               ? ": call reset before the first step"
+                               : ": the simulation has diverged; call reset to go on"));
+  }
+  if (action.size() != static_cast<size_t>(layout_.action.size())) {
+    throw ArgumentError(fmt::format("{}: expected an action of {} numbers, got {}", place(),
+                                    layout_.action.size(), action.size()));
+  }
+  for (const ArmDriver& arm : arms_) arm.Check(action, place());
+}
+
+std::vector<std::string> Env::Send(std::span<const double> action) {
+  std::vector<std::string> failed;
+  for (ArmDriver& arm : arms_) {
+    if (!arm.Send(action)) failed.push_back(arm.layout().robot);
+  }
+  return failed;
+}
+
+// From one multiple of 1/frequency since the reset to the next, without drift; or at most the time
+// that motions may take.
+int64_t Env::TicksOfStep() const {
+  const SimSettings& sim = config_.sim;
+  if (!sim.async_control)
+    return std::max<int64_t>(1, TicksUntil(sim.max_convergence_time, scene_.timestep()));
+  const double end = static_cast<double>(steps_ + 1) / sim.frequency;
+  return std::max<int64_t>(1, TicksUntil(end, scene_.timestep()) - ticks_);
+}
+
+bool Env::HaveArrived() {
+  bool arrived = true;
+  for (ArmDriver& arm : arms_) arrived = arm.HasArrived(scene_.time()) && arrived;
+  return arrived;
+}
+
+// After every engine step.
+bool Env::ShouldEnd() {
+  ++ticks_;
+  collided_ = collisions_.FindNew() || collided_;
+  if (collided_ && config_.sim.on_collision == OnCollision::kStop) return true;
+  return !config_.sim.async_control && HaveArrived();
+}
+
+EndReason Env::ReasonOf(const StepResult& step, const EnvStep& out) {
+  if (!step.ok()) return EndReason::kDiverged;
+  if (collided_ && config_.sim.on_collision == OnCollision::kStop) return EndReason::kCollision;
+  if (!out.ik_failed.empty()) return EndReason::kIkFailed;
+  return HaveArrived() ? EndReason::kArrived : EndReason::kTimeout;
+}
+
+EnvStep Env::Step(std::span<const double> action) {
+  CheckAction(action);
+  EnvStep out;
+  collided_ = false;
+  collisions_.Begin();
+  out.ik_failed = Send(action);
+  const StepOutcome outcome =
+      stepper_.AdvanceUntil({}, TicksOfStep(), [this] { return ShouldEnd(); });
+  ++steps_;
+  out.reason = ReasonOf(outcome.step, out);
+  out.message = outcome.step.message;
+  out.collisions = collisions_.found();
+  out.time = static_cast<double>(ticks_) * scene_.timestep();
+  if (out.reason == EndReason::kDiverged) phase_ = Phase::kDiverged;
+  Observe();
+  if (config_.sim.realtime) pacer_.Wait(out.time);
+  return out;
+}
+
+void Env::Observe() {
+  for (const ArmDriver& arm : arms_) arm.Observe(observation_);
+}
+
+void Env::SetOriginToCurrent(const std::string& robot) {
+  for (ArmDriver& arm : arms_) {
+    if (arm.layout().robot == robot) return arm.SetOriginToCurrent();
+  }
+  throw NotFoundError(NoSuchName(place(), "robot", robot, config_.robots.keys()));
+}
+
+}  // namespace robocell

@@ -1,0 +1,102 @@
+// Env: a cell of robots behind reset and step: actions and observations as flat vectors
+// (env_layout.h), all poses in the shared base frame.
+//
+//   Env env(EnvConfig::Load("duo.yaml"));
+//   env.Reset({.seed = 1});
+//   std::vector<double> action(env.layout().action.size());
+//   EnvStep step = env.Step(action);
+//   if (step.reason == EndReason::kIkFailed) ...
+//   std::span<const double> seen = env.observation();
+//
+// A step sends the command of every arm, whatever was sent before, and ends when all have arrived,
+// when a robot runs into something, or when its time is up; with async_control always after
+// 1/frequency. It says which. A pose without a solution leaves that arm where it was sent before,
+// and is tried again with the next command.
+//
+// Errors: SpecError for what is wrong with the configuration; ArgumentError for actions of a wrong
+// size or with numbers that are not finite, before anything moves; numbers beyond their range are
+// cut to it. Divergence is a value: after it only Reset goes on. Copies of one environment run in
+// parallel each with an Env of its own on a frozen model. Threads: those of the scene.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/base/rng.h"
+#include "robocell/env/arm_driver.h"
+#include "robocell/env/collision_monitor.h"
+#include "robocell/env/env_layout.h"
+#include "robocell/env/pacer.h"
+#include "robocell/env/stepper.h"
+#include "robocell/spec/env_config.h"
+
+namespace robocell {
+
+// Why a step ended: the first of these that is so.
+enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kTimeout };
+const char* ToString(EndReason reason);
+
+struct EnvStep {
+  EndReason reason = EndReason::kTimeout;
+  double time = 0;                          // simulated s since the reset
+  std::string message = {};                 // of a divergence
+  std::vector<std::string> ik_failed = {};  // robots
+  std::vector<Collision> collisions = {};   // what touched in this step
+};
+
+struct EnvResetOptions {
+  // Unset: the next of the stream that the last seed began; 0 at first.
+  std::optional<uint64_t> seed = {};
+};
+
+class Env {
+ public:
+  explicit Env(const EnvConfig& config, const DataFactory& factory = {});
+  // In a scene that was made before, as from a saved file, of EnvSceneSpec(config).
+  Env(EnvConfig config, Scene scene);
+
+  const EnvConfig& config() const { return config_; }
+  const EnvLayout& layout() const { return layout_; }
+  const Scene& scene() const { return scene_; }
+
+  void Reset(const EnvResetOptions& options = {});
+  // `action` has layout().action.size() numbers. Error before the first Reset and after a
+  // divergence.
+  EnvStep Step(std::span<const double> action);
+  // What the last Reset or Step left, layout().observation.size() numbers.
+  std::span<const double> observation() const { return observation_; }
+
+  // With relative_to configured_origin: from now on relative to where the robot was last sent.
+  // NotFoundError lists the robots.
+  void SetOriginToCurrent(const std::string& robot);
+
+ private:
+  enum class Phase { kUnready, kReady, kDiverged };
+
+  void CheckAction(std::span<const double> action) const;
+  std::vector<std::string> Send(std::span<const double> action);
+  int64_t TicksOfStep() const;
+  bool ShouldEnd();
+  bool HaveArrived();
+  EndReason ReasonOf(const StepResult& step, const EnvStep& out);
+  void Observe();
+  std::string place() const { return "environment '" + config_.name + "'"; }
+
+  EnvConfig config_;
+  Scene scene_;
+  EnvLayout layout_;
+  std::vector<ArmDriver> arms_;
+  Stepper stepper_;
+  CollisionMonitor collisions_;
+  RealTimePacer pacer_;
+  Phase phase_ = Phase::kUnready;
+  Rng seeds_;
+  std::vector<double> observation_;
+  int64_t steps_ = 0, ticks_ = 0;  // since the reset
+  bool collided_ = false;          // in this step
+};
+
+}  // namespace robocell

@@ -1,0 +1,52 @@
+// How an environment's action and observation are laid out in flat vectors: pure data made from the
+// configuration and its robots, the same for every copy of the environment.
+//
+// An action has for each robot its command and, with a gripper, one number more. An observation has
+// for each robot the TCP in the shared base frame (tquat: x y z, quaternion xyzw; xyzrpy: x y z,
+// roll pitch yaw), its joints, and with a gripper its opening. Metres, radians, 0 closed ... 1
+// open.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "robocell/robot/robot.h"
+#include "robocell/spec/env_config.h"
+
+namespace robocell {
+
+// A part of a flat vector.
+struct VectorPart {
+  int begin = 0;
+  int size = 0;
+};
+
+struct RobotLayout {
+  std::string robot;
+  std::string command;  // what its action is called: joints, xyzrpy or tquat
+  bool has_gripper = false;
+  VectorPart action;
+  int gripper_action = -1;
+  VectorPart tquat, xyzrpy, joints;
+  int gripper = -1;
+};
+
+// What every number of a vector lies between.
+struct VectorRange {
+  std::vector<double> lower, upper;
+  int size() const { return static_cast<int>(lower.size()); }
+};
+
+struct EnvLayout {
+  std::vector<RobotLayout> robots;
+  VectorRange action, observation;
+};
+
+// `robots` are those of the configuration, in its order, in a scene at its start.
+EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots);
+
+// Joint positions that an arm can be sent to: its limits, +-2 pi for hinges without. ArgumentError
+// for a slide without limits.
+std::vector<Interval> CommandLimits(const Robot& robot);
+
+}  // namespace robocell

@@ -1,0 +1,88 @@
+#include "robocell/env/env_scene.h"
+
+#include "robocell/spec/validate.h"
+
+namespace robocell {
+namespace {
+
+// SceneSpec's parts have a position and a rotation in the place of a pose.
+template <class Spec>
+void StandAt(Spec& spec, const AttachTarget& target, const Pose& pose) {
+  spec.attach_to = target;
+  spec.pos = ToVec3(pose.translation());
+  spec.quat = pose.quaternion();
+}
+
+RobotSpec RobotInEnv(const EnvConfig& config, const RobotConfig& robot, const std::string& name,
+                     const std::string& prefix) {
+  RobotSpec spec{.name = name,
+                 .config = robot,
+                 .prefix = prefix,
+                 .base = BaseConfig{},
+                 .reset_root_pose = true,
+                 .control_modes = robot.used_modes()};
+  if (config.add_gravcomp) spec.config->gravcomp = true;
+  return spec;
+}
+
+void AddRobots(const EnvConfig& config, SceneSpec& scene) {
+  for (const auto& [name, robot] : config.robots.entries()) {
+    StandAt(scene.robots.push_back(RobotInEnv(config, *robot, name, "robot" + name + "_")),
+            SharedBase(), config.robot_in_shared_base(name));
+  }
+  for (const auto& [name, gripper] : config.grippers.entries()) {
+    if (!config.has_mounted_gripper(name)) continue;
+    const Pose* offset = config.gripper_offsets.find(name);
+    const std::string own_name = MountedGripperName(name);
+    StandAt(scene.robots.push_back(RobotInEnv(config, *gripper, own_name, own_name + "_")),
+            Attachment(name), offset ? *offset : Pose());
+  }
+}
+
+void AddObjects(const Map<EnvObject>& objects, const AttachTarget& frame, SceneSpec& scene) {
+  for (const auto& [id, object] : objects.entries()) {
+    StandAt(scene.objects.push_back({.name = id,
+                                     .mjcf_path = object->mjcf_path,
+                                     .reset_root_pose = true,
+                                     .fixed = object->fixed}),
+            frame, object->offset);
+  }
+}
+
+AttachTarget FrameOf(const CameraAdderConfig& camera) {
+  if (camera.robot_name.empty()) return Root();
+  if (camera.attachment_site.empty()) return Attachment(camera.robot_name);
+  return Site("robot" + camera.robot_name + "_" + camera.attachment_site);
+}
+
+void AddCameras(const EnvConfig& config, SceneSpec& scene) {
+  for (const auto& [name, camera] : config.camera_adds.entries()) {
+    CameraSpec spec{.name = name, .mjcf_path = camera->xml_path, .fovy = camera->fovy};
+    if (spec.mjcf_path.empty() && !spec.fovy) spec.fovy = CameraAdderConfig::kFovy;
+    StandAt(scene.cameras.push_back(std::move(spec)), FrameOf(*camera), camera->offset);
+  }
+}
+
+}  // namespace
+
+std::string MountedGripperName(const std::string& robot) { return "gripper" + robot; }
+
+SceneSpec EnvSceneSpec(const EnvConfig& config) {
+  RequireValid(config, "environment '" + config.name + "'");
+  SceneSpec scene{.name = config.name,
+                  .base = config.scene,
+                  .timestep = config.sim.timestep,
+                  .options = config.options,
+                  .root_frame_to_world = config.root_frame_to_world,
+                  .shared_base_frame_to_root_frame = config.shared_base_frame_to_root_frame,
+                  .source_dir = config.source_dir};
+  AddRobots(config, scene);
+  AddObjects(config.root_frame_objects, Root(), scene);
+  AddObjects(config.world_frame_objects, World(), scene);
+  for (const auto& [robot, objects] : config.robot_frame_objects.entries())
+    AddObjects(*objects, Attachment(robot), scene);
+  AddCameras(config, scene);
+  return scene;
+}
+
+}  // namespace robocell

@@ -1,0 +1,25 @@
+// From an environment's configuration to its scene: robots and grippers in the rig, objects and
+// cameras in their frames. Pure: nothing is read or compiled.
+//
+//   const EnvConfig config = EnvConfig::Load("duo.yaml");
+//   Scene scene = Scene::Build(EnvSceneSpec(config));
+//   Robot left = Robot::Of(scene, "left"), gripper = Robot::Of(scene, "gripperleft");
+//
+// Robots stand on fixed bases without the pedestal of their configuration, and what a model's file
+// says of its root's pose is dropped: the poses are those of the configuration alone.
+#pragma once
+
+#include <string>
+
+#include "robocell/spec/env_config.h"
+#include "robocell/spec/scene_spec.h"
+
+namespace robocell {
+
+// SpecError lists all that is wrong with the configuration.
+SceneSpec EnvSceneSpec(const EnvConfig& config);
+
+// What the gripper of a robot is called in the scene, when it is one of `grippers`: "gripperleft".
+std::string MountedGripperName(const std::string& robot);
+
+}  // namespace robocell

@@ -1,0 +1,30 @@
+// RealTimePacer: lets simulated time pass no faster than the clock on the wall. What was late stays
+// late: lost time is not caught up.
+#pragma once
+
+#include <chrono>
+#include <thread>
+
+namespace robocell {
+
+class RealTimePacer {
+ public:
+  void Start(double simulated_s) {
+    start_ = Clock::now();
+    simulated_start_ = simulated_s;
+  }
+  // Returns when as much time has passed since Start as in the simulation.
+  void Wait(double simulated_s) {
+    const std::chrono::duration<double> simulated(simulated_s - simulated_start_);
+    const auto due = start_ + std::chrono::duration_cast<Clock::duration>(simulated);
+    if (Clock::now() > due) return Start(simulated_s);
+    std::this_thread::sleep_until(due);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+  double simulated_start_ = 0;
+};
+
+}  // namespace robocell

@@ -1,0 +1,50 @@
+// How an environment is acted on: what actions mean, what they are relative to.
+#pragma once
+
+#include <array>
+#include <utility>
+
+#include "robocell/spec/fields.h"
+
+namespace robocell {
+
+enum class ControlMode {
+  kJoints,          // joint positions
+  kCartesianTrpy,   // translation, roll pitch yaw (extrinsic xyz)
+  kCartesianTquat,  // translation, quaternion xyzw
+};
+template <>
+struct EnumNames<ControlMode> {
+  static constexpr std::array kNames = {std::pair{ControlMode::kJoints, "joints"},
+                                        std::pair{ControlMode::kCartesianTrpy, "cartesian_trpy"},
+                                        std::pair{ControlMode::kCartesianTquat, "cartesian_tquat"}};
+};
+
+enum class RelativeTo {
+  kLastStep,          // what the robot was last sent to
+  kConfiguredOrigin,  // where it was at the reset, or what was set since
+  kNone,              // nothing: actions are absolute
+};
+template <>
+struct EnumNames<RelativeTo> {
+  static constexpr std::array kNames = {
+      std::pair{RelativeTo::kLastStep, "last_step"},
+      std::pair{RelativeTo::kConfiguredOrigin, "configured_origin"},
+      std::pair{RelativeTo::kNone, "none"}};
+};
+
+// The largest step of one action: metres and radians; joints in their own unit, as the rotation.
+struct StepLimit {
+  double translation = 0;
+  double rotation = 0;
+};
+
+// What a step does when a robot runs into something.
+enum class OnCollision { kReport, kStop };
+template <>
+struct EnumNames<OnCollision> {
+  static constexpr std::array kNames = {std::pair{OnCollision::kReport, "report"},
+                                        std::pair{OnCollision::kStop, "stop"}};
+};
+
+}  // namespace robocell

@@ -1,0 +1,168 @@
+#include "robocell/spec/env_config.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "robocell/base/names.h"
+#include "robocell/base/units.h"
+#include "robocell/spec/check_env_objects.h"
+#include "robocell/spec/validate.h"
+
+namespace robocell {
+namespace {
+
+bool HasGroup(const RobotConfig& config, MoveGroupKind kind) {
+  for (const auto& [name, group] : config.move_groups.entries()) {
+    if (group->kind == kind) return true;
+  }
+  return false;
+}
+
+// `gripper_offsets: {lft: ...}`: every key must be a robot.
+void CheckRobotKeys(const std::vector<std::string>& keys, std::string_view field,
+                    const EnvConfig& env, Problems& problems) {
+  Problems::Scope scope(problems, field);
+  for (const std::string& key : keys) {
+    if (!env.robots.contains(key))
+      problems.AddAt(key, NoSuchName("", "robot", key, env.robots.keys()));
+  }
+}
+
+// What hangs at a robot's attachment site needs one.
+void RequireAttachmentSite(const EnvConfig& env, const std::string& robot, const std::string& what,
+                           Problems& problems) {
+  const RobotConfig* config = env.robots.find(robot);
+  if (!config || config->attachment_site) return;
+  Problems::Scope list(problems, "robots");
+  Problems::Scope item(problems, robot);
+  problems.AddAt("attachment_site",
+                 fmt::format("is not set, but {} is mounted there; name the site of the robot's "
+                             "model that tools go to",
+                             what));
+}
+
+void CheckGrippers(const EnvConfig& env, Problems& problems) {
+  for (const auto& [robot, gripper] : env.grippers.entries()) {
+    RequireAttachmentSite(env, robot, "its gripper", problems);
+    if (HasGroup(*gripper, MoveGroupKind::kGripper) && !HasGroup(*gripper, MoveGroupKind::kArm))
+      continue;
+    Problems::Scope list(problems, "grippers");
+    Problems::Scope item(problems, robot);
+    problems.AddAt("move_groups",
+                   "a gripper's configuration has a group of kind gripper and none of kind arm; a "
+                   "robot with arm and gripper goes into `robots`");
+  }
+  for (const std::string& robot : env.gripper_offsets.keys()) {
+    if (!env.robots.contains(robot) || env.has_mounted_gripper(robot)) continue;
+    Problems::Scope list(problems, "gripper_offsets");
+    problems.AddAt(robot, env.grippers.contains(robot)
+                              ? "the robot has a gripper of its own, which stays where it is"
+                              : "the robot has no gripper in `grippers`");
+  }
+}
+
+// Robots that nobody placed stand in each other.
+void CheckStands(const EnvConfig& env, Problems& problems) {
+  constexpr double kSame = 1e-6;  // m and rad
+  const std::vector<std::string> names = env.robots.keys();
+  for (size_t i = 0; i < names.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      if (!env.robot_in_shared_base(names[i]).is_close(env.robot_in_shared_base(names[j]), kSame,
+                                                       kSame))
+        continue;
+      problems.AddAt("robot_to_shared_base_frame",
+                     fmt::format("robots '{}' and '{}' stand at the same place; give each its pose "
+                                 "in the shared base frame",
+                                 names[j], names[i]));
+      return;
+    }
+  }
+}
+
+void CheckStepLimit(const EnvConfig& env, Problems& problems) {
+  const size_t count = env.max_relative_movement.size();
+  const bool joints = env.control_mode == ControlMode::kJoints;
+  if (count == 0 || count == (joints ? 1 : 2)) return;
+  problems.AddAt(
+      "max_relative_movement",
+      fmt::format(
+          "with control_mode {} it is {}; found {} {}", ToString(env.control_mode),
+          joints ? "one number, radians (metres for slides)" : "two numbers, [metres, radians]",
+          count, count == 1 ? "number" : "numbers"));
+}
+
+bool IsStreamed(const EnvConfig& env, const std::string& camera) {
+  for (const CameraConfig& stream : env.cameras.streams) {
+    if (stream.camera == camera) return true;
+  }
+  return false;
+}
+
+void CheckCameraAdds(const EnvConfig& env, Problems& problems) {
+  for (const auto& [name, camera] : env.camera_adds.entries()) {
+    if (!camera->robot_name.empty() && camera->attachment_site.empty())
+      RequireAttachmentSite(env, camera->robot_name, "camera '" + name + "'", problems);
+    Problems::Scope list(problems, "camera_adds");
+    CheckNamePart(name, name, problems);
+    Problems::Scope item(problems, name);
+    if (!camera->robot_name.empty() && !env.robots.contains(camera->robot_name)) {
+      problems.AddAt("robot_name",
+                     NoSuchName("", "robot", camera->robot_name, env.robots.keys()) +
+                         " Unset, the camera belongs to the rig, and its offset is in the root "
+                         "frame");
+    }
+    if (!IsStreamed(env, name)) {
+      problems.Add(
+          fmt::format("no stream takes images of this camera; add {{name: {0}, camera: "
+                      "{0}}} to cameras.streams, or leave the camera out",
+                      name));
+    }
+  }
+}
+
+}  // namespace
+
+StepLimit EnvConfig::step_limit() const {
+  const bool joints = control_mode == ControlMode::kJoints;
+  if (!max_relative_movement.empty()) {
+    return joints ? StepLimit{0, max_relative_movement[0]}
+                  : StepLimit{max_relative_movement[0], max_relative_movement[1]};
+  }
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  if (relative_to == RelativeTo::kNone) return {kNone, kNone};
+  return {0.5, (joints ? 5 : 90) * kPi / 180};
+}
+
+bool EnvConfig::has_mounted_gripper(const std::string& robot) const {
+  const RobotConfig* config = robots.find(robot);
+  return config && grippers.contains(robot) && !HasGroup(*config, MoveGroupKind::kGripper);
+}
+
+Pose EnvConfig::robot_in_shared_base(const std::string& robot) const {
+  const Pose* pose = robot_to_shared_base_frame.find(robot);
+  return pose ? *pose : Pose();
+}
+
+void EnvConfig::Validate(Problems& problems) const {
+  CheckNotEmpty(name, "name", "environments are named in messages", problems);
+  CheckNotEmpty(scene, "scene", "the base scene, for example empty_world", problems);
+  if (robots.empty())
+    problems.AddAt("robots", "an environment needs a robot, for example {robot: xarm7.yaml}");
+  for (const std::string& robot : robots.keys()) CheckNamePart(robot, "robots", problems);
+  if (robots.contains("frames"))
+    problems.AddAt("robots.frames", "observations have their images under this name");
+  CheckRobotKeys(grippers.keys(), "grippers", *this, problems);
+  CheckRobotKeys(gripper_offsets.keys(), "gripper_offsets", *this, problems);
+  CheckRobotKeys(robot_to_shared_base_frame.keys(), "robot_to_shared_base_frame", *this, problems);
+  CheckRobotKeys(robot_frame_objects.keys(), "robot_frame_objects", *this, problems);
+  for (const std::string& robot : robot_frame_objects.keys())
+    RequireAttachmentSite(*this, robot, "an object of robot_frame_objects", problems);
+  CheckGrippers(*this, problems);
+  CheckStands(*this, problems);
+  CheckStepLimit(*this, problems);
+  CheckEnvObjects(*this, problems);
+  CheckCameraAdds(*this, problems);
+}
+
+}  // namespace robocell

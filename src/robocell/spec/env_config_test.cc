@@ -1,0 +1,218 @@
+#include "robocell/spec/env_config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "robocell/base/units.h"
+#include "robocell/spec/testing/messages.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::HasSubstr;
+using testing::ParseError;
+using testing::ValidationError;
+
+RobotConfig Arm() {
+  RobotConfig arm{.name = "arm", .model = "arm.xml", .attachment_site = "flange"};
+  arm.move_groups["arm"] = {.kind = MoveGroupKind::kArm, .joints = {"j1", "j2"}};
+  return arm;
+}
+
+RobotConfig Hand() {
+  RobotConfig hand{.name = "hand", .model = "hand.xml"};
+  hand.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper, .actuators = {"grip"}};
+  return hand;
+}
+
+// Two arms side by side, each with a gripper.
+EnvConfig Duo() {
+  EnvConfig env;
+  for (const char* side : {"left", "right"}) {
+    env.robots[side] = Arm();
+    env.grippers[side] = Hand();
+  }
+  env.robot_to_shared_base_frame["left"] = Pose(Eigen::Vector3d(0, 0.3, 0));
+  env.robot_to_shared_base_frame["right"] = Pose(Eigen::Vector3d(0, -0.3, 0));
+  return env;
+}
+
+EnvObject Thing() { return {.mjcf_path = "thing.xml"}; }
+
+std::string Message(const EnvConfig& env) { return ValidationError(env); }
+
+TEST(EnvConfig, AValidOnePasses) { EXPECT_EQ(Message(Duo()), ""); }
+
+TEST(EnvConfig, NeedsARobot) {
+  EXPECT_EQ(Message(EnvConfig{}),
+            "it is not valid: robots: an environment needs a robot, for example {robot: "
+            "xarm7.yaml}");
+}
+
+TEST(EnvConfig, KeysAreRobots) {
+  EnvConfig env = Duo();
+  env.robot_to_shared_base_frame["lft"] = Pose();
+  env.gripper_offsets["rigth"] = Pose();
+  env.robot_frame_objects["middle"]["mount"] = Thing();
+  const std::string message = Message(env);
+  EXPECT_THAT(message, HasSubstr("robot_to_shared_base_frame.lft: no robot 'lft'. Known robots: "
+                                 "left, right. Did you mean 'left'?"));
+  EXPECT_THAT(message, HasSubstr("gripper_offsets.rigth: no robot 'rigth'. Known robots: left, "
+                                 "right. Did you mean 'right'?"));
+  EXPECT_THAT(message, HasSubstr("robot_frame_objects.middle: no robot 'middle'."));
+}
+
+TEST(EnvConfig, RobotsStandApart) {
+  EnvConfig env = Duo();
+  env.robot_to_shared_base_frame = {};
+  EXPECT_EQ(Message(env),
+            "it is not valid: robot_to_shared_base_frame: robots 'left' and 'right' stand at the "
+            "same place; give each its pose in the shared base frame");
+}
+
+TEST(EnvConfig, WhatIsMountedNeedsASite) {
+  EnvConfig env = Duo();
+  env.robots["left"].attachment_site.reset();
+  EXPECT_EQ(Message(env),
+            "it is not valid: robots.left.attachment_site: is not set, but its gripper is mounted "
+            "there; name the site of the robot's model that tools go to");
+}
+
+TEST(EnvConfig, GrippersHaveNoArm) {
+  EnvConfig env = Duo();
+  env.grippers["left"] = Arm();
+  EXPECT_THAT(Message(env), HasSubstr("grippers.left.move_groups: a gripper's configuration has a "
+                                      "group of kind gripper and none of kind arm"));
+}
+
+TEST(EnvConfig, AGripperOfTheRobotsOwnStays) {
+  EnvConfig env = Duo();
+  EXPECT_TRUE(env.has_mounted_gripper("left"));
+  env.robots["left"].move_groups["gripper"] = Hand().move_groups["gripper"];
+  EXPECT_FALSE(env.has_mounted_gripper("left"));
+  EXPECT_EQ(Message(env), "");
+  env.gripper_offsets["left"] = Pose();
+  EXPECT_EQ(Message(env),
+            "it is not valid: gripper_offsets.left: the robot has a gripper of its own, which "
+            "stays where it is");
+}
+
+TEST(EnvConfig, AnObjectStandsInOneFrame) {
+  EnvConfig env = Duo();
+  env.world_frame_objects["cube"] = Thing();
+  env.root_frame_objects["cube"] = Thing();
+  EXPECT_EQ(Message(env),
+            "it is not valid: root_frame_objects.cube: is in world_frame_objects too; keep one of "
+            "them (world_frame_objects stay in the room, root_frame_objects move with the rig, "
+            "robot_frame_objects follow a robot's wrist)");
+}
+
+TEST(EnvConfig, WhatFollowsAWristIsNoObjectOfTheRoom) {
+  EnvConfig env = Duo();
+  env.world_frame_objects["left"] = Thing();
+  EXPECT_THAT(Message(env),
+              HasSubstr("world_frame_objects.left: is the name of a robot. What follows its wrist "
+                        "goes into robot_frame_objects: {left: {id: ...}}"));
+}
+
+TEST(EnvConfig, ObjectsAreNotNamedLikePartsOfRobots) {
+  EnvConfig env = Duo();
+  env.root_frame_objects["robotleft"] = Thing();
+  EXPECT_THAT(Message(env), HasSubstr("names of its elements would begin with 'robotleft_', as "
+                                      "those of robot 'left' do; choose another id"));
+}
+
+TEST(EnvConfig, StepsAreLimitedAsTheControlModeHasThem) {
+  EnvConfig env = Duo();
+  env.max_relative_movement = {0.1, 0.2};
+  EXPECT_EQ(Message(env),
+            "it is not valid: max_relative_movement: with control_mode joints it is one number, "
+            "radians (metres for slides); found 2 numbers");
+  env.control_mode = ControlMode::kCartesianTquat;
+  EXPECT_EQ(Message(env), "");
+  EXPECT_EQ(env.step_limit().translation, 0.1);
+  EXPECT_EQ(env.step_limit().rotation, 0.2);
+  env.max_relative_movement = {0.1};
+  EXPECT_THAT(Message(env), HasSubstr("with control_mode cartesian_tquat it is two numbers, "
+                                      "[metres, radians]; found 1 number"));
+  env.max_relative_movement = {0.1, -1};
+  EXPECT_THAT(Message(env), HasSubstr("max_relative_movement[1]: "));
+}
+
+TEST(EnvConfig, AbsoluteActionsAreNotLimitedUnlessAsked) {
+  EnvConfig env;
+  EXPECT_DOUBLE_EQ(env.step_limit().rotation, 5 * kPi / 180);
+  env.control_mode = ControlMode::kCartesianTrpy;
+  EXPECT_EQ(env.step_limit().translation, 0.5);
+  EXPECT_DOUBLE_EQ(env.step_limit().rotation, kPi / 2);
+  env.relative_to = RelativeTo::kNone;
+  EXPECT_TRUE(std::isinf(env.step_limit().translation));
+}
+
+TEST(EnvConfig, StepsAreNoShorterThanTheEngines) {
+  EnvConfig env = Duo();
+  env.sim.frequency = 1000;
+  EXPECT_EQ(Message(env),
+            "it is not valid: sim.frequency: 1000 Hz is more often than the engine steps, every "
+            "0.002 s; at most 500 Hz");
+}
+
+TEST(EnvConfig, ACameraThatIsAddedHasAStream) {
+  EnvConfig env = Duo();
+  env.camera_adds["wrist"] = {.robot_name = "left"};
+  EXPECT_EQ(Message(env),
+            "it is not valid: camera_adds.wrist: no stream takes images of this camera; add {name: "
+            "wrist, camera: wrist} to cameras.streams, or leave the camera out");
+  env.cameras.streams.push_back({.name = "hand", .camera = "wrist"});
+  EXPECT_EQ(Message(env), "");
+}
+
+TEST(EnvConfig, SaysWhichFrameACamerasOffsetIsIn) {
+  EnvConfig env = Duo();
+  env.cameras.streams.push_back({.name = "eye", .camera = "eye"});
+  env.camera_adds["eye"] = {.attachment_site = "flange"};
+  EXPECT_EQ(Message(env),
+            "it is not valid: camera_adds.eye.attachment_site: is a site of a robot, but without "
+            "robot_name the offset is in the root frame; set robot_name, or leave the site out");
+  env.camera_adds["eye"] = {.robot_name = "lefd"};
+  EXPECT_THAT(Message(env),
+              HasSubstr("camera_adds.eye.robot_name: no robot 'lefd'. Known robots: left, right. "
+                        "Did you mean 'left'? Unset, the camera belongs to the rig, and its offset "
+                        "is in the root frame"));
+}
+
+TEST(EnvConfig, IsReadFromAFileWithItsRobots) {
+  TempDir folder;
+  std::filesystem::create_directory(folder.path() / "robots");
+  std::ofstream(folder.path() / "robots" / "arm.yaml")
+      << "name: arm\nmodel: arm.xml\nattachment_site: flange\n";
+  std::ofstream(folder.path() / "env.yaml")
+      << "robots: {robot: robots/arm.yaml}\n"
+         "robot_frame_objects: {robot: {mount: {mjcf_path: mount.xml, offset: {pos: [0, 0, 1]}}}}\n"
+         "sim: {timestep: 0.001}\n";
+  const EnvConfig env = EnvConfig::Load(folder.path() / "env.yaml");
+  EXPECT_EQ(env.source_dir, folder.path());
+  EXPECT_EQ(env.robots.at("robot").source_dir, folder.path() / "robots");
+  EXPECT_EQ(env.robot_frame_objects.at("robot").at("mount").offset, Pose(Eigen::Vector3d(0, 0, 1)));
+  EXPECT_EQ(env.sim.timestep, 0.001);
+}
+
+TEST(EnvConfig, ProblemsAreToldWithTheirPlaceInTheFile) {
+  EXPECT_EQ(ParseError<EnvConfig>("robots: {robot: {name: a, model: b, attachment_site: s}}\n"
+                                  "robot_frame_objects:\n"
+                                  "  robt: {mount: {mjcf_path: m.xml}}\n"),
+            "f.yaml is not valid: f.yaml:3:9: robot_frame_objects.robt: no robot 'robt'. Known "
+            "robots: robot. Did you mean 'robot'?");
+  EXPECT_THAT(
+      ParseError<EnvConfig>("robots: {robot: {name: a, model: b}}\n"
+                            "world_frame_objects: {cube: {offset: {pos: [0, 0, 1]}}}\n"),
+      HasSubstr("world_frame_objects.cube.mjcf_path: is required: the object's model file"));
+}
+
+}  // namespace
+}  // namespace robocell
