@@ -1,0 +1,91 @@
+"""Environments as Gymnasium's: its own checker, seeds, pictures, copies."""
+
+from __future__ import annotations
+
+import pickle
+import warnings
+from functools import partial
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import robocell as rc
+from robocell.gym import GymEnv
+
+RC7 = rc.models.robot_file("rc7")
+MODES = [
+    (m, r) for m in ("joints", "cartesian_trpy", "cartesian_tquat") for r in ("last_step", "none")
+]
+
+
+def config(**fields) -> rc.EnvConfig:
+    return rc.EnvConfig(robots={"robot": RC7}, sim={"async_control": True}, **fields)
+
+
+@pytest.mark.parametrize(("mode", "relative_to"), MODES)
+def test_gymnasiums_checker_has_nothing_to_say(mode, relative_to):
+    env = GymEnv(config(control_mode=mode, relative_to=relative_to), render_mode="rgb_array")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        # Ours are metres and radians.
+        warnings.filterwarnings("ignore", ".*we recommend using a symmetric and normalized space")
+        check_env(env, skip_render_check=True)
+    env.close()
+
+
+@pytest.mark.parametrize(("mode", "relative_to"), MODES)
+def test_spaces_hold_everything_and_equal_seeds_give_equal_episodes(mode, relative_to):
+    episodes = []
+    for _ in range(2):
+        env = GymEnv(config(control_mode=mode, relative_to=relative_to))
+        env.action_space.seed(1)
+        observation, _ = env.reset(seed=3)
+        seen = []
+        for _ in range(20):
+            action = env.action_space.sample()
+            assert env.action_space.contains(action)
+            observation, *_ = env.step(action)
+            assert env.observation_space.contains(observation)
+            seen.append(np.concatenate(list(observation["robot"].values())))
+        env.close()
+        episodes.append(seen)
+    assert np.array_equal(*episodes)
+    assert np.ptp(episodes[0], axis=0)[:7].min() > 0, "nothing stands still"
+
+
+def test_pictures_are_of_the_size_that_was_asked_for():
+    env = GymEnv(config(), render_mode="rgb_array", render_size=(64, 48))
+    assert env.metadata["render_fps"] == 30
+    env.reset(seed=0)
+    picture = env.render()
+    assert (picture.shape, picture.dtype) == ((48, 64, 3), np.uint8)
+    assert np.ptp(picture) > 50
+    env.close()
+
+
+def test_factories_are_pickled():
+    make = pickle.loads(pickle.dumps(partial(GymEnv, config())))
+    env = make()
+    assert env.reset(seed=0)[0]["robot"]["joints"].shape == (7,)
+    env.close()
+    env.close()
+
+
+def test_vectors_of_gymnasiums_own():
+    vector = gym.vector.SyncVectorEnv([partial(GymEnv, config())] * 2)
+    observation, _ = vector.reset(seed=[1, 2])
+    assert observation["robot"]["tquat"].shape == (2, 7)
+    assert not np.array_equal(*observation["robot"]["joints"])
+    vector.step(vector.action_space.sample())
+    vector.close()
+
+
+def test_there_is_no_window_and_there_are_no_options():
+    with pytest.raises(rc.ArgumentError, match="must be None or 'rgb_array', got 'human'"):
+        GymEnv(config(), render_mode="human")
+    env = GymEnv(config())
+    with pytest.raises(rc.ArgumentError, match="reset takes no options here, got pose"):
+        env.reset(options={"pose": 1})
+    env.close()
