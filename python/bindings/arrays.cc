@@ -1,5 +1,7 @@
 #include "arrays.h"
 
+#include <fmt/ranges.h>
+
 namespace robocell::python {
 namespace {
 
@@ -38,6 +40,14 @@ std::vector<double> ToDoubles(nb::handle value, const char* what, std::vector<si
 std::vector<double> ToDoubles(nb::handle value, const char* what) {
   std::vector<size_t> shape;
   return ToDoubles(value, what, shape);
+}
+
+std::vector<double> ToRow(nb::handle value, const char* what) {
+  std::vector<size_t> shape;
+  std::vector<double> row = ToDoubles(value, what, shape);
+  if (shape.size() == 1) return row;
+  throw ArgumentError(fmt::format("{} must be a row of numbers, got an array of shape ({})", what,
+                                  fmt::join(shape, ", ")));
 }
 
 }  // namespace robocell::python

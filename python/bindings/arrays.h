@@ -18,6 +18,8 @@ namespace nb = nanobind;
 
 // Flat float64 values of `value`. ArgumentError: "<what> must be a list of numbers, got None".
 std::vector<double> ToDoubles(nb::handle value, const char* what);
+// The same of one dimension only: a matrix is an ArgumentError, whatever its size.
+std::vector<double> ToRow(nb::handle value, const char* what);
 // The same with the shape, as numpy sees it.
 std::vector<double> ToDoubles(nb::handle value, const char* what, std::vector<size_t>& shape);
 

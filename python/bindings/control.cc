@@ -71,7 +71,7 @@ void DefPose(nb::class_<C, Controller>& c) {
        "Where the leaf is to be, in the robot base frame; a PyKDL.Frame is taken too.")
       .def_prop_rw(
           "posture", [](const C& self) { return Copy(self.posture()); },
-          [](C& self, nb::handle q) { self.SetPosture(ToDoubles(q, "posture")); },
+          [](C& self, nb::handle q) { self.SetPosture(ToRow(q, "posture")); },
           nb::for_getter(nb::sig("def posture(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def posture(self, value: object, /) -> None")),
           "Joint positions (n,) that joints to spare go to; at first where the arm is.");
@@ -91,7 +91,7 @@ void BindJointImpedance(nb::module_& m) {
               const double one = ToDouble(value, path);
               return c.SetStiffness({&one, 1});
             }
-            c.SetStiffness(ToDoubles(value, "stiffness"));
+            c.SetStiffness(ToRow(value, "stiffness"));
           },
           nb::for_getter(nb::sig("def stiffness(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def stiffness(self, value: object, /) -> None")),
@@ -158,7 +158,7 @@ void BindControllers(nb::module_& m) {
       .def_prop_ro("mode", &Controller::mode, "The CtrlMode that it drives.")
       .def_prop_rw(
           "target", [](const Controller& c) { return Copy(c.target()); },
-          [](Controller& c, nb::handle target) { c.SetTarget(ToDoubles(target, "target")); },
+          [](Controller& c, nb::handle target) { c.SetTarget(ToRow(target, "target")); },
           nb::for_getter(nb::sig("def target(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def target(self, value: object, /) -> None")),
           "What it was told, a copy; its numbers depend on the kind.")
@@ -176,20 +176,20 @@ void DefControl(nb::class_<Robot>& robot) {
   robot
       .def_prop_rw(
           "jnt_pos_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_pos_cmd()); },
-          [](Robot& r, nb::handle q) { r.SetJntPosCmd(ToDoubles(q, "jnt_pos_cmd")); },
+          [](Robot& r, nb::handle q) { r.SetJntPosCmd(ToRow(q, "jnt_pos_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("q").none()),
           nb::for_setter(nb::sig("def jnt_pos_cmd(self, q: object, /) -> None")),
           "Target of the arm; a view that can be written in place. Values beyond a joint's limits "
           "drive it to the limit, and the log says so once.")
       .def_prop_rw(
           "jnt_vel_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_vel_cmd()); },
-          [](Robot& r, nb::handle v) { r.SetJntVelCmd(ToDoubles(v, "jnt_vel_cmd")); },
+          [](Robot& r, nb::handle v) { r.SetJntVelCmd(ToRow(v, "jnt_vel_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("v").none()),
           nb::for_setter(nb::sig("def jnt_vel_cmd(self, v: object, /) -> None")),
           "Joint velocities of the arm in velocity mode; a view.")
       .def_prop_rw(
           "jnt_trq_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_trq_cmd()); },
-          [](Robot& r, nb::handle t) { r.SetJntTrqCmd(ToDoubles(t, "jnt_trq_cmd")); },
+          [](Robot& r, nb::handle t) { r.SetJntTrqCmd(ToRow(t, "jnt_trq_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("t").none()),
           nb::for_setter(nb::sig("def jnt_trq_cmd(self, t: object, /) -> None")),
           "Joint torques of the arm in torque mode, Nm or N; a view.")

@@ -315,7 +315,8 @@ void BindData(nb::module_& m) {
             const int64_t n = static_cast<int64_t>(d.size());
             if (i < -n || i >= n)
               throw nb::index_error(
-                  ("episode " + std::to_string(i) + " of " + std::to_string(n)).c_str());
+                  fmt::format("dataset '{}': no episode {}, it has {}", d.folder().string(), i, n)
+                      .c_str());
             return d.Open(d.ids()[static_cast<size_t>(i < 0 ? i + n : i)]);
           },
           "index"_a)

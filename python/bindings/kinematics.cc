@@ -25,7 +25,7 @@ IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed
                     .prefer_near_seed = prefer_near_seed,
                     .max_restarts = max_restarts,
                     .max_iterations = max_iterations};
-  if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
+  if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToRow(seed, "seed")));
   options.locked = k.robot.LockGroups(locked_groups);
   const Pose pose = target.get();
   const nb::gil_scoped_release release;
@@ -146,8 +146,7 @@ void BindKinematics(nb::module_& m) {
   kinematics
       .def_prop_ro("joint_names", [](const Kinematics& k) { return k.robot.chain().joint_names(); })
       .def(
-          "fk",
-          [](const Kinematics& k, nb::handle q) { return k.robot.FkFrame(ToDoubles(q, "q")); },
+          "fk", [](const Kinematics& k, nb::handle q) { return k.robot.FkFrame(ToRow(q, "q")); },
           "q"_a, "Pose of the TCP in the robot base frame for joint values q (n,).")
       .def("jacobian", &JacobianAt, "q"_a,
            "(6, n) at the TCP, axes of the robot base frame, linear rows first.")

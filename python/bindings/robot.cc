@@ -86,12 +86,12 @@ void BindGroups(nb::module_& m) {
       .def_prop_ro("actuator_names", [](const MoveGroup& g) { return g.actuator_names(); })
       .def_prop_rw(
           "joint_pos", [](const MoveGroup& g) { return NewArray(g.joint_pos()); },
-          [](MoveGroup& g, nb::handle q) { g.SetJointPos(ToDoubles(q, "joint_pos")); },
+          [](MoveGroup& g, nb::handle q) { g.SetJointPos(ToRow(q, "joint_pos")); },
           nb::for_getter(nb::sig("def joint_pos(self) -> numpy.typing.NDArray[numpy.float64]")),
           "Joint positions (nq,), rad or m. Setting them teleports the joints.")
       .def_prop_rw(
           "joint_vel", [](const MoveGroup& g) { return NewArray(g.joint_vel()); },
-          [](MoveGroup& g, nb::handle v) { g.SetJointVel(ToDoubles(v, "joint_vel")); },
+          [](MoveGroup& g, nb::handle v) { g.SetJointVel(ToRow(v, "joint_vel")); },
           nb::for_getter(nb::sig("def joint_vel(self) -> numpy.typing.NDArray[numpy.float64]")),
           "Joint velocities (nv,).")
       .def_prop_ro(
@@ -100,7 +100,7 @@ void BindGroups(nb::module_& m) {
           "What the actuators apply (nv,), Nm or N.")
       .def_prop_rw(
           "ctrl", [](const MoveGroup& g) { return NewArray(g.ctrl()); },
-          [](MoveGroup& g, nb::handle c) { g.SetCtrl(ToDoubles(c, "ctrl")); },
+          [](MoveGroup& g, nb::handle c) { g.SetCtrl(ToRow(c, "ctrl")); },
           nb::for_getter(nb::sig("def ctrl(self) -> numpy.typing.NDArray[numpy.float64]")),
           "Raw actuator controls (nu,).")
       .def_prop_ro(
@@ -170,13 +170,11 @@ void BindAction(nb::module_& m) {
   nb::class_<GroupCommand>(m, "GroupCommand",
                            "What one group is asked to do until the next policy tick.")
       .def_static(
-          "joints", [](nb::handle q) { return GroupCommand::Joints(ToDoubles(q, "joints")); },
-          "q"_a, "Absolute joint positions.")
+          "joints", [](nb::handle q) { return GroupCommand::Joints(ToRow(q, "joints")); }, "q"_a,
+          "Absolute joint positions.")
       .def_static(
           "relative_joints",
-          [](nb::handle dq) {
-            return GroupCommand::RelativeJoints(ToDoubles(dq, "relative_joints"));
-          },
+          [](nb::handle dq) { return GroupCommand::RelativeJoints(ToRow(dq, "relative_joints")); },
           "dq"_a, "Added to the present target.")
       .def_static(
           "leaf_pose", [](const PoseOrFrame& p) { return GroupCommand::LeafPose(p.get()); },
@@ -185,11 +183,11 @@ void BindAction(nb::module_& m) {
                   "Of a gripper: 0 closed ... 1 open.")
       .def_static(
           "velocities",
-          [](nb::handle v) { return GroupCommand::Velocities(ToDoubles(v, "velocities")); }, "v"_a,
+          [](nb::handle v) { return GroupCommand::Velocities(ToRow(v, "velocities")); }, "v"_a,
           "Joint velocities, for a controller that takes them.")
       .def_static(
-          "torques", [](nb::handle t) { return GroupCommand::Torques(ToDoubles(t, "torques")); },
-          "t"_a, "Joint torques, for a controller that takes them.")
+          "torques", [](nb::handle t) { return GroupCommand::Torques(ToRow(t, "torques")); }, "t"_a,
+          "Joint torques, for a controller that takes them.")
       .def_prop_ro("values", [](const GroupCommand& c) { return NewArray(c.values); })
       .def_ro("pose", &GroupCommand::pose);
 }
@@ -286,7 +284,7 @@ void BindRobotClass(nb::module_& m) {
       .def(
           "set_joint_pos",
           [](Robot& r, nb::handle q, bool call_forward) {
-            r.SetJointPos(ToDoubles(q, "q"), call_forward);
+            r.SetJointPos(ToRow(q, "q"), call_forward);
           },
           "q"_a, "call_forward"_a = true,
           "Teleports the arm and re-seeds its port. Without `call_forward` poses are updated when "
@@ -294,7 +292,7 @@ void BindRobotClass(nb::module_& m) {
       .def(
           "fk_frame",
           [](const Robot& r, nb::handle q) {
-            return q.is_none() ? r.FkFrame() : r.FkFrame(ToDoubles(q, "q"));
+            return q.is_none() ? r.FkFrame() : r.FkFrame(ToRow(q, "q"));
           },
           "q"_a = nb::none(), "Pose of the TCP in the robot base frame.")
       .def_prop_ro("kinematics", [](const Robot& r) { return Kinematics{r}; })
@@ -303,7 +301,7 @@ void BindRobotClass(nb::module_& m) {
           [](const Robot& r, const PoseOrFrame& target, nb::handle seed) {
             IkOptions options;
             if (!seed.is_none())
-              options.seed = JointVector(std::span<const double>(ToDoubles(seed, "seed")));
+              options.seed = JointVector(std::span<const double>(ToRow(seed, "seed")));
             const Pose pose = target.get();
             const nb::gil_scoped_release release;
             return r.Ik(pose, options);

@@ -130,12 +130,11 @@ Pose ToPose(nb::handle pose_or_pos, nb::handle quat) {
 }
 
 void SetBodyWrench(Scene& scene, const std::string& body, nb::handle force, nb::handle torque) {
-  if (torque.is_none()) {
-    const std::optional<Wrench> wrench = FromPyKdlWrench(force);
-    if (!wrench) throw ArgumentError("set_body_wrench: give force and torque, or a PyKDL.Wrench");
+  if (const auto wrench = torque.is_none() ? FromPyKdlWrench(force) : std::nullopt)
     return scene.SetBodyWrench(body, wrench->force, wrench->torque);
-  }
-  const Numbers f(force, FieldPath("force"), 3), t(torque, FieldPath("torque"), 3);
+  const Numbers f(force, FieldPath("force"), 3);
+  if (torque.is_none()) return scene.SetBodyWrench(body, {f[0], f[1], f[2]});
+  const Numbers t(torque, FieldPath("torque"), 3);
   scene.SetBodyWrench(body, {f[0], f[1], f[2]}, {t[0], t[1], t[2]});
 }
 
@@ -354,8 +353,8 @@ void DefActuation(nb::class_<Scene>& c) {
            nb::arg("torque") = nb::none(),
            nb::sig("def set_body_wrench(self, body: str, force: numpy.typing.ArrayLike | "
                    "typing.Any, torque: numpy.typing.ArrayLike | None = None) -> None"),
-           "Force (3,) N and torque (3,) N m in the world at the body's centre of mass, or a "
-           "PyKDL.Wrench alone; kept until changed or reset.")
+           "Force (3,) N and torque (3,) N m (0 unless given) in the world at the body's centre of "
+           "mass, or a PyKDL.Wrench alone; kept until changed or reset.")
       .def("contacts", &Scene::contacts, nb::arg("of") = "",
            "Active contacts, or those of one body's subtree, as the last step or forward() found "
            "them: the poses that other functions return are one step newer.")

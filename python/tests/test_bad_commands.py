@@ -90,6 +90,10 @@ WRONG: dict[str, tuple[Command, str]] = {
         lambda s, r: set_attribute(r.arm, "ctrl", SPOILT),
         f"{ARM}: actuator 'servo5' cannot be set to nan",
     ),
+    "port, matrix": (
+        lambda s, r: set_attribute(r, "jnt_pos_cmd", np.zeros((1, 7))),
+        r"jnt_pos_cmd must be a row of numbers, got an array of shape \(1, 7\)",
+    ),
     "gripper": (
         lambda s, r: set_attribute(r.gripper, "opening", NAN),
         f"{GRIPPER}: opening cannot be nan; it goes from 0 \\(closed\\) to 1 \\(open\\)",

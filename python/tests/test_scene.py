@@ -340,7 +340,7 @@ class TestCalls:
         assert weight == pytest.approx(0.1 * 9.81, rel=0.02)
 
     def test_wrenches_push(self, scene):
-        scene.set_body_wrench("cube", force=[0, 0, 0.1 * 9.81], torque=[0, 0, 0])
+        scene.set_body_wrench("cube", [0, 0, 0.1 * 9.81])
         scene.step_n(100)
         assert scene.body_pose("cube").translation[2] == pytest.approx(0.5, abs=1e-6)
 

@@ -69,6 +69,19 @@ std::string BuiltinHint(const std::string& name) {
   return "Built-in models: " + ListNames(names) + "." + (near.empty() ? MenagerieHint(name) : near);
 }
 
+// "Did you mean 'models/stork.xml'?" for `name`, whose file is missing at `path`, when its folder
+// has a model of nearly that name.
+std::string NeighbourHint(const std::string& name, const fs::path& path) {
+  std::error_code error;
+  std::vector<std::string> models;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path.parent_path(), error)) {
+    if (entry.path().extension() == ".xml") models.push_back(entry.path().filename().string());
+  }
+  const std::vector<std::string> near = NearestNames(path.filename().string(), models, 1);
+  if (near.empty()) return "";
+  return "Did you mean '" + (fs::path(name).parent_path() / near[0]).string() + "'?";
+}
+
 // A file of the Menagerie asked for without its prefix is a likely slip.
 std::string PathHint(const std::string& name) {
   return "More roots can be given in ROBOCELL_MODEL_PATH; robots of the Menagerie are named like "
@@ -97,7 +110,7 @@ std::string Resolve(const std::string& name, const std::string& directory) {
   const fs::path path = name;
   if (path.is_absolute()) {
     if (search.TryFile(path)) return search.found();
-    ThrowNotFound("model file '" + name + "'", search.looked(), "");
+    ThrowNotFound("model file '" + name + "'", search.looked(), NeighbourHint(name, path));
   }
   if (IsPlainName(name)) {
     if (auto file = OverrideFile(name)) return *file;
@@ -107,8 +120,11 @@ std::string Resolve(const std::string& name, const std::string& directory) {
   for (const std::string& root : ModelPathRoots()) {
     if (search.TryBelow(root, name)) return search.found();
   }
-  if (!IsPlainName(name))
-    ThrowNotFound("model file '" + name + "'", search.looked(), PathHint(name));
+  if (!IsPlainName(name)) {
+    const std::string near = NeighbourHint(name, search.looked().front());
+    ThrowNotFound("model file '" + name + "'", search.looked(),
+                  near.empty() ? PathHint(name) : near);
+  }
   if (TryBuiltin(search, name)) return search.found();
   ThrowNotFound("model '" + name + "'", search.looked(), BuiltinHint(name));
 }

@@ -69,6 +69,19 @@ TEST_F(Resolving, AMissSaysWhereItLooked) {
   EXPECT_THAT(message, HasSubstr("ROBOCELL_MODEL_PATH"));
 }
 
+TEST_F(Resolving, AMisspeltFileIsToldWithItsNeighbour) {
+  Write("robots/models/stork.xml");
+  Write("robots/models/stork.yaml");
+  for (const auto& [name, near] :
+       {std::pair<std::string, std::string>{"models/storck.xml", "models/stork.xml"},
+        {At("robots/models/storck.xml"), At("robots/models/stork.xml")}}) {
+    ExpectThrow<NotFoundError>([&] { Resolve(name, At("robots")); },
+                               "Did you mean '" + near + "'?");
+  }
+  EXPECT_THAT(ExpectThrow<NotFoundError>([&] { Resolve("models/heron.xml", At("robots")); }, ""),
+              Not(HasSubstr("stork")));
+}
+
 TEST_F(Resolving, NamesBelowARootStayInside) {
   Write("secret.xml");
   fs::create_directories(folder_ / "root");

@@ -89,12 +89,12 @@ TEST(VideoReader, AKindIsReadAndWrittenAsItselfOnly) {
 
 TEST(VideoReader, DepthHasTheSameBytesEveryTime) {
   TempDir folder;
-  for (const char* name : {"a", "b"}) {
+  for (const char* name : {"a.mov", "b.mov"}) {
     VideoWriter writer(folder / name, {.kind = VideoKind::kDepth, .width = 96, .height = 64});
     for (int i = 0; i < 12; ++i) writer.Write(TestDepth(96, 64, i));
     writer.Finish();
   }
-  EXPECT_EQ(ReadFile(folder / "a"), ReadFile(folder / "b"));
+  EXPECT_EQ(ReadFile(folder / "a.mov"), ReadFile(folder / "b.mov"));
 }
 
 TEST(VideoReader, AFrameReadByIndexIsTheFrameReadInOrder) {

@@ -97,7 +97,7 @@ std::string OddSize(const std::string& name, int width, int height) {
   return fmt::format(
       "{}: {}x{} px cannot be encoded, h264 with yuv420p needs an even width and height. Nearest "
       "even size: {}x{}.",
-      name, width, height, std::max(2, width - width % 2), std::max(2, height - height % 2));
+      name, width, height, width + width % 2, height + height % 2);
 }
 
 }  // namespace
@@ -132,6 +132,19 @@ void CheckVideoOptions(const std::string& name, const VideoOptions& options) {
         fmt::format("{}: keyframe_interval {} is less than 1", name, options.keyframe_interval));
   }
 }
+
+namespace {
+
+// Players and our own readers go by the ending.
+void CheckEnding(const std::string& name, const std::filesystem::path& path, VideoKind kind) {
+  const char* ending = kind == VideoKind::kColour ? ".mp4" : ".mov";
+  if (path.extension() == ending) return;
+  throw ArgumentError(fmt::format("{}: videos of {} are {} files; name it '{}'", name,
+                                  KindName(kind), ending + 1,
+                                  std::filesystem::path(path).replace_extension(ending).string()));
+}
+
+}  // namespace
 
 struct VideoWriter::Impl {
   std::filesystem::path path;
@@ -212,6 +225,7 @@ struct VideoWriter::Impl {
 VideoWriter::VideoWriter(std::filesystem::path path, const VideoOptions& options)
     : impl_(std::make_unique<Impl>()) {
   impl_->name = fmt::format("video '{}'", path.string());
+  CheckEnding(impl_->name, path, options.kind);
   CheckVideoOptions(impl_->name, options);
   impl_->path = std::move(path);
   impl_->options = options;

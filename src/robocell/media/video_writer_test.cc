@@ -117,7 +117,19 @@ TEST(VideoWriter, AnOddSizeIsRefusedBeforeEncodingWithTheNearestEvenOne) {
   ExpectThrow<ArgumentError>(
       [&] { VideoWriter(folder / "a.mp4", {.width = 321, .height = 241}); },
       "321x241 px cannot be encoded, h264 with yuv420p needs an even width and height. "
-      "Nearest even size: 320x240.");
+      "Nearest even size: 322x242.");
+  ExpectEmpty(folder);
+}
+
+TEST(VideoWriter, OtherEndingsAreRefusedWithTheRightOne) {
+  TempDir folder;
+  ExpectThrow<ArgumentError>(
+      [&] { VideoWriter(folder / "a.xyz", kSmall); },
+      "a.xyz': videos of colour are mp4 files; name it '" + (folder / "a.mp4").string() + "'");
+  VideoOptions depth = kSmall;
+  depth.kind = VideoKind::kDepth;
+  ExpectThrow<ArgumentError>([&] { VideoWriter(folder / "a.mp4", depth); },
+                             "videos of depth are mov files");
   ExpectEmpty(folder);
 }
 

@@ -158,7 +158,7 @@ class Scene {
   // Force (N) and torque (Nm) on a body in the world, at its centre of mass, kept until changed or
   // reset.
   void SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
-                     const Eigen::Vector3d& torque);
+                     const Eigen::Vector3d& torque = Eigen::Vector3d::Zero());
 
   // Active contacts, with `of` those of that body's subtree, as the last step or Forward found
   // them: places and forces belong to the state before that step. SyncPoses does not look for
