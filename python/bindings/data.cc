@@ -20,9 +20,11 @@
 #include "robocell/data/verify.h"
 
 namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace robocell::python {
+
+using namespace nb::literals;
+
 namespace {
 
 // A new array that owns `values`; bool columns come back as bool.

@@ -23,9 +23,11 @@
 #include "robocell/datagen/runner.h"
 
 namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace robocell::python {
+
+using namespace nb::literals;
+
 namespace {
 
 struct StopFlag {

@@ -12,9 +12,11 @@
 #include "robocell/kinematics/ik_batch.h"
 
 namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace robocell::python {
+
+using namespace nb::literals;
+
 namespace {
 
 IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,

@@ -15,9 +15,11 @@
 #include "robocell/task/pick_task.h"
 
 namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace robocell::python {
+
+using namespace nb::literals;
+
 namespace {
 
 using Unlocked = nb::call_guard<nb::gil_scoped_release>;

@@ -16,9 +16,11 @@
 #include "robocell/scene/scene.h"
 
 namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace robocell::python {
+
+using namespace nb::literals;
+
 namespace {
 
 // A renderer that follows its scene: the model is uploaded again when the scene was rebuilt.

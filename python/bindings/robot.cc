@@ -17,9 +17,11 @@
 #include "robocell/robot/robot_trial.h"
 
 namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace robocell::python {
+
+using namespace nb::literals;
+
 namespace {
 
 using Unlocked = nb::call_guard<nb::gil_scoped_release>;

@@ -11,9 +11,11 @@
 #include "robocell/base/error.h"
 
 namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace robocell::python {
+
+using namespace nb::literals;
+
 namespace {
 
 // A task written in Python refers to its class, and that to its script's variables.

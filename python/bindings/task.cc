@@ -9,9 +9,10 @@
 #include "robocell/task/catalogue.h"
 
 namespace nb = nanobind;
-using namespace nb::literals;
 
 namespace robocell::python {
+
+using namespace nb::literals;
 
 Rng& PythonRng::get() {
   if (own_) return *own_;
