@@ -27,6 +27,7 @@ RUNS = (
 ENVIRONMENTS = (
     rc.EnvConfig,
     rc.EnvObject,
+    rc.EnvTaskConfig,
     rc.CameraAdderConfig,
     rc.SimSettings,
     rc.WrapperConfig,

@@ -2,9 +2,11 @@
 // is written in Python (robocell.gym).
 #include "robocell/env/env.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
-#include "argument_errors.h"
+#include "arrays.h"
 #include "bindings.h"
 #include "closed_handles.h"
 #include "scene_sharing.h"
@@ -105,13 +107,57 @@ nb::dict RobotParts(const std::vector<RobotLayout>& robots, std::span<const doub
   return out;
 }
 
+// Fills in the objects, as {name: {tquat}}.
+void AddObjectParts(const EnvLayout& layout, std::span<const double> vector, nb::dict& out) {
+  if (layout.objects.empty()) return;
+  nb::dict objects;
+  for (const ObjectLayout& object : layout.objects) {
+    nb::dict own;
+    own["tquat"] = NumberCopy(vector.subspan(object.tquat.begin, object.tquat.size));
+    objects[object.object.c_str()] = own;
+  }
+  out["objects"] = objects;
+}
+
+// {rgb | depth | segmentation: {data, intrinsics, extrinsics}, time}.
+nb::dict FrameDict(const EnvFrame& frame) {
+  nb::dict out;
+  const auto h = static_cast<size_t>(frame.height), w = static_cast<size_t>(frame.width);
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> intrinsics = frame.camera.intrinsics();
+  const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> extrinsics = frame.camera.extrinsics();
+  const auto add = [&](const char* kind, nb::object data) {
+    nb::dict image;
+    image["data"] = data;
+    image["intrinsics"] = NumberCopy({intrinsics.data(), 9}, {3, 3});
+    image["extrinsics"] = NumberCopy({extrinsics.data(), 16}, {4, 4});
+    out[kind] = image;
+  };
+  if (!frame.rgb.empty()) add("rgb", NewArray<uint8_t>(frame.rgb, {h, w, 3}));
+  if (!frame.depth_mm.empty()) add("depth", NewArray<uint16_t>(frame.depth_mm, {h, w, 1}));
+  if (!frame.segmentation.empty())
+    add("segmentation", NewArray<int32_t>(frame.segmentation, {h, w, 1}));
+  out["time"] = NumberCopy({&frame.time, 1});
+  return out;
+}
+
 nb::tuple RangeParts(const Env& env, const VectorRange& range, bool observation) {
-  return nb::make_tuple(RobotParts(env.layout().robots, range.lower, observation),
-                        RobotParts(env.layout().robots, range.upper, observation));
+  nb::dict lower = RobotParts(env.layout().robots, range.lower, observation);
+  nb::dict upper = RobotParts(env.layout().robots, range.upper, observation);
+  if (observation) {
+    AddObjectParts(env.layout(), range.lower, lower);
+    AddObjectParts(env.layout(), range.upper, upper);
+  }
+  return nb::make_tuple(lower, upper);
 }
 
 nb::dict Observation(const Env& env) {
-  return RobotParts(env.layout().robots, env.observation(), true);
+  nb::dict out = RobotParts(env.layout().robots, env.observation(), true);
+  AddObjectParts(env.layout(), env.observation(), out);
+  if (env.frames().empty()) return out;
+  nb::dict frames;
+  for (const EnvFrame& frame : env.frames()) frames[frame.stream.c_str()] = FrameDict(frame);
+  out["frames"] = frames;
+  return out;
 }
 
 nb::dict CollisionDict(const Collision& collision) {
@@ -141,6 +187,10 @@ nb::dict Info(const Env& env, const EnvStep& step) {
   out["time"] = step.time;
   out["collisions"] = collisions;
   out["robots"] = robots;
+  if (env.config().task) {
+    out["is_success"] = step.success;
+    out["instruction"] = env.instruction();
+  }
   return out;
 }
 
@@ -157,7 +207,9 @@ nb::tuple Reset(Env& env, std::optional<uint64_t> seed) {
     const nb::gil_scoped_release release;
     env.Reset({.seed = seed});
   }
-  return nb::make_tuple(Observation(env), nb::dict());
+  nb::dict info;
+  if (env.config().task) info["instruction"] = env.instruction();
+  return nb::make_tuple(Observation(env), info);
 }
 
 nb::tuple Step(Env& env, nb::handle action) {
@@ -168,7 +220,7 @@ nb::tuple Step(Env& env, nb::handle action) {
     step = env.Step(numbers);
   }
   const bool diverged = step.reason == EndReason::kDiverged;
-  return nb::make_tuple(Observation(env), 0.0, false, diverged, Info(env, step));
+  return nb::make_tuple(Observation(env), step.reward, step.success, diverged, Info(env, step));
 }
 
 }  // namespace
@@ -182,6 +234,8 @@ void BindEnv(nb::module_& m) {
       "A cell of robots behind reset and step; all poses in the shared base frame.\n\n"
       "Actions are {robot: {'joints' | 'xyzrpy' | 'tquat': numbers, 'gripper': number}},\n"
       "observations {robot: {'tquat': (7,), 'xyzrpy': (6,), 'joints': (n,), 'gripper': (1,)}};\n"
+      "with a task {'objects': {id: {'tquat': (7,)}}}, with streams {'frames': {stream: {'rgb' |\n"
+      "'depth' | 'segmentation': {'data', 'intrinsics', 'extrinsics'}, 'time': (1,)}}};\n"
       "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.");
   GuardHandle<Env>(env, [](const Env& e) { RequireOpen(e.scene(), Place(e)); },
                    {"close", "config"});
@@ -200,7 +254,28 @@ void BindEnv(nb::module_& m) {
            "(then truncated is true, and only reset goes on); info['robots'][name] has ik_success "
            "and collision; info['collisions'] lists what touched, by robot and body. Wrong keys, "
            "sizes and numbers that are not finite are an ArgumentError before anything moves; "
-           "numbers beyond their range are cut to it.")
+           "numbers beyond their range are cut to it. With a task there are info['is_success'], "
+           "which terminates, and info['instruction'].")
+      .def("save", &Env::Save, "name"_a,
+           "Keeps the present state under a name; restore(name) goes back to it.")
+      .def(
+          "restore",
+          [](Env& e, const std::string& name) {
+            {
+              const nb::gil_scoped_release release;
+              e.Restore(name);
+            }
+            return Observation(e);
+          },
+          "name"_a, nb::sig("def restore(self, name: str) -> dict[str, typing.Any]"),
+          "Back to a saved state; the observation of then. What follows is the same to the bit. "
+          "NotFoundError lists what is saved.")
+      .def("forget", &Env::Forget, "name"_a, "Drops a saved state.")
+      .def_prop_ro(
+          "saved", [](const Env& e) { return e.saved(); }, "Names of saved states.")
+      .def_prop_ro(
+          "instruction", [](const Env& e) { return e.instruction(); },
+          "What the task is, in words; '' without one.")
       .def("set_origin_to_current", &Env::SetOriginToCurrent, "robot"_a,
            "With relative_to configured_origin: from now on relative to where it was last sent.")
       .def_prop_ro(

@@ -10,6 +10,7 @@ observation, reward, terminated, truncated, info = env.step(env.action_space.sam
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from typing import Any
 
@@ -17,11 +18,21 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
-from robocell._core import ArgumentError, Env, EnvConfig, Renderer
+from robocell import models
+from robocell._core import (
+    ArgumentError,
+    CameraConfig,
+    Env,
+    EnvConfig,
+    Pose,
+    Renderer,
+    RobotConfig,
+)
 
 Observation = dict[str, Any]
 Action = Mapping[str, Any]
 
+FAR = 1e6  # nothing is farther, in pixels, metres or seconds
 RENDER_SIZE = (480, 360)  # width, height in pixels
 
 
@@ -30,6 +41,30 @@ def _space(lower: Any, upper: Any) -> spaces.Space[Any]:
     if isinstance(lower, dict):
         return spaces.Dict({key: _space(lower[key], upper[key]) for key in lower})
     return spaces.Box(lower, upper, dtype=np.float64)
+
+
+def _image(shape: tuple[int, ...], low: int, high: int, dtype: type) -> spaces.Space[Any]:
+    return spaces.Dict(
+        {
+            "data": spaces.Box(low, high, shape, dtype),
+            "intrinsics": spaces.Box(-FAR, FAR, (3, 3), np.float64),
+            "extrinsics": spaces.Box(-FAR, FAR, (4, 4), np.float64),
+        }
+    )
+
+
+def _frame_space(config: EnvConfig, stream: CameraConfig) -> spaces.Space[Any]:
+    """What a stream's part of an observation is; ``intrinsics`` are in pixels."""
+    wide, high = config.cameras.resolution
+    size = (stream.height or int(high), stream.width or int(wide))
+    frame: dict[str, spaces.Space[Any]] = {"time": spaces.Box(0, FAR, (1,), np.float64)}
+    if stream.rgb:
+        frame["rgb"] = _image((*size, 3), 0, 255, np.uint8)
+    if stream.depth or config.wrappers.include_depth:
+        frame["depth"] = _image((*size, 1), 0, 65535, np.uint16)
+    if stream.segmentation:
+        frame["segmentation"] = _image((*size, 1), -1, 2**31 - 1, np.int32)
+    return spaces.Dict(frame)
 
 
 class GymEnv(gymnasium.Env[Observation, Action]):
@@ -56,7 +91,12 @@ class GymEnv(gymnasium.Env[Observation, Action]):
         self.core = Env(config)
         self.render_mode = render_mode
         self.action_space = _space(*self.core.action_range)
-        self.observation_space = _space(*self.core.observation_range)
+        lower, upper = self.core.observation_range
+        seen = {key: _space(lower[key], upper[key]) for key in lower}
+        if config.cameras.streams:
+            frames = {s.name: _frame_space(config, s) for s in config.cameras.streams}
+            seen["frames"] = spaces.Dict(frames)
+        self.observation_space = spaces.Dict(seen)
         if config.sim.async_control:
             self.metadata = {**self.metadata, "render_fps": round(config.sim.frequency)}
         self._camera = render_camera
@@ -89,3 +129,47 @@ class GymEnv(gymnasium.Env[Observation, Action]):
         """Ends its use; may be repeated."""
         self._renderer = None
         self.core.close()
+
+
+def pick_cube_config(
+    robot: RobotConfig | str | os.PathLike[str] = "rc7", **fields: Any
+) -> EnvConfig:
+    """A robot that is to pick up a cube from the floor in front of it.
+
+    Args:
+        robot: a built-in robot's name, a robot file, or a configuration.
+        fields: of EnvConfig, in the place of those chosen here.
+    """
+    if isinstance(robot, str) and robot in models.robots():
+        robot = models.robot_file(robot)
+    chosen: dict[str, Any] = {
+        "name": "pick_cube",
+        "robots": {"robot": robot},
+        "add_floor": True,
+        "root_frame_objects": {
+            "cube": {
+                "mjcf_path": "green_cube",
+                "offset": Pose(translation=[0.45, 0, 0.02]),
+                "fixed": False,
+            }
+        },
+        "task": {"object": "cube", "spread": [0.08, 0.15]},
+        "control_mode": "cartesian_tquat",
+        "max_relative_movement": (0.05, 0.3),
+        "sim": {"async_control": True, "frequency": 20, "on_collision": "report"},
+    }
+    return EnvConfig(**(chosen | fields))
+
+
+def pick_cube(
+    robot: RobotConfig | str | os.PathLike[str] = "rc7",
+    render_mode: str | None = None,
+    **fields: Any,
+) -> GymEnv:
+    """The environment ``robocell/PickCube-v0``; arguments as of ``pick_cube_config``."""
+    return GymEnv(pick_cube_config(robot, **fields), render_mode=render_mode)
+
+
+gymnasium.register(
+    id="robocell/PickCube-v0", entry_point="robocell.gym:pick_cube", max_episode_steps=200
+)

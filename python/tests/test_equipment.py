@@ -9,7 +9,7 @@ import pytest
 
 import robocell as rc
 
-EQUIPMENT = ["cabinet", "ft_sensor", "open_bottle", "receiver", "table"]
+EQUIPMENT = ["cabinet", "ft_sensor", "green_cube", "open_bottle", "receiver", "table"]
 
 
 def cell(*objects: rc.SceneObject) -> rc.Scene:

@@ -82,6 +82,35 @@ def test_vectors_of_gymnasiums_own():
     vector.close()
 
 
+def test_images_are_part_of_the_space():
+    streams = [{"name": "eye", "camera": "exo_camera", "depth": True, "segmentation": True}]
+    images = config(cameras={"resolution": [32, 24], "streams": streams})
+    env = GymEnv(images)
+    observation, _ = env.reset(seed=0)
+    assert env.observation_space.contains(observation)
+    assert set(observation["frames"]["eye"]) == {"time", "rgb", "depth", "segmentation"}
+    assert env.observation_space.contains(env.step(env.action_space.sample())[0])
+    env.close()
+
+
+def test_the_registered_environment_is_about_a_cube():
+    env = gym.make("robocell/PickCube-v0", render_mode="rgb_array")
+    assert env.spec.max_episode_steps == 200
+    starts = []
+    for seed in (1, 1, 2):
+        observation, info = env.reset(seed=seed)
+        starts.append(observation["objects"]["cube"]["tquat"])
+    assert np.array_equal(starts[0], starts[1])
+    assert not np.array_equal(starts[0], starts[2])
+    assert info["instruction"] == "pick up the cube"
+    for _ in range(3):
+        observation, reward, terminated, truncated, info = env.step(env.action_space.sample())
+        assert env.observation_space.contains(observation)
+    assert 0 < reward < 1
+    assert (terminated, truncated, info["is_success"]) == (False, False, False)
+    env.close()
+
+
 def test_there_is_no_window_and_there_are_no_options():
     with pytest.raises(rc.ArgumentError, match="must be None or 'rgb_array', got 'human'"):
         GymEnv(config(), render_mode="human")

@@ -16,6 +16,7 @@ import robocell as rc
 from menagerie import require_menagerie
 from robocell.cli.ik_answers import reachable_poses, solve_each
 from robocell.cli.robot_scene import RobotScene, load_robot
+from robocell.gym import GymEnv
 
 Array = NDArray[np.float64]
 
@@ -204,3 +205,25 @@ def test_two_picks_are_generated_and_intact(robot_file: Path, tmp_path: Path):
     report = rc.verify(dataset)
     assert report.ok, str(report)
     assert len(list(dataset.glob("*/episode.json"))) == EPISODES
+
+
+@pytest.mark.parametrize("mode", ["joints", "cartesian_trpy", "cartesian_tquat"])
+def test_an_environment_of_it_is_deterministic_and_keeps_to_its_spaces(robot_file: Path, mode: str):
+    env = GymEnv(
+        rc.EnvConfig(robots={"robot": robot_file}, control_mode=mode, sim={"async_control": True})
+    )
+    episodes = []
+    for _ in range(2):
+        env.action_space.seed(0)
+        observation, _ = env.reset(seed=0)
+        seen = []
+        for _ in range(8):
+            observation, _, _, diverged, info = env.step(env.action_space.sample())
+            assert env.observation_space.contains(observation)
+            assert not diverged, info["message"]
+            seen.append(np.concatenate(list(observation["robot"].values())))
+        episodes.append(seen)
+    env.close()
+    assert np.array_equal(*episodes)
+    poses_and_joints = slice(0, len(seen[0]) - len(observation["robot"].get("gripper", ())))
+    assert np.ptp(episodes[0], axis=0)[poses_and_joints].min() > 0, "nothing stands still"

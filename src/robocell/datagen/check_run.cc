@@ -16,6 +16,7 @@
 #include "robocell/datagen/run_inputs.h"
 #include "robocell/datagen/sensor_columns.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/render/stream_camera.h"
 #include "robocell/robot/check_config.h"
 #include "robocell/robot/robot_trial.h"
 #include "robocell/spec/problem_lines.h"

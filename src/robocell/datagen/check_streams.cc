@@ -11,6 +11,7 @@
 #include "robocell/datagen/episode_cameras.h"
 #include "robocell/media/ffmpeg.h"
 #include "robocell/render/renderer.h"
+#include "robocell/render/stream_camera.h"
 
 namespace robocell {
 namespace {

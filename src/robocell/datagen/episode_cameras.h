@@ -13,10 +13,6 @@
 
 namespace robocell {
 
-// The full name of a stream's camera: a robot's own (by its name without the prefix), else the
-// scene's. NotFoundError with the nearest names, as they are written here.
-std::string FindCameraName(const Scene& scene, const CameraConfig& stream);
-
 class EpisodeCameras {
  public:
   // `renderer` is shared by all episodes of a process; it must outlive this object. `fps` as a

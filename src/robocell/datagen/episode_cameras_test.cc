@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "robocell/data/episode_reader.h"
+#include "robocell/render/stream_camera.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/testing/temp_dir.h"

@@ -51,18 +51,32 @@ std::vector<Robot> ArmDriver::robots() const {
 }
 
 void ArmDriver::Reset() {
-  sent_joints_ = PositionsOf(robot_.controller(robot_.arm().name()).commanded_joint_pos());
-  sent_ = base_in_shared_ * robot_.FkFrame(sent_joints_);
-  if (gripper_) sent_opening_ = Opening(gripper_->controller(gripper()->name()).target()[0]);
-  gripper_still_ = false;
-  window_start_ = robot_.scene().time();
-  window_opening_ = gripper_ ? gripper()->opening() : 0;
+  memory_.sent_joints = PositionsOf(robot_.controller(robot_.arm().name()).commanded_joint_pos());
+  memory_.sent = base_in_shared_ * robot_.FkFrame(memory_.sent_joints);
+  if (gripper_) memory_.sent_opening = Opening(gripper_->controller(gripper()->name()).target()[0]);
+  memory_.gripper_still = false;
+  memory_.window_start = robot_.scene().time();
+  memory_.window_opening = gripper_ ? gripper()->opening() : 0;
   SetOriginToCurrent();
 }
 
 void ArmDriver::SetOriginToCurrent() {
-  origin_ = sent_;
-  origin_joints_ = sent_joints_;
+  memory_.origin = memory_.sent;
+  memory_.origin_joints = memory_.sent_joints;
+}
+
+ArmDriver::Memory ArmDriver::memory() const {
+  Memory memory = memory_;
+  memory.commanded = PositionsOf(robot_.controller(robot_.arm().name()).commanded_joint_pos());
+  if (gripper_) memory.commanded_opening = gripper_->controller(gripper()->name()).target()[0];
+  return memory;
+}
+
+void ArmDriver::Recall(const Memory& memory) {
+  memory_ = memory;
+  robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(memory.commanded)}});
+  if (gripper_)
+    gripper_->Apply({{gripper()->name(), GroupCommand::Opening(memory.commanded_opening)}});
 }
 
 void ArmDriver::Check(std::span<const double> action, const std::string& place) const {
@@ -84,18 +98,19 @@ void ArmDriver::Check(std::span<const double> action, const std::string& place) 
 
 Pose ArmDriver::NextPose(std::span<const double> command) const {
   const Pose given = PoseOfAction(mode_, command);
-  if (relative_to_ == RelativeTo::kNone) return LimitedStep(sent_, given, limit_);
-  const Pose& from = relative_to_ == RelativeTo::kLastStep ? sent_ : origin_;
-  return LimitedStep(sent_, MovedBy(from, given), limit_);
+  if (relative_to_ == RelativeTo::kNone) return LimitedStep(memory_.sent, given, limit_);
+  const Pose& from = relative_to_ == RelativeTo::kLastStep ? memory_.sent : memory_.origin;
+  return LimitedStep(memory_.sent, MovedBy(from, given), limit_);
 }
 
 std::vector<double> ArmDriver::NextJoints(std::span<const double> command) const {
   std::vector<double> q = PositionsOf(command);
   if (relative_to_ != RelativeTo::kNone) {
-    const auto& from = relative_to_ == RelativeTo::kLastStep ? sent_joints_ : origin_joints_;
+    const auto& from =
+        relative_to_ == RelativeTo::kLastStep ? memory_.sent_joints : memory_.origin_joints;
     for (size_t i = 0; i < q.size(); ++i) q[i] += from[i];
   }
-  LimitJointStep(sent_joints_, limit_.rotation, q);
+  LimitJointStep(memory_.sent_joints, limit_.rotation, q);
   for (size_t i = 0; i < q.size(); ++i)
     q[i] = std::clamp(q[i], joint_limits_[i].lower, joint_limits_[i].upper);
   return q;
@@ -107,12 +122,12 @@ double ArmDriver::Opening(double value) const {
 
 void ArmDriver::SendGripper(double value, RobotAction& own) {
   const double opening = Opening(value);
-  if (opening != sent_opening_) {
-    gripper_still_ = false;
-    window_start_ = robot_.scene().time();
-    window_opening_ = gripper()->opening();
+  if (opening != memory_.sent_opening) {
+    memory_.gripper_still = false;
+    memory_.window_start = robot_.scene().time();
+    memory_.window_opening = gripper()->opening();
   }
-  sent_opening_ = opening;
+  memory_.sent_opening = opening;
   const GroupCommand command = GroupCommand::Opening(opening);
   if (gripper_->name() == robot_.name()) {
     own[gripper()->name()] = command;
@@ -127,24 +142,24 @@ bool ArmDriver::Send(std::span<const double> action) {
   const std::string& arm = robot_.arm().name();
   if (gripper_) SendGripper(action[layout_.gripper_action], commands);
   if (mode_ == ControlMode::kJoints) {
-    sent_joints_ = NextJoints(own);
-    commands[arm] = GroupCommand::Joints(sent_joints_);
+    memory_.sent_joints = NextJoints(own);
+    commands[arm] = GroupCommand::Joints(memory_.sent_joints);
     return robot_.Apply(commands).ok;
   }
   const Pose next = NextPose(own);
   commands[arm] = GroupCommand::LeafPose(base_in_shared_.inverse() * next);
   if (!robot_.Apply(commands).ok) return false;
-  sent_ = next;
+  memory_.sent = next;
   return true;
 }
 
 bool ArmDriver::GripperIsStill(double time) {
-  if (gripper_still_ || time - window_start_ < kWindow) return gripper_still_;
+  if (memory_.gripper_still || time - memory_.window_start < kWindow) return memory_.gripper_still;
   const double opening = gripper()->opening();
-  gripper_still_ = std::abs(opening - window_opening_) < kStill;
-  window_start_ = time;
-  window_opening_ = opening;
-  return gripper_still_;
+  memory_.gripper_still = std::abs(opening - memory_.window_opening) < kStill;
+  memory_.window_start = time;
+  memory_.window_opening = opening;
+  return memory_.gripper_still;
 }
 
 bool ArmDriver::HasArrived(double time) {
@@ -160,15 +175,13 @@ bool ArmDriver::HasArrived(double time) {
 
 void ArmDriver::Observe(std::span<double> observation) const {
   const Pose tcp = robot_.scene().shared_base_frame_to_world().inverse() * robot_.tcp_in_world();
-  double* tquat = observation.data() + layout_.tquat.begin;
-  std::copy_n(tcp.translation().data(), 3, tquat);
-  std::copy_n(tcp.quaternion().data(), 4, tquat + 3);
+  PutTquat(tcp, observation.subspan(layout_.tquat.begin, layout_.tquat.size));
   const std::array<double, 6> xyzrpy = tcp.xyzrpy();
   std::copy(xyzrpy.begin(), xyzrpy.end(), observation.begin() + layout_.xyzrpy.begin);
   robot_.arm().GetJointPos(observation.subspan(layout_.joints.begin, layout_.joints.size));
   if (layout_.has_gripper)
     observation[layout_.gripper] =
-        binary_gripper_ ? sent_opening_ : std::clamp(gripper()->opening(), 0.0, 1.0);
+        binary_gripper_ ? memory_.sent_opening : std::clamp(gripper()->opening(), 0.0, 1.0);
 }
 
 }  // namespace robocell

@@ -15,6 +15,17 @@ namespace robocell {
 
 class ArmDriver {
  public:
+  // What it knows of the past: where arm and gripper were sent, what relative actions start from,
+  // and how the gripper is watched, over windows of time.
+  struct Memory {
+    Pose sent, origin;
+    std::vector<double> sent_joints, origin_joints;
+    std::vector<double> commanded;  // joints that the arm's controller drives to
+    double sent_opening = 1, commanded_opening = 1;
+    bool gripper_still = false;  // at the end of the last window
+    double window_start = 0, window_opening = 0;
+  };
+
   // `robot` is one of the configuration's, `layout` its part of the vectors.
   ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout);
 
@@ -35,6 +46,10 @@ class ArmDriver {
   // Whether arm and gripper are where they were sent, or can go no further. Asked at every control
   // tick.
   bool HasArrived(double time);
+  // For going back to a state of the scene: what it knows with it, and knowing it again after the
+  // scene's state was set.
+  Memory memory() const;
+  void Recall(const Memory& memory);
   // Into its parts of the whole vector. Poses in the shared base frame.
   void Observe(std::span<double> observation) const;
 
@@ -58,12 +73,7 @@ class ArmDriver {
   std::vector<Interval> joint_limits_;
   Pose base_in_shared_;
 
-  Pose sent_, origin_;
-  std::vector<double> sent_joints_, origin_joints_;
-  double sent_opening_ = 1;
-  // The gripper is watched over windows of time: still at their end, or not yet.
-  bool gripper_still_ = false;
-  double window_start_ = 0, window_opening_ = 0;
+  Memory memory_;
 };
 
 }  // namespace robocell

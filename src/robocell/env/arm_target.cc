@@ -34,6 +34,11 @@ void LimitJointStep(std::span<const double> from, double limit, std::span<double
     to[i] = std::clamp(to[i], from[i] - limit, from[i] + limit);
 }
 
+void PutTquat(const Pose& pose, std::span<double> out) {
+  std::copy_n(pose.translation().data(), 3, out.begin());
+  std::copy_n(pose.quaternion().begin(), 4, out.begin() + 3);
+}
+
 Pose PoseOfAction(ControlMode mode, std::span<const double> action) {
   const Eigen::Vector3d translation(action[0], action[1], action[2]);
   if (mode == ControlMode::kCartesianTrpy)

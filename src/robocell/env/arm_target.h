@@ -23,6 +23,9 @@ void LimitJointStep(std::span<const double> from, double limit, std::span<double
 // Whether a quaternion of any length says which way; [0, 0, 0, 0] does not.
 bool HasDirection(std::span<const double> quaternion);
 
+// Writes x y z and the quaternion xyzw into seven numbers.
+void PutTquat(const Pose& pose, std::span<double> out);
+
 // The pose that the numbers of a Cartesian action are: x y z and roll pitch yaw, or a quaternion
 // xyzw that HasDirection, which is normalised.
 Pose PoseOfAction(ControlMode mode, std::span<const double> action);

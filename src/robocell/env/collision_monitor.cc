@@ -19,6 +19,18 @@ std::string Describe(const Collision& collision) {
           : fmt::format("robot '{}' ({})", collision.other_robot, collision.other_body));
 }
 
+namespace {
+
+// Whether a joint is all that is between two bodies: where the base stands on the world, the engine
+// lets such neighbours touch.
+bool AreNeighbours(const mjModel* m, int a, int b) {
+  const int link_a = m->body_weldid[a], link_b = m->body_weldid[b];
+  const auto above = [&](int link) { return m->body_weldid[m->body_parentid[link]]; };
+  return link_a == link_b || above(link_a) == link_b || above(link_b) == link_a;
+}
+
+}  // namespace
+
 CollisionMonitor::CollisionMonitor(std::vector<Watched> watched)
     : watched_(std::move(watched)), scene_(watched_.front().robot.scene()) {}
 
@@ -65,6 +77,8 @@ bool CollisionMonitor::FindNew() {
     const int a = contact.geom[0], b = contact.geom[1];
     if (contact.exclude != 0 || a < 0 || b < 0 || (owner_[a] < 0 && owner_[b] < 0)) continue;
     std::pair<int, int> bodies(m->geom_bodyid[a], m->geom_bodyid[b]);
+    const bool same_robot = body_owner_[bodies.first] == body_owner_[bodies.second];
+    if (same_robot && AreNeighbours(m, bodies.first, bodies.second)) continue;
     if (owner_[a] < 0) std::swap(bodies.first, bodies.second);
     if (std::find(found_.begin(), found_.end(), bodies) == found_.end()) found_.push_back(bodies);
   }

@@ -2,7 +2,7 @@
 //
 // A robot's collision geoms (RobotConfig::collision_geoms, else all of its own) count, what it
 // carries included, but for its gripper, whose business it is to touch things. Contacts with
-// itself count too.
+// itself count too, but for links with a joint between them: models let these overlap.
 //
 //   monitor.Begin();                               // what touches now is not new
 //   ... step ...; if (monitor.FindNew()) ...       // no allocation unless something is new

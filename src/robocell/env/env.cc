@@ -46,6 +46,13 @@ std::vector<CollisionMonitor::Watched> WatchedOf(const std::vector<ArmDriver>& d
   return watched;
 }
 
+CameraSystemConfig StreamsOf(const EnvConfig& config) {
+  CameraSystemConfig cameras = config.cameras;
+  for (CameraConfig& stream : cameras.streams)
+    stream.depth = stream.depth || config.wrappers.include_depth;
+  return cameras;
+}
+
 // The number of engine steps after which `seconds` have passed.
 int64_t TicksUntil(double seconds, double timestep) {
   return static_cast<int64_t>(std::ceil(seconds / timestep - 1e-9));
@@ -79,6 +86,8 @@ Env::Env(EnvConfig config, Scene scene)
       arms_(DriversOf(config_, scene_, layout_)),
       stepper_(scene_, RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1}),
       collisions_(WatchedOf(arms_)),
+      cameras_(scene_, StreamsOf(config_)),
+      task_(MakeEnvTask(config_, scene_)),
       seeds_(Rng::Stream(0, kSeedPurpose)),
       observation_(layout_.observation.size()) {}
 
@@ -88,21 +97,31 @@ void Env::Reset(const EnvResetOptions& options) {
   if (!config_.wrappers.home_on_reset && phase_ == Phase::kReady) {
     for (const ArmDriver& arm : arms_) kept.push_back(arm.robot().arm().joint_pos());
   }
-  scene_.Reset({.seed = seeds_.NextBits()});
+  const uint64_t seed = seeds_.NextBits();
+  scene_.Reset({.seed = seed});
   for (size_t i = 0; i < kept.size(); ++i) Robot(arms_[i].robot()).SetJointPos(kept[i]);
   for (ArmDriver& arm : arms_) arm.Reset();
+  if (task_) {
+    Rng rng = Rng::Stream(seed, "env task");
+    task_->Arrange(scene_, rng);
+    task_->Begin(scene_);
+  }
   phase_ = Phase::kReady;
   steps_ = ticks_ = 0;
   pacer_.Start(0);
+  cameras_.Reset();
   Observe();
 }
 
+void Env::RequireReady() const {
+  if (phase_ == Phase::kReady) return;
+  throw Error(place() + (phase_ == Phase::kUnready
+                             ? ": call reset before the first step"
+                             : ": the simulation has diverged; call reset to go on"));
+}
+
 void Env::CheckAction(std::span<const double> action) const {
-  if (phase_ != Phase::kReady) {
-    throw Error(place() + (phase_ == Phase::kUnready
-                               ? ": call reset before the first step"
-                               : ": the simulation has diverged; call reset to go on"));
-  }
+  RequireReady();
   if (action.size() != static_cast<size_t>(layout_.action.size())) {
     throw ArgumentError(fmt::format("{}: expected an action of {} numbers, got {}", place(),
                                     layout_.action.size(), action.size()));
@@ -134,9 +153,12 @@ bool Env::HaveArrived() {
   return arrived;
 }
 
+double Env::TimeSinceReset() const { return static_cast<double>(ticks_) * scene_.timestep(); }
+
 // After every engine step.
 bool Env::ShouldEnd() {
   ++ticks_;
+  cameras_.Tick(TimeSinceReset());
   collided_ = collisions_.FindNew() || collided_;
   if (collided_ && config_.sim.on_collision == OnCollision::kStop) return true;
   return !config_.sim.async_control && HaveArrived();
@@ -161,15 +183,79 @@ EnvStep Env::Step(std::span<const double> action) {
   out.reason = ReasonOf(outcome.step, out);
   out.message = outcome.step.message;
   out.collisions = collisions_.found();
-  out.time = static_cast<double>(ticks_) * scene_.timestep();
-  if (out.reason == EndReason::kDiverged) phase_ = Phase::kDiverged;
+  out.time = TimeSinceReset();
+  if (out.reason == EndReason::kDiverged) {
+    phase_ = Phase::kDiverged;
+    return out;
+  }
   Observe();
+  if (task_) {
+    out.reward = task_->Reward(scene_);
+    out.success = task_->Success(scene_);
+  }
   if (config_.sim.realtime) pacer_.Wait(out.time);
   return out;
 }
 
 void Env::Observe() {
   for (const ArmDriver& arm : arms_) arm.Observe(observation_);
+  const Pose world_to_shared = scene_.shared_base_frame_to_world().inverse();
+  for (const ObjectLayout& object : layout_.objects) {
+    const std::string& body = scene_.compiled()->object(object.object).root_body;
+    const Pose pose = world_to_shared * scene_.body_pose(body);
+    const std::span<double> out =
+        std::span(observation_).subspan(object.tquat.begin, object.tquat.size);
+    PutTquat(pose, out);
+    for (double& x : out.first(3)) x = std::clamp(x, -kFarthestObject, kFarthestObject);
+  }
+  cameras_.Draw(TimeSinceReset());
+}
+
+void Env::Save(const std::string& name) {
+  RequireReady();
+  Snapshot& snapshot = saved_[name];
+  snapshot = {.generation = scene_.generation(),
+              .state = scene_.state(),
+              .task = task_ ? task_->Clone() : nullptr,
+              .steps = steps_,
+              .ticks = ticks_};
+  for (const ArmDriver& arm : arms_) snapshot.arms.push_back(arm.memory());
+}
+
+Env::Snapshot& Env::RequireSnapshot(const std::string& name) {
+  const auto found = saved_.find(name);
+  if (found == saved_.end()) throw NotFoundError(NoSuchName(place(), "saved state", name, saved()));
+  return found->second;
+}
+
+void Env::Restore(const std::string& name) {
+  const Snapshot& snapshot = RequireSnapshot(name);
+  if (snapshot.generation != scene_.generation()) {
+    throw Error(
+        fmt::format("{}: the scene was compiled anew since '{}' was saved, so that there "
+                    "is no way back to it",
+                    place(), name));
+  }
+  scene_.SetState(snapshot.state);
+  for (size_t i = 0; i < arms_.size(); ++i) arms_[i].Recall(snapshot.arms[i]);
+  if (snapshot.task) task_ = snapshot.task->Clone();
+  steps_ = snapshot.steps;
+  ticks_ = snapshot.ticks;
+  phase_ = Phase::kReady;
+  pacer_.Start(TimeSinceReset());
+  cameras_.GoOnFrom(TimeSinceReset());
+  Observe();
+}
+
+void Env::Forget(const std::string& name) {
+  RequireSnapshot(name);
+  saved_.erase(name);
+}
+
+std::vector<std::string> Env::saved() const {
+  std::vector<std::string> names;
+  for (const auto& [name, snapshot] : saved_) names.push_back(name);
+  return names;
 }
 
 void Env::SetOriginToCurrent(const std::string& robot) {

@@ -20,6 +20,8 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -28,7 +30,9 @@
 #include "robocell/base/rng.h"
 #include "robocell/env/arm_driver.h"
 #include "robocell/env/collision_monitor.h"
+#include "robocell/env/env_cameras.h"
 #include "robocell/env/env_layout.h"
+#include "robocell/env/env_task.h"
 #include "robocell/env/pacer.h"
 #include "robocell/env/stepper.h"
 #include "robocell/spec/env_config.h"
@@ -41,8 +45,10 @@ const char* ToString(EndReason reason);
 
 struct EnvStep {
   EndReason reason = EndReason::kTimeout;
-  double time = 0;                          // simulated s since the reset
-  std::string message = {};                 // of a divergence
+  double time = 0;           // simulated s since the reset
+  std::string message = {};  // of a divergence
+  double reward = 0;         // of the task, 0 without
+  bool success = false;
   std::vector<std::string> ik_failed = {};  // robots
   std::vector<Collision> collisions = {};   // what touched in this step
 };
@@ -66,8 +72,23 @@ class Env {
   // `action` has layout().action.size() numbers. Error before the first Reset and after a
   // divergence.
   EnvStep Step(std::span<const double> action);
-  // What the last Reset or Step left, layout().observation.size() numbers.
+  // What the last Reset or Step left, layout().observation.size() numbers; a step that diverged
+  // leaves what was before it.
   std::span<const double> observation() const { return observation_; }
+
+  // The last frame of each image stream.
+  const std::vector<EnvFrame>& frames() const { return cameras_.frames(); }
+  // What the task is, in words; "" without one.
+  std::string instruction() const { return task_ ? task_->instruction() : ""; }
+
+  // Keeps the present state under a name, and goes back to it as often as wished: what follows is
+  // the same to the bit. Observations are those of then; images are taken anew. Names are forgotten
+  // by nothing but Forget. NotFoundError lists the names, Error before the first Reset and in a
+  // scene that was compiled anew since.
+  void Save(const std::string& name);
+  void Restore(const std::string& name);
+  void Forget(const std::string& name);
+  std::vector<std::string> saved() const;
 
   // With relative_to configured_origin: from now on relative to where the robot was last sent.
   // NotFoundError lists the robots.
@@ -76,9 +97,20 @@ class Env {
  private:
   enum class Phase { kUnready, kReady, kDiverged };
 
+  struct Snapshot {
+    uint64_t generation = 0;  // of the scene
+    std::vector<double> state;
+    std::vector<ArmDriver::Memory> arms;
+    std::unique_ptr<EnvTask> task;
+    int64_t steps = 0, ticks = 0;
+  };
+
+  void RequireReady() const;
+  Snapshot& RequireSnapshot(const std::string& name);
   void CheckAction(std::span<const double> action) const;
   std::vector<std::string> Send(std::span<const double> action);
   int64_t TicksOfStep() const;
+  double TimeSinceReset() const;
   bool ShouldEnd();
   bool HaveArrived();
   EndReason ReasonOf(const StepResult& step, const EnvStep& out);
@@ -91,6 +123,9 @@ class Env {
   std::vector<ArmDriver> arms_;
   Stepper stepper_;
   CollisionMonitor collisions_;
+  EnvCameras cameras_;
+  std::unique_ptr<EnvTask> task_;
+  std::map<std::string, Snapshot> saved_;
   RealTimePacer pacer_;
   Phase phase_ = Phase::kUnready;
   Rng seeds_;

@@ -43,6 +43,13 @@ class Builder {
     out_.robots.push_back(std::move(layout));
   }
 
+  void AddObject(const std::string& name) {
+    ObjectLayout layout{.object = name, .tquat = {out_.observation.size(), 7}};
+    for (int i = 0; i < 3; ++i) Append(out_.observation, -kFarthestObject, kFarthestObject);
+    for (int i = 0; i < 4; ++i) Append(out_.observation, -1, 1);
+    out_.objects.push_back(std::move(layout));
+  }
+
   EnvLayout Take() { return std::move(out_); }
 
  private:
@@ -137,6 +144,7 @@ EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robot
   Builder builder(config);
   const std::vector<std::string> names = config.robots.keys();
   for (size_t i = 0; i < robots.size(); ++i) builder.Add(names[i], robots[i]);
+  if (config.task) builder.AddObject(config.task->object);
   return builder.Take();
 }
 

@@ -3,8 +3,8 @@
 //
 // An action has for each robot its command and, with a gripper, one number more. An observation has
 // for each robot the TCP in the shared base frame (tquat: x y z, quaternion xyzw; xyzrpy: x y z,
-// roll pitch yaw), its joints, and with a gripper its opening. Metres, radians, 0 closed ... 1
-// open.
+// roll pitch yaw), its joints, and with a gripper its opening, and then the task's objects. Metres,
+// radians, 0 closed ... 1 open.
 #pragma once
 
 #include <string>
@@ -31,6 +31,12 @@ struct RobotLayout {
   int gripper = -1;
 };
 
+// An object that is observed: its pose in the shared base frame, as tquat.
+struct ObjectLayout {
+  std::string object;
+  VectorPart tquat;
+};
+
 // What every number of a vector lies between.
 struct VectorRange {
   std::vector<double> lower, upper;
@@ -39,8 +45,12 @@ struct VectorRange {
 
 struct EnvLayout {
   std::vector<RobotLayout> robots;
+  std::vector<ObjectLayout> objects;
   VectorRange action, observation;
 };
+
+// Objects farther away are observed at this distance along each axis, m: they may fall for ever.
+inline constexpr double kFarthestObject = 100;
 
 // `robots` are those of the configuration, in its order, in a scene at its start.
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots);

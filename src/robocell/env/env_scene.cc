@@ -72,6 +72,7 @@ SceneSpec EnvSceneSpec(const EnvConfig& config) {
   SceneSpec scene{.name = config.name,
                   .base = config.scene,
                   .timestep = config.sim.timestep,
+                  .add_floor = config.add_floor,
                   .options = config.options,
                   .root_frame_to_world = config.root_frame_to_world,
                   .shared_base_frame_to_root_frame = config.shared_base_frame_to_root_frame,

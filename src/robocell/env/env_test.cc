@@ -304,6 +304,28 @@ TEST(EnvSteps, ReportCollisionsWhenAskedTo) {
   EXPECT_FALSE(hit.collisions.empty());
 }
 
+// An arm folded so far that its third link comes to its base; neighbours overlap.
+TEST(EnvSteps, LinksThatAJointConnectsDoNotCollide) {
+  ModelFolder folder;
+  RobotConfig arm = ArmConfig(folder.Write("arm", R"(
+    <compiler angle="radian" autolimits="true"/>
+    <default><joint axis="0 1 0" range="-3 3"/><geom type="capsule"/></default>
+    <worldbody><body name="base"><geom type="box" size="0.1 0.1 0.1"/>
+      <body name="upper" pos="0 0 0.1"><joint name="shoulder"/><geom size="0.03" fromto="0 0 0 0 0 0.3"/>
+        <body name="fore" pos="0 0 0.3"><joint name="elbow"/><geom size="0.03" fromto="0 0 0 0 0 0.4"/>
+          <site name="flange" pos="0 0 0.4"/></body></body></body></worldbody>
+    <actuator><position name="servo1" joint="shoulder" kp="100" kv="10"/>
+      <position name="servo2" joint="elbow" kp="100" kv="10"/></actuator>)"));
+  EnvConfig config{.relative_to = RelativeTo::kNone};
+  config.robots["robot"] = arm;
+  Env env = Ready(config);
+  EXPECT_THAT(env.Step(Numbers{0.1, 0.1}).collisions, IsEmpty());
+  const EnvStep folded = env.Step(Numbers{0, 2.9});
+  ASSERT_EQ(folded.reason, EndReason::kCollision);
+  EXPECT_THAT(folded.collisions,
+              ElementsAre(Collision{"robot", "robotrobot_fore", "robot", "robotrobot_base"}));
+}
+
 TEST(EnvSteps, ADivergedSimulationIsAValueAndEndsTheEpisode) {
   Env env = Ready(Rc7Env());
   const Numbers still = ForAll(env, Numbers(7, 0));

@@ -19,11 +19,9 @@ struct Expected {
   double mass;           // kg
 };
 
-const std::map<std::string, Expected> kEquipment = {{"cabinet", {0, 21.2}},
-                                                    {"ft_sensor", {0, 0.25}},
-                                                    {"open_bottle", {0.075, 0.115}},
-                                                    {"receiver", {0.04, 0.18}},
-                                                    {"table", {0.7, 28.74}}};
+const std::map<std::string, Expected> kEquipment = {
+    {"cabinet", {0, 21.2}},          {"ft_sensor", {0, 0.25}},   {"green_cube", {0.02, 0.05}},
+    {"open_bottle", {0.075, 0.115}}, {"receiver", {0.04, 0.18}}, {"table", {0.7, 28.74}}};
 
 Scene BuildCabinet() {
   SceneSpec spec = EmptyScene();

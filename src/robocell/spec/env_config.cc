@@ -92,6 +92,13 @@ void CheckStepLimit(const EnvConfig& env, Problems& problems) {
           count, count == 1 ? "number" : "numbers"));
 }
 
+void CheckTask(const EnvConfig& env, Problems& problems) {
+  if (!env.task || env.root_frame_objects.contains(env.task->object)) return;
+  Problems::Scope scope(problems, "task");
+  problems.AddAt("object", NoSuchName("root_frame_objects", "object", env.task->object,
+                                      env.root_frame_objects.keys()));
+}
+
 bool IsStreamed(const EnvConfig& env, const std::string& camera) {
   for (const CameraConfig& stream : env.cameras.streams) {
     if (stream.camera == camera) return true;
@@ -150,8 +157,12 @@ void EnvConfig::Validate(Problems& problems) const {
   if (robots.empty())
     problems.AddAt("robots", "an environment needs a robot, for example {robot: xarm7.yaml}");
   for (const std::string& robot : robots.keys()) CheckNamePart(robot, "robots", problems);
-  if (robots.contains("frames"))
-    problems.AddAt("robots.frames", "observations have their images under this name");
+  for (const char* taken : {"frames", "objects"}) {
+    if (robots.contains(taken))
+      problems.AddAt("robots", fmt::format("'{}' is a part of observations; give the robot another "
+                                           "name",
+                                           taken));
+  }
   CheckRobotKeys(grippers.keys(), "grippers", *this, problems);
   CheckRobotKeys(gripper_offsets.keys(), "gripper_offsets", *this, problems);
   CheckRobotKeys(robot_to_shared_base_frame.keys(), "robot_to_shared_base_frame", *this, problems);
@@ -161,6 +172,7 @@ void EnvConfig::Validate(Problems& problems) const {
   CheckGrippers(*this, problems);
   CheckStands(*this, problems);
   CheckStepLimit(*this, problems);
+  CheckTask(*this, problems);
   CheckEnvObjects(*this, problems);
   CheckCameraAdds(*this, problems);
 }

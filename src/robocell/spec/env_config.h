@@ -35,6 +35,7 @@ struct EnvConfig {
   Map<RobotConfig> grippers = {};
   Map<Pose> gripper_offsets = {};
   std::string scene = "empty_world";
+  bool add_floor = false;
   Pose root_frame_to_world = {};
   Pose shared_base_frame_to_root_frame = {};
   Map<Pose> robot_to_shared_base_frame = {};
@@ -44,6 +45,7 @@ struct EnvConfig {
   Map<CameraAdderConfig> camera_adds = {};
   CameraSystemConfig cameras = {};
   bool add_gravcomp = false;
+  Maybe<EnvTaskConfig> task = {};
   ControlMode control_mode = ControlMode::kJoints;
   RelativeTo relative_to = RelativeTo::kLastStep;
   std::vector<double> max_relative_movement = {};
@@ -65,6 +67,7 @@ struct EnvConfig {
     v("gripper_offsets", &EnvConfig::gripper_offsets,
       "Robot to the pose of its gripper in the attachment site; the identity unless set.");
     v("scene", &EnvConfig::scene, "Base scene: an MJCF file or a built-in name.");
+    v("add_floor", &EnvConfig::add_floor, "Add a floor plane at z = 0 of the world.");
     v("root_frame_to_world", &EnvConfig::root_frame_to_world,
       "The rig: pose of the root frame in the world. Moves robots, root objects and cameras.");
     v("shared_base_frame_to_root_frame", &EnvConfig::shared_base_frame_to_root_frame,
@@ -83,6 +86,7 @@ struct EnvConfig {
       "Image streams: of these cameras, of the robots' and of the base scene's.");
     v("add_gravcomp", &EnvConfig::add_gravcomp,
       "Compensate gravity on robots and grippers, whatever their files say.");
+    v("task", &EnvConfig::task, "What the robots are to do: reward, success, starts.");
     v("control_mode", &EnvConfig::control_mode,
       "What actions are: joints, or the TCP in the shared base frame as cartesian_trpy "
       "(translation, roll pitch yaw) or cartesian_tquat (translation, quaternion xyzw).");
@@ -95,7 +99,7 @@ struct EnvConfig {
       "limit.",
       Check::kPositive);
     v("sim", &EnvConfig::sim, "How the simulation runs, and when a step ends.");
-    v("wrappers", &EnvConfig::wrappers, "Grippers and resets.");
+    v("wrappers", &EnvConfig::wrappers, "Grippers, resets and depth.");
     v("options", &EnvConfig::options, "Solver options.");
   }
   void Validate(Problems& problems) const;

@@ -154,6 +154,24 @@ TEST(EnvConfig, AbsoluteActionsAreNotLimitedUnlessAsked) {
   EXPECT_TRUE(std::isinf(env.step_limit().translation));
 }
 
+TEST(EnvConfig, ATaskIsAboutAnObjectOfTheRig) {
+  EnvConfig env = Duo();
+  env.root_frame_objects["cube"] = Thing();
+  env.task = EnvTaskConfig{.object = "cub"};
+  EXPECT_EQ(Message(env),
+            "it is not valid: task.object: root_frame_objects: no object 'cub'. Its objects: cube. "
+            "Did you mean 'cube'?");
+  env.task->object = "cube";
+  EXPECT_EQ(Message(env), "");
+}
+
+TEST(EnvConfig, RobotsAreNotCalledLikeOtherPartsOfObservations) {
+  EnvConfig env = Duo();
+  env.robots["frames"] = Arm();
+  EXPECT_THAT(Message(env),
+              HasSubstr("robots: 'frames' is a part of observations; give the robot another name"));
+}
+
 TEST(EnvConfig, StepsAreNoShorterThanTheEngines) {
   EnvConfig env = Duo();
   env.sim.frequency = 1000;

@@ -7,6 +7,7 @@
 #include "robocell/spec/env_action.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/problems.h"
+#include "robocell/spec/run_config.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
@@ -88,10 +89,35 @@ struct SimSettings {
   void Validate(Problems& problems) const;
 };
 
+// What the robots are to do: pick up an object, which lies around its place at each reset.
+struct EnvTaskConfig {
+  TaskKind kind = TaskKind::kPick;
+  std::string object = {};
+  Vec2 spread = {0, 0};
+  bool rotate = true;
+  double lift_height = 0.05;
+
+  static constexpr const char* kTypeName = "EnvTaskConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("kind", &EnvTaskConfig::kind, "pick.");
+    v("object", &EnvTaskConfig::object, "The object, by its id in root_frame_objects.");
+    v("spread", &EnvTaskConfig::spread,
+      "How far it lies from its place there, uniform between plus and minus these, along x and y "
+      "of the root frame, metres.",
+      Check::kNonNegative);
+    v("rotate", &EnvTaskConfig::rotate, "Turn it by any angle about the root frame's z too.");
+    v("lift_height", &EnvTaskConfig::lift_height,
+      "Success: lifted this far above where the episode began, metres, and held only by robots.",
+      Check::kPositive);
+  }
+};
+
 // What is around the robots' actions and observations.
 struct WrapperConfig {
   bool binary_gripper = true;
   bool home_on_reset = true;
+  bool include_depth = false;
 
   static constexpr const char* kTypeName = "WrapperConfig";
   template <class V>
@@ -101,6 +127,8 @@ struct WrapperConfig {
       "else both are its opening, 0 closed ... 1 open.");
     v("home_on_reset", &WrapperConfig::home_on_reset,
       "Resets put the arms at home; else they stay where they are.");
+    v("include_depth", &WrapperConfig::include_depth,
+      "Streams have depth images, whether they ask for them or not.");
   }
 };
 

@@ -100,6 +100,7 @@ ROBOCELL_YAML(EnvObject)
 ROBOCELL_YAML(CameraAdderConfig)
 ROBOCELL_YAML(SimSettings)
 ROBOCELL_YAML(WrapperConfig)
+ROBOCELL_YAML(EnvTaskConfig)
 #undef ROBOCELL_YAML_FILE
 #undef ROBOCELL_YAML
 

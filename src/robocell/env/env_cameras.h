@@ -1,0 +1,74 @@
+// EnvCameras: the image streams of an environment. Each takes a frame at the first engine step with
+// t >= k/rate, stamped with the true time, and shows the last one until the next; with rate 0 one
+// with every observation.
+//
+// What a frame shows is kept when it is due, and drawn when the step has ended: frames that nobody
+// sees are not drawn, and physics knows nothing of them.
+//
+//   cameras.Reset();
+//   ... per engine step: cameras.Tick(time) ...
+//   cameras.Draw(time);
+//   for (const EnvFrame& frame : cameras.frames()) ...
+//
+// Errors: NotFoundError for a stream whose camera is not there, Error when there is no OpenGL, both
+// when it is made.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "robocell/mujoco/owners.h"
+#include "robocell/render/renderer.h"
+#include "robocell/scene/scene.h"
+#include "robocell/spec/camera_spec.h"
+
+namespace robocell {
+
+// The last frame of a stream. Images that the stream does not take are empty.
+struct EnvFrame {
+  std::string stream;
+  int width = 0, height = 0;
+  double time = 0;                    // simulated s since the reset
+  CameraModel camera;                 // that it was drawn with: intrinsics, extrinsics
+  std::vector<uint8_t> rgb;           // rows from the top
+  std::vector<uint16_t> depth_mm;     // 0 where nothing is
+  std::vector<int32_t> segmentation;  // body ids, -1 where nothing is
+};
+
+class EnvCameras {
+ public:
+  EnvCameras(Scene scene, const CameraSystemConfig& config);
+
+  // A frame of each stream is due at time 0.
+  void Reset() { GoOnFrom(0); }
+  // Goes on from `time`, with a frame of each stream of then.
+  void GoOnFrom(double time);
+  // Keeps what streams show that are due at `time` (s since the reset).
+  void Tick(double time);
+  // Draws what was kept, and what is taken with every observation.
+  void Draw(double time);
+  const std::vector<EnvFrame>& frames() const { return frames_; }
+
+ private:
+  struct Stream {
+    CameraView view;
+    double rate = 0;
+    int64_t taken = 0;     // frames since the reset
+    bool pending = false;  // kept and not yet drawn
+    double time = 0;
+    std::vector<double> qpos, mocap_pos, mocap_quat;
+  };
+
+  void Keep(Stream& stream, double time);
+  void DrawOne(Stream& stream, EnvFrame& frame);
+
+  Scene scene_;
+  std::unique_ptr<Renderer> renderer_;
+  DataPtr scratch_;
+  std::vector<Stream> streams_;
+  std::vector<EnvFrame> frames_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,43 @@
+#include "robocell/render/stream_camera.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+
+namespace robocell {
+namespace {
+
+// Without the prefix of the robot whose camera it is.
+std::string AsWritten(const Scene& scene, const std::string& camera) {
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    if (camera.starts_with(robot.prefix)) return camera.substr(robot.prefix.size());
+  }
+  return camera;
+}
+
+}  // namespace
+
+std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
+  std::vector<std::string> cameras = scene.camera_names();
+  const auto has = [&](const std::string& name) {
+    return std::find(cameras.begin(), cameras.end(), name) != cameras.end();
+  };
+  if (has(stream.camera)) return stream.camera;
+  std::vector<std::string> of_robots;
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    if (has(robot.prefix + stream.camera)) of_robots.push_back(robot.prefix + stream.camera);
+  }
+  if (of_robots.size() == 1) return of_robots.front();
+  if (!of_robots.empty()) {
+    throw ArgumentError(fmt::format(
+        "stream '{}': camera '{}' is one of {}; write the full name of the one that is meant",
+        stream.name, stream.camera, ListNames(of_robots)));
+  }
+  for (std::string& camera : cameras) camera = AsWritten(scene, camera);
+  throw NotFoundError(NoSuchName("stream '" + stream.name + "'", "camera", stream.camera, cameras));
+}
+
+}  // namespace robocell

@@ -1,0 +1,16 @@
+// Which camera of a scene an image stream means.
+#pragma once
+
+#include <string>
+
+#include "robocell/scene/scene.h"
+#include "robocell/spec/camera_spec.h"
+
+namespace robocell {
+
+// The full name of a stream's camera: a robot's own (by its name without the prefix), else the
+// scene's. NotFoundError with the nearest names, as they are written here; ArgumentError when
+// several robots have one of that name.
+std::string FindCameraName(const Scene& scene, const CameraConfig& stream);
+
+}  // namespace robocell

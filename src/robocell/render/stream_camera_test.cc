@@ -1,0 +1,56 @@
+#include "robocell/render/stream_camera.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/scene/testing/scenes.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+class StreamCamera : public ::testing::Test {
+ protected:
+  Scene Cell(bool two_robots, const std::string& scene_camera = "") {
+    SceneSpec spec = EmptyScene();
+    RobotConfig arm = ArmConfig(folder_.Write("arm", kTwoJointArm));
+    arm.cameras.push_back(
+        {.name = "wrist_camera", .pos = Vec3{}, .fovy = 45, .attach_to = Site("flange")});
+    spec.robots.push_back({.name = "a", .config = arm, .prefix = "a/"});
+    if (two_robots)
+      spec.robots.push_back({.name = "b", .config = arm, .prefix = "b/", .pos = {0, 2, 0}});
+    if (!scene_camera.empty())
+      spec.cameras.push_back({.name = scene_camera, .pos = Vec3{1, 0, 1}, .fovy = 45});
+    return Scene::Build(spec);
+  }
+
+  static CameraConfig Stream(const std::string& camera) {
+    return {.name = "wrist", .camera = camera};
+  }
+
+ private:
+  ModelFolder folder_;
+};
+
+TEST_F(StreamCamera, TakesTheExactNameBeforeThatOfARobot) {
+  EXPECT_EQ(FindCameraName(Cell(false), Stream("wrist_camera")), "a/wrist_camera");
+  EXPECT_EQ(FindCameraName(Cell(false, "wrist_camera"), Stream("wrist_camera")), "wrist_camera");
+  EXPECT_EQ(FindCameraName(Cell(true), Stream("b/wrist_camera")), "b/wrist_camera");
+}
+
+TEST_F(StreamCamera, OneOfTwoRobotsHasToBeNamed) {
+  ExpectThrow<ArgumentError>(
+      [&] { FindCameraName(Cell(true), Stream("wrist_camera")); },
+      "stream 'wrist': camera 'wrist_camera' is one of a/wrist_camera, b/wrist_camera; write the "
+      "full name of the one that is meant");
+}
+
+TEST_F(StreamCamera, OneThatIsNotThereIsToldWithThoseThatAre) {
+  ExpectThrow<NotFoundError>(
+      [&] { FindCameraName(Cell(false, "top"), Stream("wrist_camra")); },
+      "stream 'wrist': no camera 'wrist_camra'. Its cameras: top, wrist_camera. Did you mean "
+      "'wrist_camera'?");
+}
+
+}  // namespace
+}  // namespace robocell
