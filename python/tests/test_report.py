@@ -207,6 +207,7 @@ def test_a_dataset_with_a_report_is_as_intact_as_one_without(dataset: Path):
 def test_the_table_is_counted_on_the_disk(dataset: Path, tmp_path: Path):
     copy = shutil.copytree(dataset, tmp_path / "copy")
     text = robocell_command("report", copy, "--episodes").stdout
+    assert not [line for line in text.splitlines() if line != line.rstrip()]
     rows = sum(len(episode) for episode in robocell.Dataset(copy))
     assert "2 of 2" in text
     assert f"2 episodes, {rows} rows, {rows} frames, " in text

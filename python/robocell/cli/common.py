@@ -73,10 +73,16 @@ def print_wide(table: Table, **options: Any) -> None:
     """To standard output, never narrower than its content.
 
     Long paths stay in one piece, so that they can be copied; a terminal breaks the lines itself.
+    Files and pipes get lines without blanks at their ends.
     """
     console = Console(**options)
     needed = Measurement.get(console, console.options.update(max_width=MOST_COLUMNS), table).maximum
-    Console(**options, width=max(console.width, needed)).print(table, soft_wrap=True)
+    wide = Console(**options, width=max(console.width, needed))
+    if wide.is_terminal:
+        return wide.print(table, soft_wrap=True)
+    with wide.capture() as text:
+        wide.print(table, soft_wrap=True)
+    print("\n".join(line.rstrip() for line in text.get().splitlines()))
 
 
 def require_folder(path: Path, what: str) -> None:

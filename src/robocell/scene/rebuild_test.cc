@@ -11,6 +11,9 @@
 namespace robocell {
 namespace {
 
+using ::testing::Contains;
+using ::testing::Not;
+
 TEST(SceneLaws, TheOrderOfEntitiesDoesNotChangePhysics) {
   ModelFolder folder;
   const RobotConfig arm = ArmConfig(folder.Write("arm", kTwoJointArm));
@@ -58,6 +61,23 @@ TEST(SceneLaws, ASceneBuiltTwiceIsTheSameToTheBit) {
   EXPECT_EQ(first, end());
   EXPECT_TRUE(Scene::Build(EmptyScene()).StepN(10).ok());
   EXPECT_EQ(first, end());
+}
+
+TEST(SceneLaws, OneSpecIsBuiltAgainWithOtherContents) {
+  SceneSpec spec = EmptyScene();
+  const RobotSpec robot{.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7"))};
+  spec.robots.push_back(robot);
+  spec.objects.push_back({.name = "mug", .mjcf_path = "mug", .pos = {0.5, 0, 0.2}, .fixed = true});
+  const Scene whole = Scene::Build(spec);
+  spec.robots.clear();
+  const Scene objects_only = Scene::Build(spec);
+  EXPECT_THAT(objects_only.body_names(), Contains("mug_mug"));
+  EXPECT_THAT(objects_only.body_names(), Not(Contains("base_link")));
+  EXPECT_EQ(objects_only.model()->nq, 0);
+  spec.robots.push_back(robot);
+  const Scene again = Scene::Build(spec);
+  EXPECT_EQ(again.body_names(), whole.body_names());
+  EXPECT_EQ(again.state(), whole.state());
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
 // Robots: names, prefixes, attachments, overrides, tool points; what is said when they do not fit.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/units.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/robots.h"
@@ -100,6 +102,29 @@ TEST_F(Robots, CarryToolsOnToolsWithAllTheirElements) {
   EXPECT_EQ(m->exclude_signature[0], (RequireId(m, mjOBJ_BODY, "l_fore", "") << 16) +
                                          RequireId(m, mjOBJ_BODY, "l_g_left", ""));
   EXPECT_THAT(scene.compiled()->warnings(), IsEmpty());
+}
+
+TEST_F(Robots, CarryChainsOfTools) {
+  const std::string link = folder.Write("link", R"(
+  <worldbody><body name="bar" pos="0.01 0 0" euler="0 20 30">
+    <geom type="capsule" fromto="0 0 0 0 0 0.03" size="0.005"/><site name="tip" pos="0 0 0.03"/>
+  </body></worldbody>)");
+  const Pose authored = Pose::FromRpy({0.01, 0, 0}, {0, Radians(20), 0}) *
+                        Pose::FromRpy({0, 0, 0}, {0, 0, Radians(30)});  // about the turned axes
+  SceneSpec spec = ArmScene();
+  std::string site = "flange";
+  for (int i = 0; i < 5; ++i) {
+    const std::string prefix = fmt::format("t{}_", i);
+    spec.robots[0].attachments.push_back(
+        {.mjcf_path = link, .attach_to = Site(site), .prefix = prefix});
+    site = prefix + "tip";
+  }
+  const Scene scene = Scene::Build(spec);
+  Pose expected = scene.site_pose("l_flange");
+  for (int i = 0; i < 5; ++i) {
+    expected = expected * authored * Pose(Eigen::Vector3d(0, 0, 0.03));
+    EXPECT_TRUE(scene.site_pose(fmt::format("l_t{}_tip", i)).is_close(expected, 1e-9, 1e-9)) << i;
+  }
 }
 
 TEST_F(Robots, SayWhereAToolCannotGo) {
