@@ -79,10 +79,11 @@ def print_wide(table: Table, **options: Any) -> None:
     needed = Measurement.get(console, console.options.update(max_width=MOST_COLUMNS), table).maximum
     wide = Console(**options, width=max(console.width, needed))
     if wide.is_terminal:
-        return wide.print(table, soft_wrap=True)
-    with wide.capture() as text:
         wide.print(table, soft_wrap=True)
-    print("\n".join(line.rstrip() for line in text.get().splitlines()))
+    else:
+        with wide.capture() as text:
+            wide.print(table, soft_wrap=True)
+        print("\n".join(line.rstrip() for line in text.get().splitlines()))
 
 
 def require_folder(path: Path, what: str) -> None:
