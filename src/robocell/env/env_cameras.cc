@@ -25,24 +25,34 @@ EnvFrame FrameOf(const CameraConfig& stream, int width, int height) {
 
 EnvCameras::EnvCameras(Scene scene, const CameraSystemConfig& config) : scene_(std::move(scene)) {
   if (config.streams.empty()) return;
-  const mjModel* m = scene_.model();
   for (const CameraConfig& stream : config.streams) {
-    Stream& added = streams_.emplace_back();
-    added.view = NamedCamera(m, FindCameraName(scene_, stream), "stream '" + stream.name + "'");
-    added.rate = stream.rate;
-    added.qpos.resize(m->nq);
-    added.mocap_pos.resize(3 * m->nmocap);
-    added.mocap_quat.resize(4 * m->nmocap);
+    streams_.push_back({.config = stream});
     frames_.push_back(FrameOf(stream, config.width(stream), config.height(stream)));
   }
   renderer_ = MakeRenderer({.quality = config.quality});
+  Bind();
+}
+
+void EnvCameras::Bind() {
+  if (streams_.empty() || generation_ == scene_.generation()) return;
+  const mjModel* m = scene_.model();
+  for (Stream& stream : streams_) {
+    const CameraConfig& config = stream.config;
+    stream.view = NamedCamera(m, FindCameraName(scene_, config), "stream '" + config.name + "'");
+    stream.qpos.resize(m->nq);
+    stream.mocap_pos.resize(3 * m->nmocap);
+    stream.mocap_quat.resize(4 * m->nmocap);
+    stream.pending = false;
+  }
   renderer_->SetModel(m);
   scratch_ = MakeData(m);
+  generation_ = scene_.generation();
 }
 
 void EnvCameras::GoOnFrom(double time) {
+  Bind();
   for (Stream& stream : streams_) {
-    stream.taken = static_cast<int64_t>(std::floor(time * stream.rate + kRounding));
+    stream.taken = static_cast<int64_t>(std::floor(time * stream.config.rate + kRounding));
     Keep(stream, time);
   }
 }
@@ -58,8 +68,10 @@ void EnvCameras::Keep(Stream& stream, double time) {
 }
 
 void EnvCameras::Tick(double time) {
+  Bind();
   for (Stream& stream : streams_) {
-    if (stream.rate > 0 && time * stream.rate + kRounding >= static_cast<double>(stream.taken))
+    const double rate = stream.config.rate;
+    if (rate > 0 && time * rate + kRounding >= static_cast<double>(stream.taken))
       Keep(stream, time);
   }
 }
@@ -76,8 +88,9 @@ void EnvCameras::DrawOne(Stream& stream, EnvFrame& frame) {
 }
 
 void EnvCameras::Draw(double time) {
+  Bind();
   for (size_t i = 0; i < streams_.size(); ++i) {
-    if (streams_[i].rate == 0) Keep(streams_[i], time);
+    if (streams_[i].config.rate == 0) Keep(streams_[i], time);
     if (streams_[i].pending) DrawOne(streams_[i], frames_[i]);
   }
 }

@@ -53,18 +53,21 @@ class EnvCameras {
 
  private:
   struct Stream {
+    CameraConfig config;
     CameraView view;
-    double rate = 0;
     int64_t taken = 0;     // frames since the reset
     bool pending = false;  // kept and not yet drawn
     double time = 0;
     std::vector<double> qpos, mocap_pos, mocap_quat;
   };
 
+  // Looks cameras up again after the scene was compiled anew.
+  void Bind();
   void Keep(Stream& stream, double time);
   void DrawOne(Stream& stream, EnvFrame& frame);
 
   Scene scene_;
+  uint64_t generation_ = 0;
   std::unique_ptr<Renderer> renderer_;
   DataPtr scratch_;
   std::vector<Stream> streams_;

@@ -94,6 +94,18 @@ TEST(EnvImages, ShowTheStateOfTheirTime) {
   EXPECT_EQ(env.frames()[1].rgb, start) << "the next one is due after half a second";
 }
 
+TEST(EnvImages, GoOnWhenTheSceneIsCompiledAnew) {
+  EnvConfig config = Watched();
+  config.cameras.streams[0].depth = true;
+  Env env(config);
+  env.Reset();
+  Scene(env.scene()).AddObject(BoxObject("box", {3, 3, 0.02}));
+  env.Step(StandStill(env));
+  const std::vector<uint16_t>& depth = env.frames()[0].depth_mm;
+  EXPECT_NEAR(depth[12 * 32 + 16], 1460, 3) << "the box is 4 cm high";
+  EXPECT_NEAR(depth[0], 1500, 2);
+}
+
 TEST(EnvImages, TheirCameraHasToBeThere) {
   EnvConfig config = Watched();
   config.cameras.streams.push_back({.name = "hand", .camera = "wrst_camera"});
