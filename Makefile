@@ -41,11 +41,11 @@ build: setup
 	@$(call configure,release) -DROBOCELL_PYTHON=ON
 	@cmake --build --preset release -j $(JOBS)
 
-# The library and the Python extension, without tests and examples.
+# The library and the Python extension with its stubs, without tests and examples.
 build-python: setup
 	@$(call headline,build)
 	@$(call configure,release) -DROBOCELL_PYTHON=ON
-	@cmake --build --preset release -j $(JOBS) --target robocell _core
+	@cmake --build --preset release -j $(JOBS) --target robocell _core _core_stubs
 
 # configure PRESET [options]: quiet when it goes well, the whole log when it does not
 configure = configure() { preset=$$1; shift; mkdir -p build/$$preset; \
@@ -92,7 +92,7 @@ check-docs: setup
 	@$(PYTHON) scripts/check_docs.py
 
 # Types come from the extension's stubs, so it is built first.
-check-types: build
+check-types: build-python
 	@$(call headline,types)
 	@mypy
 
