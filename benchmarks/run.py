@@ -17,6 +17,7 @@ from pathlib import Path
 import add_remove
 import control_loop
 import dataset_writer
+import dynamics
 import episodes
 import ik
 import overlap
@@ -27,6 +28,7 @@ from table import Row, markdown
 ROOT = Path(__file__).resolve().parents[1]
 BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "control_loop": control_loop.rows,
+    "dynamics": dynamics.rows,
     "reset": reset.rows,
     "ik": ik.rows,
     "add_remove": add_remove.rows,

@@ -6,8 +6,9 @@ add_library(robocell SHARED ${ROBOCELL_SOURCES})
 add_library(robocell::robocell ALIAS robocell)
 robocell_unity(robocell ${ROBOCELL_UNITY_FILES} ${ROBOCELL_SOURCES})
 # Kernels: compiled for every instruction set, or worth the better optimisation.
-foreach(kernel chain_dynamics lane_kernel start_table)
-  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/kinematics/${kernel}.cc" PROPERTIES
+foreach(kernel kinematics/lane_kernel kinematics/link_kernel kinematics/pose_kernel kinematics/start_table
+               control/leaf_kernel)
+  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/${kernel}.cc" PROPERTIES
     COMPILE_OPTIONS "-O3" SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 target_compile_features(robocell PUBLIC cxx_std_20)

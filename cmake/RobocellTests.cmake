@@ -6,7 +6,8 @@ file(GLOB testing_sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/te
 list(FILTER testing_sources EXCLUDE REGEX "_test\\.cc$")
 add_library(robocell_testing STATIC ${testing_sources})
 target_compile_definitions(robocell_testing PUBLIC ROBOCELL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
-target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest PRIVATE robocell_flags)
+target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
+  PRIVATE robocell_flags PkgConfig::HWY)
 
 # robocell_test(NAME SOURCES...): a test program and its tests.
 function(robocell_test name)

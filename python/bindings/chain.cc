@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "chain_batch.h"
 #include "kinematics.h"
 #include "values.h"
 #include "robocell/base/error.h"
@@ -24,17 +25,6 @@ nb::object Copy(const JointVector& values) {
 nb::object Copy(const RowMajor& matrix) {
   const auto rows = static_cast<size_t>(matrix.rows()), cols = static_cast<size_t>(matrix.cols());
   return NumberCopy({matrix.data(), rows * cols}, {rows, cols});
-}
-
-Eigen::Vector3d ToGravity(nb::handle gravity) {
-  const FieldPath path("gravity");
-  const Numbers g(gravity, path, 3);
-  for (size_t i = 0; i < 3; ++i) {
-    if (!std::isfinite(g[i]))
-      ThrowValue(FieldPath(path, static_cast<Py_ssize_t>(i)),
-                 fmt::format("must be finite, is {}", g[i]));
-  }
-  return {g[0], g[1], g[2]};
 }
 
 Chain FromScene(const Scene& scene, const std::string& base_body, const std::string& tip_body,
@@ -79,37 +69,10 @@ class JointNumbers {
   Numbers numbers_;
 };
 
-nb::object JacobianAt(const Chain& chain, nb::handle q) {
-  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, chain.n_joints());
-  chain.Jacobian(JointNumbers(chain, q, "q").span(), jacobian);
-  return Copy(RowMajor(jacobian));
-}
-
-nb::object MassMatrixAt(const Chain& chain, nb::handle q) {
-  Eigen::MatrixXd mass(chain.n_joints(), chain.n_joints());
-  chain.MassMatrix(JointNumbers(chain, q, "q").span(), mass);
-  return Copy(RowMajor(mass));
-}
-
-nb::object GravityTorquesAt(const Chain& chain, nb::handle q, nb::handle gravity) {
-  JointVector torques(chain.n_joints());
-  chain.GravityTorques(JointNumbers(chain, q, "q").span(), ToGravity(gravity), torques);
-  for (int i = 0; i < torques.size(); ++i) torques[i] += 0.0;  // not -0
-  return Copy(torques);
-}
-
 nb::object CoriolisTorquesAt(const Chain& chain, nb::handle q, nb::handle qd) {
   JointVector torques(chain.n_joints());
   chain.CoriolisTorques(JointNumbers(chain, q, "q").span(), JointNumbers(chain, qd, "qd").span(),
                         torques);
-  return Copy(torques);
-}
-
-nb::object InverseDynamicsAt(const Chain& chain, nb::handle q, nb::handle qd, nb::handle qdd,
-                             nb::handle gravity) {
-  JointVector torques(chain.n_joints());
-  chain.InverseDynamics(JointNumbers(chain, q, "q").span(), JointNumbers(chain, qd, "qd").span(),
-                        JointNumbers(chain, qdd, "qdd").span(), ToGravity(gravity), torques);
   return Copy(torques);
 }
 
@@ -123,20 +86,32 @@ IkResult IkOf(const Chain& chain, const PoseOrFrame& target, nb::handle seed, do
   return Ik(chain, pose, options);
 }
 
+constexpr const char* kFk =
+    "def fk(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> typing.Any";
+constexpr const char* kJacobian =
+    "def jacobian(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
+    "numpy.typing.NDArray[numpy.float64]";
+constexpr const char* kMassMatrix =
+    "def mass_matrix(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
+    "numpy.typing.NDArray[numpy.float64]";
+
 void DefDynamics(nb::class_<Chain>& c) {
-  c.def("mass_matrix", &MassMatrixAt, "q"_a, "(n, n) joint-space inertia with armature.")
-      .def("gravity_torques", &GravityTorquesAt, "q"_a,
-           "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81),
+  c.def("mass_matrix", &MassMatrixOf, "q"_a, "out"_a = nb::none(), nb::sig(kMassMatrix),
+        "(n, n) joint-space inertia with armature.")
+      .def("gravity_torques", &GravityTorquesOf, "q"_a,
+           "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "out"_a = nb::none(),
            nb::sig("def gravity_torques(self, q: object, gravity: numpy.typing.ArrayLike = (0.0, "
-                   "0.0, -9.81)) -> numpy.typing.NDArray[numpy.float64]"),
+                   "0.0, -9.81), out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
+                   "numpy.typing.NDArray[numpy.float64]"),
            "Torques (n,) that hold the chain still in `gravity`, (3,) m/s^2 in the axes of the "
            "base. Each body weighs mass * (1 - gravcomp).")
       .def("coriolis_torques", &CoriolisTorquesAt, "q"_a, "qd"_a,
            "The part of the torques (n,) that comes from moving at `qd`.")
-      .def("inverse_dynamics", &InverseDynamicsAt, "q"_a, "qd"_a, "qdd"_a,
-           "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81),
+      .def("inverse_dynamics", &InverseDynamicsOf, "q"_a, "qd"_a, "qdd"_a,
+           "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "out"_a = nb::none(),
            nb::sig("def inverse_dynamics(self, q: object, qd: object, qdd: object, gravity: "
-                   "numpy.typing.ArrayLike = (0.0, 0.0, -9.81)) -> "
+                   "numpy.typing.ArrayLike = (0.0, 0.0, -9.81), out: "
+                   "numpy.typing.NDArray[numpy.float64] | None = None) -> "
                    "numpy.typing.NDArray[numpy.float64]"),
            "Torques (n,) for a motion, gravity and armature included; no friction, damping or "
            "contact.")
@@ -150,7 +125,10 @@ void BindChain(nb::module_& m) {
                       "Kinematics and dynamics of a serial arm, from a base to a tip.\n\nA "
                       "snapshot of the model that is simulated, what hangs on the arm included. "
                       "Everything is in the axes of the base; joint values in chain order, rad or "
-                      "m. Raises ArgumentError for a wrong number of values.");
+                      "m. Raises ArgumentError for a wrong number of values.\n\n"
+                      "fk, jacobian, mass_matrix, gravity_torques and inverse_dynamics also take "
+                      "(B, n) joint values, whose answers have B in front of their shape, and "
+                      "`out`, an array to write into. Arguments with one row are for all.");
   c.def_static("from_scene", &FromScene, "scene"_a, "base_body"_a, "tip_body"_a = "",
                "tip_site"_a = "",
                "The joints between two bodies, or a body and a site, by their full names.")
@@ -171,13 +149,10 @@ void BindChain(nb::module_& m) {
       .def_prop_ro(
           "tip", [](const Chain& chain) { return chain.tip().name; },
           "Name of the body or site at its end.")
-      .def(
-          "fk",
-          [](const Chain& chain, nb::handle q) {
-            return chain.Fk(JointNumbers(chain, q, "q").span());
-          },
-          "q"_a, "Pose of the tip in the base frame.")
-      .def("jacobian", &JacobianAt, "q"_a, "(6, n) at the tip, linear rows first.")
+      .def("fk", &FkOf, "q"_a, "out"_a = nb::none(), nb::sig(kFk),
+           "Pose of the tip in the base frame; of a batch, (B, 4, 4) matrices.")
+      .def("jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), nb::sig(kJacobian),
+           "(6, n) at the tip, linear rows first.")
       .def(
           "ik", &IkOf, "target"_a, "seed"_a = nb::none(), "tolerance"_a = 1e-5,
           "position_only"_a = false,

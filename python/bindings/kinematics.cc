@@ -7,6 +7,7 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "chain_batch.h"
 #include "closed_handles.h"
 #include "signals.h"
 #include "robocell/kinematics/ik_batch.h"
@@ -96,15 +97,65 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
       "iterations"_a = NewArray<int>(result.iterations, {b}));
 }
 
-nb::object JacobianAt(const Kinematics& k, nb::handle q) {
-  const Chain& chain = k.robot.chain();
-  Eigen::Matrix<double, 6, Eigen::Dynamic> j(6, chain.n_joints());
-  chain.Jacobian(ToDoubles(q, "q"), j);
-  std::vector<double> flat;
-  for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c < j.cols(); ++c) flat.push_back(j(r, c));
-  }
-  return NewArray<double>(flat, {6, static_cast<size_t>(j.cols())});
+// The world's, in the axes of the robot base frame, unless given.
+nb::object GravityFor(const Kinematics& k, nb::handle gravity) {
+  if (!gravity.is_none()) return nb::borrow(gravity);
+  const Eigen::Vector3d g = k.robot.gravity_in_base();
+  return nb::make_tuple(g.x(), g.y(), g.z());
+}
+
+void DefDynamics(nb::class_<Kinematics>& c) {
+  c.def(
+       "fk",
+       [](const Kinematics& k, nb::handle q, nb::handle out) {
+         return FkOf(k.robot.chain(), q, out);
+       },
+       "q"_a, "out"_a = nb::none(),
+       nb::sig("def fk(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
+               "typing.Any"),
+       "Pose of the TCP in the robot base frame for joint values q (n,); of a batch (B, n), "
+       "(B, 4, 4) matrices.")
+      .def(
+          "jacobian",
+          [](const Kinematics& k, nb::handle q, nb::handle out) {
+            return JacobianOf(k.robot.chain(), q, out);
+          },
+          "q"_a, "out"_a = nb::none(),
+          nb::sig("def jacobian(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = "
+                  "None) -> numpy.typing.NDArray[numpy.float64]"),
+          "(6, n) at the TCP, axes of the robot base frame, linear rows first.")
+      .def(
+          "gravity_torques",
+          [](const Kinematics& k, nb::handle q, nb::handle gravity, nb::handle out) {
+            return GravityTorquesOf(k.robot.chain(), q, GravityFor(k, gravity), out);
+          },
+          "q"_a, "gravity"_a = nb::none(), "out"_a = nb::none(),
+          nb::sig("def gravity_torques(self, q: object, gravity: numpy.typing.ArrayLike | None = "
+                  "None, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
+                  "numpy.typing.NDArray[numpy.float64]"),
+          "Torques (n,) that hold the arm still at q. `gravity`, (3,) m/s^2 in the axes of the "
+          "robot base frame, is the scene's unless given.")
+      .def(
+          "mass_matrix",
+          [](const Kinematics& k, nb::handle q, nb::handle out) {
+            return MassMatrixOf(k.robot.chain(), q, out);
+          },
+          "q"_a, "out"_a = nb::none(),
+          nb::sig("def mass_matrix(self, q: object, out: numpy.typing.NDArray[numpy.float64] | "
+                  "None = None) -> numpy.typing.NDArray[numpy.float64]"),
+          "(n, n) joint-space inertia with armature.")
+      .def(
+          "inverse_dynamics",
+          [](const Kinematics& k, nb::handle q, nb::handle qd, nb::handle qdd, nb::handle gravity,
+             nb::handle out) {
+            return InverseDynamicsOf(k.robot.chain(), q, qd, qdd, GravityFor(k, gravity), out);
+          },
+          "q"_a, "qd"_a, "qdd"_a, "gravity"_a = nb::none(), "out"_a = nb::none(),
+          nb::sig("def inverse_dynamics(self, q: object, qd: object, qdd: object, gravity: "
+                  "numpy.typing.ArrayLike | None = None, out: numpy.typing.NDArray[numpy.float64] "
+                  "| None = None) -> numpy.typing.NDArray[numpy.float64]"),
+          "Torques (n,) for a motion, gravity and armature included; no friction, damping or "
+          "contact.");
 }
 
 }  // namespace
@@ -143,15 +194,16 @@ void BindKinematics(nb::module_& m) {
       });
   BindChain(m);
   nb::class_<Kinematics> kinematics(
-      m, "Kinematics", "Kinematics of a robot's arm, from the robot base frame to the TCP.");
+      m, "Kinematics",
+      "Kinematics of a robot's arm, from the robot base frame to the TCP.\n\nWhat takes "
+      "joint values q (n,) takes many at once, (B, n), and answers with B in front of the shape; "
+      "arguments with one row are for all. Arrays that are contiguous and of float64 are read "
+      "where they are, and the answer is written into `out` when it is given. No result depends "
+      "on the batch that it is in.");
   GuardHandle<Kinematics>(kinematics, [](const Kinematics& k) { k.robot.RequireOpen(); });
+  DefDynamics(kinematics);
   kinematics
       .def_prop_ro("joint_names", [](const Kinematics& k) { return k.robot.chain().joint_names(); })
-      .def(
-          "fk", [](const Kinematics& k, nb::handle q) { return k.robot.FkFrame(ToRow(q, "q")); },
-          "q"_a, "Pose of the TCP in the robot base frame for joint values q (n,).")
-      .def("jacobian", &JacobianAt, "q"_a,
-           "(6, n) at the TCP, axes of the robot base frame, linear rows first.")
       .def("ik", &SolveIk, "target"_a, "seed"_a = nb::none(),
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
            "position_only"_a = false, "prefer_near_seed"_a = false, "max_restarts"_a = 100,

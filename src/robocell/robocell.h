@@ -24,6 +24,7 @@
 #include "robocell/env/env_scene.h"
 #include "robocell/env/stepper.h"
 #include "robocell/kinematics/chain.h"
+#include "robocell/kinematics/chain_batch.h"
 #include "robocell/kinematics/ik.h"
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/math/interpolation.h"

@@ -1,27 +1,15 @@
 #include "robocell/control/cartesian_impedance_controller.h"
 
 #include <algorithm>
-#include <cmath>
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 #include "robocell/control/joint_impedance_controller.h"
+#include "robocell/control/leaf_kernel.h"
+#include "robocell/kinematics/link_answer.h"
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/robot/joint_torque_controller.h"
 
 namespace robocell {
 namespace {
-
-using Jacobian6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxChainJoints>;
-using JointColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxChainJoints, 1>;
-using JointColumns6 = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::ColMajor, kMaxChainJoints, 6>;
-using JointMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor,
-                                  kMaxChainJoints, kMaxChainJoints>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-
-// Where the leaf cannot be moved it seems to be infinitely heavy; this bounds it, 1/kg.
-constexpr double kLeastMobility = 1e-6;
 
 [[maybe_unused]] const bool kCartesianImpedanceRegistered = [] {
   RegisterController(
@@ -34,24 +22,15 @@ constexpr double kLeastMobility = 1e-6;
   return true;
 }();
 
-// The force of the damping with which no motion of a mass on springs overshoots: in coordinates in
-// which all springs are alike it is twice the root of the mass.
-Vector6 CriticalDampingForce(const Vector6& stiffness, const Matrix6& mobility,
-                             const Vector6& velocity) {
-  constexpr double kNoSpring = 1e-9;
-  const Vector6 root = stiffness.cwiseSqrt();
-  Matrix6 scaled = root.asDiagonal() * mobility * root.asDiagonal();
-  scaled.diagonal().array() += kNoSpring;
-  const Eigen::SelfAdjointEigenSolver<Matrix6> modes(scaled);
-  const Vector6 along = modes.eigenvectors().transpose() * root.cwiseProduct(velocity);
-  return 2 * root.cwiseProduct(modes.eigenvectors() *
-                               along.cwiseQuotient(modes.eigenvalues().cwiseSqrt()));
-}
-
 }  // namespace
 
 CartesianImpedanceController::CartesianImpedanceController(ArmGroup& arm)
-    : arm_(arm), posture_(arm.nq()), q_(arm.nq()), qd_(arm.nv()), torque_(arm.nv()) {
+    : arm_(arm),
+      posture_(arm.nq()),
+      q_(arm.nq()),
+      qd_(arm.nv()),
+      wanted_(arm.nv()),
+      torque_(arm.nv()) {
   Reset();
 }
 
@@ -92,37 +71,39 @@ void CartesianImpedanceController::Reset() {
 
 void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   const Chain& chain = arm_.chain();
-  const int n = chain.n_joints();
   arm_.GetJointPos(q_);
   arm_.GetJointVel(qd_);
-  const JointColumn qd = Eigen::Map<const Eigen::VectorXd>(qd_.data(), n);
-
-  Jacobian6 jacobian(6, n);
-  JointMatrix mass(n, n);
-  const PoseError error = ErrorTo(ToTransform(pose()), ToTransform(chain.Jacobian(q_, jacobian)));
-  chain.MassMatrix(q_, mass);
-  // Root of J M^-1 J^T, what the leaf yields to a force.
-  const JointColumns6 root = mass.llt().matrixL().solve(JointColumns6(jacobian.transpose()));
-  Matrix6 mobility = root.transpose() * root;
-  mobility.diagonal().array() += kLeastMobility;
-
-  Vector6 deviation;
-  deviation << error.linear, error.angular;
-  const Vector6 velocity = jacobian * qd;
-  const Vector6 stiffness = Eigen::Map<const Vector6>(stiffness_.data());
-  const Vector6 force = stiffness.cwiseProduct(deviation) -
-                        damping_ratio_ * CriticalDampingForce(stiffness, mobility, velocity) +
-                        Eigen::Map<const Vector6>(feedforward_.data());
-
+  chain.CheckJointValues("q", q_);
   const double w = posture_frequency_;
-  JointColumn wanted(n);  // acceleration of the joints to spare
-  for (int i = 0; i < n; ++i) wanted[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd[i];
-  // The force that would accelerate the leaf as they do: it is not to feel them.
-  const Vector6 felt = mobility.llt().solve(jacobian * wanted);
+  for (size_t i = 0; i < q_.size(); ++i)
+    wanted_[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd_[i];
 
-  arm_.InverseDynamics(q_, qd_, {wanted.data(), q_.size()}, torque_);
-  const JointColumn control = jacobian.transpose() * (force - felt);
-  for (int i = 0; i < n; ++i) torque_[i] += control[i];
+  LinkAnswer links;
+  const Eigen::Vector3d gravity = arm_.gravity_in_base();
+  ComputeLinks(chain.links(), LinkPart::kAll,
+               {.q = q_.data(), .qd = qd_.data(), .qdd = wanted_.data(), .gravity = gravity.data()},
+               &links);
+  LeafAnswer leaf;
+  ComputeLeaf({.n = chain.n_joints(),
+               .jacobian = links.jacobian,
+               .mass = links.mass,
+               .velocity = qd_.data(),
+               .wanted = wanted_.data(),
+               .stiffness = stiffness_.data()},
+              &leaf);
+  const PoseError error = ErrorTo(ToTransform(pose()), TipOf(links));
+
+  Gains force;
+  for (int k = 0; k < 6; ++k) {
+    const double deviation = k < 3 ? error.linear[k] : error.angular[k - 3];
+    // What the joints to spare do is not to be felt.
+    force[k] = stiffness_[k] * deviation - damping_ratio_ * leaf.damping[k] + feedforward_[k] -
+               leaf.felt[k];
+  }
+  for (size_t i = 0; i < torque_.size(); ++i) {
+    torque_[i] = links.torques[i];
+    for (int k = 0; k < 6; ++k) torque_[i] += links.jacobian[k][i] * force[k];
+  }
   arm_.CtrlForJointTorque(torque_, ctrl);
 }
 

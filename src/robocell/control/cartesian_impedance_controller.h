@@ -70,7 +70,9 @@ class CartesianImpedanceController : public Controller {
   Gains feedforward_ = {};
   double damping_ratio_ = 1, posture_frequency_ = 5;
   std::vector<double> posture_;
-  std::vector<double> q_, qd_, torque_;
+  std::vector<double> q_, qd_;
+  std::vector<double> wanted_;  // acceleration of the joints to spare
+  std::vector<double> torque_;
 };
 
 }  // namespace robocell

@@ -1,6 +1,7 @@
-// What the controllers of this folder do every control tick allocates nothing.
+// What the controllers of this folder do every control tick, and batches, allocate nothing.
 #include <gtest/gtest.h>
 
+#include "robocell/kinematics/chain_batch.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/count_allocations.h"
 
@@ -20,6 +21,18 @@ TEST(ControlHotPath, AllocatesNothing) {
     }
     EXPECT_EQ(count.allocations(), 0) << kind;
   }
+}
+
+TEST(BatchHotPath, AllocatesNothing) {
+  const Robot robot = RobotAlone(Rc7());
+  const std::vector<double> q(9 * 7, 0.3);
+  const std::array<double, 3> gravity = {0, 0, -9.81};
+  std::vector<double> torques(9 * 7);
+  GravityTorquesBatch(robot.chain(), q, gravity, torques);
+  const AllocationCount count;
+  GravityTorquesBatch(robot.chain(), q, gravity, torques);
+  InverseDynamicsBatch(robot.chain(), q, q, q, gravity, torques);
+  EXPECT_EQ(count.allocations(), 0);
 }
 
 }  // namespace

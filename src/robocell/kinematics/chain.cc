@@ -10,6 +10,7 @@
 #include "robocell/base/names.h"
 #include "robocell/kinematics/chain_builder.h"
 #include "robocell/kinematics/lane_chain.h"
+#include "robocell/kinematics/link_table.h"
 
 namespace robocell {
 
@@ -30,8 +31,13 @@ Chain::Chain(const mjModel* model, std::string_view base_body, const ChainTip& t
     : base_body_(base_body == "world" ? "world" : options.prefix + std::string(base_body)),
       tip_{tip.kind, options.prefix + tip.name} {
   BuiltChain built = BuildChain(model, base_body_, tip_, options);
-  model_ = built.model;
+  UseModel(built.model);
   joints_ = std::move(built.joints);
+}
+
+void Chain::UseModel(const ChainModel& model) {
+  model_ = model;
+  links_ = std::make_shared<const LinkTable>(Tabulate(model));
 }
 
 std::string Chain::description() const {
@@ -68,38 +74,6 @@ void Chain::CheckJointValues(std::string_view what, std::span<const double> valu
     throw ArgumentError(fmt::format("{}: {}: joint '{}' is {}; joint values must be finite",
                                     description(), what, joints_[i].name, values[i]));
   }
-}
-
-Pose Chain::Fk(std::span<const double> q) const {
-  CheckJointValues("q", q);
-  return WalkChain(model_, q.data(), [](int, const Transform&) {}).pose();
-}
-
-Pose Chain::FkAll(std::span<const double> q, std::span<Pose> bodies) const {
-  CheckJointValues("q", q);
-  CheckSize("bodies", bodies.size());
-  return WalkChain(model_, q.data(),
-                   [&](int i, const Transform& frame) {
-                     bodies[i] = (frame * model_.joints[i].joint_to_body).pose();
-                   })
-      .pose();
-}
-
-Pose Chain::Jacobian(std::span<const double> q,
-                     Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {
-  CheckJointValues("q", q);
-  CheckSize("columns of the Jacobian", out.cols());
-  ChainFrames frames;
-  ComputeFrames(model_, q.data(), &frames);
-  for (int i = 0; i < n_joints(); ++i) {
-    const Eigen::Vector3d& z = frames.axis[i];
-    if (model_.joints[i].slide) {
-      out.col(i) << z, Eigen::Vector3d::Zero();
-    } else {
-      out.col(i) << z.cross(frames.tip.translation - frames.origin[i]), z;
-    }
-  }
-  return frames.tip.pose();
 }
 
 double Chain::moving_mass() const {

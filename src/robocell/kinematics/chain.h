@@ -17,6 +17,10 @@
 // and for a wrong number of joint values. Threads: a Chain is immutable, its functions are const,
 // allocate nothing and may run in parallel; what solvers need is made once, when first asked for.
 //
+// Jacobian and dynamics are computed with the widest registers of the processor (link_kernel.h):
+// between instruction sets they differ by rounding. For many configurations at once there is
+// chain_batch.h.
+//
 //   Chain chain(model, "link_base", ChainTip::Site("link_tcp"));
 //   Pose tip_in_base = chain.Fk(q);
 //   Eigen::Matrix<double, 6, 7> jacobian;
@@ -77,6 +81,7 @@ struct ChainJoint {
 };
 
 struct KdlSegment;
+struct LinkTable;
 class LaneChain;
 
 class Chain {
@@ -131,6 +136,7 @@ class Chain {
 
   // The folded numbers, for solvers.
   const ChainModel& model() const { return model_; }
+  const LinkTable& links() const { return *links_; }
   const LaneChain& lanes() const;
   // "chain 'link_base' -> site 'link_tcp'", for messages.
   std::string description() const;
@@ -139,12 +145,14 @@ class Chain {
   friend Chain ChainFromSegments(const std::vector<KdlSegment>& segments,
                                  std::span<const std::array<double, 2>> limits);
   Chain() = default;
+  void UseModel(const ChainModel& model);
   void CheckSize(std::string_view what, std::size_t size) const;
   struct Lazy;
   static std::shared_ptr<Lazy> NewLazy();
 
   ChainModel model_;
-  std::shared_ptr<Lazy> lazy_ = NewLazy();  // copies share it
+  std::shared_ptr<const LinkTable> links_;  // copies share it, and what is lazy
+  std::shared_ptr<Lazy> lazy_ = NewLazy();
   std::vector<ChainJoint> joints_;
   std::string base_body_;
   ChainTip tip_;

@@ -2,7 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "robocell/kinematics/chain.h"
-#include "robocell/kinematics/testing/models.h"
+#include "robocell/kinematics/testing/engine_says.h"
+#include "robocell/testing/instruction_sets.h"
 
 namespace robocell {
 namespace {
@@ -11,70 +12,27 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-// The rows of a vector over all degrees of freedom that belong to the chain.
-VectorXd Rows(const Chain& chain, const mjtNum* all) {
-  VectorXd out(chain.n_joints());
-  for (int i = 0; i < out.size(); ++i) out[i] = all[chain.joints()[i].dof_address];
-  return out;
-}
-
 double LargestDifference(const JointVector& a, const VectorXd& b) {
   return (Eigen::Map<const VectorXd>(a.data(), a.size()) - b).cwiseAbs().maxCoeff();
 }
 
-Vector3d GravityInBase(const TestModel& t, const Chain& chain) {
-  const Vector3d gravity = Eigen::Map<const Vector3d>(t.model()->opt.gravity);
-  return t.BodyInWorld(chain.base_body()).rotation.transpose() * gravity;
-}
-
-Chain ChainAsItStands(const TestModel& t, const std::string& base, const ChainTip& tip) {
-  const std::span<const double> qpos(t.data()->qpos, t.model()->nq);
-  return Chain(t.model(), base, tip, {.qpos = qpos});
-}
-
 void ExpectGravityOfTheEngine(const TestModel& t, const Chain& chain) {
-  mju_zero(t.data()->qvel, t.model()->nv);
-  mj_forward(t.model(), t.data());
-  const VectorXd expected = Rows(chain, t.data()->qfrc_bias) - Rows(chain, t.data()->qfrc_gravcomp);
   JointVector torques(chain.n_joints());
   chain.GravityTorques(t.ChainPositions(chain), GravityInBase(t, chain), torques);
-  EXPECT_LT(LargestDifference(torques, expected), 1e-10);
+  EXPECT_LT(LargestDifference(torques, EngineGravityTorques(t, chain)), 1e-10);
 }
 
 void ExpectMassMatrixOfTheEngine(const TestModel& t, const Chain& chain) {
-  const int n = chain.n_joints(), nv = t.model()->nv;
-  MatrixXd full(nv, nv), mass(n, n);
-  mj_fullM(t.model(), t.data(), full.data());
+  MatrixXd mass(chain.n_joints(), chain.n_joints());
   chain.MassMatrix(t.ChainPositions(chain), mass);
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) {
-      EXPECT_NEAR(mass(i, j), full(chain.joints()[i].dof_address, chain.joints()[j].dof_address),
-                  1e-10);
-    }
-  }
+  EXPECT_LT((mass - EngineMassMatrix(t, chain)).cwiseAbs().maxCoeff(), 1e-10);
 }
 
-// Moves only the chain, as the engine would, and asks both for the torques.
 void ExpectInverseDynamicsOfTheEngine(const TestModel& t, const Chain& chain, Rng* rng) {
-  const int n = chain.n_joints();
-  JointVector qd(n), qdd(n);
-  mju_zero(t.data()->qvel, t.model()->nv);
-  mju_zero(t.data()->qacc, t.model()->nv);
-  for (int i = 0; i < n; ++i) {
-    t.data()->qvel[chain.joints()[i].dof_address] = qd[i] = rng->Normal();
-    t.data()->qacc[chain.joints()[i].dof_address] = qdd[i] = rng->Normal();
-  }
-  mj_fwdPosition(t.model(), t.data());
-  mj_fwdVelocity(t.model(), t.data());
-  VectorXd bias_and_inertia(t.model()->nv);
-  JointVector torques(n);
-  mj_rne(t.model(), t.data(), 1, bias_and_inertia.data());
-  VectorXd expected = Rows(chain, bias_and_inertia.data()) - Rows(chain, t.data()->qfrc_gravcomp);
-  for (int i = 0; i < n; ++i) {
-    expected[i] += t.model()->dof_armature[chain.joints()[i].dof_address] * qdd[i];
-  }
+  JointVector qd(chain.n_joints()), qdd(chain.n_joints()), torques(chain.n_joints());
+  for (int i = 0; i < qd.size(); ++i) qd[i] = rng->Normal(), qdd[i] = rng->Normal();
   chain.InverseDynamics(t.ChainPositions(chain), qd, qdd, GravityInBase(t, chain), torques);
-  EXPECT_LT(LargestDifference(torques, expected), 1e-9);
+  EXPECT_LT(LargestDifference(torques, EngineInverseDynamics(t, chain, qd, qdd)), 1e-9);
 }
 
 class MenagerieDynamics : public testing::TestWithParam<MenagerieArm> {};
@@ -108,6 +66,37 @@ TEST(RandomChainDynamics, AgreesWithTheEngineWithSideBranchesAndGravityCompensat
     ExpectInverseDynamicsOfTheEngine(t, chain, &rng);
     ASSERT_FALSE(HasFailure()) << xml;
   }
+}
+
+// All numbers of lanes, full and not.
+TEST(RandomChainDynamics, AgreesWithTheEngineOnEveryInstructionSet) {
+  OnEveryInstructionSet([](const std::string&) {
+    for (int joints = 1; joints <= 16; ++joints) {
+      Rng rng = Rng::Stream(3, "random dynamics", joints);
+      TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = joints}).Write());
+      t.Randomise(&rng);
+      const Chain chain = ChainAsItStands(t, "base", ChainTip::Site("tip"));
+      ExpectGravityOfTheEngine(t, chain);
+      ExpectMassMatrixOfTheEngine(t, chain);
+      ExpectInverseDynamicsOfTheEngine(t, chain, &rng);
+      ASSERT_FALSE(::testing::Test::HasFailure()) << joints << " joints";
+    }
+  });
+}
+
+// A base that is far from the arm costs no digits.
+TEST(ChainDynamics, IsTheSameFarFromTheBase) {
+  MatrixXd masses[2] = {MatrixXd(2, 2), MatrixXd(2, 2)};
+  for (const int far : {0, 1}) {
+    const TestModel t = TestModel::FromXml(fmt::format(
+        "<mujoco><worldbody><body name='arm' pos='{} 0 0'><joint axis='0 1 0'/>"
+        "<geom size='.1' pos='.5 0 0'/><body name='hand' pos='1 0 0'><joint axis='0 1 0'/>"
+        "<geom size='.1' pos='.3 0 0'/></body></body></worldbody></mujoco>",
+        far * 1000));
+    Chain(t.model(), "world", ChainTip::Body("hand"))
+        .MassMatrix(JointVector{0.3, 0.8}, masses[far]);
+  }
+  EXPECT_EQ(masses[0], masses[1]);
 }
 
 TEST(ChainDynamics, NeedsNoTorqueWhereEveryBodyIsCompensated) {

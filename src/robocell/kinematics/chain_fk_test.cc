@@ -2,7 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "robocell/kinematics/chain.h"
-#include "robocell/kinematics/testing/models.h"
+#include "robocell/kinematics/testing/engine_says.h"
+#include "robocell/testing/instruction_sets.h"
 
 namespace robocell {
 namespace {
@@ -12,24 +13,6 @@ constexpr double kFkTolerance = 1e-12, kJacobianTolerance = 1e-9;
 double Distance(const Transform& a, const Transform& b) {
   return std::max((a.translation - b.translation).cwiseAbs().maxCoeff(),
                   (a.rotation - b.rotation).cwiseAbs().maxCoeff());
-}
-
-// The engine's Jacobian of the tip, columns of the chain's joints, in the axes of the base body.
-Eigen::MatrixXd EngineJacobian(const TestModel& t, const Chain& chain) {
-  const mjModel* m = t.model();
-  const Transform tip = t.TipInWorld(chain.tip());
-  const int body = chain.tip().kind == ChainTip::Kind::kBody
-                       ? mj_name2id(m, mjOBJ_BODY, chain.tip().name.c_str())
-                       : m->site_bodyid[mj_name2id(m, mjOBJ_SITE, chain.tip().name.c_str())];
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> p(3, m->nv), r(3, m->nv);
-  mj_jac(m, t.data(), p.data(), r.data(), tip.translation.data(), body);
-  const Eigen::Matrix3d to_base = t.BodyInWorld(chain.base_body()).rotation.transpose();
-  Eigen::MatrixXd out(6, chain.n_joints());
-  for (int i = 0; i < chain.n_joints(); ++i) {
-    const int dof = chain.joints()[i].dof_address;
-    out.col(i) << to_base * p.col(dof), to_base * r.col(dof);
-  }
-  return out;
 }
 
 void ExpectAgreement(const TestModel& t, const Chain& chain) {
@@ -65,6 +48,39 @@ TEST_P(MenagerieChain, AgreesWithTheEngineOnAnyMount) {
     ExpectAgreement(t, chain);
     if (HasFailure()) FAIL() << "at pose " << k;
   }
+}
+
+TEST(RandomChain, AgreesWithTheEngineOnEveryInstructionSet) {
+  OnEveryInstructionSet([](const std::string&) {
+    for (int joints = 1; joints <= 16; ++joints) {
+      Rng rng = Rng::Stream(3, "random chain fk", joints);
+      TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = joints}).Write());
+      const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+      for (int i = 0; i < 5; ++i) {
+        t.Randomise(&rng);
+        ExpectAgreement(t, chain);
+      }
+      ASSERT_FALSE(::testing::Test::HasFailure()) << joints << " joints";
+    }
+  });
+}
+
+TEST(RandomChain, TakesAnglesOfManyTurns) {
+  OnEveryInstructionSet([](const std::string&) {
+    Rng rng = Rng::Stream(4, "many turns");
+    TestModel t = TestModel::FromXml(
+        RandomChainXml(&rng, {.joints = 7, .slide_share = 0, .limited_share = 0}).Write());
+    const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+    for (const double turns : {1e3, 1e4, 1e6}) {
+      JointVector q(7), wound(7);
+      for (int i = 0; i < 7; ++i) {
+        q[i] = rng.Uniform(-3, 3);
+        wound[i] = q[i] + (i % 2 ? 2 : -2) * M_PI * turns;
+      }
+      const Pose off = chain.Fk(q).inverse() * chain.Fk(wound);
+      EXPECT_LT(off.translation().norm() + off.angle(), 1e-14 * turns);
+    }
+  });
 }
 
 TEST(RandomChain, AgreesWithTheEngineWithSlidesAnchorsReferencesAndMovingBases) {

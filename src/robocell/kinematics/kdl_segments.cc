@@ -158,7 +158,7 @@ Chain ChainFromSegments(const std::vector<KdlSegment>& segments,
   for (const KdlSegment& segment : segments) reader.Read(segment);
   reader.Finish();
   Chain chain;
-  chain.model_ = reader.model;
+  chain.UseModel(reader.model);
   chain.joints_ = std::move(reader.joints);
   chain.base_body_ = "base";
   chain.tip_ = ChainTip::Body(segments.back().name);

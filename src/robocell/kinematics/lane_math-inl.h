@@ -1,6 +1,8 @@
 // Sine and cosine of all lanes. Included once for each instruction set.
 #include <hwy/highway.h>
 
+#include <cmath>
+
 HWY_BEFORE_NAMESPACE();
 namespace robocell::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
@@ -37,12 +39,31 @@ HWY_INLINE void SinCos(D d, V x, V* sine, V* cosine) {
 
   // Odd quarters swap; the second and third of the four negate the sine, the first and second the
   // cosine's.
-  const auto swap = hn::BitCast(d, hn::ShiftLeft<63>(quarter));
+  // A number with that sign, and not -0, which is not negative where there is one lane.
+  const auto swap =
+      hn::BitCast(d, hn::Or(hn::ShiftLeft<63>(quarter), hn::BitCast(du, hn::Set(d, 1.0))));
   const auto top = hn::Set(du, uint64_t{1} << 63);
   const auto sine_sign = hn::And(hn::ShiftLeft<62>(quarter), top);
   const auto cosine_sign = hn::And(hn::ShiftLeft<62>(hn::Add(quarter, hn::Set(du, 1))), top);
   *sine = hn::Xor(hn::IfNegativeThenElse(swap, c, s), hn::BitCast(d, sine_sign));
   *cosine = hn::Xor(hn::IfNegativeThenElse(swap, s, c), hn::BitCast(d, cosine_sign));
+}
+
+// Angles beyond what SinCos is for, in the middle turn.
+template <class D, class V = hn::Vec<D>>
+HWY_NOINLINE V MiddleTurn(D d, V x) {
+  HWY_ALIGN double lanes[HWY_MAX(hn::MaxLanes(d), 1)];
+  hn::Store(x, d, lanes);
+  for (double& angle : lanes) {
+    if (!(std::abs(angle) < 1e5)) angle = std::atan2(std::sin(angle), std::cos(angle));
+  }
+  return hn::Load(d, lanes);
+}
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE void SinCosOfAny(D d, V x, V* sine, V* cosine) {
+  const auto near = hn::Lt(hn::Abs(x), hn::Set(d, 1e5));
+  if (HWY_UNLIKELY(!hn::AllTrue(d, near))) x = MiddleTurn(d, x);
+  SinCos(d, x, sine, cosine);
 }
 
 }  // namespace robocell::HWY_NAMESPACE

@@ -186,6 +186,35 @@ TEST(OwnController, GoesWhenReplacedAndBeforeItsGroup) {
   EXPECT_EQ(robot.groups_of_sole_handle().size(), 4u);
 }
 
+// Puts another controller and another group in their places while it computes.
+class FickleController : public DiaryController {
+ public:
+  FickleController(Robot& robot, Diary* diary)
+      : DiaryController(robot.group("wrist"), diary), robot_(robot), diary_(diary) {}
+  void Compute(std::span<double> ctrl) override {
+    robot_.SetController("wrist", "joint_position");
+    robot_.SetGroup(std::make_unique<DiaryGroup>(robot_.scene(), diary_));
+    DiaryController::Compute(ctrl);
+    diary_->entries.push_back("computed");
+  }
+
+ private:
+  Robot& robot_;
+  Diary* diary_;
+};
+
+TEST(OwnController, ThatReplacesItselfGoesWhenTheUpdateIsOver) {
+  Diary diary;
+  Robot robot = RobotAlone(Rc7());
+  robot.SetGroup(std::make_unique<DiaryGroup>(robot.scene(), &diary));
+  robot.SetController("wrist", std::make_unique<FickleController>(robot, &diary));
+  robot.Update();
+  EXPECT_THAT(diary.entries, ::testing::ElementsAre("computed", "controller of wrist", "group"));
+  EXPECT_EQ(robot.controller("wrist").kind(), "joint_position");
+  robot.Update();
+  EXPECT_EQ(diary.entries.size(), 3u);
+}
+
 TEST(OwnController, ThatIsKeptWhenReplacedKeepsItsGroup) {
   Diary diary;
   std::shared_ptr<Controller> kept;

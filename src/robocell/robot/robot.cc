@@ -134,13 +134,10 @@ std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene) {
 void Robot::Update() {
   State& state = open();
   state.ReadPorts();
-  for (size_t i = 0; i < state.slots.size(); ++i) {
-    const std::shared_ptr<GroupSlot> slot = state.slots[i];  // it may replace itself
-    const std::shared_ptr<Controller> controller = slot->controller;
-    if (!controller) continue;
-    controller->Compute(slot->ctrl);
-    slot->drive->SetCtrl(slot->ctrl);
-  }
+  state.ForControlled([](GroupSlot& slot) {
+    slot.controller->Compute(slot.ctrl);
+    slot.drive->SetCtrl(slot.ctrl);
+  });
 }
 
 int Robot::n_joints() const { return arm().nq(); }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -65,14 +66,12 @@ void Robot::State::OnReset() {
   if (!lost.empty()) return;
   if (refreshed_) RemakeChains();
   for (FtReading& reading : ft_sensors) reading.tare = {};
-  for (size_t i = 0; i < slots.size(); ++i) {
-    const std::shared_ptr<GroupSlot> slot = slots[i];  // it may replace itself
-    const std::shared_ptr<Controller> controller = slot->controller;
-    if (!controller) continue;
-    controller->Reset();
+  ForControlled([](GroupSlot& slot) {
+    Controller& controller = *slot.controller;
+    controller.Reset();
     // The key that was restored holds servos only.
-    if (controller->mode() != CtrlMode::kPosition) Run(*slot, *controller);
-  }
+    if (controller.mode() != CtrlMode::kPosition) Run(slot, controller);
+  });
 }
 
 void Robot::State::OnResetDone() {
@@ -220,7 +219,7 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
   if (same == slots.end()) {
     slots.push_back(std::move(slot));
   } else {
-    *same = std::move(slot);
+    KeepIfRunning(std::exchange(*same, std::move(slot)));
   }
   ListKinds();
 }
@@ -280,7 +279,7 @@ void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) 
   SwitchTo(controller->mode(), slot.drives, scene);
   const bool switched = slot.drive && slot.drive != &drive;
   if (switched) SeedServos(slot, *controller);
-  slot.controller = std::move(controller);
+  KeepIfRunning(std::exchange(slot.controller, std::move(controller)));
   slot.drive = &drive;
   slot.ctrl.resize(drive.nu());
   // At once, so that nothing falls in a step before the next Update().

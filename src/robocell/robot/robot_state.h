@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robocell/robot/group_factory.h"
@@ -53,6 +54,15 @@ class Robot::State : public SceneObserver {
   Controller& RequireController(GroupSlot& slot);
   // The group that has the actuators of a mode; ArgumentError says why there is none.
   MoveGroup& RequireDrive(GroupSlot& slot, CtrlMode mode);
+  // Calls `run` with each slot that has a controller. A controller may replace itself, its group or
+  // others.
+  template <class Run>
+  void ForControlled(Run&& run) {
+    const Running running(*this);
+    for (size_t i = 0; i < slots.size(); ++i) {
+      if (slots[i]->controller) run(*slots[i]);
+    }
+  }
   // Puts a controller in, and switches to what it drives without a jump of the forces.
   void Use(GroupSlot& slot, std::shared_ptr<Controller> controller);
   const Chain& RequireChain(GroupSlot& slot);
@@ -87,6 +97,21 @@ class Robot::State : public SceneObserver {
   std::string lost;  // why it could not follow when the scene was compiled anew
 
  private:
+  // Counting references of each slot in every tick would cost more than the rest of the loop; what
+  // is replaced meanwhile is kept instead.
+  struct Running {
+    explicit Running(State& s) : state(s) { ++state.running_; }
+    ~Running() {
+      if (--state.running_ > 0 || state.replaced_.empty()) return;
+      const auto going = std::exchange(state.replaced_, {});  // they may replace others as they go
+    }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+    State& state;
+  };
+  void KeepIfRunning(std::shared_ptr<void> replaced) {
+    if (running_ > 0) replaced_.push_back(std::move(replaced));
+  }
   // Anew from the model, with what hangs on them at `qpos` or, without, at the reference.
   void RemakeChains(std::span<const double> qpos = {});
   void FindBodies();
@@ -96,7 +121,9 @@ class Robot::State : public SceneObserver {
 
   std::array<GroupSlot*, 4> first_ = {};  // of each MoveGroupKind
   bool refreshed_ = false;                // the chains are not those of the reference
-  bool reading_ = false;                  // the arm writes into the ports
+  int running_ = 0;                       // loops over controllers
+  std::vector<std::shared_ptr<void>> replaced_;
+  bool reading_ = false;  // the arm writes into the ports
 };
 
 }  // namespace robocell

@@ -1,0 +1,195 @@
+// Forward kinematics with the Jacobian, gravity torques and mass matrix of an arm, at random
+// configurations: one at a time and as a batch, beside KDL's solvers for the same chain. Row P6 of
+// RESULTS.md.
+//
+// Both sides must agree to 1e-8, or the row is an error.
+//
+//   build/release/dynamics_bench [ROBOT.yaml ...]   default: the built-in rc7
+#include <kdl/chaindynparam.hpp>
+#include <kdl/chainfksolverpos_recursive.hpp>
+#include <kdl/chainjnttojacsolver.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bench.h"
+#include "robocell/kinematics/kdl_bridge.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kPoses = 1000, kRounds = 20;
+const Eigen::Vector3d kGravity(0, 0, -9.81);
+
+using Numbers = std::vector<double>;
+using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+// KDL knows no gravity compensation, and the robots' servos have it.
+RobotConfig Uncompensated(const std::string& file) {
+  RobotConfig config = RobotConfig::Load(file);
+  config.gravcomp = false;
+  return config;
+}
+
+// One arm at many places, for us and for KDL; answers row by row as the batches have them.
+class Arm {
+ public:
+  explicit Arm(const std::string& file)
+      : chain_(Robot::Of(bench::SceneWith(Uncompensated(file)), "robot").chain()),
+        kdl_(ToKdl(chain_)),
+        kdl_fk_(kdl_),
+        kdl_jacobian_(kdl_),
+        kdl_dynamics_(kdl_, KDL::Vector(kGravity.x(), kGravity.y(), kGravity.z())),
+        jacobian_(6, n()),
+        mass_(n(), n()),
+        their_jacobian_(n()),
+        their_torques_(n()),
+        their_mass_(n()) {
+    Rng rng = Rng::Stream(1, "dynamics bench");
+    for (int k = 0; k < kPoses; ++k) {
+      KDL::JntArray theirs(n());
+      for (int i = 0; i < n(); ++i) {
+        const ChainJoint& joint = chain_.joints()[i];
+        theirs(i) = rng.Uniform(std::max(joint.lower, -M_PI), std::min(joint.upper, M_PI));
+        q_.push_back(theirs(i));
+      }
+      their_q_.push_back(theirs);
+    }
+  }
+  Arm(const Arm&) = delete;
+  Arm& operator=(const Arm&) = delete;
+
+  int n() const { return chain_.n_joints(); }
+  std::span<const double> at(int k) const { return std::span(q_).subspan(k * n(), n()); }
+
+  void Jacobians(Numbers* out) {
+    for (int k = 0; k < kPoses; ++k) {
+      const Pose tip = chain_.Jacobian(at(k), jacobian_);
+      benchmark::DoNotOptimize(tip.translation().data());
+      if (out) Append(jacobian_, out);
+    }
+  }
+  void TheirJacobians(Numbers* out) {
+    KDL::Frame tip;
+    for (const KDL::JntArray& q : their_q_) {
+      kdl_fk_.JntToCart(q, tip);
+      kdl_jacobian_.JntToJac(q, their_jacobian_);
+      benchmark::DoNotOptimize(tip.p.data);
+      if (out) Append(their_jacobian_.data, out);
+    }
+  }
+  void JacobianBatches(Numbers* out) {
+    answer_.resize(kPoses * 16);
+    FkBatch(chain_, q_, answer_);
+    answer_.resize(kPoses * 6 * n());
+    JacobianBatch(chain_, q_, answer_);
+    if (out) *out = answer_;
+  }
+
+  void Gravities(Numbers* out) {
+    answer_.resize(n());
+    for (int k = 0; k < kPoses; ++k) {
+      chain_.GravityTorques(at(k), kGravity, answer_);
+      if (out) out->insert(out->end(), answer_.begin(), answer_.end());
+    }
+  }
+  void TheirGravities(Numbers* out) {
+    for (const KDL::JntArray& q : their_q_) {
+      kdl_dynamics_.JntToGravity(q, their_torques_);
+      if (out) Append(their_torques_.data, out);
+    }
+  }
+  void GravityBatches(Numbers* out) {
+    answer_.resize(kPoses * n());
+    GravityTorquesBatch(chain_, q_, std::span(kGravity.data(), 3), answer_);
+    if (out) *out = answer_;
+  }
+
+  void Masses(Numbers* out) {
+    for (int k = 0; k < kPoses; ++k) {
+      chain_.MassMatrix(at(k), mass_);
+      if (out) Append(mass_, out);
+    }
+  }
+  void TheirMasses(Numbers* out) {
+    for (const KDL::JntArray& q : their_q_) {
+      kdl_dynamics_.JntToMass(q, their_mass_);
+      if (out) Append(their_mass_.data, out);
+    }
+  }
+  void MassBatches(Numbers* out) {
+    answer_.resize(kPoses * n() * n());
+    MassMatrixBatch(chain_, q_, answer_);
+    if (out) *out = answer_;
+  }
+
+ private:
+  static void Append(const Eigen::MatrixXd& matrix, Numbers* out) {
+    for (int r = 0; r < matrix.rows(); ++r) {
+      for (int c = 0; c < matrix.cols(); ++c) out->push_back(matrix(r, c));
+    }
+  }
+
+  Chain chain_;
+  KDL::Chain kdl_;
+  KDL::ChainFkSolverPos_recursive kdl_fk_;
+  KDL::ChainJntToJacSolver kdl_jacobian_;
+  KDL::ChainDynParam kdl_dynamics_;
+  Jacobian jacobian_;
+  Eigen::MatrixXd mass_;
+  KDL::Jacobian their_jacobian_;
+  KDL::JntArray their_torques_;
+  KDL::JntSpaceInertiaMatrix their_mass_;
+  Numbers q_, answer_;
+  std::vector<KDL::JntArray> their_q_;
+};
+
+using Work = void (Arm::*)(Numbers* out);
+
+std::string Difference(Arm& arm, Work ours, Work theirs) {
+  Numbers a, b;
+  (arm.*ours)(&a);
+  (arm.*theirs)(&b);
+  double most = a.size() == b.size() ? 0 : INFINITY;
+  for (size_t k = 0; k < std::min(a.size(), b.size()); ++k)
+    most = std::max(most, std::abs(a[k] - b[k]));
+  return most < 1e-8 ? "" : "the answers differ by " + std::to_string(most);
+}
+
+void AddRow(const std::shared_ptr<Arm>& arm, const std::string& row, Work ours, Work theirs) {
+  const std::string problem = Difference(*arm, ours, theirs);
+  const auto add = [&](const std::string& side, Work work) {
+    bench::Add({.row = row,
+                .side = side,
+                .count = kPoses * kRounds,
+                .run =
+                    [=] {
+                      for (int round = 0; round < kRounds; ++round) ((*arm).*work)(nullptr);
+                    },
+                .problem = [=] { return problem; }});
+  };
+  add("robocell", ours);
+  add("KDL", theirs);
+}
+
+void Register(const std::string& file) {
+  const auto arm = std::make_shared<Arm>(file);
+  const std::string name = ", " + RobotConfig::Load(file).name;
+  AddRow(arm, "tip and Jacobian" + name, &Arm::Jacobians, &Arm::TheirJacobians);
+  AddRow(arm, "gravity torques" + name, &Arm::Gravities, &Arm::TheirGravities);
+  AddRow(arm, "mass matrix" + name, &Arm::Masses, &Arm::TheirMasses);
+  AddRow(arm, "tip and Jacobian, batch" + name, &Arm::JacobianBatches, &Arm::TheirJacobians);
+  AddRow(arm, "gravity torques, batch" + name, &Arm::GravityBatches, &Arm::TheirGravities);
+  AddRow(arm, "mass matrix, batch" + name, &Arm::MassBatches, &Arm::TheirMasses);
+}
+
+}  // namespace
+}  // namespace robocell
+
+int main(int argc, char** argv) {
+  return robocell::bench::Main(argc, argv, robocell::Register,
+                               robocell::assets::BuiltinRobotFile("rc7"));
+}

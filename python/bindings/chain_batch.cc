@@ -1,0 +1,233 @@
+#include "chain_batch.h"
+
+#include <fmt/format.h>
+#include <nanobind/ndarray.h>
+
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <optional>
+
+#include "values.h"
+#include "robocell/kinematics/chain_batch.h"
+
+namespace robocell::python {
+namespace {
+
+using namespace nb::literals;
+using Shape = std::vector<size_t>;
+
+std::string Text(const Shape& shape) {
+  std::string text;
+  for (const size_t size : shape) text += fmt::format("{}{}", text.empty() ? "" : ", ", size);
+  return "(" + text + (shape.size() == 1 ? ",)" : ")");
+}
+
+template <class Array>
+Shape ShapeOf(const Array& array) {
+  Shape shape;
+  for (size_t i = 0; i < array.ndim(); ++i) shape.push_back(array.shape(i));
+  return shape;
+}
+
+std::string TextOf(const nb::object& value) { return nb::cast<std::string>(nb::str(value)); }
+
+// A PyKDL.JntArray, or a list whose items are no rows.
+bool IsOneRow(nb::handle value) {
+  if (nb::hasattr(value, "rows") && nb::hasattr(value, "columns")) return true;
+  if (!nb::isinstance<nb::list>(value) && !nb::isinstance<nb::tuple>(value)) return false;
+  if (nb::len(value) == 0) return false;
+  const nb::object first = value[0];
+  return nb::isinstance<nb::str>(first) || !nb::hasattr(first, "__len__");
+}
+
+// Numbers of one argument, one row or many.
+class RowsArgument {
+ public:
+  RowsArgument(nb::handle value, const char* name, size_t width) : path_(name), width_(width) {
+    if (IsOneRow(value)) {
+      numbers_.emplace(value, path_);
+      Use({numbers_->size()}, numbers_->span());
+    } else if (!Borrow(value)) {
+      Convert(value);
+    }
+  }
+
+  std::optional<size_t> rows() const { return rows_; }
+  std::span<const double> values() const { return values_; }
+  const FieldPath& path() const { return path_; }
+
+ private:
+  using Contiguous = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+
+  bool Borrow(nb::handle value) {
+    Contiguous array;
+    if (!nb::try_cast(value, array, /*convert=*/false)) return false;
+    keep_ = nb::borrow(value);
+    Use(ShapeOf(array), {array.data(), array.size()});
+    return true;
+  }
+  void Convert(nb::handle value) {
+    nb::object array;
+    try {
+      array = nb::module_::import_("numpy").attr("asarray")(value);
+    } catch (nb::python_error&) {  // rows of different lengths
+      ThrowType(path_, Expected(), value);
+    }
+    const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
+    if (kind != "f" && kind != "i" && kind != "u") {
+      throw nb::type_error(fmt::format("{} must be {}, got {}", path_.text(), Expected(),
+                                       TextOf(array.attr("dtype")))
+                               .c_str());
+    }
+    keep_ = array.attr("astype")("float64", "order"_a = "C");
+    const auto numbers = nb::cast<Contiguous>(keep_);
+    Use(ShapeOf(numbers), {numbers.data(), numbers.size()});
+  }
+  void Use(const Shape& shape, std::span<const double> values) {
+    if (shape.empty() || shape.size() > 2 || shape.back() != width_)
+      ThrowValue(path_, fmt::format("must be {}, has shape {}", Expected(), Text(shape)));
+    if (shape.size() == 2) rows_ = shape[0];
+    values_ = values;
+  }
+  std::string Expected() const {
+    return fmt::format("numbers of shape ({},), or (B, {}) for a batch", width_, width_);
+  }
+
+  FieldPath path_;
+  size_t width_;
+  nb::object keep_;
+  std::optional<Numbers> numbers_;
+  std::optional<size_t> rows_;
+  std::span<const double> values_;
+};
+
+// The arguments of one call, the number of configurations that they mean together, and where the
+// answer goes.
+class BatchCall {
+ public:
+  explicit BatchCall(const Chain& chain) : chain_(chain) {}
+
+  std::span<const double> Joints(nb::handle value, const char* name) {
+    return Take(value, name, static_cast<size_t>(chain_.n_joints()));
+  }
+  std::span<const double> Gravity(nb::handle value) {
+    const auto gravity = Take(value, "gravity", 3);
+    for (size_t k = 0; k < gravity.size(); ++k) {
+      if (std::isfinite(gravity[k])) continue;
+      const FieldPath path("gravity"), row(path, static_cast<Py_ssize_t>(k / 3));
+      ThrowValue(FieldPath(arguments_.back().rows() ? row : path, static_cast<Py_ssize_t>(k % 3)),
+                 fmt::format("must be finite, is {}", gravity[k]));
+    }
+    return gravity;
+  }
+
+  bool is_batch() const { return rows_.has_value(); }
+
+  // Runs with the output; `row` is the shape of one configuration's.
+  nb::object Answer(Shape row, nb::handle out, const std::function<void(std::span<double>)>& run) {
+    if (rows_) row.insert(row.begin(), *rows_);
+    size_t size = 1;
+    for (const size_t n : row) size *= n;
+    nb::object answer;
+    double* data = nullptr;
+    if (out.is_none()) {
+      data = new double[size];
+      const nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+      answer = nb::cast(nb::ndarray<nb::numpy, double>(data, row.size(), row.data(), owner));
+    } else {
+      data = Written(out, row, size);
+      answer = nb::borrow(out);
+    }
+    const nb::gil_scoped_release release;
+    run({data, size});
+    return answer;
+  }
+
+ private:
+  std::span<const double> Take(nb::handle value, const char* name, size_t width) {
+    const RowsArgument& argument = arguments_.emplace_back(value, name, width);
+    if (argument.rows()) {
+      if (rows_ && *rows_ != *argument.rows())
+        ThrowValue(argument.path(), fmt::format("is for {} configurations, but {} for {}",
+                                                *argument.rows(), first_, *rows_));
+      if (!rows_) first_ = name;
+      rows_ = argument.rows();
+    }
+    return argument.values();
+  }
+
+  double* Written(nb::handle out, const Shape& shape, size_t size) const {
+    const FieldPath path("out");
+    const std::string expected =
+        fmt::format("a writable, C-contiguous float64 array of shape {}", Text(shape));
+    nb::ndarray<double, nb::c_contig, nb::device::cpu> array;
+    if (!nb::try_cast(out, array, /*convert=*/false)) {
+      if (!nb::hasattr(out, "dtype")) ThrowType(path, expected, out);
+      ThrowValue(path, fmt::format("must be {}, got {} of shape {} that is not", expected,
+                                   TextOf(out.attr("dtype")), TextOf(out.attr("shape"))));
+    }
+    if (ShapeOf(array) != shape)
+      ThrowValue(path,
+                 fmt::format("must have shape {}, has {}", Text(shape), Text(ShapeOf(array))));
+    for (const RowsArgument& argument : arguments_) {
+      const std::span<const double> in = argument.values();
+      const bool apart = std::less_equal<>()(in.data() + in.size(), array.data()) ||
+                         std::less_equal<>()(array.data() + size, in.data());
+      if (!apart)
+        ThrowValue(path, "shares memory with " + argument.path().text() + "; give it its own");
+    }
+    return array.data();
+  }
+
+  const Chain& chain_;
+  std::deque<RowsArgument> arguments_;
+  std::optional<size_t> rows_;
+  const char* first_ = "";
+};
+
+size_t JointsOf(const Chain& chain) { return static_cast<size_t>(chain.n_joints()); }
+
+}  // namespace
+
+nb::object FkOf(const Chain& chain, nb::handle q, nb::handle out) {
+  BatchCall call(chain);
+  const auto at = call.Joints(q, "q");
+  if (!call.is_batch() && out.is_none()) return nb::cast(chain.Fk(at));
+  return call.Answer({4, 4}, out, [&](std::span<double> to) { FkBatch(chain, at, to); });
+}
+
+nb::object JacobianOf(const Chain& chain, nb::handle q, nb::handle out) {
+  BatchCall call(chain);
+  const auto at = call.Joints(q, "q");
+  return call.Answer({6, JointsOf(chain)}, out,
+                     [&](std::span<double> to) { JacobianBatch(chain, at, to); });
+}
+
+nb::object MassMatrixOf(const Chain& chain, nb::handle q, nb::handle out) {
+  BatchCall call(chain);
+  const auto at = call.Joints(q, "q");
+  return call.Answer({JointsOf(chain), JointsOf(chain)}, out,
+                     [&](std::span<double> to) { MassMatrixBatch(chain, at, to); });
+}
+
+nb::object GravityTorquesOf(const Chain& chain, nb::handle q, nb::handle gravity, nb::handle out) {
+  BatchCall call(chain);
+  const auto at = call.Joints(q, "q"), g = call.Gravity(gravity);
+  return call.Answer({JointsOf(chain)}, out, [&](std::span<double> to) {
+    GravityTorquesBatch(chain, at, g, to);
+    for (double& torque : to) torque += 0.0;  // not -0
+  });
+}
+
+nb::object InverseDynamicsOf(const Chain& chain, nb::handle q, nb::handle qd, nb::handle qdd,
+                             nb::handle gravity, nb::handle out) {
+  BatchCall call(chain);
+  const auto at = call.Joints(q, "q"), velocity = call.Joints(qd, "qd"),
+             acceleration = call.Joints(qdd, "qdd"), g = call.Gravity(gravity);
+  return call.Answer({JointsOf(chain)}, out, [&](std::span<double> to) {
+    InverseDynamicsBatch(chain, at, velocity, acceleration, g, to);
+  });
+}
+
+}  // namespace robocell::python

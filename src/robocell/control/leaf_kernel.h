@@ -1,0 +1,44 @@
+// What a leaf that is moved by joints yields to forces, and the force that damps it: the part of
+// Cartesian impedance that is small matrices, with the widest registers this processor has.
+// Instruction sets round differently.
+//
+// Plain numbers only; this header is included by code for every instruction set.
+#pragma once
+
+#include "robocell/kinematics/link_table.h"
+
+namespace robocell {
+
+// The linear part before the angular part, in the axes of the base.
+struct LeafQuery {
+  int n = 0;                                 // joints
+  const LinkTable::Row* jacobian = nullptr;  // 6 rows
+  const LinkTable::Row* mass = nullptr;      // n rows
+  const double* velocity = nullptr;          // of the joints
+  const double* wanted = nullptr;            // accelerations of the joints
+  const double* stiffness = nullptr;         // of the leaf, 6
+};
+
+struct LeafAnswer {
+  // Acts against the velocity of the leaf so that no motion overshoots, whatever mass the leaf
+  // shows: in coordinates in which all springs are alike it is twice the root of the mass. Off by
+  // less than 1e-4 of that, and never pushing.
+  double damping[6];
+  // The force that would accelerate the leaf as the wanted accelerations do.
+  double felt[6];
+};
+
+void ComputeLeaf(const LeafQuery& query, LeafAnswer* out);
+
+// The first half alone: what the leaf yields to a force (J M^-1 J^T), the lower triangle row by
+// row.
+void ComputeMobility(int n, const LinkTable::Row* jacobian, const LinkTable::Row* mass,
+                     double* mobility);
+// The second half alone: the critical damping of a leaf of that mobility.
+void CriticalDamping(const double* stiffness, const double* mobility, const double* velocity,
+                     double* out);
+
+// Where the leaf cannot be moved it seems to be infinitely heavy; this bounds it, 1/kg.
+inline constexpr double kLeastMobility = 1e-6;
+
+}  // namespace robocell

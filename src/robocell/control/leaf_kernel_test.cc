@@ -1,0 +1,222 @@
+// What the leaf yields and how it is damped, against Eigen's factorisations, on every instruction
+// set; also where springs are absent or the arm is stretched out.
+#include "robocell/control/leaf_kernel.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+
+#include "robocell/base/rng.h"
+#include "robocell/control/inverse_root.h"
+#include "robocell/testing/instruction_sets.h"
+
+namespace robocell {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+MatrixXd RandomMatrix(Rng* rng, int rows, int cols) {
+  MatrixXd m(rows, cols);
+  for (int k = 0; k < m.size(); ++k) m.data()[k] = rng->Normal();
+  return m;
+}
+
+// Symmetric, with eigenvalues from 1 to 1 / condition.
+MatrixXd RandomPositive(Rng* rng, int n, double condition) {
+  const MatrixXd q = RandomMatrix(rng, n, n).householderQr().householderQ();
+  VectorXd values(n);
+  for (int k = 0; k < n; ++k) values[k] = std::pow(condition, -double(k) / std::max(n - 1, 1));
+  return q * values.asDiagonal() * q.transpose();
+}
+
+std::array<double, 21> Triangle(const Matrix6& m) {
+  std::array<double, 21> entries;
+  int k = 0;
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c <= r; ++c) entries[k++] = m(r, c);
+  }
+  return entries;
+}
+
+Vector6 ByEigenvectors(const Vector6& stiffness, const Matrix6& mobility, const Vector6& velocity) {
+  const Vector6 root = stiffness.cwiseSqrt();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> modes(root.asDiagonal() * mobility *
+                                                     root.asDiagonal());
+  const Vector6 along = modes.eigenvectors().transpose() * root.cwiseProduct(velocity);
+  Vector6 scaled;
+  for (int k = 0; k < 6; ++k) {
+    const double value = modes.eigenvalues()[k];
+    scaled[k] = value > 0 ? along[k] / std::sqrt(value) : 0;
+  }
+  return 2 * root.cwiseProduct(modes.eigenvectors() * scaled);
+}
+
+Vector6 Damping(const Vector6& stiffness, const Matrix6& mobility, const Vector6& velocity) {
+  Vector6 force;
+  CriticalDamping(stiffness.data(), Triangle(mobility).data(), velocity.data(), force.data());
+  return force;
+}
+
+// In coordinates in which all springs are alike, where the error is promised.
+double Off(const Vector6& stiffness, const Vector6& got, const Vector6& expected) {
+  Vector6 scale;
+  for (int k = 0; k < 6; ++k) scale[k] = stiffness[k] > 0 ? 1 / std::sqrt(stiffness[k]) : 0;
+  const double length = expected.cwiseProduct(scale).norm();
+  return length > 0 ? (got - expected).cwiseProduct(scale).norm() / length : got.norm();
+}
+
+TEST(LeafKernel, DampsAsTheEigenvectorsSayFromEvenToNearlySingularMasses) {
+  OnEveryInstructionSet([](const std::string&) {
+    Rng rng = Rng::Stream(1, "damping");
+    for (int k = 0; k < 300; ++k) {
+      // Eigen's own error grows with the condition.
+      const Matrix6 mobility = RandomPositive(&rng, 6, std::pow(10, k % 6)) * rng.Uniform(0.1, 30);
+      Vector6 stiffness;
+      for (double& value : stiffness) value = std::pow(10, rng.Uniform(0, 4));
+      const Vector6 velocity = RandomMatrix(&rng, 6, 1);
+      const Vector6 expected = ByEigenvectors(stiffness, mobility, velocity);
+      EXPECT_LT(Off(stiffness, Damping(stiffness, mobility, velocity), expected), 1e-4);
+    }
+  });
+}
+
+// Stretched out: a direction in which nothing moves has the least mobility there is.
+TEST(LeafKernel, DampsSingularPosesWithinItsTolerance) {
+  OnEveryInstructionSet([](const std::string&) {
+    Rng rng = Rng::Stream(2, "damping");
+    for (int k = 0; k < 100; ++k) {
+      const MatrixXd some = RandomMatrix(&rng, 6, 1 + k % 5);
+      Matrix6 mobility = some * some.transpose();
+      mobility.diagonal().array() += kLeastMobility;
+      const Vector6 stiffness{400, 400, 400, 30, 30, 30};
+      const Vector6 velocity = some * RandomMatrix(&rng, some.cols(), 1);  // as it can move
+      const Vector6 expected = ByEigenvectors(stiffness, mobility, velocity);
+      EXPECT_LT(Off(stiffness, Damping(stiffness, mobility, velocity), expected), 1e-4);
+    }
+  });
+}
+
+TEST(LeafKernel, LeavesAxesWithoutSpringsAloneAndDampsTheOthersAsIfThereWereNoMore) {
+  OnEveryInstructionSet([](const std::string&) {
+    Rng rng = Rng::Stream(3, "damping");
+    for (int k = 0; k < 50; ++k) {
+      const Matrix6 mobility = RandomPositive(&rng, 6, 100);
+      const Vector6 velocity = RandomMatrix(&rng, 6, 1);
+      Vector6 stiffness{400, 300, 200, 30, 20, 10};
+      for (int axis = 0; axis < 6; ++axis) {
+        if (rng.Uniform() < 0.4) stiffness[axis] = 0;
+      }
+      const Vector6 force = Damping(stiffness, mobility, velocity);
+      const Vector6 expected = ByEigenvectors(stiffness, mobility, velocity);
+      EXPECT_LT(Off(stiffness, force, expected), 1e-4);
+      for (int axis = 0; axis < 6; ++axis) {
+        if (stiffness[axis] > 0) continue;
+        EXPECT_EQ(force[axis], 0);
+      }
+    }
+    EXPECT_EQ(Damping(Vector6::Zero(), Matrix6::Identity(), Vector6::Ones()), Vector6::Zero());
+  });
+}
+
+// Springs as different as they may be: it still brakes, and never more than it should.
+TEST(LeafKernel, TakesEnergyOutWhateverTheSprings) {
+  OnEveryInstructionSet([](const std::string&) {
+    Rng rng = Rng::Stream(4, "damping");
+    for (int k = 0; k < 200; ++k) {
+      Vector6 stiffness;
+      for (double& value : stiffness) value = std::pow(10, rng.Uniform(-12, 6));
+      Matrix6 mobility = RandomPositive(&rng, 6, std::pow(10, k % 12));
+      mobility.diagonal().array() += kLeastMobility;
+      const Vector6 velocity = RandomMatrix(&rng, 6, 1);
+      const double power = velocity.dot(Damping(stiffness, mobility, velocity));
+      EXPECT_GT(power, 0);
+      const double most = 2 * std::sqrt(stiffness.maxCoeff() / kLeastMobility);
+      EXPECT_LT(power, most * velocity.squaredNorm());
+    }
+  });
+}
+
+TEST(LeafKernel, IsCriticalForOneMassOnOneSpring) {
+  Matrix6 mobility = Matrix6::Identity() / 2.0;  // 2 kg
+  const Vector6 stiffness{800, 200, 50, 8, 2, 0.5};
+  const Vector6 force = Damping(stiffness, mobility, Vector6::Ones());
+  for (int k = 0; k < 6; ++k)
+    EXPECT_NEAR(force[k], 2 * std::sqrt(stiffness[k] * 2), 1e-4 * force[k]);
+}
+
+struct LeafCase {
+  alignas(64) LinkTable::Row jacobian[6];
+  alignas(64) LinkTable::Row mass[kMaxChainJoints];
+  MatrixXd j, m;
+
+  LeafCase(Rng* rng, int n) : j(RandomMatrix(rng, 6, n)), m(RandomPositive(rng, n, 1e3)) {
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c < kMaxChainJoints; ++c) jacobian[r][c] = c < n ? j(r, c) : NAN;
+    }
+    for (int r = 0; r < n; ++r) {
+      for (int c = 0; c < kMaxChainJoints; ++c) mass[r][c] = c < n ? m(r, c) : NAN;
+    }
+  }
+  Matrix6 Mobility() const {
+    return j * m.llt().solve(j.transpose()) + kLeastMobility * MatrixXd::Identity(6, 6);
+  }
+};
+
+TEST(LeafKernel, KnowsWhatTheLeafYieldsForAnyNumberOfJoints) {
+  OnEveryInstructionSet([](const std::string&) {
+    for (int n = 1; n <= kMaxChainJoints; ++n) {
+      Rng rng = Rng::Stream(n, "leaf");
+      const LeafCase leaf(&rng, n);
+      std::array<double, 21> mobility;
+      ComputeMobility(n, leaf.jacobian, leaf.mass, mobility.data());
+      const auto expected = Triangle(leaf.Mobility());
+      for (int k = 0; k < 21; ++k)
+        EXPECT_NEAR(mobility[k], expected[k], 1e-11 * leaf.Mobility().norm()) << n;
+    }
+  });
+}
+
+TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
+  OnEveryInstructionSet([](const std::string&) {
+    for (int n = 6; n <= 9; ++n) {
+      Rng rng = Rng::Stream(n, "felt");
+      const LeafCase leaf(&rng, n);
+      const VectorXd velocity = RandomMatrix(&rng, n, 1), wanted = RandomMatrix(&rng, n, 1);
+      const Vector6 stiffness{400, 400, 400, 30, 30, 30};
+      LeafAnswer answer;
+      ComputeLeaf({.n = n,
+                   .jacobian = leaf.jacobian,
+                   .mass = leaf.mass,
+                   .velocity = velocity.data(),
+                   .wanted = wanted.data(),
+                   .stiffness = stiffness.data()},
+                  &answer);
+      const Vector6 felt = leaf.Mobility().llt().solve(leaf.j * wanted);
+      EXPECT_LT((Eigen::Map<Vector6>(answer.felt) - felt).norm(), 1e-8 * felt.norm());
+      const Vector6 damping = Damping(stiffness, leaf.Mobility(), leaf.j * velocity);
+      EXPECT_LT((Eigen::Map<Vector6>(answer.damping) - damping).norm(), 1e-9 * damping.norm());
+    }
+  });
+}
+
+// On all of the range that it is for.
+TEST(InverseRoot, IsWithinATenThousandth) {
+  for (int k = 0; k < kInverseRoots; ++k) {
+    const InverseRoot& root = InverseRoots()[k];
+    EXPECT_EQ(root.n_poles % 8, 0);
+    for (int i = 0; i <= 1000; ++i) {
+      const double value = std::pow(root.range, -i / 1000.0);
+      double sum = 0;
+      for (int p = 0; p < root.n_poles; ++p) sum += root.weight[p] / (value + root.shift[p]);
+      EXPECT_NEAR(sum * std::sqrt(value), 1, 1e-4) << root.range << " at " << value;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,107 @@
+#include "robocell/kinematics/chain_batch.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/kinematics/pose_kernel.h"
+
+namespace robocell {
+namespace {
+
+bool AllFinite(std::span<const double> values) {
+  double nothing = 0;
+  for (const double value : values) nothing += 0 * value;  // NaN for what is not finite
+  return nothing == 0;
+}
+
+// Checks the arguments of one batch and makes rows of them.
+class Batch {
+ public:
+  Batch(const Chain& chain, std::span<double> out, size_t per_row)
+      : chain_(chain), count_(out.size() / per_row) {
+    if (out.size() == count_ * per_row) return;
+    throw ArgumentError(fmt::format("{}: the output has {} numbers, which are not whole rows of {}",
+                                    chain.description(), out.size(), per_row));
+  }
+
+  size_t count() const { return count_; }
+
+  PoseRows Joints(std::string_view what, std::span<const double> values) const {
+    const size_t n = static_cast<size_t>(chain_.n_joints());
+    const PoseRows rows = Rows(what, values, n);
+    if (AllFinite(values)) return rows;
+    for (size_t row = 0;; ++row) {
+      const auto of_row = values.subspan(row * n, n);
+      if (!AllFinite(of_row))
+        chain_.CheckJointValues(
+            values.size() == n ? std::string(what) : fmt::format("{}[{}]", what, row), of_row);
+    }
+  }
+
+  PoseRows Gravity(std::span<const double> values) const {
+    const PoseRows rows = Rows("gravity", values, 3);
+    if (AllFinite(values)) return rows;
+    throw ArgumentError(chain_.description() + ": gravity has numbers that are not finite");
+  }
+
+ private:
+  PoseRows Rows(std::string_view what, std::span<const double> values, size_t per_row) const {
+    if (values.size() == per_row) return {values.data(), 0};
+    if (values.size() == count_ * per_row) return {values.data(), per_row};
+    throw ArgumentError(
+        fmt::format("{}: {}: expected {} numbers, or {} for each of {} configurations; got {}",
+                    chain_.description(), what, per_row, per_row, count_, values.size()));
+  }
+
+  const Chain& chain_;
+  size_t count_;
+};
+
+void Run(const Chain& chain, PosePart part, const PoseQuery& query, std::span<double> out) {
+  ComputePoses(chain.links(), part, query, out.data());
+}
+
+}  // namespace
+
+void FkBatch(const Chain& chain, std::span<const double> q, std::span<double> tips) {
+  const Batch batch(chain, tips, 16);
+  Run(chain, PosePart::kTip, {.count = batch.count(), .q = batch.Joints("q", q)}, tips);
+}
+
+void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians) {
+  const Batch batch(chain, jacobians, 6 * static_cast<size_t>(chain.n_joints()));
+  Run(chain, PosePart::kJacobian, {.count = batch.count(), .q = batch.Joints("q", q)}, jacobians);
+}
+
+void GravityTorquesBatch(const Chain& chain, std::span<const double> q,
+                         std::span<const double> gravity_in_base, std::span<double> torques) {
+  const Batch batch(chain, torques, static_cast<size_t>(chain.n_joints()));
+  Run(chain, PosePart::kGravity,
+      {.count = batch.count(),
+       .q = batch.Joints("q", q),
+       .gravity = batch.Gravity(gravity_in_base)},
+      torques);
+}
+
+void MassMatrixBatch(const Chain& chain, std::span<const double> q, std::span<double> masses) {
+  const auto n = static_cast<size_t>(chain.n_joints());
+  const Batch batch(chain, masses, n * n);
+  Run(chain, PosePart::kMass, {.count = batch.count(), .q = batch.Joints("q", q)}, masses);
+}
+
+void InverseDynamicsBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
+                          std::span<const double> qdd, std::span<const double> gravity_in_base,
+                          std::span<double> torques) {
+  const Batch batch(chain, torques, static_cast<size_t>(chain.n_joints()));
+  Run(chain, PosePart::kMotion,
+      {.count = batch.count(),
+       .q = batch.Joints("q", q),
+       .qd = batch.Joints("qd", qd),
+       .qdd = batch.Joints("qdd", qdd),
+       .gravity = batch.Gravity(gravity_in_base)},
+      torques);
+}
+
+}  // namespace robocell

@@ -1,0 +1,37 @@
+// Kinematics and dynamics of many configurations of a chain at once, as many at a time as the
+// registers of the processor have lanes.
+//
+// All arrays are row by row, one row per configuration; the number of rows is that of the output.
+// An input with one row is that of all configurations. Frames, units and meaning are those of the
+// functions of Chain (chain.h), which for a single configuration are faster. A result does not
+// depend on the batch that it is in; those of Chain, and of other instruction sets, differ from it
+// by rounding.
+//
+// Errors: ArgumentError, naming the argument, for a number of values that does not fit and for
+// values that are not finite. No allocation. Outputs may not overlap inputs.
+//
+//   std::vector<double> q(1000 * 7), torques(1000 * 7);
+//   GravityTorquesBatch(chain, q, std::array{0.0, 0.0, -9.81}, torques);
+#pragma once
+
+#include <span>
+
+#include "robocell/kinematics/chain.h"
+
+namespace robocell {
+
+// q (B, n); tips (B, 4, 4): poses of the tip in the base frame.
+void FkBatch(const Chain& chain, std::span<const double> q, std::span<double> tips);
+// q (B, n); jacobians (B, 6, n).
+void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians);
+// q (B, n), gravity in the base frame (B, 3); torques (B, n).
+void GravityTorquesBatch(const Chain& chain, std::span<const double> q,
+                         std::span<const double> gravity_in_base, std::span<double> torques);
+// q (B, n); masses (B, n, n).
+void MassMatrixBatch(const Chain& chain, std::span<const double> q, std::span<double> masses);
+// q, qd, qdd (B, n), gravity in the base frame (B, 3); torques (B, n).
+void InverseDynamicsBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
+                          std::span<const double> qdd, std::span<const double> gravity_in_base,
+                          std::span<double> torques);
+
+}  // namespace robocell

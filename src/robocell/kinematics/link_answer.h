@@ -1,0 +1,18 @@
+// What link_kernel.h answers, as the other code of this folder knows it.
+#pragma once
+
+#include "robocell/kinematics/link_kernel.h"
+#include "robocell/kinematics/transform.h"
+
+namespace robocell {
+
+// The tip in the base frame, of an answer that has it.
+inline Transform TipOf(const LinkAnswer& answer) {
+  Transform tip;
+  for (int c = 0; c < 3; ++c)
+    tip.rotation.col(c) = Eigen::Map<const Eigen::Vector3d>(answer.tip[c]);
+  tip.translation = Eigen::Map<const Eigen::Vector3d>(answer.tip[3]);
+  return tip;
+}
+
+}  // namespace robocell

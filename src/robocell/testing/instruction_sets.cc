@@ -1,0 +1,31 @@
+#include "robocell/testing/instruction_sets.h"
+
+#include <gtest/gtest.h>
+
+// As in lane_kernel.cc.
+#define HWY_DISABLED_TARGETS \
+  (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#include <hwy/targets.h>
+
+namespace robocell {
+namespace {
+
+// From now on kernels use the best of these; 0 for all.
+void Allow(int64_t targets) {
+  hwy::SetSupportedTargetsForTest(targets);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+}  // namespace
+
+void OnEveryInstructionSet(const std::function<void(const std::string& name)>& test) {
+  for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    const std::string name = hwy::TargetName(target);
+    SCOPED_TRACE(name);
+    Allow(target);
+    test(name);
+    Allow(0);
+  }
+}
+
+}  // namespace robocell

@@ -1,0 +1,13 @@
+// The lanes' sine and cosine (kinematics/lane_math-inl.h) for tests of their own.
+#pragma once
+
+#include <span>
+
+namespace robocell {
+
+// As many values at a time as there are lanes; `any`: also beyond what the kernels' inner loops
+// are for. The number of values must be a multiple of 8.
+void LaneSinCos(std::span<const double> angles, bool any, std::span<double> sines,
+                std::span<double> cosines);
+
+}  // namespace robocell
