@@ -15,17 +15,17 @@ namespace robocell::python {
 namespace {
 
 using namespace nb::literals;
-using Shape = std::vector<size_t>;
+using Sizes = std::vector<size_t>;
 
-std::string Text(const Shape& shape) {
+std::string InBrackets(const Sizes& shape) {
   std::string text;
   for (const size_t size : shape) text += fmt::format("{}{}", text.empty() ? "" : ", ", size);
   return "(" + text + (shape.size() == 1 ? ",)" : ")");
 }
 
 template <class Array>
-Shape ShapeOf(const Array& array) {
-  Shape shape;
+Sizes SizesOf(const Array& array) {
+  Sizes shape;
   for (size_t i = 0; i < array.ndim(); ++i) shape.push_back(array.shape(i));
   return shape;
 }
@@ -64,7 +64,7 @@ class RowsArgument {
     Contiguous array;
     if (!nb::try_cast(value, array, /*convert=*/false)) return false;
     keep_ = nb::borrow(value);
-    Use(ShapeOf(array), {array.data(), array.size()});
+    Use(SizesOf(array), {array.data(), array.size()});
     return true;
   }
   void Convert(nb::handle value) {
@@ -82,11 +82,11 @@ class RowsArgument {
     }
     keep_ = array.attr("astype")("float64", "order"_a = "C");
     const auto numbers = nb::cast<Contiguous>(keep_);
-    Use(ShapeOf(numbers), {numbers.data(), numbers.size()});
+    Use(SizesOf(numbers), {numbers.data(), numbers.size()});
   }
-  void Use(const Shape& shape, std::span<const double> values) {
+  void Use(const Sizes& shape, std::span<const double> values) {
     if (shape.empty() || shape.size() > 2 || shape.back() != width_)
-      ThrowValue(path_, fmt::format("must be {}, has shape {}", Expected(), Text(shape)));
+      ThrowValue(path_, fmt::format("must be {}, has shape {}", Expected(), InBrackets(shape)));
     if (shape.size() == 2) rows_ = shape[0];
     values_ = values;
   }
@@ -125,7 +125,7 @@ class BatchCall {
   bool is_batch() const { return rows_.has_value(); }
 
   // Runs with the output; `row` is the shape of one configuration's.
-  nb::object Answer(Shape row, nb::handle out, const std::function<void(std::span<double>)>& run) {
+  nb::object Answer(Sizes row, nb::handle out, const std::function<void(std::span<double>)>& run) {
     if (rows_) row.insert(row.begin(), *rows_);
     size_t size = 1;
     for (const size_t n : row) size *= n;
@@ -157,19 +157,19 @@ class BatchCall {
     return argument.values();
   }
 
-  double* Written(nb::handle out, const Shape& shape, size_t size) const {
+  double* Written(nb::handle out, const Sizes& shape, size_t size) const {
     const FieldPath path("out");
     const std::string expected =
-        fmt::format("a writable, C-contiguous float64 array of shape {}", Text(shape));
+        fmt::format("a writable, C-contiguous float64 array of shape {}", InBrackets(shape));
     nb::ndarray<double, nb::c_contig, nb::device::cpu> array;
     if (!nb::try_cast(out, array, /*convert=*/false)) {
       if (!nb::hasattr(out, "dtype")) ThrowType(path, expected, out);
       ThrowValue(path, fmt::format("must be {}, got {} of shape {} that is not", expected,
                                    TextOf(out.attr("dtype")), TextOf(out.attr("shape"))));
     }
-    if (ShapeOf(array) != shape)
-      ThrowValue(path,
-                 fmt::format("must have shape {}, has {}", Text(shape), Text(ShapeOf(array))));
+    if (SizesOf(array) != shape)
+      ThrowValue(path, fmt::format("must have shape {}, has {}", InBrackets(shape),
+                                   InBrackets(SizesOf(array))));
     for (const RowsArgument& argument : arguments_) {
       const std::span<const double> in = argument.values();
       const bool apart = std::less_equal<>()(in.data() + in.size(), array.data()) ||

@@ -83,6 +83,8 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   ComputeLinks(chain.links(), LinkPart::kAll,
                {.q = q_.data(), .qd = qd_.data(), .qdd = wanted_.data(), .gravity = gravity.data()},
                &links);
+  // Before what takes longer, beside which the processor does it.
+  const PoseError error = ErrorTo(ToTransform(pose()), TipOf(links));
   LeafAnswer leaf;
   ComputeLeaf({.n = chain.n_joints(),
                .jacobian = links.jacobian,
@@ -91,7 +93,6 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
                .wanted = wanted_.data(),
                .stiffness = stiffness_.data()},
               &leaf);
-  const PoseError error = ErrorTo(ToTransform(pose()), TipOf(links));
 
   Gains force;
   for (int k = 0; k < 6; ++k) {
