@@ -31,6 +31,7 @@ void BindTask(nb::module_& m);        // tasks and experts
 void BindSampler(nb::module_& m);     // where episodes start
 void BindPick(nb::module_& m);        // the pick task: judge, sampler, expert
 void BindEnv(nb::module_& m);         // environments
+void BindEnvBatch(nb::module_& m);    // copies of one, in step
 void BindData(nb::module_& m);        // datasets and episodes
 void BindDatagen(nb::module_& m);     // plans and the runner
 

@@ -24,6 +24,7 @@ NB_MODULE(_core, m) {
   BindSampler(m);
   BindPick(m);
   BindEnv(m);
+  BindEnvBatch(m);
   BindData(m);
   BindDatagen(m);
   ExplainArgumentErrors(m);

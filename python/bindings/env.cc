@@ -202,7 +202,7 @@ void InitEnv(Env* self, const EnvConfig& config) {
   new (self) Env(copy, PythonData());
 }
 
-nb::tuple Reset(Env& env, std::optional<uint64_t> seed) {
+nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed) {
   {
     const nb::gil_scoped_release release;
     env.Reset({.seed = seed});
@@ -212,7 +212,7 @@ nb::tuple Reset(Env& env, std::optional<uint64_t> seed) {
   return nb::make_tuple(Observation(env), info);
 }
 
-nb::tuple Step(Env& env, nb::handle action) {
+nb::tuple StepEnv(Env& env, nb::handle action) {
   const std::vector<double> numbers = ToAction(env, action);
   EnvStep step;
   {
@@ -240,12 +240,12 @@ void BindEnv(nb::module_& m) {
   GuardHandle<Env>(env, [](const Env& e) { RequireOpen(e.scene(), Place(e)); },
                    {"close", "config"});
   env.def("__init__", &InitEnv, "config"_a)
-      .def("reset", &Reset, "seed"_a = nb::none(),
+      .def("reset", &ResetEnv, "seed"_a = nb::none(),
            nb::sig("def reset(self, seed: int | None = None) -> tuple[dict[str, typing.Any], "
                    "dict[str, typing.Any]]"),
            "To the start: (observation, info). Without a seed the next start of those that the "
            "last seed began.")
-      .def("step", &Step, "action"_a,
+      .def("step", &StepEnv, "action"_a,
            nb::sig("def step(self, action: collections.abc.Mapping[str, typing.Any]) -> "
                    "tuple[dict[str, typing.Any], float, bool, bool, dict[str, typing.Any]]"),
            "Sends the commands and simulates until the step ends: (observation, reward, "

@@ -21,6 +21,7 @@
 #include "robocell/datagen/replay.h"
 #include "robocell/datagen/runner.h"
 #include "robocell/env/env.h"
+#include "robocell/env/env_batch.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/env/stepper.h"
 #include "robocell/kinematics/chain.h"

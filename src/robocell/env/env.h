@@ -72,6 +72,8 @@ class Env {
   // `action` has layout().action.size() numbers. Error before the first Reset and after a
   // divergence.
   EnvStep Step(std::span<const double> action);
+  // Throws what Step would throw for this action, and moves nothing.
+  void CheckAction(std::span<const double> action) const;
   // What the last Reset or Step left, layout().observation.size() numbers; a step that diverged
   // leaves what was before it.
   std::span<const double> observation() const { return observation_; }
@@ -107,7 +109,6 @@ class Env {
 
   void RequireReady() const;
   Snapshot& RequireSnapshot(const std::string& name);
-  void CheckAction(std::span<const double> action) const;
   std::vector<std::string> Send(std::span<const double> action);
   int64_t TicksOfStep() const;
   double TimeSinceReset() const;

@@ -49,7 +49,7 @@ void AddObjects(const Map<EnvObject>& objects, const AttachTarget& frame, SceneS
   }
 }
 
-AttachTarget FrameOf(const CameraAdderConfig& camera) {
+AttachTarget FrameOfCamera(const CameraAdderConfig& camera) {
   if (camera.robot_name.empty()) return Root();
   if (camera.attachment_site.empty()) return Attachment(camera.robot_name);
   return Site("robot" + camera.robot_name + "_" + camera.attachment_site);
@@ -59,7 +59,7 @@ void AddCameras(const EnvConfig& config, SceneSpec& scene) {
   for (const auto& [name, camera] : config.camera_adds.entries()) {
     CameraSpec spec{.name = name, .mjcf_path = camera->xml_path, .fovy = camera->fovy};
     if (spec.mjcf_path.empty() && !spec.fovy) spec.fovy = CameraAdderConfig::kFovy;
-    StandAt(scene.cameras.push_back(std::move(spec)), FrameOf(*camera), camera->offset);
+    StandAt(scene.cameras.push_back(std::move(spec)), FrameOfCamera(*camera), camera->offset);
   }
 }
 

@@ -1,0 +1,126 @@
+// Copies of one environment as flat arrays. robocell.gym makes a vector environment of it.
+#include "robocell/env/env_batch.h"
+
+#include "arrays.h"
+#include "bindings.h"
+#include "closed_handles.h"
+#include "values.h"
+#include "robocell/env/env.h"
+
+namespace robocell::python {
+
+using namespace nb::literals;
+
+namespace {
+
+using Seeds = std::vector<std::optional<uint64_t>>;
+
+size_t CopyCount(const EnvBatch& batch) { return static_cast<size_t>(batch.size()); }
+
+// ((path, begin, size), ...) of a vector's parts: where a path leads to in dictionaries.
+nb::tuple Part(nb::tuple path, const VectorPart& part) {
+  return nb::make_tuple(path, part.begin, part.size);
+}
+
+nb::tuple ActionParts(const EnvBatch& batch) {
+  nb::list out;
+  for (const RobotLayout& robot : batch.layout().robots) {
+    out.append(Part(nb::make_tuple(robot.robot, robot.command), robot.action));
+    if (robot.has_gripper)
+      out.append(Part(nb::make_tuple(robot.robot, "gripper"), {robot.gripper_action, 1}));
+  }
+  return nb::tuple(out);
+}
+
+nb::tuple ObservationParts(const EnvBatch& batch) {
+  nb::list out;
+  for (const RobotLayout& robot : batch.layout().robots) {
+    out.append(Part(nb::make_tuple(robot.robot, "tquat"), robot.tquat));
+    out.append(Part(nb::make_tuple(robot.robot, "xyzrpy"), robot.xyzrpy));
+    out.append(Part(nb::make_tuple(robot.robot, "joints"), robot.joints));
+    if (robot.has_gripper)
+      out.append(Part(nb::make_tuple(robot.robot, "gripper"), {robot.gripper, 1}));
+  }
+  for (const ObjectLayout& object : batch.layout().objects)
+    out.append(Part(nb::make_tuple("objects", object.object, "tquat"), object.tquat));
+  return nb::tuple(out);
+}
+
+nb::object Observations(const EnvBatch& batch) {
+  return NumberCopy(batch.observations(),
+                    {CopyCount(batch), batch.observations().size() / CopyCount(batch)});
+}
+
+nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>& reset_instead) {
+  const std::vector<double> numbers = ToMatrix(actions, FieldPath("actions"), CopyCount(batch),
+                                               static_cast<size_t>(batch.layout().action.size()));
+  const BatchStep* step = nullptr;
+  {
+    const nb::gil_scoped_release release;
+    step = &batch.Step(numbers, reset_instead);
+  }
+  const size_t n = CopyCount(batch);
+  std::vector<double> time;
+  nb::list reasons;
+  for (const EnvStep& one : step->steps) {
+    time.push_back(one.time);
+    reasons.append(ToString(one.reason));
+  }
+  return nb::make_tuple(Observations(batch), NewArray<double>(step->reward, {n}),
+                        NewArray<uint8_t>(step->terminated, {n}),
+                        NewArray<uint8_t>(step->truncated, {n}), NewArray<double>(time, {n}),
+                        reasons);
+}
+
+}  // namespace
+
+void BindEnvBatch(nb::module_& m) {
+  nb::class_<EnvBatch>(
+      m, "EnvBatch",
+      "Copies of one environment on one model, stepped together on threads, with flat arrays.")
+      .def(
+          "__init__",
+          [](EnvBatch* self, const EnvConfig& config, int count, int threads,
+             std::optional<int> max_episode_steps) {
+            // Another thread may change the configuration while the lock is released.
+            const EnvConfig copy = config;  // NOLINT(performance-unnecessary-copy-initialization)
+            const nb::gil_scoped_release release;
+            new (self) EnvBatch(copy, count, threads, max_episode_steps);
+          },
+          "config"_a, "count"_a, "threads"_a = 0, "max_episode_steps"_a = nb::none())
+      .def_prop_ro("count", &EnvBatch::size, "Number of copies.")
+      .def_prop_ro("action_parts", &ActionParts,
+                   nb::sig("def action_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], "
+                           "...]"),
+                   "(path in an action's dictionaries, first column, number of columns) of each "
+                   "part.")
+      .def_prop_ro("observation_parts", &ObservationParts,
+                   nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, "
+                           "int], ...]"),
+                   "The same of observations.")
+      .def(
+          "reset",
+          [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which) {
+            {
+              const nb::gil_scoped_release release;
+              batch.Reset(seeds, which);
+            }
+            return Observations(batch);
+          },
+          "seeds"_a = Seeds{}, "which"_a = std::vector<bool>{},
+          nb::sig("def reset(self, seeds: collections.abc.Sequence[int | None] = (), which: "
+                  "collections.abc.Sequence[bool] = ()) -> numpy.typing.NDArray[numpy.float64]"),
+          "To starts, all copies or those that `which` is true for; all observations (count, m).")
+      .def(
+          "step", &StepBatch, "actions"_a, "reset_instead"_a = std::vector<bool>{},
+          nb::sig("def step(self, actions: numpy.typing.ArrayLike, reset_instead: "
+                  "collections.abc.Sequence[bool] = ()) -> "
+                  "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8], "
+                  "numpy.typing.NDArray[numpy.float64], list[str]]"),
+          "Steps all copies but those that `reset_instead` is true for, which begin their next "
+          "episode: (observations (count, m), rewards, terminated, truncated, time since the "
+          "reset, reasons).");
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,111 @@
+#include "robocell/env/env_batch.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/env/env_scene.h"
+#include "robocell/env/worker_threads.h"
+
+namespace robocell {
+namespace {
+
+void CheckBatch(const EnvConfig& config, int count) {
+  const std::string place = "batch of environment '" + config.name + "'";
+  if (count < 1) throw ArgumentError(fmt::format("{}: {} copies; at least 1", place, count));
+  if (config.cameras.streams.empty()) return;
+  throw ArgumentError(place +
+                      ": image streams are for single environments; leave cameras.streams "
+                      "out");
+}
+
+bool Holds(const std::vector<bool>& which, int i) { return !which.empty() && which[i]; }
+
+}  // namespace
+
+EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
+                   std::optional<int> max_episode_steps)
+    : max_episode_steps_(max_episode_steps) {
+  CheckBatch(config, count);
+  const std::shared_ptr<CompiledScene> compiled = CompileScene(EnvSceneSpec(config));
+  compiled->Freeze();
+  for (int i = 0; i < count; ++i) {
+    EnvConfig own = config;
+    own.name = fmt::format("{}[{}]", config.name, i);
+    envs_.push_back(std::make_unique<Env>(std::move(own), Scene::FromCompiled(compiled)));
+  }
+  episode_steps_.resize(count);
+  observations_.resize(static_cast<size_t>(count) * layout().observation.size());
+  step_.reward.resize(count);
+  step_.terminated.resize(count);
+  step_.truncated.resize(count);
+  step_.steps.resize(count);
+  workers_ = std::make_unique<WorkerThreads>(threads);
+}
+
+EnvBatch::~EnvBatch() = default;
+
+void EnvBatch::ForEach(const std::function<void(int)>& work) { workers_->Run(size(), work); }
+
+void EnvBatch::CopyObservation(int i) {
+  const std::span<const double> seen = envs_[i]->observation();
+  std::copy(seen.begin(), seen.end(), observations_.begin() + static_cast<long>(i * seen.size()));
+}
+
+void EnvBatch::ResetOne(int i, std::optional<uint64_t> seed) {
+  envs_[i]->Reset({.seed = seed});
+  episode_steps_[i] = 0;
+  step_.reward[i] = 0;
+  step_.terminated[i] = step_.truncated[i] = 0;
+  step_.steps[i] = {};
+  CopyObservation(i);
+}
+
+void EnvBatch::StepOne(int i, std::span<const double> action) {
+  EnvStep& step = step_.steps[i] = envs_[i]->Step(action);
+  ++episode_steps_[i];
+  step_.reward[i] = step.reward;
+  step_.terminated[i] = step.success;
+  step_.truncated[i] = step.reason == EndReason::kDiverged ||
+                       (max_episode_steps_ && episode_steps_[i] >= *max_episode_steps_);
+  CopyObservation(i);
+}
+
+void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds,
+                     const std::vector<bool>& which) {
+  const auto sized = [&](size_t got, const char* what) {
+    if (got == 0 || got == envs_.size()) return;
+    throw ArgumentError(
+        fmt::format("reset of {} copies: {} for {} were given", envs_.size(), what, got));
+  };
+  sized(seeds.size(), "seeds");
+  sized(which.size(), "choices");
+  ForEach([&](int i) {
+    if (which.empty() || which[i]) ResetOne(i, seeds.empty() ? std::nullopt : seeds[i]);
+  });
+}
+
+const BatchStep& EnvBatch::Step(std::span<const double> actions,
+                                const std::vector<bool>& reset_instead) {
+  const auto width = static_cast<size_t>(layout().action.size());
+  if (actions.size() != envs_.size() * width) {
+    throw ArgumentError(
+        fmt::format("step of {} copies: expected {} numbers for each, got {} in all", envs_.size(),
+                    width, actions.size()));
+  }
+  const auto own = [&](int i) { return actions.subspan(static_cast<size_t>(i) * width, width); };
+  for (int i = 0; i < size(); ++i) {
+    if (!Holds(reset_instead, i)) envs_[i]->CheckAction(own(i));
+  }
+  ForEach([&](int i) {
+    if (Holds(reset_instead, i)) {
+      ResetOne(i, std::nullopt);
+    } else {
+      StepOne(i, own(i));
+    }
+  });
+  return step_;
+}
+
+}  // namespace robocell

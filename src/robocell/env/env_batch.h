@@ -1,0 +1,71 @@
+// EnvBatch: copies of one environment on one frozen model, stepped together on threads. Which
+// thread steps which copy changes nothing: each has its own state and its own seeds.
+//
+//   EnvBatch batch(config, 64);
+//   batch.Reset(seeds);                                       // one for each copy, or none
+//   const BatchStep& step = batch.Step(actions, resets);      // (64, n) numbers, row after row
+//   batch.observations();                                     // (64, m) numbers, row after row
+//
+// Copies are called `name[i]` in messages. Image streams are refused: they would need a renderer
+// for each copy.
+//
+// Errors: those of Env. An action that is refused leaves all copies as they are; what else one copy
+// throws comes out after all have finished, the first by its number. Threads: one caller at a time.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "robocell/env/env.h"
+
+namespace robocell {
+
+class WorkerThreads;
+
+struct BatchStep {
+  std::vector<double> reward;
+  std::vector<uint8_t> terminated;  // success
+  std::vector<uint8_t> truncated;   // diverged, or too many steps
+  std::vector<EnvStep> steps;
+};
+
+class EnvBatch {
+ public:
+  // `threads` 0: as many as the machine has cores, the caller's included. Episodes are truncated
+  // after `max_episode_steps`, if any.
+  EnvBatch(const EnvConfig& config, int count, int threads = 0,
+           std::optional<int> max_episode_steps = {});
+  ~EnvBatch();
+
+  int size() const { return static_cast<int>(envs_.size()); }
+  const EnvLayout& layout() const { return envs_.front()->layout(); }
+  Env& env(int i) { return *envs_[i]; }
+
+  // Resets the copies that `which` is true for, all when it is empty. Seeds as of Env::Reset, one
+  // for each copy.
+  void Reset(std::span<const std::optional<uint64_t>> seeds, const std::vector<bool>& which = {});
+  // Steps all copies but those that `reset_instead` is true for, which begin their next episode:
+  // reward 0, neither terminated nor truncated.
+  const BatchStep& Step(std::span<const double> actions,
+                        const std::vector<bool>& reset_instead = {});
+  std::span<const double> observations() const { return observations_; }
+
+ private:
+  void ForEach(const std::function<void(int)>& work);
+  void ResetOne(int i, std::optional<uint64_t> seed);
+  void StepOne(int i, std::span<const double> action);
+  void CopyObservation(int i);
+
+  std::optional<int> max_episode_steps_;
+  std::vector<std::unique_ptr<Env>> envs_;
+  std::vector<int> episode_steps_;
+  std::vector<double> observations_;
+  BatchStep step_;
+  std::unique_ptr<WorkerThreads> workers_;
+};
+
+}  // namespace robocell

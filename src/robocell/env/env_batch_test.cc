@@ -1,0 +1,99 @@
+#include "robocell/env/env_batch.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/env/testing/envs.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kCopies = 5;
+
+EnvConfig Noisy() {
+  EnvConfig config = Rc7Env();
+  config.robots["robot"].home_noise["arm"] = {0.05};
+  config.sim.async_control = true;
+  return config;
+}
+
+std::vector<std::optional<uint64_t>> Seeds() { return {3, 4, 5, 6, 7}; }
+
+// Another action for every copy and step.
+std::vector<double> Actions(const EnvBatch& batch, int step) {
+  std::vector<double> actions;
+  for (int i = 0; i < batch.size(); ++i) {
+    for (int k = 0; k < batch.layout().action.size(); ++k)
+      actions.push_back(0.05 * std::sin(i + 2 * k + 3 * step));
+  }
+  return actions;
+}
+
+TEST(EnvBatch, DoesWhatSingleEnvironmentsDoWhateverTheNumberOfThreads) {
+  std::vector<double> alone;
+  for (int i = 0; i < kCopies; ++i) {
+    Env env(Noisy());
+    env.Reset({.seed = Seeds()[i]});
+    EnvBatch shape(Noisy(), kCopies, 1);
+    for (int step = 0; step < 4; ++step) {
+      const std::vector<double> actions = Actions(shape, step);
+      const size_t width = actions.size() / kCopies;
+      env.Step(std::span(actions).subspan(i * width, width));
+    }
+    alone.insert(alone.end(), env.observation().begin(), env.observation().end());
+  }
+  for (const int threads : {1, 2, 7}) {
+    EnvBatch batch(Noisy(), kCopies, threads);
+    batch.Reset(Seeds());
+    for (int step = 0; step < 4; ++step) batch.Step(Actions(batch, step));
+    const std::vector<double> seen(batch.observations().begin(), batch.observations().end());
+    EXPECT_EQ(seen, alone) << threads;
+  }
+}
+
+TEST(EnvBatch, EpisodesAreTruncatedAndBeginAnew) {
+  EnvBatch batch(Noisy(), kCopies, 2, 3);
+  batch.Reset(Seeds());
+  for (int step = 0; step < 3; ++step) {
+    const BatchStep& out = batch.Step(Actions(batch, step));
+    EXPECT_EQ(out.truncated, std::vector<uint8_t>(kCopies, step == 2));
+    EXPECT_EQ(out.terminated, std::vector<uint8_t>(kCopies, 0));
+  }
+  const std::vector<bool> some = {true, false, true, false, false};
+  const BatchStep& out = batch.Step(Actions(batch, 0), some);
+  EXPECT_EQ(out.truncated, (std::vector<uint8_t>{0, 1, 0, 1, 1}));
+  EXPECT_EQ(batch.env(0).scene().time(), 0);
+  EXPECT_GT(batch.env(1).scene().time(), 0);
+  batch.Reset({}, {false, true, false, false, false});
+  EXPECT_EQ(batch.env(1).scene().time(), 0);
+}
+
+TEST(EnvBatch, ABadActionMovesNobody) {
+  EnvBatch batch(Noisy(), kCopies, 2);
+  batch.Reset(Seeds());
+  std::vector<double> actions = Actions(batch, 0);
+  actions[3 * batch.layout().action.size() + 2] = NAN;
+  ExpectThrow<ArgumentError>([&] { batch.Step(actions); },
+                             "environment 'env[3]' / robot 'robot': number 2 of its joints is nan");
+  EXPECT_EQ(batch.env(0).scene().time(), 0);
+  ExpectThrow<ArgumentError>([&] { batch.Step(std::vector<double>(3)); },
+                             "step of 5 copies: expected 8 numbers for each, got 3 in all");
+  ExpectThrow<ArgumentError>([&] { batch.Reset(std::vector<std::optional<uint64_t>>(2)); },
+                             "reset of 5 copies: seeds for 2 were given");
+}
+
+TEST(EnvBatch, HasAtLeastOneCopyAndNoImages) {
+  ExpectThrow<ArgumentError>([] { EnvBatch(Noisy(), 0); },
+                             "batch of environment 'env': 0 copies; at least 1");
+  EnvConfig config = Noisy();
+  config.cameras.streams.push_back({.name = "eye", .camera = "exo_camera"});
+  ExpectThrow<ArgumentError>(
+      [&] { EnvBatch(config, 2); },
+      "image streams are for single environments; leave cameras.streams out");
+}
+
+}  // namespace
+}  // namespace robocell

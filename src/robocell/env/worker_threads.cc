@@ -1,0 +1,65 @@
+#include "robocell/env/worker_threads.h"
+
+#include <algorithm>
+
+namespace robocell {
+
+WorkerThreads::WorkerThreads(int threads) {
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int count = threads > 0 ? threads : cores;
+  for (int i = 1; i < count; ++i) threads_.emplace_back([this] { Wait(); });
+}
+
+WorkerThreads::~WorkerThreads() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  begin_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+void WorkerThreads::Wait() {
+  for (uint64_t seen = 0;;) {
+    {
+      std::unique_lock lock(mutex_);
+      begin_.wait(lock, [&] { return stop_ || round_ != seen; });
+      if (stop_) return;
+      seen = round_;
+    }
+    Take();
+    const std::lock_guard lock(mutex_);
+    if (--busy_ == 0) end_.notify_one();
+  }
+}
+
+void WorkerThreads::Take() {
+  for (int i = next_++; i < count_; i = next_++) {
+    try {
+      (*work_)(i);
+    } catch (...) {
+      thrown_[i] = std::current_exception();
+    }
+  }
+}
+
+void WorkerThreads::Run(int count, const std::function<void(int)>& work) {
+  {
+    const std::lock_guard lock(mutex_);
+    count_ = count;
+    work_ = &work;
+    next_ = 0;
+    thrown_.assign(static_cast<size_t>(count), nullptr);
+    busy_ = static_cast<int>(threads_.size());
+    ++round_;
+  }
+  begin_.notify_all();
+  Take();
+  std::unique_lock lock(mutex_);
+  end_.wait(lock, [&] { return busy_ == 0; });
+  for (const std::exception_ptr& thrown : thrown_) {
+    if (thrown) std::rethrow_exception(thrown);
+  }
+}
+
+}  // namespace robocell

@@ -1,0 +1,43 @@
+// WorkerThreads: runs the same work for the numbers 0 to n-1 on threads that stay, the caller's
+// among them. Private to env.
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace robocell {
+
+class WorkerThreads {
+ public:
+  // `threads` in all, the caller's included; 0: as many as the machine has cores.
+  explicit WorkerThreads(int threads);
+  ~WorkerThreads();
+  WorkerThreads(const WorkerThreads&) = delete;
+  WorkerThreads& operator=(const WorkerThreads&) = delete;
+
+  // Returns when all is done. What work threw comes out then, that of the lowest number.
+  void Run(int count, const std::function<void(int)>& work);
+
+ private:
+  void Wait();
+  void Take();
+
+  std::mutex mutex_;
+  std::condition_variable begin_, end_;
+  uint64_t round_ = 0;
+  bool stop_ = false;
+  int busy_ = 0;
+  int count_ = 0;
+  const std::function<void(int)>* work_ = nullptr;
+  std::atomic<int> next_{0};
+  std::vector<std::exception_ptr> thrown_;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace robocell
