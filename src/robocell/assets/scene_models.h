@@ -1,4 +1,5 @@
-// The model files that a scene's spec names: of its base, robots, attachments and objects.
+// The model files that a scene's spec names: of its base, robots, attachments, objects and
+// cameras.
 #pragma once
 
 #include <string>
@@ -6,6 +7,13 @@
 #include "robocell/spec/scene_spec.h"
 
 namespace robocell::assets {
+
+template <class Cameras, class F>
+void ForEachCameraModel(Cameras& cameras, const std::string& directory, F&& f) {
+  for (auto& camera : cameras) {
+    if (!camera.mjcf_path.empty()) f(camera.mjcf_path, directory);
+  }
+}
 
 // Calls f(name, directory) for each, as for Resolve. When `scene` is not const, `name` may be
 // replaced.
@@ -18,6 +26,7 @@ void ForEachModel(Scene& scene, F&& f) {
       const std::string& own = config.source_dir.empty() ? scene.source_dir : config.source_dir;
       f(config.model, own);
       for (auto& attachment : config.attachments) f(attachment.mjcf_path, own);
+      ForEachCameraModel(config.cameras, own, f);
     } else {
       f(robot.path, scene.source_dir);
     }
@@ -26,6 +35,7 @@ void ForEachModel(Scene& scene, F&& f) {
   for (auto& object : scene.objects) {
     if (!object.shape) f(object.mjcf_path, scene.source_dir);
   }
+  ForEachCameraModel(scene.cameras, scene.source_dir, f);
 }
 
 }  // namespace robocell::assets

@@ -95,6 +95,25 @@ TEST(SceneCache, RecordsComeBackWhole) {
   EXPECT_EQ(read->object("mug").free_joint, compiled->object("mug").free_joint);
 }
 
+TEST(SceneCache, TheHousingsOfCamerasAreAmongItsFiles) {
+  ModelFolder here, there;
+  const auto housing = [](double size) {
+    return "<worldbody><body><geom size=\"" + std::to_string(size) +
+           "\"/><camera/></body></worldbody>";
+  };
+  const auto key = [](const std::string& model, bool of_robot) {
+    SceneSpec spec = RichScene();
+    List<CameraSpec>& cameras = of_robot ? spec.robots[0].config->cameras : spec.cameras;
+    cameras.push_back({.name = "eye", .mjcf_path = model});
+    return SceneKey(spec);
+  };
+  for (const bool of_robot : {false, true}) {
+    const std::string small = key(here.Write("housing", housing(0.1)), of_robot);
+    EXPECT_EQ(key(there.Write("housing", housing(0.1)), of_robot), small);
+    EXPECT_NE(key(here.Write("housing", housing(0.2)), of_robot), small);
+  }
+}
+
 TEST(SceneCache, ASceneFromTheDiskLivesLikeAnyOther) {
   const TempDir folder;
   const SceneSpec spec = RichScene();
