@@ -13,6 +13,7 @@
 #include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
+#include "robocell/data/json_count.h"
 #include "robocell/data/model_store.h"
 #include "robocell/data/signed_json.h"
 
@@ -27,11 +28,11 @@ CameraInfo ReadCamera(const std::string& name, const Json& json) {
           .file = json.at("file"),
           .depth_file = json.contains("depth") ? json["depth"].at("file").get<std::string>() : "",
           .table = json.at("table"),
-          .frames = json.at("frames"),
-          .width = json.at("width"),
-          .height = json.at("height"),
-          .fps_num = json.at("fps").at(0),
-          .fps_den = json.at("fps").at(1)};
+          .frames = JsonCount<int64_t>(json.at("frames")),
+          .width = JsonCount<int>(json.at("width")),
+          .height = JsonCount<int>(json.at("height")),
+          .fps_num = JsonCount<int>(json.at("fps").at(0)),
+          .fps_den = JsonCount<int>(json.at("fps").at(1))};
 }
 
 ColumnInfo ReadColumn(const hdf5::File& file, const std::string& name) {
@@ -88,7 +89,7 @@ struct Episode::Impl {
       json = Json::parse(text);
       if (json.at("format") != kEpisodeFormat)
         throw IoError(Name() + ": episode.json is of another format");
-      const int version = json.at("format_version");
+      const int version = JsonCount<int>(json.at("format_version"));
       if (version != kEpisodeFormatVersion) {
         throw IoError(fmt::format("{}: format version {} is not {}, which this robocell reads",
                                   Name(), version, kEpisodeFormatVersion));
@@ -133,10 +134,10 @@ struct Episode::Impl {
       const auto size = fs::file_size(folder / file, error);
       if (error)
         throw IoError(fmt::format("{}: '{}': {}{}", Name(), file, error.message(), Advice()));
-      if (size != facts.at("bytes").get<uint64_t>()) {
-        throw IoError(fmt::format("{}: '{}' has {} bytes, {} were written{}", Name(), file, size,
-                                  facts.at("bytes").get<uint64_t>(), Advice()));
-      }
+      const auto written = JsonCount<uint64_t>(facts.at("bytes"));
+      if (size == written) continue;
+      throw IoError(fmt::format("{}: '{}' has {} bytes, {} were written{}", Name(), file, size,
+                                written, Advice()));
     }
   }
 

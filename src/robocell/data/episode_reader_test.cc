@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/data/testing/sample_episode.h"
@@ -67,6 +69,18 @@ TEST(Episode, AFolderThatIsNoEpisodeIsNamed) {
               R"({"format": "robocell-episode", "format_version": 99})");
   ExpectThrow<IoError>([&] { Episode(folder / "a"); },
                        "format version 99 is not 1, which this robocell reads");
+}
+
+TEST(Episode, NumbersThatAreNoneInADescriptionAreDamage) {
+  TempDir folder;
+  const fs::path file = SampleEpisode().Write(folder.path(), "a") / "episode.json";
+  const auto good = nlohmann::ordered_json::parse(ReadFile(file));
+  for (const char* at : {"/files/steps.h5/bytes", "/cameras/wrist/width", "/cameras/wrist/fps/0"}) {
+    auto bad = good;
+    bad[nlohmann::json::json_pointer(at)] = 5.3e81;
+    AtomicWrite(file, bad.dump());
+    ExpectThrow<IoError>([&] { Episode episode(folder / "a"); }, "episode.json is damaged");
+  }
 }
 
 TEST(Episode, AFileThatIsMissingOrShortIsNamedWhenItIsOpened) {

@@ -21,6 +21,7 @@
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/data/folder_names.h"
+#include "robocell/data/json_count.h"
 #include "robocell/data/leftovers.h"
 #include "robocell/data/model_store.h"
 #include "robocell/data/own_folders.h"
@@ -92,7 +93,7 @@ class EpisodeCheck {
     const std::string what = WhatIsAt(path);
     if (what == "nothing") return Report(name, "it is missing");
     if (!CanReadFile(path)) return Report(name, fmt::format("it is {}, not a file", what));
-    const uint64_t expected = facts.at("bytes");
+    const auto expected = JsonCount<uint64_t>(facts.at("bytes"));
     const uint64_t size = fs::file_size(path);
     if (size < expected)
       return Report(name, fmt::format("it is cut short: {} of {} bytes are there", size, expected));
