@@ -35,7 +35,7 @@ TABLE: dict[str, str] = {
 
 # Headers that cost seconds to parse or bind users to a library: in .cc files only.
 HEAVY = re.compile(
-    r"Eigen/(Dense|Eigenvalues|SVD|QR|LU|Cholesky|Sparse)|yaml-cpp/|nlohmann/|kdl/|hdf5|H5|spdlog/"
+    r"Eigen/(Dense|Eigenvalues|SVD|QR|LU|Cholesky|Sparse)|yaml-cpp/|nlohmann/(?!json_fwd)|kdl/|hdf5|H5|spdlog/"
 )
 # Headers that only .cc files include: they may be heavy, and other headers may not include them.
 INTERNAL = (

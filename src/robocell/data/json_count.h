@@ -7,18 +7,12 @@
 // from 0 to the largest Count.
 #pragma once
 
-#include <cstdint>
-#include <limits>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace robocell {
 
-template <class Count, class Json>
-Count JsonCount(const Json& json) {
-  const uint64_t value = json.template get_ref<const typename Json::number_unsigned_t&>();
-  if (value > uint64_t{std::numeric_limits<Count>::max()})
-    throw nlohmann::json::out_of_range::create(406, "number overflow", nullptr);
-  return static_cast<Count>(value);
-}
+// Of int, int64_t and uint64_t.
+template <class Count>
+Count JsonCount(const nlohmann::ordered_json& json);
 
 }  // namespace robocell

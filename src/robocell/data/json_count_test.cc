@@ -1,6 +1,7 @@
 #include "robocell/data/json_count.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 namespace robocell {
 namespace {
