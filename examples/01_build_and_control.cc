@@ -17,7 +17,7 @@ namespace {
 
 // Drives the arm to a pose of the TCP (in the robot base frame) and gives it the time to arrive.
 void MoveTo(rc::Scene& scene, rc::Robot& robot, const rc::Pose& tcp, double seconds) {
-  const rc::IkResult ik = robot.Ik(tcp, {.prefer_near_seed = true});
+  const rc::IkResult ik = robot.Ik(tcp, {.prefer = rc::IkPrefer::kSeed});
   if (!ik.success) throw rc::Error("the pose is out of reach");
   const std::vector<double> from(robot.jnt_pos_cmd().begin(), robot.jnt_pos_cmd().end());
   const int ticks = static_cast<int>(seconds / scene.timestep());

@@ -16,7 +16,7 @@ import robocell as rc
 
 def move_to(robot: rc.Robot, tcp: rc.Pose, seconds: float) -> None:
     """Drives the arm to a pose of the TCP (in the robot base frame) along a smooth joint path."""
-    ik = robot.kinematics.ik(tcp, prefer_near_seed=True)
+    ik = robot.kinematics.ik(tcp, prefer="seed")
     if not ik.success:
         raise RuntimeError(f"the pose is out of reach: {ik}")
     start = robot.jnt_pos_cmd.copy()

@@ -75,7 +75,7 @@ void Grip(rc::Robot& robot, double opening) {
 void MoveTo(rc::Robot& robot, const Eigen::Vector3d& position, double seconds) {
   const rc::Pose down(position, rc::Quaternion{1, 0, 0, 0});
   const rc::IkResult ik =
-      robot.Ik(robot.base_in_world().inverse() * down, {.prefer_near_seed = true});
+      robot.Ik(robot.base_in_world().inverse() * down, {.prefer = rc::IkPrefer::kSeed});
   if (!ik.success) throw rc::Error("the place is out of reach");
   const std::vector<double> from(robot.jnt_pos_cmd().begin(), robot.jnt_pos_cmd().end());
   const int ticks = static_cast<int>(std::lround(seconds / robot.scene().timestep()));

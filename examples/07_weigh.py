@@ -60,7 +60,7 @@ def wait(robot: rc.Robot, seconds: float) -> None:
 def move_to(robot: rc.Robot, position: np.ndarray, seconds: float) -> None:
     """Drives the TCP, pointing down, to a place in the world along a smooth joint path."""
     tcp = robot.base_in_world.inverse() * rc.Pose(translation=position, quaternion=[1, 0, 0, 0])
-    ik = robot.kinematics.ik(tcp, prefer_near_seed=True)
+    ik = robot.kinematics.ik(tcp, prefer="seed")
     if not ik.success:
         raise RuntimeError(f"the place is out of reach: {ik}")
     start = robot.jnt_pos_cmd.copy()

@@ -11,6 +11,7 @@
 #include "robocell/base/names.h"
 #include "robocell/control/cartesian_impedance_controller.h"
 #include "robocell/control/cartesian_pose_controller.h"
+#include "robocell/control/differential_ik_controller.h"
 #include "robocell/control/joint_impedance_controller.h"
 
 namespace robocell::python {
@@ -40,6 +41,7 @@ nb::object ControllerObject(const Robot& robot, const std::string& group) {
   if (auto c = std::dynamic_pointer_cast<JointImpedanceController>(shared)) return nb::cast(c);
   if (auto c = std::dynamic_pointer_cast<CartesianPoseController>(shared)) return nb::cast(c);
   if (auto c = std::dynamic_pointer_cast<CartesianImpedanceController>(shared)) return nb::cast(c);
+  if (auto c = std::dynamic_pointer_cast<DifferentialIkController>(shared)) return nb::cast(c);
   return nb::cast(shared);
 }
 
@@ -148,6 +150,44 @@ void BindCartesianImpedance(nb::module_& m) {
           "base frame; a PyKDL.Wrench is taken too.");
 }
 
+void BindDifferentialIk(nb::module_& m) {
+  using C = DifferentialIkController;
+  nb::class_<C, Controller>(
+      m, "DifferentialIkController",
+      "The leaf moves with a twist until told otherwise, through position servos; joints stay "
+      "within their limits and speeds, and slow down near singularities.")
+      .def_prop_rw(
+          "twist", [](const C& self) { return Copy(self.target()); },
+          [](C& self, nb::handle twist) {
+            const FieldPath path("twist");
+            self.SetTarget(Numbers(twist, path, 6));
+          },
+          nb::for_getter(nb::sig("def twist(self, /) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def twist(self, value: numpy.typing.ArrayLike, /) -> None")),
+          "(6,) linear, then angular velocity of the leaf, m/s and rad/s, in the axes of `frame`.")
+      .def_prop_rw(
+          "frame", [](const C& self) { return TwistFrameName(self.frame()); },
+          [](C& self, nb::handle frame) { self.SetFrame(ToTwistFrame(frame)); },
+          nb::for_getter(nb::sig("def frame(self, /) -> str")),
+          nb::for_setter(nb::sig("def frame(self, value: str, /) -> None")),
+          "Whose axes the twist has: 'base' (the robot base frame) or 'tip'.")
+      .def_prop_rw(
+          "max_speed", [](const C& self) { return Copy(self.max_speed()); },
+          [](C& self, nb::handle speed) { self.SetMaxSpeed(ToRow(speed, "max_speed")); },
+          nb::for_getter(nb::sig("def max_speed(self, /) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def max_speed(self, value: object, /) -> None")),
+          "(n,) of each joint, rad/s or m/s; at first pi.")
+      .def_prop_rw(
+          "posture", [](const C& self) { return Copy(self.posture()); },
+          [](C& self, nb::handle q) { self.SetPosture(ToRow(q, "posture")); },
+          nb::for_getter(nb::sig("def posture(self, /) -> numpy.typing.NDArray[numpy.float64]")),
+          nb::for_setter(nb::sig("def posture(self, value: object, /) -> None")),
+          "Joint positions (n,) that joints to spare go to; at first where the arm is.")
+      .def_prop_rw("posture_rate", &C::posture_rate, &C::SetPostureRate,
+                   "How fast they go there, a share of the way per second; 0 lets them rest.")
+      .def_prop_ro("slower", &C::slower, "Whether the leaf could not do what it was last told.");
+}
+
 }  // namespace
 
 void BindControllers(nb::module_& m) {
@@ -166,9 +206,11 @@ void BindControllers(nb::module_& m) {
   BindJointImpedance(m);
   BindCartesianPose(m);
   BindCartesianImpedance(m);
+  BindDifferentialIk(m);
   for (const nb::handle type :
        {nb::handle(controller), nb::type<JointImpedanceController>(),
-        nb::type<CartesianPoseController>(), nb::type<CartesianImpedanceController>()})
+        nb::type<CartesianPoseController>(), nb::type<CartesianImpedanceController>(),
+        nb::type<DifferentialIkController>()})
     GuardHandle<Controller>(type, [](const Controller& c) { c.RequireOpen(); }, {"kind"});
 }
 

@@ -2,6 +2,7 @@
 // the package robocell, which re-exports it.
 #include "argument_errors.h"
 #include "bindings.h"
+#include "ik_wishes.h"
 #include "robocell/mujoco/version.h"
 
 NB_MODULE(_core, m) {
@@ -19,6 +20,7 @@ NB_MODULE(_core, m) {
   BindScene(m);
   BindKinematics(m);
   BindRobot(m);
+  BindCollisionFilter(m);
   BindRender(m);
   BindTask(m);
   BindSampler(m);

@@ -9,8 +9,14 @@
 #include "bindings.h"
 #include "chain_batch.h"
 #include "closed_handles.h"
+#include "ik_wishes.h"
 #include "signals.h"
+#include "values.h"
+#include "robocell/base/names.h"
 #include "robocell/kinematics/ik_batch.h"
+#include "robocell/kinematics/ik_solutions.h"
+#include "robocell/kinematics/manipulability.h"
+#include "robocell/kinematics/reach_map.h"
 
 namespace nb = nanobind;
 
@@ -20,19 +26,54 @@ using namespace nb::literals;
 
 namespace {
 
-IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
-                 const std::vector<std::string>& locked_groups, double tolerance,
-                 bool position_only, bool prefer_near_seed, int max_restarts, int max_iterations) {
-  IkOptions options{.tolerance = tolerance,
-                    .position_only = position_only,
-                    .prefer_near_seed = prefer_near_seed,
-                    .max_restarts = max_restarts,
-                    .max_iterations = max_iterations};
+IkOptions OptionsFor(const Kinematics& k, nb::handle seed,
+                     const std::vector<std::string>& locked_groups, const IkWishes& wishes) {
+  IkOptions options;
   if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToRow(seed, "seed")));
   options.locked = k.robot.LockGroups(locked_groups);
+  wishes.Apply(&options);
+  return options;
+}
+
+IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
+                 const std::vector<std::string>& locked_groups, double tolerance,
+                 bool position_only, int max_restarts, int max_iterations,
+                 nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
+                 double cone, nb::handle prefer, nb::handle filter) {
+  IkOptions options = OptionsFor(k, seed, locked_groups,
+                                 {position_weights, rotation_weights, axis, cone, prefer, filter});
+  options.tolerance = tolerance;
+  options.position_only = position_only;
+  options.max_restarts = max_restarts;
+  options.max_iterations = max_iterations;
   const Pose pose = target.get();
   const nb::gil_scoped_release release;
   return k.robot.Ik(pose, options);
+}
+
+nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
+                    const std::vector<std::string>& locked_groups, double tolerance,
+                    bool position_only, int starts, double separation, nb::handle position_weights,
+                    nb::handle rotation_weights, nb::handle axis, double cone, nb::handle prefer,
+                    nb::handle filter) {
+  IkOptions options = OptionsFor(k, seed, locked_groups,
+                                 {position_weights, rotation_weights, axis, cone, prefer, filter});
+  if (options.seed.empty()) options.seed = JointVector(k.robot.arm().joint_pos());
+  options.tolerance = tolerance;
+  options.position_only = position_only;
+  if (starts < 1)
+    throw ArgumentError(
+        fmt::format("inverse kinematics: starts is {}; it must be 1 or more", starts));
+  options.max_restarts = starts - 1;
+  const Pose pose = target.get();
+  std::vector<IkResult> found;
+  {
+    const nb::gil_scoped_release release;
+    found = IkSolutions(k.robot.chain(), pose, options, separation);
+  }
+  std::vector<double> rows;
+  for (const IkResult& one : found) rows.insert(rows.end(), one.q.begin(), one.q.end());
+  return NewArray<double>(rows, {found.size(), static_cast<size_t>(k.robot.chain().n_joints())});
 }
 
 // A Pose, a Frame, or something with four rows.
@@ -62,8 +103,9 @@ std::vector<Pose> ToPoses(nb::handle targets) {
 
 nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
                       const std::vector<std::string>& locked_groups, double tolerance, int threads,
-                      bool position_only, bool prefer_near_seed, int max_restarts,
-                      int max_iterations) {
+                      bool position_only, int max_restarts, int max_iterations,
+                      nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
+                      double cone, nb::handle prefer, nb::handle filter) {
   const std::vector<Pose> poses = ToPoses(targets);
   std::vector<double> seed_values;
   if (!seeds.is_none()) {
@@ -71,19 +113,17 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
   } else if (!locked_groups.empty()) {
     seed_values = k.robot.arm().joint_pos();
   }
-  const LockedJoints locked = k.robot.LockGroups(locked_groups);
+  IkOptions ik = OptionsFor(k, nb::none(), locked_groups,
+                            {position_weights, rotation_weights, axis, cone, prefer, filter});
+  ik.tolerance = tolerance;
+  ik.position_only = position_only;
+  ik.max_restarts = max_restarts;
+  ik.max_iterations = max_iterations;
   IkBatchResult result;
   {
     const nb::gil_scoped_release release;
     SignalPoll poll;
-    const IkBatchOptions options{.ik = {.tolerance = tolerance,
-                                        .locked = locked,
-                                        .position_only = position_only,
-                                        .prefer_near_seed = prefer_near_seed,
-                                        .max_restarts = max_restarts,
-                                        .max_iterations = max_iterations},
-                                 .threads = threads,
-                                 .poll = [&] { poll(); }};
+    const IkBatchOptions options{.ik = ik, .threads = threads, .poll = [&] { poll(); }};
     result = IkBatch(k.robot.chain(), poses, seed_values, options);
   }
   const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
@@ -95,6 +135,64 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
       "position_error"_a = NewArray<double>(result.position_error, {b}),
       "rotation_error"_a = NewArray<double>(result.rotation_error, {b}),
       "iterations"_a = NewArray<int>(result.iterations, {b}));
+}
+
+nb::object SolveTwist(const Kinematics& k, nb::handle q, nb::handle twist, nb::handle frame,
+                      double seconds, nb::handle max_speed, nb::handle posture, double posture_rate,
+                      const std::vector<std::string>& locked_groups) {
+  const auto joints = [](nb::handle values, const char* name) {
+    if (values.is_none()) return JointVector();
+    const FieldPath path(name);
+    return JointVector(Numbers(values, path).span());
+  };
+  const FieldPath path("twist"), q_path("q");
+  const Numbers six(twist, path, 6);
+  const DifferentialIkOptions options{.frame = ToTwistFrame(frame),
+                                      .seconds = seconds,
+                                      .max_speed = joints(max_speed, "max_speed"),
+                                      .posture = joints(posture, "posture"),
+                                      .posture_rate = posture_rate,
+                                      .locked = k.robot.LockGroups(locked_groups)};
+  const DifferentialIkResult found =
+      DifferentialIk(k.robot.chain(), Numbers(q, q_path),
+                     {{six[0], six[1], six[2]}, {six[3], six[4], six[5]}}, options);
+  const Eigen::Matrix<double, 6, 1> moved = found.twist.vector();
+  return nb::module_::import_("types").attr("SimpleNamespace")(
+      "velocity"_a = NewArray<double>(found.velocity, {static_cast<size_t>(found.velocity.size())}),
+      "twist"_a = NewArray<double>(std::span<const double>(moved.data(), 6), {6}),
+      "slower"_a = found.slower);
+}
+
+nb::object MapReachOf(const Kinematics& k, nb::handle lower, nb::handle upper, double cell,
+                      int rotations, double tolerance, int max_restarts, int threads) {
+  ReachGrid grid{.cell = cell};
+  const FieldPath lower_path("lower"), upper_path("upper");
+  const Numbers low(lower, lower_path, 3), high(upper, upper_path, 3);
+  grid.lower = {low[0], low[1], low[2]};
+  grid.upper = {high[0], high[1], high[2]};
+  ReachMap map;
+  {
+    const nb::gil_scoped_release release;
+    SignalPoll poll;
+    map = MapReach(k.robot.chain(), grid,
+                   {.rotations = rotations,
+                    .tolerance = tolerance,
+                    .max_restarts = max_restarts,
+                    .threads = threads,
+                    .poll = [&] { poll(); }});
+  }
+  std::vector<double> centres[3];
+  std::vector<size_t> shape;
+  for (int axis = 0; axis < 3; ++axis) {
+    shape.push_back(static_cast<size_t>(map.cells[axis]));
+    for (int i = 0; i < map.cells[axis]; ++i)
+      centres[axis].push_back(map.first[axis] + i * map.cell);
+  }
+  return nb::module_::import_("types").attr("SimpleNamespace")(
+      "fraction"_a = NewArray<float>(map.fraction, shape),
+      "manipulability"_a = NewArray<float>(map.manipulability, shape), "x"_a = NewArray(centres[0]),
+      "y"_a = NewArray(centres[1]), "z"_a = NewArray(centres[2]), "cell"_a = map.cell,
+      "rotations"_a = map.rotations);
 }
 
 // The world's, in the axes of the robot base frame, unless given.
@@ -168,6 +266,18 @@ bool MayBePose(nb::handle value) noexcept {
   return has_length;
 }
 
+TwistFrame ToTwistFrame(nb::handle name) {
+  const FieldPath path("frame");
+  const std::vector<std::string> names = {"base", "tip"};
+  const std::string text = ToText(name, path);
+  if (text == names[0]) return TwistFrame::kBase;
+  if (text == names[1]) return TwistFrame::kTip;
+  ThrowValue(path, "must be one of " + ListNames(names) + ", got '" + text + "'." +
+                       DidYouMean(text, names));
+}
+
+const char* TwistFrameName(TwistFrame frame) { return frame == TwistFrame::kBase ? "base" : "tip"; }
+
 void BindKinematics(nb::module_& m) {
   nb::class_<IkResult>(
       m, "IkResult",
@@ -206,22 +316,35 @@ void BindKinematics(nb::module_& m) {
       .def_prop_ro("joint_names", [](const Kinematics& k) { return k.robot.chain().joint_names(); })
       .def("ik", &SolveIk, "target"_a, "seed"_a = nb::none(),
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
-           "position_only"_a = false, "prefer_near_seed"_a = false, "max_restarts"_a = 100,
-           "max_iterations"_a = 40,
+           "position_only"_a = false, "max_restarts"_a = 100, "max_iterations"_a = 40,
+           nb::kw_only(), "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
+           "axis"_a = nb::none(), "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none(),
+           nb::sig("def ik(self, target: Pose | numpy.typing.ArrayLike, seed: object | None = "
+                   "None, locked_groups: collections.abc.Sequence[str] = [], tolerance: float = "
+                   "1e-05, position_only: bool = False, max_restarts: int = 100, max_iterations: "
+                   "int = 40, *, " ROBOCELL_IK_WISHES_SIG ") -> IkResult"),
            "Joint values that put the TCP at `target` (in the robot base frame): a Pose, a "
            "PyKDL.Frame or a 4x4 matrix. Starts at `seed`, else where the arm is.\n\n"
            "The joints of `locked_groups` stay where the seed has them. "
            "Limits are always obeyed; the same question has the same answer. Damped least squares "
-           "(Sugihara 2011) with\n"
-           "evenly spread restarts.")
+           "(Sugihara 2011) with evenly spread restarts.\n\n"
+           "position_weights and rotation_weights (3,): what an error along and about each axis of "
+           "the target counts; 0: any value will do. axis (3,): of the rotation only this "
+           "direction in the TCP's frame has to point where the target's points, or off by at most "
+           "`cone` rad. prefer: 'seed', 'limits' (away from them), 'manipulability' or a posture "
+           "(n,) that the solution is to be near to; joints to spare are moved there. filter: a "
+           "CollisionFilter, or a function of joint values (k, n) that returns (k,) booleans; "
+           "what it does not keep is no solution.")
       .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(),
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5, "threads"_a = 1,
-           "position_only"_a = false, "prefer_near_seed"_a = false, "max_restarts"_a = 100,
-           "max_iterations"_a = 40,
+           "position_only"_a = false, "max_restarts"_a = 100, "max_iterations"_a = 40,
+           nb::kw_only(), "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
+           "axis"_a = nb::none(), "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none(),
            nb::sig("def ik_batch(self, targets: object, seeds: object | None = None, "
                    "locked_groups: collections.abc.Sequence[str] = [], tolerance: float = 1e-05, "
-                   "threads: int = 1, position_only: bool = False, prefer_near_seed: bool = False, "
-                   "max_restarts: int = 100, max_iterations: int = 40) -> types.SimpleNamespace"),
+                   "threads: int = 1, position_only: bool = False, max_restarts: int = 100, "
+                   "max_iterations: int = 40, *, " ROBOCELL_IK_WISHES_SIG
+                   ") -> types.SimpleNamespace"),
            "Many poses at once, as many at a time as the processor has lanes.\n\n"
            "targets (B, 4, 4) in the robot base frame, or a list of poses. seeds (B, n) or (n,): "
            "where each search "
@@ -229,7 +352,57 @@ void BindKinematics(nb::module_& m) {
            "the target (joints of locked groups stay where the robot has them). Returns q (B, n), "
            "success (B,), position_error (B,) in m, rotation_error (B,) in rad and iterations "
            "(B,). Limits are always obeyed. An answer does not depend on the batch it is in; "
-           "processors with other instruction sets may find another solution.")
+           "processors with other instruction sets may find another solution. A filter is given "
+           "the solutions of many targets at once. The other arguments are those of ik.")
+      .def("ik_solutions", &SolveAll, "target"_a, "seed"_a = nb::none(),
+           "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
+           "position_only"_a = false, "starts"_a = 200, "separation"_a = 0.05, nb::kw_only(),
+           "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
+           "axis"_a = nb::none(), "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none(),
+           nb::sig("def ik_solutions(self, target: Pose | numpy.typing.ArrayLike, seed: object | "
+                   "None = None, locked_groups: collections.abc.Sequence[str] = [], tolerance: "
+                   "float = 1e-05, position_only: bool = False, starts: int = 200, separation: "
+                   "float = 0.05, *, " ROBOCELL_IK_WISHES_SIG
+                   ") -> numpy.typing.NDArray[numpy.float64]"),
+           "All solutions (S, n) that `starts` searches find and that are more than `separation` "
+           "rad apart in some joint, nearest to the seed first (or best first, by `prefer`).\n\n"
+           "Of an arm with joints to spare these are samples of endlessly many; with `prefer` each "
+           "is the best of its kind. The other arguments are those of ik.")
+      .def("differential_ik", &SolveTwist, "q"_a, "twist"_a, "frame"_a = "base", "seconds"_a = 0.0,
+           "max_speed"_a = nb::none(), "posture"_a = nb::none(), "posture_rate"_a = 1.0,
+           "locked_groups"_a = std::vector<std::string>{},
+           nb::sig("def differential_ik(self, q: object, twist: numpy.typing.ArrayLike, frame: str "
+                   "= 'base', seconds: float = 0.0, max_speed: object | None = None, posture: "
+                   "object | None = None, posture_rate: float = 1.0, locked_groups: "
+                   "collections.abc.Sequence[str] = []) -> types.SimpleNamespace"),
+           "Joint velocities (n,) at q (n,) that move the TCP with `twist` (6,), linear then "
+           "angular, m/s and rad/s, in the axes of the robot base frame or of the TCP ('tip').\n\n"
+           "No joint is faster than max_speed (n,) or leaves its limits within `seconds`; among "
+           "what is left the twist is met best. Speeds are damped near singularities. Joints to "
+           "spare go to `posture` (n,), a share posture_rate of the way per second. Returns "
+           "`velocity`, the `twist` that comes of it, and whether it is `slower` than asked.")
+      .def(
+          "manipulability",
+          [](const Kinematics& k, nb::handle q) {
+            return Manipulability(k.robot.chain(), ToRow(q, "q"));
+          },
+          "q"_a,
+          "How well the TCP can move in all directions at q (n,): the root of det(J J^T) "
+          "(Yoshikawa "
+          "1985), 0 where a direction is lost.")
+      .def(
+          "reach_map", &MapReachOf, "lower"_a, "upper"_a, "cell"_a = 0.05, "rotations"_a = 64,
+          "tolerance"_a = 1e-3, "max_restarts"_a = 8, "threads"_a = 1,
+          nb::sig("def reach_map(self, lower: numpy.typing.ArrayLike, upper: "
+                  "numpy.typing.ArrayLike, cell: float = 0.05, rotations: int = 64, tolerance: "
+                  "float = 0.001, max_restarts: int = 8, threads: int = 1) -> "
+                  "types.SimpleNamespace"),
+          "Where the TCP can be in the box between the corners `lower` and `upper` (3,), m, in the "
+          "robot base frame (one layer of cells where they agree along an axis).\n\n"
+          "At the centre of each cell so many evenly spread rotations are tried. Returns "
+          "`fraction` (X, Y, Z), the share that is solved within the limits; `manipulability` (X, "
+          "Y, Z), the mean of the answers'; the centres `x`, `y`, `z`; `cell` and `rotations`. "
+          "Collisions are not looked at.")
       .def_prop_ro(
           "reach", [](const Kinematics& k) { return k.robot.reach(); },
           nb::call_guard<nb::gil_scoped_release>(),

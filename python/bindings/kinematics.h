@@ -3,6 +3,7 @@
 #pragma once
 
 #include "bindings.h"
+#include "robocell/kinematics/differential_ik.h"
 #include "robocell/math/twist.h"
 #include "robocell/robot/robot.h"
 
@@ -24,6 +25,10 @@ struct PoseOrFrame {
 
 // Whether it may be meant as one: a Pose, a Frame, or rows of numbers.
 bool MayBePose(nb::handle value) noexcept;
+
+// "base" or "tip".
+TwistFrame ToTwistFrame(nb::handle name);
+const char* TwistFrameName(TwistFrame frame);
 
 // Chains on their own. Needs IkResult to be bound.
 void BindChain(nb::module_& m);

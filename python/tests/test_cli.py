@@ -27,6 +27,7 @@ def test_every_command_is_listed_with_what_it_does():
         "check",
         "gripper-range",
         "ik-test",
+        "reach",
         "fetch",
         "doctor",
     ):

@@ -6,10 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import robocell
 from command_line import RC7, refused, robocell_command, set_in, write_robot, write_run
+from robocell.cli import reach_map
 from robocell.cli.robot_checks import idle_actuators
 from robocell.cli.robot_scene import load_robot
 
@@ -212,6 +214,45 @@ def test_ik_test_solves_what_the_robot_can_reach():
         result = robocell_command("ik-test", RC7, "--samples", 200, *parallel)
         assert result.returncode == 0, result.stdout + result.stderr
         assert "of 200 at 1e-05 m, rad" in result.stdout
+
+
+def test_reach_writes_numbers_a_picture_and_a_page(tmp_path: Path):
+    name = tmp_path / "map"
+    result = robocell_command(
+        *("reach", RC7, "--plane", "z=0.3", "--cell", 0.2, "--rotations", 8, "-o", name)
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert "cells of 0.2 m" in result.stdout
+    with np.load(f"{name}.npz") as found:
+        assert found["fraction"].shape == (len(found["x"]), len(found["y"]), 1)
+        assert found["z"] == pytest.approx(0.3)
+        assert 0.5 < found["fraction"].max() <= 1
+        assert ((found["manipulability"] > 0) == (found["fraction"] > 0)).all()
+    assert (tmp_path / "map.png").read_bytes().startswith(b"\x89PNG")
+    page = (tmp_path / "map.html").read_text()
+    assert "heatmap" in page
+    assert "https://cdn" not in page.split("<body>")[0]
+
+
+def test_reach_of_a_volume_is_drawn_in_slices_and_as_a_body(tmp_path: Path):
+    robot = load_robot(RC7).robot
+    lower, upper = reach_map.corners(robot, None)
+    found = robot.kinematics.reach_map(lower, upper, cell=0.4, rotations=4)
+    assert [axis for axis, _, _ in reach_map.slices(found)] == [2, 1, 0]
+    reach_map.draw(tmp_path / "map.png", "rc7", found)
+    reach_map.write_page(tmp_path / "map.html", "rc7", found)
+    assert (tmp_path / "map.png").stat().st_size > 10_000
+    assert '"type":"volume"' in (tmp_path / "map.html").read_text()
+
+
+def test_reach_tells_what_it_cannot_do(tmp_path: Path):
+    assert "give one of --plane AXIS=METRES (as --plane z=0.4) and --volume" in refused(
+        "reach", RC7
+    )
+    assert "--plane 'q=1' is no plane: write x, y or z" in refused("reach", RC7, "--plane", "q=1")
+    nowhere = tmp_path / "no" / "map"
+    text = refused("reach", RC7, "--volume", "-o", nowhere, code=3)
+    assert f"there is no folder '{nowhere.parent}'" in text
 
 
 @pytest.mark.parametrize("command", ["check", "generate"])

@@ -354,8 +354,8 @@ class TestLockedGroups:
         assert not robot.kinematics.ik_batch(target.matrix[None], **options).success.any()
         alone = robot.kinematics.ik(target, seed=seed, max_restarts=0, max_iterations=0)
         assert (alone.success, alone.iterations, alone.restarts) == (False, 0, 0)
-        near = robot.kinematics.ik_batch(target.matrix[None], seeds=seed, prefer_near_seed=True)
-        one = robot.kinematics.ik(target, seed=seed, prefer_near_seed=True)
+        near = robot.kinematics.ik_batch(target.matrix[None], seeds=seed, prefer="seed")
+        one = robot.kinematics.ik(target, seed=seed, prefer="seed")
         np.testing.assert_allclose(near.q[0], one.q, atol=1e-12)
 
     def test_a_target_is_a_pose_or_a_matrix_and_a_batch_a_list_of_either(self, robot):

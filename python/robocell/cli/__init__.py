@@ -14,6 +14,7 @@ from robocell.cli.fetch import fetch
 from robocell.cli.generate import generate
 from robocell.cli.gripper_range import gripper_range
 from robocell.cli.ik_test import ik_test
+from robocell.cli.reach import reach
 from robocell.cli.replay import replay
 from robocell.cli.report import report
 from robocell.cli.verify import verify
@@ -24,7 +25,18 @@ app = typer.Typer(
     add_completion=False,
     pretty_exceptions_enable=False,
 )
-for command in (generate, report, verify, replay, check, gripper_range, ik_test, fetch, doctor):
+for command in (
+    generate,
+    report,
+    verify,
+    replay,
+    check,
+    gripper_range,
+    ik_test,
+    reach,
+    fetch,
+    doctor,
+):
     app.command()(command)
 
 

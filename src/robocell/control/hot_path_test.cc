@@ -10,7 +10,8 @@ namespace {
 
 TEST(ControlHotPath, AllocatesNothing) {
   Robot robot = RobotAlone(Rc7());
-  for (const char* kind : {"joint_impedance", "cartesian_pose", "cartesian_impedance"}) {
+  for (const char* kind :
+       {"joint_impedance", "cartesian_pose", "cartesian_impedance", "differential_ik"}) {
     robot.SetController("arm", kind);
     robot.Update();
     EXPECT_TRUE(robot.Step().ok());

@@ -15,17 +15,23 @@
 // is clipped. Of positions that are whole turns apart and in the limits, the one nearest to the
 // seed is returned.
 //
-// Nothing is allocated, but for a table of starts that a chain makes once, when its first question
-// is not solved from its seed. Method: damped least squares with joints that press on a limit taken
-// out (after T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by the Levenberg-Marquardt
-// Method", 2011), many short tries instead of a few long ones. lane_search.h has one question in
-// all lanes, ik_batch.h one question per lane.
+// Nothing is allocated (but by a filter), but for a table of starts that a chain makes once, when
+// its first question is not solved from its seed. Method: damped least squares with joints that
+// press on a limit taken out (after T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by the
+// Levenberg-Marquardt Method", 2011), many short tries instead of a few long ones. lane_search.h
+// has one question in all lanes, ik_batch.h one question per lane.
 //
 //   IkResult found = Ik(chain, target, {.seed = JointVector(q_now)});
 //   if (found.success) Command(found.q);
+//   // The tip's z axis within 0.2 rad of the target's, the elbow as free as it can be:
+//   found = Ik(chain, target, {.axis = Eigen::Vector3d::UnitZ(), .cone = 0.2,
+//                              .prefer = IkPrefer::kAwayFromLimits});
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -35,6 +41,20 @@ namespace robocell {
 
 // Which joints of a chain must stay where the seed has them.
 using LockedJoints = std::array<bool, kMaxChainJoints>;
+
+// Which of the solutions is wanted. What is not kFirst compares sixteen and takes twenty times as
+// long; joints to spare are moved, too.
+enum class IkPrefer {
+  kFirst,           // the first that is found
+  kSeed,            // near the seed
+  kPosture,         // near options.posture
+  kAwayFromLimits,  // in the middle of the limits, by the sum of squared shares of the half range
+  kManipulability,  // where the tip can move best (manipulability.h)
+};
+
+// Says which configurations may be an answer: `q` holds `count` of them row by row, `keep` is set
+// to 1 or 0 for each, whatever the others are. Called on the thread that asks.
+using IkFilter = std::function<void(std::span<const double> q, int count, std::span<uint8_t> keep)>;
 
 struct IkOptions {
   // Largest position error (m) and rotation error (rad), each as a norm.
@@ -46,9 +66,19 @@ struct IkOptions {
   LockedJoints locked{};
   // Reach the target's position with any rotation.
   bool position_only = false;
-  // Look for several solutions and return the one nearest to the seed, moved closer to it where the
-  // chain has joints to spare. Takes some hundred steps.
-  bool prefer_near_seed = false;
+  // What an error along (m) or about (rad) each axis of the target counts: it is multiplied by
+  // this. 0: any value will do. With one 0 among the rotations only the direction of that axis is
+  // asked for.
+  std::array<double, 3> position_weights = {1, 1, 1}, rotation_weights = {1, 1, 1};
+  // Of the rotation only this direction in the tip's frame is asked for: it points where the
+  // target's points, or off by at most `cone` rad.
+  std::optional<Eigen::Vector3d> axis{};
+  double cone = 0;
+  IkPrefer prefer = IkPrefer::kFirst;
+  JointVector posture{};  // of IkPrefer::kPosture
+  // Solutions that it does not keep are none. When it keeps none, the answer is one of them with
+  // success = false. Starts are tried until one is kept.
+  IkFilter filter{};
   // Starts after the one from the seed.
   int max_restarts = 100;
   // Most steps of one start; starts that get nowhere end earlier.
@@ -58,8 +88,8 @@ struct IkOptions {
 struct IkResult {
   JointVector q{};
   bool success = false;
-  double position_error = 0;  // m, of q
-  double rotation_error = 0;  // rad, of q; not judged when only the position is asked for
+  double position_error = 0;  // m, of q; of what is asked for, weights taken into account
+  double rotation_error = 0;  // rad; the whole one, not judged, when only the position is asked for
   int iterations = 0;         // steps; those that lanes take at once count as one
   int restarts = 0;           // starts before the one that led to q
 };

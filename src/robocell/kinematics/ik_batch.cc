@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/ik_choice.h"
 #include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/lane_solver.h"
 
@@ -16,6 +17,11 @@ namespace {
 
 // Questions between two polls of a thread.
 constexpr int kPollEvery = 16;
+
+// Questions that are chosen for together.
+constexpr int kChosenTogether = 64;
+
+const std::function<void()> kNoPoll;
 
 // How the seeds are laid out for B questions about n joints.
 enum class Seeds { kNone, kOne, kEach };
@@ -48,11 +54,8 @@ class Batch {
   void Run() {
     const int threads = std::clamp(options_.threads, 1, std::max(1, out_.size));
     if (threads > 1) chain_.lanes().starts(chain_.model());  // what throws, throws here
-    std::vector<std::jthread> helpers;
-    const Ending ending{ended_};  // destroyed before the helpers are joined
-    for (int t = 1; t < threads; ++t)
-      helpers.emplace_back([this, t, threads] { SolveEvery(t, threads, {}); });
-    SolveEvery(0, threads, options_.poll);
+    if (IsChosen(options_.ik)) return ChooseAll(threads);
+    OnThreads(threads, [&](int t) { SolveEvery(t, threads, t == 0 ? options_.poll : kNoPoll); });
   }
 
  private:
@@ -128,12 +131,34 @@ class Batch {
 
   void SolveEvery(int first, int stride, const std::function<void()>& poll) {
     Share share(this, first, stride, poll);
-    if (!options_.ik.prefer_near_seed) return SolveLanes(chain_, options_.ik, &share);
-    LaneQuestion question;
-    while (share.Next(&question)) {
-      IkOptions options = options_.ik;
-      if (!question.seed.empty()) options.seed = JointVector(question.seed);
-      Keep(question.number, Ik(chain_, targets_[question.number], options));
+    SolveLanes(chain_, options_.ik, &share);
+  }
+
+  // Calls work(0 .. threads - 1) at once, number 0 on the caller's thread.
+  template <class Work>
+  void OnThreads(int threads, const Work& work) {
+    std::vector<std::jthread> helpers;
+    const Ending ending{ended_};  // destroyed before the helpers are joined
+    for (int t = 1; t < threads; ++t) helpers.emplace_back([&work, t] { work(t); });
+    work(0);
+  }
+
+  void ChooseAll(int threads) {
+    std::vector<LaneQuestion> questions;
+    std::vector<IkChoice::Search> searches(std::size_t{kChosenTogether} * IkChoice::kSearches);
+    std::vector<IkResult> answers(kChosenTogether);
+    for (int first = 0; first < out_.size; first += kChosenTogether) {
+      const int count = std::min(kChosenTogether, out_.size - first);
+      questions.clear();
+      for (int b = first; b < first + count; ++b)
+        questions.push_back({.target = ToTransform(targets_[b]), .seed = SeedOf(b)});
+      IkChoice choice(chain_, options_.ik, questions,
+                      std::span(searches).first(std::size_t(count) * IkChoice::kSearches), answers);
+      do {
+        if (options_.poll) options_.poll();
+        OnThreads(threads, [&](int t) { choice.Run(t, threads, ended_); });
+      } while (choice.Choose());
+      for (int k = 0; k < count; ++k) Keep(first + k, answers[k]);
     }
   }
 

@@ -3,7 +3,8 @@
 // Every question is answered on its own: its answer does not depend on the other questions, on
 // their order or on the number of threads. It may be another one than that of Ik, and on a
 // processor with another instruction set another one again; each is a solution. Results are arrays
-// with one row per question. See lane_solver.h for the method.
+// with one row per question. See lane_solver.h for the method. A filter is given the solutions of
+// many questions at once, on the caller's thread.
 //
 // Errors: ArgumentError before any work starts, naming the row that is wrong. See ik.h for the
 // options.

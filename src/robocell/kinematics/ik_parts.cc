@@ -57,14 +57,21 @@ void UnwindTowards(const ChainModel& chain, const JointVector& seed, const Locke
   }
 }
 
-IkResult Judged(const ChainModel& chain, const Transform& target, const IkOptions& options,
-                const JointVector& q) {
+IkResult Judged(const ChainModel& chain, const Transform& target, const IkTask& task,
+                double tolerance, const JointVector& q) {
   IkResult result{.q = q};
-  const PoseError error = ErrorTo(target, WalkChain(chain, q.data(), [](int, const Transform&) {}));
-  result.position_error = error.linear.stableNorm();
-  result.rotation_error = error.angular.norm();
-  result.success = result.position_error <= options.tolerance &&
-                   (options.position_only || result.rotation_error <= options.tolerance);
+  const Transform tip = WalkChain(chain, q.data(), [](int, const Transform&) {});
+  if (task.plain) {
+    const PoseError error = ErrorTo(target, tip);
+    result.position_error = error.linear.stableNorm();
+    result.rotation_error = error.angular.norm();
+  } else {
+    const IkTask::Errors errors = task.ErrorsOf(target, tip);
+    result.position_error = errors.position;
+    result.rotation_error = errors.rotation;
+  }
+  result.success = result.position_error <= tolerance &&
+                   (task.position_only || result.rotation_error <= tolerance);
   return result;
 }
 

@@ -2,7 +2,7 @@
 // For the solvers of this folder.
 #pragma once
 
-#include "robocell/kinematics/ik.h"
+#include "robocell/kinematics/ik_task.h"
 #include "robocell/kinematics/transform.h"
 
 namespace robocell {
@@ -28,7 +28,7 @@ void UnwindTowards(const ChainModel& chain, const JointVector& seed, const Locke
 
 // Judges q by a fresh forward kinematics, in double precision and one pose at a time: what a faster
 // kernel says counts for nothing. Fills in the errors and `success`.
-IkResult Judged(const ChainModel& chain, const Transform& target, const IkOptions& options,
-                const JointVector& q);
+IkResult Judged(const ChainModel& chain, const Transform& target, const IkTask& task,
+                double tolerance, const JointVector& q);
 
 }  // namespace robocell

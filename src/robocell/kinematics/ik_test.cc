@@ -8,6 +8,7 @@
 #include <numbers>
 #include <thread>
 
+#include "robocell/kinematics/differential_ik.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/start_range.h"
 #include "robocell/kinematics/testing/ik_judge.h"
@@ -329,7 +330,7 @@ TEST(Ik, PrefersTheSolutionNearTheSeedWhenAsked) {
     };
     const double first = distance(Ik(*arm.chain, target, {.seed = seed}));
     const double nearest =
-        distance(Ik(*arm.chain, target, {.seed = seed, .prefer_near_seed = true}));
+        distance(Ik(*arm.chain, target, {.seed = seed, .prefer = IkPrefer::kSeed}));
     farther += nearest > first + 1e-9;
     plain += first;
     near += nearest;
@@ -360,9 +361,12 @@ TEST(Ik, AllocatesNothingAndNeitherDoKinematicsAndDynamics) {
   Eigen::MatrixXd mass(9, 9);
   Ik(*arm.chain, far);  // makes the table of starts
   const AllocationCount count;
-  Ik(*arm.chain, target, {.seed = q, .prefer_near_seed = true});
+  Ik(*arm.chain, target, {.seed = q, .prefer = IkPrefer::kSeed});
+  Ik(*arm.chain, target, {.axis = Eigen::Vector3d::UnitX(), .cone = 0.1});
+  Ik(*arm.chain, target, {.position_weights = {1, 1, 0}, .prefer = IkPrefer::kManipulability});
   Ik(*arm.chain, target);
   Ik(*arm.chain, far);
+  DifferentialIk(*arm.chain, q, {.linear = {0.1, 0, 0}}, {.seconds = 0.01, .posture = q});
   arm.chain->Jacobian(q, jacobian);
   arm.chain->GravityTorques(q, {0, 0, -9.81}, torques);
   arm.chain->MassMatrix(q, mass);

@@ -181,9 +181,61 @@ HWY_NOINLINE void TurnAround(const Frame& f, const V3& x, const V3& y, const V3&
   *turn2 = hn::IfThenElse(lanes, tangent2, *turn2);
 }
 
-template <int N>
+// What is left to turn: 2 tan(angle / 2) axis, and its squared length, which grows beyond all
+// bounds at half a turn.
+HWY_INLINE void TurnLeft(const Frame& f, const V3& x, const V3& y, const V3& z, V3* angular,
+                         V* turn2) {
+  const V3 sine2 = Add(Cross(f.x, x), Add(Cross(f.y, y), Cross(f.z, z)));   // 2 sin(angle) axis
+  const V trace = hn::Add(Dot(f.x, x), hn::Add(Dot(f.y, y), Dot(f.z, z)));  // 1 + 2 cos(angle)
+  const V cosine2 = hn::Add(trace, Number(1));                              // 2 (1 + cos(angle))
+  const V scale = hn::Div(Number(2), hn::Max(cosine2, Number(kNearHalfTurn)));
+  *angular = Times(scale, sine2);
+  *turn2 = Dot(*angular, *angular);
+  const auto half_turn = hn::Lt(cosine2, Number(kNearHalfTurn));
+  if (HWY_UNLIKELY(!hn::AllFalse(d, half_turn)))
+    TurnAround(f, x, y, z, sine2, cosine2, half_turn, angular, turn2);
+}
+
+// What is left to turn when only one axis has to point somewhere: 2 tan(angle / 2) about `about`,
+// which is zero where nothing is left.
+HWY_INLINE V3 SwingLeft(const LaneTask& task, const Frame& f, const Frame& wanted, V3* about) {
+  const V3 now = Times(f, task.axis), then = Times(wanted, task.axis);
+  const V3 sine = Cross(now, then);
+  const V cosine1 = hn::Add(Dot(now, then), Number(1));  // 1 + cos(angle)
+  const V length = hn::Sqrt(hn::Max(Dot(sine, sine), Number(1e-60)));
+  // Half a turn may be made about anything across.
+  const auto half_turn = hn::Lt(cosine1, Number(0.5 * kNearHalfTurn));
+  const V3 across = Cross(now, {Number(0.48), Number(0.60), Number(0.64)});
+  const V breadth = hn::Sqrt(hn::Max(Dot(across, across), Number(1e-12)));
+  about->x = hn::Div(hn::IfThenElse(half_turn, across.x, sine.x),
+                     hn::IfThenElse(half_turn, breadth, length));
+  about->y = hn::Div(hn::IfThenElse(half_turn, across.y, sine.y),
+                     hn::IfThenElse(half_turn, breadth, length));
+  about->z = hn::Div(hn::IfThenElse(half_turn, across.z, sine.z),
+                     hn::IfThenElse(half_turn, breadth, length));
+  // tan((angle - cone) / 2)
+  const V tangent = hn::Div(length, hn::Max(cosine1, Number(0.5 * kNearHalfTurn)));
+  const V cone = Number(task.cone);
+  const V left = hn::Div(hn::Sub(tangent, cone), hn::MulAdd(tangent, cone, Number(1)));
+  const V twice = hn::Min(hn::Max(hn::Add(left, left), hn::Zero(d)), Number(3));
+  const auto inside = hn::Le(left, hn::Zero(d));
+  const V3 angular = Times(twice, *about);
+  if (task.cone > 0) {
+    about->x = hn::IfThenZeroElse(inside, about->x);
+    about->y = hn::IfThenZeroElse(inside, about->y);
+    about->z = hn::IfThenZeroElse(inside, about->z);
+  }
+  return angular;
+}
+
+// Three rows times a vector.
+HWY_INLINE V3 TimesRows(const double (*rows)[kMaxLanes], int lane, const V3& v) {
+  return {Dot(Load3(rows, lane), v), Dot(Load3(rows + 3, lane), v), Dot(Load3(rows + 6, lane), v)};
+}
+
+template <int N, bool kTask>
 HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& options, int lane,
-                              LaneState* state) {
+                              LaneState* state, const LaneTask* task) {
   constexpr int kMost = N ? N : kMaxChainJoints;
   const int n = N ? N : chain.n;
   V q[kMost];
@@ -193,21 +245,24 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
 
   // The twist that takes the tip to where it shall be.
   const V3 tip = Add(f.p, Times(f, chain.tip.translation));
-  const V3 linear = Sub(Load3(state->position, lane), tip);
+  const V zero = hn::Zero(d);
+  V3 linear = Sub(Load3(state->position, lane), tip), angular, about = {zero, zero, zero};
   const V3 x = Load3(state->axes, lane), y = Load3(state->axes + 3, lane),
            z = Load3(state->axes + 6, lane);
-  const V3 sine2 = Add(Cross(f.x, x), Add(Cross(f.y, y), Cross(f.z, z)));   // 2 sin(angle) axis
-  const V trace = hn::Add(Dot(f.x, x), hn::Add(Dot(f.y, y), Dot(f.z, z)));  // 1 + 2 cos(angle)
-  // 2 tan(angle / 2) axis; grows beyond all bounds at half a turn.
-  const V cosine2 = hn::Add(trace, Number(1));  // 2 (1 + cos(angle))
-  V scale = hn::Div(Number(2), hn::Max(cosine2, Number(kNearHalfTurn)));
-  if (options.position_only) scale = hn::Zero(d);
-  V3 angular = Times(scale, sine2);
+  V turn2;
+  if (kTask && task->swing) {
+    angular = SwingLeft(*task, f, {x, y, z, tip}, &about);
+  } else {
+    TurnLeft(f, x, y, z, &angular, &turn2);
+  }
+  V pull = hn::Zero(d);
+  if constexpr (kTask) {
+    linear = TimesRows(task->linear, lane, linear);
+    angular = TimesRows(task->angular, lane, angular);
+    turn2 = Dot(angular, angular);
+    pull = Load(task->pull + lane);
+  }
   const V distance2 = Dot(linear, linear);
-  V turn2 = Dot(angular, angular);
-  const auto half_turn = hn::Lt(cosine2, Number(kNearHalfTurn));
-  if (HWY_UNLIKELY(!options.position_only && !hn::AllFalse(d, half_turn)))
-    TurnAround(f, x, y, z, sine2, cosine2, half_turn, &angular, &turn2);
   const V cost = hn::Add(distance2, turn2);
   hn::Store(distance2, d, state->distance2 + lane);
   hn::Store(turn2, d, state->turn2 + lane);
@@ -225,7 +280,7 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
   for (int i = 0; i < 6; ++i) s.a[At(i, i)] = damping;
   s.b[0] = linear.x, s.b[1] = linear.y, s.b[2] = linear.z;
   s.b[3] = angular.x, s.b[4] = angular.y, s.b[5] = angular.z;
-  V column[kMost][6];
+  V column[kMost][6], spare[kTask ? kMost : 1], ease[kTask ? kMost : 1];
   for (int i = 0; i < n; ++i) {
     V* c = column[i];
     const FoldedJoint& joint = chain.joints[i];
@@ -236,11 +291,20 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
     } else {
       moves = Cross(turns, Sub(tip, axes[i].point));
     }
-    if (options.position_only) turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    if constexpr (kTask) {
+      moves = TimesRows(task->linear, lane, moves);
+      // Along the border of a cone nothing is asked for.
+      if (task->cone > 0) turns = Times(Dot(about, turns), about);
+      turns = TimesRows(task->angular, lane, turns);
+      const V way = hn::Sub(Load(task->goal[i] + lane), q[i]);
+      spare[i] =
+          options.locked[i] ? hn::Zero(d) : hn::Mul(hn::Mul(pull, Number(task->part[i])), way);
+    }
     // A joint that presses on its limit takes no part (projected gradient: D. P. Bertsekas,
     // "Projected Newton Methods for Optimization Problems with Simple Constraints", 1982).
-    const V pull = hn::Add(Dot(moves, linear), Dot(turns, angular));
-    const auto up = hn::Gt(pull, hn::Zero(d));
+    V push = hn::Add(Dot(moves, linear), Dot(turns, angular));
+    if constexpr (kTask) push = hn::Add(push, spare[i]);
+    const auto up = hn::Gt(push, hn::Zero(d));
     const auto stuck = hn::Or(hn::And(up, hn::Ge(q[i], Number(joint.upper))),
                               hn::AndNot(up, hn::Le(q[i], Number(joint.lower))));
     c[0] = hn::IfThenZeroElse(stuck, moves.x);
@@ -252,10 +316,18 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
     if (HWY_UNLIKELY(options.locked[i])) {
       for (int k = 0; k < 6; ++k) c[k] = hn::Zero(d);
     }
+    if constexpr (kTask) {
+      spare[i] = hn::IfThenZeroElse(stuck, spare[i]);
+      const auto at_ease = hn::Gt(pull, hn::Zero(d));
+      ease[i] = hn::IfThenElse(at_ease, Number(task->ease[i]), Number(1));
+      for (int r = 0; r < 6; ++r) s.b[r] = hn::NegMulAdd(c[r], spare[i], s.b[r]);
+    }
 #pragma GCC unroll 6
     for (int r = 0; r < 6; ++r) {
+      V row = c[r];
+      if constexpr (kTask) row = hn::Mul(row, ease[i]);
 #pragma GCC unroll 6
-      for (int k = 0; k <= r; ++k) s.a[At(r, k)] = hn::MulAdd(c[r], c[k], s.a[At(r, k)]);
+      for (int k = 0; k <= r; ++k) s.a[At(r, k)] = hn::MulAdd(row, c[k], s.a[At(r, k)]);
     }
   }
   Solve(&s);
@@ -266,13 +338,16 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
     const V* c = column[i];
     V sum = hn::Mul(c[0], s.b[0]);
     for (int k = 1; k < 6; ++k) sum = hn::MulAdd(c[k], s.b[k], sum);
+    if constexpr (kTask) sum = hn::MulAdd(sum, ease[i], spare[i]);
     step[i] = sum;
     if (!chain.joints[i].slide) most = hn::Max(most, hn::Abs(sum));
   }
   // Slides are linear however far they go.
-  const V go = hn::IfThenZeroElse(arrived, Number(1));
-  const V shorten = hn::IfThenZeroElse(
-      arrived, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
+  auto stay = arrived;
+  if constexpr (kTask) stay = hn::And(stay, hn::Le(pull, hn::Zero(d)));
+  const V go = hn::IfThenZeroElse(stay, Number(1));
+  const V shorten =
+      hn::IfThenZeroElse(stay, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
   for (int i = 0; i < n; ++i) {
     if (HWY_UNLIKELY(options.locked[i])) continue;
     const FoldedJoint& joint = chain.joints[i];
@@ -286,14 +361,14 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
   return bits[0];
 }
 
-template <int N>
-uint32_t Step(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
-              LaneState* state) {
+template <int N, bool kTask>
+uint32_t Step(const FoldedChain& chain, const LaneOptions& options, uint32_t busy, LaneState* state,
+              const LaneTask* task) {
   const int width = hn::Lanes(d);
   uint32_t arrived = 0;
   for (int first = 0; first < kGroups * width; first += width) {
     if ((busy >> first & ((1U << width) - 1)) != 0)
-      arrived |= StepGroup<N>(chain, options, first, state) << first;
+      arrived |= StepGroup<N, kTask>(chain, options, first, state, task) << first;
   }
   return arrived;
 }
@@ -301,16 +376,23 @@ uint32_t Step(const FoldedChain& chain, const LaneOptions& options, uint32_t bus
 int Count() { return kGroups * hn::Lanes(d); }
 
 // The common numbers of joints have code of their own, whose arrays the compiler can lay out.
-uint32_t StepAny(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
-                 LaneState* state) {
+template <bool kTask>
+uint32_t StepFor(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
+                 LaneState* state, const LaneTask* task) {
   switch (chain.n) {
     case 6:
-      return Step<6>(chain, options, busy, state);
+      return Step<6, kTask>(chain, options, busy, state, task);
     case 7:
-      return Step<7>(chain, options, busy, state);
+      return Step<7, kTask>(chain, options, busy, state, task);
     default:
-      return Step<0>(chain, options, busy, state);
+      return Step<0, kTask>(chain, options, busy, state, task);
   }
+}
+
+uint32_t StepAny(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
+                 LaneState* state, const LaneTask* task) {
+  return task ? StepFor<true>(chain, options, busy, state, task)
+              : StepFor<false>(chain, options, busy, state, nullptr);
 }
 
 }  // namespace robocell::HWY_NAMESPACE
@@ -326,8 +408,8 @@ int LaneCount() { return HWY_DYNAMIC_DISPATCH(Count)(); }
 int GroupOfLanes() { return LaneCount() / HWY_NAMESPACE::kGroups; }
 
 uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
-                   LaneState* state) {
-  return HWY_DYNAMIC_DISPATCH(StepAny)(chain, options, busy, state);
+                   LaneState* state, const LaneTask* task) {
+  return HWY_DYNAMIC_DISPATCH(StepAny)(chain, options, busy, state, task);
 }
 
 }  // namespace robocell

@@ -35,8 +35,27 @@ struct LaneState {
 
 struct LaneOptions {
   double distance2 = 0, turn2 = 0;  // a lane that is not above either has arrived
-  bool position_only = false;
   bool locked[kMaxChainJoints] = {};
+};
+
+// For questions that ask for more or less than a pose. What is left of the way is then measured by
+// the rows: distance2 and turn2 are of what they make of it.
+struct LaneTask {
+  // Of the rotation only this axis, in the frame of the last screw, has to point where that of the
+  // wanted frame points, or may be off by an angle of which this is tan(angle / 2).
+  bool swing = false;
+  double axis[3] = {};
+  double cone = 0;
+  // What a joint to spare moves in a step: this part of the way to its goal. Where joints to spare
+  // move, the others make up for it in proportion to `ease`.
+  double part[kMaxChainJoints] = {}, ease[kMaxChainJoints] = {};
+
+  // Three rows each, of what is left to move and to turn; one column per lane.
+  alignas(64) double linear[9][kMaxLanes] = {};
+  alignas(64) double angular[9][kMaxLanes] = {};
+  alignas(64) double goal[kMaxChainJoints][kMaxLanes] = {};
+  // 1 where joints to spare go to the goal, also after arrival; else 0.
+  alignas(64) double pull[kMaxLanes] = {};
 };
 
 // Lanes of this processor's kernel: a multiple of its registers' width, at most kMaxLanes.
@@ -45,8 +64,8 @@ int LaneCount();
 int GroupOfLanes();
 
 // Measures the busy lanes (bits), and moves those that have not arrived one step. Returns the lanes
-// that have arrived; bits of others have no meaning.
+// that have arrived; bits of others have no meaning. Without a task a pose is asked for.
 uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
-                   LaneState* state);
+                   LaneState* state, const LaneTask* task = nullptr);
 
 }  // namespace robocell

@@ -27,7 +27,7 @@ class LaneSearch {
     while (busy_ != 0 && !Step()) {
       if (steps_ == kStepsAlone) Join();
     }
-    if (!answer_.success) answer_ = Judged(work_.chain(), target_, work_.options(), Best());
+    if (!answer_.success) answer_ = work_.Judge(target_, Best());
     answer_.iterations = steps_ - 1;  // the last one only measured
     answer_.restarts = answer_.success ? winner_ : starts_.begun() - 1;
     return answer_;
@@ -77,8 +77,7 @@ class LaneSearch {
 
   void TryAnswer(int lane) {
     if (answer_.success && number_[lane] > winner_) return;
-    const IkResult found =
-        Judged(work_.chain(), target_, work_.options(), work_.Now(lane, starts_.seed()));
+    const IkResult found = work_.Judge(target_, work_.Now(lane, starts_.seed()));
     if (!found.success) return;
     answer_ = found;
     winner_ = number_[lane];

@@ -9,7 +9,8 @@
 
 namespace robocell {
 
-// options.prefer_near_seed has no meaning here. iterations: steps, each of all lanes at once.
+// options.prefer and options.filter have no meaning here. iterations: steps, each of all lanes at
+// once.
 IkResult SearchInLanes(const Chain& chain, const Transform& tip_in_base, const IkOptions& options);
 
 }  // namespace robocell

@@ -8,11 +8,15 @@
 namespace robocell {
 namespace {
 
+// Steps in which joints to spare go to their goal, and then at most to be at the target again.
+constexpr int kStepsToGoal = 20, kStepsBack = 12;
+
 struct Lane {
   LaneQuestion question;
   LaneStarts starts;
   int restarts_left = 0;
   int age = 0, steps = 0;  // of this start, of all
+  bool settles = false;    // has arrived; its joints to spare are on their way
 };
 
 class LaneSolver {
@@ -27,7 +31,12 @@ class LaneSolver {
       const uint32_t arrived = work_.Step(busy_);
       for (uint32_t left = busy_; left != 0; left &= left - 1) {
         const int k = std::countr_zero(left);
-        (arrived >> k & 1) != 0 ? Arrive(k) : GrowOlder(k);
+        const bool there = (arrived >> k & 1) != 0;
+        if (lanes_[k].settles) {
+          Settle(k, there);
+        } else {
+          there ? Arrive(k) : GrowOlder(k);
+        }
       }
     }
   }
@@ -43,8 +52,10 @@ class LaneSolver {
     }
     busy_ |= 1U << k;
     const Transform& target = lane.question.target;
-    lane.starts = LaneStarts(work_, target, lane.question.seed);
-    lane.restarts_left = work_.RestartsFor(target);
+    lane.starts =
+        LaneStarts(work_, target, lane.question.seed, lane.question.first, lane.question.stride);
+    const int most = lane.question.most;
+    lane.restarts_left = most < 0 ? work_.RestartsFor(target) : most - 1;
     work_.Aim(k, target);
     lane.starts.Begin(k, &work_);
     return true;
@@ -60,7 +71,7 @@ class LaneSolver {
     Lane& lane = lanes_[k];
     if (lane.restarts_left-- == 0) {
       const JointVector best = work_.Best(k, lane.starts.seed());
-      return Answer(k, Judged(work_.chain(), lane.question.target, work_.options(), best));
+      return Answer(k, work_.Judge(lane.question.target, best));
     }
     lane.age = 0;
     lane.starts.Begin(k, &work_);
@@ -69,8 +80,41 @@ class LaneSolver {
   void Arrive(int k) {
     const Lane& lane = lanes_[k];
     const JointVector q = work_.Now(k, lane.starts.seed());
-    const IkResult found = Judged(work_.chain(), lane.question.target, work_.options(), q);
-    found.success ? Answer(k, found) : StartAgain(k);
+    const IkResult found = work_.Judge(lane.question.target, q);
+    if (!found.success) return StartAgain(k);
+    work_.settles() ? BeginToSettle(k, found) : Answer(k, found);
+  }
+
+  void BeginToSettle(int k, const IkResult& found) {
+    Lane& lane = lanes_[k];
+    unmoved_[k] = found;
+    lane.settles = true;
+    lane.age = 0;
+    work_.Put(k, found.q.data());
+    Pull(k, found.q);
+  }
+
+  void Pull(int k, const JointVector& q) {
+    work_.Pull(k, work_.preference().GoalFrom(q, lanes_[k].starts.seed()));
+  }
+
+  void Settle(int k, bool there) {
+    Lane& lane = lanes_[k];
+    ++lane.steps;
+    const int age = ++lane.age;
+    const JointVector q = work_.Now(k, lane.starts.seed());
+    if (age < kStepsToGoal) {
+      work_.Put(k, q.data());  // the same turn as the goal's
+      return Pull(k, q);
+    }
+    if (age == kStepsToGoal) return work_.LetGo(k);
+    if (!there && age < kStepsToGoal + kStepsBack) return;
+    const IkResult moved = work_.Judge(lane.question.target, q);
+    IkResult before = unmoved_[k];
+    before.iterations = lane.steps;
+    before.restarts = lane.starts.begun() - 1;
+    queue_.TakeUnmoved(lane.question.number, before);
+    Answer(k, moved.success ? moved : unmoved_[k]);
   }
 
   void Answer(int k, IkResult answer) {
@@ -85,6 +129,7 @@ class LaneSolver {
   LaneQueue& queue_;
   uint32_t busy_ = 0;  // a bit for each lane with a question
   std::array<Lane, kMaxLanes> lanes_;
+  std::array<IkResult, kMaxLanes> unmoved_;  // of the lanes that settle
 };
 
 }  // namespace

@@ -16,6 +16,9 @@ struct LaneQuestion {
   int number = 0;  // the asker's
   Transform target;
   std::span<const double> seed;  // tried first; empty: none
+  // The starts that are tried: every `stride`-th from `first` on, at most `most` (-1: as many as
+  // the options say).
+  int first = 0, stride = 1, most = -1;
 };
 
 // Where questions come from and answers go; called on the solving thread.
@@ -25,11 +28,13 @@ class LaneQueue {
   // False when there are no more.
   virtual bool Next(LaneQuestion* question) = 0;
   virtual void Take(int number, const IkResult& answer) = 0;
+  // Before Take, where joints to spare were moved: the solution before that.
+  virtual void TakeUnmoved(int /*number*/, const IkResult& /*answer*/) {}
 };
 
-// Until the queue is empty and everything is answered. options.seed and options.prefer_near_seed
-// have no meaning here. Starts after the seed: those of the chain's table near the target (unless
-// joints are locked, which the table knows nothing of), then points that fill the joint space.
+// Until the queue is empty and everything is answered. options.seed and options.filter have no
+// meaning here. With a preference, joints to spare go to its goal after arrival. Starts are those
+// of lane_starts.h.
 void SolveLanes(const Chain& chain, const IkOptions& options, LaneQueue* queue);
 
 }  // namespace robocell

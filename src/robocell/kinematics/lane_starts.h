@@ -1,7 +1,12 @@
 // Where the searches for one target begin, one after the other: at the seed if there is one, at
-// what the chain's table has near the target, then at points that fill the joint space.
+// what the chain's table has near the target, then at points that fill the joint space. Where a
+// configuration is preferred: there, at the seed, and then also at points that fill a growing part
+// of the space around.
+//
+// Several searches can share the starts of a question: each takes every so-manieth.
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "robocell/kinematics/lane_work.h"
@@ -11,34 +16,72 @@ namespace robocell {
 class LaneStarts {
  public:
   LaneStarts() = default;
-  LaneStarts(const LaneWork& work, const Transform& tip_in_base, std::span<const double> seed)
-      : aim_(StartTable::At(tip_in_base, work.options().position_only)),
+  LaneStarts(const LaneWork& work, const Transform& tip_in_base, std::span<const double> seed,
+             int first = 0, int stride = 1)
+      : aim_(StartTable::At(tip_in_base, work.position_only())),
         seed_(SeedOf(work.chain(), seed, work.options().locked)),
-        seeded_(!seed.empty()) {}
+        seeded_(!seed.empty()),
+        next_(first),
+        stride_(stride) {
+    if (!work.preference().has_goal()) return;
+    own_seed_ = seed;
+    seed_ = work.preference().GoalFor(seed_);
+    around_ = true;
+  }
 
+  // Where locked joints are; what answers are near to where something is preferred.
   const JointVector& seed() const { return seed_; }
   // How many were begun.
   int begun() const { return begun_; }
 
   // Puts the next start into a lane.
   void Begin(int lane, LaneWork* work) {
-    const int number = begun_++;
+    const int number = next_;
+    next_ += stride_;
+    ++begun_;
+    if (around_) return BeginAround(lane, number, work);
     if (number == 0 && seeded_) return work->Put(lane, seed_.data());
-    const StartTable* table = number < kNearby ? work->table() : nullptr;
-    const float* nearby = table ? table->Next(aim_, &place_) : nullptr;
-    if (nearby) return work->Put(lane, nearby);
+    if (PutNearby(lane, number - (seeded_ ? 1 : 0), number, work)) return;
     work->Put(lane, SpreadStart(work->chain(), seed_, work->options().locked, number).data());
   }
 
  private:
   // So many come from the table; a target that these do not reach lies in a corner.
   static constexpr int kNearby = 16;
+  // By so much the part that is filled grows.
+  static constexpr double kGrowth = 0.1;
+
+  // The table's entry with this place in the order of nearness; false when there is none.
+  bool PutNearby(int lane, int entry, int number, LaneWork* work) {
+    const StartTable* table = number < kNearby ? work->table() : nullptr;
+    const float* nearby = nullptr;
+    for (; table && passed_ <= entry; ++passed_) {
+      nearby = table->Next(aim_, &place_);
+      if (!nearby) break;
+    }
+    if (nearby) work->Put(lane, nearby);
+    return nearby != nullptr;
+  }
+
+  // The goal, the seed, then one around the goal and one near the target by turns.
+  void BeginAround(int lane, int number, LaneWork* work) {
+    if (number == 0) return work->Put(lane, seed_.data());
+    if (number == 1 && seeded_) {
+      const JointVector seed = SeedOf(work->chain(), own_seed_, work->options().locked);
+      return work->Put(lane, seed.data());
+    }
+    if (number % 2 == 1 && PutNearby(lane, number / 2, number, work)) return;
+    const double part = std::min(1.0, kGrowth * number);
+    work->Put(lane, SpreadStart(work->chain(), seed_, work->options().locked, number, part).data());
+  }
 
   StartTable::Aim aim_{};
   StartTable::Place place_;
   JointVector seed_;
-  bool seeded_ = false;
-  int begun_ = 0;
+  std::span<const double> own_seed_;  // of a question that prefers something
+  bool seeded_ = false, around_ = false;
+  int begun_ = 0, passed_ = 0;
+  int next_ = 0, stride_ = 1;
 };
 
 }  // namespace robocell

@@ -27,14 +27,26 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
     : chain_(chain.model()),
       lane_chain_(chain.lanes()),
       folded_(lane_chain_.folded()),
-      options_(options) {
+      options_(options),
+      task_(options),
+      preference_(chain_, options) {
   const double tolerance = options.tolerance * kPartOfTolerance;
   limits_.distance2 = std::pow(tolerance * folded_.per_metre, 2);
   limits_.turn2 = tolerance * tolerance;
-  limits_.position_only = options.position_only;
   for (int i = 0; i < chain_.n; ++i) {
     limits_.locked[i] = options.locked[i];
     any_locked_ |= options.locked[i];
+    free_joints_ += options.locked[i] ? 0 : 1;
+  }
+  if (task_.plain && !settles()) return;
+  lane_task_.emplace();
+  lane_task_->swing = task_.swing;
+  const Eigen::Vector3d axis = chain_.last_to_tip.rotation * task_.axis;
+  std::copy(axis.begin(), axis.end(), lane_task_->axis);
+  lane_task_->cone = std::tan(0.5 * task_.cone);
+  for (int i = 0; i < chain_.n; ++i) {
+    lane_task_->part[i] = preference_.part(i);
+    lane_task_->ease[i] = preference_.ease(i);
   }
 }
 
@@ -48,10 +60,30 @@ void LaneWork::Aim(int lane, const Transform& tip_in_base) {
   Eigen::Vector3d position = target.translation * folded_.per_metre;
   // Locked joints may be beyond the limits, and so beyond the reach.
   const double reach = any_locked_ ? kMostLengths : chain_.reach_bound * folded_.per_metre;
-  const double far = std::min(kMostReaches * reach, kMostLengths);
+  // Not along an axis that may have any value.
+  const double most = task_.whole_position ? kMostReaches * reach : kMostLengths;
+  const double far = std::min(most, kMostLengths);
   const double distance = position.stableNorm();
   if (distance > far) position *= far / distance;
   for (int i = 0; i < 3; ++i) state_.position[i][lane] = position[i];
+  if (lane_task_) AimTask(lane, target.rotation);
+}
+
+void LaneWork::AimTask(int lane, const Eigen::Matrix3d& target_axes) {
+  const Eigen::Matrix3d linear = task_.linear * target_axes.transpose(),
+                        angular = task_.angular * target_axes.transpose();
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) {
+      lane_task_->linear[3 * r + c][lane] = linear(r, c);
+      lane_task_->angular[3 * r + c][lane] = angular(r, c);
+    }
+  }
+  lane_task_->pull[lane] = 0;
+}
+
+void LaneWork::Pull(int lane, const JointVector& goal) {
+  for (int i = 0; i < chain_.n; ++i) lane_task_->goal[i][lane] = goal[i];
+  lane_task_->pull[lane] = 1;
 }
 
 void LaneWork::PutJoint(int lane, int i, double value) {
@@ -81,7 +113,8 @@ const StartTable* LaneWork::table() const {
 }
 
 int LaneWork::RestartsFor(const Transform& tip_in_base) const {
-  const bool too_far = IsOutOfReach(chain_, tip_in_base, options_.tolerance);
+  const bool too_far =
+      task_.whole_position && IsOutOfReach(chain_, tip_in_base, options_.tolerance);
   return too_far ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
 }
 

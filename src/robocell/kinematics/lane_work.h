@@ -2,8 +2,10 @@
 // values taken out. For the solvers of this folder.
 #pragma once
 
-#include "robocell/kinematics/ik.h"
+#include <optional>
+
 #include "robocell/kinematics/ik_parts.h"
+#include "robocell/kinematics/ik_preference.h"
 #include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/lane_kernel.h"
 
@@ -15,6 +17,10 @@ class LaneWork {
 
   const ChainModel& chain() const { return chain_; }
   const IkOptions& options() const { return options_; }
+  const IkPreference& preference() const { return preference_; }
+  bool position_only() const { return task_.position_only; }
+  // Whether arrived lanes have joints to spare that go somewhere.
+  bool settles() const { return preference_.any() && free_joints_ > task_.rows; }
 
   // A new question for a lane; forgets the best of the last one.
   void Aim(int lane, const Transform& tip_in_base);
@@ -24,7 +30,15 @@ class LaneWork {
     for (int i = 0; i < chain_.n; ++i) PutJoint(lane, i, q[i]);
   }
   // Measures the busy lanes (bits) and moves them on; the bits of those that have arrived.
-  uint32_t Step(uint32_t busy) { return StepLanes(folded_, limits_, busy, &state_) & busy; }
+  uint32_t Step(uint32_t busy) {
+    return StepLanes(folded_, limits_, busy, &state_, lane_task_ ? &*lane_task_ : nullptr) & busy;
+  }
+  // From now on the lane's joints to spare go to the preference's goal; or no longer.
+  void Pull(int lane, const JointVector& goal);
+  void LetGo(int lane) { lane_task_->pull[lane] = 0; }
+  IkResult Judge(const Transform& target, const JointVector& q) const {
+    return Judged(chain_, target, task_, options_.tolerance, q);
+  }
 
   // Joint values of a lane: now, and the best met since it was aimed. Locked joints are the seed's
   // to the bit, hinges the turn nearest to it.
@@ -44,6 +58,7 @@ class LaneWork {
 
  private:
   void PutJoint(int lane, int i, double value);
+  void AimTask(int lane, const Eigen::Matrix3d& target_axes);
   JointVector Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
                     const JointVector& seed) const;
 
@@ -51,9 +66,13 @@ class LaneWork {
   const LaneChain& lane_chain_;
   const FoldedChain& folded_;
   const IkOptions& options_;
+  IkTask task_;
+  IkPreference preference_;
   bool any_locked_ = false;
+  int free_joints_ = 0;
   LaneOptions limits_;
   LaneState state_;
+  std::optional<LaneTask> lane_task_;  // for more or less than poses
 };
 
 }  // namespace robocell

@@ -63,6 +63,8 @@ const char* Describe(TargetKind kind) {
       return "joint torques";
     case TargetKind::kPose:
       return "a pose";
+    case TargetKind::kTwist:
+      return "a twist";
   }
   return "?";
 }

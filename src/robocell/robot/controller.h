@@ -35,7 +35,8 @@ enum class TargetKind {
   kOpening,     // of a gripper
   kJointVelocities,
   kJointTorques,
-  kPose,  // of the leaf in the robot base frame: x y z, quaternion xyzw
+  kPose,   // of the leaf in the robot base frame: x y z, quaternion xyzw
+  kTwist,  // of the leaf: linear, then angular velocity
 };
 // "joint positions", "a pose" ... for messages.
 const char* Describe(TargetKind kind);

@@ -52,7 +52,7 @@ void GraspMotions::SolveMore() {
     targets.push_back(world_in_base_ * candidates_[i].tcp_in_world);
   IkBatchOptions options;
   options.ik.tolerance = kIkTolerance;
-  options.ik.prefer_near_seed = true;
+  options.ik.prefer = IkPrefer::kSeed;
   const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, home_, options);
   for (int b = 0; b < result.size; ++b) {
     solved_.push_back(result.success[b] ? JointVector(result.row(b)) : JointVector());

@@ -1,5 +1,5 @@
-// PlanningScene: a scratch copy of a scene's state in which a robot can be put anywhere to see what
-// it would touch. The simulation itself is only read.
+// PlanningScene: a scratch copy of a scene's state (scratch_robot.h) in which a robot with a
+// gripper can be put anywhere to see whether it would touch what it should not.
 //
 //   PlanningScene planning(scene, robot, target_body, shape);
 //   if (planning.IsFree(q, {.gap = shape->open_gap(), .clearance = 0.02})) ...
@@ -29,7 +29,7 @@ inline constexpr double kMostClearance = 0.025;
 
 class PlanningScene {
  public:
-  PlanningScene(Scene scene, Robot robot, const std::string& target_body,
+  PlanningScene(const Scene& scene, const Robot& robot, const std::string& target_body,
                 std::shared_ptr<const GripperShape> shape);
   ~PlanningScene();
 

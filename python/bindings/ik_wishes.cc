@@ -1,0 +1,136 @@
+#include "ik_wishes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "arrays.h"
+#include "values.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/robot/collision_filter.h"
+
+namespace robocell::python {
+namespace {
+
+using namespace nb::literals;
+
+constexpr std::array kPreferences = {std::pair{IkPrefer::kFirst, "first"},
+                                     std::pair{IkPrefer::kSeed, "seed"},
+                                     std::pair{IkPrefer::kAwayFromLimits, "limits"},
+                                     std::pair{IkPrefer::kManipulability, "manipulability"}};
+
+void ApplyWeights(nb::handle value, const char* name, std::array<double, 3>* weights) {
+  if (!value || value.is_none()) return;
+  const FieldPath path(name);
+  const Numbers three(value, path, 3);
+  std::copy(three.span().begin(), three.span().end(), weights->begin());
+}
+
+void ApplyPreference(nb::handle value, IkOptions* options) {
+  if (!value || value.is_none()) return;
+  const FieldPath path("prefer");
+  if (!IsText(value)) {
+    options->prefer = IkPrefer::kPosture;
+    options->posture = JointVector(Numbers(value, path).span());
+    return;
+  }
+  const std::string text = ToText(value, path);
+  std::vector<std::string> names;
+  for (const auto& [prefer, name] : kPreferences) {
+    names.emplace_back(name);
+    if (text != name) continue;
+    options->prefer = prefer;
+    return;
+  }
+  ThrowValue(path, "must be one of " + ListNames(names) + " or a posture (n,), got '" + text +
+                       "'." + DidYouMean(text, names));
+}
+
+// Rows in, one truth for each out.
+void CallFilter(nb::handle filter, std::span<const double> q, int count, std::span<uint8_t> keep) {
+  const nb::gil_scoped_acquire gil;
+  const size_t rows = static_cast<size_t>(count);
+  const nb::object answer = filter(NewArray<double>(q, {rows, q.size() / rows}));
+  const nb::object numpy = nb::module_::import_("numpy");
+  const nb::object mask = numpy.attr("asarray")(answer, numpy.attr("bool_"));
+  const nb::object shape = mask.attr("shape");
+  if (nb::len(shape) != 1 || nb::cast<size_t>(shape[0]) != rows) {
+    throw ArgumentError(fmt::format(
+        "filter must return ({},) booleans, one for each row that it was given, got shape {}", rows,
+        nb::cast<std::string>(nb::str(shape))));
+  }
+  const nb::object bytes = mask.attr("tobytes")();
+  const char* truth = PyBytes_AsString(bytes.ptr());
+  for (size_t k = 0; k < rows; ++k) keep[k] = truth[k] != 0;
+}
+
+void ApplyFilter(nb::handle value, IkOptions* options) {
+  if (!value || value.is_none()) return;
+  if (const CollisionFilter* ready = nullptr; nb::try_cast(value, ready) && ready) {
+    options->filter = *ready;
+    return;
+  }
+  if (!PyCallable_Check(value.ptr()))
+    ThrowType(FieldPath("filter"), "a CollisionFilter or a function of joint values (k, n)", value);
+  // A handle only: copies of the options need no GIL.
+  options->filter = [value](std::span<const double> q, int count, std::span<uint8_t> keep) {
+    CallFilter(value, q, count, keep);
+  };
+}
+
+nb::object MaskOf(CollisionFilter& filter, nb::handle q) {
+  std::vector<size_t> shape;
+  const std::vector<double> rows = ToDoubles(q, "q", shape);
+  if (shape.size() != 2 || shape[1] != static_cast<size_t>(filter.n_joints())) {
+    throw ArgumentError(
+        fmt::format("q must be (k, {}), got {}", filter.n_joints(),
+                    shape.size() == 1 ? fmt::format("({},)", shape[0]) : "another shape"));
+  }
+  std::vector<uint8_t> keep(shape[0]);
+  {
+    const nb::gil_scoped_release release;
+    filter(rows, static_cast<int>(shape[0]), keep);
+  }
+  const nb::object numpy = nb::module_::import_("numpy");
+  return NewArray<uint8_t>(keep, {shape[0]}).attr("astype")(numpy.attr("bool_"));
+}
+
+}  // namespace
+
+void IkWishes::Apply(IkOptions* options) const {
+  ApplyWeights(position_weights, "position_weights", &options->position_weights);
+  ApplyWeights(rotation_weights, "rotation_weights", &options->rotation_weights);
+  if (axis && !axis.is_none()) {
+    const FieldPath path("axis");
+    const Numbers three(axis, path, 3);
+    options->axis = Eigen::Vector3d(three[0], three[1], three[2]);
+  }
+  options->cone = cone;
+  ApplyPreference(prefer, options);
+  ApplyFilter(filter, options);
+}
+
+void BindCollisionFilter(nb::module_& m) {
+  nb::class_<CollisionFilter>(
+      m, "CollisionFilter",
+      "Which configurations of an arm touch nothing, by the engine's collision detection.\n\n"
+      "For `filter` of inverse kinematics, or called with q (k, n) for a mask (k,). Judged in a "
+      "copy of the scene's state as it was when the filter was made or at the last update().")
+      .def(
+          "__init__",
+          [](CollisionFilter* self, const Robot& robot, double clearance,
+             const std::vector<std::string>& ignored) {
+            new (self) CollisionFilter(robot, {.clearance = clearance, .ignored = ignored});
+          },
+          "robot"_a, "clearance"_a = 0.0, "ignored"_a = std::vector<std::string>{},
+          "clearance: to everything that is not the robot, metres. ignored: bodies that may be "
+          "touched, with all that hangs on them, by full name.")
+      .def("update", &CollisionFilter::Update, "Takes over the scene's present state.")
+      .def("__call__", &MaskOf, "q"_a,
+           nb::sig("def __call__(self, q: numpy.typing.ArrayLike) -> "
+                   "numpy.typing.NDArray[numpy.bool_]"),
+           "q (k, n) in chain order -> (k,), true where nothing is touched.");
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,80 @@
+"""`robocell reach`: where a robot's TCP can be, and how freely it turns there."""
+
+from __future__ import annotations
+
+import os
+import re
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robocell.cli.common import ExitCode, fail
+from robocell.cli.robot_scene import load_robot
+
+PLANE = re.compile(r"\s*([xyz])\s*=\s*([-+0-9.eE]+)\s*")
+
+
+def reach(
+    robot_file: Annotated[Path, typer.Argument(metavar="ROBOT.yaml", help="The robot file.")],
+    plane: Annotated[
+        str | None,
+        typer.Option(metavar="AXIS=METRES", help="One layer of cells, as z=0.4."),
+    ] = None,
+    volume: Annotated[
+        bool, typer.Option("--volume", help="The whole space around the robot.")
+    ] = False,
+    cell: Annotated[float, typer.Option(min=1e-3, help="Edge of a cell, m.")] = 0.05,
+    rotations: Annotated[int, typer.Option(min=1, help="Tried at each cell.")] = 64,
+    output: Annotated[
+        Path | None,
+        typer.Option("-o", "--output", metavar="NAME", help="Makes NAME.npz, .png and .html."),
+    ] = None,
+) -> None:
+    """Map what the robot reaches, in its base frame: numbers (npz), a picture and a page.
+
+    At the centre of each cell evenly spread rotations of the TCP are tried; the map holds the share
+    that inverse kinematics solves within the limits, and the mean manipulability of the answers.
+    Collisions are not looked at.
+    """
+    layer = _layer(plane, volume)
+    # With numpy and pyplot, which take longer to load than all that the other commands need.
+    from robocell.cli.reach_map import corners, draw, save, write_page
+
+    robot = load_robot(robot_file).robot
+    name = output or Path(f"{robot.name}_reach")
+    if not name.parent.is_dir():
+        fail(f"cannot write '{name}.npz': there is no folder '{name.parent}'", ExitCode.OUTPUT)
+    lower, upper = corners(robot, layer)
+    begin = time.perf_counter()
+    found = robot.kinematics.reach_map(
+        lower, upper, cell=cell, rotations=rotations, threads=len(os.sched_getaffinity(0))
+    )
+    seconds = time.perf_counter() - begin
+    save(name.with_name(name.name + ".npz"), found)
+    draw(name.with_name(name.name + ".png"), robot.name, found)
+    write_page(name.with_name(name.name + ".html"), robot.name, found)
+    poses = found.fraction.size * rotations
+    reached = float((found.fraction > 0).mean())
+    print(
+        f"{robot.name}: {found.fraction.size} cells of {cell:g} m, {poses} poses in {seconds:.1f} s"
+    )
+    print(
+        f"reached: {100 * reached:.1f} % of the cells, "
+        f"{100 * float(found.fraction.mean()):.1f} % of the poses"
+    )
+    print(f"written: {name}.npz, {name}.png, {name}.html")
+
+
+def _layer(plane: str | None, volume: bool) -> tuple[int, float] | None:
+    """The axis and the place of a plane; None for the volume."""
+    if (plane is None) == (not volume):
+        fail("give one of --plane AXIS=METRES (as --plane z=0.4) and --volume")
+    if plane is None:
+        return None
+    match = PLANE.fullmatch(plane)
+    try:
+        return "xyz".index(match[1]), float(match[2])  # type: ignore[index]
+    except (TypeError, ValueError):
+        fail(f"--plane '{plane}' is no plane: write x, y or z, = and metres, as --plane z=0.4")

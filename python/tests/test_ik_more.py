@@ -1,0 +1,231 @@
+"""Inverse kinematics of more and less than a pose, from Python; judged by forward kinematics."""
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from robocell.models import robot_file
+
+NEAR = 1.0001e-5
+
+
+@pytest.fixture(scope="module")
+def robot() -> rc.Robot:
+    """The built-in robot before a wall."""
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
+    spec.robots.append(rc.RobotSpec(name="a", config=rc.RobotConfig.load(robot_file("rc7"))))
+    wall = rc.SceneObject(
+        name="wall",
+        shape=rc.Shape.BOX,
+        size=[0.02, 0.5, 0.3],
+        rgba=[1, 1, 1, 1],
+        mass=1,
+        friction=[1, 0.005, 0.0001],
+        pos=[0.45, 0, 0.3],
+        fixed=True,
+    )
+    spec.objects.append(wall)
+    return rc.Scene.build(spec).robot("a")
+
+
+def reachable(robot: rc.Robot, count: int, seed: int = 0) -> np.ndarray:
+    """(count, n) joint values in the limits."""
+    low, high = np.array(robot.joint_limits).T
+    return np.random.default_rng(seed).uniform(low, high, (count, len(low)))
+
+
+def seen_from(robot: rc.Robot, target: rc.Pose, q) -> rc.Pose:
+    """The TCP in the axes of the target."""
+    return target.inverse() * robot.kinematics.fk(q)
+
+
+class TestTasks:
+    def test_an_axis_points_where_the_targets_points(self, robot):
+        spin = rc.Pose(rpy=[0, 0, 2.5])
+        targets = [robot.kinematics.fk(q) * spin for q in reachable(robot, 50)]
+        found = robot.kinematics.ik_batch(targets, axis=[0, 0, 1])
+        assert found.success.mean() > 0.97
+        one = robot.kinematics.ik(targets[0], axis=[0, 0, 1])
+        assert one.success
+        for target, q in [*zip(targets, found.q, strict=True), (targets[0], one.q)]:
+            tip = seen_from(robot, target, q)
+            assert np.linalg.norm(tip.translation) < NEAR
+            assert np.linalg.norm(tip.rotation[:2, 2]) < NEAR
+
+    def test_a_cone_and_weights(self, robot):
+        target = robot.kinematics.fk(reachable(robot, 1)[0])
+        tilted = target * rc.Pose(rpy=[0.2, 0, 1])
+        cone = robot.kinematics.ik(tilted, axis=[0, 0, 1], cone=0.2)
+        assert cone.success
+        tip = seen_from(robot, tilted, cone.q)
+        assert np.arccos(tip.rotation[2, 2]) <= 0.2 + NEAR
+        free = target * rc.Pose(translation=[0, 9, 0])
+        along = robot.kinematics.ik(free, position_weights=[1, 0, 1])
+        assert along.success
+        assert np.linalg.norm(seen_from(robot, free, along.q).translation[[0, 2]]) < NEAR
+
+    def test_what_makes_no_sense_is_told(self, robot):
+        solve, target = robot.kinematics.ik, robot.fk_frame()
+        with pytest.raises(rc.ArgumentError, match=r"cone is 0\.1 rad, but no axis is given"):
+            solve(target, cone=0.1)
+        with pytest.raises(rc.ArgumentError, match="position_weights must be 3 numbers, got 2"):
+            solve(target, position_weights=[1, 2])
+        with pytest.raises(rc.ArgumentError, match=r"prefer must be one of .*Did you mean 'seed'"):
+            solve(target, prefer="sed")
+        with pytest.raises(rc.ArgumentError, match="posture: expected 7 joint values, got 2"):
+            solve(target, prefer=[0, 1])
+        with pytest.raises(TypeError, match="filter must be a CollisionFilter or a function"):
+            solve(target, filter=3)
+        with pytest.raises(rc.ArgumentError, match=r"filter must return \(1,\) booleans"):
+            solve(target, filter=lambda q: [True, False])
+        with pytest.raises(ZeroDivisionError):
+            robot.kinematics.ik_batch([target] * 3, filter=lambda q: 1 / 0)
+        with pytest.raises(rc.ArgumentError, match="starts is 0; it must be 1 or more"):
+            robot.kinematics.ik_solutions(target, starts=0)
+
+
+class TestPreferences:
+    @pytest.mark.parametrize("prefer", ["seed", "limits", "manipulability", "posture"])
+    def test_answers_are_better_than_the_first(self, robot, prefer):
+        low, high = np.array(robot.joint_limits).T
+        posture = 0.5 * (low + high) + 0.1
+        seed = robot.arm.joint_pos
+
+        def badness(q):
+            if prefer == "manipulability":
+                return -robot.kinematics.manipulability(q)
+            if prefer == "limits":
+                return np.sum(((2 * q - low - high) / (high - low)) ** 2)
+            return np.sum((q - (seed if prefer == "seed" else posture)) ** 2)
+
+        targets = [robot.kinematics.fk(q) for q in reachable(robot, 20, 3)]
+        wanted = posture if prefer == "posture" else prefer
+        first = robot.kinematics.ik_batch(targets, seeds=seed)
+        best = robot.kinematics.ik_batch(targets, seeds=seed, prefer=wanted)
+        again = robot.kinematics.ik_batch(targets, seeds=seed, prefer=wanted, threads=2)
+        np.testing.assert_array_equal(best.q, again.q)
+        both = first.success & best.success
+        assert both.sum() >= 19
+        before = sum(badness(q) for q in first.q[both])
+        assert sum(badness(q) for q in best.q[both]) < before
+
+    def test_manipulability_is_yoshikawas(self, robot):
+        q = reachable(robot, 1)[0]
+        j = robot.kinematics.jacobian(q)
+        expected = np.sqrt(np.linalg.det(j @ j.T))
+        assert robot.kinematics.manipulability(q) == pytest.approx(expected, rel=1e-9)
+
+
+class TestFilters:
+    def test_the_ready_one_keeps_arms_out_of_a_wall(self, robot):
+        free = rc.CollisionFilter(robot)
+        q = reachable(robot, 300, 1)
+        mask = free(q)
+        assert 20 < mask.sum() < 280
+        everywhere = np.array([robot.kinematics.fk(x).matrix for x in reachable(robot, 2000, 2)])
+        # Those whose first solution touches something.
+        targets = everywhere[~free(robot.kinematics.ik_batch(everywhere).q)][:100]
+        found = robot.kinematics.ik_batch(targets, filter=free)
+        assert len(targets) == 100
+        assert found.success.sum() > 10
+        assert free(found.q[found.success]).all()
+        assert rc.CollisionFilter(robot, ignored=["wall"])(q).sum() > mask.sum()
+        with pytest.raises(rc.NotFoundError, match="Did you mean 'wall'"):
+            rc.CollisionFilter(robot, ignored=["wal"])
+        with pytest.raises(rc.ArgumentError, match=r"q must be \(k, 7\), got \(7,\)"):
+            free(q[0])
+
+    def test_a_function_is_given_rows(self, robot):
+        shapes = []
+
+        def positive(q):
+            shapes.append(q.shape)
+            return q[:, 0] > 0
+
+        q = reachable(robot, 30, 2)
+        q[:, 0] = np.abs(q[:, 0]) + 0.1
+        found = robot.kinematics.ik_batch(
+            [robot.kinematics.fk(x) for x in q], filter=positive, threads=2
+        )
+        assert found.success.mean() > 0.9
+        assert (found.q[found.success, 0] > 0).all()
+        assert shapes[0] == (30, 7)
+        none = robot.kinematics.ik(robot.kinematics.fk(q[0]), filter=lambda q: np.zeros(len(q)))
+        assert not none.success
+        assert none.position_error < NEAR
+
+
+def test_all_solutions_are_apart_and_true(robot):
+    seed = robot.arm.joint_pos
+    target = robot.kinematics.fk(reachable(robot, 1, 5)[0])
+    q = robot.kinematics.ik_solutions(target, prefer="limits", separation=0.3)
+    assert q.shape[1:] == (7,)
+    assert len(q) >= 1
+    for x in q:
+        assert robot.kinematics.fk(x).is_close(target, 1e-4, 1e-4)
+    apart = np.abs(q[:, None] - q[None]).max(axis=2) + np.eye(len(q))
+    assert apart.min() > 0.3
+    near = robot.kinematics.ik_solutions(target, seed=seed)
+    distance = np.sum((near - seed) ** 2, axis=1)
+    assert (np.diff(distance) >= -1e-12).all()
+
+
+class TestReach:
+    def test_the_map_agrees_with_single_questions(self, robot):
+        found = robot.kinematics.reach_map([0.3, -0.1, 0.3], [0.5, 0.1, 0.3], cell=0.1, threads=2)
+        assert found.fraction.shape == found.manipulability.shape == (2, 2, 1)
+        np.testing.assert_allclose(found.x, [0.35, 0.45])
+        assert found.fraction.min() > 0.2
+        one = robot.kinematics.ik(
+            rc.Pose(translation=[0.35, -0.05, 0.3]), position_only=True, seed=np.zeros(7)
+        )
+        assert one.success
+        far = robot.kinematics.reach_map([5, 5, 5], [5, 5, 5])
+        assert far.fraction.tolist() == [[[0]]]
+        with pytest.raises(rc.ArgumentError, match="reach map: the corners are"):
+            robot.kinematics.reach_map([1, 0, 0], [0, 0, 0])
+
+
+class TestDifferentialIk:
+    def test_velocities_move_the_tip_as_asked(self, robot):
+        q = robot.arm.joint_pos
+        asked = np.array([0.05, -0.1, 0.02, 0.1, 0.2, -0.1])
+        found = robot.kinematics.differential_ik(q, asked)
+        np.testing.assert_allclose(robot.kinematics.jacobian(q) @ found.velocity, asked, atol=1e-3)
+        step = 1e-5
+        moved = robot.kinematics.fk(q + step * found.velocity)
+        way = (moved.translation - robot.kinematics.fk(q).translation) / step
+        np.testing.assert_allclose(way, asked[:3], atol=1e-3)
+        tip = robot.kinematics.differential_ik(q, [0, 0, 0.1, 0, 0, 0], frame="tip")
+        axis = robot.kinematics.fk(q).rotation[:, 2]
+        linear = (robot.kinematics.jacobian(q) @ tip.velocity)[:3]
+        np.testing.assert_allclose(linear, 0.1 * axis, atol=1e-3)
+
+    def test_bounds_hold(self, robot):
+        found = robot.kinematics.differential_ik(
+            robot.arm.joint_pos, [5, 0, 0, 0, 0, 0], max_speed=[0.2] * 7, locked_groups=["gripper"]
+        )
+        assert found.slower
+        assert np.abs(found.velocity).max() <= 0.2
+        with pytest.raises(rc.ArgumentError, match=r"frame must be one of .*got 'world'"):
+            robot.kinematics.differential_ik(np.zeros(7), np.zeros(6), frame="world")
+        with pytest.raises(rc.ArgumentError, match="max_speed of joint 'joint1' is 0"):
+            robot.kinematics.differential_ik(np.zeros(7), np.zeros(6), max_speed=np.zeros(7))
+
+    def test_the_controller_is_told_a_twist(self, robot):
+        jog = robot.set_controller("arm", "differential_ik")
+        assert isinstance(jog, rc.DifferentialIkController)
+        start = robot.fk_frame()
+        jog.twist = [0, 0, 0.05, 0, 0, 0]
+        jog.max_speed = [1] * 7
+        assert (jog.frame, jog.slower, jog.posture_rate) == ("base", False, 1)
+        for _ in range(250):
+            robot.update()
+            robot.step()
+        risen = robot.fk_frame().translation - start.translation
+        np.testing.assert_allclose(risen, [0, 0, 0.025], atol=6e-3)
+        jog.frame = "tip"
+        jog.reset()
+        assert jog.twist.tolist() == [0] * 6
+        with pytest.raises(rc.ArgumentError, match="twist must be 6 numbers, got 3"):
+            jog.twist = [1, 2, 3]

@@ -1,0 +1,196 @@
+#include "robocell/kinematics/differential_ik.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+
+#include "robocell/base/error.h"
+
+namespace robocell {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Jacobian6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxChainJoints>;
+
+// Squared; lengths in units of the chain's.
+constexpr double kLeastDamping = 1e-8, kMostDamping = 4e-4;
+// Singular values of the Jacobian below this are near a singularity.
+constexpr double kNearSingular = 0.02;
+constexpr double kNoticed = 1e-3;
+
+enum class Side : char { kFree, kLower, kUpper };
+
+// Least squares between bounds: every joint is free or at one of its bounds.
+class BoundedLeastSquares {
+ public:
+  BoundedLeastSquares(const Jacobian6& jacobian, const Vector6& task, double damping)
+      : n_(static_cast<int>(jacobian.cols())),
+        jacobian_(jacobian),
+        task_(task),
+        damping_(damping) {}
+
+  std::array<double, kMaxChainJoints> lower{}, upper{}, wish{};
+
+  void Solve(double* v) {
+    for (int i = 0; i < n_; ++i) {
+      v[i] = std::clamp(wish[i], lower[i], upper[i]);
+      side_[i] = lower[i] < upper[i] ? Side::kFree : Side::kLower;
+    }
+    // Each round lowers the cost; so many are never needed but for rounding.
+    for (int round = 0; round < 8 * n_; ++round) {
+      SolveFree(v);
+      if (MoveAsFarAsAllowed(v) && !LetOneGo(v)) return;
+    }
+  }
+
+ private:
+  // The best values of the free joints, the others as they are.
+  void SolveFree(const double* v) {
+    Matrix6 a = Matrix6::Identity() * damping_;
+    Vector6 left = task_;
+    for (int i = 0; i < n_; ++i) {
+      const bool free = side_[i] == Side::kFree;
+      if (free) a.noalias() += jacobian_.col(i) * jacobian_.col(i).transpose();
+      left -= jacobian_.col(i) * (free ? wish[i] : v[i]);
+    }
+    const Vector6 y = a.llt().solve(left);
+    for (int i = 0; i < n_; ++i) {
+      if (side_[i] == Side::kFree) best_[i] = wish[i] + jacobian_.col(i).dot(y);
+    }
+  }
+
+  // Towards the best values until the first joint is at a bound. True when none was in the way.
+  bool MoveAsFarAsAllowed(double* v) {
+    double share = 1;
+    int stopped = -1;
+    for (int i = 0; i < n_; ++i) {
+      if (side_[i] != Side::kFree || (best_[i] >= lower[i] && best_[i] <= upper[i])) continue;
+      const double bound = best_[i] < lower[i] ? lower[i] : upper[i];
+      const double part = (bound - v[i]) / (best_[i] - v[i]);
+      if (part >= share) continue;
+      share = std::max(part, 0.0);
+      stopped = i;
+    }
+    for (int i = 0; i < n_; ++i) {
+      if (side_[i] == Side::kFree)
+        v[i] = std::clamp(v[i] + share * (best_[i] - v[i]), lower[i], upper[i]);
+    }
+    if (stopped < 0) return true;
+    side_[stopped] = best_[stopped] < lower[stopped] ? Side::kLower : Side::kUpper;
+    v[stopped] = side_[stopped] == Side::kLower ? lower[stopped] : upper[stopped];
+    return false;
+  }
+
+  // Frees the joint that pulls hardest away from its bound. False when none does: v is the best.
+  bool LetOneGo(const double* v) {
+    Vector6 left = task_;
+    for (int i = 0; i < n_; ++i) left -= jacobian_.col(i) * v[i];
+    double hardest = 1e-12;
+    int which = -1;
+    for (int i = 0; i < n_; ++i) {
+      if (side_[i] == Side::kFree || lower[i] >= upper[i]) continue;
+      const double up = jacobian_.col(i).dot(left) + damping_ * (wish[i] - v[i]);
+      const double away = side_[i] == Side::kLower ? up : -up;
+      if (away <= hardest) continue;
+      hardest = away;
+      which = i;
+    }
+    if (which < 0) return false;
+    side_[which] = Side::kFree;
+    return true;
+  }
+
+  int n_;
+  const Jacobian6& jacobian_;
+  const Vector6& task_;
+  double damping_;
+  std::array<Side, kMaxChainJoints> side_{};
+  std::array<double, kMaxChainJoints> best_{};
+};
+
+// Grows from the least to the most as the smallest singular value that counts goes to 0.
+double DampingAt(const Jacobian6& jacobian) {
+  const Matrix6 squared = jacobian * jacobian.transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(squared, Eigen::EigenvaluesOnly);
+  // Fewer joints than six never reach all directions.
+  const Eigen::Index first = std::max<Eigen::Index>(0, 6 - jacobian.cols());
+  const double smallest = std::sqrt(std::max(eigen.eigenvalues()[first], 0.0));
+  if (smallest >= kNearSingular) return kLeastDamping;
+  const double near = 1 - smallest * smallest / (kNearSingular * kNearSingular);
+  return kLeastDamping + kMostDamping * near * near;
+}
+
+void CheckDifferentialIk(const Chain& chain, const Twist& twist,
+                         const DifferentialIkOptions& options) {
+  const auto refuse = [](const std::string& what) {
+    throw ArgumentError("differential inverse kinematics: " + what);
+  };
+  if (!twist.linear.allFinite() || !twist.angular.allFinite())
+    refuse("the twist has a number that is not finite");
+  if (!(options.seconds >= 0 && std::isfinite(options.seconds)))
+    refuse(fmt::format("seconds is {}; it must be 0 or more", options.seconds));
+  if (!(options.posture_rate >= 0 && std::isfinite(options.posture_rate)))
+    refuse(fmt::format("posture_rate is {}; it must be 0 or more", options.posture_rate));
+  if (!options.posture.empty())
+    chain.CheckJointValues("differential inverse kinematics: posture", options.posture);
+  if (options.max_speed.empty()) return;
+  chain.CheckJointValues("differential inverse kinematics: max_speed", options.max_speed);
+  for (int i = 0; i < chain.n_joints(); ++i) {
+    if (options.max_speed[i] > 0) continue;
+    refuse(fmt::format("max_speed of joint '{}' is {}; it must be more than 0",
+                       chain.joints()[i].name, options.max_speed[i]));
+  }
+}
+
+// How fast joint i may be.
+std::array<double, 2> BoundsOf(const ChainModel& chain, int i, double q,
+                               const DifferentialIkOptions& options) {
+  if (options.locked[i]) return {0, 0};
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double most = options.max_speed.empty() ? kInfinity : options.max_speed[i];
+  if (options.seconds == 0) return {-most, most};
+  const JointModel& joint = chain.joints[i];
+  return {std::clamp((joint.lower - q) / options.seconds, -most, most),
+          std::clamp((joint.upper - q) / options.seconds, -most, most)};
+}
+
+}  // namespace
+
+DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> q,
+                                    const Twist& twist, const DifferentialIkOptions& options) {
+  CheckDifferentialIk(chain, twist, options);
+  const int n = chain.n_joints();
+  const double per_metre = 1 / chain.model().length;
+  Jacobian6 jacobian(6, n);
+  const Pose tip = chain.Jacobian(q, jacobian);
+  const Eigen::Matrix3d axes =
+      options.frame == TwistFrame::kTip ? tip.rotation() : Eigen::Matrix3d::Identity();
+  Vector6 task;
+  task << axes * twist.linear * per_metre, axes * twist.angular;
+  jacobian.topRows<3>() *= per_metre;
+
+  BoundedLeastSquares squares(jacobian, task, DampingAt(jacobian));
+  for (int i = 0; i < n; ++i) {
+    const auto [lower, upper] = BoundsOf(chain.model(), i, q[i], options);
+    squares.lower[i] = lower;
+    squares.upper[i] = upper;
+    if (!options.posture.empty())
+      squares.wish[i] = options.posture_rate * (options.posture[i] - q[i]);
+  }
+  DifferentialIkResult result{.velocity = JointVector(n)};
+  squares.Solve(result.velocity.data());
+
+  Vector6 moved = Vector6::Zero();
+  for (int i = 0; i < n; ++i) moved += jacobian.col(i) * result.velocity[i];
+  result.slower = (moved - task).norm() > kNoticed * task.norm();
+  result.twist.linear = axes.transpose() * moved.head<3>() / per_metre;
+  result.twist.angular = axes.transpose() * moved.tail<3>();
+  return result;
+}
+
+}  // namespace robocell

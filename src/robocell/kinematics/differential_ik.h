@@ -1,0 +1,51 @@
+// Differential inverse kinematics: joint velocities that move the tip as asked, within limits.
+//
+//   const DifferentialIkResult now = DifferentialIk(chain, q, twist, {.seconds = 0.002});
+//   for (int i = 0; i < n; ++i) q[i] += 0.002 * now.velocity[i];
+//
+// The velocity v minimises |J v - twist|^2 + d |v - v_posture|^2 between its bounds, exactly: a
+// joint that is at its bound leaves its share to the others (P. B. Stark and R. L. Parker,
+// "Bounded-Variable Least-Squares", 1995). Lengths are weighed against angles by the chain's
+// length. The damping d is next to nothing, and grows where the chain comes near a singularity (Y.
+// Nakamura and H. Hanafusa, "Inverse Kinematic Solutions with Singularity Robustness", 1986):
+// speeds stay bounded, and the tip stays behind.
+//
+// No allocation; some microseconds. Errors: ArgumentError for wrong numbers of values and for what
+// is not finite or out of range, naming it.
+#pragma once
+
+#include "robocell/kinematics/chain.h"
+#include "robocell/kinematics/ik.h"
+#include "robocell/math/twist.h"
+
+namespace robocell {
+
+// Whose axes a twist of the tip has. Its reference point is the tip.
+enum class TwistFrame { kBase, kTip };
+
+struct DifferentialIkOptions {
+  TwistFrame frame = TwistFrame::kBase;
+  // How long the velocity will be kept, s: no joint leaves its limits in this time, and one that is
+  // beyond them comes back. 0: positions are not looked at.
+  double seconds = 0;
+  // Largest speed of each joint, rad/s or m/s, above 0. Empty: any.
+  JointVector max_speed{};
+  // Where joints to spare go, and how fast: a share of the way per second. Empty: they rest.
+  JointVector posture{};
+  double posture_rate = 1;
+  // Joints that do not move.
+  LockedJoints locked{};
+};
+
+struct DifferentialIkResult {
+  JointVector velocity{};  // rad/s or m/s
+  // What the tip does with it, in the axes asked for; and whether bounds or damping made that
+  // differ from what was asked by more than a thousandth.
+  Twist twist{};
+  bool slower = false;
+};
+
+DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> q,
+                                    const Twist& twist, const DifferentialIkOptions& options = {});
+
+}  // namespace robocell

@@ -1,0 +1,240 @@
+// Joint velocities against finite differences, the engine and the definition of the best.
+#include "robocell/kinematics/differential_ik.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "robocell/kinematics/pose_error.h"
+#include "robocell/kinematics/testing/ik_judge.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using Eigen::Vector3d;
+
+class DifferentialIkTest : public testing::TestWithParam<int> {
+ protected:
+  DifferentialIkTest()
+      : rng_(Rng::Stream(GetParam(), "differential ik")),
+        model_(TestModel::FromXml(
+            RandomChainXml(&rng_, {.joints = GetParam(), .slide_share = 0.15, .limited_share = 1})
+                .Write())),
+        chain_(model_.model(), "base", ChainTip::Site("tip")) {}
+
+  Vector3d RandomVector() { return {rng_.Normal(), rng_.Normal(), rng_.Normal()}; }
+  Twist RandomTwist() { return {0.3 * RandomVector(), RandomVector()}; }
+  JointVector Inside() {
+    JointVector q(chain_.n_joints());
+    for (int i = 0; i < q.size(); ++i) {
+      const ChainJoint& joint = chain_.joints()[i];
+      q[i] = joint.lower + rng_.Uniform(0.2, 0.8) * (joint.upper - joint.lower);
+    }
+    return q;
+  }
+  // What the tip really does, by differences of forward kinematics.
+  Twist Measured(const JointVector& q, const JointVector& velocity) {
+    constexpr double kStep = 1e-6;
+    JointVector before = q, after = q;
+    for (int i = 0; i < q.size(); ++i) {
+      before[i] -= kStep * velocity[i];
+      after[i] += kStep * velocity[i];
+    }
+    const PoseError way = ErrorTo(ToTransform(chain_.Fk(after)), ToTransform(chain_.Fk(before)));
+    return {way.linear / (2 * kStep), way.angular / (2 * kStep)};
+  }
+
+  Rng rng_;
+  TestModel model_;
+  Chain chain_;
+};
+INSTANTIATE_TEST_SUITE_P(Joints, DifferentialIkTest, testing::Values(6, 7, 9));
+
+TEST_P(DifferentialIkTest, MovesTheTipAsAskedInEitherFrame) {
+  int exact = 0;
+  for (int k = 0; k < 60; ++k) {
+    const JointVector q = Inside();
+    const Twist asked = RandomTwist();
+    for (const TwistFrame frame : {TwistFrame::kBase, TwistFrame::kTip}) {
+      const DifferentialIkResult found = DifferentialIk(chain_, q, asked, {.frame = frame});
+      const Quaternion axes = chain_.Fk(q).quaternion();
+      Twist really = Measured(q, found.velocity);
+      if (frame == TwistFrame::kTip)
+        really = Rotated({-axes[0], -axes[1], -axes[2], axes[3]}, really);
+      EXPECT_NEAR((really.vector() - found.twist.vector()).norm(), 0,
+                  1e-5 * (1 + found.velocity.size()));
+      if (found.slower) continue;
+      ++exact;
+      EXPECT_LT((really.vector() - asked.vector()).norm(), 0.02 * asked.vector().norm());
+    }
+  }
+  EXPECT_GT(exact, 30);
+}
+
+// The engine's Jacobian times the velocities is the twist in the world.
+TEST_P(DifferentialIkTest, AgreesWithTheEnginesJacobian) {
+  const mjModel* m = model_.model();
+  mjData* d = model_.data();
+  const JointVector q = Inside();
+  for (int i = 0; i < q.size(); ++i) d->qpos[chain_.joints()[i].qpos_address] = q[i];
+  mj_kinematics(m, d);
+  mj_comPos(m, d);
+  using Rows = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+  Rows linear(3, m->nv), angular(3, m->nv);
+  mj_jacSite(m, d, linear.data(), angular.data(), mj_name2id(m, mjOBJ_SITE, "tip"));
+  const DifferentialIkResult found = DifferentialIk(chain_, q, RandomTwist());
+  Vector3d moves = Vector3d::Zero(), turns = Vector3d::Zero();
+  for (int i = 0; i < q.size(); ++i) {
+    const int dof = chain_.joints()[i].dof_address;
+    moves += linear.col(dof) * found.velocity[i];
+    turns += angular.col(dof) * found.velocity[i];
+  }
+  const int base = mj_name2id(m, mjOBJ_BODY, "base");
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(d->xmat + 9 * base);
+  EXPECT_NEAR((axes.transpose() * moves - found.twist.linear).norm(), 0, 1e-9);
+  EXPECT_NEAR((axes.transpose() * turns - found.twist.angular).norm(), 0, 1e-9);
+}
+
+// Nothing between the bounds is better: not in any direction from the answer.
+TEST_P(DifferentialIkTest, ObeysBoundsAndIsTheBestBetweenThem) {
+  const int n = chain_.n_joints();
+  int bounded = 0;
+  for (int k = 0; k < 60; ++k) {
+    JointVector q = Inside();
+    q[k % n] = k % 2 ? chain_.joints()[k % n].lower : chain_.joints()[k % n].upper;
+    DifferentialIkOptions options{.seconds = 0.1, .max_speed = JointVector(n)};
+    for (double& most : options.max_speed) most = rng_.Uniform(0.05, 1);
+    if (k % 3 == 0) options.posture = Inside();
+    const Twist asked = RandomTwist();
+    const DifferentialIkResult found = DifferentialIk(chain_, q, asked, options);
+    Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, n);
+    chain_.Jacobian(q, jacobian);
+    jacobian.topRows(3) /= chain_.model().length;
+    Eigen::Matrix<double, 6, 1> task = asked.vector();
+    task.head(3) /= chain_.model().length;
+    const auto cost = [&](const JointVector& v) {
+      return (jacobian * Eigen::Map<const Eigen::VectorXd>(v.data(), n) - task).norm();
+    };
+    const auto low = [&](int i) {
+      return std::max(-options.max_speed[i], (chain_.joints()[i].lower - q[i]) / options.seconds);
+    };
+    const auto high = [&](int i) {
+      return std::min(options.max_speed[i], (chain_.joints()[i].upper - q[i]) / options.seconds);
+    };
+    for (int i = 0; i < n; ++i) {
+      EXPECT_GE(found.velocity[i], low(i) - 1e-12);
+      EXPECT_LE(found.velocity[i], high(i) + 1e-12);
+      bounded += found.velocity[i] == low(i) || found.velocity[i] == high(i);
+    }
+    for (int other = 0; other < 200; ++other) {
+      JointVector v(n);
+      const double far = std::pow(10, rng_.Uniform(-3, 0));
+      for (int i = 0; i < n; ++i)
+        v[i] = std::clamp(found.velocity[i] + far * rng_.Normal(), low(i), high(i));
+      // Damping trades a little of the task for slowness.
+      EXPECT_GT(cost(v), cost(found.velocity) - 0.02 * task.norm());
+    }
+  }
+  EXPECT_GT(bounded, 60);
+}
+
+TEST_P(DifferentialIkTest, StepsOfAMotionStayInTheLimits) {
+  constexpr double kSeconds = 0.01;
+  JointVector q = Inside();
+  const Twist away{.linear = {1, 0.4, 0.2}};
+  for (int k = 0; k < 500; ++k) {
+    const DifferentialIkResult now = DifferentialIk(
+        chain_, q, away, {.seconds = kSeconds, .max_speed = JointVector(q.size(), 2)});
+    for (int i = 0; i < q.size(); ++i) {
+      EXPECT_LE(std::abs(now.velocity[i]), 2);
+      q[i] += kSeconds * now.velocity[i];
+      EXPECT_GE(q[i], chain_.joints()[i].lower - 1e-9);
+      EXPECT_LE(q[i], chain_.joints()[i].upper + 1e-9);
+    }
+  }
+}
+
+TEST_P(DifferentialIkTest, PostureMovesJointsToSpareAndNotTheTip) {
+  const int n = chain_.n_joints();
+  const JointVector q = Inside();
+  const JointVector posture = Inside();
+  const Twist asked = RandomTwist();
+  const DifferentialIkResult plain = DifferentialIk(chain_, q, asked);
+  const DifferentialIkResult drawn = DifferentialIk(chain_, q, asked, {.posture = posture});
+  if (plain.slower || drawn.slower) return;  // near a singularity
+  EXPECT_LT((drawn.twist.vector() - plain.twist.vector()).norm(), 1e-3);
+  double towards = 0, moved = 0;
+  for (int i = 0; i < n; ++i) {
+    towards += (drawn.velocity[i] - plain.velocity[i]) * (posture[i] - q[i]);
+    moved += std::abs(drawn.velocity[i] - plain.velocity[i]);
+  }
+  if (n > 6) {
+    EXPECT_GT(towards, 0);
+  } else {
+    EXPECT_LT(moved, 1e-2) << "nothing to spare";
+  }
+}
+
+// Stretched: the inverse of the Jacobian is infinite, the speeds are not.
+TEST(DifferentialIk, IsDampedNearSingularities) {
+  const TestModel t = TestModel::FromXml(
+      "<mujoco><compiler angle='radian'/><worldbody><body name='base'><geom size='.1'/>"
+      "<body><joint axis='0 1 0'/><geom size='.1'/><body pos='1 0 0'><joint axis='0 1 0'/>"
+      "<geom size='.1'/><body pos='1 0 0'><joint axis='0 1 0'/><geom size='.1'/>"
+      "<site name='tip'/></body></body></body></body></worldbody></mujoco>");
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  double fastest = 0;
+  for (const double elbow : {0.0, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.03, 0.1, 0.3, 1.0}) {
+    const DifferentialIkResult found =
+        DifferentialIk(chain, JointVector{0.2, elbow, 0.1}, {.linear = {-0.2, 0, 0}});
+    for (const double v : found.velocity) fastest = std::max(fastest, std::abs(v));
+    if (elbow >= 1 || elbow <= 1e-4) {
+      EXPECT_EQ(found.slower, elbow < 1) << elbow;
+    }
+  }
+  EXPECT_LT(fastest, 4);
+}
+
+TEST(DifferentialIk, BringsJointsBackAndKeepsLockedOnes) {
+  Rng rng = Rng::Stream(3, "differential ik");
+  const TestModel t = TestModel::FromXml(
+      RandomChainXml(&rng, {.joints = 7, .slide_share = 0, .limited_share = 1}).Write());
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  JointVector q = RandomJoints(chain, &rng);
+  LockedJoints locked{};
+  locked[2] = true;
+  const DifferentialIkOptions options{.frame = TwistFrame::kTip,
+                                      .seconds = 0.01,
+                                      .max_speed = JointVector(7, 1),
+                                      .posture = q,
+                                      .locked = locked};
+  q[0] = chain.joints()[0].upper + 0.5;
+  const DifferentialIkResult found = DifferentialIk(chain, q, {.linear = {0.1, 0, 0}}, options);
+  EXPECT_EQ(found.velocity[0], -1) << "as fast as it may";
+  EXPECT_EQ(found.velocity[2], 0);
+  EXPECT_EQ(DifferentialIk(chain, q, {}).velocity, JointVector(7));
+}
+
+TEST(DifferentialIk, RefusesWhatMakesNoSense) {
+  Rng rng = Rng::Stream(4, "differential ik");
+  const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 3}).Write());
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  const JointVector q(3);
+  const auto refused = [&](const DifferentialIkOptions& options, const std::string& text) {
+    ExpectThrow<ArgumentError>([&] { DifferentialIk(chain, q, {}, options); }, text);
+  };
+  refused({.seconds = -1}, "differential inverse kinematics: seconds is -1; it must be 0 or more");
+  refused({.max_speed = {1, 1}}, "max_speed");
+  refused({.max_speed = {1, 0, 1}}, "is 0; it must be more than 0");
+  refused({.posture = {1}}, "posture");
+  refused({.posture_rate = NAN}, "posture_rate is nan");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        DifferentialIk(chain, q, {.linear = {NAN, 0, 0}});
+      },
+      "the twist has a number that is not finite");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,179 @@
+#include "robocell/kinematics/ik_choice.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "robocell/kinematics/ik_parts.h"
+
+namespace robocell {
+namespace {
+
+// Calls use(result) for each solution of a search.
+template <class Use>
+void ForSolutions(IkChoice::Search& search, const Use& use) {
+  if (!search.open || !search.found.success) return;
+  use(search.found);
+  if (search.unmoved_too) use(search.unmoved);
+}
+
+double Miss(const ChainModel& chain, const IkResult& result) {
+  const double lengths = result.position_error / chain.length;
+  return lengths * lengths + result.rotation_error * result.rotation_error;
+}
+
+}  // namespace
+
+bool IsChosen(const IkOptions& options) {
+  return options.prefer != IkPrefer::kFirst || options.filter != nullptr;
+}
+
+// One thread's share of the open searches: those of every so-manieth question.
+class IkChoice::Queue : public LaneQueue {
+ public:
+  Queue(IkChoice* choice, int first, int stride, const std::atomic<bool>& ended)
+      : choice_(*choice), question_(first), stride_(stride), ended_(ended) {}
+
+  bool Next(LaneQuestion* question) override {
+    const int count = static_cast<int>(choice_.questions_.size());
+    for (; question_ < count && !ended_; question_ += stride_, way_ = 0) {
+      for (; way_ < kSearches; ++way_) {
+        const int number = question_ * kSearches + way_;
+        const Search& search = choice_.searches_[number];
+        if (!search.open) continue;
+        *question = choice_.questions_[question_];
+        question->number = number;
+        question->first = search.next_start;
+        question->stride = kSearches;
+        question->most = search.starts_left;
+        ++way_;
+        return true;
+      }
+    }
+    return false;
+  }
+  void TakeUnmoved(int number, const IkResult& answer) override {
+    Search& search = choice_.searches_[number];
+    search.unmoved = answer;
+    search.unmoved_too = true;
+  }
+  void Take(int number, const IkResult& answer) override {
+    Search& search = choice_.searches_[number];
+    search.found = answer;
+    const int used = answer.restarts + 1;
+    search.began = search.next_start + kSearches * answer.restarts;
+    search.next_start += kSearches * used;
+    search.starts_left -= used;
+  }
+
+ private:
+  IkChoice& choice_;
+  int question_, stride_, way_ = 0;
+  const std::atomic<bool>& ended_;
+};
+
+IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
+                   std::span<const LaneQuestion> questions, std::span<Search> searches,
+                   std::span<IkResult> answers)
+    : chain_(chain),
+      options_(options),
+      preference_(chain.model(), options),
+      questions_(questions),
+      searches_(searches),
+      answers_(answers) {
+  for (std::size_t k = 0; k < questions.size(); ++k) {
+    const int starts = StartsFor(questions[k]);
+    for (int way = 0; way < kSearches; ++way) {
+      searches_[k * kSearches + way] = {.next_start = way,
+                                        .starts_left = (starts - way + kSearches - 1) / kSearches};
+    }
+    answers_[k] = {.position_error = std::numeric_limits<double>::infinity()};
+    // What only has to be kept by a filter is mostly found at once.
+    Open(static_cast<int>(k), preference_.any() ? kSearches : 1);
+  }
+}
+
+int IkChoice::StartsFor(const LaneQuestion& question) const {
+  const bool whole = IkTask(options_).whole_position;
+  const bool too_far = whole && IsOutOfReach(chain_.model(), question.target, options_.tolerance);
+  const int restarts =
+      too_far ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
+  return std::min(restarts, std::numeric_limits<int>::max() - kSearches) + 1;
+}
+
+void IkChoice::Open(int question, int searches) {
+  for (int way = 0; way < searches; ++way) {
+    Search& search = searches_[question * kSearches + way];
+    search.open = search.starts_left > 0;
+    search.unmoved_too = false;
+  }
+}
+
+void IkChoice::Run(int first, int stride, const std::atomic<bool>& ended) {
+  Queue queue(this, first, stride, ended);
+  SolveLanes(chain_, options_, &queue);
+}
+
+void IkChoice::Filter() {
+  rows_.clear();
+  std::size_t count = 0;
+  for (Search& search : searches_) {
+    ForSolutions(search, [&](const IkResult& result) {
+      rows_.insert(rows_.end(), result.q.begin(), result.q.end());
+      ++count;
+    });
+  }
+  keep_.assign(count, 0);
+  if (count > 0) options_.filter(rows_, static_cast<int>(count), keep_);
+}
+
+void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row) {
+  IkResult& answer = answers_[question];
+  const JointVector seed = SeedOf(chain_.model(), questions_[question].seed, options_.locked);
+  const JointVector goal = preference_.GoalFor(seed);
+  double least = std::numeric_limits<double>::infinity();
+  IkResult best = answer;
+  int steps = answer.iterations;
+  const std::span<Search> ways = searches_.subspan(std::size_t(question) * kSearches, kSearches);
+  for (Search& search : ways) {
+    if (!search.open) continue;
+    steps += search.found.iterations;
+    const auto take = [&](const IkResult& result, bool success) {
+      best = result;
+      best.success = success;
+      best.restarts = search.began;
+    };
+    // The best approach, for when there is no solution.
+    if (!best.success && Miss(chain_.model(), search.found) < Miss(chain_.model(), best))
+      take(search.found, false);
+    ForSolutions(search, [&](const IkResult& result) {
+      const bool kept = keep.empty() || keep[*row] != 0;
+      ++*row;
+      const double cost =
+          preference_.any() ? preference_.Cost(result.q, goal) : static_cast<double>(search.began);
+      if (!kept || cost >= least) return;
+      least = cost;
+      take(result, true);
+    });
+  }
+  answer = best;
+  answer.iterations = steps;
+}
+
+bool IkChoice::Choose() {
+  if (options_.filter) Filter();
+  bool open = false;
+  std::size_t row = 0;
+  for (int k = 0; k < static_cast<int>(questions_.size()); ++k) {
+    const std::span<Search> ways = searches_.subspan(std::size_t(k) * kSearches, kSearches);
+    const auto is_open = [](const Search& search) { return search.open; };
+    if (std::none_of(ways.begin(), ways.end(), is_open)) continue;
+    ChooseFor(k, keep_, &row);
+    for (Search& search : ways) search.open = false;
+    if (answers_[k].success) continue;
+    Open(k, kSearches);
+    open = open || std::any_of(ways.begin(), ways.end(), is_open);
+  }
+  return open;
+}
+
+}  // namespace robocell

@@ -1,0 +1,61 @@
+// Answers questions that are asked for the best of several solutions, or for one that a filter
+// keeps. For ik.cc and ik_batch.cc.
+//
+// A question is searched for in kSearches ways at a time, each with starts of its own; what is
+// found is filtered and compared. Where nothing was kept, the searches go on from their next
+// starts. What a question is answered depends on the question alone.
+#pragma once
+
+#include <atomic>
+#include <span>
+#include <vector>
+
+#include "robocell/kinematics/ik_preference.h"
+#include "robocell/kinematics/lane_solver.h"
+
+namespace robocell {
+
+// Whether an answer with these options has to be chosen.
+bool IsChosen(const IkOptions& options);
+
+class IkChoice {
+ public:
+  // Ways to look for one answer; so many solutions are compared.
+  static constexpr int kSearches = 16;
+
+  struct Search {
+    int next_start = 0, starts_left = 0, began = 0;
+    bool open = false;  // has to be run
+    bool unmoved_too = false;
+    IkResult found, unmoved;
+  };
+
+  // `searches`: memory for kSearches of each question. Everything given must outlive this.
+  IkChoice(const Chain& chain, const IkOptions& options, std::span<const LaneQuestion> questions,
+           std::span<Search> searches, std::span<IkResult> answers);
+
+  // Runs the open searches of every `stride`-th question from `first` on, until `ended`; several
+  // threads may do so.
+  void Run(int first, int stride, const std::atomic<bool>& ended);
+  // Filters and chooses, when all have run. False when every question has its answer.
+  bool Choose();
+
+ private:
+  class Queue;
+
+  void Open(int question, int searches);
+  void ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row);
+  void Filter();
+  int StartsFor(const LaneQuestion& question) const;
+
+  const Chain& chain_;
+  const IkOptions& options_;
+  IkPreference preference_;
+  std::span<const LaneQuestion> questions_;
+  std::span<Search> searches_;
+  std::span<IkResult> answers_;
+  std::vector<double> rows_;  // of what is to be filtered
+  std::vector<uint8_t> keep_;
+};
+
+}  // namespace robocell

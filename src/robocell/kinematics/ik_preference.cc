@@ -1,0 +1,94 @@
+#include "robocell/kinematics/ik_preference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "robocell/kinematics/manipulability.h"
+#include "robocell/kinematics/start_range.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kPart = 0.3;
+// Of the gradient of the logarithm of manipulability: how far uphill a goal is set, rad at most.
+constexpr double kUphill = 0.3, kFarthestUphill = 0.5;
+constexpr double kDifference = 1e-5;  // rad or m
+
+bool IsLimited(const JointModel& joint) {
+  return std::isfinite(joint.lower) && std::isfinite(joint.upper) && joint.lower < joint.upper;
+}
+
+}  // namespace
+
+IkPreference::IkPreference(const ChainModel& chain, const IkOptions& options)
+    : chain_(chain), options_(options), prefer_(options.prefer) {
+  largest_ = squared_scale(0);
+  for (int i = 1; i < chain.n; ++i) largest_ = std::max(largest_, squared_scale(i));
+}
+
+JointVector IkPreference::GoalFor(const JointVector& seed) const {
+  JointVector goal = seed;
+  for (int i = 0; i < chain_.n; ++i) {
+    const JointModel& joint = chain_.joints[i];
+    if (options_.locked[i]) continue;
+    if (prefer_ == IkPrefer::kPosture)
+      goal[i] = std::clamp(options_.posture[i], joint.lower, joint.upper);
+    // Not the middle of a start range: hinges may have several turns.
+    if (prefer_ == IkPrefer::kAwayFromLimits && IsLimited(joint))
+      goal[i] = 0.5 * (joint.lower + joint.upper);
+  }
+  return goal;
+}
+
+// What a radian is to slides and, away from limits, to joints of different ranges: there a joint
+// counts by the square of its share of the half range (A. Liegeois, "Automatic Supervisory Control
+// of the Configuration and Behavior of Multibody Mechanisms", 1977).
+double IkPreference::squared_scale(int i) const {
+  const JointModel& joint = chain_.joints[i];
+  const bool by_range = prefer_ == IkPrefer::kAwayFromLimits && IsLimited(joint);
+  const double scale = by_range                               ? 0.5 * (joint.upper - joint.lower)
+                       : joint.slide                          ? chain_.length
+                       : prefer_ == IkPrefer::kAwayFromLimits ? std::numbers::pi
+                                                              : 1;
+  return scale * scale;
+}
+
+bool IkPreference::counts(int i) const {
+  return prefer_ != IkPrefer::kAwayFromLimits || IsLimited(chain_.joints[i]);
+}
+
+double IkPreference::part(int i) const {
+  return any() && counts(i) && !options_.locked[i] ? kPart : 0;
+}
+
+JointVector IkPreference::GoalFrom(const JointVector& q, const JointVector& goal) const {
+  return prefer_ == IkPrefer::kManipulability ? Uphill(q) : goal;
+}
+
+JointVector IkPreference::Uphill(const JointVector& q) const {
+  const double here = std::max(ManipulabilityOf(chain_, q.data()), 1e-12);
+  JointVector goal = q;
+  for (int i = 0; i < chain_.n; ++i) {
+    if (options_.locked[i]) continue;
+    JointVector moved = q;
+    moved[i] += kDifference;
+    const double slope = (ManipulabilityOf(chain_, moved.data()) / here - 1) / kDifference;
+    const double most = chain_.joints[i].slide ? kFarthestUphill * chain_.length : kFarthestUphill;
+    goal[i] = std::clamp(q[i] + std::clamp(kUphill * slope, -most, most), chain_.joints[i].lower,
+                         chain_.joints[i].upper);
+  }
+  return goal;
+}
+
+double IkPreference::Cost(const JointVector& q, const JointVector& goal) const {
+  if (prefer_ == IkPrefer::kManipulability) return -ManipulabilityOf(chain_, q.data());
+  double sum = 0;
+  for (int i = 0; i < chain_.n; ++i) {
+    const double off = counts(i) ? q[i] - goal[i] : 0;
+    sum += off * off / squared_scale(i);
+  }
+  return sum;
+}
+
+}  // namespace robocell

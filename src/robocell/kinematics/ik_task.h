@@ -1,0 +1,39 @@
+// What of a target pose is asked for, in numbers: options resolved once for many targets. For the
+// solvers of this folder.
+#pragma once
+
+#include "robocell/kinematics/ik.h"
+#include "robocell/kinematics/transform.h"
+
+namespace robocell {
+
+struct IkTask {
+  explicit IkTask(const IkOptions& options);
+
+  // How far off a tip is, as norms, weights and cone taken into account. (Of what is plain it is
+  // the pose error; solvers do not ask.)
+  struct Errors {
+    double position = 0, rotation = 0;  // m, rad
+  };
+  Errors ErrorsOf(const Transform& target, const Transform& tip) const;
+
+  // The whole pose, no weights.
+  bool plain = true;
+  // Any rotation will do.
+  bool position_only = false;
+  // Every position error counts at least what it is.
+  bool whole_position = true;
+  // How many of the six numbers of a pose count.
+  int rows = 6;
+  // Only `axis`, in the tip's frame, has to point where the target's points, or within `cone` rad.
+  bool swing = false;
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  double cone = 0;
+  // Of what is left to move and to turn in the axes of the target: the rows that count.
+  Eigen::Matrix3d linear = Eigen::Matrix3d::Identity(), angular = Eigen::Matrix3d::Identity();
+};
+
+// ArgumentError for weights, axes and cones that make no sense.
+void CheckIkTask(const IkOptions& options);
+
+}  // namespace robocell

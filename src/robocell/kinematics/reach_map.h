@@ -1,0 +1,63 @@
+// Where a chain's tip can be, and how freely it can be turned there.
+//
+//   const ReachMap map = MapReach(chain, ReachGrid::Around(chain));
+//   map.fraction[map.index(3, 4, 5)];  // of the rotations at this place, those that are reached
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "robocell/kinematics/chain.h"
+
+namespace robocell {
+
+// A box in the base frame, divided into cubes. Where both corners agree along an axis there is one
+// layer of cells, centred there.
+struct ReachGrid {
+  Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  // m
+  double cell = 0.05;  // edge of a cube, m
+
+  // Everything that the chain may reach. ArgumentError for a chain that reaches infinitely far.
+  static ReachGrid Around(const Chain& chain, double cell = 0.05);
+};
+
+struct ReachMapOptions {
+  // Rotations that are tried at the centre of each cell, spread evenly over all of them.
+  int rotations = 64;
+  double tolerance = 1e-3;  // m and rad
+  // Starts after the first for each. What is reached from few starts only counts as not reached.
+  int max_restarts = 8;
+  int threads = 1;
+  // Called now and then on the caller's thread; what it throws ends the map.
+  std::function<void()> poll = {};
+};
+
+struct ReachMap {
+  std::array<int, 3> cells{};                       // along x, y, z
+  Eigen::Vector3d first = Eigen::Vector3d::Zero();  // centre of the first cell, m, base frame
+  double cell = 0;                                  // between centres, m
+  int rotations = 0;
+  // Of the rotations, those that are reached, 0 to 1; and the mean manipulability
+  // (manipulability.h) of the configurations found, 0 where there are none. z changes fastest.
+  std::vector<float> fraction{}, manipulability{};
+
+  std::size_t index(int x, int y, int z) const {
+    return (static_cast<std::size_t>(x) * cells[1] + y) * cells[2] + z;
+  }
+  Eigen::Vector3d centre(int x, int y, int z) const {
+    return first + cell * Eigen::Vector3d(x, y, z);
+  }
+};
+
+// Rotation k of `count` that are spread evenly over all rotations, a super-Fibonacci spiral (M.
+// Alexa, "Super-Fibonacci Spirals: Fast, Low-Discrepancy Sampling of SO(3)", 2022).
+Quaternion SpreadRotation(int k, int count);
+
+// Inverse kinematics of rotations times cells poses, about a million in a few seconds on one core;
+// limits obeyed, collisions not looked at. The same map on any number of threads. ArgumentError for
+// corners that are not finite or in the wrong order, for a cell, tolerance or counts that make no
+// sense, and for more than 2^31 poses.
+ReachMap MapReach(const Chain& chain, const ReachGrid& grid, const ReachMapOptions& options = {});
+
+}  // namespace robocell

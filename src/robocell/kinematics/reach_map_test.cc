@@ -1,0 +1,132 @@
+// The reach map against geometry known in closed form, and against configurations that are there.
+#include "robocell/kinematics/reach_map.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/kinematics/manipulability.h"
+#include "robocell/kinematics/testing/models.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using Eigen::Vector3d;
+
+// Two links of 0.6 and 0.4 m that a ball of three hinges carries, and a wrist of three: the tip
+// reaches what is between 0.2 and 1 m from the middle, turned in every way.
+constexpr char kBallArm[] =
+    "<mujoco><compiler angle='radian' autolimits='true'/>"
+    "<default><joint range='-3.14159 3.14159'/><geom size='.01'/></default><worldbody>"
+    "<body name='base'><geom/><body><joint axis='0 0 1'/><joint axis='0 1 0'/><geom/>"
+    "<body pos='0.6 0 0'><joint axis='0 1 0'/><geom/>"
+    "<body pos='0.4 0 0'><joint axis='1 0 0'/><joint axis='0 1 0'/><joint axis='1 0 0'/><geom/>"
+    "<site name='tip'/></body></body></body></body></worldbody></mujoco>";
+
+TEST(ReachMap, IsTheShellThatTwoLinksReach) {
+  const TestModel t = TestModel::FromXml(kBallArm);
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  const ReachGrid grid{.lower = {-1.1, -1.1, 0}, .upper = {1.1, 1.1, 0}, .cell = 0.1};
+  const ReachMap map = MapReach(chain, grid, {.rotations = 24, .max_restarts = 20});
+  EXPECT_EQ(map.cells, (std::array{22, 22, 1}));
+  EXPECT_EQ(map.centre(0, 0, 0), Vector3d(-1.05, -1.05, 0));
+  int inside = 0, outside = 0;
+  for (int x = 0; x < map.cells[0]; ++x) {
+    for (int y = 0; y < map.cells[1]; ++y) {
+      const double r = map.centre(x, y, 0).norm();
+      const float fraction = map.fraction[map.index(x, y, 0)];
+      if (r > 1.01 || r < 0.19) {
+        EXPECT_EQ(fraction, 0) << r;
+        EXPECT_EQ(map.manipulability[map.index(x, y, 0)], 0);
+        ++outside;
+      } else if (r > 0.22 && r < 0.98) {
+        EXPECT_GE(fraction, 0.95) << r;
+        EXPECT_GT(map.manipulability[map.index(x, y, 0)], 0);
+        ++inside;
+      }
+    }
+  }
+  EXPECT_GT(inside, 200);
+  EXPECT_GT(outside, 100);
+}
+
+// Where a configuration puts the tip, the map may not say that nothing reaches.
+TEST(ReachMap, KnowsThePlacesThatRandomConfigurationsReach) {
+  Rng rng = Rng::Stream(1, "reach map");
+  const TestModel t = TestModel::FromXml(
+      RandomChainXml(&rng, {.joints = 7, .slide_share = 0, .limited_share = 1}).Write());
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  int known = 0;
+  for (int k = 0; k < 50; ++k) {
+    JointVector q(7);
+    for (int i = 0; i < 7; ++i)
+      q[i] = rng.Uniform(chain.joints()[i].lower, chain.joints()[i].upper);
+    const Vector3d there = chain.Fk(q).translation();
+    const ReachMap map = MapReach(chain, {there, there, 0.01});
+    ASSERT_EQ(map.fraction.size(), 1u);
+    known += map.fraction[0] > 0;
+  }
+  EXPECT_GE(known, 45) << "64 rotations may miss a place that is reached in few";
+}
+
+TEST(ReachMap, IsTheSameOnThreadsAndHasRoomForTheWholeChain) {
+  const TestModel t = TestModel::FromXml(kBallArm);
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  const ReachGrid grid = ReachGrid::Around(chain, 0.4);
+  const ReachMap one = MapReach(chain, grid, {.rotations = 8}),
+                 two = MapReach(chain, grid, {.rotations = 8, .threads = 2});
+  EXPECT_EQ(one.fraction, two.fraction);
+  EXPECT_EQ(one.manipulability, two.manipulability);
+  EXPECT_EQ(one.fraction.front(), 0) << "corners are out of reach";
+  EXPECT_EQ(one.fraction.back(), 0);
+  EXPECT_GT(*std::max_element(one.fraction.begin(), one.fraction.end()), 0.5F);
+}
+
+TEST(SpreadRotation, CoversAllRotationsEvenly) {
+  constexpr int kCount = 200;
+  // No rotation is farther than about the spacing from one of them.
+  Rng rng = Rng::Stream(2, "rotations");
+  double farthest = 0;
+  for (int k = 0; k < 300; ++k) {
+    const Eigen::Vector4d q =
+        Eigen::Vector4d(rng.Normal(), rng.Normal(), rng.Normal(), rng.Normal()).normalized();
+    double nearest = 4;
+    for (int i = 0; i < kCount; ++i) {
+      const Quaternion s = SpreadRotation(i, kCount);
+      const double dot = std::abs(q[0] * s[0] + q[1] * s[1] + q[2] * s[2] + q[3] * s[3]);
+      nearest = std::min(nearest, 2 * std::acos(std::min(1.0, dot)));
+    }
+    farthest = std::max(farthest, nearest);
+  }
+  EXPECT_LT(farthest, 0.75);  // 200 balls of 0.75 rad have eleven times the room of all rotations
+}
+
+TEST(ReachMap, RefusesWhatMakesNoSense) {
+  const TestModel t = TestModel::FromXml(kBallArm);
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  const ReachGrid box{.lower = {-1, -1, 0}, .upper = {1, 1, 0}};
+  const auto refused = [&](const ReachGrid& grid, const ReachMapOptions& options,
+                           const std::string& text) {
+    ExpectThrow<ArgumentError>([&] { MapReach(chain, grid, options); }, text);
+  };
+  refused({.lower = {1, 0, 0}, .upper = {0, 0, 0}}, {},
+          "reach map: the corners are (1, 0, 0) and (0, 0, 0); they must be finite, and the first");
+  refused({.lower = box.lower, .upper = box.upper, .cell = 0}, {}, "cell is 0 m; it must be more");
+  refused(box, {.rotations = 0}, "rotations is 0; it must be 1 or more");
+  refused(box, {.tolerance = 0}, "tolerance is 0; it must be more than 0");
+  refused({.lower = box.lower, .upper = box.upper, .cell = 1e-5}, {},
+          "more than 2^31 poses with cells of 1e-05 m and 64 rotations; take larger cells");
+  int polls = 0;
+  ExpectThrow<Error>(
+      [&] {
+        MapReach(chain, box, {.poll = [&] {
+                   if (++polls == 3) throw Error("interrupted");
+                 }});
+      },
+      "interrupted");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,73 @@
+#include "robocell/robot/collision_filter.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/robot/scratch_robot.h"
+
+namespace robocell {
+namespace {
+
+double CheckedClearance(double clearance) {
+  if (clearance >= 0 && std::isfinite(clearance)) return clearance;
+  throw ArgumentError(
+      fmt::format("collision filter: clearance is {} m; it must be 0 or more", clearance));
+}
+
+}  // namespace
+
+struct CollisionFilter::State {
+  State(const Robot& robot, double least)
+      : scratch(robot, least), clearance(least), ignored(scratch.model()->ngeom, 0) {}
+
+  ScratchRobot scratch;
+  double clearance;
+  std::vector<char> ignored;  // per geom
+};
+
+CollisionFilter::CollisionFilter(const Robot& robot, const CollisionFilterOptions& options)
+    : state_(std::make_shared<State>(robot, CheckedClearance(options.clearance))) {
+  const mjModel* m = state_->scratch.model();
+  const std::string place = "collision filter of robot '" + robot.name() + "': ignored";
+  for (const std::string& name : options.ignored) {
+    const int body = RequireId(m, mjOBJ_BODY, name, place);
+    for (int g = 0; g < m->ngeom; ++g) {
+      if (IsInSubtree(m, m->geom_bodyid[g], body)) state_->ignored[g] = 1;
+    }
+  }
+}
+
+void CollisionFilter::Update() { state_->scratch.Update(); }
+
+int CollisionFilter::n_joints() const { return state_->scratch.robot().chain().n_joints(); }
+
+bool CollisionFilter::IsFree(std::span<const double> q) {
+  State& s = *state_;
+  s.scratch.robot().chain().CheckJointValues("collision filter: q", q);
+  s.scratch.SetArm(q);
+  if (!s.scratch.FindTouches()) return false;  // what is missing may be in the way
+  const auto is_fine = [&](const ScratchRobot::Touch& touch) {
+    return (!touch.itself && touch.distance >= s.clearance) || s.ignored[touch.own_geom] ||
+           s.ignored[touch.other_geom];
+  };
+  return std::all_of(s.scratch.touches().begin(), s.scratch.touches().end(), is_fine);
+}
+
+void CollisionFilter::operator()(std::span<const double> q, int count, std::span<uint8_t> keep) {
+  const size_t n = static_cast<size_t>(n_joints());
+  if (q.size() != n * static_cast<size_t>(count) || keep.size() != static_cast<size_t>(count)) {
+    throw ArgumentError(fmt::format(
+        "collision filter of robot '{}': expected {} values for {} configurations of {} joints, "
+        "got {}",
+        state_->scratch.robot().name(), n * count, count, n, q.size()));
+  }
+  for (int k = 0; k < count; ++k) keep[k] = IsFree(q.subspan(k * n, n)) ? 1 : 0;
+}
+
+}  // namespace robocell
