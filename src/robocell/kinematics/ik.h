@@ -42,8 +42,8 @@ namespace robocell {
 // Which joints of a chain must stay where the seed has them.
 using LockedJoints = std::array<bool, kMaxChainJoints>;
 
-// Which of the solutions is wanted. What is not kFirst compares sixteen and takes twenty times as
-// long; joints to spare are moved, too.
+// Which of the solutions is wanted. What is not kFirst compares sixteen, and moves joints to spare:
+// some tens of microseconds; kManipulability, which climbs by differences, takes a millisecond.
 enum class IkPrefer {
   kFirst,           // the first that is found
   kSeed,            // near the seed

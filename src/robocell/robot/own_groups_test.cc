@@ -293,11 +293,12 @@ TEST(OwnController, IsRegisteredByNameAndChosenByIt) {
   EXPECT_EQ(robot.controller("arm").kind(), "waving");
   for (int i = 0; i < 3; ++i) robot.Update();
   EXPECT_EQ(robot.scene().actuator_ctrl("servo1"), std::sin(0.2));
-  ExpectThrow<NotFoundError>([&] { robot.SetController("arm", "wavin"); },
-                             "group 'arm': no controller 'wavin'. Its controllers: "
-                             "cartesian_impedance, cartesian_pose, joint_impedance, "
-                             "joint_position, joint_torque, joint_velocity, "
-                             "relative_joint_position, waving. Did you mean 'waving'?");
+  ExpectThrow<NotFoundError>(
+      [&] { robot.SetController("arm", "wavin"); },
+      "group 'arm': no controller 'wavin'. Its controllers: "
+      "cartesian_impedance, cartesian_pose, differential_ik, joint_impedance, "
+      "joint_position, joint_torque, joint_velocity, "
+      "relative_joint_position, waving. Did you mean 'waving'?");
   ExpectThrow<ArgumentError>([&] { robot.SetController("arm", std::unique_ptr<Controller>()); },
                              "a controller cannot be null");
 }
