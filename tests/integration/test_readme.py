@@ -33,6 +33,7 @@ GIVEN = {
     "data": "std::vector<std::string> joints, std::vector<double> q, std::vector<uint8_t> rgb,"
     " std::vector<uint16_t> millimetres",
     "env": "Scene scene",
+    "environments": "EnvConfig config",
     "kinematics": "const mjModel* model, void (*Command)(std::span<const double>)",
     "math": "Pose base_in_world, Pose tcp_in_base, Pose target, Pose difference, Pose start,"
     " Pose goal, PoseMoveLimits limits, double time",
