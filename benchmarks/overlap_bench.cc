@@ -15,6 +15,7 @@
 #include "robocell/datagen/episode_cameras.h"
 #include "robocell/datagen/prepare.h"
 #include "robocell/media/video_writer.h"
+#include "robocell/render/stream_camera.h"
 
 namespace robocell {
 namespace {

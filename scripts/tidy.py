@@ -26,7 +26,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-OURS = ("src/robocell/", "python/bindings/", "examples/")
+OURS = ("src/robocell/", "python/bindings/", "examples/", "benchmarks/")
 # The file that includes a group is not ours to judge: what it includes, and our headers, are.
 LINES = json.dumps([{"name": ".cc"}, {"name": ".h"}])
 # The commands were written for g++; clang need not know every option. (.clang-tidy has the same.)
