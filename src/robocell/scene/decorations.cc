@@ -24,7 +24,7 @@ void AddFloorMaterial(mjSpec* spec) {
   Fill(texture->rgb1, 0.74, 0.75, 0.76);
   Fill(texture->rgb2, 0.69, 0.70, 0.72);
   Fill(texture->markrgb, 0.62, 0.63, 0.65);
-  texture->width = texture->height = 300;
+  texture->width = texture->height = 128;
   mjsMaterial* material = mjs_addMaterial(spec, nullptr);
   SetSpecName(material->element, "robocell_floor", "floor");
   mjs_setInStringVec(material->textures, mjTEXROLE_RGB, "robocell_floor");
@@ -50,8 +50,8 @@ void AddSky(mjSpec* spec) {
   sky->builtin = mjBUILTIN_GRADIENT;
   Fill(sky->rgb1, 0.88, 0.91, 0.94);
   Fill(sky->rgb2, 0.52, 0.63, 0.76);
-  sky->width = 128;
-  sky->height = 768;
+  sky->width = 32;
+  sky->height = 192;
   // Where floor and sky meet the floor takes the sky's colour.
   std::copy_n(sky->rgb1, 3, spec->visual.rgba.haze);
 }
