@@ -64,13 +64,15 @@ class Side:
         return environment(package) if package else Path(sys.executable)
 
 
-def environment(package: str) -> Path:
-    """The interpreter of an environment with one package; made when it is not there."""
-    folder = ROOT / "build" / "bench" / "peers" / package.split("==")[0]
+def environment(package: str, *more: str) -> Path:
+    """The interpreter of an environment with a package, and others; made when it is not there."""
+    folder = ROOT / "build" / "bench" / "peers" / package.split("==")[0].replace("-", "_")
     python = folder / "bin" / "python"
     if not (folder / "ready").exists():
         venv.create(folder, with_pip=True, clear=True)
-        subprocess.run([python, "-m", "pip", "install", "--quiet", package, "numpy"], check=True)
+        subprocess.run(
+            [python, "-m", "pip", "install", "--quiet", package, *more, "numpy"], check=True
+        )
         (folder / "ready").touch()
     return python
 

@@ -18,6 +18,7 @@ import add_remove
 import control_loop
 import dataset_writer
 import dynamics
+import env_step
 import episodes
 import ik
 import overlap
@@ -30,6 +31,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "control_loop": control_loop.rows,
     "dynamics": dynamics.rows,
     "reset": reset.rows,
+    "env_step": env_step.rows,
     "ik": ik.rows,
     "add_remove": add_remove.rows,
     "scene_again": scene_again.rows,

@@ -9,7 +9,18 @@ import pytest
 
 import robocell as rc
 
-EQUIPMENT = ["cabinet", "ft_sensor", "green_cube", "open_bottle", "receiver", "table"]
+EQUIPMENT = [
+    "cabinet",
+    "d405",
+    "fr3_duo_mount",
+    "ft_sensor",
+    "green_cube",
+    "open_bottle",
+    "parallel_hand",
+    "receiver",
+    "robotiq_d405_mount",
+    "table",
+]
 
 
 def cell(*objects: rc.SceneObject) -> rc.Scene:

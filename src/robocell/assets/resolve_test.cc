@@ -122,8 +122,10 @@ TEST_F(Resolving, AVariablePutsAFileInTheModelsPlace) {
 }
 
 TEST_F(Resolving, EquipmentIsFoundByNameAndIsNothingToPick) {
-  EXPECT_THAT(BuiltinEquipment(), ::testing::ElementsAre("cabinet", "ft_sensor", "green_cube",
-                                                         "open_bottle", "receiver", "table"));
+  EXPECT_THAT(BuiltinEquipment(),
+              ::testing::ElementsAre("cabinet", "d405", "fr3_duo_mount", "ft_sensor", "green_cube",
+                                     "open_bottle", "parallel_hand", "receiver",
+                                     "robotiq_d405_mount", "table"));
   EXPECT_EQ(Resolve("cabinet"), ModelsRoot() + "/equipment/cabinet/cabinet.xml");
   EXPECT_THAT(BuiltinObjects(), ::testing::Not(Contains("cabinet")));
   EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));

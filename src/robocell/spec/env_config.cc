@@ -119,7 +119,8 @@ void CheckCameraAdds(const EnvConfig& env, Problems& problems) {
                          " Unset, the camera belongs to the rig, and its offset is in the root "
                          "frame");
     }
-    if (!IsStreamed(env, name)) {
+    // A model is there for its housing too.
+    if (camera->xml_path.empty() && !IsStreamed(env, name)) {
       problems.Add(
           fmt::format("no stream takes images of this camera; add {{name: {0}, camera: "
                       "{0}}} to cameras.streams, or leave the camera out",

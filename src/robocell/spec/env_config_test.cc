@@ -186,6 +186,9 @@ TEST(EnvConfig, ACameraThatIsAddedHasAStream) {
   EXPECT_EQ(Message(env),
             "it is not valid: camera_adds.wrist: no stream takes images of this camera; add {name: "
             "wrist, camera: wrist} to cameras.streams, or leave the camera out");
+  env.camera_adds["wrist"].xml_path = "housing.xml";
+  EXPECT_EQ(Message(env), "") << "its housing is something without images too";
+  env.camera_adds["wrist"].xml_path = "";
   env.cameras.streams.push_back({.name = "hand", .camera = "wrist"});
   EXPECT_EQ(Message(env), "");
 }

@@ -1,0 +1,113 @@
+"""SimEnvCreatorConfig: an environment's configuration with the names of RCS, and what makes it."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import robocell as rc
+from robocell import CameraAdderConfig, WrapperConfig
+from robocell.compat.rcs.common import Pose
+from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
+from robocell.compat.rcs.envs.tasks import PickTaskConfig
+from robocell.compat.rcs.registries import SCENE_PATHS
+from robocell.compat.rcs.sim import SimCameraConfig, SimConfig, SimGripperConfig, SimRobotConfig
+
+if TYPE_CHECKING:
+    from robocell.gym import GymEnv
+
+__all__ = [
+    "CameraAdderConfig",
+    "ControlMode",
+    "RelativeTo",
+    "SimEnvCreator",
+    "SimEnvCreatorConfig",
+    "WrapperConfig",
+]
+
+Path = str | os.PathLike[str]
+Placed = tuple[Path, rc.Pose]
+
+
+@dataclass(kw_only=True)
+class SimEnvCreatorConfig:
+    """A cell of one or several robots; all but the first three have defaults."""
+
+    robot_cfgs: Mapping[str, SimRobotConfig]
+    sim_cfg: SimConfig
+    control_mode: rc.ControlMode
+    task_cfg: PickTaskConfig | None = None
+    scene: Path = SCENE_PATHS["empty_world"]
+    gripper_cfgs: Mapping[str, SimGripperConfig] | None = None
+    camera_cfgs: Mapping[str, SimCameraConfig] | None = None
+    max_relative_movement: float | tuple[float, float] | None = None
+    relative_to: rc.RelativeTo = RelativeTo.LAST_STEP
+    robot_to_shared_base_frame: Mapping[str, rc.Pose] | None = None
+    add_gravcomp: bool = False
+    wrapper_cfg: rc.WrapperConfig = field(default_factory=WrapperConfig)
+    headless: bool = False
+    shared_base_frame_to_root_frame: rc.Pose = field(default_factory=Pose)
+    root_frame_to_world: rc.Pose = field(default_factory=Pose)
+    alternative_combined_robot_mjcf: Path | None = None
+    world_frame_objects: Mapping[str, Placed] | None = None
+    root_frame_objects: Mapping[str, Placed] | None = None
+    robot_frame_objects: Mapping[str, Mapping[str, Placed]] | None = None
+    camera_adds: Mapping[str, rc.CameraAdderConfig] | None = None
+    gripper_offsets: Mapping[str, rc.Pose] | None = None
+
+    def to_env_config(self, name: str = "env") -> rc.EnvConfig:
+        """The same cell as robocell's configuration; this one stays as it is."""
+        fields: dict[str, Any] = {
+            "name": name,
+            "robots": {robot: each.to_robot() for robot, each in self.robot_cfgs.items()},
+            "grippers": {robot: g.to_robot() for robot, g in (self.gripper_cfgs or {}).items()},
+            "gripper_offsets": dict(self.gripper_offsets or {}),
+            "scene": str(self.scene),
+            "root_frame_to_world": self.root_frame_to_world,
+            "shared_base_frame_to_root_frame": self.shared_base_frame_to_root_frame,
+            "robot_to_shared_base_frame": dict(self.robot_to_shared_base_frame or {}),
+            "world_frame_objects": dict(self.world_frame_objects or {}),
+            "root_frame_objects": dict(self.root_frame_objects or {}),
+            "robot_frame_objects": {
+                robot: dict(each) for robot, each in (self.robot_frame_objects or {}).items()
+            },
+            "camera_adds": dict(self.camera_adds or {}),
+            "cameras": {
+                "streams": [c.to_stream(camera) for camera, c in (self.camera_cfgs or {}).items()]
+            },
+            "add_gravcomp": self.add_gravcomp,
+            "control_mode": self.control_mode,
+            "relative_to": self.relative_to,
+            "sim": self.sim_cfg.to_settings(),
+            "wrappers": self.wrapper_cfg,
+        }
+        if self.max_relative_movement is not None:
+            fields["max_relative_movement"] = self.max_relative_movement
+        config = rc.EnvConfig(**fields)
+        if self.task_cfg is not None:
+            self.task_cfg.add_to(config)
+        return config
+
+
+class SimEnvCreator:
+    """Makes environments; subclasses have a `config` of their own."""
+
+    def config(self) -> SimEnvCreatorConfig:
+        """What is made when nothing else is said."""
+        raise NotImplementedError(f"{type(self).__name__} has no config of its own; pass cfg=")
+
+    def create_model(self, cfg: SimEnvCreatorConfig) -> rc.SceneSpec:
+        """The scene alone: to look at, to build with `rc.Scene.build`, to save."""
+        return rc.env_scene_spec(cfg.to_env_config(type(self).__name__))
+
+    def create_env(self, cfg: SimEnvCreatorConfig) -> GymEnv:
+        """The environment as Gymnasium's."""
+        from robocell.gym import GymEnv
+
+        return GymEnv(cfg.to_env_config(type(self).__name__))
+
+    def __call__(self, cfg: SimEnvCreatorConfig | None = None) -> GymEnv:
+        """The environment of `cfg`, or of `config()`."""
+        return self.create_env(self.config() if cfg is None else cfg)

@@ -1,0 +1,54 @@
+"""Names of scenes, objects, grippers, cameras and transforms.
+
+Models are robocell's own, by their built-in names, and the Menagerie's; no file is read here.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+from robocell.compat.rcs.common import Pose
+
+SCENE_PATHS = {"empty_world": "empty_world", "tabletop": "tabletop"}
+
+OBJECT_PATHS = {
+    "green_cube": "green_cube",
+    "fr3_duo_mount": "fr3_duo_mount",
+    "robotiq_d405_mount": "robotiq_d405_mount",
+}
+
+GRIPPER_PATHS = {
+    "FrankaHand": "menagerie:franka_emika_panda/hand.xml",
+    "Robotiq2F85": "menagerie:robotiq_2f85/2f85.xml",
+    "ParallelHand": "parallel_hand",
+}
+
+CAMERA_PATHS = {"d405": "d405"}
+
+# Gripper type -> its pose in the attachment site of an FR3: that is turned by 45 degrees.
+GRIPPER_MOUNT_OFFSETS = {
+    "FrankaHand": Pose(rpy=[0, 0, -pi / 4]),
+    "Robotiq2F85": Pose(rpy=[0, 0, pi / 4]),
+    "ParallelHand": Pose(rpy=[0, 0, -pi / 4]),
+}
+
+# Gripper type -> the TCP in the attachment site of an FR3.
+GRIPPER_TCP_OFFSETS = {
+    "FrankaHand": Pose(translation=[0, 0, 0.1034], rpy=[0, 0, -pi / 4]),
+    "Robotiq2F85": Pose(translation=[0, 0, 0.1489], rpy=[0, 0, pi / 4]),
+    "ParallelHand": Pose(translation=[0, 0, 0.14], rpy=[0, 0, -pi / 4]),
+}
+
+DEFAULT_TRANSFORMS = {
+    "FR3_DUOMOUNT_BASE": Pose(),
+    "FR3_DUOMOUNT_HEIGHT_OFFSET": Pose(translation=[0, 0, 0.342]),
+    "FR3_DUOMOUNT_LEFT_ROBOT": Pose(
+        translation=[0, 0.05018, 0], quaternion=[-0.436978, 0.0225312, -0.243326, 0.865641]
+    ),
+    "FR3_DUOMOUNT_RIGHT_ROBOT": Pose(
+        translation=[0, -0.05018, 0], quaternion=[0.436978, 0.0225312, 0.243326, 0.865641]
+    ),
+    "FR3_ROBOTIQ_WRIST_D405_MOUNT": Pose(quaternion=[0, 0, 0.7071068, 0.7071068]),
+}
+
+HOME_POSITIONS = {"FR3": [0, -pi / 4, 0, -3 * pi / 4, 0, pi / 2, pi / 4]}

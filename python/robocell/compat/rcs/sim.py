@@ -1,0 +1,175 @@
+"""Robots, grippers, cameras and the simulation, field by field."""
+
+from __future__ import annotations
+
+import enum
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import robocell as rc
+from robocell.compat.rcs.common import Pose
+from robocell.compat.rcs.registries import GRIPPER_PATHS, HOME_POSITIONS
+
+TIMESTEP = rc.SimSettings().timestep  # seconds
+UNLIMITED = 1e9  # seconds
+
+
+def _fr3_joints() -> list[str]:
+    return [f"fr3_joint{i}" for i in range(1, 8)]
+
+
+@dataclass
+class SimConfig:
+    """How the simulation runs; a number of convergence steps below 0 is none."""
+
+    async_control: bool = False
+    realtime: bool = False
+    frequency: float = 30.0
+    max_convergence_steps: int = 500
+
+    def to_settings(self) -> rc.SimSettings:
+        """As robocell's: steps of the engine become simulated seconds."""
+        steps = self.max_convergence_steps
+        return rc.SimSettings(
+            async_control=self.async_control,
+            realtime=self.realtime,
+            frequency=self.frequency,
+            max_convergence_time=UNLIMITED if steps < 0 else steps * TIMESTEP,
+            on_collision="report" if self.async_control else "stop",
+        )
+
+
+@dataclass
+class SimRobotConfig:
+    """An arm; by default the Menagerie's FR3. Names are those of its model, without prefix.
+
+    ``dof``, when it is set, must be the number of joints. ``seconds_between_callbacks`` is accepted
+    and unused: robocell looks at every step of the engine whether an arm has arrived.
+    """
+
+    robot_type: str = "FR3"
+    kinematic_model_path: str | os.PathLike[str] = "menagerie:franka_fr3/fr3.xml"
+    attachment_site: str = "attachment_site"
+    tcp_offset: rc.Pose = field(default_factory=Pose)
+    joints: Sequence[str] = field(default_factory=_fr3_joints)
+    actuators: Sequence[str] = field(default_factory=_fr3_joints)
+    base: str = "base"
+    dof: int | None = None
+    joint_limits: Any = None  # (2, dof): lower, upper; those of the model unless set
+    q_home: Sequence[float] | None = field(default_factory=lambda: list(HOME_POSITIONS["FR3"]))
+    joint_rotational_tolerance: float = 0.01
+    arm_collision_geoms: Sequence[str] = ()
+    seconds_between_callbacks: float = 0.1
+
+    def to_robot(self) -> rc.RobotConfig:
+        """As a robot's configuration with one group, ``arm``."""
+        if self.dof is not None and self.dof != len(self.joints):
+            raise rc.ArgumentError(
+                f"robot {self.robot_type}: dof is {self.dof}, but joints has {len(self.joints)} "
+                "names"
+            )
+        robot = rc.RobotConfig(
+            name=str(self.robot_type),
+            model=str(self.kinematic_model_path),
+            root_body=self.base,
+            attachment_site=self.attachment_site,
+            tcp_offset=self.tcp_offset,
+            arrival_tolerance=self.joint_rotational_tolerance,
+            move_groups={
+                "arm": {
+                    "kind": "arm",
+                    "joints": list(self.joints),
+                    "actuators": list(self.actuators),
+                }
+            },
+        )
+        if self.q_home is not None:
+            robot.home = {"arm": [float(q) for q in self.q_home]}
+        if len(self.arm_collision_geoms):
+            robot.collision_geoms = list(self.arm_collision_geoms)
+        if self.joint_limits is not None:
+            lower, upper = self.joint_limits
+            robot.edits = [
+                rc.Edit(joint=name, range=[float(low), float(high)])
+                for name, low, high in zip(self.joints, lower, upper, strict=True)
+            ]
+        return robot
+
+
+@dataclass
+class SimGripperConfig:
+    """A gripper of GRIPPER_PATHS, or ``gripper_type`` is a model's path; by default Franka's hand.
+
+    Accepted and unused: ``min_joint_width``, ``max_joint_width`` (the opening is measured on the
+    model), ``collision_geoms``, ``ignored_collision_geoms`` (grippers may touch things) and
+    ``seconds_between_callbacks``.
+    """
+
+    gripper_type: str = "FrankaHand"
+    joints: Sequence[str] = ("finger_joint1", "finger_joint2")
+    actuator: str = "actuator8"
+    min_actuator_width: float = 0
+    max_actuator_width: float = 255
+    min_joint_width: float = 0
+    max_joint_width: float = 0.04
+    collision_geoms: Sequence[str] = ()
+    collision_geoms_fingers: Sequence[str] = ()
+    ignored_collision_geoms: Sequence[str] = ()
+    seconds_between_callbacks: float = 0.05
+
+    def to_robot(self) -> rc.RobotConfig:
+        """As a robot's configuration with one group, ``gripper``."""
+        kind = str(self.gripper_type)
+        if kind not in GRIPPER_PATHS and not kind.endswith(".xml"):
+            known = ", ".join(GRIPPER_PATHS)
+            raise rc.NotFoundError(f"no gripper '{kind}'. Known grippers: {known}, or an MJCF file")
+        group: dict[str, Any] = {
+            "kind": "gripper",
+            "joints": list(self.joints),
+            "actuators": [self.actuator],
+            "ctrl": {"open": self.max_actuator_width, "closed": self.min_actuator_width},
+        }
+        if len(self.collision_geoms_fingers):
+            group["fingers"] = list(self.collision_geoms_fingers)
+        return rc.RobotConfig(
+            name=kind, model=GRIPPER_PATHS.get(kind, kind), move_groups={"gripper": group}
+        )
+
+
+class CameraType(enum.Enum):
+    """Which kind of camera; environments take images of fixed ones."""
+
+    free = "free"
+    tracking = "tracking"
+    fixed = "fixed"
+    default_free = "default_free"
+
+
+@dataclass
+class SimCameraConfig:
+    """What is taken of a camera, by its name in the scene; rate 0: a frame with every step."""
+
+    identifier: str
+    frame_rate: float = 0
+    resolution_width: int = 640
+    resolution_height: int = 480
+    type: CameraType = CameraType.fixed
+
+    def to_stream(self, name: str) -> rc.CameraConfig:
+        """As an image stream of this name."""
+        if self.type != CameraType.fixed:
+            raise rc.ArgumentError(
+                f"camera_cfgs.{name}: its type is {self.type.name}; images are taken of fixed "
+                "cameras, those of camera_adds, of robots and of the scene"
+            )
+        stream = rc.CameraConfig(
+            name=name,
+            camera=self.identifier,
+            width=self.resolution_width,
+            height=self.resolution_height,
+        )
+        if self.frame_rate:
+            stream.rate = float(self.frame_rate)
+        return stream
