@@ -1,0 +1,124 @@
+"""Environments as LeRobot has them; stable-baselines3 takes them too (``MultiInputPolicy``).
+
+from robocell.gym import pick_cube_config
+from robocell.lerobot import LeRobotEnv
+
+env = LeRobotEnv(pick_cube_config(), max_episode_steps=200)
+observation, info = env.reset(seed=0)
+observation["agent_pos"]  # and environment_state with a task, pixels with image streams
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+from gymnasium.spaces.utils import flatten, flatten_space, unflatten
+from numpy.typing import NDArray
+
+from robocell._core import EnvConfig
+from robocell.gym import GymEnv
+
+Observation = dict[str, Any]
+
+
+class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
+    """A ``GymEnv`` with flat vectors and the names of LeRobot.
+
+    Actions are one vector between -1 and 1 for the ranges of ``GymEnv``, its dictionaries in the
+    order of their keys. Observations, all float32 but ``pixels``:
+
+    - ``agent_pos``: everything of the robots; ``environment_state``: of the task's objects;
+    - ``pixels``: of each image stream the colour image, (H, W, 3) uint8.
+
+    ``task`` is the name of the environment, ``task_description`` the instruction. An episode is
+    truncated after ``max_episode_steps``; ``info["is_success"]`` is there with every step.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 30}  # noqa: RUF012  (as in Gymnasium)
+
+    def __init__(
+        self,
+        config: EnvConfig,
+        max_episode_steps: int = 200,
+        render_mode: str | None = "rgb_array",
+    ) -> None:
+        self.env = GymEnv(config, render_mode=render_mode)
+        self.metadata = self.env.metadata
+        self.render_mode = render_mode
+        self.task = config.name
+        self.task_description = self.env.core.instruction or config.name
+        self._max_episode_steps = max_episode_steps
+        self._steps = 0
+        whole = self.env.observation_space
+        assert isinstance(whole, spaces.Dict)
+        self._groups = {
+            "agent_pos": spaces.Dict({robot: whole[robot] for robot in config.robots}),
+        }
+        if "objects" in whole.spaces:
+            self._groups["environment_state"] = spaces.Dict({"objects": whole["objects"]})
+        self._pixels = [stream.name for stream in config.cameras.streams if stream.rgb]
+        self.observation_space = spaces.Dict(self._spaces(whole))
+        box = flatten_space(self.env.action_space)
+        assert isinstance(box, spaces.Box)
+        self._low, self._high = box.low, box.high
+        self.action_space = spaces.Box(-1, 1, box.shape, np.float32)
+
+    def _spaces(self, whole: spaces.Dict) -> dict[str, spaces.Space[Any]]:
+        found: dict[str, spaces.Space[Any]] = {}
+        for name, group in self._groups.items():
+            box = flatten_space(group)
+            assert isinstance(box, spaces.Box)
+            # Rounding of the numbers must not leave the space.
+            low = np.nextafter(box.low.astype(np.float32), np.float32(-np.inf))
+            high = np.nextafter(box.high.astype(np.float32), np.float32(np.inf))
+            found[name] = spaces.Box(low, high, dtype=np.float32)
+        if self._pixels:
+            frames: Any = whole["frames"]
+            found["pixels"] = spaces.Dict(
+                {name: frames[name]["rgb"]["data"] for name in self._pixels}
+            )
+        return found
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Observation, dict[str, Any]]:
+        """To a start, as ``GymEnv``."""
+        super().reset(seed=seed)
+        self._steps = 0
+        observation, info = self.env.reset(seed=seed, options=options)
+        return self._observation(observation), {"is_success": False} | info
+
+    def step(
+        self, action: NDArray[np.float32]
+    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+        """One step."""
+        share = (np.asarray(action, dtype=np.float64) + 1) / 2
+        numbers = self._low + share * (self._high - self._low)
+        own: Any = unflatten(self.env.action_space, numbers)
+        observation, reward, terminated, truncated, info = self.env.step(own)
+        self._steps += 1
+        truncated = truncated or self._steps >= self._max_episode_steps
+        info = {"is_success": False} | info
+        return self._observation(observation), reward, terminated, truncated, info
+
+    def render(self) -> Any:
+        """The picture (H, W, 3) uint8 of the whole cell."""
+        return self.env.render()
+
+    def close(self) -> None:
+        """Ends its use; may be repeated."""
+        self.env.close()
+
+    def _observation(self, seen: Observation) -> Observation:
+        out: Observation = {
+            name: np.asarray(flatten(group, {key: seen[key] for key in group.spaces})).astype(
+                np.float32
+            )
+            for name, group in self._groups.items()
+        }
+        if self._pixels:
+            out["pixels"] = {name: seen["frames"][name]["rgb"]["data"] for name in self._pixels}
+        return out
