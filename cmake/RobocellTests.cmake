@@ -46,11 +46,14 @@ endforeach()
 # Across layers: what may happen in several threads at once (make check-tsan).
 robocell_test(threads_test "${CMAKE_SOURCE_DIR}/tests/threads/threads_test.cc")
 
-# For tests/reliability: a program that keeps a ledger of what it wrote, and the disk that fails under it.
+# For tests/reliability: a program that keeps a ledger of what it wrote, and the disks under it.
 if(NOT ROBOCELL_SANITIZE)
   add_executable(write_ledger "${CMAKE_SOURCE_DIR}/tests/reliability/write_ledger.cc")
   target_link_libraries(write_ledger PRIVATE robocell robocell_flags)
   set_target_properties(write_ledger PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
   add_library(fault_io MODULE "${CMAKE_SOURCE_DIR}/tests/reliability/fault_io.c")
-  target_link_libraries(fault_io PRIVATE ${CMAKE_DL_LIBS})
+  add_library(network_locks MODULE "${CMAKE_SOURCE_DIR}/tests/reliability/network_locks.c")
+  foreach(shim fault_io network_locks)
+    target_link_libraries(${shim} PRIVATE ${CMAKE_DL_LIBS})
+  endforeach()
 endif()

@@ -80,7 +80,7 @@ def test_leftovers_of_the_dead_are_removed_and_never_those_of_the_living(tmp_pat
         (tmp_path / name).mkdir()
         (tmp_path / name / "steps.h5").write_bytes(b"half")
     (tmp_path / "e1").mkdir()
-    writer = os.open(tmp_path / ".e2.7.1.partial", os.O_RDONLY)
+    writer = os.open(tmp_path / ".e2.7.1.partial/.lock", os.O_RDWR | os.O_CREAT)
     fcntl.flock(writer, fcntl.LOCK_EX)  # as an episode's writer does
     assert remove_leftovers(tmp_path, "e1", 7) == [".e1.7.1.partial", ".e1_a03.7.2.partial"]
     assert remove_leftovers(tmp_path) == [".e1.8.1.partial"]

@@ -3,10 +3,13 @@
 #include <fcntl.h>
 #include <unistd.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <cerrno>
+#include <algorithm>
+#include <sstream>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/base/host.h"
@@ -24,40 +27,29 @@ void CreateIfMissing(const fs::path& path) {
   const RealFile file(path, O_WRONLY | O_CREAT, "lock");
 }
 
-// Whose lock it is, for messages of others; nobody depends on it.
+const std::string kWhole(kLockFile);
+const std::string kWriters = kWhole + "-writers";
+
+// Who has a lock alone, for messages of others; nobody depends on it. Nobody takes it back either:
+// the start tells whether it is still about the process of that number.
 void WriteOwner(const fs::path& path) {
   const RealFile file(path, O_WRONLY | O_TRUNC, "lock");
-  const std::string owner = fmt::format("process {} on {}\n", ::getpid(), HostName());
+  const int64_t self = ::getpid();
+  const std::string owner =
+      fmt::format("process {} on {}\nsince {}\n", self, HostName(), ProcessStart(self).value_or(0));
   [[maybe_unused]] const ssize_t written = ::write(file.descriptor(), owner.data(), owner.size());
 }
 
+// "process 7 on host"; "" when it is not known, or has ended.
 std::string Owner(const fs::path& path) {
-  std::string owner = ReadRealFile(path);
-  while (!owner.empty() && owner.back() == '\n') owner.pop_back();
-  return owner.empty() ? "" : " by " + owner;
+  std::istringstream text(ReadRealFile(path));
+  std::string word, host;
+  int64_t process = 0;
+  uint64_t start = 0;
+  if (!(text >> word >> process >> word >> host >> word >> start)) return "";
+  if (host == HostName() && ProcessStart(process) != start) return "";
+  return fmt::format("process {} on {}", process, host);
 }
-
-FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind) {
-  const fs::path path = dataset / name;
-  RequireOwnFolders(dataset);
-  CreateIfMissing(path);
-  std::optional<FileLock> lock = FileLock::Try(path, kind);
-  if (!lock) {
-    throw IoError(
-        fmt::format("'{}' is in use{}. Wait for it, stop it, or take another folder for the "
-                    "dataset (`output`)",
-                    dataset.string(), Owner(path)));
-  }
-  if (kind == LockKind::kExclusive) WriteOwner(path);
-  return std::move(*lock);
-}
-
-}  // namespace
-
-namespace {
-
-const std::string kWhole(kLockFile);
-const std::string kWriters = kWhole + "-writers";
 
 // N of ".lock-i-of-N"; "" of other names.
 std::string CountIn(const std::string& name) {
@@ -67,18 +59,65 @@ std::string CountIn(const std::string& name) {
   return name.substr(at + kOf.size());
 }
 
-void RequireSameCount(const fs::path& dataset, int count) {
+// Calls f(path, N) for each lock of a shard that somebody holds.
+template <class F>
+void ForEachHeldShard(const fs::path& dataset, F&& f) {
   std::error_code error;
   for (fs::directory_iterator it(dataset, error), end; !error && it != end; it.increment(error)) {
-    const std::string other = CountIn(it->path().filename().string());
-    if (other.empty() || other == std::to_string(count)) continue;
-    if (FileLock::Try(it->path(), LockKind::kShared)) continue;
+    const std::string count = CountIn(it->path().filename().string());
+    if (!count.empty() && !FileLock::Try(it->path(), LockKind::kShared)) f(it->path(), count);
+  }
+  if (error) ThrowIoError("list", dataset, error.value());
+}
+
+// "shards: 0-of-8 (process 7 on host), 3-of-8".
+std::string HeldShards(const fs::path& dataset) {
+  constexpr size_t kMost = 4;
+  std::vector<std::string> shards;
+  ForEachHeldShard(dataset, [&](const fs::path& path, const std::string&) {
+    const std::string owner = Owner(path);
+    const std::string shard = path.filename().string().substr(kWhole.size() + 1);
+    shards.push_back(owner.empty() ? shard : fmt::format("{} ({})", shard, owner));
+  });
+  std::sort(shards.begin(), shards.end());
+  const size_t all = shards.size();
+  if (all > kMost) shards.resize(kMost);
+  const std::string more = all > kMost ? fmt::format(" and {} more", all - kMost) : "";
+  return all == 0 ? "shards" : fmt::format("shards: {}{}", fmt::join(shards, ", "), more);
+}
+
+// Who keeps others from a lock; "" when it is not known.
+std::string Holders(const fs::path& dataset, const std::string& name) {
+  const fs::path path = dataset / name;
+  if (!FileLock::Try(path, LockKind::kShared)) return Owner(path);  // somebody has it alone
+  return name == kWriters ? "writers of episodes" : HeldShards(dataset);
+}
+
+std::string By(const std::string& owner) { return owner.empty() ? "" : " by " + owner; }
+
+FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind) {
+  const fs::path path = dataset / name;
+  RequireOwnFolders(dataset);
+  CreateIfMissing(path);
+  std::optional<FileLock> lock = FileLock::Try(path, kind);
+  if (!lock) {
+    throw IoError(
+        fmt::format("'{}' is in use{}. Wait until that is over, end it, or take another folder for "
+                    "the dataset (`output`)",
+                    dataset.string(), By(Holders(dataset, name))));
+  }
+  if (kind == LockKind::kExclusive) WriteOwner(path);
+  return std::move(*lock);
+}
+
+void RequireSameCount(const fs::path& dataset, int count) {
+  ForEachHeldShard(dataset, [&](const fs::path& path, const std::string& other) {
+    if (other == std::to_string(count)) return;
     throw IoError(
         fmt::format("'{}' is in use{} as a shard of {}; a shard of {} beside it would make "
                     "the same episodes again: give all shards the same N",
-                    dataset.string(), Owner(it->path()), other, count));
-  }
-  if (error) ThrowIoError("list", dataset, error.value());
+                    dataset.string(), By(Owner(path)), other, count));
+  });
 }
 
 }  // namespace

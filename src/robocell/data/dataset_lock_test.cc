@@ -12,6 +12,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/host.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/verify.h"
 #include "robocell/testing/expect_throw.h"
@@ -32,6 +33,40 @@ TEST(DatasetLock, IsHeldByOneAtATimeAndNamesItsOwner) {
   EXPECT_THAT(text, HasSubstr("take another folder"));
   lock.reset();
   EXPECT_NO_THROW(DatasetLock again(folder.path()));
+}
+
+std::string Refusal(const std::filesystem::path& dataset) {
+  return ExpectThrow<IoError>([&] { DatasetLock other(dataset); }, "in use");
+}
+
+// The next holder has not written its name yet.
+TEST(DatasetLock, NamesNoProcessThatHasEnded) {
+  TempDir folder;
+  { const DatasetLock former(folder.path()); }
+  const std::string mine = ReadFile(folder / ".lock");
+  const auto held = FileLock::Try(folder / ".lock", LockKind::kExclusive);
+  EXPECT_THAT(Refusal(folder.path()), HasSubstr("in use by process " + std::to_string(getpid())));
+  for (const std::string& other :
+       {"process 999999999 on " + HostName() + "\nsince 7\n",            // no such process
+        mine.substr(0, mine.find("since")) + "since 7\n",                // another one's number
+        "process " + std::to_string(getpid()) + " on " + HostName()}) {  // nobody knows which
+    AtomicWrite(folder / "text", other);
+    std::filesystem::copy_file(folder / "text", folder / ".lock",
+                               std::filesystem::copy_options::overwrite_existing);
+    EXPECT_THAT(Refusal(folder.path()), HasSubstr("' is in use. Wait")) << other;
+  }
+}
+
+TEST(DatasetLock, NamesTheShardsAndWritersThatShareIt) {
+  TempDir folder;
+  { const DatasetLock former(folder.path()); }
+  const DatasetLock shard(folder.path(), 3, 8), other(folder.path(), 0, 8);
+  const std::string me = "(process " + std::to_string(getpid()) + " on " + HostName() + ")";
+  EXPECT_THAT(Refusal(folder.path()),
+              HasSubstr("in use by shards: 0-of-8 " + me + ", 3-of-8 " + me + ". Wait"));
+  const DatasetLock writer = DatasetLock::Writing(folder.path());
+  EXPECT_THAT(ExpectThrow<IoError>([&] { DatasetLock::Alone(folder.path()); }, "in use"),
+              HasSubstr("in use by "));
 }
 
 TEST(DatasetLock, ShardsShareTheFolderButNotAShard) {
@@ -62,7 +97,7 @@ TEST(DatasetLock, WritersWorkBesideRunsButNotBesideARepair) {
   std::optional<DatasetLock> writer = DatasetLock::Writing(folder.path());
   EXPECT_NO_THROW(DatasetLock::Writing(folder.path()));
   EXPECT_NO_THROW(DatasetLock run(folder.path()));
-  ExpectThrow<IoError>([&] { Repair(folder.path()); }, "in use");
+  ExpectThrow<IoError>([&] { Repair(folder.path()); }, "in use by writers of episodes");
   writer.reset();
   const DatasetLock alone = DatasetLock::Alone(folder.path());
   EXPECT_THROW(DatasetLock::Writing(folder.path()), IoError);

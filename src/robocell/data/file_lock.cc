@@ -3,30 +3,65 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
+#include <fmt/format.h>
 
+#include <atomic>
 #include <cerrno>
+#include <system_error>
 #include <utility>
 
+#include "robocell/base/io_error.h"
+#include "robocell/base/log.h"
 #include "robocell/base/real_file.h"
 
 namespace robocell {
+namespace {
+
+// Where flock(2) is made of locks of byte ranges, as on NFS, an exclusive one needs a file that is
+// open for writing. Sharing one must be possible without the right to write.
+int OpenFor(const std::filesystem::path& path, LockKind kind) {
+  const int access = kind == LockKind::kExclusive ? O_RDWR | O_CREAT : O_RDONLY;
+  return ::open(path.c_str(), access | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC, 0644);
+}
+
+bool MeansNoLocks(int error) {
+  return error == ENOLCK || error == ENOSYS || error == EOPNOTSUPP || error == ENOTSUP;
+}
+
+// Once a process: it is the same for every file of a dataset.
+void WarnOfNoLocks(const std::filesystem::path& path, int error) {
+  static std::atomic<bool> warned = false;
+  if (warned.exchange(true)) return;
+  LogWarn(
+      fmt::format("'{}' cannot be locked ({}): two runs in one folder are not noticed there, and "
+                  "what killed processes left half-written stays until you remove it",
+                  path.string(), std::system_category().message(error)));
+}
+
+}  // namespace
 
 std::optional<FileLock> FileLock::Try(const std::filesystem::path& path, LockKind kind) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0) ThrowOpenError("lock", path, errno);
-  FileLock lock(descriptor);
+  FileLock lock(OpenFor(path, kind));
+  if (lock.descriptor_ < 0) ThrowOpenError("lock", path, errno);
   int result;
   do {
-    result = ::flock(descriptor, (kind == LockKind::kExclusive ? LOCK_EX : LOCK_SH) | LOCK_NB);
+    result =
+        ::flock(lock.descriptor_, (kind == LockKind::kExclusive ? LOCK_EX : LOCK_SH) | LOCK_NB);
   } while (result != 0 && errno == EINTR);
-  if (result != 0 && errno == EWOULDBLOCK) return std::nullopt;
+  const int error = result == 0 ? 0 : errno;
+  if (error == EWOULDBLOCK) return std::nullopt;
+  if (error != 0 && !MeansNoLocks(error)) ThrowIoError("lock", path, error);
+  if (error != 0) WarnOfNoLocks(path, error);
+  lock.holds_ = error == 0;
   return lock;
 }
 
-FileLock::FileLock(FileLock&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+FileLock::FileLock(FileLock&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)), holds_(other.holds_) {}
 
 FileLock& FileLock::operator=(FileLock&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
+  std::swap(holds_, other.holds_);
   return *this;
 }
 

@@ -1,5 +1,5 @@
-// An advisory lock on a file or folder, held until it goes out of scope. The system frees the locks
-// of a process that dies, however it dies. Internal to data/; the public faces are DatasetLock and
+// An advisory lock on a file, held until it goes out of scope. The system frees the locks of a
+// process that dies, however it dies. Internal to data/; the public faces are DatasetLock and
 // EpisodeWriter.
 #pragma once
 
@@ -12,19 +12,24 @@ enum class LockKind { kShared, kExclusive };
 
 class FileLock {
  public:
-  // Unset when somebody else holds it, in this process or another. IoError when `path` cannot be
-  // opened. File systems without locks give every lock to everybody.
+  // Unset when somebody else holds it, in this process or another. The file is made for an
+  // exclusive lock; for a shared one it must exist and need not be writable. IoError when it cannot
+  // be opened, or locking fails.
   static std::optional<FileLock> Try(const std::filesystem::path& path, LockKind kind);
 
   FileLock(FileLock&& other) noexcept;
   FileLock& operator=(FileLock&& other) noexcept;
   ~FileLock();
 
+  // False on a file system without locks, where everybody gets one and nobody is kept out. A
+  // warning says so, once.
+  bool holds() const { return holds_; }
   int descriptor() const { return descriptor_; }
 
  private:
   explicit FileLock(int descriptor) : descriptor_(descriptor) {}
   int descriptor_ = -1;
+  bool holds_ = false;
 };
 
 }  // namespace robocell

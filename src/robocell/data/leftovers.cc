@@ -7,7 +7,7 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/temporary_name.h"
 #include "robocell/data/episode_files.h"
-#include "robocell/data/file_lock.h"
+#include "robocell/data/work_folder.h"
 
 namespace robocell {
 namespace {
@@ -34,23 +34,43 @@ bool IsOf(const DeadWriter& writer, const std::string& name) {
   return parsed->process == writer.process && parsed->name.starts_with(writer.episode);
 }
 
+// Under its lock. The lock goes last and the folder only when it is empty then: between the two
+// somebody who has just made it may take it into use.
+void Empty(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    std::error_code ignored;
+    if (it->path().filename() != kLockFile) fs::remove_all(it->path(), ignored);
+  }
+  if (!error) fs::remove(folder / kLockFile, error);
+}
+
 // False when somebody is writing it, or it cannot be removed.
 bool Remove(const fs::path& leftover) {
   std::error_code error;
   if (!IsFolder(leftover)) return fs::remove(leftover, error);
   try {
-    const auto lock = FileLock::Try(leftover, LockKind::kExclusive);
-    if (!lock) return false;
-    fs::remove_all(leftover, error);
+    const auto lock = TryLockOfWork(leftover, LockKind::kExclusive);
+    if (!lock || !lock->holds()) return false;
+    Empty(leftover);
   } catch (const IoError&) {  // it went away by itself
   }
+  // Unlocked: some file systems keep a removed file's name, and so the folder, while it is open.
+  fs::remove(leftover, error);
   return !fs::exists(leftover, error);
 }
 
 }  // namespace
 
 bool IsBeingWritten(const fs::path& unfinished) {
-  return IsFolder(unfinished) && !FileLock::Try(unfinished, LockKind::kExclusive);
+  std::error_code error;
+  if (!IsFolder(unfinished) || !fs::exists(unfinished / kLockFile, error)) return false;
+  try {
+    const auto lock = TryLockOfWork(unfinished, LockKind::kShared);  // nothing is written for it
+    return !lock || !lock->holds();
+  } catch (const IoError&) {
+    return fs::exists(unfinished / kLockFile, error);
+  }
 }
 
 std::vector<std::string> UnfinishedIn(const fs::path& dataset) {
@@ -62,13 +82,22 @@ std::vector<std::string> UnfinishedIn(const fs::path& dataset) {
   return names;
 }
 
+namespace {
+
+template <class Chosen>
+std::vector<std::string> RemoveThose(const fs::path& dataset, const Chosen& chosen) {
+  std::vector<std::string> removed;
+  for (const std::string& name : UnfinishedIn(dataset))
+    if (chosen(name) && Remove(dataset / name)) removed.push_back(name);
+  return removed;
+}
+
+}  // namespace
+
 std::vector<std::string> RemoveLeftovers(const fs::path& dataset,
                                          const std::optional<DeadWriter>& writer) {
-  std::vector<std::string> removed;
-  for (const std::string& name : UnfinishedIn(dataset)) {
-    if ((!writer || IsOf(*writer, name)) && Remove(dataset / name)) removed.push_back(name);
-  }
-  return removed;
+  return RemoveThose(dataset,
+                     [&](const std::string& name) { return !writer || IsOf(*writer, name); });
 }
 
 }  // namespace robocell

@@ -11,7 +11,8 @@
 
 namespace robocell {
 
-// Whether an unfinished folder has a living writer, on this machine or another.
+// Whether an unfinished folder has a living writer, on this machine or another. True where locks
+// cannot tell.
 bool IsBeingWritten(const std::filesystem::path& unfinished);
 
 // Names of unfinished folders and files in the dataset, sorted, with and without a writer.
@@ -24,8 +25,8 @@ struct DeadWriter {
 
 // Removes what nobody is writing and returns its names. Of one dead writer, or all: that is for
 // whoever holds the lock of the whole dataset, as single files are not locked. Process numbers
-// alone are not enough: other machines may write into the folder, and not every file system has
-// locks.
+// alone are not enough: other machines may write into the folder. On a file system without locks
+// folders stay.
 std::vector<std::string> RemoveLeftovers(const std::filesystem::path& dataset,
                                          const std::optional<DeadWriter>& writer = {});
 

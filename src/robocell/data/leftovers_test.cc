@@ -50,6 +50,23 @@ TEST(RemoveLeftovers, LeavesWhatALivingWriterIsAt) {
   EXPECT_EQ(Verify(temp.path()).being_written.size(), 1u);
 }
 
+// Of the lock of a work folder nothing gets into what is committed.
+TEST(RemoveLeftovers, FindsNothingOfACommittedEpisode) {
+  TempDir temp;
+  SampleEpisode(0, false).Write(temp.path(), "e1");
+  EXPECT_THAT(UnfinishedIn(temp.path()), IsEmpty());
+  for (const auto& file : fs::directory_iterator(temp / "e1"))
+    EXPECT_FALSE(file.path().filename().string().starts_with('.')) << file.path();
+}
+
+TEST(RemoveLeftovers, WhetherSomebodyWritesIsSeenWithoutWriting) {
+  TempDir temp;
+  fs::create_directory(temp / ".e1.7.1.partial");
+  EXPECT_FALSE(IsBeingWritten(temp / ".e1.7.1.partial"));
+  EXPECT_TRUE(fs::is_empty(temp / ".e1.7.1.partial"));
+  EXPECT_THAT(RemoveLeftovers(temp.path()), ElementsAre(".e1.7.1.partial"));
+}
+
 // A folder that was just made is not locked yet for a moment: its writer notices and takes another.
 TEST(RemoveLeftovers, DoesNotDisturbWritersThatJustBegin) {
   TempDir temp;

@@ -1,9 +1,15 @@
 #include "robocell/data/work_folder.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include <cerrno>
 #include <system_error>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/io_error.h"
+#include "robocell/data/episode_files.h"
 
 namespace robocell {
 
@@ -11,13 +17,20 @@ namespace fs = std::filesystem;
 
 namespace {
 
+// Whether the path still leads to the file that is open.
+bool IsAt(const fs::path& path, int descriptor) {
+  struct stat named = {}, open = {};
+  return ::stat(path.c_str(), &named) == 0 && ::fstat(descriptor, &open) == 0 &&
+         named.st_dev == open.st_dev && named.st_ino == open.st_ino;
+}
+
 // Between its making and its locking a new folder looks like one that was left behind, and may be
 // swept away (leftovers.h).
 std::optional<FileLock> LockIfStillThere(const fs::path& folder) {
   std::error_code gone;
   try {
-    std::optional<FileLock> lock = FileLock::Try(folder, LockKind::kExclusive);
-    if (lock && fs::exists(folder, gone)) return lock;
+    std::optional<FileLock> lock = TryLockOfWork(folder, LockKind::kExclusive);
+    if (lock && IsAt(folder / kLockFile, lock->descriptor())) return lock;
   } catch (const IoError&) {
     if (fs::exists(folder, gone)) throw;
   }
@@ -26,18 +39,35 @@ std::optional<FileLock> LockIfStillThere(const fs::path& folder) {
 
 }  // namespace
 
-WorkFolder::WorkFolder(const fs::path& parent, const std::string& name) {
-  constexpr int kTries = 100;
-  for (int i = 0; i < kTries && !lock_; ++i) {
-    path_ = MakeTempDirectory(parent, name);
-    lock_ = LockIfStillThere(path_);
-  }
-  if (!lock_) throw IoError("cannot lock a folder in '" + parent.string() + "'");
+std::optional<FileLock> TryLockOfWork(const fs::path& folder, LockKind kind) {
+  return FileLock::Try(folder / kLockFile, kind);
 }
 
-WorkFolder::~WorkFolder() {
+WorkFolder::WorkFolder(const fs::path& parent, const std::string& name) {
+  constexpr int kTries = 100;
+  try {
+    for (int i = 0; i < kTries && !lock_; ++i) {
+      Remove();
+      folder_ = MakeTempDirectory(parent, name);
+      lock_ = LockIfStillThere(folder_);
+    }
+    if (!lock_) throw IoError("cannot lock a folder in '" + parent.string() + "'");
+    path_ = folder_ / "content";
+    if (::mkdir(path_.c_str(), 0777) != 0) ThrowIoError("create", path_, errno);
+  } catch (...) {
+    Remove();
+    throw;
+  }
+}
+
+WorkFolder::~WorkFolder() { Remove(); }
+
+// Unlocked first: some file systems keep a removed file's name, and so the folder, while it is
+// open. Whoever sweeps it away meanwhile does the same.
+void WorkFolder::Remove() noexcept {
   std::error_code ignored;
-  if (!committed_) fs::remove_all(path_, ignored);
+  lock_.reset();
+  if (!folder_.empty()) fs::remove_all(folder_, ignored);
 }
 
 void WorkFolder::Commit(const fs::path& final) {

@@ -1,0 +1,48 @@
+"""Locks on a network file system, by a shim that applies its rules to flock(2)."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from ledger import BUILD
+
+# Two commands on one folder, and a sweep of what nobody holds.
+WITHOUT_LOCKS = """
+import sys
+import robocell as rc
+
+with rc.DatasetLock(sys.argv[1]), rc.DatasetLock(sys.argv[1]):
+    print(rc.remove_leftovers(sys.argv[1]))
+"""
+
+
+def run(*command: object, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Runs a program under the shim."""
+    shim = {"LD_PRELOAD": str(BUILD / "libnetwork_locks.so"), **environment}
+    return subprocess.run(
+        list(map(str, command)),
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), **shim},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
+def test_what_is_promised_of_locks_holds_there():
+    """Two runs in one folder are refused, and no sweep takes the folder of a living writer."""
+    tests = run(BUILD / "data_test", "--gtest_filter=DatasetLock.*:RemoveLeftovers.*")
+    assert tests.returncode == 0, tests.stdout
+    assert "RemoveLeftovers.DoesNotDisturbWritersThatJustBegin" in tests.stdout
+
+
+def test_without_locks_a_warning_is_given_and_no_folder_is_swept(tmp_path: Path):
+    leftover = tmp_path / ".e0.7.1.partial"
+    leftover.mkdir()
+    done = run(sys.executable, "-c", WITHOUT_LOCKS, tmp_path, NO_LOCKS="1")
+    assert done.stdout == "[]\n", done.stderr
+    assert done.stderr.count("cannot be locked (No locks available): two runs in one folder") == 1
+    assert leftover.is_dir()
