@@ -41,7 +41,12 @@ def tries_of(folder: Path) -> list[str]:
 def made(folder: Path, item: Item, **values: object) -> Report:
     """Commits the episode; FileExistsError when there is one."""
     (folder / item.id).mkdir()
-    return Report(item.id, success=True, attempts=2, accepted=1, refusals={"too far": 1}, rows=9)
+    return report_of(item.id)
+
+
+def report_of(name: str) -> Report:
+    """Of an item that was made."""
+    return Report(name, success=True, attempts=2, accepted=1, refusals={"too far": 1}, rows=9)
 
 
 class Maker:
@@ -67,11 +72,17 @@ class Maker:
             case "commit, kill":
                 made(self.folder, item)
                 os.kill(os.getpid(), signal.SIGKILL)
+            case "commit, io":  # as when the folder of the dataset cannot be flushed
+                made(self.folder, item)
+                raise IoError(f"'{item.id}' is in place, but a power cut may still undo that")
             case "hang":
                 time.sleep(1000)
             case "patient":  # works until it is told to stop
                 self.stop.event.wait(1000)
-                return Report(item.id, stopped=True, undecided=1)
+                failures = {"dropped": 3}
+                return Report(
+                    item.id, stopped=True, undecided=1, attempts=3, accepted=3, failures=failures
+                )
             case "slow":
                 time.sleep(0.3)
             case "fail":

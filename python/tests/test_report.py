@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import signal
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,8 @@ import robocell
 from command_line import refused, robocell_command, write_run
 from robocell.generate import report as reports
 from robocell.generate.items import Report
+from robocell.generate.job import Job
+from robocell.generate.observer import Observer
 from robocell.generate.report import Command, DamagedReportError, RunReport
 from robocell.generate.summary import Summary
 from robocell.generate.totals import (
@@ -308,3 +312,26 @@ def test_success_is_told_by_object_when_there_are_several():
     for told in (totals, side_by_side([read])):
         text = Summary("r", Path(), 2, told).rows()["success by object"]
         assert text == "box 50 % of 2, can - of 0, mug 100 % of 1"
+
+
+def test_a_signal_after_the_last_worker_does_not_take_the_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    job = Job(write_run(tmp_path), [f"output={tmp_path / 'out'}"])
+    job.items = []  # no worker at all
+    write = Job._report
+
+    def signalled(*arguments: Any) -> None:
+        os.kill(os.getpid(), signal.SIGINT)
+        write(*arguments)
+
+    monkeypatch.setattr(Job, "check", lambda self: [])
+    monkeypatch.setattr(Job, "_report", signalled)
+    # A test run in the background may have it ignored.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        assert not job.do(Observer()).outcome.interrupted
+    finally:
+        signal.signal(signal.SIGINT, before)
+    (command,) = reports.load(tmp_path / "out/report.json").commands
+    assert command.end == "complete"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -42,6 +43,9 @@ class Recorder(Observer):
     def unmade(self, unmade: Unmade, totals: Totals) -> None:
         self.events.append(("unmade", f"{unmade.id}: {unmade.reason}"))
 
+    def warning(self, text: str) -> None:
+        self.events.append(("warning", text))
+
     def stopping(self, reason: str, totals: Totals) -> None:
         self.events.append(("stopping", reason))
 
@@ -75,8 +79,8 @@ def supervise(
         items,
         command,
         workers=workers,
-        logs=folder,
-        is_made=lambda name: (folder / name).exists(),
+        logs=options.pop("logs", folder),
+        on_disk=lambda name: fake_worker.report_of(name) if (folder / name).exists() else None,
         observer=observer,
         reproduce=lambda item: f"robocell generate run.yaml --shard {item.index}/{count}",
         **options,
@@ -151,13 +155,66 @@ def test_an_item_that_always_kills_is_listed_after_three_tries_and_stops_nobody(
     assert not outcome.interrupted
 
 
+def test_what_was_given_up_before_is_tried_once(tmp_path: Path):
+    script = {"e1": ["kill"], "e2": ["kill", "make"]}
+    outcome = supervise(tmp_path, script, tried_once={"e1"}).run()
+    assert episodes(tmp_path) == ["e0", "e2", "e3"]
+    assert fake_worker.tries_of(tmp_path).count("e1") == 1
+    assert [unmade.id for unmade in outcome.totals.unmade] == ["e1"]
+
+
 def test_a_worker_that_dies_between_commit_and_report_loses_and_doubles_nothing(tmp_path: Path):
     recorder = Recorder()
     outcome = supervise(tmp_path, {"e1": ["commit, kill"]}, observer=recorder).run()
     assert fake_worker.tries_of(tmp_path).count("e1") == 1
-    assert outcome.totals.made == 4
+    totals = outcome.totals
+    assert (totals.made, totals.attempts, totals.accepted, totals.rows) == (4, 8, 4, 36)
     assert sorted(recorder.of("episode")) == ids(4)
     assert recorder.of("retry") == []
+
+
+def test_an_episode_that_is_there_but_may_not_be_on_the_disk_is_flushed_again(tmp_path: Path):
+    recorder, flushed = Recorder(), []
+    supervisor = supervise(
+        tmp_path, {"e1": ["commit, io"]}, observer=recorder, flush=lambda: flushed.append(1)
+    )
+    outcome = supervisor.run()
+    assert (outcome.fatal, outcome.totals.made, len(flushed)) == (None, 4, 1)
+    assert recorder.of("warning") == [
+        "e1 is there, and was brought to the disk again: "
+        "'e1' is in place, but a power cut may still undo that"
+    ]
+
+
+def test_an_episode_that_cannot_be_brought_to_the_disk_is_not_acknowledged(tmp_path: Path):
+    def flush() -> None:
+        raise OSError("cannot flush 'out': Input/output error")
+
+    recorder = Recorder()
+    script = {"e1": ["commit, io"]}
+    outcome = supervise(tmp_path, script, workers=1, observer=recorder, flush=flush).run()
+    assert outcome.fatal is not None
+    assert outcome.fatal.kind == "io"
+    assert "'e1' is in place, but a power cut may still undo that\ncannot" in outcome.fatal.message
+    assert recorder.of("episode") == ["e0"]
+    assert outcome.totals.made == 1
+
+
+def test_a_folder_of_logs_that_somebody_removed_is_made_again(tmp_path: Path):
+    recorder, logs = Recorder(), tmp_path / "a/logs"
+    recorder.on_episode = lambda: shutil.rmtree(logs, ignore_errors=True)
+    script = {"e1": ["kill", "make"]}
+    outcome = supervise(tmp_path, script, workers=1, observer=recorder, logs=logs).run()
+    assert (outcome.fatal, outcome.totals.made) == (None, 4)
+
+
+def test_a_worker_that_cannot_be_started_ends_the_run_with_the_reason(tmp_path: Path):
+    (tmp_path / "logs").write_text("in the way")
+    outcome = supervise(tmp_path, {}, logs=tmp_path / "logs").run()
+    assert outcome.fatal is not None
+    assert outcome.fatal.kind == "io"
+    assert "worker 0 cannot be started: " in outcome.fatal.message
+    assert str(tmp_path / "logs") in outcome.fatal.message
 
 
 def test_an_exception_costs_a_try_and_the_worker(tmp_path: Path):
@@ -199,14 +256,20 @@ def test_what_libraries_print_goes_to_the_log(tmp_path: Path):
 def test_a_stop_request_ends_present_items_and_keeps_what_is_made(tmp_path: Path):
     recorder = Recorder()
     supervisor = supervise(tmp_path, {"e1": ["patient"]}, workers=1, observer=recorder)
-    recorder.on_tick = lambda: (
-        supervisor.request_stop("test") if "e1" in fake_worker.tries_of(tmp_path) else None
-    )
+
+    def stop_at_e1() -> None:  # once: the second time kills
+        if "e1" in fake_worker.tries_of(tmp_path) and not recorder.of("stopping"):
+            supervisor.request_stop("test")
+
+    recorder.on_tick = stop_at_e1
     outcome = supervisor.run()
     assert outcome.interrupted
     assert episodes(tmp_path) == ["e0"]
     assert recorder.of("stopping") == ["test"]
     assert outcome.totals.unmade == [], "stopped is not failed"
+    totals = outcome.totals
+    assert (totals.attempts, totals.accepted, totals.undecided) == (2, 1, 1), "it is made again"
+    assert not totals.failures
 
     assert not supervise(tmp_path, {}).run().interrupted
     assert episodes(tmp_path) == ids(4)
@@ -351,7 +414,7 @@ def test_a_passing_write_error_is_tried_again_and_a_lasting_one_ends_the_run(tmp
 def test_a_worker_that_talks_nonsense_is_replaced_and_never_believed(tmp_path: Path):
     command = [sys.executable, "-c", "print('hello'); input()"]
     supervisor = Supervisor(
-        [Item("e0", 0)], command, workers=1, logs=tmp_path, is_made=lambda name: False
+        [Item("e0", 0)], command, workers=1, logs=tmp_path, on_disk=lambda name: None
     )
     fatal = supervisor.run().fatal
     assert fatal is not None

@@ -88,11 +88,18 @@ def test_a_model_that_crashes_the_engine_costs_workers_and_not_the_run(run_file:
 
     program, *arguments = shlex.split(unmade["reproduce"])
     assert program == "robocell"
-    again = robocell_command(*arguments)
+    with robocell.DatasetLock(dataset):  # as when the run still goes on
+        again = robocell_command(*arguments)
     assert again.returncode == 1, again.stderr
     assert "s0001_e0000 could not be made" in again.stderr
     assert "was killed by SIGSEGV" in again.stderr
     assert robocell.verify(dataset).good == report.good
+
+    on = robocell_command("generate", str(run_file))
+    assert on.returncode == 1, on.stderr
+    assert "given up before for errors, and tried once now instead of 3 times: s0001" in on.stderr
+    commands = json.loads((dataset / "report.json").read_text())["commands"]
+    assert len(commands[1]["totals"]["deaths"]) == 1
 
 
 def crowd(name: str, memory: str) -> robocell.SceneSpec:

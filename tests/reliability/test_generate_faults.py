@@ -6,15 +6,18 @@ import contextlib
 import json
 import os
 import random  # rule-ok: decides when to kill; no data depends on it
+import shutil
 import signal
 import subprocess
 import sys
 import threading
 import time
+from collections import Counter
 from pathlib import Path
 
 import storm
 import yaml
+from ledger import BUILD
 from storm import Storm
 
 import robocell
@@ -82,6 +85,20 @@ def test_killed_workers_lose_nothing_and_double_nothing(tmp_path: Path, calm: St
     assert any("killed by SIGKILL" in event.get("reason", "") for event in events)
     stormy.finish()
     assert stormy.contents() == calm.contents()
+    assert counts(stormy) == counts(calm), "each attempt of each item once"
+
+
+def counts(storm: Storm) -> dict[str, Counter[str]]:
+    """What the commands of a dataset counted of attempts, summed up."""
+    sums: dict[str, Counter[str]] = {}
+    for command in json.loads((storm.dataset / "report.json").read_text())["commands"]:
+        told = command["totals"]["counts"]
+        assert told["made"] <= told["accepted"] <= told["attempts"]
+        numbers = {name: told[name] for name in ("made", "accepted", "attempts")}
+        for name in ("refusals", "failures", "kinds", "rollouts"):
+            sums.setdefault(name, Counter()).update(told[name])
+        sums.setdefault("numbers", Counter()).update(numbers)
+    return sums
 
 
 def encoders_of(command: subprocess.Popen[str]) -> tuple[int, set[int]]:
@@ -124,3 +141,29 @@ def test_a_run_goes_on_when_nobody_reads_its_progress(tmp_path: Path):
     assert command.wait(timeout=240) == 0, said
     assert "progress cannot be shown any more" in said
     assert len(robocell.verify(tmp_path / "out").good) == 2
+
+
+def test_an_episode_that_is_not_brought_to_the_disk_is_not_acknowledged(
+    tmp_path: Path, calm: Storm
+):
+    """The flush of the dataset's folder fails in the worker, and again in the command."""
+    stormy = Storm(tmp_path)
+    shutil.copytree(calm.dataset, stormy.dataset)
+    last = robocell.Dataset(stormy.dataset).ids[-1]
+    shutil.rmtree(stormy.dataset / last)
+    fault = {
+        "LD_PRELOAD": str(BUILD / "libfault_io.so"),
+        "FAULT_PROGRAM": Path(sys.executable).name,
+        "FAULT_UNDER": str(stormy.dataset),
+        "FAULT_AT": f"fsync {stormy.dataset}",
+        "FAULT_DO": "fail",
+    }
+    command = stormy.start(1, fault)
+    events, said = command.communicate(timeout=240)
+    assert command.returncode == 3, said
+    assert "is in place, but a power cut may still undo that" in said
+    assert f"cannot flush '{stormy.dataset}': Input/output error" in said
+    stormy.take(events)
+    assert stormy.acknowledged == set()
+    stormy.finish()
+    assert stormy.contents() == calm.contents()

@@ -90,7 +90,8 @@ def generate(
         result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
     except DamagedEpisodesError as error:
         remedy = shlex.join(["robocell", "verify", "--repair", str(job.dataset)])
-        fail(f"these are no whole episodes:\n{error}\nSet them aside: {remedy}", ExitCode.OUTPUT)
+        text = f"these are in the way of the run's episodes:\n{error}"
+        fail(f"{text}\nSet damaged ones aside: {remedy}", ExitCode.OUTPUT)
     nothing_tried = result.outcome.fatal and not result.outcome.totals.attempts
     if progress is not ProgressChoice.JSONL and not no_report and not nothing_tried:
         summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)

@@ -56,6 +56,17 @@ def require_writable(folder: Path) -> None:
         ) from error
 
 
+def flush(folder: Path) -> None:
+    """Brings the folder's entries to the disk; OSError when that fails."""
+    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        os.fsync(descriptor)
+    except OSError as error:
+        raise OSError(f"cannot flush '{folder}': {error.strerror or error}") from error
+    finally:
+        os.close(descriptor)
+
+
 def disk_trouble(folder: Path) -> str | None:
     """Why nothing can be written into the folder, or None. Tries it with a small file."""
     probe = folder / f".probe.{os.getpid()}"

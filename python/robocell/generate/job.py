@@ -23,7 +23,7 @@ from robocell import (
 )
 from robocell.generate import work
 from robocell.generate.check import check_apart
-from robocell.generate.disk import disk_trouble, require_writable
+from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.items import Item
 from robocell.generate.observer import Observer
 from robocell.generate.report import (
@@ -38,9 +38,17 @@ from robocell.generate.report import (
     set_aside,
     utc_now,
 )
-from robocell.generate.resume import is_made, made_items
+from robocell.generate.resume import made_items, report_of
 from robocell.generate.signals import stop_on_signals
 from robocell.generate.supervisor import Limits, Outcome, Supervisor
+
+TRIES = Limits().tries
+
+
+def first_few(names: Sequence[str], most: int = 5) -> str:
+    """'a, b, c', or 'a, b, c, d, e and 3 more'."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 @dataclass(frozen=True)
@@ -101,10 +109,16 @@ class Job:
         return warnings
 
     def reproduce(self, item: Item) -> str:
-        """The command that makes one item alone."""
-        sets = [part for override in self.overrides for part in ("--set", override)]
+        """The command that makes one item alone, in a folder beside the dataset.
+
+        Not in the dataset: it may be in use, and as a shard of another count the item would be
+        refused there.
+        """
+        kept = [override for override in self.overrides if not override.startswith("output=")]
+        sets = [part for override in kept for part in ("--set", override)]
+        alone = ["--output", str(self.dataset.with_name(f"{self.dataset.name}_alone"))]
         shard = ["--shard", f"{item.index}/{self.plan_size}"]
-        return shlex.join(["robocell", "generate", str(self.run_file), *sets, *shard])
+        return shlex.join(["robocell", "generate", str(self.run_file), *sets, *alone, *shard])
 
     def do(self, observer: Observer, limits: Limits | None = None) -> Result:
         """Makes what is missing. SpecError as `check` does, before anything is written.
@@ -122,27 +136,47 @@ class Job:
             made = self.made()
             started = utc_now()
             by_id = {item.id: item for item in self._chosen}
+            given_up = self._given_up_before() - made
+            if given_up:
+                observer.warning(
+                    f"given up before for errors, and tried once now instead of {TRIES} times: "
+                    + first_few(sorted(given_up))
+                )
             supervisor = Supervisor(
                 [item for item in self.items if item.id not in made],
                 work.command(str(self.run_file), self.overrides),
                 workers=self.run.workers,
                 logs=self._logs(),
-                is_made=lambda item_id: is_made(self.run, by_id[item_id]),
+                on_disk=lambda item_id: report_of(self.run, by_id[item_id]),
+                flush=lambda: flush(self.dataset),
                 observer=observer,
                 already=len(made),
                 reproduce=self.reproduce,
                 clean_up=lambda item_id, pid: remove_leftovers(self.dataset, item_id, pid),
                 disk_trouble=lambda: disk_trouble(self.dataset),
                 limits=limits,
+                tried_once=given_up,
             )
+            # A signal that comes after the last worker must not take the report.
             with stop_on_signals(supervisor.request_stop):
                 outcome = supervisor.run()
-            result = Result(outcome, len(self.made()))
-            try:
-                self._report(result, started, observer)
-            except OSError as error:  # the episodes are there all the same
-                observer.warning(f"the report could not be written: {error}")
+                result = Result(outcome, len(self.made()))
+                try:
+                    self._report(result, started, observer)
+                except OSError as error:  # the episodes are there all the same
+                    observer.warning(f"the report could not be written: {error}")
             return result
+
+    def _given_up_before(self) -> set[str]:
+        """What the last command gave up because workers died or raised: it costs most again."""
+        try:
+            report = load(report_path(self.dataset, self.shard))
+        except (OSError, DamagedReportError):
+            return set()
+        if report.identity != identity_hash(run_identity(self.run)) or not report.commands:
+            return set()
+        unmade = {unmade.id for unmade in report.commands[-1].totals.unmade}
+        return unmade - report.episodes.keys()
 
     def _report(self, result: Result, started: str, observer: Observer) -> None:
         """Adds this command to the dataset's report; one that had nothing to do is not listed."""

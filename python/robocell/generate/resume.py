@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
 
-from robocell import Error, PlanItem, RunConfig, items_on_disk
+from robocell import Episode, Error, PlanItem, RunConfig, items_on_disk
+from robocell.generate.items import Report
 
 
 class DamagedEpisodesError(Exception):
@@ -22,9 +26,45 @@ def made_items(run: RunConfig, items: Sequence[PlanItem]) -> set[str]:
     return set(made)
 
 
-def is_made(run: RunConfig, item: PlanItem) -> bool:
-    """Whether one item has a successful episode; what cannot be read counts as none."""
+def report_of(run: RunConfig, item: PlanItem) -> Report | None:
+    """What the disk says of an item that has a successful episode; of others None.
+
+    As the worker would have reported it, but for its times and the places tried within attempts.
+    What cannot be read counts as none.
+    """
     try:
-        return item.id in items_on_disk(run, [item])[0]
+        if item.id not in items_on_disk(run, [item])[0]:
+            return None
+        return _report(run, item, _success_of(run, item))
     except (Error, OSError):
-        return False
+        return None
+
+
+def _success_of(run: RunConfig, item: PlanItem) -> Episode:
+    """The item's successful episode; with failures kept, the last of its attempts."""
+    output = Path(run.output)
+    attempts = sorted(output.glob(f"{item.id}_a*/episode.json"))
+    return Episode(attempts[-1].parent if attempts else output / item.id)
+
+
+def _report(run: RunConfig, item: PlanItem, episode: Episode) -> Report:
+    metadata: Any = episode.metadata
+    kind = next(iter(metadata["object_kinds"]), "")
+    earlier: list[dict[str, Any]] = metadata.get("earlier_attempts", [])
+    failed = [attempt for attempt in earlier if "failed" in attempt]
+    rollouts = [*(attempt["object_kind"] for attempt in failed), kind]
+    refused = [attempt for attempt in earlier if "refused" in attempt]
+    kinds = [*(attempt["object_kind"] for attempt in refused), *rollouts]
+    return Report(
+        item.id,
+        success=True,
+        attempts=metadata["attempt"] + 1,
+        accepted=len(failed) + 1,
+        refusals=Counter(attempt["refused"] for attempt in refused),
+        failures=Counter(attempt["failed"] for attempt in failed),
+        rows=len(episode),
+        robot=run.robot.name,
+        object_kind=kind,
+        kinds=Counter(name for name in kinds if name),
+        rollouts=Counter(name for name in rollouts if name),
+    )

@@ -1,11 +1,11 @@
 """Supervisor: keeps worker processes busy with the items of a plan until all are decided.
 
-    supervisor = Supervisor(items, command, workers=4, logs=dataset / ".logs", is_made=on_disk)
+    supervisor = Supervisor(items, command, workers=4, logs=dataset / ".logs", on_disk=on_disk)
     outcome = supervisor.run()
 
 An item that a worker could not finish, because it died, raised or took too long, is made again by a
 fresh worker, three times at most; then it is listed with the command that tries it alone. What is
-made is decided by the disk (`is_made`), so a worker that dies between commit and report loses
+made is decided by the disk (`on_disk`), so a worker that dies between commit and report loses
 nothing and doubles nothing. A wrong spec is not tried again. When none of the first items works,
 the run ends (`scouts`).
 
@@ -20,7 +20,7 @@ import os
 import selectors
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -83,14 +83,16 @@ class Supervisor:
         items: What is to be made.
         command: Starts a worker that speaks `robocell.generate.protocol`.
         workers: How many at a time.
-        logs: Existing folder for the workers' standard error, a file each.
-        is_made: Whether an item's episode is on the disk.
+        logs: Folder for the workers' standard error, a file each.
+        on_disk: What the disk says of an item: its report when its episode is there, else None.
+        flush: Makes what is there survive a power cut; OSError when that fails.
         observer: Who is told.
         already: Items of the plan that were made before, for the totals.
         reproduce: The command that tries one item alone.
         clean_up: Called with an item's id and the process that died while making it.
         disk_trouble: Why nothing can be written, or None; asked after an input/output error.
         limits: How patient to be.
+        tried_once: Items that are given up at their first error or death.
     """
 
     def __init__(
@@ -100,25 +102,29 @@ class Supervisor:
         *,
         workers: int,
         logs: Path,
-        is_made: Callable[[str], bool],
+        on_disk: Callable[[str], Report | None],
+        flush: Callable[[], object] = lambda: None,
         observer: Observer | None = None,
         already: int = 0,
         reproduce: Callable[[Item], str] = lambda item: "",
         clean_up: Callable[[str, int], object] = lambda item_id, pid: None,
         disk_trouble: Callable[[], str | None] = lambda: None,
         limits: Limits | None = None,
+        tried_once: Collection[str] = (),
     ) -> None:
         self._scouts = Scouts(items, any_made=already > 0)
         self._pending = deque(self._scouts.first(items))
         self._command = list(command)
         self._count = min(workers, len(items))
         self._logs = logs
-        self._is_made = is_made
+        self._on_disk = on_disk
+        self._flush = flush
         self._observer = observer or Observer()
         self._reproduce = reproduce
         self._clean_up = clean_up
         self._disk_trouble = disk_trouble
         self._limits = limits or Limits()
+        self._tried_once = frozenset(tried_once)
         self._totals = Totals(planned=len(items) + already, already=already, workers=self._count)
         self._workers: dict[int, WorkerProcess] = {}
         self._tries: Counter[str] = Counter()
@@ -170,7 +176,12 @@ class Supervisor:
         free = sum(worker.item is None for worker in self._workers.values())
         while not self._stopping and free < len(self._pending) and len(self._workers) < self._count:
             number = next(n for n in range(self._count) if n not in self._workers)
-            worker = WorkerProcess(number, self._command, self._logs / f"worker-{number}.log")
+            try:
+                self._logs.mkdir(parents=True, exist_ok=True)  # somebody may have tidied up
+                worker = WorkerProcess(number, self._command, self._logs / f"worker-{number}.log")
+            except OSError as error:
+                self._give_up_run("io", f"worker {number} cannot be started: {error}")
+                return
             self._workers[number] = worker
             self._selector.register(worker, selectors.EVENT_READ, worker)
             free += 1
@@ -299,8 +310,8 @@ class Supervisor:
         item, worker.item = worker.item, None
         if item is None:
             return
-        if self._is_made(item.id):  # it died between commit and report
-            report = Report(item.id, success=True)
+        report = self._on_disk(item.id)
+        if report and self._is_safe(item, reason, kind):  # it died between commit and report
             self._totals.add(report)
             self._decided(report)
         elif self._stopping:
@@ -308,11 +319,28 @@ class Supervisor:
         elif kind == "spec":
             self._lose(item, reason, kind)  # what the user wrote stays as it is
         else:
-            self._try_again(item, worker, reason)
+            once = kind == "other" and item.id in self._tried_once
+            self._try_again(item, worker, reason, 1 if once else self._limits.tries)
 
-    def _try_again(self, item: Item, worker: WorkerProcess, reason: str) -> None:
+    def _is_safe(self, item: Item, reason: str, kind: FailureKind) -> bool:
+        """Whether an episode that is there stays there.
+
+        After a failure of writing it may be in place and yet not on the disk. The run ends when it
+        cannot be brought there.
+        """
+        if kind != "io":
+            return True
+        try:
+            self._flush()
+        except OSError as error:
+            self._give_up_run("io", f"{reason}\n{error}")
+            return False
+        self._observer.warning(f"{item.id} is there, and was brought to the disk again: {reason}")
+        return True
+
+    def _try_again(self, item: Item, worker: WorkerProcess, reason: str, most: int) -> None:
         self._tries[item.id] += 1
-        if self._tries[item.id] < self._limits.tries:
+        if self._tries[item.id] < most:
             self._totals.again.append(Again(item.id, reason))
             self._pending.appendleft(item)
             self._observer.retry(item.id, reason, self._totals)

@@ -101,7 +101,15 @@ class Totals:
     ended: float | None = None
 
     def add(self, report: Report) -> None:
-        """Counts a report; what a stopped item did before the stop counts too."""
+        """Counts a report.
+
+        Of an item that was stopped only the time and what was left undecided: it is made again, and
+        counts then with all its attempts.
+        """
+        if report.stopped:
+            self.undecided += report.undecided
+            self.seconds.update(report.seconds)
+            return
         self.made += report.success
         self.advice = self.advice or report.advice
         _add(self, report, NUMBERS)
