@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/ik_step.h"
 #include "robocell/robot/robot_state.h"
 
 namespace robocell {
@@ -104,8 +105,8 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
         targets.emplace_back(&controller, PoseTarget(command.pose));
         continue;
       }
-      const JointVector seed(controller.commanded_joint_pos());
-      const IkResult ik = robocell::Ik(state.RequireChain(slot), command.pose, {.seed = seed});
+      const IkResult ik =
+          IkStep(state.RequireChain(slot), command.pose, controller.commanded_joint_pos());
       if (!ik.success) {
         if (result.ok) result = {.ok = false, .failed_group = name, .ik = ik};
         continue;

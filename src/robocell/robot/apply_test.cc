@@ -1,9 +1,14 @@
 // Commands: what they do to targets, and what is refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "robocell/base/error.h"
+#include "robocell/kinematics/ik_step.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/random_values.h"
 
 namespace robocell {
 namespace {
@@ -69,6 +74,55 @@ TEST_F(Apply, ReachesPosesThroughIk) {
     EXPECT_TRUE(robot.Step().ok());
   }
   EXPECT_TRUE(robot.arm().leaf_frame_to_robot().is_close(pose, 1e-4, 1e-4));
+}
+
+double LargestDifference(std::span<const double> a, std::span<const double> b) {
+  double largest = 0;
+  for (size_t i = 0; i < a.size(); ++i) largest = std::max(largest, std::abs(a[i] - b[i]));
+  return largest;
+}
+
+// Centimetres at a time, wherever that leads.
+TEST_F(Apply, ASmallStepOfThePoseIsASmallStepOfTheJoints) {
+  constexpr int kSteps = 4000;
+  Rng rng = Rng::Stream(1, "random walk");
+  Eigen::Vector3d way;
+  const auto step = [&](int i, const Pose& from) {
+    if (i % 5 == 0) way = 0.02 * RandomVector(rng).normalized();
+    return Pose(from.translation() + way, from.quaternion());
+  };
+  // The first solution that is found may have the elbow or the wrist on their other side.
+  JointVector any(home);
+  double swing = 0;
+  int unsolved = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const IkResult found = robot.Ik(step(i, robot.FkFrame(any)), {.seed = any});
+    if (!found.success) {
+      ++unsolved;
+      continue;
+    }
+    swing = std::max(swing, LargestDifference(found.q, any));
+    any = found.q;
+  }
+  EXPECT_GT(swing, 2) << "the walk comes to no place where the bound matters";
+
+  int failed = 0;
+  double largest = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const std::vector<double> before = Target();
+    const Pose next = step(i, robot.FkFrame(before));
+    if (!robot.Apply({{"arm", GroupCommand::LeafPose(next)}}).ok) {
+      ++failed;
+      EXPECT_EQ(Target(), before);
+      continue;
+    }
+    largest = std::max(largest, LargestDifference(Target(), before));
+    EXPECT_TRUE(robot.FkFrame(Target()).is_close(next, 1e-5, 1e-5));
+  }
+  EXPECT_LE(largest, kLeastJointStep + 0.02 / robot.chain().model().length * kJointStepGain + 1e-9);
+  EXPECT_LT(failed, 1.5 * unsolved) << "few poses that the arm reaches are out of its reach now";
+  RecordProperty("failed", failed);
+  RecordProperty("unsolved", unsolved);
 }
 
 TEST_F(Apply, ReportsAPoseOutOfReachAndKeepsThatTarget) {

@@ -1,0 +1,30 @@
+// Inverse kinematics for a step of a motion: joint values near those before it.
+//
+// Ik takes the first solution that it finds. That may have the elbow or the wrist on their other
+// side, and an arm that is sent there swings on its way however small the step of its tip was. For
+// IkStep a solution is one only when no joint goes farther than such a step may take it; without
+// one it fails, as an arm has to stop there. Large steps are free to take any solution.
+//
+//   const IkResult next = IkStep(chain, target, commanded);
+//   if (next.success) Command(next.q);
+#pragma once
+
+#include <span>
+
+#include "robocell/kinematics/chain.h"
+#include "robocell/kinematics/ik.h"
+
+namespace robocell {
+
+// How far a joint may go while the tip goes from one pose to another: kLeastJointStep and
+// kJointStepGain for each radian that it turns and each chain length (ChainModel::length) that it
+// moves. Radians for hinges, chain lengths for slides.
+inline constexpr double kLeastJointStep = 0.3;
+inline constexpr double kJointStepGain = 4;
+double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to);
+
+// The joint values for `tip_in_base` near `from`, the joint values before. Errors as of Ik. Nothing
+// is allocated when the search from there succeeds.
+IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from);
+
+}  // namespace robocell
