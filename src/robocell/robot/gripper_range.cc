@@ -1,5 +1,7 @@
 #include "robocell/robot/gripper_range.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -10,6 +12,7 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/once_per_model.h"
 
 namespace robocell {
 namespace {
@@ -44,10 +47,8 @@ double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts, d
   return FingerDistance(m, d, parts.pair.fingers[0], parts.pair.fingers[1]);
 }
 
-}  // namespace
-
-std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
-                                             std::array<double, 2> ctrl) {
+std::array<double, 2> MeasuredDistances(const Scene& scene, const GripperParts& parts,
+                                        std::array<double, 2> ctrl) {
   const ModelPtr model = AloneWithoutGravity(scene.model(), parts.robot_body);
   const DataPtr data = DataAtHome(model.get(), scene.compiled()->home_key());
   std::array<double, 2> distances;
@@ -55,6 +56,26 @@ std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperPa
     distances[i] = SettledDistance(model.get(), data.get(), parts, ctrl[i]);
   }
   return distances;
+}
+
+std::string FingerName(const Finger& finger) {
+  return fmt::format("site {} body {} geoms {}", finger.site, finger.body,
+                     fmt::join(finger.geoms, " "));
+}
+
+}  // namespace
+
+std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
+                                             std::array<double, 2> ctrl) {
+  const std::string what =
+      fmt::format("fingers of body {}: {}, {}; controls {}: {}, {}", parts.robot_body,
+                  FingerName(parts.pair.fingers[0]), FingerName(parts.pair.fingers[1]),
+                  fmt::join(parts.ctrl_addresses, " "), ctrl[0], ctrl[1]);
+  const std::vector<double> distances = OncePerModel(*scene.compiled(), what, [&] {
+    const auto [first, second] = MeasuredDistances(scene, parts, ctrl);
+    return std::vector<double>{first, second};
+  });
+  return {distances[0], distances[1]};
 }
 
 }  // namespace robocell

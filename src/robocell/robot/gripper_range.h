@@ -28,7 +28,7 @@ struct GripperParts {
 // robot touches nothing but itself, from the scene's home: the present state plays no part, and the
 // numbers are the same each time. Linkages go on creeping by fractions of a millimetre for seconds,
 // which is why the time is fixed. EngineError when the copy diverges. Takes milliseconds to a
-// second, for large models.
+// second, for large models; once for all scenes on a frozen one.
 std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
                                              std::array<double, 2> ctrl);
 

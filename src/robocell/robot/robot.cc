@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/reach.h"
+#include "robocell/robot/once_per_model.h"
 #include "robocell/robot/robot_state.h"
 
 namespace robocell {
@@ -283,7 +284,11 @@ void Robot::TareFtSensor(const std::string& name) {
 double Robot::reach() const {
   std::optional<double>& reach = open().reach;
   if (!reach) reach = config().reach;
-  if (!reach) reach = ApproximateReach(chain());
+  if (!reach) {
+    const std::string what = "reach from " + chain().base_body() + " to " + chain().tip().name;
+    reach = OncePerModel(*scene_.compiled(), what,
+                         [&] { return std::vector<double>{ApproximateReach(chain())}; })[0];
+  }
   return *reach;
 }
 
