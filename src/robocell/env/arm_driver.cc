@@ -29,6 +29,25 @@ std::vector<double> PositionsOf(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
 
+// Steps are known to be without solution, and to be over, by the joint positions that are sent.
+void RequireJointPositions(const EnvConfig& config, const Robot& robot) {
+  const Controller& controller = robot.controller(robot.arm().name());
+  const TargetKind kind = controller.target_kind();
+  if (kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps) return;
+  throw ArgumentError(fmt::format(
+      "environment '{}' / robot '{}': its controller '{}' takes {}, but an environment sends joint "
+      "positions, found by inverse kinematics where actions are poses. In `control` of the robot "
+      "say joint_position, joint_impedance or relative_joint_position, or leave it out",
+      config.name, robot.name(), controller.kind(), Describe(kind)));
+}
+
+std::vector<bool> TurnFreely(const Robot& robot) {
+  std::vector<bool> free;
+  for (const Interval& limit : robot.joint_limits())
+    free.push_back(!std::isfinite(limit.lower) || !std::isfinite(limit.upper));
+  return free;
+}
+
 }  // namespace
 
 ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
@@ -41,8 +60,11 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       gripper_(RobotWithGripper(config, robot_)),
       layout_(std::move(layout)),
       joint_limits_(CommandLimits(robot_)),
+      turns_freely_(TurnFreely(robot_)),
       base_in_shared_(robot_.scene().shared_base_frame_to_world().inverse() *
-                      robot_.base_in_world()) {}
+                      robot_.base_in_world()) {
+  RequireJointPositions(config, robot_);
+}
 
 std::vector<Robot> ArmDriver::robots() const {
   std::vector<Robot> robots = {robot_};
@@ -90,7 +112,8 @@ void ArmDriver::Check(std::span<const double> action, const std::string& place) 
   }
   if (layout_.has_gripper && !std::isfinite(action[layout_.gripper_action]))
     fail(fmt::format("its gripper is {}", action[layout_.gripper_action]));
-  if (mode_ == ControlMode::kCartesianTquat && !HasDirection(command.subspan(3)))
+  if (mode_ == ControlMode::kCartesianTquat && relative_to_ == RelativeTo::kNone &&
+      !HasDirection(command.subspan(3)))
     fail(
         "the quaternion of its tquat is zero, which is no rotation; [0, 0, 0, 1] (xyzw) turns "
         "nothing");
@@ -140,6 +163,7 @@ bool ArmDriver::Send(std::span<const double> action) {
   RobotAction commands;
   const std::span<const double> own = PartOf(action, layout_.action);
   const std::string& arm = robot_.arm().name();
+  controller_ = robot_.shared_controller(arm);
   if (gripper_) SendGripper(action[layout_.gripper_action], commands);
   if (mode_ == ControlMode::kJoints) {
     memory_.sent_joints = NextJoints(own);
@@ -163,8 +187,7 @@ bool ArmDriver::GripperIsStill(double time) {
 }
 
 bool ArmDriver::HasArrived(double time) {
-  const std::span<const double> wanted =
-      robot_.controller(robot_.arm().name()).commanded_joint_pos();
+  const std::span<const double> wanted = controller_->commanded_joint_pos();
   const std::span<const double> is = robot_.jnt_pos_msr(), moves = robot_.jnt_vel_msr();
   for (size_t i = 0; i < wanted.size(); ++i) {
     if (std::abs(is[i] - wanted[i]) > tolerance_) return false;
@@ -175,10 +198,14 @@ bool ArmDriver::HasArrived(double time) {
 
 void ArmDriver::Observe(std::span<double> observation) const {
   const Pose tcp = robot_.scene().shared_base_frame_to_world().inverse() * robot_.tcp_in_world();
-  PutTquat(tcp, observation.subspan(layout_.tquat.begin, layout_.tquat.size));
+  ObserveTquat(tcp, observation.subspan(layout_.tquat.begin, layout_.tquat.size));
   const std::array<double, 6> xyzrpy = tcp.xyzrpy();
   std::copy(xyzrpy.begin(), xyzrpy.end(), observation.begin() + layout_.xyzrpy.begin);
-  robot_.arm().GetJointPos(observation.subspan(layout_.joints.begin, layout_.joints.size));
+  const std::span<double> joints = observation.subspan(layout_.joints.begin, layout_.joints.size);
+  robot_.arm().GetJointPos(joints);
+  for (size_t i = 0; i < joints.size(); ++i) {
+    if (turns_freely_[i]) joints[i] = ObservedTurn(joints[i], joint_limits_[i].upper + kJointSlack);
+  }
   if (layout_.has_gripper)
     observation[layout_.gripper] =
         binary_gripper_ ? memory_.sent_opening : std::clamp(gripper()->opening(), 0.0, 1.0);

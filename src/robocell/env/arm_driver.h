@@ -27,6 +27,7 @@ class ArmDriver {
   };
 
   // `robot` is one of the configuration's, `layout` its part of the vectors.
+  // ArgumentError when the arm's controller takes no joint positions.
   ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout);
 
   const RobotLayout& layout() const { return layout_; }
@@ -71,9 +72,11 @@ class ArmDriver {
   std::optional<Robot> gripper_;  // the robot that has the gripper
   RobotLayout layout_;
   std::vector<Interval> joint_limits_;
+  std::vector<bool> turns_freely_;  // a joint without limits
   Pose base_in_shared_;
 
   Memory memory_;
+  std::shared_ptr<Controller> controller_;  // of the arm, as the last Send found it
 };
 
 }  // namespace robocell

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/base/units.h"
+
 namespace robocell {
 namespace {
 
@@ -39,11 +41,21 @@ void PutTquat(const Pose& pose, std::span<double> out) {
   std::copy_n(pose.quaternion().begin(), 4, out.begin() + 3);
 }
 
+void ObserveTquat(const Pose& pose, std::span<double> out) {
+  PutTquat(pose, out);
+  for (double& x : out.subspan(3, 4)) x = std::clamp(x, -1.0, 1.0);
+}
+
+double ObservedTurn(double position, double most) {
+  return std::abs(position) <= most ? position : std::remainder(position, 2 * kPi);
+}
+
 Pose PoseOfAction(ControlMode mode, std::span<const double> action) {
   const Eigen::Vector3d translation(action[0], action[1], action[2]);
   if (mode == ControlMode::kCartesianTrpy)
     return Pose::FromRpy(translation, {action[3], action[4], action[5]});
   const std::span<const double> q = action.subspan(3, 4);
+  if (!HasDirection(q)) return Pose(translation);
   const double length = Length(q);
   return Pose(translation, Quaternion{q[0] / length, q[1] / length, q[2] / length, q[3] / length});
 }

@@ -25,9 +25,16 @@ bool HasDirection(std::span<const double> quaternion);
 
 // Writes x y z and the quaternion xyzw into seven numbers.
 void PutTquat(const Pose& pose, std::span<double> out);
+// The same for an observation: by rounding the quaternion of a product may be longer than 1, by a
+// unit in the last place.
+void ObserveTquat(const Pose& pose, std::span<double> out);
+
+// A hinge without limits within +-`most`, which is more than half a turn: a position beyond is
+// observed less whole turns.
+double ObservedTurn(double position, double most);
 
 // The pose that the numbers of a Cartesian action are: x y z and roll pitch yaw, or a quaternion
-// xyzw that HasDirection, which is normalised.
+// xyzw, which is normalised; one without direction is no rotation.
 Pose PoseOfAction(ControlMode mode, std::span<const double> action);
 
 }  // namespace robocell

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "robocell/base/rng.h"
+#include "robocell/base/units.h"
 #include "robocell/testing/random_values.h"
 
 namespace robocell {
@@ -59,6 +60,24 @@ TEST(ArmTarget, JointsAreLimitedOneByOne) {
   std::vector<double> to = {1, 1.05, -3};
   LimitJointStep(from, 0.1, to);
   EXPECT_EQ(to, (std::vector<double>{0.1, 1.05, 1.9}));
+}
+
+TEST(ArmTarget, ObservationsStayInTheirRanges) {
+  Rng rng = Rng::Stream(1, "observed quaternions");
+  int longer = 0;
+  for (int i = 0; i < 3000; ++i) {
+    // A turn by half a turn about one axis, as a product of others.
+    const Pose first = RandomPose(rng);
+    const Pose turn = first.inverse() * (first * Pose::FromRpy({0, 0, 0}, {kPi, 0, 0}));
+    std::array<double, 7> seen{};
+    ObserveTquat(turn, seen);
+    longer += std::abs(turn.quaternion()[0]) > 1 ? 1 : 0;
+    for (int k = 3; k < 7; ++k) EXPECT_LE(std::abs(seen[k]), 1);
+  }
+  EXPECT_GT(longer, 0);
+  EXPECT_EQ(ObservedTurn(6.7, 6.8), 6.7);
+  EXPECT_NEAR(ObservedTurn(6.9, 6.8), 6.9 - 2 * kPi, 1e-14);
+  EXPECT_NEAR(ObservedTurn(-101, 6.8), -101 + 32 * kPi, 1e-13);
 }
 
 TEST(ArmTarget, ReadsBothKindsOfCartesianActions) {

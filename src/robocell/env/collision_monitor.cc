@@ -29,6 +29,10 @@ bool AreNeighbours(const mjModel* m, int a, int b) {
   return link_a == link_b || above(link_a) == link_b || above(link_b) == link_a;
 }
 
+void AddPair(std::pair<int, int> bodies, CollisionMonitor::Memory& to) {
+  if (std::find(to.begin(), to.end(), bodies) == to.end()) to.push_back(bodies);
+}
+
 }  // namespace
 
 CollisionMonitor::CollisionMonitor(std::vector<Watched> watched)
@@ -63,15 +67,23 @@ void CollisionMonitor::Bind() {
 }
 
 void CollisionMonitor::Begin() {
+  if (generation_ != scene_.generation()) Forget();  // the ids are others
   Bind();
-  found_.clear();
-  FindNew();
+  if (!looked_) Look();
+  found_ = touching_;
 }
 
-bool CollisionMonitor::FindNew() {
+void CollisionMonitor::Recall(const Memory& memory) {
+  Bind();
+  touching_ = memory;
+  looked_ = true;
+}
+
+void CollisionMonitor::Look() {
+  looked_ = true;
+  touching_.clear();
   const mjModel* m = scene_.model();
   const mjData* d = scene_.data();
-  const size_t before = found_.size();
   for (int c = 0; c < d->ncon; ++c) {
     const mjContact& contact = d->contact[c];
     const int a = contact.geom[0], b = contact.geom[1];
@@ -80,8 +92,14 @@ bool CollisionMonitor::FindNew() {
     const bool same_robot = body_owner_[bodies.first] == body_owner_[bodies.second];
     if (same_robot && AreNeighbours(m, bodies.first, bodies.second)) continue;
     if (owner_[a] < 0) std::swap(bodies.first, bodies.second);
-    if (std::find(found_.begin(), found_.end(), bodies) == found_.end()) found_.push_back(bodies);
+    AddPair(bodies, touching_);
   }
+}
+
+bool CollisionMonitor::FindNew() {
+  Look();
+  const size_t before = found_.size();
+  for (const auto& bodies : touching_) AddPair(bodies, found_);
   return found_.size() > before;
 }
 

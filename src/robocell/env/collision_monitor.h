@@ -4,7 +4,7 @@
 // carries included, but for its gripper, whose business it is to touch things. Contacts with
 // itself count too, but for links with a joint between them: models let these overlap.
 //
-//   monitor.Begin();                               // what touches now is not new
+//   monitor.Begin();                               // what touched at the last look is not new
 //   ... step ...; if (monitor.FindNew()) ...       // no allocation unless something is new
 //   for (const Collision& c : monitor.found()) ... // all since Begin
 #pragma once
@@ -39,13 +39,21 @@ class CollisionMonitor {
   };
   explicit CollisionMonitor(std::vector<Watched> watched);
 
+  // What touched at the last look, as pairs of bodies: for going back to a state of the scene.
+  using Memory = std::vector<std::pair<int, int>>;
+
+  // What touched at the last look is not new; after Forget what touches now.
   void Begin();
+  void Forget() { looked_ = false; }
+  const Memory& memory() const { return touching_; }
+  void Recall(const Memory& memory);
   // Looks at the present contacts; true when there is a pair of bodies that was not found before.
   bool FindNew();
   std::vector<Collision> found() const;
 
  private:
   void Bind();
+  void Look();
   void MarkGeoms(const Watched& watched, int index);
   void HideGripper(const MoveGroup& gripper);
   Collision MakeCollision(std::pair<int, int> bodies) const;
@@ -55,7 +63,9 @@ class CollisionMonitor {
   uint64_t generation_ = ~uint64_t{0};
   std::vector<int> owner_;       // per geom: index into watched_, or -1
   std::vector<int> body_owner_;  // per body
-  std::vector<std::pair<int, int>> found_;
+  bool looked_ = false;          // since Forget
+  Memory touching_;              // at the last look
+  Memory found_;                 // since Begin
 };
 
 }  // namespace robocell

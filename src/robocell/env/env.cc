@@ -8,6 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/spec/validate.h"
 
 namespace robocell {
 namespace {
@@ -53,6 +54,11 @@ CameraSystemConfig StreamsOf(const EnvConfig& config) {
   return cameras;
 }
 
+EnvConfig Checked(EnvConfig config) {
+  RequireValid(config, "environment '" + config.name + "'");
+  return config;
+}
+
 // The number of engine steps after which `seconds` have passed.
 int64_t TicksUntil(double seconds, double timestep) {
   return static_cast<int64_t>(std::ceil(seconds / timestep - 1e-9));
@@ -79,8 +85,8 @@ const char* ToString(EndReason reason) {
 Env::Env(const EnvConfig& config, const DataFactory& factory)
     : Env(config, Scene::Build(EnvSceneSpec(config), factory)) {}
 
-Env::Env(EnvConfig config, Scene scene)
-    : config_(std::move(config)),
+Env::Env(EnvConfig config, Scene scene, std::optional<int> copy)
+    : config_(Checked(std::move(config))),
       scene_(std::move(scene)),
       layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_))),
       arms_(DriversOf(config_, scene_, layout_)),
@@ -88,7 +94,7 @@ Env::Env(EnvConfig config, Scene scene)
       collisions_(WatchedOf(arms_)),
       cameras_(scene_, StreamsOf(config_)),
       task_(MakeEnvTask(config_, scene_)),
-      seeds_(Rng::Stream(0, kSeedPurpose)),
+      seeds_(copy ? Rng::Stream(0, kSeedPurpose, *copy) : Rng::Stream(0, kSeedPurpose)),
       observation_(layout_.observation.size()) {}
 
 void Env::Reset(const EnvResetOptions& options) {
@@ -97,6 +103,7 @@ void Env::Reset(const EnvResetOptions& options) {
   if (!config_.wrappers.home_on_reset && phase_ == Phase::kReady) {
     for (const ArmDriver& arm : arms_) kept.push_back(arm.robot().arm().joint_pos());
   }
+  phase_ = Phase::kBroken;  // until all is done
   const uint64_t seed = seeds_.NextBits();
   scene_.Reset({.seed = seed});
   for (size_t i = 0; i < kept.size(); ++i) Robot(arms_[i].robot()).SetJointPos(kept[i]);
@@ -106,18 +113,25 @@ void Env::Reset(const EnvResetOptions& options) {
     task_->Arrange(scene_, rng);
     task_->Begin(scene_);
   }
-  phase_ = Phase::kReady;
-  steps_ = ticks_ = 0;
+  collisions_.Forget();
+  ticks_ = 0;
   pacer_.Start(0);
   cameras_.Reset();
   Observe();
+  phase_ = Phase::kReady;
 }
 
 void Env::RequireReady() const {
-  if (phase_ == Phase::kReady) return;
-  throw Error(place() + (phase_ == Phase::kUnready
-                             ? ": call reset before the first step"
-                             : ": the simulation has diverged; call reset to go on"));
+  switch (phase_) {
+    case Phase::kReady:
+      return;
+    case Phase::kUnready:
+      throw Error(place() + ": call reset before the first step");
+    case Phase::kDiverged:
+      throw Error(place() + ": the simulation has diverged; call reset to go on");
+    case Phase::kBroken:
+      throw Error(place() + ": an error ended its last reset or step halfway; call reset to go on");
+  }
 }
 
 void Env::CheckAction(std::span<const double> action) const {
@@ -137,13 +151,13 @@ std::vector<std::string> Env::Send(std::span<const double> action) {
   return failed;
 }
 
-// From one multiple of 1/frequency since the reset to the next, without drift; or at most the time
-// that motions may take.
+// To the next multiple of 1/frequency since the reset, without drift; or at most the time that
+// motions may take.
 int64_t Env::TicksOfStep() const {
   const SimSettings& sim = config_.sim;
   if (!sim.async_control)
     return std::max<int64_t>(1, TicksUntil(sim.max_convergence_time, scene_.timestep()));
-  const double end = static_cast<double>(steps_ + 1) / sim.frequency;
+  const double end = (std::floor(TimeSinceReset() * sim.frequency + 1e-6) + 1) / sim.frequency;
   return std::max<int64_t>(1, TicksUntil(end, scene_.timestep()) - ticks_);
 }
 
@@ -175,11 +189,11 @@ EnvStep Env::Step(std::span<const double> action) {
   CheckAction(action);
   EnvStep out;
   collided_ = false;
+  phase_ = Phase::kBroken;  // until all is done
   collisions_.Begin();
   out.ik_failed = Send(action);
   const StepOutcome outcome =
       stepper_.AdvanceUntil({}, TicksOfStep(), [this] { return ShouldEnd(); });
-  ++steps_;
   out.reason = ReasonOf(outcome.step, out);
   out.message = outcome.step.message;
   out.collisions = collisions_.found();
@@ -193,6 +207,7 @@ EnvStep Env::Step(std::span<const double> action) {
     out.reward = task_->Reward(scene_);
     out.success = task_->Success(scene_);
   }
+  phase_ = Phase::kReady;
   if (config_.sim.realtime) pacer_.Wait(out.time);
   return out;
 }
@@ -205,7 +220,7 @@ void Env::Observe() {
     const Pose pose = world_to_shared * scene_.body_pose(body);
     const std::span<double> out =
         std::span(observation_).subspan(object.tquat.begin, object.tquat.size);
-    PutTquat(pose, out);
+    ObserveTquat(pose, out);
     for (double& x : out.first(3)) x = std::clamp(x, -kFarthestObject, kFarthestObject);
   }
   cameras_.Draw(TimeSinceReset());
@@ -217,7 +232,7 @@ void Env::Save(const std::string& name) {
   snapshot = {.generation = scene_.generation(),
               .state = scene_.state(),
               .task = task_ ? task_->Clone() : nullptr,
-              .steps = steps_,
+              .touching = collisions_.memory(),
               .ticks = ticks_};
   for (const ArmDriver& arm : arms_) snapshot.arms.push_back(arm.memory());
 }
@@ -236,15 +251,16 @@ void Env::Restore(const std::string& name) {
                     "is no way back to it",
                     place(), name));
   }
+  phase_ = Phase::kBroken;  // until all is done
   scene_.SetState(snapshot.state);
   for (size_t i = 0; i < arms_.size(); ++i) arms_[i].Recall(snapshot.arms[i]);
   if (snapshot.task) task_ = snapshot.task->Clone();
-  steps_ = snapshot.steps;
+  collisions_.Recall(snapshot.touching);
   ticks_ = snapshot.ticks;
-  phase_ = Phase::kReady;
   pacer_.Start(TimeSinceReset());
   cameras_.GoOnFrom(TimeSinceReset());
   Observe();
+  phase_ = Phase::kReady;
 }
 
 void Env::Forget(const std::string& name) {

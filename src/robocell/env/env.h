@@ -15,7 +15,8 @@
 //
 // Errors: SpecError for what is wrong with the configuration; ArgumentError for actions of a wrong
 // size or with numbers that are not finite, before anything moves; numbers beyond their range are
-// cut to it. Divergence is a value: after it only Reset goes on. Copies of one environment run in
+// cut to it. Divergence is a value: after it, as after an error on the way, only Reset and Restore
+// go on. Copies of one environment run in
 // parallel each with an Env of its own on a frozen model. Threads: those of the scene.
 #pragma once
 
@@ -54,7 +55,8 @@ struct EnvStep {
 };
 
 struct EnvResetOptions {
-  // Unset: the next of the stream that the last seed began; 0 at first.
+  // Unset: the next of the stream that the last seed began; 0 at first, and for copies of one
+  // environment another one for each.
   std::optional<uint64_t> seed = {};
 };
 
@@ -62,7 +64,8 @@ class Env {
  public:
   explicit Env(const EnvConfig& config, const DataFactory& factory = {});
   // In a scene that was made before, as from a saved file, of EnvSceneSpec(config).
-  Env(EnvConfig config, Scene scene);
+  // `copy`: which of several this is.
+  Env(EnvConfig config, Scene scene, std::optional<int> copy = {});
 
   const EnvConfig& config() const { return config_; }
   const EnvLayout& layout() const { return layout_; }
@@ -97,14 +100,15 @@ class Env {
   void SetOriginToCurrent(const std::string& robot);
 
  private:
-  enum class Phase { kUnready, kReady, kDiverged };
+  enum class Phase { kUnready, kReady, kDiverged, kBroken };
 
   struct Snapshot {
     uint64_t generation = 0;  // of the scene
     std::vector<double> state;
     std::vector<ArmDriver::Memory> arms;
     std::unique_ptr<EnvTask> task;
-    int64_t steps = 0, ticks = 0;
+    CollisionMonitor::Memory touching;
+    int64_t ticks = 0;
   };
 
   void RequireReady() const;
@@ -131,8 +135,8 @@ class Env {
   Phase phase_ = Phase::kUnready;
   Rng seeds_;
   std::vector<double> observation_;
-  int64_t steps_ = 0, ticks_ = 0;  // since the reset
-  bool collided_ = false;          // in this step
+  int64_t ticks_ = 0;      // engine steps since the reset
+  bool collided_ = false;  // in this step
 };
 
 }  // namespace robocell

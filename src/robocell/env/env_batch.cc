@@ -11,9 +11,17 @@
 namespace robocell {
 namespace {
 
-void CheckBatch(const EnvConfig& config, int count) {
-  const std::string place = "batch of environment '" + config.name + "'";
+std::string BatchPlace(const EnvConfig& config) {
+  return "batch of environment '" + config.name + "'";
+}
+
+void CheckBatch(const EnvConfig& config, int count, std::optional<int> max_episode_steps) {
+  const std::string place = BatchPlace(config);
   if (count < 1) throw ArgumentError(fmt::format("{}: {} copies; at least 1", place, count));
+  if (max_episode_steps && *max_episode_steps < 1) {
+    throw ArgumentError(fmt::format("{}: max_episode_steps is {}; at least 1, or leave it out",
+                                    place, *max_episode_steps));
+  }
   if (config.cameras.streams.empty()) return;
   throw ArgumentError(place +
                       ": image streams are for single environments; leave cameras.streams "
@@ -26,14 +34,14 @@ bool Holds(const std::vector<bool>& which, int i) { return !which.empty() && whi
 
 EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
                    std::optional<int> max_episode_steps)
-    : max_episode_steps_(max_episode_steps) {
-  CheckBatch(config, count);
+    : config_(config), max_episode_steps_(max_episode_steps) {
+  CheckBatch(config, count, max_episode_steps);
   const std::shared_ptr<CompiledScene> compiled = CompileScene(EnvSceneSpec(config));
   compiled->Freeze();
   for (int i = 0; i < count; ++i) {
     EnvConfig own = config;
     own.name = fmt::format("{}[{}]", config.name, i);
-    envs_.push_back(std::make_unique<Env>(std::move(own), Scene::FromCompiled(compiled)));
+    envs_.push_back(std::make_unique<Env>(std::move(own), Scene::FromCompiled(compiled), i));
   }
   episode_steps_.resize(count);
   observations_.resize(static_cast<size_t>(count) * layout().observation.size());
@@ -41,10 +49,26 @@ EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
   step_.terminated.resize(count);
   step_.truncated.resize(count);
   step_.steps.resize(count);
-  workers_ = std::make_unique<WorkerThreads>(threads);
+  workers_ = std::make_unique<WorkerThreads>(threads, count);
 }
 
 EnvBatch::~EnvBatch() = default;
+
+void EnvBatch::RequireOpen() const {
+  if (workers_) return;
+  throw ClosedError(BatchPlace(config_) + " is closed");
+}
+
+void EnvBatch::Close() {
+  workers_.reset();
+  for (const std::unique_ptr<Env>& env : envs_) Scene(env->scene()).Close();
+}
+
+std::vector<std::string> EnvBatch::instructions() const {
+  std::vector<std::string> out;
+  for (const std::unique_ptr<Env>& env : envs_) out.push_back(env->instruction());
+  return out;
+}
 
 void EnvBatch::ForEach(const std::function<void(int)>& work) { workers_->Run(size(), work); }
 
@@ -74,6 +98,7 @@ void EnvBatch::StepOne(int i, std::span<const double> action) {
 
 void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds,
                      const std::vector<bool>& which) {
+  RequireOpen();
   const auto sized = [&](size_t got, const char* what) {
     if (got == 0 || got == envs_.size()) return;
     throw ArgumentError(
@@ -88,6 +113,7 @@ void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds,
 
 const BatchStep& EnvBatch::Step(std::span<const double> actions,
                                 const std::vector<bool>& reset_instead) {
+  RequireOpen();
   const auto width = static_cast<size_t>(layout().action.size());
   if (actions.size() != envs_.size() * width) {
     throw ArgumentError(

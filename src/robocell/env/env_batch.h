@@ -18,6 +18,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "robocell/env/env.h"
@@ -35,13 +36,15 @@ struct BatchStep {
 
 class EnvBatch {
  public:
-  // `threads` 0: as many as the machine has cores, the caller's included. Episodes are truncated
-  // after `max_episode_steps`, if any.
+  // `threads` 0: as many as the machine has cores, the caller's included; never more than copies.
+  // Episodes are truncated after `max_episode_steps`, if any; at least 1. Until it is given a seed,
+  // a copy has starts of its own, the same ones each time.
   EnvBatch(const EnvConfig& config, int count, int threads = 0,
            std::optional<int> max_episode_steps = {});
   ~EnvBatch();
 
   int size() const { return static_cast<int>(envs_.size()); }
+  const EnvConfig& config() const { return config_; }
   const EnvLayout& layout() const { return envs_.front()->layout(); }
   Env& env(int i) { return *envs_[i]; }
 
@@ -53,6 +56,12 @@ class EnvBatch {
   const BatchStep& Step(std::span<const double> actions,
                         const std::vector<bool>& reset_instead = {});
   std::span<const double> observations() const { return observations_; }
+  // What the task of each copy is, in words.
+  std::vector<std::string> instructions() const;
+
+  // Closes all copies' scenes and ends the threads: ClosedError from then on.
+  void Close();
+  void RequireOpen() const;
 
  private:
   void ForEach(const std::function<void(int)>& work);
@@ -60,6 +69,7 @@ class EnvBatch {
   void StepOne(int i, std::span<const double> action);
   void CopyObservation(int i);
 
+  EnvConfig config_;
   std::optional<int> max_episode_steps_;
   std::vector<std::unique_ptr<Env>> envs_;
   std::vector<int> episode_steps_;

@@ -85,6 +85,41 @@ TEST(EnvBatch, ABadActionMovesNobody) {
                              "reset of 5 copies: seeds for 2 were given");
 }
 
+TEST(EnvBatch, CopiesWithoutSeedsHaveStartsOfTheirOwnTheSameEachTime) {
+  const auto starts = [] {
+    EnvBatch batch(Noisy(), kCopies, 2);
+    batch.Reset({});
+    return std::vector<double>(batch.observations().begin(), batch.observations().end());
+  };
+  const std::vector<double> seen = starts();
+  EXPECT_EQ(starts(), seen);
+  const size_t width = seen.size() / kCopies;
+  for (size_t a = 0; a < kCopies; ++a) {
+    for (size_t b = 0; b < a; ++b)
+      EXPECT_FALSE(std::equal(&seen[a * width], &seen[a * width] + width, &seen[b * width]));
+  }
+}
+
+TEST(EnvBatch, HasNoMoreThreadsThanCopiesAndTellsWhenThereAreNone) {
+  EnvBatch many(Noisy(), 2, 1 << 20);
+  many.Reset({});
+  ExpectThrow<ArgumentError>([] { EnvBatch(Noisy(), 2, -1); },
+                             "threads is -1; 0 for one for each core, or more");
+  ExpectThrow<ArgumentError>(
+      [] { EnvBatch(Noisy(), 2, 1, 0); },
+      "batch of environment 'env': max_episode_steps is 0; at least 1, or leave it out");
+}
+
+TEST(EnvBatch, IsClosedWithAllItsCopies) {
+  EnvBatch batch(Noisy(), 2);
+  batch.Reset({});
+  batch.Close();
+  batch.Close();
+  EXPECT_TRUE(batch.env(1).scene().closed());
+  ExpectThrow<ClosedError>([&] { batch.Reset({}); }, "batch of environment 'env' is closed");
+  ExpectThrow<ClosedError>([&] { batch.Step(Actions(batch, 0)); }, "is closed");
+}
+
 TEST(EnvBatch, HasAtLeastOneCopyAndNoImages) {
   ExpectThrow<ArgumentError>([] { EnvBatch(Noisy(), 0); },
                              "batch of environment 'env': 0 copies; at least 1");

@@ -11,8 +11,6 @@
 namespace robocell {
 namespace {
 
-// The engine's joint limits give way a little.
-constexpr double kJointSlack = 0.5;      // rad or m
 constexpr double kPositionSlack = 0.05;  // of what an arm can reach, m
 
 // No configuration puts the TCP farther than this from the robot's base.

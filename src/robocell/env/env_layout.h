@@ -52,6 +52,10 @@ struct EnvLayout {
 // Objects farther away are observed at this distance along each axis, m: they may fall for ever.
 inline constexpr double kFarthestObject = 100;
 
+// Joints are observed up to so far beyond the limits, which give way a little in the engine: rad
+// or m.
+inline constexpr double kJointSlack = 0.5;
+
 // `robots` are those of the configuration, in its order, in a scene at its start.
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots);
 

@@ -206,8 +206,16 @@ TEST(EnvActions, AGripperIsOpenFromAHalfOnOrAnythingBetween) {
   EXPECT_NEAR(continuous.observation()[gripper], 0.3, 0.02);
 }
 
+TEST(EnvActions, ZerosOfARelativeActionStandStill) {
+  Env env = Ready(Rc7Env(ControlMode::kCartesianTquat));
+  const Pose start = SentInWorld(env, "robot");
+  const EnvStep step = env.Step(Numbers(8, 0));
+  EXPECT_THAT(step.ik_failed, IsEmpty());
+  EXPECT_TRUE(SentInWorld(env, "robot").is_close(start, kIk, kIk));
+}
+
 TEST(EnvActions, BadOnesAreRefusedBeforeAnythingMoves) {
-  Env env(Rc7Env(ControlMode::kCartesianTquat));
+  Env env(Rc7Env(ControlMode::kCartesianTquat, RelativeTo::kNone));
   Numbers action(8, 0);
   ExpectThrow<Error>([&] { (void)env.Step(action); },
                      "environment 'env': call reset before the first step");

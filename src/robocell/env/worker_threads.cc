@@ -1,16 +1,38 @@
 #include "robocell/env/worker_threads.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <system_error>
+
+#include "robocell/base/error.h"
 
 namespace robocell {
 
-WorkerThreads::WorkerThreads(int threads) {
+WorkerThreads::WorkerThreads(int threads, int most) {
+  if (threads < 0)
+    throw ArgumentError(fmt::format("threads is {}; 0 for one for each core, or more", threads));
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const int count = threads > 0 ? threads : cores;
+  const int count = std::min(threads > 0 ? threads : cores, most);
+  try {
+    Start(count);
+  } catch (const std::system_error& error) {
+    Stop();
+    throw Error(fmt::format("thread {} of {} could not be started ({}); ask for fewer with threads",
+                            threads_.size() + 2, count, error.what()));
+  } catch (...) {
+    Stop();
+    throw;
+  }
+}
+
+WorkerThreads::~WorkerThreads() { Stop(); }
+
+void WorkerThreads::Start(int count) {
   for (int i = 1; i < count; ++i) threads_.emplace_back([this] { Wait(); });
 }
 
-WorkerThreads::~WorkerThreads() {
+void WorkerThreads::Stop() {
   {
     const std::lock_guard lock(mutex_);
     stop_ = true;

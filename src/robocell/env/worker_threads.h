@@ -15,8 +15,9 @@ namespace robocell {
 
 class WorkerThreads {
  public:
-  // `threads` in all, the caller's included; 0: as many as the machine has cores.
-  explicit WorkerThreads(int threads);
+  // `threads` in all, the caller's included; 0: as many as the machine has cores. No more than
+  // `most`. ArgumentError for a number below 0, Error when the machine has no threads left.
+  WorkerThreads(int threads, int most);
   ~WorkerThreads();
   WorkerThreads(const WorkerThreads&) = delete;
   WorkerThreads& operator=(const WorkerThreads&) = delete;
@@ -25,6 +26,8 @@ class WorkerThreads {
   void Run(int count, const std::function<void(int)>& work);
 
  private:
+  void Start(int count);
+  void Stop();
   void Wait();
   void Take();
 

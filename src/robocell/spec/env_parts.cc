@@ -7,6 +7,19 @@
 
 namespace robocell {
 
+namespace {
+
+constexpr double kMostSteps = 1e6;  // of the engine: such a step hardly ends
+
+void CheckDuration(const char* field, double seconds, double timestep, Problems& problems) {
+  if (!(timestep > 0 && seconds / timestep > kMostSteps)) return;
+  problems.AddAt(field, fmt::format("a step of the environment could take {:g} s, {:g} steps of "
+                                    "the engine; at most {:g}",
+                                    seconds, seconds / timestep, kMostSteps));
+}
+
+}  // namespace
+
 void EnvObject::Validate(Problems& problems) const {
   CheckNotEmpty(mjcf_path, "mjcf_path", "the object's model file", problems);
 }
@@ -27,6 +40,8 @@ void SimSettings::Validate(Problems& problems) const {
                                "s; at most {:g} Hz",
                                frequency, timestep, 1 / timestep));
   }
+  if (async_control && frequency > 0) CheckDuration("frequency", 1 / frequency, timestep, problems);
+  CheckDuration("max_convergence_time", max_convergence_time, timestep, problems);
 }
 
 }  // namespace robocell
