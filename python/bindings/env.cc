@@ -9,6 +9,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "closed_handles.h"
+#include "in_use.h"
 #include "scene_sharing.h"
 #include "values.h"
 #include "robocell/base/names.h"
@@ -46,7 +47,11 @@ void CheckKeys(const Env& env, const FieldPath& path, const nb::dict& values, co
 
 nb::dict ToDict(nb::handle value, const FieldPath& path, const char* expected) {
   nb::dict dict;
-  if (!nb::try_cast(value, dict)) ThrowType(path, expected, value);
+  if (nb::try_cast(value, dict)) return dict;
+  if (!nb::hasattr(value, "keys") || PyDict_Update(dict.ptr(), value.ptr()) != 0) {
+    PyErr_Clear();
+    ThrowType(path, expected, value);
+  }
   return dict;
 }
 
@@ -56,10 +61,11 @@ void PutNumbers(nb::handle value, const FieldPath& path, const VectorPart& part,
   std::copy(numbers.span().begin(), numbers.span().end(), out.begin() + part.begin);
 }
 
-// A number, or an array of one.
+// A number, also NumPy's and in an array without dimensions, or a list or array of one.
 double ToGripper(nb::handle value, const FieldPath& path) {
-  if (PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())) return ToDouble(value, path);
-  return Numbers(value, path, 1)[0];
+  const bool many = PySequence_Check(value.ptr()) != 0 &&
+                    !(nb::hasattr(value, "ndim") && nb::cast<int>(value.attr("ndim")) == 0);
+  return many ? Numbers(value, path, 1)[0] : ToDouble(value, path);
 }
 
 std::vector<double> ToAction(const Env& env, nb::handle value) {
@@ -203,6 +209,7 @@ void InitEnv(Env* self, const EnvConfig& config) {
 }
 
 nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed) {
+  const InUse use(&env, Place(env), "reset");
   {
     const nb::gil_scoped_release release;
     env.Reset({.seed = seed});
@@ -214,6 +221,7 @@ nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed) {
 
 nb::tuple StepEnv(Env& env, nb::handle action) {
   const std::vector<double> numbers = ToAction(env, action);
+  const InUse use(&env, Place(env), "stepped");
   EnvStep step;
   {
     const nb::gil_scoped_release release;
@@ -237,8 +245,11 @@ void BindEnv(nb::module_& m) {
       "with a task {'objects': {id: {'tquat': (7,)}}}, with streams {'frames': {stream: {'rgb' |\n"
       "'depth' | 'segmentation': {'data', 'intrinsics', 'extrinsics'}, 'time': (1,)}}};\n"
       "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.");
-  GuardHandle<Env>(env, [](const Env& e) { RequireOpen(e.scene(), Place(e)); },
-                   {"close", "config"});
+  const auto require_usable = [](const Env& e) {
+    RequireIdle(&e, Place(e));
+    RequireOpen(e.scene(), Place(e));
+  };
+  GuardHandle<Env>(env, require_usable, {"close", "config"});
   env.def("__init__", &InitEnv, "config"_a)
       .def("reset", &ResetEnv, "seed"_a = nb::none(),
            nb::sig("def reset(self, seed: int | None = None) -> tuple[dict[str, typing.Any], "
@@ -254,13 +265,15 @@ void BindEnv(nb::module_& m) {
            "(then truncated is true, and only reset goes on); info['robots'][name] has ik_success "
            "and collision; info['collisions'] lists what touched, by robot and body. Wrong keys, "
            "sizes and numbers that are not finite are an ArgumentError before anything moves; "
-           "numbers beyond their range are cut to it. With a task there are info['is_success'], "
+           "numbers beyond their range are cut to it. While another thread steps it, all functions "
+           "are an Error. With a task there are info['is_success'], "
            "which terminates, and info['instruction'].")
       .def("save", &Env::Save, "name"_a,
            "Keeps the present state under a name; restore(name) goes back to it.")
       .def(
           "restore",
           [](Env& e, const std::string& name) {
+            const InUse use(&e, Place(e), "restored");
             {
               const nb::gil_scoped_release release;
               e.Restore(name);
@@ -295,7 +308,12 @@ void BindEnv(nb::module_& m) {
           "config", [](const Env& e) { return EnvConfig(e.config()); },
           "A copy of the configuration it was made from.")
       .def(
-          "close", [](Env& e) { Scene(e.scene()).Close(); }, "Ends its use, and its scene's.");
+          "close",
+          [](Env& e) {
+            const InUse use(&e, Place(e), "closed");
+            Scene(e.scene()).Close();
+          },
+          "Ends its use, and its scene's.");
 }
 
 }  // namespace robocell::python

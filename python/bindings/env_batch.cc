@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "closed_handles.h"
+#include "in_use.h"
 #include "values.h"
 #include "robocell/env/env.h"
 
@@ -14,6 +15,10 @@ using namespace nb::literals;
 namespace {
 
 using Seeds = std::vector<std::optional<uint64_t>>;
+
+std::string Place(const EnvBatch& batch) {
+  return "batch of environment '" + batch.config().name + "'";
+}
 
 size_t CopyCount(const EnvBatch& batch) { return static_cast<size_t>(batch.size()); }
 
@@ -46,6 +51,10 @@ nb::tuple ObservationParts(const EnvBatch& batch) {
   return nb::tuple(out);
 }
 
+nb::tuple FlatRange(const VectorRange& range) {
+  return nb::make_tuple(NumberCopy(range.lower), NumberCopy(range.upper));
+}
+
 nb::object Observations(const EnvBatch& batch) {
   return NumberCopy(batch.observations(),
                     {CopyCount(batch), batch.observations().size() / CopyCount(batch)});
@@ -54,6 +63,7 @@ nb::object Observations(const EnvBatch& batch) {
 nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>& reset_instead) {
   const std::vector<double> numbers = ToMatrix(actions, FieldPath("actions"), CopyCount(batch),
                                                static_cast<size_t>(batch.layout().action.size()));
+  const InUse use(&batch, Place(batch), "stepped");
   const BatchStep* step = nullptr;
   {
     const nb::gil_scoped_release release;
@@ -75,9 +85,15 @@ nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>
 }  // namespace
 
 void BindEnvBatch(nb::module_& m) {
-  nb::class_<EnvBatch>(
+  nb::class_<EnvBatch> batches(
       m, "EnvBatch",
-      "Copies of one environment on one model, stepped together on threads, with flat arrays.")
+      "Copies of one environment on one model, stepped together on threads, with flat arrays.");
+  const auto require_usable = [](const EnvBatch& batch) {
+    RequireIdle(&batch, Place(batch));
+    batch.RequireOpen();
+  };
+  GuardHandle<EnvBatch>(batches, require_usable, {"close", "count"});
+  batches
       .def(
           "__init__",
           [](EnvBatch* self, const EnvConfig& config, int count, int threads,
@@ -98,9 +114,30 @@ void BindEnvBatch(nb::module_& m) {
                    nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, "
                            "int], ...]"),
                    "The same of observations.")
+      .def_prop_ro(
+          "action_range", [](const EnvBatch& batch) { return FlatRange(batch.layout().action); },
+          nb::sig("def action_range(self, /) -> tuple[numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64]]"),
+          "What the actions of a copy lie between: (lower, upper), flat.")
+      .def_prop_ro(
+          "observation_range",
+          [](const EnvBatch& batch) { return FlatRange(batch.layout().observation); },
+          nb::sig("def observation_range(self, /) -> tuple[numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64]]"),
+          "The same of observations.")
+      .def_prop_ro("instructions", &EnvBatch::instructions,
+                   "What the task of each copy is, in words; '' without one.")
+      .def(
+          "close",
+          [](EnvBatch& batch) {
+            const InUse use(&batch, Place(batch), "closed");
+            batch.Close();
+          },
+          "Ends the use of all copies and their threads; may be repeated.")
       .def(
           "reset",
           [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which) {
+            const InUse use(&batch, Place(batch), "reset");
             {
               const nb::gil_scoped_release release;
               batch.Reset(seeds, which);

@@ -138,6 +138,11 @@ Numbers::Numbers(nb::handle value, const FieldPath& path, size_t count) : Number
 }
 
 std::vector<double> ToMatrix(nb::handle value, const FieldPath& path, size_t rows, size_t cols) {
+  using Array = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
+  Array array;
+  if (nb::try_cast(value, array, /*convert=*/false) && array.shape(0) == rows &&
+      array.shape(1) == cols)
+    return {array.data(), array.data() + rows * cols};
   const std::vector<nb::object> items = ToItems(value, path, "a matrix");
   if (items.size() != rows) {
     ThrowValue(path, fmt::format("must be a {}x{} matrix, got {} rows", rows, cols, items.size()));

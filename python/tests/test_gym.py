@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import warnings
 from functools import partial
+from types import MappingProxyType
 
 import gymnasium as gym
 import numpy as np
@@ -108,6 +109,26 @@ def test_the_registered_environment_is_about_a_cube():
         assert env.observation_space.contains(observation)
     assert 0 < reward < 1
     assert (terminated, truncated, info["is_success"]) == (False, False, False)
+    env.close()
+
+
+def test_zeros_stand_still_and_grippers_are_any_number():
+    env = gym.make("robocell/PickCube-v0").unwrapped
+    still = {"robot": {"tquat": np.zeros(7), "gripper": np.zeros(1)}}
+    assert env.action_space.contains(still)
+    start, _ = env.reset(seed=0)
+    for gripper in (1, 1.0, np.float32(1), np.int64(1), np.array(1.0), np.ones(1), [1]):
+        robot = MappingProxyType({"tquat": np.zeros(7), "gripper": gripper})
+        seen, *_ = env.step(MappingProxyType({"robot": robot}))
+        assert seen["robot"]["gripper"] == [1]
+    assert np.allclose(seen["robot"]["tquat"], start["robot"]["tquat"], atol=2e-3)
+    for gripper, problem in [
+        ("open", "action.robot.gripper must be a list of numbers, got str"),
+        ([1, 2], "action.robot.gripper must be 1 numbers, got 2"),
+        (None, "action.robot.gripper must be a number, got None"),
+    ]:
+        with pytest.raises((TypeError, rc.ArgumentError), match=problem):
+            env.step({"robot": {"tquat": np.zeros(7), "gripper": gripper}})
     env.close()
 
 

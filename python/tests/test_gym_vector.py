@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import threading
+import time
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -15,6 +18,26 @@ import robocell as rc
 from robocell.gym import GymEnv, VectorGymEnv, pick_cube_config
 
 COPIES, LIMIT, STEPS = 3, 4, 11
+
+
+def only_one_may_use(step: Callable[[], Any], message: str) -> None:
+    """Two threads step until one of them is told that the other one does."""
+    told: list[str] = []
+    deadline = time.monotonic() + 20
+
+    def run() -> None:
+        while not told and time.monotonic() < deadline:
+            try:
+                step()
+            except RuntimeError as error:
+                told.append(str(error))
+
+    threads = [threading.Thread(target=run) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert set(told) == {message}
 
 
 def single() -> gym.Env[Any, Any]:
@@ -61,7 +84,7 @@ def test_it_is_gymnasiums_vector_of_single_environments(mode: AutoresetMode):
 
 
 def test_it_is_made_by_its_registered_name():
-    vector = gym.make_vec("robocell/PickCube-v0", num_envs=2)
+    vector = gym.make_vec("robocell/PickCube-v0", num_envs=2, threads=1)
     observation, _ = vector.reset(seed=[7, 7])
     assert observation["objects"]["cube"]["tquat"].shape == (2, 7)
     assert np.array_equal(*observation["robot"]["joints"])
@@ -69,7 +92,105 @@ def test_it_is_made_by_its_registered_name():
     assert info["is_success"].tolist() == [False, False]
     assert info["_is_success"].all()
     assert set(info["reason"]) <= {"timeout", "arrived", "ik_failed"}
+    assert info["instruction"].tolist() == ["pick up the cube"] * 2
     vector.close()
+    vector.close()
+    with pytest.raises(rc.ClosedError, match="batch of environment 'pick_cube' is closed"):
+        vector.reset()
+
+
+def test_infos_are_of_the_copies_that_made_a_step():
+    """Three copies of which the middle one was reset later, so that it ends later."""
+    for mode in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
+        vector = VectorGymEnv(pick_cube_config(), 3, 2, mode)
+        _, info = vector.reset(seed=0)
+        assert info["instruction"].tolist() == ["pick up the cube"] * 3
+        action = vector.action_space.sample()
+        vector.step(action)
+        late = np.array([False, True, False])
+        _, info = vector.reset(options={"reset_mask": late})
+        assert info["instruction"].tolist() == [None, "pick up the cube", None]
+        *_, truncated, info = vector.step(action)
+        assert np.array_equal(truncated, ~late)
+        if mode == AutoresetMode.NEXT_STEP:
+            assert info["_reason"].all()
+            *_, info = vector.step(action)
+        else:
+            assert np.array_equal(info["final_info"]["_time"], ~late)
+            assert np.allclose(info["final_info"]["time"], [0.1, 0, 0.1])
+        assert np.array_equal(info["_reason"], late)
+        assert [reason is not None for reason in info["reason"]] == late.tolist()
+        assert np.array_equal(info["time"] > 0, late)
+        assert not info["is_success"].any()
+        assert info["_instruction"].all()
+        vector.close()
+
+
+def test_without_a_seed_starts_are_by_chance_and_differ():
+    cubes = []
+    for _ in range(2):
+        vector = VectorGymEnv(pick_cube_config(), 2)
+        cubes += list(vector.reset()[0]["objects"]["cube"]["tquat"])
+        cubes += list(vector.reset(seed=[3, None])[0]["objects"]["cube"]["tquat"][1:])
+        vector.close()
+        env = GymEnv(pick_cube_config())
+        cubes.append(env.reset()[0]["objects"]["cube"]["tquat"])
+        env.close()
+    assert len({cube.tobytes() for cube in cubes}) == len(cubes)
+
+
+def test_seeds_and_masks_are_what_they_say():
+    vector = VectorGymEnv(pick_cube_config(), 2)
+    first, _ = vector.reset(seed=np.int64(5))
+    assert same(first, vector.reset(seed=[5, np.uint8(6)])[0])
+    for reset, problem in [
+        ({"seed": -1}, "seed must be 0 or more, got -1"),
+        ({"seed": [1, -2]}, "seed must be 0 or more, got -2"),
+        ({"seed": [1]}, "reset of 2 copies: seeds for 1 were given"),
+        ({"options": {"pose": 1}}, "reset takes the option 'reset_mask' here, got pose"),
+        ({"options": {"reset_mask": [0, 1]}}, "must be 2 bools, one for each copy; got int64 of"),
+        ({"options": {"reset_mask": np.ones(3, bool)}}, r"got bool of shape \(3,\)"),
+    ]:
+        with pytest.raises(rc.ArgumentError, match=problem):
+            vector.reset(**reset)
+    vector.close()
+
+
+def test_actions_are_refused_that_one_environment_refuses():
+    vector = VectorGymEnv(pick_cube_config(), 2)
+    vector.reset(seed=0)
+    good = vector.action_space.sample()["robot"]
+    vector.step({"robot": good | {"gripper": [0, 1]}})
+    place = "environment 'pick_cube': action"
+    for action, problem in [
+        ({"robo": good}, f"{place}: no 'robo', 'robot' is missing; it takes robot"),
+        ({"robot": 1}, rf"{place}\.robot must be a dict, got int"),
+        ({"robot": {"tquat": good["tquat"]}}, rf"{place}\.robot: 'gripper' is missing; it takes"),
+        ({"robot": good | {"joints": 1}}, rf"{place}\.robot: no 'joints'; it takes tquat, gripper"),
+        ({"robot": good | {"tquat": np.ones((7, 2))}}, r"it is of shape \(7, 2\)"),
+        ({"robot": good | {"tquat": np.ones(14)}}, "must have a row of 7 numbers for each of 2"),
+        ({"robot": good | {"tquat": "far"}}, "it is no array: could not convert"),
+    ]:
+        with pytest.raises(rc.ArgumentError, match=problem):
+            vector.step(action)
+    vector.close()
+
+
+def test_one_thread_at_a_time():
+    vector = VectorGymEnv(pick_cube_config(), 2, threads=1)
+    vector.reset(seed=0)
+    only_one_may_use(
+        lambda: vector.step(vector.action_space.sample()),
+        "batch of environment 'pick_cube' is being stepped by another thread: one call at a time",
+    )
+    vector.close()
+    env = GymEnv(pick_cube_config())
+    env.reset(seed=0)
+    only_one_may_use(
+        lambda: env.step(env.action_space.sample()),
+        "environment 'pick_cube' is being stepped by another thread: one call at a time",
+    )
+    env.close()
 
 
 def test_what_is_wrong_is_told_by_the_copy():
@@ -81,4 +202,9 @@ def test_what_is_wrong_is_told_by_the_copy():
         vector.step(action)
     with pytest.raises(rc.ArgumentError, match="0 copies; at least 1"):
         VectorGymEnv(pick_cube_config(), 0)
+    with pytest.raises(rc.ArgumentError, match="threads is -1; 0 for one for each core, or more"):
+        VectorGymEnv(pick_cube_config(), 2, threads=-1)
+    for limit in (0, -3):
+        with pytest.raises(rc.ArgumentError, match=f"max_episode_steps is {limit}; at least 1"):
+            VectorGymEnv(pick_cube_config(), 2, limit)
     vector.close()

@@ -1,0 +1,259 @@
+"""Copies of one environment as a vector environment of Gymnasium's."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode, VectorEnv
+from gymnasium.vector.utils import batch_space
+from numpy.typing import NDArray
+
+from robocell._core import ArgumentError, EnvBatch, EnvConfig
+from robocell._spaces import space_of
+
+Observation = dict[str, Any]
+Action = Mapping[str, Any]
+Part = tuple[tuple[str, ...], int, int]  # keys, first column, number of columns
+
+RESET_OPTION = "reset_mask"
+
+
+class VectorGymEnv(VectorEnv[Observation, Action, Any]):
+    """Copies of one environment on one model, on C++ threads: one call of Python for a step of all.
+
+    Observations, rewards and ends are those of as many ``GymEnv``; all three autoreset modes of
+    Gymnasium are there. Infos have ``reason``, ``time`` and, with a task, ``is_success`` and
+    ``instruction``, each with a mask (``_reason`` ...) of the copies that made a step; with
+    SAME_STEP those that ended have theirs in ``final_info``, beside ``final_obs``. There are no
+    images.
+
+    Args:
+        config: what all copies are.
+        num_envs: number of copies.
+        max_episode_steps: after so many an episode is truncated; never without.
+        autoreset_mode: when ended episodes begin anew.
+        threads: for the work, the caller's included; 0 for one for each core.
+    """
+
+    def __init__(
+        self,
+        config: EnvConfig,
+        num_envs: int = 1,
+        max_episode_steps: int | None = None,
+        autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+        threads: int = 0,
+    ) -> None:
+        self.core = EnvBatch(config, num_envs, threads, max_episode_steps)
+        self._name = config.name
+        self._has_task = config.task is not None
+        self._action_parts = self.core.action_parts
+        self._observation_parts = self.core.observation_parts
+        self._action_keys = list(_keys_of(self._action_parts))
+        self.single_action_space = self._space(self._action_parts, self.core.action_range)
+        self.single_observation_space = self._space(
+            self._observation_parts, self.core.observation_range
+        )
+        self.num_envs = num_envs
+        self.action_space = batch_space(self.single_action_space, num_envs)
+        self.observation_space = batch_space(self.single_observation_space, num_envs)
+        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.metadata = {"autoreset_mode": self.autoreset_mode}
+        self._ended = np.zeros(num_envs, dtype=bool)
+        self._seeded = np.zeros(num_envs, dtype=bool)
+
+    @staticmethod
+    def _space(parts: Sequence[Part], flat: tuple[NDArray[Any], NDArray[Any]]) -> Any:
+        lower, upper = (_split(parts, ends) for ends in flat)
+        return space_of(lower, upper)
+
+    def reset(
+        self,
+        *,
+        seed: int | Sequence[int | None] | None = None,
+        options: dict[str, Any] | None = None,
+    ) -> tuple[Observation, dict[str, Any]]:
+        """All copies to starts; ``options={"reset_mask": (num_envs,) bool}`` only some.
+
+        Copy i gets ``seed + i``, or its own seed of as many. Without, the next of its last seed;
+        by chance at first.
+        """
+        which = self._which(options)
+        observations = self.core.reset(self._seeds(seed, which), which.tolist())
+        self._seeded |= which
+        self._ended[which] = False
+        return _split(self._observation_parts, observations), self._instructions(which)
+
+    def step(
+        self, actions: Action
+    ) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        """One step of every copy; those that ended begin anew as the autoreset mode says."""
+        if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
+            raise ArgumentError(
+                f"episodes of {np.flatnonzero(self._ended).tolist()} have ended: reset them with "
+                f"options={{'{RESET_OPTION}': ...}} before the next step"
+            )
+        again = self._ended & (self.autoreset_mode == AutoresetMode.NEXT_STEP)
+        flat, rewards, terminated, truncated, times, reasons = self.core.step(
+            self._flat(actions), again.tolist()
+        )
+        ends = terminated.astype(bool), truncated.astype(bool)
+        self._ended = ends[0] | ends[1]
+        infos: dict[str, Any] = {}
+        stepped = ~again
+        if self.autoreset_mode == AutoresetMode.SAME_STEP and self._ended.any():
+            infos["final_obs"] = self._objects(flat, self._ended)
+            infos["final_info"] = self._infos(times, reasons, ends[0], self._ended)
+            infos["_final_obs"] = infos["_final_info"] = self._ended.copy()
+            flat = self.core.reset((), self._ended.tolist())
+            stepped = ~self._ended
+        infos |= self._infos(times, reasons, ends[0], stepped)
+        infos |= self._instructions(np.ones(self.num_envs, dtype=bool))
+        return _split(self._observation_parts, flat), rewards, *ends, infos
+
+    def close_extras(self, **kwargs: Any) -> None:
+        """Closes all copies."""
+        if hasattr(self, "core"):  # not when it could not be made
+            self.core.close()
+
+    def _which(self, options: dict[str, Any] | None) -> NDArray[np.bool_]:
+        options = options or {}
+        if unknown := [key for key in options if key != RESET_OPTION]:
+            raise ArgumentError(
+                f"reset takes the option '{RESET_OPTION}' here, got {', '.join(unknown)}"
+            )
+        if RESET_OPTION not in options:
+            return np.ones(self.num_envs, dtype=bool)
+        which = np.asarray(options[RESET_OPTION])
+        if which.dtype != np.bool_ or which.shape != (self.num_envs,):
+            raise ArgumentError(
+                f"{RESET_OPTION} must be {self.num_envs} bools, one for each copy; got "
+                f"{which.dtype} of shape {which.shape}"
+            )
+        return which.copy()
+
+    def _seeds(
+        self, seed: int | Sequence[int | None] | None, which: NDArray[np.bool_]
+    ) -> list[int | None]:
+        if seed is None:
+            seeds: list[int | None] = [None] * self.num_envs
+        elif isinstance(seed, int | np.integer):
+            first = _seed(seed)
+            super().reset(seed=first)
+            seeds = [first + i for i in range(self.num_envs)]
+        else:
+            seeds = [None if s is None else _seed(s) for s in seed]
+        if len(seeds) == self.num_envs:
+            for i in np.flatnonzero(which & ~self._seeded):
+                if seeds[i] is None:
+                    seeds[i] = int(self.np_random.integers(2**63))
+        return seeds
+
+    def _flat(self, actions: Action) -> NDArray[np.float64]:
+        """Matrix of the actions' numbers, a row for each copy."""
+        for path, keys in self._action_keys:
+            self._check_keys(_at(actions, path), path, keys)
+        return np.concatenate([self._rows(actions, part) for part in self._action_parts], axis=1)
+
+    def _check_keys(self, given: Any, path: tuple[str, ...], keys: list[str]) -> None:
+        name = ".".join(("action", *path))
+        if not isinstance(given, Mapping):
+            raise ArgumentError(
+                f"environment '{self._name}': {name} must be a dict, got {type(given).__name__}"
+            )
+        wrong = [f"no '{key}'" for key in given if key not in keys]
+        wrong += [f"'{key}' is missing" for key in keys if key not in given]
+        if wrong:
+            raise ArgumentError(
+                f"environment '{self._name}': {name}: {', '.join(wrong)}; it takes "
+                f"{', '.join(keys)}"
+            )
+
+    def _rows(self, actions: Action, part: Part) -> NDArray[np.float64]:
+        path, _, size = part
+        shape = (self.num_envs, size)
+        try:
+            rows = np.asarray(_at(actions, path), dtype=np.float64)
+        except (TypeError, ValueError) as error:
+            rows, problem = np.empty(0), f"no array: {error}"
+        else:
+            problem = f"of shape {rows.shape}"
+        if size == 1 and rows.shape == shape[:1]:
+            return rows[:, None]
+        if rows.shape != shape:
+            raise ArgumentError(
+                f"environment '{self._name}': {'.'.join(('action', *path))} must have a row of "
+                f"{size} numbers for each of {self.num_envs} copies, it is {problem}"
+            )
+        return rows
+
+    def _objects(self, flat: NDArray[np.float64], which: NDArray[np.bool_]) -> NDArray[Any]:
+        out = np.full(self.num_envs, None, dtype=object)
+        for i in np.flatnonzero(which):
+            out[i] = _split(self._observation_parts, flat[i])
+        return out
+
+    def _infos(
+        self,
+        times: NDArray[np.float64],
+        reasons: list[str],
+        success: NDArray[np.bool_],
+        which: NDArray[np.bool_],
+    ) -> dict[str, Any]:
+        """Of the copies that ``which`` is true for; the others have no values."""
+        infos: dict[str, Any] = {
+            "time": np.where(which, times, 0),
+            "reason": _texts(reasons, which),
+        }
+        if self._has_task:
+            infos["is_success"] = success & which
+        return infos | {f"_{key}": which.copy() for key in infos}
+
+    def _instructions(self, which: NDArray[np.bool_]) -> dict[str, Any]:
+        if not self._has_task:
+            return {}
+        return {
+            "instruction": _texts(self.core.instructions, which),
+            "_instruction": which.copy(),
+        }
+
+
+def _texts(texts: Sequence[str], which: NDArray[np.bool_]) -> NDArray[Any]:
+    """None in the place of those that ``which`` is false for."""
+    shown = [text if keep else None for text, keep in zip(texts, which, strict=True)]
+    return np.array(shown, dtype=object)
+
+
+def _seed(seed: Any) -> int:
+    number = operator.index(seed)
+    if number < 0:
+        raise ArgumentError(f"seed must be 0 or more, got {number}")
+    return number
+
+
+def _at(tree: Any, path: tuple[str, ...]) -> Any:
+    for key in path:
+        tree = tree[key]
+    return tree
+
+
+def _keys_of(parts: Sequence[Part]) -> Iterator[tuple[tuple[str, ...], list[str]]]:
+    """Which keys the dictionaries have, from the outermost to the innermost."""
+    keys: dict[tuple[str, ...], dict[str, None]] = {}
+    for path, _, _ in parts:
+        for depth, key in enumerate(path):
+            keys.setdefault(path[:depth], {})[key] = None
+    return ((path, list(keys[path])) for path in sorted(keys, key=len))
+
+
+def _split(parts: Sequence[Part], flat: NDArray[np.float64]) -> Observation:
+    """Numbers, or rows of them, as dictionaries of arrays of their own."""
+    out: Observation = {}
+    for path, begin, size in parts:
+        at = out
+        for key in path[:-1]:
+            at = at.setdefault(key, {})
+        at[path[-1]] = flat[..., begin : begin + size].copy()
+    return out
