@@ -348,7 +348,10 @@ def test_every_field_becomes_one_of_robocells():
     settings = sim.to_settings()
     assert (settings.realtime, settings.frequency, settings.async_control) == (True, 20, False)
     assert settings.max_convergence_time == pytest.approx(100 * settings.timestep)
-    assert SimConfig(max_convergence_steps=-1).to_settings().max_convergence_time > 1e6
+    unlimited = SimConfig(max_convergence_steps=-1).to_settings()
+    assert unlimited.max_convergence_time == pytest.approx(1e6 * settings.timestep)
+    cell = rc.EnvConfig(robots={"rc7": rc.models.robot_file("rc7")}, sim=unlimited)
+    rc.Env(cell).close()
 
     stream = SimCameraConfig(identifier="eye", frame_rate=15, **SMALL).to_stream("left eye")
     assert (stream.name, stream.camera, stream.rate) == ("left eye", "eye", 15)

@@ -13,7 +13,7 @@ from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.registries import GRIPPER_PATHS, HOME_POSITIONS
 
 TIMESTEP = rc.SimSettings().timestep  # seconds
-UNLIMITED = 1e9  # seconds
+UNLIMITED = 1e6 * TIMESTEP  # s; the most that a step may take
 
 
 def _fr3_joints() -> list[str]:
