@@ -13,7 +13,7 @@ import pytest
 from gymnasium.utils.env_checker import check_env
 
 import robocell as rc
-from robocell.gym import GymEnv
+from robocell.gym import GymEnv, pick_cube_config
 
 RC7 = rc.models.robot_file("rc7")
 MODES = [
@@ -129,6 +129,24 @@ def test_zeros_stand_still_and_grippers_are_any_number():
     ]:
         with pytest.raises((TypeError, rc.ArgumentError), match=problem):
             env.step({"robot": {"tquat": np.zeros(7), "gripper": gripper}})
+    env.close()
+
+
+def test_centimetres_never_swing_the_arm():
+    env = GymEnv(pick_cube_config(sim={"async_control": True, "frequency": 250}))
+    env.reset(seed=0)
+    arm = env.core.scene.robot("robot")
+    rng = np.random.default_rng(1)
+    failed, steps = 0, 600
+    for step in range(steps):
+        if step % 5 == 0:
+            way = rng.normal(size=3)
+            way *= 0.02 / np.linalg.norm(way)
+        before = np.array(arm.jnt_pos_cmd)
+        *_, info = env.step({"robot": {"tquat": [*way, 0, 0, 0, 1], "gripper": 1}})
+        failed += not info["robots"]["robot"]["ik_success"]
+        assert np.abs(np.array(arm.jnt_pos_cmd) - before).max() < 0.5
+    assert failed < steps / 2
     env.close()
 
 
