@@ -220,18 +220,20 @@ void BindLeftovers(nb::module_& m) {
   m.def(
       "remove_leftovers",
       [](const std::filesystem::path& dataset, const std::string& episode,
-         std::optional<int64_t> process) {
+         std::optional<int64_t> process, bool folders_only) {
+        if (folders_only) return RemoveLeftoverFolders(dataset);
         std::optional<DeadWriter> writer;
         if (process) writer = {episode, *process};
         return RemoveLeftovers(dataset, writer);
       },
-      "dataset"_a, "episode"_a = "", "process"_a = nb::none(),
+      "dataset"_a, "episode"_a = "", "process"_a = nb::none(), "folders_only"_a = false,
       nb::call_guard<nb::gil_scoped_release>(),
       "Removes what dead processes left half-written, and returns its names; never what somebody "
       "is "
       "writing. Of one process and the episodes whose ids begin with `episode`, or all: that is "
       "for "
-      "whoever holds the DatasetLock of the whole dataset.");
+      "whoever holds the DatasetLock of the whole dataset. With `folders_only`, which anybody may, "
+      "files stay.");
 }
 
 void BindVerify(nb::module_& m) {

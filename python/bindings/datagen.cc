@@ -209,8 +209,8 @@ void BindDatagen(nb::module_& m) {
         return std::make_pair(found.made, found.broken);
       },
       "run"_a, "items"_a, nb::call_guard<nb::gil_scoped_release>(),
-      "(ids of the items with a successful episode on the disk, texts about what stands in the "
-      "way of the others).");
+      "(ids of the items whose episode is on the disk, with all failures before it that the run "
+      "keeps; texts about what stands in the way of the others).");
   m.def("is_complete", &IsComplete, "run"_a, "item"_a, nb::call_guard<nb::gil_scoped_release>(),
         "Whether nothing is left to do for an item: its episode is on the disk.");
   nb::class_<StopFlag>(m, "StopFlag", "Asks a running Runner to stop at the next action.")

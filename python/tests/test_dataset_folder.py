@@ -85,7 +85,9 @@ def test_leftovers_of_the_dead_are_removed_and_never_those_of_the_living(tmp_pat
     assert remove_leftovers(tmp_path, "e1", 7) == [".e1.7.1.partial", ".e1_a03.7.2.partial"]
     assert remove_leftovers(tmp_path) == [".e1.8.1.partial"]
     os.close(writer)
-    assert remove_leftovers(tmp_path) == [".e2.7.1.partial"]
+    (tmp_path / ".report-0-of-2.json.7.1.partial").touch()
+    assert remove_leftovers(tmp_path, folders_only=True) == [".e2.7.1.partial"], "for shards"
+    assert remove_leftovers(tmp_path) == [".report-0-of-2.json.7.1.partial"]
     assert [path.name for path in tmp_path.iterdir()] == ["e1"]
 
 

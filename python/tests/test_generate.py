@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import robocell
-from command_line import RUN, robocell_command, write_run
+from command_line import RUN, refused, robocell_command, write_run
 from contents import contents, of_episodes
+from robocell.generate import report as reports
+from robocell.generate.resume import report_of
 
 IDS = ["s0000_e0000", "s0000_e0001"]
 # Enough that each of seven workers gets one; so far away that not every first start is in reach.
@@ -73,6 +77,16 @@ def longer(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "out"
 
 
+def test_the_disk_says_of_an_item_what_its_worker_reported(longer: Path):
+    """It does where the worker died before it could."""
+    run = robocell.RunConfig.load(longer.parent / "run.yaml", [f"output={longer}"])
+    told = reports.load(longer / "report.json").episodes
+    for item in robocell.make_plan(run):
+        # Times and places are in no episode.
+        assert report_of(run, item) == replace(told[item.id], seconds={}, redrawn={})
+    assert sum(report.attempts > report.accepted for report in told.values()) > 0
+
+
 def processes(dataset: Path) -> set[int]:
     """Who made the episodes."""
     return {episode.json["run"]["process"] for episode in robocell.Dataset(dataset)}
@@ -88,15 +102,36 @@ def test_more_workers_make_the_same_bytes(longer: Path, tmp_path: Path, workers:
 
 def test_two_shards_make_the_same_bytes_into_one_folder(reference: Path, tmp_path: Path):
     run = write_run(tmp_path)
+    (tmp_path / "out/.s0000_e0000.7.1.partial").mkdir(parents=True)  # of a killed one
     for shard in ("0/2", "1/2"):
         events = generate(run, tmp_path / "out", "--shard", shard)
         assert events[-1]["totals"]["planned"] == 1
     assert contents(tmp_path / "out") == contents(reference)
+    assert robocell.verify(tmp_path / "out").leftovers == []
 
 
-def test_another_seed_makes_other_bytes(reference: Path, tmp_path: Path):
-    generate(write_run(tmp_path), tmp_path / "out", "--seed", 1)
-    other, first = (of_episodes(contents(folder)) for folder in (tmp_path / "out", reference))
+@pytest.fixture(scope="module")
+def other_seed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same run with another seed."""
+    folder = tmp_path_factory.mktemp("other_seed")
+    generate(write_run(folder), folder / "out", "--seed", 1)
+    return folder / "out"
+
+
+def test_an_episode_of_another_run_is_named_and_not_counted(
+    reference: Path, other_seed: Path, tmp_path: Path
+):
+    run, out = write_run(tmp_path), tmp_path / "out"
+    shutil.copytree(reference, out)
+    shutil.rmtree(out / IDS[0])
+    shutil.copytree(other_seed / IDS[0], out / IDS[0])
+    refusal = refused("generate", run, code=3)
+    assert f"'{out / IDS[0]}' is an episode of another run (seed: 1 then, 0 now)" in refusal
+    assert IDS[1] not in refusal
+
+
+def test_another_seed_makes_other_bytes(reference: Path, other_seed: Path):
+    other, first = (of_episodes(contents(folder)) for folder in (other_seed, reference))
     assert other.keys() == first.keys()
     assert not set(other.values()) & set(first.values())
 

@@ -131,8 +131,8 @@ class Job:
         prepare_dataset(self.run, check_run=False)
         with DatasetLock(self.dataset, *self.shard):
             require_same_run(self.run)  # another command may have been quicker
-            if self.shard[1] == 1:
-                remove_leftovers(self.dataset)
+            # Single files are not locked: another shard may be writing them.
+            remove_leftovers(self.dataset, folders_only=self.shard[1] > 1)
             made = self.made()
             started = utc_now()
             by_id = {item.id: item for item in self._chosen}

@@ -100,4 +100,8 @@ std::vector<std::string> RemoveLeftovers(const fs::path& dataset,
                      [&](const std::string& name) { return !writer || IsOf(*writer, name); });
 }
 
+std::vector<std::string> RemoveLeftoverFolders(const fs::path& dataset) {
+  return RemoveThose(dataset, [&](const std::string& name) { return IsFolder(dataset / name); });
+}
+
 }  // namespace robocell

@@ -29,5 +29,7 @@ struct DeadWriter {
 // folders stay.
 std::vector<std::string> RemoveLeftovers(const std::filesystem::path& dataset,
                                          const std::optional<DeadWriter>& writer = {});
+// The same of folders only, for anybody: beside other shards, say.
+std::vector<std::string> RemoveLeftoverFolders(const std::filesystem::path& dataset);
 
 }  // namespace robocell

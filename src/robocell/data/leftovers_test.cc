@@ -31,6 +31,16 @@ TEST(RemoveLeftovers, TakesFilesLinksAndFoldersAndNothingElse) {
   EXPECT_TRUE(fs::exists(temp / ".lock"));
 }
 
+TEST(RemoveLeftovers, OfFoldersLeavesFilesAndTheFoldersOfTheLiving) {
+  TempDir temp;
+  AtomicWrite(temp / ".report-0-of-2.json.7.1.partial", "another shard may be writing it");
+  fs::create_directory(temp / ".e0.7.1.partial");
+  const SampleEpisode sample(0, false);
+  const EpisodeWriter writer(temp.path(), "e1", sample.schema);
+  EXPECT_THAT(RemoveLeftoverFolders(temp.path()), ElementsAre(".e0.7.1.partial"));
+  EXPECT_EQ(UnfinishedIn(temp.path()).size(), 2u);
+}
+
 TEST(RemoveLeftovers, OfADeadWriterAreItsAttemptsOnly) {
   TempDir temp;
   for (const char* name :

@@ -1,30 +1,111 @@
 #include "robocell/datagen/on_disk.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <set>
+#include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/data/episode_state.h"
+#include "robocell/datagen/earlier_attempts.h"
+#include "robocell/datagen/run_inputs.h"
 
 namespace robocell {
 namespace {
 
-EpisodeLook LookAtAttempt(const RunConfig& run, const PlanItem& item, int attempt) {
-  const std::filesystem::path folder =
-      std::filesystem::path(run.output) / EpisodeId(run, item, attempt);
-  EpisodeLook look = LookAtEpisode(folder);
-  if (look.state == EpisodeState::kWhole && !look.success && run.keep == Keep::kSuccesses) {
-    return {.state = EpisodeState::kBroken,
-            .problem = fmt::format("'{}' is a failed episode in a dataset of successes: repair "
-                                   "leaves it alone, move it away yourself",
-                                   folder.string())};
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// What an episode says that it was made from; its models' files are the dataset's matter.
+RunInputs OriginOf(const Episode& episode, const Json& metadata, const RunInputs& now) {
+  RunInputs then{.identity = metadata.value("identity", ""), .versions = {}, .files = {}};
+  const Json versions = Json::parse(episode.versions_json());
+  for (const auto& [part, version] : now.versions) then.versions[part] = versions.value(part, "");
+  return then;
+}
+
+// The folders of a run's attempts.
+class Attempts {
+ public:
+  explicit Attempts(const RunConfig& run)
+      : run_(run), now_{.identity = RunIdentity(run), .versions = VersionsNow(), .files = {}} {}
+
+  struct Found {
+    EpisodeLook look;
+    std::optional<Episode> episode = {};  // of a whole one
+    EarlierAttempts earlier = {};         // its own
+  };
+  Found Look(const PlanItem& item, int attempt) const;
+
+ private:
+  std::string WhyNotOurs(const Episode& episode, const Json& metadata) const;
+  const RunConfig& run_;
+  RunInputs now_;
+};
+
+EpisodeLook InTheWay(const fs::path& folder, const std::string& what) {
+  return {.state = EpisodeState::kBroken,
+          .problem = fmt::format("'{}' is {}: repair leaves it alone, move it away yourself",
+                                 folder.string(), what)};
+}
+
+// "" when it is the run's own.
+std::string Attempts::WhyNotOurs(const Episode& episode, const Json& metadata) const {
+  constexpr size_t kMost = 3;
+  if (!metadata.contains("identity"))
+    return "an episode that no run made, in the place of one of this run";
+  std::vector<std::string> lines = Differences(OriginOf(episode, metadata, now_), now_);
+  if (lines.empty())
+    return !episode.success() && run_.keep == Keep::kSuccesses
+               ? "a failed episode in a dataset of successes"
+               : "";
+  const size_t more = lines.size() - std::min(lines.size(), kMost);
+  lines.resize(lines.size() - more);
+  return fmt::format("an episode of another run ({}{})", fmt::join(lines, "; "),
+                     more ? fmt::format("; and {} more", more) : "");
+}
+
+Attempts::Found Attempts::Look(const PlanItem& item, int attempt) const {
+  const fs::path folder = fs::path(run_.output) / EpisodeId(run_, item, attempt);
+  Found found{.look = LookAtEpisode(folder)};
+  if (found.look.state != EpisodeState::kWhole) return found;
+  try {
+    found.episode.emplace(folder);
+    const Json metadata = Json::parse(found.episode->metadata_json());
+    if (const std::string why = WhyNotOurs(*found.episode, metadata); !why.empty())
+      return {.look = InTheWay(folder, why)};
+    found.earlier = EarlierAttemptsIn(found.episode->metadata_json());
+    return found;
+  } catch (const Json::exception& error) {
+    return {.look = InTheWay(folder,
+                             fmt::format("an episode with strange metadata ({})", error.what()))};
+  } catch (const IoError& error) {
+    return {.look = InTheWay(folder, fmt::format("damaged ({})", error.what()))};
   }
-  return look;
 }
 
 [[noreturn]] void ThrowBroken(const RunConfig& run, const std::string& problem) {
   throw IoError(fmt::format("{}\nSet it aside: robocell verify --repair {}", problem, run.output));
+}
+
+ItemOnDisk LookFor(const RunConfig& run, const Attempts& attempts, const PlanItem& item) {
+  ItemOnDisk found;
+  std::set<int> missing;
+  const int count = run.keep == Keep::kAll ? run.max_attempts : 1;
+  for (int attempt = 0; attempt < count && !found.success; ++attempt) {
+    const Attempts::Found here = attempts.Look(item, attempt);
+    if (here.look.state == EpisodeState::kBroken) found.broken.push_back(here.look.problem);
+    if (here.look.state == EpisodeState::kAbsent) missing.insert(attempt);
+    for (size_t i = 0; i < here.earlier.size(); ++i)
+      if (here.earlier[i].refused) missing.erase(static_cast<int>(i));  // it left nothing
+    found.success = here.look.success;
+    const bool last = found.success || attempt == run.max_attempts - 1;
+    if (last && here.episode) found.complete = missing.empty() && found.broken.empty();
+  }
+  return found;
 }
 
 }  // namespace
@@ -34,23 +115,15 @@ std::string EpisodeId(const RunConfig& run, const PlanItem& item, int attempt) {
 }
 
 ItemOnDisk LookForItem(const RunConfig& run, const PlanItem& item) {
-  ItemOnDisk found;
-  const int attempts = run.keep == Keep::kAll ? run.max_attempts : 1;
-  for (int attempt = 0; attempt < attempts && !found.success; ++attempt) {
-    const EpisodeLook look = LookAtAttempt(run, item, attempt);
-    found.success = look.success;
-    found.complete = look.state == EpisodeState::kWhole && attempt == run.max_attempts - 1;
-    if (look.state == EpisodeState::kBroken) found.broken.push_back(look.problem);
-  }
-  found.complete |= found.success;
-  return found;
+  return LookFor(run, Attempts(run), item);
 }
 
 PlanOnDisk LookForItems(const RunConfig& run, const std::vector<PlanItem>& items) {
   PlanOnDisk all;
+  const Attempts attempts(run);
   for (const PlanItem& item : items) {
-    const ItemOnDisk found = LookForItem(run, item);
-    if (found.success)
+    const ItemOnDisk found = LookFor(run, attempts, item);
+    if (found.success && found.complete)
       all.made.push_back(item.id);
     else
       all.broken.insert(all.broken.end(), found.broken.begin(), found.broken.end());
@@ -58,15 +131,15 @@ PlanOnDisk LookForItems(const RunConfig& run, const std::vector<PlanItem>& items
   return all;
 }
 
-bool IsAttemptKept(const RunConfig& run, const PlanItem& item, int attempt) {
-  const EpisodeLook look = LookAtAttempt(run, item, attempt);
-  if (look.state == EpisodeState::kBroken) ThrowBroken(run, look.problem);
-  return look.state == EpisodeState::kWhole;
+std::optional<Episode> KeptAttempt(const RunConfig& run, const PlanItem& item, int attempt) {
+  Attempts::Found found = Attempts(run).Look(item, attempt);
+  if (found.look.state == EpisodeState::kBroken) ThrowBroken(run, found.look.problem);
+  return std::move(found.episode);
 }
 
 bool IsComplete(const RunConfig& run, const PlanItem& item) {
   const ItemOnDisk found = LookForItem(run, item);
-  if (!found.broken.empty() && !found.success) ThrowBroken(run, found.broken.front());
+  if (!found.broken.empty()) ThrowBroken(run, found.broken.front());
   return found.complete;
 }
 

@@ -6,9 +6,11 @@
 //   else if (!found.complete) runner.Run(item);
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "robocell/data/episode_reader.h"
 #include "robocell/datagen/plan.h"
 
 namespace robocell {
@@ -17,23 +19,27 @@ namespace robocell {
 // "s0003_e0001_a02".
 std::string EpisodeId(const RunConfig& run, const PlanItem& item, int attempt);
 
+// Only episodes of the run itself count: made with the same fields and versions. One that was
+// copied there from another dataset stands in the way.
 struct ItemOnDisk {
-  bool success = false;   // a successful episode is there
-  bool complete = false;  // nothing is left to do: a success, or every attempt is used up and kept
+  bool success = false;  // a successful episode is there
+  // Nothing is left to do: the success, or else the last attempt is there, and of the attempts
+  // before it each one that the run keeps.
+  bool complete = false;
   std::vector<std::string> broken = {};  // what stands in the way, one text each
 };
 ItemOnDisk LookForItem(const RunConfig& run, const PlanItem& item);
 
 // The same of many items, by their ids.
 struct PlanOnDisk {
-  std::vector<std::string> made;    // items with a success
+  std::vector<std::string> made;    // complete items with a success
   std::vector<std::string> broken;  // texts: what stands in the way of the others
 };
 PlanOnDisk LookForItems(const RunConfig& run, const std::vector<PlanItem>& items);
 
-// Whether an attempt is there, whole. IoError, with the command that sets it aside, when something
-// stands in its way.
-bool IsAttemptKept(const RunConfig& run, const PlanItem& item, int attempt);
+// The episode of an attempt, when it is there and whole. IoError, with the command that sets it
+// aside, when something stands in its way.
+std::optional<Episode> KeptAttempt(const RunConfig& run, const PlanItem& item, int attempt);
 // LookForItem(...).complete, with the same error.
 bool IsComplete(const RunConfig& run, const PlanItem& item);
 

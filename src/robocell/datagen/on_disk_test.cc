@@ -2,12 +2,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/datagen/earlier_attempts.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -25,10 +28,18 @@ class OnDiskTest : public ::testing::Test {
     run.output = folder.path().string();
     run.max_attempts = 3;
   }
-  void Write(const std::string& id, bool success) const {
+  // An episode of the run, after attempts that were refused or failed.
+  void Write(const std::string& id, bool success, const EarlierAttempts& earlier = {}) const {
+    WriteOf(run, id, success, {{kEarlierAttempts, nlohmann::json::parse(ToJson(earlier))}});
+  }
+  void WriteOf(const RunConfig& origin, const std::string& id, bool success,
+               nlohmann::json metadata = {}, const std::string& mujoco = mj_versionString()) const {
     EpisodeSchema schema;
     const ColumnId time = schema.AddColumn({.name = "time"});
-    EpisodeWriter writer(folder.path(), id, schema);
+    metadata["identity"] = RunIdentity(origin);
+    EpisodeWriter writer(folder.path(), id, schema,
+                         {.metadata_json = metadata.dump(),
+                          .versions_json = nlohmann::json{{"mujoco", mujoco}}.dump()});
     writer.Put(time, 0.0);
     writer.EndRow();
     writer.Commit({.success = success});
@@ -60,7 +71,7 @@ TEST_F(OnDiskTest, HalfAnEpisodeIsRefusedWithTheNextStep) {
   EXPECT_THAT(LookForItem(run, item).broken, ElementsAre(HasSubstr("is half an episode")));
   ExpectThrow<IoError>([&] { IsComplete(run, item); },
                        "Set it aside: robocell verify --repair " + run.output);
-  ExpectThrow<IoError>([&] { IsAttemptKept(run, item, 0); }, "is half an episode");
+  ExpectThrow<IoError>([&] { KeptAttempt(run, item, 0); }, "is half an episode");
 }
 
 TEST_F(OnDiskTest, AFailureAmongSuccessesIsNamed) {
@@ -72,14 +83,59 @@ TEST_F(OnDiskTest, AFailureAmongSuccessesIsNamed) {
 TEST_F(OnDiskTest, KeptFailuresAreCompleteWithTheLastAttempt) {
   run.keep = Keep::kAll;
   Write("e_a00", false);
-  EXPECT_TRUE(IsAttemptKept(run, item, 0));
-  EXPECT_FALSE(IsAttemptKept(run, item, 1));
+  EXPECT_TRUE(KeptAttempt(run, item, 0));
+  EXPECT_FALSE(KeptAttempt(run, item, 1));
   EXPECT_FALSE(IsComplete(run, item));
   Write("e_a02", false);
+  EXPECT_FALSE(IsComplete(run, item)) << "attempt 1 is missing";
+  Write("e_a01", false);
   EXPECT_TRUE(IsComplete(run, item));
   EXPECT_FALSE(LookForItem(run, item).success);
-  Write("e_a01", true);
+}
+
+// Such as one that repair moved away.
+TEST_F(OnDiskTest, AFailureThatIsMissingBeforeTheSuccessIsToBeMadeAgain) {
+  run.keep = Keep::kAll;
+  Write("e_a02", true, {{"mug", false, "dropped"}, {"mug", true, "too far"}});
   EXPECT_TRUE(LookForItem(run, item).success);
+  EXPECT_FALSE(IsComplete(run, item));
+  EXPECT_THAT(LookForItems(run, {item}).made, IsEmpty());
+  Write("e_a00", false);
+  EXPECT_TRUE(IsComplete(run, item)) << "attempt 1 was refused and left nothing";
+  EXPECT_THAT(LookForItems(run, {item}).made, ElementsAre("e"));
+}
+
+TEST_F(OnDiskTest, EpisodesOfAnotherRunAreNamedAndNotCounted) {
+  RunConfig other = run;
+  other.seed = 7;
+  WriteOf(other, "e", true);
+  const ItemOnDisk found = LookForItem(run, item);
+  EXPECT_FALSE(found.success || found.complete);
+  EXPECT_THAT(found.broken, ElementsAre("'" + (folder / "e").string() +
+                                        "' is an episode of another run (seed: 7 then, 0 now): "
+                                        "repair leaves it alone, move it away yourself"));
+  ExpectThrow<IoError>([&] { IsComplete(run, item); }, "of another run");
+}
+
+TEST_F(OnDiskTest, EpisodesOfOtherVersionsOrMakersAreNeitherCounted) {
+  WriteOf(run, "a", true, {}, "3.9.0");
+  EXPECT_THAT(LookForItem(run, {.id = "a"}).broken,
+              ElementsAre(HasSubstr("of another run (mujoco: 3.9.0 then, ")));
+  EpisodeSchema schema;
+  const ColumnId time = schema.AddColumn({.name = "time"});
+  EpisodeWriter writer(folder.path(), "b", schema);
+  writer.Put(time, 0.0);
+  writer.EndRow();
+  writer.Commit({.success = true});
+  EXPECT_THAT(LookForItem(run, {.id = "b"}).broken,
+              ElementsAre(HasSubstr("is an episode that no run made")));
+}
+
+TEST_F(OnDiskTest, StrangeMetadataIsNamed) {
+  run.keep = Keep::kAll;
+  WriteOf(run, "e_a00", true, {{kEarlierAttempts, {1}}});
+  EXPECT_THAT(LookForItem(run, item).broken,
+              ElementsAre(HasSubstr("its earlier_attempts cannot be read")));
 }
 
 TEST_F(OnDiskTest, APlanIsToldByItsItems) {
@@ -90,12 +146,14 @@ TEST_F(OnDiskTest, APlanIsToldByItsItems) {
   EXPECT_THAT(found.broken, ElementsAre(HasSubstr("move it away yourself")));
 }
 
-TEST_F(OnDiskTest, WhatIsBrokenDoesNotHideASuccess) {
+TEST_F(OnDiskTest, WhatIsBrokenBeforeASuccessIsNamed) {
   run.keep = Keep::kAll;
   Write("e_a01", true);
   fs::create_directory(folder / "e_a00");
   AtomicWrite(folder / "e_a00/episode.json", "{");
-  EXPECT_TRUE(IsComplete(run, item));
+  EXPECT_TRUE(LookForItem(run, item).success);
+  ExpectThrow<IoError>([&] { IsComplete(run, item); }, "e_a00");
+  EXPECT_THAT(LookForItems(run, {item}).broken, ElementsAre(HasSubstr("e_a00")));
 }
 
 }  // namespace

@@ -108,10 +108,12 @@ std::vector<std::string> ModelsOf(const RunConfig& run) {
   return paths;
 }
 
+std::map<std::string, std::string> VersionsNow() {
+  return {{"robocell", std::string(Version())}, {"mujoco", mj_versionString()}};
+}
+
 RunInputs InputsOf(const RunConfig& run) {
-  return {.identity = RunIdentity(run),
-          .versions = {{"robocell", std::string(Version())}, {"mujoco", mj_versionString()}},
-          .files = FilesOf(run)};
+  return {.identity = RunIdentity(run), .versions = VersionsNow(), .files = FilesOf(run)};
 }
 
 std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now) {

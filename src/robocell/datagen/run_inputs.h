@@ -23,6 +23,9 @@ std::vector<std::string> ObjectKindsOf(const RunConfig& run);
 // may use. NotFoundError for models that are not there.
 std::vector<std::string> ModelsOf(const RunConfig& run);
 
+// Of robocell and MuJoCo, here and now.
+std::map<std::string, std::string> VersionsNow();
+
 // The files are those of ModelsOf.
 RunInputs InputsOf(const RunConfig& run);
 

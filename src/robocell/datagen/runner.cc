@@ -10,6 +10,7 @@
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/datagen/check_run.h"
+#include "robocell/datagen/earlier_attempts.h"
 #include "robocell/datagen/rollout.h"
 #include "robocell/task/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
@@ -41,8 +42,10 @@ struct Runner::State {
   // From where the robot would reach; "" for a task of the user's own. Found out once.
   const std::string& Advice();
   DatasetLock Enter();
-  RolloutOptions Options(const PlanItem& item, int attempt, const StopCheck& stop);
-  void Attempt(const PlanItem& item, int attempt, const StopCheck& stop, EpisodeReport& report);
+  RolloutOptions Options(const PlanItem& item, int attempt, const EarlierAttempts& earlier,
+                         const StopCheck& stop);
+  void Attempt(const PlanItem& item, int attempt, const StopCheck& stop, EarlierAttempts& earlier,
+               EpisodeReport& report);
 };
 
 // The right to write into the dataset, as long as it is the one that the run was checked against.
@@ -67,12 +70,14 @@ const std::string& Runner::State::Advice() {
   return *advice;
 }
 
-RolloutOptions Runner::State::Options(const PlanItem& item, int attempt, const StopCheck& stop) {
+RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
+                                      const EarlierAttempts& earlier, const StopCheck& stop) {
   const nlohmann::json metadata = {{"run", run.run},
                                    {"seed", run.seed},
                                    {"scene", item.scene},
                                    {"episode", item.episode},
                                    {"attempt", attempt},
+                                   {kEarlierAttempts, nlohmann::json::parse(ToJson(earlier))},
                                    {"task", own_sampler ? "custom" : ToString(run.task.kind)},
                                    {"identity", RunIdentity(run)}};
   return {.dataset = run.output,
@@ -111,6 +116,30 @@ int MostFrequent(const std::map<std::string, int>& counts) {
   return most;
 }
 
+// What an episode is about, as its sampler said; "" when it did not.
+std::string ObjectKindOf(const Episode& episode) {
+  const auto kinds =
+      nlohmann::json::parse(episode.metadata_json()).value("object_kinds", nlohmann::json::array());
+  return kinds.empty() ? "" : kinds.front().get<std::string>();
+}
+
+// An attempt that an earlier process kept counts like one of now: a report is about the item.
+void AddKept(EpisodeReport& report, const Episode& episode, EarlierAttempts& earlier) {
+  report.object_kind = ObjectKindOf(episode);
+  report.committed = true;
+  report.success = episode.success();
+  report.rows = static_cast<int>(episode.rows());
+  ++report.attempts;
+  ++report.accepted;
+  if (!report.object_kind.empty()) {
+    ++report.kinds[report.object_kind];
+    ++report.rollouts[report.object_kind];
+  }
+  if (report.success) return;
+  ++report.failures[episode.end_reason()];
+  earlier.push_back({report.object_kind, false, episode.end_reason()});
+}
+
 // Sums up a rollout.
 void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
   if (rollout.stopped) return Drop(report);
@@ -129,7 +158,7 @@ void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
 }  // namespace
 
 void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& stop,
-                            EpisodeReport& report) {
+                            EarlierAttempts& earlier, EpisodeReport& report) {
   const auto began = std::chrono::steady_clock::now();
   Rng start_rng = AttemptStream(run, item, attempt, "start");
   SampleResult sample = sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
@@ -148,14 +177,18 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
     count_redrawn();
     count_kind();
     ++report.attempts;
+    earlier.push_back({sample.object_kind(), true, ToString(sample.refusal.reason)});
     const int count = ++report.refusals[ToString(sample.refusal.reason)];
     if (count >= MostFrequent(report.refusals)) report.advice = sample.refusal.detail;
     return;
   }
   const std::shared_ptr<Expert> expert = parts.expert(run, *sample.start);
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
-  AddTo(report, RunRollout(run, *sample.start, *expert, expert_rng, Options(item, attempt, stop)));
+  const RolloutResult rollout =
+      RunRollout(run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
+  AddTo(report, rollout);
   if (report.stopped) return;
+  if (!rollout.success) earlier.push_back({sample.object_kind(), false, rollout.failure});
   count_redrawn();
   count_kind();
 }
@@ -169,14 +202,15 @@ EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
     report.success = LookForItem(run, item).success;
     return report;
   }
+  EarlierAttempts earlier;
   for (int attempt = 0; attempt < run.max_attempts && !report.success; ++attempt) {
     if (ShouldStop(stop)) report.stopped = true;
     if (report.stopped) return report;
-    if (run.keep == Keep::kAll && IsAttemptKept(run, item, attempt)) {
-      report.committed = true;  // a failure of an earlier process
-      continue;
-    }
-    state_->Attempt(item, attempt, stop, report);
+    const bool keeps_all = run.keep == Keep::kAll;
+    if (const auto kept = keeps_all ? KeptAttempt(run, item, attempt) : std::nullopt)
+      AddKept(report, *kept, earlier);
+    else
+      state_->Attempt(item, attempt, stop, earlier, report);
   }
   if (report.accepted > 0) report.advice.clear();
   if (report.accepted > 0 || !report.refusals.contains(ToString(Refusal::kNoReachableBasePose)))

@@ -11,7 +11,7 @@
 // Everything random comes from AttemptStream, so an episode does not depend on which process makes
 // it, in what order, or what was made before. What is on the disk already is not made again: an
 // item with a success is reported as such, and with `keep: all`, where every attempt is an episode
-// of its own ("s0003_e0001_a02"), attempts go on after the last one that was kept. The dataset must
+// of its own ("s0003_e0001_a02"), only those that are missing are made. The dataset must
 // have been prepared for the run (prepare.h), and nobody may repair it meanwhile (dataset_lock.h).
 // Errors: SpecError before anything runs; IoError when the disk fails (nothing half-written stays).
 // A stop request ends Run at the next policy tick without a commit.
@@ -37,7 +37,7 @@ struct EpisodeReport {
   bool stopped = false;                 // by the stop request
   bool resumed = false;                 // it was complete before
   int kept = 0;                         // episodes written now
-  int attempts = 0;                     // that came to an end
+  int attempts = 0;                     // that came to an end, those that were kept before too
   int accepted = 0;                     // attempts whose start the sampler accepted (= rollouts)
   int undecided = 0;                    // attempts that the stop request ended
   std::map<std::string, int> refusals;  // reason -> count, of starts

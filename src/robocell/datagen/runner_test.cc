@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
@@ -160,7 +161,7 @@ TEST(Runner, DropsFailuresAndTriesAgain) {
   EXPECT_THAT(Dataset(run.output).ids(), ElementsAre("s0000_e0000"));
 }
 
-TEST(Runner, KeepsFailuresOnRequestAndGoesOnAfterTheLastOne) {
+TEST(Runner, KeepsFailuresOnRequestAndMakesOnlyWhatIsMissing) {
   TempDir folder;
   RunConfig run = Blind("demo.yaml", folder / "out");
   run.output = (folder / "all").string();
@@ -178,10 +179,29 @@ TEST(Runner, KeepsFailuresOnRequestAndGoesOnAfterTheLastOne) {
   std::filesystem::remove_all(folder / "all/s0000_e0000_a02");
   EXPECT_FALSE(IsComplete(run, item));
   const EpisodeReport resumed = Runner(run).Run(item);
-  EXPECT_EQ(resumed.attempts, 1);
+  EXPECT_EQ(resumed.attempts, 3) << "those that are there count";
+  EXPECT_THAT(resumed.failures, ElementsAre(Pair("idle", 2)));
   EXPECT_EQ(resumed.kept, 1);
   EXPECT_TRUE(resumed.success);
   EXPECT_EQ(ReadFile(folder / "all/s0000_e0000_a02/steps.h5"), steps);
+
+  std::filesystem::remove_all(folder / "all/s0000_e0000_a00");
+  EXPECT_FALSE(IsComplete(run, item)) << "a failure before the success is missing";
+  const EpisodeReport mended = Runner(run, IdleAtFirst(1)).Run(item);
+  EXPECT_TRUE(mended.success);
+  EXPECT_EQ(mended.kept, 1);
+  EXPECT_EQ(mended.rows, resumed.rows);
+  EXPECT_THAT(mended.failures, ElementsAre(Pair("idle", 2)));
+  EXPECT_EQ(mended.rollouts, report.rollouts);
+  EXPECT_TRUE(IsComplete(run, item));
+  const auto metadata = [&](const std::string& id) {
+    return nlohmann::json::parse(Dataset(run.output).Open(id).metadata_json());
+  };
+  const nlohmann::json earlier = metadata("s0000_e0000_a02")["earlier_attempts"];
+  ASSERT_EQ(earlier.size(), 2u);
+  EXPECT_EQ(earlier[1]["failed"], "idle");
+  EXPECT_EQ(earlier[1]["object_kind"], report.object_kind);
+  EXPECT_EQ(metadata("s0000_e0000_a00")["earlier_attempts"].size(), 0u);
 }
 
 TEST(Runner, CountsRefusalsAndGivesUpAfterTheLastAttempt) {
