@@ -47,19 +47,40 @@ void ApplyPreference(nb::handle value, IkOptions* options) {
                        "'." + DidYouMean(text, names));
 }
 
+// What a filter answered, as booleans. Numpy finds a truth in anything: in indices of rows, in
+// clearances, in names.
+nb::object MaskFrom(const nb::object& answer, size_t rows) {
+  const nb::object numpy = nb::module_::import_("numpy");
+  const auto refuse = [&](const std::string& got) {
+    throw ArgumentError(
+        fmt::format("filter must return ({},) booleans, one for each row that it was given, got {}",
+                    rows, got));
+  };
+  nb::object mask;
+  try {
+    mask = numpy.attr("asarray")(answer);
+  } catch (nb::python_error&) {  // rows of different lengths
+    refuse(TypeName(answer));
+  }
+  const nb::object shape = mask.attr("shape");
+  if (nb::len(shape) != 1 || nb::cast<size_t>(shape[0]) != rows)
+    refuse("shape " + nb::cast<std::string>(nb::str(shape)));
+  const nb::object dtype = mask.attr("dtype");
+  const auto kind = nb::cast<std::string>(dtype.attr("kind"));
+  const bool numbers = kind == "f" || kind == "i" || kind == "u";
+  if (kind != "b" && !numbers) refuse("dtype " + nb::cast<std::string>(nb::str(dtype)));
+  const nb::object truth = mask.attr("astype")(numpy.attr("bool_"));
+  if (numbers && !nb::cast<bool>(numpy.attr("array_equal")(truth, mask))) {
+    refuse("numbers (dtype " + nb::cast<std::string>(nb::str(dtype)) + ") that are not all 0 or 1");
+  }
+  return truth;
+}
+
 // Rows in, one truth for each out.
 void CallFilter(nb::handle filter, std::span<const double> q, int count, std::span<uint8_t> keep) {
   const nb::gil_scoped_acquire gil;
   const size_t rows = static_cast<size_t>(count);
-  const nb::object answer = filter(NewArray<double>(q, {rows, q.size() / rows}));
-  const nb::object numpy = nb::module_::import_("numpy");
-  const nb::object mask = numpy.attr("asarray")(answer, numpy.attr("bool_"));
-  const nb::object shape = mask.attr("shape");
-  if (nb::len(shape) != 1 || nb::cast<size_t>(shape[0]) != rows) {
-    throw ArgumentError(fmt::format(
-        "filter must return ({},) booleans, one for each row that it was given, got shape {}", rows,
-        nb::cast<std::string>(nb::str(shape))));
-  }
+  const nb::object mask = MaskFrom(filter(NewArray<double>(q, {rows, q.size() / rows})), rows);
   const nb::object bytes = mask.attr("tobytes")();
   const char* truth = PyBytes_AsString(bytes.ptr());
   for (size_t k = 0; k < rows; ++k) keep[k] = truth[k] != 0;
@@ -116,7 +137,9 @@ void BindCollisionFilter(nb::module_& m) {
       m, "CollisionFilter",
       "Which configurations of an arm touch nothing, by the engine's collision detection.\n\n"
       "For `filter` of inverse kinematics, or called with q (k, n) for a mask (k,). Judged in a "
-      "copy of the scene's state as it was when the filter was made or at the last update().")
+      "copy of the scene's state as it was when the filter was made or at the last update(). "
+      "Threads may share one: they take turns. RuntimeError after objects were added to the scene "
+      "or removed: make the filter again.")
       .def(
           "__init__",
           [](CollisionFilter* self, const Robot& robot, double clearance,
@@ -126,7 +149,8 @@ void BindCollisionFilter(nb::module_& m) {
           "robot"_a, "clearance"_a = 0.0, "ignored"_a = std::vector<std::string>{},
           "clearance: to everything that is not the robot, metres. ignored: bodies that may be "
           "touched, with all that hangs on them, by full name.")
-      .def("update", &CollisionFilter::Update, "Takes over the scene's present state.")
+      .def("update", &CollisionFilter::Update, nb::call_guard<nb::gil_scoped_release>(),
+           "Takes over the scene's present state.")
       .def("__call__", &MaskOf, "q"_a,
            nb::sig("def __call__(self, q: numpy.typing.ArrayLike) -> "
                    "numpy.typing.NDArray[numpy.bool_]"),

@@ -107,18 +107,18 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
                       nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
                       double cone, nb::handle prefer, nb::handle filter) {
   const std::vector<Pose> poses = ToPoses(targets);
-  std::vector<double> seed_values;
-  if (!seeds.is_none()) {
-    seed_values = ToDoubles(seeds, "seeds");
-  } else if (!locked_groups.empty()) {
-    seed_values = k.robot.arm().joint_pos();
-  }
   IkOptions ik = OptionsFor(k, nb::none(), locked_groups,
                             {position_weights, rotation_weights, axis, cone, prefer, filter});
   ik.tolerance = tolerance;
   ik.position_only = position_only;
   ik.max_restarts = max_restarts;
   ik.max_iterations = max_iterations;
+  std::vector<double> seed_values;
+  if (!seeds.is_none()) {
+    seed_values = ToDoubles(seeds, "seeds");
+  } else if (!locked_groups.empty() || ik.prefer == IkPrefer::kSeed) {
+    seed_values = k.robot.arm().joint_pos();
+  }
   IkBatchResult result;
   {
     const nb::gil_scoped_release release;
@@ -349,7 +349,9 @@ void BindKinematics(nb::module_& m) {
            "targets (B, 4, 4) in the robot base frame, or a list of poses. seeds (B, n) or (n,): "
            "where each search "
            "begins, and where the joints of `locked_groups` stay; without seeds it begins near "
-           "the target (joints of locked groups stay where the robot has them). Returns q (B, n), "
+           "the target (what is asked for of the seed, for locked groups and by prefer='seed', is "
+           "then "
+           "where the robot is). Returns q (B, n), "
            "success (B,), position_error (B,) in m, rotation_error (B,) in rad and iterations "
            "(B,). Limits are always obeyed. An answer does not depend on the batch it is in; "
            "processors with other instruction sets may find another solution. A filter is given "

@@ -1,5 +1,7 @@
 """Inverse kinematics of more and less than a pose, from Python; judged by forward kinematics."""
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 
@@ -78,6 +80,18 @@ class TestTasks:
             solve(target, filter=3)
         with pytest.raises(rc.ArgumentError, match=r"filter must return \(1,\) booleans"):
             solve(target, filter=lambda q: [True, False])
+        for answer, got in [
+            (lambda q: ["no"], "dtype <U2"),
+            (lambda q: [0.3], r"numbers \(dtype float64\) that are not all 0 or 1"),
+            (lambda q: [np.nan], ".* that are not all 0 or 1"),
+            (lambda q: [2], r"numbers \(dtype int64\)"),
+            (lambda q: [None], "dtype object"),
+            (lambda q: [[1], [1, 2]], "list"),
+            (lambda q: None, r"shape \(\)"),
+        ]:
+            with pytest.raises(rc.ArgumentError, match=r"filter must return \(1,\) .*got " + got):
+                solve(target, filter=answer)
+        assert solve(target, filter=lambda q: np.ones(len(q)))
         with pytest.raises(ZeroDivisionError):
             robot.kinematics.ik_batch([target] * 3, filter=lambda q: 1 / 0)
         with pytest.raises(rc.ArgumentError, match="starts is 0; it must be 1 or more"):
@@ -109,6 +123,12 @@ class TestPreferences:
         before = sum(badness(q) for q in first.q[both])
         assert sum(badness(q) for q in best.q[both]) < before
 
+    def test_near_the_seed_is_near_the_arm_without_one(self, robot):
+        targets = [robot.kinematics.fk(q) for q in reachable(robot, 5, 4)]
+        near = robot.kinematics.ik_batch(targets, prefer="seed")
+        same = robot.kinematics.ik_batch(targets, seeds=robot.arm.joint_pos, prefer="seed")
+        np.testing.assert_array_equal(near.q, same.q)
+
     def test_manipulability_is_yoshikawas(self, robot):
         q = reachable(robot, 1)[0]
         j = robot.kinematics.jacobian(q)
@@ -134,6 +154,14 @@ class TestFilters:
             rc.CollisionFilter(robot, ignored=["wal"])
         with pytest.raises(rc.ArgumentError, match=r"q must be \(k, 7\), got \(7,\)"):
             free(q[0])
+
+    def test_threads_take_turns_with_one_filter(self, robot):
+        free = rc.CollisionFilter(robot)
+        q = reachable(robot, 1000, 6)
+        alone = free(q)
+        with ThreadPoolExecutor(4) as pool:
+            for mask in pool.map(free, [q] * 12):
+                np.testing.assert_array_equal(mask, alone)
 
     def test_a_function_is_given_rows(self, robot):
         shapes = []

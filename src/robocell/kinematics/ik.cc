@@ -30,7 +30,12 @@ void CheckCount(std::string_view what, int value) {
         fmt::format("inverse kinematics: {} is {}; it must be 0 or more", what, value));
 }
 
-void CheckPosture(const Chain& chain, const IkOptions& options) {
+void CheckPreference(const Chain& chain, const IkOptions& options) {
+  if (options.prefer == IkPrefer::kSeed && options.seed.empty()) {
+    throw ArgumentError(
+        "inverse kinematics: the solution near the seed is preferred, but there is no seed. Give "
+        "one, or a posture with kPosture");
+  }
   if (options.prefer != IkPrefer::kPosture) {
     if (options.posture.empty()) return;
     throw ArgumentError(
@@ -83,7 +88,7 @@ void CheckIkOptions(const Chain& chain, const IkOptions& options) {
                                     options.tolerance));
   }
   CheckIkTask(options);
-  CheckPosture(chain, options);
+  CheckPreference(chain, options);
   CheckCount("max_restarts", options.max_restarts);
   CheckCount("max_iterations", options.max_iterations);
 }

@@ -46,7 +46,7 @@ using LockedJoints = std::array<bool, kMaxChainJoints>;
 // some tens of microseconds; kManipulability, which climbs by differences, takes a millisecond.
 enum class IkPrefer {
   kFirst,           // the first that is found
-  kSeed,            // near the seed
+  kSeed,            // near the seed, which has to be given
   kPosture,         // near options.posture
   kAwayFromLimits,  // in the middle of the limits, by the sum of squared shares of the half range
   kManipulability,  // where the tip can move best (manipulability.h)

@@ -408,6 +408,8 @@ TEST(IkMoreOptions, MakeSense) {
   refused({.axis = Vector3d::UnitX(), .cone = 4}, "cone is 4; it must be an angle from 0 to less");
   refused({.cone = 0.1}, "cone is 0.1 rad, but no axis is given that may be off by it. Give axis");
   refused({.prefer = IkPrefer::kPosture}, "inverse kinematics: posture");
+  refused({.prefer = IkPrefer::kSeed},
+          "the solution near the seed is preferred, but there is no seed. Give one, or a posture");
   refused({.posture = JointVector(7)}, "there is a posture, but prefer does not ask for it");
   ExpectThrow<ArgumentError>([&] { IkSolutions(chain, target, {}, 0); },
                              "separation is 0; it must be more than 0");

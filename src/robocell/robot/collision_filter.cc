@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
@@ -24,8 +25,13 @@ double CheckedClearance(double clearance) {
 
 struct CollisionFilter::State {
   State(const Robot& robot, double least)
-      : scratch(robot, least), clearance(least), ignored(scratch.model()->ngeom, 0) {}
+      : scratch(robot, least, "make the filter again"),
+        clearance(least),
+        ignored(scratch.model()->ngeom, 0) {}
 
+  bool IsFree(std::span<const double> q);
+
+  std::mutex mutex;  // threads that share a filter share the data it judges in
   ScratchRobot scratch;
   double clearance;
   std::vector<char> ignored;  // per geom
@@ -43,20 +49,27 @@ CollisionFilter::CollisionFilter(const Robot& robot, const CollisionFilterOption
   }
 }
 
-void CollisionFilter::Update() { state_->scratch.Update(); }
+void CollisionFilter::Update() {
+  const std::lock_guard lock(state_->mutex);
+  state_->scratch.Update();
+}
 
 int CollisionFilter::n_joints() const { return state_->scratch.robot().chain().n_joints(); }
 
-bool CollisionFilter::IsFree(std::span<const double> q) {
-  State& s = *state_;
-  s.scratch.robot().chain().CheckJointValues("collision filter: q", q);
-  s.scratch.SetArm(q);
-  if (!s.scratch.FindTouches()) return false;  // what is missing may be in the way
+bool CollisionFilter::State::IsFree(std::span<const double> q) {
+  scratch.robot().chain().CheckJointValues("collision filter: q", q);
+  scratch.SetArm(q);
+  if (!scratch.FindTouches()) return false;  // what is missing may be in the way
   const auto is_fine = [&](const ScratchRobot::Touch& touch) {
-    return (!touch.itself && touch.distance >= s.clearance) || s.ignored[touch.own_geom] ||
-           s.ignored[touch.other_geom];
+    return (!touch.itself && touch.distance >= clearance) || ignored[touch.own_geom] ||
+           ignored[touch.other_geom];
   };
-  return std::all_of(s.scratch.touches().begin(), s.scratch.touches().end(), is_fine);
+  return std::all_of(scratch.touches().begin(), scratch.touches().end(), is_fine);
+}
+
+bool CollisionFilter::IsFree(std::span<const double> q) {
+  const std::lock_guard lock(state_->mutex);
+  return state_->IsFree(q);
 }
 
 void CollisionFilter::operator()(std::span<const double> q, int count, std::span<uint8_t> keep) {
@@ -67,7 +80,8 @@ void CollisionFilter::operator()(std::span<const double> q, int count, std::span
         "got {}",
         state_->scratch.robot().name(), n * count, count, n, q.size()));
   }
-  for (int k = 0; k < count; ++k) keep[k] = IsFree(q.subspan(k * n, n)) ? 1 : 0;
+  const std::lock_guard lock(state_->mutex);
+  for (int k = 0; k < count; ++k) keep[k] = state_->IsFree(q.subspan(k * n, n)) ? 1 : 0;
 }
 
 }  // namespace robocell

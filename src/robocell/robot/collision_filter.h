@@ -7,7 +7,8 @@
 // filter was made, or at the last Update(): the arm is put to each configuration, everything else
 // stays where it is, also what a gripper holds. Geoms that may collide in the model count
 // (Robot::collision_geom_ids of the robot's); where the robot touches itself in the present state,
-// it may do so everywhere. Copies share their state. One thread at a time. Error after objects were
+// it may do so everywhere. Copies share their state. Several threads may ask: one waits for the
+// other (Update reads the scene, so the scene has to rest meanwhile). Error after objects were
 // added to the scene or removed.
 #pragma once
 

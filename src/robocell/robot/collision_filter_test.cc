@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <thread>
+
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/mujoco/owners.h"
@@ -101,6 +103,34 @@ TEST_F(CollisionFilterTest, BodiesCanBeIgnored) {
     only_the_wall += through.IsFree(q) && !strict.IsFree(q);
   }
   EXPECT_GT(only_the_wall, 5);
+}
+
+// Copies share the data that configurations are put into.
+TEST_F(CollisionFilterTest, IsSharedByThreads) {
+  constexpr int kCount = 2000;
+  CollisionFilter filter(robot_);
+  std::vector<double> q;
+  for (int k = 0; k < kCount; ++k) {
+    for (const double v : RandomJoints()) q.push_back(v);
+  }
+  std::vector<uint8_t> alone(kCount), first(kCount), second(kCount);
+  filter(q, kCount, alone);
+  {
+    const std::jthread one([&] { CollisionFilter(filter)(q, kCount, first); });
+    const std::jthread two([&] { CollisionFilter(filter)(q, kCount, second); });
+    for (int k = 0; k < 50; ++k) filter.Update();
+  }
+  EXPECT_EQ(first, alone);
+  EXPECT_EQ(second, alone);
+}
+
+TEST_F(CollisionFilterTest, IsOfNoUseAfterObjectsCame) {
+  CollisionFilter filter(robot_);
+  scene_.AddObject(BoxObject("other", {3, 3, 1}));
+  ExpectThrow<Error>([&] { filter.IsFree(JointVector(7)); },
+                     "objects were added or removed since the robot's surroundings were looked at; "
+                     "make the filter again");
+  ExpectThrow<Error>([&] { filter.Update(); }, "make the filter again");
 }
 
 TEST_F(CollisionFilterTest, RefusesWhatItCannotJudge) {

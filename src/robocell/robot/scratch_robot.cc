@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "robocell/base/error.h"
@@ -13,8 +14,9 @@
 namespace robocell {
 
 struct ScratchRobot::State {
-  explicit State(const Robot& r)
+  State(const Robot& r, std::string_view after_changes)
       : robot(r),
+        remedy(after_changes),
         compiled(r.scene().compiled()),
         model(*r.scene().model()),
         data(MakeData(&model)) {}
@@ -23,6 +25,7 @@ struct ScratchRobot::State {
   bool FindContacts();
 
   Robot robot;
+  std::string remedy;
   std::shared_ptr<CompiledScene> compiled;
   mjModel model;  // shares the arrays of the scene's; only the contact margin differs
   DataPtr data;
@@ -35,8 +38,8 @@ struct ScratchRobot::State {
 void ScratchRobot::State::RequireSameModel() const {
   if (robot.scene().compiled() == compiled) return;
   throw Error("scene '" + robot.scene().name() +
-              "': objects were added or removed since the robot's motion was planned in it; "
-              "begin planning again");
+              "': objects were added or removed since the robot's surroundings were looked at; " +
+              remedy);
 }
 
 bool ScratchRobot::State::FindContacts() {
@@ -51,8 +54,8 @@ bool ScratchRobot::State::FindContacts() {
   return d->warning[mjWARN_CONTACTFULL].number == before;
 }
 
-ScratchRobot::ScratchRobot(const Robot& robot, double horizon)
-    : state_(std::make_unique<State>(robot)) {
+ScratchRobot::ScratchRobot(const Robot& robot, double horizon, std::string_view remedy)
+    : state_(std::make_unique<State>(robot, remedy)) {
   State& s = *state_;
   mjModel* m = &s.model;
   // Contacts are reported from this distance on, whatever the geoms ask for.

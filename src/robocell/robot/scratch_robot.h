@@ -1,7 +1,7 @@
 // ScratchRobot: a copy of a scene's state in which a robot can be put anywhere to see what it would
 // touch. The simulation itself is only read.
 //
-//   ScratchRobot scratch(robot, 0.01);
+//   ScratchRobot scratch(robot, 0.01, "begin planning again");
 //   scratch.SetArm(q);
 //   const bool all_found = scratch.FindTouches();
 //   for (const ScratchRobot::Touch& touch : scratch.touches()) ...
@@ -14,6 +14,7 @@
 
 #include <memory>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "robocell/robot/robot.h"
@@ -22,8 +23,9 @@ namespace robocell {
 
 class ScratchRobot {
  public:
-  // What comes nearer than `horizon` metres is found.
-  ScratchRobot(const Robot& robot, double horizon);
+  // What comes nearer than `horizon` metres is found. `remedy` ends the message after objects were
+  // added to the scene or removed: what to do then.
+  ScratchRobot(const Robot& robot, double horizon, std::string_view remedy);
   ~ScratchRobot();
 
   // Takes over the scene's present state. What of the robot touches itself in it is overlooked from

@@ -13,7 +13,7 @@ namespace robocell {
 
 struct PlanningScene::State {
   State(const Robot& robot, std::shared_ptr<const GripperShape> g)
-      : scratch(robot, kMostClearance + 0.005), shape(std::move(g)) {}
+      : scratch(robot, kMostClearance + 0.005, "begin planning again"), shape(std::move(g)) {}
 
   void Place(const JointVector& q, double gap);
 
