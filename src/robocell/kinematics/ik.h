@@ -75,7 +75,7 @@ struct IkOptions {
   std::optional<Eigen::Vector3d> axis{};
   double cone = 0;
   IkPrefer prefer = IkPrefer::kFirst;
-  JointVector posture{};  // of IkPrefer::kPosture
+  JointVector posture{};  // of IkPrefer::kPosture; values outside the limits are moved to them
   // Solutions that it does not keep are none. When it keeps none, the answer is one of them with
   // success = false. Starts are tried until one is kept.
   IkFilter filter{};

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
-#include <thread>
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_choice.h"
 #include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/lane_solver.h"
+#include "robocell/kinematics/on_threads.h"
 
 namespace robocell {
 namespace {
@@ -79,11 +79,11 @@ class Batch {
       throw ArgumentError(fmt::format("batched inverse kinematics: seeds[{}][{}] is {}",
                                       i / chain_.n_joints(), i % chain_.n_joints(), seeds_[i]));
     }
-    if (!targets_.empty()) {
-      IkOptions first = options_.ik;
-      first.seed = JointVector(SeedOf(0));
-      CheckIkOptions(chain_, first);
-    }
+    IkOptions first = options_.ik;
+    first.seed = JointVector(SeedOf(0));
+    // Where nothing is asked, no question lacks a seed.
+    if (targets_.empty() && first.seed.empty()) first.seed = JointVector(chain_.n_joints());
+    CheckIkOptions(chain_, first);
     for (std::size_t b = 0; b < targets_.size(); ++b) {
       const Pose& target = targets_[b];
       if (!IsFinite(target)) CheckIkTarget(target, fmt::format("targets[{}]", b));
@@ -105,7 +105,9 @@ class Batch {
   struct Ending {
     std::atomic<bool>& flag;
     int before = std::uncaught_exceptions();
-    ~Ending() { flag = std::uncaught_exceptions() > before; }
+    ~Ending() {
+      if (std::uncaught_exceptions() > before) flag = true;
+    }
   };
 
   // One thread's share: every so-manieth question.
@@ -130,17 +132,9 @@ class Batch {
   };
 
   void SolveEvery(int first, int stride, const std::function<void()>& poll) {
+    const Ending ending{ended_};
     Share share(this, first, stride, poll);
     SolveLanes(chain_, options_.ik, &share);
-  }
-
-  // Calls work(0 .. threads - 1) at once, number 0 on the caller's thread.
-  template <class Work>
-  void OnThreads(int threads, const Work& work) {
-    std::vector<std::jthread> helpers;
-    const Ending ending{ended_};  // destroyed before the helpers are joined
-    for (int t = 1; t < threads; ++t) helpers.emplace_back([&work, t] { work(t); });
-    work(0);
   }
 
   void ChooseAll(int threads) {

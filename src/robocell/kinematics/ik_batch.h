@@ -51,8 +51,8 @@ struct IkBatchResult {
 // values row by row.
 IkBatchResult IkBatch(const Chain& chain, std::span<const Pose> tips_in_base,
                       std::span<const double> seeds = {}, const IkBatchOptions& options = {});
-// The same into a result whose memory is used again: no allocation when the size is the same and
-// threads is 1.
+// The same into a result whose memory is used again: no allocation when the size is the same,
+// threads is 1, and the options have neither a preference nor a filter.
 void IkBatch(const Chain& chain, std::span<const Pose> tips_in_base, std::span<const double> seeds,
              const IkBatchOptions& options, IkBatchResult* result);
 

@@ -16,11 +16,6 @@ void ForSolutions(IkChoice::Search& search, const Use& use) {
   if (search.unmoved_too) use(search.unmoved);
 }
 
-double Miss(const ChainModel& chain, const IkResult& result) {
-  const double lengths = result.position_error / chain.length;
-  return lengths * lengths + result.rotation_error * result.rotation_error;
-}
-
 }  // namespace
 
 bool IsChosen(const IkOptions& options) {
@@ -76,6 +71,7 @@ IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
                    std::span<IkResult> answers)
     : chain_(chain),
       options_(options),
+      task_(options),
       preference_(chain.model(), options),
       questions_(questions),
       searches_(searches),
@@ -93,8 +89,8 @@ IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
 }
 
 int IkChoice::StartsFor(const LaneQuestion& question) const {
-  const bool whole = IkTask(options_).whole_position;
-  const bool too_far = whole && IsOutOfReach(chain_.model(), question.target, options_.tolerance);
+  const bool too_far =
+      task_.whole_position && IsOutOfReach(chain_.model(), question.target, options_.tolerance);
   const int restarts =
       too_far ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
   return std::min(restarts, std::numeric_limits<int>::max() - kSearches) + 1;
@@ -113,17 +109,18 @@ void IkChoice::Run(int first, int stride, const std::atomic<bool>& ended) {
   SolveLanes(chain_, options_, &queue);
 }
 
-void IkChoice::Filter() {
-  rows_.clear();
-  std::size_t count = 0;
-  for (Search& search : searches_) {
-    ForSolutions(search, [&](const IkResult& result) {
-      rows_.insert(rows_.end(), result.q.begin(), result.q.end());
-      ++count;
-    });
-  }
-  keep_.assign(count, 0);
-  if (count > 0) options_.filter(rows_, static_cast<int>(count), keep_);
+std::span<const uint8_t> IkChoice::Filter() {
+  if (!options_.filter) return {};
+  for (Search& search : searches_)
+    ForSolutions(search, [&](const IkResult& result) { filtered_.Add(result.q); });
+  return filtered_.Ask(options_.filter);
+}
+
+// How far off an approach is; where any rotation will do, the tip's is no part of it.
+double IkChoice::Miss(const IkResult& result) const {
+  const double lengths = result.position_error / chain_.model().length;
+  const double turn = task_.position_only ? 0 : result.rotation_error;
+  return lengths * lengths + turn * turn;
 }
 
 void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row) {
@@ -143,8 +140,7 @@ void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_
       best.restarts = search.began;
     };
     // The best approach, for when there is no solution.
-    if (!best.success && Miss(chain_.model(), search.found) < Miss(chain_.model(), best))
-      take(search.found, false);
+    if (!best.success && Miss(search.found) < Miss(best)) take(search.found, false);
     ForSolutions(search, [&](const IkResult& result) {
       const bool kept = keep.empty() || keep[*row] != 0;
       ++*row;
@@ -160,14 +156,14 @@ void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_
 }
 
 bool IkChoice::Choose() {
-  if (options_.filter) Filter();
+  const std::span<const uint8_t> keep = Filter();
   bool open = false;
   std::size_t row = 0;
   for (int k = 0; k < static_cast<int>(questions_.size()); ++k) {
     const std::span<Search> ways = searches_.subspan(std::size_t(k) * kSearches, kSearches);
     const auto is_open = [](const Search& search) { return search.open; };
     if (std::none_of(ways.begin(), ways.end(), is_open)) continue;
-    ChooseFor(k, keep_, &row);
+    ChooseFor(k, keep, &row);
     for (Search& search : ways) search.open = false;
     if (answers_[k].success) continue;
     Open(k, kSearches);

@@ -8,9 +8,10 @@
 
 #include <atomic>
 #include <span>
-#include <vector>
 
+#include "robocell/kinematics/filter_call.h"
 #include "robocell/kinematics/ik_preference.h"
+#include "robocell/kinematics/ik_task.h"
 #include "robocell/kinematics/lane_solver.h"
 
 namespace robocell {
@@ -45,17 +46,19 @@ class IkChoice {
 
   void Open(int question, int searches);
   void ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row);
-  void Filter();
+  // Which of the solutions found, in their order, the filter keeps; empty without one.
+  std::span<const uint8_t> Filter();
+  double Miss(const IkResult& result) const;
   int StartsFor(const LaneQuestion& question) const;
 
   const Chain& chain_;
   const IkOptions& options_;
+  IkTask task_;
   IkPreference preference_;
   std::span<const LaneQuestion> questions_;
   std::span<Search> searches_;
   std::span<IkResult> answers_;
-  std::vector<double> rows_;  // of what is to be filtered
-  std::vector<uint8_t> keep_;
+  FilterCall filtered_;
 };
 
 }  // namespace robocell

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/pose_error.h"
@@ -11,7 +10,6 @@
 namespace robocell {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 // After more of them too few digits are left for an angle.
 constexpr double kMostTurns = 1e5;
 

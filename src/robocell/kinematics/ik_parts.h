@@ -2,10 +2,14 @@
 // For the solvers of this folder.
 #pragma once
 
+#include <numbers>
+
 #include "robocell/kinematics/ik_task.h"
 #include "robocell/kinematics/transform.h"
 
 namespace robocell {
+
+inline constexpr double kTurn = 2 * std::numbers::pi;  // rad
 
 // The seed, or the middle of the limits without one; inside the limits but for locked joints.
 JointVector SeedOf(const ChainModel& chain, std::span<const double> seed,

@@ -6,12 +6,16 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/filter_call.h"
 #include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/ik_preference.h"
 #include "robocell/kinematics/lane_solver.h"
 
 namespace robocell {
 namespace {
+
+// Far beyond what finds anything new; their answers have to fit into memory.
+constexpr int kMostStarts = 1'000'000;
 
 // Every start is a question of its own.
 class EveryStart : public LaneQueue {
@@ -48,19 +52,33 @@ class EveryStart : public LaneQueue {
 };
 
 void Filter(const IkFilter& filter, std::vector<IkResult>* solutions) {
-  if (!filter || solutions->empty()) return;
-  std::vector<double> rows;
-  for (const IkResult& s : *solutions) rows.insert(rows.end(), s.q.begin(), s.q.end());
-  std::vector<uint8_t> keep(solutions->size());
-  filter(rows, static_cast<int>(solutions->size()), keep);
+  if (!filter) return;
+  FilterCall call;
+  for (const IkResult& s : *solutions) call.Add(s.q);
+  const std::span<const uint8_t> keep = call.Ask(filter);
   std::size_t row = 0;
   std::erase_if(*solutions, [&](const IkResult&) { return keep[row++] == 0; });
 }
 
+// In order of preference; equals in the order of their starts.
+std::vector<IkResult> BestFirst(const ChainModel& chain, const IkOptions& options,
+                                std::vector<IkResult> solutions) {
+  const IkPreference preference(chain, options);
+  const JointVector goal = preference.GoalFor(SeedOf(chain, options.seed, options.locked));
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t k = 0; k < solutions.size(); ++k)
+    order.emplace_back(preference.Cost(solutions[k].q, goal), k);
+  std::sort(order.begin(), order.end());
+  std::vector<IkResult> sorted;
+  for (const auto& [cost, k] : order) sorted.push_back(solutions[k]);
+  return sorted;
+}
+
 bool AreApart(const ChainModel& chain, const JointVector& a, const JointVector& b, double least) {
   for (int i = 0; i < chain.n; ++i) {
-    const double lengths = chain.joints[i].slide ? chain.length : 1;
-    if (std::abs(a[i] - b[i]) > least * lengths) return true;
+    const double way = a[i] - b[i];
+    const double apart = chain.joints[i].slide ? way / chain.length : std::remainder(way, kTurn);
+    if (std::abs(apart) > least) return true;
   }
   return false;
 }
@@ -75,6 +93,12 @@ std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
     throw ArgumentError(
         fmt::format("inverse kinematics: separation is {}; it must be more than 0", separation));
   }
+  if (options.max_restarts >= kMostStarts) {
+    throw ArgumentError(fmt::format(
+        "inverse kinematics: {} starts for all solutions; there may be up to {}, which is one "
+        "more than max_restarts",
+        int64_t{options.max_restarts} + 1, kMostStarts));
+  }
   const ChainModel& model = chain.model();
   const Transform target = ToTransform(tip_in_base);
   EveryStart every(target, options);
@@ -82,13 +106,8 @@ std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
   std::vector<IkResult> solutions = every.Solutions();
   Filter(options.filter, &solutions);
 
-  const IkPreference preference(model, options);
-  const JointVector goal = preference.GoalFor(SeedOf(model, options.seed, options.locked));
-  std::stable_sort(solutions.begin(), solutions.end(), [&](const IkResult& a, const IkResult& b) {
-    return preference.Cost(a.q, goal) < preference.Cost(b.q, goal);
-  });
   std::vector<IkResult> apart;
-  for (const IkResult& s : solutions) {
+  for (const IkResult& s : BestFirst(model, options, std::move(solutions))) {
     const auto is_apart = [&](const IkResult& other) {
       return AreApart(model, s.q, other.q, separation);
     };

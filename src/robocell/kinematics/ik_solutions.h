@@ -11,10 +11,11 @@ namespace robocell {
 
 // What is found from options.max_restarts + 1 starts (more of them find rarer solutions), filtered,
 // each farther than `separation` from all others: in at least one joint, rad (slides: lengths of
-// the chain). In order of options.prefer, nearest to the seed first unless that says otherwise. Of
-// a chain with joints to spare these are samples of endlessly many; with a preference each of them
-// has moved to where it is met best, so that they are one for each way to hold the arm.
-// Deterministic. ArgumentError as Ik has it, and for a separation that is not above 0.
+// the chain). Whole turns of a hinge are no difference. In order of options.prefer, nearest to the
+// seed first unless that says otherwise. Of a chain with joints to spare these are samples of
+// endlessly many; with a preference each of them has moved to where it is met best, so that they
+// are one for each way to hold the arm. Deterministic. ArgumentError as Ik has it, for a separation
+// that is not above 0, and for more than a million starts.
 std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
                                   const IkOptions& options = {}, double separation = 0.05);
 

@@ -10,12 +10,15 @@
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/kinematics/manipulability.h"
+#include "robocell/kinematics/on_threads.h"
 
 namespace robocell {
 namespace {
 
 // Poses that are solved together: enough for all threads, few enough for the caches.
 constexpr int kPosesTogether = 1 << 15;
+// Of a cell, whose poses are solved together.
+constexpr int kMostRotations = 100'000;
 
 void Refuse(const std::string& what) { throw ArgumentError("reach map: " + what); }
 
@@ -36,8 +39,8 @@ void CheckReachMap(const ReachGrid& grid, const ReachMapOptions& options) {
   }
   if (!(grid.cell > 0 && std::isfinite(grid.cell)))
     Refuse(fmt::format("cell is {} m; it must be more than 0", grid.cell));
-  if (options.rotations < 1)
-    Refuse(fmt::format("rotations is {}; it must be 1 or more", options.rotations));
+  if (options.rotations < 1 || options.rotations > kMostRotations)
+    Refuse(fmt::format("rotations is {}; it must be 1 to {}", options.rotations, kMostRotations));
 }
 
 class Mapper {
@@ -76,20 +79,27 @@ class Mapper {
 
   void Solve() {
     IkBatch(chain_, targets_, {}, batch_, &found_);
-    const int count = static_cast<int>(rotations_.size());
-    for (std::size_t k = 0; k < asked_.size(); ++k) {
-      int reached = 0;
-      double sum = 0;
-      for (int b = static_cast<int>(k) * count, end = b + count; b < end; ++b) {
-        if (!found_.success[b]) continue;
-        ++reached;
-        sum += ManipulabilityOf(chain_.model(), found_.row(b).data());
-      }
-      map_.fraction[asked_[k]] = static_cast<float>(reached) / static_cast<float>(count);
-      if (reached > 0) map_.manipulability[asked_[k]] = static_cast<float>(sum / reached);
-    }
+    const int cells = static_cast<int>(asked_.size());
+    const int threads = std::clamp(batch_.threads, 1, std::max(1, cells));
+    OnThreads(threads, [&](int t) {
+      for (int k = t; k < cells; k += threads) Fill(k);
+    });
     asked_.clear();
     targets_.clear();
+  }
+
+  // The k-th of the cells that were asked for.
+  void Fill(int k) {
+    const int count = static_cast<int>(rotations_.size());
+    int reached = 0;
+    double sum = 0;
+    for (int b = k * count, end = b + count; b < end; ++b) {
+      if (!found_.success[b]) continue;
+      ++reached;
+      sum += ManipulabilityOf(chain_.model(), found_.row(b).data());
+    }
+    map_.fraction[asked_[k]] = static_cast<float>(reached) / static_cast<float>(count);
+    if (reached > 0) map_.manipulability[asked_[k]] = static_cast<float>(sum / reached);
   }
 
   const Chain& chain_;

@@ -114,7 +114,12 @@ TEST(ReachMap, RefusesWhatMakesNoSense) {
   refused({.lower = {1, 0, 0}, .upper = {0, 0, 0}}, {},
           "reach map: the corners are (1, 0, 0) and (0, 0, 0); they must be finite, and the first");
   refused({.lower = box.lower, .upper = box.upper, .cell = 0}, {}, "cell is 0 m; it must be more");
-  refused(box, {.rotations = 0}, "rotations is 0; it must be 1 or more");
+  refused(box, {.rotations = 0}, "rotations is 0; it must be 1 to 100000");
+  refused(box, {.rotations = std::numeric_limits<int>::max()}, "rotations is 2147483647; it must");
+  // Out of reach, so that nothing is asked.
+  const ReachGrid far{.lower = {99, 0, 0}, .upper = {99, 0, 0}};
+  refused(far, {.tolerance = -1}, "tolerance is -1; it must be more than 0");
+  refused(far, {.threads = 0}, "threads is 0; it must be 1 or more");
   refused(box, {.tolerance = 0}, "tolerance is 0; it must be more than 0");
   refused({.lower = box.lower, .upper = box.upper, .cell = 1e-5}, {},
           "more than 2^31 poses with cells of 1e-05 m and 64 rotations; take larger cells");
