@@ -36,6 +36,7 @@ TEST(DifferentialIkController, TheLeafMovesAsToldAndStopsAtZero) {
   EXPECT_TRUE(robot.FkFrame(jog.commanded_joint_pos()).is_close(there, 2e-3, 1e-3));
   jog.SetTwist({});
   Drive(robot, 0.5);
+  EXPECT_FALSE(jog.slower()) << "it stands as it was told";
   EXPECT_TRUE(robot.FkFrame().is_close(there, 2e-2, 1e-2)) << "the arm itself";
   // About the leaf's own z axis.
   jog.SetFrame(TwistFrame::kTip);

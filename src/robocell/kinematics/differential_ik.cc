@@ -21,25 +21,31 @@ using Jacobian6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, k
 constexpr double kLeastDamping = 1e-8, kMostDamping = 4e-4;
 // Singular values of the Jacobian below this are near a singularity.
 constexpr double kNearSingular = 0.02;
-constexpr double kNoticed = 1e-3;
+// Of the damping, for the joints that were not at their bounds; after these rounds it only grows.
+constexpr int kRoundsAtWill = 4;
+// What makes a tip slower than asked: this part of the twist, and these rad/s or lengths per
+// second.
+constexpr double kNoticed = 1e-3, kStill = 1e-5;
 
 enum class Side : char { kFree, kLower, kUpper };
 
 // Least squares between bounds: every joint is free or at one of its bounds.
 class BoundedLeastSquares {
  public:
-  BoundedLeastSquares(const Jacobian6& jacobian, const Vector6& task, double damping)
-      : n_(static_cast<int>(jacobian.cols())),
-        jacobian_(jacobian),
-        task_(task),
-        damping_(damping) {}
+  BoundedLeastSquares(const Jacobian6& jacobian, const Vector6& task)
+      : n_(static_cast<int>(jacobian.cols())), jacobian_(jacobian), task_(task) {}
 
   std::array<double, kMaxChainJoints> lower{}, upper{}, wish{};
 
-  void Solve(double* v) {
+  bool may_move(int i) const { return lower[i] < upper[i]; }
+  // After Solve: it is not at a bound.
+  bool is_free(int i) const { return side_[i] == Side::kFree; }
+
+  void Solve(const Matrix6& damping, double* v) {
+    damping_ = damping;
     for (int i = 0; i < n_; ++i) {
       v[i] = std::clamp(wish[i], lower[i], upper[i]);
-      side_[i] = lower[i] < upper[i] ? Side::kFree : Side::kLower;
+      side_[i] = may_move(i) ? Side::kFree : Side::kLower;
     }
     // Each round lowers the cost; so many are never needed but for rounding.
     for (int round = 0; round < 8 * n_; ++round) {
@@ -51,16 +57,16 @@ class BoundedLeastSquares {
  private:
   // The best values of the free joints, the others as they are.
   void SolveFree(const double* v) {
-    Matrix6 a = Matrix6::Identity() * damping_;
+    Matrix6 a = damping_;
     Vector6 left = task_;
     for (int i = 0; i < n_; ++i) {
       const bool free = side_[i] == Side::kFree;
       if (free) a.noalias() += jacobian_.col(i) * jacobian_.col(i).transpose();
       left -= jacobian_.col(i) * (free ? wish[i] : v[i]);
     }
-    const Vector6 y = a.llt().solve(left);
+    pull_ = a.llt().solve(left);
     for (int i = 0; i < n_; ++i) {
-      if (side_[i] == Side::kFree) best_[i] = wish[i] + jacobian_.col(i).dot(y);
+      if (side_[i] == Side::kFree) best_[i] = wish[i] + jacobian_.col(i).dot(pull_);
     }
   }
 
@@ -86,15 +92,13 @@ class BoundedLeastSquares {
     return false;
   }
 
-  // Frees the joint that pulls hardest away from its bound. False when none does: v is the best.
+  // Frees the joint that is pulled hardest away from its bound. False when none is: v is the best.
   bool LetOneGo(const double* v) {
-    Vector6 left = task_;
-    for (int i = 0; i < n_; ++i) left -= jacobian_.col(i) * v[i];
-    double hardest = 1e-12;
+    double hardest = 1e-9 * pull_.norm() + 1e-12;
     int which = -1;
     for (int i = 0; i < n_; ++i) {
       if (side_[i] == Side::kFree || lower[i] >= upper[i]) continue;
-      const double up = jacobian_.col(i).dot(left) + damping_ * (wish[i] - v[i]);
+      const double up = jacobian_.col(i).dot(pull_) + wish[i] - v[i];
       const double away = side_[i] == Side::kLower ? up : -up;
       if (away <= hardest) continue;
       hardest = away;
@@ -108,21 +112,45 @@ class BoundedLeastSquares {
   int n_;
   const Jacobian6& jacobian_;
   const Vector6& task_;
-  double damping_;
+  Matrix6 damping_;
+  // Where the free joints have their best values: D^-1 times what is left of the task.
+  Vector6 pull_;
   std::array<Side, kMaxChainJoints> side_{};
   std::array<double, kMaxChainJoints> best_{};
 };
 
-// Grows from the least to the most as the smallest singular value that counts goes to 0.
-double DampingAt(const Jacobian6& jacobian) {
-  const Matrix6 squared = jacobian * jacobian.transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(squared, Eigen::EigenvaluesOnly);
-  // Fewer joints than six never reach all directions.
-  const Eigen::Index first = std::max<Eigen::Index>(0, 6 - jacobian.cols());
-  const double smallest = std::sqrt(std::max(eigen.eigenvalues()[first], 0.0));
-  if (smallest >= kNearSingular) return kLeastDamping;
-  const double near = 1 - smallest * smallest / (kNearSingular * kNearSingular);
-  return kLeastDamping + kMostDamping * near * near;
+using Joints = std::array<bool, kMaxChainJoints>;
+
+// Along each direction it grows from the least to the most as the singular value of the joints that
+// count goes to 0.
+Matrix6 DampingAt(const Jacobian6& jacobian, const Joints& count) {
+  Matrix6 squared = Matrix6::Zero(), damping = kLeastDamping * Matrix6::Identity();
+  for (Eigen::Index i = 0; i < jacobian.cols(); ++i) {
+    if (count[i]) squared.noalias() += jacobian.col(i) * jacobian.col(i).transpose();
+  }
+  constexpr double kNear2 = kNearSingular * kNearSingular;
+  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(squared);
+  for (int k = 0; k < 6 && eigen.eigenvalues()[k] < kNear2; ++k) {
+    const double near = 1 - std::max(eigen.eigenvalues()[k], 0.0) / kNear2;
+    const Vector6 along = eigen.eigenvectors().col(k);
+    damping.noalias() += kMostDamping * near * near * along * along.transpose();
+  }
+  return damping;
+}
+
+// Which joints are not at their bounds says how much damping it takes, and the other way round.
+void SolveDamped(const Jacobian6& jacobian, BoundedLeastSquares* squares, double* v) {
+  const int n = static_cast<int>(jacobian.cols());
+  Joints count{};
+  for (int i = 0; i < n; ++i) count[i] = squares->may_move(i);
+  for (int round = 0;; ++round) {
+    squares->Solve(DampingAt(jacobian, count), v);
+    Joints free{};
+    for (int i = 0; i < n; ++i)
+      free[i] = squares->is_free(i) && (round < kRoundsAtWill || count[i]);
+    if (free == count) return;
+    count = free;
+  }
 }
 
 void CheckDifferentialIk(const Chain& chain, const Twist& twist,
@@ -174,7 +202,7 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
   task << axes * twist.linear * per_metre, axes * twist.angular;
   jacobian.topRows<3>() *= per_metre;
 
-  BoundedLeastSquares squares(jacobian, task, DampingAt(jacobian));
+  BoundedLeastSquares squares(jacobian, task);
   for (int i = 0; i < n; ++i) {
     const auto [lower, upper] = BoundsOf(chain.model(), i, q[i], options);
     squares.lower[i] = lower;
@@ -183,11 +211,11 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
       squares.wish[i] = options.posture_rate * (options.posture[i] - q[i]);
   }
   DifferentialIkResult result{.velocity = JointVector(n)};
-  squares.Solve(result.velocity.data());
+  SolveDamped(jacobian, &squares, result.velocity.data());
 
   Vector6 moved = Vector6::Zero();
   for (int i = 0; i < n; ++i) moved += jacobian.col(i) * result.velocity[i];
-  result.slower = (moved - task).norm() > kNoticed * task.norm();
+  result.slower = (moved - task).norm() > kNoticed * task.norm() + kStill;
   result.twist.linear = axes.transpose() * moved.head<3>() / per_metre;
   result.twist.angular = axes.transpose() * moved.tail<3>();
   return result;

@@ -3,12 +3,14 @@
 //   const DifferentialIkResult now = DifferentialIk(chain, q, twist, {.seconds = 0.002});
 //   for (int i = 0; i < n; ++i) q[i] += 0.002 * now.velocity[i];
 //
-// The velocity v minimises |J v - twist|^2 + d |v - v_posture|^2 between its bounds, exactly: a
-// joint that is at its bound leaves its share to the others (P. B. Stark and R. L. Parker,
-// "Bounded-Variable Least-Squares", 1995). Lengths are weighed against angles by the chain's
-// length. The damping d is next to nothing, and grows where the chain comes near a singularity (Y.
-// Nakamura and H. Hanafusa, "Inverse Kinematic Solutions with Singularity Robustness", 1986):
-// speeds stay bounded, and the tip stays behind.
+// The velocity v minimises (J v - twist)^T D^-1 (J v - twist) + |v - v_posture|^2 between its
+// bounds, exactly: a joint that is at its bound leaves its share to the others (P. B. Stark and R.
+// L. Parker, "Bounded-Variable Least-Squares", 1995). Lengths are weighed against angles by the
+// chain's length. The damping D is next to nothing, but along directions in which the joints that
+// are not at a bound have come near a singularity, where it grows (A. A. Maciejewski and C. A.
+// Klein, "Numerical Filtering for the Operation of Robotic Manipulators through Kinematically
+// Singular Configurations", 1988): there speeds stay bounded, and the tip stays behind; in all
+// other directions it moves as asked.
 //
 // No allocation; some microseconds. Errors: ArgumentError for wrong numbers of values and for what
 // is not finite or out of range, naming it.
@@ -40,7 +42,7 @@ struct DifferentialIkOptions {
 struct DifferentialIkResult {
   JointVector velocity{};  // rad/s or m/s
   // What the tip does with it, in the axes asked for; and whether bounds or damping made that
-  // differ from what was asked by more than a thousandth.
+  // differ from what was asked by more than a thousandth (and than what could be seen).
   Twist twist{};
   bool slower = false;
 };
