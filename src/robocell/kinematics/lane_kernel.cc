@@ -12,6 +12,8 @@
 #include <hwy/highway.h>
 
 #include "robocell/kinematics/lane_math-inl.h"
+#include "robocell/kinematics/lane_six-inl.h"
+#include "robocell/kinematics/link_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace robocell::HWY_NAMESPACE {
@@ -39,29 +41,9 @@ constexpr double kNearHalfTurn = 1e-2;
 HWY_INLINE V Load(const double* p) { return hn::Load(d, p); }
 HWY_INLINE V Number(double value) { return hn::Set(d, value); }
 
-struct V3 {
-  V x, y, z;
-};
-HWY_INLINE V3 Cross(const V3& a, const V3& b) {
-  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
-          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
-}
-HWY_INLINE V Dot(const V3& a, const V3& b) {
-  return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-}
-// a * s + b
-HWY_INLINE V3 MulAdd(V s, const V3& a, const V3& b) {
-  return {hn::MulAdd(s, a.x, b.x), hn::MulAdd(s, a.y, b.y), hn::MulAdd(s, a.z, b.z)};
-}
-HWY_INLINE V3 Times(V s, const V3& a) {
-  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
-}
-HWY_INLINE V3 Sub(const V3& a, const V3& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_INLINE V3 Add(const V3& a, const V3& b) {
-  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
-}
+using V3 = Vec3<V>;
+using Frame = Frame3<V>;
+
 // Turns u towards v by an angle: u' = c u + s v, v' = c v - s u.
 HWY_INLINE void Turn(V c, V s, V3* u, V3* v) {
   const V3 turned = {hn::MulAdd(c, u->x, hn::Mul(s, v->x)), hn::MulAdd(c, u->y, hn::Mul(s, v->y)),
@@ -73,10 +55,6 @@ HWY_INLINE void Turn(V c, V s, V3* u, V3* v) {
 HWY_INLINE V3 Load3(const double (*rows)[kMaxLanes], int lane) {
   return {Load(rows[0] + lane), Load(rows[1] + lane), Load(rows[2] + lane)};
 }
-
-struct Frame {
-  V3 x, y, z, p;
-};
 
 HWY_INLINE V3 Times(const Frame& f, const double* v) {
   return MulAdd(Number(v[0]), f.x, MulAdd(Number(v[1]), f.y, Times(Number(v[2]), f.z)));
@@ -131,37 +109,6 @@ HWY_INLINE Frame Walk(const FoldedChain& chain, const V* q, Axis* axes) {
   return f;
 }
 
-// The lower triangle of a symmetric 6 x 6 matrix, row by row, and what it is to be solved for.
-struct System {
-  V a[21];
-  V b[6];
-};
-HWY_INLINE constexpr int At(int row, int column) { return row * (row + 1) / 2 + column; }
-
-// In place by L D L^T.
-HWY_INLINE void Solve(System* s) {
-  V inverse[6];
-#pragma GCC unroll 6
-  for (int j = 0; j < 6; ++j) {
-    inverse[j] = hn::Div(Number(1), s->a[At(j, j)]);
-#pragma GCC unroll 6
-    for (int i = j + 1; i < 6; ++i) {
-      const V factor = hn::Mul(s->a[At(i, j)], inverse[j]);
-#pragma GCC unroll 6
-      for (int k = j + 1; k <= i; ++k)
-        s->a[At(i, k)] = hn::NegMulAdd(factor, s->a[At(k, j)], s->a[At(i, k)]);
-      s->b[i] = hn::NegMulAdd(factor, s->b[j], s->b[i]);
-    }
-  }
-#pragma GCC unroll 6
-  for (int j = 5; j >= 0; --j) {
-    V sum = s->b[j];
-#pragma GCC unroll 6
-    for (int i = j + 1; i < 6; ++i) sum = hn::NegMulAdd(s->a[At(i, j)], s->b[i], sum);
-    s->b[j] = hn::Mul(sum, inverse[j]);
-  }
-}
-
 // For lanes with nearly half a turn left: some axis of it, from how a vector and its image lie (R +
 // 1 is 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine.
 HWY_NOINLINE void TurnAround(const Frame& f, const V3& x, const V3& y, const V3& z, const V3& sine2,
@@ -196,36 +143,45 @@ HWY_INLINE void TurnLeft(const Frame& f, const V3& x, const V3& y, const V3& z, 
     TurnAround(f, x, y, z, sine2, cosine2, half_turn, angular, turn2);
 }
 
-// What is left to turn when only one axis has to point somewhere: 2 tan(angle / 2) about `about`,
-// which is zero where nothing is left.
-HWY_INLINE V3 SwingLeft(const LaneTask& task, const Frame& f, const Frame& wanted, V3* about) {
-  const V3 now = Times(f, task.axis), then = Times(wanted, task.axis);
+// For lanes in which an axis points nearly the other way: it may be turned about anything across.
+// The tangent of half the angle, from the cosine.
+HWY_NOINLINE void SwingAround(const V3& now, V cosine1, hn::Mask<D> lanes, V3* about, V* tangent) {
+  const V3 across = Cross(now, {Number(0.48), Number(0.60), Number(0.64)});
+  const V breadth = hn::Sqrt(hn::Max(Dot(across, across), Number(1e-12)));
+  about->x = hn::IfThenElse(lanes, hn::Div(across.x, breadth), about->x);
+  about->y = hn::IfThenElse(lanes, hn::Div(across.y, breadth), about->y);
+  about->z = hn::IfThenElse(lanes, hn::Div(across.z, breadth), about->z);
+  const V tangent2 = hn::Div(hn::Sub(Number(2), cosine1), hn::Max(cosine1, Number(1e-12)));
+  *tangent = hn::IfThenElse(lanes, hn::Sqrt(tangent2), *tangent);
+}
+
+// The same when only one axis has to point somewhere: 2 tan(angle / 2) about `about`, which is zero
+// where nothing is left.
+HWY_INLINE void SwingLeft(const LaneTask& task, const Frame& f, const V3& x, const V3& y,
+                          const V3& z, V3* angular, V* turn2, V3* about) {
+  const V3 now = Times(f, task.axis);
+  const V3 then = MulAdd(Number(task.axis[0]), x,
+                         MulAdd(Number(task.axis[1]), y, Times(Number(task.axis[2]), z)));
   const V3 sine = Cross(now, then);
   const V cosine1 = hn::Add(Dot(now, then), Number(1));  // 1 + cos(angle)
   const V length = hn::Sqrt(hn::Max(Dot(sine, sine), Number(1e-60)));
-  // Half a turn may be made about anything across.
+  *about = {hn::Div(sine.x, length), hn::Div(sine.y, length), hn::Div(sine.z, length)};
+  V tangent = hn::Div(length, hn::Max(cosine1, Number(0.5 * kNearHalfTurn)));
   const auto half_turn = hn::Lt(cosine1, Number(0.5 * kNearHalfTurn));
-  const V3 across = Cross(now, {Number(0.48), Number(0.60), Number(0.64)});
-  const V breadth = hn::Sqrt(hn::Max(Dot(across, across), Number(1e-12)));
-  about->x = hn::Div(hn::IfThenElse(half_turn, across.x, sine.x),
-                     hn::IfThenElse(half_turn, breadth, length));
-  about->y = hn::Div(hn::IfThenElse(half_turn, across.y, sine.y),
-                     hn::IfThenElse(half_turn, breadth, length));
-  about->z = hn::Div(hn::IfThenElse(half_turn, across.z, sine.z),
-                     hn::IfThenElse(half_turn, breadth, length));
+  if (HWY_UNLIKELY(!hn::AllFalse(d, half_turn)))
+    SwingAround(now, cosine1, half_turn, about, &tangent);
   // tan((angle - cone) / 2)
-  const V tangent = hn::Div(length, hn::Max(cosine1, Number(0.5 * kNearHalfTurn)));
   const V cone = Number(task.cone);
   const V left = hn::Div(hn::Sub(tangent, cone), hn::MulAdd(tangent, cone, Number(1)));
-  const V twice = hn::Min(hn::Max(hn::Add(left, left), hn::Zero(d)), Number(3));
-  const auto inside = hn::Le(left, hn::Zero(d));
-  const V3 angular = Times(twice, *about);
+  const V twice = hn::Max(hn::Add(left, left), hn::Zero(d));
+  *turn2 = hn::Mul(twice, twice);
+  *angular = Times(hn::Min(twice, Number(3)), *about);
   if (task.cone > 0) {
+    const auto inside = hn::Le(left, hn::Zero(d));
     about->x = hn::IfThenZeroElse(inside, about->x);
     about->y = hn::IfThenZeroElse(inside, about->y);
     about->z = hn::IfThenZeroElse(inside, about->z);
   }
-  return angular;
 }
 
 // Three rows times a vector.
@@ -233,118 +189,152 @@ HWY_INLINE V3 TimesRows(const double (*rows)[kMaxLanes], int lane, const V3& v) 
   return {Dot(Load3(rows, lane), v), Dot(Load3(rows + 3, lane), v), Dot(Load3(rows + 6, lane), v)};
 }
 
-template <int N, bool kTask>
-HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& options, int lane,
-                              LaneState* state, const LaneTask* task) {
-  constexpr int kMost = N ? N : kMaxChainJoints;
-  const int n = N ? N : chain.n;
-  V q[kMost];
-  for (int i = 0; i < n; ++i) q[i] = Load(state->q[i] + lane);
-  Axis axes[kMost];
-  const Frame f = Walk<N>(chain, q, axes);
+// What is left of the way to where the tip shall be, and the cost of what is left.
+struct Way {
+  V3 linear, angular;
+  V3 about;  // of a swing
+  V distance2, turn2, cost;
+  V pull;  // on joints to spare
+};
 
-  // The twist that takes the tip to where it shall be.
-  const V3 tip = Add(f.p, Times(f, chain.tip.translation));
+template <bool kTask>
+HWY_INLINE Way Measure(const Frame& f, const V3& tip, int lane, const LaneTask* task,
+                       const LaneState& state) {
   const V zero = hn::Zero(d);
-  V3 linear = Sub(Load3(state->position, lane), tip), angular, about = {zero, zero, zero};
-  const V3 x = Load3(state->axes, lane), y = Load3(state->axes + 3, lane),
-           z = Load3(state->axes + 6, lane);
-  V turn2;
+  Way way;
+  way.linear = Sub(Load3(state.position, lane), tip);
+  way.about = {zero, zero, zero};
+  way.pull = zero;
+  const V3 x = Load3(state.axes, lane), y = Load3(state.axes + 3, lane),
+           z = Load3(state.axes + 6, lane);
   if (kTask && task->swing) {
-    angular = SwingLeft(*task, f, {x, y, z, tip}, &about);
+    SwingLeft(*task, f, x, y, z, &way.angular, &way.turn2, &way.about);
   } else {
-    TurnLeft(f, x, y, z, &angular, &turn2);
+    TurnLeft(f, x, y, z, &way.angular, &way.turn2);
   }
-  V pull = hn::Zero(d);
   if constexpr (kTask) {
-    linear = TimesRows(task->linear, lane, linear);
-    angular = TimesRows(task->angular, lane, angular);
-    turn2 = Dot(angular, angular);
-    pull = Load(task->pull + lane);
+    way.linear = TimesRows(task->linear, lane, way.linear);
+    const V whole2 = hn::Max(Dot(way.angular, way.angular), Number(1e-60));
+    way.angular = TimesRows(task->angular, lane, way.angular);
+    // Far off the way that is gone is shorter than the one that is left.
+    const V share = hn::Div(way.turn2, whole2);
+    way.turn2 = hn::Mul(share, Dot(way.angular, way.angular));
+    way.pull = Load(task->pull + lane);
   }
-  const V distance2 = Dot(linear, linear);
-  const V cost = hn::Add(distance2, turn2);
-  hn::Store(distance2, d, state->distance2 + lane);
-  hn::Store(turn2, d, state->turn2 + lane);
+  way.distance2 = Dot(way.linear, way.linear);
+  way.cost = hn::Add(way.distance2, way.turn2);
+  return way;
+}
+
+// Tells what was measured, and keeps the best.
+HWY_INLINE void Note(const Way& way, int n, const V* q, int lane, LaneState* state) {
+  hn::Store(way.distance2, d, state->distance2 + lane);
+  hn::Store(way.turn2, d, state->turn2 + lane);
   const V best = Load(state->best_cost + lane);
-  const auto better = hn::Lt(cost, best);
-  hn::Store(hn::IfThenElse(better, cost, best), d, state->best_cost + lane);
+  const auto better = hn::Lt(way.cost, best);
+  hn::Store(hn::IfThenElse(better, way.cost, best), d, state->best_cost + lane);
   for (int i = 0; i < n; ++i) hn::BlendedStore(q[i], better, d, state->best_q[i] + lane);
-  const auto arrived =
-      hn::And(hn::Le(distance2, Number(options.distance2)), hn::Le(turn2, Number(options.turn2)));
+}
 
-  System s;
-  for (V& entry : s.a) entry = hn::Zero(d);
-  const V damping =
-      hn::MulAdd(hn::Min(cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
-  for (int i = 0; i < 6; ++i) s.a[At(i, i)] = damping;
-  s.b[0] = linear.x, s.b[1] = linear.y, s.b[2] = linear.z;
-  s.b[3] = angular.x, s.b[4] = angular.y, s.b[5] = angular.z;
+// The equations of a step: the lower triangle of a symmetric matrix, and what it is solved for.
+struct Equations {
+  V a[kEntries], b[6];
+};
+
+// What the joints do: columns of the Jacobian, a wish of their own, how easily they are moved.
+template <int N, bool kTask>
+struct Moves {
+  static constexpr int kMost = N ? N : kMaxChainJoints;
   V column[kMost][6], spare[kTask ? kMost : 1], ease[kTask ? kMost : 1];
-  for (int i = 0; i < n; ++i) {
-    V* c = column[i];
-    const FoldedJoint& joint = chain.joints[i];
-    V3 moves, turns = axes[i].direction;
-    if (HWY_UNLIKELY(joint.slide)) {
-      moves = Times(Number(chain.per_metre), turns);
-      turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    } else {
-      moves = Cross(turns, Sub(tip, axes[i].point));
-    }
-    if constexpr (kTask) {
-      moves = TimesRows(task->linear, lane, moves);
-      // Along the border of a cone nothing is asked for.
-      if (task->cone > 0) turns = Times(Dot(about, turns), about);
-      turns = TimesRows(task->angular, lane, turns);
-      const V way = hn::Sub(Load(task->goal[i] + lane), q[i]);
-      spare[i] =
-          options.locked[i] ? hn::Zero(d) : hn::Mul(hn::Mul(pull, Number(task->part[i])), way);
-    }
-    // A joint that presses on its limit takes no part (projected gradient: D. P. Bertsekas,
-    // "Projected Newton Methods for Optimization Problems with Simple Constraints", 1982).
-    V push = hn::Add(Dot(moves, linear), Dot(turns, angular));
-    if constexpr (kTask) push = hn::Add(push, spare[i]);
-    const auto up = hn::Gt(push, hn::Zero(d));
-    const auto stuck = hn::Or(hn::And(up, hn::Ge(q[i], Number(joint.upper))),
-                              hn::AndNot(up, hn::Le(q[i], Number(joint.lower))));
-    c[0] = hn::IfThenZeroElse(stuck, moves.x);
-    c[1] = hn::IfThenZeroElse(stuck, moves.y);
-    c[2] = hn::IfThenZeroElse(stuck, moves.z);
-    c[3] = hn::IfThenZeroElse(stuck, turns.x);
-    c[4] = hn::IfThenZeroElse(stuck, turns.y);
-    c[5] = hn::IfThenZeroElse(stuck, turns.z);
-    if (HWY_UNLIKELY(options.locked[i])) {
-      for (int k = 0; k < 6; ++k) c[k] = hn::Zero(d);
-    }
-    if constexpr (kTask) {
-      spare[i] = hn::IfThenZeroElse(stuck, spare[i]);
-      const auto at_ease = hn::Gt(pull, hn::Zero(d));
-      ease[i] = hn::IfThenElse(at_ease, Number(task->ease[i]), Number(1));
-      for (int r = 0; r < 6; ++r) s.b[r] = hn::NegMulAdd(c[r], spare[i], s.b[r]);
-    }
-#pragma GCC unroll 6
-    for (int r = 0; r < 6; ++r) {
-      V row = c[r];
-      if constexpr (kTask) row = hn::Mul(row, ease[i]);
-#pragma GCC unroll 6
-      for (int k = 0; k <= r; ++k) s.a[At(r, k)] = hn::MulAdd(row, c[k], s.a[At(r, k)]);
-    }
-  }
-  Solve(&s);
+};
 
-  V step[kMost];
+template <int N, bool kTask>
+HWY_INLINE void AddJoint(const FoldedChain& chain, const LaneOptions& options, int i, V q,
+                         const Axis& axis, const V3& tip, int lane, const LaneTask* task,
+                         const Way& way, Moves<N, kTask>* joints, Equations* e) {
+  V* c = joints->column[i];
+  const FoldedJoint& joint = chain.joints[i];
+  V3 moves, turns = axis.direction;
+  if (HWY_UNLIKELY(joint.slide)) {
+    moves = Times(Number(chain.per_metre), turns);
+    turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  } else {
+    moves = Cross(turns, Sub(tip, axis.point));
+  }
+  if constexpr (kTask) {
+    moves = TimesRows(task->linear, lane, moves);
+    // Along the border of a cone nothing is asked for.
+    if (task->cone > 0) turns = Times(Dot(way.about, turns), way.about);
+    turns = TimesRows(task->angular, lane, turns);
+    const V to_goal = hn::Sub(Load(task->goal[i] + lane), q);
+    joints->spare[i] = options.locked[i]
+                           ? hn::Zero(d)
+                           : hn::Mul(hn::Mul(way.pull, Number(task->part[i])), to_goal);
+  }
+  // A joint that presses on its limit takes no part (projected gradient: D. P. Bertsekas,
+  // "Projected Newton Methods for Optimization Problems with Simple Constraints", 1982).
+  V push = hn::Add(Dot(moves, way.linear), Dot(turns, way.angular));
+  if constexpr (kTask) push = hn::Add(push, joints->spare[i]);
+  const auto up = hn::Gt(push, hn::Zero(d));
+  const auto stuck = hn::Or(hn::And(up, hn::Ge(q, Number(joint.upper))),
+                            hn::AndNot(up, hn::Le(q, Number(joint.lower))));
+  c[0] = hn::IfThenZeroElse(stuck, moves.x);
+  c[1] = hn::IfThenZeroElse(stuck, moves.y);
+  c[2] = hn::IfThenZeroElse(stuck, moves.z);
+  c[3] = hn::IfThenZeroElse(stuck, turns.x);
+  c[4] = hn::IfThenZeroElse(stuck, turns.y);
+  c[5] = hn::IfThenZeroElse(stuck, turns.z);
+  if (HWY_UNLIKELY(options.locked[i])) {
+    for (int k = 0; k < 6; ++k) c[k] = hn::Zero(d);
+  }
+  if constexpr (kTask) {
+    joints->spare[i] = hn::IfThenZeroElse(stuck, joints->spare[i]);
+    const auto at_ease = hn::Gt(way.pull, hn::Zero(d));
+    joints->ease[i] = hn::IfThenElse(at_ease, Number(task->ease[i]), Number(1));
+    for (int r = 0; r < 6; ++r) e->b[r] = hn::NegMulAdd(c[r], joints->spare[i], e->b[r]);
+  }
+#pragma GCC unroll 6
+  for (int r = 0; r < 6; ++r) {
+    V row = c[r];
+    if constexpr (kTask) row = hn::Mul(row, joints->ease[i]);
+#pragma GCC unroll 6
+    for (int k = 0; k <= r; ++k) e->a[Entry(r, k)] = hn::MulAdd(row, c[k], e->a[Entry(r, k)]);
+  }
+}
+
+// The step that takes the tip along its way, damped.
+template <int N, bool kTask>
+HWY_INLINE void Assemble(const FoldedChain& chain, const LaneOptions& options, const V* q,
+                         const Axis* axes, const V3& tip, int lane, const LaneTask* task,
+                         const Way& way, Moves<N, kTask>* joints, Equations* e) {
+  const int n = N ? N : chain.n;
+  for (V& entry : e->a) entry = hn::Zero(d);
+  const V damping =
+      hn::MulAdd(hn::Min(way.cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
+  for (int i = 0; i < 6; ++i) e->a[Entry(i, i)] = damping;
+  e->b[0] = way.linear.x, e->b[1] = way.linear.y, e->b[2] = way.linear.z;
+  e->b[3] = way.angular.x, e->b[4] = way.angular.y, e->b[5] = way.angular.z;
+  for (int i = 0; i < n; ++i)
+    AddJoint(chain, options, i, q[i], axes[i], tip, lane, task, way, joints, e);
+}
+
+// Moves the lanes that do not stay, by what the solved equations say.
+template <int N, bool kTask>
+HWY_INLINE void Advance(const FoldedChain& chain, const LaneOptions& options, const V* q,
+                        const Moves<N, kTask>& joints, const Equations& e, hn::Mask<D> stay,
+                        int lane, LaneState* state) {
+  const int n = N ? N : chain.n;
+  V step[Moves<N, kTask>::kMost];
   V most = hn::Zero(d);
   for (int i = 0; i < n; ++i) {
-    const V* c = column[i];
-    V sum = hn::Mul(c[0], s.b[0]);
-    for (int k = 1; k < 6; ++k) sum = hn::MulAdd(c[k], s.b[k], sum);
-    if constexpr (kTask) sum = hn::MulAdd(sum, ease[i], spare[i]);
+    const V* c = joints.column[i];
+    V sum = hn::Mul(c[0], e.b[0]);
+    for (int k = 1; k < 6; ++k) sum = hn::MulAdd(c[k], e.b[k], sum);
+    if constexpr (kTask) sum = hn::MulAdd(sum, joints.ease[i], joints.spare[i]);
     step[i] = sum;
     if (!chain.joints[i].slide) most = hn::Max(most, hn::Abs(sum));
   }
   // Slides are linear however far they go.
-  auto stay = arrived;
-  if constexpr (kTask) stay = hn::And(stay, hn::Le(pull, hn::Zero(d)));
   const V go = hn::IfThenZeroElse(stay, Number(1));
   const V shorten =
       hn::IfThenZeroElse(stay, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
@@ -356,6 +346,30 @@ HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& optio
     hn::Store(hn::Min(hn::Max(moved, Number(joint.lower)), Number(joint.upper)), d,
               state->q[i] + lane);
   }
+}
+
+template <int N, bool kTask>
+HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& options, int lane,
+                              LaneState* state, const LaneTask* task) {
+  constexpr int kMost = Moves<N, kTask>::kMost;
+  const int n = N ? N : chain.n;
+  V q[kMost];
+  for (int i = 0; i < n; ++i) q[i] = Load(state->q[i] + lane);
+  Axis axes[kMost];
+  const Frame f = Walk<N>(chain, q, axes);
+  const V3 tip = Add(f.p, Times(f, chain.tip.translation));
+  const Way way = Measure<kTask>(f, tip, lane, task, *state);
+  Note(way, n, q, lane, state);
+  const auto arrived = hn::And(hn::Le(way.distance2, Number(options.distance2)),
+                               hn::Le(way.turn2, Number(options.turn2)));
+  auto stay = arrived;
+  if constexpr (kTask) stay = hn::And(stay, hn::Le(way.pull, hn::Zero(d)));
+
+  Equations e;
+  Moves<N, kTask> joints;
+  Assemble(chain, options, q, axes, tip, lane, task, way, &joints, &e);
+  SolveSix(d, e.a, e.b);
+  Advance(chain, options, q, joints, e, stay, lane, state);
   uint8_t bits[8] = {};
   hn::StoreMaskBits(d, arrived, bits);
   return bits[0];

@@ -25,7 +25,7 @@ struct LaneState {
   alignas(64) double axes[9][kMaxLanes] = {};
   alignas(64) double position[3][kMaxLanes] = {};
   // Of the q before the step: squared distance of the tip, and squared 2 tan(angle / 2) for the
-  // rotation left, which is never less than the angle (at most 16000).
+  // rotation left, which is never less than the angle.
   alignas(64) double distance2[kMaxLanes] = {};
   alignas(64) double turn2[kMaxLanes] = {};
   // The q with the least sum of both since it was last set to infinity.

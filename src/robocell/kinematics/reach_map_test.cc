@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "robocell/kinematics/manipulability.h"
 #include "robocell/kinematics/testing/models.h"

@@ -116,8 +116,10 @@ TEST_F(CollisionFilterTest, IsSharedByThreads) {
   std::vector<uint8_t> alone(kCount), first(kCount), second(kCount);
   filter(q, kCount, alone);
   {
-    const std::jthread one([&] { CollisionFilter(filter)(q, kCount, first); });
-    const std::jthread two([&] { CollisionFilter(filter)(q, kCount, second); });
+    const auto judge = [&](CollisionFilter copy, std::vector<uint8_t>* keep) {
+      copy(q, kCount, *keep);
+    };
+    const std::jthread one(judge, filter, &first), two(judge, filter, &second);
     for (int k = 0; k < 50; ++k) filter.Update();
   }
   EXPECT_EQ(first, alone);

@@ -1,0 +1,41 @@
+// Six equations in six unknowns, in all lanes. Included once for each instruction set.
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace robocell::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Of a symmetric 6 x 6 matrix whose lower triangle is kept row by row.
+HWY_INLINE constexpr int Entry(int row, int column) { return row * (row + 1) / 2 + column; }
+constexpr int kEntries = 21;
+
+// Solves for b in place by L D L^T. Returns the product of D, the determinant.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V SolveSix(D d, V* a, V* b) {
+  V inverse[6];
+  V determinant = hn::Set(d, 1.0);
+#pragma GCC unroll 6
+  for (int j = 0; j < 6; ++j) {
+    determinant = hn::Mul(determinant, a[Entry(j, j)]);
+    inverse[j] = hn::Div(hn::Set(d, 1.0), a[Entry(j, j)]);
+#pragma GCC unroll 6
+    for (int i = j + 1; i < 6; ++i) {
+      const V factor = hn::Mul(a[Entry(i, j)], inverse[j]);
+#pragma GCC unroll 6
+      for (int k = j + 1; k <= i; ++k)
+        a[Entry(i, k)] = hn::NegMulAdd(factor, a[Entry(k, j)], a[Entry(i, k)]);
+      b[i] = hn::NegMulAdd(factor, b[j], b[i]);
+    }
+  }
+#pragma GCC unroll 6
+  for (int j = 5; j >= 0; --j) {
+    V sum = b[j];
+#pragma GCC unroll 6
+    for (int i = j + 1; i < 6; ++i) sum = hn::NegMulAdd(a[Entry(i, j)], b[i], sum);
+    b[j] = hn::Mul(sum, inverse[j]);
+  }
+  return determinant;
+}
+
+}  // namespace robocell::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
