@@ -150,7 +150,8 @@ void BindChain(nb::module_& m) {
           "tip", [](const Chain& chain) { return chain.tip().name; },
           "Name of the body or site at its end.")
       .def("fk", &FkOf, "q"_a, "out"_a = nb::none(), nb::sig(kFk),
-           "Pose of the tip in the base frame; of a batch, (B, 4, 4) matrices.")
+           "Pose of the tip in the base frame; of a batch, (B, 4, 4) matrices, which are rounded "
+           "otherwise.")
       .def("jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), nb::sig(kJacobian),
            "(6, n) at the tip, linear rows first.")
       .def(

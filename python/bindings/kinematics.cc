@@ -309,7 +309,8 @@ void BindKinematics(nb::module_& m) {
       "joint values q (n,) takes many at once, (B, n), and answers with B in front of the shape; "
       "arguments with one row are for all. Arrays that are contiguous and of float64 are read "
       "where they are, and the answer is written into `out` when it is given. No result depends "
-      "on the batch that it is in.");
+      "on the batch that it is in. (The Pose that fk returns for one q is computed on its own, and "
+      "rounded otherwise than the matrix in a batch or in `out`.)");
   GuardHandle<Kinematics>(kinematics, [](const Kinematics& k) { k.robot.RequireOpen(); });
   DefDynamics(kinematics);
   kinematics
@@ -405,6 +406,19 @@ void BindKinematics(nb::module_& m) {
           "`fraction` (X, Y, Z), the share that is solved within the limits; `manipulability` (X, "
           "Y, Z), the mean of the answers'; the centres `x`, `y`, `z`; `cell` and `rotations`. "
           "Collisions are not looked at.")
+      .def(
+          "reach_box",
+          [](const Kinematics& k) {
+            const ReachGrid grid = ReachGrid::Around(k.robot.chain());
+            const auto corner = [](const Eigen::Vector3d& c) {
+              return NewArray<double>(std::span<const double>(c.data(), 3), {3});
+            };
+            return nb::make_tuple(corner(grid.lower), corner(grid.upper));
+          },
+          nb::sig("def reach_box(self) -> tuple[numpy.typing.NDArray[numpy.float64], "
+                  "numpy.typing.NDArray[numpy.float64]]"),
+          "Lower and upper corner (3,), m, of a box in the robot base frame beyond which the TCP "
+          "never is: for reach_map. ArgumentError for an arm with a slide without limits.")
       .def_prop_ro(
           "reach", [](const Kinematics& k) { return k.robot.reach(); },
           nb::call_guard<nb::gil_scoped_release>(),

@@ -72,6 +72,7 @@ def test_a_batch_is_its_rows_and_one_row_broadcasts(robot: rc.Robot):
         for i in range(11):
             assert np.array_equal(call(q[i : i + 1])[0], whole[i])
     assert np.array_equal(k.jacobian(q[3]), k.jacobian(q)[3])
+    assert np.array_equal(k.fk(q[3], out=np.empty((4, 4))), k.fk(q)[3])
     assert k.fk(q[3]).is_close(rc.Pose(k.fk(q)[3]), 1e-14, 1e-14)
     still = [0] * 7
     everywhere = np.broadcast_to(np.array(still), (11, 7))

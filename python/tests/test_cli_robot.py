@@ -219,7 +219,7 @@ def test_ik_test_solves_what_the_robot_can_reach():
 def test_reach_writes_numbers_a_picture_and_a_page(tmp_path: Path):
     name = tmp_path / "map"
     result = robocell_command(
-        *("reach", RC7, "--plane", "z=0.3", "--cell", 0.2, "--rotations", 8, "-o", name)
+        *("reach", RC7, "--plane", "z=0.3", "--cell", 0.2, "--rotations", 8, "-o", f"{name}.npz")
     )
     assert result.returncode == 0, result.stdout + result.stderr
     assert "cells of 0.2 m" in result.stdout
@@ -237,6 +237,10 @@ def test_reach_writes_numbers_a_picture_and_a_page(tmp_path: Path):
 def test_reach_of_a_volume_is_drawn_in_slices_and_as_a_body(tmp_path: Path):
     robot = load_robot(RC7).robot
     lower, upper = reach_map.corners(robot, None)
+    q = np.random.default_rng(0).uniform(*np.array(robot.joint_limits).T, (2000, 7))
+    tips = robot.kinematics.fk(q)[:, :3, 3]
+    assert (lower < tips).all()
+    assert (tips < upper).all()
     found = robot.kinematics.reach_map(lower, upper, cell=0.4, rotations=4)
     assert [axis for axis, _, _ in reach_map.slices(found)] == [2, 1, 0]
     reach_map.draw(tmp_path / "map.png", "rc7", found)

@@ -13,6 +13,7 @@ import typer
 from robocell.cli.common import ExitCode, fail
 from robocell.cli.robot_scene import load_robot
 
+SUFFIXES = (".npz", ".png", ".html")
 PLANE = re.compile(r"\s*([xyz])\s*=\s*([-+0-9.eE]+)\s*")
 
 
@@ -44,6 +45,8 @@ def reach(
 
     robot = load_robot(robot_file).robot
     name = output or Path(f"{robot.name}_reach")
+    if name.suffix in SUFFIXES:
+        name = name.with_suffix("")
     if not name.parent.is_dir():
         fail(f"cannot write '{name}.npz': there is no folder '{name.parent}'", ExitCode.OUTPUT)
     lower, upper = corners(robot, layer)
@@ -52,9 +55,10 @@ def reach(
         lower, upper, cell=cell, rotations=rotations, threads=len(os.sched_getaffinity(0))
     )
     seconds = time.perf_counter() - begin
-    save(name.with_name(name.name + ".npz"), found)
-    draw(name.with_name(name.name + ".png"), robot.name, found)
-    write_page(name.with_name(name.name + ".html"), robot.name, found)
+    numbers, picture, page = (name.with_name(name.name + suffix) for suffix in SUFFIXES)
+    save(numbers, found)
+    draw(picture, robot.name, found)
+    write_page(page, robot.name, found)
     poses = found.fraction.size * rotations
     reached = float((found.fraction > 0).mean())
     print(
@@ -64,7 +68,7 @@ def reach(
         f"reached: {100 * reached:.1f} % of the cells, "
         f"{100 * float(found.fraction.mean()):.1f} % of the poses"
     )
-    print(f"written: {name}.npz, {name}.png, {name}.html")
+    print(f"written: {numbers}, {picture}, {page}")
 
 
 def _layer(plane: str | None, volume: bool) -> tuple[int, float] | None:

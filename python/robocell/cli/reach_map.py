@@ -17,13 +17,11 @@ TITLES = {
     "manipulability": "mean manipulability",
 }
 COLOURS = {"fraction": "viridis", "manipulability": "magma"}
-MARGIN = 1.02
 
 
 def corners(robot: Robot, layer: tuple[int, float] | None) -> tuple[Array, Array]:
     """Lower and upper corner (3,), m, of what the robot may reach, or of one layer of it."""
-    far = MARGIN * robot.reach
-    lower, upper = np.full(3, -far), np.full(3, far)
+    lower, upper = robot.kinematics.reach_box()
     if layer:
         axis, place = layer
         lower[axis] = upper[axis] = place
