@@ -441,19 +441,29 @@ TEST(IkSolutionsOfTwoLinks, AreBothElbows) {
   EXPECT_NEAR(Manipulability(chain, all[0].q), std::sqrt((j.transpose() * j).determinant()), 1e-12);
 }
 
-// Half a turn from the seed a hinge without limits may be a turn this way or that.
-TEST(IkSolutionsOfTwoLinks, AreNotTheSameOnesATurnOn) {
+// One joint to spare: solutions all around the turn, which begins again half a turn from the seed.
+TEST(IkSolutionsOfThreeLinks, AreNotTheSameOnesATurnOn) {
   const TestModel t = TestModel::FromXml(
       "<mujoco><compiler angle='radian'/><worldbody><body name='base'><geom size='.1'/>"
       "<body><joint axis='0 0 1'/><geom size='.1'/>"
+      "<body pos='1 0 0'><joint axis='0 0 1'/><geom size='.1'/>"
       "<body pos='1 0 0'><joint axis='0 0 1' range='-9 9'/><geom size='.1'/>"
-      "<site name='tip' pos='1 0 0'/></body></body></body></worldbody></mujoco>");
+      "<site name='tip' pos='1 0 0'/></body></body></body></body></worldbody></mujoco>");
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
-  const double elbow = 1.2, shoulder = 0.4, half = std::numbers::pi;
-  const Pose target = chain.Fk(JointVector{shoulder, elbow});
-  for (const JointVector& seed : {JointVector{shoulder + half, elbow + half},
-                                  JointVector{shoulder + elbow - half, -elbow}, JointVector{0, 0}})
-    EXPECT_EQ(IkSolutions(chain, target, {.seed = seed, .position_only = true}).size(), 2u);
+  const std::vector<IkResult> all =
+      IkSolutions(chain, Pose(Vector3d(0.4, 0.3, 0)),
+                  {.seed = JointVector(3), .position_only = true, .max_restarts = 400}, 0.3);
+  EXPECT_GT(all.size(), 10u);
+  for (std::size_t a = 0; a < all.size(); ++a) {
+    for (std::size_t b = 0; b < a; ++b) {
+      double apart = 0;
+      for (int i = 0; i < 3; ++i) {
+        const double way = all[a].q[i] - all[b].q[i];
+        apart = std::max(apart, std::abs(std::remainder(way, 2 * std::numbers::pi)));
+      }
+      EXPECT_GT(apart, 0.3);
+    }
+  }
 }
 
 TEST(IkMoreOptions, MakeSense) {
