@@ -12,6 +12,8 @@ foreach(kernel kinematics/lane_kernel kinematics/link_kernel kinematics/pose_ker
     COMPILE_OPTIONS "-O3" SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 target_compile_features(robocell PUBLIC cxx_std_20)
+# Calls within the library go straight to what they call, not through a table that others could change.
+target_link_options(robocell PRIVATE "LINKER:-Bsymbolic-functions")
 target_include_directories(robocell PUBLIC
   "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>" "$<INSTALL_INTERFACE:include>")
 target_include_directories(robocell SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS}

@@ -22,8 +22,7 @@ def move_to(robot: rc.Robot, tcp: rc.Pose, seconds: float) -> None:
     start = robot.jnt_pos_cmd.copy()
     ticks = round(seconds / robot.scene.timestep())
     for i in range(1, ticks + 1):
-        t = i / ticks
-        robot.jnt_pos_cmd[:] = start + t**3 * (10 - 15 * t + 6 * t * t) * (ik.q - start)
+        robot.jnt_pos_cmd[:] = start + rc.minimum_jerk(i, ticks).position * (ik.q - start)
         robot.update()
         robot.step()
 

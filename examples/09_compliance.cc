@@ -100,11 +100,9 @@ void Press(rc::Robot& robot) {
     return robot.base_in_world().inverse() * table * place;
   };
 
-  robot.SetController("arm", "cartesian_pose");
-  dynamic_cast<rc::CartesianPoseController&>(robot.controller("arm")).SetPose(over_table(.03));
+  robot.SetController<rc::CartesianPoseController>("arm").SetPose(over_table(.03));
   Run(robot, 2);
-  robot.SetController("arm", "cartesian_impedance");
-  auto& spring = dynamic_cast<rc::CartesianImpedanceController&>(robot.controller("arm"));
+  auto& spring = robot.SetController<rc::CartesianImpedanceController>("arm");
   spring.SetStiffness({800, 800, 500, 40, 40, 40});  // N/m, then Nm/rad
   for (const double height : {-.01, -.03}) {
     spring.SetPose(over_table(height));
@@ -119,8 +117,7 @@ void Press(rc::Robot& robot) {
 
 // Servos that follow what the sensor feels, as if the tool were a mass in oil.
 void GiveWay(rc::Robot& robot) {
-  robot.SetController("arm", "cartesian_pose");
-  auto& cartesian = dynamic_cast<rc::CartesianPoseController&>(robot.controller("arm"));
+  auto& cartesian = robot.SetController<rc::CartesianPoseController>("arm");
   const double mass = 4, oil = 100, dt = robot.scene().timestep();  // kg, Ns/m, s
   rc::Pose goal = robot.tcp_in_world();
   Vector velocity = Vector::Zero();

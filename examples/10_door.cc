@@ -50,8 +50,7 @@ rc::Scene Build() {
 class Hand {
  public:
   explicit Hand(const rc::Robot& robot) : robot_(robot), pose_(robot.tcp_in_world()) {
-    robot_.SetController("arm", "cartesian_impedance");
-    spring_ = &dynamic_cast<rc::CartesianImpedanceController&>(robot_.controller("arm"));
+    spring_ = &robot_.SetController<rc::CartesianImpedanceController>("arm");
     spring_->SetStiffness({2000, 2000, 2000, 80, 80, 80});  // N/m, then Nm/rad
   }
 
@@ -121,11 +120,10 @@ int main(int argc, char** argv) try {
   const rc::Scene scene = Build();
   Hand hand(rc::Robot::Of(scene, "rc7"));
 
-  const rc::Pose closed = scene.body_pose("cabinet_drawer");
   hand.Take(scene.site_pose("cabinet_drawer_handle") * kFromAbove);
   hand.Move(Shift(-.2, 0, 0) * hand.pose(), 1.5);
   hand.LetGo();
-  const double drawer = (closed.inverse() * scene.body_pose("cabinet_drawer")).translation().x();
+  const double drawer = scene.joint_pos("cabinet_drawer_slide");
   std::printf("the drawer is open by %.0f mm\n", 1000 * drawer);
 
   const rc::Pose hinge = scene.body_pose("cabinet_door");
@@ -139,7 +137,7 @@ int main(int argc, char** argv) try {
   };
   hand.Follow(arc, 2.5);
   hand.LetGo();
-  const double door = 180 / pi * (hinge.inverse() * scene.body_pose("cabinet_door")).rpy().z();
+  const double door = 180 / pi * scene.joint_pos("cabinet_door_hinge");
   std::printf("the door is open by %.0f degrees\n", door);
 
   if (std::abs(drawer - .2) > .01) throw rc::Error("the drawer is not where it was pulled to");

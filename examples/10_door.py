@@ -47,8 +47,7 @@ class Hand:
         """Along the poses path(0) to path(1), starting and ending at rest."""
         ticks = round(seconds / self.robot.scene.timestep())
         for i in range(1, ticks + 1):
-            t = i / ticks
-            self.pose = path(t * t * t * (10 + t * (-15 + 6 * t)))
+            self.pose = path(rc.minimum_jerk(i, ticks).position)
             self.spring.pose = self.robot.base_in_world.inverse() * self.pose
             self.robot.update()
             self.robot.step()
@@ -84,11 +83,10 @@ def main(folder: Path) -> None:
     scene = build()
     hand = Hand(scene.robot("rc7"))
 
-    closed = scene.body_pose("cabinet_drawer")
     hand.take(scene.site_pose("cabinet_drawer_handle") * FROM_ABOVE)
     hand.move(rc.Pose(translation=[-0.2, 0, 0]) * hand.pose, 1.5)
     hand.let_go()
-    drawer = (closed.inverse() * scene.body_pose("cabinet_drawer")).translation[0]
+    drawer = scene.joint_pos("cabinet_drawer_slide")
     print(f"the drawer is open by {1000 * drawer:.0f} mm")
 
     hinge = scene.body_pose("cabinet_door")
@@ -103,7 +101,7 @@ def main(folder: Path) -> None:
 
     hand.follow(arc, 2.5)
     hand.let_go()
-    door = math.degrees((hinge.inverse() * scene.body_pose("cabinet_door")).rpy[2])
+    door = math.degrees(scene.joint_pos("cabinet_door_hinge"))
     print(f"the door is open by {door:.0f} degrees")
 
     assert abs(drawer - 0.2) < 0.01

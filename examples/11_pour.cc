@@ -89,8 +89,7 @@ int main(int argc, char** argv) try {
   fs::create_directories(folder);
   const rc::Scene scene = Build();
   rc::Robot robot = rc::Robot::Of(scene, "rc7");
-  robot.SetController("arm", "cartesian_pose");
-  auto& arm = dynamic_cast<rc::CartesianPoseController&>(robot.controller("arm"));
+  auto& arm = robot.SetController<rc::CartesianPoseController>("arm");
   arm.SetMaxSpeeds(.3, 1.5);  // m/s, rad/s
   // Straight towards a pose of the hand in the world, for so long.
   const auto move = [&](const rc::Pose& hand, double seconds) {

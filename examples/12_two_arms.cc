@@ -65,21 +65,17 @@ struct Arm {
   rc::Pose grasp;
   rc::Pose pose = robot.tcp_in_world();  // where the springs draw it to
   rc::Pose home = pose;
+  rc::CartesianImpedanceController& spring =
+      robot.SetController<rc::CartesianImpedanceController>("arm");
 };
-
-rc::CartesianImpedanceController& Spring(const Arm& arm) {
-  return dynamic_cast<rc::CartesianImpedanceController&>(arm.robot.controller("arm"));
-}
 
 using Arms = std::vector<Arm>;
 using Path = std::function<rc::Pose(const Arm&, double)>;
 
 Arms BothArms(const rc::Scene& scene) {
   Arms arms = {{rc::Robot::Of(scene, "left"), kLeft}, {rc::Robot::Of(scene, "right"), kRight}};
-  for (Arm& arm : arms) {
-    arm.robot.SetController("arm", "cartesian_impedance");
-    Spring(arm).SetStiffness({1500, 1500, 1500, 60, 60, 60});  // N/m, then Nm/rad
-  }
+  for (const Arm& arm : arms)
+    arm.spring.SetStiffness({1500, 1500, 1500, 60, 60, 60});  // N/m, Nm/rad
   return arms;
 }
 
@@ -90,7 +86,7 @@ void Follow(Arms& arms, const Path& path, double seconds) {
   for (int i = 1; i <= ticks; ++i) {
     for (Arm& arm : arms) {
       arm.pose = path(arm, rc::MinimumJerk(i, ticks).position);
-      Spring(arm).SetPose(arm.robot.base_in_world().inverse() * arm.pose);
+      arm.spring.SetPose(arm.robot.base_in_world().inverse() * arm.pose);
       arm.robot.Update();
     }
     if (const rc::StepResult step = scene.Step(); !step.ok()) throw rc::Error(step.message);

@@ -69,9 +69,8 @@ def follow(arms: list[Arm], path: Callable[[Arm, float], rc.Pose], seconds: floa
     scene = arms[0].robot.scene
     ticks = round(seconds / scene.timestep())
     for i in range(1, ticks + 1):
-        t = i / ticks
         for arm in arms:
-            arm.draw_to(path(arm, t * t * t * (10 + t * (-15 + 6 * t))))
+            arm.draw_to(path(arm, rc.minimum_jerk(i, ticks).position))
             arm.robot.update()
         scene.step()
 

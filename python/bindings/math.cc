@@ -1,12 +1,16 @@
-// Pose.
+// Pose, and motions over time.
 #include "robocell/math/pose.h"
 
 #include <fmt/format.h>
 #include <nanobind/operators.h>
 
+#include <cmath>
+
 #include "bindings.h"
+#include "kinematics.h"
 #include "values.h"
 #include "robocell/base/error.h"
+#include "robocell/math/interpolation.h"
 
 namespace robocell::python {
 namespace {
@@ -186,6 +190,54 @@ void DefOperations(nb::class_<Pose>& c) {
                   nb::sig("def from_kdl(frame: typing.Any) -> Pose"), "From a PyKDL.Frame.");
 }
 
+void BindMotions(nb::module_& m) {
+  nb::class_<CoordinateState>(m, "CoordinateState", "One coordinate of a motion at a time.")
+      .def_ro("position", &CoordinateState::position)
+      .def_ro("velocity", &CoordinateState::velocity, "Per second.")
+      .def_ro("acceleration", &CoordinateState::acceleration, "Per second squared.")
+      .def("__repr__", [](const CoordinateState& s) {
+        return fmt::format("CoordinateState(position={}, velocity={}, acceleration={})", s.position,
+                           s.velocity, s.acceleration);
+      });
+  m.def("minimum_jerk", &MinimumJerk, nb::arg("time"), nb::arg("duration"),
+        "From 0 at time 0 to 1 at `duration`, at rest before, after and at both ends, with the "
+        "least jerk: a CoordinateState. Use its position as the `s` of Pose.interpolate, or of "
+        "start + s * (goal - start). ArgumentError for a negative duration.");
+  m.def("minimum_jerk_duration", &MinimumJerkDuration, nb::arg("distance"), nb::arg("max_velocity"),
+        nb::arg("max_acceleration"),
+        "The shortest duration (s) in which such a motion over `distance` keeps both limits; "
+        "infinity is no limit. ArgumentError unless limits are > 0 and the distance is finite.");
+  m.def(
+      "joint_move_duration",
+      [](nb::handle start, nb::handle goal, nb::handle velocity, nb::handle acceleration) {
+        const FieldPath from("start"), to("goal"), v("max_velocity"), a("max_acceleration");
+        return JointMoveDuration(Numbers(start, from), Numbers(goal, to), Numbers(velocity, v),
+                                 Numbers(acceleration, a));
+      },
+      nb::arg("start"), nb::arg("goal"), nb::arg("max_velocity"), nb::arg("max_acceleration"),
+      nb::sig("def joint_move_duration(start: object, goal: object, max_velocity: object, "
+              "max_acceleration: object) -> float"),
+      "The shortest duration (s) in which minimum-jerk motions of all joints, which start and "
+      "arrive together, keep their limits: (n,) each, rad/s and rad/s^2, or m. ArgumentError for "
+      "different sizes.");
+  m.def(
+      "pose_move_duration",
+      [](const PoseOrFrame& start, const PoseOrFrame& goal, double linear_velocity,
+         double linear_acceleration, double angular_velocity, double angular_acceleration) {
+        return PoseMoveDuration(
+            start.get(), goal.get(),
+            {linear_velocity, linear_acceleration, angular_velocity, angular_acceleration});
+      },
+      nb::arg("start"), nb::arg("goal"), nb::kw_only(), nb::arg("linear_velocity") = HUGE_VAL,
+      nb::arg("linear_acceleration") = HUGE_VAL, nb::arg("angular_velocity") = HUGE_VAL,
+      nb::arg("angular_acceleration") = HUGE_VAL,
+      nb::sig("def pose_move_duration(start: Pose, goal: Pose, *, linear_velocity: float = inf, "
+              "linear_acceleration: float = inf, angular_velocity: float = inf, "
+              "angular_acceleration: float = inf) -> float"),
+      "The shortest duration (s) in which start.interpolate(goal, minimum_jerk(t, "
+      "duration).position) keeps the limits: m/s, m/s^2, rad/s, rad/s^2.");
+}
+
 }  // namespace
 
 nb::object ImportPyKdl() {
@@ -209,6 +261,7 @@ nb::object ToKdl(const Pose& pose) {
 }
 
 void BindMath(nb::module_& m) {
+  BindMotions(m);
   nb::class_<Pose> c(m, "Pose", kDoc);
   c.def(
       "__init__",

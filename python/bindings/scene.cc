@@ -173,7 +173,11 @@ void BindReset(nb::module_& m) {
       .def_rw("use_keyframe", &ResetOptions::use_keyframe,
               "False: the model's default configuration.")
       .def_rw("seed", &ResetOptions::seed, nb::arg("value").none(),
-              "For the robots' home noise; None: no noise.");
+              "For the robots' home noise; None: no noise.")
+      .def("__repr__", [](nb::handle options) {
+        return nb::str("ResetOptions(keyframe={}, use_keyframe={}, seed={})")
+            .format(options.attr("keyframe"), options.attr("use_keyframe"), options.attr("seed"));
+      });
   nb::class_<ResetInfo>(m, "ResetInfo", "What a reset started from.")
       .def_ro("used_keyframe", &ResetInfo::used_keyframe, "Whether it was a keyframe.")
       .def_ro("keyframe", &ResetInfo::keyframe, "Its number, else -1.")
@@ -341,7 +345,10 @@ void DefFrames(nb::class_<Scene>& c) {
       .def_prop_ro("shared_base_frame_to_world", &Scene::shared_base_frame_to_world)
       .def("body_names", &Scene::body_names)
       .def("joint_names", &Scene::joint_names)
-      .def("camera_names", &Scene::camera_names);
+      .def("camera_names", &Scene::camera_names)
+      .def("joint_pos", &Scene::joint_pos, nb::arg("name"),
+           "Position of a hinge (rad) or slide (m) of whatever is in the scene; ArgumentError for "
+           "free and ball joints.");
 }
 
 void DefActuation(nb::class_<Scene>& c) {

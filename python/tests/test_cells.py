@@ -245,8 +245,25 @@ class TestCamerasActuatorsPoses:
         with pytest.raises(rc.NotFoundError, match=r"no actuator 'griper'.*mean 'gripper'"):
             scene.actuator_ctrl("griper")
 
+    def test_joints_by_name(self):
+        scene = rc.Scene.build(empty(robots=[rc7()], objects=[cube()]))
+        scene.data.joint("joint2").qpos[0] = 0.375
+        assert scene.joint_pos("joint2") == 0.375
+        with pytest.raises(rc.ArgumentError, match=r"is free.*body_pose\("):
+            scene.joint_pos("cube_joint")
+
 
 class TestReset:
+    def test_options_and_info_say_what_they_are(self):
+        scene = rc.Scene.build(empty(robots=[rc7()]))
+        told = []
+        scene.on_reset(lambda context: told.append(f"{context.options} {context.info}"))
+        scene.reset(rc.ResetOptions(seed=3))
+        assert told == [
+            "ResetOptions(keyframe=None, use_keyframe=True, seed=3) "
+            "ResetInfo(used_keyframe=True, keyframe=0)"
+        ]
+
     def test_a_robot_holds_the_pose_that_the_hook_leaves(self):
         scene = rc.Scene.build(empty(robots=[rc7(name="a")]))
         robot = scene.robot("a")

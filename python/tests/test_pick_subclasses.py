@@ -230,3 +230,31 @@ def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
     wanted = r"Nowhere.check_base_pose\(\) must return a Refusal or None, got 'free'"
     with pytest.raises(TypeError, match=wanted):
         rc.Runner(run, sampler=Nowhere).run(rc.make_plan(run)[0])
+
+
+class BesideAPool(rc.PickTaskSampler):
+    """A second mug and a block as large as the room, both parked."""
+
+    def make_base_scene(self, scene_index: int) -> rc.SceneSpec:
+        spec = super().make_base_scene(scene_index)
+        spec.objects.append(
+            rc.SceneObject(name="spare", mjcf_path="mug", pos=[0, 0, 0.8], fixed=False, parked=True)
+        )
+        block = rc.SceneObject(name="block", shape=rc.Shape.BOX, size=[0.8, 0.8, 0.5], parked=True)
+        block.pos, block.rgba, block.mass = [0, 0, 1.2], [1, 0, 0, 1], 5
+        block.friction = [1, 0.02, 0.001]
+        spec.objects.append(block)
+        return spec
+
+
+def test_what_is_parked_is_not_sampled_and_in_nobodys_way(tmp_path: Path):
+    run = load(tmp_path)
+    request = rc.SampleRequest()
+    start = BesideAPool(run).sample(request, rc.Rng(3))
+    alone = rc.PickTaskSampler(run).sample(request, rc.Rng(3))
+    assert isinstance(start, rc.EpisodeStart)
+    assert isinstance(alone, rc.EpisodeStart)
+    assert start.object_kinds == alone.object_kinds
+    assert start.task.objects() == alone.task.objects()
+    assert start.scene.parked_objects == ["spare", "block"]
+    assert start.scene.contacts("block") == []

@@ -5,8 +5,7 @@
 //   force  = stiffness * (target - pose) - damping * velocity
 //   torque = J^T force + N^T posture torque + gravity + Coriolis
 //
-//   robot.SetController("arm", "cartesian_impedance");
-//   auto& soft = dynamic_cast<CartesianImpedanceController&>(robot.controller("arm"));
+//   auto& soft = robot.SetController<CartesianImpedanceController>("arm");
 //   soft.SetStiffness({800, 800, 100, 40, 40, 40});        // N/m, then Nm/rad
 //   soft.SetPose(target_in_robot);
 //
@@ -27,12 +26,13 @@ namespace robocell {
 
 class CartesianImpedanceController : public Controller {
  public:
+  static constexpr std::string_view kKind = "cartesian_impedance";
   using Gains = std::array<double, 6>;
 
   // NotFoundError for an arm without a chain.
   explicit CartesianImpedanceController(ArmGroup& arm);
 
-  std::string_view kind() const override { return "cartesian_impedance"; }
+  std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   TargetKind target_kind() const override { return TargetKind::kPose; }

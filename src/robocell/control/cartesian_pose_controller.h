@@ -22,10 +22,11 @@ namespace robocell {
 
 class CartesianPoseController : public Controller {
  public:
+  static constexpr std::string_view kKind = "cartesian_pose";
   // NotFoundError for an arm without a chain, ArgumentError for one without position servos.
   explicit CartesianPoseController(ArmGroup& arm);
 
-  std::string_view kind() const override { return "cartesian_pose"; }
+  std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
   TargetKind target_kind() const override { return TargetKind::kPose; }
   int target_size() const override { return 7; }

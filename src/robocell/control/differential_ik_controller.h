@@ -22,10 +22,11 @@ namespace robocell {
 
 class DifferentialIkController : public Controller {
  public:
+  static constexpr std::string_view kKind = "differential_ik";
   // NotFoundError for an arm without a chain, ArgumentError for one without position servos.
   explicit DifferentialIkController(ArmGroup& arm);
 
-  std::string_view kind() const override { return "differential_ik"; }
+  std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
   TargetKind target_kind() const override { return TargetKind::kTwist; }
   int target_size() const override { return 6; }

@@ -6,6 +6,7 @@
 #include "robocell/base/error.h"
 #include "robocell/control/cartesian_impedance_controller.h"
 #include "robocell/control/joint_impedance_controller.h"
+#include "robocell/robot/joint_position_controller.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -19,12 +20,6 @@ void RunFor(Robot& robot, int steps) {
     robot.Update();
     ASSERT_TRUE(robot.Step().ok());
   }
-}
-
-template <class C>
-C& Use(Robot& robot, const char* kind) {
-  robot.SetController("arm", kind);
-  return dynamic_cast<C&>(robot.controller("arm"));
 }
 
 // Tilted, so that the base's axes are not the world's, and not compensated.
@@ -56,7 +51,7 @@ TEST_P(Impedance, AJointGivesWayAsASpring) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
-  auto& impedance = Use<JointImpedanceController>(robot, "joint_impedance");
+  auto& impedance = robot.SetController<JointImpedanceController>("arm");
   const std::vector<double> start = robot.arm().joint_pos();
   RunFor(robot, 200);
   for (int i = 0; i < 7; ++i) {
@@ -72,7 +67,7 @@ TEST_P(Impedance, TheLeafGivesWayAsASpringAlongTheAxesOfTheBase) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
-  auto& soft = Use<CartesianImpedanceController>(robot, "cartesian_impedance");
+  auto& soft = robot.SetController<CartesianImpedanceController>("arm");
   soft.SetStiffness({500, 700, 900, 60, 60, 60});
   RunFor(robot, 200);
   const Pose start = robot.FkFrame();
@@ -89,7 +84,7 @@ TEST_P(Impedance, TheLeafGoesToItsTargetWithoutOvershoot) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
-  auto& soft = Use<CartesianImpedanceController>(robot, "cartesian_impedance");
+  auto& soft = robot.SetController<CartesianImpedanceController>("arm");
   const Pose start = robot.FkFrame();
   const Vector3d step(0.03, -0.02, 0.02);
   soft.SetPose(Pose(start.translation() + step, start.rotation()));
@@ -109,7 +104,7 @@ TEST_P(Impedance, TheLeafDoesNotFeelThePosture) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
-  auto& soft = Use<CartesianImpedanceController>(robot, "cartesian_impedance");
+  auto& soft = robot.SetController<CartesianImpedanceController>("arm");
   RunFor(robot, 100);
   const Pose start = robot.FkFrame();
   const std::vector<double> before = robot.arm().joint_pos();
@@ -127,7 +122,7 @@ TEST_P(Impedance, TheLeafDoesNotFeelThePosture) {
 
 TEST(ImpedanceTargets, AreCommandedByPortsAndActions) {
   Robot robot = RobotAlone(Rc7());
-  Use<JointImpedanceController>(robot, "joint_impedance");
+  robot.SetController<JointImpedanceController>("arm");
   EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque);
   robot.jnt_pos_cmd()[3] += 0.1;
   const double target = robot.jnt_pos_cmd()[3];
@@ -138,7 +133,7 @@ TEST(ImpedanceTargets, AreCommandedByPortsAndActions) {
   robot.Apply({{"arm", GroupCommand::Joints(q)}});
   EXPECT_EQ(robot.jnt_pos_cmd()[0], q[0]);
 
-  auto& soft = Use<CartesianImpedanceController>(robot, "cartesian_impedance");
+  auto& soft = robot.SetController<CartesianImpedanceController>("arm");
   const Pose goal = robot.FkFrame() * Pose(Vector3d(0.01, 0, 0));
   robot.Apply({{"arm", GroupCommand::LeafPose(goal)}});
   EXPECT_TRUE(soft.pose().is_close(goal, 1e-12, 1e-12)) << "no inverse kinematics in between";
@@ -152,14 +147,14 @@ TEST(ImpedanceTargets, AreCommandedByPortsAndActions) {
 
 TEST(ImpedanceGains, AreChecked) {
   Robot robot = RobotAlone(Rc7());
-  auto& impedance = Use<JointImpedanceController>(robot, "joint_impedance");
+  auto& impedance = robot.SetController<JointImpedanceController>("arm");
   impedance.SetStiffness(std::vector<double>{250});
   EXPECT_EQ(impedance.stiffness()[6], 250);
   ExpectThrow<ArgumentError>([&] { impedance.SetStiffness(std::vector<double>(3, 1)); },
                              "group 'arm': stiffness has 3 values; give 1 or 7");
   ExpectThrow<ArgumentError>([&] { impedance.SetDampingRatio(-1); },
                              "group 'arm': damping_ratio cannot be -1; it must be 0 or more");
-  auto& soft = Use<CartesianImpedanceController>(robot, "cartesian_impedance");
+  auto& soft = robot.SetController<CartesianImpedanceController>("arm");
   ExpectThrow<ArgumentError>(
       [&] {
         soft.SetStiffness({1, 1, 1, 1, 1, std::nan("")});
@@ -185,6 +180,24 @@ TEST(ImpedanceConfig, IsChosenInTheRobotsFile) {
   const Pose start = robot.FkFrame();
   RunFor(robot, 200);
   EXPECT_TRUE(robot.FkFrame().is_close(start, 2e-3, 1e-3));
+}
+
+TEST(SetController, ByItsClassReturnsWhatIsPutIn) {
+  Robot robot = RobotAlone(Rc7());
+  auto& soft = robot.SetController<CartesianImpedanceController>("arm");
+  EXPECT_EQ(&soft, &robot.controller("arm"));
+  EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque);
+}
+
+// A gripper's has the same name and another class.
+TEST(SetController, ByAClassThatTheGroupHasNotChangesNothing) {
+  Robot robot = RobotAlone(Rc7());
+  const Controller* before = &robot.controller("gripper");
+  ExpectThrow<ArgumentError>(
+      [&] { robot.SetController<JointPositionController>("gripper"); },
+      "group 'gripper': controller 'joint_position' is of another class here than was asked for; "
+      "put it in by its name");
+  EXPECT_EQ(&robot.controller("gripper"), before);
 }
 
 }  // namespace

@@ -3,8 +3,7 @@
 //
 //   torque = stiffness * (target - q) - damping * qd + gravity + Coriolis
 //
-//   robot.SetController("arm", "joint_impedance");
-//   auto& impedance = dynamic_cast<JointImpedanceController&>(robot.controller("arm"));
+//   auto& impedance = robot.SetController<JointImpedanceController>("arm");
 //   impedance.SetStiffness(std::vector<double>(7, 400.0));       // Nm/rad
 //   robot.jnt_pos_cmd()[3] += 0.1;
 //
@@ -22,10 +21,11 @@ namespace robocell {
 
 class JointImpedanceController : public Controller {
  public:
+  static constexpr std::string_view kKind = "joint_impedance";
   // NotFoundError for an arm without a chain.
   explicit JointImpedanceController(ArmGroup& arm);
 
-  std::string_view kind() const override { return "joint_impedance"; }
+  std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   int target_size() const override { return arm_.nq(); }

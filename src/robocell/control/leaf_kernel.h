@@ -1,5 +1,5 @@
 // What a leaf that is moved by joints yields to forces, and the force that damps it: the part of
-// Cartesian impedance that is small matrices, with the widest registers this processor has.
+// Cartesian impedance that is small matrices, in the registers that link_kernel.h has.
 // Instruction sets round differently.
 //
 // Plain numbers only; this header is included by code for every instruction set.

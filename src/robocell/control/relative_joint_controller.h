@@ -10,10 +10,11 @@ namespace robocell {
 
 class RelativeJointController : public Controller {
  public:
+  static constexpr std::string_view kKind = "relative_joint_position";
   explicit RelativeJointController(MoveGroup& group)
       : group_(group), absolute_(group), delta_(group.nq()) {}
 
-  std::string_view kind() const override { return "relative_joint_position"; }
+  std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { group_.RequireOpen(); }
   int target_size() const override { return absolute_.target_size(); }
   // Adds `delta` (rad or m) to where the group is being driven, kept within the joint limits.

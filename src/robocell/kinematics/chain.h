@@ -17,7 +17,7 @@
 // and for a wrong number of joint values. Threads: a Chain is immutable, its functions are const,
 // allocate nothing and may run in parallel; what solvers need is made once, when first asked for.
 //
-// Jacobian and dynamics are computed with the widest registers of the processor (link_kernel.h):
+// Jacobian and dynamics are computed in vector registers, of AVX2 at most (link_kernel.h):
 // between instruction sets they differ by rounding. For many configurations at once there is
 // chain_batch.h.
 //

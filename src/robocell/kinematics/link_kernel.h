@@ -1,5 +1,5 @@
 // Jacobian, mass matrix and torques of one configuration: every lane of a vector register works on
-// its own link, with the widest registers this processor has.
+// its own link, with the widest registers this processor has, of AVX2 at most.
 //
 // Only the frames depend on each other. Everything else is sums along the chain of what each link
 // contributes: all in the axes of the base and about one origin, so that nothing has to be carried

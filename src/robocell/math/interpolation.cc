@@ -18,7 +18,7 @@ void RequirePositive(double limit, std::string_view what) {
 
 void RequireSameSize(size_t size, size_t expected, std::string_view what) {
   if (size == expected) return;
-  throw ArgumentError(fmt::format("{} has {} numbers, but 'from' has {}", what, size, expected));
+  throw ArgumentError(fmt::format("{} has {} numbers, but the start has {}", what, size, expected));
 }
 
 }  // namespace
@@ -76,17 +76,17 @@ CoordinateState TrapezoidalMotion::at(double time) const {
 
 void InterpolateJoints(std::span<const double> from, std::span<const double> to, double s,
                        std::span<double> out) {
-  RequireSameSize(to.size(), from.size(), "'to'");
-  RequireSameSize(out.size(), from.size(), "'out'");
+  RequireSameSize(to.size(), from.size(), "the goal");
+  RequireSameSize(out.size(), from.size(), "out");
   for (size_t i = 0; i < from.size(); ++i) out[i] = (1 - s) * from[i] + s * to[i];
 }
 
 double JointMoveDuration(std::span<const double> from, std::span<const double> to,
                          std::span<const double> max_velocity,
                          std::span<const double> max_acceleration) {
-  RequireSameSize(to.size(), from.size(), "'to'");
-  RequireSameSize(max_velocity.size(), from.size(), "'max_velocity'");
-  RequireSameSize(max_acceleration.size(), from.size(), "'max_acceleration'");
+  RequireSameSize(to.size(), from.size(), "the goal");
+  RequireSameSize(max_velocity.size(), from.size(), "max_velocity");
+  RequireSameSize(max_acceleration.size(), from.size(), "max_acceleration");
   double duration = 0;
   for (size_t i = 0; i < from.size(); ++i) {
     duration = std::max(duration,

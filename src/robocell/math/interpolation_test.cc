@@ -170,13 +170,13 @@ TEST(InterpolateJoints, RefusesDifferentSizes) {
   const std::vector<double> two(2), three(3);
   std::vector<double> out(2);
   ExpectThrow<ArgumentError>([&] { InterpolateJoints(two, three, 0, out); },
-                             "'to' has 3 numbers, but 'from' has 2");
+                             "the goal has 3 numbers, but the start has 2");
   ExpectThrow<ArgumentError>([&] { InterpolateJoints(three, three, 0, out); },
-                             "'out' has 2 numbers, but 'from' has 3");
+                             "out has 2 numbers, but the start has 3");
   ExpectThrow<ArgumentError>([&] { JointMoveDuration(two, two, three, two); },
-                             "'max_velocity' has 3 numbers, but 'from' has 2");
+                             "max_velocity has 3 numbers, but the start has 2");
   ExpectThrow<ArgumentError>([&] { JointMoveDuration(two, two, two, three); },
-                             "'max_acceleration' has 3 numbers, but 'from' has 2");
+                             "max_acceleration has 3 numbers, but the start has 2");
 }
 
 TEST(JointMoveDuration, IsThatOfTheSlowestJoint) {

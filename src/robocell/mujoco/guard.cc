@@ -18,8 +18,10 @@ extern "C" __attribute__((weak)) mjfLogHandler _mjPRIVATE_setTlsLogHandler(mjfLo
 namespace robocell {
 namespace {
 
+struct ThreadTop;
 struct Frame {
   std::jmp_buf environment;
+  ThreadTop* top;
   Frame* outer;
   mjfLogHandler outer_handler;
   char* text;
@@ -27,8 +29,12 @@ struct Frame {
   size_t pstack, pbase;
 };
 
-thread_local Frame* top_frame = nullptr;
-thread_local WarningCapture* top_capture = nullptr;
+// Looked up once in a guard: in a shared library each look is a call.
+struct ThreadTop {
+  Frame* frame = nullptr;
+  WarningCapture* capture = nullptr;
+};
+thread_local ThreadTop thread_top;
 mjfLogHandler previous_handler = nullptr;
 
 bool IsWanted(const mjLogMessage& message) {
@@ -43,8 +49,8 @@ std::string Text(const mjLogMessage& message) {
 }
 
 void ForwardToLog(const mjLogMessage& message) {
-  if (message.level == mjLOG_WARNING && top_capture) {
-    top_capture->Add(Text(message));
+  if (message.level == mjLOG_WARNING && thread_top.capture) {
+    thread_top.capture->Add(Text(message));
   } else if (message.level == mjLOG_WARNING) {
     LogWarn("MuJoCo: " + Text(message));
   } else if (IsWanted(message)) {
@@ -55,7 +61,7 @@ void ForwardToLog(const mjLogMessage& message) {
 
 // Copies without allocating: the jump that follows would leak.
 [[noreturn]] void JumpBack(const mjLogMessage& message) {
-  Frame* frame = top_frame;
+  Frame* frame = thread_top.frame;
   const char* body = message.body && *message.body ? message.body : nullptr;
   std::snprintf(frame->text, guard_internal::kTextSize, "%s%s%s", message.subject, body ? "\n" : "",
                 body ? body : "");
@@ -70,7 +76,7 @@ void OnMessage(const mjLogMessage* message) {
     }
     return;
   }
-  if (top_frame) JumpBack(*message);
+  if (thread_top.frame) JumpBack(*message);
   // Not ours: whoever was there before decides (the engine's default prints and ends the process).
   if (previous_handler) previous_handler(message);
   std::abort();
@@ -90,7 +96,7 @@ mjfLogHandler SetThreadHandler(mjfLogHandler handler) {
 }
 
 void Leave(const Frame& frame) {
-  top_frame = frame.outer;
+  frame.top->frame = frame.outer;
   SetThreadHandler(frame.outer_handler);
 }
 
@@ -104,13 +110,14 @@ bool Run(void (*call)(void*), void* argument, mjData* data, char* text) {
   // Everything is stored before setjmp: what changes after it would be indeterminate after the
   // jump.
   Frame frame;
-  frame.outer = top_frame;
+  frame.top = &thread_top;
+  frame.outer = frame.top->frame;
   frame.text = text;
   frame.data = data;
   frame.pstack = data ? data->pstack : 0;
   frame.pbase = data ? data->pbase : 0;
   frame.outer_handler = SetThreadHandler(&OnMessage);
-  top_frame = &frame;
+  frame.top->frame = &frame;
   if (setjmp(frame.environment) == 0) {
     call(argument);
     Leave(frame);
@@ -130,8 +137,8 @@ void Throw(std::string_view context, const char* text) {
 
 }  // namespace guard_internal
 
-WarningCapture::WarningCapture() : outer_(top_capture) { top_capture = this; }
+WarningCapture::WarningCapture() : outer_(thread_top.capture) { thread_top.capture = this; }
 
-WarningCapture::~WarningCapture() { top_capture = outer_; }
+WarningCapture::~WarningCapture() { thread_top.capture = outer_; }
 
 }  // namespace robocell

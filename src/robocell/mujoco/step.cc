@@ -18,10 +18,13 @@ StepResult Step(const mjModel* model, mjData* data, int n, std::string_view cont
       diverged = HasDiverged(model, data, start);
     }
   });
-  if (diverged) return Diverged(model, data, start, steps);
-  StepResult result;
-  result.steps = steps;
-  result.time = data->time;
+  StepResult result;  // made once, where the caller wants it
+  if (diverged) {
+    result = Diverged(model, data, start, steps);
+  } else {
+    result.steps = steps;
+    result.time = data->time;
+  }
   return result;
 }
 

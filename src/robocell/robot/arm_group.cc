@@ -12,6 +12,12 @@ namespace {
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
+inline void CutOff(Interval& limit, const mjtNum* range, double scale) {
+  const double a = scale * range[0], b = scale * range[1];
+  const double low = std::min(a, b), high = std::max(a, b);
+  limit = {std::clamp(limit.lower, low, high), std::clamp(limit.upper, low, high)};
+}
+
 }  // namespace
 
 const Chain& ArmGroup::chain() const {
@@ -31,21 +37,31 @@ void ArmGroup::InverseDynamics(std::span<const double> q, std::span<const double
 
 Interval ArmGroup::torque_limit(size_t joint) const {
   core().Bind();
+  return TorqueLimit(core().model(), joint);
+}
+
+size_t ArmGroup::FindStrained(std::span<const double> torque, size_t from) const {
+  core().Bind();
   const mjModel* m = core().model();
+  for (size_t i = from; i < torque.size(); ++i) {
+    const Interval limit = TorqueLimit(m, i);
+    if (!(torque[i] > limit.lower && torque[i] < limit.upper)) return i;
+  }
+  return torque.size();
+}
+
+// In the engine's order: what one leaves the next cuts off, even where they have nothing in common.
+Interval ArmGroup::TorqueLimit(const mjModel* m, size_t joint) const {
   const int actuator = core().actuator_ids()[joint], id = core().joint_ids()[joint];
   Interval limit{-kNoLimit, kNoLimit};
-  // In the engine's order: what one leaves the next cuts off, even where they have nothing in
-  // common.
-  const auto within = [&](const mjtNum* range, double scale) {
-    const auto [low, high] = std::minmax({scale * range[0], scale * range[1]});
-    limit = {std::clamp(limit.lower, low, high), std::clamp(limit.upper, low, high)};
-  };
   const int input = m->actuator_ctrladr[actuator];
   const double gear = m->actuator_gear[6 * m->actuator_outadr[actuator]];
   if (m->actuator_ctrllimited[input])
-    within(m->actuator_ctrlrange + 2 * input, gear * m->actuator_gainprm[mjNGAIN * actuator]);
-  if (m->actuator_forcelimited[actuator]) within(m->actuator_forcerange + 2 * actuator, gear);
-  if (m->jnt_actfrclimited[id]) within(m->jnt_actfrcrange + 2 * id, 1);
+    CutOff(limit, m->actuator_ctrlrange + 2 * input,
+           gear * m->actuator_gainprm[mjNGAIN * actuator]);
+  if (m->actuator_forcelimited[actuator])
+    CutOff(limit, m->actuator_forcerange + 2 * actuator, gear);
+  if (m->jnt_actfrclimited[id]) CutOff(limit, m->jnt_actfrcrange + 2 * id, 1);
   return limit;
 }
 

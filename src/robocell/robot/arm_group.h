@@ -41,6 +41,9 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
 
   // What the motor of a joint can push it with; +-infinity where nothing limits it.
   Interval torque_limit(size_t joint) const;
+  // The first joint from `from` on whose motor cannot push with its `torque`, or may just not; nv()
+  // when there is none. No allocation.
+  size_t FindStrained(std::span<const double> torque, size_t from) const;
   // The controls of motors that push with `torque`.
   void CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const;
   // The controls of velocity servos that drive at `velocity` and push with `torque` on top.
@@ -51,6 +54,8 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
                          std::span<double> out) const;
 
  private:
+  Interval TorqueLimit(const mjModel* m, size_t joint) const;
+
   const std::optional<Chain>* chain_ = nullptr;
 };
 

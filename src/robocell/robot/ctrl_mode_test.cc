@@ -270,5 +270,21 @@ TEST(CtrlMode, AFrozenModelIsNotSwitchedButMayStartInAnyMode) {
   EXPECT_EQ(first.ctrl_mode(), kTorque);
 }
 
+TEST(CtrlMode, ThatNoActuatorGroupIsLeftForIsTold) {
+  ModelFolder folder;
+  const std::string arm = folder.Write("arm", kTwoJointArm);
+  SceneSpec spec = EmptyScene();
+  for (int i = 0; i < 16; ++i)
+    spec.robots.push_back({.path = arm, .prefix = "r" + std::to_string(i) + "_"});
+  const Scene scene = Scene::Build(spec);
+  Robot fits = Robot::FromScene(scene, "base", "fore", {.prefix = "r14_"});
+  fits.set_ctrl_mode(kTorque);
+  Robot last = Robot::FromScene(scene, "base", "fore", {.prefix = "r15_"});
+  ExpectThrow<ArgumentError>(
+      [&] { last.set_ctrl_mode(kTorque); },
+      "group 'arm' cannot be switched to torque: the arms before it took all 30 actuator groups "
+      "that the engine can switch; set control_modes of robots that need no torque to [position]");
+}
+
 }  // namespace
 }  // namespace robocell

@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <set>
 
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/hold_ctrl.h"
@@ -36,11 +37,23 @@ bool Contains(const std::vector<int>& ids, int id) {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
+bool AllGroupsAreTaken(const mjModel* m) {
+  std::set<int> taken(m->actuator_group, m->actuator_group + m->nactuator);
+  taken.erase(0);
+  return taken.size() >= static_cast<size_t>(kLastGroup);
+}
+
 // Whether one of the engine's groups holds these actuators and no others; why not, else "".
 std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
   const int group = m->actuator_group[ids[0]];
   for (int a = 0; a < m->nactuator; ++a) {
     if ((m->actuator_group[a] == group) == Contains(ids, a)) continue;
+    if (group == 0 && AllGroupsAreTaken(m)) {
+      return fmt::format(
+          "the arms before it took all {} actuator groups that the engine can switch; set "
+          "control_modes of robots that need no torque to [position]",
+          kLastGroup);
+    }
     return fmt::format(
         "its actuators are switched together with others ('{}'); give the robot a "
         "configuration with this arm as a move group",

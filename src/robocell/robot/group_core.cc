@@ -110,8 +110,7 @@ GroupCore::FrameId GroupCore::Find(const FrameName& frame, const std::string& wh
   return {frame.is_site, RequireId(model(), kind, frame.name, where)};
 }
 
-void GroupCore::CheckSize(size_t got, int expected, const char* what) const {
-  if (got == static_cast<size_t>(expected)) return;
+void GroupCore::ThrowWrongSize(size_t got, int expected, const char* what) const {
   throw ArgumentError(
       fmt::format("{}: expected {} {} values, got {}", place(), expected, what, got));
 }
@@ -302,7 +301,8 @@ Eigen::Vector3d GroupCore::gravity_in_base() const {
   const mjtNum* matrix = base_.is_site ? data()->site_xmat : data()->xmat;
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(matrix +
                                                                                 9 * base_.id);
-  return rotation.transpose() * Eigen::Map<const Eigen::Vector3d>(model()->opt.gravity);
+  // Not as a product of matrices, which is a call.
+  return rotation.transpose().lazyProduct(Eigen::Map<const Eigen::Vector3d>(model()->opt.gravity));
 }
 
 void GroupCore::Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {

@@ -54,7 +54,7 @@ class GroupCore {
   // Looks the names up again when the scene was rebuilt. Every public function calls it.
   void Bind() const {
     RequireOpen();
-    if (scene_.generation() != generation_) Resolve();
+    if (scene_.now().generation != generation_) Resolve();
   }
 
   int nq() const { return static_cast<int>(qpos_addresses_.size()); }
@@ -108,7 +108,10 @@ class GroupCore {
   FrameId Find(const FrameName& frame, const std::string& where) const;
   Pose FramePose(FrameId& frame) const;
   std::optional<double> RestingCtrlFor(size_t actuator, std::span<const double> q) const;
-  void CheckSize(size_t got, int expected, const char* what) const;
+  void CheckSize(size_t got, int expected, const char* what) const {
+    if (got != static_cast<size_t>(expected)) ThrowWrongSize(got, expected, what);
+  }
+  [[noreturn]] void ThrowWrongSize(size_t got, int expected, const char* what) const;
   void CheckFinite(std::span<const double> values, const std::vector<std::string>& element_names,
                    const char* kind) const;
 

@@ -18,9 +18,10 @@ std::unique_ptr<Controller> MakeJointPositionController(MoveGroup& group);
 
 class JointPositionController : public Controller {
  public:
+  static constexpr std::string_view kKind = "joint_position";
   explicit JointPositionController(MoveGroup& group);
 
-  std::string_view kind() const override { return "joint_position"; }
+  std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { group_.RequireOpen(); }
   int target_size() const override { return group_.nq(); }
   void SetTarget(std::span<const double> target) override;

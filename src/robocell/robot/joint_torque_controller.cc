@@ -42,13 +42,19 @@ void JointTorqueController::Compute(std::span<double> ctrl) {
   // The port is written to without a check.
   CheckValues([&] { return arm_.place(); }, "joint", torque_, target_size(), arm_.joint_names());
   arm_.GetJointPos(q_);
-  for (size_t i = 0; i < torque_.size(); ++i) {  // to tell: the engine cuts off by itself
-    if (beyond_.told() || !IsCommanded(i)) continue;
+  if (!beyond_.told()) TellStrained();
+  arm_.CtrlForJointTorque(torque_, ctrl);
+}
+
+// The engine cuts off by itself.
+void JointTorqueController::TellStrained() {
+  for (size_t i = arm_.FindStrained(torque_, 0); i < torque_.size();
+       i = arm_.FindStrained(torque_, i + 1)) {
+    if (!IsCommanded(i)) continue;
     beyond_.Check(torque_[i], arm_.torque_limit(i), [&] {
       return fmt::format("{}: the torque of joint '{}'", arm_.place(), arm_.joint_names()[i]);
     });
   }
-  arm_.CtrlForJointTorque(torque_, ctrl);
 }
 
 }  // namespace robocell

@@ -17,9 +17,10 @@ std::unique_ptr<Controller> MakeJointTorqueController(MoveGroup& group);
 
 class JointTorqueController : public Controller {
  public:
+  static constexpr std::string_view kKind = "joint_torque";
   explicit JointTorqueController(ArmGroup& arm);
 
-  std::string_view kind() const override { return "joint_torque"; }
+  std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   TargetKind target_kind() const override { return TargetKind::kJointTorques; }
@@ -35,6 +36,7 @@ class JointTorqueController : public Controller {
  private:
   // By SetTarget(), or by a number that was written into the port.
   bool IsCommanded(size_t joint) const { return commanded_ || torque_[joint] != held_[joint]; }
+  void TellStrained();
 
   ArmGroup& arm_;
   std::vector<double> torque_;

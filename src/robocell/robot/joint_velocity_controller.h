@@ -15,9 +15,10 @@ std::unique_ptr<Controller> MakeJointVelocityController(MoveGroup& group);
 
 class JointVelocityController : public Controller {
  public:
+  static constexpr std::string_view kKind = "joint_velocity";
   explicit JointVelocityController(ArmGroup& arm);
 
-  std::string_view kind() const override { return "joint_velocity"; }
+  std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
   CtrlMode mode() const override { return CtrlMode::kVelocity; }
   TargetKind target_kind() const override { return TargetKind::kJointVelocities; }

@@ -97,9 +97,21 @@ void Robot::SetController(const std::string& group, std::unique_ptr<Controller> 
 }
 
 void Robot::SetController(const std::string& group, const std::string& kind) {
+  SetController(group, NewController(group, kind));
+}
+
+std::unique_ptr<Controller> Robot::NewController(const std::string& group,
+                                                 const std::string& kind) const {
   GroupSlot& slot = open().Require(group);
   const CtrlMode mode = ControllerMode(kind, open().place(slot));
-  SetController(group, MakeController(kind, open().RequireDrive(slot, mode)));
+  return MakeController(kind, open().RequireDrive(slot, mode));
+}
+
+void Robot::ThrowOtherClass(const std::string& group, const Controller& made) const {
+  throw ArgumentError(fmt::format(
+      "{}: controller '{}' is of another class here than was asked for; put it in by its name, or "
+      "give a class derived from it a kKind of its own and register that",
+      open().place(open().Require(group)), made.kind()));
 }
 
 CtrlMode Robot::ctrl_mode() const {
@@ -251,14 +263,19 @@ Eigen::Vector3d Robot::gravity_in_base(std::optional<double> gravity_z) const {
     throw ArgumentError(
         fmt::format("{}: gravity_z is {}; it must be finite", open().place(), *gravity_z));
   if (gravity_z) return base_in_world().rotation().transpose() * Eigen::Vector3d(0, 0, *gravity_z);
-  const auto* arm = dynamic_cast<const ArmGroup*>(&this->arm());
-  if (arm) return arm->gravity_in_base();
+  if (const ArmGroup* arm = open().RequireKind(MoveGroupKind::kArm).arm)
+    return arm->gravity_in_base();
   const Eigen::Map<const Eigen::Vector3d> gravity(open().scene.model()->opt.gravity);
   return base_in_world().rotation().transpose() * gravity;
 }
 
 void Robot::GravityTorques(std::span<double> out, std::optional<double> gravity_z) const {
-  chain().GravityTorques(Positions(arm()), gravity_in_base(gravity_z), out);
+  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  const Chain& arm_chain = open().RequireChain(slot);
+  const bool of_scene = slot.arm && !gravity_z;
+  arm_chain.GravityTorques(Positions(*slot.group),
+                           of_scene ? slot.arm->gravity_in_base() : gravity_in_base(gravity_z),
+                           out);
 }
 
 void Robot::RefreshToolInertia() { open().RefreshChains(); }

@@ -28,6 +28,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robocell/kinematics/chain.h"
@@ -85,6 +86,17 @@ class Robot {
   void SetController(const std::string& group, std::unique_ptr<Controller> controller);
   // By the name of its kind (controller.h).
   void SetController(const std::string& group, const std::string& kind);
+  // The kind by its class, whose `kKind` is its name; returns what was put in. ArgumentError when
+  // that name makes another class for this group.
+  //   robot.SetController<CartesianImpedanceController>("arm").SetPose(pose);
+  template <class T>
+  T& SetController(const std::string& group) {
+    std::unique_ptr<Controller> made = NewController(group, std::string(T::kKind));
+    T* const known = dynamic_cast<T*>(made.get());
+    if (!known) ThrowOtherClass(group, *made);
+    SetController(group, std::move(made));
+    return *known;
+  }
   // What the arm is driven by, and switching it: puts in the port's controller (joint_position,
   // joint_velocity, joint_torque) unless it is there. Forces do not jump: torques start with what
   // holds the arm against gravity, servos where they push as the motors did. Takes effect at once.
@@ -182,6 +194,9 @@ class Robot {
   friend std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene);
   class State;
   State& open() const;
+  std::unique_ptr<Controller> NewController(const std::string& group,
+                                            const std::string& kind) const;
+  [[noreturn]] void ThrowOtherClass(const std::string& group, const Controller& made) const;
   std::span<double> Port(TargetKind kind, const char* name, CtrlMode mode) const;
   void WritePort(std::span<double> port, std::span<const double> values);
   Robot(Scene scene, std::shared_ptr<State> state)

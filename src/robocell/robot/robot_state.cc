@@ -57,9 +57,8 @@ Robot::State::State(const Scene& s, RobotRecord r, ChainOptions options)
   FindFtSensors();
 }
 
-void Robot::State::RequireOpen() const {
-  if (scene.closed())
-    throw ClosedError("robot '" + record.name + "' is closed: its scene was closed");
+void Robot::State::ThrowClosed() const {
+  throw ClosedError("robot '" + record.name + "' is closed: its scene was closed");
 }
 
 void Robot::State::OnReset() {
@@ -98,8 +97,7 @@ void Robot::State::OnRebuild() {
   }
 }
 
-void Robot::State::RequireBodies() const {
-  if (lost.empty()) return;
+void Robot::State::ThrowLost() const {
   throw ClosedError("robot '" + record.name +
                     "' went with an object that was removed from its scene; add the object again, "
                     "or make another robot: " +
@@ -168,8 +166,7 @@ std::vector<std::string> Robot::State::ft_sensor_names() const {
 }
 
 FtReading& Robot::State::RequireFtSensor(const std::string& name) {
-  if (scene.closed())
-    throw ClosedError("robot '" + record.name + "' is closed: its scene was closed");
+  RequireOpen();
   RequireBodies();
   for (FtReading& reading : ft_sensors) {
     if (reading.sensor.name() == name) return reading;
@@ -192,6 +189,7 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
   slot->group = std::move(made.group);
   slot->drives =
       made.drives.groups == Drives{}.groups ? OwnDrive(slot->group) : std::move(made.drives);
+  slot->arm = dynamic_cast<const ArmGroup*>(slot->group.get());
   for (const auto& drive : slot->drives.groups) {
     if (auto* arm = dynamic_cast<ArmGroup*>(drive.get())) arm->UseChain(&slot->chain);
   }

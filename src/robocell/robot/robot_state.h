@@ -19,6 +19,7 @@ struct GroupSlot : std::enable_shared_from_this<GroupSlot> {
   std::shared_ptr<MoveGroup> group;
   Drives drives;
   MoveGroup* drive = nullptr;              // the one in use
+  const ArmGroup* arm = nullptr;           // the group, when it is an ArmGroup
   std::shared_ptr<Controller> controller;  // declared after the groups: destroyed before them
   std::string why_no_controller;
   std::vector<double> ctrl;
@@ -41,7 +42,9 @@ class Robot::State : public SceneObserver {
   void OnResetDone() override;
   void OnRebuild() override;
   // ClosedError after the scene was closed.
-  void RequireOpen() const;
+  void RequireOpen() const {
+    if (scene.closed()) ThrowClosed();
+  }
 
   // Adds the group or takes the place of the one of that name. A group that `controller` cannot
   // drive gets none; with `must_be_driven` that is an error.
@@ -75,7 +78,9 @@ class Robot::State : public SceneObserver {
   // State of the arm into the ports, and readings of the force-torque sensors.
   void ReadPorts();
   // ClosedError when its bodies were removed with an object of the scene.
-  void RequireBodies() const;
+  void RequireBodies() const {
+    if (!lost.empty()) ThrowLost();
+  }
   std::vector<std::string> group_names() const;
   void AppendGroups(std::vector<std::shared_ptr<MoveGroup>>& out) const;
   // "scene 'pick' / robot 'left'".
@@ -112,6 +117,8 @@ class Robot::State : public SceneObserver {
   void KeepIfRunning(std::shared_ptr<void> replaced) {
     if (running_ > 0) replaced_.push_back(std::move(replaced));
   }
+  [[noreturn]] void ThrowClosed() const;
+  [[noreturn]] void ThrowLost() const;
   // Anew from the model, with what hangs on them at `qpos` or, without, at the reference.
   void RemakeChains(std::span<const double> qpos = {});
   void FindBodies();

@@ -34,14 +34,20 @@ Scene Scene::FromCompiled(std::shared_ptr<CompiledScene> compiled, const DataFac
   state->factory = factory ? factory : MakeOwnData;
   state->data = state->factory(*compiled);
   state->compiled = std::move(compiled);
+  state->Show();
   state->BindPool();
   Scene scene(std::move(state), std::make_shared<Kept>());
   scene.Reset();
   return scene;
 }
 
+Scene::Scene(std::shared_ptr<State> state, std::shared_ptr<Kept> kept)
+    : state_(std::move(state)), now_(&state_->now), kept_(std::move(kept)) {}
+
+void Scene::ThrowClosed() const { throw ClosedError(state_->context + " is closed"); }
+
 Scene::State& Scene::open() const {
-  if (state_->closed) throw ClosedError(state_->context + " is closed");
+  if (closed()) ThrowClosed();
   return *state_;
 }
 
@@ -91,13 +97,7 @@ const SceneSpec& Scene::spec() const { return open().compiled->spec(); }
 
 const std::shared_ptr<CompiledScene>& Scene::compiled() const { return open().compiled; }
 
-uint64_t Scene::generation() const { return open().compiled->generation(); }
-
-const mjModel* Scene::model() const { return open().model(); }
-
 mjModel* Scene::mutable_model() { return open().compiled->mutable_model(); }
-
-mjData* Scene::data() const { return open().data.data; }
 
 const std::shared_ptr<void>& Scene::data_keeper() const { return open().data.keeper; }
 
@@ -141,13 +141,12 @@ void Scene::Close() {
     if (const auto observer = watch.observer.lock()) observer->OnClose();
   }
   state_->closed = true;
+  state_->now = {};
   state_->hooks.clear();
   ForgetKeptObservers();
   state_->data = {};
   state_->claim.reset();
   state_->compiled.reset();
 }
-
-bool Scene::closed() const { return state_->closed; }
 
 }  // namespace robocell

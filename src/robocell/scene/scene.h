@@ -75,6 +75,13 @@ struct DataHandle {
 };
 using DataFactory = std::function<DataHandle(CompiledScene&)>;
 
+// A scene's present model and data, for handles that look at them in every tick.
+struct SceneNow {
+  const mjModel* model = nullptr;
+  mjData* data = nullptr;  // null once the scene was closed
+  uint64_t generation = 0;
+};
+
 struct Contact {
   std::string geom1, geom2;  // full names, or "body/geom#i" when unnamed
   std::string body1, body2;
@@ -151,6 +158,10 @@ class Scene {
   std::vector<std::string> joint_names() const;
   std::vector<std::string> camera_names() const;
 
+  // Of a hinge (rad) or slide (m), whoever's it is, as it stands in data().qpos; an ArgumentError
+  // for free and ball joints.
+  double joint_pos(const std::string& name) const;
+
   bool has_actuator(const std::string& name) const;
   double actuator_ctrl(const std::string& name) const;
   // Refuses NaN by name before the engine sees it.
@@ -177,14 +188,18 @@ class Scene {
   const std::string& name() const;
   const SceneSpec& spec() const;
   const std::shared_ptr<CompiledScene>& compiled() const;
-  uint64_t generation() const;
-  const mjModel* model() const;
+  uint64_t generation() const { return now().generation; }
+  const mjModel* model() const { return now().model; }
   mjModel* mutable_model();  // Error when the compiled scene is frozen
-  mjData* data() const;
+  mjData* data() const { return now().data; }
+  const SceneNow& now() const {
+    if (closed()) ThrowClosed();
+    return *now_;
+  }
   const std::shared_ptr<void>& data_keeper() const;
 
   void Close();
-  bool closed() const;
+  bool closed() const { return now_->data == nullptr; }
   // For garbage collectors of other languages: whether this is the only handle that is no inner()
   // one, what it holds of theirs, and a number that handles to the same simulation share.
   bool sole_handle() const { return kept_.use_count() == 1; }
@@ -199,15 +214,16 @@ class Scene {
  private:
   struct State;
   using Kept = std::vector<std::shared_ptr<SceneObserver>>;
-  Scene(std::shared_ptr<State> state, std::shared_ptr<Kept> kept)
-      : state_(std::move(state)), kept_(std::move(kept)) {}
+  Scene(std::shared_ptr<State> state, std::shared_ptr<Kept> kept);
   State& open() const;
+  [[noreturn]] void ThrowClosed() const;
   void Rebuild(const SceneSpec& spec);
   void AddPooled(const SceneObject& object);
   bool RemovePooled(const std::string& name);  // false: it is not of the pool
   void Swap(PooledObject& object, bool park, const double* pos);
 
   std::shared_ptr<State> state_;
+  const SceneNow* now_;         // the state's
   std::shared_ptr<Kept> kept_;  // null in an inner handle
 };
 

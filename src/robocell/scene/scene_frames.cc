@@ -95,6 +95,19 @@ std::vector<std::string> Scene::joint_names() const { return Named(open().model(
 
 std::vector<std::string> Scene::camera_names() const { return Named(open().model(), mjOBJ_CAMERA); }
 
+double Scene::joint_pos(const std::string& name) const {
+  const State& s = open();
+  const mjModel* m = s.model();
+  const int joint = RequireId(m, mjOBJ_JOINT, name, s.context);
+  if (m->jnt_type[joint] == mjJNT_HINGE || m->jnt_type[joint] == mjJNT_SLIDE)
+    return s.data.data->qpos[m->jnt_qposadr[joint]];
+  throw ArgumentError(fmt::format(
+      "{}: joint '{}' is {}, whose position is more than one number; ask for the pose of its body, "
+      "body_pose(\"{}\")",
+      s.context, name, m->jnt_type[joint] == mjJNT_FREE ? "free" : "a ball joint",
+      ElementName(m, mjOBJ_BODY, m->jnt_bodyid[joint])));
+}
+
 bool Scene::has_actuator(const std::string& name) const {
   return FindId(open().model(), mjOBJ_ACTUATOR, name) >= 0;
 }

@@ -141,6 +141,7 @@ void Scene::Rebuild(const SceneSpec& spec) {
     s.claim.swap(claim);
     std::swap(s.data, data);
     s.poses_at = -1;
+    s.Show();
   };
   swap();
   const auto observers = s.observers;

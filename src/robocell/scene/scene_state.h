@@ -28,10 +28,12 @@ struct Scene::State {
   // it.
   double poses_at = -1;
   bool closed = false;
+  SceneNow now;
   std::vector<PooledObject> pool;
   std::vector<mjtNum> warm_start;  // scratch
 
-  // After the compiled scene was set.
+  // After the compiled scene and the data were set.
+  void Show() { now = {compiled->model(), data.data, compiled->generation()}; }
   void BindPool();
   PooledObject* FindPooled(const std::string& object);
   // The pool as the spec says.

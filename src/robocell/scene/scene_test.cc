@@ -144,6 +144,18 @@ TEST(Scene, ActuatorsAreReadAndSetByName) {
   ExpectThrow<NotFoundError>([&] { scene.SetActuatorCtrl("srvo2", 0); }, "Did you mean 'servo2'?");
 }
 
+TEST(Scene, JointsAreReadByName) {
+  Scene scene = Scene::Build(Workplace());
+  const int joint = RequireId(scene.model(), mjOBJ_JOINT, "joint2", "test");
+  scene.data()->qpos[scene.model()->jnt_qposadr[joint]] = 0.375;
+  EXPECT_EQ(scene.joint_pos("joint2"), 0.375);
+  ExpectThrow<NotFoundError>([&] { (void)scene.joint_pos("joint22"); },
+                             "scene 'test': no joint 'joint22'.");
+  ExpectThrow<ArgumentError>([&] { (void)scene.joint_pos("cube_joint"); },
+                             "scene 'test': joint 'cube_joint' is free, whose position is more "
+                             "than one number; ask for the pose of its body, body_pose(\"cube\")");
+}
+
 TEST(Scene, RefusesNumbersThatAreNotFinite) {
   Scene scene = Scene::Build(Workplace());
   const double nan = std::numeric_limits<double>::quiet_NaN();

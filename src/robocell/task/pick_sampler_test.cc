@@ -216,5 +216,49 @@ TEST(PickTaskSampler, ABaseInsideTheTableIsRefusedWithBothGeoms) {
   scene.Forward();
 }
 
+// With a pool that nobody takes anything from: another mug, and a block that would fill the room
+// over the table.
+class BesideAPool : public PickTaskSampler {
+ public:
+  using PickTaskSampler::PickTaskSampler;
+  SceneSpec MakeBaseScene(int scene) override {
+    SceneSpec spec = PickTaskSampler::MakeBaseScene(scene);
+    spec.objects.push_back(
+        {.name = "spare", .mjcf_path = "mug", .pos = {0, 0, 0.8}, .fixed = false, .parked = true});
+    spec.objects.push_back({.name = "block",
+                            .shape = Shape::kBox,
+                            .size = Vec3{0.8, 0.8, 0.5},
+                            .rgba = Vec4{1, 0, 0, 1},
+                            .mass = 5,
+                            .friction = Vec3{1, 0.02, 0.001},
+                            .pos = {0, 0, 1.2},
+                            .parked = true});
+    return spec;
+  }
+};
+
+TEST(PickTaskSampler, WhatIsParkedIsNotSampledAndInNobodysWay) {
+  PickTaskSampler alone(Demo());
+  BesideAPool beside(Demo());
+  int starts = 0;
+  for (int i = 0; i < 5; ++i) {
+    Rng a = StreamOf(i), b = StreamOf(i);
+    const SampleResult x = alone.Sample({.episode = i}, a), y = beside.Sample({.episode = i}, b);
+    ASSERT_EQ(x.start.has_value(), y.start.has_value()) << i << ": " << y.refusal.detail;
+    if (!x.start) continue;
+    ++starts;
+    EXPECT_EQ(y.start->object_kinds, x.start->object_kinds);
+    EXPECT_EQ(y.start->task->objects(), x.start->task->objects());
+    EXPECT_EQ(y.start->base_in_world, x.start->base_in_world);
+    const Scene& scene = y.start->scene;
+    const std::string target = scene.compiled()->object("target").root_body;
+    EXPECT_TRUE(scene.body_pose(target).is_close(x.start->scene.body_pose(target), 0.02, 1e-3));
+    EXPECT_THAT(scene.parked_objects(), testing::ElementsAre("spare", "block"));
+    EXPECT_THAT(scene.contacts("block"), testing::IsEmpty());
+    EXPECT_GT(scene.body_pose("block").translation().z(), 500);
+  }
+  EXPECT_GE(starts, 3);
+}
+
 }  // namespace
 }  // namespace robocell

@@ -17,10 +17,11 @@ constexpr double kMostDrift = 0.05;   // metres the target may move
 constexpr double kRestSpeed = 0.005;  // m/s below which an object rests ...
 constexpr double kRestTurn = 0.1;     // ... and rad/s
 
-// Name of an object that is not at rest; "" when all are.
+// Name of an object that is not at rest; "" when all are. Parked ones do not count.
 std::string MovingObject(const Scene& scene) {
   const mjModel* m = scene.model();
-  for (const ObjectRecord& object : scene.compiled()->objects()) {
+  for (const std::string& name : scene.object_names()) {
+    const ObjectRecord& object = scene.compiled()->object(name);
     if (!object.free_joint) continue;
     const mjtNum* v =
         scene.data()->qvel + m->jnt_dofadr[FindId(m, mjOBJ_JOINT, *object.free_joint)];

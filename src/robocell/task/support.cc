@@ -11,6 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
 #include "robocell/scene/scene.h"
 
 namespace robocell {
@@ -24,9 +25,22 @@ std::string Place(const SceneSpec& base) {
   return "scene '" + base.name + "'" + (base.base ? " from '" + *base.base + "'" : "");
 }
 
+// Without those of objects that are parked.
+std::vector<std::string> SitesInPlace(const Scene& scene) {
+  const mjModel* m = scene.model();
+  std::vector<std::string> sites = ElementNames(m, mjOBJ_SITE);
+  for (const std::string& object : scene.parked_objects()) {
+    const int root = FindId(m, mjOBJ_BODY, scene.compiled()->object(object).root_body);
+    std::erase_if(sites, [&](const std::string& site) {
+      return IsInSubtree(m, m->site_bodyid[FindId(m, mjOBJ_SITE, site)], root);
+    });
+  }
+  return sites;
+}
+
 // The site of this name, else the only one that has it behind a prefix.
 std::string FindSite(const Scene& scene, const std::string& place) {
-  const std::vector<std::string> sites = ElementNames(scene.model(), mjOBJ_SITE);
+  const std::vector<std::string> sites = SitesInPlace(scene);
   std::vector<std::string> prefixed;
   for (const std::string& site : sites) {
     if (site == kSite) return site;

@@ -20,7 +20,7 @@ struct Support {
 // The support of a base scene: the site `table_top` marks it (or the only one with that name behind
 // a prefix, as `shop_table_top` or `shop/table_top`), and the
 // largest box in the site's body is its extent: a horizontal face of it, in whatever pose the box
-// is in its body, with the site on it.
+// is in its body, with the site on it. Objects that are parked have no support to offer.
 // NotFoundError without a site, SpecError with several that could be meant, without a box or when
 // the site is not on the box's upper face or the face is not level.
 Support FindSupport(const SceneSpec& base);

@@ -73,5 +73,22 @@ TEST(Support, IsMarkedByOneSiteOnly) {
                 "b_table_top. Name the one 'table_top'");
 }
 
+TEST(Support, IsNoTableThatIsParked) {
+  TempDir folder;
+  AtomicWrite(folder / "bench.xml",
+              "<mujoco><worldbody><body name='bench'><geom type='box' size='.5 .5 .1' "
+              "pos='0 0 -.1'/><site name='table_top'/></body></worldbody></mujoco>");
+  SceneSpec spec{.name = "s", .timestep = 0.002, .add_floor = false, .add_skybox = false};
+  spec.base = "tabletop";
+  const Support table = FindSupport(spec);
+  spec.objects.push_back({.name = "spare",
+                          .mjcf_path = (folder / "bench.xml").string(),
+                          .fixed = false,
+                          .parked = true});
+  EXPECT_EQ(FindSupport(spec).frame_to_world, table.frame_to_world);
+  spec.base.reset();
+  ExpectThrow<NotFoundError>([&] { FindSupport(spec); }, "no site 'table_top'");
+}
+
 }  // namespace
 }  // namespace robocell
