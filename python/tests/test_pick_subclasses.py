@@ -249,11 +249,7 @@ class BesideAPool(rc.PickTaskSampler):
 
 def test_what_is_parked_is_not_sampled_and_in_nobodys_way(tmp_path: Path):
     run = load(tmp_path)
-    request = rc.SampleRequest()
-    start = BesideAPool(run).sample(request, rc.Rng(3))
-    alone = rc.PickTaskSampler(run).sample(request, rc.Rng(3))
-    assert isinstance(start, rc.EpisodeStart)
-    assert isinstance(alone, rc.EpisodeStart)
+    start, alone = sample(BesideAPool(run)), sample(rc.PickTaskSampler(run))
     assert start.object_kinds == alone.object_kinds
     assert start.task.objects() == alone.task.objects()
     assert start.scene.parked_objects == ["spare", "block"]
