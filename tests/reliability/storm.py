@@ -79,6 +79,8 @@ class Storm:
         for line in events.splitlines():
             with contextlib.suppress(json.JSONDecodeError):  # the last line may be cut
                 event = json.loads(line)
+                if totals := event.get("totals"):
+                    assert totals["made"] <= totals["accepted"] <= totals["attempts"], line
                 if event["event"] == "episode" and event["report"]["success"]:
                     self.acknowledged.add(event["report"]["id"])
 

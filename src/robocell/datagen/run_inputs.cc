@@ -122,7 +122,8 @@ std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now
     lines.push_back(
         fmt::format("{}: {} then, {} now", key, a ? *a : "not set", b ? *b : "not set"));
   };
-  ForEachDifference(Leaves(then.identity), Leaves(now.identity), both);
+  if (then.identity != now.identity)  // parsing takes milliseconds, and is asked of every episode
+    ForEachDifference(Leaves(then.identity), Leaves(now.identity), both);
   ForEachDifference(then.versions, now.versions, both);
   ForEachDifference(then.files, now.files,
                     [&](const std::string& key, const std::string* a, const std::string* b) {
