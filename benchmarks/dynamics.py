@@ -1,4 +1,4 @@
-"""P6: Jacobian, gravity torques and mass matrix beside KDL. What is timed: dynamics_bench.cc."""
+"""P6: Jacobian, gravity torques and mass matrix beside KDL and the engine: dynamics_bench.cc."""
 
 from __future__ import annotations
 
@@ -10,14 +10,16 @@ from table import Row
 
 
 def rows(folder: Path) -> list[Row]:
-    """One row per robot and quantity, one configuration at a time and as a batch."""
+    """One row per robot, quantity and peer, one configuration at a time and as a batch."""
     return [
         Row(
             what,
             "ns",
             scaled(sides["robocell"], 1e9),
-            scaled(sides["KDL"], 1e9),
-            note="a configuration; peer: KDL, one at a time",
+            scaled(sides[peer], 1e9),
+            note=f"a configuration; peer: {peer}, one at a time",
         )
         for what, sides in seconds("dynamics_bench", robot_files(), folder).items()
+        for peer in sides
+        if peer != "robocell"
     ]

@@ -1,10 +1,12 @@
 // Forward kinematics with the Jacobian, gravity torques and mass matrix of an arm, at random
-// configurations: one at a time and as a batch, beside KDL's solvers for the same chain. Row P6 of
-// RESULTS.md.
+// configurations: one at a time and as a batch, beside KDL's solvers for the same chain, and beside
+// the engine's kinematics and Jacobian. Row P6 of RESULTS.md.
 //
-// Both sides must agree to 1e-8, or the row is an error.
+// All sides must agree to 1e-8, or the row is an error.
 //
 //   build/release/dynamics_bench [ROBOT.yaml ...]   default: the built-in rc7
+#include <mujoco/mujoco.h>
+
 #include <kdl/chaindynparam.hpp>
 #include <kdl/chainfksolverpos_recursive.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
@@ -38,7 +40,12 @@ RobotConfig Uncompensated(const std::string& file) {
 class Arm {
  public:
   explicit Arm(const std::string& file)
-      : chain_(Robot::Of(bench::SceneWith(Uncompensated(file)), "robot").chain()),
+      : scene_(bench::SceneWith(Uncompensated(file))),
+        chain_(Robot::Of(scene_, "robot").chain()),
+        base_(scene_.body_pose(chain_.base_body()).rotation()),
+        tip_(mj_name2id(scene_.model(), TipIsSite() ? mjOBJ_SITE : mjOBJ_BODY,
+                        chain_.tip().name.c_str())),
+        all_columns_(6 * scene_.model()->nv),
         kdl_(ToKdl(chain_)),
         kdl_fk_(kdl_),
         kdl_jacobian_(kdl_),
@@ -79,6 +86,20 @@ class Arm {
       kdl_jacobian_.JntToJac(q, their_jacobian_);
       benchmark::DoNotOptimize(tip.p.data);
       if (out) Append(their_jacobian_.data, out);
+    }
+  }
+  // The engine's, of the whole robot: its gripper moves too.
+  void EngineJacobians(Numbers* out) {
+    const mjModel* m = scene_.model();
+    mjData* d = scene_.data();
+    for (int k = 0; k < kPoses; ++k) {
+      for (int i = 0; i < n(); ++i) d->qpos[chain_.joints()[i].qpos_address] = at(k)[i];
+      mj_kinematics(m, d);
+      mj_comPos(m, d);
+      mjtNum *linear = all_columns_.data(), *angular = linear + 3 * m->nv;
+      TipIsSite() ? mj_jacSite(m, d, linear, angular, tip_)
+                  : mj_jacBody(m, d, linear, angular, tip_);
+      if (out) AppendColumns(m->nv, out);
     }
   }
   void JacobianBatches(Numbers* out) {
@@ -127,13 +148,29 @@ class Arm {
   }
 
  private:
+  bool TipIsSite() const { return chain_.tip().kind == ChainTip::Kind::kSite; }
+  // The chain's of the engine's columns, in the axes of the base.
+  void AppendColumns(int nv, Numbers* out) {
+    using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::Map<const Rows> all(all_columns_.data(), 6, nv);
+    for (int i = 0; i < n(); ++i) {
+      const Eigen::Matrix<double, 6, 1> column = all.col(chain_.joints()[i].dof_address);
+      jacobian_.col(i) << base_.transpose() * column.head<3>(),
+          base_.transpose() * column.tail<3>();
+    }
+    Append(jacobian_, out);
+  }
   static void Append(const Eigen::MatrixXd& matrix, Numbers* out) {
     for (int r = 0; r < matrix.rows(); ++r) {
       for (int c = 0; c < matrix.cols(); ++c) out->push_back(matrix(r, c));
     }
   }
 
+  Scene scene_;
   Chain chain_;
+  Eigen::Matrix3d base_;  // in the world
+  int tip_;               // the engine's number
+  std::vector<mjtNum> all_columns_;
   KDL::Chain kdl_;
   KDL::ChainFkSolverPos_recursive kdl_fk_;
   KDL::ChainJntToJacSolver kdl_jacobian_;
@@ -159,8 +196,10 @@ std::string Difference(Arm& arm, Work ours, Work theirs) {
   return most < 1e-8 ? "" : "the answers differ by " + std::to_string(most);
 }
 
-void AddRow(const std::shared_ptr<Arm>& arm, const std::string& row, Work ours, Work theirs) {
-  const std::string problem = Difference(*arm, ours, theirs);
+void AddRow(const std::shared_ptr<Arm>& arm, const std::string& row, Work ours, Work theirs,
+            Work engines = nullptr) {
+  std::string problem = Difference(*arm, ours, theirs);
+  if (engines && problem.empty()) problem = Difference(*arm, ours, engines);
   const auto add = [&](const std::string& side, Work work) {
     bench::Add({.row = row,
                 .side = side,
@@ -173,15 +212,18 @@ void AddRow(const std::shared_ptr<Arm>& arm, const std::string& row, Work ours, 
   };
   add("robocell", ours);
   add("KDL", theirs);
+  if (engines) add("mj_jac", engines);
 }
 
 void Register(const std::string& file) {
   const auto arm = std::make_shared<Arm>(file);
   const std::string name = ", " + RobotConfig::Load(file).name;
-  AddRow(arm, "tip and Jacobian" + name, &Arm::Jacobians, &Arm::TheirJacobians);
+  AddRow(arm, "tip and Jacobian" + name, &Arm::Jacobians, &Arm::TheirJacobians,
+         &Arm::EngineJacobians);
   AddRow(arm, "gravity torques" + name, &Arm::Gravities, &Arm::TheirGravities);
   AddRow(arm, "mass matrix" + name, &Arm::Masses, &Arm::TheirMasses);
-  AddRow(arm, "tip and Jacobian, batch" + name, &Arm::JacobianBatches, &Arm::TheirJacobians);
+  AddRow(arm, "tip and Jacobian, batch" + name, &Arm::JacobianBatches, &Arm::TheirJacobians,
+         &Arm::EngineJacobians);
   AddRow(arm, "gravity torques, batch" + name, &Arm::GravityBatches, &Arm::TheirGravities);
   AddRow(arm, "mass matrix, batch" + name, &Arm::MassBatches, &Arm::TheirMasses);
 }

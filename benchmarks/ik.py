@@ -11,6 +11,7 @@ import os
 import subprocess
 import sys
 import venv
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -30,11 +31,19 @@ ROBOTS = (
     "examples/xarm7.yaml",
     "examples/panda.yaml",
     "examples/gen3_2f85.yaml",
+    "examples/desk6/desk6.yaml",
 )
 REPETITIONS = 5
-# What is installed for a side that is not ours; None: nothing.
-PACKAGES = {"TRAC-IK": "pytracik==0.0.3", "roboplan": "roboplan==0.7.0"}
-BATCH, ONE = 20_000, 500  # targets
+# What is installed for a side that is not ours, in an environment of its own.
+PACKAGES = {
+    "TRAC-IK": "pytracik==0.0.3",
+    "roboplan": "roboplan==0.7.0",
+    "EAIK": "EAIK==1.2.2",
+    "mink": "mink==1.3.0 mujoco==4.0.0 qpsolvers[daqp]",
+    "placo": "placo==0.10.2",
+    "Pinocchio": "pin==4.1.0",
+}
+BATCH, SMALL, ONE = 20_000, 1_000, 500  # targets
 
 Array = NDArray[np.float64]
 
@@ -44,36 +53,59 @@ class Side:
     """A side and what was measured of it.
 
     Attributes:
-        name: In ik_side.SIDES.
+        name: In ik_side.SIDES or ik_peers.PEERS.
         count: How many of the targets it gets.
-        rates: Answers a second, one value per repetition.
-        p99: 99th percentile of one call, microseconds.
-        solved: Share that the judge takes.
+        rates: Answers a second, one value per repetition; none when it cannot solve this arm.
+        p50: Median of one call, microseconds.
+        p99: 99th percentile of it.
+        reached: Share of answers that put the tip where it shall be.
+        solved: Share that the judge takes: these, inside the limits.
     """
 
     name: str
     count: int
     rates: list[float] = field(default_factory=list)
+    p50: float = 0
     p99: float = 0
+    reached: float = 0
     solved: float = 0
 
     @property
-    def python(self) -> Path:
-        """The interpreter that has the side's package."""
-        package = PACKAGES.get(self.name)
-        return environment(package) if package else Path(sys.executable)
+    def python(self) -> Path | None:
+        """The interpreter that has the side's package; None when it cannot be installed."""
+        packages = PACKAGES.get(self.name)
+        return environment(*packages.split()) if packages else Path(sys.executable)
+
+    def shares(self) -> str:
+        """What it solved, and what it only reached."""
+        outside = f" (beyond limits too: {self.reached:.2%})"
+        return f"{self.solved:.2%}" + (outside if self.reached > self.solved + 5e-4 else "")
 
 
-def environment(package: str, *more: str) -> Path:
-    """The interpreter of an environment with a package, and others; made when it is not there."""
+def environment(package: str, *more: str) -> Path | None:
+    """The interpreter of an environment with a package, and others; made when it is not there.
+
+    None when they cannot be installed.
+    """
     folder = ROOT / "build" / "bench" / "peers" / package.split("==")[0].replace("-", "_")
     python = folder / "bin" / "python"
-    if not (folder / "ready").exists():
+    ready = folder / "ready"
+    if not ready.exists():
         venv.create(folder, with_pip=True, clear=True)
-        subprocess.run(
-            [python, "-m", "pip", "install", "--quiet", package, *more, "numpy"], check=True
-        )
-        (folder / "ready").touch()
+        install: list[str | Path] = [
+            python,
+            "-m",
+            "pip",
+            "install",
+            "--quiet",
+            package,
+            *more,
+            "numpy",
+        ]
+        if subprocess.run(install, check=False).returncode:
+            print(f"left out: {package}: it cannot be installed")
+            return None
+        ready.write_text(" ".join((package, *more)))
     return python
 
 
@@ -89,7 +121,7 @@ class Arm:
         rng = np.random.default_rng(1)
         low, high = self.limits.T
         self.solutions = rng.uniform(low, high, (BATCH, len(limits)))
-        self.targets = np.array([self.robot.kinematics.fk(q).matrix for q in self.solutions])
+        self.targets = self.robot.kinematics.fk(self.solutions)
         self.nearby = np.clip(
             self.solutions + rng.uniform(-0.1, 0.1, self.solutions.shape), low, high
         )
@@ -104,29 +136,34 @@ class Arm:
             file,
             targets=self.targets,
             seeds=self.nearby if warm else middle,
+            limits=self.limits,
+            example=self.solutions[0],
             robot=str(self.file),
             urdf=str(description),
         )
         return file
 
-    def share_solved(self, answers: Array) -> float:
-        """Of answers to the first targets."""
-        return float(np.mean([self.is_solved(b, q) for b, q in enumerate(answers)]))
-
-    def is_solved(self, b: int, q: Array) -> bool:
-        """Whether an answer is a solution inside the limits."""
+    def judge(self, answers: Array) -> tuple[float, float]:
+        """Shares of answers to the first targets that reach them, and that do so in the limits."""
+        reached = np.array([self.is_reached(b, q) for b, q in enumerate(answers)])
         low, high = self.limits.T
-        if not np.all((q >= low - 1e-9) & (q <= high + 1e-9)):  # also when it is NaN
+        inside = ((answers >= low - 1e-9) & (answers <= high + 1e-9)).all(axis=1)
+        return float(reached.mean()), float((reached & inside).mean())
+
+    def is_reached(self, b: int, q: Array) -> bool:
+        """Whether joint values put the tip at a target."""
+        if not np.isfinite(q).all():
             return False
         error = robocell.Pose(self.targets[b]).inverse() * self.robot.kinematics.fk(q)
-        turn = float(np.linalg.norm(error.rotvec))
-        return float(np.linalg.norm(error.translation)) <= TOLERANCE * 1.0001 and (
-            turn <= TOLERANCE * 1.0001
-        )
+        off = max(np.linalg.norm(error.translation), np.linalg.norm(error.rotvec))
+        return bool(off <= TOLERANCE * 1.0001)
 
 
 def measure(arm: Arm, side: Side, questions: Path, folder: Path) -> None:
-    """One more repetition, in a process on one core."""
+    """One more repetition, in a process on one core (on as many as it has threads)."""
+    python = side.python
+    if python is None:
+        return
     with np.load(questions) as file:
         part = {name: file[name] for name in file.files}
     for name in ("targets", "seeds"):
@@ -134,50 +171,91 @@ def measure(arm: Arm, side: Side, questions: Path, folder: Path) -> None:
     asked, answered = folder / "asked.npz", folder / "answered.npz"
     np.savez(asked, **part)
     script = Path(__file__).with_name("ik_side.py")
+    cores = "0,1" if "2 threads" in side.name else "0"
     subprocess.run(
-        ["taskset", "--cpu-list", "0", side.python, script, side.name, asked, answered],
-        env=os.environ | {"PYTHONPATH": str(ROOT / "python")},
+        ["taskset", "--cpu-list", cores, python, script, side.name, asked, answered],
+        env=os.environ | {"PYTHONPATH": str(ROOT / "python"), "OMP_NUM_THREADS": "1"},
         check=True,
     )
     with np.load(answered) as file:
+        if len(file["q"]) == 0:
+            return
         side.rates.append(1 / float(np.mean(file["seconds"])))
-        side.p99 = 1e6 * float(np.percentile(file["seconds"], 99))
-        side.solved = arm.share_solved(file["q"])
+        side.p50, side.p99 = 1e6 * np.percentile(file["seconds"], (50, 99))
+        side.reached, side.solved = arm.judge(file["q"])
 
 
-def compare(arm: Arm, ours: Side, peers: list[Side], folder: Path, *, warm: bool) -> list[Row]:
-    """A row per peer; all sides in turn, several times."""
+def compare(
+    arm: Arm, ours: Sequence[Side], peers: Sequence[Side], folder: Path, *, warm: bool = False
+) -> list[Row]:
+    """A row for each of ours beside each peer that can solve the arm; all in turn."""
     questions = arm.questions(folder, warm=warm)
     for _ in range(REPETITIONS):
-        for side in (ours, *peers):
+        for side in (*ours, *peers):
             measure(arm, side, questions, folder)
-    how = "in one batch" if ours.name.endswith("batch") else "one by one"
-    start = "warm" if warm else "cold"
+    return [
+        row(arm, side, peer, "warm" if warm else "cold")
+        for side in ours
+        for peer in peers
+        if peer.rates
+    ]
+
+
+def row(arm: Arm, ours: Side, peer: Side, start: str) -> Row:
+    """One of ours beside a peer."""
+    together = "batch" in ours.name
+    note = f"peer: {peer.name}; solved {ours.shares()} / {peer.shares()}"
+    if not together:
+        note += f"; p50, p99 {ours.p50:.1f}, {ours.p99:.1f} / {peer.p50:.1f}, {peer.p99:.1f} µs"
+    how = "in one batch" if together else "one by one"
+    language = ", C++" if "C++" in ours.name else ""
+    return Row(
+        f"inverse kinematics {how}, {start}{language}, {arm.robot.name}",
+        "1/s",
+        ours.rates,
+        peer.rates,
+        better="higher",
+        note=note,
+    )
+
+
+def ourselves(arm: Arm, folder: Path) -> list[Row]:
+    """Two threads beside one; Python beside C++, with a small batch."""
+    one, two = Side("robocell batch", BATCH), Side("robocell batch, 2 threads", BATCH)
+    small, cpp = Side("robocell small batch", SMALL), Side("robocell small batch, C++", SMALL)
+    questions = arm.questions(folder, warm=False)
+    for _ in range(REPETITIONS):
+        for side in (one, two, small, cpp):
+            measure(arm, side, questions, folder)
     return [
         Row(
-            f"inverse kinematics {how}, {start}, {arm.robot.name}",
+            f"inverse kinematics in one batch, {what}, {arm.robot.name}",
             "1/s",
             ours.rates,
             peer.rates,
             better="higher",
-            note=f"peer: {peer.name}; solved {ours.solved:.2%} / {peer.solved:.2%}"
-            + ("" if how == "in one batch" else f"; p99 {ours.p99:.0f} / {peer.p99:.0f} µs"),
+            note=note,
         )
-        for peer in peers
+        for what, ours, peer, note in (
+            ("2 threads", two, one, "peer: ours on 1 thread"),
+            ("1000 targets, Python", small, cpp, "peer: ours from C++"),
+        )
     ]
 
 
 def rows(folder: Path) -> list[Row]:
-    """Three questions to each robot: a batch, single poses cold, single poses warm."""
+    """Of each robot: batches and single poses cold, single poses warm, and ours beside ours."""
     result: list[Row] = []
     for name in ROBOTS:
         if not is_available(ROOT / name):
             continue
         arm = Arm(ROOT / name)
-        for ours, warm in (("robocell batch", False), ("robocell", False), ("robocell", True)):
-            peers = [Side("KDL", ONE)]
-            if not warm:
-                peers += [Side(peer, ONE) for peer in PACKAGES]
-            count = BATCH if ours == "robocell batch" else ONE
-            result += compare(arm, Side(ours, count), peers, folder, warm=warm)
+        kdl = ["KDL-LMA", "KDL-NR"]
+        singles = ["robocell, C++", "robocell"]
+        cold = [Side(peer, ONE) for peer in (*kdl, *PACKAGES)]
+        ours = [Side("robocell batch", BATCH), *(Side(side, ONE) for side in singles)]
+        result += compare(arm, ours, cold, folder)
+        warm = [Side(side, ONE) for side in singles]
+        result += compare(arm, warm, [Side("KDL-LMA", ONE)], folder, warm=True)
+        result += ourselves(arm, folder)
     return result

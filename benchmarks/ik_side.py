@@ -1,13 +1,16 @@
 """One side of the inverse kinematics rows: ik_side.py SIDE QUESTIONS.npz ANSWERS.npz.
 
 Runs in the environment of the side's own package (ik.py makes it). Questions: targets (B, 4, 4) of
-the tip in the base frame, seeds (B, n), limits (n, 2), `urdf` and `robot` (files). Answers: q
-(B, n), NaN where the side found nothing, and the seconds of each call.
+the tip in the base frame, seeds (B, n), limits (n, 2), `example` (n,), joint values that put the
+tip at the first target, `urdf` and `robot` (files). Answers: q (B, n), NaN where the side found
+nothing, and the seconds of each call; both empty when the side cannot solve this arm.
 """
 
 from __future__ import annotations
 
+import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -19,9 +22,12 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Questions = Mapping[str, Any]
 Solve = Callable[[int], Array | None]
+Side = Callable[[Questions], tuple[Array, Array] | None]
 
+ROOT = Path(__file__).resolve().parents[1]
 # Norms, in metres and radians.
 TOLERANCE = 1e-5
+SMALL_CALLS = 50  # calls with a small batch that are timed
 
 
 def one_by_one(questions: Questions, solve: Solve) -> tuple[Array, Array]:
@@ -37,38 +43,62 @@ def one_by_one(questions: Questions, solve: Solve) -> tuple[Array, Array]:
     return answers, seconds
 
 
-def robocell_kinematics(questions: Questions) -> Any:
-    """The robot's, from its file."""
+def load(questions: Questions) -> Any:
+    """The robot, from its file."""
     from robocell.cli.robot_scene import load_robot
 
-    return load_robot(Path(str(questions["robot"]))).robot.kinematics
+    return load_robot(Path(str(questions["robot"]))).robot
 
 
-def robocell_batch(questions: Questions) -> tuple[Array, Array]:
-    """All targets in one call, no seeds."""
-    kinematics = robocell_kinematics(questions)
-    targets = questions["targets"]
-    kinematics.ik_batch(targets[:1])  # makes what a chain keeps
-    begin = time.perf_counter()
-    found = kinematics.ik_batch(targets, tolerance=TOLERANCE)
-    seconds = (time.perf_counter() - begin) / len(targets)
-    answers = np.where(found.success[:, None], found.q, np.nan)
-    return answers, np.array([seconds])
+def batch(threads: int, calls: int) -> Side:
+    """All targets in one call, no seeds; the seconds of each of so many calls, per target."""
+
+    def run(questions: Questions) -> tuple[Array, Array]:
+        kinematics = load(questions).kinematics
+        targets = questions["targets"]
+        kinematics.ik_batch(targets[:1])  # makes what a chain keeps
+        seconds = []
+        for _ in range(calls):
+            begin = time.perf_counter()
+            found = kinematics.ik_batch(targets, tolerance=TOLERANCE, threads=threads)
+            seconds.append((time.perf_counter() - begin) / len(targets))
+        answers = np.where(found.success[:, None], found.q, np.nan)
+        return answers, np.array(seconds)
+
+    return run
 
 
 def robocell_one(questions: Questions) -> tuple[Array, Array]:
     """One call per target, from the seed."""
     import robocell
 
-    kinematics = robocell_kinematics(questions)
+    kinematics = load(questions).kinematics
     targets = [robocell.Pose(target) for target in questions["targets"]]
     seeds = questions["seeds"]
+    kinematics.ik(robocell.Pose(translation=[9, 9, 9]))  # makes what a chain keeps
 
     def solve(b: int) -> Array | None:
         found = kinematics.ik(targets[b], seed=seeds[b], tolerance=TOLERANCE)
         return np.asarray(found.q) if found.success else None
 
     return one_by_one(questions, solve)
+
+
+def in_cpp(calls: int) -> Side:
+    """The same from C++ (ik_bench.cc): so many calls with all targets; 0: one by one."""
+
+    def run(questions: Questions) -> tuple[Array, Array]:
+        targets, seeds = questions["targets"], questions["seeds"]
+        with tempfile.TemporaryDirectory() as folder:
+            asked, answered = Path(folder, "asked"), Path(folder, "answered")
+            np.concatenate([seeds.shape, targets.ravel(), seeds.ravel()]).tofile(asked)
+            program = ROOT / "build" / "release" / "ik_bench"
+            robot = str(questions["robot"])
+            subprocess.run([program, robot, str(calls), asked, answered], check=True)
+            numbers = np.fromfile(answered)
+        return numbers[: seeds.size].reshape(seeds.shape), numbers[seeds.size :]
+
+    return run
 
 
 def kdl_lma(questions: Questions) -> tuple[Array, Array]:
@@ -78,8 +108,27 @@ def kdl_lma(questions: Questions) -> tuple[Array, Array]:
     """
     import PyKDL
 
-    chain = robocell_kdl_chain(questions)
-    solver = PyKDL.ChainIkSolverPos_LMA(chain, TOLERANCE / 100)
+    chain = load(questions).kdl_chain()
+    return kdl(questions, chain, PyKDL.ChainIkSolverPos_LMA(chain, TOLERANCE / 100))
+
+
+def kdl_nr(questions: Questions) -> tuple[Array, Array]:
+    """KDL's Newton-Raphson solver that clamps to the limits, one try of 100 steps."""
+    import PyKDL
+
+    chain = load(questions).kdl_chain()
+    low, high = (kdl_joints(limit) for limit in questions["limits"].T)
+    fk = PyKDL.ChainFkSolverPos_recursive(chain)
+    velocities = PyKDL.ChainIkSolverVel_pinv(chain)
+    # Its tolerance is one of each axis.
+    solver = PyKDL.ChainIkSolverPos_NR_JL(chain, low, high, fk, velocities, 100, TOLERANCE / 2)
+    return kdl(questions, chain, solver)
+
+
+def kdl(questions: Questions, chain: Any, solver: Any) -> tuple[Array, Array]:
+    """One call of a KDL solver per target."""
+    import PyKDL
+
     frames = [kdl_frame(target) for target in questions["targets"]]
     seeds = [kdl_joints(seed) for seed in questions["seeds"]]
     out = PyKDL.JntArray(chain.getNrOfJoints())
@@ -89,13 +138,6 @@ def kdl_lma(questions: Questions) -> tuple[Array, Array]:
         return np.array([out[i] for i in range(out.rows())])
 
     return one_by_one(questions, solve)
-
-
-def robocell_kdl_chain(questions: Questions) -> Any:
-    """The arm as PyKDL.Chain."""
-    from robocell.cli.robot_scene import load_robot
-
-    return load_robot(Path(str(questions["robot"]))).robot.kdl_chain()
 
 
 def kdl_frame(matrix: Array) -> Any:
@@ -115,65 +157,29 @@ def kdl_joints(values: Array) -> Any:
     return joints
 
 
-def trac_ik(questions: Questions) -> tuple[Array, Array]:
-    """TRAC-IK, its published protocol: Speed, 5 ms, bounds of 1e-5 per axis."""
-    from trac_ik import TracIK
-
-    solver = TracIK(
-        "base", "tip", str(questions["urdf"]), timeout=0.005, epsilon=TOLERANCE, solver_type="Speed"
-    )
-    targets, seeds = questions["targets"], questions["seeds"]
-    rotations = [np.ascontiguousarray(target[:3, :3]) for target in targets]
-    positions = [target[:3, 3].copy() for target in targets]
-    return one_by_one(questions, lambda b: solver.ik(positions[b], rotations[b], seeds[b]))
-
-
-def roboplan(questions: Questions) -> tuple[Array, Array]:
-    """Roboplan's SimpleIk with the options that solve the most: full steps, many restarts."""
-    import roboplan.core as core
-    import roboplan.simple_ik as simple_ik
-
-    scene = core.Scene("arm", core.loadUrdfSceneDescription(str(questions["urdf"])))
-    scene.addGroupFromChain("arm", "base", "tip")
-    names = scene.getJointNames()
-    solver = simple_ik.SimpleIk(
-        scene,
-        simple_ik.SimpleIkOptions(
-            group_name="arm",
-            check_collisions=False,
-            max_linear_error_norm=TOLERANCE,
-            max_angular_error_norm=TOLERANCE,
-            step_size=1.0,
-            max_iters=25,
-            max_restarts=200,
-            max_time=0.05,
-            damping=1e-5,
-        ),
-    )
-    solver.setRngSeed(1)
-    goals = [
-        core.CartesianConfiguration("base", "tip", np.asfortranarray(target))
-        for target in questions["targets"]
-    ]
-    starts = [core.JointConfiguration(names, seed) for seed in questions["seeds"]]
-
-    def solve(b: int) -> Array | None:
-        found = core.JointConfiguration()
-        return found.positions if solver.solveIk(goals[b], starts[b], found) else None
-
-    return one_by_one(questions, solve)
-
-
-SIDES: dict[str, Callable[[Questions], tuple[Array, Array]]] = {
-    "robocell batch": robocell_batch,
+SIDES: dict[str, Side] = {
+    "robocell batch": batch(threads=1, calls=1),
+    "robocell batch, 2 threads": batch(threads=2, calls=1),
+    "robocell small batch": batch(threads=1, calls=SMALL_CALLS),
+    "robocell small batch, C++": in_cpp(SMALL_CALLS),
     "robocell": robocell_one,
-    "KDL": kdl_lma,
-    "TRAC-IK": trac_ik,
-    "roboplan": roboplan,
+    "robocell, C++": in_cpp(0),
+    "KDL-LMA": kdl_lma,
+    "KDL-NR": kdl_nr,
 }
 
-if __name__ == "__main__":
+
+def main() -> None:
+    """Solves the questions of the command line."""
     side, questions_file, answers_file = sys.argv[1:]
+    if side not in SIDES:
+        from ik_peers import PEERS
+
+        SIDES.update(PEERS)
     with np.load(questions_file) as file:
-        answers, seconds = SIDES[side]({name: file[name] for name in file.files})
+        answers, seconds = SIDES[side]({name: file[name] for name in file.files}) or ([], [])
     np.savez(answers_file, q=answers, seconds=seconds)
+
+
+if __name__ == "__main__":
+    main()

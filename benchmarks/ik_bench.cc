@@ -1,0 +1,115 @@
+// Inverse kinematics from C++, for rows P1, P3 and P4 of RESULTS.md: the same questions that
+// ik_side.py puts to Python.
+//
+//   build/release/ik_bench ROBOT.yaml CALLS ASKED ANSWERED
+//
+// ASKED: doubles: the numbers of targets and joints, a 4x4 matrix for each target, a seed for each.
+// CALLS with all targets at once, without seeds; 0: one by one, from the seeds. ANSWERED: doubles:
+// joint values for each target, NaN where there are none, then the seconds of each call (for each
+// target, or per target).
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "bench.h"
+#include "robocell/kinematics/ik_batch.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kTolerance = 1e-5;
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+};
+
+std::vector<double> Read(const std::string& file) {
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  std::vector<double> numbers(static_cast<std::size_t>(in.tellg()) / sizeof(double));
+  in.seekg(0);
+  in.read(reinterpret_cast<char*>(numbers.data()),
+          static_cast<std::streamsize>(numbers.size() * sizeof(double)));
+  return numbers;
+}
+
+void Write(const std::string& file, const std::vector<double>& numbers) {
+  std::ofstream out(file, std::ios::binary);
+  out.write(reinterpret_cast<const char*>(numbers.data()),
+            static_cast<std::streamsize>(numbers.size() * sizeof(double)));
+}
+
+void Append(std::span<const double> q, bool success, std::vector<double>* answers) {
+  for (const double v : q)
+    answers->push_back(success ? v : std::numeric_limits<double>::quiet_NaN());
+}
+
+void SolveTogether(const Chain& chain, std::span<const Pose> targets, int calls,
+                   std::vector<double>* answers) {
+  std::vector<double> seconds;
+  IkBatchResult found;
+  for (int k = 0; k < calls; ++k) {
+    const Stopwatch watch;
+    found = IkBatch(chain, targets, {}, {.ik = {.tolerance = kTolerance}});
+    seconds.push_back(watch.seconds() / static_cast<double>(targets.size()));
+  }
+  for (int b = 0; b < found.size; ++b) Append(found.row(b), found.success[b], answers);
+  answers->insert(answers->end(), seconds.begin(), seconds.end());
+}
+
+void SolveOneByOne(const Chain& chain, std::span<const Pose> targets, std::span<const double> seeds,
+                   std::vector<double>* answers) {
+  std::vector<double> seconds;
+  const std::size_t n = chain.n_joints();
+  for (std::size_t b = 0; b < targets.size(); ++b) {
+    const Stopwatch watch;
+    const IkResult found = Ik(
+        chain, targets[b], {.tolerance = kTolerance, .seed = JointVector(seeds.subspan(b * n, n))});
+    seconds.push_back(watch.seconds());
+    Append(found.q, found.success, answers);
+  }
+  answers->insert(answers->end(), seconds.begin(), seconds.end());
+}
+
+void Run(const std::string& robot_file, int calls, const std::string& asked,
+         const std::string& answered) {
+  const Robot robot = Robot::Of(bench::SceneWith(RobotConfig::Load(robot_file)), "robot");
+  const Chain& chain = robot.chain();
+  const std::vector<double> numbers = Read(asked);
+  const auto count = static_cast<std::size_t>(numbers[0]);
+  const std::span<const double> matrices = std::span(numbers).subspan(2, 16 * count);
+  const std::vector<Pose> targets = PosesFromMatrices(matrices);
+  IkBatch(chain, std::span(targets).first(1));  // makes what a chain keeps
+  std::vector<double> answers;
+  if (calls > 0) {
+    SolveTogether(chain, targets, calls, &answers);
+  } else {
+    SolveOneByOne(chain, targets, std::span(numbers).subspan(2 + 16 * count), &answers);
+  }
+  Write(answered, answers);
+}
+
+}  // namespace
+}  // namespace robocell
+
+int main(int argc, char** argv) {
+  if (argc != 5) {
+    std::fprintf(stderr, "usage: ik_bench ROBOT.yaml CALLS ASKED ANSWERED\n");
+    return 2;
+  }
+  try {
+    robocell::Run(argv[1], std::stoi(argv[2]), argv[3], argv[4]);
+    return 0;
+  } catch (const robocell::Error& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 1;
+  }
+}
