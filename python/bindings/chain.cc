@@ -5,11 +5,15 @@
 
 #include <cmath>
 
+#include "arrays.h"
 #include "chain_batch.h"
+#include "ik_calls.h"
+#include "ik_wishes.h"
 #include "kinematics.h"
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik.h"
+#include "robocell/kinematics/manipulability.h"
 
 namespace robocell::python {
 namespace {
@@ -76,14 +80,53 @@ nb::object CoriolisTorquesAt(const Chain& chain, nb::handle q, nb::handle qd) {
   return Copy(torques);
 }
 
-IkResult IkOf(const Chain& chain, const PoseOrFrame& target, nb::handle seed, double tolerance,
-              bool position_only) {
+IkOptions OptionsFor(const Chain& chain, nb::handle seed, double tolerance, bool position_only,
+                     const std::vector<std::string>& locked_joints, const IkWishes& wishes) {
   IkOptions options{.tolerance = tolerance, .position_only = position_only};
   const FieldPath path("seed");
-  if (!seed.is_none()) options.seed = JointVector(Numbers(seed, path).span());
+  if (seed && !seed.is_none()) options.seed = JointVector(Numbers(seed, path).span());
+  options.locked = LockJoints(chain, locked_joints);
+  wishes.Apply(&options);
+  return options;
+}
+
+IkResult IkOf(const Chain& chain, const PoseOrFrame& target, nb::handle seed, double tolerance,
+              bool position_only, int max_restarts, int max_iterations,
+              const std::vector<std::string>& locked_joints, nb::handle position_weights,
+              nb::handle rotation_weights, nb::handle axis, double cone, nb::handle prefer,
+              nb::handle filter) {
+  IkOptions options = OptionsFor(chain, seed, tolerance, position_only, locked_joints,
+                                 {position_weights, rotation_weights, axis, cone, prefer, filter});
+  options.max_restarts = max_restarts;
+  options.max_iterations = max_iterations;
   const Pose pose = target.get();
   const nb::gil_scoped_release release;
   return Ik(chain, pose, options);
+}
+
+nb::object IkBatchOf(const Chain& chain, nb::handle targets, nb::handle seeds, double tolerance,
+                     int threads, bool position_only, int max_restarts, int max_iterations,
+                     const std::vector<std::string>& locked_joints, nb::handle position_weights,
+                     nb::handle rotation_weights, nb::handle axis, double cone, nb::handle prefer,
+                     nb::handle filter) {
+  IkOptions options = OptionsFor(chain, {}, tolerance, position_only, locked_joints,
+                                 {position_weights, rotation_weights, axis, cone, prefer, filter});
+  options.max_restarts = max_restarts;
+  options.max_iterations = max_iterations;
+  const std::vector<double> seed_values =
+      seeds.is_none() ? std::vector<double>() : ToDoubles(seeds, "seeds");
+  return BatchOf(chain, targets, seed_values, options, threads);
+}
+
+nb::object IkSolutionsOf(const Chain& chain, const PoseOrFrame& target, nb::handle seed,
+                         double tolerance, bool position_only, int starts, double separation,
+                         const std::vector<std::string>& locked_joints, nb::handle position_weights,
+                         nb::handle rotation_weights, nb::handle axis, double cone,
+                         nb::handle prefer, nb::handle filter) {
+  IkOptions options = OptionsFor(chain, seed, tolerance, position_only, locked_joints,
+                                 {position_weights, rotation_weights, axis, cone, prefer, filter});
+  options.max_restarts = RestartsOf(starts);
+  return AllSolutionsOf(chain, target.get(), options, separation);
 }
 
 constexpr const char* kFk =
@@ -116,6 +159,56 @@ void DefDynamics(nb::class_<Chain>& c) {
            "Torques (n,) for a motion, gravity and armature included; no friction, damping or "
            "contact.")
       .def_prop_ro("moving_mass", &Chain::moving_mass, "Mass of everything that it moves, kg.");
+}
+
+#define ROBOCELL_CHAIN_IK_SIG                                             \
+  "max_restarts: int = 100, max_iterations: int = 40, *, locked_joints: " \
+  "collections.abc.Sequence[str] = [], " ROBOCELL_IK_WISHES_SIG
+
+void DefIk(nb::class_<Chain>& c) {
+  const std::vector<std::string> none;
+  c.def("ik", &IkOf, "target"_a, "seed"_a = nb::none(), "tolerance"_a = 1e-5,
+        "position_only"_a = false, "max_restarts"_a = 100, "max_iterations"_a = 40, nb::kw_only(),
+        "locked_joints"_a = none, "position_weights"_a = nb::none(),
+        "rotation_weights"_a = nb::none(), "axis"_a = nb::none(), "cone"_a = 0.0,
+        "prefer"_a = nb::none(), "filter"_a = nb::none(),
+        nb::sig("def ik(self, target: Pose | numpy.typing.ArrayLike, seed: object | None = None, "
+                "tolerance: float = 1e-05, position_only: bool = False, " ROBOCELL_CHAIN_IK_SIG
+                ") -> IkResult"),
+        "Joint values within the limits that put the tip at `target`, a Pose, PyKDL.Frame or 4x4 "
+        "matrix in the base frame. Starts at `seed` (n,), else in the middle of the limits; "
+        "`locked_joints`, by name, stay where the seed has them. The other arguments are those of "
+        "Kinematics.ik.")
+      .def(
+          "ik_batch", &IkBatchOf, "targets"_a, "seeds"_a = nb::none(), "tolerance"_a = 1e-5,
+          "threads"_a = 1, "position_only"_a = false, "max_restarts"_a = 100,
+          "max_iterations"_a = 40, nb::kw_only(), "locked_joints"_a = none,
+          "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
+          "axis"_a = nb::none(), "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none(),
+          nb::sig(
+              "def ik_batch(self, targets: object, seeds: object | None = None, tolerance: "
+              "float = 1e-05, threads: int = 1, position_only: bool = False, " ROBOCELL_CHAIN_IK_SIG
+              ") -> types.SimpleNamespace"),
+          "Many poses at once, (B, 4, 4) or a list, with seeds (B, n) or (n,): arguments and "
+          "answer as those of Kinematics.ik_batch.")
+      .def("ik_solutions", &IkSolutionsOf, "target"_a, "seed"_a = nb::none(), "tolerance"_a = 1e-5,
+           "position_only"_a = false, "starts"_a = 200, "separation"_a = 0.05, nb::kw_only(),
+           "locked_joints"_a = none, "position_weights"_a = nb::none(),
+           "rotation_weights"_a = nb::none(), "axis"_a = nb::none(), "cone"_a = 0.0,
+           "prefer"_a = nb::none(), "filter"_a = nb::none(),
+           nb::sig("def ik_solutions(self, target: Pose | numpy.typing.ArrayLike, seed: object | "
+                   "None = None, tolerance: float = 1e-05, position_only: bool = False, starts: "
+                   "int = 200, separation: float = 0.05, *, locked_joints: "
+                   "collections.abc.Sequence[str] = [], " ROBOCELL_IK_WISHES_SIG
+                   ") -> numpy.typing.NDArray[numpy.float64]"),
+           "All solutions (S, n) that can be told apart, as Kinematics.ik_solutions; nearest to "
+           "the seed first.")
+      .def(
+          "manipulability",
+          [](const Chain& chain, nb::handle q) {
+            return Manipulability(chain, JointNumbers(chain, q, "q").span());
+          },
+          "q"_a, "The root of det(J J^T) at q (n,) (Yoshikawa 1985).");
 }
 
 }  // namespace
@@ -153,13 +246,9 @@ void BindChain(nb::module_& m) {
            "Pose of the tip in the base frame; of a batch, (B, 4, 4) matrices, which are rounded "
            "otherwise.")
       .def("jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), nb::sig(kJacobian),
-           "(6, n) at the tip, linear rows first.")
-      .def(
-          "ik", &IkOf, "target"_a, "seed"_a = nb::none(), "tolerance"_a = 1e-5,
-          "position_only"_a = false,
-          "Joint values within the limits that put the tip at `target`, a Pose, PyKDL.Frame or 4x4 "
-          "matrix in the base frame.")
-      .def("__repr__", [](const Chain& chain) { return "<" + chain.description() + ">"; });
+           "(6, n) at the tip, linear rows first.");
+  DefIk(c);
+  c.def("__repr__", [](const Chain& chain) { return "<" + chain.description() + ">"; });
   DefDynamics(c);
   m.def(
       "jnt_array",

@@ -170,7 +170,7 @@ void BindDifferentialIk(nb::module_& m) {
           [](C& self, nb::handle frame) { self.SetFrame(ToTwistFrame(frame)); },
           nb::for_getter(nb::sig("def frame(self, /) -> str")),
           nb::for_setter(nb::sig("def frame(self, value: str, /) -> None")),
-          "Whose axes the twist has: 'base' (the robot base frame) or 'tip'.")
+          "Whose axes the twist has: 'base' (the robot base frame), 'tip' or 'world'.")
       .def_prop_rw(
           "max_speed", [](const C& self) { return Copy(self.max_speed()); },
           [](C& self, nb::handle speed) { self.SetMaxSpeed(ToRow(speed, "max_speed")); },

@@ -5,16 +5,17 @@
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 
+#include <array>
+
 #include "arrays.h"
 #include "bindings.h"
 #include "chain_batch.h"
 #include "closed_handles.h"
+#include "ik_calls.h"
 #include "ik_wishes.h"
 #include "signals.h"
 #include "values.h"
 #include "robocell/base/names.h"
-#include "robocell/kinematics/ik_batch.h"
-#include "robocell/kinematics/ik_solutions.h"
 #include "robocell/kinematics/manipulability.h"
 #include "robocell/kinematics/reach_map.h"
 
@@ -25,6 +26,10 @@ namespace robocell::python {
 using namespace nb::literals;
 
 namespace {
+
+constexpr std::array kTwistFrames = {std::pair{TwistFrame::kBase, "base"},
+                                     std::pair{TwistFrame::kTip, "tip"},
+                                     std::pair{TwistFrame::kWorld, "world"}};
 
 IkOptions OptionsFor(const Kinematics& k, nb::handle seed,
                      const std::vector<std::string>& locked_groups, const IkWishes& wishes) {
@@ -61,44 +66,8 @@ nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle s
   if (options.seed.empty()) options.seed = JointVector(k.robot.arm().joint_pos());
   options.tolerance = tolerance;
   options.position_only = position_only;
-  if (starts < 1)
-    throw ArgumentError(
-        fmt::format("inverse kinematics: starts is {}; it must be 1 or more", starts));
-  options.max_restarts = starts - 1;
-  const Pose pose = target.get();
-  std::vector<IkResult> found;
-  {
-    const nb::gil_scoped_release release;
-    found = IkSolutions(k.robot.chain(), pose, options, separation);
-  }
-  std::vector<double> rows;
-  for (const IkResult& one : found) rows.insert(rows.end(), one.q.begin(), one.q.end());
-  return NewArray<double>(rows, {found.size(), static_cast<size_t>(k.robot.chain().n_joints())});
-}
-
-// A Pose, a Frame, or something with four rows.
-bool IsOnePose(nb::handle value) {
-  if (nb::isinstance<Pose>(value) || nb::hasattr(value, "M")) return true;
-  if (!MayBePose(value) || nb::len(value) != 4) return false;
-  return MayBePose(nb::object(value[0])) && nb::len(nb::object(value[0])) == 4;
-}
-
-// (B, 4, 4), a list of poses, or one.
-std::vector<Pose> ToPoses(nb::handle targets) {
-  if (const Pose* one = nullptr; nb::try_cast(targets, one) && one) return {*one};
-  const bool is_list = nb::isinstance<nb::list>(targets) || nb::isinstance<nb::tuple>(targets);
-  if (!is_list || nb::len(targets) == 0 || !IsOnePose(nb::object(targets[0])))
-    return PosesFromMatrices(ToDoubles(targets, "targets"), "targets");
-  std::vector<Pose> poses;
-  for (const nb::handle item : targets) {
-    try {
-      poses.push_back(nb::cast<Pose>(nb::type<Pose>()(item)));
-    } catch (const nb::python_error& error) {
-      throw ArgumentError(fmt::format("targets[{}]: {}", poses.size(),
-                                      nb::cast<std::string>(nb::str(error.value()))));
-    }
-  }
-  return poses;
+  options.max_restarts = RestartsOf(starts);
+  return AllSolutionsOf(k.robot.chain(), target.get(), options, separation);
 }
 
 nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
@@ -106,7 +75,6 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
                       bool position_only, int max_restarts, int max_iterations,
                       nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
                       double cone, nb::handle prefer, nb::handle filter) {
-  const std::vector<Pose> poses = ToPoses(targets);
   IkOptions ik = OptionsFor(k, nb::none(), locked_groups,
                             {position_weights, rotation_weights, axis, cone, prefer, filter});
   ik.tolerance = tolerance;
@@ -119,22 +87,7 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
   } else if (!locked_groups.empty() || ik.prefer == IkPrefer::kSeed) {
     seed_values = k.robot.arm().joint_pos();
   }
-  IkBatchResult result;
-  {
-    const nb::gil_scoped_release release;
-    SignalPoll poll;
-    const IkBatchOptions options{.ik = ik, .threads = threads, .poll = [&] { poll(); }};
-    result = IkBatch(k.robot.chain(), poses, seed_values, options);
-  }
-  const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
-  nb::object make = nb::module_::import_("types").attr("SimpleNamespace");
-  const nb::object numpy = nb::module_::import_("numpy");
-  return make(
-      "q"_a = NewArray<double>(result.q, {b, n}),
-      "success"_a = NewArray<uint8_t>(result.success, {b}).attr("astype")(numpy.attr("bool_")),
-      "position_error"_a = NewArray<double>(result.position_error, {b}),
-      "rotation_error"_a = NewArray<double>(result.rotation_error, {b}),
-      "iterations"_a = NewArray<int>(result.iterations, {b}));
+  return BatchOf(k.robot.chain(), targets, seed_values, ik, threads);
 }
 
 nb::object SolveTwist(const Kinematics& k, nb::handle q, nb::handle twist, nb::handle frame,
@@ -148,6 +101,7 @@ nb::object SolveTwist(const Kinematics& k, nb::handle q, nb::handle twist, nb::h
   const FieldPath path("twist"), q_path("q");
   const Numbers six(twist, path, 6);
   const DifferentialIkOptions options{.frame = ToTwistFrame(frame),
+                                      .base_in_world = k.robot.base_in_world().rotation(),
                                       .seconds = seconds,
                                       .max_speed = joints(max_speed, "max_speed"),
                                       .posture = joints(posture, "posture"),
@@ -268,15 +222,22 @@ bool MayBePose(nb::handle value) noexcept {
 
 TwistFrame ToTwistFrame(nb::handle name) {
   const FieldPath path("frame");
-  const std::vector<std::string> names = {"base", "tip"};
   const std::string text = ToText(name, path);
-  if (text == names[0]) return TwistFrame::kBase;
-  if (text == names[1]) return TwistFrame::kTip;
+  std::vector<std::string> names;
+  for (const auto& [frame, its_name] : kTwistFrames) {
+    if (text == its_name) return frame;
+    names.emplace_back(its_name);
+  }
   ThrowValue(path, "must be one of " + ListNames(names) + ", got '" + text + "'." +
                        DidYouMean(text, names));
 }
 
-const char* TwistFrameName(TwistFrame frame) { return frame == TwistFrame::kBase ? "base" : "tip"; }
+const char* TwistFrameName(TwistFrame frame) {
+  for (const auto& [each, name] : kTwistFrames) {
+    if (each == frame) return name;
+  }
+  return "";
+}
 
 void BindKinematics(nb::module_& m) {
   nb::class_<IkResult>(
@@ -379,7 +340,9 @@ void BindKinematics(nb::module_& m) {
                    "object | None = None, posture_rate: float = 1.0, locked_groups: "
                    "collections.abc.Sequence[str] = []) -> types.SimpleNamespace"),
            "Joint velocities (n,) at q (n,) that move the TCP with `twist` (6,), linear then "
-           "angular, m/s and rad/s, in the axes of the robot base frame or of the TCP ('tip').\n\n"
+           "angular, m/s and rad/s, in the axes of the robot base frame ('base'), of the TCP "
+           "('tip') or "
+           "of the 'world'.\n\n"
            "No joint is faster than max_speed (n,) or leaves its limits within `seconds`; among "
            "what is left the twist is met best. Speeds are damped near singularities. Joints to "
            "spare go to `posture` (n,), a share posture_rate of the way per second. Returns "

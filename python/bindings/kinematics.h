@@ -26,7 +26,7 @@ struct PoseOrFrame {
 // Whether it may be meant as one: a Pose, a Frame, or rows of numbers.
 bool MayBePose(nb::handle value) noexcept;
 
-// "base" or "tip".
+// "base", "tip" or "world".
 TwistFrame ToTwistFrame(nb::handle name);
 const char* TwistFrameName(TwistFrame frame);
 

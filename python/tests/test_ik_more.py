@@ -229,14 +229,30 @@ class TestDifferentialIk:
         linear = (robot.kinematics.jacobian(q) @ tip.velocity)[:3]
         np.testing.assert_allclose(linear, 0.1 * axis, atol=1e-3)
 
+    def test_twists_may_have_the_axes_of_the_world(self):
+        spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=False, add_skybox=False)
+        config = rc.RobotConfig.load(robot_file("rc7"))
+        spec.robots.append(rc.RobotSpec(name="a", config=config, euler=[30, -50, 80]))
+        robot = rc.Scene.build(spec).robot("a")
+        q, asked = robot.arm.joint_pos, np.array([0.02, -0.03, 0.05, 0.1, 0.2, -0.1])
+        found = robot.kinematics.differential_ik(q, asked, frame="world")
+        np.testing.assert_allclose(found.twist, asked, atol=1e-3)
+        moved = (robot.kinematics.jacobian(q) @ found.velocity).reshape(2, 3)
+        in_world = moved @ robot.base_in_world.rotation.T
+        np.testing.assert_allclose(in_world.ravel(), asked, atol=1e-3)
+        jog = robot.set_controller("arm", "differential_ik")
+        jog.frame = "world"
+        assert jog.frame == "world"
+
     def test_bounds_hold(self, robot):
         found = robot.kinematics.differential_ik(
             robot.arm.joint_pos, [5, 0, 0, 0, 0, 0], max_speed=[0.2] * 7, locked_groups=["gripper"]
         )
         assert found.slower
         assert np.abs(found.velocity).max() <= 0.2
-        with pytest.raises(rc.ArgumentError, match=r"frame must be one of .*got 'world'"):
-            robot.kinematics.differential_ik(np.zeros(7), np.zeros(6), frame="world")
+        message = r"frame must be one of .*got 'wold'.*mean 'world'"
+        with pytest.raises(rc.ArgumentError, match=message):
+            robot.kinematics.differential_ik(np.zeros(7), np.zeros(6), frame="wold")
         with pytest.raises(rc.ArgumentError, match="max_speed of joint 'joint1' is 0"):
             robot.kinematics.differential_ik(np.zeros(7), np.zeros(6), max_speed=np.zeros(7))
 
@@ -257,3 +273,102 @@ class TestDifferentialIk:
         assert jog.twist.tolist() == [0] * 6
         with pytest.raises(rc.ArgumentError, match="twist must be 6 numbers, got 3"):
             jog.twist = [1, 2, 3]
+
+
+class TestChains:
+    """A chain on its own answers as the robot's kinematics."""
+
+    def test_takes_the_options_of_the_robots_kinematics(self, robot):
+        chain, kinematics = robot.chain, robot.kinematics
+        seed = robot.arm.joint_pos
+        target = kinematics.fk(seed + 0.1)
+        for options in (
+            {"axis": [0, 0, 1], "cone": 0.1},
+            {"prefer": "limits"},
+            {"prefer": seed + 0.05},
+            {"position_weights": [1, 0, 1], "max_restarts": 5, "max_iterations": 20},
+            {"filter": lambda q: q[:, 0] > -1},
+        ):
+            ours = chain.ik(target, seed=seed, **options)
+            np.testing.assert_array_equal(ours.q, kinematics.ik(target, seed=seed, **options).q)
+            many = chain.ik_batch([target] * 3, seeds=seed, threads=2, **options)
+            theirs = kinematics.ik_batch([target] * 3, seeds=seed, **options)
+            np.testing.assert_array_equal(many.q, theirs.q)
+            assert many.success.all()
+        every = chain.ik_solutions(target, seed=seed, prefer="limits", starts=50)
+        expected = kinematics.ik_solutions(target, seed=seed, prefer="limits", starts=50)
+        np.testing.assert_array_equal(every, expected)
+        assert chain.manipulability(seed) == kinematics.manipulability(seed)
+
+    def test_locks_joints_by_name(self, robot):
+        chain, seed = robot.chain, robot.arm.joint_pos
+        truth = seed + np.array([0.1, 0, 0.1, 0.1, 0.1, 0, 0.1])
+        locked = [chain.joint_names[1], chain.joint_names[5]]
+        target = chain.fk(truth)
+        alone = chain.ik(target, seed=seed, locked_joints=locked)
+        many = chain.ik_batch(target.matrix[None], seeds=seed, locked_joints=locked)
+        for q in (alone.q, many.q[0]):
+            np.testing.assert_array_equal(q[[1, 5]], seed[[1, 5]])
+        assert alone.success == many.success[0]
+        with pytest.raises(rc.NotFoundError, match="Did you mean 'joint1'"):
+            chain.ik(target, seed=seed, locked_joints=["join1"])
+        with pytest.raises(rc.ArgumentError, match="locked, but there is no seed"):
+            chain.ik_batch([target], locked_joints=locked)
+
+
+class TestBatches:
+    """Any batch, and what is no batch of poses."""
+
+    def test_answers_depend_on_their_questions_alone(self, robot):
+        rng = np.random.default_rng(4)
+        low, high = np.array(robot.joint_limits).T
+        corners = np.where(rng.random((20, 7)) < 0.5, low, high)
+        targets = robot.kinematics.fk(np.vstack([reachable(robot, 60), corners]))
+        targets[::9, :3, 3] += [30, 0, 0]
+        seeds = rng.uniform(-20, 20, (80, 7))  # most of them outside the limits
+        all_of_them = robot.kinematics.ik_batch(targets, seeds=seeds)
+        order = rng.permutation(80)
+        for threads in (1, 3):
+            mixed = robot.kinematics.ik_batch(targets[order], seeds=seeds[order], threads=threads)
+            for name in ("q", "success", "position_error", "rotation_error", "iterations"):
+                np.testing.assert_array_equal(
+                    getattr(mixed, name), getattr(all_of_them, name)[order]
+                )
+        alone = robot.kinematics.ik_batch(targets[7:8], seeds=seeds[7])
+        np.testing.assert_array_equal(alone.q[0], all_of_them.q[7])
+        assert not all_of_them.success[::9].any()
+        reached = np.delete(np.arange(80), np.s_[::9])
+        assert all_of_them.success[reached].sum() >= len(reached) - 1
+        assert np.all((all_of_them.q >= low) & (all_of_them.q <= high))
+        tips = robot.kinematics.fk(all_of_them.q)
+        off = np.linalg.norm(tips[:, :3, 3] - targets[:, :3, 3], axis=1)
+        np.testing.assert_allclose(off, all_of_them.position_error, atol=1e-9)
+
+    @pytest.mark.parametrize("empty", [np.zeros((0, 4, 4)), []])
+    def test_nothing_is_answered_to_nothing(self, robot, empty):
+        found = robot.kinematics.ik_batch(empty)
+        assert (found.q.shape, found.success.shape) == ((0, 7), (0,))
+
+    @pytest.mark.parametrize(
+        ("spoil", "message"),
+        [
+            (lambda t: t[:, :3], r"targets: expected 16 values|targets must be|shape"),
+            (lambda t: np.where(np.arange(3)[:, None, None] == 1, np.nan, t), r"targets\[1\]"),
+            (lambda t: t * [[[2, 1, 1, 1]] * 3 + [[1] * 4]], r"targets\[0\]: "),
+            (lambda t: t * [[[1, 1, -1, 1]] * 3 + [[1] * 4]], r"targets\[0\]: "),
+            (lambda t: np.vstack([t[:2], t[2:] + np.inf]), r"targets\[2\]"),
+        ],
+    )
+    def test_what_is_no_pose_is_named(self, robot, spoil, message):
+        targets = robot.kinematics.fk(reachable(robot, 3))
+        with pytest.raises(rc.ArgumentError, match=message):
+            robot.kinematics.ik_batch(spoil(targets))
+
+    def test_seeds_that_do_not_fit_are_named(self, robot):
+        targets = robot.kinematics.fk(reachable(robot, 3))
+        with pytest.raises(rc.ArgumentError, match=r"expected 7 seed values .* or 21"):
+            robot.kinematics.ik_batch(targets, seeds=np.zeros((2, 7)))
+        seeds = np.zeros((3, 7))
+        seeds[2, 4] = np.nan
+        with pytest.raises(rc.ArgumentError, match=r"seeds\[2\]\[4\] is nan"):
+            robot.kinematics.ik_batch(targets, seeds=seeds)

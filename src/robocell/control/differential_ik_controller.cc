@@ -84,6 +84,9 @@ void DifferentialIkController::Compute(std::span<double> ctrl) {
     // The port is written to without a check.
     CheckValues([&] { return arm_.place(); }, "twist", target_, target_size());
     options_.seconds = seconds;
+    if (frame() == TwistFrame::kWorld)
+      options_.base_in_world =
+          arm_.leaf_frame_to_world().rotation() * arm_.leaf_frame_to_robot().rotation().transpose();
     const std::span<double> q = servos_.command_port();
     const DifferentialIkResult found = DifferentialIk(arm_.chain(), q, twist(), options_);
     for (int i = 0; i < found.velocity.size(); ++i) q[i] += seconds * found.velocity[i];

@@ -40,7 +40,7 @@ class DifferentialIkController : public Controller {
 
   void SetTwist(const Twist& twist);
   Twist twist() const;
-  // The robot base's axes, unless set; or the leaf's.
+  // The robot base's axes, unless set; or the leaf's, or the world's.
   TwistFrame frame() const { return options_.frame; }
   void SetFrame(TwistFrame frame) { options_.frame = frame; }
   // Of each joint, rad/s or m/s, above 0; at first pi.

@@ -48,6 +48,21 @@ TEST(DifferentialIkController, TheLeafMovesAsToldAndStopsAtZero) {
   EXPECT_EQ(jog.twist(), Twist{});
 }
 
+TEST(DifferentialIkController, TwistsMayHaveTheAxesOfTheWorld) {
+  const Scene scene =
+      Scene::Build(SceneWith({.name = "a", .config = Rc7(), .euler = {25, -40, 70}}));
+  Robot robot = Robot::Of(scene, "a");
+  DifferentialIkController& jog = Jog(robot);
+  const Pose base = robot.base_in_world();
+  const Pose start = base * robot.FkFrame(jog.commanded_joint_pos());
+  jog.SetFrame(TwistFrame::kWorld);
+  const Vector3d way(0.02, 0.01, 0.04);
+  jog.SetTwist({.linear = 2 * way});
+  Drive(robot, 0.5);
+  const Pose there(start.translation() + way, start.rotation());
+  EXPECT_TRUE((base * robot.FkFrame(jog.commanded_joint_pos())).is_close(there, 2e-3, 1e-3));
+}
+
 TEST(DifferentialIkController, ObeysLimitsAndSpeedsAndMovesJointsToSpare) {
   Robot robot = RobotAlone(Rc7());
   DifferentialIkController& jog = Jog(robot);

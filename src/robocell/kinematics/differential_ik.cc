@@ -187,6 +187,13 @@ std::array<double, 2> BoundsOf(const ChainModel& chain, int i, double q,
           std::clamp((joint.upper - q) / options.seconds, -most, most)};
 }
 
+// Those that a twist has, in the base frame.
+Eigen::Matrix3d AxesOf(const DifferentialIkOptions& options, const Pose& tip) {
+  if (options.frame == TwistFrame::kTip) return tip.rotation();
+  if (options.frame == TwistFrame::kWorld) return options.base_in_world.transpose();
+  return Eigen::Matrix3d::Identity();
+}
+
 }  // namespace
 
 DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> q,
@@ -196,8 +203,7 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
   const double per_metre = 1 / chain.model().length;
   Jacobian6 jacobian(6, n);
   const Pose tip = chain.Jacobian(q, jacobian);
-  const Eigen::Matrix3d axes =
-      options.frame == TwistFrame::kTip ? tip.rotation() : Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d axes = AxesOf(options, tip);
   Vector6 task;
   task << axes * twist.linear * per_metre, axes * twist.angular;
   jacobian.topRows<3>() *= per_metre;

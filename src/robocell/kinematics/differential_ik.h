@@ -23,10 +23,12 @@
 namespace robocell {
 
 // Whose axes a twist of the tip has. Its reference point is the tip.
-enum class TwistFrame { kBase, kTip };
+enum class TwistFrame { kBase, kTip, kWorld };
 
 struct DifferentialIkOptions {
   TwistFrame frame = TwistFrame::kBase;
+  // How the base stands in the world; for TwistFrame::kWorld.
+  Eigen::Matrix3d base_in_world = Eigen::Matrix3d::Identity();
   // How long the velocity will be kept, s: no joint leaves its limits in this time, and one that is
   // beyond them comes back. 0: positions are not looked at.
   double seconds = 0;

@@ -13,7 +13,6 @@ namespace {
 constexpr double kPart = 0.3;
 // Of the gradient of the logarithm of manipulability: how far uphill a goal is set, rad at most.
 constexpr double kUphill = 0.3, kFarthestUphill = 0.5;
-constexpr double kDifference = 1e-5;  // rad or m
 
 bool IsLimited(const JointModel& joint) {
   return std::isfinite(joint.lower) && std::isfinite(joint.upper) && joint.lower < joint.upper;
@@ -67,15 +66,13 @@ JointVector IkPreference::GoalFrom(const JointVector& q, const JointVector& goal
 }
 
 JointVector IkPreference::Uphill(const JointVector& q) const {
-  const double here = std::max(ManipulabilityOf(chain_, q.data()), 1e-12);
+  std::array<double, kMaxChainJoints> slope;
+  LogManipulabilityGradient(chain_, q.data(), slope.data());
   JointVector goal = q;
   for (int i = 0; i < chain_.n; ++i) {
     if (options_.locked[i]) continue;
-    JointVector moved = q;
-    moved[i] += kDifference;
-    const double slope = (ManipulabilityOf(chain_, moved.data()) / here - 1) / kDifference;
     const double most = chain_.joints[i].slide ? kFarthestUphill * chain_.length : kFarthestUphill;
-    goal[i] = std::clamp(q[i] + std::clamp(kUphill * slope, -most, most), chain_.joints[i].lower,
+    goal[i] = std::clamp(q[i] + std::clamp(kUphill * slope[i], -most, most), chain_.joints[i].lower,
                          chain_.joints[i].upper);
   }
   return goal;

@@ -1,15 +1,23 @@
 #include "robocell/kinematics/lane_solver.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include "robocell/kinematics/lane_starts.h"
 
 namespace robocell {
 namespace {
 
-// Steps in which joints to spare go to their goal, and then at most to be at the target again.
-constexpr int kStepsToGoal = 20, kStepsBack = 12;
+// Steps in which joints to spare go to their goal at most, and then at most to be at the target
+// again. Where the goal lies across the way that is open, the last part takes longest: after 20
+// steps one in ten is still on its way.
+constexpr int kStepsToGoal = 40, kStepsBack = 12;
+// So often they are told where it is: what goes uphill finds it anew, which costs more than a step.
+constexpr int kStepsAGoal = 8;
+// Joints that move less in the first step to it rest, rad or m.
+constexpr double kRest = 2e-4;
 
 struct Lane {
   LaneQuestion question;
@@ -17,7 +25,14 @@ struct Lane {
   int restarts_left = 0;
   int age = 0, steps = 0;  // of this start, of all
   bool settles = false;    // has arrived; its joints to spare are on their way
+  JointVector before;      // the last step of that
 };
+
+double FarthestMove(const JointVector& from, const JointVector& to) {
+  double most = 0;
+  for (int i = 0; i < from.size(); ++i) most = std::max(most, std::abs(to[i] - from[i]));
+  return most;
+}
 
 class LaneSolver {
  public:
@@ -89,6 +104,7 @@ class LaneSolver {
     Lane& lane = lanes_[k];
     unmoved_[k] = found;
     lane.settles = true;
+    lane.before = found.q;
     lane.age = 0;
     work_.Put(k, found.q.data());
     Pull(k, found.q);
@@ -101,14 +117,18 @@ class LaneSolver {
   void Settle(int k, bool there) {
     Lane& lane = lanes_[k];
     ++lane.steps;
-    const int age = ++lane.age;
+    ++lane.age;
     const JointVector q = work_.Now(k, lane.starts.seed());
-    if (age < kStepsToGoal) {
+    const bool at_rest = lane.age % kStepsAGoal == 1 && FarthestMove(lane.before, q) < kRest;
+    if (at_rest && lane.age < kStepsToGoal) lane.age = kStepsToGoal;
+    if (lane.age < kStepsToGoal) {
+      lane.before = q;
       work_.Put(k, q.data());  // the same turn as the goal's
-      return Pull(k, q);
+      if (lane.age % kStepsAGoal == 0) Pull(k, q);
+      return;
     }
-    if (age == kStepsToGoal) return work_.LetGo(k);
-    if (!there && age < kStepsToGoal + kStepsBack) return;
+    if (lane.age == kStepsToGoal) return work_.LetGo(k);
+    if (!there && lane.age < kStepsToGoal + kStepsBack) return;
     const IkResult moved = work_.Judge(lane.question.target, q);
     IkResult before = unmoved_[k];
     before.iterations = lane.steps;

@@ -134,6 +134,7 @@ struct RandomChainOptions {
   bool awkward =
       true;  // anchors, reference positions, two joints on a body, fixed bodies, side branches
   double limited_share = 0.7;  // of the hinges
+  double tiny_share = 0;       // of the joints: with limits a thousandth of a radian or metre apart
 };
 
 // Writes the MJCF of a random chain "base" -> site "tip", on a base that itself moves.
@@ -185,7 +186,10 @@ class RandomChainXml {
     if (options_.awkward && rng_->Uniform() < 0.5) {
       text += fmt::format(" pos='{} {} {}'", U(-.2, .2), U(-.2, .2), U(-.2, .2));
     }
-    if (slide) {
+    if (options_.tiny_share > 0 && rng_->Uniform() < options_.tiny_share) {
+      const double lower = slide ? U(-0.4, 0.4) : U(-1.5, 1.5);
+      text += fmt::format(" range='{} {}'", lower, lower + 1e-3);
+    } else if (slide) {
       text += fmt::format(" range='{} {}'", U(-0.4, -0.1), U(0.1, 0.4));
     } else if (rng_->Uniform() < options_.limited_share) {
       text += fmt::format(" range='{} {}'", U(-3, -1.5), U(1.5, 3));

@@ -1,0 +1,52 @@
+// The gradient of manipulability against differences.
+#include "robocell/kinematics/manipulability.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "robocell/kinematics/testing/ik_judge.h"
+
+namespace robocell {
+namespace {
+
+TEST(LogManipulabilityGradient, IsThatOfDifferences) {
+  constexpr double kStep = 1e-6;
+  for (const int joints : {1, 2, 4, 5, 6, 7, 9, 12}) {
+    Rng rng = Rng::Stream(joints, "manipulability");
+    const TestModel t =
+        TestModel::FromXml(RandomChainXml(&rng, {.joints = joints, .slide_share = 0.25}).Write());
+    const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+    for (int k = 0; k < 20; ++k) {
+      const JointVector q = RandomJoints(chain, &rng);
+      JointVector gradient(joints);
+      LogManipulabilityGradient(chain.model(), q.data(), gradient.data());
+      for (int i = 0; i < joints; ++i) {
+        JointVector after = q, before = q;
+        after[i] += kStep;
+        before[i] -= kStep;
+        const double slope =
+            std::log(Manipulability(chain, after) / Manipulability(chain, before)) / (2 * kStep);
+        EXPECT_NEAR(gradient[i], slope, 1e-5 * (1 + std::abs(slope) + slope * slope))
+            << joints << " joints, joint " << i;
+      }
+    }
+  }
+}
+
+// Two parallel slides and a hinge: nothing to divide by.
+TEST(LogManipulabilityGradient, IsFiniteWhereADirectionIsLost) {
+  const TestModel t = TestModel::FromXml(
+      "<mujoco><worldbody><body name='base'><geom size='.1'/><body><joint type='slide'/>"
+      "<geom size='.1'/><body><joint type='slide'/><geom size='.1'/><body><joint axis='1 0 0'/>"
+      "<geom size='.1'/><site name='tip' pos='0 .3 0'/></body></body></body></body></worldbody>"
+      "</mujoco>");
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  JointVector gradient(3);
+  LogManipulabilityGradient(chain.model(), JointVector{0, 0, 0}.data(), gradient.data());
+  for (const double slope : gradient) EXPECT_TRUE(std::isfinite(slope));
+  EXPECT_LT(Manipulability(chain, JointVector{0, 0, 0}), 1e-9);
+}
+
+}  // namespace
+}  // namespace robocell
