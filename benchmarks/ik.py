@@ -74,7 +74,13 @@ class Side:
     def python(self) -> Path | None:
         """The interpreter that has the side's package; None when it cannot be installed."""
         packages = PACKAGES.get(self.name)
-        return environment(*packages.split()) if packages else Path(sys.executable)
+        if packages is None:
+            return Path(sys.executable)
+        try:
+            return environment(*packages.split())
+        except subprocess.CalledProcessError:
+            print(f"left out: {self.name}: it cannot be installed")
+            return None
 
     def shares(self) -> str:
         """What it solved, and what it only reached."""
@@ -82,30 +88,17 @@ class Side:
         return f"{self.solved:.2%}" + (outside if self.reached > self.solved + 5e-4 else "")
 
 
-def environment(package: str, *more: str) -> Path | None:
-    """The interpreter of an environment with a package, and others; made when it is not there.
-
-    None when they cannot be installed.
-    """
+def environment(package: str, *more: str) -> Path:
+    """The interpreter of an environment with a package, and others; made when it is not there."""
     folder = ROOT / "build" / "bench" / "peers" / package.split("==")[0].replace("-", "_")
     python = folder / "bin" / "python"
     ready = folder / "ready"
     if not ready.exists():
         venv.create(folder, with_pip=True, clear=True)
-        install: list[str | Path] = [
-            python,
-            "-m",
-            "pip",
-            "install",
-            "--quiet",
-            package,
-            *more,
-            "numpy",
-        ]
-        if subprocess.run(install, check=False).returncode:
-            print(f"left out: {package}: it cannot be installed")
-            return None
-        ready.write_text(" ".join((package, *more)))
+        subprocess.run(
+            [python, "-m", "pip", "install", "--quiet", package, *more, "numpy"], check=True
+        )
+        ready.touch()
     return python
 
 

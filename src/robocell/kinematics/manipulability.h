@@ -16,8 +16,8 @@ double Manipulability(const Chain& chain, std::span<const double> q);
 
 // The same unchecked, for the solvers of this folder.
 double ManipulabilityOf(const ChainModel& chain, const double* q);
-// The gradient of its logarithm by q, into n numbers; finite everywhere. Where a direction is nearly
-// lost it points steeply to where it is found again.
+// The gradient of its logarithm by q, into n numbers; finite everywhere. Where a direction is
+// nearly lost it points steeply to where it is found again.
 void LogManipulabilityGradient(const ChainModel& chain, const double* q, double* gradient);
 
 }  // namespace robocell
