@@ -28,6 +28,7 @@ ENVIRONMENTS = (
     rc.EnvConfig,
     rc.EnvObject,
     rc.EnvTaskConfig,
+    rc.ObjectVariation,
     rc.CameraAdderConfig,
     rc.SimSettings,
     rc.WrapperConfig,

@@ -25,6 +25,7 @@ NB_MODULE(_core, m) {
   BindTask(m);
   BindSampler(m);
   BindPick(m);
+  BindEnvTask(m);
   BindEnv(m);
   BindEnvBatch(m);
   BindData(m);

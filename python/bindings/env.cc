@@ -9,6 +9,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "closed_handles.h"
+#include "env.h"
 #include "in_use.h"
 #include "scene_sharing.h"
 #include "values.h"
@@ -113,8 +114,15 @@ nb::dict RobotParts(const std::vector<RobotLayout>& robots, std::span<const doub
   return out;
 }
 
-// Fills in the objects, as {name: {tquat}}.
-void AddObjectParts(const EnvLayout& layout, std::span<const double> vector, nb::dict& out) {
+// Fills in what the task adds: objects as {name: {tquat}}, task as {signal: numbers}.
+void AddTaskParts(const EnvLayout& layout, std::span<const double> vector, nb::dict& out) {
+  if (!layout.signals.empty()) {
+    nb::dict signals;
+    for (const SignalLayout& signal : layout.signals)
+      signals[signal.name.c_str()] =
+          NumberCopy(vector.subspan(signal.part.begin, signal.part.size));
+    out["task"] = signals;
+  }
   if (layout.objects.empty()) return;
   nb::dict objects;
   for (const ObjectLayout& object : layout.objects) {
@@ -150,21 +158,25 @@ nb::tuple RangeParts(const Env& env, const VectorRange& range, bool observation)
   nb::dict lower = RobotParts(env.layout().robots, range.lower, observation);
   nb::dict upper = RobotParts(env.layout().robots, range.upper, observation);
   if (observation) {
-    AddObjectParts(env.layout(), range.lower, lower);
-    AddObjectParts(env.layout(), range.upper, upper);
+    AddTaskParts(env.layout(), range.lower, lower);
+    AddTaskParts(env.layout(), range.upper, upper);
   }
   return nb::make_tuple(lower, upper);
 }
 
+}  // namespace
+
 nb::dict Observation(const Env& env) {
   nb::dict out = RobotParts(env.layout().robots, env.observation(), true);
-  AddObjectParts(env.layout(), env.observation(), out);
+  AddTaskParts(env.layout(), env.observation(), out);
   if (env.frames().empty()) return out;
   nb::dict frames;
   for (const EnvFrame& frame : env.frames()) frames[frame.stream.c_str()] = FrameDict(frame);
   out["frames"] = frames;
   return out;
 }
+
+namespace {
 
 nb::dict CollisionDict(const Collision& collision) {
   nb::dict out;
@@ -242,7 +254,8 @@ void BindEnv(nb::module_& m) {
       "A cell of robots behind reset and step; all poses in the shared base frame.\n\n"
       "Actions are {robot: {'joints' | 'xyzrpy' | 'tquat': numbers, 'gripper': number}},\n"
       "observations {robot: {'tquat': (7,), 'xyzrpy': (6,), 'joints': (n,), 'gripper': (1,)}};\n"
-      "with a task {'objects': {id: {'tquat': (7,)}}}, with streams {'frames': {stream: {'rgb' |\n"
+      "with a task {'objects': {id: {'tquat': (7,)}}, 'task': {signal: (n,)}}, with streams "
+      "{'frames': {stream: {'rgb' |\n"
       "'depth' | 'segmentation': {'data', 'intrinsics', 'extrinsics'}, 'time': (1,)}}};\n"
       "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.");
   const auto require_usable = [](const Env& e) {
@@ -250,6 +263,7 @@ void BindEnv(nb::module_& m) {
     RequireOpen(e.scene(), Place(e));
   };
   GuardHandle<Env>(env, require_usable, {"close", "config"});
+  DefEnvState(env);
   env.def("__init__", &InitEnv, "config"_a)
       .def("reset", &ResetEnv, "seed"_a = nb::none(),
            nb::sig("def reset(self, seed: int | None = None) -> tuple[dict[str, typing.Any], "

@@ -48,6 +48,8 @@ nb::tuple ObservationParts(const EnvBatch& batch) {
   }
   for (const ObjectLayout& object : batch.layout().objects)
     out.append(Part(nb::make_tuple("objects", object.object, "tquat"), object.tquat));
+  for (const SignalLayout& signal : batch.layout().signals)
+    out.append(Part(nb::make_tuple("task", signal.name), signal.part));
   return nb::tuple(out);
 }
 
@@ -58,6 +60,56 @@ nb::tuple FlatRange(const VectorRange& range) {
 nb::object Observations(const EnvBatch& batch) {
   return NumberCopy(batch.observations(),
                     {CopyCount(batch), batch.observations().size() / CopyCount(batch)});
+}
+
+// One image of each copy, one after another.
+template <class T>
+nb::object Stacked(EnvBatch& batch, size_t stream, std::vector<T> EnvFrame::*image,
+                   std::vector<size_t> shape) {
+  std::vector<T> all;
+  for (int i = 0; i < batch.size(); ++i) {
+    const std::vector<T>& one = batch.env(i).frames()[stream].*image;
+    all.insert(all.end(), one.begin(), one.end());
+  }
+  return NewArray<T>(all, std::move(shape));
+}
+
+// Of a stream of all copies: as a frame of one, with the copies in front.
+nb::dict BatchFrame(EnvBatch& batch, size_t stream) {
+  std::vector<double> intrinsics, extrinsics, time;
+  for (int i = 0; i < batch.size(); ++i) {
+    const EnvFrame& frame = batch.env(i).frames()[stream];
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> in = frame.camera.intrinsics();
+    const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> ex = frame.camera.extrinsics();
+    intrinsics.insert(intrinsics.end(), in.data(), in.data() + in.size());
+    extrinsics.insert(extrinsics.end(), ex.data(), ex.data() + ex.size());
+    time.push_back(frame.time);
+  }
+  const EnvFrame& first = batch.env(0).frames()[stream];
+  const auto n = CopyCount(batch), h = static_cast<size_t>(first.height),
+             w = static_cast<size_t>(first.width);
+  nb::dict out;
+  const auto add = [&](const char* kind, const nb::object& data) {
+    nb::dict image;
+    image["data"] = data;
+    image["intrinsics"] = NumberCopy(intrinsics, {n, 3, 3});
+    image["extrinsics"] = NumberCopy(extrinsics, {n, 4, 4});
+    out[kind] = image;
+  };
+  if (!first.rgb.empty()) add("rgb", Stacked(batch, stream, &EnvFrame::rgb, {n, h, w, 3}));
+  if (!first.depth_mm.empty())
+    add("depth", Stacked(batch, stream, &EnvFrame::depth_mm, {n, h, w, 1}));
+  if (!first.segmentation.empty())
+    add("segmentation", Stacked(batch, stream, &EnvFrame::segmentation, {n, h, w, 1}));
+  out["time"] = NumberCopy(time, {n, 1});
+  return out;
+}
+
+nb::dict BatchFrames(EnvBatch& batch) {
+  nb::dict out;
+  const std::vector<EnvFrame>& frames = batch.env(0).frames();
+  for (size_t i = 0; i < frames.size(); ++i) out[frames[i].stream.c_str()] = BatchFrame(batch, i);
+  return out;
 }
 
 nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>& reset_instead) {
@@ -134,6 +186,8 @@ void BindEnvBatch(nb::module_& m) {
             batch.Close();
           },
           "Ends the use of all copies and their threads; may be repeated.")
+      .def_prop_ro("frames", &BatchFrames, nb::sig("def frames(self, /) -> dict[str, typing.Any]"),
+                   "The last frames of all copies by stream, as of Env with the copies in front.")
       .def(
           "reset",
           [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which) {

@@ -6,9 +6,11 @@
 namespace robocell::python {
 
 void BindEnvSpecs(nb::module_& m) {
-  BindSpecClass<EnvObject>(m,
-                           "A model in one of an environment's frames; also written as a pair "
-                           "(file, Pose).");
+  BindSpecClass<EnvObject>(
+      m,
+      "A model or a primitive in one of an environment's frames; a model also written as a pair "
+      "(file, Pose).");
+  BindSpecClass<ObjectVariation>(m, "How an object differs from episode to episode.");
   BindSpecClass<CameraAdderConfig>(
       m, "Where a camera is added: in the root frame, or at a robot's attachment site.");
   BindSpecClass<SimSettings>(m, "How an environment's simulation runs.");

@@ -12,7 +12,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, EnvBatch, EnvConfig
-from robocell._spaces import space_of
+from robocell._spaces import frame_space, space_of
 
 Observation = dict[str, Any]
 Action = Mapping[str, Any]
@@ -27,8 +27,8 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
     Observations, rewards and ends are those of as many ``GymEnv``; all three autoreset modes of
     Gymnasium are there. Infos have ``reason``, ``time`` and, with a task, ``is_success`` and
     ``instruction``, each with a mask (``_reason`` ...) of the copies that made a step; with
-    SAME_STEP those that ended have theirs in ``final_info``, beside ``final_obs``. There are no
-    images.
+    SAME_STEP those that ended have theirs in ``final_info``, beside ``final_obs``. Images are drawn
+    by one renderer, one copy after the other.
 
     Args:
         config: what all copies are.
@@ -53,9 +53,10 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
         self._observation_parts = self.core.observation_parts
         self._action_keys = list(_keys_of(self._action_parts))
         self.single_action_space = self._space(self._action_parts, self.core.action_range)
-        self.single_observation_space = self._space(
-            self._observation_parts, self.core.observation_range
-        )
+        observed = self._space(self._observation_parts, self.core.observation_range)
+        if config.cameras.streams:
+            observed["frames"] = frame_space(config)
+        self.single_observation_space = observed
         self.num_envs = num_envs
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
@@ -84,7 +85,7 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
         observations = self.core.reset(self._seeds(seed, which), which.tolist())
         self._seeded |= which
         self._ended[which] = False
-        return _split(self._observation_parts, observations), self._instructions(which)
+        return self._observation(observations), self._instructions(which)
 
     def step(
         self, actions: Action
@@ -104,14 +105,14 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
         infos: dict[str, Any] = {}
         stepped = ~again
         if self.autoreset_mode == AutoresetMode.SAME_STEP and self._ended.any():
-            infos["final_obs"] = self._objects(flat, self._ended)
+            infos["final_obs"] = self._objects(self._observation(flat), self._ended)
             infos["final_info"] = self._infos(times, reasons, ends[0], self._ended)
             infos["_final_obs"] = infos["_final_info"] = self._ended.copy()
             flat = self.core.reset((), self._ended.tolist())
             stepped = ~self._ended
         infos |= self._infos(times, reasons, ends[0], stepped)
         infos |= self._instructions(np.ones(self.num_envs, dtype=bool))
-        return _split(self._observation_parts, flat), rewards, *ends, infos
+        return self._observation(flat), rewards, *ends, infos
 
     def close_extras(self, **kwargs: Any) -> None:
         """Closes all copies."""
@@ -189,10 +190,17 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
             )
         return rows
 
-    def _objects(self, flat: NDArray[np.float64], which: NDArray[np.bool_]) -> NDArray[Any]:
+    def _observation(self, flat: NDArray[np.float64]) -> Observation:
+        """The numbers of all copies, and their last frames."""
+        out = _split(self._observation_parts, flat)
+        if frames := self.core.frames:
+            out["frames"] = frames
+        return out
+
+    def _objects(self, observation: Observation, which: NDArray[np.bool_]) -> NDArray[Any]:
         out = np.full(self.num_envs, None, dtype=object)
         for i in np.flatnonzero(which):
-            out[i] = _split(self._observation_parts, flat[i])
+            out[i] = _of_copy(observation, int(i))
         return out
 
     def _infos(
@@ -218,6 +226,13 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
             "instruction": _texts(self.core.instructions, which),
             "_instruction": which.copy(),
         }
+
+
+def _of_copy(value: Any, i: int) -> Any:
+    """Copy i's part of dictionaries of arrays that have the copies in front."""
+    if isinstance(value, dict):
+        return {key: _of_copy(item, i) for key, item in value.items()}
+    return value[i].copy()
 
 
 def _texts(texts: Sequence[str], which: NDArray[np.bool_]) -> NDArray[Any]:

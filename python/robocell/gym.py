@@ -15,75 +15,57 @@ from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
-import numpy as np
 from gymnasium import spaces
 from gymnasium.vector import AutoresetMode
 
 from robocell import models
 from robocell._core import (
     ArgumentError,
-    CameraConfig,
     Env,
     EnvConfig,
+    OrbitCamera,
     Pose,
     Renderer,
     RobotConfig,
 )
 from robocell._gym_vector import VectorGymEnv
-from robocell._spaces import space_of
+from robocell._spaces import frame_space, space_of
+from robocell._window import Window, side_view
 
 Observation = dict[str, Any]
 Action = Mapping[str, Any]
 
-FAR = 1e6  # nothing is farther, in pixels, metres or seconds
 PICK_CUBE_STEPS = 200
+PICK_PLACE_STEPS = 400
 RENDER_SIZE = (480, 360)  # width, height in pixels
-
-
-def _image(shape: tuple[int, ...], low: int, high: int, dtype: type) -> spaces.Space[Any]:
-    return spaces.Dict(
-        {
-            "data": spaces.Box(low, high, shape, dtype),
-            "intrinsics": spaces.Box(-FAR, FAR, (3, 3), np.float64),
-            "extrinsics": spaces.Box(-FAR, FAR, (4, 4), np.float64),
-        }
-    )
-
-
-def _frame_space(config: EnvConfig, stream: CameraConfig) -> spaces.Space[Any]:
-    """What a stream's part of an observation is; ``intrinsics`` are in pixels."""
-    wide, high = config.cameras.resolution
-    size = (stream.height or int(high), stream.width or int(wide))
-    frame: dict[str, spaces.Space[Any]] = {"time": spaces.Box(0, FAR, (1,), np.float64)}
-    if stream.rgb:
-        frame["rgb"] = _image((*size, 3), 0, 255, np.uint8)
-    if stream.depth or config.wrappers.include_depth:
-        frame["depth"] = _image((*size, 1), 0, 65535, np.uint16)
-    if stream.segmentation:
-        frame["segmentation"] = _image((*size, 1), -1, 2**31 - 1, np.int32)
-    return spaces.Dict(frame)
 
 
 class GymEnv(gymnasium.Env[Observation, Action]):
     """An environment of a configuration, with spaces; ``unwrapped.core`` is the ``rc.Env`` itself.
 
     Spaces are dictionaries by robot, as in ``rc.Env``: ranges of joints and positions come from the
-    robots. ``render_mode`` is None or "rgb_array"; pictures show the whole cell, or what
-    ``render_camera`` (a camera of the scene, or an OrbitCamera and its like) sees.
+    robots. ``render_mode`` is None, "rgb_array" (``render`` gives pictures) or "human": a window
+    that follows every step, as with ``headless: false`` in the configuration. Without a display
+    that is a warning, once, and no window. Pictures show the robots from the side and in front, or
+    what ``render_camera`` (a camera of the scene, "" for the whole model, or an OrbitCamera and its
+    like) sees.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 30}  # noqa: RUF012  (as in Gymnasium)
+    metadata = {  # noqa: RUF012  (as in Gymnasium)
+        "render_modes": ["human", "rgb_array"],
+        "render_fps": 30,
+    }
 
     def __init__(
         self,
         config: EnvConfig,
         render_mode: str | None = None,
-        render_camera: Any = "",
+        render_camera: Any = None,
         render_size: tuple[int, int] = RENDER_SIZE,
     ) -> None:
-        if render_mode not in (None, "rgb_array"):
+        if render_mode not in (None, *self.metadata["render_modes"]):
             raise ArgumentError(
-                f"render_mode must be None or 'rgb_array', got {render_mode!r}: there is no window"
+                f"render_mode must be None, 'human' or 'rgb_array', got {render_mode!r}"
             )
         self.core = Env(config)
         self.render_mode = render_mode
@@ -91,15 +73,18 @@ class GymEnv(gymnasium.Env[Observation, Action]):
         lower, upper = self.core.observation_range
         seen = {key: space_of(lower[key], upper[key]) for key in lower}
         if config.cameras.streams:
-            frames = {s.name: _frame_space(config, s) for s in config.cameras.streams}
-            seen["frames"] = spaces.Dict(frames)
+            seen["frames"] = frame_space(config)
         self.observation_space = spaces.Dict(seen)
         if config.sim.async_control:
             self.metadata = {**self.metadata, "render_fps": round(config.sim.frequency)}
-        self._camera = render_camera
+        view = side_view(self.core)
+        self._camera = OrbitCamera(**view) if render_camera is None else render_camera
         self._size = render_size
         self._renderer: Renderer | None = None
         self._seeded = False
+        self._window: Window | None = None
+        if render_mode == "human" or not config.headless:
+            self._window = Window.open(self.core.scene, view)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -112,15 +97,22 @@ class GymEnv(gymnasium.Env[Observation, Action]):
             seed = int(self.np_random.integers(2**63))
         observation, info = self.core.reset(seed)
         self._seeded = True
+        self._show()
         return observation, info
 
     def step(self, action: Action) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One step; ``info["reason"]`` says why it ended."""
-        return self.core.step(action)
+        result = self.core.step(action)
+        self._show()
+        return result
+
+    def _show(self) -> None:
+        if self._window:
+            self._window.show()
 
     def render(self) -> Any:
-        """The picture (H, W, 3) uint8 of the present state; None without a render mode."""
-        if self.render_mode is None:
+        """The picture (H, W, 3) uint8 of the present state; None in another mode."""
+        if self.render_mode != "rgb_array":
             return None
         if self._renderer is None:
             self._renderer = Renderer(self.core.scene)
@@ -130,6 +122,9 @@ class GymEnv(gymnasium.Env[Observation, Action]):
     def close(self) -> None:
         """Ends its use; may be repeated."""
         self._renderer = None
+        if self._window:
+            self._window.close()
+            self._window = None
         self.core.close()
 
 
@@ -185,6 +180,64 @@ def pick_cube_vector(
     return VectorGymEnv(config, num_envs, max_episode_steps, autoreset_mode, threads)
 
 
+def pick_place_config(
+    robot: RobotConfig | str | os.PathLike[str] = "rc7", **fields: Any
+) -> EnvConfig:
+    """A robot that is to put a cube on a mat; arguments as of ``pick_cube_config``."""
+    mat = {
+        "shape": "box",
+        "size": [0.06, 0.06, 0.004],
+        "mass": 0.5,
+        "rgba": [0.2, 0.3, 0.8, 1],
+        "offset": Pose(translation=[0.4, 0.25, 0.004]),
+    }
+    cube = {
+        "mjcf_path": "green_cube",
+        "offset": Pose(translation=[0.45, -0.05, 0.02]),
+        "fixed": False,
+    }
+    chosen: dict[str, Any] = {
+        "name": "pick_place",
+        "root_frame_objects": {"cube": cube, "mat": mat},
+        "task": {
+            "kind": "pick_place",
+            "object": "cube",
+            "spread": [0.08, 0.1],
+            "goal_object": "mat",
+            "goal": [0, 0, 0.024],
+            "goal_spread": [0.05, 0.05],
+        },
+    }
+    return pick_cube_config(robot, **(chosen | fields))
+
+
+def pick_place(
+    robot: RobotConfig | str | os.PathLike[str] = "rc7",
+    render_mode: str | None = None,
+    **fields: Any,
+) -> GymEnv:
+    """The environment ``robocell/PickPlace-v0``; arguments as of ``pick_place_config``."""
+    return GymEnv(pick_place_config(robot, **fields), render_mode=render_mode)
+
+
+def pick_place_vector(
+    num_envs: int = 1,
+    robot: RobotConfig | str | os.PathLike[str] = "rc7",
+    max_episode_steps: int | None = PICK_PLACE_STEPS,
+    autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    **fields: Any,
+) -> VectorGymEnv:
+    """What ``gym.make_vec("robocell/PickPlace-v0", num_envs=64)`` makes."""
+    config = pick_place_config(robot, **fields)
+    return VectorGymEnv(config, num_envs, max_episode_steps, autoreset_mode)
+
+
+gymnasium.register(
+    id="robocell/PickPlace-v0",
+    entry_point="robocell.gym:pick_place",
+    vector_entry_point="robocell.gym:pick_place_vector",
+    max_episode_steps=PICK_PLACE_STEPS,
+)
 gymnasium.register(
     id="robocell/PickCube-v0",
     entry_point="robocell.gym:pick_cube",

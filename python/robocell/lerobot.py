@@ -30,7 +30,7 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     Actions are one vector between -1 and 1 for the ranges of ``GymEnv``, its dictionaries in the
     order of their keys. Observations, all float32 but ``pixels``:
 
-    - ``agent_pos``: everything of the robots; ``environment_state``: of the task's objects;
+    - ``agent_pos``: all of the robots; ``environment_state``: of the task's objects and signals;
     - ``pixels``: of each image stream the colour image, (H, W, 3) uint8.
 
     ``task`` is the name of the environment, ``task_description`` the instruction. An episode is
@@ -57,8 +57,11 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._groups = {
             "agent_pos": spaces.Dict({robot: whole[robot] for robot in config.robots}),
         }
-        if "objects" in whole.spaces:
-            self._groups["environment_state"] = spaces.Dict({"objects": whole["objects"]})
+        of_task: dict[str, spaces.Space[Any]] = {
+            key: whole[key] for key in ("objects", "task") if key in whole.spaces
+        }
+        if of_task:
+            self._groups["environment_state"] = spaces.Dict(of_task)
         self._pixels = [stream.name for stream in config.cameras.streams if stream.rgb]
         self.observation_space = spaces.Dict(self._spaces(whole))
         box = flatten_space(self.env.action_space)

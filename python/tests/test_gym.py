@@ -8,11 +8,14 @@ from functools import partial
 from types import MappingProxyType
 
 import gymnasium as gym
+import mujoco
+import mujoco.viewer
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
 import robocell as rc
+from robocell import _window
 from robocell.gym import GymEnv, pick_cube_config
 
 RC7 = rc.models.robot_file("rc7")
@@ -150,9 +153,90 @@ def test_centimetres_never_swing_the_arm():
     env.close()
 
 
-def test_there_is_no_window_and_there_are_no_options():
-    with pytest.raises(rc.ArgumentError, match="must be None or 'rgb_array', got 'human'"):
-        GymEnv(config(), render_mode="human")
+def test_pictures_show_the_robot_from_the_side_and_in_front():
+    elsewhere = rc.Pose(translation=[3, 1, 0.5], rpy=[0, 0, 2])
+    pictures = []
+    for root in (rc.Pose(), elsewhere):
+        env = GymEnv(
+            config(root_frame_to_world=root, scene="empty_world"), "rgb_array", render_size=(64, 48)
+        )
+        env.reset(seed=0)
+        renderer = rc.Renderer(env.core.scene)
+        bodies = renderer.render(env._camera, width=64, height=48, segmentation=True)
+        robot = bodies["segmentation"] > 0
+        rows, columns = np.nonzero(robot)
+        assert robot.mean() > 0.025, "it is large enough to be seen"
+        assert np.ptp(rows) > np.ptp(columns) / 2, "it stands upright"
+        assert abs(columns.mean() - 32) < 16
+        pictures.append(robot)
+        env.close()
+    assert (pictures[0] == pictures[1]).mean() > 0.98, "the same wherever the rig stands"
+
+
+def test_without_a_display_a_window_is_a_warning_once(monkeypatch):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(_window, "_warned", set())
+    with pytest.warns(UserWarning, match="no window: there is no display"):
+        env = GymEnv(config(), render_mode="human")
+    env.reset(seed=0)
+    env.step(env.action_space.sample())
+    assert env.render() is None
+    env.close()
+    monkeypatch.setenv("DISPLAY", ":no such display")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        GymEnv(config(headless=False)).close()
+
+
+def test_a_window_follows_every_step_until_it_is_closed(monkeypatch):
+    class Viewer:
+        def __init__(self, model, data, **ui):
+            self.cam, self.shown, self.open = mujoco.MjvCamera(), [], True
+            self.data = data
+            windows.append(self)
+
+        def is_running(self):
+            return self.open
+
+        def sync(self):
+            self.shown.append(self.data.time)
+
+        def close(self):
+            self.open = False
+
+    windows: list[Viewer] = []
+    monkeypatch.setattr(_window, "has_display", lambda: True)
+    monkeypatch.setattr(mujoco.viewer, "launch_passive", Viewer)
+    env = GymEnv(config(headless=False))
+    env.reset(seed=0)
+    for _ in range(2):
+        env.step(env.action_space.sample())
+    window = windows[0]
+    assert window.shown == pytest.approx([0, 1 / 30, 2 / 30], abs=0.003)
+    assert window.cam.elevation == -20
+    window.open = False
+    env.step(env.action_space.sample())
+    assert len(window.shown) == 3, "the user has closed it"
+    env.close()
+    env.close()
+
+
+def test_gymnasiums_own_video_recorder(tmp_path):
+    pytest.importorskip("moviepy", reason="gymnasium's RecordVideo needs the package moviepy")
+    env = gym.wrappers.RecordVideo(
+        GymEnv(config(), render_mode="rgb_array", render_size=(64, 48)), str(tmp_path)
+    )
+    env.reset(seed=0)
+    for _ in range(5):
+        env.step(env.action_space.sample())
+    env.close()
+    assert [file.suffix for file in tmp_path.glob("*.mp4")] == [".mp4"]
+
+
+def test_unknown_render_modes_and_options_are_refused():
+    with pytest.raises(rc.ArgumentError, match="must be None, 'human' or 'rgb_array', got 'ansi'"):
+        GymEnv(config(), render_mode="ansi")
     env = GymEnv(config())
     with pytest.raises(rc.ArgumentError, match="reset takes no options here, got pose"):
         env.reset(options={"pose": 1})

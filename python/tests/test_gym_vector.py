@@ -83,6 +83,35 @@ def test_it_is_gymnasiums_vector_of_single_environments(mode: AutoresetMode):
     ours.close()
 
 
+@pytest.mark.parametrize("mode", [AutoresetMode.SAME_STEP, AutoresetMode.NEXT_STEP])
+def test_images_are_those_of_single_environments(mode: AutoresetMode):
+    def images() -> rc.EnvConfig:
+        return pick_cube_config(
+            variations={"cube": {"colour": 0.3}},
+            cameras={
+                "resolution": [32, 24],
+                "streams": [{"name": "eye", "camera": "exo_camera", "segmentation": True}],
+            },
+        )
+
+    ours = VectorGymEnv(images(), 2, 2, mode, threads=2)
+    theirs = SyncVectorEnv([lambda: TimeLimit(GymEnv(images()), 2)] * 2, autoreset_mode=mode)
+    assert ours.observation_space == theirs.observation_space
+    first = ours.reset(seed=5)[0]
+    assert same(first, theirs.reset(seed=5)[0])
+    assert ours.observation_space.contains(first)
+    assert first["frames"]["eye"]["rgb"]["data"].shape == (2, 24, 32, 3)
+    ours.action_space.seed(1)
+    for _ in range(3):
+        action = ours.action_space.sample()
+        mine, other = ours.step(action), theirs.step(action)
+        assert same(mine[:4], other[:4])
+        if "final_obs" in mine[4]:
+            assert all(map(same, mine[4]["final_obs"], other[4]["final_obs"]))
+    theirs.close()
+    ours.close()
+
+
 def test_it_is_made_by_its_registered_name():
     vector = gym.make_vec("robocell/PickCube-v0", num_envs=2, threads=1)
     observation, _ = vector.reset(seed=[7, 7])

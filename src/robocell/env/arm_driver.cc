@@ -50,6 +50,42 @@ std::vector<bool> TurnFreely(const Robot& robot) {
 
 }  // namespace
 
+std::vector<double> ArmDriver::Memory::numbers() const {
+  std::vector<double> out(2 * 7);
+  PutTquat(sent, std::span(out).first(7));
+  PutTquat(origin, std::span(out).last(7));
+  for (const std::vector<double>* q : {&sent_joints, &origin_joints, &commanded})
+    out.insert(out.end(), q->begin(), q->end());
+  out.insert(out.end(), {sent_opening, commanded_opening, gripper_still ? 1.0 : 0.0, window_start,
+                         window_opening});
+  return out;
+}
+
+ArmDriver::Memory ArmDriver::Memory::FromNumbers(size_t joints, std::span<const double>& numbers) {
+  const auto take = [&](size_t count) {
+    const std::span<const double> taken = numbers.first(count);
+    numbers = numbers.subspan(count);
+    return taken;
+  };
+  const auto pose = [&] {
+    const std::span<const double> p = take(7);
+    return Pose({p[0], p[1], p[2]}, Quaternion{p[3], p[4], p[5], p[6]});
+  };
+  Memory memory;
+  memory.sent = pose();
+  memory.origin = pose();
+  memory.sent_joints = PositionsOf(take(joints));
+  memory.origin_joints = PositionsOf(take(joints));
+  memory.commanded = PositionsOf(take(joints));
+  const std::span<const double> rest = take(5);
+  memory.sent_opening = rest[0];
+  memory.commanded_opening = rest[1];
+  memory.gripper_still = rest[2] != 0;
+  memory.window_start = rest[3];
+  memory.window_opening = rest[4];
+  return memory;
+}
+
 ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
     : mode_(config.control_mode),
       relative_to_(config.relative_to),

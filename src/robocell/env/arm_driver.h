@@ -24,6 +24,11 @@ class ArmDriver {
     double sent_opening = 1, commanded_opening = 1;
     bool gripper_still = false;  // at the end of the last window
     double window_start = 0, window_opening = 0;
+
+    std::vector<double> numbers() const;
+    // Of an arm with as many joints; takes its numbers from the front of what is given.
+    static Memory FromNumbers(size_t joints, std::span<const double>& numbers);
+    static size_t CountOfNumbers(size_t joints) { return 2 * 7 + 3 * joints + 5; }
   };
 
   // `robot` is one of the configuration's, `layout` its part of the vectors.

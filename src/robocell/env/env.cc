@@ -83,19 +83,22 @@ const char* ToString(EndReason reason) {
 }
 
 Env::Env(const EnvConfig& config, const DataFactory& factory)
-    : Env(config, Scene::Build(EnvSceneSpec(config), factory)) {}
+    : Env(config, Scene::FromCompiled(CompileEnvScene(config), factory)) {}
 
-Env::Env(EnvConfig config, Scene scene, std::optional<int> copy)
+Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
+         const std::shared_ptr<SharedDrawing>& drawing)
     : config_(Checked(std::move(config))),
       scene_(std::move(scene)),
-      layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_))),
+      variations_(config_, scene_),
+      task_(MakeEnvTask(config_, scene_)),
+      layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get())),
       arms_(DriversOf(config_, scene_, layout_)),
       stepper_(scene_, RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1}),
       collisions_(WatchedOf(arms_)),
-      cameras_(scene_, StreamsOf(config_)),
-      task_(MakeEnvTask(config_, scene_)),
+      cameras_(scene_, StreamsOf(config_), drawing),
       seeds_(copy ? Rng::Stream(0, kSeedPurpose, *copy) : Rng::Stream(0, kSeedPurpose)),
-      observation_(layout_.observation.size()) {}
+      observation_(layout_.observation.size()),
+      draws_(!drawing) {}
 
 void Env::Reset(const EnvResetOptions& options) {
   if (options.seed) seeds_ = Rng::Stream(*options.seed, kSeedPurpose);
@@ -105,6 +108,8 @@ void Env::Reset(const EnvResetOptions& options) {
   }
   phase_ = Phase::kBroken;  // until all is done
   const uint64_t seed = seeds_.NextBits();
+  Rng variation = Rng::Stream(seed, "env variation");
+  variations_.Draw(variation);
   scene_.Reset({.seed = seed});
   for (size_t i = 0; i < kept.size(); ++i) Robot(arms_[i].robot()).SetJointPos(kept[i]);
   for (ArmDriver& arm : arms_) arm.Reset();
@@ -114,6 +119,7 @@ void Env::Reset(const EnvResetOptions& options) {
     task_->Begin(scene_);
   }
   collisions_.Forget();
+  record_.reset();
   ticks_ = 0;
   pacer_.Start(0);
   cameras_.Reset();
@@ -174,29 +180,59 @@ bool Env::ShouldEnd() {
   ++ticks_;
   cameras_.Tick(TimeSinceReset());
   collided_ = collisions_.FindNew() || collided_;
-  if (collided_ && config_.sim.on_collision == OnCollision::kStop) return true;
+  if (collided_ && EndsAtCollision()) return true;
   return !config_.sim.async_control && HaveArrived();
+}
+
+bool Env::EndsAtCollision() const {
+  return config_.sim.on_collision != OnCollision::kReport && !held_;
 }
 
 EndReason Env::ReasonOf(const StepResult& step, const EnvStep& out) {
   if (!step.ok()) return EndReason::kDiverged;
-  if (collided_ && config_.sim.on_collision == OnCollision::kStop) return EndReason::kCollision;
+  if (held_ || (collided_ && EndsAtCollision())) return EndReason::kCollision;
   if (!out.ik_failed.empty()) return EndReason::kIkFailed;
   return HaveArrived() ? EndReason::kArrived : EndReason::kTimeout;
+}
+
+StepResult Env::Advance() {
+  return stepper_.AdvanceUntil({}, TicksOfStep(), [this] { return ShouldEnd(); }).step;
+}
+
+// Simulates the step; when a robot runs into something goes back to its begin, and simulates it
+// again with the arms held where they were sent before.
+StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& before,
+                               EnvStep& out) {
+  cameras_.Mark();
+  out.ik_failed = Send(action);
+  const StepResult ahead = Advance();
+  if (!ahead.ok() || !collided_) return ahead;
+  out.collisions = collisions_.found();
+  Recall(before);
+  collisions_.Begin();
+  cameras_.GoBackToMark();
+  held_ = true;
+  return Advance();
 }
 
 EnvStep Env::Step(std::span<const double> action) {
   CheckAction(action);
   EnvStep out;
-  collided_ = false;
+  collided_ = held_ = false;
+  const bool guarded = config_.sim.on_collision == OnCollision::kGuard;
+  const std::optional<EnvState> before = guarded ? std::optional(state()) : std::nullopt;
   phase_ = Phase::kBroken;  // until all is done
   collisions_.Begin();
-  out.ik_failed = Send(action);
-  const StepOutcome outcome =
-      stepper_.AdvanceUntil({}, TicksOfStep(), [this] { return ShouldEnd(); });
-  out.reason = ReasonOf(outcome.step, out);
-  out.message = outcome.step.message;
-  out.collisions = collisions_.found();
+  StepResult result;
+  if (before) {
+    result = AdvanceGuarded(action, *before, out);
+  } else {
+    out.ik_failed = Send(action);
+    result = Advance();
+  }
+  out.reason = ReasonOf(result, out);
+  out.message = result.message;
+  if (!held_) out.collisions = collisions_.found();
   out.time = TimeSinceReset();
   if (out.reason == EndReason::kDiverged) {
     phase_ = Phase::kDiverged;
@@ -208,6 +244,7 @@ EnvStep Env::Step(std::span<const double> action) {
     out.success = task_->Success(scene_);
   }
   phase_ = Phase::kReady;
+  if (record_) Note(action, out.reward);
   if (config_.sim.realtime) pacer_.Wait(out.time);
   return out;
 }
@@ -223,55 +260,18 @@ void Env::Observe() {
     ObserveTquat(pose, out);
     for (double& x : out.first(3)) x = std::clamp(x, -kFarthestObject, kFarthestObject);
   }
-  cameras_.Draw(TimeSinceReset());
+  ObserveTask();
+  if (draws_) cameras_.Draw(TimeSinceReset());
 }
 
-void Env::Save(const std::string& name) {
-  RequireReady();
-  Snapshot& snapshot = saved_[name];
-  snapshot = {.generation = scene_.generation(),
-              .state = scene_.state(),
-              .task = task_ ? task_->Clone() : nullptr,
-              .touching = collisions_.memory(),
-              .ticks = ticks_};
-  for (const ArmDriver& arm : arms_) snapshot.arms.push_back(arm.memory());
-}
-
-Env::Snapshot& Env::RequireSnapshot(const std::string& name) {
-  const auto found = saved_.find(name);
-  if (found == saved_.end()) throw NotFoundError(NoSuchName(place(), "saved state", name, saved()));
-  return found->second;
-}
-
-void Env::Restore(const std::string& name) {
-  const Snapshot& snapshot = RequireSnapshot(name);
-  if (snapshot.generation != scene_.generation()) {
-    throw Error(
-        fmt::format("{}: the scene was compiled anew since '{}' was saved, so that there "
-                    "is no way back to it",
-                    place(), name));
+void Env::ObserveTask() {
+  const auto [begin, size] = layout_.all_signals;
+  if (size == 0) return;
+  task_->Observe(scene_, std::span(observation_).subspan(begin, size));
+  for (int i = begin; i < begin + size; ++i) {
+    observation_[i] =
+        std::clamp(observation_[i], layout_.observation.lower[i], layout_.observation.upper[i]);
   }
-  phase_ = Phase::kBroken;  // until all is done
-  scene_.SetState(snapshot.state);
-  for (size_t i = 0; i < arms_.size(); ++i) arms_[i].Recall(snapshot.arms[i]);
-  if (snapshot.task) task_ = snapshot.task->Clone();
-  collisions_.Recall(snapshot.touching);
-  ticks_ = snapshot.ticks;
-  pacer_.Start(TimeSinceReset());
-  cameras_.GoOnFrom(TimeSinceReset());
-  Observe();
-  phase_ = Phase::kReady;
-}
-
-void Env::Forget(const std::string& name) {
-  RequireSnapshot(name);
-  saved_.erase(name);
-}
-
-std::vector<std::string> Env::saved() const {
-  std::vector<std::string> names;
-  for (const auto& [name, snapshot] : saved_) names.push_back(name);
-  return names;
 }
 
 void Env::SetOriginToCurrent(const std::string& robot) {

@@ -16,8 +16,10 @@
 // Errors: SpecError for what is wrong with the configuration; ArgumentError for actions of a wrong
 // size or with numbers that are not finite, before anything moves; numbers beyond their range are
 // cut to it. Divergence is a value: after it, as after an error on the way, only Reset and Restore
-// go on. Copies of one environment run in
-// parallel each with an Env of its own on a frozen model. Threads: those of the scene.
+// go on. With on_collision guard a step is simulated, and when a robot runs into something, taken
+// back: the arms are held where they were sent before, for as long as the step takes, and the
+// reason is collision. Copies of one environment run in parallel each with an Env of its own on a
+// frozen model. Threads: those of the scene.
 #pragma once
 
 #include <cstdint>
@@ -33,7 +35,10 @@
 #include "robocell/env/collision_monitor.h"
 #include "robocell/env/env_cameras.h"
 #include "robocell/env/env_layout.h"
+#include "robocell/env/env_record.h"
+#include "robocell/env/env_state.h"
 #include "robocell/env/env_task.h"
+#include "robocell/env/object_variations.h"
 #include "robocell/env/pacer.h"
 #include "robocell/env/stepper.h"
 #include "robocell/spec/env_config.h"
@@ -63,9 +68,10 @@ struct EnvResetOptions {
 class Env {
  public:
   explicit Env(const EnvConfig& config, const DataFactory& factory = {});
-  // In a scene that was made before, as from a saved file, of EnvSceneSpec(config).
-  // `copy`: which of several this is.
-  Env(EnvConfig config, Scene scene, std::optional<int> copy = {});
+  // In a scene that was made before, of EnvSceneSpec(config).
+  // `copy`: which of several this is. With `drawing` images are taken when DrawFrames is called.
+  Env(EnvConfig config, Scene scene, std::optional<int> copy = {},
+      const std::shared_ptr<SharedDrawing>& drawing = nullptr);
 
   const EnvConfig& config() const { return config_; }
   const EnvLayout& layout() const { return layout_; }
@@ -83,6 +89,8 @@ class Env {
 
   // The last frame of each image stream.
   const std::vector<EnvFrame>& frames() const { return cameras_.frames(); }
+  // Draws what is due; only with a SharedDrawing, else it is drawn already.
+  void DrawFrames() { cameras_.Draw(TimeSinceReset()); }
   // What the task is, in words; "" without one.
   std::string instruction() const { return task_ ? task_->instruction() : ""; }
 
@@ -95,6 +103,17 @@ class Env {
   void Forget(const std::string& name);
   std::vector<std::string> saved() const;
 
+  // The present state as a value: for an environment of the same configuration, in another process
+  // too, and with StateFrame::kRoot of a rig that stands elsewhere. Error before the first Reset.
+  EnvState state() const;
+  // ArgumentError for a state of another configuration.
+  void SetState(const EnvState& state, StateFrame frame = StateFrame::kWorld);
+
+  // Notes what is done and seen from now on, for ReplayRecord. It ends with StopRecord, and a Reset
+  // or going back to a state drops it. Error when nothing is recorded.
+  void StartRecord();
+  EnvRecord StopRecord();
+
   // With relative_to configured_origin: from now on relative to where the robot was last sent.
   // NotFoundError lists the robots.
   void SetOriginToCurrent(const std::string& robot);
@@ -104,39 +123,47 @@ class Env {
 
   struct Snapshot {
     uint64_t generation = 0;  // of the scene
-    std::vector<double> state;
-    std::vector<ArmDriver::Memory> arms;
-    std::unique_ptr<EnvTask> task;
-    CollisionMonitor::Memory touching;
-    int64_t ticks = 0;
+    EnvState state;
   };
 
   void RequireReady() const;
   Snapshot& RequireSnapshot(const std::string& name);
   std::vector<std::string> Send(std::span<const double> action);
+  void Note(std::span<const double> action, double reward);
+  void CheckState(const EnvState& state) const;
+  void Recall(const EnvState& state);
+  void MoveToRoot(const Pose& from);
+  StepResult Advance();
+  StepResult AdvanceGuarded(std::span<const double> action, const EnvState& before, EnvStep& out);
   int64_t TicksOfStep() const;
   double TimeSinceReset() const;
   bool ShouldEnd();
   bool HaveArrived();
   EndReason ReasonOf(const StepResult& step, const EnvStep& out);
+  bool EndsAtCollision() const;
   void Observe();
+  void ObserveTask();
   std::string place() const { return "environment '" + config_.name + "'"; }
 
   EnvConfig config_;
   Scene scene_;
+  ObjectVariations variations_;
+  std::shared_ptr<EnvTask> task_;
   EnvLayout layout_;
   std::vector<ArmDriver> arms_;
   Stepper stepper_;
   CollisionMonitor collisions_;
   EnvCameras cameras_;
-  std::unique_ptr<EnvTask> task_;
   std::map<std::string, Snapshot> saved_;
+  std::optional<EnvRecord> record_;
   RealTimePacer pacer_;
   Phase phase_ = Phase::kUnready;
   Rng seeds_;
   std::vector<double> observation_;
   int64_t ticks_ = 0;      // engine steps since the reset
   bool collided_ = false;  // in this step
+  bool draws_ = true;
+  bool held_ = false;  // this step, by the guard
 };
 
 }  // namespace robocell

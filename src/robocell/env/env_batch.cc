@@ -22,10 +22,6 @@ void CheckBatch(const EnvConfig& config, int count, std::optional<int> max_episo
     throw ArgumentError(fmt::format("{}: max_episode_steps is {}; at least 1, or leave it out",
                                     place, *max_episode_steps));
   }
-  if (config.cameras.streams.empty()) return;
-  throw ArgumentError(place +
-                      ": image streams are for single environments; leave cameras.streams "
-                      "out");
 }
 
 bool Holds(const std::vector<bool>& which, int i) { return !which.empty() && which[i]; }
@@ -36,12 +32,16 @@ EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
                    std::optional<int> max_episode_steps)
     : config_(config), max_episode_steps_(max_episode_steps) {
   CheckBatch(config, count, max_episode_steps);
-  const std::shared_ptr<CompiledScene> compiled = CompileScene(EnvSceneSpec(config));
-  compiled->Freeze();
+  std::shared_ptr<CompiledScene> compiled = CompileEnvScene(config);
+  const bool shared = config.variations.empty();
+  const std::shared_ptr<SharedDrawing> drawing = MakeDrawing(config, compiled->model());
+  if (shared) compiled->Freeze();
   for (int i = 0; i < count; ++i) {
+    if (!shared && i > 0) compiled = CompileEnvScene(config);
     EnvConfig own = config;
     own.name = fmt::format("{}[{}]", config.name, i);
-    envs_.push_back(std::make_unique<Env>(std::move(own), Scene::FromCompiled(compiled), i));
+    envs_.push_back(
+        std::make_unique<Env>(std::move(own), Scene::FromCompiled(compiled), i, drawing));
   }
   episode_steps_.resize(count);
   observations_.resize(static_cast<size_t>(count) * layout().observation.size());
@@ -68,6 +68,22 @@ std::vector<std::string> EnvBatch::instructions() const {
   std::vector<std::string> out;
   for (const std::unique_ptr<Env>& env : envs_) out.push_back(env->instruction());
   return out;
+}
+
+std::shared_ptr<SharedDrawing> EnvBatch::MakeDrawing(const EnvConfig& config,
+                                                     const mjModel* model) {
+  if (config.cameras.streams.empty()) return nullptr;
+  auto drawing = std::make_shared<SharedDrawing>();
+  drawing->renderer = MakeRenderer({.quality = config.cameras.quality});
+  // Colours are written to a copy of the first model; without variations all have the first.
+  if (!config.variations.empty()) drawing->model = CopyModel(model);
+  drawing->renderer->SetModel(drawing->model ? drawing->model.get() : model);
+  return drawing;
+}
+
+void EnvBatch::DrawFrames() {
+  if (envs_.front()->frames().empty()) return;
+  for (const auto& env : envs_) env->DrawFrames();
 }
 
 void EnvBatch::ForEach(const std::function<void(int)>& work) { workers_->Run(size(), work); }
@@ -109,6 +125,7 @@ void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds,
   ForEach([&](int i) {
     if (which.empty() || which[i]) ResetOne(i, seeds.empty() ? std::nullopt : seeds[i]);
   });
+  DrawFrames();
 }
 
 const BatchStep& EnvBatch::Step(std::span<const double> actions,
@@ -131,6 +148,7 @@ const BatchStep& EnvBatch::Step(std::span<const double> actions,
       StepOne(i, own(i));
     }
   });
+  DrawFrames();
   return step_;
 }
 

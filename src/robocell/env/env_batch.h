@@ -1,4 +1,5 @@
-// EnvBatch: copies of one environment on one frozen model, stepped together on threads. Which
+// EnvBatch: copies of one environment on one frozen model, or on one each when objects vary
+// (EnvConfig::variations), stepped together on threads. Which
 // thread steps which copy changes nothing: each has its own state and its own seeds.
 //
 //   EnvBatch batch(config, 64);
@@ -6,8 +7,8 @@
 //   const BatchStep& step = batch.Step(actions, resets);      // (64, n) numbers, row after row
 //   batch.observations();                                     // (64, m) numbers, row after row
 //
-// Copies are called `name[i]` in messages. Image streams are refused: they would need a renderer
-// for each copy.
+// Copies are called `name[i]` in messages. Their images are drawn by one renderer, one copy after
+// the other, when all have stepped: env(i).frames().
 //
 // Errors: those of Env. An action that is refused leaves all copies as they are; what else one copy
 // throws comes out after all have finished, the first by its number. Threads: one caller at a time.
@@ -68,6 +69,8 @@ class EnvBatch {
   void ResetOne(int i, std::optional<uint64_t> seed);
   void StepOne(int i, std::span<const double> action);
   void CopyObservation(int i);
+  std::shared_ptr<SharedDrawing> MakeDrawing(const EnvConfig& config, const mjModel* model);
+  void DrawFrames();
 
   EnvConfig config_;
   std::optional<int> max_episode_steps_;

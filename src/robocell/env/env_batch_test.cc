@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/base/units.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -120,14 +121,36 @@ TEST(EnvBatch, IsClosedWithAllItsCopies) {
   ExpectThrow<ClosedError>([&] { batch.Step(Actions(batch, 0)); }, "is closed");
 }
 
-TEST(EnvBatch, HasAtLeastOneCopyAndNoImages) {
+TEST(EnvBatch, HasAtLeastOneCopy) {
   ExpectThrow<ArgumentError>([] { EnvBatch(Noisy(), 0); },
                              "batch of environment 'env': 0 copies; at least 1");
-  EnvConfig config = Noisy();
-  config.cameras.streams.push_back({.name = "eye", .camera = "exo_camera"});
-  ExpectThrow<ArgumentError>(
-      [&] { EnvBatch(config, 2); },
-      "image streams are for single environments; leave cameras.streams out");
+}
+
+// The oracle: single environments of the same seeds, each with a renderer of its own.
+TEST(EnvBatch, ImagesAreThoseOfSingleEnvironmentsAlsoOfObjectsThatVary) {
+  for (const bool varied : {false, true}) {
+    EnvConfig config = Rc7WithCube();
+    if (varied) config.variations["cube"] = {.colour = 0.3};
+    config.cameras.resolution = {32, 24};
+    config.cameras.streams.push_back({.name = "eye", .camera = "exo_camera", .depth = true});
+    EnvBatch batch(config, 2, 2);
+    batch.Reset(std::vector<std::optional<uint64_t>>{1, 2});
+    std::vector<double> action(8);
+    PutTquat(Pose::FromRpy({0.4, 0, 0.3}, {kPi, 0, 0}), action);
+    std::vector<double> actions = action;
+    actions.insert(actions.end(), action.begin(), action.end());
+    batch.Step(actions);
+    for (int i = 0; i < 2; ++i) {
+      Env single(config);
+      single.Reset({.seed = i + 1});
+      single.Step(action);
+      const EnvFrame &seen = batch.env(i).frames()[0], &alone = single.frames()[0];
+      EXPECT_EQ(seen.rgb, alone.rgb) << varied << i;
+      EXPECT_EQ(seen.depth_mm, alone.depth_mm);
+      EXPECT_EQ(seen.time, alone.time);
+    }
+    EXPECT_NE(batch.env(0).frames()[0].rgb, batch.env(1).frames()[0].rgb);
+  }
 }
 
 }  // namespace

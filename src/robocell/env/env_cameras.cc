@@ -23,13 +23,19 @@ EnvFrame FrameOf(const CameraConfig& stream, int width, int height) {
 
 }  // namespace
 
-EnvCameras::EnvCameras(Scene scene, const CameraSystemConfig& config) : scene_(std::move(scene)) {
+EnvCameras::EnvCameras(Scene scene, const CameraSystemConfig& config,
+                       std::shared_ptr<SharedDrawing> shared)
+    : scene_(std::move(scene)), shared_(std::move(shared)) {
   if (config.streams.empty()) return;
   for (const CameraConfig& stream : config.streams) {
     streams_.push_back({.config = stream});
     frames_.push_back(FrameOf(stream, config.width(stream), config.height(stream)));
   }
-  renderer_ = MakeRenderer({.quality = config.quality});
+  if (shared_) {
+    renderer_ = shared_->renderer;
+  } else {
+    renderer_ = MakeRenderer({.quality = config.quality});
+  }
   Bind();
 }
 
@@ -44,7 +50,7 @@ void EnvCameras::Bind() {
     stream.mocap_quat.resize(4 * m->nmocap);
     stream.pending = false;
   }
-  renderer_->SetModel(m);
+  if (!shared_) renderer_->SetModel(m);
   scratch_ = MakeData(m);
   generation_ = scene_.generation();
 }
@@ -76,7 +82,15 @@ void EnvCameras::Tick(double time) {
   }
 }
 
+// Copies differ in nothing else that is seen.
+void EnvCameras::TakeColours() {
+  if (!shared_ || !shared_->model) return;
+  const mjModel* m = scene_.model();
+  std::copy_n(m->geom_rgba, 4 * m->ngeom, shared_->model->geom_rgba);
+}
+
 void EnvCameras::DrawOne(Stream& stream, EnvFrame& frame) {
+  TakeColours();
   std::copy(stream.qpos.begin(), stream.qpos.end(), scratch_->qpos);
   std::copy(stream.mocap_pos.begin(), stream.mocap_pos.end(), scratch_->mocap_pos);
   std::copy(stream.mocap_quat.begin(), stream.mocap_quat.end(), scratch_->mocap_quat);

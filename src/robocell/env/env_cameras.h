@@ -10,6 +10,9 @@
 //   cameras.Draw(time);
 //   for (const EnvFrame& frame : cameras.frames()) ...
 //
+// With a SharedDrawing (copies of one environment that are drawn in turn by one renderer) Draw is
+// called by whoever owns it, on one thread at a time.
+//
 // Errors: NotFoundError for a stream whose camera is not there, Error when there is no OpenGL, both
 // when it is made.
 #pragma once
@@ -37,9 +40,17 @@ struct EnvFrame {
   std::vector<int32_t> segmentation;  // body ids, -1 where nothing is
 };
 
+// One renderer for copies of one model.
+struct SharedDrawing {
+  std::shared_ptr<Renderer> renderer;
+  // Set when copies differ in their colours: a model of its own that takes those of each copy.
+  ModelPtr model;
+};
+
 class EnvCameras {
  public:
-  EnvCameras(Scene scene, const CameraSystemConfig& config);
+  EnvCameras(Scene scene, const CameraSystemConfig& config,
+             std::shared_ptr<SharedDrawing> shared = nullptr);
 
   // A frame of each stream is due at time 0.
   void Reset() { GoOnFrom(0); }
@@ -50,6 +61,10 @@ class EnvCameras {
   // Draws what was kept, and what is taken with every observation.
   void Draw(double time);
   const std::vector<EnvFrame>& frames() const { return frames_; }
+
+  // What is due and kept, to go back to it after a look ahead.
+  void Mark() { marked_ = streams_; }
+  void GoBackToMark() { streams_ = marked_; }
 
  private:
   struct Stream {
@@ -63,14 +78,16 @@ class EnvCameras {
 
   // Looks cameras up again after the scene was compiled anew.
   void Bind();
+  void TakeColours();
   void Keep(Stream& stream, double time);
   void DrawOne(Stream& stream, EnvFrame& frame);
 
   Scene scene_;
   uint64_t generation_ = 0;
-  std::unique_ptr<Renderer> renderer_;
+  std::shared_ptr<SharedDrawing> shared_;
+  std::shared_ptr<Renderer> renderer_;
   DataPtr scratch_;
-  std::vector<Stream> streams_;
+  std::vector<Stream> streams_, marked_;
   std::vector<EnvFrame> frames_;
 };
 

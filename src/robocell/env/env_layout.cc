@@ -48,9 +48,31 @@ class Builder {
     out_.objects.push_back(std::move(layout));
   }
 
+  void AddSignals(const std::vector<TaskSignal>& signals) {
+    out_.all_signals = {out_.observation.size(), 0};
+    for (const TaskSignal& signal : signals) {
+      CheckSignal(signal);
+      const auto size = static_cast<int>(signal.lower.size());
+      out_.signals.push_back({signal.name, {out_.observation.size(), size}});
+      for (int i = 0; i < size; ++i) Append(out_.observation, signal.lower[i], signal.upper[i]);
+      out_.all_signals.size += size;
+    }
+  }
+
   EnvLayout Take() { return std::move(out_); }
 
  private:
+  void CheckSignal(const TaskSignal& signal) const {
+    bool is_range = signal.lower.size() == signal.upper.size() && !signal.lower.empty();
+    for (size_t i = 0; is_range && i < signal.lower.size(); ++i)
+      is_range = signal.lower[i] <= signal.upper[i];
+    if (is_range) return;
+    throw ArgumentError(
+        fmt::format("environment '{}': signal '{}' of task '{}' needs a range: as many lower as "
+                    "upper bounds, and none above the other",
+                    config_.name, signal.name, config_.task->kind));
+  }
+
   static std::string CommandName(ControlMode mode) {
     return mode == ControlMode::kJoints          ? "joints"
            : mode == ControlMode::kCartesianTrpy ? "xyzrpy"
@@ -138,12 +160,34 @@ std::vector<Interval> CommandLimits(const Robot& robot) {
   return limits;
 }
 
-EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots) {
+EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots,
+                        const EnvTask* task) {
   Builder builder(config);
   const std::vector<std::string> names = config.robots.keys();
   for (size_t i = 0; i < robots.size(); ++i) builder.Add(names[i], robots[i]);
-  if (config.task) builder.AddObject(config.task->object);
+  if (task) {
+    for (const std::string& object : task->objects()) builder.AddObject(object);
+    builder.AddSignals(task->signals());
+  }
   return builder.Take();
+}
+
+std::string NameOfObservation(const EnvLayout& layout, int i) {
+  std::string name = fmt::format("number {}", i);
+  const auto look = [&](const VectorPart& part, const std::string& path) {
+    if (i >= part.begin && i < part.begin + part.size)
+      name = fmt::format("{}[{}]", path, i - part.begin);
+  };
+  for (const RobotLayout& robot : layout.robots) {
+    look(robot.tquat, robot.robot + ".tquat");
+    look(robot.xyzrpy, robot.robot + ".xyzrpy");
+    look(robot.joints, robot.robot + ".joints");
+    if (robot.has_gripper) look({robot.gripper, 1}, robot.robot + ".gripper");
+  }
+  for (const ObjectLayout& object : layout.objects)
+    look(object.tquat, "objects." + object.object + ".tquat");
+  for (const SignalLayout& signal : layout.signals) look(signal.part, "task." + signal.name);
+  return name;
 }
 
 }  // namespace robocell

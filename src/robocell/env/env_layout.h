@@ -3,13 +3,14 @@
 //
 // An action has for each robot its command and, with a gripper, one number more. An observation has
 // for each robot the TCP in the shared base frame (tquat: x y z, quaternion xyzw; xyzrpy: x y z,
-// roll pitch yaw), its joints, and with a gripper its opening, and then the task's objects. Metres,
-// radians, 0 closed ... 1 open.
+// roll pitch yaw), its joints, and with a gripper its opening, and then the task's objects and
+// signals. Metres, radians, 0 closed ... 1 open.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "robocell/env/env_task.h"
 #include "robocell/robot/robot.h"
 #include "robocell/spec/env_config.h"
 
@@ -37,6 +38,12 @@ struct ObjectLayout {
   VectorPart tquat;
 };
 
+// What the task adds.
+struct SignalLayout {
+  std::string name;
+  VectorPart part;
+};
+
 // What every number of a vector lies between.
 struct VectorRange {
   std::vector<double> lower, upper;
@@ -46,6 +53,8 @@ struct VectorRange {
 struct EnvLayout {
   std::vector<RobotLayout> robots;
   std::vector<ObjectLayout> objects;
+  std::vector<SignalLayout> signals;
+  VectorPart all_signals;  // one after another
   VectorRange action, observation;
 };
 
@@ -56,8 +65,13 @@ inline constexpr double kFarthestObject = 100;
 // or m.
 inline constexpr double kJointSlack = 0.5;
 
-// `robots` are those of the configuration, in its order, in a scene at its start.
-EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots);
+// `robots` are those of the configuration, in its order, in a scene at its start; `task` null
+// without one. ArgumentError for signals whose ranges are none.
+EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots,
+                        const EnvTask* task);
+
+// "left.joints[2]", "objects.cube.tquat[0]", "task.goal[1]": number i of the observation.
+std::string NameOfObservation(const EnvLayout& layout, int i);
 
 // Joint positions that an arm can be sent to: its limits, +-2 pi for hinges without. ArgumentError
 // for a slide without limits.

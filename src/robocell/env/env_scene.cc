@@ -1,5 +1,8 @@
 #include "robocell/env/env_scene.h"
 
+#include <filesystem>
+
+#include "robocell/scene/saved_scene.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -41,11 +44,11 @@ void AddRobots(const EnvConfig& config, SceneSpec& scene) {
 
 void AddObjects(const Map<EnvObject>& objects, const AttachTarget& frame, SceneSpec& scene) {
   for (const auto& [id, object] : objects.entries()) {
-    StandAt(scene.objects.push_back({.name = id,
-                                     .mjcf_path = object->mjcf_path,
-                                     .reset_root_pose = true,
-                                     .fixed = object->fixed}),
-            frame, object->offset);
+    SceneObject& added = scene.objects.push_back(object->AsSceneObject());
+    added.name = id;
+    // What a robot carries is fixed; a model says so itself.
+    if (added.shape && frame.kind == AttachKind::kAttachment && !added.fixed) added.fixed = true;
+    StandAt(added, frame, object->offset);
   }
 }
 
@@ -64,6 +67,12 @@ void AddCameras(const EnvConfig& config, SceneSpec& scene) {
 }
 
 }  // namespace
+
+std::shared_ptr<CompiledScene> CompileEnvScene(const EnvConfig& config) {
+  const SceneSpec spec = EnvSceneSpec(config);
+  if (config.saved_scene.empty()) return CompileScene(spec);
+  return CompileSavedScene(spec, std::filesystem::path(config.source_dir) / config.saved_scene);
+}
 
 std::string MountedGripperName(const std::string& robot) { return "gripper" + robot; }
 

@@ -5,12 +5,15 @@
 //   Scene scene = Scene::Build(EnvSceneSpec(config));
 //   Robot left = Robot::Of(scene, "left"), gripper = Robot::Of(scene, "gripperleft");
 //
+// CompileEnvScene(config) is what an environment simulates, which a saved scene may be instead.
+//
 // Robots stand on fixed bases without the pedestal of their configuration, and what a model's file
 // says of its root's pose is dropped: the poses are those of the configuration alone.
 #pragma once
 
 #include <string>
 
+#include "robocell/scene/compiled_scene.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/spec/scene_spec.h"
 
@@ -18,6 +21,10 @@ namespace robocell {
 
 // SpecError lists all that is wrong with the configuration.
 SceneSpec EnvSceneSpec(const EnvConfig& config);
+
+// Compiled: that scene, or the file of EnvConfig::saved_scene. Errors of CompileScene and
+// CompileSavedScene.
+std::shared_ptr<CompiledScene> CompileEnvScene(const EnvConfig& config);
 
 // What the gripper of a robot is called in the scene, when it is one of `grippers`: "gripperleft".
 std::string MountedGripperName(const std::string& robot);

@@ -1,8 +1,21 @@
-// EnvTask: what an environment is about: a Task that also lays out the start of its episodes.
-// Private to env: environments get theirs from their configuration.
+// EnvTask: what an environment is about: a Task that also lays out the start of its episodes and
+// adds to the observation. A configuration names its kind, which is registered: pick and pick_place
+// are there, one's own are added before the first environment that names them is made:
+//
+//   RegisterEnvTask("stack", [](const EnvConfig& config, const Scene& scene) {
+//     return std::make_shared<Stack>(config, scene);
+//   });
+//
+// At a reset: robots at home, Arrange, Begin. After each step: Observe, Reward, Success. Objects of
+// objects() are observed by themselves. Copies of an environment have a task each; their threads
+// call them at the same time, one call at a time for each.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "robocell/base/rng.h"
 #include "robocell/spec/env_config.h"
@@ -10,15 +23,40 @@
 
 namespace robocell {
 
-class EnvTask : public Task {
- public:
-  // Puts the objects where the episode starts; after the robots, before Begin.
-  virtual void Arrange(Scene& scene, Rng& rng) = 0;
-  // A copy that remembers the same start.
-  virtual std::unique_ptr<EnvTask> Clone() const = 0;
+// A part of the observation that the task adds; numbers outside of its range are cut to it.
+struct TaskSignal {
+  std::string name;
+  std::vector<double> lower, upper;
 };
 
-// The task of a configuration; null without one. ArgumentError when its object cannot move.
-std::unique_ptr<EnvTask> MakeEnvTask(const EnvConfig& config, const Scene& scene);
+class EnvTask : public Task {
+ public:
+  // Puts the objects where the episode starts; the robots are at their start already.
+  virtual void Arrange(Scene& /*scene*/, Rng& /*rng*/) {}
+  void Begin(const Scene& /*scene*/) override {}
+  std::vector<std::string> objects() const override { return {}; }
+
+  // What it adds to the observation, asked for once, when the environment is made.
+  virtual std::vector<TaskSignal> signals() const { return {}; }
+  // All signals one after another into `out`.
+  virtual void Observe(const Scene& /*scene*/, std::span<double> /*out*/) const {}
+
+  // What it remembers of the episode, for going back to saved states: in the root frame, as far as
+  // there are places among it, so that it holds for a rig elsewhere too.
+  virtual std::vector<double> memory() const { return {}; }
+  virtual void Recall(std::span<const double> /*memory*/) {}
+};
+
+// The configuration is the environment's own, the scene was compiled and not reset yet.
+using EnvTaskFactory =
+    std::function<std::shared_ptr<EnvTask>(const EnvConfig& config, const Scene& scene)>;
+
+// For all environments that are made from now on, on any thread. ArgumentError for a name that is
+// taken and without a function.
+void RegisterEnvTask(const std::string& kind, EnvTaskFactory factory);
+std::vector<std::string> EnvTaskKinds();
+
+// The task of a configuration; null without one. NotFoundError lists the kinds.
+std::shared_ptr<EnvTask> MakeEnvTask(const EnvConfig& config, const Scene& scene);
 
 }  // namespace robocell

@@ -32,8 +32,8 @@ class EnvTaskTest : public ::testing::Test {
     return config;
   }
 
-  static Pose Object(const Env& env) {
-    const VectorPart part = env.layout().objects[0].tquat;
+  static Pose Object(const Env& env, size_t object = 0) {
+    const VectorPart part = env.layout().objects[object].tquat;
     return PoseOfAction(ControlMode::kCartesianTquat,
                         env.observation().subspan(part.begin, part.size));
   }
@@ -62,9 +62,171 @@ class EnvTaskTest : public ::testing::Test {
     return MoveTo(env, above(0.12), 0);
   }
 
+  // The same, to be put down beside it, or on a mat of 1 cm.
+  EnvConfig Placing(const Pose& root = Pose(), bool mat = false) {
+    EnvConfig config = Picking(root);
+    config.sim.max_convergence_time = 2;
+    config.task->kind = "pick_place";
+    config.task->goal = Vec3{0.4, 0.25, 0.02};
+    config.task->goal_spread = {0.05, 0.02};
+    if (!mat) return config;
+    config.root_frame_objects["mat"] = {.offset = Pose(Eigen::Vector3d(0.4, 0.25, 0.005)),
+                                        .shape = Shape::kBox,
+                                        .size = Vec3{0.06, 0.06, 0.005},
+                                        .mass = 0.5};
+    config.task->goal = Vec3{0, 0, 0.025};
+    config.task->goal_object = "mat";
+    return config;
+  }
+
+  static Eigen::Vector3d Goal(const Env& env) {
+    const std::span<const double> goal =
+        env.observation().subspan(env.layout().signals[0].part.begin);
+    return {goal[0], goal[1], goal[2]};
+  }
+
+  // Moves what it holds above the goal, down, lets go and leaves.
+  static std::vector<EnvStep> PutDown(Env& env) {
+    const Eigen::Vector3d goal = Goal(env);
+    const auto at = [&](double height) {
+      return Pose::FromRpy(goal + Eigen::Vector3d(0, 0, height), {kPi, 0, 0});
+    };
+    return {MoveTo(env, at(0.12), 0), MoveTo(env, at(0.003), 0), MoveTo(env, at(0.003), 1),
+            MoveTo(env, at(0.12), 1)};
+  }
+
  private:
   ModelFolder folder_;
 };
+
+TEST_F(EnvTaskTest, PuttingItDownIsSuccessWhereverTheRootIs) {
+  for (const bool mat : {false, true}) {
+    for (const Pose& root : {Pose(), Pose::FromRpy({1, -1, 0.3}, {0, 0, 2})}) {
+      Env env(Placing(root, mat));
+      env.Reset({.seed = 4});
+      EXPECT_EQ(env.instruction(), mat ? "pick up the cube and put it on the mat"
+                                       : "pick up the cube and put it down at the goal");
+      const EnvStep lifted = PickUp(env);
+      EXPECT_FALSE(lifted.success);
+      EXPECT_GT(lifted.reward, 0.4);
+      const std::vector<EnvStep> steps = PutDown(env);
+      EXPECT_FALSE(steps[0].success) << "held above the goal";
+      EXPECT_FALSE(steps[1].success) << "held at the goal";
+      EXPECT_GT(steps[1].reward, steps[0].reward);
+      EXPECT_TRUE(steps[3].success);
+      EXPECT_EQ(steps[3].reward, 1);
+      EXPECT_LT((Object(env).translation() - Goal(env)).norm(), 0.03);
+    }
+  }
+}
+
+TEST_F(EnvTaskTest, WhatWasNeverLiftedWasNotPlaced) {
+  EnvConfig config = Placing();
+  Env env(config);
+  env.Reset();
+  const Pose goal = env.scene().root_frame_to_world() * Pose(Goal(env));
+  Scene(env.scene()).SetBodyPose("cube_cube", goal);
+  const EnvStep step = MoveTo(env, Pose::FromRpy({0.4, 0, 0.4}, {kPi, 0, 0}), 1);
+  EXPECT_LT((Object(env).translation() - Goal(env)).norm(), 0.01);
+  EXPECT_FALSE(step.success);
+  EXPECT_LT(step.reward, 0.5);
+}
+
+TEST_F(EnvTaskTest, GoalsAreSpreadAndFarFromWhereItStarts) {
+  for (const bool mat : {false, true}) {
+    EnvConfig config = Placing(Pose::FromRpy({1, -1, 0.3}, {0, 0, 2}), mat);
+    config.task->goal_distance = 0.2;
+    Env env(config);
+    double least = 1, most = -1;
+    for (int i = 0; i < 30; ++i) {
+      env.Reset();
+      least = std::min(least, Goal(env).x());
+      most = std::max(most, Goal(env).x());
+      EXPECT_NEAR(Goal(env).y(), 0.25, 0.02 + 1e-9);
+      EXPECT_GE((Goal(env) - Object(env).translation()).norm(), 0.2);
+      if (mat) {
+        EXPECT_NEAR((Goal(env) - Object(env, 1).translation()).norm(), 0.025, 1e-9);
+      }
+    }
+    EXPECT_LT(least, 0.37);
+    EXPECT_GT(most, 0.43);
+  }
+  EnvConfig config = Placing();
+  config.task->goal_distance = 2;
+  Env env(config);
+  ExpectThrow<ArgumentError>([&] { env.Reset(); },
+                             "environment 'env': in 1000 tries 'cube' was never 2 m from its goal; "
+                             "widen task.spread or task.goal_spread, or lower task.goal_distance");
+}
+
+TEST_F(EnvTaskTest, AGoalThatIsSpreadLiesOnSomethingThatCanMove) {
+  EnvConfig config = Placing({}, true);
+  config.root_frame_objects["mat"].fixed = true;
+  ExpectThrow<ArgumentError>([&] { Env env(config); },
+                             "task.goal_spread moves task.goal_object 'mat', which is fixed; set "
+                             "fixed: false in root_frame_objects.mat, or leave goal_spread out");
+  config.task->goal_spread = {0, 0};
+  Env env(config);
+  env.Reset();
+  EXPECT_NEAR(Goal(env).x(), 0.4, 1e-9);
+}
+
+// A task of one's own: the arm is to be high up.
+class BeHigh final : public EnvTask {
+ public:
+  explicit BeHigh(const Scene& scene) : robot_(Robot::Of(scene, "robot")) {}
+  void Begin(const Scene& scene) override { start_ = Height(scene); }
+  double Reward(const Scene& scene) override { return Height(scene) - start_; }
+  bool Success(const Scene& scene) override { return Height(scene) > start_ + 0.1; }
+  std::string instruction() const override { return "go up"; }
+  std::vector<std::string> objects() const override { return {"ground"}; }
+  std::vector<TaskSignal> signals() const override {
+    return {{"height", {0}, {2}}, {"big", {-1, -1}, {1, 1}}};
+  }
+  void Observe(const Scene& scene, std::span<double> out) const override {
+    out[0] = Height(scene);
+    out[1] = 5;
+    out[2] = -5;
+  }
+  std::vector<double> memory() const override { return {start_}; }
+  void Recall(std::span<const double> memory) override { start_ = memory[0]; }
+
+ private:
+  double Height(const Scene& /*scene*/) const { return robot_.tcp_in_world().translation().z(); }
+  Robot robot_;
+  double start_ = 0;
+};
+
+TEST_F(EnvTaskTest, TasksOfOnesOwnAreRegistered) {
+  const auto make = [](const EnvConfig&, const Scene& scene) {
+    return std::make_shared<BeHigh>(scene);
+  };
+  RegisterEnvTask("be_high", make);
+  ExpectThrow<ArgumentError>([&] { RegisterEnvTask("be_high", make); },
+                             "task 'be_high' is registered already; choose another name");
+  ExpectThrow<ArgumentError>([] { RegisterEnvTask("nothing", {}); }, "needs a function");
+  EXPECT_THAT(EnvTaskKinds(), ElementsAre("be_high", "pick", "pick_place"));
+  EnvConfig config = Picking();
+  config.task = EnvTaskConfig{.kind = "be_hihg"};
+  ExpectThrow<NotFoundError>([&] { Env env(config); },
+                             "environment 'env': no task 'be_hihg'. Its tasks: be_high, pick, "
+                             "pick_place. Did you mean 'be_high'? Tasks of your own are registered "
+                             "before (RegisterEnvTask, register_env_task)");
+  config.task->kind = "be_high";
+  Env env(config);
+  env.Reset();
+  EXPECT_EQ(env.instruction(), "go up");
+  EXPECT_EQ(env.layout().objects[0].object, "ground");
+  const std::span<const double> task = env.observation().last(3);
+  EXPECT_GT(task[0], 0.1);
+  EXPECT_EQ(task[1], 1) << "cut to its range";
+  EXPECT_EQ(task[2], -1);
+  EXPECT_EQ(NameOfObservation(env.layout(), env.layout().observation.size() - 1), "task.big[1]");
+  const Pose up = Pose::FromRpy({0.4, 0, task[0] + 0.12}, {kPi, 0, 0});
+  EnvStep step = MoveTo(env, up, 1);
+  EXPECT_TRUE(step.success);
+  EXPECT_GT(step.reward, 0.1);
+}
 
 TEST_F(EnvTaskTest, StartsAreSpreadAroundTheObjectsPlaceInTheRootFrame) {
   const Pose root = Pose::FromRpy({1, -1, 0.3}, {0, 0, 2});
@@ -100,6 +262,19 @@ TEST_F(EnvTaskTest, PickingItUpIsSuccessWhereverTheRootIs) {
     step = PickUp(env);
     EXPECT_TRUE(step.success);
     EXPECT_EQ(step.reward, 1);
+  }
+}
+
+TEST_F(EnvTaskTest, APlaceIsTurnedInTheRootFrameWithWhatLiesThere) {
+  EnvConfig config = Picking();
+  config.root_frame_objects["cube"].offset = Pose::FromRpy({0.45, 0, 0.02}, {0, 0, kPi / 2});
+  config.task->spread = {0, 0.1};
+  config.task->rotate = false;
+  Env env(config);
+  for (int i = 0; i < 5; ++i) {
+    env.Reset();
+    EXPECT_NEAR(Object(env).translation().x(), 0.45, 1e-9) << "along the root frame's y";
+    EXPECT_NEAR(Object(env).rpy().z(), kPi / 2, 1e-9);
   }
 }
 

@@ -312,6 +312,48 @@ TEST(EnvSteps, ReportCollisionsWhenAskedTo) {
   EXPECT_FALSE(hit.collisions.empty());
 }
 
+TEST(EnvSteps, WithAGuardAnActionIntoSomethingIsNotCarriedOut) {
+  ModelFolder folder;
+  EnvConfig config = BesideAWall(folder);
+  config.sim.on_collision = OnCollision::kGuard;
+  for (const bool async_control : {false, true}) {
+    config.sim.async_control = async_control;
+    config.sim.frequency = 2;
+    Env env = Ready(config);
+    const Numbers home = ObservedJoints(env);
+    Numbers turned = ForAll(env, home);
+    turned[0] = 1.2;
+    for (int i = 0; i < 3; ++i) {
+      const EnvStep hit = env.Step(turned);
+      EXPECT_EQ(hit.reason, EndReason::kCollision);
+      ASSERT_FALSE(hit.collisions.empty());
+      EXPECT_EQ(hit.collisions[0].other_body, "wall_panel");
+      EXPECT_NEAR(ObservedJoints(env)[0], home[0], 1e-3) << "it stays";
+      if (async_control) {
+        EXPECT_NEAR(hit.time, 0.5 * (i + 1), 1e-9) << "the time goes on";
+      }
+    }
+    turned[0] = home[0] - 0.2;
+    EXPECT_EQ(env.Step(turned).reason, EndReason::kArrived) << "the other way is free";
+    EXPECT_NEAR(ObservedJoints(env)[0], home[0] - 0.2, 0.01);
+  }
+}
+
+TEST(EnvSteps, WhereNothingIsInTheWayAGuardChangesNothing) {
+  const auto run = [](OnCollision on_collision) {
+    EnvConfig config = Rc7Env();
+    config.sim.on_collision = on_collision;
+    Env env = Ready(config);
+    Numbers seen;
+    for (int i = 0; i < 3; ++i) {
+      env.Step(ForAll(env, Numbers(7, 0.02)));
+      seen.insert(seen.end(), env.observation().begin(), env.observation().end());
+    }
+    return seen;
+  };
+  EXPECT_EQ(run(OnCollision::kGuard), run(OnCollision::kStop));
+}
+
 // An arm folded so far that its third link comes to its base; neighbours overlap.
 TEST(EnvSteps, LinksThatAJointConnectsDoNotCollide) {
   ModelFolder folder;

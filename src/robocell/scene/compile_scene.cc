@@ -17,6 +17,7 @@
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
 #include "robocell/scene/pool.h"
+#include "robocell/scene/saved_scene.h"
 #include "robocell/scene/spec_tree.h"
 #include "robocell/spec/validate.h"
 
@@ -60,6 +61,20 @@ class SceneCompiler {
     out_->notes_ = report_.notes();
     out_->generation_ = CompiledScene::NextGeneration();
     return out_;
+  }
+
+  // The model and the description of the file in the place of what the spec was compiled to.
+  static std::shared_ptr<CompiledScene> RunSaved(const SceneSpec& spec, const std::string& path) {
+    std::shared_ptr<CompiledScene> scene = SceneCompiler(spec).Run();
+    const std::string place = "scene '" + spec.name + "' / " + path;
+    SpecPtr saved = ParseXmlFile(path, place);
+    ModelPtr model = Compile(saved.get(), nullptr, place);
+    CheckSavedNames(scene->model(), model.get(), place);
+    scene->spec_owner_ = std::move(saved);
+    scene->model_owner_ = std::move(model);
+    scene->model_ = scene->model_owner_.get();
+    scene->home_key_ = mj_name2id(scene->model_, mjOBJ_KEY, "home");
+    return scene;
   }
 
  private:
@@ -279,6 +294,10 @@ class SceneCompiler {
 
 std::shared_ptr<CompiledScene> CompileScene(const SceneSpec& spec) {
   return SceneCompiler(spec).Run();
+}
+
+std::shared_ptr<CompiledScene> CompileSavedScene(const SceneSpec& spec, const std::string& path) {
+  return SceneCompiler::RunSaved(spec, path);
 }
 
 }  // namespace robocell

@@ -40,11 +40,12 @@ struct StepLimit {
 };
 
 // What a step does when a robot runs into something.
-enum class OnCollision { kReport, kStop };
+enum class OnCollision { kReport, kStop, kGuard };
 template <>
 struct EnumNames<OnCollision> {
   static constexpr std::array kNames = {std::pair{OnCollision::kReport, "report"},
-                                        std::pair{OnCollision::kStop, "stop"}};
+                                        std::pair{OnCollision::kStop, "stop"},
+                                        std::pair{OnCollision::kGuard, "guard"}};
 };
 
 }  // namespace robocell

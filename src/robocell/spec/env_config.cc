@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "robocell/base/names.h"
@@ -92,11 +93,33 @@ void CheckStepLimit(const EnvConfig& env, Problems& problems) {
           count, count == 1 ? "number" : "numbers"));
 }
 
+// Tasks of one's own need no object, but name one that is there.
 void CheckTask(const EnvConfig& env, Problems& problems) {
-  if (!env.task || env.root_frame_objects.contains(env.task->object)) return;
+  if (!env.task) return;
+  const EnvTaskConfig& task = *env.task;
+  const bool places = task.kind == "pick_place";
   Problems::Scope scope(problems, "task");
-  problems.AddAt("object", NoSuchName("root_frame_objects", "object", env.task->object,
-                                      env.root_frame_objects.keys()));
+  const auto check_object = [&](const char* field, const std::string& object) {
+    if (env.root_frame_objects.contains(object)) return;
+    problems.AddAt(
+        field, NoSuchName("root_frame_objects", "object", object, env.root_frame_objects.keys()));
+  };
+  if (places || task.kind == "pick" || !task.object.empty()) check_object("object", task.object);
+  if (!task.goal_object.empty()) check_object("goal_object", task.goal_object);
+  if (places && !task.goal)
+    problems.AddAt("goal", "is required: where the object is to be put, for example [0.4, 0.2, 0]");
+  if (places && !task.goal_object.empty() && task.goal_object == task.object)
+    problems.AddAt("goal_object", "is the object that is to be put there; name another one");
+}
+
+void CheckVariations(const EnvConfig& env, Problems& problems) {
+  std::vector<std::string> known = env.root_frame_objects.keys();
+  for (const std::string& id : env.world_frame_objects.keys()) known.push_back(id);
+  Problems::Scope scope(problems, "variations");
+  for (const std::string& id : env.variations.keys()) {
+    if (std::find(known.begin(), known.end(), id) == known.end())
+      problems.AddAt(id, NoSuchName("", "object", id, known));
+  }
 }
 
 bool IsStreamed(const EnvConfig& env, const std::string& camera) {
@@ -158,7 +181,7 @@ void EnvConfig::Validate(Problems& problems) const {
   if (robots.empty())
     problems.AddAt("robots", "an environment needs a robot, for example {robot: xarm7.yaml}");
   for (const std::string& robot : robots.keys()) CheckNamePart(robot, "robots", problems);
-  for (const char* taken : {"frames", "objects"}) {
+  for (const char* taken : {"frames", "objects", "task"}) {
     if (robots.contains(taken))
       problems.AddAt("robots", fmt::format("'{}' is a part of observations; give the robot another "
                                            "name",
@@ -174,6 +197,7 @@ void EnvConfig::Validate(Problems& problems) const {
   CheckStands(*this, problems);
   CheckStepLimit(*this, problems);
   CheckTask(*this, problems);
+  CheckVariations(*this, problems);
   CheckEnvObjects(*this, problems);
   CheckCameraAdds(*this, problems);
 }

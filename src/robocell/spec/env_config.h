@@ -42,9 +42,12 @@ struct EnvConfig {
   Map<EnvObject> world_frame_objects = {};
   Map<EnvObject> root_frame_objects = {};
   Map<Map<EnvObject>> robot_frame_objects = {};
+  Map<ObjectVariation> variations = {};
+  std::string saved_scene = {};
   Map<CameraAdderConfig> camera_adds = {};
   CameraSystemConfig cameras = {};
   bool add_gravcomp = false;
+  bool headless = true;
   Maybe<EnvTaskConfig> task = {};
   ControlMode control_mode = ControlMode::kJoints;
   RelativeTo relative_to = RelativeTo::kLastStep;
@@ -80,12 +83,19 @@ struct EnvConfig {
       "Objects that move with the rig, by their ids.");
     v("robot_frame_objects", &EnvConfig::robot_frame_objects,
       "Robot to objects at its attachment site, by their ids.");
+    v("variations", &EnvConfig::variations,
+      "How objects of the room and of the rig differ from episode to episode, by their ids.");
+    v("saved_scene", &EnvConfig::saved_scene,
+      "A file that Scene.save_xml wrote of this environment's scene, perhaps changed since: "
+      "simulated in the place of what the configuration describes.");
     v("camera_adds", &EnvConfig::camera_adds,
       "Cameras to add, by their names; `cameras` says what is taken from them.");
     v("cameras", &EnvConfig::cameras,
       "Image streams: of these cameras, of the robots' and of the base scene's.");
     v("add_gravcomp", &EnvConfig::add_gravcomp,
       "Compensate gravity on robots and grippers, whatever their files say.");
+    v("headless", &EnvConfig::headless,
+      "Without a window. Else robocell.gym opens one, where there is a display.");
     v("task", &EnvConfig::task, "What the robots are to do: reward, success, starts.");
     v("control_mode", &EnvConfig::control_mode,
       "What actions are: joints, or the TCP in the shared base frame as cartesian_trpy "

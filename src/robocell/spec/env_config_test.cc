@@ -207,6 +207,51 @@ TEST(EnvConfig, SaysWhichFrameACamerasOffsetIsIn) {
                         "is in the root frame"));
 }
 
+TEST(EnvConfig, APrimitiveIsAnObjectWithoutAFile) {
+  EnvConfig env = Duo();
+  env.root_frame_objects["ball"] = {.shape = Shape::kSphere, .size = Vec3{0.03, 0, 0}, .mass = 0.1};
+  EXPECT_EQ(Message(env), "");
+  env.root_frame_objects["ball"].mass.reset();
+  EXPECT_EQ(Message(env),
+            "it is not valid: root_frame_objects.ball.mass: a primitive needs its mass in kg");
+  env.root_frame_objects["ball"] = {.mjcf_path = "ball.xml", .mass = 0.1};
+  EXPECT_EQ(Message(env),
+            "it is not valid: root_frame_objects.ball: size, mass, rgba and friction describe a "
+            "primitive; name its `shape`");
+  env.root_frame_objects["ball"] = {.mjcf_path = "ball.xml", .shape = Shape::kSphere};
+  EXPECT_THAT(Message(env), HasSubstr("has both a shape and an mjcf_path; keep one of them"));
+}
+
+TEST(EnvConfig, ATaskNamesItsObjectsAndItsGoal) {
+  EnvConfig env = Duo();
+  env.root_frame_objects["cube"] = Thing();
+  env.task = EnvTaskConfig{.kind = "pick_place", .object = "cube"};
+  EXPECT_EQ(Message(env),
+            "it is not valid: task.goal: is required: where the object is to be put, for example "
+            "[0.4, 0.2, 0]");
+  env.task->goal = Vec3{0, 0, 0.02};
+  env.task->goal_object = "cub";
+  EXPECT_THAT(Message(env), HasSubstr("task.goal_object: root_frame_objects: no object 'cub'."));
+  env.task->goal_object = "cube";
+  EXPECT_THAT(Message(env), HasSubstr("task.goal_object: is the object that is to be put there"));
+  env.task = EnvTaskConfig{.kind = "of my own"};
+  EXPECT_EQ(Message(env), "") << "needs no object";
+}
+
+TEST(EnvConfig, VariationsAreOfObjectsThatAreThere) {
+  EnvConfig env = Duo();
+  env.world_frame_objects["cube"] = Thing();
+  env.variations["cube"] = {.mass = {2, 1}};
+  EXPECT_EQ(Message(env),
+            "it is not valid: variations.cube.mass: is [least, largest] factor; the least is above "
+            "the largest");
+  env.variations["cube"].mass = {1, 2};
+  env.variations["cub"] = {};
+  EXPECT_EQ(Message(env),
+            "it is not valid: variations.cub: no object 'cub'. Known objects: cube. Did you mean "
+            "'cube'?");
+}
+
 TEST(EnvConfig, IsReadFromAFileWithItsRobots) {
   TempDir folder;
   std::filesystem::create_directory(folder.path() / "robots");
@@ -232,7 +277,8 @@ TEST(EnvConfig, ProblemsAreToldWithTheirPlaceInTheFile) {
   EXPECT_THAT(
       ParseError<EnvConfig>("robots: {robot: {name: a, model: b}}\n"
                             "world_frame_objects: {cube: {offset: {pos: [0, 0, 1]}}}\n"),
-      HasSubstr("world_frame_objects.cube.mjcf_path: is required: the object's model file"));
+      HasSubstr("world_frame_objects.cube.mjcf_path: is required: the object's model file, or "
+                "`shape` for a primitive"));
 }
 
 }  // namespace

@@ -21,7 +21,34 @@ void CheckDuration(const char* field, double seconds, double timestep, Problems&
 }  // namespace
 
 void EnvObject::Validate(Problems& problems) const {
-  CheckNotEmpty(mjcf_path, "mjcf_path", "the object's model file", problems);
+  if (!shape) {
+    CheckNotEmpty(mjcf_path, "mjcf_path", "the object's model file, or `shape` for a primitive",
+                  problems);
+    if (size || mass || rgba || friction)
+      problems.Add("size, mass, rgba and friction describe a primitive; name its `shape`");
+    return;
+  }
+  SceneObject object = AsSceneObject();
+  object.name = "object";  // the map's key, which is checked with the frames
+  object.Validate(problems);
+}
+
+SceneObject EnvObject::AsSceneObject() const {
+  SceneObject object{.mjcf_path = mjcf_path, .reset_root_pose = true, .fixed = fixed};
+  if (!shape) return object;
+  object.shape = shape;
+  object.size = size;
+  object.mass = mass;
+  object.rgba = rgba.value_or(kRgba);
+  object.friction = friction.value_or(kFriction);
+  return object;
+}
+
+void ObjectVariation::Validate(Problems& problems) const {
+  for (const auto& [range, field] : {std::pair{mass, "mass"}, std::pair{friction, "friction"}}) {
+    if (range[0] > range[1])
+      problems.AddAt(field, "is [least, largest] factor; the least is above the largest");
+  }
 }
 
 void CameraAdderConfig::Validate(Problems& problems) const {

@@ -7,16 +7,24 @@
 #include "robocell/spec/env_action.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/problems.h"
-#include "robocell/spec/run_config.h"
+#include "robocell/spec/scene_object.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
 
-// A model placed in the frame of the dictionary that it stands in.
+// A model, or a primitive, placed in the frame of the dictionary that it stands in.
 struct EnvObject {
   std::string mjcf_path = {};
   Pose offset = {};
   std::optional<bool> fixed = {};
+  std::optional<Shape> shape = {};
+  std::optional<Vec3> size = {};
+  std::optional<double> mass = {};
+  std::optional<Vec4> rgba = {};
+  std::optional<Vec3> friction = {};
+
+  static constexpr Vec4 kRgba = {0.8, 0.8, 0.8, 1};
+  static constexpr Vec3 kFriction = {1, 0.005, 0.0001};  // the engine's own
 
   static constexpr const char* kTypeName = "EnvObject";
   static constexpr bool kWrittenAsPair = true;  // in Python: (mjcf_path, offset)
@@ -25,7 +33,42 @@ struct EnvObject {
     v("mjcf_path", &EnvObject::mjcf_path, "Model file: path, `menagerie:...` or built-in name.");
     v("offset", &EnvObject::offset,
       "Pose of the model's root body in that frame; what the file says of it is dropped.");
-    v("fixed", &EnvObject::fixed, "Unset: as authored. A robot's frame carries fixed ones only.");
+    v("fixed", &EnvObject::fixed,
+      "Unset: as authored, and free for primitives. A robot's frame carries fixed ones only.");
+    v("shape", &EnvObject::shape, "Primitive, in the place of a model: box, sphere or cylinder.");
+    v("size", &EnvObject::size,
+      "Of a primitive, half sizes in metres: box x y z; sphere radius 0 0; cylinder radius, half "
+      "height, 0.",
+      Check::kNonNegative);
+    v("mass", &EnvObject::mass, "Of a primitive, kg.", Check::kPositive);
+    v("rgba", &EnvObject::rgba, "Colour of a primitive; light grey unless set.", Check::kFraction);
+    v("friction", &EnvObject::friction,
+      "Of a primitive: sliding, torsional and rolling; the engine's own unless set.",
+      Check::kNonNegative);
+  }
+  // As an object of a scene, without its name and place.
+  SceneObject AsSceneObject() const;
+  void Validate(Problems& problems) const;
+};
+
+// How an object's model differs from episode to episode; drawn at each reset.
+struct ObjectVariation {
+  Vec2 mass = {1, 1};
+  Vec2 friction = {1, 1};
+  double colour = 0;
+
+  static constexpr const char* kTypeName = "ObjectVariation";
+  template <class V>
+  static void Fields(V&& v) {
+    v("mass", &ObjectVariation::mass,
+      "Least and largest factor of its mass and inertia; uniform between.", Check::kPositive);
+    v("friction", &ObjectVariation::friction,
+      "Least and largest factor of its friction, all three kinds. Of two things that touch the "
+      "engine takes the larger friction.",
+      Check::kPositive);
+    v("colour", &ObjectVariation::colour,
+      "How far red, green and blue are each from the object's own, at most; within 0 ... 1.",
+      Check::kFraction);
   }
   void Validate(Problems& problems) const;
 };
@@ -84,23 +127,30 @@ struct SimSettings {
     v("realtime", &SimSettings::realtime,
       "Steps take at least as long as the time that they simulate.");
     v("on_collision", &SimSettings::on_collision,
-      "When a robot runs into something: stop (the step ends) or report (it goes on).");
+      "When a robot runs into something: stop (the step ends), report (it goes on) or guard (the "
+      "step is looked at ahead; an action that leads into something is not carried out).");
   }
   void Validate(Problems& problems) const;
 };
 
-// What the robots are to do: pick up an object, which lies around its place at each reset.
+// What the robots are to do: pick up an object, which lies around its place at each reset, put it
+// down somewhere else, or a task of one's own (env/env_task.h).
 struct EnvTaskConfig {
-  TaskKind kind = TaskKind::kPick;
+  std::string kind = "pick";
   std::string object = {};
   Vec2 spread = {0, 0};
   bool rotate = true;
   double lift_height = 0.05;
+  std::optional<Vec3> goal = {};
+  std::string goal_object = {};
+  Vec2 goal_spread = {0, 0};
+  double goal_tolerance = 0.03;
+  double goal_distance = 0.1;
 
   static constexpr const char* kTypeName = "EnvTaskConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("kind", &EnvTaskConfig::kind, "pick.");
+    v("kind", &EnvTaskConfig::kind, "pick, pick_place, or the name of a task that was registered.");
     v("object", &EnvTaskConfig::object, "The object, by its id in root_frame_objects.");
     v("spread", &EnvTaskConfig::spread,
       "How far it lies from its place there, uniform between plus and minus these, along x and y "
@@ -110,6 +160,19 @@ struct EnvTaskConfig {
     v("lift_height", &EnvTaskConfig::lift_height,
       "Success: lifted this far above where the episode began, metres, and held only by robots.",
       Check::kPositive);
+    v("goal", &EnvTaskConfig::goal,
+      "pick_place: where the object's root is to rest, metres, in the root frame, or with "
+      "goal_object in the frame of that object's root.");
+    v("goal_object", &EnvTaskConfig::goal_object,
+      "pick_place: the goal is on this object, by its id in root_frame_objects, wherever it is.");
+    v("goal_spread", &EnvTaskConfig::goal_spread,
+      "How far the goal, or goal_object, lies from its place, as `spread`.", Check::kNonNegative);
+    v("goal_tolerance", &EnvTaskConfig::goal_tolerance,
+      "Success: released and at rest so near to the goal, metres, after it was lifted.",
+      Check::kPositive);
+    v("goal_distance", &EnvTaskConfig::goal_distance,
+      "Episodes begin with the object at least so far from the goal along the ground, metres.",
+      Check::kNonNegative);
   }
 };
 

@@ -71,7 +71,8 @@ using SpecTypes =
                      ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
                      RenderQuality, SimOptions, Edit, BaseConfig, MoveGroupConfig, GripperCtrl,
                      GripperDistance, RunConfig, TaskConfig, SceneSource, Rates, EnvConfig,
-                     EnvObject, CameraAdderConfig, SimSettings, WrapperConfig, EnvTaskConfig>;
+                     EnvObject, CameraAdderConfig, SimSettings, WrapperConfig, EnvTaskConfig,
+                     ObjectVariation>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
 TYPED_TEST(RoundTrip, RandomSpecsComeBackEqual) {

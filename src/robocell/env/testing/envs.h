@@ -70,6 +70,23 @@ inline EnvConfig Rc7Env(ControlMode mode = ControlMode::kJoints,
   return config;
 }
 
+// The built-in robot before a cube that it is to pick, with a floor of the rig, wherever that is.
+inline EnvConfig Rc7WithCube(const Pose& root = Pose()) {
+  EnvConfig config = Rc7Env(ControlMode::kCartesianTquat, RelativeTo::kNone);
+  config.root_frame_to_world = root;
+  config.root_frame_objects["cube"] = {.offset = Pose(Eigen::Vector3d(0.45, 0, 0.02)),
+                                       .shape = Shape::kBox,
+                                       .size = Vec3{0.02, 0.02, 0.02},
+                                       .mass = 0.05};
+  config.root_frame_objects["ground"] = {.offset = Pose(Eigen::Vector3d(0, 0, -0.05)),
+                                         .fixed = true,
+                                         .shape = Shape::kBox,
+                                         .size = Vec3{1, 1, 0.05},
+                                         .mass = 1};
+  config.task = EnvTaskConfig{.object = "cube", .spread = {0.05, 0.1}};
+  return config;
+}
+
 // Two of them, off-centre and tilted towards each other, on a rig that is tilted itself.
 inline EnvConfig Rc7Duo(ControlMode mode, RelativeTo relative_to) {
   EnvConfig config = Rc7Env(mode, relative_to);

@@ -1,0 +1,93 @@
+"""What an environment shows to people: a view of its robots, and a window of it.
+
+The window is MuJoCo's own viewer, which copies the state when it is told to.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import warnings
+from typing import Any
+
+import numpy as np
+
+from robocell._core import Env, Scene
+
+NO_DISPLAY = (
+    "no window: there is no display (see DISPLAY and WAYLAND_DISPLAY). The environment runs "
+    "headless; render_mode='rgb_array' gives pictures"
+)
+_warned: set[str] = set()
+
+
+def side_view(env: Env) -> dict[str, Any]:
+    """An OrbitCamera's arguments: all robots from the side and in front, and where they reach."""
+    scene = env.scene
+    robots = [scene.robot(name) for name in env.config.robots]
+    bases = np.array([robot.base_in_world.translation for robot in robots])
+    reach = max(robot.reach for robot in robots)
+    forward = scene.root_frame_to_world.rotation[:, 0]
+    lookat = bases.mean(axis=0) + 0.3 * reach * forward + [0, 0, 0.3 * reach]
+    spread = float(np.ptp(bases, axis=0).max())
+    azimuth = float(np.degrees(np.arctan2(forward[1], forward[0]))) + 135
+    return {
+        "lookat": lookat.tolist(),
+        "distance": 1.6 * reach + spread,
+        "azimuth": azimuth,
+        "elevation": -20.0,
+    }
+
+
+def warn_once(message: str) -> None:
+    """A warning that the process has not given yet."""
+    if message not in _warned:
+        _warned.add(message)
+        warnings.warn(message, stacklevel=4)
+
+
+def has_display() -> bool:
+    """Whether there is something to open a window on: MuJoCo's viewer ends the process without."""
+    if sys.platform != "linux":
+        return True
+    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        return False
+    import glfw
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return bool(glfw.init())
+
+
+class Window:
+    """A window of a scene; closing it leaves the simulation as it is."""
+
+    def __init__(self, scene: Scene, view: dict[str, Any]) -> None:
+        import mujoco.viewer  # here: it looks for a display
+
+        self._viewer = mujoco.viewer.launch_passive(
+            scene.model, scene.data, show_left_ui=False, show_right_ui=False
+        )
+        for name, value in view.items():
+            setattr(self._viewer.cam, name, value)
+
+    @classmethod
+    def open(cls, scene: Scene, view: dict[str, Any]) -> Window | None:
+        """A window, or a warning and None where there can be none."""
+        if not has_display():
+            warn_once(NO_DISPLAY)
+            return None
+        try:
+            return cls(scene, view)
+        except Exception as error:  # whatever the window system says
+            warn_once(f"no window: {error}. The environment runs headless")
+            return None
+
+    def show(self) -> None:
+        """The present state; nothing once the user has closed the window."""
+        if self._viewer.is_running():
+            self._viewer.sync()
+
+    def close(self) -> None:
+        """Ends it; may be repeated."""
+        self._viewer.close()

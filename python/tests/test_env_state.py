@@ -1,0 +1,111 @@
+"""States and records of environments as values, saved scenes, objects that vary."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from robocell.gym import VectorGymEnv, pick_cube_config
+
+ELSEWHERE = rc.Pose(translation=[1, -1, 0], rpy=[0, 0, 2])
+
+
+def config(**fields) -> rc.EnvConfig:
+    return pick_cube_config(relative_to="last_step", **fields)
+
+
+def act(env: rc.Env, steps: int = 3):
+    for i in range(steps):
+        observation, *_ = env.step(
+            {"robot": {"tquat": [0, 0.02, -0.02, 0, 0, 0, 1], "gripper": i % 2}}
+        )
+    return observation
+
+
+def same(a, b, tolerance=0.0):
+    assert a.keys() == b.keys()
+    for key, value in a.items():
+        if isinstance(value, dict):
+            same(value, b[key], tolerance)
+        else:
+            assert np.abs(value - b[key]).max() <= tolerance, key
+
+
+def test_a_state_goes_on_in_another_environment():
+    env, other = rc.Env(config()), rc.Env(config())
+    env.reset(seed=1)
+    act(env)
+    state = pickle.loads(pickle.dumps(env.get_state()))
+    then = act(env)
+    other.set_state(rc.EnvState(state.numbers))
+    same(act(other), then)
+    with pytest.raises(rc.ArgumentError, match="must be one of world, root, got 'rot'"):
+        other.set_state(state, frame="rot")
+
+
+def test_a_state_of_the_rig_elsewhere():
+    env, other = rc.Env(config()), rc.Env(config(root_frame_to_world=ELSEWHERE))
+    env.reset(seed=1)
+    state = env.get_state()
+    same(other.set_state(state, frame="root"), env.set_state(state), 1e-9)
+    same(act(other), act(env), 1e-5)
+
+
+def test_a_record_is_replayed_and_kept_in_a_file(tmp_path):
+    env = rc.Env(config())
+    env.reset(seed=1)
+    env.start_record()
+    act(env)
+    record = env.stop_record()
+    assert (record.steps, record.actions.shape) == (3, (3, 8))
+    np.savez(
+        tmp_path / "record.npz",
+        start=record.start.numbers,
+        actions=record.actions,
+        observations=record.observations,
+        rewards=record.rewards,
+    )
+    kept = dict(np.load(tmp_path / "record.npz"))
+    again = rc.EnvRecord(**(kept | {"start": rc.EnvState(kept["start"])}))
+    other = rc.Env(config())
+    replay = other.replay(again)
+    assert (replay.same, replay.steps, replay.difference) == (True, 3, "")
+    kept["actions"][1, 2] += 0.01
+    replay = other.replay(rc.EnvRecord(**(kept | {"start": record.start})))
+    assert (replay.same, replay.steps) == (False, 2)
+    assert replay.difference.startswith("after step 2: robot.tquat[")
+    moved = rc.Env(config(root_frame_to_world=ELSEWHERE))
+    assert moved.replay(again, frame="root", tolerance=1e-5).same
+
+
+def test_a_scene_that_was_saved_is_simulated(tmp_path):
+    env = rc.Env(config())
+    env.reset(seed=1)
+    env.scene.save_xml(tmp_path / "cell.xml")
+    saved = rc.Env(config(saved_scene=str(tmp_path / "cell.xml")))
+    saved.reset(seed=1)
+    same(act(saved), act(env), 1e-3)
+
+
+def test_copies_of_a_vector_have_objects_of_their_own():
+    varied = config(variations={"cube": {"mass": [0.5, 2], "friction": [0.5, 1.5], "colour": 0.3}})
+    vector = VectorGymEnv(varied, 2, threads=2)
+    single = rc.Env(varied)
+    vector.reset(seed=[1, 2])
+    action = {"robot": {"tquat": [[0, 0, -0.04, 0, 0, 0, 1]] * 2, "gripper": [[1], [1]]}}
+    seen, *_ = vector.step(action)
+    masses = []
+    for i, seed in enumerate((1, 2)):
+        single.reset(seed=seed)
+        masses.append(single.scene.model.body("cube_green_cube").mass[0])
+        alone, *_ = single.step({"robot": {"tquat": [0, 0, -0.04, 0, 0, 0, 1], "gripper": 1}})
+        assert np.array_equal(
+            alone["objects"]["cube"]["tquat"], seen["objects"]["cube"]["tquat"][i]
+        )
+        assert np.array_equal(alone["robot"]["joints"], seen["robot"]["joints"][i])
+    assert masses[0] != masses[1]
+    assert all(0.025 <= mass <= 0.1 for mass in masses)
+    vector.close()

@@ -1,0 +1,227 @@
+"""Tasks of environments: pick and place, and those that users write and register."""
+
+from __future__ import annotations
+
+import pickle
+from functools import partial
+
+import gymnasium as gym
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import robocell as rc
+from robocell.gym import GymEnv, VectorGymEnv, pick_cube_config, pick_place_config
+
+ROOT = rc.Pose(translation=[1, -1, 0.3], rpy=[0, 0, 2])
+DOWN = rc.Pose(translation=[0, 0, 0], rpy=[np.pi, 0, 0]).quaternion
+
+
+def go(env: rc.Env, xyz: np.ndarray, gripper: float):
+    return env.step({"robot": {"tquat": [*xyz, *DOWN], "gripper": gripper}})
+
+
+def absolute(config: rc.EnvConfig) -> rc.EnvConfig:
+    config.relative_to = "none"
+    config.max_relative_movement = []
+    config.sim = {"on_collision": "report", "max_convergence_time": 2}
+    return config
+
+
+@pytest.mark.parametrize("root", [rc.Pose(), ROOT], ids=["here", "elsewhere"])
+def test_a_cube_is_picked_up_and_put_on_the_mat(root):
+    config = absolute(pick_place_config(root_frame_to_world=root))
+    config.task.rotate = False
+    config.add_floor = False
+    config.root_frame_objects["ground"] = {
+        "shape": "box",
+        "size": [1, 1, 0.05],
+        "mass": 1,
+        "fixed": True,
+        "offset": rc.Pose(translation=[0, 0, -0.05]),
+    }
+    env = rc.Env(config)
+    observation, info = env.reset(seed=3)
+    assert info["instruction"] == "pick up the cube and put it on the mat"
+    cube = observation["objects"]["cube"]["tquat"][:3]
+    goal = observation["task"]["goal"]
+    assert np.allclose(goal[:2], observation["objects"]["mat"]["tquat"][:2])
+    up = [0, 0, 0.12]
+    for xyz, gripper in [(cube + up, 1), (cube, 1), (cube, 0), (cube + up, 0), (goal + up, 0)]:
+        _, reward, terminated, _, info = go(env, xyz, gripper)
+        assert not terminated
+    assert reward > 0.5
+    low = np.add(goal, [0, 0, 0.004])
+    for xyz, gripper in [(low, 0), (low, 1), (goal + up, 1)]:
+        observation, reward, terminated, _, info = go(env, xyz, gripper)
+    assert (reward, terminated, info["is_success"]) == (1, True, True)
+    assert np.linalg.norm(observation["objects"]["cube"]["tquat"][:3] - goal) < 0.03
+    env.close()
+
+
+def test_the_registered_environment_and_its_vector():
+    env = gym.make("robocell/PickPlace-v0")
+    assert env.spec.max_episode_steps == 400
+    check_env(env.unwrapped, skip_render_check=True)
+    starts = [env.reset(seed=seed)[0] for seed in (1, 1, 2)]
+    goals = [start["task"]["goal"] for start in starts]
+    assert np.array_equal(goals[0], goals[1])
+    assert not np.array_equal(goals[0], goals[2])
+    assert env.observation_space.contains(starts[0])
+    env.close()
+    vector = gym.make_vec("robocell/PickPlace-v0", num_envs=2)
+    observation, _ = vector.reset(seed=[1, 2])
+    assert np.array_equal(observation["task"]["goal"], [goals[1], goals[2]])
+    vector.close()
+
+
+class Reach(rc.EnvTask):
+    """The TCP is to come to a point that is drawn at each reset."""
+
+    def __init__(self, config, scene, near=0.05):
+        super().__init__()
+        self.robot = scene.robot("robot")
+        self.near = near
+        self.point = np.zeros(3)  # in the shared base frame
+        self.steps = 0
+
+    def arrange(self, scene, rng):
+        self.point = np.array([0.4, rng.uniform(-0.2, 0.2), 0.3])
+
+    def begin(self, scene):
+        self.steps = 0
+
+    def distance(self, scene):
+        tcp = scene.shared_base_frame_to_world.inverse() * self.robot.tcp_in_world
+        return np.linalg.norm(tcp.translation - self.point)
+
+    def reward(self, scene):
+        self.steps += 1
+        return -self.distance(scene)
+
+    def success(self, scene):
+        return self.distance(scene) < self.near
+
+    def instruction(self):
+        return "reach the point"
+
+    def signals(self):
+        return {"point": ([-1] * 3, [1] * 3), "steps": ([0], [10])}
+
+    def observe(self, scene):
+        return {"point": self.point, "steps": [self.steps]}
+
+    def memory(self):
+        return [*self.point, self.steps]
+
+    def recall(self, memory):
+        self.point, self.steps = memory[:3], int(memory[3])
+
+
+def reach_config(**fields) -> rc.EnvConfig:
+    rc.register_env_task("reach", Reach)
+    return absolute(
+        pick_cube_config(task={"kind": "reach"}, root_frame_objects={}, name="reach", **fields)
+    )
+
+
+def test_a_task_of_ones_own_by_its_name():
+    env = GymEnv(pickle.loads(pickle.dumps(reach_config(root_frame_to_world=ROOT))))
+    check_env(env, skip_render_check=True)
+    observation, info = env.reset(seed=1)
+    assert info["instruction"] == "reach the point"
+    assert "objects" not in observation
+    point = observation["task"]["point"]
+    other = env.reset(seed=2)[0]["task"]["point"]
+    assert not np.array_equal(point, other)
+    assert np.array_equal(env.reset(seed=1)[0]["task"]["point"], point)
+    away = np.add(point, [0, 0, 0.1])
+    observation, reward, terminated, _, info = go(env.core, away, 1)
+    assert observation["task"]["steps"] == [0], "the reward comes after it"
+    assert reward == pytest.approx(-0.1, abs=5e-3)
+    assert not terminated
+    env.core.save("away")
+    _, reward, terminated, _, info = go(env.core, point, 1)
+    assert terminated
+    assert info["is_success"]
+    observation = env.core.restore("away")
+    assert observation["task"]["steps"] == [1]
+    env.close()
+
+
+def test_in_a_vector_each_copy_has_a_task_of_its_own():
+    vector = VectorGymEnv(reach_config(), 3, threads=2)
+    observation, _ = vector.reset(seed=[1, 1, 2])
+    points = observation["task"]["point"]
+    assert np.array_equal(points[0], points[1])
+    assert not np.array_equal(points[0], points[2])
+    *_, infos = vector.step(vector.action_space.sample())
+    assert infos["is_success"].shape == (3,)
+    vector.close()
+
+
+def test_functions_make_tasks_too_and_python_may_replace_its_own():
+    config = reach_config()
+    rc.register_env_task("reach", partial(Reach, near=10))
+    env = rc.Env(config)
+    env.reset(seed=1)
+    assert go(env, np.array([0.4, 0, 0.3]), 1)[2], "near enough"
+    env.close()
+    assert {"pick", "pick_place", "reach"} <= set(rc.env_task_kinds())
+    with pytest.raises(rc.ArgumentError, match="task 'pick' is registered already"):
+        rc.register_env_task("pick", Reach)
+    with pytest.raises(TypeError, match=r"factory must be a function \(config, scene\) -> EnvTask"):
+        rc.register_env_task("mine", 3)
+
+
+class Silent(rc.EnvTask):
+    def reward(self, scene):
+        return 0
+
+    def instruction(self):
+        return "nothing"
+
+
+@pytest.mark.parametrize(
+    ("factory", "error", "message"),
+    [
+        (lambda config, scene: Silent(), TypeError, r"Silent must define success\(\)"),
+        (lambda config, scene: 3, TypeError, "the function of task 'wrong' must return an EnvTask"),
+        (
+            lambda config, scene: type(
+                "Odd", (Silent,), {"success": lambda self, scene: False, "signals": lambda self: 3}
+            )(),
+            TypeError,
+            r"Odd.signals\(\) must be a dict of names to \(lower, upper\), got int",
+        ),
+        (
+            lambda config, scene: type(
+                "Mute",
+                (Silent,),
+                {
+                    "success": lambda self, scene: False,
+                    "signals": lambda self: {"a": ([0], [1])},
+                    "observe": lambda self, scene: {"b": [1]},
+                },
+            )(),
+            rc.ArgumentError,
+            r"Mute.observe\(\) has no 'a', which signals\(\) names",
+        ),
+    ],
+    ids=["no success", "no task", "no signals", "not observed"],
+)
+def test_what_is_wrong_with_a_task_is_told(factory, error, message):
+    rc.register_env_task("wrong", factory)
+
+    def episode():
+        env = rc.Env(pick_cube_config(task={"kind": "wrong"}))
+        env.reset()
+        env.step({"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}})
+
+    with pytest.raises(error, match=message):
+        episode()
+
+
+def test_a_name_that_is_not_known():
+    with pytest.raises(rc.NotFoundError, match=r"no task 'pik'. Its tasks: .*Did you mean 'pick'"):
+        rc.Env(pick_cube_config(task={"kind": "pik"}))

@@ -1,0 +1,223 @@
+#include "robocell/env/env_state.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/env/arm_target.h"
+#include "robocell/env/env.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+
+namespace robocell {
+namespace {
+
+// Numbers that say how many follow, then these.
+void PutList(std::span<const double> list, std::vector<double>& out) {
+  out.push_back(static_cast<double>(list.size()));
+  out.insert(out.end(), list.begin(), list.end());
+}
+
+class NumberReader {
+ public:
+  explicit NumberReader(std::span<const double> numbers) : left_(numbers) {}
+
+  std::span<const double> Take(size_t count) {
+    if (count > left_.size())
+      throw ArgumentError("these numbers are no state of an environment: they end too early");
+    const std::span<const double> taken = left_.first(count);
+    left_ = left_.subspan(count);
+    return taken;
+  }
+  size_t Count() {
+    const double count = Take(1)[0];
+    if (!(count >= 0 && count <= static_cast<double>(left_.size())))
+      throw ArgumentError("these numbers are no state of an environment");
+    return static_cast<size_t>(count);
+  }
+  std::vector<double> List() {
+    const std::span<const double> list = Take(Count());
+    return {list.begin(), list.end()};
+  }
+  bool AtEnd() const { return left_.empty(); }
+
+ private:
+  std::span<const double> left_;
+};
+
+// The free joints and mocap bodies in the subtree of a body.
+struct Movables {
+  std::vector<int> joints, mocaps;
+};
+
+Movables MovablesOf(const mjModel* m, int root) {
+  Movables out;
+  for (int j = 0; j < m->njnt; ++j) {
+    if (m->jnt_type[j] == mjJNT_FREE && IsInSubtree(m, m->jnt_bodyid[j], root))
+      out.joints.push_back(j);
+  }
+  for (int b = 0; b < m->nbody; ++b) {
+    if (m->body_mocapid[b] >= 0 && IsInSubtree(m, b, root))
+      out.mocaps.push_back(m->body_mocapid[b]);
+  }
+  return out;
+}
+
+void MovePose(const Pose& by, double* pos, double* quat) {
+  (by * Pose::FromWxyz(pos, quat)).ToWxyz(pos, quat);
+}
+
+// Linear velocities and accelerations of free joints have the world's axes, angular ones the
+// body's.
+void TurnLinear(const Pose& by, double* v) {
+  const Eigen::Vector3d turned = by.rotation() * Eigen::Vector3d(v[0], v[1], v[2]);
+  std::copy_n(turned.data(), 3, v);
+}
+
+void Move(const Pose& by, const Movables& movables, const mjModel* m, mjData* d) {
+  for (const int j : movables.joints) {
+    double* qpos = d->qpos + m->jnt_qposadr[j];
+    MovePose(by, qpos, qpos + 3);
+    TurnLinear(by, d->qvel + m->jnt_dofadr[j]);
+    TurnLinear(by, d->qacc_warmstart + m->jnt_dofadr[j]);
+  }
+  for (const int i : movables.mocaps) MovePose(by, d->mocap_pos + 3 * i, d->mocap_quat + 4 * i);
+}
+
+}  // namespace
+
+std::vector<double> EnvState::numbers() const {
+  std::vector<double> out(7);
+  PutTquat(root_frame_to_world, out);
+  out.push_back(static_cast<double>(ticks));
+  PutList(physics, out);
+  PutList(task, out);
+  PutList(variations, out);
+  std::vector<double> pairs;
+  for (const auto& [a, b] : touching)
+    pairs.insert(pairs.end(), {static_cast<double>(a), static_cast<double>(b)});
+  PutList(pairs, out);
+  out.push_back(static_cast<double>(arms.size()));
+  for (const ArmDriver::Memory& arm : arms) {
+    out.push_back(static_cast<double>(arm.commanded.size()));
+    const std::vector<double> own = arm.numbers();
+    out.insert(out.end(), own.begin(), own.end());
+  }
+  return out;
+}
+
+EnvState EnvState::FromNumbers(std::span<const double> numbers) {
+  NumberReader reader(numbers);
+  EnvState state;
+  const std::span<const double> p = reader.Take(7);
+  state.root_frame_to_world = Pose({p[0], p[1], p[2]}, Quaternion{p[3], p[4], p[5], p[6]});
+  state.ticks = static_cast<int64_t>(reader.Take(1)[0]);
+  state.physics = reader.List();
+  state.task = reader.List();
+  state.variations = reader.List();
+  const std::vector<double> pairs = reader.List();
+  for (size_t i = 0; i + 1 < pairs.size(); i += 2)
+    state.touching.emplace_back(static_cast<int>(pairs[i]), static_cast<int>(pairs[i + 1]));
+  const size_t arms = reader.Count();
+  for (size_t i = 0; i < arms; ++i) {
+    const size_t joints = reader.Count();
+    std::span<const double> own = reader.Take(ArmDriver::Memory::CountOfNumbers(joints));
+    state.arms.push_back(ArmDriver::Memory::FromNumbers(joints, own));
+  }
+  if (!reader.AtEnd()) throw ArgumentError("these numbers are more than a state of an environment");
+  return state;
+}
+
+EnvState Env::state() const {
+  RequireReady();
+  EnvState state{.root_frame_to_world = config_.root_frame_to_world,
+                 .physics = scene_.state(),
+                 .task = task_ ? task_->memory() : std::vector<double>(),
+                 .variations = variations_.drawn(),
+                 .touching = collisions_.memory(),
+                 .ticks = ticks_};
+  for (const ArmDriver& arm : arms_) state.arms.push_back(arm.memory());
+  return state;
+}
+
+void Env::CheckState(const EnvState& state) const {
+  bool fits = state.arms.size() == arms_.size() &&
+              state.variations.size() == variations_.drawn().size() &&
+              state.task.size() == (task_ ? task_->memory().size() : 0) &&
+              state.physics.size() == scene_.state().size();
+  for (size_t i = 0; fits && i < arms_.size(); ++i)
+    fits = state.arms[i].commanded.size() == arms_[i].memory().commanded.size();
+  if (fits) return;
+  throw ArgumentError(place() +
+                      ": the state is of another environment; states fit those of the same "
+                      "configuration, but for root_frame_to_world");
+}
+
+// Without the observation.
+void Env::Recall(const EnvState& state) {
+  if (state.variations != variations_.drawn()) variations_.Apply(state.variations);
+  scene_.SetState(state.physics);
+  for (size_t i = 0; i < arms_.size(); ++i) arms_[i].Recall(state.arms[i]);
+  if (task_) task_->Recall(state.task);
+  collisions_.Recall(state.touching);
+  ticks_ = state.ticks;
+}
+
+void Env::MoveToRoot(const Pose& from) {
+  const Pose by = config_.root_frame_to_world * from.inverse();
+  const mjModel* m = scene_.model();
+  for (const std::string& id : config_.root_frame_objects.keys()) {
+    const int root = RequireId(m, mjOBJ_BODY, scene_.compiled()->object(id).root_body, place());
+    Move(by, MovablesOf(m, root), m, scene_.data());
+  }
+  scene_.SetState(scene_.state());  // and what follows from it
+}
+
+void Env::SetState(const EnvState& state, StateFrame frame) {
+  CheckState(state);
+  phase_ = Phase::kBroken;  // until all is done
+  Recall(state);
+  if (frame == StateFrame::kRoot) MoveToRoot(state.root_frame_to_world);
+  record_.reset();
+  pacer_.Start(TimeSinceReset());
+  cameras_.GoOnFrom(TimeSinceReset());
+  Observe();
+  phase_ = Phase::kReady;
+}
+
+void Env::Save(const std::string& name) {
+  saved_[name] = {.generation = scene_.generation(), .state = state()};
+}
+
+Env::Snapshot& Env::RequireSnapshot(const std::string& name) {
+  const auto found = saved_.find(name);
+  if (found == saved_.end()) throw NotFoundError(NoSuchName(place(), "saved state", name, saved()));
+  return found->second;
+}
+
+void Env::Restore(const std::string& name) {
+  const Snapshot& snapshot = RequireSnapshot(name);
+  if (snapshot.generation != scene_.generation()) {
+    throw Error(
+        fmt::format("{}: the scene was compiled anew since '{}' was saved, so that there "
+                    "is no way back to it",
+                    place(), name));
+  }
+  SetState(snapshot.state);
+}
+
+void Env::Forget(const std::string& name) {
+  RequireSnapshot(name);
+  saved_.erase(name);
+}
+
+std::vector<std::string> Env::saved() const {
+  std::vector<std::string> names;
+  for (const auto& [name, snapshot] : saved_) names.push_back(name);
+  return names;
+}
+
+}  // namespace robocell

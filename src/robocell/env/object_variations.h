@@ -1,0 +1,53 @@
+// ObjectVariations: masses, frictions and colours of objects that differ from episode to episode.
+// Private to env. It writes to the model, so that the scene needs one of its own.
+//
+//   ObjectVariations variations(config, scene);
+//   variations.Draw(rng);                          // at each reset
+//   const std::vector<double> drawn = variations.drawn();
+//   variations.Apply(drawn);                       // the same again
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "robocell/base/rng.h"
+#include "robocell/mujoco/owners.h"
+#include "robocell/scene/scene.h"
+#include "robocell/spec/env_config.h"
+
+namespace robocell {
+
+class ObjectVariations {
+ public:
+  ObjectVariations(const EnvConfig& config, Scene scene);
+
+  // Error when the model is frozen and there is something to draw.
+  void Draw(Rng& rng);
+  // For each object: factors of mass and friction, and what is added to red, green and blue.
+  const std::vector<double>& drawn() const { return drawn_; }
+  // ArgumentError for another number of numbers.
+  void Apply(std::span<const double> drawn);
+
+ private:
+  static constexpr size_t kNumbers = 5;
+
+  // What the model says of an object's own.
+  struct Varied {
+    ObjectVariation range;
+    std::vector<int> bodies, geoms;
+    std::vector<double> mass, inertia, friction;
+    std::vector<float> rgba;
+  };
+  void Bind();
+  Varied Read(const std::string& object, const ObjectVariation& range) const;
+  void Write(const Varied& object, std::span<const double> drawn);
+
+  std::vector<std::pair<std::string, ObjectVariation>> ranges_;
+  Scene scene_;
+  uint64_t generation_ = 0;
+  std::vector<Varied> objects_;
+  DataPtr scratch_;
+  std::vector<double> drawn_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,43 @@
+// PickPlaceEnvTask: pick an object up and put it down at a goal: a place in the root frame, or one
+// on another object, wherever that is. Success: it was lifted, held only by robots, and is now at
+// rest at the goal with no robot touching it. The reward, 0 to 1, has a quarter for a TCP near the
+// object, a quarter for having lifted it, and half, once it was lifted, for its nearness to the
+// goal; at success it is 1. The goal is observed as `goal`, x y z in the shared base frame.
+//
+// Whether it was lifted is looked at after each step of the environment. Private to env:
+// EnvTaskConfig::kind "pick_place".
+#pragma once
+
+#include "robocell/env/object_task.h"
+
+namespace robocell {
+
+class PickPlaceEnvTask final : public ObjectTask {
+ public:
+  // ArgumentError when goal_spread is to move an object that cannot move.
+  PickPlaceEnvTask(const EnvConfig& config, const Scene& scene);
+
+  // ArgumentError when no start is as far from the goal as goal_distance asks for.
+  void Arrange(Scene& scene, Rng& rng) override;
+  void Begin(const Scene& scene) override;
+  double Reward(const Scene& scene) override;
+  bool Success(const Scene& scene) override;
+  std::string instruction() const override;
+  std::vector<std::string> objects() const override;
+  std::vector<TaskSignal> signals() const override;
+  void Observe(const Scene& scene, std::span<double> out) const override;
+  std::vector<double> memory() const override;
+  void Recall(std::span<const double> memory) override;
+
+ private:
+  bool has_goal_object() const { return !task().goal_object.empty(); }
+  Eigen::Vector3d GoalInWorld(const Scene& scene) const;
+  bool IsPutDown(const Scene& scene) const;
+
+  std::string goal_body_;  // of goal_object
+  Pose goal_offset_;       // its place, or that of the goal, in the root frame
+  Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();  // in the root frame, without goal_object
+  bool was_lifted_ = false;
+};
+
+}  // namespace robocell
