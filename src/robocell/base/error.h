@@ -60,7 +60,14 @@ class EngineError : public Error {
 // reason.
 class IoError : public Error {
  public:
-  using Error::Error;
+  // `system_error` is the errno of the call that failed, 0 when none did: then what was read is
+  // not what it should be, and it will be the same the next time.
+  explicit IoError(const std::string& message, int system_error = 0)
+      : Error(message), system_error_(system_error) {}
+  int system_error() const { return system_error_; }
+
+ private:
+  int system_error_ = 0;
 };
 
 }  // namespace robocell

@@ -102,7 +102,7 @@ FileSums SumsOfFolder(const fs::path& folder) {
   std::error_code error;
   for (fs::recursive_directory_iterator it(folder, error), end; !error && it != end;
        it.increment(error)) {
-    if (it->is_directory() && !it->is_symlink()) continue;
+    if (fs::is_directory(it->symlink_status(error))) continue;
     sums[it->path().lexically_relative(folder).generic_string()] = Sha256RealFile(it->path());
   }
   if (error) ThrowIoError("list", folder, error.value());

@@ -36,7 +36,8 @@ void ThrowIoError(std::string_view action, const fs::path& path, int error,
   const std::string hint = Hint(path, error, needed_bytes);
   throw IoError(fmt::format("cannot {} '{}': {}{}{}", action, path.native(),
                             std::generic_category().message(error), hint.empty() ? "" : ". ",
-                            hint));
+                            hint),
+                error);
 }
 
 uint64_t FreeBytes(const fs::path& path) {

@@ -54,10 +54,9 @@ void Dataset::Refresh() {
   if (!fs::exists(folder_, error) && !error) ThrowNoDataset(folder_);
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (!IsEpisodeId(name)) continue;
-    if (IsCommitted(it->path()))
+    if (IsEpisodeId(name) && IsCommitted(it->path()))
       ids_.push_back(name);
-    else if (it->is_directory() && LooksLikeEpisode(it->path()))
+    else if (IsEpisodeFolder(it->path()))
       broken_.push_back(name);
   }
   if (error) ThrowIoError("list dataset", folder_, error.value());

@@ -94,6 +94,7 @@ struct Episode::Impl {
         throw IoError(fmt::format("{}: format version {} is not {}, which this robocell reads",
                                   Name(), version, kEpisodeFormatVersion));
       }
+      if (JsonDamage(text)) ThrowDamaged();
       id = json.at("id");
       end_reason = json.at("end_reason");
       warnings = json.at("warnings").get<std::vector<std::string>>();
@@ -106,13 +107,15 @@ struct Episode::Impl {
       CheckFiles();
       CheckModels();
     } catch (const nlohmann::json::exception&) {
-      throw IoError(fmt::format("{}: episode.json is damaged: {}{}", Name(), Damage(), Advice()));
+      ThrowDamaged();
     }
   }
 
-  // Of a text that cannot be read, without the parser's own words.
-  std::string Damage() const {
-    return JsonDamage(text).value_or("it is signed, and yet no description of an episode");
+  // Without the parser's own words.
+  [[noreturn]] void ThrowDamaged() const {
+    const std::string damage =
+        JsonDamage(text).value_or("it is signed, and yet no description of an episode");
+    throw IoError(fmt::format("{}: episode.json is damaged: {}{}", Name(), damage, Advice()));
   }
 
   std::string Advice() const {
@@ -159,9 +162,22 @@ struct Episode::Impl {
     return RequireReadable(folder / name);
   }
 
+  // The HDF5 library ends the process on some files that a single bit was flipped in.
+  void RequireUndamagedSteps() const {
+    const std::string name(kStepsFile);
+    const auto& files = json["files"];
+    const auto facts = files.find(name);
+    if (facts != files.end() &&
+        facts->value("sha256", std::string()) == Sha256RealFile(folder / name))
+      return;
+    throw IoError(fmt::format("{}: '{}' is not what was written: the hash does not fit{}", Name(),
+                              name, Advice()));
+  }
+
   // On first use: lists of episodes need episode.json only.
   const hdf5::File& Steps() const {
     std::call_once(opened, [&] {
+      RequireUndamagedSteps();
       hdf5::File file = hdf5::File::OpenReadOnly(RequireReadable(folder / kStepsFile));
       for (const std::string& name : file.DatasetNames()) columns.push_back(ReadColumn(file, name));
       steps.emplace(std::move(file));

@@ -7,6 +7,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/data/signed_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 TEST(Episode, ItListsWhatItHolds) {
   TempDir folder;
@@ -78,9 +80,32 @@ TEST(Episode, NumbersThatAreNoneInADescriptionAreDamage) {
   for (const char* at : {"/files/steps.h5/bytes", "/cameras/wrist/width", "/cameras/wrist/fps/0"}) {
     auto bad = good;
     bad[nlohmann::json::json_pointer(at)] = 5.3e81;
-    AtomicWrite(file, bad.dump());
-    ExpectThrow<IoError>([&] { Episode episode(folder / "a"); }, "episode.json is damaged");
+    bad["run"][kJsonHash] = kUnsigned;
+    AtomicWrite(file, SignJson(bad.dump(2)));
+    ExpectThrow<IoError>([&] { Episode episode(folder / "a"); },
+                         "episode.json is damaged: it is signed, and yet no description");
   }
+}
+
+// The HDF5 library ends the process on some of them.
+TEST(Episode, ChangedBytesNeverReachTheirReaders) {
+  const TempDir folder;
+  SampleEpisode(1, false).Write(folder.path(), "a", 3);
+  const auto flip = [&](const char* file, size_t at) {
+    std::string bytes = ReadFile(folder / "a" / file);
+    bytes[at] ^= 1;
+    AtomicWrite(folder / "a" / file, bytes);
+  };
+  flip("steps.h5", 100);
+  const Episode episode(folder / "a");
+  const std::string text =
+      ExpectThrow<IoError>([&] { episode.Read<double>("time"); },
+                           "'steps.h5' is not what was written: the hash does not fit");
+  EXPECT_THAT(text, HasSubstr("`robocell verify --repair "));
+  const size_t digit = ReadFile(folder / "a" / "episode.json").find("\"rows\": 3") + 8;
+  flip("episode.json", digit);  // another number of rows, and still JSON
+  ExpectThrow<IoError>([&] { Episode(folder / "a"); },
+                       "episode.json is damaged: its text is not what was written");
 }
 
 TEST(Episode, AFileThatIsMissingOrShortIsNamedWhenItIsOpened) {

@@ -8,6 +8,7 @@
 #include "robocell/base/io_error.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
+#include "robocell/data/episode_writer.h"
 
 namespace robocell {
 
@@ -19,6 +20,15 @@ EpisodeLook Broken(std::string problem) {
   return {.state = EpisodeState::kBroken, .problem = std::move(problem)};
 }
 
+bool LooksLikeEpisode(const fs::path& folder) {
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const fs::path name = it->path().filename();
+    if (name == kEpisodeFile || name == kStepsFile || name.extension() == ".mp4") return true;
+  }
+  return static_cast<bool>(error);  // one bad folder must not hide the others
+}
+
 }  // namespace
 
 bool IsCommitted(const fs::path& folder) {
@@ -26,14 +36,10 @@ bool IsCommitted(const fs::path& folder) {
   return fs::is_regular_file(folder / kEpisodeFile, ignored);
 }
 
-bool LooksLikeEpisode(const fs::path& folder) {
+bool IsEpisodeFolder(const fs::path& folder) {
   std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const fs::path name = it->path().filename();
-    if (name == kEpisodeFile || name == kStepsFile || name.extension() == ".mp4") return true;
-  }
-  if (error) ThrowIoError("list", folder, error.value());
-  return false;
+  return IsEpisodeId(folder.filename().string()) && fs::is_directory(folder, error) &&
+         LooksLikeEpisode(folder);
 }
 
 EpisodeLook LookAtEpisode(const fs::path& folder) {
@@ -47,6 +53,8 @@ EpisodeLook LookAtEpisode(const fs::path& folder) {
         fmt::format("'{}' has an episode's name and is no folder: {}", folder.string(), kMoveAway));
   }
   if (fs::is_empty(folder, error)) return {};
+  if (error)
+    return Broken(fmt::format("'{}' cannot be listed: {}", folder.string(), error.message()));
   if (!IsCommitted(folder)) {
     return Broken(
         LooksLikeEpisode(folder)

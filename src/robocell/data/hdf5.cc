@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <new>
 #include <type_traits>
 #include <utility>
 
@@ -160,6 +161,16 @@ herr_t Collect(hid_t, const char* name, const H5O_info_t* info, void* names) {
 }
 
 }  // namespace
+
+int Fork() {
+  Mutex().lock();
+  const int child = ::fork();
+  if (child == 0)
+    new (&Mutex()) std::recursive_mutex;  // it is held by a thread that the child has not
+  else
+    Mutex().unlock();
+  return child;
+}
 
 std::string Version() {
   unsigned major = 0;

@@ -21,6 +21,9 @@ namespace robocell::hdf5 {
 // "1.10.8".
 std::string Version();
 
+// fork(2), at an instant when no other thread is in the library, so that the child may use it.
+int Fork();
+
 // Owns an id of the library.
 class Id {
  public:

@@ -7,6 +7,7 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/temporary_name.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/model_store.h"
 #include "robocell/data/work_folder.h"
 
 namespace robocell {
@@ -78,6 +79,8 @@ std::vector<std::string> UnfinishedIn(const fs::path& dataset) {
   AddUnfinished(dataset, "", names);
   if (IsFolder(dataset / kModelsFolder))
     AddUnfinished(dataset / kModelsFolder, std::string(kModelsFolder) + "/", names);
+  for (const std::string& model : StoredModels(dataset))
+    AddUnfinished(dataset / model, model + "/", names);
   std::sort(names.begin(), names.end());
   return names;
 }

@@ -12,6 +12,7 @@
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/quarantine.h"
 #include "robocell/data/work_folder.h"
 
 namespace robocell {
@@ -39,10 +40,27 @@ void Copy(const fs::path& from, const fs::path& to) {
   AtomicWrite(to, ReadFile(from));
 }
 
-std::optional<std::string> ReadSums(const fs::path& folder) {
+// Of a stored model's files: neither its list, nor what was left of writing that.
+FileSums SumsOfModel(const fs::path& folder) {
+  FileSums sums = SumsOfFolder(folder);
+  std::erase_if(sums, [](const auto& sum) {
+    return sum.first == kModelListFile || IsTemporaryName(sum.first);
+  });
+  return sums;
+}
+
+bool IsStoredIn(const fs::path& folder, const std::string& text) {
+  const std::string name = folder.filename().string();
+  return Sha256(text).starts_with(name.substr(name.size() - kDigits));
+}
+
+// The list, when it is what was stored: the folder's name has its hash.
+std::optional<FileSums> StoredSums(const fs::path& folder) {
   const fs::path path = folder / kModelListFile;
-  if (!fs::exists(fs::symlink_status(path))) return std::nullopt;
-  return ReadRealFile(path);
+  if (!CanReadFile(path)) return std::nullopt;
+  const std::string text = ReadRealFile(path);
+  if (!IsStoredIn(folder, text)) return std::nullopt;
+  return ParseSums(text).value_or(FileSums());
 }
 
 std::map<std::string, std::string> Differences(const FileSums& stored, const FileSums& there) {
@@ -111,26 +129,21 @@ std::map<std::string, std::string> DamageOfStoredModel(const fs::path& dataset,
   const std::string folder = StoredModelFolder(path);
   RequireRealFolder(dataset / kModelsFolder);
   RequireRealFolder(dataset / folder);
-  FileSums there = SumsOfFolder(dataset / folder);
-  there.erase(std::string(kModelListFile));
-  const auto is_stored = [&](const std::string& text) {
-    return Sha256(text).starts_with(folder.substr(folder.size() - kDigits));
-  };
-  const std::optional<std::string> listed = ReadSums(dataset / folder);
-  if (listed && is_stored(*listed))
-    return Differences(ParseSums(*listed).value_or(FileSums()), there);
-  if (!is_stored(TextOf(there))) return {{"", "its files are not what was stored"}};
-  if (listed) return {{std::string(kModelListFile), kNotStored}};
-  return {};  // a model without a list
+  const FileSums there = SumsOfModel(dataset / folder);
+  if (const auto stored = StoredSums(dataset / folder)) return Differences(*stored, there);
+  if (IsStoredIn(dataset / folder, TextOf(there))) return {};  // only its list is lost
+  return {{"", "its files are not what was stored"}};
 }
 
 bool HasModelList(const fs::path& dataset, const std::string& path) {
-  return ReadSums(dataset / StoredModelFolder(path)).has_value();
+  return StoredSums(dataset / StoredModelFolder(path)).has_value();
 }
 
 void WriteModelList(const fs::path& dataset, const std::string& path) {
-  const fs::path folder = dataset / StoredModelFolder(path);
-  AtomicWrite(folder / kModelListFile, TextOf(SumsOfFolder(folder)));
+  const std::string folder = StoredModelFolder(path);
+  const fs::path list = dataset / folder / kModelListFile;
+  if (WhatIsAt(list) != "nothing") Quarantine(dataset, folder + "/" + std::string(kModelListFile));
+  AtomicWrite(list, TextOf(SumsOfModel(dataset / folder)));
 }
 
 std::vector<std::string> StoredModels(const fs::path& dataset) {

@@ -32,14 +32,15 @@ std::string StoredModelFolder(const std::string& path);
 
 // What is wrong with the files of a stored model (a path or folder as above), by their names within
 // it: "assets/a.stl" -> "it is missing"; nothing when they are what was stored. That the list is
-// missing is no damage. IoError when the model is not there.
+// missing or damaged is none: the folder's name says whether the files are right. IoError when the
+// model is not there.
 std::map<std::string, std::string> DamageOfStoredModel(const std::filesystem::path& dataset,
                                                        const std::string& path);
 
-// Whether the list of a stored model, which has a path or folder as above, is there.
+// Whether the list of a stored model, which has a path or folder as above, is there and whole.
 bool HasModelList(const std::filesystem::path& dataset, const std::string& path);
 
-// Writes the list of an undamaged model that has none. IoError.
+// Writes the list of an undamaged model that has none; a damaged one is set aside. IoError.
 void WriteModelList(const std::filesystem::path& dataset, const std::string& path);
 
 // The folders of models in the dataset: "models/rc7-0123456789abcdef", sorted.

@@ -27,8 +27,7 @@ constexpr size_t kShown = 5;
 
 bool IsOfDataset(const fs::path& folder, const std::string& name) {
   return name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
-         IsReportFile(name) || IsTemporaryName(name) ||
-         (IsEpisodeId(name) && fs::is_directory(folder / name) && LooksLikeEpisode(folder / name));
+         IsReportFile(name) || IsTemporaryName(name) || IsEpisodeFolder(folder / name);
 }
 
 // Where the dataset is that somebody may have meant: around the folder, or one below.

@@ -5,8 +5,8 @@
 //   VerifyReport report = Verify("out/pick_v1");
 //   if (!report.ok()) std::cerr << report.Text();  // one line per problem: episode, file, reason
 //
-// A file is parsed only after its hash was found right, so damaged bytes never reach the HDF5
-// library or the decoder.
+// What an error of the system, another format version or a missing decoder says is nothing about what
+// was written: such episodes are told and left alone. See episode_check.h for what is asked of each.
 #pragma once
 
 #include <filesystem>
@@ -14,21 +14,17 @@
 #include <string>
 #include <vector>
 
+#include "robocell/data/problem.h"
+
 namespace robocell {
 
-struct VerifyProblem {
-  std::string episode;  // its id; "" for the dataset itself
-  std::string file;     // within the episode, or within the dataset
-  std::string reason;
-  // "pick-000017/steps.h5: 4096 of 9216 bytes are there".
-  std::string Text() const;
-};
-
 struct VerifyReport {
-  std::vector<std::string> good;        // ids of intact episodes
-  std::vector<std::string> bad;         // ids of the others
-  std::vector<std::string> bad_parts;   // damaged parts of the dataset itself, by name
-  std::vector<std::string> unlisted;    // models that are whole but for the list of their files
+  std::vector<std::string> good;       // ids of intact episodes
+  std::vector<std::string> bad;        // ids of damaged ones
+  std::vector<std::string> unjudged;   // ids of those that cannot be judged here, as without access
+  std::vector<std::string> foreign;    // things in intact episodes that do not belong there
+  std::vector<std::string> bad_parts;  // damaged parts of the dataset itself, by name
+  std::vector<std::string> unlisted;   // models that are whole but for the list of their files
   std::vector<VerifyProblem> problems;  // of the bad ones, and of the dataset
   // Temporary folders and files. No problem.
   std::vector<std::string> leftovers;  // what a crash left behind
@@ -40,6 +36,8 @@ struct VerifyReport {
   bool has_manifest = true;  // recordings of other programs may do without: no problem
 
   bool ok() const { return problems.empty(); }
+  // Whether there are problems, and all of them are this machine's or version's.
+  bool only_unreadable() const;
   // One line per problem and leftover, then a summary line.
   std::string Text() const;
 };
@@ -51,12 +49,9 @@ struct VerifyOptions {
 };
 
 // ArgumentError for a folder that is no dataset: neither a dataset.json nor an episode, and nothing
-// that either leaves behind. IoError if it cannot be listed.
+// that either leaves behind. IoError if it cannot be listed, or videos shall be decoded and no ffmpeg
+// is there.
 VerifyReport Verify(const std::filesystem::path& dataset, const VerifyOptions& options = {});
-
-// The problems of one episode's folder.
-std::vector<VerifyProblem> VerifyEpisode(const std::filesystem::path& folder,
-                                         bool decode_videos = false);
 
 struct RepairResult {
   VerifyReport found;
@@ -64,10 +59,10 @@ struct RepairResult {
   std::vector<std::string> moved;  // what now lies in <dataset>/.quarantine, by its new name
 };
 
-// Moves bad episodes, damaged models, a damaged dataset.json or report, and leftovers that nobody
-// is writing, into <dataset>/.quarantine; writes the list of files of a model that lost it. Nothing
-// is deleted. Holds the dataset's lock
-// (dataset_lock.h): IoError names who is generating into it.
+// Moves bad episodes, foreign things in good ones, damaged models, a damaged dataset.json or report,
+// and leftovers that nobody is writing, into <dataset>/.quarantine; writes the list of files of a
+// model anew that lost it. Nothing is deleted, and what cannot be judged stays where it is. Holds the
+// dataset's lock (dataset_lock.h): IoError names who is generating into it.
 RepairResult Repair(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 }  // namespace robocell

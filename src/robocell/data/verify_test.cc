@@ -11,6 +11,8 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/data/dataset.h"
+#include "robocell/data/episode_check.h"
+#include "robocell/data/lost_episodes.h"
 #include "robocell/data/signed_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/testing/expect_throw.h"
@@ -22,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 // Without the flush to the disk of AtomicWrite: hundreds of times.
 void Store(const fs::path& path, const std::string& bytes) {
@@ -81,7 +84,7 @@ TEST_F(VerifyTest, AFlippedBitIsFoundAnywhereInEveryFile) {
       const size_t at = whole.size() * part / 25;
       flipped[at] ^= static_cast<char>(1 << part % 8);
       Store(B(file), flipped);
-      const std::vector<VerifyProblem> problems = VerifyEpisode(folder_ / "b");
+      const std::vector<VerifyProblem> problems = CheckEpisode(folder_ / "b", false);
       ASSERT_EQ(problems.size(), 1u) << file << " byte " << at;
       EXPECT_EQ(problems[0].file, file);
       EXPECT_THAT(problems[0].reason, HasSubstr("hash does not fit"));
@@ -96,7 +99,7 @@ TEST_F(VerifyTest, ATruncatedFileIsFoundAtEveryLength) {
     const std::string whole = ReadFile(B(file));
     for (int part = 0; part < 20; ++part) {
       Store(B(file), whole.substr(0, whole.size() * part / 20));
-      const std::vector<VerifyProblem> problems = VerifyEpisode(folder_ / "b");
+      const std::vector<VerifyProblem> problems = CheckEpisode(folder_ / "b", false);
       ASSERT_EQ(problems.size(), 1u) << file << " part " << part;
       EXPECT_EQ(problems[0].file, file);
     }
@@ -117,9 +120,108 @@ TEST_F(VerifyTest, AMissingDescriptionIsNamed) {
               HasSubstr("b/episode.json: it is missing: the episode was never finished"));
 }
 
-TEST_F(VerifyTest, AForeignFileIsNamed) {
-  Store(B("notes.txt"), "x");
-  EXPECT_THAT(OnlyProblem(), HasSubstr("b/notes.txt: it does not belong to the episode"));
+TEST_F(VerifyTest, AForeignFileIsNamedAndSetAsideWithoutItsEpisode) {
+  Store(B(".DS_Store"), "x");
+  const VerifyReport report = Verify(folder_.path());
+  EXPECT_THAT(report.Text(), HasSubstr("b/.DS_Store: it does not belong to the episode"));
+  EXPECT_THAT(report.good, ElementsAre("a", "b", "c"));
+  EXPECT_FALSE(report.ok());
+  EXPECT_FALSE(report.only_unreadable());
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre(".DS_Store"));
+  EXPECT_TRUE(Verify(folder_.path()).ok());
+}
+
+// What only this machine or version says against an episode.
+class Unjudged : public VerifyTest {
+ protected:
+  // Told with `reason`; never moved, and told again.
+  void ExpectLeftAlone(const std::string& reason, const VerifyOptions& options = {}) {
+    const VerifyReport report = Verify(folder_.path(), options);
+    EXPECT_THAT(report.unjudged, ElementsAre("b"));
+    EXPECT_THAT(report.bad, IsEmpty());
+    EXPECT_TRUE(report.only_unreadable());
+    EXPECT_THAT(report.Text(), HasSubstr(reason));
+    EXPECT_THAT(report.Text(), HasSubstr("2 episodes good, 0 bad, 1 not judged"));
+    const RepairResult repaired = Repair(folder_.path(), options);
+    EXPECT_THAT(repaired.moved, IsEmpty());
+    ASSERT_EQ(repaired.remaining.size(), 1u);
+    EXPECT_THAT(repaired.remaining[0].Text(), HasSubstr(reason));
+  }
+};
+
+TEST_F(Unjudged, AnEpisodeOfAnotherFormatVersion) {
+  std::string text = ReadFile(B("episode.json"));
+  const std::string version = "\"format_version\": 1";
+  text.replace(text.find(version), version.size(), "\"format_version\": 2");
+  const size_t hash = text.find("\"json_sha256\": \"") + 16;
+  text.replace(hash, kUnsigned.size(), kUnsigned);
+  Store(B("episode.json"), SignJson(text));
+  ExpectLeftAlone("b/episode.json: format version 2 is not 1, which this robocell reads");
+}
+
+// Root may read everything, and runs tests in containers.
+class AsNobody {
+ public:
+  AsNobody() { EXPECT_TRUE(root_ != 0 || seteuid(65534) == 0); }
+  ~AsNobody() { EXPECT_TRUE(root_ != 0 || seteuid(0) == 0); }
+
+ private:
+  uid_t root_ = geteuid();
+};
+
+TEST_F(Unjudged, WhatThisUserMayNotRead) {
+  for (const char* name : {"steps.h5", "episode.json", ""}) {
+    const fs::path path = folder_ / "b" / name;
+    const fs::perms before = fs::status(path).permissions();
+    fs::permissions(folder_.path(), fs::perms(0755));
+    fs::permissions(path, fs::perms::none);
+    {
+      const AsNobody nobody;
+      const VerifyReport report = Verify(folder_.path());
+      EXPECT_THAT(report.unjudged, ElementsAre("b"));
+      EXPECT_THAT(report.bad, IsEmpty());
+      EXPECT_THAT(report.Text(), HasSubstr("Permission denied"));
+      EXPECT_EQ(Dataset(folder_.path()).Open("c").Read<double>("time").size(), 10u);
+    }
+    fs::permissions(path, before);
+  }
+}
+
+TEST_F(VerifyTest, WithoutADecoderNothingIsJudged) {
+  setenv("ROBOCELL_FFMPEG", "/no/ffmpeg", 1);
+  ExpectThrow<IoError>([&] { Repair(folder_.path(), {.decode_videos = true}); },
+                       "ROBOCELL_FFMPEG is '/no/ffmpeg', which is not an executable file");
+  unsetenv("ROBOCELL_FFMPEG");
+  EXPECT_TRUE(Verify(folder_.path(), {.decode_videos = true}).ok());
+}
+
+TEST_F(VerifyTest, ACircleOfLinksIsNoEpisodeAndHidesNone) {
+  fs::create_symlink("loop", folder_ / "loop");
+  const VerifyReport report = Verify(folder_.path());
+  EXPECT_TRUE(report.ok()) << report.Text();
+  EXPECT_THAT(report.others, ElementsAre("loop"));
+  EXPECT_EQ(Dataset(folder_.path()).ids().size(), 3u);
+}
+
+TEST_F(VerifyTest, EpisodesThatAReportKnowsAndThatAreGoneAreNamed) {
+  const auto report_of = [](const std::string& episodes) {
+    return SignJson("{\"episodes\": [" + episodes + "], \"json_sha256\": \"" +
+                    std::string(kUnsigned) + "\"}");
+  };
+  Store(folder_ / "report.json",
+        report_of(R"({"id": "a", "success": true}, {"id": "d", "success": true},
+                     {"id": "e", "success": false}, {"id": "b", "success": true})"));
+  EXPECT_EQ(Verify(folder_.path()).problems.size(), 1u);
+  EXPECT_EQ(Verify(folder_.path()).problems[0].Text(),
+            "d: a report says that it was made, and it is gone. `robocell generate` with the run's "
+            "file makes it again");
+  EXPECT_EQ(Repair(folder_.path()).remaining.size(), 1u);
+  fs::rename(folder_ / "b", folder_ / "b_a02");  // one of its attempts, kept beside others
+  EXPECT_THAT(LostEpisodes(folder_.path()), ElementsAre("d"));
+  fs::resize_file(folder_ / "b_a02" / "steps.h5", 10);
+  fs::create_directory(folder_ / ".quarantine");
+  fs::rename(folder_ / "b_a02", folder_ / ".quarantine" / "b_a02.1");
+  EXPECT_THAT(LostEpisodes(folder_.path()), ElementsAre("d")) << "it is known where b is";
 }
 
 // As a cache of downloads is laid out: all files are links to blobs beside the dataset.

@@ -213,7 +213,7 @@ VideoInfo ReadVideoInfo(const std::filesystem::path& path) {
   File file;
   file.stream.open(path, std::ios::binary | std::ios::ate);
   if (!file.stream)
-    throw IoError(fmt::format("video '{}': {}", path.string(), std::strerror(errno)));
+    throw IoError(fmt::format("video '{}': {}", path.string(), std::strerror(errno)), errno);
   const auto end = file.stream.tellg();
   file.size = end > 0 ? static_cast<uint64_t>(end) : 0;
   try {

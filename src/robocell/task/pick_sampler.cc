@@ -86,13 +86,20 @@ Support PickTaskSampler::SupportOf(const SceneSpec& base) {
   return supports_[key] = FindSupport(base);
 }
 
+// Every kind once in each cycle, in an order drawn anew: base placements take turns too, and with one
+// order for all cycles each kind would only ever be seen from its own part of the range.
+std::string PickTaskSampler::KindOfTurn(std::vector<std::string> kinds, uint64_t turn) const {
+  const uint64_t cycle = turn / kinds.size();
+  Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "kinds of a cycle", cycle);
+  rng.Shuffle(kinds);
+  return kinds[turn % kinds.size()];
+}
+
 std::vector<std::string> PickTaskSampler::ChooseKinds(const SampleRequest& request, Rng& rng) {
   const std::vector<std::string> all = ObjectKinds();
   const std::vector<std::string>& allowed =
       run_.task.objects.empty() ? all : run_.task.objects.names;
-  const uint64_t first =
-      Rng::Stream(static_cast<uint64_t>(run_.seed), "first kind").UniformInt(allowed.size());
-  std::vector<std::string> kinds = {allowed[(first + Turn(request)) % allowed.size()]};
+  std::vector<std::string> kinds = {KindOfTurn(allowed, Turn(request))};
   // Other kinds only: "pick up the mug" has to mean one object.
   std::vector<std::string> others = allowed;
   std::erase(others, kinds.front());

@@ -102,6 +102,33 @@ TEST(PickTaskSampler, EveryKindTakesItsTurnAndNoOtherObjectIsOfTheTargetsKind) {
   for (const std::string& kind : ObjectKinds()) EXPECT_GE(counts[kind], 2) << kind;
 }
 
+// A policy must not be able to read the distance off the kind.
+TEST(PickTaskSampler, EachKindIsSeenFromTheWholeRange) {
+  RunConfig run = Demo();
+  const std::vector<std::string> all = ObjectKinds();
+  for (const size_t count : {2, 3, 4, 8}) {
+    run.task.objects.names.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));
+    PickTaskSampler sampler(run);
+    std::map<std::string, std::vector<double>> distances, heights;
+    for (int episode = 0; episode < 24 * static_cast<int>(count); ++episode) {
+      Rng rng = StreamOf(episode);
+      const SampleRequest request{.episode = episode};
+      const std::string kind = sampler.ChooseKinds(request, rng).front();
+      const BasePlacement placement = sampler.ChooseBasePlacement(request, rng);
+      distances[kind].push_back(placement.distance);
+      heights[kind].push_back(placement.height);
+    }
+    ASSERT_EQ(distances.size(), count);
+    const auto& [near, far] = run.task.base_distance;
+    const auto& [low, high] = run.task.base_height_noise;
+    for (const auto& [kind, values] : distances) {
+      EXPECT_EQ(values.size(), 24u) << "kinds take turns";
+      EXPECT_GE(Span(values), 0.75 * (far - near)) << kind << " of " << count;
+      EXPECT_GE(Span(heights[kind]), 0.75 * (high - low)) << kind << " of " << count;
+    }
+  }
+}
+
 TEST(PickTaskSampler, StartsDiffer) {
   std::set<std::vector<double>> states;
   for (const EpisodeStart& start : DemoSamples().starts) states.insert(start.scene.state());
