@@ -258,6 +258,13 @@ void BindVerify(nb::module_& m) {
   nb::class_<VerifyReport>(m, "VerifyReport", "The state of a dataset on disk.")
       .def_ro("good", &VerifyReport::good)
       .def_ro("bad", &VerifyReport::bad)
+      .def_ro("unjudged", &VerifyReport::unjudged,
+              "Ids of episodes that cannot be judged here: no access, another format version, no "
+              "decoder. Repair leaves them alone.")
+      .def_ro("foreign", &VerifyReport::foreign,
+              "Things in intact episodes that do not belong there.")
+      .def_prop_ro("only_unreadable", &VerifyReport::only_unreadable,
+                   "Whether there are problems, and all of them are this machine's or version's.")
       .def_ro("problems", &VerifyReport::problems)
       .def_ro("leftovers", &VerifyReport::leftovers, "What a crash left behind.")
       .def_ro("being_written", &VerifyReport::being_written, "Episodes whose writer lives.")
@@ -289,8 +296,9 @@ void BindVerify(nb::module_& m) {
         return Repair(dataset, {.decode_videos = decode_videos, .progress = {}});
       },
       "dataset"_a, "decode_videos"_a = false, nb::call_guard<nb::gil_scoped_release>(),
-      "Moves damaged episodes, damaged models, a damaged dataset.json, and what a crash left "
-      "behind aside, into <dataset>/.quarantine. "
+      "Moves damaged episodes, foreign things in good ones, damaged models, a damaged "
+      "dataset.json, and what a crash left behind aside, into <dataset>/.quarantine. What cannot "
+      "be judged here stays. "
       "IoError names who is generating into the dataset.");
 }
 

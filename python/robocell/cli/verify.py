@@ -17,12 +17,13 @@ def verify(
         bool, typer.Option("--decode-videos", help="Also decode every frame (slow).")
     ] = False,
     repair: Annotated[
-        bool, typer.Option("--repair", help="Move damaged episodes into DATASET/.quarantine.")
+        bool, typer.Option("--repair", help="Move what is damaged into DATASET/.quarantine.")
     ] = False,
 ) -> None:
     """Check every file of a dataset and name what is damaged.
 
-    Exit code 1 when something is; with --repair when something still is afterwards.
+    Exit code 1 when something is; with --repair when something still is afterwards. 3 when all
+    that is wrong is that this machine or version cannot read something.
     """
     require_folder(dataset, "dataset")
     if repair:
@@ -38,4 +39,4 @@ def verify(
     report = robocell.verify(dataset, decode_videos=decode_videos)
     print(str(report).rstrip())
     if not report.ok:
-        raise typer.Exit(ExitCode.INCOMPLETE)
+        raise typer.Exit(ExitCode.OUTPUT if report.only_unreadable else ExitCode.INCOMPLETE)

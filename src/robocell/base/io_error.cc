@@ -35,8 +35,7 @@ void ThrowIoError(std::string_view action, const fs::path& path, int error,
                   std::optional<uint64_t> needed_bytes) {
   const std::string hint = Hint(path, error, needed_bytes);
   throw IoError(fmt::format("cannot {} '{}': {}{}{}", action, path.native(),
-                            std::generic_category().message(error), hint.empty() ? "" : ". ",
-                            hint),
+                            std::generic_category().message(error), hint.empty() ? "" : ". ", hint),
                 error);
 }
 

@@ -16,8 +16,9 @@ namespace robocell {
 
 inline constexpr std::chrono::seconds kMostApart{60};
 
-// The lines that `ask` gives (without line ends), in the child. Error with the text of what it threw,
-// or that it ended by a signal, or had not ended after `most`. IoError when no child can be started.
+// The lines that `ask` gives (without line ends), in the child. Error with the text of what it
+// threw, or that it ended by a signal, or had not ended after `most`. IoError when no child can be
+// started.
 std::vector<std::string> RunApart(const std::function<std::vector<std::string>()>& ask,
                                   std::chrono::seconds most = kMostApart);
 

@@ -27,8 +27,9 @@ EpisodeLook LookAtEpisode(const std::filesystem::path& folder);
 
 // Whether a folder is listed as an episode: it holds episode.json.
 bool IsCommitted(const std::filesystem::path& folder);
-// Whether a folder has an episode's name and is or was one, and not something that a user put there.
-// One that cannot be listed is taken for one: looking at it (LookAtEpisode, Verify) says why.
+// Whether a folder has an episode's name and is or was one, and not something that a user put
+// there. One that cannot be listed is taken for one: looking at it (LookAtEpisode, Verify) says
+// why.
 bool IsEpisodeFolder(const std::filesystem::path& folder);
 
 }  // namespace robocell

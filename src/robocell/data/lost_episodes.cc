@@ -23,7 +23,8 @@ void AddSuccesses(const fs::path& report, std::set<std::string>& ids) {
   try {
     const std::string text = ReadRealFile(report);
     if (JsonDamage(text)) return;
-    for (const json& episode : json::parse(text).at("episodes")) {
+    const json account = json::parse(text);
+    for (const json& episode : account.at("episodes")) {
       if (episode.at("success") == true) ids.insert(episode.at("id").get<std::string>());
     }
   } catch (const IoError&) {
@@ -31,8 +32,8 @@ void AddSuccesses(const fs::path& report, std::set<std::string>& ids) {
   }
 }
 
-// The id itself, one of the attempts at it that are kept side by side ("s0003_e0001_a02"), or either
-// with the number that the quarantine gives to a second one (".1").
+// The id itself, one of the attempts at it that are kept side by side ("s0003_e0001_a02"), or
+// either with the number that the quarantine gives to a second one (".1").
 bool IsOf(std::string_view id, std::string_view name) {
   if (!name.starts_with(id)) return false;
   name.remove_prefix(id.size());

@@ -5,8 +5,9 @@
 //   VerifyReport report = Verify("out/pick_v1");
 //   if (!report.ok()) std::cerr << report.Text();  // one line per problem: episode, file, reason
 //
-// What an error of the system, another format version or a missing decoder says is nothing about what
-// was written: such episodes are told and left alone. See episode_check.h for what is asked of each.
+// What an error of the system, another format version or a missing decoder says is nothing about
+// what was written: such episodes are told and left alone. See episode_check.h for what is asked of
+// each.
 #pragma once
 
 #include <filesystem>
@@ -49,8 +50,8 @@ struct VerifyOptions {
 };
 
 // ArgumentError for a folder that is no dataset: neither a dataset.json nor an episode, and nothing
-// that either leaves behind. IoError if it cannot be listed, or videos shall be decoded and no ffmpeg
-// is there.
+// that either leaves behind. IoError if it cannot be listed, or videos shall be decoded and no
+// ffmpeg is there.
 VerifyReport Verify(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 struct RepairResult {
@@ -59,10 +60,10 @@ struct RepairResult {
   std::vector<std::string> moved;  // what now lies in <dataset>/.quarantine, by its new name
 };
 
-// Moves bad episodes, foreign things in good ones, damaged models, a damaged dataset.json or report,
-// and leftovers that nobody is writing, into <dataset>/.quarantine; writes the list of files of a
-// model anew that lost it. Nothing is deleted, and what cannot be judged stays where it is. Holds the
-// dataset's lock (dataset_lock.h): IoError names who is generating into it.
+// Moves bad episodes, foreign things in good ones, damaged models, a damaged dataset.json or
+// report, and leftovers that nobody is writing, into <dataset>/.quarantine; writes the list of
+// files of a model anew that lost it. Nothing is deleted, and what cannot be judged stays where it
+// is. Holds the dataset's lock (dataset_lock.h): IoError names who is generating into it.
 RepairResult Repair(const std::filesystem::path& dataset, const VerifyOptions& options = {});
 
 }  // namespace robocell

@@ -156,17 +156,18 @@ TEST_F(RecordedSceneTest, VerifyNamesModelsThatAreDamagedOrMissing) {
   const RunConfig run = OwnRun(machine);
   const Episode episode = Record(run);
   const fs::path dataset = machine / "out", stored = dataset / episode.models().begin()->second;
-  const std::string folder = fs::path("models") / stored.parent_path().filename();
+  const fs::path folder = fs::path("models") / stored.parent_path().filename();
   AtomicWrite(stored, ReadFile(stored) + " ");
   const RepairResult repaired = Repair(dataset);
   ASSERT_EQ(repaired.found.problems.size(), 1u) << repaired.found.Text();
   EXPECT_EQ(repaired.found.problems[0].Text(),
-            folder + "/rc7.xml: its bytes are not what was stored: the hash does not fit");
+            (folder / stored.filename()).string() +
+                ": its bytes are not what was stored: the hash does not fit");
   EXPECT_THAT(repaired.found.good, ElementsAre("s0000_e0000"));
   EXPECT_THAT(repaired.moved, ElementsAre(stored.parent_path().filename().string()));
   ASSERT_EQ(repaired.remaining.size(), 1u);
   EXPECT_EQ(repaired.remaining[0].Text(),
-            folder +
+            folder.string() +
                 ": it is missing; 1 episode can be read, not replayed. `robocell generate` with "
                 "the run's file stores it again");
   PrepareDataset(run);

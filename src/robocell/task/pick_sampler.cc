@@ -21,8 +21,10 @@
 namespace robocell {
 namespace {
 
-constexpr int kArrangements = 24;  // of objects and base around each other
-constexpr int kPlaceTries = 60;    // of objects, until a base pose is clear of the support
+// Of objects and base around each other. Where none of a few fits hardly one of many does: the next
+// attempt moves on from there.
+constexpr int kArrangements = 8;
+constexpr int kPlaceTries = 60;  // of objects, until a base pose is clear of the support
 constexpr int kMostDistractors = 2;
 constexpr size_t kMostSupports = 64;       // that are remembered
 constexpr double kBaseClearance = 0.01;    // metres between the robot and everything else
@@ -86,8 +88,8 @@ Support PickTaskSampler::SupportOf(const SceneSpec& base) {
   return supports_[key] = FindSupport(base);
 }
 
-// Every kind once in each cycle, in an order drawn anew: base placements take turns too, and with one
-// order for all cycles each kind would only ever be seen from its own part of the range.
+// Every kind once in each cycle, in an order drawn anew: base placements take turns too, and with
+// one order for all cycles each kind would only ever be seen from its own part of the range.
 std::string PickTaskSampler::KindOfTurn(std::vector<std::string> kinds, uint64_t turn) const {
   const uint64_t cycle = turn / kinds.size();
   Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "kinds of a cycle", cycle);
