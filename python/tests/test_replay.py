@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import shutil
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import pytest
 
 import robocell
 from command_line import refused, robocell_command, write_run
+from robocell import _core
 
 IDS = ["s0000_e0000", "s0000_e0001"]
 QPOS = "robots/rc7/arm/qpos"
@@ -28,8 +31,13 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def changed(dataset: Path, tmp_path: Path) -> Path:
     """A copy in which joint 2 of the second episode is a microradian off in row 9."""
     copy = shutil.copytree(dataset, tmp_path / "copy")
-    with h5py.File(copy / IDS[1] / "steps.h5", "r+") as steps:
-        steps[QPOS][9, 1] += 1e-6
+    steps, description = copy / IDS[1] / "steps.h5", copy / IDS[1] / "episode.json"
+    with h5py.File(steps, "r+") as file:
+        file[QPOS][9, 1] += 1e-6
+    content = json.loads(description.read_text())
+    content["files"]["steps.h5"]["sha256"] = hashlib.sha256(steps.read_bytes()).hexdigest()
+    content["run"]["json_sha256"] = "0" * 64
+    description.write_text(_core.sign_json(json.dumps(content, indent=2)))
     return copy
 
 

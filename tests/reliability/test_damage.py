@@ -18,6 +18,7 @@ import robocell
 OF_AN_EPISODE = ["steps.h5", "wrist.mp4", "wrist.depth.mov", "episode.json"]
 OF_THE_DATASET = ["dataset.json", "report.json"]
 OF_A_MODEL = ["models/rc7-*/rc7.xml", "models/rc7-*/SHA256SUMS"]
+MOVED_ALONE = [*OF_THE_DATASET, OF_A_MODEL[1]]  # a model's list is written again
 FEW = 3  # episodes are enough to damage one of them
 EVERY = [*OF_AN_EPISODE, *OF_THE_DATASET, *OF_A_MODEL]
 
@@ -45,26 +46,29 @@ class Victim:
         dataset: The copy.
         file: The one.
         name: How `verify` calls it.
-        part: What `repair` moves because of it: the episode, the model, or the file.
+        part: What `repair` moves because of it: the episode, the model, or the file itself.
         others: The episodes that have nothing to do with it.
     """
 
     def __init__(self, calm: Storm, folder: Path, kind: str) -> None:
         self._calm = calm
+        self._kind = kind
         self.dataset = folder / "out"
         self.fresh()
         ids = robocell.Dataset(self.dataset).ids
         episode = ids[1] if kind in OF_AN_EPISODE else None
         self.file = next(self.dataset.glob(f"{episode}/{kind}" if episode else kind))
         self.name = str(self.file.relative_to(self.dataset))
-        self.part = self.name if kind in OF_THE_DATASET else self.file.parent.name
+        self.part = self.file.name if kind in MOVED_ALONE else self.file.parent.name
         self.others = [name for name in ids if name != episode]
 
     def fresh(self) -> None:
         """Everything is as it was."""
         shutil.rmtree(self.dataset, ignore_errors=True)
-        rest = shutil.ignore_patterns(*robocell.Dataset(self._calm.dataset).ids[FEW:])
-        shutil.copytree(self._calm.dataset, self.dataset, ignore=rest)
+        rest = robocell.Dataset(self._calm.dataset).ids[FEW:]
+        if self._kind != "report.json":
+            rest.append("report.json")  # it knows of all of them
+        shutil.copytree(self._calm.dataset, self.dataset, ignore=shutil.ignore_patterns(*rest))
 
 
 def require_named_and_set_aside(victim: Victim, where: str) -> None:

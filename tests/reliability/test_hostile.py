@@ -98,6 +98,12 @@ def change(dataset: Path, edit: Callable[[dict[str, Any]], object]) -> None:
     path.write_text(text.replace("0" * 64, hashlib.sha256(text.encode()).hexdigest()))
 
 
+def facts(file: Path) -> dict[str, Any]:
+    """What an episode's description says of a file."""
+    content = file.read_bytes()
+    return {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
+
+
 def test_a_curious_name_is_only_a_name(curious: Path):
     assert robocell.verify(curious, decode_videos=True).ok
     assert robocell.Dataset(curious)[ID].frames("wrist").shape[1:] == (24, 32, 3)
@@ -166,7 +172,7 @@ def test_arrays_that_live_in_other_files_are_not_read(stranger: Path):
     with h5py.File(steps, "r+") as file:
         file["linked"] = h5py.ExternalLink(str(secret), "numbers")
         file["soft"] = h5py.SoftLink("/time")
-    change(stranger, lambda c: c["files"]["steps.h5"].update(bytes=steps.stat().st_size))
+    change(stranger, lambda c: c["files"]["steps.h5"].update(facts(steps)))
     episode = robocell.Dataset(stranger)[ID]
     assert {"linked", "soft"}.isdisjoint(episode.columns)
     with pytest.raises(robocell.NotFoundError, match="no column 'linked'"):
@@ -193,7 +199,7 @@ def test_arrays_whose_numbers_are_in_other_files_are_refused(
     steps = stranger / ID / "steps.h5"
     with h5py.File(steps, "r+") as file:
         put(file, secret)
-    change(stranger, lambda c: c["files"]["steps.h5"].update(bytes=steps.stat().st_size))
+    change(stranger, lambda c: c["files"]["steps.h5"].update(facts(steps)))
     message = "array stolen, its numbers are kept in other files"
     with pytest.raises(robocell.IoError, match=message):
         robocell.Dataset(stranger)[ID]["time"]

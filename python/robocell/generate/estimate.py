@@ -8,7 +8,7 @@ import subprocess
 import tempfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -64,7 +64,8 @@ class Estimate:
 
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""
-        return asdict(self)
+        # asdict makes pairs of a Counter's keys and values.
+        return asdict(replace(self, reasons=Counter())) | {"reasons": dict(self.reasons)}
 
     def rows_of_text(self) -> dict[str, str]:
         """Label -> text, in order."""

@@ -12,7 +12,6 @@
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
-#include "robocell/data/quarantine.h"
 #include "robocell/data/work_folder.h"
 
 namespace robocell {
@@ -140,10 +139,8 @@ bool HasModelList(const fs::path& dataset, const std::string& path) {
 }
 
 void WriteModelList(const fs::path& dataset, const std::string& path) {
-  const std::string folder = StoredModelFolder(path);
-  const fs::path list = dataset / folder / kModelListFile;
-  if (WhatIsAt(list) != "nothing") Quarantine(dataset, folder + "/" + std::string(kModelListFile));
-  AtomicWrite(list, TextOf(SumsOfModel(dataset / folder)));
+  const fs::path folder = dataset / StoredModelFolder(path);
+  AtomicWrite(folder / kModelListFile, TextOf(SumsOfModel(folder)));
 }
 
 std::vector<std::string> StoredModels(const fs::path& dataset) {

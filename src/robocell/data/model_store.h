@@ -40,7 +40,7 @@ std::map<std::string, std::string> DamageOfStoredModel(const std::filesystem::pa
 // Whether the list of a stored model, which has a path or folder as above, is there and whole.
 bool HasModelList(const std::filesystem::path& dataset, const std::string& path);
 
-// Writes the list of an undamaged model that has none; a damaged one is set aside. IoError.
+// Writes the list of an undamaged model that has none. IoError.
 void WriteModelList(const std::filesystem::path& dataset, const std::string& path);
 
 // The folders of models in the dataset: "models/rc7-0123456789abcdef", sorted.

@@ -212,7 +212,11 @@ RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
       result.moved.push_back(Quarantine(dataset, name));
     }
   }
-  for (const std::string& model : found.unlisted) WriteModelList(dataset, model);
+  for (const std::string& model : found.unlisted) {
+    const std::string list = model + "/" + std::string(kModelListFile);
+    if (WhatIsAt(dataset / list) != "nothing") result.moved.push_back(Quarantine(dataset, list));
+    WriteModelList(dataset, model);
+  }
   FsyncDirectory(dataset);
   VerifyReport after{.good = found.good};
   CheckManifest(dataset, after);
