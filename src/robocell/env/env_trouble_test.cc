@@ -9,6 +9,7 @@
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/menagerie.h"
 
 namespace robocell {
 namespace {
@@ -54,6 +55,7 @@ class EnvTrouble : public ::testing::Test {
 };
 
 TEST_F(EnvTrouble, AHingeWithoutLimitsTurnsForEverAndIsObservedInItsRange) {
+  REQUIRE_MENAGERIE("kinova_gen3");
   EnvConfig config{.control_mode = ControlMode::kCartesianTquat};
   config.robots["robot"] = Gen3WithTool();
   config.sim.max_convergence_time = 0.02;
