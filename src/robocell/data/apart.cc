@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstring>
 #include <exception>
+#include <new>
 
 #include "robocell/base/error.h"
 #include "robocell/data/hdf5.h"
@@ -33,6 +34,8 @@ void Answer(int pipe, const std::function<std::vector<std::string>()>& ask) {
     const int code = error.system_error();
     text = code == 0 ? std::string(1, kThrew) : std::string{kSystem, static_cast<char>(code)};
     text += error.what();
+  } catch (const std::bad_alloc&) {
+    text = std::string{kSystem, ENOMEM} + "there is not enough memory to read it";
   } catch (const std::exception& error) {
     text = kThrew + std::string(error.what());
   }
@@ -79,6 +82,16 @@ std::vector<std::string> Lines(std::string_view text) {
   return lines;
 }
 
+// What a process does to itself is an answer; what others do to it (a kill, as of a machine without
+// memory) says nothing of what it read.
+[[noreturn]] void ThrowEnded(int signal) {
+  const bool own = signal == SIGSEGV || signal == SIGBUS || signal == SIGABRT || signal == SIGFPE ||
+                   signal == SIGILL;
+  const std::string text = fmt::format("reading it ends the process ({})", ::strsignal(signal));
+  if (own) throw Error(text);
+  throw IoError(text, EINTR);
+}
+
 }  // namespace
 
 std::vector<std::string> RunApart(const std::function<std::vector<std::string>()>& ask,
@@ -99,9 +112,9 @@ std::vector<std::string> RunApart(const std::function<std::vector<std::string>()
   ::close(ends[0]);
   if (!ended) ::kill(child, SIGKILL);
   const int status = WaitFor(child);
-  if (!ended) throw Error(fmt::format("reading it had not ended after {} s", most.count()));
-  if (WIFSIGNALED(status))
-    throw Error(fmt::format("reading it ends the process ({})", ::strsignal(WTERMSIG(status))));
+  if (!ended)
+    throw IoError(fmt::format("reading it had not ended after {} s", most.count()), ETIMEDOUT);
+  if (WIFSIGNALED(status)) ThrowEnded(WTERMSIG(status));
   if (text.size() > 2 && text[0] == kSystem)
     throw IoError(text.substr(2), static_cast<unsigned char>(text[1]));
   if (text.empty() || text[0] != kAnswered) throw Error(text.substr(text.empty() ? 0 : 1));

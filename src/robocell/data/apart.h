@@ -17,8 +17,8 @@ namespace robocell {
 inline constexpr std::chrono::seconds kMostApart{60};
 
 // The lines that `ask` gives (without line ends), in the child. Error with the text of what it
-// threw, or that it ended by a signal, or had not ended after `most`. IoError when no child can be
-// started.
+// threw, or that it crashed. IoError with the system's error when it threw such a one, ran out of
+// memory, was killed by others or had not ended after `most`, or no child can be started.
 std::vector<std::string> RunApart(const std::function<std::vector<std::string>()>& ask,
                                   std::chrono::seconds most = kMostApart);
 

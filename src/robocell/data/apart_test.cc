@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <new>
 
 #include "robocell/base/error.h"
 #include "robocell/testing/expect_throw.h"
@@ -57,12 +58,32 @@ TEST(Apart, ACrashIsAnAnswer) {
   ExpectThrow<Error>([&] { RunApart(crash); }, "reading it ends the process (Segmentation fault)");
 }
 
-TEST(Apart, WhatDoesNotEndIsEnded) {
+// The errno of the IoError; 0 when there is none.
+int SystemError(const std::function<std::vector<std::string>()>& ask, const std::string& text) {
+  try {
+    RunApart(ask, std::chrono::seconds(1));
+  } catch (const IoError& error) {
+    EXPECT_EQ(error.what(), text);
+    return error.system_error();
+  }
+  ADD_FAILURE() << "no IoError";
+  return 0;
+}
+
+// Nothing that is said of what was read: an overloaded machine, one without memory.
+TEST(Apart, WhatDoesNotEndOrIsEndedByOthersIsTheSystems) {
   const auto wait = []() -> std::vector<std::string> {
     pause();
     return {};
   };
-  ExpectThrow<Error>([&] { RunApart(wait, std::chrono::seconds(1)); }, "had not ended after 1 s");
+  EXPECT_EQ(SystemError(wait, "reading it had not ended after 1 s"), ETIMEDOUT);
+  const auto killed = []() -> std::vector<std::string> {
+    raise(SIGKILL);
+    return {};
+  };
+  EXPECT_EQ(SystemError(killed, "reading it ends the process (Killed)"), EINTR);
+  const auto memory = []() -> std::vector<std::string> { throw std::bad_alloc(); };
+  EXPECT_EQ(SystemError(memory, "there is not enough memory to read it"), ENOMEM);
 }
 
 }  // namespace
