@@ -1,7 +1,7 @@
 #include "robocell/data/apart.h"
 
-#include <fcntl.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <fmt/format.h>
@@ -9,9 +9,11 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdint>
 #include <cstring>
 #include <exception>
 #include <new>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/data/hdf5.h"
@@ -25,51 +27,73 @@ constexpr char kAnswered = 'A';
 constexpr char kThrew = 'T';
 constexpr char kSystem = 'S';  // an error of the system; its errno follows as one character
 
-// Never returns.
-void Answer(int pipe, const std::function<std::vector<std::string>()>& ask) {
+// A message is its length and its bytes. False when the other end is gone.
+bool Send(int socket, std::string_view text) {
+  const uint64_t size = text.size();
+  std::string message(reinterpret_cast<const char*>(&size), sizeof size);
+  message += text;
+  for (size_t at = 0; at < message.size();) {
+    const ssize_t count = ::send(socket, message.data() + at, message.size() - at, MSG_NOSIGNAL);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    at += static_cast<size_t>(count);
+  }
+  return true;
+}
+
+// False when the other end is gone before.
+bool ReceiveBytes(int socket, char* to, size_t size) {
+  while (size > 0) {
+    const ssize_t count = ::recv(socket, to, size, 0);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    to += count;
+    size -= static_cast<size_t>(count);
+  }
+  return true;
+}
+
+bool Receive(int socket, std::string& text) {
+  uint64_t size = 0;
+  if (!ReceiveBytes(socket, reinterpret_cast<char*>(&size), sizeof size)) return false;
+  text.resize(size);
+  return ReceiveBytes(socket, text.data(), size);
+}
+
+std::string TextOf(const ApartReader::Answer& answer, const std::string& question) {
   std::string text(1, kAnswered);
   try {
-    for (const std::string& line : ask()) text += line + '\n';
+    for (const std::string& line : answer(question)) text += line + '\n';
+    return text;
   } catch (const IoError& error) {
     const int code = error.system_error();
     text = code == 0 ? std::string(1, kThrew) : std::string{kSystem, static_cast<char>(code)};
-    text += error.what();
+    return text + error.what();
   } catch (const std::bad_alloc&) {
-    text = std::string{kSystem, ENOMEM} + "there is not enough memory to read it";
+    return std::string{kSystem, ENOMEM} + "there is not enough memory to read it";
   } catch (const std::exception& error) {
-    text = kThrew + std::string(error.what());
+    return kThrew + std::string(error.what());
   }
-  for (size_t at = 0; at < text.size();) {
-    const ssize_t count = ::write(pipe, text.data() + at, text.size() - at);
-    if (count < 0 && errno == EINTR) continue;
-    if (count < 0) break;
-    at += static_cast<size_t>(count);
+}
+
+// The child's life: until nobody asks any more.
+[[noreturn]] void Serve(int socket, const ApartReader::Answer& answer) {
+  std::string question;
+  while (Receive(socket, question) && Send(socket, TextOf(answer, question))) {
   }
   ::_exit(0);  // nothing of this process is its own to close
 }
 
-// Until the other end closes; false when that takes too long.
-bool ReadAll(int pipe, Clock::time_point until, std::string& text) {
-  std::array<char, 4096> block{};
+// False when nothing came until then.
+bool SomethingComes(int socket, Clock::time_point until) {
   while (true) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(until - Clock::now()).count();
-    pollfd ready{.fd = pipe, .events = POLLIN, .revents = 0};
+    pollfd ready{.fd = socket, .events = POLLIN, .revents = 0};
     const int found = left > 0 ? ::poll(&ready, 1, static_cast<int>(left)) : 0;
     if (found < 0 && errno == EINTR) continue;
-    if (found <= 0) return false;
-    const ssize_t count = ::read(pipe, block.data(), block.size());
-    if (count < 0 && errno == EINTR) continue;
-    if (count <= 0) return true;
-    text.append(block.data(), static_cast<size_t>(count));
+    return found > 0;
   }
-}
-
-int WaitFor(pid_t child) {
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return status;
 }
 
 std::vector<std::string> Lines(std::string_view text) {
@@ -84,7 +108,9 @@ std::vector<std::string> Lines(std::string_view text) {
 
 // What a process does to itself is an answer; what others do to it (a kill, as of a machine without
 // memory) says nothing of what it read.
-[[noreturn]] void ThrowEnded(int signal) {
+[[noreturn]] void ThrowEnded(int status) {
+  if (!WIFSIGNALED(status)) throw Error("reading it ends the process");
+  const int signal = WTERMSIG(status);
   const bool own = signal == SIGSEGV || signal == SIGBUS || signal == SIGABRT || signal == SIGFPE ||
                    signal == SIGILL;
   const std::string text = fmt::format("reading it ends the process ({})", ::strsignal(signal));
@@ -92,33 +118,74 @@ std::vector<std::string> Lines(std::string_view text) {
   throw IoError(text, EINTR);
 }
 
+std::vector<std::string> LinesOrThrow(const std::string& text) {
+  if (text.size() > 2 && text[0] == kSystem)
+    throw IoError(text.substr(2), static_cast<unsigned char>(text[1]));
+  if (text.empty() || text[0] != kAnswered) throw Error(text.substr(text.empty() ? 0 : 1));
+  return Lines(std::string_view(text).substr(1));
+}
+
 }  // namespace
 
-std::vector<std::string> RunApart(const std::function<std::vector<std::string>()>& ask,
-                                  std::chrono::seconds most) {
+ApartReader::ApartReader(Answer answer, std::chrono::seconds most)
+    : answer_(std::move(answer)), most_(most) {}
+
+ApartReader::~ApartReader() {
+  if (child_ > 0) End();
+}
+
+void ApartReader::Start() {
   std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0)
+  if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw IoError(fmt::format("cannot make a pipe: {}", std::strerror(errno)), errno);
   const pid_t child = hdf5::Fork();
-  if (child == 0) Answer(ends[1], ask);
   const int error = errno;
+  if (child == 0) {
+    ::close(ends[0]);
+    Serve(ends[1], answer_);
+  }
   ::close(ends[1]);
   if (child < 0) {
     ::close(ends[0]);
     throw IoError(fmt::format("cannot start a process: {}", std::strerror(error)), error);
   }
+  socket_ = ends[0];
+  child_ = child;
+}
+
+int ApartReader::End() {
+  // Not close alone: a child that another thread forked meanwhile has a copy of this end.
+  ::shutdown(socket_, SHUT_RDWR);
+  ::close(std::exchange(socket_, -1));
+  int status = 0;
+  while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+  }
+  child_ = -1;
+  return status;
+}
+
+ApartReader::Reply ApartReader::Exchange(std::string_view question, std::string& text) const {
+  if (!Send(socket_, question)) return Reply::kEnded;
+  if (!SomethingComes(socket_, Clock::now() + most_)) return Reply::kLate;
+  return Receive(socket_, text) ? Reply::kWhole : Reply::kEnded;
+}
+
+std::vector<std::string> ApartReader::Ask(const std::string& question) {
+  bool fresh = child_ < 0;
+  if (fresh) Start();
   std::string text;
-  const bool ended = ReadAll(ends[0], Clock::now() + most, text);
-  ::close(ends[0]);
-  if (!ended) ::kill(child, SIGKILL);
-  const int status = WaitFor(child);
-  if (!ended)
-    throw IoError(fmt::format("reading it had not ended after {} s", most.count()), ETIMEDOUT);
-  if (WIFSIGNALED(status)) ThrowEnded(WTERMSIG(status));
-  if (text.size() > 2 && text[0] == kSystem)
-    throw IoError(text.substr(2), static_cast<unsigned char>(text[1]));
-  if (text.empty() || text[0] != kAnswered) throw Error(text.substr(text.empty() ? 0 : 1));
-  return Lines(std::string_view(text).substr(1));
+  Reply reply = Exchange(question, text);
+  if (reply == Reply::kEnded && !fresh) {
+    // What was read before may have hurt it: nobody answers for another's crash.
+    End();
+    Start();
+    reply = Exchange(question, text);
+  }
+  if (reply == Reply::kWhole) return LinesOrThrow(text);
+  if (reply == Reply::kLate) ::kill(child_, SIGKILL);
+  const int status = End();
+  if (reply == Reply::kEnded) ThrowEnded(status);
+  throw IoError(fmt::format("reading it had not ended after {} s", most_.count()), ETIMEDOUT);
 }
 
 }  // namespace robocell

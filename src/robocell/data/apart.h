@@ -1,25 +1,53 @@
-// Asks a library that may not survive what it is given: the question runs in a child process, and
-// a crash there is an answer. For files of strangers; ours were read back by their hash.
+// Asks a library that may not survive what it is given: the questions are answered by a child
+// process, and a crash there is an answer. For files of strangers; ours were read back by their
+// hash.
 //
-//   const std::vector<std::string> lines = RunApart([&] { return ProblemsIn(file); });
+//   ApartReader reader([](const std::string& file) { return ProblemsIn(file); });
+//   for (const std::string& file : files) Tell(file, reader.Ask(file));
 //
-// The child is a fork of this thread alone: the question may open files and allocate, and must not
-// touch Python, the engine, GL or other threads.
+// The child is a fork of the asking thread alone, made for the first question and again after one
+// that ended it: a fork of a large process takes tens of milliseconds. What answers may open files
+// and allocate, and must not touch Python, the engine, GL or other threads.
 #pragma once
 
+#include <sys/types.h>
 #include <chrono>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace robocell {
 
 inline constexpr std::chrono::seconds kMostApart{60};
 
-// The lines that `ask` gives (without line ends), in the child. Error with the text of what it
-// threw, or that it crashed. IoError with the system's error when it threw such a one, ran out of
-// memory, was killed by others or had not ended after `most`, or no child can be started.
-std::vector<std::string> RunApart(const std::function<std::vector<std::string>()>& ask,
-                                  std::chrono::seconds most = kMostApart);
+// One thread at a time.
+class ApartReader {
+ public:
+  // Lines, without line ends.
+  using Answer = std::function<std::vector<std::string>(const std::string& question)>;
+
+  explicit ApartReader(Answer answer, std::chrono::seconds most = kMostApart);
+  ~ApartReader();
+  ApartReader(const ApartReader&) = delete;
+  ApartReader& operator=(const ApartReader&) = delete;
+
+  // What the child answers. Error with the text of what it threw, or that it crashed. IoError with
+  // the system's error when it threw such a one, ran out of memory, was killed by others or had not
+  // ended after `most`, or no child can be started.
+  std::vector<std::string> Ask(const std::string& question);
+
+ private:
+  enum class Reply { kWhole, kLate, kEnded };
+
+  void Start();
+  int End();  // the child's status as of waitpid
+  Reply Exchange(std::string_view question, std::string& text) const;
+
+  Answer answer_;
+  std::chrono::seconds most_;
+  int socket_ = -1;
+  pid_t child_ = -1;
+};
 
 }  // namespace robocell

@@ -6,7 +6,10 @@
 
 #include <cerrno>
 #include <csignal>
+#include <functional>
 #include <new>
+#include <string>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/testing/expect_throw.h"
@@ -17,51 +20,87 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
+using Lines = std::vector<std::string>;
+
 TEST(Apart, GivesTheLinesOfAChild) {
   const pid_t here = getpid();
   bool changed = false;
-  EXPECT_THAT(RunApart([&] {
-                changed = true;
-                return std::vector<std::string>{getpid() == here ? "here" : "elsewhere", "two"};
-              }),
-              ElementsAre("elsewhere", "two"));
+  ApartReader reader([&](const std::string& question) {
+    changed = true;
+    return Lines{getpid() == here ? "here" : "elsewhere", question};
+  });
+  EXPECT_THAT(reader.Ask("two"), ElementsAre("elsewhere", "two"));
   EXPECT_FALSE(changed) << "memory is not shared";
-  EXPECT_THAT(RunApart([] { return std::vector<std::string>(); }), IsEmpty());
+  EXPECT_THAT(ApartReader([](const std::string&) { return Lines(); }).Ask(""), IsEmpty());
 }
 
-TEST(Apart, LongAnswersComeWhole) {
+TEST(Apart, OneChildAnswersManyQuestions) {
+  int count = 0;
+  ApartReader reader([&](const std::string&) { return Lines{std::to_string(++count)}; });
+  EXPECT_THAT(reader.Ask(""), ElementsAre("1"));
+  EXPECT_THAT(reader.Ask(""), ElementsAre("2"));
+}
+
+TEST(Apart, LongQuestionsAndAnswersComeWhole) {
   const std::string line(1 << 20, 'x');
-  EXPECT_THAT(RunApart([&] {
-                return std::vector<std::string>{line, line};
-              }),
-              ElementsAre(line, line));
+  ApartReader reader([](const std::string& question) { return Lines{question, question}; });
+  EXPECT_THAT(reader.Ask(line), ElementsAre(line, line));
 }
 
 TEST(Apart, WhatIsThrownThereIsThrownHere) {
-  ExpectThrow<Error>([] { RunApart([]() -> std::vector<std::string> { throw Error("no rows"); }); },
-                     "no rows");
+  ApartReader reader([](const std::string& question) -> Lines {
+    if (question == "closed") throw IoError("cannot read", EACCES);
+    if (question == "empty") throw Error("no rows");
+    return {};
+  });
+  ExpectThrow<Error>([&] { reader.Ask("empty"); }, "no rows");
   try {
-    RunApart([]() -> std::vector<std::string> { throw IoError("cannot read", EACCES); });
+    reader.Ask("closed");
     FAIL() << "nothing was thrown";
   } catch (const IoError& error) {
     EXPECT_EQ(error.system_error(), EACCES);
     EXPECT_STREQ(error.what(), "cannot read");
   }
+  EXPECT_THAT(reader.Ask("whole"), IsEmpty());
 }
 
-TEST(Apart, ACrashIsAnAnswer) {
-  const auto crash = []() -> std::vector<std::string> {
-    std::signal(SIGSEGV, SIG_DFL);  // sanitizers take it otherwise
-    raise(SIGSEGV);
-    return {};
-  };
-  ExpectThrow<Error>([&] { RunApart(crash); }, "reading it ends the process (Segmentation fault)");
+void Crash() {
+  std::signal(SIGSEGV, SIG_DFL);  // sanitizers take it otherwise
+  raise(SIGSEGV);
+}
+
+TEST(Apart, ACrashIsAnAnswerAndTheNextQuestionGetsItsOwn) {
+  ApartReader reader([](const std::string& question) {
+    if (question == "bad") Crash();
+    return Lines{question};
+  });
+  EXPECT_THAT(reader.Ask("good"), ElementsAre("good"));
+  ExpectThrow<Error>([&] { reader.Ask("bad"); },
+                     "reading it ends the process (Segmentation fault)");
+  EXPECT_THAT(reader.Ask("good"), ElementsAre("good"));
+}
+
+TEST(Apart, NobodyAnswersForWhatAnotherBroke) {
+  bool broken = false;
+  ApartReader reader([&](const std::string& question) {
+    if (broken) Crash();
+    broken = question == "sly";  // it crashes at whatever is read next
+    return Lines{question};
+  });
+  EXPECT_THAT(reader.Ask("sly"), ElementsAre("sly"));
+  EXPECT_THAT(reader.Ask("good"), ElementsAre("good"));
 }
 
 // The errno of the IoError; 0 when there is none.
-int SystemError(const std::function<std::vector<std::string>()>& ask, const std::string& text) {
+int SystemError(const std::function<void()>& end, const std::string& text) {
+  ApartReader reader(
+      [&](const std::string&) {
+        end();
+        return Lines();
+      },
+      std::chrono::seconds(1));
   try {
-    RunApart(ask, std::chrono::seconds(1));
+    reader.Ask("");
   } catch (const IoError& error) {
     EXPECT_EQ(error.what(), text);
     return error.system_error();
@@ -72,18 +111,10 @@ int SystemError(const std::function<std::vector<std::string>()>& ask, const std:
 
 // Nothing that is said of what was read: an overloaded machine, one without memory.
 TEST(Apart, WhatDoesNotEndOrIsEndedByOthersIsTheSystems) {
-  const auto wait = []() -> std::vector<std::string> {
-    pause();
-    return {};
-  };
-  EXPECT_EQ(SystemError(wait, "reading it had not ended after 1 s"), ETIMEDOUT);
-  const auto killed = []() -> std::vector<std::string> {
-    raise(SIGKILL);
-    return {};
-  };
-  EXPECT_EQ(SystemError(killed, "reading it ends the process (Killed)"), EINTR);
-  const auto memory = []() -> std::vector<std::string> { throw std::bad_alloc(); };
-  EXPECT_EQ(SystemError(memory, "there is not enough memory to read it"), ENOMEM);
+  EXPECT_EQ(SystemError([] { pause(); }, "reading it had not ended after 1 s"), ETIMEDOUT);
+  EXPECT_EQ(SystemError([] { raise(SIGKILL); }, "reading it ends the process (Killed)"), EINTR);
+  EXPECT_EQ(SystemError([] { throw std::bad_alloc(); }, "there is not enough memory to read it"),
+            ENOMEM);
 }
 
 }  // namespace

@@ -52,7 +52,8 @@ void Decode(VideoReader video) {
 
 class EpisodeCheck {
  public:
-  EpisodeCheck(fs::path folder, bool decode) : folder_(std::move(folder)), decode_(decode) {}
+  EpisodeCheck(fs::path folder, bool decode, ApartReader& columns)
+      : folder_(std::move(folder)), decode_(decode), columns_(columns) {}
 
   std::vector<VerifyProblem> Run() {
     try {
@@ -149,7 +150,7 @@ class EpisodeCheck {
 
   void CheckContents() {
     try {
-      for (const std::string& reason : RunApart([&] { return ColumnsOfWrongLength(folder_); }))
+      for (const std::string& reason : columns_.Ask(folder_.string()))
         Report(std::string(kStepsFile), reason);
     } catch (const Error& error) {
       return Report(std::string(kStepsFile), error.what(), KindOf(error));
@@ -194,14 +195,19 @@ class EpisodeCheck {
 
   fs::path folder_;
   bool decode_;
+  ApartReader& columns_;
   Json description_;
   std::vector<VerifyProblem> problems_;
 };
 
 }  // namespace
 
-std::vector<VerifyProblem> CheckEpisode(const fs::path& folder, bool decode) {
-  return EpisodeCheck(folder, decode).Run();
+EpisodeChecker::EpisodeChecker(bool decode)
+    : decode_(decode),
+      columns_([](const std::string& folder) { return ColumnsOfWrongLength(folder); }) {}
+
+std::vector<VerifyProblem> EpisodeChecker::Check(const fs::path& folder) {
+  return EpisodeCheck(folder, decode_, columns_).Run();
 }
 
 }  // namespace robocell

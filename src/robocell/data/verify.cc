@@ -187,8 +187,9 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
   for (const std::string& name : UnfinishedIn(dataset))
     (IsBeingWritten(dataset / name) ? report.being_written : report.leftovers).push_back(name);
   report.has_manifest = fs::exists(dataset / kManifestFile);
+  EpisodeChecker checker(options.decode_videos);
   for (size_t i = 0; i < episodes.size(); ++i) {
-    AddEpisode(episodes[i], CheckEpisode(dataset / episodes[i], options.decode_videos), report);
+    AddEpisode(episodes[i], checker.Check(dataset / episodes[i]), report);
     if (options.progress) options.progress(i + 1, episodes.size());
   }
   CheckManifest(dataset, report);

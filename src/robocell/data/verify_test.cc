@@ -84,7 +84,7 @@ TEST_F(VerifyTest, AFlippedBitIsFoundAnywhereInEveryFile) {
       const size_t at = whole.size() * part / 25;
       flipped[at] ^= static_cast<char>(1 << part % 8);
       Store(B(file), flipped);
-      const std::vector<VerifyProblem> problems = CheckEpisode(folder_ / "b", false);
+      const std::vector<VerifyProblem> problems = EpisodeChecker(false).Check(folder_ / "b");
       ASSERT_EQ(problems.size(), 1u) << file << " byte " << at;
       EXPECT_EQ(problems[0].file, file);
       EXPECT_THAT(problems[0].reason, HasSubstr("hash does not fit"));
@@ -99,7 +99,7 @@ TEST_F(VerifyTest, ATruncatedFileIsFoundAtEveryLength) {
     const std::string whole = ReadFile(B(file));
     for (int part = 0; part < 20; ++part) {
       Store(B(file), whole.substr(0, whole.size() * part / 20));
-      const std::vector<VerifyProblem> problems = CheckEpisode(folder_ / "b", false);
+      const std::vector<VerifyProblem> problems = EpisodeChecker(false).Check(folder_ / "b");
       ASSERT_EQ(problems.size(), 1u) << file << " part " << part;
       EXPECT_EQ(problems[0].file, file);
     }
