@@ -28,8 +28,28 @@ RobotSpec RobotInEnv(const EnvConfig& config, const RobotConfig& robot, const st
   return spec;
 }
 
+// One of several robots in one model, which comes with the first of them.
+RobotSpec RobotInCombined(const EnvConfig& config, const RobotConfig& robot,
+                          const std::string& name) {
+  RobotSpec spec = RobotInEnv(config, robot, name, "");
+  spec.model_prefix = "robot" + name + "_";
+  spec.config->model = config.alternative_combined_robot_mjcf;
+  spec.config->source_dir = config.source_dir;
+  spec.config->edits = {};
+  spec.config->attachments = {};
+  spec.config->cameras = {};
+  spec.attach_to = Root();
+  const std::string lead = config.robots.keys().front();
+  if (name != lead) spec.part_of = lead;
+  return spec;
+}
+
 void AddRobots(const EnvConfig& config, SceneSpec& scene) {
   for (const auto& [name, robot] : config.robots.entries()) {
+    if (!config.alternative_combined_robot_mjcf.empty()) {
+      scene.robots.push_back(RobotInCombined(config, *robot, name));
+      continue;
+    }
     StandAt(scene.robots.push_back(RobotInEnv(config, *robot, name, "robot" + name + "_")),
             SharedBase(), config.robot_in_shared_base(name));
   }

@@ -1,5 +1,6 @@
 #include "robocell/env/env_scene.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -157,6 +158,71 @@ TEST(EnvScene, ACameraSitsInItsHousingAtAnotherSiteToo) {
   EXPECT_POSE(scene.body_pose("wrist_shell"), shell);
   EXPECT_POSE(scene.camera_pose("wrist"), shell * At(0, 0, 0.02));
   EXPECT_THAT(scene.camera_names(), ::testing::UnorderedElementsAre("bird_eye", "wrist"));
+}
+
+// Two arms on one torso, in a model whose names begin with `prefix` and the robot's name.
+std::string ArmsOnATorso(const std::string& prefix) {
+  std::string bodies, actuators;
+  for (const char* side : {"left", "right"}) {
+    const std::string name = prefix + side + "_", y = side == std::string("left") ? "0.3" : "-0.3";
+    bodies += fmt::format(R"(<body name="{0}base" pos="0 {1} 0.2">
+        <geom size="0.05 0.05" type="cylinder"/>
+        <body name="{0}upper" pos="0 0 0.1">
+          <joint name="{0}shoulder"/><geom size="0.02" fromto="0 0 0 0 0 0.3"/>
+          <body name="{0}fore" pos="0 0 0.3">
+            <joint name="{0}elbow"/><geom size="0.02" fromto="0 0 0 0 0 0.2"/>
+            <site name="{0}flange" pos="0 0 0.2"/>
+          </body></body></body>)",
+                          name, y);
+    actuators += fmt::format(R"(<position name="{0}servo1" joint="{0}shoulder" kp="100" kv="10"/>
+        <position name="{0}servo2" joint="{0}elbow" kp="50" kv="5"/>)",
+                             name);
+  }
+  return R"(<compiler angle="radian" autolimits="true"/>
+    <default><joint axis="0 1 0" range="-2 2"/>
+      <geom type="capsule" contype="0" conaffinity="0"/></default>
+    <worldbody><body name="torso" pos="9 9 9"><geom size="0.1" type="sphere"/>)" +
+         bodies + "</body></worldbody><actuator>" + actuators + "</actuator>";
+}
+
+EnvConfig Combined(const TwoArmFolder& folder, const std::string& model) {
+  EnvConfig config = folder.Duo();
+  config.robot_to_shared_base_frame = {};
+  config.root_frame_to_world = Pose::FromRpy({1, 2, 3}, {0.3, 0.2, 0.1});
+  config.alternative_combined_robot_mjcf = model;
+  return config;
+}
+
+TEST(EnvScene, RobotsOfOneModelStandWhereItHasThem) {
+  TwoArmFolder folder;
+  ModelFolder models;
+  EnvConfig config = Combined(folder, models.Write("duo", ArmsOnATorso("robot")));
+  config.robots["left"].tcp_offset = At(0, 0, 0.1);
+  config.robots["left"].move_groups["arm"].leaf.reset();
+  config.robot_frame_objects["right"]["bracket"] = {.mjcf_path = folder.box()};
+  const Scene scene = BuildEnvScene(config);
+  const Pose root = config.root_frame_to_world;
+  EXPECT_POSE(scene.body_pose("torso"), root);
+  EXPECT_POSE(Robot::Of(scene, "left").base_in_world(), root * At(0, 0.3, 0.2));
+  EXPECT_POSE(Robot::Of(scene, "right").base_in_world(), root * At(0, -0.3, 0.2));
+  const Pose left = scene.site_pose("robotleft_flange"),
+             right = scene.site_pose("robotright_flange");
+  EXPECT_POSE(Robot::Of(scene, "left").tcp_in_world(), left * At(0, 0, 0.1));
+  EXPECT_POSE(scene.body_pose("gripperright_palm"), right);
+  EXPECT_POSE(scene.body_pose("bracket_box"), right);
+  Robot::Of(scene, "right").SetJointPos(std::vector<double>{0.7, -1.1});
+  EXPECT_POSE(scene.site_pose("robotleft_flange"), left);
+  EXPECT_FALSE(scene.site_pose("robotright_flange").is_close(right, 0.1, 0.1));
+}
+
+TEST(EnvScene, InAModelOfAllRobotsNamesBeginWithTheRobots) {
+  TwoArmFolder folder;
+  ModelFolder models;
+  const std::string file = models.Write("duo", ArmsOnATorso("arm_"));
+  ExpectThrow<SpecError>([&] { BuildEnvScene(Combined(folder, file)); },
+                         "robot 'left': in " + file +
+                             " the names of robot 'left' must begin with 'robotleft_'; its bodies "
+                             "are torso, arm_left_base");
 }
 
 TEST(EnvScene, RefusesWhatIsNotValidByTheEnvironmentsName) {

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "robocell/base/names.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/scene/check_model_file.h"
+#include "robocell/scene/prefixed_config.h"
 #include "robocell/scene/robot_base.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
@@ -26,7 +28,7 @@ std::string StrippedPrefix(std::string prefix) {
 }
 
 RobotConfig ConfigOf(const RobotSpec& robot) {
-  if (robot.config) return *robot.config;
+  if (robot.config) return WithPrefix(*robot.config, robot.model_prefix);
   RobotConfig config;
   config.model = robot.path;
   return config;
@@ -42,6 +44,48 @@ std::optional<Part> LoadRobotModel(const std::string& name, const std::string& d
   CheckIsMjcf(*file, place, field, report);
   if (report.problem_count() > before) return std::nullopt;
   return LoadPart(*file, directory, place, field, options, kRootLabel, report);
+}
+
+// A model of several robots, where each robot's names have a prefix of their own.
+bool HasNamesOf(const RobotSpec& robot, const Part& part, const std::string& name, Report& report) {
+  if (robot.model_prefix.empty()) return true;
+  std::vector<std::string> bodies = SpecNames(part.spec.get(), mjOBJ_BODY);
+  for (const std::string& body : bodies) {
+    if (body.starts_with(robot.model_prefix)) return true;
+  }
+  std::erase(bodies, "world");
+  report.Problem(part.place,
+                 fmt::format("in {} the names of robot '{}' must begin with '{}'; its "
+                             "bodies are {}",
+                             part.file, name, robot.model_prefix, ListNames(bodies)),
+                 "model");
+  return false;
+}
+
+// What the robot's configuration adds to its model, which is in `out`.
+void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSpec& scene,
+               RobotPart& out, Report& report) {
+  RobotRecord& record = out.record;
+  const RobotConfig& config = record.config;
+  const std::string& directory = config.source_dir.empty() ? scene.source_dir : config.source_dir;
+  const std::string top = SpecName(out.top->element);
+  const std::string root = config.root_body.empty() ? top : config.root_body;
+  const bool configured = !config.move_groups.empty();
+  if (!configured) out.limbs = SerialLimbs(out.part.spec.get());
+  AddAttachments(config.attachments, config.locations, directory, out.part, scene, report);
+  AddAttachments(robot.attachments, locations, scene.source_dir, out.part, scene, report);
+  AddRobotCameras(config, directory, out.part, scene, report);
+  ApplyOverrides(config, out.part, report);
+  if (configured) out.limbs = ConfiguredLimbs(config, out.part.spec.get());
+  out.limbs =
+      AddModeActuators(robot, std::move(out.limbs), out.part.place, out.part.spec.get(), report);
+  if (const auto tcp = AddTcpSite(config, out.part, report)) record.tcp_site = robot.prefix + *tcp;
+  record.top_body = BaseBodyName(record.base, robot.prefix).value_or(robot.prefix + top);
+  record.root_body = robot.prefix + root;
+  if (config.attachment_site) record.attachment_site = robot.prefix + *config.attachment_site;
+  SettleBase(out, report);
+  // Of a model of several robots this one is what hangs on its own root.
+  if (!robot.model_prefix.empty()) record.top_body = record.base_body = record.root_body;
 }
 
 }  // namespace
@@ -91,24 +135,30 @@ std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& na
                              scene.options, report);
   if (!part) return std::nullopt;
   out.part = std::move(*part);
+  if (!HasNamesOf(robot, out.part, name, report)) return std::nullopt;
   ApplyEdits(config, out.part, report);
   out.top = ChooseRoot(out.part, config.root_body, report);
   if (!out.top) return std::nullopt;
-  const std::string top = SpecName(out.top->element);
-  const std::string root = config.root_body.empty() ? top : config.root_body;
-  const bool configured = !config.move_groups.empty();
-  if (!configured) out.limbs = SerialLimbs(out.part.spec.get());
-  AddAttachments(config.attachments, config.locations, directory, out.part, scene, report);
-  AddAttachments(robot.attachments, locations, scene.source_dir, out.part, scene, report);
-  AddRobotCameras(config, directory, out.part, scene, report);
-  ApplyOverrides(config, out.part, report);
-  if (configured) out.limbs = ConfiguredLimbs(config, out.part.spec.get());
-  out.limbs = AddModeActuators(robot, std::move(out.limbs), place, out.part.spec.get(), report);
-  if (const auto tcp = AddTcpSite(config, out.part, report)) record.tcp_site = robot.prefix + *tcp;
-  record.top_body = BaseBodyName(record.base, robot.prefix).value_or(robot.prefix + top);
-  record.root_body = robot.prefix + root;
-  if (config.attachment_site) record.attachment_site = robot.prefix + *config.attachment_site;
-  SettleBase(out, report);
+  FillRobot(robot, locations, scene, out, report);
+  return out;
+}
+
+std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
+                                     const std::string& name, const Locations& locations,
+                                     const SceneSpec& scene, Report& report) {
+  RobotPart out;
+  out.record = RecordOf(robot, name);
+  out.top = host.top;
+  report.Locate(RobotPlace(name), locations);
+  report.Locate(RobotPlace(name), out.record.config.locations);
+  if (!HasNamesOf(robot, host.part, name, report)) return std::nullopt;
+  const std::string host_place = std::exchange(host.part.place, RobotPlace(name));
+  out.part = std::move(host.part);
+  FillRobot(robot, locations, scene, out, report);
+  host.part = std::move(out.part);
+  out.part = {
+      .place = host.part.place, .field = host.part.field, .file = host.part.file, .spec = nullptr};
+  host.part.place = host_place;
   return out;
 }
 

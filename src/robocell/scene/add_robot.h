@@ -29,6 +29,11 @@ std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& na
                                    const Locations& locations, const SceneSpec& scene,
                                    Report& report);
 
+// A robot whose elements are in the model of `host` too; its own part has no spec.
+std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
+                                     const std::string& name, const Locations& locations,
+                                     const SceneSpec& scene, Report& report);
+
 void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placement& placement,
                  Report& report);
 

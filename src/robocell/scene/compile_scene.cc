@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "robocell/base/error.h"
+#include "robocell/base/names.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/scene/add_camera.h"
 #include "robocell/scene/add_object.h"
@@ -116,10 +119,7 @@ class SceneCompiler {
       Collect(place, [&] { objects_.push_back(LoadObject(object, spec(), report_)); });
     }
     for (size_t i = 0; i < spec().robots.size(); ++i) {
-      Collect(RobotPlace(robot_names_[i]), [&] {
-        robots_.push_back(
-            LoadRobot(spec().robots[i], robot_names_[i], Located("robots", i), spec(), report_));
-      });
+      Collect(RobotPlace(robot_names_[i]), [&] { robots_.push_back(LoadRobotAt(i)); });
     }
     for (size_t i = 0; i < spec().cameras.size(); ++i) {
       report_.Locate("camera '" + spec().cameras[i].name + "'", Located("cameras", i));
@@ -127,6 +127,36 @@ class SceneCompiler {
     report_.Throw(spec().name);
     for (const auto& robot : robots_) AddRobotFrames(robot->record);
   }
+
+  std::optional<RobotPart> LoadRobotAt(size_t i) {
+    const RobotSpec& robot = spec().robots[i];
+    const std::string& name = robot_names_[i];
+    if (robot.part_of.empty()) return LoadRobot(robot, name, Located("robots", i), spec(), report_);
+    const size_t host = HostOf(i);
+    if (host == i) {
+      const std::vector<std::string> earlier(robot_names_.begin(), robot_names_.begin() + i);
+      report_.Problem(RobotPlace(name),
+                      "part_of: " + NoSuchName("", "earlier robot", robot.part_of, earlier),
+                      "part_of");
+    }
+    if (host == i || !robots_[host]) return std::nullopt;
+    if (robot.prefix != spec().robots[host].prefix) {
+      report_.Problem(RobotPlace(name),
+                      fmt::format("prefix: must be that of robot '{}', which it is part of: '{}'",
+                                  robot.part_of, spec().robots[host].prefix),
+                      "prefix");
+    }
+    return LoadRobotIn(*robots_[host], robot, name, Located("robots", i), spec(), report_);
+  }
+
+  // The robot in whose model the i-th is: the i-th itself, unless it says part_of.
+  size_t HostOf(size_t i) const {
+    const std::string& host = spec().robots[i].part_of;
+    const auto end = robot_names_.begin() + i;
+    const auto at = host.empty() ? end : std::find(robot_names_.begin(), end, host);
+    return at - robot_names_.begin();
+  }
+  const Part& PartOf(size_t i) const { return robots_[HostOf(i)]->part; }
 
   // Where the i-th entry of a list of the scene stood in its file.
   Locations Located(const std::string& list, size_t i) const {
@@ -156,6 +186,8 @@ class SceneCompiler {
 
   Entity RobotEntity(size_t i) const {
     const RobotPart& robot = *robots_[i];
+    if (const size_t host = HostOf(i); host != i)  // comes with it
+      return {robot.part.place, "robots", RobotBase(robot_names_[host]), robot.record.name, {}};
     Entity entity{robot.part.place, "robots", spec().robots[i].attach_to, robot.record.name, {}};
     CollectNames(robot.part.spec.get(), robot.record.prefix, entity.elements);
     if (const auto base = BaseBodyName(robot.record.base, robot.record.prefix))
@@ -204,6 +236,7 @@ class SceneCompiler {
   }
 
   void AddRobot(const RobotSpec& robot, const RobotPart& loaded) {
+    if (!robot.part_of.empty()) return;
     const auto at = PlaceIt(robot.attach_to, robot.pose(), loaded.part.place);
     if (!at) return;
     AttachRobot(robot, loaded, *at, report_);
@@ -249,8 +282,8 @@ class SceneCompiler {
     FillHomeKey(model, key, home_, out_->robots_);
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
     for (size_t i = 0; i < robots_.size(); ++i) {
-      CheckRanges(model, out_->home_key_, out_->robots_[i], robots_[i]->part, report_);
-      CheckServos(model, out_->home_key_, out_->robots_[i], robots_[i]->part, report_);
+      CheckRanges(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);
+      CheckServos(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);
     }
     CheckCameraPlaces(model, out_->home_key_, out_->robots_, report_);
     FixVisibleRange(spec_.get(), model);
@@ -276,7 +309,9 @@ class SceneCompiler {
       if (const auto problem = CompileProblem(text, part, prefix))
         report_.Problem(part.place, *problem, part.field);
     };
-    for (const auto& robot : robots_) tell(robot->part, robot->record.prefix);
+    for (const auto& robot : robots_) {
+      if (robot->part.spec) tell(robot->part, robot->record.prefix);
+    }
     for (const auto& object : objects_) tell(object->part, object->prefix);
     report_.Throw(spec().name);
   }

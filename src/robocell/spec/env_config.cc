@@ -65,6 +65,13 @@ void CheckGrippers(const EnvConfig& env, Problems& problems) {
 
 // Robots that nobody placed stand in each other.
 void CheckStands(const EnvConfig& env, Problems& problems) {
+  if (!env.alternative_combined_robot_mjcf.empty()) {
+    if (!env.robot_to_shared_base_frame.empty())
+      problems.AddAt("robot_to_shared_base_frame",
+                     "the robots stand where alternative_combined_robot_mjcf has them; leave one "
+                     "of the two out");
+    return;
+  }
   constexpr double kSame = 1e-6;  // m and rad
   const std::vector<std::string> names = env.robots.keys();
   for (size_t i = 0; i < names.size(); ++i) {

@@ -39,6 +39,7 @@ struct EnvConfig {
   Pose root_frame_to_world = {};
   Pose shared_base_frame_to_root_frame = {};
   Map<Pose> robot_to_shared_base_frame = {};
+  std::string alternative_combined_robot_mjcf = {};
   Map<EnvObject> world_frame_objects = {};
   Map<EnvObject> root_frame_objects = {};
   Map<Map<EnvObject>> robot_frame_objects = {};
@@ -77,6 +78,10 @@ struct EnvConfig {
       "The rig: pose of the shared base frame, the one of all actions, in the root frame.");
     v("robot_to_shared_base_frame", &EnvConfig::robot_to_shared_base_frame,
       "Robot to the pose of its base in the shared base frame; the identity unless set.");
+    v("alternative_combined_robot_mjcf", &EnvConfig::alternative_combined_robot_mjcf,
+      "One model with all robots, in the place of theirs: under one root body, which stands in the "
+      "root frame; the names of robot `left` begin with `robotleft_`. Edits, attachments and "
+      "cameras of the robots' files are left out, and the robots stand where the model has them.");
     v("world_frame_objects", &EnvConfig::world_frame_objects,
       "Objects that stay in the room, by their ids.");
     v("root_frame_objects", &EnvConfig::root_frame_objects,

@@ -75,6 +75,16 @@ TEST(EnvConfig, RobotsStandApart) {
             "same place; give each its pose in the shared base frame");
 }
 
+TEST(EnvConfig, RobotsOfOneModelHaveTheirPlaceInIt) {
+  EnvConfig env = Duo();
+  env.alternative_combined_robot_mjcf = "duo.xml";
+  EXPECT_EQ(Message(env),
+            "it is not valid: robot_to_shared_base_frame: the robots stand where "
+            "alternative_combined_robot_mjcf has them; leave one of the two out");
+  env.robot_to_shared_base_frame = {};
+  EXPECT_EQ(Message(env), "");
+}
+
 TEST(EnvConfig, WhatIsMountedNeedsASite) {
   EnvConfig env = Duo();
   env.robots["left"].attachment_site.reset();

@@ -22,6 +22,8 @@ void RobotSpec::Validate(Problems& problems) const {
   CheckPlacement(euler, quat, problems);
   if (name) CheckNamePart(*name, "name", problems);
   CheckAttachments(attachments, problems);
+  if (!part_of.empty() && !config)
+    problems.AddAt("config", "is not set; part_of says where the robot is, not what it is");
   if (path.empty() && !config)
     problems.AddAt("path", "is empty: give the robot's model file, or a config");
   if (!path.empty() && config)

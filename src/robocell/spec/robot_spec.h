@@ -14,6 +14,8 @@ struct RobotSpec {
   std::string path = {};
   Maybe<RobotConfig> config = {};
   std::string prefix = {};
+  std::string model_prefix = {};
+  std::string part_of = {};
   Maybe<BaseConfig> base = {};
   bool reset_root_pose = false;
   AttachTarget attach_to = {};
@@ -32,6 +34,11 @@ struct RobotSpec {
     v("config", &RobotSpec::config, "What the robot is.");
     v("prefix", &RobotSpec::prefix,
       "Put in front of every name of the robot; unique in the scene.");
+    v("model_prefix", &RobotSpec::model_prefix,
+      "What the robot's names begin with in its model file; its configuration says them without.");
+    v("part_of", &RobotSpec::part_of,
+      "An earlier robot, in whose model file this one is too: it comes and stands with that one, "
+      "what is said here of model, edits, attachments and place is not used.");
     v("base", &RobotSpec::base, "Overrides the configuration's base.");
     v("reset_root_pose", &RobotSpec::reset_root_pose,
       "Drop the pose authored on the model's root instead of composing with it.");

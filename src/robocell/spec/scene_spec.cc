@@ -38,8 +38,12 @@ void SceneSpec::Validate(Problems& problems) const {
       problems.AddAt("add_skybox", "is required without a base scene: true or false");
   }
   if (timestep) CheckTimestep(*timestep, 1, "timestep", problems);
+  // A robot that is part of another's model has that one's prefix.
   std::vector<std::string> prefixes;
-  for (const RobotSpec& robot : robots) prefixes.push_back(robot.prefix);
+  for (const RobotSpec& robot : robots) {
+    const std::string of_its_own = "of the robot at " + std::to_string(prefixes.size());
+    prefixes.push_back(robot.part_of.empty() ? robot.prefix : of_its_own);
+  }
   CheckUnique(prefixes, "robots", "prefix", problems);
   CheckRobotNames(robots, problems);
   CheckUnique(Names(objects), "objects", "name", problems);

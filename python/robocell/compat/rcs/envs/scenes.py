@@ -83,6 +83,8 @@ class SimEnvCreatorConfig:
             "sim": self.sim_cfg.to_settings(),
             "wrappers": self.wrapper_cfg,
         }
+        if self.alternative_combined_robot_mjcf is not None:
+            fields["alternative_combined_robot_mjcf"] = str(self.alternative_combined_robot_mjcf)
         if self.max_relative_movement is not None:
             fields["max_relative_movement"] = self.max_relative_movement
         config = rc.EnvConfig(**fields)
