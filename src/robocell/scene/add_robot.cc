@@ -62,6 +62,15 @@ bool HasNamesOf(const RobotSpec& robot, const Part& part, const std::string& nam
   return false;
 }
 
+// The robot's root body: as configured, else what is highest of it.
+std::string RootOf(const RobotSpec& robot, const RobotPart& part) {
+  if (!part.record.config.root_body.empty()) return part.record.config.root_body;
+  for (const std::string& body : SpecNames(part.part.spec.get(), mjOBJ_BODY)) {  // parents first
+    if (!robot.model_prefix.empty() && body.starts_with(robot.model_prefix)) return body;
+  }
+  return SpecName(part.top->element);
+}
+
 // What the robot's configuration adds to its model, which is in `out`.
 void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSpec& scene,
                RobotPart& out, Report& report) {
@@ -69,7 +78,7 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   const RobotConfig& config = record.config;
   const std::string& directory = config.source_dir.empty() ? scene.source_dir : config.source_dir;
   const std::string top = SpecName(out.top->element);
-  const std::string root = config.root_body.empty() ? top : config.root_body;
+  const std::string root = RootOf(robot, out);
   const bool configured = !config.move_groups.empty();
   if (!configured) out.limbs = SerialLimbs(out.part.spec.get());
   AddAttachments(config.attachments, config.locations, directory, out.part, scene, report);
