@@ -225,6 +225,32 @@ TEST(EnvScene, InAModelOfAllRobotsNamesBeginWithTheRobots) {
                              "are torso, arm_left_base");
 }
 
+TEST(EnvScene, AModelOfAllRobotsThatCannotBeReadIsTold) {
+  TwoArmFolder folder;
+  ModelFolder models;
+  const std::string file = models.Write("duo", "<worldbody><body");
+  ExpectThrow<SpecError>([&] { BuildEnvScene(Combined(folder, file)); }, "robot 'left': " + file);
+}
+
+TEST(EnvScene, OneRobotsTroubleLeavesTheModelToTheOthers) {
+  TwoArmFolder folder;
+  ModelFolder models;
+  std::string duo = ArmsOnATorso("robot");
+  const std::string place = R"(robotright_flange" pos="0 0 0.2")";
+  duo.replace(duo.find(place), place.size(),
+              R"(robotright_flange" type="capsule" size="0.01" fromto="0 0 0 0 0 0.2")");
+  EnvConfig config = Combined(folder, models.Write("duo", duo));
+  config.robots["right"].tcp_offset = At(0, 0, 0.1);
+  config.robots["right"].move_groups["arm"].leaf.reset();
+  config.robots["third"] = folder.arm();
+  const auto build = [&] { BuildEnvScene(config); };
+  ExpectThrow<SpecError>(build, "robot 'right': site 'robotright_flange' is written with fromto");
+  ExpectThrow<SpecError>(build, "robot 'third': in ");
+  ExpectThrow<SpecError>(build,
+                         "the names of robot 'third' must begin with 'robotthird_'; its "
+                         "bodies are torso, robotleft_base");
+}
+
 TEST(EnvScene, RefusesWhatIsNotValidByTheEnvironmentsName) {
   ExpectThrow<SpecError>([] { EnvSceneSpec({.name = "duo"}); },
                          "environment 'duo' is not valid: robots: an environment needs a robot");

@@ -54,7 +54,7 @@ bool HasNamesOf(const RobotSpec& robot, const Part& part, const std::string& nam
     if (body.starts_with(robot.model_prefix)) return true;
   }
   std::erase(bodies, "world");
-  report.Problem(part.place,
+  report.Problem(RobotPlace(name),
                  fmt::format("in {} the names of robot '{}' must begin with '{}'; its "
                              "bodies are {}",
                              part.file, name, robot.model_prefix, ListNames(bodies)),
@@ -96,6 +96,27 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   // Of a model of several robots this one is what hangs on its own root.
   if (!robot.model_prefix.empty()) record.top_body = record.base_body = record.root_body;
 }
+
+// The model of one robot while another fills it in, at whose place problems are meanwhile; back
+// with the first whatever is thrown.
+class LentPart {
+ public:
+  LentPart(Part& from, Part& to, const std::string& place) : from_(from), to_(to) {
+    std::swap(from_, to_);
+    from_.place = std::exchange(to_.place, place);
+  }
+  ~LentPart() {
+    std::swap(from_, to_);
+    std::swap(from_.place, to_.place);
+    to_.field = from_.field;
+    to_.file = from_.file;
+  }
+  LentPart(const LentPart&) = delete;
+  LentPart& operator=(const LentPart&) = delete;
+
+ private:
+  Part &from_, &to_;
+};
 
 }  // namespace
 
@@ -161,13 +182,10 @@ std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
   report.Locate(RobotPlace(name), locations);
   report.Locate(RobotPlace(name), out.record.config.locations);
   if (!HasNamesOf(robot, host.part, name, report)) return std::nullopt;
-  const std::string host_place = std::exchange(host.part.place, RobotPlace(name));
-  out.part = std::move(host.part);
-  FillRobot(robot, locations, scene, out, report);
-  host.part = std::move(out.part);
-  out.part = {
-      .place = host.part.place, .field = host.part.field, .file = host.part.file, .spec = nullptr};
-  host.part.place = host_place;
+  {
+    const LentPart lent(host.part, out.part, RobotPlace(name));
+    FillRobot(robot, locations, scene, out, report);
+  }
   return out;
 }
 

@@ -119,7 +119,8 @@ class SceneCompiler {
       Collect(place, [&] { objects_.push_back(LoadObject(object, spec(), report_)); });
     }
     for (size_t i = 0; i < spec().robots.size(); ++i) {
-      Collect(RobotPlace(robot_names_[i]), [&] { robots_.push_back(LoadRobotAt(i)); });
+      robots_.emplace_back();  // stays empty when loading throws
+      Collect(RobotPlace(robot_names_[i]), [&] { robots_[i] = LoadRobotAt(i); });
     }
     for (size_t i = 0; i < spec().cameras.size(); ++i) {
       report_.Locate("camera '" + spec().cameras[i].name + "'", Located("cameras", i));
