@@ -15,10 +15,9 @@
 namespace robocell {
 namespace {
 
+// Of no fixed size: Eigen's factorisations are then compiled once.
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 MatrixXd RandomMatrix(Rng* rng, int rows, int cols) {
   MatrixXd m(rows, cols);
@@ -34,7 +33,7 @@ MatrixXd RandomPositive(Rng* rng, int n, double condition) {
   return q * values.asDiagonal() * q.transpose();
 }
 
-std::array<double, 21> Triangle(const Matrix6& m) {
+std::array<double, 21> Triangle(const MatrixXd& m) {
   std::array<double, 21> entries;
   int k = 0;
   for (int r = 0; r < 6; ++r) {
@@ -43,12 +42,13 @@ std::array<double, 21> Triangle(const Matrix6& m) {
   return entries;
 }
 
-Vector6 ByEigenvectors(const Vector6& stiffness, const Matrix6& mobility, const Vector6& velocity) {
-  const Vector6 root = stiffness.cwiseSqrt();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> modes(root.asDiagonal() * mobility *
-                                                     root.asDiagonal());
-  const Vector6 along = modes.eigenvectors().transpose() * root.cwiseProduct(velocity);
-  Vector6 scaled;
+VectorXd ByEigenvectors(const VectorXd& stiffness, const MatrixXd& mobility,
+                        const VectorXd& velocity) {
+  const VectorXd root = stiffness.cwiseSqrt();
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(root.asDiagonal() * mobility *
+                                                      root.asDiagonal());
+  const VectorXd along = modes.eigenvectors().transpose() * root.cwiseProduct(velocity);
+  VectorXd scaled(6);
   for (int k = 0; k < 6; ++k) {
     const double value = modes.eigenvalues()[k];
     scaled[k] = value > 0 ? along[k] / std::sqrt(value) : 0;
@@ -56,15 +56,15 @@ Vector6 ByEigenvectors(const Vector6& stiffness, const Matrix6& mobility, const 
   return 2 * root.cwiseProduct(modes.eigenvectors() * scaled);
 }
 
-Vector6 Damping(const Vector6& stiffness, const Matrix6& mobility, const Vector6& velocity) {
-  Vector6 force;
+VectorXd Damping(const VectorXd& stiffness, const MatrixXd& mobility, const VectorXd& velocity) {
+  VectorXd force(6);
   CriticalDamping(stiffness.data(), Triangle(mobility).data(), velocity.data(), force.data());
   return force;
 }
 
 // In coordinates in which all springs are alike, where the error is promised.
-double Off(const Vector6& stiffness, const Vector6& got, const Vector6& expected) {
-  Vector6 scale;
+double Off(const VectorXd& stiffness, const VectorXd& got, const VectorXd& expected) {
+  VectorXd scale(6);
   for (int k = 0; k < 6; ++k) scale[k] = stiffness[k] > 0 ? 1 / std::sqrt(stiffness[k]) : 0;
   const double length = expected.cwiseProduct(scale).norm();
   return length > 0 ? (got - expected).cwiseProduct(scale).norm() / length : got.norm();
@@ -75,11 +75,11 @@ TEST(LeafKernel, DampsAsTheEigenvectorsSayFromEvenToNearlySingularMasses) {
     Rng rng = Rng::Stream(1, "damping");
     for (int k = 0; k < 300; ++k) {
       // Eigen's own error grows with the condition.
-      const Matrix6 mobility = RandomPositive(&rng, 6, std::pow(10, k % 6)) * rng.Uniform(0.1, 30);
-      Vector6 stiffness;
+      const MatrixXd mobility = RandomPositive(&rng, 6, std::pow(10, k % 6)) * rng.Uniform(0.1, 30);
+      VectorXd stiffness(6);
       for (double& value : stiffness) value = std::pow(10, rng.Uniform(0, 4));
-      const Vector6 velocity = RandomMatrix(&rng, 6, 1);
-      const Vector6 expected = ByEigenvectors(stiffness, mobility, velocity);
+      const VectorXd velocity = RandomMatrix(&rng, 6, 1);
+      const VectorXd expected = ByEigenvectors(stiffness, mobility, velocity);
       EXPECT_LT(Off(stiffness, Damping(stiffness, mobility, velocity), expected), 1e-4);
     }
   });
@@ -91,11 +91,11 @@ TEST(LeafKernel, DampsSingularPosesWithinItsTolerance) {
     Rng rng = Rng::Stream(2, "damping");
     for (int k = 0; k < 100; ++k) {
       const MatrixXd some = RandomMatrix(&rng, 6, 1 + k % 5);
-      Matrix6 mobility = some * some.transpose();
+      MatrixXd mobility = some * some.transpose();
       mobility.diagonal().array() += kLeastMobility;
-      const Vector6 stiffness{400, 400, 400, 30, 30, 30};
-      const Vector6 velocity = some * RandomMatrix(&rng, some.cols(), 1);  // as it can move
-      const Vector6 expected = ByEigenvectors(stiffness, mobility, velocity);
+      const VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
+      const VectorXd velocity = some * RandomMatrix(&rng, some.cols(), 1);  // as it can move
+      const VectorXd expected = ByEigenvectors(stiffness, mobility, velocity);
       EXPECT_LT(Off(stiffness, Damping(stiffness, mobility, velocity), expected), 1e-4);
     }
   });
@@ -105,21 +105,22 @@ TEST(LeafKernel, LeavesAxesWithoutSpringsAloneAndDampsTheOthersAsIfThereWereNoMo
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(3, "damping");
     for (int k = 0; k < 50; ++k) {
-      const Matrix6 mobility = RandomPositive(&rng, 6, 100);
-      const Vector6 velocity = RandomMatrix(&rng, 6, 1);
-      Vector6 stiffness{400, 300, 200, 30, 20, 10};
+      const MatrixXd mobility = RandomPositive(&rng, 6, 100);
+      const VectorXd velocity = RandomMatrix(&rng, 6, 1);
+      VectorXd stiffness{{400, 300, 200, 30, 20, 10}};
       for (int axis = 0; axis < 6; ++axis) {
         if (rng.Uniform() < 0.4) stiffness[axis] = 0;
       }
-      const Vector6 force = Damping(stiffness, mobility, velocity);
-      const Vector6 expected = ByEigenvectors(stiffness, mobility, velocity);
+      const VectorXd force = Damping(stiffness, mobility, velocity);
+      const VectorXd expected = ByEigenvectors(stiffness, mobility, velocity);
       EXPECT_LT(Off(stiffness, force, expected), 1e-4);
       for (int axis = 0; axis < 6; ++axis) {
         if (stiffness[axis] > 0) continue;
         EXPECT_EQ(force[axis], 0);
       }
     }
-    EXPECT_EQ(Damping(Vector6::Zero(), Matrix6::Identity(), Vector6::Ones()), Vector6::Zero());
+    EXPECT_EQ(Damping(VectorXd::Zero(6), MatrixXd::Identity(6, 6), VectorXd::Ones(6)),
+              VectorXd::Zero(6));
   });
 }
 
@@ -128,11 +129,11 @@ TEST(LeafKernel, TakesEnergyOutWhateverTheSprings) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(4, "damping");
     for (int k = 0; k < 200; ++k) {
-      Vector6 stiffness;
+      VectorXd stiffness(6);
       for (double& value : stiffness) value = std::pow(10, rng.Uniform(-12, 6));
-      Matrix6 mobility = RandomPositive(&rng, 6, std::pow(10, k % 12));
+      MatrixXd mobility = RandomPositive(&rng, 6, std::pow(10, k % 12));
       mobility.diagonal().array() += kLeastMobility;
-      const Vector6 velocity = RandomMatrix(&rng, 6, 1);
+      const VectorXd velocity = RandomMatrix(&rng, 6, 1);
       const double power = velocity.dot(Damping(stiffness, mobility, velocity));
       EXPECT_GT(power, 0);
       const double most = 2 * std::sqrt(stiffness.maxCoeff() / kLeastMobility);
@@ -142,9 +143,9 @@ TEST(LeafKernel, TakesEnergyOutWhateverTheSprings) {
 }
 
 TEST(LeafKernel, IsCriticalForOneMassOnOneSpring) {
-  Matrix6 mobility = Matrix6::Identity() / 2.0;  // 2 kg
-  const Vector6 stiffness{800, 200, 50, 8, 2, 0.5};
-  const Vector6 force = Damping(stiffness, mobility, Vector6::Ones());
+  MatrixXd mobility = MatrixXd::Identity(6, 6) / 2.0;  // 2 kg
+  const VectorXd stiffness{{800, 200, 50, 8, 2, 0.5}};
+  const VectorXd force = Damping(stiffness, mobility, VectorXd::Ones(6));
   for (int k = 0; k < 6; ++k)
     EXPECT_NEAR(force[k], 2 * std::sqrt(stiffness[k] * 2), 1e-4 * force[k]);
 }
@@ -162,7 +163,7 @@ struct LeafCase {
       for (int c = 0; c < kMaxChainJoints; ++c) mass[r][c] = c < n ? m(r, c) : NAN;
     }
   }
-  Matrix6 Mobility() const {
+  MatrixXd Mobility() const {
     return j * m.llt().solve(j.transpose()) + kLeastMobility * MatrixXd::Identity(6, 6);
   }
 };
@@ -187,7 +188,7 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       Rng rng = Rng::Stream(n, "felt");
       const LeafCase leaf(&rng, n);
       const VectorXd velocity = RandomMatrix(&rng, n, 1), wanted = RandomMatrix(&rng, n, 1);
-      const Vector6 stiffness{400, 400, 400, 30, 30, 30};
+      const VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
       LeafAnswer answer;
       ComputeLeaf({.n = n,
                    .jacobian = leaf.jacobian,
@@ -196,10 +197,10 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
                    .wanted = wanted.data(),
                    .stiffness = stiffness.data()},
                   &answer);
-      const Vector6 felt = leaf.Mobility().llt().solve(leaf.j * wanted);
-      EXPECT_LT((Eigen::Map<Vector6>(answer.felt) - felt).norm(), 1e-8 * felt.norm());
-      const Vector6 damping = Damping(stiffness, leaf.Mobility(), leaf.j * velocity);
-      EXPECT_LT((Eigen::Map<Vector6>(answer.damping) - damping).norm(), 1e-9 * damping.norm());
+      const VectorXd felt = leaf.Mobility().llt().solve(leaf.j * wanted);
+      EXPECT_LT((Eigen::Map<VectorXd>(answer.felt, 6) - felt).norm(), 1e-8 * felt.norm());
+      const VectorXd damping = Damping(stiffness, leaf.Mobility(), leaf.j * velocity);
+      EXPECT_LT((Eigen::Map<VectorXd>(answer.damping, 6) - damping).norm(), 1e-9 * damping.norm());
     }
   });
 }
