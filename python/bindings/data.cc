@@ -15,6 +15,7 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/leftovers.h"
 #include "robocell/data/quarantine.h"
+#include "robocell/data/report_origin.h"
 #include "robocell/data/require_dataset.h"
 #include "robocell/data/signed_json.h"
 #include "robocell/data/verify.h"
@@ -250,6 +251,9 @@ void BindVerify(nb::module_& m) {
         "ArgumentError for a folder that is no dataset; it names the one that is near.");
   m.def("json_damage", &JsonDamage, "text"_a,
         "Why a text is not exactly what was signed; None when it is.");
+  m.def("other_run_of", &OtherRunOf, "report"_a, "dataset"_a,
+        "The name of the run that a report (its text) is of when that is another one than "
+        "dataset.json describes; None when it is the same, or nothing says so.");
   nb::class_<VerifyProblem>(m, "VerifyProblem", "What is wrong with one file of a dataset.")
       .def_ro("episode", &VerifyProblem::episode)
       .def_ro("file", &VerifyProblem::file)
@@ -262,7 +266,7 @@ void BindVerify(nb::module_& m) {
               "Ids of episodes that cannot be judged here: no access, another format version, no "
               "decoder. Repair leaves them alone.")
       .def_ro("foreign", &VerifyReport::foreign,
-              "Things in intact episodes that do not belong there.")
+              "Things that do not belong there, in intact episodes or the dataset.")
       .def_prop_ro("only_unreadable", &VerifyReport::only_unreadable,
                    "Whether there are problems, and all of them are this machine's or version's.")
       .def_ro("problems", &VerifyReport::problems)
@@ -335,6 +339,9 @@ void BindData(nb::module_& m) {
       .def_prop_ro("broken", &Dataset::broken,
                    "Names of folders that are or were episodes and have no episode.json: they do "
                    "not count. `robocell verify --repair` moves them aside.")
+      .def_prop_ro("misnamed", &Dataset::misnamed,
+                   "Folders that were copied or renamed, with the id of the episode that they "
+                   "hold: they do not count.")
       .def("refresh", &Dataset::Refresh, nb::call_guard<nb::gil_scoped_release>(),
            "Looks at the folder again.")
       .def("__repr__", [](const Dataset& d) {

@@ -186,9 +186,11 @@ void BindDatagen(nb::module_& m) {
       "first unless told not to.");
   m.def("check_dataset", &CheckDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
         "What prepare_dataset would say of the run's output folder; writes nothing.");
-  m.def("require_same_run", &RequireSameRun, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
-        "SpecError, naming each difference, unless the run's dataset was prepared for it: same "
-        "fields, model files and versions.");
+  m.def(
+      "require_same_run", [](const RunConfig& run) { RequireSameRun(run); }, "run"_a,
+      nb::call_guard<nb::gil_scoped_release>(),
+      "SpecError, naming each difference, unless the run's dataset was prepared for it: same "
+      "fields, model files and versions.");
   m.def(
       "check_run",
       [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {

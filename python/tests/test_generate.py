@@ -19,6 +19,7 @@ import robocell
 from command_line import RUN, refused, robocell_command, write_run
 from contents import contents, of_episodes
 from robocell.generate import report as reports
+from robocell.generate.items import Report
 from robocell.generate.resume import report_of
 
 IDS = ["s0000_e0000", "s0000_e0001"]
@@ -83,7 +84,9 @@ def test_the_disk_says_of_an_item_what_its_worker_reported(longer: Path):
     told = reports.load(longer / "report.json").episodes
     for item in robocell.make_plan(run):
         # Times and places are in no episode.
-        assert report_of(run, item) == replace(told[item.id], seconds={}, redrawn={})
+        found = report_of(run, item)
+        assert found == replace(told[item.id], seconds={}, redrawn={})
+        assert Report.from_json(json.loads(json.dumps(found.to_json()))) == found
     assert sum(report.attempts > report.accepted for report in told.values()) > 0
 
 

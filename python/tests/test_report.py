@@ -245,6 +245,22 @@ def test_what_cannot_be_reported_is_told(dataset: Path, tmp_path: Path):
     assert "report.json' is damaged: " in refused("report", copy, code=3)
 
 
+def test_what_was_copied_into_a_dataset_is_told_and_does_not_count(dataset: Path, tmp_path: Path):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    shutil.copytree(copy / IDS[0], copy / "best")
+    other = replace(reports.load(copy / "report.json"), run="other", identity="0" * 64)
+    reports.save(copy / "report-0-of-2.json", other)
+    result = robocell_command("report", "--json", copy)
+    assert result.returncode == 0, result.stderr
+    content = json.loads(result.stdout)
+    assert [episode["id"] for episode in content["on_disk"]] == IDS
+    assert [report["run"] for report in content["reports"]] == ["tiny"]
+    said = f"'{copy / 'best'}' holds episode '{IDS[0]}': it was copied or renamed, and does not"
+    assert said in result.stderr
+    assert "report-0-of-2.json' is of another run ('other'), and nothing in it" in result.stderr
+    assert robocell.Dataset(copy).misnamed == {"best": IDS[0]}
+
+
 def test_a_damaged_report_does_not_stop_a_run(dataset: Path, tmp_path: Path):
     copy = shutil.copytree(dataset, tmp_path / "out")
     (copy / "report.json").write_text("{")

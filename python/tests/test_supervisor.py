@@ -17,6 +17,7 @@ from typing import Any
 import pytest
 
 import fake_worker
+from robocell.generate.disk import with_trouble
 from robocell.generate.items import Item, Report
 from robocell.generate.observer import Observer
 from robocell.generate.supervisor import Limits, Supervisor
@@ -397,6 +398,15 @@ def test_a_full_disk_ends_the_run_at_once(tmp_path: Path):
     assert "steps.h5" in outcome.fatal.message
     assert trouble in outcome.fatal.message
     assert len(fake_worker.tries_of(tmp_path)) <= 2
+
+
+def test_the_room_on_a_full_disk_is_told_once():
+    said = "cannot write 'x': No space left on device. More than 9 bytes are needed, 9 are free"
+    hint = f"{said} there. Make room and try again."
+    assert with_trouble(hint, "the disk of 'out' is full: 0 kB are free") == hint
+    assert with_trouble(said, "the disk of 'out' is full: 0 kB are free").count("free") == 2
+    other = "cannot write into 'out': Permission denied"
+    assert with_trouble(hint, other) == f"{hint}\n{other}"
 
 
 def test_a_passing_write_error_is_tried_again_and_a_lasting_one_ends_the_run(tmp_path: Path):

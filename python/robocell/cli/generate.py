@@ -9,7 +9,7 @@ import sys
 from collections.abc import Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -88,15 +88,31 @@ def generate(
             _say_plan(job, as_json=progress is ProgressChoice.JSONL)
             return
         result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
+    except KeyboardInterrupt:
+        end_early()
     except DamagedEpisodesError as error:
-        remedy = shlex.join(["robocell", "verify", "--repair", str(job.dataset)])
-        text = f"these are in the way of the run's episodes:\n{error}"
-        fail(f"{text}\nSet damaged ones aside: {remedy}", ExitCode.OUTPUT)
+        fail(in_the_way(str(error), job.dataset), ExitCode.OUTPUT)
     nothing_tried = result.outcome.fatal and not result.outcome.totals.attempts
     if progress is not ProgressChoice.JSONL and not no_report and not nothing_tried:
         summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)
         print_wide(summary.table())
     _end(result)
+
+
+def end_early() -> NoReturn:
+    """Ctrl-C before there are workers, who would be asked to stop."""
+    again = resume_command(sys.argv[1:])
+    print_warning(f"interrupted before an episode was begun.\nThis begins again: {again}")
+    raise typer.Exit(ExitCode.INTERRUPTED)
+
+
+def in_the_way(problems: str, dataset: Path) -> str:
+    """What has the names of episodes that are to be made, with what helps."""
+    text = f"these are in the way of the run's episodes:\n{problems}"
+    if all(line.endswith("move it away yourself") for line in problems.splitlines()):
+        return text
+    remedy = shlex.join(["robocell", "verify", "--repair", str(dataset)])
+    return f"{text}\nSet damaged ones aside: {remedy}"
 
 
 def many_workers(workers: int) -> str:
@@ -144,6 +160,8 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
         found = estimate(job.run_file, job.overrides, to_do, job.run.workers, before_s=age_s())
     except ProbeError as error:
         fail(f"no episode can be made: {error}", EXIT_CODES[error.failure.kind])
+    if too_small := too_little_room(found.bytes, job.dataset):
+        print_warning(too_small)
     if as_json:
         print(json.dumps({"event": "estimate", **found.to_json()}))
         return
@@ -152,9 +170,18 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
         print(f"  {label + ':':<10}{text}")
     if not found.successes:
         fail(f"none of the {found.tried} tried succeeded: see the reasons", ExitCode.INCOMPLETE)
-    free = free_bytes(job.dataset)
-    if found.bytes > free:
-        print_warning(f"{size(free)} are free on the disk of '{job.dataset.absolute()}'")
+
+
+def too_little_room(needed: int, dataset: Path) -> str:
+    """What to say when a run needs more bytes than are free; empty when they are enough."""
+    free = free_bytes(dataset)
+    if needed <= free:
+        return ""
+    return (
+        f"the disk of '{dataset.absolute()}' is too small: about {size(needed)} are needed "
+        f"({needed} bytes), {size(free)} are free there ({free} bytes). Make room, or name another "
+        "folder (--output)"
+    )
 
 
 def _end(result: Result) -> None:

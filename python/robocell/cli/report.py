@@ -99,9 +99,20 @@ def _read(dataset: Path) -> tuple[list[OnDisk], dict[str, str]]:
 
 def _load_all(dataset: Path) -> list[RunReport]:
     try:
-        return [load(path) for path in report_paths(dataset)]
+        return [load(path) for path in report_paths(dataset) if _is_its_own(dataset, path)]
     except DamagedReportError as error:
         fail(f"{error}\nThe next `robocell generate` writes a new one", ExitCode.OUTPUT)
+
+
+def _is_its_own(dataset: Path, report: Path) -> bool:
+    """Whether a report is of the dataset's run; another one is told."""
+    run = _core.other_run_of(report.read_bytes().decode(errors="replace"), dataset)
+    if run is not None:
+        print_warning(
+            f"'{report}' is of another run ('{run}'), and nothing in it counts: `robocell verify "
+            "--repair` sets it aside"
+        )
+    return run is None
 
 
 def _totals(reports: Sequence[RunReport]) -> Totals | None:

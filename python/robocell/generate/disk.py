@@ -12,6 +12,8 @@ from robocell import IoError
 # Less than this is as good as full: an episode with videos is a few megabytes.
 FREE_BYTES_NEEDED = 16 << 20
 PROBE_BYTES = 64 << 10
+FULL = "is full"
+TELLS_ROOM = "Make room and try again."  # see full_disk.h
 
 
 def free_bytes(folder: Path) -> int:
@@ -45,7 +47,8 @@ def require_writable(folder: Path) -> None:
     probe = there / f".probe.{os.getpid()}.0.partial"  # as of writers, which clean up
     try:
         probe.mkdir()
-        probe.rmdir()
+        with contextlib.suppress(FileNotFoundError):  # another run has tidied up
+            probe.rmdir()
     except OSError as error:
         reason = error.strerror or str(error)
         if isinstance(error, FileNotFoundError):  # as /proc says, which is there
@@ -67,13 +70,19 @@ def flush(folder: Path) -> None:
         os.close(descriptor)
 
 
+def with_trouble(message: str, trouble: str) -> str:
+    """What a worker said of a failure, and `disk_trouble`; room is told once."""
+    told = TELLS_ROOM in message and FULL in trouble
+    return message if told else f"{message}\n{trouble}"
+
+
 def disk_trouble(folder: Path) -> str | None:
     """Why nothing can be written into the folder, or None. Tries it with a small file."""
     probe = folder / f".probe.{os.getpid()}"
     try:
         free = shutil.disk_usage(folder).free
         if free < FREE_BYTES_NEEDED:
-            return f"the disk of '{folder}' is full: {free >> 10} kB are free"
+            return f"the disk of '{folder}' {FULL}: {free >> 10} kB are free"
         with probe.open("xb") as file:
             file.write(bytes(PROBE_BYTES))
             file.flush()

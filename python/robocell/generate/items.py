@@ -98,7 +98,8 @@ class Report:
 
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""
-        return asdict(self)
+        # asdict makes pairs of a Counter's keys and values.
+        return {k: dict(v) if isinstance(v, Mapping) else v for k, v in vars(self).items()}
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Report:

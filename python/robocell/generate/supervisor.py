@@ -25,6 +25,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from robocell.generate.disk import with_trouble
 from robocell.generate.items import Item, Report
 from robocell.generate.observer import Observer
 from robocell.generate.protocol import Failure, FailureKind, ProtocolError
@@ -298,7 +299,7 @@ class Supervisor:
         worker.finish()
         item = worker.item
         if failure.kind == "io" and (trouble := self._disk_trouble()):
-            self._give_up_run("io", f"{failure.message}\n{trouble}")
+            self._give_up_run("io", with_trouble(failure.message, trouble))
         elif failure.kind == "io" and item and self._tries[item.id] + 1 >= self._limits.tries:
             self._give_up_run("io", failure.message)
         self._drop_item(worker, failure.message, failure.kind)

@@ -12,8 +12,9 @@ namespace robocell {
 // "123 bytes are needed, 45 are free there. Make room and try again."
 std::string SpaceHint(const std::filesystem::path& path, std::optional<uint64_t> needed_bytes);
 
-// The words of another library or program, which give no error number; when they tell of a full
-// disk and give no such hint, with one: more than `written_bytes` are needed.
+// What somebody said of a thing that is written bit by bit, while the part of it that is there
+// still takes up `written_bytes`. When it tells of a full disk, with one hint: more is needed than
+// there is without that part. A hint about the last bit is left out.
 std::string WithSpaceHint(std::string said, const std::filesystem::path& path,
                           uint64_t written_bytes);
 

@@ -9,6 +9,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
@@ -45,16 +46,21 @@ Dataset::Dataset(fs::path folder) : folder_(std::move(folder)) {
   // An empty folder may become one.
   std::error_code error;
   if (ids_.empty() && broken_.empty() && !fs::is_empty(folder_, error)) RequireDataset(folder_);
+  for (const auto& [name, id] : misnamed_) LogWarn(MisnamedText(folder_ / name, id));
 }
 
 void Dataset::Refresh() {
   ids_.clear();
   broken_.clear();
+  misnamed_.clear();
   std::error_code error;
   if (!fs::exists(folder_, error) && !error) ThrowNoDataset(folder_);
   for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
     const std::string name = it->path().filename().string();
-    if (IsEpisodeId(name) && IsCommitted(it->path()))
+    const bool committed = IsEpisodeId(name) && IsCommitted(it->path());
+    if (auto id = committed ? OtherIdIn(it->path()) : std::nullopt)
+      misnamed_[name] = std::move(*id);
+    else if (committed)
       ids_.push_back(name);
     else if (IsEpisodeFolder(it->path()))
       broken_.push_back(name);

@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,7 +22,7 @@ namespace robocell {
 class Dataset {
  public:
   // IoError when it is not there, ArgumentError for a folder that holds other things, with the
-  // dataset that is near.
+  // dataset that is near. Misnamed folders are told in the log.
   explicit Dataset(std::filesystem::path folder);
 
   const std::filesystem::path& folder() const { return folder_; }
@@ -30,6 +31,9 @@ class Dataset {
   // Folders with an episode's name that are or were one and have no episode.json: a careless copy,
   // a lost file. They do not count; Repair (verify.h) moves them aside.
   const std::vector<std::string>& broken() const { return broken_; }
+  // Folders whose episode.json is of an episode of another name, with that: somebody copied or
+  // renamed them. They do not count either.
+  const std::map<std::string, std::string>& misnamed() const { return misnamed_; }
   bool Contains(std::string_view id) const;
   // NotFoundError with the nearest ids.
   Episode Open(const std::string& id) const;
@@ -61,6 +65,7 @@ class Dataset {
  private:
   std::filesystem::path folder_;
   std::vector<std::string> ids_, broken_;
+  std::map<std::string, std::string> misnamed_;
 };
 
 // dataset.json: a JSON object as text, kept with a hash of itself (signed_json.h) and replaced in

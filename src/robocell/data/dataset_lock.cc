@@ -2,10 +2,12 @@
 
 #include <fcntl.h>
 #include <unistd.h>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <chrono>
 #include <sstream>
 #include <string_view>
 #include <system_error>
@@ -36,11 +38,13 @@ void WriteOwner(const fs::path& path) {
   const RealFile file(path, O_WRONLY | O_TRUNC, "lock");
   const int64_t self = ::getpid();
   const std::string owner =
-      fmt::format("process {} on {}\nsince {}\n", self, HostName(), ProcessStart(self).value_or(0));
+      fmt::format("process {} on {}\nsince {}\nat {:%FT%TZ}\n", self, HostName(),
+                  ProcessStart(self).value_or(0),
+                  std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
   [[maybe_unused]] const ssize_t written = ::write(file.descriptor(), owner.data(), owner.size());
 }
 
-// "process 7 on host"; "" when it is not known, or has ended.
+// "process 7 on host since 2026-01-31T12:00:00Z"; "" when it is not known, or has ended.
 std::string Owner(const fs::path& path) {
   std::istringstream text(ReadRealFile(path));
   std::string word, host;
@@ -48,7 +52,9 @@ std::string Owner(const fs::path& path) {
   uint64_t start = 0;
   if (!(text >> word >> process >> word >> host >> word >> start)) return "";
   if (host == HostName() && ProcessStart(process) != start) return "";
-  return fmt::format("process {} on {}", process, host);
+  std::string at;
+  text >> word >> at;  // not of earlier versions
+  return fmt::format("process {} on {}{}{}", process, host, at.empty() ? "" : " since ", at);
 }
 
 // N of ".lock-i-of-N"; "" of other names.

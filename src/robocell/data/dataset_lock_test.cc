@@ -21,6 +21,7 @@
 namespace robocell {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 TEST(DatasetLock, IsHeldByOneAtATimeAndNamesItsOwner) {
@@ -46,6 +47,7 @@ TEST(DatasetLock, NamesNoProcessThatHasEnded) {
   const std::string mine = ReadFile(folder / ".lock");
   const auto held = FileLock::Try(folder / ".lock", LockKind::kExclusive);
   EXPECT_THAT(Refusal(folder.path()), HasSubstr("in use by process " + std::to_string(getpid())));
+  EXPECT_THAT(Refusal(folder.path()), ContainsRegex(" since 20[0-9-]+T[0-9:]+Z\\. Wait until"));
   for (const std::string& other :
        {"process 999999999 on " + HostName() + "\nsince 7\n",            // no such process
         mine.substr(0, mine.find("since")) + "since 7\n",                // another one's number
@@ -61,9 +63,10 @@ TEST(DatasetLock, NamesTheShardsAndWritersThatShareIt) {
   TempDir folder;
   { const DatasetLock former(folder.path()); }
   const DatasetLock shard(folder.path(), 3, 8), other(folder.path(), 0, 8);
-  const std::string me = "(process " + std::to_string(getpid()) + " on " + HostName() + ")";
+  const std::string me =
+      "\\(process " + std::to_string(getpid()) + " on " + HostName() + " since [^)]*Z\\)";
   EXPECT_THAT(Refusal(folder.path()),
-              HasSubstr("in use by shards: 0-of-8 " + me + ", 3-of-8 " + me + ". Wait"));
+              ContainsRegex("in use by shards: 0-of-8 " + me + ", 3-of-8 " + me + "\\. Wait"));
   const DatasetLock writer = DatasetLock::Writing(folder.path());
   EXPECT_THAT(ExpectThrow<IoError>([&] { DatasetLock::Alone(folder.path()); }, "in use"),
               HasSubstr("in use by "));

@@ -6,6 +6,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/log.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -15,6 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Pair;
 
 TEST(Dataset, EpisodesComeInTheOrderOfTheirIds) {
   TempDir folder;
@@ -40,6 +43,23 @@ TEST(Dataset, OnlyCommittedEpisodesCount) {
   dataset.Refresh();
   EXPECT_THAT(dataset.ids(), ElementsAre("a"));
   EXPECT_THAT(dataset.broken(), ElementsAre("c")) << "not dropped silently";
+}
+
+TEST(Dataset, CopiedAndRenamedEpisodesAreToldAndDoNotCount) {
+  TempDir folder;
+  for (const char* id : {"a", "b"}) SampleEpisode(0, false).Write(folder.path(), id);
+  fs::copy(folder / "a", folder / "a_copy");
+  fs::rename(folder / "b", folder / "c");
+  std::vector<std::string> told;
+  const ScopedLogSink log([&](LogLevel, std::string_view text) { told.emplace_back(text); });
+  const Dataset dataset(folder.path());
+  EXPECT_THAT(dataset.ids(), ElementsAre("a"));
+  EXPECT_THAT(dataset.misnamed(), ElementsAre(Pair("a_copy", "a"), Pair("c", "b")));
+  EXPECT_THAT(told,
+              ElementsAre(HasSubstr("a_copy' holds episode 'a': it was copied or renamed"),
+                          HasSubstr("c' holds episode 'b': it was copied or renamed, and does "
+                                    "not count. Remove the copy, or give the folder its name "
+                                    "back")));
 }
 
 TEST(Dataset, AMissingFolderIsNamed) {

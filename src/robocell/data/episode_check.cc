@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 std::vector<std::string> ColumnsOfWrongLength(const fs::path& folder) {
-  const Episode episode(folder);
+  const Episode episode(folder, StepsBytes::kCompared);
   std::vector<std::string> found;
   for (const ColumnInfo& column : episode.columns()) {
     if (column.table.empty() || column.rows == episode.rows(column.table)) continue;
@@ -90,7 +90,10 @@ class EpisodeCheck {
     }
     description_ = Json::parse(text);
     if (description_.value("id", "") != folder_.filename().string()) {
-      Report(file, fmt::format("it describes episode '{}'", description_.value("id", "")));
+      Report(file, fmt::format(
+                       "it describes episode '{}': the folder was copied or renamed, and does not "
+                       "count. Remove the copy, or give the folder its name back",
+                       description_.value("id", "")));
     }
     return true;
   }

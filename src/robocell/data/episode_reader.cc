@@ -71,6 +71,7 @@ std::vector<std::string> Names(const std::vector<Info>& infos) {
 
 struct Episode::Impl {
   fs::path folder;
+  StepsBytes steps_bytes = StepsBytes::kCompare;
   std::string text;
   Json json;
   std::string id;
@@ -177,7 +178,7 @@ struct Episode::Impl {
   // On first use: lists of episodes need episode.json only.
   const hdf5::File& Steps() const {
     std::call_once(opened, [&] {
-      RequireUndamagedSteps();
+      if (steps_bytes == StepsBytes::kCompare) RequireUndamagedSteps();
       hdf5::File file = hdf5::File::OpenReadOnly(RequireReadable(folder / kStepsFile));
       for (const std::string& name : file.DatasetNames()) columns.push_back(ReadColumn(file, name));
       steps.emplace(std::move(file));
@@ -196,8 +197,9 @@ struct Episode::Impl {
   }
 };
 
-Episode::Episode(const fs::path& folder) : impl_(std::make_unique<Impl>()) {
+Episode::Episode(const fs::path& folder, StepsBytes steps) : impl_(std::make_unique<Impl>()) {
   impl_->folder = folder;
+  impl_->steps_bytes = steps;
   impl_->text = ReadRealFile(folder / kEpisodeFile);
   impl_->Parse();
 }

@@ -49,9 +49,13 @@ struct RowRange {
   std::optional<int64_t> count;  // to the end if unset
 };
 
+// Whether the bytes of steps.h5 are compared with their hash before HDF5 sees them, or were just
+// now.
+enum class StepsBytes { kCompare, kCompared };
+
 class Episode {
  public:
-  explicit Episode(const std::filesystem::path& folder);
+  explicit Episode(const std::filesystem::path& folder, StepsBytes steps = StepsBytes::kCompare);
   ~Episode();
   Episode(Episode&&) noexcept;
   Episode& operator=(Episode&&) noexcept;

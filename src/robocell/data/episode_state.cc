@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <fstream>
 #include <system_error>
+#include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/io_error.h"
@@ -29,7 +32,35 @@ bool LooksLikeEpisode(const fs::path& folder) {
   return static_cast<bool>(error);  // one bad folder must not hide the others
 }
 
+// The line of the id, `  "id": "s0000_e0003",`, as a JSON text.
+std::string IdLine(std::string_view beginning) {
+  constexpr std::string_view kKey = "\n  \"id\": ";
+  const size_t at = beginning.find(kKey);
+  if (at == std::string_view::npos) return "";
+  const std::string_view value = beginning.substr(at + kKey.size());
+  const size_t end = value.find('\n');
+  if (end == std::string_view::npos) return "";
+  return std::string(value.substr(0, value[end - 1] == ',' ? end - 1 : end));
+}
+
 }  // namespace
+
+std::optional<std::string> OtherIdIn(const fs::path& folder) {
+  std::array<char, 4096> block{};
+  std::ifstream file(folder / kEpisodeFile, std::ios::binary);
+  file.read(block.data(), block.size());
+  const std::string line = IdLine({block.data(), static_cast<size_t>(file.gcount())});
+  const auto id = nlohmann::json::parse(line, nullptr, false);
+  if (!id.is_string() || id == folder.filename().string()) return std::nullopt;
+  return id.get<std::string>();
+}
+
+std::string MisnamedText(const fs::path& folder, const std::string& id) {
+  return fmt::format(
+      "'{}' holds episode '{}': it was copied or renamed, and does not count. Remove the copy, or "
+      "give the folder its name back",
+      folder.string(), id);
+}
 
 bool IsCommitted(const fs::path& folder) {
   std::error_code ignored;
@@ -47,7 +78,6 @@ EpisodeLook LookAtEpisode(const fs::path& folder) {
   const fs::file_status status = fs::symlink_status(folder, error);
   if (status.type() == fs::file_type::not_found) return {};
   if (error) ThrowIoError("look at", folder, error.value());
-  constexpr const char* kMoveAway = "repair leaves it alone, move it away yourself";
   if (!fs::is_directory(folder, error)) {
     return Broken(
         fmt::format("'{}' has an episode's name and is no folder: {}", folder.string(), kMoveAway));
@@ -63,7 +93,10 @@ EpisodeLook LookAtEpisode(const fs::path& folder) {
                           kMoveAway));
   }
   try {
-    return {.state = EpisodeState::kWhole, .success = Episode(folder).success()};
+    const Episode episode(folder);
+    if (episode.id() != folder.filename().string())
+      return Broken(MisnamedText(folder, episode.id()));
+    return {.state = EpisodeState::kWhole, .success = episode.success()};
   } catch (const Error& damage) {
     return Broken(damage.what());
   }

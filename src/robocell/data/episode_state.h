@@ -7,7 +7,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace robocell {
 
@@ -23,10 +25,18 @@ struct EpisodeLook {
   std::string problem = {};  // of a broken one: what is wrong, naming the folder
 };
 
+// The end of what is told of things that repair does not touch.
+inline constexpr std::string_view kMoveAway = "repair leaves it alone, move it away yourself";
+
 EpisodeLook LookAtEpisode(const std::filesystem::path& folder);
 
 // Whether a folder is listed as an episode: it holds episode.json.
 bool IsCommitted(const std::filesystem::path& folder);
+// The id that an episode's description gives it, when that is not its folder's name: the folder was
+// copied or renamed. Reads no more than the beginning; unset when nothing can be said.
+std::optional<std::string> OtherIdIn(const std::filesystem::path& folder);
+// What to say of it: it is no episode of its dataset.
+std::string MisnamedText(const std::filesystem::path& folder, const std::string& id);
 // Whether a folder has an episode's name and is or was one, and not something that a user put
 // there. One that cannot be listed is taken for one: looking at it (LookAtEpisode, Verify) says
 // why.

@@ -70,6 +70,19 @@ TEST_F(EpisodeStateTest, DamageIsNamed) {
   ExpectBroken("episode.json");
 }
 
+TEST_F(EpisodeStateTest, OneThatWasCopiedOrRenamedIsNoEpisodeOfThatName) {
+  SampleEpisode(0, false).Write(folder_.path(), "f");
+  EXPECT_EQ(OtherIdIn(folder_ / "f"), std::nullopt);
+  fs::copy(folder_ / "f", e());
+  EXPECT_EQ(OtherIdIn(e()), "f");
+  ExpectBroken(
+      "' holds episode 'f': it was copied or renamed, and does not count. Remove the copy");
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("e"));
+  AtomicWrite(folder_ / "f/episode.json", "{\n  \"id\": \"g");
+  EXPECT_EQ(OtherIdIn(folder_ / "f"), std::nullopt) << "damage is told as that";
+  EXPECT_EQ(OtherIdIn(folder_ / "none"), std::nullopt);
+}
+
 TEST_F(EpisodeStateTest, ForeignThingsAreLeftAloneWithAWordAboutIt) {
   AtomicWrite(e(), "a file");
   ExpectBroken("is no folder: repair leaves it alone, move it away yourself");

@@ -117,9 +117,9 @@ struct EpisodeWriter::Impl {
 
   [[noreturn]] void Fail(const std::string& reason) {
     state = State::kFailed;
-    const uint64_t written = BytesWritten();
+    failure =
+        fmt::format("{} is not saved: {}", name, WithSpaceHint(reason, dataset, BytesWritten()));
     Remove();
-    failure = fmt::format("{} is not saved: {}", name, WithSpaceHint(reason, dataset, written));
     throw IoError(failure);
   }
 

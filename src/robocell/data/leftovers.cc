@@ -32,7 +32,9 @@ void AddUnfinished(const fs::path& folder, const std::string& prefix,
 
 bool IsOf(const DeadWriter& writer, const std::string& name) {
   const auto parsed = TemporaryName::Parse(fs::path(name).filename().string());
-  return parsed->process == writer.process && parsed->name.starts_with(writer.episode);
+  const bool is_model = name.starts_with(std::string(kModelsFolder) + "/");
+  return parsed->process == writer.process &&
+         (is_model || parsed->name.starts_with(writer.episode));
 }
 
 // Under its lock. The lock goes last and the folder only when it is empty then: between the two

@@ -23,7 +23,8 @@ struct DeadWriter {
   int64_t process = 0;
 };
 
-// Removes what nobody is writing and returns its names. Of one dead writer, or all: that is for
+// Removes what nobody is writing and returns its names. Of one dead writer (its episode, and models
+// that it was storing), or all: that is for
 // whoever holds the lock of the whole dataset, as single files are not locked. Process numbers
 // alone are not enough: other machines may write into the folder. On a file system without locks
 // folders stay.

@@ -41,14 +41,18 @@ TEST(RemoveLeftovers, OfFoldersLeavesFilesAndTheFoldersOfTheLiving) {
   EXPECT_EQ(UnfinishedIn(temp.path()).size(), 2u);
 }
 
-TEST(RemoveLeftovers, OfADeadWriterAreItsAttemptsOnly) {
+TEST(RemoveLeftovers, OfADeadWriterAreItsAttemptsAndItsModels) {
   TempDir temp;
+  fs::create_directories(temp / "models/.rc7-0123.7.3.partial/content");
+  fs::create_directories(temp / "models/.rc7-0123.8.3.partial/content");
   for (const char* name :
        {".e1.7.1.partial", ".e1_a03.7.2.partial", ".e2.7.1.partial", ".e1.8.1.partial"})
     fs::create_directory(temp / name);
-  EXPECT_THAT(RemoveLeftovers(temp.path(), DeadWriter{"e1", 7}),
-              ElementsAre(".e1.7.1.partial", ".e1_a03.7.2.partial"));
-  EXPECT_THAT(UnfinishedIn(temp.path()), ElementsAre(".e1.8.1.partial", ".e2.7.1.partial"));
+  EXPECT_THAT(
+      RemoveLeftovers(temp.path(), DeadWriter{"e1", 7}),
+      ElementsAre(".e1.7.1.partial", ".e1_a03.7.2.partial", "models/.rc7-0123.7.3.partial"));
+  EXPECT_THAT(UnfinishedIn(temp.path()),
+              ElementsAre(".e1.8.1.partial", ".e2.7.1.partial", "models/.rc7-0123.8.3.partial"));
 }
 
 TEST(RemoveLeftovers, LeavesWhatALivingWriterIsAt) {

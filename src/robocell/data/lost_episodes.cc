@@ -10,6 +10,7 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/folder_names.h"
+#include "robocell/data/report_origin.h"
 #include "robocell/data/signed_json.h"
 
 namespace robocell {
@@ -18,11 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-// Nothing of a report that is damaged or by somebody else: Verify tells of those by themselves.
-void AddSuccesses(const fs::path& report, std::set<std::string>& ids) {
+// Nothing of a report that is damaged, by somebody else or of another run: Verify tells of those by
+// themselves.
+void AddSuccesses(const fs::path& dataset, const std::string& name, std::set<std::string>& ids) {
   try {
-    const std::string text = ReadRealFile(report);
-    if (JsonDamage(text)) return;
+    const std::string text = ReadRealFile(dataset / name);
+    if (JsonDamage(text) || OtherRunOf(text, dataset)) return;
     const json account = json::parse(text);
     for (const json& episode : account.at("episodes")) {
       if (episode.at("success") == true) ids.insert(episode.at("id").get<std::string>());
@@ -79,7 +81,7 @@ class Present {
 std::vector<std::string> LostEpisodes(const fs::path& dataset) {
   std::set<std::string> told;
   for (const std::string& name : FolderNames(dataset)) {
-    if (IsReportFile(name)) AddSuccesses(dataset / name, told);
+    if (IsReportFile(name)) AddSuccesses(dataset, name, told);
   }
   const Present present(dataset);
   std::erase_if(told, [&](const std::string& id) { return present.Has(id); });

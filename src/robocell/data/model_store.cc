@@ -134,6 +134,12 @@ std::map<std::string, std::string> DamageOfStoredModel(const fs::path& dataset,
   return {{"", "its files are not what was stored"}};
 }
 
+FileSums SumsOfStoredModel(const fs::path& dataset, const std::string& path) {
+  const fs::path folder = dataset / StoredModelFolder(path);
+  if (auto stored = StoredSums(folder)) return *std::move(stored);
+  return SumsOfModel(folder);
+}
+
 bool HasModelList(const fs::path& dataset, const std::string& path) {
   return StoredSums(dataset / StoredModelFolder(path)).has_value();
 }

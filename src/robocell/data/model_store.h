@@ -37,6 +37,9 @@ std::string StoredModelFolder(const std::string& path);
 std::map<std::string, std::string> DamageOfStoredModel(const std::filesystem::path& dataset,
                                                        const std::string& path);
 
+// Its files as they were stored, or, when their list is lost, as they are.
+FileSums SumsOfStoredModel(const std::filesystem::path& dataset, const std::string& path);
+
 // Whether the list of a stored model, which has a path or folder as above, is there and whole.
 bool HasModelList(const std::filesystem::path& dataset, const std::string& path);
 

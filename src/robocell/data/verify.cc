@@ -6,12 +6,14 @@
 #include <map>
 #include <set>
 #include <system_error>
+#include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
+#include "robocell/data/changed_models.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_check.h"
@@ -25,6 +27,7 @@
 #include "robocell/data/model_store.h"
 #include "robocell/data/own_folders.h"
 #include "robocell/data/quarantine.h"
+#include "robocell/data/report_origin.h"
 #include "robocell/data/require_dataset.h"
 #include "robocell/data/signed_json.h"
 #include "robocell/media/ffmpeg.h"
@@ -54,8 +57,14 @@ void CheckManifest(const fs::path& dataset, VerifyReport& report) {
 
 void CheckReport(const fs::path& dataset, const std::string& name, VerifyReport& report) {
   try {
-    if (const auto damage = JsonDamage(ReadRealFile(dataset / name)))
-      AddPart(name, *damage, ProblemKind::kDamage, report);
+    const std::string text = ReadRealFile(dataset / name);
+    if (const auto damage = JsonDamage(text))
+      return AddPart(name, *damage, ProblemKind::kDamage, report);
+    const auto other = OtherRunOf(text, dataset);
+    if (!other) return;
+    AddPart(name, fmt::format("it is of another run ('{}'): nothing in it counts", *other),
+            ProblemKind::kForeign, report);
+    report.foreign.push_back(name);
   } catch (const Error& error) {
     AddPart(name, error.what(), KindOf(error), report);
   }
@@ -77,6 +86,31 @@ void AddEpisode(const std::string& id, const std::vector<VerifyProblem>& problem
     if (problem.kind == ProblemKind::kForeign && !has(ProblemKind::kDamage))
       report.foreign.push_back(id + "/" + problem.file);
     report.problems.push_back(problem);
+  }
+}
+
+// The sampler of a user brings models that the run does not list.
+bool HasOwnSampler(const Episode& episode) {
+  const auto metadata = nlohmann::json::parse(episode.metadata_json());
+  return metadata.is_object() && metadata.contains("task") && metadata.at("task") == "custom";
+}
+
+// An intact episode that was made after somebody had changed a model file.
+void CheckModelsOf(const fs::path& folder, const std::map<std::string, std::string>& changed,
+                   std::vector<VerifyProblem>& problems) {
+  if (changed.empty() || !problems.empty()) return;
+  const Episode episode(folder);
+  if (HasOwnSampler(episode)) return;
+  for (const auto& [name, path] : episode.models()) {
+    const auto it = changed.find(StoredModelFolder(path));
+    if (it == changed.end()) continue;
+    problems.push_back(
+        {episode.id(), "",
+         fmt::format("it was made with another '{}' ({}) than the one that dataset.json lists: the "
+                     "file was changed while the run went on. `robocell verify --repair` sets it "
+                     "aside, `robocell generate` makes it again",
+                     it->second, it->first)});
+    return;
   }
 }
 
@@ -187,9 +221,13 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
   for (const std::string& name : UnfinishedIn(dataset))
     (IsBeingWritten(dataset / name) ? report.being_written : report.leftovers).push_back(name);
   report.has_manifest = fs::exists(dataset / kManifestFile);
+  const std::map<std::string, std::string> changed = ChangedModels(dataset);
   EpisodeChecker checker(options.decode_videos);
   for (size_t i = 0; i < episodes.size(); ++i) {
-    AddEpisode(episodes[i], checker.Check(dataset / episodes[i]), report);
+    const fs::path folder = dataset / episodes[i];
+    std::vector<VerifyProblem> problems = checker.Check(folder);
+    CheckModelsOf(folder, changed, problems);
+    AddEpisode(episodes[i], problems, report);
     if (options.progress) options.progress(i + 1, episodes.size());
   }
   CheckManifest(dataset, report);

@@ -23,7 +23,8 @@ struct VerifyReport {
   std::vector<std::string> good;       // ids of intact episodes
   std::vector<std::string> bad;        // ids of damaged ones
   std::vector<std::string> unjudged;   // ids of those that cannot be judged here, as without access
-  std::vector<std::string> foreign;    // things in intact episodes that do not belong there
+  std::vector<std::string> foreign;    // things that do not belong there, in intact episodes or
+                                       // the dataset
   std::vector<std::string> bad_parts;  // damaged parts of the dataset itself, by name
   std::vector<std::string> unlisted;   // models that are whole but for the list of their files
   std::vector<VerifyProblem> problems;  // of the bad ones, and of the dataset

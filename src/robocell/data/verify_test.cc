@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/hash.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/episode_check.h"
 #include "robocell/data/lost_episodes.h"
@@ -251,7 +252,9 @@ TEST_F(VerifyTest, ARenamedEpisodeIsNamed) {
   fs::rename(folder_ / "b", folder_ / "d");
   const VerifyReport report = Verify(folder_.path());
   ASSERT_EQ(report.problems.size(), 1u);
-  EXPECT_EQ(report.problems[0].Text(), "d/episode.json: it describes episode 'b'");
+  EXPECT_EQ(report.problems[0].Text(),
+            "d/episode.json: it describes episode 'b': the folder was copied or renamed, and does "
+            "not count. Remove the copy, or give the folder its name back");
 }
 
 TEST_F(VerifyTest, DamagedDepthIsNamedAndWholeDepthDecodes) {
@@ -274,6 +277,26 @@ TEST_F(VerifyTest, ADamagedReportIsNamedAndSetAside) {
   const VerifyReport report = Verify(folder_.path());
   EXPECT_THAT(report.Text(), HasSubstr("report-0-of-2.json: it carries no hash of itself"));
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("report-0-of-2.json"));
+  EXPECT_TRUE(Verify(folder_.path()).ok());
+}
+
+// A report.json that was copied from another dataset.
+TEST_F(VerifyTest, AReportOfAnotherRunIsNamedAndNotBelieved) {
+  WriteManifest(folder_.path(), R"({"identity": "seed: 0"})");
+  const auto account = [](const std::string& identity) {
+    return SignJson(fmt::format(R"({{"run": "pick", "identity": "{}", "episodes": )"
+                                R"([{{"id": "z", "success": true}}], "json_sha256": "{}"}})",
+                                Sha256(identity), kUnsigned));
+  };
+  Store(folder_ / "report.json", account("seed: 0"));
+  EXPECT_THAT(LostEpisodes(folder_.path()), ElementsAre("z"));
+  Store(folder_ / "report.json", account("seed: 7"));
+  EXPECT_THAT(LostEpisodes(folder_.path()), IsEmpty());
+  const VerifyReport report = Verify(folder_.path());
+  ASSERT_EQ(report.problems.size(), 1u) << report.Text();
+  EXPECT_EQ(report.problems[0].Text(),
+            "report.json: it is of another run ('pick'): nothing in it counts");
+  EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre("report.json"));
   EXPECT_TRUE(Verify(folder_.path()).ok());
 }
 

@@ -48,8 +48,7 @@ class Attempts {
 
 EpisodeLook InTheWay(const fs::path& folder, const std::string& what) {
   return {.state = EpisodeState::kBroken,
-          .problem = fmt::format("'{}' is {}: repair leaves it alone, move it away yourself",
-                                 folder.string(), what)};
+          .problem = fmt::format("'{}' is {}: {}", folder.string(), what, kMoveAway)};
 }
 
 // "" when it is the run's own.
@@ -88,6 +87,7 @@ Attempts::Found Attempts::Look(const PlanItem& item, int attempt) const {
 }
 
 [[noreturn]] void ThrowBroken(const RunConfig& run, const std::string& problem) {
+  if (problem.ends_with(kMoveAway)) throw IoError(problem);
   throw IoError(fmt::format("{}\nSet it aside: robocell verify --repair {}", problem, run.output));
 }
 

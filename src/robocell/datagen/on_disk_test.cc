@@ -5,6 +5,7 @@
 #include <mujoco/mujoco.h>
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
@@ -114,7 +115,18 @@ TEST_F(OnDiskTest, EpisodesOfAnotherRunAreNamedAndNotCounted) {
   EXPECT_THAT(found.broken, ElementsAre("'" + (folder / "e").string() +
                                         "' is an episode of another run (seed: 7 then, 0 now): "
                                         "repair leaves it alone, move it away yourself"));
-  ExpectThrow<IoError>([&] { IsComplete(run, item); }, "of another run");
+  for (const auto& look : std::vector<std::function<void()>>{[&] { IsComplete(run, item); },
+                                                             [&] { KeptAttempt(run, item, 0); }}) {
+    EXPECT_EQ(ExpectThrow<IoError>(look, "of another run"), found.broken.front())
+        << "repair is no advice here";
+  }
+}
+
+TEST_F(OnDiskTest, ARenamedEpisodeIsNamedAndNotCounted) {
+  Write("f", true);
+  fs::rename(folder / "f", folder / "e");
+  EXPECT_FALSE(LookForItem(run, item).success);
+  ExpectThrow<IoError>([&] { IsComplete(run, item); }, "holds episode 'f'");
 }
 
 TEST_F(OnDiskTest, EpisodesOfOtherVersionsOrMakersAreNeitherCounted) {

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -141,12 +142,25 @@ std::optional<DatasetLock> TryAlone(const fs::path& dataset, bool last_try) {
   }
 }
 
+// False when somebody else has just written it, or has swept our half away: whoever generates
+// removes what the dead left, and single files do not tell the dead from the living.
+bool TryWriteManifest(const RunConfig& run, const RunInputs& inputs, bool last_try) {
+  try {
+    WriteManifest(run.output, Manifest(run, inputs));
+    return true;
+  } catch (const IoError& error) {
+    if (error.system_error() != ENOENT || last_try) throw;
+    return false;
+  }
+}
+
 // A new manifest is the same whoever writes it. One that replaces another is written under the
 // lock, so that nobody makes an episode meanwhile; another shard may be at it too.
 void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
   for (int patience = kLockTries; MustBegin(run, inputs); --patience) {
-    if (!ReadManifest(run.output)) return WriteManifest(run.output, Manifest(run, inputs));
-    if (const auto lock = TryAlone(run.output, patience == 0)) {
+    if (!ReadManifest(run.output)) {
+      if (TryWriteManifest(run, inputs, patience == 0)) return;
+    } else if (const auto lock = TryAlone(run.output, patience == 0)) {
       if (MustBegin(run, inputs)) WriteManifest(run.output, Manifest(run, inputs));
       return;
     }
@@ -208,7 +222,7 @@ void CheckDataset(const RunConfig& run) {
   if (error) ThrowIoError("look at the dataset's folder", run.output, error.value());
 }
 
-void RequireSameRun(const RunConfig& run) {
+RunInputs RequireSameRun(const RunConfig& run) {
   const std::optional<std::string> manifest = ReadManifest(run.output);
   if (!manifest) {
     throw SpecError(
@@ -216,8 +230,9 @@ void RequireSameRun(const RunConfig& run) {
                     "(prepare_dataset in Python) first",
                     run.run, run.output));
   }
-  if (const auto changes = Changes(*manifest, InputsOf(run)); !changes.empty())
-    ThrowChanged(run, changes);
+  RunInputs inputs = InputsOf(run);
+  if (const auto changes = Changes(*manifest, inputs); !changes.empty()) ThrowChanged(run, changes);
+  return inputs;
 }
 
 }  // namespace robocell

@@ -2,7 +2,7 @@
 // the run goes on.
 #pragma once
 
-#include "robocell/spec/run_config.h"
+#include "robocell/datagen/run_inputs.h"
 
 namespace robocell {
 
@@ -23,7 +23,8 @@ void PrepareDataset(const RunConfig& run, const PrepareOptions& options = {});
 // What PrepareDataset would say of the folder. Writes nothing.
 void CheckDataset(const RunConfig& run);
 
-// SpecError unless the dataset was prepared for this run. Writes nothing.
-void RequireSameRun(const RunConfig& run);
+// SpecError unless the dataset was prepared for this run. Writes nothing. What the run is made from
+// here and now.
+RunInputs RequireSameRun(const RunConfig& run);
 
 }  // namespace robocell

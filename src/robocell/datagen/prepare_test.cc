@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
+#include <thread>
 #include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
@@ -11,6 +14,7 @@
 #include "robocell/base/files.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
+#include "robocell/data/leftovers.h"
 #include "robocell/data/model_store.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/data/verify.h"
@@ -80,6 +84,25 @@ TEST(PrepareDataset, IsTheSameManifestWhoeverMakesIt) {
   run.workers = 7;
   PrepareDataset(run);
   EXPECT_EQ(ReadManifest(folder / "a"), ReadManifest(folder / "b"));
+}
+
+// Several commands begin at once, and the quickest tidies up what the dead left.
+TEST(PrepareDataset, IsNotDisturbedByWhoeverTidiesUp) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  std::filesystem::create_directory(folder / "out");
+  std::atomic<bool> done = false;
+  std::thread sweeper([&] {
+    for (; !done; std::this_thread::sleep_for(std::chrono::milliseconds(5)))
+      RemoveLeftovers(folder / "out");
+  });
+  for (int i = 0; i < 20; ++i) {
+    std::filesystem::remove(folder / "out/dataset.json");
+    EXPECT_NO_THROW(PrepareDataset(run, {.check_run = false}));
+  }
+  done = true;
+  sweeper.join();
+  EXPECT_NO_THROW(RequireSameRun(run));
 }
 
 TEST(PrepareDataset, GoesOnWithMoreEpisodesAndOtherWorkers) {

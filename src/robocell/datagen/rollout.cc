@@ -180,6 +180,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   if (!result.success && result.failure.empty())
     result.failure = WhyFailed(result, expert, truncated);
   if (!result.success && !options.keep_failures) return result;
+  if (options.before_commit) options.before_commit();
   recording.Commit({.success = result.success,
                     .terminated = terminated,
                     .truncated = truncated,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -41,6 +42,7 @@ struct RolloutOptions {
   bool keep_failures = false;
   Renderer* renderer = nullptr;  // needed when the run has streams
   StopCheck stop = {};
+  std::function<void()> before_commit = {};  // what it throws leaves nothing on the disk
 };
 
 // Commits the episode when it succeeded, or failed and failures are kept; else nothing stays on the

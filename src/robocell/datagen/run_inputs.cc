@@ -5,6 +5,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <filesystem>
+#include <utility>
 
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
@@ -24,7 +25,7 @@ namespace fs = std::filesystem;
 
 // Names begin with the folder of the model, so they are the same on every machine. Files that would
 // have the same name are numbered in the order in which the run uses them.
-Texts FilesOf(const RunConfig& run) {
+std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
   std::map<std::string, fs::path> named;
   for (const std::string& model : ModelsOf(run)) {
     const fs::path folder = fs::absolute(model).lexically_normal().parent_path();
@@ -36,9 +37,27 @@ Texts FilesOf(const RunConfig& run) {
         own = fmt::format("{} ({})", name, i);
     }
   }
-  Texts files;
-  for (const auto& [name, file] : named) files[name] = HashOfFile(file);
-  return files;
+  return named;
+}
+
+// "assets/hand.stl" of "rc7/assets/hand.stl".
+std::string WithinItsFolder(const std::string& name) { return name.substr(name.find('/') + 1); }
+
+// A model that was moved to a folder of another name is the same: of each pair of files that are
+// so, both go.
+void DropMoved(Texts& then, Texts& now) {
+  std::map<std::pair<std::string, std::string>, std::vector<std::string>> gone;
+  for (const auto& [name, hash] : then) {
+    if (!now.contains(name)) gone[{WithinItsFolder(name), hash}].push_back(name);
+  }
+  const Texts all = now;
+  for (const auto& [name, hash] : all) {
+    const auto it = gone.find({WithinItsFolder(name), hash});
+    if (then.contains(name) || it == gone.end() || it->second.empty()) continue;
+    then.erase(it->second.back());
+    it->second.pop_back();
+    now.erase(name);
+  }
 }
 
 // The leaves of a tree by their dotted paths; a list of plain values is one leaf.
@@ -113,7 +132,10 @@ std::map<std::string, std::string> VersionsNow() {
 }
 
 RunInputs InputsOf(const RunConfig& run) {
-  return {.identity = RunIdentity(run), .versions = VersionsNow(), .files = FilesOf(run)};
+  RunInputs inputs{.identity = RunIdentity(run), .versions = VersionsNow(), .files = {}};
+  inputs.paths = FilesOf(run);
+  for (const auto& [name, path] : inputs.paths) inputs.files[name] = HashOfFile(path);
+  return inputs;
 }
 
 std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now) {
@@ -125,7 +147,9 @@ std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now
   if (then.identity != now.identity)  // parsing takes milliseconds, and is asked of every episode
     ForEachDifference(Leaves(then.identity), Leaves(now.identity), both);
   ForEachDifference(then.versions, now.versions, both);
-  ForEachDifference(then.files, now.files,
+  Texts files_then = then.files, files_now = now.files;
+  DropMoved(files_then, files_now);
+  ForEachDifference(files_then, files_now,
                     [&](const std::string& key, const std::string* a, const std::string* b) {
                       lines.push_back(fmt::format("model file {}: {}", key,
                                                   !a   ? "new since then"

@@ -2,6 +2,7 @@
 // versions that compute them. A dataset remembers them and refuses to become a mixture.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@ struct RunInputs {
   std::string identity;                         // RunIdentity
   std::map<std::string, std::string> versions;  // "mujoco" -> "4.0.0"
   std::map<std::string, std::string> files;     // "rc7/rc7.xml" -> SHA-256
+  // Where these lie here; no part of what is compared.
+  std::map<std::string, std::filesystem::path> paths = {};
 };
 
 // Kinds of objects that may stand in the run's scenes: those of the task, else the whole catalogue.
@@ -31,7 +34,7 @@ RunInputs InputsOf(const RunConfig& run);
 
 // What differs, one line each: "task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now",
 // "mujoco: 3.9.0 then, 4.0.0 now", "model file rc7/rc7.xml: changed since then". Empty when nothing
-// does.
+// does. The folder that a model lies in may be called otherwise than then.
 std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now);
 
 }  // namespace robocell

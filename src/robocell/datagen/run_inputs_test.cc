@@ -80,6 +80,36 @@ TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
                   "model file rc7/rc7.xml: new since then"));
 }
 
+// Where a dataset with its run and models lies is no part of what it is.
+TEST(RunInputs, AreTheSameInAFolderOfAnotherName) {
+  TempDir temp;
+  RunConfig run = DemoRun();
+  fs::copy(fs::path(ROBOCELL_SOURCE_DIR) / "models/robots/rc7", temp / "cell");
+  run.robot.config.source_dir = (temp / "cell").string();
+  const RunInputs before = InputsOf(run);
+  EXPECT_THAT(before.files, Contains(Key("cell/rc7.xml")));
+  fs::rename(temp / "cell", temp / "moved");
+  run.robot.config.source_dir = (temp / "moved").string();
+  EXPECT_THAT(InputsOf(run).files, Contains(Key("moved/rc7.xml")));
+  EXPECT_THAT(Differences(before, InputsOf(run)), IsEmpty());
+  AtomicWrite(temp / "moved/rc7.xml", ReadFile(temp / "moved/rc7.xml") + "<!-- another -->\n");
+  EXPECT_THAT(Differences(before, InputsOf(run)),
+              ElementsAre("model file cell/rc7.xml: no longer used or gone",
+                          "model file moved/rc7.xml: new since then"));
+}
+
+// The same bytes, and yet other meshes.
+TEST(RunInputs, SwappedFilesAreDifferent) {
+  RunInputs then{.identity = "", .versions = {}, .files = {{"a/x.stl", "1"}, {"a/y.stl", "2"}}};
+  RunInputs now{.identity = "", .versions = {}, .files = {{"b/x.stl", "2"}, {"b/y.stl", "1"}}};
+  EXPECT_EQ(Differences(then, now).size(), 4u);
+  now.files = {{"b/x.stl", "1"}, {"b/y.stl", "2"}};
+  EXPECT_THAT(Differences(then, now), IsEmpty());
+  then.files = {{"a/x.stl", "1"}, {"c/x.stl", "1"}};
+  now.files = {{"b/x.stl", "1"}};
+  EXPECT_THAT(Differences(then, now), ElementsAre("model file a/x.stl: no longer used or gone"));
+}
+
 TEST(RunInputs, ModelsOfTheSameNameInFoldersOfTheSameNameAreTwo) {
   TempDir temp;
   RunConfig run = DemoRun();

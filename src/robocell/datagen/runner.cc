@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <utility>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
@@ -11,6 +12,7 @@
 #include "robocell/data/dataset_lock.h"
 #include "robocell/datagen/check_run.h"
 #include "robocell/datagen/earlier_attempts.h"
+#include "robocell/datagen/model_watch.h"
 #include "robocell/datagen/rollout.h"
 #include "robocell/task/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
@@ -32,6 +34,8 @@ struct Runner::State {
   std::shared_ptr<TaskSampler> sampler;
   std::unique_ptr<Renderer> renderer;
   std::optional<std::string> checked_manifest;
+  ModelWatch models;
+  bool stale_sampler = false;  // it may remember scenes of models that were changed
 
   Renderer* EnsureRenderer() {
     if (!renderer && !run.cameras.streams.empty())
@@ -42,6 +46,7 @@ struct Runner::State {
   // From where the robot would reach; "" for a task of the user's own. Found out once.
   const std::string& Advice();
   DatasetLock Enter();
+  void RequireUnchangedModels();
   RolloutOptions Options(const PlanItem& item, int attempt, const EarlierAttempts& earlier,
                          const StopCheck& stop);
   void Attempt(const PlanItem& item, int attempt, const StopCheck& stop, EarlierAttempts& earlier,
@@ -50,12 +55,24 @@ struct Runner::State {
 
 // The right to write into the dataset, as long as it is the one that the run was checked against.
 DatasetLock Runner::State::Enter() {
-  if (!checked_manifest) RequireSameRun(run);  // before anything is written, a lock included
+  if (!checked_manifest)
+    models = ModelWatch(RequireSameRun(run));  // before anything is written, a lock included
   DatasetLock lock = DatasetLock::Writing(run.output);
   const std::optional<std::string> manifest = ReadManifest(run.output);
-  if (!manifest || manifest != checked_manifest) RequireSameRun(run);
+  if (!manifest || manifest != checked_manifest) models = ModelWatch(RequireSameRun(run));
   checked_manifest = manifest;
+  RequireUnchangedModels();
+  if (std::exchange(stale_sampler, false)) sampler = parts.sampler(run);
   return lock;
+}
+
+void Runner::State::RequireUnchangedModels() {
+  try {
+    models.RequireUnchanged(run);
+  } catch (const IoError&) {
+    stale_sampler = true;
+    throw;
+  }
 }
 
 const std::string& Runner::State::Advice() {
@@ -85,7 +102,8 @@ RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
           .metadata_json = metadata.dump(),
           .keep_failures = run.keep == Keep::kAll,
           .renderer = EnsureRenderer(),
-          .stop = stop};
+          .stop = stop,
+          .before_commit = [this] { RequireUnchangedModels(); }};
 }
 
 Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State>()) {
@@ -164,6 +182,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
   SampleResult sample = sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
   report.seconds_sampling += Seconds(began);
   if (ShouldStop(stop)) return Drop(report);
+  RequireUnchangedModels();
   const auto count_redrawn = [&] {
     for (const auto& [reason, count] : sample.redrawn()) report.redrawn[ToString(reason)] += count;
   };
@@ -188,6 +207,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
       RunRollout(run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
   AddTo(report, rollout);
   if (report.stopped) return;
+  if (!rollout.committed) RequireUnchangedModels();  // what failed counts too
   if (!rollout.success) earlier.push_back({sample.object_kind(), false, rollout.failure});
   count_redrawn();
   count_kind();

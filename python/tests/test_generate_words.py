@@ -1,0 +1,51 @@
+"""What `generate` says around a run: too little room, things in the way, an early Ctrl-C."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from pathlib import Path
+
+import pytest
+import typer
+
+from command_line import write_run
+
+# The package has the command under the module's name.
+cli = importlib.import_module("robocell.cli.generate")
+
+
+def test_a_disk_that_is_too_small_is_told_before_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(cli, "free_bytes", lambda folder: 1_000_000)
+    assert cli.too_little_room(1_000_000, tmp_path) == ""
+    assert cli.too_little_room(3_500_000, tmp_path) == (
+        f"the disk of '{tmp_path}' is too small: about 3.5 MB are needed (3500000 bytes), 1 MB are "
+        "free there (1000000 bytes). Make room, or name another folder (--output)"
+    )
+
+
+def test_repair_is_advised_only_where_it_helps(tmp_path: Path):
+    foreign = "'e1' is an episode of another run: repair leaves it alone, move it away yourself"
+    assert cli.in_the_way(foreign, tmp_path).endswith(foreign)
+    half = "'e2' is half an episode: episode.json is missing"
+    told = cli.in_the_way(f"{foreign}\n{half}", tmp_path)
+    assert told.endswith(f"{half}\nSet damaged ones aside: robocell verify --repair {tmp_path}")
+
+
+def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    def interrupted(self: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli.Job, "check", interrupted)
+    monkeypatch.setattr(sys, "argv", ["robocell", "generate", "run.yaml"])
+    with pytest.raises(typer.Exit) as end:
+        cli.generate(write_run(tmp_path))
+    assert end.value.exit_code == 130
+    assert capsys.readouterr().err == (
+        "warning: interrupted before an episode was begun.\n"
+        "This begins again: robocell generate run.yaml\n"
+    )
