@@ -13,6 +13,7 @@ import sys
 import threading
 import time
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 
 import storm
@@ -25,10 +26,12 @@ import robocell
 KILLS = 6
 
 
-def start(folder: Path, *options: object) -> subprocess.Popen[str]:
-    """Starts the command."""
+def start(
+    folder: Path, *options: object, changes: Mapping[str, object] = {}
+) -> subprocess.Popen[str]:
+    """Starts the command; `changes` replace fields of the run."""
     run = folder / "run.yaml"
-    run.write_text(yaml.safe_dump({**storm.RUN, "output": str(folder / "out")}))
+    run.write_text(yaml.safe_dump({**storm.RUN, "output": str(folder / "out"), **changes}))
     return subprocess.Popen(
         [sys.executable, "-m", "robocell", "generate", str(run), *map(str, options)],
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
@@ -128,6 +131,32 @@ def test_the_encoders_of_a_killed_worker_end_and_hold_nothing(tmp_path: Path):
     assert command.returncode == 0, said
     assert '"event": "retry"' in out
     assert robocell.verify(tmp_path / "out").leftovers == []
+
+
+def test_editing_the_robot_ends_a_run_that_goes_on_with_the_same_command_once_it_is_back(
+    tmp_path: Path,
+):
+    robot = shutil.copytree(Path(str(storm.RUN["robot"])).parent, tmp_path / "robot")
+    changes = {"robot": str(robot / "rc7.yaml"), "cameras": {}, "episodes_per_scene": 40}
+    command = start(tmp_path, "--workers", 1, changes=changes)
+    end = time.monotonic() + 120
+    while not list((tmp_path / "out").glob("s*")):
+        assert time.monotonic() < end, "no episode comes"
+        time.sleep(0.005)
+    model = robot / "rc7.xml"
+    before = model.read_text()
+    model.write_text(before + "<!-- another -->")
+    _, said = command.communicate(timeout=240)
+    assert command.returncode == 2, said
+    assert f"'{model}' changed while the dataset '{tmp_path / 'out'}' is being made" in said
+    assert "model file robot/rc7.xml: changed since then\nChange these back to go on" in said
+    assert "could not be made" not in said, "nothing is wrong with the item"
+    model.write_text(before)
+    made = robocell.verify(tmp_path / "out").good
+    command = start(tmp_path, "--episodes", len(made) + 1, changes=changes)
+    _, said = command.communicate(timeout=240)
+    assert command.returncode == 0, said
+    assert robocell.verify(tmp_path / "out").ok
 
 
 def test_a_run_goes_on_when_nobody_reads_its_progress(tmp_path: Path):
