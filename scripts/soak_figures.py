@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs" / "reliability.md"
 BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
 FUZZ_DONE = re.compile(r"^Done (\d+) runs in (\d+) second", re.MULTILINE)
-TARGETS = ("yaml", "names", "dataset")
+TARGETS = ("yaml", "names", "dataset", "video")
 NOT_RUN = "not run"
 
 Notes = Sequence[Mapping[str, Any]]
