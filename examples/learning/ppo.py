@@ -8,29 +8,26 @@ Run: python examples/learning/ppo.py [steps]
 from __future__ import annotations
 
 import sys
-from functools import partial
 
 from stable_baselines3 import PPO
 from stable_baselines3.common.evaluation import evaluate_policy
-from stable_baselines3.common.vec_env import DummyVecEnv, VecMonitor
+from stable_baselines3.common.vec_env import VecMonitor
 
 from robocell.gym import pick_cube_config
-from robocell.lerobot import LeRobotEnv
+from robocell.sb3 import VecEnv
 
 COPIES, EPISODE = 8, 40
 
 
 def vector(copies: int) -> VecMonitor:
     """Copies of the environment, as stable-baselines3 has them."""
-    make = partial(LeRobotEnv, pick_cube_config(), EPISODE, render_mode=None)
-    return VecMonitor(DummyVecEnv([make] * copies))
+    config = pick_cube_config()
+    return VecMonitor(VecEnv(config, copies, max_episode_steps=EPISODE))
 
 
 def main(steps: int) -> None:
     """Trains, and compares the mean reward of an episode before and after."""
-    model = PPO(
-        "MultiInputPolicy", vector(COPIES), n_steps=128, batch_size=256, seed=0, device="cpu"
-    )
+    model = PPO("MlpPolicy", vector(COPIES), n_steps=128, batch_size=256, seed=0, device="cpu")
     evaluation = vector(1)
     evaluation.seed(1000)
     before, _ = evaluate_policy(model, evaluation, n_eval_episodes=10)

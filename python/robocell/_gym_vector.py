@@ -21,7 +21,7 @@ Part = tuple[tuple[str, ...], int, int]  # keys, first column, number of columns
 RESET_OPTION = "reset_mask"
 
 
-class VectorGymEnv(VectorEnv[Observation, Action, Any]):
+class VectorGymEnv(VectorEnv[Any, Any, Any]):
     """Copies of one environment on one model, on C++ threads: one call of Python for a step of all.
 
     Observations, rewards and ends are those of as many ``GymEnv``; all three autoreset modes of
@@ -75,7 +75,7 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
         *,
         seed: int | Sequence[int | None] | None = None,
         options: dict[str, Any] | None = None,
-    ) -> tuple[Observation, dict[str, Any]]:
+    ) -> tuple[Any, dict[str, Any]]:
         """All copies to starts; ``options={"reset_mask": (num_envs,) bool}`` only some.
 
         Copy i gets ``seed + i``, or its own seed of as many. Without, the next of its last seed;
@@ -88,8 +88,8 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
         return self._observation(observations), self._instructions(which)
 
     def step(
-        self, actions: Action
-    ) -> tuple[Observation, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
+        self, actions: Any
+    ) -> tuple[Any, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """One step of every copy; those that ended begin anew as the autoreset mode says."""
         if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
             raise ArgumentError(
@@ -152,7 +152,7 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
                     seeds[i] = int(self.np_random.integers(2**63))
         return seeds
 
-    def _flat(self, actions: Action) -> NDArray[np.float64]:
+    def _flat(self, actions: Any) -> NDArray[np.float64]:
         """Matrix of the actions' numbers, a row for each copy."""
         for path, keys in self._action_keys:
             self._check_keys(_at(actions, path), path, keys)
@@ -190,14 +190,14 @@ class VectorGymEnv(VectorEnv[Observation, Action, Any]):
             )
         return rows
 
-    def _observation(self, flat: NDArray[np.float64]) -> Observation:
+    def _observation(self, flat: NDArray[np.float64]) -> Any:
         """The numbers of all copies, and their last frames."""
         out = _split(self._observation_parts, flat)
         if frames := self.core.frames:
             out["frames"] = frames
         return out
 
-    def _objects(self, observation: Observation, which: NDArray[np.bool_]) -> NDArray[Any]:
+    def _objects(self, observation: Any, which: NDArray[np.bool_]) -> NDArray[Any]:
         out = np.full(self.num_envs, None, dtype=object)
         for i in np.flatnonzero(which):
             out[i] = _of_copy(observation, int(i))

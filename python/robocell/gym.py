@@ -28,6 +28,7 @@ from robocell._core import (
     Renderer,
     RobotConfig,
 )
+from robocell._gym_flat import FlatVectorGymEnv
 from robocell._gym_vector import VectorGymEnv
 from robocell._spaces import frame_space, space_of
 from robocell._window import Window, side_view
@@ -173,11 +174,16 @@ def pick_cube_vector(
     max_episode_steps: int | None = PICK_CUBE_STEPS,
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
     threads: int = 0,
+    flat: bool = False,
     **fields: Any,
 ) -> VectorGymEnv:
-    """What ``gym.make_vec("robocell/PickCube-v0", num_envs=64)`` makes."""
+    """What ``gym.make_vec("robocell/PickCube-v0", num_envs=64)`` makes.
+
+    With ``flat=True`` observations and actions are vectors: ``FlatVectorGymEnv``.
+    """
+    kind = FlatVectorGymEnv if flat else VectorGymEnv
     config = pick_cube_config(robot, **fields)
-    return VectorGymEnv(config, num_envs, max_episode_steps, autoreset_mode, threads)
+    return kind(config, num_envs, max_episode_steps, autoreset_mode, threads)
 
 
 def pick_place_config(
@@ -225,11 +231,14 @@ def pick_place_vector(
     robot: RobotConfig | str | os.PathLike[str] = "rc7",
     max_episode_steps: int | None = PICK_PLACE_STEPS,
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
+    threads: int = 0,
+    flat: bool = False,
     **fields: Any,
 ) -> VectorGymEnv:
-    """What ``gym.make_vec("robocell/PickPlace-v0", num_envs=64)`` makes."""
+    """What ``gym.make_vec("robocell/PickPlace-v0", num_envs=64)`` makes; else as above."""
+    kind = FlatVectorGymEnv if flat else VectorGymEnv
     config = pick_place_config(robot, **fields)
-    return VectorGymEnv(config, num_envs, max_episode_steps, autoreset_mode)
+    return kind(config, num_envs, max_episode_steps, autoreset_mode, threads)
 
 
 gymnasium.register(

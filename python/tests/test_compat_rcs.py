@@ -370,9 +370,12 @@ def test_every_field_becomes_one_of_robocells():
         max_relative_movement=(0.1, 0.2),
         relative_to=RelativeTo.NONE,
         add_gravcomp=True,
+        headless=True,
+        alternative_combined_robot_mjcf="arms.xml",
         wrapper_cfg=wrappers,
     )
     config = cfg.to_env_config("own")
+    assert (config.headless, config.alternative_combined_robot_mjcf) == (True, "arms.xml")
     assert (config.name, config.scene, config.wrappers) == ("own", own, wrappers)
     assert config.gripper_offsets["robot"] == rc.Pose(rpy=[0, 0, 1])
     assert (config.max_relative_movement, config.relative_to) == ((0.1, 0.2), rc.RelativeTo.NONE)
@@ -385,6 +388,7 @@ def test_defaults_are_the_pages():
     cfg = SimEnvCreatorConfig(robot_cfgs={}, sim_cfg=SimConfig(), control_mode=ControlMode.JOINTS)
     assert cfg.relative_to == RelativeTo.LAST_STEP
     assert (cfg.scene, cfg.add_gravcomp, cfg.headless) == ("empty_world", False, False)
+    assert not cfg.to_env_config().headless
     assert (cfg.wrapper_cfg.binary_gripper, cfg.wrapper_cfg.home_on_reset) == (True, True)
     assert not cfg.wrapper_cfg.include_depth
     with pytest.raises(

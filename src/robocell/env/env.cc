@@ -47,6 +47,13 @@ std::vector<CollisionMonitor::Watched> WatchedOf(const std::vector<ArmDriver>& d
   return watched;
 }
 
+std::vector<BodyHandle> ObservedObjects(const EnvLayout& layout, const Scene& scene) {
+  std::vector<BodyHandle> bodies;
+  for (const ObjectLayout& object : layout.objects)
+    bodies.emplace_back(scene, scene.compiled()->object(object.object).root_body);
+  return bodies;
+}
+
 CameraSystemConfig StreamsOf(const EnvConfig& config) {
   CameraSystemConfig cameras = config.cameras;
   for (CameraConfig& stream : cameras.streams)
@@ -92,6 +99,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       variations_(config_, scene_),
       task_(MakeEnvTask(config_, scene_)),
       layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get())),
+      objects_(ObservedObjects(layout_, scene_)),
       arms_(DriversOf(config_, scene_, layout_)),
       stepper_(scene_, RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1}),
       collisions_(WatchedOf(arms_)),
@@ -240,8 +248,9 @@ EnvStep Env::Step(std::span<const double> action) {
   }
   Observe();
   if (task_) {
-    out.reward = task_->Reward(scene_);
-    out.success = task_->Success(scene_);
+    const TaskVerdict verdict = task_->Judge(scene_);
+    out.reward = verdict.reward;
+    out.success = verdict.success;
   }
   phase_ = Phase::kReady;
   if (record_) Note(action, out.reward);
@@ -252,12 +261,10 @@ EnvStep Env::Step(std::span<const double> action) {
 void Env::Observe() {
   for (const ArmDriver& arm : arms_) arm.Observe(observation_);
   const Pose world_to_shared = scene_.shared_base_frame_to_world().inverse();
-  for (const ObjectLayout& object : layout_.objects) {
-    const std::string& body = scene_.compiled()->object(object.object).root_body;
-    const Pose pose = world_to_shared * scene_.body_pose(body);
-    const std::span<double> out =
-        std::span(observation_).subspan(object.tquat.begin, object.tquat.size);
-    ObserveTquat(pose, out);
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    const VectorPart& part = layout_.objects[i].tquat;
+    const std::span<double> out = std::span(observation_).subspan(part.begin, part.size);
+    ObserveTquat(world_to_shared * objects_[i].pose_in_world(), out);
     for (double& x : out.first(3)) x = std::clamp(x, -kFarthestObject, kFarthestObject);
   }
   ObserveTask();

@@ -41,6 +41,7 @@
 #include "robocell/env/object_variations.h"
 #include "robocell/env/pacer.h"
 #include "robocell/env/stepper.h"
+#include "robocell/scene/body_handle.h"
 #include "robocell/spec/env_config.h"
 
 namespace robocell {
@@ -150,6 +151,7 @@ class Env {
   ObjectVariations variations_;
   std::shared_ptr<EnvTask> task_;
   EnvLayout layout_;
+  std::vector<BodyHandle> objects_;  // of layout_.objects
   std::vector<ArmDriver> arms_;
   Stepper stepper_;
   CollisionMonitor collisions_;

@@ -32,16 +32,15 @@ EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
                    std::optional<int> max_episode_steps)
     : config_(config), max_episode_steps_(max_episode_steps) {
   CheckBatch(config, count, max_episode_steps);
-  std::shared_ptr<CompiledScene> compiled = CompileEnvScene(config);
+  const std::shared_ptr<CompiledScene> compiled = CompileEnvScene(config);
   const bool shared = config.variations.empty();
   const std::shared_ptr<SharedDrawing> drawing = MakeDrawing(config, compiled->model());
-  if (shared) compiled->Freeze();
+  compiled->Freeze();
   for (int i = 0; i < count; ++i) {
-    if (!shared && i > 0) compiled = CompileEnvScene(config);
     EnvConfig own = config;
     own.name = fmt::format("{}[{}]", config.name, i);
-    envs_.push_back(
-        std::make_unique<Env>(std::move(own), Scene::FromCompiled(compiled), i, drawing));
+    envs_.push_back(std::make_unique<Env>(
+        std::move(own), Scene::FromCompiled(shared ? compiled : compiled->Copy()), i, drawing));
   }
   episode_steps_.resize(count);
   observations_.resize(static_cast<size_t>(count) * layout().observation.size());

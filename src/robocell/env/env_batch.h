@@ -1,6 +1,6 @@
-// EnvBatch: copies of one environment on one frozen model, or on one each when objects vary
-// (EnvConfig::variations), stepped together on threads. Which
-// thread steps which copy changes nothing: each has its own state and its own seeds.
+// EnvBatch: copies of one environment on one frozen model, or on a copy of it each when objects
+// vary (EnvConfig::variations), stepped together on threads. Which thread steps which copy changes
+// nothing: each has its own state and its own seeds.
 //
 //   EnvBatch batch(config, 64);
 //   batch.Reset(seeds);                                       // one for each copy, or none

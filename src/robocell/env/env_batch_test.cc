@@ -1,12 +1,15 @@
 #include "robocell/env/env_batch.h"
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include <cmath>
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -124,6 +127,28 @@ TEST(EnvBatch, IsClosedWithAllItsCopies) {
 TEST(EnvBatch, HasAtLeastOneCopy) {
   ExpectThrow<ArgumentError>([] { EnvBatch(Noisy(), 0); },
                              "batch of environment 'env': 0 copies; at least 1");
+}
+
+// The oracle: single environments of the same seeds, each compiled by itself.
+TEST(EnvBatch, ObjectsVaryInEachCopyByItself) {
+  EnvConfig config = Rc7WithCube();
+  config.variations["cube"] = {.mass = {0.5, 2}, .friction = {0.5, 1.5}};
+  EnvBatch batch(config, 3, 2);
+  const std::vector<std::optional<uint64_t>> seeds = {3, 4, 3};
+  batch.Reset(seeds);
+  const auto cube_mass = [](const Env& env) {
+    const mjModel* m = env.scene().model();
+    return m->body_mass[RequireId(m, mjOBJ_BODY, "cube", "test")];
+  };
+  for (int i = 0; i < 3; ++i) {
+    Env alone(config);
+    alone.Reset({.seed = seeds[i]});
+    EXPECT_EQ(SaveBinaryString(batch.env(i).scene().model()),
+              SaveBinaryString(alone.scene().model()));
+    EXPECT_EQ(batch.env(i).scene().ToXml(), alone.scene().ToXml());
+  }
+  EXPECT_EQ(cube_mass(batch.env(0)), cube_mass(batch.env(2)));
+  EXPECT_NE(cube_mass(batch.env(0)), cube_mass(batch.env(1)));
 }
 
 // The oracle: single environments of the same seeds, each with a renderer of its own.

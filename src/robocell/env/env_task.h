@@ -6,9 +6,9 @@
 //     return std::make_shared<Stack>(config, scene);
 //   });
 //
-// At a reset: robots at home, Arrange, Begin. After each step: Observe, Reward, Success. Objects of
-// objects() are observed by themselves. Copies of an environment have a task each; their threads
-// call them at the same time, one call at a time for each.
+// At a reset: robots at home, Arrange, Begin. After each step: Observe and Judge, which is Reward
+// and Success. Objects of objects() are observed by themselves. Copies of an environment have a
+// task each; their threads call them at the same time, one call at a time for each.
 #pragma once
 
 #include <functional>
@@ -29,8 +29,17 @@ struct TaskSignal {
   std::vector<double> lower, upper;
 };
 
+// What a step is worth.
+struct TaskVerdict {
+  double reward = 0;
+  bool success = false;
+};
+
 class EnvTask : public Task {
  public:
+  // Once after each step. For tasks that find the two together.
+  virtual TaskVerdict Judge(const Scene& scene) { return {Reward(scene), Success(scene)}; }
+
   // Puts the objects where the episode starts; the robots are at their start already.
   virtual void Arrange(Scene& /*scene*/, Rng& /*rng*/) {}
   void Begin(const Scene& /*scene*/) override {}

@@ -23,7 +23,7 @@ ObjectTask::ObjectTask(const EnvConfig& config, const Scene& scene)
       task_(*config.task),
       root_(config.root_frame_to_world),
       offset_(config.root_frame_objects.at(task_.object).offset),
-      body_(scene.compiled()->object(task_.object).root_body) {
+      object_(scene, scene.compiled()->object(task_.object).root_body) {
   if (!scene.compiled()->object(task_.object).free_joint) {
     throw ArgumentError(fmt::format(
         "{}: task.object '{}' is fixed, so that nobody can pick it; set fixed: false in "
@@ -33,16 +33,17 @@ ObjectTask::ObjectTask(const EnvConfig& config, const Scene& scene)
   for (const std::string& robot : config.robots.keys()) robots_.push_back(Robot::Of(scene, robot));
 }
 
-void ObjectTask::Begin(const Scene& scene) { start_ = root_.inverse() * ObjectInWorld(scene); }
+void ObjectTask::Begin(const Scene& /*scene*/) { start_ = root_.inverse() * ObjectInWorld(); }
+
+TaskVerdict ObjectTask::Judge(const Scene& scene) {
+  const bool success = Success(scene);
+  return {success ? 1 : Progress(), success};
+}
 
 std::vector<double> ObjectTask::memory() const { return {start_.x(), start_.y(), start_.z()}; }
 
 void ObjectTask::Recall(std::span<const double> memory) {
   start_ = {memory[0], memory[1], memory[2]};
-}
-
-Eigen::Vector3d ObjectTask::ObjectInWorld(const Scene& scene) const {
-  return scene.body_pose(body_).translation();
 }
 
 Pose ObjectTask::Around(const Pose& offset, const Vec2& spread, Rng& rng) {
@@ -59,24 +60,22 @@ Pose ObjectTask::Start(Rng& rng) const {
 }
 
 void ObjectTask::Put(Scene& scene, const Pose& in_root) const {
-  scene.SetBodyPose(body_, root_ * in_root);
+  scene.SetBodyPose(object_.name(), root_ * in_root);
 }
 
-double ObjectTask::Nearness(const Scene& scene) const {
-  const Eigen::Vector3d object = ObjectInWorld(scene);
+double ObjectTask::Nearness() const {
+  const Eigen::Vector3d object = ObjectInWorld();
   double nearest = std::numeric_limits<double>::infinity();
   for (const Robot& robot : robots_)
     nearest = std::min(nearest, (robot.tcp_in_world().translation() - object).norm());
   return Near(nearest);
 }
 
-double ObjectTask::Lift(const Scene& scene) const {
-  return ObjectInWorld(scene).z() - (root_ * start_).z();
-}
+double ObjectTask::Lift() const { return ObjectInWorld().z() - (root_ * start_).z(); }
 
 bool ObjectTask::IsLifted(const Scene& scene) const {
-  if (Lift(scene) < task_.lift_height) return false;
-  const Touching touching = TouchingBody(scene, body_);
+  if (Lift() < task_.lift_height) return false;
+  const Touching touching = TouchingBody(scene, object_.name());
   return touching.robot && !touching.other;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "robocell/env/env_task.h"
+#include "robocell/scene/body_handle.h"
 
 namespace robocell {
 
@@ -15,17 +16,22 @@ class ObjectTask : public EnvTask {
   ObjectTask(const EnvConfig& config, const Scene& scene);
 
   void Begin(const Scene& scene) override;
+  // 1 at success, else as far as it got.
+  TaskVerdict Judge(const Scene& scene) final;
+  double Reward(const Scene& scene) final { return Judge(scene).reward; }
   std::vector<std::string> objects() const override { return {task_.object}; }
   // Where the episode began.
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
 
  protected:
+  // The reward of a state without success, less than 1.
+  virtual double Progress() const = 0;
   const EnvTaskConfig& task() const { return task_; }
-  const std::string& body() const { return body_; }
+  const BodyHandle& object() const { return object_; }
   const Pose& root() const { return root_; }
   std::string place() const { return "environment '" + name_ + "'"; }
-  Eigen::Vector3d ObjectInWorld(const Scene& scene) const;
+  Eigen::Vector3d ObjectInWorld() const { return object_.pose_in_world().translation(); }
 
   // The place of an object of root_frame_objects, in the root frame, moved by up to `spread`.
   static Pose Around(const Pose& offset, const Vec2& spread, Rng& rng);
@@ -34,9 +40,9 @@ class ObjectTask : public EnvTask {
   void Put(Scene& scene, const Pose& in_root) const;
 
   // 1 with a TCP at the object, falling with the distance.
-  double Nearness(const Scene& scene) const;
+  double Nearness() const;
   // Above where the episode began, along the world's z, m.
-  double Lift(const Scene& scene) const;
+  double Lift() const;
   // Lifted far enough, and held by robots only.
   bool IsLifted(const Scene& scene) const;
 
@@ -44,7 +50,7 @@ class ObjectTask : public EnvTask {
   std::string name_;
   EnvTaskConfig task_;
   Pose root_, offset_;
-  std::string body_;
+  BodyHandle object_;
   std::vector<Robot> robots_;
   Eigen::Vector3d start_ = Eigen::Vector3d::Zero();  // in the root frame
 };

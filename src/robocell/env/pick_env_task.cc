@@ -4,10 +4,9 @@
 
 namespace robocell {
 
-double PickEnvTask::Reward(const Scene& scene) {
-  if (Success(scene)) return 1;
-  const double lifted = std::clamp(Lift(scene) / task().lift_height, 0.0, 1.0);
-  return 0.5 * Nearness(scene) + 0.5 * lifted;
+double PickEnvTask::Progress() const {
+  const double lifted = std::clamp(Lift() / task().lift_height, 0.0, 1.0);
+  return 0.5 * Nearness() + 0.5 * lifted;
 }
 
 }  // namespace robocell

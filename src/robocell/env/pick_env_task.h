@@ -12,9 +12,11 @@ class PickEnvTask final : public ObjectTask {
   using ObjectTask::ObjectTask;
 
   void Arrange(Scene& scene, Rng& rng) override { Put(scene, Start(rng)); }
-  double Reward(const Scene& scene) override;
   bool Success(const Scene& scene) override { return IsLifted(scene); }
   std::string instruction() const override { return "pick up the " + task().object; }
+
+ private:
+  double Progress() const override;
 };
 
 }  // namespace robocell

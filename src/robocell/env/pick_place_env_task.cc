@@ -7,7 +7,6 @@
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_layout.h"
-#include "robocell/mujoco/names.h"
 #include "robocell/task/pick_task.h"
 
 namespace robocell {
@@ -16,14 +15,6 @@ namespace {
 constexpr double kRestSpeed = 0.02;  // m/s
 constexpr double kRestTurn = 0.2;    // rad/s
 constexpr int kTries = 1000;
-
-// Of a free body.
-bool IsAtRest(const Scene& scene, const std::string& body) {
-  const mjModel* m = scene.model();
-  const int id = RequireId(m, mjOBJ_BODY, body, "scene '" + scene.name() + "'");
-  const Eigen::Map<const Eigen::Matrix<double, 6, 1>> v(scene.data()->qvel + m->body_dofadr[id]);
-  return v.head<3>().norm() < kRestSpeed && v.tail<3>().norm() < kRestTurn;
-}
 
 }  // namespace
 
@@ -35,7 +26,7 @@ PickPlaceEnvTask::PickPlaceEnvTask(const EnvConfig& config, const Scene& scene)
   }
   const std::string& id = task().goal_object;
   const ObjectRecord& object = scene.compiled()->object(id);
-  goal_body_ = object.root_body;
+  goal_body_.emplace(scene, object.root_body);
   goal_offset_ = config.root_frame_objects.at(id).offset;
   if (object.free_joint || task().goal_spread == Vec2{0, 0}) return;
   throw ArgumentError(
@@ -54,7 +45,7 @@ void PickPlaceEnvTask::Arrange(Scene& scene, Rng& rng) {
     Put(scene, start);
     goal_ = goal;
     if (has_goal_object() && task().goal_spread != Vec2{0, 0})
-      scene.SetBodyPose(goal_body_, root() * target);
+      scene.SetBodyPose(goal_body_->name(), root() * target);
     return;
   }
   throw ArgumentError(
@@ -68,15 +59,22 @@ void PickPlaceEnvTask::Begin(const Scene& scene) {
   was_lifted_ = false;
 }
 
-Eigen::Vector3d PickPlaceEnvTask::GoalInWorld(const Scene& scene) const {
+Eigen::Vector3d PickPlaceEnvTask::GoalInWorld() const {
   if (!has_goal_object()) return root() * goal_;
-  return scene.body_pose(goal_body_) * ToEigen(*task().goal);
+  return goal_body_->pose_in_world() * ToEigen(*task().goal);
+}
+
+// The object is a free body.
+bool PickPlaceEnvTask::IsAtRest(const Scene& scene) const {
+  const int dof = scene.model()->body_dofadr[object().id()];
+  const Eigen::Map<const Eigen::Matrix<double, 6, 1>> v(scene.data()->qvel + dof);
+  return v.head<3>().norm() < kRestSpeed && v.tail<3>().norm() < kRestTurn;
 }
 
 bool PickPlaceEnvTask::IsPutDown(const Scene& scene) const {
-  if ((ObjectInWorld(scene) - GoalInWorld(scene)).norm() > task().goal_tolerance) return false;
-  const Touching touching = TouchingBody(scene, body());
-  return touching.other && !touching.robot && IsAtRest(scene, body());
+  if ((ObjectInWorld() - GoalInWorld()).norm() > task().goal_tolerance) return false;
+  const Touching touching = TouchingBody(scene, object().name());
+  return touching.other && !touching.robot && IsAtRest(scene);
 }
 
 bool PickPlaceEnvTask::Success(const Scene& scene) {
@@ -84,11 +82,10 @@ bool PickPlaceEnvTask::Success(const Scene& scene) {
   return was_lifted_ && IsPutDown(scene);
 }
 
-double PickPlaceEnvTask::Reward(const Scene& scene) {
-  if (Success(scene)) return 1;
-  const double lifted = std::clamp(Lift(scene) / task().lift_height, 0.0, 1.0);
-  const double carried = was_lifted_ ? Near((ObjectInWorld(scene) - GoalInWorld(scene)).norm()) : 0;
-  return 0.25 * Nearness(scene) + 0.25 * (was_lifted_ ? 1 : lifted) + 0.5 * carried;
+double PickPlaceEnvTask::Progress() const {
+  const double lifted = std::clamp(Lift() / task().lift_height, 0.0, 1.0);
+  const double carried = was_lifted_ ? Near((ObjectInWorld() - GoalInWorld()).norm()) : 0;
+  return 0.25 * Nearness() + 0.25 * (was_lifted_ ? 1 : lifted) + 0.5 * carried;
 }
 
 std::string PickPlaceEnvTask::instruction() const {
@@ -108,7 +105,7 @@ std::vector<TaskSignal> PickPlaceEnvTask::signals() const {
 }
 
 void PickPlaceEnvTask::Observe(const Scene& scene, std::span<double> out) const {
-  const Eigen::Vector3d goal = scene.shared_base_frame_to_world().inverse() * GoalInWorld(scene);
+  const Eigen::Vector3d goal = scene.shared_base_frame_to_world().inverse() * GoalInWorld();
   std::copy_n(goal.data(), 3, out.begin());
 }
 

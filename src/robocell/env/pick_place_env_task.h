@@ -8,6 +8,8 @@
 // EnvTaskConfig::kind "pick_place".
 #pragma once
 
+#include <optional>
+
 #include "robocell/env/object_task.h"
 
 namespace robocell {
@@ -20,7 +22,6 @@ class PickPlaceEnvTask final : public ObjectTask {
   // ArgumentError when no start is as far from the goal as goal_distance asks for.
   void Arrange(Scene& scene, Rng& rng) override;
   void Begin(const Scene& scene) override;
-  double Reward(const Scene& scene) override;
   bool Success(const Scene& scene) override;
   std::string instruction() const override;
   std::vector<std::string> objects() const override;
@@ -30,12 +31,15 @@ class PickPlaceEnvTask final : public ObjectTask {
   void Recall(std::span<const double> memory) override;
 
  private:
+  double Progress() const override;
   bool has_goal_object() const { return !task().goal_object.empty(); }
-  Eigen::Vector3d GoalInWorld(const Scene& scene) const;
+  Eigen::Vector3d GoalInWorld() const;
   bool IsPutDown(const Scene& scene) const;
 
-  std::string goal_body_;  // of goal_object
-  Pose goal_offset_;       // its place, or that of the goal, in the root frame
+  bool IsAtRest(const Scene& scene) const;
+
+  std::optional<BodyHandle> goal_body_;  // of goal_object
+  Pose goal_offset_;                     // its place, or that of the goal, in the root frame
   Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();  // in the root frame, without goal_object
   bool was_lifted_ = false;
 };

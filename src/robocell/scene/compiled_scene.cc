@@ -31,8 +31,24 @@ uint64_t CompiledScene::NextGeneration() {
 }
 
 mjSpec* CompiledScene::mutable_spec() {
+  if (origin_) return origin_->mutable_spec();
   if (!spec_owner_) spec_owner_ = std::move(CompileScene(scene_spec_)->spec_owner_);
   return spec_owner_.get();
+}
+
+std::shared_ptr<CompiledScene> CompiledScene::Copy() {
+  std::shared_ptr<CompiledScene> copy(new CompiledScene);
+  copy->scene_spec_ = scene_spec_;
+  copy->model_owner_ = CopyModel(model_);
+  copy->model_ = copy->model_owner_.get();
+  copy->robots_ = robots_;
+  copy->objects_ = objects_;
+  copy->warnings_ = warnings_;
+  copy->notes_ = notes_;
+  copy->generation_ = NextGeneration();
+  copy->home_key_ = home_key_;
+  copy->origin_ = origin_ ? origin_ : shared_from_this();
+  return copy;
 }
 
 mjModel* CompiledScene::mutable_model() {

@@ -61,8 +61,9 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   const mjModel* model() const { return model_; }
   // For control modes, randomisation and the user's own changes. Error when frozen.
   mjModel* mutable_model();
-  // The editable description that the model came from (for saving). A scene that came from the
-  // cache compiles it at the first call, with the errors of CompileScene; one thread at a time.
+  // The editable description that the model came from (for saving), which copies share. A scene
+  // that came from the cache compiles it at the first call, with the errors of CompileScene; one
+  // thread at a time.
   mjSpec* mutable_spec();
 
   const SceneSpec& spec() const { return scene_spec_; }
@@ -76,6 +77,9 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // up again.
   uint64_t generation() const { return generation_; }
   void Freeze() { frozen_ = true; }
+  // The same with a model of its own, copied and not compiled: for scenes that write to theirs. It
+  // has a generation of its own and is not frozen. The spec, for saving, is this one's.
+  std::shared_ptr<CompiledScene> Copy();
   bool frozen() const { return frozen_; }
   // A scene's right to use the model, given up by destroying it. Error when another scene has it
   // and the model is not frozen: what one writes to the model the other would feel.
@@ -113,6 +117,7 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   uint64_t generation_ = 0;
   int home_key_ = -1;
   bool frozen_ = false;
+  std::shared_ptr<CompiledScene> origin_;  // of a copy
   std::weak_ptr<void> claim_;
 };
 

@@ -78,6 +78,7 @@ class SimEnvCreatorConfig:
                 "streams": [c.to_stream(camera) for camera, c in (self.camera_cfgs or {}).items()]
             },
             "add_gravcomp": self.add_gravcomp,
+            "headless": self.headless,
             "control_mode": self.control_mode,
             "relative_to": self.relative_to,
             "sim": self.sim_cfg.to_settings(),

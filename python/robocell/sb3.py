@@ -1,0 +1,113 @@
+"""Environments as stable-baselines3 has them, which knows no vector environments of Gymnasium's.
+
+from stable_baselines3 import PPO
+from robocell.gym import pick_cube_config
+from robocell.sb3 import VecEnv
+
+model = PPO("MlpPolicy", VecEnv(pick_cube_config(), 8, max_episode_steps=200))
+
+Needs the package stable-baselines3, which robocell does not install.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
+from stable_baselines3.common import vec_env
+
+from robocell._core import ArgumentError, EnvConfig
+from robocell._gym_flat import FlatVectorGymEnv
+
+
+class VecEnv(vec_env.VecEnv):
+    """Copies of one environment on C++ threads: ``vector`` is the ``FlatVectorGymEnv`` of them.
+
+    Observations and actions are vectors, as there; an ended episode begins anew in the same step,
+    its last observation is ``terminal_observation`` in the info. With a task infos have
+    ``is_success``. ``VecMonitor`` around it counts rewards of episodes.
+
+    Args:
+        config: what all copies are; without image streams.
+        num_envs: number of copies.
+        max_episode_steps: after so many an episode is truncated.
+        threads: for the work, the caller's included; 0 for one for each core.
+    """
+
+    def __init__(
+        self,
+        config: EnvConfig,
+        num_envs: int = 1,
+        max_episode_steps: int | None = None,
+        threads: int = 0,
+    ) -> None:
+        self.vector = FlatVectorGymEnv(
+            config, num_envs, max_episode_steps, AutoresetMode.SAME_STEP, threads
+        )
+        self._actions: Any = None
+        super().__init__(
+            num_envs, self.vector.single_observation_space, self.vector.single_action_space
+        )
+
+    def reset(self) -> NDArray[np.float32]:
+        """All copies to starts: those of ``seed``, once, else the next ones."""
+        observation, infos = self.vector.reset(seed=self._seeds)
+        self.reset_infos = [_of_copy(infos, i) for i in range(self.num_envs)]
+        self._reset_seeds()
+        self._reset_options()
+        return observation
+
+    def step_async(self, actions: NDArray[Any]) -> None:
+        """Takes the actions of the step that ``step_wait`` makes."""
+        self._actions = actions
+
+    def step_wait(
+        self,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float64], NDArray[np.bool_], list[dict[str, Any]]]:
+        """One step of every copy."""
+        observation, rewards, terminated, truncated, infos = self.vector.step(self._actions)
+        ended = terminated | truncated
+        out = []
+        for i in range(self.num_envs):
+            info = _of_copy(infos["final_info"] if ended[i] else infos, i)
+            info["TimeLimit.truncated"] = bool(truncated[i] and not terminated[i])
+            if ended[i]:
+                info["terminal_observation"] = infos["final_obs"][i]
+            out.append(info)
+        return observation, rewards, ended, out
+
+    def close(self) -> None:
+        """Closes all copies; may be repeated."""
+        self.vector.close()
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """What ``vector`` has under that name, for each copy the same."""
+        return [getattr(self.vector, attr_name)] * len(self._chosen(indices))
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Copies have no attributes of their own: an ArgumentError."""
+        raise ArgumentError(f"copies have no attributes of their own, {attr_name} cannot be set")
+
+    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> Any:
+        """Copies have no methods of their own: an ArgumentError."""
+        raise ArgumentError(f"copies have no methods of their own, such as {method_name}")
+
+    def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:
+        """False: nothing is wrapped."""
+        return [False] * len(self._chosen(indices))
+
+    def _chosen(self, indices: int | Iterable[int] | None) -> Sequence[int]:
+        chosen: Sequence[int] = self._get_indices(indices)
+        return chosen
+
+
+def _of_copy(infos: dict[str, Any], i: int) -> dict[str, Any]:
+    """What infos with masks say of copy i."""
+    return {
+        key: infos[key][i]
+        for key in infos
+        if not key.startswith(("_", "final_")) and infos[f"_{key}"][i]
+    }

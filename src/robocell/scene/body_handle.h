@@ -1,0 +1,32 @@
+// BodyHandle: a body of a scene that is looked up by its name once, and again after the scene was
+// compiled anew; for what asks for poses at every step.
+//
+//   BodyHandle cube(scene, "cube");
+//   Pose pose = cube.pose_in_world();
+//
+// Errors: NotFoundError, when it is made or used, for a name that the scene does not have. Threads:
+// those of the scene.
+#pragma once
+
+#include <string>
+
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+class BodyHandle {
+ public:
+  BodyHandle(const Scene& scene, std::string name);
+
+  const std::string& name() const { return name_; }
+  int id() const;  // in the present model
+  Pose pose_in_world() const;
+
+ private:
+  Scene scene_;
+  std::string name_;
+  mutable int id_ = -1;
+  mutable uint64_t generation_ = 0;  // that id_ belongs to; no scene has 0
+};
+
+}  // namespace robocell
