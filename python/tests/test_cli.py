@@ -49,6 +49,7 @@ def test_an_unknown_file_is_told_with_what_is_there(tmp_path: Path):
         "generate", tmp_path / "none" / "a.yaml"
     )
     assert "is a folder; give a run file" in refused("generate", tmp_path)
+    assert "'/dev/zero' is a device; give a robot file" in refused("check", "/dev/zero")
     assert "no dataset" in refused("verify", tmp_path / "none")
     assert "is a file; give the folder" in refused("verify", tmp_path / "run.yaml")
 

@@ -7,7 +7,7 @@
 #include <system_error>
 
 #include "robocell/assets/model_text.h"
-#include "robocell/base/files.h"
+#include "robocell/base/real_file.h"
 
 namespace robocell {
 namespace {
@@ -72,7 +72,7 @@ class Walk {
   void ReadDocument(Model& model, const fs::path& document) {
     files_.insert(document);
     if (!model.documents.insert(document).second) return;
-    const ModelText text = assets::ReadModelText(ReadFile(document));
+    const ModelText text = assets::ReadModelText(ReadRealFile(document));
     if (!text.problem.empty()) missing_.push_back({document, "", text.problem});
     model.strips_paths |= text.strips_paths;
     for (const std::string& folder : text.folders) {

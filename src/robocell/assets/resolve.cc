@@ -7,6 +7,7 @@
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/base/real_file.h"
 
 namespace robocell::assets {
 namespace {
@@ -14,19 +15,15 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::string_view kMenagerie = "menagerie:";
 
-bool IsFile(const fs::path& path) {
-  std::error_code error;
-  return fs::is_regular_file(path, error);
-}
-
 // Looks in one place after the other and remembers them for the message.
 class Search {
  public:
   bool TryFile(const fs::path& path) {
     std::error_code error;
     const std::string full = fs::absolute(path, error).lexically_normal().string();
-    if (IsFile(path)) return found_ = full, true;
-    return looked_.push_back(full), false;
+    if (CanReadFile(path)) return found_ = full, true;
+    const bool other = fs::exists(path, error);
+    return looked_.push_back(other ? full + " (" + WhatIsAt(path) + ")" : full), false;
   }
   bool TryBelow(const fs::path& root, const std::string& name) {
     if (const auto path = FindBelow(root, name)) return found_ = path->string(), true;

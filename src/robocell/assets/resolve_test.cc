@@ -1,5 +1,6 @@
 #include "robocell/assets/resolve.h"
 
+#include <sys/stat.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -42,6 +43,14 @@ TEST_F(Resolving, AnAbsolutePathIsThatFile) {
   ExpectThrow<NotFoundError>(
       [&] { Resolve(At("a/leg.xml")); },
       "model file '" + At("a/leg.xml") + "' not found. Looked for: " + At("a/leg.xml"));
+}
+
+TEST_F(Resolving, WhatIsThereAndNoFileIsSaid) {
+  ASSERT_EQ(mkfifo(At("arm.xml").c_str(), 0600), 0);
+  for (const std::string& name : {At("arm.xml"), std::string("arm.xml")}) {
+    ExpectThrow<NotFoundError>([&] { Resolve(name, folder_.string()); },
+                               "Looked for: " + At("arm.xml") + " (a pipe)");
+  }
 }
 
 TEST_F(Resolving, ARelativePathStartsAtTheReferringFile) {

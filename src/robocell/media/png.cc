@@ -12,11 +12,14 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/real_file.h"
 
 // libpng reports errors by longjmp. Every function between setjmp and libpng's calls is plain C:
 // raw pointers only, no object with a destructor.
 namespace robocell {
 namespace {
+
+constexpr uint64_t kMostFileBytes = uint64_t{1} << 30;
 
 // Where libpng puts its error text and reads from or writes to.
 struct Channel {
@@ -212,7 +215,7 @@ void WritePng(const std::filesystem::path& path, const GrayImage16& image) {
 }
 
 RgbImage ReadPngRgb(const std::filesystem::path& path) {
-  const std::string file = ReadFile(path);
+  const std::string file = ReadRealFile(path, kMostFileBytes);
   Decoder decoder(path, file);
   const Format format = decoder.format();
   RgbImage image{format.width, format.height,
@@ -222,7 +225,7 @@ RgbImage ReadPngRgb(const std::filesystem::path& path) {
 }
 
 GrayImage16 ReadPngGray16(const std::filesystem::path& path) {
-  const std::string file = ReadFile(path);
+  const std::string file = ReadRealFile(path, kMostFileBytes);
   Decoder decoder(path, file);
   const Format format = decoder.format();
   if (format.depth != 16 || format.color != PNG_COLOR_TYPE_GRAY) {

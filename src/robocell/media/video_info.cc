@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <numeric>
 #include <span>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/real_file.h"
 
 namespace robocell {
 namespace {
@@ -211,6 +213,8 @@ size_t FrameBytes(VideoKind kind, int width, int height) {
 
 VideoInfo ReadVideoInfo(const std::filesystem::path& path) {
   File file;
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) RequireReadable(path);  // a pipe may never end
   file.stream.open(path, std::ios::binary | std::ios::ate);
   if (!file.stream)
     throw IoError(fmt::format("video '{}': {}", path.string(), std::strerror(errno)), errno);

@@ -205,6 +205,7 @@ TEST(VideoInfo, OtherFilesAreRefusedWithTheReason) {
   Store(folder / "a.mp4", "this is a text, not a video, and long enough");
   ExpectThrow<IoError>([&] { ReadVideoInfo(folder / "a.mp4"); },
                        "it does not begin like an mp4 file");
+  ExpectThrow<IoError>([] { ReadVideoInfo("/dev/zero"); }, "'/dev/zero': it is a device");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/log.h"
+#include "robocell/base/real_file.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/parse_problem.h"
 #include "robocell/mujoco/warnings.h"
@@ -36,8 +37,10 @@ std::string Joined(const std::vector<std::string>& lines) {
 
 void CheckReadable(const Path& path, std::string_view context) {
   std::error_code error;
-  if (std::filesystem::is_directory(path, error)) {
-    throw IoError(Prefix(context) + "'" + path.string() + "' is a folder, not a model file");
+  // A pipe or a device is not even opened: that may wait for ever.
+  if (std::filesystem::exists(path, error) && !CanReadFile(path)) {
+    throw IoError(Prefix(context) + "'" + path.string() + "' is " + WhatIsAt(path) +
+                  ", not a model file");
   }
   if (!std::ifstream(path)) {
     throw IoError(Prefix(context) + "cannot read model file '" + path.string() +

@@ -64,6 +64,8 @@ TEST_F(Compiling, AMissingFileIsAnIoErrorThatNamesIt) {
             "robot 'left': cannot read model file '/no/such/arm.xml': No such file or directory");
   EXPECT_THAT(MessageOf<IoError>([&] { ParseXmlFile(folder_); }),
               HasSubstr("is a folder, not a model file"));
+  EXPECT_THAT(MessageOf<IoError>([&] { ParseXmlFile("/dev/zero"); }),
+              HasSubstr("'/dev/zero' is a device, not a model file"));
 }
 
 TEST_F(Compiling, AMissingMeshIsASpecErrorThatNamesTheMesh) {

@@ -166,6 +166,7 @@ std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& na
   if (!part) return std::nullopt;
   out.part = std::move(*part);
   if (!HasNamesOf(robot, out.part, name, report)) return std::nullopt;
+  if (config.home.empty() && !out.part.other_keys.empty()) report.Note(place, out.part.other_keys);
   ApplyEdits(config, out.part, report);
   out.top = ChooseRoot(out.part, config.root_body, report);
   if (!out.top) return std::nullopt;

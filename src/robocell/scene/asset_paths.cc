@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "robocell/base/names.h"
+#include "robocell/base/real_file.h"
 #include "robocell/scene/part.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -64,6 +65,8 @@ std::string InFolder(const MissingFile& file) {
   const fs::path folder = file.path.parent_path();
   if (!fs::is_directory(folder, error))
     return fmt::format("there is no folder {}", folder.string());
+  if (fs::exists(file.path, error))
+    return fmt::format("{} is {}", file.path.string(), WhatIsAt(file.path));
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
     names.push_back(entry.path().filename());
   const std::string near = DidYouMean(file.path.filename().string(), names);

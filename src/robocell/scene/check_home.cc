@@ -11,10 +11,18 @@
 namespace robocell {
 namespace {
 
-// For an angle that only makes sense in degrees.
-std::string RadiansHint(int joint_type, double value) {
-  if (joint_type != mjJNT_HINGE || std::abs(value) <= 2 * kPi) return "";
-  return fmt::format("; radians, and {:g} degrees are {:.4f}", value, value * kPi / 180);
+// For an angle that only makes sense in degrees, or limits that only make sense in radians.
+std::string RadiansHint(int joint_type, double value, const mjtNum* range) {
+  if (joint_type != mjJNT_HINGE) return "";
+  if (std::abs(value) > 2 * kPi)
+    return fmt::format("; radians, and {:g} degrees are {:.4f}", value, value * kPi / 180);
+  const double lower = range[0] * 180 / kPi, upper = range[1] * 180 / kPi;
+  const bool read_as_degrees = lower >= -2 * kPi && upper <= 2 * kPi && upper - lower > 1;
+  if (!read_as_degrees || value < lower || value > upper) return "";
+  return fmt::format(
+      ". Were radians read as degrees? The model's {:g} to {:g} are degrees unless it says "
+      "<compiler angle=\"radian\"/>",
+      lower, upper);
 }
 
 // Joints whose home a robot's file says.
@@ -39,7 +47,7 @@ std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double
   const mjtNum* range = model->jnt_range + 2 * joint;
   if (value >= range[0] - kLimitSlack && value <= range[1] + kLimitSlack) return {};
   return fmt::format("{} is outside the limits {:.6g} to {:.6g} of joint '{}'{}", value, range[0],
-                     range[1], shown, RadiansHint(type, value));
+                     range[1], shown, RadiansHint(type, value, range));
 }
 
 void CheckKeyframes(const mjModel* model, const PartHome& parts,

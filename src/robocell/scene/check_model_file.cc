@@ -100,4 +100,44 @@ void CheckHomeKeyLength(const Part& part, Report& report) {
                             ListNames(left_out, 40)));
 }
 
+void CheckHomeKeyControls(const Part& part, Report& report) {
+  mjsElement* element = FindSpecElement(part.spec.get(), mjOBJ_KEY, "home");
+  if (!element) return;
+  int given = 0;
+  mjs_getDouble(mjs_asKey(element)->ctrl, &given);
+  std::vector<std::string> actuators;
+  for (mjsElement* actuator : SpecElements(part.spec.get(), mjOBJ_ACTUATOR))
+    actuators.push_back(DescribeSpecElement(actuator));
+  // Which of them have several inputs is known only after compiling: more numbers may be right.
+  if (given == 0 || given >= static_cast<int>(actuators.size())) return;
+  const std::vector<std::string> left_out(actuators.begin() + given, actuators.end());
+  report.WarnAt(part.file, part.place,
+                fmt::format("the keyframe 'home' has {} numbers in ctrl for {} actuators. Without "
+                            "a number, and at the control that holds home: {}",
+                            given, actuators.size(), ListNames(left_out, 40)));
+}
+
+std::string OtherKeys(const Part& part) {
+  const std::vector<mjsElement*> keys = SpecElements(part.spec.get(), mjOBJ_KEY);
+  if (keys.empty() || FindSpecElement(part.spec.get(), mjOBJ_KEY, "home")) return "";
+  std::vector<std::string> names, values;
+  for (mjsElement* key : keys) {
+    const std::string name = SpecName(key);
+    names.push_back(name.empty() ? fmt::format("the {}. (unnamed)", names.size() + 1)
+                                 : "'" + name + "'");
+  }
+  int given = 0, at = 0;
+  const double* qpos = mjs_getDouble(mjs_asKey(keys[0])->qpos, &given);
+  for (const JointPositions& joint : PositionsInOrder(part.spec.get())) {
+    if (joint.count == 1 && at < given)
+      values.push_back(fmt::format("{} {:.6g}", joint.name, qpos[at]));
+    at += joint.count;
+  }
+  return fmt::format(
+      "{} has no keyframe 'home', only {}: the robot starts with all joints at their reference. "
+      "To start at a keyframe, write its numbers as `home`{}",
+      part.file, ListNames(names),
+      values.empty() ? "" : fmt::format(": {} has {}", names[0], ListNames(values, 40)));
+}
+
 }  // namespace robocell

@@ -19,4 +19,11 @@ void CheckActuatorTargets(const Part& part, Report& report);
 // warning when it has fewer.
 void CheckHomeKeyLength(const Part& part, Report& report);
 
+// A warning when it has fewer controls than there are actuators.
+void CheckHomeKeyControls(const Part& part, Report& report);
+
+// What to say of a robot whose keyframes are all called otherwise; "" when there is a `home` or no
+// keyframe at all.
+std::string OtherKeys(const Part& part);
+
 }  // namespace robocell

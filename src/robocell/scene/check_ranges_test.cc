@@ -254,6 +254,57 @@ TEST_F(Ranges, AKeyframeOfTheOwnJointsOnly) {
   }
 }
 
+TEST_F(Ranges, AKeyframeWithTooFewControls) {
+  Model({.rest = "<keyframe><key name=\"home\" qpos=\"0 0.5 0 0\" ctrl=\"0\"/></keyframe>"});
+  EXPECT_THAT(Build().compiled()->warnings(),
+              ElementsAre(model_ + ": robot 'arm': the keyframe 'home' has 1 numbers in ctrl for 3 "
+                                   "actuators. Without a number, and at the control that holds "
+                                   "home: actuator 's2', actuator 'grip'"));
+}
+
+TEST_F(Ranges, KeyframesThatAreCalledOtherwiseAreNamedWithTheirNumbers) {
+  Model({.rest = "<keyframe><key name=\"ready\" qpos=\"0.1 0.5 0 0\"/><key qpos=\"0 0 0 0\"/>"
+                 "</keyframe>"});
+  EXPECT_THAT(Build().compiled()->notes(),
+              ElementsAre("robot 'arm': " + model_ +
+                          " has no keyframe 'home', only 'ready', the 2. (unnamed): the robot "
+                          "starts with all joints at their reference. To start at a keyframe, "
+                          "write its numbers as `home`: 'ready' has hip 0.1, knee 0.5, l 0, "
+                          "r 0"));
+  EXPECT_THAT(Build("home: {arm: [0.1, 0.5]}\n").compiled()->notes(), IsEmpty());
+}
+
+TEST_F(Ranges, AHomeThatDegreesPutOutsideTheLimits) {
+  Model(
+      {.angle = "degree", .rest = "<keyframe><key name=\"home\" qpos=\"1.5 0 0 0\"/></keyframe>"});
+  ExpectThrow<SpecError>([&] { Build(); },
+                         "1.5 is outside the limits -0.0349066 to 0.0349066 of joint 'hip'. Were "
+                         "radians read as degrees? The model's -2 to 2 are degrees unless it says "
+                         "<compiler angle=\"radian\"/>");
+}
+
+// A model that is made to be looked at alone brings a floor. In its world it is left there; in a
+// body it would come along.
+TEST_F(Ranges, AFloorThatTheModelBrings) {
+  const std::string plane = "geom name=\"ground\" type=\"plane\" size=\"0 0 1\"/>";
+  Model({.first = "<worldbody><" + plane + "</worldbody>"});
+  const Scene outside = Build();
+  EXPECT_THAT(outside.compiled()->warnings(), IsEmpty());
+  EXPECT_THAT(outside.compiled()->notes(), ElementsAre(HasSubstr("left out of its world: geom")));
+  EXPECT_LT(FindId(outside.model(), mjOBJ_GEOM, "a/ground"), 0);
+
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back(
+      {.path = folder_.Write("inside", "<worldbody><body name=\"base\"><" + plane +
+                                           "<body><joint/><geom size=\"0.1\"/></body></body>"
+                                           "</worldbody>")});
+  EXPECT_THAT(
+      Scene::Build(spec).compiled()->warnings(),
+      Contains("robot 'robot': geom 'ground' of body 'base' is a plane without end: a second "
+               "floor that goes where the body goes. If it is only there to look at the "
+               "robot alone: edits: [{delete: {geom: ground}}]"));
+}
+
 TEST_F(Ranges, AUrdfMayBeAPassiveTool) {
   AtomicWrite(
       folder_.path() / "pen.urdf",

@@ -38,18 +38,58 @@ std::vector<std::string> InWorld(const Part& part, mjtObj kind, mjsElement* exce
   return out;
 }
 
-void WarnLeftBehind(const Part& part, mjsBody* root, Report& report) {
-  std::vector<std::string> left = InWorld(part, mjOBJ_BODY, root->element);
-  for (const mjtObj kind : {mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_CAMERA}) {
-    for (std::string& element : InWorld(part, kind)) left.push_back(std::move(element));
+// The floors of the part's world, and its other geoms.
+struct WorldGeoms {
+  std::vector<std::string> floors, others;
+};
+
+WorldGeoms GeomsInWorld(const Part& part) {
+  WorldGeoms geoms;
+  for (mjsElement* element : BodyElements(WorldBody(part.spec.get()), mjOBJ_GEOM)) {
+    const bool floor = mjs_asGeom(element)->type == mjGEOM_PLANE;
+    (floor ? geoms.floors : geoms.others).push_back(DescribeSpecElement(element));
   }
-  const std::vector<std::string> lights = InWorld(part, mjOBJ_LIGHT);
+  return geoms;
+}
+
+// Floors and lights are the scene's: what a model brings to be looked at alone is no loss.
+void WarnLeftBehind(const Part& part, mjsBody* root, Report& report) {
   const auto text = [&](const std::vector<std::string>& names) {
     return fmt::format("only {} of {} is attached; left out of its world: {}",
                        DescribeSpecElement(root->element), part.file, ListNames(names));
   };
-  if (!left.empty()) report.Warn(part.place, text(left));
+  const WorldGeoms geoms = GeomsInWorld(part);
+  std::vector<std::string> left = InWorld(part, mjOBJ_BODY, root->element);
+  left.insert(left.end(), geoms.others.begin(), geoms.others.end());
+  for (const mjtObj kind : {mjOBJ_SITE, mjOBJ_CAMERA}) {
+    for (std::string& element : InWorld(part, kind)) left.push_back(std::move(element));
+  }
+  if (!left.empty())
+    report.Warn(part.place, text(left) + "; what belongs to it goes into that body in the file");
+  const std::vector<std::string> lights = InWorld(part, mjOBJ_LIGHT);
   if (!lights.empty()) report.Note(part.place, text(lights) + "; the scene has its own");
+  if (!geoms.floors.empty())
+    report.Note(part.place, text(geoms.floors) +
+                                "; floors are the scene's (add_floor), nothing meets this one");
+}
+
+// A plane has no end: below a robot it would be a second floor, which goes where the robot goes.
+void WarnPlanes(const Part& part, Report& report) {
+  if (part.field != "model" && part.field != "path") return;  // of a robot
+  for (mjsElement* element : SpecElements(part.spec.get(), mjOBJ_GEOM)) {
+    const mjsGeom* geom = mjs_asGeom(element);
+    const mjsBody* body = mjs_getParent(element);
+    if (geom->type != mjGEOM_PLANE || !body || body == WorldBody(part.spec.get())) continue;
+    if (geom->contype == 0 && geom->conaffinity == 0) continue;
+    const std::string owner = SpecName(body->element), name = SpecName(element);
+    report.Warn(
+        part.place,
+        fmt::format("{} of body '{}' is a plane without end: a second floor that goes where "
+                    "the body goes. If it is only there to look at the robot alone: edits: "
+                    "[{{delete: {{geom: {}}}}}]",
+                    DescribeSpecElement(element), owner,
+                    name.empty() ? fmt::format("{{body: {}, index: N}}", owner) : name));
+  }
 }
 
 // Elements that refer to others and are dropped by the engine when those are not attached.
@@ -104,8 +144,10 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
   if (!root_label.empty()) LabelUnnamed(part.spec.get(), root_label);
   CheckActuatorTargets(part, report);
   CheckHomeKeyLength(part, report);
+  CheckHomeKeyControls(part, report);
   if (report.problem_count() > before) return std::nullopt;
   part.home = ReadHomeKey(part.spec.get(), place, field, *file);
+  part.other_keys = OtherKeys(part);
   DropKeys(part.spec.get());
   if (!MakeAssetPathsAbsolute(part.spec.get(), *file, place, field, report)) return std::nullopt;
   WarnOtherOptions(part.spec->option, options, place, report);
@@ -137,6 +179,7 @@ mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& repo
     return nullptr;
   }
   WarnLeftBehind(part, root, report);
+  WarnPlanes(part, report);
   return root;
 }
 

@@ -48,6 +48,7 @@ struct Part {
   std::string file;
   SpecPtr spec;
   PartHome home;
+  std::string other_keys = {};  // what to say of keyframes that are called otherwise; may be empty
   std::vector<Tool> tools = {};
 };
 

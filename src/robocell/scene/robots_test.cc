@@ -159,12 +159,17 @@ TEST_F(Robots, TakeOnlyTheirRootAndSayWhatStaysBehind) {
                              " has 2 root bodies: base, chair; say which one is the root_body");
   spec.robots[0] = {.config = RobotConfig{.name = "r", .model = room, .root_body = "base"}};
   const Scene scene = Scene::Build(spec);
-  EXPECT_THAT(scene.compiled()->warnings(),
-              ElementsAre("robot 'robot': only body 'base' of " + room +
-                              " is attached; left out of its world: body 'chair', geom 'ground'",
-                          "robot 'robot': 1 actuator(s) of " + room +
-                              " refer to elements that are not attached and are left out: m2"));
-  EXPECT_THAT(scene.compiled()->notes(), ElementsAre(HasSubstr("light 'lamp'")));
+  EXPECT_THAT(
+      scene.compiled()->warnings(),
+      ElementsAre("robot 'robot': only body 'base' of " + room +
+                      " is attached; left out of its world: body 'chair'; what belongs to it goes "
+                      "into that body in the file",
+                  "robot 'robot': 1 actuator(s) of " + room +
+                      " refer to elements that are not attached and are left out: m2"));
+  EXPECT_THAT(scene.compiled()->notes(),
+              ElementsAre(HasSubstr("light 'lamp'"),
+                          HasSubstr("left out of its world: geom 'ground'; floors are the scene's "
+                                    "(add_floor), nothing meets this one")));
   spec.robots[0].config->root_body = "bse";
   ExpectThrow<SpecError>([&] { Scene::Build(spec); },
                          "root_body: no body 'bse'. Its bodies: base, chair. Did you mean 'base'?");

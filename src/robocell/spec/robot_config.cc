@@ -14,7 +14,8 @@ namespace {
 void CheckArm(const MoveGroupConfig& group, Problems& problems) {
   if (group.joints.empty())
     problems.AddAt("joints", "an arm needs its joints, for example joint1..joint7");
-  if (!group.actuators.empty() && group.actuators.size() != group.joints.size()) {
+  const bool both = !group.actuators.empty() && !group.joints.empty();
+  if (both && group.actuators.size() != group.joints.size()) {
     problems.AddAt("actuators",
                    fmt::format("an arm has one actuator per joint: {} actuators for {} joints",
                                group.actuators.size(), group.joints.size()));

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/files.h"
 #include "robocell/base/names.h"
+#include "robocell/base/real_file.h"
 #include "robocell/spec/yaml_hints.h"
 
 namespace robocell {
@@ -35,7 +35,8 @@ std::vector<std::string> SpecFilesIn(const fs::path& folder, const std::string& 
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename(), ending = entry.path().extension();
     const bool is_yaml = name.front() != '.' && (ending == ".yaml" || ending == ".yml");
-    if (is_yaml && !IsOtherKind(entry.path(), type)) names.push_back(name);
+    if (is_yaml && CanReadFile(entry.path()) && !IsOtherKind(entry.path(), type))
+      names.push_back(name);
   }
   std::sort(names.begin(), names.end());
   return names;
@@ -72,13 +73,17 @@ size_t CharacterLength(std::string_view text, size_t i) {
 
 std::string MissingSpecFile(const std::string& path, const std::string& type) {
   std::error_code error;
-  if (fs::exists(path, error) && !fs::is_directory(path, error)) return "";
+  if (CanReadFile(path)) return "";
   const yaml::FileKind kind = yaml::FileKindOf(type);
   const std::string tail =
       fmt::format(" How to write {}: {}", yaml::WithArticle(kind.what), kind.page);
   if (fs::is_directory(path, error)) {
     return fmt::format("'{}' is a folder; give {}.{}{}", path, yaml::WithArticle(kind.what),
                        Listing(path, kind.what, SpecFilesIn(path, type)), tail);
+  }
+  if (fs::exists(path, error)) {
+    return fmt::format("'{}' is {}; give {}. What a pipe brings is written to a file first.{}",
+                       path, WhatIsAt(path), yaml::WithArticle(kind.what), tail);
   }
   const fs::path folder = fs::path(path).parent_path();
   const fs::path looked = folder.empty() ? fs::path(".") : folder;
@@ -98,7 +103,16 @@ std::string ReadSpecFile(const std::string& path, const std::string& type) {
   if (const std::string missing = MissingSpecFile(path, type); !missing.empty()) {
     throw IoError(missing);
   }
-  return ReadFile(path);
+  std::error_code ignored;
+  const uint64_t bytes = fs::file_size(path, ignored);
+  if (!ignored && bytes > kMostSpecBytes) {
+    const std::string what = yaml::FileKindOf(type).what;
+    throw IoError(
+        fmt::format("'{}' has {} MiB; {} has a few kB, and 16 MiB are the most that is "
+                    "read. Is it the right file?",
+                    path, bytes >> 20, yaml::WithArticle(what)));
+  }
+  return ReadRealFile(path, kMostSpecBytes);
 }
 
 void RequireText(std::string_view text, const std::string& source) {

@@ -1,7 +1,11 @@
 #include "robocell/spec/spec_file.h"
 
+#include <sys/stat.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <filesystem>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
@@ -52,6 +56,34 @@ TEST(SpecFile, FilesOfOtherKindsAreNotOffered) {
   EXPECT_THAT(MissingSpecFile(in + "/am_pick.yaml", "RunConfig"),
               HasSubstr("In " + in + ": arm_pick.yaml, notes.yaml. Did you mean '" + in +
                         "/arm_pick.yaml'?"));
+}
+
+// They would never end, or wait for ever; so would a listing that looked into them.
+TEST(SpecFile, WhatIsNoFileIsNotEvenOpened) {
+  const TempDir folder;
+  const std::string in = folder.path().string(), pipe = in + "/pipe.yaml";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/zero", folder / "endless.yaml");
+  const std::string wanted =
+      "; give a robot file. What a pipe brings is written to a file first. How to write a robot "
+      "file: docs/robots.md";
+  ExpectThrow<IoError>([&] { RobotConfig::Load(pipe); }, "'" + pipe + "' is a pipe" + wanted);
+  ExpectThrow<IoError>([&] { RobotConfig::Load("/dev/zero"); }, "'/dev/zero' is a device" + wanted);
+  ExpectThrow<IoError>([&] { RobotConfig::Load(in + "/endless.yaml"); },
+                       "'" + in + "/endless.yaml' is a link to '/dev/zero'" + wanted);
+  EXPECT_THAT(MissingSpecFile(in + "/pip.yaml", "RunConfig"),
+              HasSubstr("There are no run files in " + in));
+}
+
+TEST(SpecFile, ALargerOneThanAnySpecIsNotRead) {
+  const TempDir folder;
+  const std::string file = folder / "mesh.yaml";
+  AtomicWrite(file, "name: a\n");
+  std::filesystem::resize_file(file, uint64_t{1} << 40);
+  ExpectThrow<IoError>([&] { RobotConfig::Load(file); },
+                       "'" + file +
+                           "' has 1048576 MiB; a robot file has a few kB, and 16 MiB are "
+                           "the most that is read. Is it the right file?");
 }
 
 TEST(SpecFile, ZeroBytesAreRefusedWithTheirPlace) {

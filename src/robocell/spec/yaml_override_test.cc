@@ -105,7 +105,9 @@ TEST_F(OverrideTest, GoesThroughTheSameChecks) {
   EXPECT_THAT(Error({"robot.hme.arm=[1, 2]"}), HasSubstr("Did you mean 'home'?"));
   EXPECT_THAT(Error({"robot.home.arm=[1]"}),
               HasSubstr("--set robot.home.arm=[1]: robot.home.arm: has 1 values for the 2 joints"));
-  EXPECT_THAT(Error({"seed=[1"}), HasSubstr("--set seed=[1:1:1: not valid YAML"));
+  EXPECT_THAT(Error({"seed=99999999999999999999"}),
+              HasSubstr("--set seed=99999999999999999999: seed: expected a whole number of at most "
+                        "9223372036854775807"));
 }
 
 TEST_F(OverrideTest, APathThatLeadsNowhereIsAnError) {
@@ -115,6 +117,16 @@ TEST_F(OverrideTest, APathThatLeadsNowhereIsAnError) {
   EXPECT_THAT(Error({"run.name=x"}), HasSubstr("--set run.name=x: "));
   EXPECT_THAT(Error({"task.base_distance.x=1"}), HasSubstr("--set task.base_distance.x=1: "));
   EXPECT_THAT(Error({"task..x=1"}), HasSubstr("--set task..x=1: "));
+}
+
+// As a shell hands it over that met a blank.
+TEST_F(OverrideTest, ABracketWithoutItsEndIsNamed) {
+  EXPECT_EQ(Error({"task.base_distance=[0.3,"}),
+            "--set task.base_distance=[0.3,: its `[` is not closed: `]` is missing. An option with "
+            "blanks stands in quotes: --set 'task.base_distance=[...]'");
+  EXPECT_THAT(Error({"robot.base={kind: mocap, size: [1"}), HasSubstr("its `[` is not closed"));
+  EXPECT_THAT(Error({"robot.base={kind: mocap"}), HasSubstr("'robot.base={...}'"));
+  EXPECT_EQ(Load({"run='[a'"}).run, "[a");
 }
 
 TEST_F(OverrideTest, ProblemsOfTheFileKeepTheirPlaces) {

@@ -14,8 +14,7 @@
 namespace robocell::yaml {
 namespace {
 
-constexpr size_t kMostBytes = 1 << 24;  // no spec file is bigger
-constexpr int kMostDepth = 64;          // or deeper
+constexpr int kMostDepth = 64;  // no spec file is deeper
 
 // yaml-cpp's parser recurses: refuse depth before it runs. Counts the brackets of flow collections;
 // indentation; and the marks of nested block entries.
@@ -76,10 +75,22 @@ void RequireOneDocument(const std::string& text, const std::string& source) {
   while (parser.HandleNextDocument(handler)) continue;
 }
 
+// A shell that meets the blanks of a list hands over its beginning.
+void RequireWholeValue(const std::string& text, size_t equals) {
+  const std::string value = text.substr(equals + 1);
+  const char open = UnclosedBracket(value);
+  if (open == '\0') return;
+  const char close = open == '[' ? ']' : '}';
+  throw SpecError(fmt::format(
+      "--set {0}: its `{1}` is not closed: `{2}` is missing. An option with blanks stands in "
+      "quotes: --set '{3}={1}...{2}'",
+      text, open, close, text.substr(0, equals)));
+}
+
 }  // namespace
 
 YAML::Node ParseText(std::string_view text, const std::string& source) {
-  if (text.size() > kMostBytes) {
+  if (text.size() > kMostSpecBytes) {
     throw SpecError(source + ": is larger than 16 MB, which no spec file is");
   }
   RequireText(text, source);
@@ -108,6 +119,7 @@ Override ParseOverride(const std::string& text) {
     throw ArgumentError("--set " + text +
                         ": write it as path.to.field=value, for example task.lift_height=0.05");
   }
+  RequireWholeValue(text, equals);
   return {text.substr(0, equals), text,
           ParseText(std::string_view(text).substr(equals + 1), "--set " + text)};
 }

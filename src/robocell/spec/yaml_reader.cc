@@ -38,6 +38,18 @@ bool ParseInt(const std::string& text, int64_t& out) {
   return error == std::errc() && rest == end;
 }
 
+bool IsWhole(const std::string& text) {
+  const size_t digits = text.starts_with('-') ? 1 : 0;
+  return text.size() > digits && text.find_first_not_of("0123456789", digits) == std::string::npos;
+}
+
+// "; write 1000" for 1e3 or 1000.0.
+std::string WholeNumberHint(const std::string& text) {
+  double value = 0;
+  if (!ParseDouble(text, value) || std::floor(value) != value || std::abs(value) > 1e15) return "";
+  return fmt::format("; write {:.0f}", value);
+}
+
 // Whether `path` is `root` itself or a part of it.
 bool IsAtOrBelow(std::string_view path, std::string_view root) {
   if (root.empty()) return true;
@@ -136,8 +148,10 @@ void Reader::AppendUnread(const Problems& found) {
   const std::vector<Problem> read = problems_.list();
   for (const Problem& p : found.list()) {
     // A value that could not be read keeps its default, about which nothing needs to be said twice.
+    // The same of a list with such a value in it.
     const auto unread = [&](const Problem& q) {
-      return !q.path.empty() && IsAtOrBelow(p.path, q.path);
+      const bool in_list = q.path.starts_with(p.path + "[") && !p.path.empty();
+      return !q.path.empty() && (in_list || IsAtOrBelow(p.path, q.path));
     };
     const auto misspelt = [&](const std::string& path) { return IsAtOrBelow(p.path, path); };
     if (std::any_of(read.begin(), read.end(), unread)) continue;
@@ -164,20 +178,26 @@ void Reader::Read(const YAML::Node& node, bool& out) {
   }
 }
 
-void Reader::Read(const YAML::Node& node, int64_t& out) {
+template <class Int>
+void Reader::ReadWhole(const YAML::Node& node, Int& out) {
+  using Limits = std::numeric_limits<Int>;
   std::string text;
   if (!ReadScalar(node, "a whole number", text)) return;
-  if (!ParseInt(text, out)) FailKind(node, "a whole number");
+  int64_t wide = 0;
+  const bool parsed = ParseInt(text, wide);
+  if (parsed && wide >= Limits::min() && wide <= Limits::max()) {
+    out = static_cast<Int>(wide);
+  } else if (IsWhole(text)) {
+    FailKind(node, text.starts_with('-')
+                       ? fmt::format("a whole number not below {}", Limits::min())
+                       : fmt::format("a whole number of at most {}", Limits::max()));
+  } else {
+    FailKind(node, "a whole number", WholeNumberHint(text));
+  }
 }
 
-void Reader::Read(const YAML::Node& node, int& out) {
-  int64_t wide = 0;
-  Read(node, wide);
-  if (wide > std::numeric_limits<int>::max() || wide < std::numeric_limits<int>::min()) {
-    return FailKind(node, "a whole number below 2^31");
-  }
-  out = static_cast<int>(wide);
-}
+void Reader::Read(const YAML::Node& node, int64_t& out) { ReadWhole(node, out); }
+void Reader::Read(const YAML::Node& node, int& out) { ReadWhole(node, out); }
 
 void Reader::Read(const YAML::Node& node, double& out) {
   std::string text;
@@ -188,6 +208,7 @@ void Reader::Read(const YAML::Node& node, double& out) {
 void Reader::Read(const YAML::Node& node, std::string& out) { ReadScalar(node, "a text", out); }
 
 void Reader::Read(const YAML::Node& node, NameList& out) {
+  const size_t problems_before = problems_.list().size();
   out.names.clear();
   const auto expand = [&](const YAML::Node& item) {
     std::string text;
@@ -212,6 +233,8 @@ void Reader::Read(const YAML::Node& node, NameList& out) {
   } else {
     expand(node);
   }
+  // Of half a list nothing is said that compares it with others.
+  if (problems_.list().size() > problems_before) out.names.clear();
 }
 
 void Reader::Read(const YAML::Node& node, IndexList& out) {

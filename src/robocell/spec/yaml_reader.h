@@ -216,6 +216,8 @@ class Reader {
   void AppendUnread(const Problems& found);
   // Adds the field's documentation to what was just found wrong with its value as a whole.
   void ExplainField(std::string_view name, std::string_view doc, size_t first_problem);
+  template <class Int>
+  void ReadWhole(const YAML::Node& node, Int& out);
   bool ReadScalar(const YAML::Node& node, const std::string& expected, std::string& out);
   void ReadRobotFile(const YAML::Node& node, RobotConfig& out);
   void ReadAttachWord(const YAML::Node& node, AttachTarget& out);

@@ -188,9 +188,13 @@ std::string Brackets(const std::vector<std::string_view>& lines, TextPlace at) {
                        LineAt(lines, bracket).substr(static_cast<size_t>(bracket.column), 1),
                        bracket.line + 1, bracket.column + 1);
   }
-  const bool at_end = LineAbove(lines, static_cast<int>(lines.size())) < at.line;
-  if (!scan.open().empty()) return StillOpen(scan.open().back(), at_end);
   const std::string_view line = LineAt(lines, at);
+  const bool at_end = LineAbove(lines, static_cast<int>(lines.size())) <= at.line &&
+                      Trimmed(line.substr(Before(line, at).size())).empty();
+  if (!scan.open().empty()) return StillOpen(scan.open().back(), at_end);
+  // In a text without a last line feed the parser's place may be the beginning of the last line.
+  const BracketScan whole(lines, {static_cast<int>(lines.size()), 0});
+  if (!whole.open().empty()) return StillOpen(whole.open().back(), true);
   return fmt::format(
       "this `{}` closes nothing: what it is to close was not opened, or is closed "
       "already",
@@ -282,12 +286,19 @@ std::string Explanation(const std::string& message, const std::vector<std::strin
 
 }  // namespace
 
+char UnclosedBracket(std::string_view text) {
+  const std::vector<std::string_view> lines = LinesOf(text);
+  const BracketScan scan(lines, {static_cast<int>(lines.size()), 0});
+  return scan.open().empty() ? '\0' : scan.open().back().bracket;
+}
+
 std::string SyntaxError(std::string_view text, const std::string& source,
                         const YAML::ParserException& error) {
+  const std::vector<std::string_view> lines = LinesOf(text);
   const TextPlace at{std::max(error.mark.line, 0), std::max(error.mark.column, 0)};
   if (const int tabbed = TabbedLine(text, at.line + 1))
     return At(source, {tabbed - 1, 0}, "the line is indented with a tab; use spaces");
-  return At(source, at, Explanation(error.msg, LinesOf(text), at));
+  return At(source, at, Explanation(error.msg, lines, at));
 }
 
 std::string UnclosedQuote(std::string_view text, const std::string& source,

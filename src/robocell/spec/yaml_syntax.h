@@ -16,8 +16,12 @@ namespace robocell::yaml {
 std::string SyntaxError(std::string_view text, const std::string& source,
                         const YAML::ParserException& error);
 
-// The same for a text in quotes that begins at `mark`; "" when its end is there, or when no quote
-// is at `mark`. (The parser of yaml-cpp 0.7 takes the end of the file for the end of the quote.)
+// A bracket that is still open at the end of the text, the last one; 0 when there is none.
+char UnclosedBracket(std::string_view text);
+
+// As SyntaxError for a text in quotes that begins at `mark`; "" when its end is there, or when no
+// quote is at `mark`. (The parser of yaml-cpp 0.7 takes the end of the file for the end of the
+// quote.)
 std::string UnclosedQuote(std::string_view text, const std::string& source, const YAML::Mark& mark);
 
 // For a second document: what begins it, or what is not part of the first.

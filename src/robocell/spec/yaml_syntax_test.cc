@@ -34,6 +34,8 @@ const std::vector<BrokenText>& BrokenTexts() {
        "`]` is missing"},
       {"name: a\nbase: {kind: mocap\n",
        "3:1: not valid YAML: the `{` of line 2, column 7 is still open at the end of the file"},
+      {"name: a\nhome: [0, 1",
+       "2:1: not valid YAML: the `[` of line 2, column 7 is still open at the end of the file"},
       {"name: a\nhome: [0, 1\nmodel: b\n",
        "3:6: not valid YAML: the `[` of line 2, column 7 is still open before this: a `]`, or a "
        "comma between its entries, is missing"},

@@ -16,6 +16,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::ParseError;
+using ::testing::StartsWith;
 
 std::string RobotError(const std::string& more) {
   return ParseError<RobotConfig>("name: arm\nmodel: arm.xml\n" + more);
@@ -101,9 +102,12 @@ TEST(Yaml, WholeNumbersAreWhole) {
   };
   EXPECT_EQ(width("320"), "");
   EXPECT_THAT(width("320.5"), HasSubstr("resolution[0]: expected a whole number, found '320.5'"));
-  EXPECT_THAT(width("1e2"), HasSubstr("expected a whole number, found '1e2'"));
-  EXPECT_THAT(width("99999999999"), HasSubstr("a whole number below 2^31, found '99999999999'"));
-  EXPECT_THAT(width("99999999999999999999999"), HasSubstr("expected a whole number, found"));
+  EXPECT_THAT(width("1e2"), HasSubstr("expected a whole number, found '1e2'; write 100"));
+  EXPECT_THAT(width("99999999999"),
+              HasSubstr("a whole number of at most 2147483647, found '99999999999'"));
+  EXPECT_THAT(width("-99999999999999999999"), HasSubstr("a whole number not below -2147483648"));
+  EXPECT_THAT(width("+64"), HasSubstr("found '+64'; write 64"));
+  EXPECT_THAT(width("99999999999999999999999"), HasSubstr("a whole number of at most 2147483647"));
 }
 
 TEST(Yaml, NumbersAreReadInAllUsualForms) {
@@ -246,6 +250,17 @@ TEST(Yaml, ASecondDocumentIsRefused) {
 TEST(Yaml, UnreadableFilesAreIoErrors) {
   ExpectThrow<IoError>([] { RobotConfig::Load("/nonexistent/robot.yaml"); },
                        "/nonexistent/robot.yaml");
+}
+
+// What is compared with a list that could not be read would be compared with nothing.
+TEST(Yaml, AListThatCannotBeReadIsOneProblem) {
+  const std::string start = "name: a\nmodel: b\nmove_groups: {arm: {kind: arm, actuators: s1..s2, ";
+  EXPECT_THAT(ParseError<RobotConfig>(start + "joints: [j1, [j2]]}}\nhome: {arm: [0, 1]}\n"),
+              StartsWith("f.yaml is not valid: f.yaml:3:64: move_groups.arm.joints: expected a "
+                         "name"));
+  EXPECT_THAT(ParseError<RobotConfig>("name: a\nmodel: b\nmove_groups: {hand: {kind: gripper, "
+                                      "actuators: g, fingers: [[l], r, s]}}\n"),
+              StartsWith("f.yaml is not valid: f.yaml:3:61: move_groups.hand.fingers[0]: "));
 }
 
 }  // namespace
