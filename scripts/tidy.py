@@ -85,6 +85,33 @@ def groups(build: Path) -> list[Group]:
     return sorted(result, key=Group.size, reverse=True)
 
 
+def includes(source: str, header: str) -> bool:
+    """Whether a source names one of our headers."""
+    name = header.removeprefix("src/")
+    return f'#include "{name}"' in (ROOT / source).read_text()
+
+
+def chosen(named: set[str], every: list[Group]) -> tuple[list[Group], list[str]]:
+    """The groups of the named files, of a header those that include it; and what is in none.
+
+    Tests are in none and left out on purpose, so naming one is no mistake.
+    """
+    wanted, unknown = set[Group](), []
+    for name in sorted(named):
+        header = name.endswith(".h") and (ROOT / name).is_file()
+        found = {
+            group
+            for group in every
+            if name in group.sources
+            or (header and any(includes(source, name) for source in group.sources))
+        }
+        test = name.endswith("_test.cc") or "/testing/" in name
+        if not found and not (test and (ROOT / name).is_file()):
+            unknown.append(name)
+        wanted |= found
+    return [group for group in every if group in wanted], unknown
+
+
 def common_hash() -> bytes:
     """A hash of everything that can change the result of every file."""
     digest = hashlib.sha256((ROOT / ".clang-tidy").read_bytes() + Path(__file__).read_bytes())
@@ -128,7 +155,7 @@ def findings(text: str) -> list[str]:
 
 
 def main() -> int:
-    """Check the files named on the command line, or all."""
+    """Check the files named on the command line, or all. 1 when some are dirty or not known."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--build", type=Path, default=Path("build/tidy"))
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
@@ -137,7 +164,10 @@ def main() -> int:
     build: Path = arguments.build.resolve()
 
     named = {os.path.relpath(file, ROOT) for file in arguments.files}
-    wanted = [group for group in groups(build) if not named or named & set(group.sources)]
+    every = groups(build)
+    wanted, unknown = chosen(named, every) if named else (every, [])
+    for name in unknown:
+        print(f"clang-tidy: {name} is no source of {arguments.build}, nor included by one")
     common = common_hash()
     (build / "tidy").mkdir(exist_ok=True)
     stamps = {group: group.stamp(build, common) for group in wanted}
@@ -157,7 +187,7 @@ def main() -> int:
             else:
                 stamps[group].touch()
     print(f"clang-tidy: findings in {dirty} groups" if dirty else "clang-tidy: nothing found")
-    return 1 if dirty else 0
+    return 1 if dirty or unknown else 0
 
 
 if __name__ == "__main__":

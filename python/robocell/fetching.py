@@ -96,6 +96,22 @@ def write_record(path: Path, record: dict[str, Pin]) -> None:
     part.replace(path)
 
 
+def main_file(robot: str) -> str:
+    """Of a robot's folder; NotFoundError without the package, or when there is no such robot."""
+    try:
+        entry = _package().get(robot)
+    except _package().MenagerieError as error:
+        raise NotFoundError(str(error)) from None
+    file: str = entry.entry(entry.default_model).file
+    return file
+
+
+def printed_progress() -> Progress:
+    """Draws what is downloaded into the terminal; NotFoundError without the package."""
+    draw: Progress = _package().print_progress
+    return draw
+
+
 def fetch(robot: str, *, update: bool = False, progress: Progress | None = None) -> Fetched:
     """Downloads a robot into the cache unless it is there, and records it.
 

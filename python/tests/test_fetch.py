@@ -15,6 +15,8 @@ import pytest
 
 import robocell as rc
 from robocell import fetching
+from robocell.cli.fetch import fetch as fetch_command
+from robocell.compat.mj_kdl_wrapper import menagerie as guide
 
 MODEL = (
     "<mujoco model='{0}'><worldbody><body name='base'><geom size='.1'/></body></worldbody></mujoco>"
@@ -84,6 +86,30 @@ def test_it_stays_at_its_version_until_it_is_updated(shop):
     assert version_of(new.folder / "arm.xml") == "two"
     assert version_of(rc.menagerie.model_path("toy_arm")) == "two"
     assert fetching.read_record(fetching.record_path())["toy_arm"] == new.pin
+
+
+def test_a_pinned_version_is_found_though_the_cache_has_a_newer_one(shop):
+    fetching.fetch("toy_arm")
+    record = fetching.record_path().read_text()
+    shop("two")
+    fetching.fetch("toy_arm", update=True)
+    fetching.record_path().write_text(record)  # as if another program had fetched it
+    assert version_of(rc.menagerie.model_path("toy_arm")) == "one"
+    fetching.record_path().unlink()
+    assert version_of(rc.menagerie.model_path("toy_arm")) == "two"
+
+
+def test_without_the_package_every_way_says_how_to_get_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "mujoco_menagerie", None)
+    (tmp_path / "kinova_gen3").mkdir()
+    monkeypatch.setenv("MJ_KDL_MENAGERIE", str(tmp_path))
+    for way in (
+        lambda: fetching.fetch("kinova_gen3"),
+        lambda: fetch_command(["kinova_gen3"]),
+        lambda: guide.model_path("kinova_gen3"),
+    ):
+        with pytest.raises(rc.NotFoundError, match="not installed: pip install mujoco-menagerie"):
+            way()
 
 
 def test_a_pinned_version_that_is_gone_names_the_package_that_has_it(shop):

@@ -50,17 +50,10 @@ def fetch(
 
 
 def _fetch(robot: str, dest: Path | None, update: bool) -> None:
-    fetched = fetching.fetch(robot, update=update, progress=_progress())
+    fetched = fetching.fetch(robot, update=update, progress=fetching.printed_progress())
     folder = fetching.copy_to(fetched, dest, update=update) if dest else fetched.folder
     note = "; the package has another version: --update takes it" if fetched.newer else ""
     print(f"{robot}: {folder} (Menagerie {fetched.pin.commit[:12]}){note}", flush=True)
-
-
-def _progress() -> fetching.Progress:
-    from mujoco_menagerie import print_progress
-
-    draw: fetching.Progress = print_progress
-    return draw
 
 
 def _table(robots: list[str] | None) -> Table:

@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <nlohmann/json.hpp>
+
 #include "robocell/assets/override.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/base/real_file.h"
 
 namespace robocell::menagerie {
 namespace {
@@ -18,20 +21,41 @@ namespace {
 namespace fs = std::filesystem;
 using assets::Environment;
 
+constexpr size_t kVersionDigits = 16;
+
+fs::path UserCache() {
+  const std::string cache = Environment("XDG_CACHE_HOME");
+  return cache.empty() ? fs::path(Environment("HOME")) / ".cache" : fs::path(cache);
+}
+
 fs::path CacheModels() {
   if (const std::string dir = Environment("MENAGERIE_CACHE_DIR"); !dir.empty())
     return fs::path(dir) / "models";
-  std::string cache = Environment("XDG_CACHE_HOME");
-  if (cache.empty()) cache = Environment("HOME") + "/.cache";
-  return fs::path(cache) / "mujoco_menagerie" / "models";
+  return UserCache() / "mujoco_menagerie" / "models";
 }
 
 bool IsVersionOf(const std::string& folder, const std::string& robot) {
-  return folder.size() == robot.size() + 17 && folder.rfind(robot + "-", 0) == 0;
+  return folder.size() == robot.size() + 1 + kVersionDigits && folder.rfind(robot + "-", 0) == 0;
 }
 
-// The version of a robot that was published last; empty when there is none.
+// The folder of the version that `robocell fetch` has recorded, which stays until it is asked for
+// another; empty when there is none. What is wrong with the record is told by `robocell fetch`.
+fs::path RecordedFolder(const std::string& robot) {
+  const fs::path record = UserCache() / "robocell/menagerie.json";
+  if (!CanReadFile(record)) return {};
+  const auto json = nlohmann::json::parse(ReadRealFile(record), nullptr, false);
+  const auto tree = nlohmann::json::json_pointer("/robots/" + robot + "/tree");
+  if (json.is_discarded() || robot.find_first_of("~/") != std::string::npos) return {};
+  if (!json.contains(tree) || !json[tree].is_string()) return {};
+  const fs::path folder =
+      CacheModels() / (robot + "-" + json[tree].get<std::string>().substr(0, kVersionDigits));
+  std::error_code error;
+  return fs::exists(folder / ".complete", error) ? folder : fs::path();
+}
+
+// The recorded version of a robot, else the one that was published last; empty when there is none.
 fs::path CachedFolder(const std::string& robot) {
+  if (fs::path recorded = RecordedFolder(robot); !recorded.empty()) return recorded;
   fs::path newest;
   fs::file_time_type newest_time{};
   for (const std::string& folder : assets::ListFolder(CacheModels())) {

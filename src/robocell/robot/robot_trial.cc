@@ -9,10 +9,12 @@
 #include <set>
 
 #include "robocell/base/error.h"
+#include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/gripper_group.h"
+#include "robocell/robot/idle_actuators.h"
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/spec/problem_lines.h"
 
@@ -400,6 +402,14 @@ void TellContacts(const Robot& robot, Problems& doubts) {
   }
 }
 
+void TellIdle(const Robot& robot, Problems& doubts) {
+  const std::vector<std::string> idle = IdleActuators(robot);
+  if (idle.empty()) return;
+  doubts.AddAt("move_groups",
+               fmt::format("no move group has the actuators {}: nothing will command them",
+                           ListNames(idle)));
+}
+
 }  // namespace
 
 std::vector<std::string> TryRobot(Robot robot) {
@@ -416,6 +426,7 @@ std::vector<std::string> TryRobot(Robot robot) {
     }
     ArmTrial(robot, *arm, doubts).Run();
   }
+  TellIdle(robot, doubts);
   return LinesOf(doubts);
 }
 

@@ -1,5 +1,5 @@
-// Tries a robot out: what touches at home, and whether its arms, with the controllers that runs
-// use, stay there and follow a small step of each joint. What a file and its model say can be right
+// Tries a robot out: what touches at home, whether its arms, with the controllers that runs use,
+// stay there and follow a small step of each joint, and which actuators no group has. What a file and its model say can be right
 // and the servos still be too weak, too slow or blocked. Asked by `robocell check` and before every
 // run.
 //

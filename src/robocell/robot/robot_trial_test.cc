@@ -14,6 +14,7 @@ namespace robocell {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -64,6 +65,17 @@ TEST_F(RobotTrial, ShippedRobotsDoWhatTheyAreTold) {
 TEST_F(RobotTrial, AStrongServoIsNotSpokenOf) {
   EXPECT_THAT(Doubts("kp='2000' kv='100'"), IsEmpty());
   EXPECT_THAT(Doubts("kp='50' kv='5'", "gravcomp: true\n"), IsEmpty());
+}
+
+TEST_F(RobotTrial, ActuatorsOfNoGroupAreNamed) {
+  const std::string more =
+      "kp='2000' kv='100'/><motor name='spare' joint='hip'/><motor name='thruster' site='tip'";
+  EXPECT_THAT(Doubts(more),
+              ElementsAre(AllOf(StartsWith(file_ + ":4:"),
+                                HasSubstr("move_groups: no move group has the actuators spare, "
+                                          "thruster: nothing will command them"))));
+  EXPECT_THAT(Doubts("kp='2000' kv='100'", "control: {arm: joint_torque}\ngravcomp: true\n"),
+              Not(Contains(HasSubstr("no move group"))));
 }
 
 TEST_F(RobotTrial, AServoThatSagsUnderGravityIsToldHowMuchItNeeds) {

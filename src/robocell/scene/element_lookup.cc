@@ -84,6 +84,46 @@ std::string HowToReferToUnnamed(const mjModel* model, const RobotRecord& robot, 
                      ElementName(model, mjOBJ_BODY, first).substr(robot.prefix.size()));
 }
 
+// What an edit names; null for one that adds or deletes.
+const ElementRef* NamedBy(const Edit& edit, mjtObj kind) {
+  const auto ref = [](const std::optional<ElementRef>& target) {
+    return target ? &*target : nullptr;
+  };
+  if (edit.add_site || edit.add_camera || edit.add_sensor || edit.remove) return nullptr;
+  switch (kind) {
+    case mjOBJ_BODY:
+      return ref(edit.body);
+    case mjOBJ_JOINT:
+      return ref(edit.joint);
+    case mjOBJ_SITE:
+      return ref(edit.site);
+    case mjOBJ_ACTUATOR:
+      return ref(edit.actuator);
+    default:
+      return nullptr;
+  }
+}
+
+// Whether `label` stood for what an edit refers to, before it had a name.
+bool IsLabelOf(const ElementRef& ref, mjtObj kind, const std::string& label) {
+  const bool of_target = kind == mjOBJ_ACTUATOR && ref.kind && *ref.kind != ElementKind::kActuator;
+  if (of_target) return label.starts_with(ref.name + ":actuator");
+  if (ref.body.empty()) return label == ref.name;
+  return label == fmt::format("{}:{}{}", ref.body, KindName(kind), ref.index);
+}
+
+// " It is called 'joint2' now: edits[0] gives it that name" of a label that an edit has replaced.
+std::string NamedSince(const RobotRecord& robot, mjtObj kind, const std::string& label) {
+  int index = 0;
+  for (const Edit& edit : robot.config.edits) {
+    const ElementRef* ref = edit.name ? NamedBy(edit, kind) : nullptr;
+    if (ref && IsLabelOf(*ref, kind, label))
+      return fmt::format(" It is called '{}' now: edits[{}] gives it that name", *edit.name, index);
+    ++index;
+  }
+  return "";
+}
+
 // "site or body".
 std::string Words(std::initializer_list<mjtObj> kinds) {
   std::string words;
@@ -143,7 +183,7 @@ int FindElement(const mjModel* model, const RobotRecord& robot, mjtObj kind,
   if (id >= 0) return id;
   throw NotFoundError(
       NoSuchName(Place(robot), KindName(kind), name, RobotElementNames(model, robot, kind)) +
-      HowToReferToUnnamed(model, robot, kind));
+      NamedSince(robot, kind, name) + HowToReferToUnnamed(model, robot, kind));
 }
 
 ElementId FindElement(const mjModel* model, const RobotRecord& robot, const ElementRef& ref,
@@ -172,7 +212,8 @@ ElementId FindElement(const mjModel* model, const RobotRecord& robot, const Elem
       names.push_back(std::move(name));
   }
   std::string how;
-  for (const mjtObj kind : kinds) how += HowToReferToUnnamed(model, robot, kind);
+  for (const mjtObj kind : kinds)
+    how += NamedSince(robot, kind, ref.name) + HowToReferToUnnamed(model, robot, kind);
   throw NotFoundError(NoSuchName(Place(robot), Words(kinds), ref.name, names) + how);
 }
 

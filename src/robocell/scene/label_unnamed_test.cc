@@ -6,6 +6,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/element_lookup.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/model_compare.h"
 #include "robocell/scene/testing/scenes.h"
@@ -109,6 +110,26 @@ TEST_F(LabelUnnamed, GiveWayToNamesInEditsAndTheKeyframeGoesAlong) {
   EXPECT_THAT(ElementNames(scene.model(), mjOBJ_ACTUATOR),
               ElementsAre("j1:actuator0", "servo1", "push", "pull"));
   EXPECT_GE(FindId(scene.model(), mjOBJ_BODY, "right"), 0);
+}
+
+TEST_F(LabelUnnamed, WhatAnEditHasNamedIsToldByItsNewName) {
+  const Scene scene = Build(
+      "edits:\n  - {joint: {body: elbow, index: 0}, name: j2}\n"
+      "  - {body: {body: elbow, index: 1}, name: left}\n"
+      "  - {actuator: {tendon: both}, name: pull}\n");
+  const auto& robot = scene.compiled()->robot("bot");
+  const auto find = [&](mjtObj kind, const std::string& name) {
+    return [&, kind, name] { FindElement(scene.model(), robot, kind, name); };
+  };
+  ExpectThrow<NotFoundError>(find(mjOBJ_JOINT, "elbow:joint0"),
+                             "It is called 'j2' now: edits[0] gives it that name");
+  ExpectThrow<NotFoundError>(find(mjOBJ_ACTUATOR, "both:actuator0"),
+                             "It is called 'pull' now: edits[2]");
+  ExpectThrow<NotFoundError>(
+      [&] {
+        FindElement(scene.model(), robot, {.name = "elbow:body1"}, {mjOBJ_SITE, mjOBJ_BODY});
+      },
+      "It is called 'left' now: edits[1]");
 }
 
 TEST_F(LabelUnnamed, AJointThatTheArmLeavesOutIsToldWithTheEditThatNamesIt) {

@@ -81,15 +81,7 @@ def _below_root(robot: str) -> str | None:
             f"MJ_KDL_MENAGERIE is '{root}', which holds no folder '{robot}': correct it, or unset "
             f"it and fetch the robot with mj-kdl-fetch-menagerie"
         )
-    return str((folder / _main_file(robot)).resolve())
-
-
-def _main_file(robot: str) -> str:
-    import mujoco_menagerie
-
-    entry = mujoco_menagerie.get(robot)
-    file: str = entry.entry(entry.default_model).file
-    return file
+    return str((folder / fetching.main_file(robot)).resolve())
 
 
 def _folder(robot: str) -> Path:
@@ -103,7 +95,7 @@ def _fill(dest: Path, folders: dict[str, Path]) -> dict[str, str]:
     paths = {}
     for robot, folder in folders.items():
         _copy(folder, dest / "menagerie" / robot)
-        paths[robot] = str(dest / "menagerie" / robot / _main_file(robot))
+        paths[robot] = str(dest / "menagerie" / robot / fetching.main_file(robot))
     _copy(folders[GRIPPER], dest / "assets" / GRIPPER)
     paths[GRIPPER_ASSET] = str(dest / "assets" / GRIPPER_ASSET)
     for asset, (model, _) in ASSETS.items():
