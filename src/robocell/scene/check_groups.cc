@@ -116,12 +116,29 @@ class GroupCheck {
               "its own: {{kind: generic, joints: [{0}], actuators: [NAME]}}",
               carrier, WithoutPrefix(robot_.root_body)));
     }
+    if (const std::string ball = BallAmong(*joints); !ball.empty()) {
+      return Problem(field + (group.leaf ? ".leaf" : ".joints"),
+                     fmt::format("'{}' between '{}' and the arm's leaf is no hinge and no slide, "
+                                 "and an arm has only those: name a `leaf` before it, or put "
+                                 "hinges in its place in the model",
+                                 ball, WithoutPrefix(robot_.root_body)));
+    }
     Problem(field + ".joints",
             fmt::format("lists {}, but the joints from '{}' to the arm's leaf are {}; list "
                         "those, in this order{}{}",
                         ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
                         ListNames(*joints), group.leaf ? "" : ", or name its `leaf`",
                         HowToNameFirst(*joints)));
+  }
+
+  // The first of them with more than one degree of freedom.
+  std::string BallAmong(const std::vector<std::string>& joints) const {
+    for (const std::string& joint : joints) {
+      const int id = FindId(m_, mjOBJ_JOINT, robot_.prefix + joint);
+      if (id >= 0 && m_->jnt_type[id] != mjJNT_HINGE && m_->jnt_type[id] != mjJNT_SLIDE)
+        return joint;
+    }
+    return "";
   }
 
   // The first joint listed that the root body itself has.

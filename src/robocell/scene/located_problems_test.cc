@@ -252,6 +252,23 @@ TEST_F(Located, AModelFileThatDoesNotExistOrIsWrong) {
                              "'body'?");
 }
 
+TEST_F(Located, ABallInTheArmIsNotOfferedForItsList) {
+  folder.Write("ball", R"(<worldbody><body name="base"><geom size="0.1"/>
+      <body name="upper"><joint name="hip" axis="0 1 0"/><geom size="0.1"/>
+      <body name="fore"><joint name="elbow" type="ball"/><geom size="0.1"/><site name="tip"/>
+      </body></body></body></worldbody>)");
+  const std::string file =
+      File("ball.yaml",
+           "name: arm\nmodel: ball.xml\n"
+           "move_groups: {arm: {kind: arm, joints: [hip], leaf: {site: tip}}}\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(file); },
+                         file +
+                             ":3:53: robot 'left': move_groups.arm.leaf: 'elbow' between "
+                             "'base' and the arm's leaf is no hinge and no slide, and an arm "
+                             "has only those: name a `leaf` before it, or put hinges in its "
+                             "place in the model");
+}
+
 TEST_F(Located, AMissingMeshIsToldWithTheModelThatWantsIt) {
   AtomicWrite(folder.path() / "link1.stl", "");
   const std::string model = folder.Write("meshes", R"(<asset>
