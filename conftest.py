@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import signal
 import sys
 from collections.abc import Iterator
@@ -20,6 +21,11 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+# Gigabytes that `scripts/setup` does not bring: its tests are for who has it (CONTRIBUTING.md).
+if importlib.util.find_spec("stable_baselines3") is None:
+    collect_ignore = ["python/tests/test_sb3.py"]
+
+
 @pytest.fixture
 def menagerie() -> _menagerie.Menagerie:
     """The Menagerie's robots; the test is skipped when they are not on this machine."""
@@ -32,7 +38,19 @@ def pytest_runtest_makereport(
 ) -> Iterator[pytest.TestReport]:
     """With CI=true a skipped test is a failed one: nothing may go untested unnoticed."""
     report = yield
+    _fail_if_skipped(report)
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector: pytest.Collector) -> Iterator[pytest.CollectReport]:
+    """The same for files that skip themselves."""
+    report = yield
+    _fail_if_skipped(report)
+    return report
+
+
+def _fail_if_skipped(report: pytest.TestReport | pytest.CollectReport) -> None:
     if report.skipped and not hasattr(report, "wasxfail") and _menagerie.skips_are_failures():
         report.outcome = "failed"
-        report.longrepr = f"{item.nodeid} was skipped, and CI allows no skip: {report.longrepr}"
-    return report
+        report.longrepr = f"{report.nodeid} was skipped, and CI allows no skip: {report.longrepr}"

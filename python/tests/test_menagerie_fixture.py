@@ -57,3 +57,16 @@ def test_a_skip_is_a_failure_in_ci_only(pytester, monkeypatch, ci, outcome):
     result = pytester.runpytest_subprocess("-rA", "-p", "no:cacheprovider")
     result.assert_outcomes(**{"errors" if outcome == "failed" else "skipped": 1})
     result.stdout.fnmatch_lines(["*Menagerie models missing: ufactory_xarm7*"])
+
+
+def test_a_file_that_skips_itself_is_a_failure_in_ci(pytester, monkeypatch):
+    monkeypatch.setenv("CI", "true")
+    pytester.makeconftest(
+        (rule.REPOSITORY / "conftest.py")
+        .read_text()
+        .replace("Path(__file__).parent", f"Path({str(rule.REPOSITORY)!r})")
+    )
+    pytester.makepyfile("import pytest; pytest.importorskip('no_such_package')")
+    result = pytester.runpytest_subprocess("-p", "no:cacheprovider")
+    result.assert_outcomes(errors=1)
+    result.stdout.fnmatch_lines(["*was skipped, and CI allows no skip*"])

@@ -7,9 +7,6 @@ import pytest
 
 import robocell as rc
 from robocell.gym import FlatVectorGymEnv, pick_cube_config
-
-pytest.importorskip("stable_baselines3", reason="stable-baselines3 is not installed")
-
 from robocell.sb3 import VecEnv
 
 

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <exception>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "robocell/base/error.h"
@@ -76,10 +77,23 @@ std::string TextOf(const ApartReader::Answer& answer, const std::string& questio
   }
 }
 
-// The child's life: until nobody asks any more.
-[[noreturn]] void Serve(int socket, const ApartReader::Answer& answer) {
+// A fork has copies of all that is open, and as long as it lives nobody sees their end: encoders
+// wait for more frames, locks stay held.
+void KeepOnly(int socket) {
+  ::dup2(socket, 3);
+  ::close_range(4, ~0u, 0);
+}
+
+// The child's life: until nobody asks any more, or an answer takes so long that nobody can be
+// waiting for it.
+[[noreturn]] void Serve(int socket, const ApartReader::Answer& answer, std::chrono::seconds most) {
+  KeepOnly(socket);
+  std::signal(SIGALRM, SIG_DFL);
   std::string question;
-  while (Receive(socket, question) && Send(socket, TextOf(answer, question))) {
+  while (Receive(3, question)) {
+    ::alarm(static_cast<unsigned>(2 * most.count()));
+    if (!Send(3, TextOf(answer, question))) break;
+    ::alarm(0);
   }
   ::_exit(0);  // nothing of this process is its own to close
 }
@@ -108,7 +122,9 @@ std::vector<std::string> Lines(std::string_view text) {
 
 // What a process does to itself is an answer; what others do to it (a kill, as of a machine without
 // memory) says nothing of what it read.
-[[noreturn]] void ThrowEnded(int status) {
+[[noreturn]] void ThrowEnded(std::optional<int> of_child) {
+  if (!of_child) throw IoError("reading it ends the process, nobody knows how", ECHILD);
+  const int status = *of_child;
   if (!WIFSIGNALED(status)) throw Error("reading it ends the process");
   const int signal = WTERMSIG(status);
   const bool own = signal == SIGSEGV || signal == SIGBUS || signal == SIGABRT || signal == SIGFPE ||
@@ -140,10 +156,7 @@ void ApartReader::Start() {
     throw IoError(fmt::format("cannot make a pipe: {}", std::strerror(errno)), errno);
   const pid_t child = hdf5::Fork();
   const int error = errno;
-  if (child == 0) {
-    ::close(ends[0]);
-    Serve(ends[1], answer_);
-  }
+  if (child == 0) Serve(ends[1], answer_, most_);
   ::close(ends[1]);
   if (child < 0) {
     ::close(ends[0]);
@@ -153,14 +166,15 @@ void ApartReader::Start() {
   child_ = child;
 }
 
-int ApartReader::End() {
-  // Not close alone: a child that another thread forked meanwhile has a copy of this end.
+std::optional<int> ApartReader::End() {
+  // Not close alone: what others forked meanwhile may have a copy of this end.
   ::shutdown(socket_, SHUT_RDWR);
   ::close(std::exchange(socket_, -1));
+  const pid_t child = std::exchange(child_, -1);
   int status = 0;
-  while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+  while (::waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return std::nullopt;  // the program ignores its children's ends
   }
-  child_ = -1;
   return status;
 }
 
@@ -183,7 +197,7 @@ std::vector<std::string> ApartReader::Ask(const std::string& question) {
   }
   if (reply == Reply::kWhole) return LinesOrThrow(text);
   if (reply == Reply::kLate) ::kill(child_, SIGKILL);
-  const int status = End();
+  const std::optional<int> status = End();
   if (reply == Reply::kEnded) ThrowEnded(status);
   throw IoError(fmt::format("reading it had not ended after {} s", most_.count()), ETIMEDOUT);
 }

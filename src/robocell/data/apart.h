@@ -6,13 +6,15 @@
 //   for (const std::string& file : files) Tell(file, reader.Ask(file));
 //
 // The child is a fork of the asking thread alone, made for the first question and again after one
-// that ended it: a fork of a large process takes tens of milliseconds. What answers may open files
-// and allocate, and must not touch Python, the engine, GL or other threads.
+// that ended it: a fork of a large process takes tens of milliseconds. It keeps nothing of this
+// process open. What answers may open files and allocate, and must not touch Python, the engine, GL
+// or other threads.
 #pragma once
 
 #include <sys/types.h>
 #include <chrono>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -41,7 +43,7 @@ class ApartReader {
   enum class Reply { kWhole, kLate, kEnded };
 
   void Start();
-  int End();  // the child's status as of waitpid
+  std::optional<int> End();  // the child's status as of waitpid, where that tells
   Reply Exchange(std::string_view question, std::string& text) const;
 
   Answer answer_;

@@ -1,5 +1,7 @@
 #include "robocell/data/apart.h"
 
+#include <fcntl.h>
+#include <poll.h>
 #include <unistd.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -89,6 +91,29 @@ TEST(Apart, NobodyAnswersForWhatAnotherBroke) {
   });
   EXPECT_THAT(reader.Ask("sly"), ElementsAre("sly"));
   EXPECT_THAT(reader.Ask("good"), ElementsAre("good"));
+}
+
+TEST(Apart, KeepsNothingOpenThatOthersWaitFor) {
+  int ends[2];
+  ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+  ApartReader reader([](const std::string& question) { return Lines{question}; });
+  EXPECT_THAT(reader.Ask("here"), ElementsAre("here"));
+  close(ends[1]);
+  pollfd ended{.fd = ends[0], .events = POLLIN, .revents = 0};
+  EXPECT_EQ(poll(&ended, 1, 5000), 1) << "the child has the other end";
+  EXPECT_TRUE(ended.revents & POLLHUP);
+  close(ends[0]);
+  EXPECT_THAT(reader.Ask("still"), ElementsAre("still"));
+}
+
+TEST(Apart, AProgramThatIgnoresItsChildrenGetsNoVerdict) {
+  const auto before = std::signal(SIGCHLD, SIG_IGN);
+  ApartReader reader([](const std::string&) -> Lines {
+    Crash();
+    return {};
+  });
+  ExpectThrow<IoError>([&] { reader.Ask(""); }, "reading it ends the process, nobody knows how");
+  std::signal(SIGCHLD, before);
 }
 
 // The errno of the IoError; 0 when there is none.

@@ -177,7 +177,11 @@ bool ChildProcess::Write(std::span<const uint8_t> bytes) {
   return true;
 }
 
-void ChildProcess::CloseStdin() { CloseFd(stdin_); }
+void ChildProcess::CloseStdin() {
+  // Not close alone: what others forked meanwhile may have a copy, and the child would wait for it.
+  if (stdin_ >= 0) shutdown(stdin_, SHUT_WR);
+  CloseFd(stdin_);
+}
 
 size_t ChildProcess::Read(std::span<uint8_t> bytes) {
   size_t done = 0;

@@ -34,6 +34,19 @@ TEST(ChildProcess, BytesGoInAndComeOut) {
   EXPECT_EQ(child.DescribeEnd(), "exited with code 0");
 }
 
+TEST(ChildProcess, ItsInputEndsThoughAForkOfOursLivesOn) {
+  ChildProcess child({"/bin/cat"}, {.pipe_stdin = true, .stall_timeout_s = 5});
+  const pid_t fork_of_ours = fork();
+  if (fork_of_ours == 0) {
+    pause();
+    _exit(0);
+  }
+  child.CloseStdin();
+  EXPECT_EQ(child.Wait(), 0);
+  kill(fork_of_ours, SIGKILL);
+  waitpid(fork_of_ours, nullptr, 0);
+}
+
 TEST(ChildProcess, ItGetsNoneOfOurDescriptors) {
   const int leaked =
       open("/dev/null", O_RDONLY);  // without O_CLOEXEC, as other libraries open files
