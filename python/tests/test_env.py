@@ -57,6 +57,30 @@ def test_observations_are_poses_in_the_shared_frame(env):
         assert np.allclose(tquat.xyzrpy, own["xyzrpy"], atol=1e-12)
 
 
+def test_the_same_pose_sends_both_arms_to_the_same_place_in_the_world():
+    # For 2 ms each: they would meet there.
+    env = rc.Env(config(relative_to="none", sim={"max_convergence_time": 0.002}))
+    env.reset(seed=2)
+    rng = np.random.default_rng(0)
+    reached = 0
+    for _ in range(30):
+        pose = rc.Pose(
+            translation=np.array([0.35, 0, 0.3]) + rng.uniform(-0.05, 0.05, 3),
+            rpy=np.array([np.pi, 0, 0]) + rng.uniform(-0.3, 0.3, 3),
+        )
+        own = {"tquat": np.concatenate([pose.translation, pose.quaternion]), "gripper": 1}
+        *_, info = env.step({"left": own, "right": own})
+        if info["reason"] == "ik_failed":  # out of reach of one
+            continue
+        reached += 1
+        wanted = env.scene.shared_base_frame_to_world * pose
+        for name in ("left", "right"):
+            robot = env.scene.robot(name)
+            sent = robot.base_in_world * robot.kinematics.fk(robot.jnt_pos_cmd)
+            assert sent.is_close(wanted, 1e-4, 1e-4)
+    assert reached >= 8
+
+
 def test_observations_are_copies(env):
     first, _ = env.reset(seed=3)
     kept = {name: {k: v.copy() for k, v in own.items()} for name, own in first.items()}
