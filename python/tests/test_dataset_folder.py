@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,7 +14,12 @@ import pytest
 
 from command_line import write_run
 from robocell import DatasetLock, IoError, RunConfig, make_plan, remove_leftovers
-from robocell.generate.disk import disk_trouble
+from robocell.generate import job as jobs
+from robocell.generate import report as reports
+from robocell.generate import resume
+from robocell.generate.disk import disk_trouble, flush
+from robocell.generate.job import Job
+from robocell.generate.observer import Observer
 from robocell.generate.resume import DamagedEpisodesError, made_items, report_of
 
 
@@ -59,6 +66,89 @@ def test_a_folder_that_cannot_be_written_is_trouble_with_a_reason(tmp_path: Path
     assert disk_trouble(tmp_path / "none") == (
         f"cannot write into '{tmp_path}/none': No such file or directory"
     )
+
+
+def test_what_is_written_to_try_the_disk_is_known_as_unfinished(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Whoever is killed there leaves what the next command removes."""
+    removed: list[str] = []
+    monkeypatch.setattr(os, "fsync", lambda file: removed.extend(remove_leftovers(tmp_path)))
+    assert disk_trouble(tmp_path) is None
+    assert removed == [f".probe.{os.getpid()}.0.partial"]
+
+
+@pytest.mark.parametrize("number", [errno.EINVAL, errno.ENOTSUP, errno.EIO])
+def test_a_file_system_that_does_not_flush_folders_is_no_trouble(
+    number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def refuse(descriptor: int) -> None:
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(os, "fsync", refuse)
+    if number != errno.EIO:
+        flush(tmp_path)
+        return
+    with pytest.raises(OSError, match=f"cannot flush '{tmp_path}': Input/output error"):
+        flush(tmp_path)
+
+
+def test_attempts_follow_their_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    run = RunConfig.load(write_run(tmp_path))
+    item = make_plan(run)[0]
+    monkeypatch.setattr(resume, "Episode", lambda folder: folder)
+    for number in ("99", "100", "07"):
+        folder = tmp_path / "out" / f"{item.id}_a{number}"
+        folder.mkdir(parents=True)
+        (folder / "episode.json").touch()
+    assert resume._success_of(run, item) == tmp_path / "out" / f"{item.id}_a100"
+    shutil.rmtree(tmp_path / "out")
+    assert resume._success_of(run, item) == tmp_path / "out" / item.id
+
+
+class Told(Observer):
+    """Keeps the warnings."""
+
+    def __init__(self) -> None:
+        self.warnings: list[str] = []
+
+    def warning(self, text: str) -> None:
+        self.warnings.append(text)
+
+
+def test_what_a_dead_worker_left_and_cannot_be_removed_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def fail(*_: object) -> None:
+        raise IoError("cannot list 'models/x'")
+
+    monkeypatch.setattr(jobs, "remove_leftovers", fail)
+    told = Told()
+    Job(write_run(tmp_path), []).clean_up("e7", 42, told)
+    assert told.warnings == [
+        "what a worker (pid 42) left of e7 could not be removed: cannot list 'models/x'"
+    ]
+
+
+def test_what_comes_in_the_way_while_a_run_goes_on_does_not_take_its_report(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    job = Job(write_run(tmp_path), [])
+    ids = {item.id for item in job.items}
+    answers = iter([ids, DamagedEpisodesError("'e' is half an episode", sorted(ids)[:1])])
+
+    def made(self: Job) -> set[str]:
+        answer = next(answers)
+        if isinstance(answer, DamagedEpisodesError):
+            raise answer
+        return answer
+
+    monkeypatch.setattr(Job, "check", lambda self: [])
+    monkeypatch.setattr(Job, "made", made)
+    with pytest.raises(DamagedEpisodesError, match="half an episode"):
+        job.do(Told())
+    commands = reports.load(tmp_path / "out" / "report.json").commands
+    assert [command.end for command in commands] == ["incomplete"]
 
 
 def test_what_is_broken_is_named_and_never_taken_for_made(tmp_path: Path):

@@ -126,6 +126,19 @@ def test_a_command_that_tries_an_item_again_adds_no_item():
     assert reports.whole([whole_run, again]).unmade == [], "it is made now"
 
 
+def test_a_report_without_commands_counts_nothing():
+    nothing = RunReport("demo", "hash", (0, 1), {})
+    assert len(nothing.places) == 0
+    assert (reports.whole([nothing]).planned, reports.whole([nothing]).elapsed_s) == (0, 0.0)
+    assert reports.whole([nothing, a_report(("a",))]).made == 1
+
+
+def test_more_episodes_than_the_last_command_asked_for_are_told_so():
+    totals = a_report(("a",)).totals
+    assert Summary("r", Path(), 4, totals).rows()["episodes"] == "4 of 5"
+    assert Summary("r", Path(), 7, totals).rows()["episodes"] == ("7, the last command asked for 5")
+
+
 def test_shards_add_up_side_by_side():
     first, second = (RunReport("demo", "hash", (i, 2), {}) for i in (0, 1))
     first.add(command("a", "c", planned=3, seconds=10.0), [made("a"), made("c")], ["a", "c", "e"])
@@ -258,7 +271,7 @@ def test_what_was_copied_into_a_dataset_is_told_and_does_not_count(dataset: Path
     said = f"'{copy / 'best'}' holds episode '{IDS[0]}': it was copied or renamed, and does not"
     assert said in result.stderr
     assert "report-0-of-2.json' is of another run ('other'), and nothing in it" in result.stderr
-    assert robocell.Dataset(copy).misnamed == {"best": IDS[0]}
+    assert content["misnamed"] == robocell.Dataset(copy).misnamed == {"best": IDS[0]}
 
 
 def test_a_damaged_report_does_not_stop_a_run(dataset: Path, tmp_path: Path):

@@ -69,12 +69,13 @@ def report(
     """
     require_folder(dataset, "dataset")
     _core.require_dataset(dataset)
-    found, damaged = _read(dataset)
+    found, damaged, misnamed = _read(dataset)
     reports = _load_all(dataset)
     if not found and not reports and not damaged:
         fail(f"'{dataset}' holds no episodes and no report")
     if as_json:
-        print(json.dumps(_json(found, damaged, reports), indent=1))
+        content = {**_json(found, damaged, reports), "misnamed": misnamed}
+        print(json.dumps(content, indent=1))
     else:
         print_wide(_summary(dataset, found, reports).table())
         if episodes:
@@ -85,8 +86,11 @@ def report(
         raise typer.Exit(ExitCode.OUTPUT)
 
 
-def _read(dataset: Path) -> tuple[list[OnDisk], dict[str, str]]:
-    """The episodes, and what keeps the damaged ones, by their ids, from being read."""
+def _read(dataset: Path) -> tuple[list[OnDisk], dict[str, str], dict[str, str]]:
+    """The episodes, what keeps the damaged ones, by their ids, from being read, and the misnamed.
+
+    The latter are folders that were copied or renamed, with the ids of their episodes.
+    """
     found, damaged = [], {}
     episodes = robocell.Dataset(dataset)
     for name in episodes.ids:
@@ -94,7 +98,7 @@ def _read(dataset: Path) -> tuple[list[OnDisk], dict[str, str]]:
             found.append(OnDisk.of(episodes[name]))
         except robocell.IoError as error:
             damaged[name] = str(error)
-    return found, damaged
+    return found, damaged, dict(episodes.misnamed)
 
 
 def _load_all(dataset: Path) -> list[RunReport]:

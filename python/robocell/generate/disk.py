@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import shutil
 from pathlib import Path
@@ -44,7 +45,7 @@ def require_writable(folder: Path) -> None:
     """
     require_no_file(folder)
     there = _nearest(folder)
-    probe = there / f".probe.{os.getpid()}.0.partial"  # as of writers, which clean up
+    probe = _probe(there)
     try:
         probe.mkdir()
         with contextlib.suppress(FileNotFoundError):  # another run has tidied up
@@ -59,12 +60,22 @@ def require_writable(folder: Path) -> None:
         ) from error
 
 
+def _probe(folder: Path) -> Path:
+    """What is written to try it; named as what writers have not finished, which is cleaned up."""
+    return folder / f".probe.{os.getpid()}.0.partial"
+
+
 def flush(folder: Path) -> None:
-    """Brings the folder's entries to the disk; OSError when that fails."""
+    """Brings the folder's entries to the disk; OSError when that fails.
+
+    Some file systems have nothing to do for folders, and say so.
+    """
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
         os.fsync(descriptor)
     except OSError as error:
+        if error.errno in (errno.EINVAL, errno.ENOTSUP):
+            return
         raise OSError(f"cannot flush '{folder}': {error.strerror or error}") from error
     finally:
         os.close(descriptor)
@@ -78,7 +89,7 @@ def with_trouble(message: str, trouble: str) -> str:
 
 def disk_trouble(folder: Path) -> str | None:
     """Why nothing can be written into the folder, or None. Tries it with a small file."""
-    probe = folder / f".probe.{os.getpid()}"
+    probe = _probe(folder)
     try:
         free = shutil.disk_usage(folder).free
         if free < FREE_BYTES_NEEDED:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from robocell import (
     DatasetLock,
+    Error,
     RunConfig,
     check_dataset,
     make_plan,
@@ -38,7 +39,7 @@ from robocell.generate.report import (
     set_aside,
     utc_now,
 )
-from robocell.generate.resume import made_items, report_of
+from robocell.generate.resume import DamagedEpisodesError, made_items, report_of
 from robocell.generate.signals import stop_on_signals
 from robocell.generate.supervisor import Limits, Outcome, Supervisor
 
@@ -152,7 +153,7 @@ class Job:
                 observer=observer,
                 already=len(made),
                 reproduce=self.reproduce,
-                clean_up=lambda item_id, pid: remove_leftovers(self.dataset, item_id, pid),
+                clean_up=lambda item_id, pid: self.clean_up(item_id, pid, observer),
                 disk_trouble=lambda: disk_trouble(self.dataset),
                 limits=limits,
                 tried_once=given_up,
@@ -160,12 +161,28 @@ class Job:
             # A signal that comes after the last worker must not take the report.
             with stop_on_signals(supervisor.request_stop):
                 outcome = supervisor.run()
-                result = Result(outcome, len(self.made()))
+                in_the_way: DamagedEpisodesError | None = None
+                try:
+                    on_disk = self.made()
+                except DamagedEpisodesError as error:  # it came meanwhile; the report goes first
+                    in_the_way, on_disk = error, error.made
+                result = Result(outcome, len(on_disk))
                 try:
                     self._report(result, started, observer)
                 except OSError as error:  # the episodes are there all the same
                     observer.warning(f"the report could not be written: {error}")
+            if in_the_way:
+                raise in_the_way
             return result
+
+    def clean_up(self, item_id: str, pid: int, observer: Observer) -> None:
+        """Removes what a worker that died has left; what cannot be removed is told."""
+        try:
+            remove_leftovers(self.dataset, item_id, pid)
+        except (Error, OSError) as error:
+            observer.warning(
+                f"what a worker (pid {pid}) left of {item_id} could not be removed: {error}"
+            )
 
     def _given_up_before(self) -> set[str]:
         """What the last command gave up because workers died or raised: it costs most again."""

@@ -79,14 +79,16 @@ class RunReport:
 
     @property
     def totals(self) -> Totals:
-        """Of all its commands."""
-        return one_after_the_other([command.totals for command in self.commands])
+        """Of all its commands; without any, which `generate` never writes, nothing."""
+        totals = [command.totals for command in self.commands]
+        return one_after_the_other(totals) if totals else Totals(planned=0, started=0.0, ended=0.0)
 
     @property
     def places(self) -> range:
-        """Where its items stand in the plan."""
+        """Where its items stand in the plan; nowhere without a command that asked for them."""
         index, count = self.shard
-        return range(index, index + count * self.commands[-1].totals.planned, count)
+        planned = self.commands[-1].totals.planned if self.commands else 0
+        return range(index, index + count * planned, count)
 
     def add(self, command: Command, reports: Sequence[Report], order: Sequence[str]) -> None:
         """Appends what a command did; `order` are the ids of the plan."""

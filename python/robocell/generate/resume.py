@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,15 @@ from robocell.generate.items import Report
 
 
 class DamagedEpisodesError(Exception):
-    """Something on the disk has an episode's name and is no whole episode."""
+    """Something on the disk has an episode's name and is no whole episode of the run.
+
+    Attributes:
+        made: The ids of the items that are there all the same.
+    """
+
+    def __init__(self, text: str, made: Iterable[str] = ()) -> None:
+        super().__init__(text)
+        self.made = set(made)
 
 
 def made_items(run: RunConfig, items: Sequence[PlanItem]) -> set[str]:
@@ -22,7 +30,7 @@ def made_items(run: RunConfig, items: Sequence[PlanItem]) -> set[str]:
     """
     made, broken = items_on_disk(run, list(items))
     if broken:
-        raise DamagedEpisodesError("\n".join(broken))
+        raise DamagedEpisodesError("\n".join(broken), made)
     return set(made)
 
 
@@ -43,8 +51,14 @@ def report_of(run: RunConfig, item: PlanItem) -> Report | None:
 def _success_of(run: RunConfig, item: PlanItem) -> Episode:
     """The item's successful episode; with failures kept, the last of its attempts."""
     output = Path(run.output)
-    attempts = sorted(output.glob(f"{item.id}_a*/episode.json"))
-    return Episode(attempts[-1].parent if attempts else output / item.id)
+    attempts = [file.parent for file in output.glob(f"{item.id}_a*/episode.json")]
+    return Episode(max(attempts, key=_number_of_attempt, default=output / item.id))
+
+
+def _number_of_attempt(folder: Path) -> int:
+    """100 of 's0000_e0001_a100', which comes after '..._a99'."""
+    number = folder.name.rpartition("_a")[2]
+    return int(number) if number.isdecimal() else -1
 
 
 def _report(run: RunConfig, item: PlanItem, episode: Episode) -> Report:

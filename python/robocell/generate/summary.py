@@ -36,9 +36,8 @@ class Summary:
     def rows(self) -> dict[str, str]:
         """Label -> text, in order."""
         totals = self.totals
-        before = f" ({totals.already} were there before)" if totals.already else ""
         rows = {
-            "episodes": f"{self.on_disk} of {totals.planned}{before}" if totals.planned else "",
+            "episodes": self._episodes() if totals.planned else "",
             **self._tried(),
             "refusals": counts_text(totals.refusals),
             "placed again": counts_text(totals.redrawn),
@@ -53,6 +52,14 @@ class Summary:
             "dataset": str(self.dataset.absolute()),
         }
         return {label: text for label, text in rows.items() if text}
+
+    def _episodes(self) -> str:
+        """'16 of 20'; when earlier commands asked for more '16, the last command asked for 14'."""
+        totals = self.totals
+        if self.on_disk > totals.planned:
+            return f"{self.on_disk}, the last command asked for {totals.planned}"
+        before = f" ({totals.already} were there before)" if totals.already else ""
+        return f"{self.on_disk} of {totals.planned}{before}"
 
     def _tried(self) -> dict[str, str]:
         """Nothing when all was there before."""

@@ -127,7 +127,7 @@ class Totals:
     @property
     def elapsed_s(self) -> float:
         """Since the start, until the end if it is over."""
-        return (self.ended or time.monotonic()) - self.started
+        return (time.monotonic() if self.ended is None else self.ended) - self.started
 
     @property
     def success_rate(self) -> float | None:

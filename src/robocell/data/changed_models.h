@@ -1,5 +1,6 @@
 // Stored models that are not those which the dataset's run was begun with: their files were changed
-// while it was made. dataset.json has the hashes of all files of the run's models (`files`).
+// while it was made, or they came with episodes of another dataset. dataset.json has the hashes of
+// all files of the run's models (`files`).
 #pragma once
 
 #include <filesystem>

@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string_view>
 #include <system_error>
+#include <thread>
 #include <vector>
 
 #include "robocell/base/error.h"
@@ -65,13 +66,15 @@ std::string CountIn(const std::string& name) {
   return name.substr(at + kOf.size());
 }
 
-// Calls f(path, N) for each lock of a shard that somebody holds.
+// Calls f(path, N) for each lock of a shard that somebody holds. Asking takes the lock for an
+// instant, and so gets in the way of its owner: locks of shards of `but_of` are not asked.
 template <class F>
-void ForEachHeldShard(const fs::path& dataset, F&& f) {
+void ForEachHeldShard(const fs::path& dataset, const std::string& but_of, F&& f) {
   std::error_code error;
   for (fs::directory_iterator it(dataset, error), end; !error && it != end; it.increment(error)) {
     const std::string count = CountIn(it->path().filename().string());
-    if (!count.empty() && !FileLock::Try(it->path(), LockKind::kShared)) f(it->path(), count);
+    if (count.empty() || count == but_of) continue;
+    if (!FileLock::Try(it->path(), LockKind::kShared)) f(it->path(), count);
   }
   if (error) ThrowIoError("list", dataset, error.value());
 }
@@ -80,7 +83,7 @@ void ForEachHeldShard(const fs::path& dataset, F&& f) {
 std::string HeldShards(const fs::path& dataset) {
   constexpr size_t kMost = 4;
   std::vector<std::string> shards;
-  ForEachHeldShard(dataset, [&](const fs::path& path, const std::string&) {
+  ForEachHeldShard(dataset, "", [&](const fs::path& path, const std::string&) {
     const std::string owner = Owner(path);
     const std::string shard = path.filename().string().substr(kWhole.size() + 1);
     shards.push_back(owner.empty() ? shard : fmt::format("{} ({})", shard, owner));
@@ -101,11 +104,23 @@ std::string Holders(const fs::path& dataset, const std::string& name) {
 
 std::string By(const std::string& owner) { return owner.empty() ? "" : " by " + owner; }
 
+// Somebody who asks whether the lock is held has it for an instant (ForEachHeldShard, Holders).
+std::optional<FileLock> TryPatiently(const fs::path& path, LockKind kind) {
+  constexpr int kTries = 5;
+  constexpr std::chrono::milliseconds kPause(5);
+  std::optional<FileLock> lock = FileLock::Try(path, kind);
+  for (int i = 1; !lock && i < kTries; ++i) {
+    std::this_thread::sleep_for(kPause);
+    lock = FileLock::Try(path, kind);
+  }
+  return lock;
+}
+
 FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind) {
   const fs::path path = dataset / name;
   RequireOwnFolders(dataset);
   CreateIfMissing(path);
-  std::optional<FileLock> lock = FileLock::Try(path, kind);
+  std::optional<FileLock> lock = TryPatiently(path, kind);
   if (!lock) {
     throw IoError(
         fmt::format("'{}' is in use{}. Wait until that is over, end it, or take another folder for "
@@ -117,8 +132,8 @@ FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind) {
 }
 
 void RequireSameCount(const fs::path& dataset, int count) {
-  ForEachHeldShard(dataset, [&](const fs::path& path, const std::string& other) {
-    if (other == std::to_string(count)) return;
+  const std::string same = std::to_string(count);
+  ForEachHeldShard(dataset, same, [&](const fs::path& path, const std::string& other) {
     throw IoError(
         fmt::format("'{}' is in use{} as a shard of {}; a shard of {} beside it would make "
                     "the same episodes again: give all shards the same N",

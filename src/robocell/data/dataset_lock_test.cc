@@ -4,8 +4,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <barrier>
 #include <filesystem>
 #include <optional>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -22,6 +26,7 @@ namespace robocell {
 namespace {
 
 using ::testing::ContainsRegex;
+using ::testing::Each;
 using ::testing::HasSubstr;
 
 TEST(DatasetLock, IsHeldByOneAtATimeAndNamesItsOwner) {
@@ -80,6 +85,34 @@ TEST(DatasetLock, ShardsShareTheFolderButNotAShard) {
   EXPECT_THROW(DatasetLock whole(folder.path()), IoError);
   second.reset();
   EXPECT_NO_THROW(DatasetLock(folder.path(), 1, 2));
+}
+
+// Each looks whether the locks of the others are held.
+TEST(DatasetLock, ShardsThatStartTogetherDoNotRefuseEachOther) {
+  constexpr int kShards = 8, kRounds = 200;
+  TempDir folder;
+  std::barrier together(kShards);
+  std::vector<std::string> refused(kShards);
+  const auto take = [&](int shard) {
+    try {
+      const DatasetLock lock(folder.path(), shard, kShards);
+      together.arrive_and_wait();  // all of them hold theirs
+    } catch (const IoError& error) {
+      refused[static_cast<size_t>(shard)] = error.what();
+      together.arrive_and_wait();
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int shard = 0; shard < kShards; ++shard) {
+    threads.emplace_back([&, shard] {
+      for (int i = 0; i < kRounds; ++i) {
+        together.arrive_and_wait();
+        take(shard);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_THAT(refused, Each(""));
 }
 
 TEST(DatasetLock, ShardsOfDifferentCountsAreRefusedTogether) {

@@ -89,6 +89,7 @@ class EpisodeCheck {
       return false;
     }
     description_ = Json::parse(text);
+    if (!IsOfThisVersion()) return false;
     if (description_.value("id", "") != folder_.filename().string()) {
       Report(file, fmt::format(
                        "it describes episode '{}': the folder was copied or renamed, and does not "
@@ -102,10 +103,10 @@ class EpisodeCheck {
     for (const auto& [name, facts] : description_.at("files").items()) CheckFile(name, facts);
     const bool whole = problems_.empty();
     CheckNothingElse();
-    if (whole && IsOfThisVersion()) CheckContents();
+    if (whole) CheckContents();
   }
 
-  // Its bytes are what was written, and another robocell knows what they mean.
+  // What another robocell wrote, that knows: which files belong to it, and where they are listed.
   bool IsOfThisVersion() {
     const auto version = JsonCount<int>(description_.at("format_version"));
     if (version == kEpisodeFormatVersion) return true;

@@ -79,8 +79,8 @@ EpisodeLook LookAtEpisode(const fs::path& folder) {
   if (status.type() == fs::file_type::not_found) return {};
   if (error) ThrowIoError("look at", folder, error.value());
   if (!fs::is_directory(folder, error)) {
-    return Broken(
-        fmt::format("'{}' has an episode's name and is no folder: {}", folder.string(), kMoveAway));
+    return Broken(fmt::format("'{}' has an episode's name and is no folder: {}", folder.string(),
+                              kLeftAlone));
   }
   if (fs::is_empty(folder, error)) return {};
   if (error)
@@ -90,7 +90,7 @@ EpisodeLook LookAtEpisode(const fs::path& folder) {
         LooksLikeEpisode(folder)
             ? fmt::format("'{}' is half an episode: episode.json is missing", folder.string())
             : fmt::format("'{}' has an episode's name and holds other things: {}", folder.string(),
-                          kMoveAway));
+                          kLeftAlone));
   }
   try {
     const Episode episode(folder);

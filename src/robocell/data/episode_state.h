@@ -25,8 +25,10 @@ struct EpisodeLook {
   std::string problem = {};  // of a broken one: what is wrong, naming the folder
 };
 
-// The end of what is told of things that repair does not touch.
-inline constexpr std::string_view kMoveAway = "repair leaves it alone, move it away yourself";
+// The end of what is told of things that are whole and in the way.
+inline constexpr std::string_view kMoveAway = "move it away yourself";
+// Of those that repair never touches.
+inline constexpr std::string_view kLeftAlone = "repair leaves it alone, move it away yourself";
 
 EpisodeLook LookAtEpisode(const std::filesystem::path& folder);
 

@@ -1,6 +1,5 @@
 #include "robocell/data/model_store.h"
 
-#include <algorithm>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -12,6 +11,7 @@
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
+#include "robocell/data/folder_names.h"
 #include "robocell/data/work_folder.h"
 
 namespace robocell {
@@ -30,6 +30,23 @@ bool IsStoredName(const std::string& name) {
   if (name.size() <= kDigits || name[name.size() - kDigits - 1] != '-' || name.front() == '.')
     return false;
   return name.find_first_not_of("0123456789abcdef", name.size() - kDigits) == std::string::npos;
+}
+
+bool IsRealFolder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(fs::symlink_status(path, ignored));
+}
+
+// What is in the folder of models: "models/rc7-0123456789abcdef", sorted.
+std::vector<std::string> NamesInModels(const fs::path& dataset) {
+  if (!IsRealFolder(dataset / kModelsFolder)) return {};
+  std::vector<std::string> names = FolderNames(dataset / kModelsFolder);
+  for (std::string& name : names) name = std::string(kModelsFolder) + "/" + name;
+  return names;
+}
+
+bool IsModel(const fs::path& dataset, const std::string& name) {
+  return IsStoredName(fs::path(name).filename().string()) && IsRealFolder(dataset / name);
 }
 
 void Copy(const fs::path& from, const fs::path& to) {
@@ -87,6 +104,7 @@ void StoreModel(const fs::path& dataset, const FileSet& model) {
   const fs::path folder = dataset / kModelsFolder, final = folder / FolderName(model);
   std::error_code error;
   RequireRealFolder(folder);
+  RequireRealFolder(final);
   if (fs::exists(final, error)) return;
   fs::create_directory(folder, error);
   if (error) ThrowIoError("create", folder, error.value());
@@ -149,18 +167,24 @@ void WriteModelList(const fs::path& dataset, const std::string& path) {
   AtomicWrite(folder / kModelListFile, TextOf(SumsOfModel(folder)));
 }
 
+bool IsStored(const fs::path& dataset, const std::string& path) {
+  return IsRealFolder(dataset / StoredModelFolder(path));
+}
+
 std::vector<std::string> StoredModels(const fs::path& dataset) {
-  std::vector<std::string> names;
-  std::error_code error;
-  const fs::path folder = dataset / kModelsFolder;
-  if (!fs::is_directory(fs::symlink_status(folder, error))) return names;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    if (IsStoredName(name)) names.push_back(std::string(kModelsFolder) + "/" + name);
+  std::vector<std::string> models = NamesInModels(dataset);
+  std::erase_if(models, [&](const std::string& name) { return !IsModel(dataset, name); });
+  return models;
+}
+
+StrayModels StrayModelsIn(const fs::path& dataset) {
+  StrayModels stray;
+  for (const std::string& name : NamesInModels(dataset)) {
+    const std::string own = fs::path(name).filename().string();
+    if (IsTemporaryName(own) || IsModel(dataset, name)) continue;
+    (IsStoredName(own) ? stray.in_the_way : stray.others).push_back(name);
   }
-  if (error) ThrowIoError("list", folder, error.value());
-  std::sort(names.begin(), names.end());
-  return names;
+  return stray;
 }
 
 }  // namespace robocell

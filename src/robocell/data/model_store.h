@@ -46,7 +46,17 @@ bool HasModelList(const std::filesystem::path& dataset, const std::string& path)
 // Writes the list of an undamaged model that has none. IoError.
 void WriteModelList(const std::filesystem::path& dataset, const std::string& path);
 
+// Whether the folder of a model, which has a path or folder as above, is there.
+bool IsStored(const std::filesystem::path& dataset, const std::string& path);
+
 // The folders of models in the dataset: "models/rc7-0123456789abcdef", sorted.
 std::vector<std::string> StoredModels(const std::filesystem::path& dataset);
+
+// What else is in the folder of models, but for what somebody is writing: names as above, sorted.
+struct StrayModels {
+  std::vector<std::string> in_the_way;  // files and links that have the name of a model
+  std::vector<std::string> others;
+};
+StrayModels StrayModelsIn(const std::filesystem::path& dataset);
 
 }  // namespace robocell

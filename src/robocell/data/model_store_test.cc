@@ -10,7 +10,9 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/data/leftovers.h"
 #include "robocell/data/verify.h"
+#include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -136,6 +138,36 @@ TEST_F(ModelStoreTest, ManyMayStoreTheSameAtOnce) {
   EXPECT_EQ(StoredModels(dataset).size(), 1u);
   EXPECT_THAT(Damage(), IsEmpty());
   EXPECT_EQ(std::distance(fs::directory_iterator(dataset / "models"), {}), 1);
+}
+
+TEST_F(ModelStoreTest, WhatHasTheNameOfAModelAndIsNoFolderIsForeign) {
+  StoreModel(dataset, arm);
+  const std::string stored = StoredModels(dataset)[0];
+  const std::string file = "models/foo-0123456789abcdef", link = "models/goo-0123456789abcdef";
+  AtomicWrite(dataset / file, "");
+  fs::create_symlink("/nowhere", dataset / link);
+  AtomicWrite(dataset / "models/notes.txt", "");
+  EXPECT_THAT(StoredModels(dataset), ElementsAre(stored));
+  EXPECT_THAT(UnfinishedIn(dataset), IsEmpty());
+  const VerifyReport report = Verify(dataset);
+  EXPECT_THAT(report.foreign, ElementsAre(file, link));
+  EXPECT_THAT(report.others, ElementsAre("models/notes.txt"));
+  EXPECT_THAT(report.Text(),
+              HasSubstr(file + ": it has the name of a model and is a file\n" + link +
+                        ": it has the name of a model and is a link to '/nowhere'"));
+  EXPECT_THAT(Repair(dataset).moved, ElementsAre("foo-0123456789abcdef", "goo-0123456789abcdef"));
+  EXPECT_TRUE(Verify(dataset).ok());
+}
+
+TEST_F(ModelStoreTest, IsNotStoredWhereAFileStands) {
+  fs::create_directory(dataset / "models");
+  const std::string folder = StoredModelFolder(StoredModelPath(arm));
+  AtomicWrite(dataset / folder, "");
+  EXPECT_FALSE(IsStored(dataset, folder));
+  ExpectThrow<IoError>([&] { StoreModel(dataset, arm); }, (dataset / folder).string());
+  fs::remove(dataset / folder);
+  StoreModel(dataset, arm);
+  EXPECT_TRUE(IsStored(dataset, StoredModelPath(arm)));
 }
 
 TEST_F(ModelStoreTest, PathsLeadNowhereElse) {

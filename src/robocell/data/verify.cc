@@ -95,7 +95,7 @@ bool HasOwnSampler(const Episode& episode) {
   return metadata.is_object() && metadata.contains("task") && metadata.at("task") == "custom";
 }
 
-// An intact episode that was made after somebody had changed a model file.
+// An intact episode that was made after somebody had changed a model file, here or elsewhere.
 void CheckModelsOf(const fs::path& folder, const std::map<std::string, std::string>& changed,
                    std::vector<VerifyProblem>& problems) {
   if (changed.empty() || !problems.empty()) return;
@@ -107,8 +107,9 @@ void CheckModelsOf(const fs::path& folder, const std::map<std::string, std::stri
     problems.push_back(
         {episode.id(), "",
          fmt::format("it was made with another '{}' ({}) than the one that dataset.json lists: the "
-                     "file was changed while the run went on. `robocell verify --repair` sets it "
-                     "aside, `robocell generate` makes it again",
+                     "file was changed while the run went on, or the episode was copied from "
+                     "another dataset. `robocell verify --repair` sets it aside, `robocell "
+                     "generate` makes it again",
                      it->second, it->first)});
     return;
   }
@@ -145,6 +146,13 @@ void CheckStoredModels(const fs::path& dataset, VerifyReport& report) {
       AddPart(model, error.what(), KindOf(error), report);
     }
   }
+  const StrayModels stray = StrayModelsIn(dataset);
+  for (const std::string& name : stray.in_the_way) {
+    AddPart(name, fmt::format("it has the name of a model and is {}", WhatIsAt(dataset / name)),
+            ProblemKind::kForeign, report);
+    report.foreign.push_back(name);
+  }
+  report.others.insert(report.others.end(), stray.others.begin(), stray.others.end());
 }
 
 void CheckLostEpisodes(const fs::path& dataset, VerifyReport& report) {
@@ -163,7 +171,7 @@ void CheckMissingModels(const fs::path& dataset, VerifyReport& report) {
     for (const auto& [name, path] : Episode(dataset / id).models())
       folders.insert(StoredModelFolder(path));
     for (const std::string& folder : folders) {
-      if (!fs::exists(dataset / folder)) ++missing[folder];
+      if (!IsStored(dataset, folder)) ++missing[folder];
     }
   }
   for (const auto& [folder, episodes] : missing) {

@@ -5,14 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "robocell/datagen/run_inputs.h"
+#include "robocell/spec/run_config.h"
 
 namespace robocell {
 
-// What the episodes in the run's dataset were made with that is different now, as Differences()
-// says it; nothing when the manifest can be written again. Unset when there are no generated
-// episodes.
-std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run,
-                                                             const RunInputs& now);
+// What the episodes in the run's dataset were made with that is different now, as RunOrigin says
+// it; nothing when the manifest can be written again. Unset when there are no generated episodes.
+std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run);
 
 }  // namespace robocell

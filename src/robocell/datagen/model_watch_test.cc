@@ -11,6 +11,7 @@
 #include "robocell/base/files.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/verify.h"
+#include "robocell/datagen/on_disk.h"
 #include "robocell/datagen/prepare.h"
 #include "robocell/datagen/runner.h"
 #include "robocell/task/pick_planner.h"
@@ -101,12 +102,41 @@ TEST_F(ModelWatchTest, VerifyNamesEpisodesOfAModelThatChanged) {
   EXPECT_THAT(report.Text(), HasSubstr(plan[1].id + ": it was made with another 'rc7.xml' (models/"
                                                     "rc7-"));
   EXPECT_THAT(report.Text(), HasSubstr("than the one that dataset.json lists: the file was changed "
-                                       "while the run went on. `robocell verify --repair` sets it "
+                                       "while the run went on, or the episode was copied from "
+                                       "another dataset. `robocell verify --repair` sets it "
                                        "aside, `robocell generate` makes it again"));
   EXPECT_THAT(Repair(run_.output).moved, ElementsAre(plan[1].id));
   PutBack();
   EXPECT_TRUE(Runner(run_).Run(plan[1]).success);
   EXPECT_TRUE(Verify(run_.output).ok());
+}
+
+// With what the dataset keeps of its model or without.
+TEST_F(ModelWatchTest, AnEpisodeThatWasCopiedFromARunOfAnotherModelDoesNotCount) {
+  const std::vector<PlanItem> plan = MakePlan(run_);
+  Runner(run_).Run(plan[0]);
+  fs::create_directory(temp_ / "other");
+  for (const char* file : {"rc7.xml", "rc7.yaml"})
+    fs::copy(temp_ / "cell" / file, temp_ / "other" / file);
+  AtomicWrite(temp_ / "other/rc7.xml", original_ + "<!-- another -->\n");
+  const RunConfig other = OwnRun(temp_ / "other");
+  Runner(other).Run(plan[1]);
+  const fs::path here = run_.output, there = other.output;
+  fs::copy(there / plan[1].id, here / plan[1].id);
+  for (const bool with_model : {false, true}) {
+    if (with_model)
+      fs::copy(there / "models", here / "models",
+               fs::copy_options::recursive | fs::copy_options::skip_existing);
+    const PlanOnDisk found = LookForItems(run_, plan);
+    EXPECT_THAT(found.made, ElementsAre(plan[0].id));
+    EXPECT_THAT(found.broken, ElementsAre("'" + (here / plan[1].id).string() +
+                                          "' is an episode of another run (model file rc7.xml: "
+                                          "changed since then): move it away yourself"));
+  }
+  EXPECT_THAT(Verify(here).bad, ElementsAre(plan[1].id)) << "it says the same";
+  fs::remove(here / "dataset.json");
+  ExpectThrow<SpecError>([&] { PrepareDataset(run_, {.check_run = false}); },
+                         "model file rc7.xml: changed since then");
 }
 
 nlohmann::json WithoutRun(const fs::path& episode) {

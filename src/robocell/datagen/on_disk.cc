@@ -11,7 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/datagen/earlier_attempts.h"
-#include "robocell/datagen/run_inputs.h"
+#include "robocell/datagen/run_origin.h"
 
 namespace robocell {
 namespace {
@@ -19,44 +19,38 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// What an episode says that it was made from; its models' files are the dataset's matter.
-RunInputs OriginOf(const Episode& episode, const Json& metadata, const RunInputs& now) {
-  RunInputs then{.identity = metadata.value("identity", ""), .versions = {}, .files = {}};
-  const Json versions = Json::parse(episode.versions_json());
-  for (const auto& [part, version] : now.versions) then.versions[part] = versions.value(part, "");
-  return then;
-}
-
 // The folders of a run's attempts.
 class Attempts {
  public:
-  explicit Attempts(const RunConfig& run)
-      : run_(run), now_{.identity = RunIdentity(run), .versions = VersionsNow(), .files = {}} {}
+  explicit Attempts(const RunConfig& run) : run_(run) {}
 
   struct Found {
     EpisodeLook look;
     std::optional<Episode> episode = {};  // of a whole one
     EarlierAttempts earlier = {};         // its own
   };
-  Found Look(const PlanItem& item, int attempt) const;
+  Found Look(const PlanItem& item, int attempt);
 
  private:
-  std::string WhyNotOurs(const Episode& episode, const Json& metadata) const;
+  std::string WhyNotOurs(const Episode& episode);
   const RunConfig& run_;
-  RunInputs now_;
+  std::optional<RunOrigin> origin_;  // once there is an episode: it asks for the run's models
 };
 
-EpisodeLook InTheWay(const fs::path& folder, const std::string& what) {
+// Repair may set episodes of other models aside: verify knows them by dataset.json.
+EpisodeLook InTheWay(const fs::path& folder, const std::string& what,
+                     std::string_view advice = kLeftAlone) {
   return {.state = EpisodeState::kBroken,
-          .problem = fmt::format("'{}' is {}: {}", folder.string(), what, kMoveAway)};
+          .problem = fmt::format("'{}' is {}: {}", folder.string(), what, advice)};
 }
 
 // "" when it is the run's own.
-std::string Attempts::WhyNotOurs(const Episode& episode, const Json& metadata) const {
+std::string Attempts::WhyNotOurs(const Episode& episode) {
   constexpr size_t kMost = 3;
-  if (!metadata.contains("identity"))
-    return "an episode that no run made, in the place of one of this run";
-  std::vector<std::string> lines = Differences(OriginOf(episode, metadata, now_), now_);
+  if (!origin_) origin_.emplace(run_);
+  const auto changes = origin_->ChangesSince(episode);
+  if (!changes) return "an episode that no run made, in the place of one of this run";
+  std::vector<std::string> lines = *changes;
   if (lines.empty())
     return !episode.success() && run_.keep == Keep::kSuccesses
                ? "a failed episode in a dataset of successes"
@@ -67,15 +61,14 @@ std::string Attempts::WhyNotOurs(const Episode& episode, const Json& metadata) c
                      more ? fmt::format("; and {} more", more) : "");
 }
 
-Attempts::Found Attempts::Look(const PlanItem& item, int attempt) const {
+Attempts::Found Attempts::Look(const PlanItem& item, int attempt) {
   const fs::path folder = fs::path(run_.output) / EpisodeId(run_, item, attempt);
   Found found{.look = LookAtEpisode(folder)};
   if (found.look.state != EpisodeState::kWhole) return found;
   try {
     found.episode.emplace(folder);
-    const Json metadata = Json::parse(found.episode->metadata_json());
-    if (const std::string why = WhyNotOurs(*found.episode, metadata); !why.empty())
-      return {.look = InTheWay(folder, why)};
+    if (const std::string why = WhyNotOurs(*found.episode); !why.empty())
+      return {.look = InTheWay(folder, why, kMoveAway)};
     found.earlier = EarlierAttemptsIn(found.episode->metadata_json());
     return found;
   } catch (const Json::exception& error) {
@@ -91,7 +84,7 @@ Attempts::Found Attempts::Look(const PlanItem& item, int attempt) const {
   throw IoError(fmt::format("{}\nSet it aside: robocell verify --repair {}", problem, run.output));
 }
 
-ItemOnDisk LookFor(const RunConfig& run, const Attempts& attempts, const PlanItem& item) {
+ItemOnDisk LookFor(const RunConfig& run, Attempts& attempts, const PlanItem& item) {
   ItemOnDisk found;
   std::set<int> missing;
   const int count = run.keep == Keep::kAll ? run.max_attempts : 1;
@@ -115,12 +108,13 @@ std::string EpisodeId(const RunConfig& run, const PlanItem& item, int attempt) {
 }
 
 ItemOnDisk LookForItem(const RunConfig& run, const PlanItem& item) {
-  return LookFor(run, Attempts(run), item);
+  Attempts attempts(run);
+  return LookFor(run, attempts, item);
 }
 
 PlanOnDisk LookForItems(const RunConfig& run, const std::vector<PlanItem>& items) {
   PlanOnDisk all;
-  const Attempts attempts(run);
+  Attempts attempts(run);
   for (const PlanItem& item : items) {
     const ItemOnDisk found = LookFor(run, attempts, item);
     if (found.success && found.complete)

@@ -19,8 +19,8 @@ namespace robocell {
 // "s0003_e0001_a02".
 std::string EpisodeId(const RunConfig& run, const PlanItem& item, int attempt);
 
-// Only episodes of the run itself count: made with the same fields and versions. One that was
-// copied there from another dataset stands in the way.
+// Only episodes of the run itself count: made with the same fields, models and versions. One that
+// was copied there from another dataset stands in the way.
 struct ItemOnDisk {
   bool success = false;  // a successful episode is there
   // Nothing is left to do: the success, or else the last attempt is there, and of the attempts

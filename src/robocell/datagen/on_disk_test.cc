@@ -114,7 +114,7 @@ TEST_F(OnDiskTest, EpisodesOfAnotherRunAreNamedAndNotCounted) {
   EXPECT_FALSE(found.success || found.complete);
   EXPECT_THAT(found.broken, ElementsAre("'" + (folder / "e").string() +
                                         "' is an episode of another run (seed: 7 then, 0 now): "
-                                        "repair leaves it alone, move it away yourself"));
+                                        "move it away yourself"));
   for (const auto& look : std::vector<std::function<void()>>{[&] { IsComplete(run, item); },
                                                              [&] { KeptAttempt(run, item, 0); }}) {
     EXPECT_EQ(ExpectThrow<IoError>(look, "of another run"), found.broken.front())

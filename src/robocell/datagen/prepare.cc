@@ -123,7 +123,7 @@ bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
     return !changes.empty();
   }
   if (entry.empty()) return true;
-  if (const auto lost = ChangesSinceEpisodes(run, inputs)) {
+  if (const auto lost = ChangesSinceEpisodes(run)) {
     if (!lost->empty()) ThrowChanged(run, *lost);
     return true;
   }
@@ -187,7 +187,7 @@ void RestoreModels(const RunConfig& run) {
   std::map<std::string, std::string> missing;  // folder in the dataset -> path of the model
   for (const std::string& model : ModelsOf(run)) {
     const std::string folder = StoredModelFolder(StoredModelPath(ModelFileSet(model)));
-    if (!fs::exists(fs::path(run.output) / folder)) missing.emplace(folder, model);
+    if (!IsStored(run.output, folder)) missing.emplace(folder, model);
   }
   const Dataset dataset(run.output);
   for (auto id = dataset.ids().begin(); id != dataset.ids().end() && !missing.empty(); ++id) {
