@@ -1,17 +1,26 @@
-"""P7: the control loop beside the bare engine. What is timed: control_loop_bench.cc."""
+"""P7: the control loop beside the bare engine (timed by control_loop_bench.cc), and from Python."""
 
 from __future__ import annotations
 
+import os
+import time
 from pathlib import Path
 
+import numpy as np
+
+import robocell
 from bench_program import scaled, seconds
 from robots import robot_files
 from table import Row
 
+AMPLITUDE, TIMESTEP, REPETITIONS = 0.2, 0.002, 9  # as in control_loop_bench.cc
+
 
 def rows(folder: Path) -> list[Row]:
-    """One row per robot and kind of control."""
-    return [
+    """One row per robot and kind of control, and one per robot for the same loop in Python."""
+    files = robot_files()
+    timed = seconds("control_loop_bench", files, folder)
+    beside_engine = [
         Row(
             f"control tick, {control}",
             "µs",
@@ -19,5 +28,52 @@ def rows(folder: Path) -> list[Row]:
             scaled(sides["mj_step"], 1e6),
             note="peer: `mj_step` with the same controls",
         )
-        for control, sides in seconds("control_loop_bench", robot_files(), folder).items()
+        for control, sides in timed.items()
     ]
+    return beside_engine + [_from_python(file, timed) for file in files]
+
+
+def _from_python(file: Path, timed: dict[str, dict[str, list[float]]]) -> Row:
+    config = robocell.RobotConfig.load(file)
+    name = f"joint position, {config.name}"
+    ours = scaled(_python_loop(config), 1e6)
+    in_cxx = scaled(timed[name]["update+step"], 1e6)
+    more = min(ours) - min(in_cxx)
+    return Row(
+        f"control tick from Python, {name}",
+        "µs",
+        ours,
+        in_cxx,
+        note=f"peer: the same loop in C++, run before; Python's takes {more:.2f} µs a step more",
+    )
+
+
+def _python_loop(config: robocell.RobotConfig) -> list[float]:
+    """Seconds of a tick in each repetition: a command, update and a step of the engine."""
+    config.gravcomp = True
+    spec = robocell.SceneSpec(name="bench", timestep=TIMESTEP, add_floor=True, add_skybox=False)
+    spec.robots.append(robocell.RobotSpec(name="robot", config=config))
+    scene = robocell.Scene.build(spec)
+    scene.reset()
+    robot = scene.robot("robot")
+    ticks = round(1 / TIMESTEP)
+    swing = AMPLITUDE * np.sin(2 * np.pi * np.arange(ticks) / ticks)
+    targets = list(np.array(robot.jnt_pos_cmd) + swing[:, np.newaxis])
+    start, ends, times = scene.state(), [], []
+    cores = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {min(cores)})
+    try:
+        for _ in range(REPETITIONS):
+            scene.set_state(start)
+            begin = time.perf_counter()
+            for target in targets:
+                robot.jnt_pos_cmd = target
+                robot.update()
+                robot.step()
+            times.append((time.perf_counter() - begin) / ticks)
+            ends.append(scene.state())
+    finally:
+        os.sched_setaffinity(0, cores)
+    if any((end != ends[0]).any() for end in ends):
+        raise RuntimeError("the loop from Python ends elsewhere each time")
+    return times

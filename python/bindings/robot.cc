@@ -215,7 +215,7 @@ void BindRobotClass(nb::module_& m) {
       "handles to one robot of one scene share their state, which the scene keeps.",
       nb::type_slots(robot_slots));
   GuardHandle<Robot>(robot, [](const Robot& r) { r.RequireOpen(); }, {"name", "prefix", "scene"});
-  robot
+  robot.def(nb::init<const Robot&>(), "robot"_a, "Another handle to the same robot.")
       .def_static("of", &Robot::Of, "scene"_a, "name"_a, Unlocked(),
                   "A configured robot by its name in the scene.")
       .def_static(

@@ -121,8 +121,14 @@ StepResult StepN(Scene& scene, int n) {
   return result;
 }
 
+// A Pose or a PyKDL.Frame, or a position and a quaternion.
 Pose ToPose(nb::handle pose_or_pos, nb::handle quat) {
-  if (const Pose* pose = nullptr; nb::try_cast(pose_or_pos, pose) && pose) return *pose;
+  const Pose* pose = nullptr;
+  const bool is_pose = nb::try_cast(pose_or_pos, pose) && pose;
+  if (is_pose || (nb::hasattr(pose_or_pos, "M") && nb::hasattr(pose_or_pos, "p"))) {
+    if (!quat.is_none()) throw ArgumentError("quat: the pose has its rotation; leave quat out");
+    return is_pose ? *pose : nb::cast<Pose>(nb::type<Pose>()(pose_or_pos));
+  }
   const Numbers xyz(pose_or_pos, FieldPath("pos"), 3);
   if (quat.is_none()) return Pose(Eigen::Vector3d(xyz[0], xyz[1], xyz[2]));
   const Numbers q(quat, FieldPath("quat"), 4);
@@ -252,7 +258,9 @@ void DefStepping(nb::class_<Scene>& c) {
            nb::arg("seed") = nb::none(),
            "Restore the keyframe (home unless given) or the default configuration, add the robots' "
            "home noise (with a seed), call the hooks, clear stale forces.\n\n"
-           "The trajectory after a reset does not depend on what was before.")
+           "The trajectory after a reset does not depend on what was before. What a hook raises is "
+           "raised after the reset was ended as if there were no hooks; reset() in a hook is an "
+           "Error.")
       .def(
           "on_reset",
           [](Scene& s, nb::callable hook) {
@@ -261,8 +269,8 @@ void DefStepping(nb::class_<Scene>& c) {
           nb::arg("hook"),
           nb::sig("def on_reset(self, hook: collections.abc.Callable[[ResetContext], typing.Any]) "
                   "-> int"),
-          "Call hook(ResetContext) in every reset, after the keyframe. Returns an id for "
-          "remove_reset_hook.")
+          "Call hook(ResetContext) in every reset, after the keyframe and before the robots take "
+          "their targets from what it leaves. Returns an id for remove_reset_hook.")
       .def("remove_reset_hook", &Scene::RemoveResetHook, nb::arg("id"));
 }
 
@@ -340,7 +348,8 @@ void DefFrames(nb::class_<Scene>& c) {
           nb::arg("name"), nb::arg("pos"), nb::arg("quat") = nb::none(),
           nb::sig("def set_body_pose(self, name: str, pos: Pose | numpy.typing.ArrayLike, quat: "
                   "numpy.typing.ArrayLike | None = None) -> None"),
-          "Move a free or mocap body (a Pose, or position and quaternion xyzw) and stop it.")
+          "Move a free or mocap body (a Pose or PyKDL.Frame, or position and quaternion xyzw) and "
+          "stop it.")
       .def_prop_ro("root_frame_to_world", &Scene::root_frame_to_world)
       .def_prop_ro("shared_base_frame_to_world", &Scene::shared_base_frame_to_world)
       .def("body_names", &Scene::body_names)

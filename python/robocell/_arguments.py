@@ -322,9 +322,9 @@ def makes(member: object, wanted: type) -> bool:
     )
 
 
-def no_attribute(kind: type, name: str) -> str:
-    """The message for setting what a class of the core does not have."""
-    names = [other for other in dir(kind) if not other.startswith("_")]
+def no_attribute(kind: type, name: str, wrapped: type = object) -> str:
+    """The message for setting what a class, or one that it wraps, does not have."""
+    names = [each for each in sorted({*dir(kind), *dir(wrapped)}) if not each.startswith("_")]
     close = difflib.get_close_matches(name, names, 1)
     hint = f" Did you mean '{close[0]}'?" if close else ""
     article = "an" if kind.__name__[0] in "AEIOU" else "a"

@@ -105,6 +105,20 @@ class TestAttachments:
         expected = of(target.name) * AUTHORED
         assert scene.body_pose("p_needle").is_close(expected, 1e-9, 1e-9)
 
+    def test_tools_hang_on_frames(self, probe, tmp_path):
+        (tmp_path / "hand.xml").write_text(
+            '<mujoco><worldbody><body name="hand"><geom size="0.1"/>'
+            '<frame name="mount" pos="0.1 0.2 0.3" euler="0 0 90"/></body></worldbody></mujoco>'
+        )
+        on_frame = rc.AttachmentSpec(
+            mjcf_path=probe, attach_to=rc.AttachTarget(rc.AttachKind.Frame, "mount"), prefix="p_"
+        )
+        arm = rc.RobotSpec(path=tmp_path / "hand.xml", attachments=[on_frame], pos=[0, 0, 1])
+        scene = rc.Scene.build(empty(robots=[arm]))
+        mount = rc.Pose(translation=[0.1, 0.2, 0.3], rpy=[0, 0, np.pi / 2])
+        expected = scene.body_pose("hand") * mount * AUTHORED
+        assert scene.body_pose("p_needle").is_close(expected, 1e-9, 1e-9)
+
     def test_edits_in_place_move_the_tool(self, probe):
         spec = empty(robots=[bare_rc7()])
         tool = rc.AttachmentSpec(
@@ -201,7 +215,7 @@ class TestObjects:
             scene.body_pose("red_cube").translation, [0.35, 0.1, 0.03], atol=1e-3
         )
 
-    @pytest.mark.parametrize("field", ["size", "rgba", "mass", "friction"])
+    @pytest.mark.parametrize("field", ["shape", "size", "rgba", "mass", "friction"])
     def test_a_primitive_needs_all_its_numbers(self, field):
         with pytest.raises(rc.SpecError, match=field):
             rc.Scene.build(empty(objects=[cube(**{field: None})]))
@@ -286,6 +300,53 @@ class TestReset:
             robot.update()
             robot.step()
         np.testing.assert_allclose(robot.arm.joint_pos, q, atol=1e-4)
+
+    def test_a_hook_that_raises_leaves_a_reset_without_hooks(self):
+        scene = rc.Scene.build(empty(robots=[rc7(name="a")], objects=[cube(pos=[0.5, 0, 0.03])]))
+        robot = scene.robot("a")
+        scene.reset(seed=4)
+        home, state = robot.jnt_pos_cmd, scene.state()
+
+        def on_reset(reset: rc.ResetContext) -> None:
+            robot.set_joint_pos(np.full(7, 0.5), call_forward=False)
+            scene.set_body_wrench("cube", [0, 0, 100])
+            raise ValueError("no grasp")
+
+        hook = scene.on_reset(on_reset)
+        robot.jnt_pos_cmd = np.full(7, -0.5)
+        scene.step_n(20)
+        with pytest.raises(ValueError, match="no grasp"):
+            scene.reset(seed=4)
+        np.testing.assert_array_equal(robot.jnt_pos_cmd, home)
+        np.testing.assert_array_equal(robot.jnt_pos_msr, home)
+        np.testing.assert_array_equal(scene.state(), state)
+        robot.update()  # to where it is: nothing jumps, nothing pushes
+        scene.step_n(20)
+        np.testing.assert_allclose(robot.arm.joint_pos, home, atol=1e-3)
+        assert scene.body_pose("cube").translation[2] < 0.031
+        scene.remove_reset_hook(hook)
+        scene.on_reset(lambda reset: reset.scene.reset())
+        with pytest.raises(rc.Error, match=r"'cell': reset\(\) in a reset hook, which would call"):
+            scene.reset()
+        assert scene.time() == 0
+
+    def test_a_part_without_keyframes_starts_where_its_model_does(self, table):
+        lamp = str(table.mjcf_path).replace("table.xml", "lamp.xml")
+        hinge = '<body name="lamp"><joint name="hinge" ref="30"/><geom size="0.1"/></body>'
+        with open(lamp, "w") as file:
+            file.write(f"<mujoco><worldbody>{hinge}</worldbody></mujoco>")
+        spec = empty(robots=[rc.RobotSpec(path=lamp)])
+        scene = rc.Scene.build(spec)
+        assert scene.reset(keyframe=0).used_keyframe
+        assert scene.joint_pos("hinge") == pytest.approx(np.pi / 6)
+        spec.robots.append(rc7(name="a", prefix="a_", pos=[0, 2, 0]))
+        both = rc.Scene.build(spec)
+        info = both.reset(rc.ResetOptions(keyframe=0))
+        assert (info.used_keyframe, info.keyframe) == (True, 0)
+        assert both.joint_pos("hinge") == pytest.approx(np.pi / 6)
+        assert both.joint_pos("a_joint4") == pytest.approx(1.9), "the part that has a home is there"
+        assert not both.reset(use_keyframe=False).used_keyframe
+        assert both.joint_pos("a_joint4") == 0
 
     def test_default_configuration_and_keyframes_that_are_not_there(self):
         scene = rc.Scene.build(empty(robots=[rc7()]))

@@ -65,9 +65,9 @@ def test_the_tools_site_is_the_tcp(robot: rc.Robot):
     assert robot.has_tcp_frame
     assert robot.tcp_site == "g_pinch"
     in_base = scene.body_pose("base_link").inverse() * scene.site_pose("g_pinch")
-    assert robot.fk_frame().is_close(in_base, 1e-7, 1e-9)
+    assert robot.fk_frame().is_close(in_base, 1e-9, 1e-9)
     in_tip = scene.body_pose("bracelet_link").inverse() * scene.site_pose("g_pinch")
-    assert robot.tip_to_tcp.is_close(in_tip, 1e-7, 1e-9)
+    assert robot.tip_to_tcp.is_close(in_tip, 1e-9, 1e-9)
     bare = rc.Robot.from_scene(scene, "base_link", "bracelet_link")
     assert (bare.has_tcp_frame, bare.tcp_site) == (False, "")
 

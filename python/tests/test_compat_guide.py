@@ -136,6 +136,42 @@ def test_init_a_kdl_chain(scene: mjk.Scene):
     assert robot.has_tcp_frame
 
 
+def test_frames_of_robots_are_those_of_kdl(scene: mjk.Scene, robot: mjk.Robot):
+    robot.set_joint_pos([0.3, -0.4, 0.5, 0.6, -0.7, 0.8, -0.9])
+    in_world = scene.body_frame("base_link") * robot.fk_frame()
+    assert isinstance(in_world, PyKDL.Frame)
+    assert PyKDL.Equal(in_world, scene.site_frame("g_pinch"), 1e-9)
+    assert PyKDL.Equal(
+        scene.body_frame("bracelet_link") * robot.tip_to_tcp, scene.site_frame("g_pinch"), 1e-9
+    )
+    q = PyKDL.JntArray(7)
+    assert PyKDL.Equal(robot.fk_frame(q), robot.fk_frame([0.0] * 7), 1e-15)
+    assert not PyKDL.Equal(robot.fk_frame(q), robot.fk_frame(), 1e-3)
+
+
+def test_misspelt_names_and_wrong_values_are_refused(scene: mjk.Scene, robot: mjk.Robot):
+    env = mjk.Env(scene)
+    with pytest.raises(
+        AttributeError, match=r"an Env has no 'on_rest'\. Did you mean 'on_reset'\?"
+    ):
+        env.on_rest = print
+    with pytest.raises(AttributeError, match=r"an Env has no 'stepp'\. Did you mean 'step'\?"):
+        env.stepp()
+    with pytest.raises(AttributeError, match="on_rest"):
+        robot.on_rest = print
+    calls = []
+    env.on_reset = calls.append
+    with pytest.raises(TypeError, match=r"on_reset: expected a function .*, or None; got 5"):
+        env.on_reset = 5
+    assert env.on_reset == calls.append
+    env.reset()
+    assert len(calls) == 1, "the hook from before is still there"
+    with pytest.raises(TypeError, match=r"expected one of LogLevel\.INFO, .*; got 'info'"):
+        mjk.set_log_level("info")
+    with pytest.raises(TypeError, match="expected a SceneObject, got 'table'"):
+        mjk.scene_object_site_name("table", "table_top")
+
+
 def test_a_wrist_force_torque_sensor():
     ft_sensor = mjk.AttachmentSpec()
     ft_sensor.mjcf_path = mjk.menagerie.asset_path("ft_sensor.xml")
@@ -164,6 +200,7 @@ def test_a_wrist_force_torque_sensor():
         robot.step()
     robot.update()
     wrench = robot.ft_sensor("wrist_ft")
+    assert PyKDL.Equal(robot.ft_sensor_frame("wrist_ft"), scene.site_frame("wrist_ft_site"), 1e-9)
     assert isinstance(wrench, PyKDL.Wrench)
     weight = 9.81 * scene.model.body_subtreemass[scene.model.body("g_base_mount").id]
     assert wrench.force.Norm() == pytest.approx(weight, rel=0.01)
@@ -233,6 +270,36 @@ def test_table_and_scene_objects():
     assert scene.body_frame("red_cube").p.z() == pytest.approx(0.73, abs=2e-3)
 
 
+@pytest.mark.parametrize("model_first", [True, False])
+def test_a_model_file_takes_precedence_over_a_primitive(model_first: bool):
+    mug = mjk.SceneObject()
+    mug.name = "mug"
+    model = mjk.menagerie.asset_path("mug.xml")
+    if model_first:
+        mug.mjcf_path = model
+        with pytest.warns(
+            UserWarning, match=f"object 'mug': shape ignored, for its model '{model}'"
+        ):
+            mug.shape = mjk.Shape.BOX
+        mug.size, mug.mass = [1, 1, 1], 50  # told once
+    else:
+        mug.shape, mug.size, mug.mass = mjk.Shape.BOX, [1, 1, 1], 50
+        with pytest.warns(UserWarning, match="object 'mug': shape, size, mass ignored"):
+            mug.mjcf_path = model
+    alone = mjk.SceneObject(name="alone", mjcf_path=model, pos=[1, 0, 0])
+    with pytest.warns(UserWarning, match="object 'named': mass ignored"):
+        named = mjk.SceneObject(name="named", mjcf_path=model, pos=[2, 0, 0], mass=50)
+    spec = base_spec()
+    spec.objects = [mug, alone, named]
+    assert spec.objects[0] is mug
+    scene = mjk.Scene.build(spec)
+    masses = [scene.model.body(f"{name}_mug").mass[0] for name in ("mug", "alone", "named")]
+    assert masses[0] == masses[1] == masses[2] < 50
+    mug.mjcf_path = ""
+    mug.shape, mug.size = mjk.Shape.BOX, [0.01, 0.01, 0.01]
+    assert list(mug.size) == [0.01] * 3, "a primitive again"
+
+
 def test_cameras_actuators_and_poses():
     spec = base_spec()
     spec.robots = [with_gripper()]
@@ -252,6 +319,11 @@ def test_cameras_actuators_and_poses():
     scene = table_scene()
     scene.set_body_pose("red_cube", [0.45, 0.0, 0.75], [0.0, 0.0, 0.0, 1.0])
     assert list(scene.body_frame("red_cube").p) == pytest.approx([0.45, 0, 0.75])
+    there = PyKDL.Frame(PyKDL.Rotation.RPY(0.1, 0.2, 0.3), PyKDL.Vector(0.4, 0.1, 0.8))
+    scene.set_body_pose("red_cube", there)
+    assert PyKDL.Equal(scene.body_frame("red_cube"), there, 1e-9)
+    with pytest.raises(ValueError, match="quat: the pose has its rotation; leave quat out"):
+        scene.set_body_pose("red_cube", there, [0, 0, 0, 1])
 
 
 def test_pykdl_interop(robot: mjk.Robot):
@@ -263,7 +335,7 @@ def test_pykdl_interop(robot: mjk.Robot):
     tcp = PyKDL.Frame()
     fk.JntToCart(q, tcp)
     frame = robot.fk_frame(q)
-    assert list(tcp.p) == pytest.approx(list(frame.translation), abs=1e-9)
+    assert PyKDL.Equal(tcp, frame, 1e-9)
     robot.set_joint_pos(q)
 
 
@@ -356,7 +428,11 @@ def test_headless_video_recording(robot: mjk.Robot):
     assert not recorder.use_camera("no such camera")
     assert recorder.use_camera("")
     assert recorder.record_frame()
+    with pytest.raises(AttributeError, match="a VideoRecorder has no 'frame_rate'"):
+        recorder.frame_rate = 3
     recorder.close()
+    recorder.close()
+    assert recorder.frames == 6
     assert Path("sim.mp4").stat().st_size > 1000
 
 
@@ -386,6 +462,13 @@ class TestModelPaths:
         monkeypatch.setenv("MJ_KDL_MENAGERIE", "/nonexistent")
         with pytest.raises(RuntimeError, match=r"^MJ_KDL_MENAGERIE is '/nonexistent', which holds"):
             mjk.menagerie.model_path("kinova_gen3")
+
+    def test_unknown_robots_are_told_whatever_the_variables_say(self, tmp_path, monkeypatch):
+        for _ in range(2):
+            with pytest.raises(RuntimeError, match=r"no robot 'kinova_gen4'.*mean 'kinova_gen3'\?"):
+                mjk.menagerie.model_path("kinova_gen4")
+            (tmp_path / "mine.xml").write_text("<mujoco/>")
+            monkeypatch.setenv("MJ_KDL_MODEL", str(tmp_path / "mine.xml"))
 
     def test_unknown_assets_are_told_with_those_there_are(self):
         with pytest.raises(RuntimeError, match=r"no asset 'tabel\.xml'\. The assets: table\.xml, "):

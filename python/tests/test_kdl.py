@@ -41,7 +41,7 @@ def check_against_kdl(robot: rc.Robot) -> None:
     for q in random_positions(robot, 50):
         tip = PyKDL.Frame()
         assert fk.JntToCart(to_kdl(q), tip) >= 0
-        assert rc.Pose.from_kdl(tip).is_close(robot.fk_frame(q), 1e-7, 1e-9)
+        assert rc.Pose.from_kdl(tip).is_close(robot.fk_frame(q), 1e-9, 1e-9)
         theirs = PyKDL.Jacobian(len(q))
         jacobian.JntToJac(to_kdl(q), theirs)
         kdl = [[theirs[r, c] for c in range(len(q))] for r in range(6)]

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/media/video_info.h"
 #include "robocell/media/video_reader.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/step.h"
@@ -146,6 +147,23 @@ TEST_F(Recording, OddSizesAndUnknownCamerasAreErrorsThatTell) {
                              "no camera 'sied'. Its cameras: side.");
   ExpectThrow<NotFoundError>([&] { video.SetTrackingCamera("bal", 2, 90, 0); },
                              "no body 'bal'. Its bodies: world, ball. Did you mean 'ball'?");
+}
+
+TEST_F(Recording, APresetHasItsSizeAndExactlyAsManyFramesAsWereRecorded) {
+  const VideoSize size = SizeOf(VideoResolution::kR720p);
+  const std::filesystem::path file = folder_ / "preset.mp4";
+  VideoRecorder video(model_.get(), file,
+                      {.width = size.width, .height = size.height, .fps_num = 60});
+  for (int i = 0; i < 60; ++i) {
+    video.RecordFrame(data_.get());
+    EXPECT_TRUE(Step(model_.get(), data_.get(), 8).ok());
+  }
+  video.Finish();
+  const VideoInfo info = ReadVideoInfo(file);
+  EXPECT_EQ(info.width, 1280);
+  EXPECT_EQ(info.height, 720);
+  EXPECT_EQ(info.frames, 60);
+  EXPECT_EQ(info.fps_num, 60 * info.fps_den) << "a second to the frame";
 }
 
 TEST(VideoResolutions, AreSixteenToNineAndEven) {

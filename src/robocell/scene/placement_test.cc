@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <numbers>
+#include <Eigen/Geometry>
+
 #include "robocell/base/error.h"
 #include "robocell/base/rng.h"
 #include "robocell/scene/rig.h"
@@ -155,6 +158,42 @@ TEST(Placement, TargetsCanBeRobotsBasesAndAttachmentSites) {
                    scene.body_pose("l_base") * Pose(Eigen::Vector3d(0.1, 0, 0)));
   EXPECT_SAME_POSE(scene.body_pose("tool"),
                    scene.site_pose("l_flange") * Pose(Eigen::Vector3d(0, 0.1, 0)));
+}
+
+TEST(Placement, ToolsStandAtFramesWithAnglesInDegreesAboutFixedAxes) {
+  RandomRig rig(11);
+  const std::string arm =
+      rig.folder.Write("hand", fmt::format(R"(<worldbody><body name="hand"><geom size="0.1"/>
+        <frame name="mount" {}/></body></worldbody>)",
+                                           PoseText(rig.outer)));
+  const std::string tool = rig.folder.Write(
+      "probe",
+      fmt::format(R"(<worldbody><body name="probe" {}><geom size="0.1"/></body></worldbody>)",
+                  PoseText(rig.authored)));
+  rig.spec.robots.push_back({.path = arm,
+                             .prefix = "r_",
+                             .attachments = {{.mjcf_path = tool,
+                                              .attach_to = Frame("mount"),
+                                              .prefix = "t_",
+                                              .pos = {0.1, 0.2, 0.3},
+                                              .euler = {20, -35, 50}}}});
+  const Scene scene = Scene::Build(rig.spec);
+  const auto turn = [](double degrees, const Eigen::Vector3d& axis) {
+    return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis);
+  };
+  const Eigen::Matrix3d turned =
+      (turn(50, Eigen::Vector3d::UnitZ()) * turn(-35, Eigen::Vector3d::UnitY()) *
+       turn(20, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  const Eigen::Matrix3d actual = (rig.outer.inverse() * scene.body_pose("r_hand").inverse() *
+                                  scene.body_pose("r_t_probe") * rig.authored.inverse())
+                                     .rotation();
+  EXPECT_LT((actual - turned).norm(), 1e-9) << "about x, then y, then z of the frame";
+  EXPECT_SAME_POSE(
+      scene.body_pose("r_t_probe"),
+      scene.body_pose("r_hand") * rig.outer *
+          Pose::FromRpy({0.1, 0.2, 0.3}, Eigen::Vector3d(20, -35, 50) * std::numbers::pi / 180) *
+          rig.authored);
 }
 
 TEST(Placement, TheRigIsWhatTheSceneSays) {

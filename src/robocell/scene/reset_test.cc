@@ -239,6 +239,41 @@ TEST(Reset, AHookThatClosesTheSceneEndsTheReset) {
   EXPECT_TRUE(scene.closed());
 }
 
+TEST(Reset, AHookThatThrowsLeavesAResetWithoutHooks) {
+  Scene fresh = Scene::Build(Busy()), scene = Scene::Build(Busy());
+  std::vector<std::string> entries;
+  const auto diary = std::make_shared<Diary>(entries);
+  scene.AddObserver(diary);
+  const int id = scene.AddResetHook([](ResetContext& reset) {
+    reset.scene.data()->qpos[0] = 0.9;
+    reset.scene.data()->ctrl[0] = 0.7;
+    reset.scene.data()->qfrc_applied[0] = 100;
+    throw ArgumentError("no grasp for 'cube0'");
+  });
+  LiveThrough(scene, Rng::Stream(5, "life"));
+  ExpectThrow<ArgumentError>([&] { scene.Reset({.seed = 4}); }, "no grasp for 'cube0'");
+  EXPECT_THAT(entries, ElementsAre("observer", "done")) << "robots read the state again";
+  fresh.Reset({.seed = 4});
+  EXPECT_EQ(scene.state(), fresh.state());
+  EXPECT_EQ(scene.body_pose("cube0").translation(), fresh.body_pose("cube0").translation());
+  scene.RemoveResetHook(id);
+  EXPECT_TRUE(Trajectory(scene, 3) == Trajectory(fresh, 3));
+}
+
+TEST(Reset, IsRefusedInAHook) {
+  Scene scene = Scene::Build(Busy());
+  int calls = 0;
+  const int id = scene.AddResetHook([&](ResetContext& reset) {
+    ++calls;
+    reset.scene.Reset();
+  });
+  ExpectThrow<Error>([&] { scene.Reset(); },
+                     "scene 'test': reset() in a reset hook, which would call the hook again");
+  EXPECT_EQ(calls, 1);
+  scene.RemoveResetHook(id);
+  EXPECT_TRUE(scene.Reset().used_keyframe) << "the next one is none in a hook";
+}
+
 TEST(Reset, AHookMayRemoveItself) {
   Scene scene = Scene::Build(Busy());
   int calls = 0, id = -1;

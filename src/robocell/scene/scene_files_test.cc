@@ -52,6 +52,22 @@ TEST(SavedScene, KeepsAssetsOfSeveralFoldersAndAnEmptyPrefix) {
   EXPECT_EQ(DifferencesAfterXml(Scene::Build(spec), folder / "scene.xml"), "");
 }
 
+TEST(SavedScene, IsItsOwnWhateverWasCompiledInBetween) {
+  const TempDir folder;
+  const Scene scene = Scene::Build(Kitchen());
+  SceneSpec other_spec = EmptyScene();
+  other_spec.objects.push_back(BoxObject("other", {0, 0, 1}));
+  const Scene other = Scene::Build(other_spec);
+  EXPECT_EQ(DifferencesAfterXml(scene, folder / "scene.xml"), "");
+  const ModelPtr in_between = LoadBinary([&] {
+    other.SaveBinary((folder / "other.mjb").string());
+    return folder / "other.mjb";
+  }());
+  scene.SaveBinary((folder / "scene.mjb").string());
+  EXPECT_EQ(ModelDifferences(scene.model(), LoadBinary(folder / "scene.mjb").get(), 0), "");
+  EXPECT_EQ(ModelDifferences(other.model(), in_between.get(), 0), "");
+}
+
 // A model whose default classes have the names that everybody uses.
 std::string ModelWithClasses(const std::string& name, double size, int group) {
   return fmt::format(R"(

@@ -84,45 +84,87 @@ void Forget(const mjModel* model, mjData* data) {
   std::fill_n(data->xfrc_applied, 6 * model->nbody, 0.0);
 }
 
+// Set while hooks run, also when one of them throws.
+class InHooks {
+ public:
+  explicit InHooks(bool& flag) : flag_(flag) { flag_ = true; }
+  ~InHooks() { flag_ = false; }
+  InHooks(const InHooks&) = delete;
+  InHooks& operator=(const InHooks&) = delete;
+
+ private:
+  bool& flag_;
+};
+
 }  // namespace
 
 ResetInfo Scene::Reset(const ResetOptions& options) {
+  const std::shared_ptr<State> keep = state_;  // a hook may close the scene
   State& s = open();
+  if (s.in_hooks) {
+    throw Error(s.context +
+                ": reset() in a reset hook, which would call the hook again; leave it out: what "
+                "the hook sets is what the reset ends with");
+  }
+  const ResetInfo info = s.RestoreStart(*this, options);
+  try {
+    s.CallResetHooks(*this, options, info);
+  } catch (...) {
+    // Half of what a hook meant to set is no start of an episode: as if there were no hooks.
+    if (!s.closed) {
+      s.RestoreStart(*this, options);
+      s.FinishReset(*this);
+    }
+    throw;
+  }
+  s.FinishReset(*this);
+  return info;
+}
+
+ResetInfo Scene::State::RestoreStart(Scene& scene, const ResetOptions& options) {
   ResetInfo info;
   if (options.use_keyframe) {
-    info = {true, options.keyframe.value_or(s.compiled->home_key())};
-    if (info.keyframe < 0 || info.keyframe >= s.model()->nkey) {
-      throw ArgumentError(s.context + ": there is no keyframe " + std::to_string(info.keyframe) +
-                          "; the scene has " + std::to_string(s.model()->nkey));
+    info = {true, options.keyframe.value_or(compiled->home_key())};
+    if (info.keyframe < 0 || info.keyframe >= model()->nkey) {
+      throw ArgumentError(context + ": there is no keyframe " + std::to_string(info.keyframe) +
+                          "; the scene has " + std::to_string(model()->nkey));
     }
   }
-  Restore(s.model(), s.data.data, info, s.context);
-  s.ResetPool();
-  std::vector<bool> moved(static_cast<size_t>(s.model()->nv));
-  if (options.seed) ApplyHomeNoise(*s.compiled, s.data.data, *options.seed, moved);
-  s.poses_at = -1;
-  SyncPoses();
-  HoldNewPositions(s.model(), s.data.data, moved, s.context);
-  ResetContext reset{*this, options, info};
-  const auto hooks = s.hooks;  // a hook may add or remove hooks
-  for (const auto& [id, hook] : hooks) {
-    hook(reset);
-    open();  // a hook that closed the scene ends the reset
-  }
-  if (!hooks.empty()) s.poses_at = -1;
-  SyncPoses();
-  const auto observers = s.observers;
-  for (const auto& watch : observers) {
-    if (const auto observer = watch.observer.lock()) observer->OnReset();
-    open();
-  }
-  Forget(s.model(), s.data.data);
-  Forward();
-  for (const auto& watch : observers) {
-    if (const auto observer = watch.observer.lock()) observer->OnResetDone();
-    open();
-  }
+  Restore(model(), data.data, info, context);
+  ResetPool();
+  std::vector<bool> moved(static_cast<size_t>(model()->nv));
+  if (options.seed) ApplyHomeNoise(*compiled, data.data, *options.seed, moved);
+  poses_at = -1;
+  scene.SyncPoses();
+  HoldNewPositions(model(), data.data, moved, context);
   return info;
+}
+
+void Scene::State::CallResetHooks(Scene& scene, const ResetOptions& options,
+                                  const ResetInfo& info) {
+  const InHooks scope(in_hooks);
+  ResetContext reset{scene, options, info};
+  const auto present = hooks;  // a hook may add or remove hooks
+  for (const auto& [id, hook] : present) {
+    hook(reset);
+    scene.open();  // a hook that closed the scene ends the reset
+  }
+  if (!present.empty()) poses_at = -1;
+}
+
+void Scene::State::FinishReset(Scene& scene) {
+  scene.SyncPoses();
+  const auto present = observers;
+  for (const auto& watch : present) {
+    if (const auto observer = watch.observer.lock()) observer->OnReset();
+    scene.open();
+  }
+  Forget(model(), data.data);
+  scene.Forward();
+  for (const auto& watch : present) {
+    if (const auto observer = watch.observer.lock()) observer->OnResetDone();
+    scene.open();
+  }
 }
 
 const std::map<int, ResetHook>& Scene::reset_hooks() const { return state_->hooks; }

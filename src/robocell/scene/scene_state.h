@@ -18,6 +18,7 @@ struct Scene::State {
   DataFactory factory;
   std::map<int, ResetHook> hooks;  // by id, called in order of adding
   int next_hook = 0;
+  bool in_hooks = false;  // a reset is calling them
   struct Watch {
     std::string key;
     std::weak_ptr<SceneObserver> observer;
@@ -40,6 +41,11 @@ struct Scene::State {
   void ResetPool();
   // The pool as these positions have it.
   void FollowPool(const mjtNum* qpos);
+  // The parts of a reset: the state with the home noise; what hooks do to it; robots and other
+  // observers, stale forces, poses.
+  ResetInfo RestoreStart(Scene& scene, const ResetOptions& options);
+  void CallResetHooks(Scene& scene, const ResetOptions& options, const ResetInfo& info);
+  void FinishReset(Scene& scene);
   // The scene compiled with what is there now and without a pool, for files.
   std::shared_ptr<CompiledScene> WithoutPool();
   // An Error that an object cannot be `what`.

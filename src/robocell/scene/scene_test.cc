@@ -72,6 +72,30 @@ TEST(Scene, TimeOnlyGoesForward) {
   ExpectThrow<ArgumentError>([&] { (void)scene.StepN(-1); }, "cannot step -1 times");
   EXPECT_EQ(scene.time(), 0);
   EXPECT_TRUE(scene.StepN(0).ok());
+  EXPECT_EQ(scene.time(), 0);
+  EXPECT_EQ(scene.timestep(), 0.002);
+  EXPECT_TRUE(scene.StepN(10).ok());
+  EXPECT_NEAR(scene.time(), 10 * 0.002, 1e-15);
+  EXPECT_TRUE(scene.Step().ok());
+  EXPECT_NEAR(scene.time(), 11 * 0.002, 1e-15);
+}
+
+TEST(Scene, IsMadeOfTheListsThatWereAssigned) {
+  ModelFolder folder;
+  const RobotSpec arm{.path = folder.Write("arm", kTwoJointArm)};
+  RobotSpec left = arm, right = arm;
+  left.prefix = "l_", right.prefix = "r_";
+  SceneSpec spec = EmptyScene();
+  spec.robots = {arm};
+  spec.objects = {BoxObject("a", {1, 0, 1}), BoxObject("b", {2, 0, 1})};
+  spec.robots = {left, right};
+  spec.objects = {BoxObject("c", {1, 0, 1})};
+  const Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.body_names(),
+              ::testing::UnorderedElementsAre("world", "l_base", "l_upper", "l_fore", "r_base",
+                                              "r_upper", "r_fore", "c"));
+  spec.robots = {};
+  EXPECT_THAT(Scene::Build(spec).body_names(), ::testing::UnorderedElementsAre("world", "c"));
 }
 
 TEST(Scene, AskingForPosesDoesNotChangePhysics) {

@@ -2,9 +2,10 @@
 
     import robocell.compat.mj_kdl_wrapper as mjk
 
-Almost all of it is robocell under the same name. What is here beside that: `Env`, the log levels as
-an enumeration, `menagerie` with the variables ``MJ_KDL_*``, and the command
-``mj-kdl-fetch-menagerie``. Nothing here simulates.
+Almost all of it is robocell under the same name. What is here beside that: `Env`, frames of robots
+as PyKDL.Frame, objects whose model file takes precedence, the log levels as an enumeration,
+`menagerie` with the variables ``MJ_KDL_*``, and the command ``mj-kdl-fetch-menagerie``. Nothing
+here simulates.
 
 Other than there, errors say what is wrong and where, in subclasses of RuntimeError, and a scene's
 names are its parts' own: see docs/compat.md.
@@ -22,10 +23,8 @@ from robocell import (
     ResetContext,
     ResetInfo,
     ResetOptions,
-    Robot,
     RobotSpec,
     Scene,
-    SceneObject,
     SceneSpec,
     Shape,
     ToolFrameSpec,
@@ -38,6 +37,8 @@ from robocell.compat.mj_kdl_wrapper import menagerie
 from robocell.compat.mj_kdl_wrapper.env import Env
 from robocell.compat.mj_kdl_wrapper.log import LogLevel, get_log_level, set_log_level
 from robocell.compat.mj_kdl_wrapper.names import Condim, scene_object_site_name
+from robocell.compat.mj_kdl_wrapper.objects import SceneObject
+from robocell.compat.mj_kdl_wrapper.robot import Robot
 from robocell.compat.mj_kdl_wrapper.video import VideoRecorder
 
 __all__ = [

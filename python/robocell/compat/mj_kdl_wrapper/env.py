@@ -5,23 +5,31 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from robocell import ResetContext, Robot, Scene, SceneSpec, ToolFrameSpec
+from robocell import ResetContext, Scene, SceneSpec, ToolFrameSpec
+from robocell.compat.mj_kdl_wrapper.forward import Forwarding
+from robocell.compat.mj_kdl_wrapper.robot import Robot
 
 Hook = Callable[[ResetContext], Any]
 
 
-class Env:
+class Env(Forwarding):
     """A scene that is reset with a hook. Everything else is the scene's: steps, frames, files.
 
     Attributes:
         scene: The scene itself.
     """
 
+    __slots__ = ("_hook", "_hook_id", "scene")
+    _wraps = "scene"
+    scene: Scene
+    _hook: Hook | None
+    _hook_id: int | None
+
     def __init__(self, scene: Scene) -> None:
         """Of a scene that is built already."""
         self.scene = scene
-        self._hook: Hook | None = None
-        self._hook_id: int | None = None
+        self._hook = None
+        self._hook_id = None
 
     @classmethod
     def build(cls, spec: SceneSpec) -> Env:
@@ -41,13 +49,11 @@ class Env:
 
     @on_reset.setter
     def on_reset(self, hook: Hook | None) -> None:
+        if hook is not None and not callable(hook):
+            raise TypeError(
+                f"on_reset: expected a function that takes one ResetContext, or None; got {hook!r}"
+            )
         if self._hook_id is not None:
             self.scene.remove_reset_hook(self._hook_id)
         self._hook = hook
         self._hook_id = None if hook is None else self.scene.on_reset(hook)
-
-    def __getattr__(self, name: str) -> Any:
-        """The scene's."""
-        if name.startswith("_") or name == "scene":
-            raise AttributeError(name)
-        return getattr(self.scene, name)

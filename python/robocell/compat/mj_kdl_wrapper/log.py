@@ -17,6 +17,9 @@ class LogLevel(enum.Enum):
 
 def set_log_level(level: LogLevel) -> None:
     """How much is logged, of the whole process."""
+    if not isinstance(level, LogLevel):
+        levels = ", ".join(str(each) for each in LogLevel)
+        raise TypeError(f"set_log_level: expected one of {levels}; got {level!r}")
     robocell.set_log_level(level.value)
 
 

@@ -7,11 +7,14 @@ names must exist.
 
 from __future__ import annotations
 
+import contextlib
+import difflib
 import os
 import shutil
 from pathlib import Path
 
 from robocell import NotFoundError, fetching, menagerie, models
+from robocell._core import override_file
 
 ARM, GRIPPER = "kinova_gen3", "robotiq_2f85"
 # Asset -> built-in model, and the variable that puts a file in its place.
@@ -27,7 +30,13 @@ GRIPPER_ASSET = "robotiq_2f85/2f85.xml"
 
 
 def model_path(name: str) -> str:
-    """Main model file of a robot of the Menagerie; NotFoundError says what to do without it."""
+    """Main model file of a robot of the Menagerie; NotFoundError says what to do without it.
+
+    Args:
+        name: The robot, such as ``"kinova_gen3"``. A name that the Menagerie does not have is an
+            error also where ``MJ_KDL_MODEL`` names the file.
+    """
+    _require_robot(name)
     return (
         _override("MJ_KDL_GRIPPER" if name == GRIPPER else "MJ_KDL_MODEL")
         or _below_root(name)
@@ -60,6 +69,34 @@ def fetch(dest: str | Path | None = None) -> dict[str, str]:
         return _fill(Path(dest), folders)
     paths = {robot: model_path(robot) for robot in folders}
     return paths | {asset: asset_path(asset) for asset in (*ASSETS, GRIPPER_ASSET)}
+
+
+def _require_robot(name: str) -> None:
+    robot = name.partition("/")[0]
+    known = {ARM, GRIPPER, *menagerie.folders(), *_names_below_root()}
+    if robot in known or override_file(name) is not None:
+        return
+    with contextlib.suppress(NotFoundError):  # without the package: those that are here
+        known |= {each.name for each in fetching.known_robots()}
+    if robot in known:
+        return
+    near = difflib.get_close_matches(robot, sorted(known), 1)
+    raise NotFoundError(
+        f"no robot '{robot}' in the Menagerie. "
+        + (
+            f"Did you mean '{near[0]}'?"
+            if near
+            else f"Here are {', '.join(sorted(known)[:12])} ..."
+        )
+        + " `robocell fetch --list` lists all robots; for a file of your own set RobotSpec.path"
+    )
+
+
+def _names_below_root() -> list[str]:
+    root = os.environ.get("MJ_KDL_MENAGERIE")
+    if not root or not Path(root).is_dir():
+        return []
+    return [folder.name for folder in Path(root).iterdir() if folder.is_dir()]
 
 
 def _override(variable: str) -> str | None:

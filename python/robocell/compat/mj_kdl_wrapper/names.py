@@ -15,4 +15,9 @@ class Condim:
 
 def scene_object_site_name(scene_object: robocell.SceneObject, site: str) -> str:
     """What a site of an object's model is called in a scene."""
+    if not isinstance(scene_object, robocell.SceneObject):
+        raise TypeError(
+            f"scene_object_site_name: expected a SceneObject, got {scene_object!r}; for a name "
+            f"there is robocell.scene_object_element_name"
+        )
     return robocell.scene_object_element_name(scene_object.name, site)

@@ -3,22 +3,33 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import robocell
 from robocell.compat.mj_kdl_wrapper.env import Env
+from robocell.compat.mj_kdl_wrapper.forward import Forwarding
 
 
-class VideoRecorder:
-    """A recorder of robocell's, whose `finish` is called `close`."""
+class VideoRecorder(Forwarding):
+    """A recorder of robocell's, whose `finish` is called `close`: set_free_camera, frames ..."""
+
+    __slots__ = ("_closed", "recorder")
+    _wraps = "recorder"
+    recorder: robocell.VideoRecorder
+    _closed: bool
 
     def __init__(self, recorder: robocell.VideoRecorder) -> None:
         """Of a recorder that is open."""
         self.recorder = recorder
+        self._closed = False
 
     @classmethod
     def open(
-        cls, target: robocell.Scene | Env, path: str | Path, width: int, height: int, fps: int
+        cls,
+        target: robocell.Scene | Env,
+        path: str | Path,
+        width: int = 1280,
+        height: int = 720,
+        fps: int = 60,
     ) -> VideoRecorder:
         """With a size of one's own, in pixels."""
         return cls(robocell.VideoRecorder(_scene(target), path, width, height, fps))
@@ -35,8 +46,10 @@ class VideoRecorder:
         return cls(robocell.VideoRecorder.open_preset(_scene(target), path, resolution, fps))
 
     def close(self) -> None:
-        """Ends the file; without it there is none."""
-        self.recorder.finish()
+        """Ends the file; without it there is none. Again it does nothing."""
+        if not self._closed:
+            self._closed = True
+            self.recorder.finish()
 
     def use_camera(self, name: str = "") -> bool:
         """Chooses a camera by name, or the free one: False, and no change, when there is none."""
@@ -50,12 +63,6 @@ class VideoRecorder:
         """The scene as it is now becomes a frame; never False, what goes wrong is raised."""
         self.recorder.record_frame()
         return True
-
-    def __getattr__(self, name: str) -> Any:
-        """The recorder's: set_free_camera, frames."""
-        if name.startswith("_") or name == "recorder":
-            raise AttributeError(name)
-        return getattr(self.recorder, name)
 
 
 def _scene(target: robocell.Scene | Env) -> robocell.Scene:

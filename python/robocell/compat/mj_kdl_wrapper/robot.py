@@ -1,0 +1,45 @@
+"""Robot: its frames are those of KDL."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import robocell
+
+
+class Robot(robocell.Robot):
+    """A robot whose `fk_frame`, `tip_to_tcp` and `ft_sensor_frame` are PyKDL.Frame.
+
+    All else is robocell's, and so is what the guide does not have (`tcp_in_world` is a Pose).
+    """
+
+    __slots__ = ()
+
+    @staticmethod
+    def of(scene: robocell.Scene, name: str) -> Robot:
+        """A configured robot by its name in the scene."""
+        return Robot(robocell.Robot.of(scene, name))
+
+    @staticmethod
+    def from_scene(
+        scene: robocell.Scene,
+        base_body: str,
+        tip_body: str,
+        prefix: str = "",
+        tool: robocell.ToolFrameSpec | None = None,
+    ) -> Robot:
+        """A robot without configuration: the chain between two bodies."""
+        return Robot(robocell.Robot.from_scene(scene, base_body, tip_body, prefix, tool))
+
+    def fk_frame(self, q: Any = None) -> Any:
+        """The TCP in the robot base frame, a PyKDL.Frame; with joint values in any form or now."""
+        return super().fk_frame(q).to_kdl()
+
+    @property
+    def tip_to_tcp(self) -> Any:
+        """The TCP in the tip body, a PyKDL.Frame."""
+        return super().tip_to_tcp.to_kdl()
+
+    def ft_sensor_frame(self, name: str) -> Any:
+        """The site in the world that a sensor's reading is expressed in, a PyKDL.Frame."""
+        return super().ft_sensor_frame(name).to_kdl()
