@@ -161,6 +161,13 @@ TEST(Robot, WithoutAConfigurationIsMadeFromTwoBodies) {
   EXPECT_EQ(robot.name(), "r");
   EXPECT_THAT(robot.group_names(), ElementsAre("arm", "base"));
   EXPECT_EQ(robot.arm().actuator_names().back(), "r_servo7");
+  EXPECT_EQ(robot.n_joints(), 7);
+  for (int i = 0; i < 7; ++i) {
+    const int joint = RequireId(scene.model(), mjOBJ_JOINT, "r_joint" + std::to_string(i + 1), "");
+    EXPECT_EQ(robot.joint_names()[i], "r_joint" + std::to_string(i + 1));
+    EXPECT_EQ(robot.joint_limits()[i].lower, scene.model()->jnt_range[2 * joint]);
+    EXPECT_EQ(robot.joint_limits()[i].upper, scene.model()->jnt_range[2 * joint + 1]);
+  }
   EXPECT_TRUE(robot.tcp_in_world().is_close(scene.site_pose("r_tcp"), 1e-12, 1e-12));
   robot.base().SetPose(Pose(Eigen::Vector3d(1, 2, 3)));
   EXPECT_NEAR(robot.base_in_world().translation().y(), 2, 1e-12);

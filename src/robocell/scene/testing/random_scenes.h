@@ -3,8 +3,11 @@
 
 #include <mujoco/mujoco.h>
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <map>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -12,6 +15,7 @@
 #include "robocell/base/rng.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/scene/scene.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/random_values.h"
@@ -34,13 +38,34 @@ inline const char* kLidBox = R"(
   <equality><joint joint1="foot"/></equality>
   <actuator><general joint="foot" dyntype="filter" dynprm="0.1" gainprm="5" biastype="affine" biasprm="0 -5 0"/></actuator>)";
 
+// A tool without joints, whose end is a site and whose rim a frame.
+inline const char* kProbe = R"(
+  <worldbody>
+    <body name="rod" pos="0.01 0 0.02" quat="0.9 0.1 0.2 0.3">
+      <geom type="capsule" size="0.01 0.03" mass="0.05"/><site name="end" pos="0 0 0.05"/>
+      <frame name="rim" pos="0.02 0 0.01" euler="0 30 0"/>
+    </body>
+  </worldbody>)";
+
+// Something that stands still, with a site and a frame to stand on.
+inline const char* kStand = R"(
+  <worldbody>
+    <body name="board" pos="0 0 0.2">
+      <geom type="box" size="0.1 0.1 0.2" contype="0" conaffinity="0"/>
+      <site name="top" pos="0.1 0.2 0.3" euler="10 20 30"/>
+      <frame name="edge" pos="0 0.3 0.1" euler="0 0 40"/>
+    </body>
+  </worldbody>)";
+
 class RandomScenes {
  public:
   // `menagerie`: its robots that are at hand take part.
   explicit RandomScenes(bool menagerie = false)
       : arm_(ArmConfig(folder_.Write("arm", kTwoJointArm))),
         gripper_(folder_.Write("gripper", kTwoFingerGripper)),
-        lid_box_(folder_.Write("lid_box", kLidBox)) {
+        lid_box_(folder_.Write("lid_box", kLidBox)),
+        probe_(folder_.Write("probe", kProbe)),
+        stand_(folder_.Write("stand", kStand)) {
     if (!menagerie) return;
     for (const std::string& name : MenagerieTestModels()) {
       if (MissingMenagerie({name}).empty()) menagerie_.push_back(menagerie::ModelPath(name));
@@ -56,20 +81,39 @@ class RandomScenes {
     return spec;
   }
 
-  // 0 to 3 robots with 0 to 5 tools each, 0 to 10 objects, a rig, cameras.
+  // 0 to 3 robots with 0 to 5 tools each, 0 to 10 objects, a rig, cameras. Robots stand at any
+  // angle two metres above the floor, on whatever there is; half of the objects are within reach.
   SceneSpec NextCell(Rng& rng) {
     SceneSpec spec = EmptyScene();
     spec.root_frame_to_world = RandomPose(rng);
     spec.shared_base_frame_to_root_frame = RandomPose(rng);
+    const uint64_t objects = rng.UniformInt(11);
+    if (objects > 0 && rng.UniformInt(3) > 0) {
+      spec.objects.push_back({.name = "stand", .mjcf_path = stand_, .fixed = true});
+      PutAt(spec.objects.back(), RandomPose(rng));
+    }
     for (uint64_t i = 0, n = rng.UniformInt(4); i < n; ++i) {
       spec.robots.push_back(menagerie_.empty() || rng.UniformInt(4) == 0 ? Robot(rng, i)
                                                                          : FromMenagerie(rng, i));
       RobotSpec& robot = spec.robots.back();
+      robot.reset_root_pose = rng.UniformInt(2) == 0;
       robot.attachments = {};
+      const Eigen::Vector3d place(0, 3.0 * static_cast<double>(i), 2);
+      Stand(rng, spec, Pose(place, RandomQuaternion(rng)), false, robot);
       for (uint64_t k = 0, tools = rng.UniformInt(6); k < tools; ++k) Equip(rng, k, robot);
     }
-    for (uint64_t i = 0, n = rng.UniformInt(11); i < n; ++i)
-      spec.objects.push_back(Object(rng, "thing" + std::to_string(i)));
+    while (spec.objects.size() < objects) {
+      SceneObject object = Object(rng, "thing" + std::to_string(spec.objects.size()));
+      Pose place(ToEigen(object.pos));
+      if (rng.UniformInt(2) == 0) {
+        const double robot = 3.0 * static_cast<double>(rng.UniformInt(3));
+        place = Pose(Eigen::Vector3d(rng.Uniform(0.3, 0.8), robot + rng.Uniform(-0.5, 0.5),
+                                     rng.Uniform(1.5, 2.5)),
+                     RandomQuaternion(rng));
+      }
+      Stand(rng, spec, place, object.fixed != true, object);
+      spec.objects.push_back(object);
+    }
     for (uint64_t i = 0, n = rng.UniformInt(3); i < n; ++i) {
       spec.cameras.push_back({.name = "camera" + std::to_string(i),
                               .pos = ToVec3(RandomVector(rng, 3)),
@@ -77,6 +121,42 @@ class RandomScenes {
                               .attach_to = rng.UniformInt(2) == 0 ? Root() : World()});
     }
     return spec;
+  }
+
+  // Where the element is that a robot or an object of a cell is attached to.
+  Pose Parent(const SceneSpec& spec, const AttachTarget& target) {
+    const Pose& root = spec.root_frame_to_world;
+    if (target.kind == AttachKind::kRoot) return root;
+    if (target.kind == AttachKind::kSharedBase) return root * spec.shared_base_frame_to_root_frame;
+    if (target.kind == AttachKind::kWorld) return {};
+    const SceneObject& stand = spec.objects[0];
+    const Pose board = stand.pose() * RootPose(stand_);
+    return board * Inside(target.name.substr(stand.name.size() + 1));
+  }
+
+  // Where a tool is that is attached to an element of a robot.
+  Pose Parent(const Scene& scene, const RobotSpec& robot, const AttachTarget& target) {
+    const std::string name = robot.prefix + target.name;
+    if (target.kind == AttachKind::kBody) return scene.body_pose(name);
+    if (target.kind == AttachKind::kSite) return scene.site_pose(name);
+    const std::string rod = name.substr(0, name.size() - 3) + "rod";
+    return scene.body_pose(rod) * Inside("rim");
+  }
+
+  // The model as the engine loads it on its own.
+  static const mjModel* Alone(const std::string& file) {
+    static std::map<std::string, ModelPtr> models;  // meshes take their time
+    ModelPtr& model = models[file];
+    if (!model) model.reset(mj_loadXML(file.c_str(), nullptr, nullptr, 0));
+    return model.get();
+  }
+  // The authored pose of a model's first body.
+  static Pose RootPose(const std::string& file) {
+    return Pose::FromWxyz(Alone(file)->body_pos + 3, Alone(file)->body_quat + 4);
+  }
+  static std::string FileOf(const RobotSpec& robot) {
+    return robot.config ? assets::Resolve(robot.config->model, robot.config->source_dir)
+                        : robot.path;
   }
 
   SceneObject Object(Rng& rng, const std::string& name) {
@@ -114,38 +194,73 @@ class RandomScenes {
             .pos = {0, 2.0 * i, 0}};
   }
 
-  // Hangs one more tool on the robot or on a tool that hangs there.
-  void Equip(Rng& rng, uint64_t k, RobotSpec& robot) {
-    const std::string prefix = "t" + std::to_string(k) + "_";
-    std::string on;
-    if (k > 0 && rng.UniformInt(2) == 0) {
-      on = "t" + std::to_string(rng.UniformInt(k)) + "_palm";
-    } else {
-      const std::string& model = robot.config ? robot.config->model : robot.path;
-      const std::string directory = robot.config ? robot.config->source_dir : "";
-      on = rng.Choice(BodiesOf(assets::Resolve(model, directory)));
-    }
-    const Vec3 pos = ToVec3(RandomVector(rng, 0.1));
-    robot.attachments.push_back(
-        {.mjcf_path = gripper_, .attach_to = Body(on), .prefix = prefix, .pos = pos});
+  template <class Entity>
+  static void PutAt(Entity& entity, const Pose& pose) {
+    entity.pos = ToVec3(pose.translation());
+    entity.quat = pose.quaternion();
   }
 
-  std::vector<std::string> BodiesOf(const std::string& file) {
-    std::vector<std::string>& names = bodies_[file];
-    if (names.empty()) {
-      const ModelPtr model(mj_loadXML(file.c_str(), nullptr, nullptr, 0));
-      names = ElementNames(model.get(), mjOBJ_BODY);
-      std::erase(names, "world");
-      std::erase(names, "");
+  // At `world`, attached to anything that it may be attached to.
+  template <class Entity>
+  void Stand(Rng& rng, const SceneSpec& spec, const Pose& world, bool moves, Entity& entity) {
+    std::vector<AttachTarget> parents = {World(), Root(), SharedBase()};
+    if (!moves && !spec.objects.empty() && spec.objects[0].name == "stand") {
+      parents.push_back(Site("stand_top"));
+      parents.push_back(Frame("stand_edge"));
     }
+    entity.attach_to = rng.Choice(parents);
+    PutAt(entity, Parent(spec, entity.attach_to).inverse() * world);
+  }
+
+  // Poses in the bodies of kStand and kProbe.
+  static Pose Inside(const std::string& name) {
+    const auto at = [](const Vec3& pos, const Vec3& euler) {
+      constexpr double kDegree = std::numbers::pi / 180;
+      const auto turn = [&](int axis) {
+        return Eigen::AngleAxisd(euler[axis] * kDegree, Eigen::Vector3d::Unit(axis));
+      };
+      // MJCF's default: about the axes that turn along.
+      return Pose(ToEigen(pos), (turn(0) * turn(1) * turn(2)).toRotationMatrix());
+    };
+    if (name == "top") return at({0.1, 0.2, 0.3}, {10, 20, 30});
+    if (name == "edge") return at({0, 0.3, 0.1}, {0, 0, 40});
+    return at({0.02, 0, 0.01}, {0, 30, 0});
+  }
+
+  // Hangs one more tool on the robot or on a tool that hangs there: on bodies, sites and frames.
+  void Equip(Rng& rng, uint64_t k, RobotSpec& robot) {
+    AttachTarget on;
+    if (k > 0 && rng.UniformInt(3) > 0) {
+      const AttachmentSpec& other = robot.attachments[rng.UniformInt(k)];
+      const bool fingers = other.mjcf_path == gripper_;
+      const std::vector<AttachTarget> places = {Body(fingers ? "palm" : "rod"),
+                                                Site(fingers ? "pinch" : "end")};
+      on = !fingers && rng.UniformInt(2) == 0 ? Frame("rim") : rng.Choice(places);
+      on.name = other.prefix + on.name;
+    } else {
+      const mjModel* model = Alone(FileOf(robot));
+      const std::vector<std::string> sites = Named(model, mjOBJ_SITE);
+      on = !sites.empty() && rng.UniformInt(2) == 0 ? Site(rng.Choice(sites))
+                                                    : Body(rng.Choice(Named(model, mjOBJ_BODY)));
+    }
+    AttachmentSpec tool{.mjcf_path = rng.UniformInt(2) == 0 ? gripper_ : probe_,
+                        .attach_to = on,
+                        .prefix = "t" + std::to_string(k) + "_"};
+    PutAt(tool, Pose(RandomVector(rng, 0.1), RandomQuaternion(rng)));
+    robot.attachments.push_back(tool);
+  }
+
+  static std::vector<std::string> Named(const mjModel* model, mjtObj kind) {
+    std::vector<std::string> names = ElementNames(model, kind);
+    std::erase(names, "world");
+    std::erase(names, "");
     return names;
   }
 
   ModelFolder folder_;
   RobotConfig arm_;
-  std::string gripper_, lid_box_;
+  std::string gripper_, lid_box_, probe_, stand_;
   std::vector<std::string> menagerie_;
-  std::map<std::string, std::vector<std::string>> bodies_;
 };
 
 }  // namespace robocell
