@@ -86,7 +86,8 @@ void BindBase(nb::module_& m) {
   m.def(
       "set_log_level", [](const std::string& level) { SetLogLevel(LogLevelFromName(level)); },
       nb::arg("level"),
-      "Show messages of this level and everything more severe: 'debug', 'info', 'warn', 'error'.");
+      "Show messages of this level and everything more severe: 'debug', 'info', 'warn', 'error'; "
+      "with 'none' nothing.");
   m.def(
       "atomic_write",
       [](const std::filesystem::path& path, const nb::bytes& content) {
@@ -97,7 +98,7 @@ void BindBase(nb::module_& m) {
       "IoError names path and reason.");
   m.def(
       "log_level", [] { return std::string(LogLevelName(GetLogLevel())); },
-      "The level in force: 'debug', 'info', 'warn' or 'error'.");
+      "The level in force: 'debug', 'info', 'warn', 'error' or 'none'.");
 }
 
 }  // namespace robocell::python

@@ -117,6 +117,8 @@ def test_log_levels_and_versions():
     assert mjk.get_log_level() == mjk.LogLevel.ERROR
     mjk.set_log_level(mjk.LogLevel.INFO)
     assert mjk.get_log_level() == mjk.LogLevel.INFO
+    mjk.set_log_level(mjk.LogLevel.NONE)
+    assert mjk.get_log_level() == mjk.LogLevel.NONE
     mjk.set_log_level(before)
     assert mjk.mujoco_version() == mjk.__mujoco_version__ == mujoco.mj_versionString()
     assert isinstance(mjk.__version__, str)

@@ -41,7 +41,7 @@ def test_versions_are_texts():
 
 def test_log_levels():
     before = rc.log_level()
-    for level in ("error", "warn", "info", "debug"):
+    for level in ("error", "warn", "info", "debug", "none"):
         rc.set_log_level(level)
         assert rc.log_level() == level
     with pytest.raises(rc.NotFoundError):

@@ -18,7 +18,7 @@
 namespace robocell {
 namespace {
 
-constexpr std::array<std::string_view, 4> kLevelNames = {"debug", "info", "warn", "error"};
+constexpr std::array<std::string_view, 5> kLevelNames = {"debug", "info", "warn", "error", "none"};
 
 std::unique_ptr<spdlog::logger> MakeStderrLogger() {
   auto logger = std::make_unique<spdlog::logger>("robocell",
@@ -51,6 +51,7 @@ spdlog::level::level_enum ToSpdlog(LogLevel level) {
     case LogLevel::kWarn:
       return spdlog::level::warn;
     case LogLevel::kError:
+    case LogLevel::kNone:
       break;
   }
   return spdlog::level::err;

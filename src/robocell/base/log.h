@@ -15,14 +15,15 @@
 
 namespace robocell {
 
-enum class LogLevel { kDebug = 0, kInfo = 1, kWarn = 2, kError = 3 };
+// kNone is for SetLogLevel alone: nothing is logged at it.
+enum class LogLevel { kDebug = 0, kInfo = 1, kWarn = 2, kError = 3, kNone = 4 };
 
-// "debug", "info", "warn", "error".
+// "debug", "info", "warn", "error", "none".
 std::string_view LogLevelName(LogLevel level);
-// The level of that name; an unknown one is a NotFoundError that lists the four.
+// The level of that name; an unknown one is a NotFoundError that lists them.
 LogLevel LogLevelFromName(std::string_view name);
 
-// Messages below this level are dropped. The default is kInfo.
+// Messages below this level are dropped, all of them below kNone. The default is kInfo.
 void SetLogLevel(LogLevel level);
 LogLevel GetLogLevel();
 

@@ -105,14 +105,24 @@ TEST_F(LogTest, ManyThreadsLogWhileTheSinkIsReplaced) {
   EXPECT_EQ(count, 4000);
 }
 
+TEST_F(LogTest, NoneIsSilent) {
+  SetLogSink(Collect());
+  SetLogLevel(LogLevel::kNone);
+  LogError("not heard");
+  SetLogLevel(LogLevel::kError);
+  LogError("heard");
+  EXPECT_THAT(lines_, ElementsAre("error heard"));
+}
+
 TEST_F(LogTest, LevelsHaveNames) {
   for (const LogLevel level :
-       {LogLevel::kDebug, LogLevel::kInfo, LogLevel::kWarn, LogLevel::kError}) {
+       {LogLevel::kDebug, LogLevel::kInfo, LogLevel::kWarn, LogLevel::kError, LogLevel::kNone}) {
     EXPECT_EQ(LogLevelFromName(LogLevelName(level)), level);
   }
-  ExpectThrow<NotFoundError>([] { LogLevelFromName("warning"); },
-                             "no log level 'warning'. Known log levels: debug, info, warn, error. "
-                             "Did you mean 'warn'?");
+  ExpectThrow<NotFoundError>(
+      [] { LogLevelFromName("warning"); },
+      "no log level 'warning'. Known log levels: debug, info, warn, error, none. "
+      "Did you mean 'warn'?");
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <numbers>
+
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
@@ -189,6 +191,25 @@ TEST(Reset, TakesTheDefaultConfigurationWhenAsked) {
   const int joint = RequireId(scene.model(), mjOBJ_JOINT, "r_joint4", "");
   EXPECT_EQ(scene.data()->qpos[scene.model()->jnt_qposadr[joint]], 0);
   EXPECT_EQ(scene.Reset().keyframe, scene.compiled()->home_key());
+}
+
+TEST(Reset, PartsWithoutKeyframesStartWhereTheirModelsDo) {
+  ModelFolder folder;
+  const std::string lamp = folder.Write("lamp", R"(<worldbody><body name="lamp">
+      <joint name="hinge" ref="30"/><geom size="0.1"/></body></worldbody>)");
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.path = lamp});
+  Scene alone = Scene::Build(spec);
+  EXPECT_EQ(alone.Reset({.keyframe = 0}).keyframe, 0);
+  EXPECT_NEAR(alone.joint_pos("hinge"), std::numbers::pi / 6, 1e-12);
+  spec.robots.push_back({.path = folder.Write("arm", kTwoJointArm), .prefix = "a_"});
+  Scene both = Scene::Build(spec);
+  const ResetInfo info = both.Reset({.keyframe = 0});
+  EXPECT_TRUE(info.used_keyframe);
+  EXPECT_NEAR(both.joint_pos("hinge"), std::numbers::pi / 6, 1e-12);
+  EXPECT_EQ(both.joint_pos("a_shoulder"), 0.3) << "the other part's key";
+  EXPECT_FALSE(both.Reset({.use_keyframe = false}).used_keyframe);
+  EXPECT_EQ(both.joint_pos("a_shoulder"), 0);
 }
 
 TEST(Reset, RefusesAKeyframeThatIsNotThere) {

@@ -13,6 +13,7 @@ class LogLevel(enum.Enum):
     INFO = "info"
     WARN = "warn"
     ERROR = "error"
+    NONE = "none"
 
 
 def set_log_level(level: LogLevel) -> None:
