@@ -43,9 +43,12 @@ def write_run(folder: Path, **changes: object) -> Path:
 
 
 def robocell_command(
-    *arguments: object, environment: dict[str, object] | None = None, **options: object
+    *arguments: object,
+    environment: dict[str, object] | None = None,
+    timeout_s: float = 240,
+    **options: object,
 ) -> subprocess.CompletedProcess[str]:
-    """Runs the command line in a process of its own."""
+    """Runs the command line in a process of its own; `options` are those of `subprocess.run`."""
     given = {name: str(value) for name, value in (environment or {}).items()}
     own = {"PYTHONPATH": os.pathsep.join(sys.path), "COLUMNS": "200"}
     return subprocess.run(
@@ -54,7 +57,7 @@ def robocell_command(
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=timeout_s,
         **options,  # type: ignore[call-overload]
     )
 

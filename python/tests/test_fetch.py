@@ -156,6 +156,50 @@ def test_without_a_network_it_says_what_else_there_is(tmp_path, monkeypatch):
     assert fetching.read_record(fetching.record_path()) == {}
 
 
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("../outside.xml", tarfile.REGTYPE),
+        ("toy_arm/../../outside.xml", tarfile.REGTYPE),
+        ("/tmp/outside.xml", tarfile.REGTYPE),
+        ("toy_arm/link", tarfile.SYMTYPE),
+        ("toy_arm/hard", tarfile.LNKTYPE),
+        ("toy_arm/pipe", tarfile.FIFOTYPE),
+    ],
+)
+def test_where_python_has_no_filters_an_archive_reaches_nowhere_else(
+    name: str, kind: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Before 3.11.4; the archive's members are looked at before any is unpacked."""
+    monkeypatch.delattr(tarfile, "data_filter", raising=False)
+    plain, folder = tarfile.TarFile.extractall, tmp_path / "deep" / "folder"
+    with tarfile.open(tmp_path / "a.tar", "w") as tar:
+        tar.addfile(tarfile.TarInfo("toy_arm/arm.xml"))
+        member = tarfile.TarInfo(name)
+        member.type, member.linkname = kind, "/etc/passwd"
+        tar.addfile(member)
+    with (
+        tarfile.open(tmp_path / "a.tar") as tar,
+        pytest.raises(OSError, match=f"the archive holds '{name}', which is no plain file in it"),
+        fetching._extraction(),
+    ):
+        tar.extractall(folder, filter="data")
+    assert not folder.exists(), "nothing of it"
+    assert tarfile.TarFile.extractall is plain
+
+
+def test_where_python_has_no_filters_plain_archives_are_unpacked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.delattr(tarfile, "data_filter", raising=False)
+    (tmp_path / "arm.xml").write_text("arm")
+    with tarfile.open(tmp_path / "a.tar", "w") as tar:
+        tar.add(tmp_path / "arm.xml", "toy_arm/arm.xml")
+    with tarfile.open(tmp_path / "a.tar") as tar, fetching._extraction():
+        tar.extractall(tmp_path / "out", filter="data")
+    assert (tmp_path / "out/toy_arm/arm.xml").read_text() == "arm"
+
+
 @pytest.mark.usefixtures("shop")
 def test_unknown_robots_and_broken_records_are_told():
     with pytest.raises(

@@ -2,32 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
+
+import command_line
 
 ROOT = Path(__file__).resolve().parents[2]
 LONGEST_S = 900
 
 
-def robocell_command(*arguments: object) -> subprocess.CompletedProcess[str]:
-    """Runs `robocell` with these arguments and returns how it ended."""
-    environment = {
-        **os.environ,
-        "PYTHONPATH": os.pathsep.join([str(ROOT / "python"), *filter(None, sys.path)]),
-        "COLUMNS": "200",
-    }
-    return subprocess.run(
-        [sys.executable, "-m", "robocell", *map(str, arguments)],
-        env=environment,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=LONGEST_S,
-    )
+robocell_command = functools.partial(command_line.robocell_command, timeout_s=LONGEST_S)
 
 
 def generate(run: Path, output: Path, *options: object) -> list[dict[str, Any]]:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import shutil
-import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,6 +12,7 @@ from disks import quick_folder
 from storm import Storm, marks
 
 import robocell
+from command_line import robocell_command
 
 OF_AN_EPISODE = ["steps.h5", "wrist.mp4", "wrist.depth.mov", "episode.json"]
 OF_THE_DATASET = ["dataset.json", "report.json"]
@@ -109,16 +108,6 @@ def test_a_file_that_is_gone_is_named_and_its_rest_set_aside(
     victim = Victim(calm, tmp_path, kind)
     victim.file.unlink()
     require_named_and_set_aside(victim, kind)
-
-
-def robocell_command(*arguments: object) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "robocell", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=120,
-        check=False,
-    )
 
 
 def test_what_repair_set_aside_is_made_again_and_nothing_else(tmp_path: Path, calm: Storm):

@@ -15,6 +15,7 @@ import storm
 import yaml
 
 import robocell
+from command_line import robocell_command
 
 # A model that attaches itself: MuJoCo 4.0.0 follows it until its stack is full.
 CRASHING = """<mujoco>
@@ -23,13 +24,6 @@ CRASHING = """<mujoco>
     <body name="b"><geom size=".1"/><attach model="self" body="b" prefix="p"/></body>
   </worldbody>
 </mujoco>"""
-
-
-def robocell_command(*arguments: str) -> subprocess.CompletedProcess[str]:
-    """Runs the command line in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "robocell", *arguments], capture_output=True, text=True, timeout=240
-    )
 
 
 @pytest.fixture(autouse=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import random  # rule-ok: decides when to kill; no data depends on it
@@ -19,9 +18,11 @@ from pathlib import Path
 import storm
 import yaml
 from ledger import BUILD
+from processes import program, workers_of
 from storm import Storm
 
 import robocell
+from robocell.generate.procfs import children
 
 KILLS = 6
 
@@ -39,28 +40,6 @@ def start(
         stderr=subprocess.PIPE,
         text=True,
     )
-
-
-def children(pid: int) -> list[int]:
-    """Processes that the main thread of a process has started."""
-    with contextlib.suppress(OSError):  # it has ended
-        path = Path(f"/proc/{pid}/task/{pid}/children")
-        return [int(child) for child in path.read_text().split()]
-    return []
-
-
-def program(pid: int) -> str:
-    """What the process runs, with its arguments; empty when it has ended, a zombie included."""
-    with contextlib.suppress(OSError):
-        return Path(f"/proc/{pid}/cmdline").read_text()
-    return ""
-
-
-def workers_of(command: subprocess.Popen[str]) -> list[int]:
-    """Its worker processes; the one that looks the run through before is none."""
-    return [
-        child for child in children(command.pid) if "robocell.generate.work\0" in program(child)
-    ]
 
 
 def kill_workers(command: subprocess.Popen[str], kills: int) -> None:

@@ -23,23 +23,11 @@ import storm
 import yaml
 
 import robocell
+from command_line import robocell_command
 
 ID = "s0000_e0000"
 # No backslash: MuJoCo takes it for the separator of folders.
 CURIOUS = "a b'\"$(touch injected)`touch injected`;touch injected;ü漢 %s {0} -n"
-
-
-def robocell_command(
-    *arguments: object, folder: Path | None = None
-) -> subprocess.CompletedProcess[str]:
-    """Runs the command line in a process of its own."""
-    return subprocess.run(
-        [sys.executable, "-m", "robocell", *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=240,
-        cwd=folder,
-    )
 
 
 @pytest.fixture(autouse=True)
@@ -49,7 +37,7 @@ def _importable_in_children(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def refused(*arguments: object, folder: Path | None = None) -> str:
     """Standard error of a command that must fail in words."""
-    result = robocell_command(*arguments, folder=folder)
+    result = robocell_command(*arguments, cwd=folder)
     assert result.returncode in (1, 2, 3), result.stdout + result.stderr
     assert "Traceback" not in result.stderr
     return result.stderr + result.stdout

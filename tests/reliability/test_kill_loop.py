@@ -12,7 +12,6 @@ import os
 import random  # rule-ok: decides when to kill; no data depends on it
 import shutil
 import signal
-import subprocess
 import sys
 import time
 from collections.abc import Sequence
@@ -21,6 +20,7 @@ from pathlib import Path
 import figures
 import pytest
 from ledger import BUILD
+from processes import workers_of
 from storm import EPISODES, Storm
 
 import robocell
@@ -42,14 +42,6 @@ ANY_CALL = "at any call"
 WAYS = [*OUTSIDE, *POINTS, ANY_CALL]
 CHANGES_OF_AN_EPISODE = 90
 ATTEMPTS_PER_KILL = 3  # the command may end before its time has come
-
-
-def workers_of(command: subprocess.Popen[str]) -> list[int]:
-    """Its child processes."""
-    with contextlib.suppress(FileNotFoundError, ProcessLookupError):
-        path = Path(f"/proc/{command.pid}/task/{command.pid}/children")
-        return [int(child) for child in path.read_text().split()]
-    return []
 
 
 def kill(pid: int) -> bool:
@@ -75,6 +67,9 @@ def be_killed(storm: Storm, workers: int, chance: random.Random, way: str) -> bo
     command = storm.start(workers)
     time.sleep(chance.uniform(0.3, 4.0))
     victims = workers_of(command) if way != "supervisor" else []
+    while way == "worker" and not victims and command.poll() is None:  # there are none yet
+        time.sleep(0.01)
+        victims = workers_of(command)
     if way == "worker":
         victims = [chance.choice(victims)] if victims else []
     if way != "worker" and command.poll() is None:

@@ -62,4 +62,14 @@ std::map<std::string, std::string> ChangedModels(const fs::path& dataset) {
   return changed;
 }
 
+bool IsModelOfRun(const fs::path& dataset, const std::string& path) {
+  const SumsByName run = SumsOfRun(dataset);
+  if (run.empty() || !IsStored(dataset, path)) return false;
+  try {
+    return !ChangedFile(SumsOfStoredModel(dataset, path), run);
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 }  // namespace robocell

@@ -41,7 +41,7 @@ bool IsRealFolder(const fs::path& path) {
 std::vector<std::string> NamesInModels(const fs::path& dataset) {
   if (!IsRealFolder(dataset / kModelsFolder)) return {};
   std::vector<std::string> names = FolderNames(dataset / kModelsFolder);
-  for (std::string& name : names) name = std::string(kModelsFolder) + "/" + name;
+  for (std::string& name : names) name.insert(0, std::string(kModelsFolder) + "/");
   return names;
 }
 

@@ -76,6 +76,7 @@ TEST_F(ModelWatchTest, ARunnerKeepsNothingOfAModelThatChanged) {
   edits = true;
   ExpectThrow<IoError>([&] { runner.Run(plan[1]); }, "changed while the dataset");
   edits = false;
+  EXPECT_THAT(LookForItems(run_, plan).made, ElementsAre(plan[0].id)) << "made before";
   ExpectThrow<IoError>([&] { runner.Run(plan[1]); }, "changed while the dataset");
   ExpectThrow<SpecError>([&] { Runner(run_).Run(plan[1]); },
                          "model file cell/rc7.xml: changed since then");

@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
+#include "robocell/data/changed_models.h"
 #include "robocell/data/model_store.h"
+#include "robocell/datagen/plan.h"
 
 namespace robocell {
 namespace {
@@ -19,7 +21,7 @@ std::string NameOfFile(const std::string& path) { return fs::path(path).filename
 RunOrigin::RunOrigin(const RunConfig& run)
     : run_(run), now_{.identity = RunIdentity(run), .versions = VersionsNow(), .files = {}} {}
 
-const std::set<std::string>& RunOrigin::StoredPathsOf(const std::string& name) {
+std::set<std::string>& RunOrigin::StoredPathsOf(const std::string& name) {
   if (!models_) {
     models_.emplace();
     for (const std::string& model : ModelsOf(run_)) (*models_)[NameOfFile(model)].insert(model);
@@ -41,8 +43,12 @@ std::optional<std::vector<std::string>> RunOrigin::ChangesSince(const Episode& e
   if (metadata.value("task", "") == "custom") return Differences(then, now);
   for (const auto& [known_as, path] : episode.models()) {
     const std::string name = NameOfFile(path);
-    const std::set<std::string>& stored = StoredPathsOf(name);
+    std::set<std::string>& stored = StoredPathsOf(name);
     if (stored.empty() || stored.contains(path)) continue;
+    if (IsModelOfRun(run_.output, path)) {
+      stored.insert(path);
+      continue;
+    }
     then.files[name] = path;
     now.files[name] = *stored.begin();
   }

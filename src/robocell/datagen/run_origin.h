@@ -1,5 +1,6 @@
-// Was an episode made from what its run is made from now? The one place that compares them: fields,
-// versions and models.
+// Was an episode made from what its run is made from? The one place that compares them: fields,
+// versions and models. Somebody may edit a model while the run goes on: the models that the
+// dataset was begun with are its own all the same.
 //
 //   RunOrigin origin(run);
 //   const auto changes = origin.ChangesSince(episode);
@@ -30,7 +31,7 @@ class RunOrigin {
 
  private:
   using PathsByName = std::map<std::string, std::set<std::string>>;  // names of the files
-  const std::set<std::string>& StoredPathsOf(const std::string& name);
+  std::set<std::string>& StoredPathsOf(const std::string& name);
   const RunConfig& run_;
   RunInputs now_;                           // no files
   std::optional<PathsByName> models_ = {};  // here

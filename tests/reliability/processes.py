@@ -1,0 +1,23 @@
+"""The worker processes of a `robocell generate`. No test in itself."""
+
+from __future__ import annotations
+
+import contextlib
+import subprocess
+from pathlib import Path
+
+from robocell.generate.procfs import children
+
+
+def program(pid: int) -> str:
+    """What the process runs, with its arguments; empty when it has ended, a zombie included."""
+    with contextlib.suppress(OSError):
+        return Path(f"/proc/{pid}/cmdline").read_text()
+    return ""
+
+
+def workers_of(command: subprocess.Popen[str]) -> list[int]:
+    """Its workers; the process that looks the run through before there are any is none."""
+    return [
+        child for child in children(command.pid) if "robocell.generate.work\0" in program(child)
+    ]
