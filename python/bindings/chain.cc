@@ -233,7 +233,9 @@ void BindChain(nb::module_& m) {
       .def(
           "to_kdl", [](const Chain& chain) { return ToPyKdl(chain); },
           nb::sig("def to_kdl(self) -> typing.Any"),
-          "A PyKDL.Chain with its masses. ImportError with the install line when PyKDL is "
+          "A PyKDL.Chain with its masses, kept alive by this chain and the robot that it is of, "
+          "because PyKDL's solvers do not keep their chain. ImportError with the install line when "
+          "PyKDL is "
           "missing.")
       .def_prop_ro("n_joints", &Chain::n_joints)
       .def_prop_ro("joint_names", &Chain::joint_names, "In chain order.")

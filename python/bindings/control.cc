@@ -221,26 +221,32 @@ void DefControl(nb::class_<Robot>& robot) {
           [](Robot& r, nb::handle q) { r.SetJntPosCmd(ToRow(q, "jnt_pos_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("q").none()),
           nb::for_setter(nb::sig("def jnt_pos_cmd(self, q: object, /) -> None")),
-          "Target of the arm; a view that can be written in place. Values beyond a joint's limits "
+          "Target of the arm; a view that can be written in place, and stays one through changes "
+          "of "
+          "the mode. It drives in position mode; what is written before counts from the switch on. "
+          "Values beyond a joint's limits "
           "drive it to the limit, and the log says so once.")
       .def_prop_rw(
           "jnt_vel_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_vel_cmd()); },
           [](Robot& r, nb::handle v) { r.SetJntVelCmd(ToRow(v, "jnt_vel_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("v").none()),
           nb::for_setter(nb::sig("def jnt_vel_cmd(self, v: object, /) -> None")),
-          "Joint velocities of the arm in velocity mode; a view.")
+          "Joint velocities of the arm, rad/s or m/s; a view, as jnt_pos_cmd. They drive in "
+          "velocity "
+          "mode.")
       .def_prop_rw(
           "jnt_trq_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_trq_cmd()); },
           [](Robot& r, nb::handle t) { r.SetJntTrqCmd(ToRow(t, "jnt_trq_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("t").none()),
           nb::for_setter(nb::sig("def jnt_trq_cmd(self, t: object, /) -> None")),
-          "Joint torques of the arm in torque mode, Nm or N; a view.")
+          "Joint torques of the arm, Nm or N; a view, as jnt_pos_cmd. They drive in torque mode.")
       .def_prop_rw(
           "ctrl_mode", &Robot::ctrl_mode,
           [](Robot& r, nb::handle mode) { r.set_ctrl_mode(ToCtrlMode(mode)); },
           nb::for_setter(nb::arg("mode").none()),
           nb::for_setter(nb::sig("def ctrl_mode(self, mode: CtrlMode | str, /) -> None")),
-          "What the arm is driven by. Setting it switches at once, without a jump of the forces, "
+          "What the arm is driven by, in the scene: all robots made of this arm see it. Setting it "
+          "switches at once, without a jump of the forces, "
           "and puts in the controller of that port: joint_position, joint_velocity, joint_torque.")
       .def("controller", &ControllerObject, "group"_a = "arm",
            nb::sig("def controller(self, group: str = 'arm') -> Controller"),

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "kinematics.h"
+#include "python_owner.h"
 #include "values.h"
 #include "robocell/kinematics/kdl_segments.h"
 
@@ -166,6 +167,18 @@ nb::object ToPyKdl(std::span<const double> values) {
   return array;
 }
 
-nb::object ToPyKdl(const Chain& chain) { return Maker().Chain(chain); }
+// PyKDL's solvers keep a pointer to their chain, not the chain. What was handed out lives as long
+// as the chain that it was made from; it is handed out again unless segments were added to it.
+nb::object ToPyKdl(const Chain& chain) {
+  if (!chain.companion()) chain.companion() = KeepAlive(nb::list());
+  nb::list given = nb::borrow<nb::list>(ObjectOf(chain.companion()));
+  if (nb::len(given) > 0) {
+    const nb::object last = given[nb::len(given) - 1];
+    const auto segments = nb::cast<size_t>(last.attr("getNrOfSegments")());
+    if (segments == KdlSegments(chain).size()) return last;
+  }
+  given.append(Maker().Chain(chain));
+  return given[nb::len(given) - 1];
+}
 
 }  // namespace robocell::python

@@ -33,7 +33,7 @@ const char* TwistFrameName(TwistFrame frame);
 // Chains on their own. Needs IkResult to be bound.
 void BindChain(nb::module_& m);
 
-// A PyKDL.Chain; ImportError with the install line when PyKDL is missing.
+// A PyKDL.Chain that lives as long as a copy of `chain`; ImportError says how to get PyKDL.
 nb::object ToPyKdl(const Chain& chain);
 // From a PyKDL.Chain, with limits as ChainFromSegments takes them. TypeError for anything else.
 Chain FromPyKdl(nb::handle chain, std::span<const std::array<double, 2>> limits);

@@ -226,7 +226,11 @@ void BindRobotClass(nb::module_& m) {
                                     {.prefix = prefix, .tool = tool ? *tool : ToolFrameSpec{}});
           },
           "scene"_a, "base_body"_a, "tip_body"_a, "prefix"_a = "", "tool"_a = nb::none(),
-          Unlocked(), "A robot without configuration: the chain between two bodies.")
+          Unlocked(),
+          "A robot without configuration: the chain between two bodies.\n\nRobots whose arm has "
+          "the "
+          "same joints and actuators, configured or not, share its mode, controller and "
+          "command ports; making one changes nothing of these.")
       .def_prop_ro("name", &Robot::name)
       .def_prop_ro("prefix", &Robot::prefix)
       .def_prop_ro("scene", &Robot::scene)
@@ -277,6 +281,11 @@ void BindRobotClass(nb::module_& m) {
       .def(
           "step_n", [](Robot& r, int n) { return r.StepN(n); }, "n"_a, Unlocked(),
           "n steps of the whole scene, without update() in between.")
+      .def_prop_rw(
+          "paused", &Robot::paused, &Robot::set_paused,
+          "While True, step() and step_n() of this robot leave the scene as it is; those of "
+          "the scene and of other robots go on, and so does update(). It stays through "
+          "resets and rebuilds.")
       .def_prop_ro("n_joints", &Robot::n_joints)
       .def_prop_ro("joint_names", &Robot::joint_names)
       .def_prop_ro("joint_limits", [](const Robot& r) { return IntervalArray(r.joint_limits()); })
@@ -344,7 +353,14 @@ void BindRobotClass(nb::module_& m) {
           "kdl_chain", [](const Robot& r) { return ToPyKdl(r.chain()); },
           nb::sig("def kdl_chain(self) -> typing.Any"),
           "The arm as a PyKDL.Chain from the robot base frame to the TCP, with what it weighs; "
-          "joint values are the model's.\n\nImportError with the install line when PyKDL is "
+          "joint values are the model's.\n\nPyKDL's solvers do not keep their chain: the robot "
+          "does, "
+          "as long as it lives, so that `PyKDL.ChainDynParam(robot.kdl_chain(), gravity)` is "
+          "right. "
+          "The same object each time, until the arm weighs or measures something else (an object "
+          "on "
+          "it, refresh_tool_inertia) or you added segments to it.\n\nImportError with the install "
+          "line when PyKDL is "
           "missing.")
       .def_prop_ro(
           "chain", [](const Robot& r) { return Chain(r.chain()); },

@@ -1,5 +1,7 @@
 """Chains of robots: tool frame, gravity, dynamics, and everything of it to and from PyKDL."""
 
+import gc
+
 import mujoco
 import numpy as np
 import pytest
@@ -143,10 +145,49 @@ def test_gravity_torques_are_kdls(gen3: rc.Scene, robot: rc.Robot):
     robot.set_joint_pos([0.3, 0.8, -0.5, 1.2, 0.2, 1.1, 0.4])
     upright = robot.base_in_world.rotation[2, 2] > 0.999
     gravity = PyKDL.Vector(0, 0, -9.81) if upright else PyKDL.Vector(*robot.gravity_in_base(-9.81))
-    torques, chain = PyKDL.JntArray(7), robot.kdl_chain()  # which the solver does not keep
-    PyKDL.ChainDynParam(chain, gravity).JntToGravity(to_kdl(robot.arm.joint_pos), torques)
+    torques = PyKDL.JntArray(7)
+    solver = PyKDL.ChainDynParam(robot.kdl_chain(), gravity)
+    solver.JntToGravity(to_kdl(robot.arm.joint_pos), torques)
     ours = robot.gravity_torques(gravity_z=-9.81)
     np.testing.assert_allclose(ours, [torques[i] for i in range(7)], atol=1e-9)
+
+
+@needs_pykdl
+def test_chains_outlive_the_solvers_that_do_not_keep_them():
+    config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
+    spec.robots.append(rc.RobotSpec(name="a", config=config))
+    scene = rc.Scene.build(spec)
+    robot = scene.robot("a")
+    q, chain = robot.arm.joint_pos, robot.chain
+    solvers = [
+        PyKDL.ChainFkSolverPos_recursive(robot.kdl_chain()),
+        PyKDL.ChainFkSolverPos_recursive(scene.robot("a").kdl_chain()),
+        PyKDL.ChainFkSolverPos_recursive(robot.chain.to_kdl()),
+    ]
+    assert robot.kdl_chain() is robot.kdl_chain()
+    plate = rc.SceneObject(
+        name="plate", shape="box", size=[0.02] * 3, rgba=[1, 0, 0, 1], mass=2, fixed=True,
+        friction=[0.8, 0.02, 0.001], attach_to=rc.AttachTarget(rc.AttachKind.Body, "link7"),
+    )  # fmt: skip
+    bare = robot.kdl_chain()
+    scene.add_object(plate)
+    assert robot.kdl_chain() is not bare, "it weighs more"
+    loaded = robot.kdl_chain()
+    scene.add_object(rc.SceneObject(name="cube", shape="box", size=[0.02] * 3, mass=0.1,
+        rgba=[1, 0, 0, 1], friction=[0.8, 0.02, 0.001], pos=[0.9, 0.9, 0.02]))  # fmt: skip
+    assert robot.kdl_chain() is loaded, "the same arm"
+    del bare, loaded
+    gc.collect()
+    spoil = [PyKDL.Chain() for _ in range(100)]  # where chains that are gone would have been
+    for solver in solvers:
+        frame = PyKDL.Frame()
+        solver.JntToCart(to_kdl(q), frame)
+        assert rc.Pose(frame).is_close(chain.fk(q), 1e-9, 1e-9)
+    assert len(spoil) == 100
+    longer = robot.kdl_chain()
+    longer.addSegment(longer.getSegment(0))
+    assert robot.kdl_chain() is not longer, "what somebody added to is theirs"
 
 
 @needs_pykdl

@@ -127,15 +127,30 @@ class TestModes:
         with pytest.raises(rc.ArgumentError, match=r"ctrl_mode must be one of position, velocity"):
             robot.ctrl_mode = "torq"
 
-    def test_ports_are_there_while_they_are_in_use(self):
+    def test_ports_are_there_for_each_mode_of_the_arm(self):
         robot = rc7()
-        with pytest.raises(RuntimeError, match=r"no jnt_trq_cmd while .*set ctrl_mode to torque"):
-            robot.jnt_trq_cmd = np.zeros(7)
+        with pytest.raises(rc.ArgumentError, match=r"no jnt_vel_cmd: .* add velocity to the contr"):
+            robot.jnt_vel_cmd = np.zeros(7)
+        position = robot.jnt_pos_cmd
+        robot.jnt_trq_cmd = [0, 5, 0, 0, 0, 0, 0]
+        assert robot.ctrl_mode == rc.CtrlMode.POSITION
+        robot.ctrl_mode = "torque"
+        assert robot.jnt_trq_cmd.tolist() == [0, 5, 0, 0, 0, 0, 0]
+        assert position.tolist() == robot.jnt_pos_cmd.tolist()
+        robot.ctrl_mode = "position"
+        position[0] += 0.2  # the array that was kept is the port still
+        target = position[0]
+        run(robot, 500)
+        assert robot.arm.joint_pos[0] == pytest.approx(target, abs=0.02)
+
+    def test_ports_refuse_what_is_no_command(self):
+        robot = rc7()
+        robot.set_controller("arm", "cartesian_pose")
+        with pytest.raises(RuntimeError, match=r"no jnt_pos_cmd while .*set ctrl_mode to position"):
+            robot.jnt_pos_cmd = np.zeros(7)
         robot.ctrl_mode = "torque"
         with pytest.raises(ValueError, match="expected 7 joint values, got 3"):
             robot.jnt_trq_cmd = np.zeros(3)
-        with pytest.raises(RuntimeError, match="set ctrl_mode to position"):
-            robot.jnt_pos_cmd  # noqa: B018
         robot.jnt_trq_cmd[2] = np.nan
         with pytest.raises(rc.ArgumentError, match="the target of 'joint3' is nan"):
             robot.update()
@@ -161,6 +176,66 @@ class TestModes:
         robot = rc7()
         assert robot.step_n(10)
         assert robot.scene.time() == pytest.approx(0.02)
+
+
+class TestSharedArms:
+    """Several robots made of one arm."""
+
+    @pytest.mark.parametrize("configured", [True, False])
+    def test_another_robot_of_an_arm_changes_nothing(self, configured):
+        scene = rc7().scene
+        first = rc.Robot.from_scene(scene, "base_link", "link7")
+        first.ctrl_mode = "torque"
+        first.jnt_trq_cmd = [0, 5, 0, 0, 0, 0, 0]
+        tool = rc.ToolFrameSpec(tcp_site="tcp")
+        second = (
+            scene.robot("a")
+            if configured
+            else rc.Robot.from_scene(scene, "base_link", "link7", tool=tool)
+        )
+        for robot in (first, second, first):
+            assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+            run(robot, 2)
+            robot.update()
+            np.testing.assert_allclose(robot.jnt_trq_msr, [0, 5, 0, 0, 0, 0, 0], atol=1e-9)
+        scene.add_object(
+            rc.SceneObject(
+                name="cube", shape="box", size=[0.02] * 3, rgba=[1, 0, 0, 1], mass=0.1,
+                friction=[0.8, 0.02, 0.001], pos=[0.9, 0.9, 0.02],
+            )
+        )  # fmt: skip
+        for robot in (second, first):
+            run(robot, 1)
+            robot.update()
+            np.testing.assert_allclose(robot.jnt_trq_msr, [0, 5, 0, 0, 0, 0, 0], atol=1e-9)
+        scene.remove_object("cube")
+        scene.reset()
+        second.ctrl_mode = "position"
+        assert first.ctrl_mode == rc.CtrlMode.POSITION
+        first.ctrl_mode = "torque"
+        assert second.ctrl_mode == rc.CtrlMode.TORQUE
+
+    def test_the_mode_outlives_its_robots(self):
+        scene = build(rc.RobotSpec(path=rc.models.robot_file("rc7").replace(".yaml", ".xml")))
+        rc.Robot.from_scene(scene, "base_link", "link7").ctrl_mode = "torque"
+        robot = rc.Robot.from_scene(scene, "base_link", "link7")
+        assert robot.ctrl_mode == rc.CtrlMode.TORQUE
+        assert robot.jnt_trq_cmd.tolist() == robot.gravity_torques().tolist()
+
+    def test_a_paused_robot_does_not_step_the_scene(self):
+        robot = rc7()
+        assert robot.paused is False
+        robot.paused = True
+        assert robot.scene.robot("a").paused
+        assert robot.step()
+        assert robot.step_n(10)
+        assert robot.scene.time() == 0
+        robot.update()
+        robot.scene.step()
+        assert robot.scene.time() > 0
+        robot.paused = False
+        robot.step_n(2)
+        assert robot.scene.time() == pytest.approx(3 * robot.scene.timestep())
 
 
 def push(robot: rc.Robot, joint: int, torque: float) -> None:

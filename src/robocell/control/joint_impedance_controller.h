@@ -16,6 +16,7 @@
 
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/controller.h"
+#include "robocell/robot/port_values.h"
 
 namespace robocell {
 
@@ -30,10 +31,11 @@ class JointImpedanceController : public Controller {
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   int target_size() const override { return arm_.nq(); }
   void SetTarget(std::span<const double> q) override;
-  std::span<const double> target() const override { return target_; }
-  std::span<const double> commanded_joint_pos() const override { return target_; }
-  std::span<double> command_port() override { return target_; }
-  void Reset() override { arm_.GetJointPos(target_); }
+  std::span<const double> target() const override { return target_.get(); }
+  std::span<const double> commanded_joint_pos() const override { return target_.get(); }
+  std::span<double> command_port() override { return target_.get(); }
+  bool UsePort(std::span<double> port) override { return target_.MoveTo(port); }
+  void Reset() override { arm_.GetJointPos(target_.get()); }
   void Compute(std::span<double> ctrl) override;
 
   // Of each joint, Nm/rad or N/m. ArgumentError for a wrong number, negative or not finite values.
@@ -48,7 +50,7 @@ class JointImpedanceController : public Controller {
   ArmGroup& arm_;
   std::vector<double> inertia_, stiffness_, damping_;
   double damping_ratio_ = 1;
-  std::vector<double> target_;
+  PortValues target_;
   std::vector<double> q_, qd_, torque_;  // scratch
   const std::vector<double> still_;      // no acceleration
 };

@@ -25,6 +25,7 @@ class RelativeJointController : public Controller {
   TargetKind port_kind() const override { return TargetKind::kJointPositions; }
   std::span<const double> commanded_joint_pos() const override { return absolute_.target(); }
   std::span<double> command_port() override { return absolute_.command_port(); }
+  bool UsePort(std::span<double> port) override { return absolute_.UsePort(port); }
   void Reset() override;
   void Compute(std::span<double> ctrl) override { absolute_.Compute(ctrl); }
 

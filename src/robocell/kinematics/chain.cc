@@ -17,6 +17,7 @@ namespace robocell {
 struct Chain::Lazy {
   std::once_flag made;
   std::optional<LaneChain> lanes;
+  std::shared_ptr<void> companion;
 };
 
 std::shared_ptr<Chain::Lazy> Chain::NewLazy() { return std::make_shared<Lazy>(); }
@@ -25,6 +26,8 @@ const LaneChain& Chain::lanes() const {
   std::call_once(lazy_->made, [this] { lazy_->lanes.emplace(model_); });
   return *lazy_->lanes;
 }
+
+std::shared_ptr<void>& Chain::companion() const { return lazy_->companion; }
 
 Chain::Chain(const mjModel* model, std::string_view base_body, const ChainTip& tip,
              const ChainOptions& options)

@@ -138,6 +138,9 @@ class Chain {
   const ChainModel& model() const { return model_; }
   const LinkTable& links() const { return *links_; }
   const LaneChain& lanes() const;
+  // What somebody keeps with this chain, all copies alike: its form in another library, which lives
+  // as long as one of them. Null until it is set; not for several threads at once.
+  std::shared_ptr<void>& companion() const;
   // "chain 'link_base' -> site 'link_tcp'", for messages.
   std::string description() const;
 

@@ -24,17 +24,18 @@ Values Clamped(Values q, const std::vector<Interval>& limits) {
 }
 
 void CheckKind(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
-  const bool gripper = slot.group->kind() == MoveGroupKind::kGripper;
+  const bool gripper = slot.own->group->kind() == MoveGroupKind::kGripper;
   if ((command.kind == GroupCommand::kOpening) == gripper) return;
   throw ArgumentError(place + (gripper ? " is a gripper: command it with an opening"
                                        : " is no gripper: command it with joints or a pose"));
 }
 
 [[noreturn]] void ThrowOtherKind(const std::string& place, const GroupSlot& slot, TargetKind got) {
-  throw ArgumentError(fmt::format(
-      "{}: its controller '{}' takes {}, not {}; command it with those, "
-      "or choose another controller",
-      place, slot.controller->kind(), Describe(slot.controller->target_kind()), Describe(got)));
+  throw ArgumentError(
+      fmt::format("{}: its controller '{}' takes {}, not {}; command it with those, "
+                  "or choose another controller",
+                  place, slot.control->controller->kind(),
+                  Describe(slot.control->controller->target_kind()), Describe(got)));
 }
 
 Values PoseTarget(const Pose& pose) {
@@ -45,19 +46,20 @@ Values PoseTarget(const Pose& pose) {
 
 // The target for the slot's controller in the controller's own terms. Checks the values.
 Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
-  CheckValues([&] { return place; }, "joint", command.values, slot.group->nq(),
-              slot.group->joint_names());
+  CheckValues([&] { return place; }, "joint", command.values, slot.own->group->nq(),
+              slot.own->group->joint_names());
   const bool relative = command.kind == GroupCommand::kRelativeJoints;
-  const std::span<const double> now = slot.controller->commanded_joint_pos();
-  switch (slot.controller->target_kind()) {
+  const std::span<const double> now = slot.control->controller->commanded_joint_pos();
+  switch (slot.control->controller->target_kind()) {
     case TargetKind::kJointSteps:
       return relative ? command.values : Sum(command.values, now, -1);
     case TargetKind::kJointPositions:
       if (!relative) return command.values;
-      return Clamped(Sum(now, command.values, 1), slot.group->joint_pos_limits());
+      return Clamped(Sum(now, command.values, 1), slot.own->group->joint_pos_limits());
     case TargetKind::kPose:
-      if (!slot.chain) break;
-      return PoseTarget(slot.chain->Fk(relative ? Sum(now, command.values, 1) : command.values));
+      if (!slot.own->chain) break;
+      return PoseTarget(
+          slot.own->chain->Fk(relative ? Sum(now, command.values, 1) : command.values));
     default:
       break;
   }
@@ -66,7 +68,7 @@ Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupC
 
 // A pose becomes joint positions for a controller that takes these.
 void CheckTakesPose(const std::string& place, const GroupSlot& slot) {
-  const TargetKind kind = slot.controller->target_kind();
+  const TargetKind kind = slot.control->controller->target_kind();
   if (kind == TargetKind::kPose || kind == TargetKind::kJointPositions ||
       kind == TargetKind::kJointSteps)
     return;
@@ -77,9 +79,9 @@ void CheckTakesPose(const std::string& place, const GroupSlot& slot) {
 Values DirectTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
   const TargetKind kind = command.kind == GroupCommand::kTorques ? TargetKind::kJointTorques
                                                                  : TargetKind::kJointVelocities;
-  if (slot.controller->target_kind() != kind) ThrowOtherKind(place, slot, kind);
-  CheckValues([&] { return place; }, "joint", command.values, slot.group->nv(),
-              slot.group->joint_names());
+  if (slot.control->controller->target_kind() != kind) ThrowOtherKind(place, slot, kind);
+  CheckValues([&] { return place; }, "joint", command.values, slot.own->group->nv(),
+              slot.own->group->joint_names());
   return command.values;
 }
 

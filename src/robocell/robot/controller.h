@@ -63,6 +63,13 @@ class Controller {
   // these numbers are. What is written is checked when it is used.
   virtual std::span<double> command_port() = 0;
   virtual TargetKind port_kind() const { return target_kind(); }
+  // Asks it to keep these numbers in `port`, which has as many: it copies them there, and reads and
+  // writes them there until it is asked again; with an empty one back in a place of its own. That
+  // keeps the robot's port in one place while controllers change. false: it keeps to its own.
+  virtual bool UsePort(std::span<double> port) {
+    (void)port;
+    return false;
+  }
   // Forget the target and hold: the present joint positions, or what a gripper is commanded to.
   virtual void Reset() = 0;
   // The control for this tick, nu() values. No allocation.

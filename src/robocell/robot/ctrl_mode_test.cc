@@ -207,16 +207,20 @@ TEST(CtrlMode, ATeleportWithoutForwardIsSeenWhenAskedFor) {
 
 TEST(CtrlMode, CommandsAreThoseOfTheController) {
   Robot robot = RobotAlone(Rc7());
-  ExpectThrow<Error>([&] { robot.jnt_trq_cmd(); },
-                     "group 'arm': there is no jnt_trq_cmd while its controller is "
-                     "'joint_position'; set ctrl_mode to torque first");
+  ExpectThrow<ArgumentError>([&] { robot.jnt_vel_cmd(); },
+                             "group 'arm' has no jnt_vel_cmd: the scene has no actuators for it: "
+                             "add velocity to the control_modes of its RobotSpec");
+  robot.SetController("arm", "cartesian_pose");
+  ExpectThrow<Error>([&] { robot.jnt_pos_cmd(); },
+                     "group 'arm': there is no jnt_pos_cmd while its controller is "
+                     "'cartesian_pose'; set ctrl_mode to position first");
+  robot.set_ctrl_mode(kPosition);
   ExpectThrow<ArgumentError>(
       [&] {
         robot.Apply({{"arm", GroupCommand::Torques(std::vector<double>(7))}});
       },
       "its controller 'joint_position' takes joint positions, not joint torques");
   robot.set_ctrl_mode(kTorque);
-  ExpectThrow<Error>([&] { robot.jnt_pos_cmd(); }, "set ctrl_mode to position first");
   ExpectThrow<ArgumentError>([&] { robot.SetJntTrqCmd(std::vector<double>(3)); },
                              "group 'arm': expected 7 joint values, got 3");
   ExpectThrow<ArgumentError>(

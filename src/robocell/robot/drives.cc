@@ -7,23 +7,14 @@
 #include <set>
 
 #include "robocell/mujoco/names.h"
-#include "robocell/scene/hold_ctrl.h"
+#include "robocell/scene/control_modes.h"
 
 namespace robocell {
 namespace {
 
-constexpr int kLastGroup = 30;
-
-CtrlMode NativeMode(const mjModel* m, const std::vector<std::string>& actuators) {
-  bool motors = !actuators.empty();
-  for (const std::string& name : actuators)
-    motors &= m->actuator_biastype[FindId(m, mjOBJ_ACTUATOR, name)] == mjBIAS_NONE;
-  return motors ? CtrlMode::kTorque : CtrlMode::kPosition;
-}
-
 std::vector<std::string> AddedActuators(const std::vector<std::string>& joints, CtrlMode mode) {
   std::vector<std::string> names;
-  for (const std::string& joint : joints) names.push_back(joint + "_" + ToString(mode));
+  for (const std::string& joint : joints) names.push_back(ModeActuatorName(joint, mode));
   return names;
 }
 
@@ -40,7 +31,7 @@ bool Contains(const std::vector<int>& ids, int id) {
 bool AllGroupsAreTaken(const mjModel* m) {
   std::set<int> taken(m->actuator_group, m->actuator_group + m->nactuator);
   taken.erase(0);
-  return taken.size() >= static_cast<size_t>(kLastGroup);
+  return taken.size() >= static_cast<size_t>(kLastActuatorGroup);
 }
 
 // Whether one of the engine's groups holds these actuators and no others; why not, else "".
@@ -52,14 +43,14 @@ std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
       return fmt::format(
           "the arms before it took all {} actuator groups that the engine can switch; set "
           "control_modes of robots that need no torque to [position]",
-          kLastGroup);
+          kLastActuatorGroup);
     }
     return fmt::format(
         "its actuators are switched together with others ('{}'); give the robot a "
         "configuration with this arm as a move group",
         ElementName(m, mjOBJ_ACTUATOR, Contains(ids, a) ? ids[0] : a));
   }
-  return group >= 0 && group <= kLastGroup ? "" : "no actuator group is left for its modes";
+  return group >= 0 && group <= kLastActuatorGroup ? "" : "no actuator group is left for its modes";
 }
 
 int GroupBit(const mjModel* m, const MoveGroup& drive) {
@@ -84,7 +75,9 @@ Drives OwnDrive(const std::shared_ptr<MoveGroup>& group) {
 
 Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, GroupNames names) {
   const mjModel* m = scene.model();
-  const CtrlMode native = NativeMode(m, arm->actuator_names());
+  const std::vector<std::string>& own = arm->actuator_names();
+  // Others are refused where they are asked for a position, which says what they are.
+  const CtrlMode native = NativeMode(m, own).value_or(CtrlMode::kPosition);
   Drives drives;
   for (int i = 0; i < kCtrlModes; ++i) {
     const auto mode = static_cast<CtrlMode>(i);
@@ -105,8 +98,7 @@ Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, Grou
       continue;
     }
     drives.why_none[i] = WhyNotSwitchable(m, ids);
-    if (drives.why_none[i].empty())
-      drives.why_none[i] = WhyNotSwitchable(m, Ids(m, arm->actuator_names()));
+    if (drives.why_none[i].empty()) drives.why_none[i] = WhyNotSwitchable(m, Ids(m, own));
     if (!drives.why_none[i].empty()) continue;
     names.actuators = added;
     drives.groups[i] = std::make_shared<ArmGroup>(scene, names);
@@ -114,15 +106,33 @@ Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, Grou
   return drives;
 }
 
-void SwitchTo(CtrlMode mode, const Drives& drives, const Scene& scene) {
+bool SwitchTo(CtrlMode mode, const Drives& drives, const Scene& scene) {
   const mjModel* m = scene.model();
   int others = 0;
   for (int i = 0; i < kCtrlModes; ++i) {
     if (drives.groups[i] && i != static_cast<int>(mode)) others |= GroupBit(m, *drives.groups[i]);
   }
-  if (others == 0) return;  // one mode only, whose actuators are as authored
+  if (others == 0) return false;  // one mode only, whose actuators are as authored
   const int wanted = (m->opt.disableactuator | others) & ~GroupBit(m, *drives.of(mode));
-  if (wanted != m->opt.disableactuator) Scene(scene).mutable_model()->opt.disableactuator = wanted;
+  if (wanted == m->opt.disableactuator) return false;
+  Scene(scene).mutable_model()->opt.disableactuator = wanted;
+  return true;
 }
+
+std::optional<CtrlMode> ModeNow(const Drives& drives, const Scene& scene) {
+  const mjModel* m = scene.model();
+  std::optional<CtrlMode> mode;
+  int sets = 0, on = 0;
+  for (int i = 0; i < kCtrlModes; ++i) {
+    if (!drives.groups[i]) continue;
+    ++sets;
+    if (m->opt.disableactuator & GroupBit(m, *drives.groups[i])) continue;
+    ++on;
+    mode = static_cast<CtrlMode>(i);
+  }
+  return sets > 1 && on == 1 ? mode : std::nullopt;
+}
+
+std::string PortController(CtrlMode mode) { return std::string("joint_") + ToString(mode); }
 
 }  // namespace robocell

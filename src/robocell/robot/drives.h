@@ -4,6 +4,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "robocell/robot/arm_group.h"
@@ -26,7 +27,13 @@ Drives OwnDrive(const std::shared_ptr<MoveGroup>& group);
 Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, GroupNames names);
 
 // Switches on the actuators of `mode` and off those of the other modes. Nothing is written where
-// that is so already, so that it may be done on a frozen model; else that is an Error.
-void SwitchTo(CtrlMode mode, const Drives& drives, const Scene& scene);
+// that is so already, which returns false, so that it may be done on a frozen model; else that is
+// an Error.
+bool SwitchTo(CtrlMode mode, const Drives& drives, const Scene& scene);
+// The mode whose actuators are on. Nothing for a group that has those of one mode only, or when
+// somebody switched on more than one, or none.
+std::optional<CtrlMode> ModeNow(const Drives& drives, const Scene& scene);
+// The controller of a mode's port: "joint_torque".
+std::string PortController(CtrlMode mode);
 
 }  // namespace robocell

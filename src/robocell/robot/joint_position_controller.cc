@@ -23,12 +23,12 @@ JointPositionController::JointPositionController(MoveGroup& group)
     : group_(group),
       servos_(dynamic_cast<const ServoGroup*>(&group)),
       target_(group.joint_pos()),
-      held_(target_),
+      held_(target_.begin(), target_.end()),
       within_(target_.size()),
       limits_(group.joint_pos_limits()) {
   limits_.resize(target_.size(), Interval{-kUnlimited, kUnlimited});
   std::vector<double> ctrl(group.nu());
-  group.CtrlForJointPos(target_, ctrl);  // says at once when the group has no servos
+  group.CtrlForJointPos(target_.get(), ctrl);  // says at once when the group has no servos
 }
 
 void JointPositionController::SetTarget(std::span<const double> target) {
@@ -38,14 +38,14 @@ void JointPositionController::SetTarget(std::span<const double> target) {
 }
 
 void JointPositionController::Reset() {
-  group_.GetJointPos(target_);
+  group_.GetJointPos(target_.get());
   std::copy(target_.begin(), target_.end(), held_.begin());
   commanded_ = false;
 }
 
 void JointPositionController::Compute(std::span<double> ctrl) {
   // The port is written to without a check.
-  CheckValues([&] { return group_.place(); }, "joint", target_, target_size(),
+  CheckValues([&] { return group_.place(); }, "joint", target_.get(), target_size(),
               group_.joint_names());
   for (size_t i = 0; i < target_.size(); ++i) {
     within_[i] = std::clamp(target_[i], limits_[i].lower, limits_[i].upper);

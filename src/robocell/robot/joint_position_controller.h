@@ -9,6 +9,7 @@
 #include "robocell/robot/controller.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/move_group.h"
+#include "robocell/robot/port_values.h"
 
 namespace robocell {
 
@@ -25,9 +26,10 @@ class JointPositionController : public Controller {
   void RequireOpen() const override { group_.RequireOpen(); }
   int target_size() const override { return group_.nq(); }
   void SetTarget(std::span<const double> target) override;
-  std::span<const double> target() const override { return target_; }
-  std::span<const double> commanded_joint_pos() const override { return target_; }
-  std::span<double> command_port() override { return target_; }
+  std::span<const double> target() const override { return target_.get(); }
+  std::span<const double> commanded_joint_pos() const override { return target_.get(); }
+  std::span<double> command_port() override { return target_.get(); }
+  bool UsePort(std::span<double> port) override { return target_.MoveTo(port); }
   void Reset() override;
   // What is beyond a joint's limits drives the joint to its limit, or the servo to the end of its
   // ctrlrange, and is told once. What nobody commanded is not told.
@@ -40,7 +42,7 @@ class JointPositionController : public Controller {
 
   MoveGroup& group_;
   const ServoGroup* servos_;  // the same, when it can say what its servos cut off
-  std::vector<double> target_;
+  PortValues target_;
   std::vector<double> held_;  // the target without a command
   bool commanded_ = false;
   std::vector<double> within_;  // the target inside the limits, scratch

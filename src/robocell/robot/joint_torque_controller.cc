@@ -21,7 +21,7 @@ std::unique_ptr<Controller> MakeJointTorqueController(MoveGroup& group) {
 }
 
 JointTorqueController::JointTorqueController(ArmGroup& arm)
-    : arm_(arm), torque_(arm.nv()), held_(arm.nv()), q_(arm.nq()) {
+    : arm_(arm), torque_(std::vector<double>(arm.nv())), held_(arm.nv()), q_(arm.nq()) {
   Reset();
 }
 
@@ -33,23 +33,24 @@ void JointTorqueController::SetTarget(std::span<const double> torque) {
 
 void JointTorqueController::Reset() {
   arm_.GetJointPos(q_);
-  arm_.GravityTorques(q_, torque_);
+  arm_.GravityTorques(q_, torque_.get());
   std::copy(torque_.begin(), torque_.end(), held_.begin());
   commanded_ = false;
 }
 
 void JointTorqueController::Compute(std::span<double> ctrl) {
   // The port is written to without a check.
-  CheckValues([&] { return arm_.place(); }, "joint", torque_, target_size(), arm_.joint_names());
+  CheckValues([&] { return arm_.place(); }, "joint", torque_.get(), target_size(),
+              arm_.joint_names());
   arm_.GetJointPos(q_);
   if (!beyond_.told()) TellStrained();
-  arm_.CtrlForJointTorque(torque_, ctrl);
+  arm_.CtrlForJointTorque(torque_.get(), ctrl);
 }
 
 // The engine cuts off by itself.
 void JointTorqueController::TellStrained() {
-  for (size_t i = arm_.FindStrained(torque_, 0); i < torque_.size();
-       i = arm_.FindStrained(torque_, i + 1)) {
+  for (size_t i = arm_.FindStrained(torque_.get(), 0); i < torque_.size();
+       i = arm_.FindStrained(torque_.get(), i + 1)) {
     if (!IsCommanded(i)) continue;
     beyond_.Check(torque_[i], arm_.torque_limit(i), [&] {
       return fmt::format("{}: the torque of joint '{}'", arm_.place(), arm_.joint_names()[i]);

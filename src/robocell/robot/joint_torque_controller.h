@@ -9,6 +9,7 @@
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/controller.h"
+#include "robocell/robot/port_values.h"
 
 namespace robocell {
 
@@ -26,9 +27,10 @@ class JointTorqueController : public Controller {
   TargetKind target_kind() const override { return TargetKind::kJointTorques; }
   int target_size() const override { return arm_.nv(); }
   void SetTarget(std::span<const double> torque) override;
-  std::span<const double> target() const override { return torque_; }
+  std::span<const double> target() const override { return torque_.get(); }
   std::span<const double> commanded_joint_pos() const override { return q_; }
-  std::span<double> command_port() override { return torque_; }
+  std::span<double> command_port() override { return torque_.get(); }
+  bool UsePort(std::span<double> port) override { return torque_.MoveTo(port); }
   void Reset() override;
   // A torque beyond what a motor can do is cut off there, and told once when somebody commanded it.
   void Compute(std::span<double> ctrl) override;
@@ -39,7 +41,7 @@ class JointTorqueController : public Controller {
   void TellStrained();
 
   ArmGroup& arm_;
-  std::vector<double> torque_;
+  PortValues torque_;
   std::vector<double> held_;  // the torques without a command
   bool commanded_ = false;
   std::vector<double> q_;  // as last measured

@@ -11,7 +11,7 @@ std::unique_ptr<Controller> MakeJointVelocityController(MoveGroup& group) {
 }
 
 JointVelocityController::JointVelocityController(ArmGroup& arm)
-    : arm_(arm), velocity_(arm.nv()), gravity_(arm.nv()), q_(arm.nq()) {
+    : arm_(arm), velocity_(std::vector<double>(arm.nv())), gravity_(arm.nv()), q_(arm.nq()) {
   Reset();
 }
 
@@ -27,10 +27,11 @@ void JointVelocityController::Reset() {
 
 void JointVelocityController::Compute(std::span<double> ctrl) {
   // The port is written to without a check.
-  CheckValues([&] { return arm_.place(); }, "joint", velocity_, target_size(), arm_.joint_names());
+  CheckValues([&] { return arm_.place(); }, "joint", velocity_.get(), target_size(),
+              arm_.joint_names());
   arm_.GetJointPos(q_);
   arm_.GravityTorques(q_, gravity_);
-  arm_.CtrlForJointVel(velocity_, gravity_, ctrl);
+  arm_.CtrlForJointVel(velocity_.get(), gravity_, ctrl);
 }
 
 }  // namespace robocell

@@ -7,6 +7,7 @@
 
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/controller.h"
+#include "robocell/robot/port_values.h"
 
 namespace robocell {
 
@@ -24,15 +25,17 @@ class JointVelocityController : public Controller {
   TargetKind target_kind() const override { return TargetKind::kJointVelocities; }
   int target_size() const override { return arm_.nv(); }
   void SetTarget(std::span<const double> velocity) override;
-  std::span<const double> target() const override { return velocity_; }
+  std::span<const double> target() const override { return velocity_.get(); }
   std::span<const double> commanded_joint_pos() const override { return q_; }
-  std::span<double> command_port() override { return velocity_; }
+  std::span<double> command_port() override { return velocity_.get(); }
+  bool UsePort(std::span<double> port) override { return velocity_.MoveTo(port); }
   void Reset() override;
   void Compute(std::span<double> ctrl) override;
 
  private:
   ArmGroup& arm_;
-  std::vector<double> velocity_, gravity_;
+  PortValues velocity_;
+  std::vector<double> gravity_;
   std::vector<double> q_;  // as last measured
 };
 

@@ -48,30 +48,30 @@ const RobotConfig& Robot::config() const { return open().record.config; }
 
 std::vector<std::string> Robot::group_names() const { return open().group_names(); }
 bool Robot::has_group(const std::string& name) const { return open().Find(name) != nullptr; }
-MoveGroup& Robot::group(const std::string& name) const { return *open().Require(name).group; }
+MoveGroup& Robot::group(const std::string& name) const { return *open().Require(name).own->group; }
 std::shared_ptr<MoveGroup> Robot::shared_group(const std::string& name) const {
-  const std::shared_ptr<MoveGroup>& group = open().Require(name).group;
+  const std::shared_ptr<MoveGroup>& group = open().Require(name).own->group;
   return {std::make_shared<std::pair<Robot, std::shared_ptr<MoveGroup>>>(*this, group),
           group.get()};
 }
-MoveGroup& Robot::arm() const { return *open().RequireKind(MoveGroupKind::kArm).group; }
+MoveGroup& Robot::arm() const { return *open().RequireKind(MoveGroupKind::kArm).own->group; }
 bool Robot::has_gripper() const { return open().FindKind(MoveGroupKind::kGripper) != nullptr; }
 
 GripperGroup& Robot::gripper() const {
-  return dynamic_cast<GripperGroup&>(*open().RequireKind(MoveGroupKind::kGripper).group);
+  return dynamic_cast<GripperGroup&>(*open().RequireKind(MoveGroupKind::kGripper).own->group);
 }
 
 BaseGroup& Robot::base() const {
-  return dynamic_cast<BaseGroup&>(*open().RequireKind(MoveGroupKind::kBase).group);
+  return dynamic_cast<BaseGroup&>(*open().RequireKind(MoveGroupKind::kBase).own->group);
 }
 
 void Robot::SetGroup(std::shared_ptr<MoveGroup> group) {
   CheckInterface(group.get());
   MadeGroup made{std::move(group)};
   const GroupSlot* old = open().Find(made.group->name());
-  const bool same_arm = old && old->tip && made.group->kind() == MoveGroupKind::kArm &&
-                        old->group->joint_names() == made.group->joint_names();
-  if (same_arm) made.tip = old->tip;
+  const bool same_arm = old && old->own->tip && made.group->kind() == MoveGroupKind::kArm &&
+                        old->own->group->joint_names() == made.group->joint_names();
+  if (same_arm) made.tip = old->own->tip;
   open().AddGroup(std::move(made), "joint_position", false);
 }
 
@@ -83,17 +83,21 @@ std::shared_ptr<Controller> Robot::shared_controller(const std::string& group) c
   struct Kept {  // from the last to go to the first
     Robot robot;
     std::shared_ptr<GroupSlot> slot;
+    std::shared_ptr<ControlledGroup> of;
     std::shared_ptr<Controller> controller;
   };
   controller(group);  // or why there is none
   GroupSlot& slot = open().Require(group);
-  const auto kept = std::make_shared<Kept>(Kept{*this, slot.shared_from_this(), slot.controller});
+  const auto kept = std::make_shared<Kept>(
+      Kept{*this, slot.shared_from_this(), slot.control->of, slot.control->controller});
   return {kept, kept->controller.get()};
 }
 
 void Robot::SetController(const std::string& group, std::unique_ptr<Controller> controller) {
   if (!controller) throw ArgumentError(open().place() + ": a controller cannot be null");
-  open().Use(open().Require(group), std::move(controller));
+  GroupSlot& slot = open().Require(group);
+  open().Use(slot, std::move(controller));
+  slot.control->chosen = true;
 }
 
 void Robot::SetController(const std::string& group, const std::string& kind) {
@@ -115,13 +119,18 @@ void Robot::ThrowOtherClass(const std::string& group, const Controller& made) co
 }
 
 CtrlMode Robot::ctrl_mode() const {
-  return open().RequireController(open().RequireKind(MoveGroupKind::kArm)).mode();
+  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  const CtrlMode told = open().RequireController(slot).mode();
+  return ModeNow(slot.own->drives, open().scene).value_or(told);
 }
 
 void Robot::set_ctrl_mode(CtrlMode mode) {
   GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
-  const std::string kind = std::string("joint_") + ToString(mode);
-  if (!slot.controller || slot.controller->kind() != kind) SetController(slot.group->name(), kind);
+  const bool there = slot.control->controller &&
+                     slot.control->controller->kind() == PortController(mode) &&
+                     ModeNow(slot.own->drives, open().scene).value_or(mode) == mode;
+  if (!there) SetController(slot.own->group->name(), PortController(mode));
+  slot.control->chosen = true;
 }
 
 MoveGroup& Robot::drive(const std::string& group, CtrlMode mode) const {
@@ -147,11 +156,12 @@ std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene) {
 void Robot::Update() {
   State& state = open();
   state.ReadPorts();
-  state.ForControlled([](GroupSlot& slot) {
-    slot.controller->Compute(slot.ctrl);
-    slot.drive->SetCtrl(slot.ctrl);
-  });
+  state.ForControlled([](GroupControl& control) { control.Run(); });
 }
+
+StepResult Robot::StepN(int n) { return scene_.StepN(state_->paused ? 0 : n); }
+bool Robot::paused() const { return open().paused; }
+void Robot::set_paused(bool paused) { open().paused = paused; }
 
 int Robot::n_joints() const { return arm().nq(); }
 const std::vector<std::string>& Robot::joint_names() const { return arm().joint_names(); }
@@ -164,16 +174,25 @@ std::span<double> Robot::Port(TargetKind kind, const char* name, CtrlMode mode) 
   GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   Controller& controller = open().RequireController(slot);
   if (controller.port_kind() == kind) return controller.command_port();
-  throw Error(
-      fmt::format("{}: there is no {} while its controller is '{}'; set ctrl_mode to {} "
-                  "first",
-                  open().place(slot), name, controller.kind(), ToString(mode)));
+  if (controller.mode() == mode) {
+    throw Error(
+        fmt::format("{}: there is no {} while its controller is '{}'; set ctrl_mode to {} "
+                    "first",
+                    open().place(slot), name, controller.kind(), ToString(mode)));
+  }
+  if (!slot.own->drives.of(mode)) {
+    throw ArgumentError(fmt::format("{} has no {}: {}", open().place(slot), name,
+                                    slot.own->drives.why_none[static_cast<size_t>(mode)]));
+  }
+  return slot.control->ports.of(kind);
 }
 
-void Robot::WritePort(std::span<double> port, std::span<const double> values) {
-  CheckValues([&] { return open().place(open().RequireKind(MoveGroupKind::kArm)); }, "joint",
-              values, static_cast<int>(port.size()), joint_names());
+void Robot::WritePort(TargetKind kind, std::span<double> port, std::span<const double> values) {
+  GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
+  CheckValues([&] { return open().place(slot); }, "joint", values, static_cast<int>(port.size()),
+              joint_names());
   std::copy(values.begin(), values.end(), port.begin());
+  slot.control->ports.SetCommanded(kind);
 }
 
 std::span<double> Robot::jnt_pos_cmd() const {
@@ -188,19 +207,28 @@ std::span<double> Robot::jnt_trq_cmd() const {
   return Port(TargetKind::kJointTorques, "jnt_trq_cmd", CtrlMode::kTorque);
 }
 
-void Robot::SetJntPosCmd(std::span<const double> q) { WritePort(jnt_pos_cmd(), q); }
-void Robot::SetJntVelCmd(std::span<const double> velocity) { WritePort(jnt_vel_cmd(), velocity); }
-void Robot::SetJntTrqCmd(std::span<const double> torque) { WritePort(jnt_trq_cmd(), torque); }
+void Robot::SetJntPosCmd(std::span<const double> q) {
+  WritePort(TargetKind::kJointPositions, jnt_pos_cmd(), q);
+}
+void Robot::SetJntVelCmd(std::span<const double> velocity) {
+  WritePort(TargetKind::kJointVelocities, jnt_vel_cmd(), velocity);
+}
+void Robot::SetJntTrqCmd(std::span<const double> torque) {
+  WritePort(TargetKind::kJointTorques, jnt_trq_cmd(), torque);
+}
 
 void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
   GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
-  auto* arm = dynamic_cast<ArmGroup*>(slot.group.get());
+  auto* arm = dynamic_cast<ArmGroup*>(slot.own->group.get());
   if (arm && !call_forward) {
     arm->WriteJointPos(q);
   } else {
-    slot.group->SetJointPos(q);
+    slot.own->group->SetJointPos(q);
   }
-  if (slot.controller) slot.controller->Reset();
+  if (slot.control->controller) {
+    slot.control->controller->Reset();
+    slot.control->ports.Reseed(*slot.own->group);
+  }
   open().ReadPorts();
 }
 
@@ -263,7 +291,7 @@ Eigen::Vector3d Robot::gravity_in_base(std::optional<double> gravity_z) const {
     throw ArgumentError(
         fmt::format("{}: gravity_z is {}; it must be finite", open().place(), *gravity_z));
   if (gravity_z) return base_in_world().rotation().transpose() * Eigen::Vector3d(0, 0, *gravity_z);
-  if (const ArmGroup* arm = open().RequireKind(MoveGroupKind::kArm).arm)
+  if (const ArmGroup* arm = open().RequireKind(MoveGroupKind::kArm).own->arm)
     return arm->gravity_in_base();
   const Eigen::Map<const Eigen::Vector3d> gravity(open().scene.model()->opt.gravity);
   return base_in_world().rotation().transpose() * gravity;
@@ -272,9 +300,9 @@ Eigen::Vector3d Robot::gravity_in_base(std::optional<double> gravity_z) const {
 void Robot::GravityTorques(std::span<double> out, std::optional<double> gravity_z) const {
   GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   const Chain& arm_chain = open().RequireChain(slot);
-  const bool of_scene = slot.arm && !gravity_z;
-  arm_chain.GravityTorques(Positions(*slot.group),
-                           of_scene ? slot.arm->gravity_in_base() : gravity_in_base(gravity_z),
+  const bool of_scene = slot.own->arm && !gravity_z;
+  arm_chain.GravityTorques(Positions(*slot.own->group),
+                           of_scene ? slot.own->arm->gravity_in_base() : gravity_in_base(gravity_z),
                            out);
 }
 
@@ -282,7 +310,7 @@ void Robot::RefreshToolInertia() { open().RefreshChains(); }
 
 std::vector<std::string> Robot::ft_sensor_names() const { return state_->ft_sensor_names(); }
 
-const Wrench& Robot::ft_sensor(const std::string& name) const {
+Wrench Robot::ft_sensor(const std::string& name) const {
   return state_->RequireFtSensor(name).value;
 }
 

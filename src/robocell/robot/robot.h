@@ -17,6 +17,11 @@
 // FromScene() makes a robot of its own each time, which lives as long as its handles. A reset hook
 // of the scene, or a group of your own, that holds a handle keeps all alive until Scene::Close().
 //
+// An arm is driven once, however many robots are made of it: those whose arm has the same joints
+// and actuators, from Of() or FromScene(), share its controller, mode and command ports. Making one
+// changes nothing of these. The mode is the actuators': it stays when the last of them goes, and
+// the next holds the arm where it is, in that mode.
+//
 // Frames: the robot base frame is the root body's. Joint values in chain order, rad or m.
 //
 // Errors: NotFoundError for names and for what the robot does not have, ArgumentError for sizes and
@@ -63,8 +68,10 @@ class Robot {
   const RobotConfig& config() const;
 
   // Groups by name, and the first of each kind. References, and spans of ports, stay valid until
-  // the group is replaced, at most as long as a handle to this robot lives; shared_group() and
-  // shared_controller() keep what they return.
+  // the group is replaced, at most as long as a handle to this robot lives; spans of command ports
+  // through changes of the controller too, unless it is of a kind of your own that keeps a port of
+  // its own (Controller::UsePort). References to controllers are valid until that is replaced, by
+  // any robot that has the arm; shared_group() and shared_controller() keep what they return.
   std::vector<std::string> group_names() const;
   bool has_group(const std::string& name) const;
   MoveGroup& group(const std::string& name) const;
@@ -121,12 +128,19 @@ class Robot {
   ApplyResult Apply(const RobotAction& action);
   // Reads the state and runs every controller once. Then Step() steps the whole scene.
   void Update();
-  StepResult Step() { return scene_.Step(); }
-  StepResult StepN(int n) { return scene_.StepN(n); }
+  StepResult Step() { return StepN(1); }
+  StepResult StepN(int n);
+  // While it is true, Step() and StepN() of this robot leave the scene as it is; those of the scene
+  // and of its other robots go on. Update() goes on too. It stays through resets and rebuilds.
+  bool paused() const;
+  void set_paused(bool paused);
 
   // Ports of the arm, in chain order. `msr` are what Update() read; `trq_msr` is what its actuators
-  // apply. `cmd` is what the arm's controller drives it to, for writing in place: each is there
-  // while a controller that takes it is, else an Error says what to do.
+  // apply. `cmd` is what the arm is driven to, for writing in place, one port for each mode that it
+  // has; ArgumentError for others, Error where a controller of that mode takes something else.
+  // Only the port of the present mode drives. What is written into another one counts when its mode
+  // is switched to; where nothing was, the arm goes on without a jump. A reset and SetJointPos()
+  // forget it.
   int n_joints() const;
   const std::vector<std::string>& joint_names() const;
   std::vector<Interval> joint_limits() const;
@@ -174,7 +188,7 @@ class Robot {
   // Update() or the end of a reset read: the load on the sensor (ft_sensor.h says which way it
   // points), less what tare took off. NotFoundError lists the sensors.
   std::vector<std::string> ft_sensor_names() const;
-  const Wrench& ft_sensor(const std::string& name) const;
+  Wrench ft_sensor(const std::string& name) const;
   Pose ft_sensor_frame(const std::string& name) const;  // of the reading, in the world
   // What the sensor reads now, as the last step or Forward() left it, is taken off its readings
   // until the next reset.
@@ -198,7 +212,7 @@ class Robot {
                                             const std::string& kind) const;
   [[noreturn]] void ThrowOtherClass(const std::string& group, const Controller& made) const;
   std::span<double> Port(TargetKind kind, const char* name, CtrlMode mode) const;
-  void WritePort(std::span<double> port, std::span<const double> values);
+  void WritePort(TargetKind kind, std::span<double> port, std::span<const double> values);
   Robot(Scene scene, std::shared_ptr<State> state)
       : scene_(std::move(scene)), state_(std::move(state)) {}
   Scene scene_;

@@ -28,19 +28,13 @@ class Reading {
   bool& flag_;
 };
 
-// One tick of a slot's controller.
-void Run(GroupSlot& slot, Controller& controller) {
-  controller.Compute(slot.ctrl);
-  slot.drive->SetCtrl(slot.ctrl);
-}
-
 // Position targets at which the servos go on pushing as what they take over from.
-void SeedServos(const GroupSlot& slot, Controller& controller) {
-  const auto* servos = dynamic_cast<const ArmGroup*>(slot.drives.of(CtrlMode::kPosition));
+void SeedServos(const ControlledGroup& group, Controller& controller) {
+  const auto* servos = dynamic_cast<const ArmGroup*>(group.drives.of(CtrlMode::kPosition));
   if (!servos || controller.mode() != CtrlMode::kPosition ||
       controller.port_kind() != TargetKind::kJointPositions)
     return;
-  servos->JointPosForTorque(slot.group->joint_pos(), slot.group->joint_torque(),
+  servos->JointPosForTorque(group.group->joint_pos(), group.group->joint_torque(),
                             controller.command_port());
 }
 
@@ -63,13 +57,16 @@ void Robot::State::ThrowClosed() const {
 
 void Robot::State::OnReset() {
   if (!lost.empty()) return;
-  if (refreshed_) RemakeChains();
+  const auto refreshed = [](const auto& slot) {
+    return slot->own->refreshed() || (slot->control->of && slot->control->of->refreshed());
+  };
+  if (std::any_of(slots.begin(), slots.end(), refreshed)) RemakeChains();
   for (FtReading& reading : ft_sensors) reading.tare = {};
-  ForControlled([](GroupSlot& slot) {
-    Controller& controller = *slot.controller;
-    controller.Reset();
+  ForControlled([](GroupControl& control) {
+    control.controller->Reset();
+    control.ports.Reseed(*control.of->group);
     // The key that was restored holds servos only.
-    if (controller.mode() != CtrlMode::kPosition) Run(slot, controller);
+    if (control.controller->mode() != CtrlMode::kPosition) control.Run();
   });
 }
 
@@ -85,9 +82,6 @@ void Robot::State::OnRebuild() {
     FindBodies();
     FindFtSensors();
     RemakeChains();
-    for (const auto& slot : slots) {
-      if (slot->controller) SwitchTo(slot->controller->mode(), slot->drives, scene);
-    }
     ReadPorts();
   } catch (const NotFoundError& error) {
     lost = error.what();
@@ -106,16 +100,19 @@ void Robot::State::ThrowLost() const {
 
 void Robot::State::RefreshChains() {
   RemakeChains({scene.data()->qpos, static_cast<size_t>(scene.model()->nq)});
-  refreshed_ = true;
 }
 
 void Robot::State::RemakeChains(std::span<const double> qpos) {
-  ChainOptions options = chain_options;
-  options.qpos = qpos;
   for (const auto& slot : slots) {
-    if (slot->tip) slot->chain.emplace(scene.model(), record.root_body, *slot->tip, options);
+    slot->own->RemakeChain(scene.model(), qpos);
+    GroupControl& control = *slot->control;
+    if (!control.controller || control.of == slot->own) continue;
+    try {
+      control.of->RemakeChain(scene.model(), qpos);
+    } catch (const NotFoundError&) {  // its robot is gone, or lost its tool
+      PutInstead(*slot, PortController(control.controller->mode()));
+    }
   }
-  refreshed_ = false;
 }
 
 void Robot::State::FindBodies() {
@@ -183,37 +180,31 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
                 made.group->name() +
                 "' outside of the arm's joint_pos, joint_vel and joint_torque");
   }
+  const std::string why_no_actuators =
+      made.why_no_actuators.empty() ? "it has no actuators" : made.why_no_actuators;
   auto slot = std::make_shared<GroupSlot>();
-  if (made.tip) slot->chain.emplace(scene.model(), record.root_body, *made.tip, chain_options);
-  slot->tip = std::move(made.tip);
-  slot->group = std::move(made.group);
-  slot->drives =
-      made.drives.groups == Drives{}.groups ? OwnDrive(slot->group) : std::move(made.drives);
-  slot->arm = dynamic_cast<const ArmGroup*>(slot->group.get());
-  for (const auto& drive : slot->drives.groups) {
-    if (auto* arm = dynamic_cast<ArmGroup*>(drive.get())) arm->UseChain(&slot->chain);
-  }
-  if (slot->group->nu() == 0) {
-    slot->why_no_controller =
-        made.why_no_actuators.empty() ? "it has no actuators" : made.why_no_actuators;
+  slot->own =
+      std::make_shared<ControlledGroup>(scene, std::move(made), record.root_body, chain_options);
+  slot->control = std::make_shared<GroupControl>();
+  if (slot->own->group->nu() == 0) {
+    slot->control->why_no_controller = why_no_actuators;
     if (must_be_driven) {
       throw ArgumentError(
           fmt::format("{}: `control` asks for {}, but {}; remove it there, or give "
                       "the model position servos",
-                      place(*slot), controller, slot->why_no_controller));
+                      place(*slot), controller, why_no_actuators));
     }
   } else {
     try {
-      Use(*slot, MakeController(controller,
-                                RequireDrive(*slot, ControllerMode(controller, place(*slot)))));
+      Drive(*slot, controller, must_be_driven);
     } catch (const ArgumentError& error) {
       if (must_be_driven) throw;
-      slot->why_no_controller = WithoutPlace(error.what(), slot->group->place());
+      slot->control->why_no_controller = WithoutPlace(error.what(), slot->own->group->place());
     }
   }
-  const std::string& name = slot->group->name();
+  const std::string& name = slot->own->group->name();
   const auto same = std::find_if(slots.begin(), slots.end(),
-                                 [&](const auto& s) { return s->group->name() == name; });
+                                 [&](const auto& s) { return s->own->group->name() == name; });
   if (same == slots.end()) {
     slots.push_back(std::move(slot));
   } else {
@@ -222,22 +213,52 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
   ListKinds();
 }
 
+void Robot::State::Drive(GroupSlot& slot, const std::string& controller, bool configured) {
+  const CtrlMode wanted = ControllerMode(controller, place(slot));
+  if (configured) RequireDrive(slot, wanted);  // or why it cannot, whoever drives it now
+  const std::string& key = slot.own->control_key();
+  if (const auto known = std::dynamic_pointer_cast<GroupControl>(scene.FindObserver(key))) {
+    slot.control = known;
+    const bool by_default = !known->chosen && known->controller->kind() != controller;
+    if (configured && by_default && known->controller->mode() == wanted)
+      PutInstead(slot, controller);
+    return;
+  }
+  const CtrlMode mode = ModeNow(slot.own->drives, scene).value_or(wanted);
+  const std::string kind = mode == wanted ? controller : PortController(mode);
+  const bool is_arm = slot.own->group->kind() == MoveGroupKind::kArm;
+  if (is_arm) slot.control->ports.Resize(slot.own->group->nq(), slot.own->group->nv());
+  Use(slot, MakeController(kind, RequireDrive(slot, mode)));
+  if (is_arm) slot.control->ports.Reseed(*slot.own->group);
+  if (!key.empty()) scene.AddObserver(slot.control, key);
+}
+
+void Robot::State::PutInstead(GroupSlot& slot, const std::string& controller) {
+  Controller& known = *slot.control->controller;
+  const std::span<const double> port = known.command_port();
+  const std::vector<double> told(port.begin(), port.end());
+  const TargetKind kind = known.port_kind();
+  Use(slot, MakeController(controller, RequireDrive(slot, known.mode())));
+  Controller& put = *slot.control->controller;
+  if (put.port_kind() == kind) std::copy(told.begin(), told.end(), put.command_port().begin());
+}
+
 void Robot::State::ListKinds() {
   first_ = {};
   for (const auto& slot : slots) {
-    GroupSlot*& first = first_[static_cast<size_t>(slot->group->kind())];
+    GroupSlot*& first = first_[static_cast<size_t>(slot->own->group->kind())];
     if (!first) first = slot.get();
   }
   const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
-  pos.resize(arm ? arm->group->nq() : 0);
-  vel.resize(arm ? arm->group->nv() : 0);
-  trq.resize(arm ? arm->group->nv() : 0);
+  pos.resize(arm ? arm->own->group->nq() : 0);
+  vel.resize(arm ? arm->own->group->nv() : 0);
+  trq.resize(arm ? arm->own->group->nv() : 0);
   ReadPorts();
 }
 
 GroupSlot* Robot::State::Find(const std::string& name) {
   for (const auto& slot : slots) {
-    if (slot->group->name() == name) return slot.get();
+    if (slot->own->group->name() == name) return slot.get();
   }
   return nullptr;
 }
@@ -260,32 +281,32 @@ GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
 }
 
 Controller& Robot::State::RequireController(GroupSlot& slot) {
-  if (slot.controller) return *slot.controller;
-  throw NotFoundError(fmt::format("{} has no controller: {}", place(slot), slot.why_no_controller));
+  if (slot.control->controller) return *slot.control->controller;
+  throw NotFoundError(
+      fmt::format("{} has no controller: {}", place(slot), slot.control->why_no_controller));
 }
 
 MoveGroup& Robot::State::RequireDrive(GroupSlot& slot, CtrlMode mode) {
-  if (MoveGroup* drive = slot.drives.of(mode)) return *drive;
+  if (MoveGroup* drive = slot.own->drives.of(mode)) return *drive;
   // What its actuators are instead is said when they are asked for a position.
-  if (mode == CtrlMode::kPosition) return *slot.group;
+  if (mode == CtrlMode::kPosition) return *slot.own->group;
   throw ArgumentError(fmt::format("{} cannot be switched to {}: {}", place(slot), ToString(mode),
-                                  slot.drives.why_none[static_cast<size_t>(mode)]));
+                                  slot.own->drives.why_none[static_cast<size_t>(mode)]));
 }
 
 void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) {
+  GroupControl& control = *slot.control;
   MoveGroup& drive = RequireDrive(slot, controller->mode());
-  SwitchTo(controller->mode(), slot.drives, scene);
-  const bool switched = slot.drive && slot.drive != &drive;
-  if (switched) SeedServos(slot, *controller);
-  KeepIfRunning(std::exchange(slot.controller, std::move(controller)));
-  slot.drive = &drive;
-  slot.ctrl.resize(drive.nu());
+  const bool other_mode = control.controller && control.controller->mode() != controller->mode();
+  const bool switched = SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
+  if (switched) SeedServos(*slot.own, *controller);
+  control.Put(std::move(controller), slot.own, drive);
   // At once, so that nothing falls in a step before the next Update().
-  if (switched) Run(slot, *slot.controller);
+  if (switched) control.Guarded([](GroupControl& c) { c.Run(); });
 }
 
 const Chain& Robot::State::RequireChain(GroupSlot& slot) {
-  if (slot.chain) return *slot.chain;
+  if (slot.own->chain) return *slot.own->chain;
   throw NotFoundError(place(slot) +
                       " has no chain: kinematics need a configured group of kind arm");
 }
@@ -297,19 +318,19 @@ void Robot::State::ReadPorts() {
   const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
   if (!arm || reading_) return;
   const Reading reading(reading_);
-  arm->group->GetJointPos(pos);
-  arm->group->GetJointVel(vel);
-  arm->group->GetJointTorque(trq);
+  arm->own->group->GetJointPos(pos);
+  arm->own->group->GetJointVel(vel);
+  arm->own->group->GetJointTorque(trq);
 }
 
 std::vector<std::string> Robot::State::group_names() const {
   std::vector<std::string> names;
-  for (const auto& slot : slots) names.push_back(slot->group->name());
+  for (const auto& slot : slots) names.push_back(slot->own->group->name());
   return names;
 }
 
 void Robot::State::AppendGroups(std::vector<std::shared_ptr<MoveGroup>>& out) const {
-  for (const auto& slot : slots) out.push_back(slot->group);
+  for (const auto& slot : slots) out.push_back(slot->own->group);
 }
 
 }  // namespace robocell

@@ -8,23 +8,16 @@
 #include <utility>
 #include <vector>
 
-#include "robocell/robot/group_factory.h"
+#include "robocell/robot/group_control.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/ft_sensor.h"
 
 namespace robocell {
 
-// A group with its controller and the buffer that carries the control to the engine.
+// One of the robot's groups. Slots are replaced with their groups.
 struct GroupSlot : std::enable_shared_from_this<GroupSlot> {
-  std::shared_ptr<MoveGroup> group;
-  Drives drives;
-  MoveGroup* drive = nullptr;              // the one in use
-  const ArmGroup* arm = nullptr;           // the group, when it is an ArmGroup
-  std::shared_ptr<Controller> controller;  // declared after the groups: destroyed before them
-  std::string why_no_controller;
-  std::vector<double> ctrl;
-  std::optional<ChainTip> tip;  // of arms whose chain is known
-  std::optional<Chain> chain;   // from the root body to `tip`
+  std::shared_ptr<ControlledGroup> own;
+  std::shared_ptr<GroupControl> control;  // not of this group alone, and perhaps by another's
 };
 
 struct FtReading {
@@ -46,8 +39,10 @@ class Robot::State : public SceneObserver {
     if (scene.closed()) ThrowClosed();
   }
 
-  // Adds the group or takes the place of the one of that name. A group that `controller` cannot
-  // drive gets none; with `must_be_driven` that is an error.
+  // Adds the group or takes the place of the one of that name. Where its actuators are driven by a
+  // control already, it shares that; else they go on in the mode that they are in, by `controller`
+  // if that is its mode. A group that this cannot drive gets none; with `must_be_driven`, when the
+  // configuration names `controller`, that is an error.
   void AddGroup(MadeGroup made, const std::string& controller, bool must_be_driven);
   GroupSlot* Find(const std::string& name);
   GroupSlot* FindKind(MoveGroupKind kind) { return first_[static_cast<size_t>(kind)]; }
@@ -57,16 +52,17 @@ class Robot::State : public SceneObserver {
   Controller& RequireController(GroupSlot& slot);
   // The group that has the actuators of a mode; ArgumentError says why there is none.
   MoveGroup& RequireDrive(GroupSlot& slot, CtrlMode mode);
-  // Calls `run` with each slot that has a controller. A controller may replace itself, its group or
-  // others.
+  // Calls `run` with the control of each slot that has a controller. A controller may replace
+  // itself, its group or others.
   template <class Run>
   void ForControlled(Run&& run) {
     const Running running(*this);
     for (size_t i = 0; i < slots.size(); ++i) {
-      if (slots[i]->controller) run(*slots[i]);
+      if (slots[i]->control->controller) slots[i]->control->Guarded(run);
     }
   }
-  // Puts a controller in, and switches to what it drives without a jump of the forces.
+  // Puts a controller of the slot's group in, and switches to what it drives without a jump of the
+  // forces.
   void Use(GroupSlot& slot, std::shared_ptr<Controller> controller);
   const Chain& RequireChain(GroupSlot& slot);
 
@@ -86,7 +82,7 @@ class Robot::State : public SceneObserver {
   // "scene 'pick' / robot 'left'".
   std::string place() const { return "scene '" + scene.name() + "' / robot '" + record.name + "'"; }
   std::string place(const GroupSlot& slot) const {
-    return place() + " / group '" + slot.group->name() + "'";
+    return place() + " / group '" + slot.own->group->name() + "'";
   }
 
   Scene scene;
@@ -99,11 +95,11 @@ class Robot::State : public SceneObserver {
   int root_body = -1;
   std::vector<int> bodies, geoms, collision_geoms;
   std::optional<double> reach;
+  bool paused = false;
   std::string lost;  // why it could not follow when the scene was compiled anew
 
  private:
-  // Counting references of each slot in every tick would cost more than the rest of the loop; what
-  // is replaced meanwhile is kept instead.
+  // Slots that are replaced meanwhile are kept, as controllers are (GroupControl).
   struct Running {
     explicit Running(State& s) : state(s) { ++state.running_; }
     ~Running() {
@@ -119,6 +115,10 @@ class Robot::State : public SceneObserver {
   }
   [[noreturn]] void ThrowClosed() const;
   [[noreturn]] void ThrowLost() const;
+  // Gives a new slot its control; ArgumentError when `controller` cannot drive its group.
+  void Drive(GroupSlot& slot, const std::string& controller, bool configured);
+  // A controller of the slot's group in the place of one of the same mode, driven to the same.
+  void PutInstead(GroupSlot& slot, const std::string& controller);
   // Anew from the model, with what hangs on them at `qpos` or, without, at the reference.
   void RemakeChains(std::span<const double> qpos = {});
   void FindBodies();
@@ -127,7 +127,6 @@ class Robot::State : public SceneObserver {
   void ListKinds();
 
   std::array<GroupSlot*, 4> first_ = {};  // of each MoveGroupKind
-  bool refreshed_ = false;                // the chains are not those of the reference
   int running_ = 0;                       // loops over controllers
   std::vector<std::shared_ptr<void>> replaced_;
   bool reading_ = false;  // the arm writes into the ports

@@ -16,20 +16,43 @@
 namespace robocell {
 namespace {
 
-constexpr int kLastGroup = 30;  // the engine ignores higher ones
+// What of an actuator says how it drives its joint.
+struct DriveKind {
+  int transmission, gain_type, bias_type, dynamics;
+  double gain, position_bias;
+};
 
-bool ActsOnJoint(const mjsActuator* a) {
-  return a->trntype == mjTRN_JOINT || a->trntype == mjTRN_JOINTINPARENT;
+DriveKind KindOf(const mjsActuator* a) {
+  return {a->trntype, a->gaintype, a->biastype, a->dyntype, a->gainprm[0], a->biasprm[1]};
 }
 
-bool IsServo(const mjsActuator* a) {
-  return ActsOnJoint(a) && a->gaintype == mjGAIN_FIXED && a->biastype == mjBIAS_AFFINE &&
-         a->gainprm[0] != 0 && a->biasprm[1] < 0;
+DriveKind KindOf(const mjModel* m, int a) {
+  return {m->actuator_trntype[a],           m->actuator_gaintype[a],
+          m->actuator_biastype[a],          m->actuator_dyntype[a],
+          m->actuator_gainprm[mjNGAIN * a], m->actuator_biasprm[mjNBIAS * a + 1]};
 }
 
-bool IsMotor(const mjsActuator* a) {
-  return ActsOnJoint(a) && a->gaintype == mjGAIN_FIXED && a->biastype == mjBIAS_NONE &&
-         a->dyntype == mjDYN_NONE && a->gainprm[0] != 0;
+bool ScalesCtrlOnJoint(const DriveKind& a) {
+  const bool on_joint = a.transmission == mjTRN_JOINT || a.transmission == mjTRN_JOINTINPARENT;
+  return on_joint && a.gain_type == mjGAIN_FIXED && a.gain != 0;
+}
+
+bool IsServo(const DriveKind& a) {
+  return ScalesCtrlOnJoint(a) && a.bias_type == mjBIAS_AFFINE && a.position_bias < 0;
+}
+
+bool IsMotor(const DriveKind& a) {
+  return ScalesCtrlOnJoint(a) && a.bias_type == mjBIAS_NONE && a.dynamics == mjDYN_NONE;
+}
+
+// What all of them are; nothing when they are not of one kind.
+std::optional<CtrlMode> ModeOfAll(const std::vector<DriveKind>& actuators) {
+  const auto all = [&](bool (*is)(const DriveKind&)) {
+    return std::all_of(actuators.begin(), actuators.end(), is);
+  };
+  if (all(&IsServo)) return CtrlMode::kPosition;
+  if (all(&IsMotor)) return CtrlMode::kTorque;
+  return std::nullopt;
 }
 
 // Names of the position servos by the joints they act on; where a joint has several, the first.
@@ -37,7 +60,8 @@ std::map<std::string, std::string> ServosByJoint(const mjSpec* spec) {
   std::map<std::string, std::string> servos;
   for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
     const mjsActuator* actuator = mjs_asActuator(element);
-    if (IsServo(actuator)) servos.emplace(mjs_getString(actuator->target), SpecName(element));
+    if (IsServo(KindOf(actuator)))
+      servos.emplace(mjs_getString(actuator->target), SpecName(element));
   }
   return servos;
 }
@@ -91,15 +115,13 @@ std::optional<CtrlMode> NativeMode(const mjSpec* spec, const Limb& limb) {
   for (const std::string& joint : limb.joints) {
     if (!FindSpecElement(spec, mjOBJ_JOINT, joint)) return std::nullopt;
   }
-  bool servos = true, motors = true;
+  std::vector<DriveKind> actuators;
   for (const std::string& name : limb.actuators) {
     mjsElement* element = FindSpecElement(spec, mjOBJ_ACTUATOR, name);
-    servos &= element && IsServo(mjs_asActuator(element));
-    motors &= element && IsMotor(mjs_asActuator(element));
+    if (!element) return std::nullopt;
+    actuators.push_back(KindOf(mjs_asActuator(element)));
   }
-  if (servos) return CtrlMode::kPosition;
-  if (motors) return CtrlMode::kTorque;
-  return std::nullopt;
+  return ModeOfAll(actuators);
 }
 
 // --- Adding actuators ----------------------------------------------------------------------------
@@ -186,7 +208,8 @@ class GroupNumbers {
 
   int left() const {
     int left = 0;
-    for (int group = next_; group <= kLastGroup; ++group) left += taken_.contains(group) ? 0 : 1;
+    for (int group = next_; group <= kLastActuatorGroup; ++group)
+      left += taken_.contains(group) ? 0 : 1;
     return left;
   }
 
@@ -214,7 +237,7 @@ class GroupNumbers {
 void ReportTooMany(const RobotLimbs& robot, int needed, int left, Report& report) {
   const std::string message =
       fmt::format("its arms need {} actuator groups for their control modes and {} of {} are left",
-                  needed, left, kLastGroup);
+                  needed, left, kLastActuatorGroup);
   if (robot.declared) {
     report.Problem(robot.place, message + "; declare fewer control_modes", "control_modes");
   } else {
@@ -228,6 +251,13 @@ void ReportTooMany(const RobotLimbs& robot, int needed, int left, Report& report
 
 std::string ModeActuatorName(const std::string& joint, CtrlMode mode) {
   return joint + "_" + ToString(mode);
+}
+
+std::optional<CtrlMode> NativeMode(const mjModel* m, const std::vector<std::string>& actuators) {
+  std::vector<DriveKind> kinds;
+  for (const std::string& name : actuators)
+    kinds.push_back(KindOf(m, FindId(m, mjOBJ_ACTUATOR, name)));
+  return ModeOfAll(kinds);
 }
 
 std::vector<std::string> ArmActuators(const MoveGroupConfig& arm, const mjSpec* spec) {

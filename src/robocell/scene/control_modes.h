@@ -8,6 +8,7 @@
 // that declares position only is left as authored.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,15 @@ struct Limb {
   std::vector<CtrlMode> modes = {};        // all that it can be switched to, the native one first
 };
 
+// The groups that the engine can switch are 0 ... this.
+inline constexpr int kLastActuatorGroup = 30;
+
 // "joint1_torque".
 std::string ModeActuatorName(const std::string& joint, CtrlMode mode);
+
+// What actuators of a compiled model, which it has, are: position servos, or motors; nothing when
+// they are of several kinds, or of another.
+std::optional<CtrlMode> NativeMode(const mjModel* model, const std::vector<std::string>& actuators);
 
 // The actuators of an arm, in the order of its joints: those that it lists, else the position
 // servos on its joints (fewer than joints when some have none).

@@ -1,0 +1,94 @@
+// Private to robot: a group of a robot, and what drives its actuators.
+//
+// Several robots may be made of one arm, configured or not, each with a tool or leaf of its own.
+// Each has its own group, but an arm's actuators are driven once: the control is shared by all
+// robots whose arm has the same joints and actuators.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robocell/robot/arm_ports.h"
+#include "robocell/robot/group_factory.h"
+
+namespace robocell {
+
+// A group, what it can be driven by, and the chain to its leaf.
+class ControlledGroup {
+ public:
+  // With its chain, if it has a tip. `options` without qpos.
+  ControlledGroup(const Scene& scene, MadeGroup made, std::string root_body,
+                  const ChainOptions& options);
+
+  // Reads the chain anew, with what hangs on it at `qpos` or, without, at the reference.
+  void RemakeChain(const mjModel* model, std::span<const double> qpos = {});
+  bool refreshed() const { return refreshed_; }  // the chain is not that of the reference
+  // Names the actuators; "" for those of a group that shares no control.
+  const std::string& control_key() const { return control_key_; }
+
+  std::shared_ptr<MoveGroup> group;
+  Drives drives;
+  const ArmGroup* arm = nullptr;  // the group, when it is an ArmGroup
+  std::optional<ChainTip> tip;    // of arms whose chain is known
+  std::optional<Chain> chain;     // from the root body to `tip`
+
+ private:
+  std::string root_body_, tool_body_;
+  std::string control_key_;
+  bool refreshed_ = false;
+  std::vector<std::shared_ptr<void>> companions_;  // of chains that were, see Chain::companion()
+};
+
+// What drives a group, and the buffer that carries the control to the engine. The scene knows those
+// that are shared, as observers of nothing, by their key.
+struct GroupControl : SceneObserver {
+  ArmPorts ports;
+  std::shared_ptr<ControlledGroup> of;     // whose group the controller works on
+  std::shared_ptr<Controller> controller;  // declared after these: destroyed before them
+  MoveGroup* drive = nullptr;              // the one in use, of the same
+  std::string why_no_controller;
+  std::vector<double> ctrl;
+  bool chosen = false;  // by somebody, not by the configuration or for want of one
+
+  // One tick.
+  void Run() {
+    controller->Compute(ctrl);
+    drive->SetCtrl(ctrl);
+  }
+  // Calls `run` with this. A controller may replace itself meanwhile.
+  template <class Call>
+  void Guarded(Call&& run) {
+    const Running running(*this);
+    run(*this);
+  }
+  // Puts a controller in that works on `group`, whose ports and actuators it gets. Returns what was
+  // there before, kept if it is running.
+  void Put(std::shared_ptr<Controller> next, std::shared_ptr<ControlledGroup> group,
+           MoveGroup& its_drive);
+
+ private:
+  // Counting references of each controller in every tick would cost more than the rest of the loop;
+  // what is replaced meanwhile is kept instead.
+  struct Replaced {
+    std::shared_ptr<ControlledGroup> of;
+    std::shared_ptr<Controller> controller;
+  };
+  struct Running {
+    explicit Running(GroupControl& c) : control(c) { ++control.running_; }
+    ~Running() {
+      if (--control.running_ > 0 || control.replaced_.empty()) return;
+      const auto going = std::exchange(control.replaced_, {});
+    }
+    Running(const Running&) = delete;
+    Running& operator=(const Running&) = delete;
+    GroupControl& control;
+  };
+
+  int running_ = 0;
+  std::vector<Replaced> replaced_;
+};
+
+}  // namespace robocell
