@@ -7,9 +7,11 @@
 // each process; or a pattern, as of file names, for "<call> <path>": "rename */dataset.json"; or
 // "1000 bytes" for the write that would be more than so much, by all processes together when
 // FAULT_SHARED names a file of eight zeros for the count. FAULT_DO: fail (the call: EIO), full
-// (the call and all later ones: ENOSPC), kill_before, kill_after. A write that fails or kills takes
-// half of its bytes first, as disks do. The instant is told on standard error as
-// "fault: <call> <path>". Calls that take space away again (unlink) never fail.
+// (the call and all later ones: ENOSPC), kill_before, kill_after, stop (the process, as SIGSTOP does:
+// the call is made when somebody continues it). A write that fails or kills takes half of its bytes
+// first, as disks do. The instant is told on standard error as "fault: <call> <path>". FAULT_ONCE
+// names a file that is not there: the first process that is struck writes its number into it, and no
+// other one is. Calls that take space away again (unlink) never fail.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -72,16 +74,33 @@ static int IsChosen(const char* call, const char* path, size_t size) {
   return fnmatch(at, text, 0) == 0;
 }
 
+// Whether this process is struck, of all that meet the fault.
+static int IsTheOne(void) {
+  const char* file = Setting("FAULT_ONCE");
+  if (*file == 0) return 1;
+  const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+  const int once = (int)syscall(SYS_openat, AT_FDCWD, file, flags, 0644);
+  if (once < 0) return 0;
+  dprintf(once, "%d\n", getpid());
+  close(once);
+  return 1;
+}
+
 // What becomes of a call that changes `path`, by `size` bytes.
 static int Decide(const char* call, const char* path, size_t size) {
   if (!Watched(path)) return kPass;
   const char* action = Setting("FAULT_DO");
   const int full = strcmp(action, "full") == 0;
   if (!IsChosen(call, path, size) && !(full && atomic_load(&struck))) return kPass;
+  if (!IsTheOne()) return kPass;
   atomic_store(&struck, 1);
   dprintf(2, "fault: %s %s\n", call, path);
   if (strcmp(action, "kill_before") == 0) return kKillBefore;
   if (strcmp(action, "kill_after") == 0) return kKillAfter;
+  if (strcmp(action, "stop") == 0) {
+    raise(SIGSTOP);  // this thread goes no further
+    return kPass;
+  }
   errno = full ? ENOSPC : EIO;
   return kFail;
 }

@@ -104,6 +104,8 @@ class Storm:
         assert command.returncode == 0, said
         self.take(events)
         self.require_nothing_lost()
+        logs = "".join(log.read_text(errors="replace") for log in self.dataset.glob(".logs/*.log"))
+        assert "leaked" not in said + logs, "nanobind reports what Python does not let go"
         report = robocell.verify(self.dataset)
         assert len(report.good) == EPISODES
         assert report.leftovers == [], "what the dead were writing is gone"

@@ -70,9 +70,9 @@ def _work(
 
 
 def _tell_failure(replies: int, verb: str, error: Exception) -> int:
-    _send(replies, {verb: Failure.of(error).to_json()})
     with contextlib.suppress(OSError):  # the log may be on the very disk that is full
-        traceback.print_exc()
+        traceback.print_exception(error)
+    _send(replies, {verb: Failure.of(error).to_json()})  # nobody may listen any more
     return 1
 
 
