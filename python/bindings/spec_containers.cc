@@ -210,6 +210,8 @@ Entries ToEntries(nb::handle value, const FieldPath& path, const MapOps& ops) {
   if (IsText(value) || entries.is(value)) ThrowType(path, expected, value);
   Entries out;
   for (const nb::object& entry : ToItems(entries, path, expected)) {
+    if (IsText(entry) || !PySequence_Check(entry.ptr()) || nb::len(entry) != 2)
+      ThrowType(path, expected, value);
     const std::string key = ToText(entry[0], path);
     out.emplace_back(key, ops.box(entry[1], FieldPath(path, key)));
   }

@@ -33,6 +33,19 @@ std::pair<std::string, nb::object> OnlyEntry(nb::handle value, const FieldPath& 
 
 }  // namespace
 
+bool HoldsOthers(const std::vector<Field>& fields, nb::handle dict) {
+  for (const auto& [key, value] : nb::borrow<nb::dict>(dict)) {
+    const bool whole = nb::isinstance<nb::dict>(value) ||
+                       (nb::isinstance<nb::tuple>(value) && nb::len(value) == 2);
+    if (!whole || !IsText(key)) return false;
+    const std::string name = ToText(key, FieldPath("field name"));
+    for (const Field& field : fields) {
+      if (name == field.name) return false;
+    }
+  }
+  return nb::len(dict) > 0;
+}
+
 void SetFields(const std::vector<Field>& fields, void* spec, const char* type, nb::handle values,
                const FieldPath* path) {
   for (const auto& [key, value] : nb::borrow<nb::dict>(values)) {

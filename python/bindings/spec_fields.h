@@ -291,6 +291,9 @@ Box<S> PairToSpecBox(nb::handle pair, const FieldPath& path) {
   return box;
 }
 
+// Whether what a dictionary has is no field, but written as whole specs are.
+bool HoldsOthers(const std::vector<Field>& fields, nb::handle dict);
+
 inline bool IsPath(nb::handle value) { return IsText(value) || nb::hasattr(value, "__fspath__"); }
 
 // An object of class S, a dictionary of its fields, or what else it can be written as.
@@ -305,6 +308,10 @@ Box<S> ToSpecBox(nb::handle value, const FieldPath& path) {
   }
   Box<S> box;
   if (nb::isinstance<nb::dict>(value)) {
+    if constexpr (requires { S::kWhenNested; }) {
+      if (HoldsOthers(FieldsOf<S>(), value))
+        ThrowValue(path, std::string("is wrong: ") + S::kWhenNested);
+    }
     box = std::make_shared<S>();
     SetFields(FieldsOf<S>(), box.get(), S::kTypeName, value, &path);
   } else if (value.is_none() || !nb::try_cast(value, box, /*convert=*/false) || !box) {

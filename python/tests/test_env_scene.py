@@ -7,6 +7,7 @@ import pickle
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import robocell as rc
@@ -118,6 +119,30 @@ class TestMistakes:
             "camera: bird_eye} to cameras.streams"
         ) in self.message(duo)
 
+    def test_objects_by_robot_in_world_objects_and_the_other_way_round(self, duo, box):
+        pair = (box, rc.Pose())
+        for field in ("world_frame_objects", "root_frame_objects"):
+            with pytest.raises(rc.ArgumentError) as error:
+                setattr(duo, field, {"left": {"d405_mount": pair}})
+            assert str(error.value) == (
+                f"{field}.left is wrong: objects by name stand where one object is expected; those "
+                "that follow a robot's wrist go into robot_frame_objects: {robot: {id: ...}}, all "
+                "others are {id: ...} without a robot"
+            )
+        with pytest.raises(TypeError) as error:
+            duo.robot_frame_objects = {"d405_mount": pair}
+        assert str(error.value) == (
+            "robot_frame_objects.d405_mount must be a mapping of names to EnvObject, got tuple"
+        )
+
+    def test_a_task_about_an_object_of_the_room(self, duo, box):
+        duo.world_frame_objects = {"cube": (box, rc.Pose())}
+        duo.task = {"object": "cube"}
+        assert (
+            "task.object: 'cube' is in world_frame_objects, which stay in the room; a task goes "
+            "with the rig, and so do its objects: move it to root_frame_objects"
+        ) in self.message(duo)
+
     def test_what_follows_a_wrist_in_world_objects(self, duo, box):
         duo.world_frame_objects = {"left": (box, rc.Pose())}
         assert (
@@ -126,38 +151,95 @@ class TestMistakes:
         ) in self.message(duo)
 
 
+def random_pose(rng: np.random.Generator) -> rc.Pose:
+    return rc.Pose(translation=rng.uniform(-1, 1, 3), rpy=rng.uniform(-1.5, 1.5, 3))
+
+
+def test_robots_stand_at_the_product_of_the_three_transforms(duo):
+    rng = np.random.default_rng(1)
+    for _ in range(5):
+        duo.root_frame_to_world = random_pose(rng)
+        duo.shared_base_frame_to_root_frame = random_pose(rng)
+        stands = {robot: random_pose(rng) for robot in duo.robots}
+        duo.robot_to_shared_base_frame = stands
+        scene = rc.Scene.build(rc.env_scene_spec(duo))
+        shared = duo.root_frame_to_world * duo.shared_base_frame_to_root_frame
+        assert scene.shared_base_frame_to_world.is_close(shared, 1e-9, 1e-9)
+        for robot, pose in stands.items():
+            for found in (
+                scene.body_pose(f"robot{robot}_base_link"),
+                scene.robot(robot).base_in_world,
+            ):
+                assert found.is_close(shared * pose, 1e-9, 1e-9)
+
+
+def test_moving_the_root_moves_the_rig_rigidly_and_nothing_else(duo, box):
+    duo.world_frame_objects = {"lamp": (box, at(1, 0, 2))}
+    duo.root_frame_objects = {"mount": (box, at(0, 0, 0.2))}
+    duo.robot_frame_objects = {"left": {"bracket": (box, at(0, 0.1, 0))}}
+    duo.camera_adds = {
+        "bird_eye": rc.CameraAdderConfig(offset=at(0.3, 0, 2)),
+        "wrist": rc.CameraAdderConfig(offset=at(0.05, 0, 0), robot_name="right"),
+    }
+    duo.cameras = {"streams": [{"name": n, "camera": n} for n in duo.camera_adds]}
+    before = rc.Scene.build(rc.env_scene_spec(duo))
+    move = rc.Pose(translation=[0.4, -0.3, 0.2], rpy=[0.5, -0.4, 2])
+    duo.root_frame_to_world = move * duo.root_frame_to_world
+    after = rc.Scene.build(rc.env_scene_spec(duo))
+    assert after.body_names() == before.body_names()
+    for body in before.body_names():
+        by = rc.Pose() if body in ("world", "lamp_box") else move
+        assert after.body_pose(body).is_close(by * before.body_pose(body), 1e-9, 1e-9), body
+    for camera in before.camera_names():
+        expected = move * before.camera_pose(camera)
+        assert after.camera_pose(camera).is_close(expected, 1e-9, 1e-9), camera
+
+
 def test_the_workflow_one_frame_after_the_other(box):
-    """One robot; then objects of rig, room and wrist; then cameras; then the rig's offsets."""
+    """One robot; objects of rig, room and wrist; cameras; the rig's offsets: a look at each."""
     config = rc.EnvConfig(name="cell", robots={"robot": RC7})
+    expected = {"robotrobot_base_link": rc.Pose()}
 
-    def build() -> rc.Scene:
-        return rc.Scene.build(rc.env_scene_spec(config))
+    def look() -> rc.Scene:
+        scene = rc.Scene.build(rc.env_scene_spec(config))
+        for body, pose in expected.items():
+            assert scene.body_pose(body).is_close(pose, 1e-9, 1e-9), body
+        return scene
 
-    scene = build()
-    assert scene.body_pose("robotrobot_base_link").is_close(rc.Pose(), 1e-9, 1e-9)
+    scene = look()
+    assert scene.root_frame_to_world == scene.shared_base_frame_to_world == rc.Pose()
 
     config.root_frame_objects = {"mount": (box, at(0, 0, -0.1))}
+    expected["mount_box"] = at(0, 0, -0.1)
+    look()
+
     config.world_frame_objects = {"cube": (box, at(0.5, 0, 0.2))}
+    expected["cube_box"] = at(0.5, 0, 0.2)
+    look()
+
     config.robot_frame_objects = {"robot": {"bracket": (box, at(0, 0.05, 0))}}
+    scene = look()
+    wrist = scene.site_pose("robotrobot_attachment_site")
+    expected["bracket_box"] = wrist * at(0, 0.05, 0)
+
     config.camera_adds = {
         "bird_eye": rc.CameraAdderConfig(fovy=60.0, offset=at(0.3, 0, 2)),
         "wrist": rc.CameraAdderConfig(offset=at(0.05, 0, 0), robot_name="robot"),
     }
     config.cameras = {"streams": [{"name": n, "camera": n} for n in config.camera_adds]}
+    scene = look()
+    assert scene.camera_pose("bird_eye").is_close(at(0.3, 0, 2), 1e-9, 1e-9)
+    assert scene.camera_pose("wrist").is_close(wrist * at(0.05, 0, 0), 1e-9, 1e-9)
+    assert [scene.model.camera(name).fovy for name in config.camera_adds] == [60, 60]
+
     config.root_frame_to_world = rc.Pose(translation=[1, 2, 3], rpy=[0, 0, 1])
     config.shared_base_frame_to_root_frame = at(0, 0, 0.3)
     config.robot_to_shared_base_frame = {"robot": rc.Pose(translation=[0, 1, 0], rpy=[0.3, 0, 0])}
-    scene = build()
     root = config.root_frame_to_world
-    wrist = scene.site_pose("robotrobot_attachment_site")
-    expected = {
-        "robotrobot_base_link": root * at(0, 0, 0.3) * config.robot_to_shared_base_frame["robot"],
-        "mount_box": root * at(0, 0, -0.1),
-        "cube_box": at(0.5, 0, 0.2),
-        "bracket_box": wrist * at(0, 0.05, 0),
-    }
-    for body, pose in expected.items():
-        assert scene.body_pose(body).is_close(pose, 1e-9, 1e-9), body
+    robot = root * at(0, 0, 0.3) * config.robot_to_shared_base_frame["robot"]
+    for body in ("robotrobot_base_link", "bracket_box"):  # from where it stood: the origin
+        expected[body] = robot * expected[body]
+    expected["mount_box"] = root * at(0, 0, -0.1)
+    scene = look()
     assert scene.camera_pose("bird_eye").is_close(root * at(0.3, 0, 2), 1e-9, 1e-9)
-    assert scene.camera_pose("wrist").is_close(wrist * at(0.05, 0, 0), 1e-9, 1e-9)
-    assert [scene.model.camera(name).fovy for name in config.camera_adds] == [60, 60]
+    assert scene.camera_pose("wrist").is_close(robot * wrist * at(0.05, 0, 0), 1e-9, 1e-9)

@@ -108,6 +108,13 @@ void CheckTask(const EnvConfig& env, Problems& problems) {
   Problems::Scope scope(problems, "task");
   const auto check_object = [&](const char* field, const std::string& object) {
     if (env.root_frame_objects.contains(object)) return;
+    if (env.world_frame_objects.contains(object)) {
+      problems.AddAt(field, fmt::format("'{}' is in world_frame_objects, which stay in the room; a "
+                                        "task goes with the rig, and so do its objects: move it to "
+                                        "root_frame_objects",
+                                        object));
+      return;
+    }
     problems.AddAt(
         field, NoSuchName("root_frame_objects", "object", object, env.root_frame_objects.keys()));
   };

@@ -130,6 +130,16 @@ TEST(EnvConfig, WhatFollowsAWristIsNoObjectOfTheRoom) {
                         "goes into robot_frame_objects: {left: {id: ...}}"));
 }
 
+TEST(EnvConfig, ObjectsByRobotFollowWrists) {
+  EXPECT_THAT(
+      ParseError<EnvConfig>("robots: {left: {name: a, model: b, attachment_site: s}}\n"
+                            "world_frame_objects: {left: {mount: {mjcf_path: mount.xml}}}\n"),
+      HasSubstr(
+          "f.yaml:2:30: world_frame_objects.left.mount: objects by name stand where one object "
+          "is expected; those that follow a robot's wrist go into robot_frame_objects: "
+          "{robot: {id: ...}}, all others are {id: ...} without a robot"));
+}
+
 TEST(EnvConfig, ObjectsAreNotNamedLikePartsOfRobots) {
   EnvConfig env = Duo();
   env.root_frame_objects["robotleft"] = Thing();
@@ -173,6 +183,11 @@ TEST(EnvConfig, ATaskIsAboutAnObjectOfTheRig) {
             "Did you mean 'cube'?");
   env.task->object = "cube";
   EXPECT_EQ(Message(env), "");
+  env.world_frame_objects["ball"] = Thing();
+  env.task->object = "ball";
+  EXPECT_EQ(Message(env),
+            "it is not valid: task.object: 'ball' is in world_frame_objects, which stay in the "
+            "room; a task goes with the rig, and so do its objects: move it to root_frame_objects");
 }
 
 TEST(EnvConfig, RobotsAreNotCalledLikeOtherPartsOfObservations) {

@@ -28,6 +28,10 @@ struct EnvObject {
 
   static constexpr const char* kTypeName = "EnvObject";
   static constexpr bool kWrittenAsPair = true;  // in Python: (mjcf_path, offset)
+  // Said where names and objects stand in the place of one object's fields.
+  static constexpr const char* kWhenNested =
+      "objects by name stand where one object is expected; those that follow a robot's wrist go "
+      "into robot_frame_objects: {robot: {id: ...}}, all others are {id: ...} without a robot";
   template <class V>
   static void Fields(V&& v) {
     v("mjcf_path", &EnvObject::mjcf_path, "Model file: path, `menagerie:...` or built-in name.");

@@ -291,7 +291,7 @@ class Reader {
       if (name == "quat") quat = true;
       if (ReadField(name, value, out)) return;
       if (ReadQuatWxyz(name, value, out)) return void(quat_wxyz = true);
-      FailField(key, name, out);
+      FailField(key, name, value, out);
       ReadAsMeant(node, name, value, out);
     };
     ForEachKey(node, read, [](const std::string& name) {
@@ -316,10 +316,14 @@ class Reader {
   }
 
   template <class T>
-  void FailField(const YAML::Node& key, const std::string& name, const T& out) {
+  void FailField(const YAML::Node& key, const std::string& name, const YAML::Node& value,
+                 const T& out) {
     std::vector<std::string> names = FieldNames<T>();
     if constexpr (requires { out.quat; }) names.push_back("quat_wxyz");
     Problems::Scope scope(problems_, name);
+    if constexpr (requires { T::kWhenNested; }) {
+      if (value.IsMap() && NearestNames(name, names, 1).empty()) return Fail(key, T::kWhenNested);
+    }
     if (const std::string hint = NoBlankHint(name, names); !hint.empty()) return Fail(key, hint);
     Fail(key, NoSuchName(WithArticle(T::kTypeName), "field", name, names));
   }
