@@ -81,6 +81,34 @@ def test_the_same_pose_sends_both_arms_to_the_same_place_in_the_world():
     assert reached >= 8
 
 
+def sent(env: rc.Env, name: str) -> rc.Pose:
+    """Where a robot was last sent, in the shared base frame."""
+    robot = env.scene.robot(name)
+    world = robot.base_in_world * robot.kinematics.fk(robot.jnt_pos_cmd)
+    return env.scene.shared_base_frame_to_world.inverse() * world
+
+
+@pytest.mark.parametrize("mode", ["cartesian_tquat", "cartesian_trpy"])
+def test_relative_rotations_turn_about_the_tcp_with_the_axes_of_the_shared_frame(mode):
+    """Of arms that are mounted off-centre and tilted, on a rig that is tilted too."""
+    tilted = rc.Pose(translation=[1, 2, 0.5], rpy=[0.2, -0.1, 2])
+    env = rc.Env(config(control_mode=mode, root_frame_to_world=tilted))
+    env.reset(seed=1)
+    turn = rc.Pose(rpy=[0.1, -0.2, 0.3])
+    numbers = {
+        "cartesian_tquat": {"tquat": [0, 0, 0, *turn.quaternion]},
+        "cartesian_trpy": {"xyzrpy": [0, 0, 0, *turn.rpy]},
+    }
+    before = {name: sent(env, name) for name in ("left", "right")}
+    *_, info = env.step(dict.fromkeys(before, numbers[mode] | {"gripper": 1}))
+    for name, pose in before.items():
+        assert info["robots"][name]["ik_success"]
+        now = sent(env, name)
+        assert np.abs(now.translation - pose.translation).max() < 3e-5
+        assert np.allclose(now.rotation, turn.rotation @ pose.rotation, atol=5e-5)
+    env.close()
+
+
 def test_observations_are_copies(env):
     first, _ = env.reset(seed=3)
     kept = {name: {k: v.copy() for k, v in own.items()} for name, own in first.items()}

@@ -47,6 +47,33 @@ def test_frames_are_copies_with_their_time():
     assert (first["time"][0], second["time"][0]) == (0, pytest.approx(0.034))
 
 
+def test_depth_saturates_and_is_zero_where_nothing_is():
+    config = watched(wrappers={"include_depth": True})
+    config.camera_adds["top"].offset = rc.Pose(translation=[3, 3, 80])
+    config.camera_adds["up"] = {"offset": rc.Pose(translation=[3, 3, 1], rpy=[np.pi, 0, 0])}
+    config.cameras.streams.append({"name": "up", "camera": "up", "segmentation": True})
+    frames = rc.Env(config).reset(seed=0)[0]["frames"]
+    assert np.all(frames["top"]["depth"]["data"] == 65535)
+    assert np.all(frames["up"]["depth"]["data"] == 0)
+    assert np.all(frames["up"]["segmentation"]["data"] == -1)
+
+
+def test_frames_come_at_the_rate_of_their_stream():
+    config = watched()
+    for name, rate in (("slow", 10), ("fast", 100)):
+        config.cameras.streams.append({"name": name, "camera": "top", "rate": rate})
+    env = rc.Env(config)
+    env.reset(seed=0)
+    still = {"robot": {"joints": np.zeros(7), "gripper": 1}}
+    for _ in range(9):
+        observation, *_, info = env.step(still)
+        now = info["time"]
+        times = {name: frame["time"][0] for name, frame in observation["frames"].items()}
+        assert times["top"] == now, "with every observation"
+        assert 0 <= times["slow"] - np.floor(now * 10 + 1e-9) / 10 < 0.002
+        assert 0 <= now - times["fast"] < 0.012
+
+
 def test_a_camera_that_is_not_there_is_told():
     config = watched()
     config.cameras.streams[0].name = "eye"

@@ -32,15 +32,17 @@ def test_a_step_ends_on_arrival_or_when_its_time_is_up():
     assert (info["reason"], info["time"]) == ("timeout", pytest.approx(0.01))
 
 
+WALL = {
+    "shape": "box",
+    "size": [0.1, 0.02, 0.5],
+    "mass": 1,
+    "fixed": True,
+    "offset": rc.Pose(translation=[0.15, -0.2, 0.5]),
+}
+
+
 def test_a_step_ends_where_a_robot_runs_into_something():
-    wall = {
-        "shape": "box",
-        "size": [0.1, 0.02, 0.5],
-        "mass": 1,
-        "fixed": True,
-        "offset": rc.Pose(translation=[0.15, -0.2, 0.5]),
-    }
-    env = make(world_frame_objects={"wall": wall}, sim={"on_collision": "stop"})
+    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "stop"})
     reasons = []
     while len(reasons) < 30 and reasons[-1:] != ["collision"]:
         _, info = move(env, [0, -0.05, 0])
@@ -50,13 +52,91 @@ def test_a_step_ends_where_a_robot_runs_into_something():
     assert info["collisions"][0]["other_body"] == "wall"
 
 
-def test_a_pose_without_solution_is_told():
+def test_collisions_are_reported_or_looked_at_ahead():
+    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "report"})
+    reasons = [move(env, [0, -0.05, 0])[1]["reason"] for _ in range(12)]
+    assert "collision" not in reasons
+    assert env.step({"robot": {"tquat": [0, -0.05, 0, 0, 0, 0, 1], "gripper": 1}})[4]["collisions"]
+
+    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "guard"})
+    arm = env.scene.robot("robot")
+    _, info = move(env, [0, 0, 0])
+    while info["reason"] != "collision":
+        sent = np.array(arm.jnt_pos_cmd)
+        _, info = move(env, [0, -0.05, 0])
+        assert info["time"] < 60
+    hit = info["collisions"][0]
+    assert hit["other_body"] == "wall"
+    assert np.array_equal(arm.jnt_pos_cmd, sent), "it was not carried out"
+    touching = [{contact.body1, contact.body2} for contact in env.scene.contacts()]
+    assert {hit["body"], "wall"} not in touching, "of the arm, grippers may touch things"
+    away = [move(env, [0, 0.05, 0])[1]["reason"] for _ in range(6)]
+    assert "collision" not in away
+    assert away[-1] == "arrived"
+
+
+def test_a_pose_without_solution_is_told_and_the_next_one_tried():
     env = make(relative_to="none")
+    begin = env.reset(seed=1)[0]["robot"]["tquat"]
     _, upper = env.action_range
     corner = upper["robot"]["tquat"][:3]
-    _, info = move(env, corner)
-    assert info["reason"] == "ik_failed"
-    assert not info["robots"]["robot"]["ik_success"]
+    for _ in range(2):
+        seen, info = move(env, corner)
+        assert info["reason"] == "ik_failed"
+        assert not info["robots"]["robot"]["ik_success"]
+        assert np.allclose(seen["tquat"][:3], begin[:3], atol=5e-3), "it stays"
+    _, info = move(env, np.add(begin[:3], [0, 0, 0.02]), begin[3:])
+    assert info["reason"] == "arrived"
+    assert info["robots"]["robot"]["ik_success"]
+
+
+def test_the_slowest_ramp_arrives():
+    env = make()
+    begin = env.reset(seed=1)[0]["robot"]["tquat"]
+    for _ in range(150):
+        seen, _ = move(env, [0, 0, 2e-4])
+    assert seen["tquat"][2] - begin[2] == pytest.approx(0.03, abs=3e-3)
+
+
+def test_a_configured_origin_stays_until_it_is_set_anew():
+    env = make(relative_to="configured_origin")
+    begin = env.reset(seed=1)[0]["robot"]["tquat"]
+    heights = [move(env, [0, 0, 0.03])[0]["tquat"][2] - begin[2] for _ in range(2)]
+    env.set_origin_to_current("robot")
+    heights.append(move(env, [0, 0, 0.03])[0]["tquat"][2] - begin[2])
+    assert np.allclose(heights, [0.03, 0.03, 0.06], atol=5e-3)
+    with pytest.raises(rc.NotFoundError, match=r"no robot 'robto'\. Its robots: robot\. Did"):
+        env.set_origin_to_current("robto")
+
+
+def test_joints_are_limited_from_where_they_were_sent_and_by_the_robot():
+    env = make(control_mode="joints", relative_to="none", max_relative_movement=0.1)
+    begin = env.reset(seed=1)[0]["robot"]["joints"]
+    for step in range(1, 4):
+        env.step({"robot": {"joints": begin + 1, "gripper": 1}})
+        command = np.array(env.scene.robot("robot").jnt_pos_cmd)
+        assert np.allclose(command, begin + 0.1 * step, atol=1e-9)
+    lower, upper = (ends["robot"]["joints"] for ends in env.action_range)
+    for _ in range(120):
+        env.step({"robot": {"joints": upper + 1, "gripper": 1}})
+        command = np.array(env.scene.robot("robot").jnt_pos_cmd)
+        assert np.all((lower <= command) & (command <= upper))
+    assert np.allclose(command, upper)
+
+
+def test_a_diverged_simulation_truncates_and_only_a_reset_goes_on():
+    env = make()
+    last = env.reset(seed=1)[0]["robot"]["joints"]
+    env.scene.data.qvel[0] = 1e12
+    action = {"robot": {"tquat": [0, 0, 0.01, 0, 0, 0, 1], "gripper": 1}}
+    seen, _, terminated, truncated, info = env.step(action)
+    assert (terminated, truncated, info["reason"]) == (False, True, "diverged")
+    assert "diverged at t=" in info["message"]
+    assert np.array_equal(seen["robot"]["joints"], last), "what was before it"
+    with pytest.raises(rc.Error, match="has diverged; call reset to go on"):
+        env.step(action)
+    env.reset(seed=1)
+    assert env.step(action)[4]["reason"] == "arrived"
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,18 @@ TEST(EnvImages, DepthIsInMillimetres) {
   for (const int32_t body : up.segmentation) EXPECT_EQ(body, -1);
 }
 
+TEST(EnvImages, DepthIsAtMostWhatItsNumbersHold) {
+  EnvConfig config = Watched();
+  config.wrappers.include_depth = true;
+  config.camera_adds["top"].offset = Pose(Eigen::Vector3d(3, 3, 65.5));
+  config.camera_adds["high"] = {.fovy = 30, .offset = Pose(Eigen::Vector3d(3, 3, 80))};
+  config.cameras.streams.push_back({.name = "high", .camera = "high"});
+  Env env(config);
+  env.Reset();
+  for (const uint16_t mm : env.frames()[0].depth_mm) EXPECT_NEAR(mm, 65500, 35);
+  for (const uint16_t mm : env.frames()[1].depth_mm) EXPECT_EQ(mm, 65535);
+}
+
 TEST(EnvImages, PointsProjectToWhereTheyAreSeen) {
   Env env(Watched());
   env.Reset();

@@ -104,8 +104,12 @@ TEST(EnvScene, WhatARobotCarriesFollowsItsWristOnly) {
   const Pose carried =
       scene.site_pose("robotleft_flange").inverse() * scene.body_pose("bracket_box");
   const Pose other = scene.body_pose("gripperright_palm"), mount = scene.body_pose("mount_box");
+  const Pose above = scene.camera_pose("bird_eye");
   Robot::Of(scene, "left").SetJointPos(std::vector<double>{0.7, -1.1});
-  EXPECT_POSE(scene.body_pose("bracket_box"), scene.site_pose("robotleft_flange") * carried);
+  const Pose wrist = scene.site_pose("robotleft_flange");
+  EXPECT_POSE(scene.body_pose("bracket_box"), wrist * carried);
+  EXPECT_POSE(scene.camera_pose("wrist"), wrist * At(0.05, 0, 0));
+  EXPECT_POSE(scene.camera_pose("bird_eye"), above);
   EXPECT_POSE(scene.body_pose("gripperright_palm"), other);
   EXPECT_POSE(scene.body_pose("mount_box"), mount);
 }

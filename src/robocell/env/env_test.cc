@@ -261,13 +261,18 @@ TEST(EnvSteps, EndWhenTheirTimeIsUp) {
 }
 
 TEST(EnvSteps, TakeAsLongAsTheySimulateWhenPaced) {
-  EnvConfig config = Rc7Env();
-  config.sim.async_control = config.sim.realtime = true;
-  Env env = Ready(config);
-  const auto start = std::chrono::steady_clock::now();
-  for (int step = 0; step < 6; ++step) env.Step(ForAll(env, Numbers(7, 0)));
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  EXPECT_GE(took.count(), 0.2);
+  for (const bool async_control : {true, false}) {
+    EnvConfig config = Rc7Env();
+    config.sim.async_control = async_control;
+    config.sim.realtime = true;
+    Env env = Ready(config);
+    const auto start = std::chrono::steady_clock::now();
+    double simulated = 0;
+    for (int step = 0; step < 6; ++step) simulated = env.Step(ForAll(env, Numbers(7, 0.02))).time;
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    EXPECT_GE(simulated, 0.15);
+    EXPECT_GE(took.count(), simulated);
+  }
 }
 
 // A wall beside the robot, where it comes to when it turns.
