@@ -23,7 +23,7 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
 
 # Gigabytes that `scripts/setup` does not bring: its tests are for who has it (CONTRIBUTING.md).
 if importlib.util.find_spec("stable_baselines3") is None:
-    collect_ignore = ["python/tests/test_sb3.py"]
+    collect_ignore = ["python/tests/test_sb3_learns.py"]
 
 
 @pytest.fixture

@@ -20,9 +20,9 @@ namespace robocell::python {
 
 using namespace nb::literals;
 
-namespace {
-
 std::string Place(const Env& env) { return "environment '" + env.config().name + "'"; }
+
+namespace {
 
 std::vector<std::string> RobotNamesOf(const Env& env) {
   std::vector<std::string> names;
@@ -30,7 +30,7 @@ std::vector<std::string> RobotNamesOf(const Env& env) {
   return names;
 }
 
-// The keys that a dictionary has to have, no more and no less.
+// Says what is wrong with the keys of a dictionary.
 void CheckKeys(const Env& env, const FieldPath& path, const nb::dict& values, const char* kind,
                const std::vector<std::string>& keys, const std::string& why = "") {
   for (const auto& [key, value] : values) {
@@ -69,35 +69,68 @@ double ToGripper(nb::handle value, const FieldPath& path) {
   return many ? Numbers(value, path, 1)[0] : ToDouble(value, path);
 }
 
+// What a dictionary has under a key; null without.
+nb::object Find(const nb::dict& values, const std::string& key) {
+  const auto name = nb::steal(PyUnicode_FromStringAndSize(key.data(), Py_ssize_t(key.size())));
+  return nb::borrow(PyDict_GetItem(values.ptr(), name.ptr()));
+}
+
+// The robots' parts of an action; nothing but these are in it.
+std::vector<nb::object> RobotsOf(const Env& env, const FieldPath& path, const nb::dict& action) {
+  const std::vector<RobotLayout>& robots = env.layout().robots;
+  std::vector<nb::object> found;
+  for (const RobotLayout& robot : robots) found.push_back(Find(action, robot.robot));
+  const bool all = std::all_of(found.begin(), found.end(), [](auto& f) { return f.is_valid(); });
+  if (!all || action.size() != robots.size())
+    CheckKeys(env, path, action, "robot", RobotNamesOf(env));
+  return found;
+}
+
+void PutCommands(const Env& env, const RobotLayout& robot, const FieldPath& path,
+                 const nb::dict& own, std::vector<double>& out) {
+  const nb::object command = Find(own, robot.command);
+  const nb::object gripper = robot.has_gripper ? Find(own, "gripper") : nb::object();
+  const size_t count = robot.has_gripper ? 2 : 1;
+  if (!command.is_valid() || gripper.is_valid() != robot.has_gripper || own.size() != count) {
+    std::vector<std::string> keys = {robot.command};
+    if (robot.has_gripper) keys.emplace_back("gripper");
+    CheckKeys(env, path, own, "command", keys,
+              fmt::format(" (control_mode {})", ToString(env.config().control_mode)));
+  }
+  PutNumbers(command, FieldPath(path, robot.command), robot.action, out);
+  if (robot.has_gripper) out[robot.gripper_action] = ToGripper(gripper, FieldPath(path, "gripper"));
+}
+
 std::vector<double> ToAction(const Env& env, nb::handle value) {
   const FieldPath path("action");
   const nb::dict action = ToDict(value, path, "a dict of robots");
-  CheckKeys(env, path, action, "robot", RobotNamesOf(env));
+  const std::vector<nb::object> robots = RobotsOf(env, path, action);
   std::vector<double> out(static_cast<size_t>(env.layout().action.size()));
-  for (const RobotLayout& robot : env.layout().robots) {
+  for (size_t i = 0; i < robots.size(); ++i) {
+    const RobotLayout& robot = env.layout().robots[i];
     const FieldPath of_robot(path, robot.robot);
-    const nb::dict own =
-        ToDict(nb::object(action[robot.robot.c_str()]), of_robot, "a dict of the robot's commands");
-    std::vector<std::string> keys = {robot.command};
-    if (robot.has_gripper) keys.emplace_back("gripper");
-    CheckKeys(env, of_robot, own, "command", keys,
-              fmt::format(" (control_mode {})", ToString(env.config().control_mode)));
-    PutNumbers(nb::object(own[robot.command.c_str()]), FieldPath(of_robot, robot.command),
-               robot.action, out);
-    if (!robot.has_gripper) continue;
-    out[robot.gripper_action] =
-        ToGripper(nb::object(own["gripper"]), FieldPath(of_robot, "gripper"));
+    const nb::dict own = ToDict(robots[i], of_robot, "a dict of the robot's commands");
+    PutCommands(env, robot, of_robot, own, out);
   }
   return out;
 }
 
-// The parts of a vector as arrays of their own, by robot.
-nb::dict RobotParts(const std::vector<RobotLayout>& robots, std::span<const double> vector,
-                    bool observation) {
+// A vector's numbers in a new array, of which its parts are slices: an array of their own for each
+// would cost several times as much.
+class Sliced {
+ public:
+  explicit Sliced(std::span<const double> vector) : all_(NumberCopy(vector)) {}
+  nb::object operator()(const VectorPart& part) const {
+    return nb::object(all_[nb::slice(part.begin, part.begin + part.size, 1)]);
+  }
+
+ private:
+  nb::object all_;
+};
+
+// The parts of a vector by robot.
+nb::dict RobotParts(const std::vector<RobotLayout>& robots, const Sliced& part, bool observation) {
   nb::dict out;
-  const auto part = [&](const VectorPart& p) {
-    return NumberCopy(vector.subspan(p.begin, p.size));
-  };
   for (const RobotLayout& robot : robots) {
     nb::dict own;
     if (observation) {
@@ -115,19 +148,18 @@ nb::dict RobotParts(const std::vector<RobotLayout>& robots, std::span<const doub
 }
 
 // Fills in what the task adds: objects as {name: {tquat}}, task as {signal: numbers}.
-void AddTaskParts(const EnvLayout& layout, std::span<const double> vector, nb::dict& out) {
+void AddTaskParts(const EnvLayout& layout, const Sliced& part, nb::dict& out) {
   if (!layout.signals.empty()) {
     nb::dict signals;
     for (const SignalLayout& signal : layout.signals)
-      signals[signal.name.c_str()] =
-          NumberCopy(vector.subspan(signal.part.begin, signal.part.size));
+      signals[signal.name.c_str()] = part(signal.part);
     out["task"] = signals;
   }
   if (layout.objects.empty()) return;
   nb::dict objects;
   for (const ObjectLayout& object : layout.objects) {
     nb::dict own;
-    own["tquat"] = NumberCopy(vector.subspan(object.tquat.begin, object.tquat.size));
+    own["tquat"] = part(object.tquat);
     objects[object.object.c_str()] = own;
   }
   out["objects"] = objects;
@@ -155,20 +187,51 @@ nb::dict FrameDict(const EnvFrame& frame) {
 }
 
 nb::tuple RangeParts(const Env& env, const VectorRange& range, bool observation) {
-  nb::dict lower = RobotParts(env.layout().robots, range.lower, observation);
-  nb::dict upper = RobotParts(env.layout().robots, range.upper, observation);
-  if (observation) {
-    AddTaskParts(env.layout(), range.lower, lower);
-    AddTaskParts(env.layout(), range.upper, upper);
-  }
-  return nb::make_tuple(lower, upper);
+  const auto dict = [&](const std::vector<double>& ends) {
+    const Sliced part(ends);
+    nb::dict out = RobotParts(env.layout().robots, part, observation);
+    if (observation) AddTaskParts(env.layout(), part, out);
+    return out;
+  };
+  return nb::make_tuple(dict(range.lower), dict(range.upper));
+}
+
+nb::tuple Part(nb::tuple path, const VectorPart& part) {
+  return nb::make_tuple(path, part.begin, part.size);
 }
 
 }  // namespace
 
+nb::tuple ActionParts(const EnvLayout& layout) {
+  nb::list out;
+  for (const RobotLayout& robot : layout.robots) {
+    out.append(Part(nb::make_tuple(robot.robot, robot.command), robot.action));
+    if (robot.has_gripper)
+      out.append(Part(nb::make_tuple(robot.robot, "gripper"), {robot.gripper_action, 1}));
+  }
+  return nb::tuple(out);
+}
+
+nb::tuple ObservationParts(const EnvLayout& layout) {
+  nb::list out;
+  for (const RobotLayout& robot : layout.robots) {
+    out.append(Part(nb::make_tuple(robot.robot, "tquat"), robot.tquat));
+    out.append(Part(nb::make_tuple(robot.robot, "xyzrpy"), robot.xyzrpy));
+    out.append(Part(nb::make_tuple(robot.robot, "joints"), robot.joints));
+    if (robot.has_gripper)
+      out.append(Part(nb::make_tuple(robot.robot, "gripper"), {robot.gripper, 1}));
+  }
+  for (const ObjectLayout& object : layout.objects)
+    out.append(Part(nb::make_tuple("objects", object.object, "tquat"), object.tquat));
+  for (const SignalLayout& signal : layout.signals)
+    out.append(Part(nb::make_tuple("task", signal.name), signal.part));
+  return nb::tuple(out);
+}
+
 nb::dict Observation(const Env& env) {
-  nb::dict out = RobotParts(env.layout().robots, env.observation(), true);
-  AddTaskParts(env.layout(), env.observation(), out);
+  const Sliced part(env.observation());
+  nb::dict out = RobotParts(env.layout().robots, part, true);
+  AddTaskParts(env.layout(), part, out);
   if (env.frames().empty()) return out;
   nb::dict frames;
   for (const EnvFrame& frame : env.frames()) frames[frame.stream.c_str()] = FrameDict(frame);
@@ -191,7 +254,8 @@ nb::dict Info(const Env& env, const EnvStep& step) {
   nb::dict out, robots;
   nb::list collisions;
   for (const Collision& collision : step.collisions) collisions.append(CollisionDict(collision));
-  for (const std::string& name : RobotNamesOf(env)) {
+  for (const RobotLayout& layout : env.layout().robots) {
+    const std::string& name = layout.robot;
     nb::dict robot;
     robot["ik_success"] =
         std::find(step.ik_failed.begin(), step.ik_failed.end(), name) == step.ik_failed.end();
@@ -221,7 +285,7 @@ void InitEnv(Env* self, const EnvConfig& config) {
 }
 
 nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed) {
-  const InUse use(&env, Place(env), "reset");
+  const InUse use(env, &Place, "reset");
   {
     const nb::gil_scoped_release release;
     env.Reset({.seed = seed});
@@ -233,7 +297,7 @@ nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed) {
 
 nb::tuple StepEnv(Env& env, nb::handle action) {
   const std::vector<double> numbers = ToAction(env, action);
-  const InUse use(&env, Place(env), "stepped");
+  const InUse use(env, &Place, "stepped");
   EnvStep step;
   {
     const nb::gil_scoped_release release;
@@ -259,8 +323,8 @@ void BindEnv(nb::module_& m) {
       "'depth' | 'segmentation': {'data', 'intrinsics', 'extrinsics'}, 'time': (1,)}}};\n"
       "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.");
   const auto require_usable = [](const Env& e) {
-    RequireIdle(&e, Place(e));
-    RequireOpen(e.scene(), Place(e));
+    RequireIdle(e, &Place);
+    if (e.scene().closed()) RequireOpen(e.scene(), Place(e));
   };
   GuardHandle<Env>(env, require_usable, {"close", "config"});
   DefEnvState(env);
@@ -287,7 +351,7 @@ void BindEnv(nb::module_& m) {
       .def(
           "restore",
           [](Env& e, const std::string& name) {
-            const InUse use(&e, Place(e), "restored");
+            const InUse use(e, &Place, "restored");
             {
               const nb::gil_scoped_release release;
               e.Restore(name);
@@ -305,6 +369,15 @@ void BindEnv(nb::module_& m) {
           "What the task is, in words; '' without one.")
       .def("set_origin_to_current", &Env::SetOriginToCurrent, "robot"_a,
            "With relative_to configured_origin: from now on relative to where it was last sent.")
+      .def_prop_ro(
+          "action_parts", [](const Env& e) { return ActionParts(e.layout()); },
+          nb::sig("def action_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], ...]"),
+          "(path in an action's dictionaries, first, number of numbers) of each part of an action "
+          "that is written as one vector.")
+      .def_prop_ro(
+          "observation_parts", [](const Env& e) { return ObservationParts(e.layout()); },
+          nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], ...]"),
+          "The same of observations.")
       .def_prop_ro(
           "action_range", [](const Env& e) { return RangeParts(e, e.layout().action, false); },
           nb::sig("def action_range(self, /) -> tuple[dict[str, typing.Any], "
@@ -324,7 +397,7 @@ void BindEnv(nb::module_& m) {
       .def(
           "close",
           [](Env& e) {
-            const InUse use(&e, Place(e), "closed");
+            const InUse use(e, &Place, "closed");
             Scene(e.scene()).Close();
           },
           "Ends its use, and its scene's.");

@@ -6,8 +6,15 @@
 
 namespace robocell::python {
 
+// "environment 'duo'".
+std::string Place(const Env& env);
+
 // The last observation, as dictionaries of copies.
 nb::dict Observation(const Env& env);
+
+// ((path, begin, size), ...) of a vector's parts: where a path leads to in dictionaries.
+nb::tuple ActionParts(const EnvLayout& layout);
+nb::tuple ObservationParts(const EnvLayout& layout);
 
 // EnvState and EnvRecord, and what an environment does with them.
 void BindEnvState(nb::module_& m);

@@ -3,7 +3,9 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "cameras.h"
 #include "closed_handles.h"
+#include "env.h"
 #include "in_use.h"
 #include "values.h"
 #include "robocell/env/env.h"
@@ -21,37 +23,6 @@ std::string Place(const EnvBatch& batch) {
 }
 
 size_t CopyCount(const EnvBatch& batch) { return static_cast<size_t>(batch.size()); }
-
-// ((path, begin, size), ...) of a vector's parts: where a path leads to in dictionaries.
-nb::tuple Part(nb::tuple path, const VectorPart& part) {
-  return nb::make_tuple(path, part.begin, part.size);
-}
-
-nb::tuple ActionParts(const EnvBatch& batch) {
-  nb::list out;
-  for (const RobotLayout& robot : batch.layout().robots) {
-    out.append(Part(nb::make_tuple(robot.robot, robot.command), robot.action));
-    if (robot.has_gripper)
-      out.append(Part(nb::make_tuple(robot.robot, "gripper"), {robot.gripper_action, 1}));
-  }
-  return nb::tuple(out);
-}
-
-nb::tuple ObservationParts(const EnvBatch& batch) {
-  nb::list out;
-  for (const RobotLayout& robot : batch.layout().robots) {
-    out.append(Part(nb::make_tuple(robot.robot, "tquat"), robot.tquat));
-    out.append(Part(nb::make_tuple(robot.robot, "xyzrpy"), robot.xyzrpy));
-    out.append(Part(nb::make_tuple(robot.robot, "joints"), robot.joints));
-    if (robot.has_gripper)
-      out.append(Part(nb::make_tuple(robot.robot, "gripper"), {robot.gripper, 1}));
-  }
-  for (const ObjectLayout& object : batch.layout().objects)
-    out.append(Part(nb::make_tuple("objects", object.object, "tquat"), object.tquat));
-  for (const SignalLayout& signal : batch.layout().signals)
-    out.append(Part(nb::make_tuple("task", signal.name), signal.part));
-  return nb::tuple(out);
-}
 
 nb::tuple FlatRange(const VectorRange& range) {
   return nb::make_tuple(NumberCopy(range.lower), NumberCopy(range.upper));
@@ -112,10 +83,23 @@ nb::dict BatchFrames(EnvBatch& batch) {
   return out;
 }
 
+// A picture of each copy: (count, H, W, 3).
+nb::object Pictures(EnvBatch& batch, nb::handle camera, int width, int height) {
+  const CameraView view = ViewOf(batch.env(0).scene().model(), camera, Place(batch));
+  const InUse use(batch, &Place, "drawn");
+  std::vector<uint8_t> rgb;
+  {
+    const nb::gil_scoped_release release;
+    rgb = batch.Draw(view, width, height);
+  }
+  return NewArray<uint8_t>(
+      rgb, {CopyCount(batch), static_cast<size_t>(height), static_cast<size_t>(width), 3});
+}
+
 nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>& reset_instead) {
   const std::vector<double> numbers = ToMatrix(actions, FieldPath("actions"), CopyCount(batch),
                                                static_cast<size_t>(batch.layout().action.size()));
-  const InUse use(&batch, Place(batch), "stepped");
+  const InUse use(batch, &Place, "stepped");
   const BatchStep* step = nullptr;
   {
     const nb::gil_scoped_release release;
@@ -141,7 +125,7 @@ void BindEnvBatch(nb::module_& m) {
       m, "EnvBatch",
       "Copies of one environment on one model, stepped together on threads, with flat arrays.");
   const auto require_usable = [](const EnvBatch& batch) {
-    RequireIdle(&batch, Place(batch));
+    RequireIdle(batch, &Place);
     batch.RequireOpen();
   };
   GuardHandle<EnvBatch>(batches, require_usable, {"close", "count"});
@@ -157,15 +141,18 @@ void BindEnvBatch(nb::module_& m) {
           },
           "config"_a, "count"_a, "threads"_a = 0, "max_episode_steps"_a = nb::none())
       .def_prop_ro("count", &EnvBatch::size, "Number of copies.")
-      .def_prop_ro("action_parts", &ActionParts,
-                   nb::sig("def action_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], "
-                           "...]"),
-                   "(path in an action's dictionaries, first column, number of columns) of each "
-                   "part.")
-      .def_prop_ro("observation_parts", &ObservationParts,
-                   nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, "
-                           "int], ...]"),
-                   "The same of observations.")
+      .def_prop_ro(
+          "action_parts", [](const EnvBatch& batch) { return ActionParts(batch.layout()); },
+          nb::sig("def action_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], "
+                  "...]"),
+          "(path in an action's dictionaries, first column, number of columns) of each "
+          "part.")
+      .def_prop_ro(
+          "observation_parts",
+          [](const EnvBatch& batch) { return ObservationParts(batch.layout()); },
+          nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, "
+                  "int], ...]"),
+          "The same of observations.")
       .def_prop_ro(
           "action_range", [](const EnvBatch& batch) { return FlatRange(batch.layout().action); },
           nb::sig("def action_range(self, /) -> tuple[numpy.typing.NDArray[numpy.float64], "
@@ -182,16 +169,24 @@ void BindEnvBatch(nb::module_& m) {
       .def(
           "close",
           [](EnvBatch& batch) {
-            const InUse use(&batch, Place(batch), "closed");
+            const InUse use(batch, &Place, "closed");
             batch.Close();
           },
           "Ends the use of all copies and their threads; may be repeated.")
+      .def_prop_ro(
+          "scene", [](EnvBatch& batch) { return batch.env(0).scene(); },
+          "The simulation of the first copy, to look things up in.")
+      .def("render", &Pictures, "camera"_a.none(), "width"_a = 320, "height"_a = 240,
+           nb::sig("def render(self, camera: str | OrbitCamera | FreeCamera | TrackingCamera, "
+                   "width: int = 320, height: int = 240) -> numpy.typing.NDArray[numpy.uint8]"),
+           "A picture of each copy's present state (count, H, W, 3), for people; `camera` as of "
+           "Renderer.render.")
       .def_prop_ro("frames", &BatchFrames, nb::sig("def frames(self, /) -> dict[str, typing.Any]"),
                    "The last frames of all copies by stream, as of Env with the copies in front.")
       .def(
           "reset",
           [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which) {
-            const InUse use(&batch, Place(batch), "reset");
+            const InUse use(batch, &Place, "reset");
             {
               const nb::gil_scoped_release release;
               batch.Reset(seeds, which);

@@ -105,7 +105,7 @@ void DefEnvState(nb::class_<Env>& env) {
           "set_state",
           [](Env& e, const EnvState& state, const std::string& frame) {
             const StateFrame in = ToStateFrame(frame);
-            const InUse use(&e, "environment '" + e.config().name + "'", "restored");
+            const InUse use(e, &Place, "restored");
             {
               const nb::gil_scoped_release release;
               e.SetState(state, in);
@@ -126,7 +126,7 @@ void DefEnvState(nb::class_<Env>& env) {
           "replay",
           [](Env& e, const EnvRecord& record, const std::string& frame, double tolerance) {
             const StateFrame in = ToStateFrame(frame);
-            const InUse use(&e, "environment '" + e.config().name + "'", "replayed");
+            const InUse use(e, &Place, "replayed");
             const nb::gil_scoped_release release;
             return ReplayRecord(e, record, in, tolerance);
           },

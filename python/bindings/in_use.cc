@@ -3,18 +3,12 @@
 #include <fmt/format.h>
 
 #include <mutex>
-#include <thread>
 #include <unordered_map>
 
 #include "robocell/base/error.h"
 
 namespace robocell::python {
 namespace {
-
-struct Use {
-  std::thread::id thread;
-  const char* done = "";
-};
 
 struct Uses {
   std::mutex mutex;
@@ -27,33 +21,34 @@ Uses& AllUses() {
   return *uses;
 }
 
-[[noreturn]] void ThrowInUse(const std::string& thing, const Use& use) {
-  const bool own = use.thread == std::this_thread::get_id();
-  throw Error(fmt::format("{} is being {} by {}: one call at a time", thing, use.done,
-                          own ? "this thread already" : "another thread"));
-}
-
 }  // namespace
 
-InUse::InUse(const void* object, const std::string& thing, const char* done) : object_(object) {
+std::optional<Use> Claim(const void* object, const char* done) {
   Uses& uses = AllUses();
   const std::lock_guard lock(uses.mutex);
   const auto [found, free] = uses.of.try_emplace(object, Use{std::this_thread::get_id(), done});
-  if (!free) ThrowInUse(thing, found->second);
+  return free ? std::nullopt : std::optional(found->second);
 }
 
-InUse::~InUse() {
+void Release(const void* object) {
   Uses& uses = AllUses();
   const std::lock_guard lock(uses.mutex);
-  uses.of.erase(object_);
+  uses.of.erase(object);
 }
 
-void RequireIdle(const void* object, const std::string& thing) {
+std::optional<Use> UseByOthers(const void* object) {
   Uses& uses = AllUses();
   const std::lock_guard lock(uses.mutex);
   const auto found = uses.of.find(object);
-  if (found == uses.of.end() || found->second.thread == std::this_thread::get_id()) return;
-  ThrowInUse(thing, found->second);
+  if (found == uses.of.end() || found->second.thread == std::this_thread::get_id())
+    return std::nullopt;
+  return found->second;
+}
+
+void ThrowInUse(const std::string& thing, const Use& use) {
+  const bool own = use.thread == std::this_thread::get_id();
+  throw Error(fmt::format("{} is being {} by {}: one call at a time", thing, use.done,
+                          own ? "this thread already" : "another thread"));
 }
 
 }  // namespace robocell::python

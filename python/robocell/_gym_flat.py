@@ -1,4 +1,4 @@
-"""Vector environments with vectors in the place of dictionaries."""
+"""Environments with vectors in the place of dictionaries."""
 
 from __future__ import annotations
 
@@ -11,23 +11,106 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, EnvConfig
+from robocell._gym_env import GymEnv
 from robocell._gym_vector import VectorGymEnv
+from robocell._window import RENDER_SIZE
+
+
+def _require_no_streams(config: EnvConfig) -> None:
+    if config.cameras.streams:
+        names = ", ".join(stream.name for stream in config.cameras.streams)
+        raise ArgumentError(
+            f"environment '{config.name}': flat observations have no images; leave the "
+            f"streams out of cameras ({names}), or use the environment that is not flat"
+        )
+
+
+def _observation_box(lower: NDArray[Any], upper: NDArray[Any]) -> spaces.Box:
+    """In float32; rounding of the numbers must not leave it."""
+    low, high = lower.astype(np.float32), upper.astype(np.float32)
+    return spaces.Box(
+        np.nextafter(low, np.float32(-np.inf)), np.nextafter(high, np.float32(np.inf))
+    )
+
+
+def _scaled(shares: NDArray[Any], low: NDArray[Any], high: NDArray[Any]) -> NDArray[np.float64]:
+    """Numbers of ranges: -1 is their lower end, 1 the upper; what is beyond is cut."""
+    scaled: NDArray[np.float64] = low + (shares.clip(-1, 1) + 1) / 2 * (high - low)
+    return scaled
+
+
+class FlatGymEnv(GymEnv):
+    """A ``GymEnv`` for learning code that takes boxes; what ``gym.make(..., flat=True)`` makes.
+
+    Observations are (m,) float32: the numbers of the dictionaries, one part after another
+    (``observation_parts`` of ``core``), in metres and radians. Actions are (n,), between -1 and 1
+    for the ranges of the dictionaries; what is beyond is cut. They are those of a copy of
+    ``FlatVectorGymEnv``. There are no images. Arguments as of ``GymEnv``.
+    """
+
+    def __init__(
+        self,
+        config: EnvConfig,
+        render_mode: str | None = None,
+        render_camera: Any = None,
+        render_size: tuple[int, int] = RENDER_SIZE,
+    ) -> None:
+        _require_no_streams(config)
+        super().__init__(config, render_mode, render_camera, render_size)
+        self._seen_parts = [path for path, _, _ in self.core.observation_parts]
+        self._action_parts = self.core.action_parts
+        acted = [path for path, _, _ in self._action_parts]
+        self._low, self._high = (_joined(ends, acted) for ends in self.core.action_range)
+        ranges = (_joined(ends, self._seen_parts) for ends in self.core.observation_range)
+        self.observation_space = _observation_box(*ranges)
+        self.action_space = spaces.Box(-1, 1, self._low.shape, np.float32)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[NDArray[np.float32], dict[str, Any]]:
+        """To a start, as ``GymEnv``."""
+        observation, info = super().reset(seed=seed, options=options)
+        return self._flat(observation), info
+
+    def step(self, action: Any) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
+        """One step; ``info["reason"]`` says why it ended."""
+        seen, reward, terminated, truncated, info = super().step(self._commands(action))
+        return self._flat(seen), reward, terminated, truncated, info
+
+    def _flat(self, observation: Any) -> NDArray[np.float32]:
+        return _joined(observation, self._seen_parts).astype(np.float32)
+
+    def _commands(self, action: Any) -> dict[str, dict[str, NDArray[np.float64]]]:
+        shares = np.asarray(action, dtype=np.float64)
+        if shares.shape != self._low.shape:
+            raise ArgumentError(
+                f"environment '{self.core.config.name}': action must be {len(self._low)} numbers, "
+                f"it is of shape {shares.shape}"
+            )
+        numbers = _scaled(shares, self._low, self._high)
+        out: dict[str, dict[str, NDArray[np.float64]]] = {}
+        for (robot, command), begin, size in self._action_parts:
+            out.setdefault(robot, {})[command] = numbers[begin : begin + size]
+        return out
+
+
+def _joined(tree: Any, paths: list[tuple[str, ...]]) -> NDArray[np.float64]:
+    """The arrays that paths lead to, one after another."""
+    parts = []
+    for path in paths:
+        part = tree
+        for key in path:
+            part = part[key]
+        parts.append(part)
+    return np.concatenate(parts)
 
 
 class FlatVectorGymEnv(VectorGymEnv):
     """A ``VectorGymEnv`` for learning code that takes boxes, such as CleanRL's.
 
-    Observations are (num_envs, m) float32: the numbers of the dictionaries, one part after another
-    (``observation_parts`` of ``core``), in metres and radians. Actions are (num_envs, n), between
-    -1 and 1 for the ranges of the dictionaries; what is beyond is cut. All else, final observations
-    too, is as there. There are no images.
-
-    Args:
-        config: what all copies are; without image streams.
-        num_envs: number of copies.
-        max_episode_steps: after so many an episode is truncated; never without.
-        autoreset_mode: when ended episodes begin anew.
-        threads: for the work, the caller's included; 0 for one for each core.
+    Observations are (num_envs, m) float32 and actions (num_envs, n), each row as of ``FlatGymEnv``.
+    All else, final observations too, is as there. There are no images. Arguments as of
+    ``VectorGymEnv``.
     """
 
     def __init__(
@@ -37,20 +120,23 @@ class FlatVectorGymEnv(VectorGymEnv):
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         threads: int = 0,
+        render_mode: str | None = None,
+        render_camera: Any = None,
+        render_size: tuple[int, int] = RENDER_SIZE,
     ) -> None:
-        if config.cameras.streams:
-            names = ", ".join(stream.name for stream in config.cameras.streams)
-            raise ArgumentError(
-                f"environment '{config.name}': flat observations have no images; leave the "
-                f"streams out of cameras ({names}), or use the environment that is not flat"
-            )
-        super().__init__(config, num_envs, max_episode_steps, autoreset_mode, threads)
-        self._low, self._high = self.core.action_range
-        lower, upper = (ends.astype(np.float32) for ends in self.core.observation_range)
-        # Rounding of the numbers must not leave the space.
-        self.single_observation_space = spaces.Box(
-            np.nextafter(lower, np.float32(-np.inf)), np.nextafter(upper, np.float32(np.inf))
+        _require_no_streams(config)
+        super().__init__(
+            config,
+            num_envs,
+            max_episode_steps,
+            autoreset_mode,
+            threads,
+            render_mode,
+            render_camera,
+            render_size,
         )
+        self._low, self._high = self.core.action_range
+        self.single_observation_space = _observation_box(*self.core.observation_range)
         self.single_action_space = spaces.Box(-1, 1, self._low.shape, np.float32)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
@@ -62,7 +148,7 @@ class FlatVectorGymEnv(VectorGymEnv):
                 f"environment '{self._name}': action must have a row of {len(self._low)} numbers "
                 f"for each of {self.num_envs} copies, it is of shape {shares.shape}"
             )
-        return self._low + (shares.clip(-1, 1) + 1) / 2 * (self._high - self._low)
+        return _scaled(shares, self._low, self._high)
 
     def _observation(self, flat: NDArray[np.float64]) -> NDArray[np.float32]:
         return flat.astype(np.float32)

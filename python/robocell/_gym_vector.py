@@ -11,14 +11,19 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from robocell._core import ArgumentError, EnvBatch, EnvConfig
+from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera
 from robocell._spaces import frame_space, space_of
+from robocell._window import RENDER_SIZE, frame_rate, side_view, warn_once
 
 Observation = dict[str, Any]
 Action = Mapping[str, Any]
 Part = tuple[tuple[str, ...], int, int]  # keys, first column, number of columns
 
 RESET_OPTION = "reset_mask"
+NO_WINDOWS = (
+    "no window: copies in a vector have none, headless: false is for a single environment. "
+    "render_mode='rgb_array' gives a picture of each"
+)
 
 
 class VectorGymEnv(VectorEnv[Any, Any, Any]):
@@ -36,6 +41,10 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         max_episode_steps: after so many an episode is truncated; never without.
         autoreset_mode: when ended episodes begin anew.
         threads: for the work, the caller's included; 0 for one for each core.
+        render_mode: None or "rgb_array": ``render`` gives a picture of each copy, all drawn by one
+            renderer. Copies have no windows.
+        render_camera: what pictures show, as of ``GymEnv``.
+        render_size: their width and height, pixels.
     """
 
     def __init__(
@@ -45,7 +54,17 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         threads: int = 0,
+        render_mode: str | None = None,
+        render_camera: Any = None,
+        render_size: tuple[int, int] = RENDER_SIZE,
     ) -> None:
+        if render_mode not in (None, "rgb_array"):
+            raise ArgumentError(
+                f"render_mode of a vector must be None or 'rgb_array', got {render_mode!r}: its "
+                "copies have no windows"
+            )
+        if not config.headless:
+            warn_once(NO_WINDOWS)
         self.core = EnvBatch(config, num_envs, threads, max_episode_steps)
         self._name = config.name
         self._has_task = config.task is not None
@@ -61,7 +80,16 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.autoreset_mode = AutoresetMode(autoreset_mode)
-        self.metadata = {"autoreset_mode": self.autoreset_mode}
+        self.render_mode = render_mode
+        self.metadata = {
+            "autoreset_mode": self.autoreset_mode,
+            "render_modes": ["rgb_array"],
+            "render_fps": frame_rate(config),
+        }
+        self._camera = render_camera
+        if render_mode and render_camera is None:
+            self._camera = OrbitCamera(**side_view(self.core.scene, config))
+        self._size = render_size
         self._ended = np.zeros(num_envs, dtype=bool)
         self._seeded = np.zeros(num_envs, dtype=bool)
 
@@ -113,6 +141,13 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         infos |= self._infos(times, reasons, ends[0], stepped)
         infos |= self._instructions(np.ones(self.num_envs, dtype=bool))
         return self._observation(flat), rewards, *ends, infos
+
+    def render(self) -> tuple[NDArray[np.uint8], ...] | None:
+        """A picture (H, W, 3) uint8 of each copy's present state; None in another mode."""
+        if self.render_mode is None:
+            return None
+        width, height = self._size
+        return tuple(self.core.render(self._camera, width, height))
 
     def close_extras(self, **kwargs: Any) -> None:
         """Closes all copies."""

@@ -12,7 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from robocell._core import Env, Scene
+from robocell._core import EnvConfig, Scene
+
+RENDER_SIZE = (480, 360)  # width, height in pixels
+FRAME_RATE = 30  # Hz, where steps take as long as they need
 
 NO_DISPLAY = (
     "no window: there is no display (see DISPLAY and WAYLAND_DISPLAY). The environment runs "
@@ -21,10 +24,14 @@ NO_DISPLAY = (
 _warned: set[str] = set()
 
 
-def side_view(env: Env) -> dict[str, Any]:
+def frame_rate(config: EnvConfig) -> int:
+    """How many pictures of its steps are a second, at least 1."""
+    return max(1, round(config.sim.frequency)) if config.sim.async_control else FRAME_RATE
+
+
+def side_view(scene: Scene, config: EnvConfig) -> dict[str, Any]:
     """An OrbitCamera's arguments: all robots from the side and in front, and where they reach."""
-    scene = env.scene
-    robots = [scene.robot(name) for name in env.config.robots]
+    robots = [scene.robot(name) for name in config.robots]
     bases = np.array([robot.base_in_world.translation for robot in robots])
     reach = max(robot.reach for robot in robots)
     forward = scene.root_frame_to_world.rotation[:, 0]

@@ -6,7 +6,9 @@ from robocell.sb3 import VecEnv
 
 model = PPO("MlpPolicy", VecEnv(pick_cube_config(), 8, max_episode_steps=200))
 
-Needs the package stable-baselines3, which robocell does not install.
+Its own ``make_vec_env("robocell/PickCube-v0", env_kwargs={"flat": True})`` works too, with single
+environments one after the other. Needs the package stable-baselines3, which robocell does not
+install.
 """
 
 from __future__ import annotations
@@ -35,6 +37,7 @@ class VecEnv(vec_env.VecEnv):
         num_envs: number of copies.
         max_episode_steps: after so many an episode is truncated.
         threads: for the work, the caller's included; 0 for one for each core.
+        render_mode: None or "rgb_array", for ``VecVideoRecorder``.
     """
 
     def __init__(
@@ -43,9 +46,10 @@ class VecEnv(vec_env.VecEnv):
         num_envs: int = 1,
         max_episode_steps: int | None = None,
         threads: int = 0,
+        render_mode: str | None = None,
     ) -> None:
         self.vector = FlatVectorGymEnv(
-            config, num_envs, max_episode_steps, AutoresetMode.SAME_STEP, threads
+            config, num_envs, max_episode_steps, AutoresetMode.SAME_STEP, threads, render_mode
         )
         self._actions: Any = None
         super().__init__(
@@ -54,10 +58,12 @@ class VecEnv(vec_env.VecEnv):
 
     def reset(self) -> NDArray[np.float32]:
         """All copies to starts: those of ``seed``, once, else the next ones."""
+        if options := {name for each in self._options for name in each}:
+            self._reset_options()
+            raise ArgumentError(f"reset takes no options here, got {', '.join(sorted(options))}")
         observation, infos = self.vector.reset(seed=self._seeds)
         self.reset_infos = [_of_copy(infos, i) for i in range(self.num_envs)]
         self._reset_seeds()
-        self._reset_options()
         return observation
 
     def step_async(self, actions: NDArray[Any]) -> None:
@@ -78,6 +84,10 @@ class VecEnv(vec_env.VecEnv):
                 info["terminal_observation"] = infos["final_obs"][i]
             out.append(info)
         return observation, rewards, ended, out
+
+    def get_images(self) -> list[NDArray[np.uint8]]:
+        """A picture of each copy; none without a render mode."""
+        return list(self.vector.render() or ())
 
     def close(self) -> None:
         """Closes all copies; may be repeated."""

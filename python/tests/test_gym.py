@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import pickle
+import subprocess
 import sys
 import warnings
 from functools import partial
@@ -69,6 +71,72 @@ def test_pictures_are_of_the_size_that_was_asked_for():
     assert (picture.shape, picture.dtype) == ((48, 64, 3), np.uint8)
     assert np.ptp(picture) > 50
     env.close()
+
+
+def test_the_checker_draws_the_registered_environment_in_every_mode(monkeypatch):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(_window, "_warned", {_window.NO_DISPLAY})
+    env = gym.make("robocell/PickCube-v0", render_mode="rgb_array").unwrapped
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.filterwarnings("ignore", ".*we recommend using a symmetric and normalized space")
+        # A window draws by itself, so that render() has nothing to give.
+        check_env(env)
+    env.close()
+
+
+SEEDED = """
+import sys
+import numpy as np
+from robocell.gym import GymEnv, pick_cube_config
+config = pick_cube_config(variations={"cube": {"mass": [0.5, 2], "colour": 0.2}})
+config.robots["robot"].home_noise = {"arm": [0.05]}
+env = GymEnv(config)
+for seed in (7, None, 8):
+    observation, _ = env.reset(seed=seed)
+    mass = env.core.scene.model.body("cube_green_cube").mass
+    parts = (*observation["robot"].values(), observation["objects"]["cube"]["tquat"], mass)
+    sys.stdout.write(np.concatenate(parts).tobytes().hex() + "\\n")
+"""
+
+
+def test_seeded_resets_are_the_same_in_every_process():
+    starts = [
+        subprocess.run(
+            [sys.executable, "-c", SEEDED],
+            env=os.environ | {"PYTHONHASHSEED": salt},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.splitlines()
+        for salt in ("1", "2")
+    ]
+    assert starts[0] == starts[1]
+    assert len(set(starts[0])) == 3
+
+
+def test_any_configuration_has_a_registered_name(tmp_path):
+    file = tmp_path / "cell.yaml"
+    file.write_text(f"robots: {{robot: {RC7}}}\nsim: {{async_control: true}}\n")
+    own = rc.EnvConfig.load(file)
+    for given in (file, str(file), own):
+        env = gym.make("robocell/Env-v0", config=given, control_mode="cartesian_trpy")
+        assert set(env.action_space["robot"].spaces) == {"xyzrpy", "gripper"}
+        assert env.reset(seed=0)[0]["robot"]["joints"].shape == (7,)
+        env.close()
+    assert own.control_mode == rc.ControlMode.JOINTS, "it stays as it is"
+    short = gym.make("robocell/Env-v0", config=own, max_episode_steps=1, flat=True)
+    short.reset(seed=0)
+    assert short.step(np.zeros(8, dtype=np.float32))[3]
+    assert gym.make(short.spec).action_space == short.action_space
+    short.close()
+    vector = gym.make_vec("robocell/Env-v0", num_envs=2, config=own, max_episode_steps=1)
+    vector.reset(seed=0)
+    assert vector.step(vector.action_space.sample())[3].all()
+    vector.close()
+    with pytest.raises(AttributeError, match="control_mode"):
+        gym.make("robocell/Env-v0", config=own, control_mod="joints")
 
 
 def test_factories_are_pickled():

@@ -1,15 +1,18 @@
-"""The vector environment with vectors, beside the one with dictionaries."""
+"""Environments with vectors, beside those with dictionaries."""
 
 from __future__ import annotations
+
+import warnings
 
 import gymnasium as gym
 import numpy as np
 import pytest
+from gymnasium.utils.env_checker import check_env
 from gymnasium.vector import AutoresetMode
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
 import robocell as rc
-from robocell.gym import FlatVectorGymEnv, VectorGymEnv, pick_cube_config
+from robocell.gym import FlatGymEnv, FlatVectorGymEnv, VectorGymEnv, pick_cube_config
 
 COPIES, LIMIT = 3, 2
 
@@ -84,3 +87,59 @@ def test_what_is_no_vector_is_refused():
     with pytest.raises(rc.ArgumentError, match=r"a row of 8 numbers .* it is of shape \(8,\)"):
         vector.step(np.zeros(8))
     vector.close()
+
+
+def test_one_is_a_copy_of_the_vector():
+    """Also of a task with signals, whose dictionaries come in another order than the numbers."""
+    for name in ("robocell/PickCube-v0", "robocell/PickPlace-v0"):
+        one = gym.make(name, flat=True)
+        vector = gym.make_vec(name, num_envs=2, flat=True)
+        assert one.action_space == vector.single_action_space
+        assert one.observation_space == vector.single_observation_space
+        (seen, info), (rows, _) = one.reset(seed=4), vector.reset(seed=[3, 4])
+        assert info["instruction"].startswith("pick up the cube")
+        vector.action_space.seed(0)
+        for _ in range(3):
+            assert np.array_equal(seen, rows[1])
+            assert one.observation_space.contains(seen)
+            actions = vector.action_space.sample()
+            seen, reward, *_ = one.step(actions[1])
+            rows, rewards, *_ = vector.step(actions)
+            assert reward == rewards[1]
+        one.close()
+        vector.close()
+
+
+def test_gymnasiums_checker_has_nothing_at_all_to_say():
+    env = FlatGymEnv(pick_cube_config())
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(env, skip_render_check=True)
+    env.close()
+
+
+def test_gymnasiums_own_vectors_take_it():
+    modes = {}
+    for mode in ("sync", "async", None):
+        vector = gym.make_vec(
+            "robocell/PickCube-v0", num_envs=2, flat=True, vectorization_mode=mode
+        )
+        seen, _ = vector.reset(seed=[1, 2])
+        rewards = vector.step(np.zeros((2, 8), dtype=np.float32))[1]
+        modes[mode] = (seen, rewards)
+        vector.close()
+    for seen, rewards in modes.values():
+        assert np.array_equal(seen, modes[None][0])
+        assert np.array_equal(rewards, modes[None][1])
+
+
+def test_an_action_of_one_has_its_numbers():
+    env = FlatGymEnv(pick_cube_config())
+    env.reset(seed=0)
+    with pytest.raises(rc.ArgumentError, match=r"'pick_cube': action must be 8 numbers, .*\(7,\)"):
+        env.step(np.zeros(7))
+    config = pick_cube_config()
+    config.cameras.streams = [rc.CameraConfig(name="eye", camera="exo_camera")]
+    with pytest.raises(rc.ArgumentError, match=r"flat observations have no images; .* \(eye\)"):
+        FlatGymEnv(config)
+    env.close()

@@ -15,6 +15,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from gymnasium.wrappers import TimeLimit
 
 import robocell as rc
+from robocell import _window
 from robocell.gym import GymEnv, VectorGymEnv, pick_cube_config
 
 COPIES, LIMIT, STEPS = 3, 4, 11
@@ -110,6 +111,36 @@ def test_images_are_those_of_single_environments(mode: AutoresetMode):
             assert all(map(same, mine[4]["final_obs"], other[4]["final_obs"]))
     theirs.close()
     ours.close()
+
+
+@pytest.mark.parametrize("flat", [False, True])
+def test_pictures_are_those_of_single_environments(flat: bool):
+    config = {"variations": {"cube": {"colour": 0.3}}, "flat": flat, "render_mode": "rgb_array"}
+    ours = gym.make_vec("robocell/PickCube-v0", num_envs=2, **config)
+    theirs = gym.make_vec("robocell/PickCube-v0", num_envs=2, vectorization_mode="sync", **config)
+    assert (ours.render_mode, ours.metadata["render_fps"]) == ("rgb_array", 20)
+    for env in (ours, theirs):
+        env.reset(seed=5)
+    ours.action_space.seed(1)
+    for env in (ours, theirs):
+        env.step(ours.action_space.sample())
+        ours.action_space.seed(1)
+    mine, other = ours.render(), theirs.render()
+    assert mine[0].shape == (360, 480, 3)
+    assert same(mine, other)
+    assert not np.array_equal(*mine)
+    for env in (ours, theirs):
+        env.close()
+
+
+def test_copies_have_no_windows(monkeypatch):
+    with pytest.raises(rc.ArgumentError, match="must be None or 'rgb_array', got 'human': its cop"):
+        VectorGymEnv(pick_cube_config(), 2, render_mode="human")
+    monkeypatch.setattr(_window, "_warned", set())
+    with pytest.warns(UserWarning, match="no window: copies in a vector have none"):
+        vector = VectorGymEnv(pick_cube_config(headless=False), 1)
+    assert vector.render() is None
+    vector.close()
 
 
 def test_it_is_made_by_its_registered_name():

@@ -1,22 +1,36 @@
-"""Environments of stable-baselines3, where it is installed; robocell does not need it."""
+"""Environments of stable-baselines3; where it is not installed, on what it asks of them."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 import pytest
 
 import robocell as rc
+import sb3_stand_in
 from robocell.gym import FlatVectorGymEnv, pick_cube_config
-from robocell.sb3 import VecEnv
 
 
-def test_it_is_the_vector_environment():
-    env = VecEnv(pick_cube_config(), 2, max_episode_steps=2)
+@pytest.fixture
+def vec_env() -> Iterator[Any]:
+    """robocell.sb3.VecEnv."""
+    sb3_stand_in.stand_in()
+    from robocell.sb3 import VecEnv
+
+    yield VecEnv
+    sb3_stand_in.leave()
+
+
+def test_it_is_the_vector_environment(vec_env):
+    env = vec_env(pick_cube_config(), 2, max_episode_steps=2)
     vector = FlatVectorGymEnv(pick_cube_config(), 2, 2, "SameStep")
     env.seed(5)
     seen, (other, _) = env.reset(), vector.reset(seed=[5, 6])
     assert np.array_equal(seen, other)
     assert env.reset_infos[0]["instruction"] == "pick up the cube"
+    assert env.observation_space.contains(seen[0])
     vector.action_space.seed(0)
     for step in range(4):
         actions = vector.action_space.sample()
@@ -35,19 +49,35 @@ def test_it_is_the_vector_environment():
     vector.close()
 
 
-def test_a_library_learns_in_it():
-    from stable_baselines3 import PPO
-    from stable_baselines3.common.vec_env import VecMonitor
-
-    env = VecMonitor(VecEnv(pick_cube_config(), 2, max_episode_steps=4))
-    model = PPO("MlpPolicy", env, n_steps=8, batch_size=16, n_epochs=1, seed=0, device="cpu")
-    model.learn(16)
-    assert len(model.ep_info_buffer) == 4
+def test_seeds_hold_for_one_reset_and_options_for_none(vec_env):
+    env = vec_env(pick_cube_config(), 2)
+    env.seed(5)
+    first, second = env.reset(), env.reset()
+    assert not np.array_equal(first, second)
+    env.seed(5)
+    assert np.array_equal(env.reset(), first)
+    env.set_options({"pose": 1})
+    with pytest.raises(rc.ArgumentError, match="reset takes no options here, got pose"):
+        env.reset()
     env.close()
 
 
-def test_copies_have_nothing_of_their_own():
-    env = VecEnv(pick_cube_config(), 2)
+def test_pictures_are_those_of_the_vector(vec_env):
+    env = vec_env(pick_cube_config(), 2, render_mode="rgb_array")
+    env.seed(5)
+    env.reset()
+    images = env.get_images()
+    assert env.render_mode == "rgb_array"
+    assert [image.shape for image in images] == [(360, 480, 3)] * 2
+    assert not np.array_equal(*images)
+    env.close()
+    without = vec_env(pick_cube_config(), 1)
+    assert (without.render_mode, without.get_images()) == (None, [])
+    without.close()
+
+
+def test_copies_have_nothing_of_their_own(vec_env):
+    env = vec_env(pick_cube_config(), 2)
     assert env.get_attr("num_envs") == [2, 2]
     assert env.env_is_wrapped(object, indices=[0]) == [False]
     with pytest.raises(rc.ArgumentError, match="no attributes of their own, speed"):

@@ -24,6 +24,15 @@ void CheckBatch(const EnvConfig& config, int count, std::optional<int> max_episo
   }
 }
 
+// Colours are written to a copy of the first model; without variations all have the first.
+std::shared_ptr<SharedDrawing> NewDrawing(const EnvConfig& config, const mjModel* model) {
+  auto drawing = std::make_shared<SharedDrawing>();
+  drawing->renderer = MakeRenderer({.quality = config.cameras.quality});
+  if (!config.variations.empty()) drawing->model = CopyModel(model);
+  drawing->renderer->SetModel(drawing->model ? drawing->model.get() : model);
+  return drawing;
+}
+
 bool Holds(const std::vector<bool>& which, int i) { return !which.empty() && which[i]; }
 
 }  // namespace
@@ -34,7 +43,8 @@ EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
   CheckBatch(config, count, max_episode_steps);
   const std::shared_ptr<CompiledScene> compiled = CompileEnvScene(config);
   const bool shared = config.variations.empty();
-  const std::shared_ptr<SharedDrawing> drawing = MakeDrawing(config, compiled->model());
+  const std::shared_ptr<SharedDrawing> drawing =
+      config.cameras.streams.empty() ? nullptr : NewDrawing(config, compiled->model());
   compiled->Freeze();
   for (int i = 0; i < count; ++i) {
     EnvConfig own = config;
@@ -69,15 +79,19 @@ std::vector<std::string> EnvBatch::instructions() const {
   return out;
 }
 
-std::shared_ptr<SharedDrawing> EnvBatch::MakeDrawing(const EnvConfig& config,
-                                                     const mjModel* model) {
-  if (config.cameras.streams.empty()) return nullptr;
-  auto drawing = std::make_shared<SharedDrawing>();
-  drawing->renderer = MakeRenderer({.quality = config.cameras.quality});
-  // Colours are written to a copy of the first model; without variations all have the first.
-  if (!config.variations.empty()) drawing->model = CopyModel(model);
-  drawing->renderer->SetModel(drawing->model ? drawing->model.get() : model);
-  return drawing;
+std::vector<uint8_t> EnvBatch::Draw(const CameraView& camera, int width, int height) {
+  RequireOpen();
+  CheckImageSize(width, height);
+  if (!pictures_) pictures_ = NewDrawing(config_, envs_.front()->scene().model());
+  const size_t one = size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height);
+  std::vector<uint8_t> rgb(one * envs_.size());
+  for (size_t i = 0; i < envs_.size(); ++i) {
+    pictures_->TakeColours(envs_[i]->scene().model());
+    pictures_->renderer->Render(envs_[i]->scene().data(),
+                                {.camera = camera, .width = width, .height = height},
+                                {.rgb = std::span(rgb).subspan(i * one, one)});
+  }
+  return rgb;
 }
 
 void EnvBatch::DrawFrames() {

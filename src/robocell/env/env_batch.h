@@ -57,6 +57,9 @@ class EnvBatch {
   const BatchStep& Step(std::span<const double> actions,
                         const std::vector<bool>& reset_instead = {});
   std::span<const double> observations() const { return observations_; }
+  // A colour picture of each copy's present state, one after another, each of rows from the top:
+  // for people. All are drawn by one renderer, which is made at the first call.
+  std::vector<uint8_t> Draw(const CameraView& camera, int width, int height);
   // What the task of each copy is, in words.
   std::vector<std::string> instructions() const;
 
@@ -69,7 +72,6 @@ class EnvBatch {
   void ResetOne(int i, std::optional<uint64_t> seed);
   void StepOne(int i, std::span<const double> action);
   void CopyObservation(int i);
-  std::shared_ptr<SharedDrawing> MakeDrawing(const EnvConfig& config, const mjModel* model);
   void DrawFrames();
 
   EnvConfig config_;
@@ -78,6 +80,7 @@ class EnvBatch {
   std::vector<int> episode_steps_;
   std::vector<double> observations_;
   BatchStep step_;
+  std::shared_ptr<SharedDrawing> pictures_;
   std::unique_ptr<WorkerThreads> workers_;
 };
 

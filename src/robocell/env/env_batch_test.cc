@@ -178,5 +178,31 @@ TEST(EnvBatch, ImagesAreThoseOfSingleEnvironmentsAlsoOfObjectsThatVary) {
   }
 }
 
+// The oracle: a renderer of its own for each single environment.
+TEST(EnvBatch, DrawsAPictureOfEachCopy) {
+  EnvConfig config = Rc7WithCube();
+  config.variations["cube"] = {.colour = 0.3};
+  EnvBatch batch(config, 2, 2);
+  batch.Reset(std::vector<std::optional<uint64_t>>{1, 2});
+  const OrbitCamera view{.lookat = {0.4, 0, 0.1}, .distance = 1, .azimuth = 120, .elevation = -30};
+  const std::vector<uint8_t> pictures = batch.Draw(view, 32, 24);
+  const size_t one = 32 * 24 * 3;
+  ASSERT_EQ(pictures.size(), 2 * one);
+  for (int i = 0; i < 2; ++i) {
+    Env single(config);
+    single.Reset({.seed = i + 1});
+    const std::unique_ptr<Renderer> renderer = MakeRenderer();
+    renderer->SetModel(single.scene().model());
+    std::vector<uint8_t> alone(one);
+    renderer->Render(single.scene().data(), {.camera = view, .width = 32, .height = 24},
+                     {.rgb = alone});
+    EXPECT_TRUE(std::equal(alone.begin(), alone.end(), pictures.begin() + i * one)) << i;
+  }
+  EXPECT_FALSE(std::equal(pictures.begin(), pictures.begin() + one, pictures.begin() + one));
+  ExpectThrow<ArgumentError>([&] { batch.Draw(view, 0, 24); }, "an image of 0 x 24 pixels");
+  batch.Close();
+  ExpectThrow<ClosedError>([&] { batch.Draw(view, 32, 24); }, "is closed");
+}
+
 }  // namespace
 }  // namespace robocell

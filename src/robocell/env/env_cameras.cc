@@ -23,6 +23,10 @@ EnvFrame FrameOf(const CameraConfig& stream, int width, int height) {
 
 }  // namespace
 
+void SharedDrawing::TakeColours(const mjModel* copy) {
+  if (model) std::copy_n(copy->geom_rgba, 4 * copy->ngeom, model->geom_rgba);
+}
+
 EnvCameras::EnvCameras(Scene scene, const CameraSystemConfig& config,
                        std::shared_ptr<SharedDrawing> shared)
     : scene_(std::move(scene)), shared_(std::move(shared)) {
@@ -82,15 +86,8 @@ void EnvCameras::Tick(double time) {
   }
 }
 
-// Copies differ in nothing else that is seen.
-void EnvCameras::TakeColours() {
-  if (!shared_ || !shared_->model) return;
-  const mjModel* m = scene_.model();
-  std::copy_n(m->geom_rgba, 4 * m->ngeom, shared_->model->geom_rgba);
-}
-
 void EnvCameras::DrawOne(Stream& stream, EnvFrame& frame) {
-  TakeColours();
+  if (shared_) shared_->TakeColours(scene_.model());
   std::copy(stream.qpos.begin(), stream.qpos.end(), scratch_->qpos);
   std::copy(stream.mocap_pos.begin(), stream.mocap_pos.end(), scratch_->mocap_pos);
   std::copy(stream.mocap_quat.begin(), stream.mocap_quat.end(), scratch_->mocap_quat);

@@ -45,6 +45,9 @@ struct SharedDrawing {
   std::shared_ptr<Renderer> renderer;
   // Set when copies differ in their colours: a model of its own that takes those of each copy.
   ModelPtr model;
+
+  // What is drawn next is a copy of this model. Copies differ in nothing else that is seen.
+  void TakeColours(const mjModel* copy);
 };
 
 class EnvCameras {
@@ -78,7 +81,6 @@ class EnvCameras {
 
   // Looks cameras up again after the scene was compiled anew.
   void Bind();
-  void TakeColours();
   void Keep(Stream& stream, double time);
   void DrawOne(Stream& stream, EnvFrame& frame);
 

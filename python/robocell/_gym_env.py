@@ -1,0 +1,97 @@
+"""One environment as Gymnasium's."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+from gymnasium import spaces
+
+from robocell._core import ArgumentError, Env, EnvConfig, OrbitCamera, Renderer
+from robocell._spaces import frame_space, space_of
+from robocell._window import RENDER_SIZE, Window, frame_rate, side_view
+
+
+class GymEnv(gymnasium.Env[Any, Any]):
+    """An environment of a configuration, with spaces; ``unwrapped.core`` is the ``rc.Env`` itself.
+
+    Spaces are dictionaries by robot, as in ``rc.Env``: ranges of joints and positions come from the
+    robots. ``render_mode`` is None, "rgb_array" (``render`` gives pictures) or "human": a window
+    that follows every step, as with ``headless: false`` in the configuration. Without a display
+    that is a warning, once, and no window. Pictures show the robots from the side and in front, or
+    what ``render_camera`` (a camera of the scene, "" for the whole model, or an OrbitCamera and its
+    like) sees.
+    """
+
+    metadata = {  # noqa: RUF012  (as in Gymnasium)
+        "render_modes": ["human", "rgb_array"],
+        "render_fps": 30,
+    }
+
+    def __init__(
+        self,
+        config: EnvConfig,
+        render_mode: str | None = None,
+        render_camera: Any = None,
+        render_size: tuple[int, int] = RENDER_SIZE,
+    ) -> None:
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ArgumentError(
+                f"render_mode must be None, 'human' or 'rgb_array', got {render_mode!r}"
+            )
+        self.core = Env(config)
+        self.render_mode = render_mode
+        self.action_space = space_of(*self.core.action_range)
+        lower, upper = self.core.observation_range
+        seen = {key: space_of(lower[key], upper[key]) for key in lower}
+        if config.cameras.streams:
+            seen["frames"] = frame_space(config)
+        self.observation_space = spaces.Dict(seen)
+        self.metadata = {**self.metadata, "render_fps": frame_rate(config)}
+        view = side_view(self.core.scene, config)
+        self._camera = OrbitCamera(**view) if render_camera is None else render_camera
+        self._size = render_size
+        self._renderer: Renderer | None = None
+        self._seeded = False
+        self._window: Window | None = None
+        if render_mode == "human" or not config.headless:
+            self._window = Window.open(self.core.scene, view)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """To a start: that of the seed, or the next one of the last seed; by chance at first."""
+        super().reset(seed=seed)
+        if options:
+            raise ArgumentError(f"reset takes no options here, got {', '.join(options)}")
+        if seed is None and not self._seeded:
+            seed = int(self.np_random.integers(2**63))
+        observation, info = self.core.reset(seed)
+        self._seeded = True
+        if self._window:
+            self._window.show()
+        return observation, info
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """One step; ``info["reason"]`` says why it ended."""
+        result = self.core.step(action)
+        if self._window:
+            self._window.show()
+        return result
+
+    def render(self) -> Any:
+        """The picture (H, W, 3) uint8 of the present state; None in another mode."""
+        if self.render_mode != "rgb_array":
+            return None
+        if self._renderer is None:
+            self._renderer = Renderer(self.core.scene)
+        width, height = self._size
+        return self._renderer.render(self._camera, width=width, height=height)["rgb"]
+
+    def close(self) -> None:
+        """Ends its use; may be repeated."""
+        self._renderer = None
+        if self._window:
+            self._window.close()
+            self._window = None
+        self.core.close()
