@@ -7,9 +7,9 @@
 // fresh forward kinematics.
 //
 // Not finding a solution is a value (success = false, with the best joint values met), never an
-// exception; it takes bounded time (at most max_iterations steps for the seed and each restart; a
-// step is below a microsecond). ArgumentError: a target or seed that is not finite, a wrong number
-// of seed values, locked joints without a seed, options out of range.
+// exception; it takes bounded time (at most max_iterations steps for the seed and each restart, and
+// twice that to choose; a step is below a microsecond). ArgumentError: a target or seed that is not
+// finite, a wrong number of seed values, locked joints without a seed, options out of range.
 //
 // Joints without limits: hinges start anywhere in a turn, slides within the chain's length; nothing
 // is clipped. Of positions that are whole turns apart and in the limits, the one nearest to the

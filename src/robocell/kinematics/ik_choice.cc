@@ -8,6 +8,9 @@
 namespace robocell {
 namespace {
 
+// Who allows fewer starts wants to know soon: they are tried once.
+constexpr int kManyStarts = 3 * IkChoice::kSearches;
+
 // Calls use(result) for each solution of a search.
 template <class Use>
 void ForSolutions(IkChoice::Search& search, const Use& use) {
@@ -40,6 +43,7 @@ class IkChoice::Queue : public LaneQueue {
         question->first = search.next_start;
         question->stride = kSearches;
         question->most = search.starts_left;
+        question->patient = search.patient;
         ++way_;
         return true;
       }
@@ -77,23 +81,39 @@ IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
       searches_(searches),
       answers_(answers) {
   for (std::size_t k = 0; k < questions.size(); ++k) {
-    const int starts = StartsFor(questions[k]);
-    for (int way = 0; way < kSearches; ++way) {
-      searches_[k * kSearches + way] = {.next_start = way,
-                                        .starts_left = (starts - way + kSearches - 1) / kSearches};
-    }
+    Begin(static_cast<int>(k), /*patient=*/false);
     answers_[k] = {.position_error = std::numeric_limits<double>::infinity()};
     // What only has to be kept by a filter is mostly found at once.
     Open(static_cast<int>(k), preference_.any() ? kSearches : 1);
   }
 }
 
+bool IkChoice::IsTooFar(const LaneQuestion& question) const {
+  return task_.whole_position && IsOutOfReach(chain_.model(), question.target, options_.tolerance);
+}
+
 int IkChoice::StartsFor(const LaneQuestion& question) const {
-  const bool too_far =
-      task_.whole_position && IsOutOfReach(chain_.model(), question.target, options_.tolerance);
-  const int restarts =
-      too_far ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
+  const int restarts = IsTooFar(question) ? std::min(options_.max_restarts, kRestartsWhenTooFar)
+                                          : options_.max_restarts;
   return std::min(restarts, std::numeric_limits<int>::max() - kSearches) + 1;
+}
+
+void IkChoice::Begin(int question, bool patient) {
+  const int starts = StartsFor(questions_[question]);
+  for (int way = 0; way < kSearches; ++way) {
+    searches_[question * kSearches + way] = {
+        .next_start = way,
+        .starts_left = (starts - way + kSearches - 1) / kSearches,
+        .patient = patient};
+  }
+}
+
+bool IkChoice::MayBeginAgain(int question) const {
+  const std::span<const Search> ways =
+      searches_.subspan(std::size_t(question) * kSearches, kSearches);
+  const auto is_used_up = [](const Search& search) { return search.starts_left <= 0; };
+  return !ways.front().patient && std::all_of(ways.begin(), ways.end(), is_used_up) &&
+         StartsFor(questions_[question]) >= kManyStarts;
 }
 
 void IkChoice::Open(int question, int searches) {
@@ -166,6 +186,7 @@ bool IkChoice::Choose() {
     ChooseFor(k, keep, &row);
     for (Search& search : ways) search.open = false;
     if (answers_[k].success) continue;
+    if (MayBeginAgain(k)) Begin(k, /*patient=*/true);
     Open(k, kSearches);
     open = open || std::any_of(ways.begin(), ways.end(), is_open);
   }

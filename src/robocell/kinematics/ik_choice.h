@@ -3,7 +3,9 @@
 //
 // A question is searched for in kSearches ways at a time, each with starts of its own; what is
 // found is filtered and compared. Where nothing was kept, the searches go on from their next
-// starts. What a question is answered depends on the question alone.
+// starts, and when there are no more, begin once more with more time for each: what a search alone
+// finds after many starts is not missed by many that have a few each. What a question is answered
+// depends on the question alone.
 #pragma once
 
 #include <atomic>
@@ -26,7 +28,8 @@ class IkChoice {
 
   struct Search {
     int next_start = 0, starts_left = 0, began = 0;
-    bool open = false;  // has to be run
+    bool patient = false;  // LaneQuestion::patient
+    bool open = false;     // has to be run
     bool unmoved_too = false;
     IkResult found, unmoved;
   };
@@ -44,11 +47,14 @@ class IkChoice {
  private:
   class Queue;
 
+  void Begin(int question, bool patient);
   void Open(int question, int searches);
+  bool MayBeginAgain(int question) const;
   void ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row);
   // Which of the solutions found, in their order, the filter keeps; empty without one.
   std::span<const uint8_t> Filter();
   double Miss(const IkResult& result) const;
+  bool IsTooFar(const LaneQuestion& question) const;
   int StartsFor(const LaneQuestion& question) const;
 
   const Chain& chain_;

@@ -79,7 +79,8 @@ class LaneSolver {
   void GrowOlder(int k) {
     Lane& lane = lanes_[k];
     ++lane.steps;
-    if (work_.IsHopeless(k, lane.starts.begun() - 1, ++lane.age)) StartAgain(k);
+    const int failed = lane.question.patient ? lane.starts.number() : lane.starts.begun() - 1;
+    if (work_.IsHopeless(k, failed, ++lane.age)) StartAgain(k);
   }
 
   void StartAgain(int k) {

@@ -19,6 +19,9 @@ struct LaneQuestion {
   // The starts that are tried: every `stride`-th from `first` on, at most `most` (-1: as many as
   // the options say).
   int first = 0, stride = 1, most = -1;
+  // Each is given the time of its place among all starts of the question, instead of among those
+  // tried here: more for most, for what is hard to find.
+  bool patient = false;
 };
 
 // Where questions come from and answers go; called on the solving thread.

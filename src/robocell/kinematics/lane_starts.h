@@ -33,6 +33,8 @@ class LaneStarts {
   const JointVector& seed() const { return seed_; }
   // How many were begun.
   int begun() const { return begun_; }
+  // The present one's place among all of the question.
+  int number() const { return next_ - stride_; }
 
   // Puts the next start into a lane.
   void Begin(int lane, LaneWork* work) {

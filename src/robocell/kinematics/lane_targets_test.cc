@@ -2,6 +2,10 @@
 // solved is solved, inside of the limits, and as many are.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
 #include "robocell/kinematics/ik.h"
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/kinematics/lane_kernel.h"
@@ -55,6 +59,69 @@ TEST(LaneTargets, SolveTheSameQuestions) {
       for (int k = 0; k < 5; ++k) {
         const IkResult one = Ik(questions.chain, questions.targets[k], {});
         if (one.success) questions.ExpectIsAnswer(questions.targets[k], one.q);
+      }
+    });
+  }
+}
+
+// Rounding leads a search to another solution now and then; mostly it is the same one.
+TEST(LaneTargets, FindTheSameSolutionsButForRounding) {
+  constexpr int kCount = 200;
+  for (const int joints : {6, 7, 9}) {
+    Rng rng = Rng::Stream(joints, "lane targets agree");
+    const Questions questions(&rng, joints, kCount);
+    std::vector<double> near;  // from where no joint goes far
+    for (const Pose& target : questions.targets) {
+      const IkResult found = Ik(questions.chain, target, {});
+      for (const double q : found.q) near.push_back(q + rng.Uniform(-0.02, 0.02));
+    }
+    std::optional<IkBatchResult> first, first_near;
+    OnEveryInstructionSet([&](const std::string& name) {
+      const auto count_same = [&](const IkBatchResult& a, const IkBatchResult& b) {
+        int same = 0;
+        for (int k = 0; k < kCount; ++k) {
+          double apart = 0;
+          for (int i = 0; i < joints; ++i)
+            apart = std::max(apart, std::abs(a.row(k)[i] - b.row(k)[i]));
+          same += apart < 1e-3;
+        }
+        return same;
+      };
+      const IkBatchResult cold = IkBatch(questions.chain, questions.targets, {}, {});
+      const IkBatchResult warm = IkBatch(questions.chain, questions.targets, near, {});
+      if (!first) first = cold, first_near = warm;
+      EXPECT_GE(count_same(*first, cold), 0.95 * kCount) << name << ", " << joints << " joints";
+      EXPECT_GE(count_same(*first_near, warm), 0.98 * kCount) << name << ", " << joints;
+    });
+  }
+}
+
+TEST(LaneTargets, MeetWhatIsAskedForBesideAPose) {
+  for (const int joints : {6, 8}) {
+    Rng rng = Rng::Stream(joints, "lane wishes");
+    const Questions questions(&rng, joints, 40);
+    const IkFilter half = [](std::span<const double> q, int count, std::span<uint8_t> keep) {
+      for (int k = 0; k < count; ++k) keep[k] = std::cos(q[k * (q.size() / count)]) > -0.9;
+    };
+    OnEveryInstructionSet([&](const std::string& name) {
+      for (const IkOptions& options :
+           {IkOptions{.prefer = IkPrefer::kAwayFromLimits},
+            IkOptions{.prefer = IkPrefer::kManipulability}, IkOptions{.filter = half}}) {
+        const IkBatchResult batch =
+            IkBatch(questions.chain, questions.targets, {}, {.ik = options});
+        for (int k = 0; k < batch.size; ++k) {
+          if (batch.success[k]) questions.ExpectIsAnswer(questions.targets[k], batch.row(k));
+        }
+        EXPECT_GE(batch.solved(), options.filter ? 30 : 39) << name;
+      }
+      const IkOptions cone{.axis = Eigen::Vector3d::UnitX(), .cone = 0.3};
+      const IkBatchResult batch = IkBatch(questions.chain, questions.targets, {}, {.ik = cone});
+      EXPECT_GE(batch.solved(), 39) << name;
+      for (int k = 0; k < batch.size; ++k) {
+        if (!batch.success[k]) continue;
+        const Pose off = questions.targets[k].inverse() * questions.chain.Fk(batch.row(k));
+        EXPECT_LE(off.translation().norm(), 1.001e-5) << name;
+        EXPECT_GE(off.rotation()(0, 0), std::cos(0.3 + 1.001e-5)) << name;
       }
     });
   }

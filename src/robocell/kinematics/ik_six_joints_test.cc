@@ -1,0 +1,171 @@
+// Arms of six joints, which have none to spare: three parallel axes, a spherical wrist, a slide,
+// and the arm of the examples. Judged by the engine.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+#include "robocell/kinematics/ik_batch.h"
+#include "robocell/kinematics/ik_solutions.h"
+#include "robocell/kinematics/testing/ik_judge.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kSixTolerance = 1e-5;
+constexpr double kQuarterTurn = std::numbers::pi / 2;
+
+// A row of Denavit and Hartenberg's table: the joint is about or along z, then the link.
+struct TableRow {
+  double a, alpha, d;  // m, rad, m
+  double lower, upper;
+  bool slide = false;
+};
+
+std::string ArmXml(const std::vector<TableRow>& rows) {
+  std::string xml =
+      "<mujoco><compiler angle='radian'/><worldbody><body name='base'><geom size='.1'/>";
+  std::string place = "pos='0 0 0'";
+  for (const TableRow& row : rows) {
+    xml += fmt::format("<body {}><joint type='{}' axis='0 0 1' range='{} {}'/><geom size='.05'/>",
+                       place, row.slide ? "slide" : "hinge", row.lower, row.upper);
+    place = fmt::format("pos='{} 0 {}' quat='{} {} 0 0'", row.a, row.d, std::cos(row.alpha / 2),
+                        std::sin(row.alpha / 2));
+  }
+  xml += fmt::format("<site name='tip' {}/>", place);
+  for (std::size_t k = 0; k <= rows.size(); ++k) xml += "</body>";
+  return xml + "</worldbody></mujoco>";
+}
+
+struct SixJoints {
+  std::string name;
+  std::vector<TableRow> rows;
+};
+
+void PrintTo(const SixJoints& arm, std::ostream* out) { *out << arm.name; }
+
+constexpr double Degrees(double value) { return value * std::numbers::pi / 180; }
+
+std::vector<SixJoints> SixJointArms() {
+  const double turn = 2 * std::numbers::pi, half = std::numbers::pi;
+  return {
+      // Universal Robots' UR5e, from its maker's table.
+      {"ur5e",
+       {{0, kQuarterTurn, 0.1625, -turn, turn},
+        {-0.425, 0, 0, -turn, turn},
+        {-0.3922, 0, 0, -half, half},
+        {0, kQuarterTurn, 0.1333, -turn, turn},
+        {0, -kQuarterTurn, 0.0997, -turn, turn},
+        {0, 0, 0.0996, -turn, turn}}},
+      // The Puma 560, after P. I. Corke and B. Armstrong-Helouvry, "A Search for Consensus Among
+      // Model Parameters Reported for the PUMA 560 Robot", 1994.
+      {"puma560",
+       {{0, kQuarterTurn, 0, Degrees(-160), Degrees(160)},
+        {0.4318, 0, 0, Degrees(-45), Degrees(225)},
+        {0.0203, -kQuarterTurn, 0.15005, Degrees(-225), Degrees(45)},
+        {0, kQuarterTurn, 0.4318, Degrees(-110), Degrees(170)},
+        {0, -kQuarterTurn, 0, Degrees(-100), Degrees(100)},
+        {0, 0, 0.0563, Degrees(-266), Degrees(266)}}},
+      // The Stanford arm, whose third joint slides.
+      {"stanford",
+       {{0, -kQuarterTurn, 0.412, Degrees(-170), Degrees(170)},
+        {0, kQuarterTurn, 0.154, Degrees(-170), Degrees(170)},
+        {0, 0, 0, 0.3048, 1.27, true},
+        {0, -kQuarterTurn, 0, Degrees(-170), Degrees(170)},
+        {0, kQuarterTurn, 0, Degrees(-90), Degrees(90)},
+        {0, 0, 0.263, Degrees(-170), Degrees(170)}}},
+      {"desk6", {}}};
+}
+
+class ArmOfSixJoints : public testing::TestWithParam<SixJoints> {
+ protected:
+  static TestModel Load() {
+    if (!GetParam().rows.empty()) return TestModel::FromXml(ArmXml(GetParam().rows));
+    std::ifstream file(std::string(ROBOCELL_SOURCE_DIR) + "/examples/desk6/desk6.xml");
+    return TestModel::FromXml({std::istreambuf_iterator<char>(file), {}});
+  }
+  std::vector<Pose> Reached(int count) {
+    std::vector<Pose> targets;
+    for (int b = 0; b < count; ++b) targets.push_back(chain_.Fk(RandomJoints(chain_, &rng_)));
+    return targets;
+  }
+  // Every claimed solution must convince the engine.
+  int CountSolved(const std::vector<Pose>& targets, const IkOptions& options) {
+    const IkBatchResult result = IkBatch(chain_, targets, {}, {.ik = options});
+    int convinced = 0;
+    for (int b = 0; b < result.size; ++b) {
+      EXPECT_TRUE(InLimits(chain_, result.row(b)));
+      if (!result.success[b]) continue;
+      convinced +=
+          EngineAgrees(model_, chain_, targets[b], result.row(b), 1.0001 * options.tolerance);
+    }
+    EXPECT_EQ(convinced, result.solved());
+    return result.solved();
+  }
+
+  Rng rng_ = Rng::Stream(1, "six joints", GetParam().name);
+  TestModel model_ = Load();
+  Chain chain_{model_.model(), "base", ChainTip::Site(GetParam().rows.empty() ? "tcp" : "tip")};
+};
+INSTANTIATE_TEST_SUITE_P(Arms, ArmOfSixJoints, testing::ValuesIn(SixJointArms()),
+                         [](const auto& info) { return info.param.name; });
+
+// At least 99.9 % are asked for.
+TEST_P(ArmOfSixJoints, SolvesTwentyThousandReachableTargetsWithinTheLimits) {
+  ASSERT_EQ(chain_.n_joints(), 6);
+  EXPECT_GE(CountSolved(Reached(20000), {.tolerance = kSixTolerance}), 19990);
+}
+
+TEST_P(ArmOfSixJoints, SolvesToTightTolerances) {
+  EXPECT_GE(CountSolved(Reached(2000), {.tolerance = 1e-8}), 1998);
+}
+
+TEST_P(ArmOfSixJoints, AnswersSingleQuestionsToo) {
+  int solved = 0;
+  for (const Pose& target : Reached(1000)) {
+    const IkResult found = Ik(chain_, target, {.tolerance = kSixTolerance});
+    EXPECT_TRUE(InLimits(chain_, found.q));
+    if (!found.success) continue;
+    EXPECT_TRUE(EngineAgrees(model_, chain_, target, found.q, 1.0001 * kSixTolerance));
+    ++solved;
+  }
+  EXPECT_GE(solved, 999);
+}
+
+// Who asks for the best solution, or for one that a filter keeps, gets an answer no less often.
+TEST_P(ArmOfSixJoints, SolvesAsManyWhereASolutionIsChosen) {
+  const std::vector<Pose> targets = Reached(2000);
+  const IkFilter all = [](std::span<const double>, int, std::span<uint8_t> keep) {
+    std::fill(keep.begin(), keep.end(), uint8_t{1});
+  };
+  for (const IkOptions& options :
+       {IkOptions{.prefer = IkPrefer::kAwayFromLimits},
+        IkOptions{.prefer = IkPrefer::kManipulability},
+        IkOptions{.prefer = IkPrefer::kPosture, .posture = RandomJoints(chain_, &rng_)},
+        IkOptions{.filter = all}})
+    EXPECT_GE(CountSolved(targets, options), 1998);
+}
+
+// The configuration that a pose was made from is among all solutions of it.
+TEST_P(ArmOfSixJoints, FindsTheSolutionThatIsKnownAmongAll) {
+  int known = 0;
+  for (int k = 0; k < 100; ++k) {
+    const JointVector truth = RandomJoints(chain_, &rng_);
+    const std::vector<IkResult> all = IkSolutions(chain_, chain_.Fk(truth), {.max_restarts = 400});
+    known += std::any_of(all.begin(), all.end(), [&](const IkResult& found) {
+      for (int i = 0; i < 6; ++i) {
+        const double off = found.q[i] - truth[i];
+        const bool slide = chain_.joints()[i].type == ChainJointType::kSlide;
+        if (std::abs(slide ? off : std::remainder(off, 2 * std::numbers::pi)) > 0.05) return false;
+      }
+      return true;
+    });
+  }
+  EXPECT_GE(known, 95);
+}
+
+}  // namespace
+}  // namespace robocell
