@@ -13,7 +13,7 @@
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik.h"
-#include "robocell/kinematics/manipulability.h"
+#include "robocell/kinematics/reach.h"
 
 namespace robocell::python {
 namespace {
@@ -21,10 +21,6 @@ namespace {
 using namespace nb::literals;
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-nb::object Copy(const JointVector& values) {
-  return NumberCopy({values.data(), static_cast<size_t>(values.size())});
-}
 
 nb::object Copy(const RowMajor& matrix) {
   const auto rows = static_cast<size_t>(matrix.rows()), cols = static_cast<size_t>(matrix.cols());
@@ -57,27 +53,6 @@ nb::object Limits(const Chain& chain) {
   for (int i = 0; i < chain.n_joints(); ++i)
     limits.row(i) << chain.joints()[i].lower, chain.joints()[i].upper;
   return Copy(limits);
-}
-
-// The joint values of an argument, checked: the dynamics themselves only count them.
-class JointNumbers {
- public:
-  JointNumbers(const Chain& chain, nb::handle value, const char* name)
-      : path_(name), numbers_(value, path_) {
-    chain.CheckJointValues(name, numbers_.span());
-  }
-  std::span<const double> span() const { return numbers_.span(); }
-
- private:
-  FieldPath path_;
-  Numbers numbers_;
-};
-
-nb::object CoriolisTorquesAt(const Chain& chain, nb::handle q, nb::handle qd) {
-  JointVector torques(chain.n_joints());
-  chain.CoriolisTorques(JointNumbers(chain, q, "q").span(), JointNumbers(chain, qd, "qd").span(),
-                        torques);
-  return Copy(torques);
 }
 
 IkOptions OptionsFor(const Chain& chain, nb::handle seed, double tolerance, bool position_only,
@@ -113,9 +88,7 @@ nb::object IkBatchOf(const Chain& chain, nb::handle targets, nb::handle seeds, d
                                  {position_weights, rotation_weights, axis, cone, prefer, filter});
   options.max_restarts = max_restarts;
   options.max_iterations = max_iterations;
-  const std::vector<double> seed_values =
-      seeds.is_none() ? std::vector<double>() : ToDoubles(seeds, "seeds");
-  return BatchOf(chain, targets, seed_values, options, threads);
+  return BatchOf(chain, targets, SeedsOf(chain, seeds), options, threads);
 }
 
 nb::object IkSolutionsOf(const Chain& chain, const PoseOrFrame& target, nb::handle seed,
@@ -129,6 +102,21 @@ nb::object IkSolutionsOf(const Chain& chain, const PoseOrFrame& target, nb::hand
   return AllSolutionsOf(chain, target.get(), options, separation);
 }
 
+nb::object DifferentialIkOf(const Chain& chain, nb::handle q, nb::handle twist, nb::handle frame,
+                            double seconds, nb::handle max_speed, nb::handle posture,
+                            double posture_rate, const std::vector<std::string>& locked_joints,
+                            nb::handle base_in_world) {
+  TwistPlace place{.locked = LockJoints(chain, locked_joints)};
+  if (!base_in_world.is_none()) {
+    place.base_in_world = nb::cast<Pose>(nb::type<Pose>()(base_in_world)).rotation();
+  } else if (ToTwistFrame(frame) == TwistFrame::kWorld) {
+    throw ArgumentError(
+        "frame is 'world', but a chain does not know how its base stands there: give "
+        "base_in_world, as robot.base_in_world; or use robot.kinematics");
+  }
+  return TwistOf(chain, q, twist, frame, seconds, max_speed, posture, posture_rate, place);
+}
+
 constexpr const char* kFk =
     "def fk(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> typing.Any";
 constexpr const char* kJacobian =
@@ -137,6 +125,13 @@ constexpr const char* kJacobian =
 constexpr const char* kMassMatrix =
     "def mass_matrix(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
     "numpy.typing.NDArray[numpy.float64]";
+
+constexpr const char* kCoriolis =
+    "def coriolis_torques(self, q: object, qd: object, out: "
+    "numpy.typing.NDArray[numpy.float64] | None = None) -> numpy.typing.NDArray[numpy.float64]";
+constexpr const char* kManipulability =
+    "def manipulability(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) "
+    "-> typing.Any";
 
 void DefDynamics(nb::class_<Chain>& c) {
   c.def("mass_matrix", &MassMatrixOf, "q"_a, "out"_a = nb::none(), nb::sig(kMassMatrix),
@@ -148,8 +143,8 @@ void DefDynamics(nb::class_<Chain>& c) {
                    "numpy.typing.NDArray[numpy.float64]"),
            "Torques (n,) that hold the chain still in `gravity`, (3,) m/s^2 in the axes of the "
            "base. Each body weighs mass * (1 - gravcomp).")
-      .def("coriolis_torques", &CoriolisTorquesAt, "q"_a, "qd"_a,
-           "The part of the torques (n,) that comes from moving at `qd`.")
+      .def("coriolis_torques", &CoriolisTorquesOf, "q"_a, "qd"_a, "out"_a = nb::none(),
+           nb::sig(kCoriolis), "The part of the torques (n,) that comes from moving at `qd`.")
       .def("inverse_dynamics", &InverseDynamicsOf, "q"_a, "qd"_a, "qdd"_a,
            "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "out"_a = nb::none(),
            nb::sig("def inverse_dynamics(self, q: object, qd: object, qdd: object, gravity: "
@@ -203,12 +198,35 @@ void DefIk(nb::class_<Chain>& c) {
                    ") -> numpy.typing.NDArray[numpy.float64]"),
            "All solutions (S, n) that can be told apart, as Kinematics.ik_solutions; nearest to "
            "the seed first.")
-      .def(
-          "manipulability",
-          [](const Chain& chain, nb::handle q) {
-            return Manipulability(chain, JointNumbers(chain, q, "q").span());
-          },
-          "q"_a, "The root of det(J J^T) at q (n,) (Yoshikawa 1985).");
+      .def("manipulability", &ManipulabilityOf, "q"_a, "out"_a = nb::none(),
+           nb::sig(kManipulability),
+           "The root of det(J J^T) at q (n,) (Yoshikawa 1985); of a batch, (B,).");
+}
+
+void DefMotion(nb::class_<Chain>& c) {
+  c.def("differential_ik", &DifferentialIkOf, "q"_a, "twist"_a, "frame"_a = "base",
+        "seconds"_a = 0.0, "max_speed"_a = nb::none(), "posture"_a = nb::none(),
+        "posture_rate"_a = 1.0, nb::kw_only(), "locked_joints"_a = std::vector<std::string>{},
+        "base_in_world"_a = nb::none(),
+        nb::sig("def differential_ik(self, q: object, twist: numpy.typing.ArrayLike, frame: str = "
+                "'base', seconds: float = 0.0, max_speed: object | None = None, posture: object | "
+                "None = None, posture_rate: float = 1.0, *, locked_joints: "
+                "collections.abc.Sequence[str] = [], base_in_world: Pose | numpy.typing.ArrayLike "
+                "| None = None) -> types.SimpleNamespace"),
+        "Joint velocities (n,) at q (n,) that move the tip with `twist` (6,), linear then angular, "
+        "in the axes of the base ('base'), of the tip ('tip') or of the 'world', in which the base "
+        "stands at `base_in_world`. Joints of `locked_joints`, by name, do not move. The rest is "
+        "as for Kinematics.differential_ik.")
+      .def("reach_map", &ReachMapOf, "lower"_a, "upper"_a, "cell"_a = 0.05, "rotations"_a = 64,
+           "tolerance"_a = 1e-3, "max_restarts"_a = 8, "threads"_a = 1,
+           nb::sig("def reach_map(self, " ROBOCELL_REACH_MAP_SIG),
+           "Where the tip can be in a box of the base frame, as Kinematics.reach_map.")
+      .def("reach_box", &ReachBoxOf, nb::sig(ROBOCELL_REACH_BOX_SIG),
+           "Lower and upper corner (3,), m, of a box in the base frame beyond which the tip never "
+           "is. ArgumentError for a chain with a slide without limits.")
+      .def_prop_ro("reach", &ApproximateReach, nb::call_guard<nb::gil_scoped_release>(),
+                   "Farthest that the tip gets from the origin of the base frame, metres, within "
+                   "about 1 %. Takes some milliseconds.");
 }
 
 }  // namespace
@@ -219,9 +237,10 @@ void BindChain(nb::module_& m) {
                       "snapshot of the model that is simulated, what hangs on the arm included. "
                       "Everything is in the axes of the base; joint values in chain order, rad or "
                       "m. Raises ArgumentError for a wrong number of values.\n\n"
-                      "fk, jacobian, mass_matrix, gravity_torques and inverse_dynamics also take "
-                      "(B, n) joint values, whose answers have B in front of their shape, and "
-                      "`out`, an array to write into. Arguments with one row are for all.");
+                      "fk, jacobian, manipulability, mass_matrix, gravity_torques, "
+                      "coriolis_torques and inverse_dynamics also take (B, n) joint values, whose "
+                      "answers have B in front of their shape, and `out`, an array to write into. "
+                      "Arguments with one row are for all.");
   c.def_static("from_scene", &FromScene, "scene"_a, "base_body"_a, "tip_body"_a = "",
                "tip_site"_a = "",
                "The joints between two bodies, or a body and a site, by their full names.")
@@ -250,6 +269,7 @@ void BindChain(nb::module_& m) {
       .def("jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), nb::sig(kJacobian),
            "(6, n) at the tip, linear rows first.");
   DefIk(c);
+  DefMotion(c);
   c.def("__repr__", [](const Chain& chain) { return "<" + chain.description() + ">"; });
   DefDynamics(c);
   m.def(

@@ -10,6 +10,7 @@
 
 #include "values.h"
 #include "robocell/kinematics/chain_batch.h"
+#include "robocell/kinematics/manipulability.h"
 
 namespace robocell::python {
 namespace {
@@ -218,6 +219,22 @@ nb::object GravityTorquesOf(const Chain& chain, nb::handle q, nb::handle gravity
     GravityTorquesBatch(chain, at, g, to);
     for (double& torque : to) torque += 0.0;  // not -0
   });
+}
+
+nb::object CoriolisTorquesOf(const Chain& chain, nb::handle q, nb::handle qd, nb::handle out) {
+  BatchCall call(chain);
+  const auto at = call.Joints(q, "q"), velocity = call.Joints(qd, "qd");
+  return call.Answer({JointsOf(chain)}, out, [&](std::span<double> to) {
+    CoriolisTorquesBatch(chain, at, velocity, to);
+    for (double& torque : to) torque += 0.0;  // not -0
+  });
+}
+
+nb::object ManipulabilityOf(const Chain& chain, nb::handle q, nb::handle out) {
+  BatchCall call(chain);
+  const auto at = call.Joints(q, "q");
+  if (!call.is_batch() && out.is_none()) return nb::float_(Manipulability(chain, at));
+  return call.Answer({}, out, [&](std::span<double> to) { ManipulabilityBatch(chain, at, to); });
 }
 
 nb::object InverseDynamicsOf(const Chain& chain, nb::handle q, nb::handle qd, nb::handle qdd,

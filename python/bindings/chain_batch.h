@@ -17,6 +17,9 @@ nb::object JacobianOf(const Chain& chain, nb::handle q, nb::handle out);
 nb::object MassMatrixOf(const Chain& chain, nb::handle q, nb::handle out);
 // Gravity in the base frame, (3,) or (B, 3).
 nb::object GravityTorquesOf(const Chain& chain, nb::handle q, nb::handle gravity, nb::handle out);
+nb::object CoriolisTorquesOf(const Chain& chain, nb::handle q, nb::handle qd, nb::handle out);
+// A number, or (B,) of them.
+nb::object ManipulabilityOf(const Chain& chain, nb::handle q, nb::handle out);
 nb::object InverseDynamicsOf(const Chain& chain, nb::handle q, nb::handle qd, nb::handle qdd,
                              nb::handle gravity, nb::handle out);
 

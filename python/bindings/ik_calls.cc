@@ -1,18 +1,45 @@
 #include "ik_calls.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "arrays.h"
 #include "kinematics.h"
 #include "signals.h"
+#include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/kinematics/ik_solutions.h"
+#include "robocell/kinematics/reach_map.h"
 
 namespace robocell::python {
 namespace {
 
 using namespace nb::literals;
+
+[[noreturn]] void RefuseShape(const char* name, const std::string& expected,
+                              const std::vector<size_t>& shape) {
+  throw ArgumentError(fmt::format("{} must be {}, has shape ({}{})", name, expected,
+                                  fmt::join(shape, ", "), shape.size() == 1 ? "," : ""));
+}
+
+// Joint values, or none where nothing was given.
+JointVector JointsOf(nb::handle values, const char* name) {
+  if (values.is_none()) return {};
+  const FieldPath path(name);
+  return JointVector(Numbers(values, path).span());
+}
+
+nb::object Three(const Eigen::Vector3d& v) {
+  return NewArray<double>(std::span<const double>(v.data(), 3), {3});
+}
+
+Eigen::Vector3d ToThree(nb::handle value, const char* name) {
+  const FieldPath path(name);
+  const Numbers three(value, path, 3);
+  return {three[0], three[1], three[2]};
+}
+
+nb::object Namespace() { return nb::module_::import_("types").attr("SimpleNamespace"); }
 
 // A Pose, a Frame, or something with four rows.
 bool IsOnePose(nb::handle value) {
@@ -25,10 +52,19 @@ bool IsOnePose(nb::handle value) {
 std::vector<Pose> ToPoses(nb::handle targets) {
   if (const Pose* one = nullptr; nb::try_cast(targets, one) && one) return {*one};
   const bool is_list = nb::isinstance<nb::list>(targets) || nb::isinstance<nb::tuple>(targets);
-  if (!is_list || nb::len(targets) == 0 || !IsOnePose(nb::object(targets[0])))
-    return PosesFromMatrices(ToDoubles(targets, "targets"), "targets");
+  if (!is_list || nb::len(targets) == 0 || !IsOnePose(nb::object(targets[0]))) {
+    std::vector<size_t> shape;
+    const std::vector<double> matrices = ToDoubles(targets, "targets", shape);
+    const bool is_one = shape == std::vector<size_t>{4, 4};
+    const bool are_many = shape.size() == 3 && shape[1] == 4 && shape[2] == 4;
+    if (!is_one && !are_many && !matrices.empty())
+      RefuseShape("targets", "4x4 matrices (B, 4, 4), or a list of poses", shape);
+    return PosesFromMatrices(matrices, "targets");
+  }
   std::vector<Pose> poses;
   for (const nb::handle item : targets) {
+    if (item.is_none())  // of which Pose would make the identity
+      throw ArgumentError(fmt::format("targets[{}] must be a pose, got None", poses.size()));
     try {
       poses.push_back(nb::cast<Pose>(nb::type<Pose>()(item)));
     } catch (const nb::python_error& error) {
@@ -52,14 +88,23 @@ nb::object BatchOf(const Chain& chain, nb::handle targets, std::span<const doubl
     result = IkBatch(chain, poses, seeds, options);
   }
   const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
-  nb::object make = nb::module_::import_("types").attr("SimpleNamespace");
   const nb::object numpy = nb::module_::import_("numpy");
-  return make(
+  return Namespace()(
       "q"_a = NewArray<double>(result.q, {b, n}),
       "success"_a = NewArray<uint8_t>(result.success, {b}).attr("astype")(numpy.attr("bool_")),
       "position_error"_a = NewArray<double>(result.position_error, {b}),
       "rotation_error"_a = NewArray<double>(result.rotation_error, {b}),
       "iterations"_a = NewArray<int>(result.iterations, {b}));
+}
+
+std::vector<double> SeedsOf(const Chain& chain, nb::handle seeds) {
+  if (seeds.is_none()) return {};
+  std::vector<size_t> shape;
+  std::vector<double> values = ToDoubles(seeds, "seeds", shape);
+  const auto n = static_cast<size_t>(chain.n_joints());
+  if (shape.size() > 2 || shape.back() != n)
+    RefuseShape("seeds", fmt::format("({},), or (B, {}) for a seed each", n, n), shape);
+  return values;
 }
 
 nb::object AllSolutionsOf(const Chain& chain, const Pose& target, const IkOptions& options,
@@ -79,6 +124,61 @@ int RestartsOf(int starts) {
     throw ArgumentError(
         fmt::format("inverse kinematics: starts is {}; it must be 1 or more", starts));
   return starts - 1;
+}
+
+nb::object TwistOf(const Chain& chain, nb::handle q, nb::handle twist, nb::handle frame,
+                   double seconds, nb::handle max_speed, nb::handle posture, double posture_rate,
+                   const TwistPlace& place) {
+  const FieldPath path("twist"), q_path("q");
+  const Numbers six(twist, path, 6);
+  const DifferentialIkOptions options{.frame = ToTwistFrame(frame),
+                                      .base_in_world = place.base_in_world,
+                                      .seconds = seconds,
+                                      .max_speed = JointsOf(max_speed, "max_speed"),
+                                      .posture = JointsOf(posture, "posture"),
+                                      .posture_rate = posture_rate,
+                                      .locked = place.locked};
+  const DifferentialIkResult found = DifferentialIk(
+      chain, Numbers(q, q_path), {{six[0], six[1], six[2]}, {six[3], six[4], six[5]}}, options);
+  const Eigen::Matrix<double, 6, 1> moved = found.twist.vector();
+  return Namespace()(
+      "velocity"_a = NewArray<double>(found.velocity, {static_cast<size_t>(found.velocity.size())}),
+      "twist"_a = NewArray<double>(std::span<const double>(moved.data(), 6), {6}),
+      "slower"_a = found.slower);
+}
+
+nb::object ReachMapOf(const Chain& chain, nb::handle lower, nb::handle upper, double cell,
+                      int rotations, double tolerance, int max_restarts, int threads) {
+  const ReachGrid grid{
+      .lower = ToThree(lower, "lower"), .upper = ToThree(upper, "upper"), .cell = cell};
+  ReachMap map;
+  {
+    const nb::gil_scoped_release release;
+    SignalPoll poll;
+    map = MapReach(chain, grid,
+                   {.rotations = rotations,
+                    .tolerance = tolerance,
+                    .max_restarts = max_restarts,
+                    .threads = threads,
+                    .poll = [&] { poll(); }});
+  }
+  std::vector<double> centres[3];
+  std::vector<size_t> shape;
+  for (int axis = 0; axis < 3; ++axis) {
+    shape.push_back(static_cast<size_t>(map.cells[axis]));
+    for (int i = 0; i < map.cells[axis]; ++i)
+      centres[axis].push_back(map.first[axis] + i * map.cell);
+  }
+  return Namespace()("fraction"_a = NewArray<float>(map.fraction, shape),
+                     "manipulability"_a = NewArray<float>(map.manipulability, shape),
+                     "x"_a = NewArray(centres[0]), "y"_a = NewArray(centres[1]),
+                     "z"_a = NewArray(centres[2]), "cell"_a = map.cell,
+                     "rotations"_a = map.rotations);
+}
+
+nb::object ReachBoxOf(const Chain& chain) {
+  const ReachGrid grid = ReachGrid::Around(chain);
+  return nb::make_tuple(Three(grid.lower), Three(grid.upper));
 }
 
 }  // namespace robocell::python

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "bindings.h"
+#include "robocell/kinematics/differential_ik.h"
 #include "robocell/kinematics/ik.h"
 
 namespace robocell::python {
@@ -10,11 +11,42 @@ namespace robocell::python {
 nb::object BatchOf(const Chain& chain, nb::handle targets, std::span<const double> seeds,
                    const IkOptions& ik, int threads);
 
+// Seeds of a batch, one (n,) or many (B, n), row by row; None: none. ArgumentError for other
+// shapes.
+std::vector<double> SeedsOf(const Chain& chain, nb::handle seeds);
+
 // All solutions (S, n).
 nb::object AllSolutionsOf(const Chain& chain, const Pose& target, const IkOptions& options,
                           double separation);
 
 // IkOptions::max_restarts for so many starts.
 int RestartsOf(int starts);
+
+// Where a twist's axes are those of the world, and which joints do not move.
+struct TwistPlace {
+  Eigen::Matrix3d base_in_world = Eigen::Matrix3d::Identity();
+  LockedJoints locked{};
+};
+
+// Differential inverse kinematics; None where nothing was given. A namespace of `velocity`, `twist`
+// and `slower`.
+nb::object TwistOf(const Chain& chain, nb::handle q, nb::handle twist, nb::handle frame,
+                   double seconds, nb::handle max_speed, nb::handle posture, double posture_rate,
+                   const TwistPlace& place);
+
+// A reach map between two corners, as a namespace of arrays.
+nb::object ReachMapOf(const Chain& chain, nb::handle lower, nb::handle upper, double cell,
+                      int rotations, double tolerance, int max_restarts, int threads);
+// The corners of a box around all that is reached.
+nb::object ReachBoxOf(const Chain& chain);
+
+// For nb::sig: what follows the first arguments.
+#define ROBOCELL_REACH_MAP_SIG                                                   \
+  "lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, cell: float = " \
+  "0.05, rotations: int = 64, tolerance: float = 0.001, max_restarts: int = 8, " \
+  "threads: int = 1) -> types.SimpleNamespace"
+#define ROBOCELL_REACH_BOX_SIG                                         \
+  "def reach_box(self) -> tuple[numpy.typing.NDArray[numpy.float64], " \
+  "numpy.typing.NDArray[numpy.float64]]"
 
 }  // namespace robocell::python

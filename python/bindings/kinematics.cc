@@ -13,11 +13,8 @@
 #include "closed_handles.h"
 #include "ik_calls.h"
 #include "ik_wishes.h"
-#include "signals.h"
 #include "values.h"
 #include "robocell/base/names.h"
-#include "robocell/kinematics/manipulability.h"
-#include "robocell/kinematics/reach_map.h"
 
 namespace nb = nanobind;
 
@@ -31,21 +28,27 @@ constexpr std::array kTwistFrames = {std::pair{TwistFrame::kBase, "base"},
                                      std::pair{TwistFrame::kTip, "tip"},
                                      std::pair{TwistFrame::kWorld, "world"}};
 
-IkOptions OptionsFor(const Kinematics& k, nb::handle seed,
+const Robot& RobotOf(const Robot& robot) { return robot; }
+const Robot& RobotOf(const Kinematics& k) { return k.robot; }
+
+IkOptions OptionsFor(const Robot& robot, nb::handle seed,
                      const std::vector<std::string>& locked_groups, const IkWishes& wishes) {
   IkOptions options;
   if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToRow(seed, "seed")));
-  options.locked = k.robot.LockGroups(locked_groups);
+  options.locked = robot.LockGroups(locked_groups);
   wishes.Apply(&options);
   return options;
 }
 
-IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
+// Of a robot, or of its kinematics.
+template <class Self>
+IkResult SolveIk(const Self& self, const PoseOrFrame& target, nb::handle seed,
                  const std::vector<std::string>& locked_groups, double tolerance,
                  bool position_only, int max_restarts, int max_iterations,
                  nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
                  double cone, nb::handle prefer, nb::handle filter) {
-  IkOptions options = OptionsFor(k, seed, locked_groups,
+  const Robot& robot = RobotOf(self);
+  IkOptions options = OptionsFor(robot, seed, locked_groups,
                                  {position_weights, rotation_weights, axis, cone, prefer, filter});
   options.tolerance = tolerance;
   options.position_only = position_only;
@@ -53,7 +56,7 @@ IkResult SolveIk(const Kinematics& k, const PoseOrFrame& target, nb::handle seed
   options.max_iterations = max_iterations;
   const Pose pose = target.get();
   const nb::gil_scoped_release release;
-  return k.robot.Ik(pose, options);
+  return robot.Ik(pose, options);
 }
 
 nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
@@ -61,7 +64,7 @@ nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle s
                     bool position_only, int starts, double separation, nb::handle position_weights,
                     nb::handle rotation_weights, nb::handle axis, double cone, nb::handle prefer,
                     nb::handle filter) {
-  IkOptions options = OptionsFor(k, seed, locked_groups,
+  IkOptions options = OptionsFor(k.robot, seed, locked_groups,
                                  {position_weights, rotation_weights, axis, cone, prefer, filter});
   if (options.seed.empty()) options.seed = JointVector(k.robot.arm().joint_pos());
   options.tolerance = tolerance;
@@ -75,7 +78,7 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
                       bool position_only, int max_restarts, int max_iterations,
                       nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
                       double cone, nb::handle prefer, nb::handle filter) {
-  IkOptions ik = OptionsFor(k, nb::none(), locked_groups,
+  IkOptions ik = OptionsFor(k.robot, nb::none(), locked_groups,
                             {position_weights, rotation_weights, axis, cone, prefer, filter});
   ik.tolerance = tolerance;
   ik.position_only = position_only;
@@ -83,7 +86,7 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
   ik.max_iterations = max_iterations;
   std::vector<double> seed_values;
   if (!seeds.is_none()) {
-    seed_values = ToDoubles(seeds, "seeds");
+    seed_values = SeedsOf(k.robot.chain(), seeds);
   } else if (!locked_groups.empty() || ik.prefer == IkPrefer::kSeed) {
     seed_values = k.robot.arm().joint_pos();
   }
@@ -93,60 +96,16 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
 nb::object SolveTwist(const Kinematics& k, nb::handle q, nb::handle twist, nb::handle frame,
                       double seconds, nb::handle max_speed, nb::handle posture, double posture_rate,
                       const std::vector<std::string>& locked_groups) {
-  const auto joints = [](nb::handle values, const char* name) {
-    if (values.is_none()) return JointVector();
-    const FieldPath path(name);
-    return JointVector(Numbers(values, path).span());
-  };
-  const FieldPath path("twist"), q_path("q");
-  const Numbers six(twist, path, 6);
-  const DifferentialIkOptions options{.frame = ToTwistFrame(frame),
-                                      .base_in_world = k.robot.base_in_world().rotation(),
-                                      .seconds = seconds,
-                                      .max_speed = joints(max_speed, "max_speed"),
-                                      .posture = joints(posture, "posture"),
-                                      .posture_rate = posture_rate,
-                                      .locked = k.robot.LockGroups(locked_groups)};
-  const DifferentialIkResult found =
-      DifferentialIk(k.robot.chain(), Numbers(q, q_path),
-                     {{six[0], six[1], six[2]}, {six[3], six[4], six[5]}}, options);
-  const Eigen::Matrix<double, 6, 1> moved = found.twist.vector();
-  return nb::module_::import_("types").attr("SimpleNamespace")(
-      "velocity"_a = NewArray<double>(found.velocity, {static_cast<size_t>(found.velocity.size())}),
-      "twist"_a = NewArray<double>(std::span<const double>(moved.data(), 6), {6}),
-      "slower"_a = found.slower);
+  const TwistPlace place{.base_in_world = k.robot.base_in_world().rotation(),
+                         .locked = k.robot.LockGroups(locked_groups)};
+  return TwistOf(k.robot.chain(), q, twist, frame, seconds, max_speed, posture, posture_rate,
+                 place);
 }
 
 nb::object MapReachOf(const Kinematics& k, nb::handle lower, nb::handle upper, double cell,
                       int rotations, double tolerance, int max_restarts, int threads) {
-  ReachGrid grid{.cell = cell};
-  const FieldPath lower_path("lower"), upper_path("upper");
-  const Numbers low(lower, lower_path, 3), high(upper, upper_path, 3);
-  grid.lower = {low[0], low[1], low[2]};
-  grid.upper = {high[0], high[1], high[2]};
-  ReachMap map;
-  {
-    const nb::gil_scoped_release release;
-    SignalPoll poll;
-    map = MapReach(k.robot.chain(), grid,
-                   {.rotations = rotations,
-                    .tolerance = tolerance,
-                    .max_restarts = max_restarts,
-                    .threads = threads,
-                    .poll = [&] { poll(); }});
-  }
-  std::vector<double> centres[3];
-  std::vector<size_t> shape;
-  for (int axis = 0; axis < 3; ++axis) {
-    shape.push_back(static_cast<size_t>(map.cells[axis]));
-    for (int i = 0; i < map.cells[axis]; ++i)
-      centres[axis].push_back(map.first[axis] + i * map.cell);
-  }
-  return nb::module_::import_("types").attr("SimpleNamespace")(
-      "fraction"_a = NewArray<float>(map.fraction, shape),
-      "manipulability"_a = NewArray<float>(map.manipulability, shape), "x"_a = NewArray(centres[0]),
-      "y"_a = NewArray(centres[1]), "z"_a = NewArray(centres[2]), "cell"_a = map.cell,
-      "rotations"_a = map.rotations);
+  return ReachMapOf(k.robot.chain(), lower, upper, cell, rotations, tolerance, max_restarts,
+                    threads);
 }
 
 // The world's, in the axes of the robot base frame, unless given.
@@ -155,6 +114,18 @@ nb::object GravityFor(const Kinematics& k, nb::handle gravity) {
   const Eigen::Vector3d g = k.robot.gravity_in_base();
   return nb::make_tuple(g.x(), g.y(), g.z());
 }
+
+// After the target.
+#define ROBOCELL_IK_ARGS                                                                       \
+  "seed"_a = nb::none(), "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5, \
+  "position_only"_a = false, "max_restarts"_a = 100, "max_iterations"_a = 40, nb::kw_only(),   \
+  "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(), "axis"_a = nb::none(), \
+  "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none()
+#define ROBOCELL_IK_SIG                                                                  \
+  "Pose | numpy.typing.ArrayLike, seed: object | None = None, locked_groups: "           \
+  "collections.abc.Sequence[str] = [], tolerance: float = 1e-05, position_only: bool = " \
+  "False, max_restarts: int = 100, max_iterations: int = 40, *, " ROBOCELL_IK_WISHES_SIG \
+  ") -> IkResult"
 
 void DefDynamics(nb::class_<Kinematics>& c) {
   c.def(
@@ -197,6 +168,16 @@ void DefDynamics(nb::class_<Kinematics>& c) {
                   "None = None) -> numpy.typing.NDArray[numpy.float64]"),
           "(n, n) joint-space inertia with armature.")
       .def(
+          "coriolis_torques",
+          [](const Kinematics& k, nb::handle q, nb::handle qd, nb::handle out) {
+            return CoriolisTorquesOf(k.robot.chain(), q, qd, out);
+          },
+          "q"_a, "qd"_a, "out"_a = nb::none(),
+          nb::sig("def coriolis_torques(self, q: object, qd: object, out: "
+                  "numpy.typing.NDArray[numpy.float64] | None = None) -> "
+                  "numpy.typing.NDArray[numpy.float64]"),
+          "The part of the torques (n,) that comes from moving at `qd`.")
+      .def(
           "inverse_dynamics",
           [](const Kinematics& k, nb::handle q, nb::handle qd, nb::handle qdd, nb::handle gravity,
              nb::handle out) {
@@ -211,6 +192,13 @@ void DefDynamics(nb::class_<Kinematics>& c) {
 }
 
 }  // namespace
+
+void DefRobotIk(nb::class_<Robot>& robot) {
+  robot.def("ik", &SolveIk<Robot>, "pose"_a, ROBOCELL_IK_ARGS,
+            nb::sig("def ik(self, pose: " ROBOCELL_IK_SIG),
+            "Joint values that put the TCP at `pose` (in the robot base frame), a Pose, "
+            "PyKDL.Frame or 4x4 matrix. The other arguments are those of kinematics.ik.");
+}
 
 bool MayBePose(nb::handle value) noexcept {
   if (nb::hasattr(value, "M") && nb::hasattr(value, "p")) return true;
@@ -267,7 +255,8 @@ void BindKinematics(nb::module_& m) {
   nb::class_<Kinematics> kinematics(
       m, "Kinematics",
       "Kinematics of a robot's arm, from the robot base frame to the TCP.\n\nWhat takes "
-      "joint values q (n,) takes many at once, (B, n), and answers with B in front of the shape; "
+      "joint values q (n,) takes many at once, (B, n), and answers with B in front of the shape "
+      "(differential_ik, which is for control loops, does not); "
       "arguments with one row are for all. Arrays that are contiguous and of float64 are read "
       "where they are, and the answer is written into `out` when it is given. No result depends "
       "on the batch that it is in. (The Pose that fk returns for one q is computed on its own, and "
@@ -276,15 +265,8 @@ void BindKinematics(nb::module_& m) {
   DefDynamics(kinematics);
   kinematics
       .def_prop_ro("joint_names", [](const Kinematics& k) { return k.robot.chain().joint_names(); })
-      .def("ik", &SolveIk, "target"_a, "seed"_a = nb::none(),
-           "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
-           "position_only"_a = false, "max_restarts"_a = 100, "max_iterations"_a = 40,
-           nb::kw_only(), "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
-           "axis"_a = nb::none(), "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none(),
-           nb::sig("def ik(self, target: Pose | numpy.typing.ArrayLike, seed: object | None = "
-                   "None, locked_groups: collections.abc.Sequence[str] = [], tolerance: float = "
-                   "1e-05, position_only: bool = False, max_restarts: int = 100, max_iterations: "
-                   "int = 40, *, " ROBOCELL_IK_WISHES_SIG ") -> IkResult"),
+      .def("ik", &SolveIk<Kinematics>, "target"_a, ROBOCELL_IK_ARGS,
+           nb::sig("def ik(self, target: " ROBOCELL_IK_SIG),
            "Joint values that put the TCP at `target` (in the robot base frame): a Pose, a "
            "PyKDL.Frame or a 4x4 matrix. Starts at `seed`, else where the arm is.\n\n"
            "The joints of `locked_groups` stay where the seed has them. "
@@ -349,20 +331,18 @@ void BindKinematics(nb::module_& m) {
            "`velocity`, the `twist` that comes of it, and whether it is `slower` than asked.")
       .def(
           "manipulability",
-          [](const Kinematics& k, nb::handle q) {
-            return Manipulability(k.robot.chain(), ToRow(q, "q"));
+          [](const Kinematics& k, nb::handle q, nb::handle out) {
+            return ManipulabilityOf(k.robot.chain(), q, out);
           },
-          "q"_a,
+          "q"_a, "out"_a = nb::none(),
+          nb::sig("def manipulability(self, q: object, out: numpy.typing.NDArray[numpy.float64] | "
+                  "None = None) -> typing.Any"),
           "How well the TCP can move in all directions at q (n,): the root of det(J J^T) "
-          "(Yoshikawa "
-          "1985), 0 where a direction is lost.")
+          "(Yoshikawa 1985), 0 where a direction is lost; of a batch (B, n), (B,).")
       .def(
           "reach_map", &MapReachOf, "lower"_a, "upper"_a, "cell"_a = 0.05, "rotations"_a = 64,
           "tolerance"_a = 1e-3, "max_restarts"_a = 8, "threads"_a = 1,
-          nb::sig("def reach_map(self, lower: numpy.typing.ArrayLike, upper: "
-                  "numpy.typing.ArrayLike, cell: float = 0.05, rotations: int = 64, tolerance: "
-                  "float = 0.001, max_restarts: int = 8, threads: int = 1) -> "
-                  "types.SimpleNamespace"),
+          nb::sig("def reach_map(self, " ROBOCELL_REACH_MAP_SIG),
           "Where the TCP can be in the box between the corners `lower` and `upper` (3,), m, in the "
           "robot base frame (one layer of cells where they agree along an axis).\n\n"
           "At the centre of each cell so many evenly spread rotations are tried. Returns "
@@ -370,16 +350,8 @@ void BindKinematics(nb::module_& m) {
           "Y, Z), the mean of the answers'; the centres `x`, `y`, `z`; `cell` and `rotations`. "
           "Collisions are not looked at.")
       .def(
-          "reach_box",
-          [](const Kinematics& k) {
-            const ReachGrid grid = ReachGrid::Around(k.robot.chain());
-            const auto corner = [](const Eigen::Vector3d& c) {
-              return NewArray<double>(std::span<const double>(c.data(), 3), {3});
-            };
-            return nb::make_tuple(corner(grid.lower), corner(grid.upper));
-          },
-          nb::sig("def reach_box(self) -> tuple[numpy.typing.NDArray[numpy.float64], "
-                  "numpy.typing.NDArray[numpy.float64]]"),
+          "reach_box", [](const Kinematics& k) { return ReachBoxOf(k.robot.chain()); },
+          nb::sig(ROBOCELL_REACH_BOX_SIG),
           "Lower and upper corner (3,), m, of a box in the robot base frame beyond which the TCP "
           "never is: for reach_map. ArgumentError for an arm with a slide without limits.")
       .def_prop_ro(

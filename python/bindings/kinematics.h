@@ -30,6 +30,9 @@ bool MayBePose(nb::handle value) noexcept;
 TwistFrame ToTwistFrame(nb::handle name);
 const char* TwistFrameName(TwistFrame frame);
 
+// `ik` of robots.
+void DefRobotIk(nb::class_<Robot>& robot);
+
 // Chains on their own. Needs IkResult to be bound.
 void BindChain(nb::module_& m);
 

@@ -215,6 +215,7 @@ void BindRobotClass(nb::module_& m) {
       "handles to one robot of one scene share their state, which the scene keeps.",
       nb::type_slots(robot_slots));
   GuardHandle<Robot>(robot, [](const Robot& r) { r.RequireOpen(); }, {"name", "prefix", "scene"});
+  DefRobotIk(robot);
   robot.def(nb::init<const Robot&>(), "robot"_a, "Another handle to the same robot.")
       .def_static("of", &Robot::Of, "scene"_a, "name"_a, Unlocked(),
                   "A configured robot by its name in the scene.")
@@ -307,19 +308,6 @@ void BindRobotClass(nb::module_& m) {
           },
           "q"_a = nb::none(), "Pose of the TCP in the robot base frame.")
       .def_prop_ro("kinematics", [](const Robot& r) { return Kinematics{r}; })
-      .def(
-          "ik",
-          [](const Robot& r, const PoseOrFrame& target, nb::handle seed) {
-            IkOptions options;
-            if (!seed.is_none())
-              options.seed = JointVector(std::span<const double>(ToRow(seed, "seed")));
-            const Pose pose = target.get();
-            const nb::gil_scoped_release release;
-            return r.Ik(pose, options);
-          },
-          "pose"_a, "seed"_a = nb::none(),
-          "Joint values that put the TCP at `pose` (in the robot base frame), a Pose or "
-          "PyKDL.Frame.")
       .def_prop_ro("base_in_world", &Robot::base_in_world)
       .def_prop_ro("tcp_in_world", &Robot::tcp_in_world)
       .def_prop_ro("reach", &Robot::reach, Unlocked())

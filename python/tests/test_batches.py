@@ -67,7 +67,10 @@ def test_jacobians_are_the_slopes_of_tips(robot: rc.Robot):
 
 def test_a_batch_is_its_rows_and_one_row_broadcasts(robot: rc.Robot):
     k, chain, q = robot.kinematics, robot.chain, positions(11)
-    for call in (k.fk, k.jacobian, k.mass_matrix, k.gravity_torques, chain.mass_matrix):
+    for call in (
+        *(k.fk, k.jacobian, k.mass_matrix, k.gravity_torques, chain.mass_matrix),
+        *(k.manipulability, chain.manipulability, lambda q: k.coriolis_torques(q, np.cos(q))),
+    ):
         whole = call(q)
         for i in range(11):
             assert np.array_equal(call(q[i : i + 1])[0], whole[i])
@@ -82,6 +85,13 @@ def test_a_batch_is_its_rows_and_one_row_broadcasts(robot: rc.Robot):
     np.testing.assert_allclose(chain.gravity_torques(q, GRAVITY), k.gravity_torques(q, GRAVITY))
     assert k.gravity_torques(q[0], np.tile(GRAVITY, (3, 1))).shape == (3, 7)
     assert k.mass_matrix(np.zeros((0, 7))).shape == (0, 7, 7)
+    assert k.manipulability(np.zeros((0, 7))).shape == (0,)
+    volumes = [k.manipulability(row) for row in q]
+    assert all(isinstance(volume, float) for volume in volumes)
+    np.testing.assert_allclose(k.manipulability(q), volumes, rtol=1e-9)
+    np.testing.assert_allclose(
+        k.coriolis_torques(q, np.cos(q)), k.inverse_dynamics(q, np.cos(q), still, [0, 0, 0])
+    )
 
 
 def test_whatever_holds_numbers_is_taken(robot: rc.Robot):
@@ -102,6 +112,8 @@ def test_answers_are_written_where_they_are_wanted(robot: rc.Robot):
         (k.mass_matrix, (q,), (7, 7)),
         (k.gravity_torques, (q,), (7,)),
         (k.inverse_dynamics, (q, zeros, zeros), (7,)),
+        (k.coriolis_torques, (q, np.cos(q)), (7,)),
+        (k.manipulability, (q,), ()),
     ]
     for call, arguments, shape in calls:
         out = np.full((6, *shape), np.nan)
@@ -147,6 +159,16 @@ EXPECTED_OUT = "out must be a writable, C-contiguous float64 array of shape (6, 
             lambda k, q: k.inverse_dynamics(q, q[:5], q),
             ValueError,
             "qd is for 5 configurations, but q for 6",
+        ),
+        (
+            lambda k, q: k.coriolis_torques(q, q[:, :2]),
+            ValueError,
+            "qd must be numbers of shape (7,), or (B, 7) for a batch, has shape (6, 2)",
+        ),
+        (
+            lambda k, q: k.manipulability(q, out=np.zeros((6, 1))),
+            ValueError,
+            "out must have shape (6,), has (6, 1)",
         ),
         (
             lambda k, q: k.gravity_torques(q, [0, 0]),

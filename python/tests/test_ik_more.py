@@ -300,6 +300,41 @@ class TestChains:
         np.testing.assert_array_equal(every, expected)
         assert chain.manipulability(seed) == kinematics.manipulability(seed)
 
+    def test_reaches_and_moves_as_the_robots_kinematics(self, robot):
+        chain, kinematics = robot.chain, robot.kinematics
+        corners, options = ([0.2, -0.1, 0.3], [0.6, 0.1, 0.3]), {"cell": 0.1, "rotations": 8}
+        ours, theirs = (k.reach_map(*corners, **options) for k in (chain, kinematics))
+        assert ours.fraction.max() > 0
+        for name in ("fraction", "manipulability", "x", "y", "z"):
+            np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
+        np.testing.assert_array_equal(chain.reach_box(), kinematics.reach_box())
+        lower, upper = chain.reach_box()
+        far = np.linalg.norm(kinematics.fk(reachable(robot, 500))[:, :3, 3], axis=1).max()
+        assert 0.97 * far <= chain.reach <= np.linalg.norm(upper - lower)
+
+        q, twist = robot.arm.joint_pos, [0.02, -0.03, 0.05, 0.1, 0.2, -0.1]
+        bounds = {"seconds": 0.01, "max_speed": [0.1] * 7, "posture": q + 0.1, "posture_rate": 2}
+        for frame in ("base", "tip"):
+            ours, theirs = (
+                k.differential_ik(q, twist, frame, **bounds) for k in (chain, kinematics)
+            )
+            np.testing.assert_array_equal(ours.velocity, theirs.velocity)
+            np.testing.assert_array_equal(ours.twist, theirs.twist)
+            assert ours.slower == theirs.slower
+        base = rc.Pose(rpy=[0.4, -1.1, 2])
+        ours = chain.differential_ik(q, twist, "world", base_in_world=base)
+        turned = (base.rotation.T @ np.reshape(twist, (2, 3)).T).T.ravel()
+        theirs = chain.differential_ik(q, turned)
+        np.testing.assert_allclose(ours.velocity, theirs.velocity, atol=1e-12)
+        still = chain.differential_ik(q, twist, locked_joints=[chain.joint_names[2]])
+        assert still.velocity[2] == 0
+        with pytest.raises(rc.ArgumentError, match="a chain does not know how its base stands"):
+            chain.differential_ik(q, twist, "world")
+        with pytest.raises(rc.NotFoundError, match="Did you mean 'joint1'"):
+            chain.differential_ik(q, twist, locked_joints=["join1"])
+        with pytest.raises(rc.ArgumentError, match="reach map: the corners are"):
+            chain.reach_map([1, 0, 0], [0, 0, 0])
+
     def test_locks_joints_by_name(self, robot):
         chain, seed = robot.chain, robot.arm.joint_pos
         truth = seed + np.array([0.1, 0, 0.1, 0.1, 0.1, 0, 0.1])
@@ -314,6 +349,31 @@ class TestChains:
             chain.ik(target, seed=seed, locked_joints=["join1"])
         with pytest.raises(rc.ArgumentError, match="locked, but there is no seed"):
             chain.ik_batch([target], locked_joints=locked)
+
+
+class TestRobots:
+    """`robot.ik` is the one of its kinematics."""
+
+    def test_takes_all_options(self, robot):
+        seed = robot.arm.joint_pos
+        target = robot.kinematics.fk(seed + 0.1)
+        for options in (
+            {},
+            {"seed": seed + 0.05, "tolerance": 1e-8},
+            {"position_only": True},
+            {"axis": [0, 0, 1], "cone": 0.1, "prefer": "limits"},
+            {"prefer": seed + 0.05, "filter": lambda q: q[:, 0] > -1},
+            {"position_weights": [1, 0, 1], "max_restarts": 5, "max_iterations": 20},
+            {"rotation_weights": [1, 1, 0], "prefer": "manipulability"},
+        ):
+            ours, theirs = (ik(target, **options) for ik in (robot.ik, robot.kinematics.ik))
+            assert ours.success
+            np.testing.assert_array_equal(ours.q, theirs.q)
+        free = rc.CollisionFilter(robot)
+        assert free(robot.ik(pose=target, filter=free).q[None]).all()
+        assert not robot.ik(target, locked_groups=["arm"])
+        with pytest.raises(rc.ArgumentError, match=r"prefer must be one of .*Did you mean 'seed'"):
+            robot.ik(target, prefer="sed")
 
 
 class TestBatches:
@@ -352,7 +412,10 @@ class TestBatches:
     @pytest.mark.parametrize(
         ("spoil", "message"),
         [
-            (lambda t: t[:, :3], r"targets: expected 16 values|targets must be|shape"),
+            (lambda t: t[:, :3], r"targets must be 4x4 matrices .*, has shape \(3, 3, 4\)"),
+            (lambda t: t.reshape(-1), r"targets must be 4x4 matrices .*, has shape \(48,\)"),
+            (lambda t: t.reshape(3, 16), r"targets must be .* list of poses, has shape \(3, 16\)"),
+            (lambda t: t[0, :3], r"targets must be 4x4 matrices .*, has shape \(3, 4\)"),
             (lambda t: np.where(np.arange(3)[:, None, None] == 1, np.nan, t), r"targets\[1\]"),
             (lambda t: t * [[[2, 1, 1, 1]] * 3 + [[1] * 4]], r"targets\[0\]: "),
             (lambda t: t * [[[1, 1, -1, 1]] * 3 + [[1] * 4]], r"targets\[0\]: "),
@@ -364,10 +427,49 @@ class TestBatches:
         with pytest.raises(rc.ArgumentError, match=message):
             robot.kinematics.ik_batch(spoil(targets))
 
+    @pytest.mark.parametrize("spoiled", [np.nan, np.inf])
+    def test_numbers_that_are_none_are_refused_alone_too(self, robot, spoiled):
+        target = robot.kinematics.fk(reachable(robot, 1))[0]
+        for row, column in ((0, 3), (1, 1)):
+            wrong = target.copy()
+            wrong[row, column] = spoiled
+            for ik in (robot.ik, robot.kinematics.ik, robot.chain.ik, robot.chain.ik_solutions):
+                with pytest.raises(rc.ArgumentError, match=r"not finite|not orthonormal"):
+                    ik(wrong)
+        for wrong in (target * [2, 1, 1, 1], target * [1, 1, -1, 1], target[:3], target.ravel()):
+            for ik in (robot.ik, robot.chain.ik):
+                with pytest.raises(rc.ArgumentError, match=r"matrix (must be|is not|has det)"):
+                    ik(wrong)
+        seed = robot.arm.joint_pos
+        seed[2] = spoiled
+        for ik in (robot.ik, robot.chain.ik, robot.chain.ik_solutions):
+            with pytest.raises(rc.ArgumentError, match=f"seed of joint 'joint3' is {spoiled}"):
+                ik(target, seed=seed)
+            with pytest.raises(rc.ArgumentError, match="seed: expected 7 joint values, got 6"):
+                ik(target, seed=seed[:6])
+        for call in (robot.kinematics.manipulability, robot.chain.fk, robot.chain.jacobian):
+            with pytest.raises(rc.ArgumentError, match=f"joint 'joint3' is {spoiled}"):
+                call(seed)
+        with pytest.raises(rc.ArgumentError, match=f"joint 'joint3' is {spoiled}"):
+            robot.chain.differential_ik(seed, np.zeros(6))
+        with pytest.raises(rc.ArgumentError, match="twist has a number that is not finite"):
+            robot.kinematics.differential_ik(np.zeros(7), [0, 0, 0, 0, 0, spoiled])
+
     def test_seeds_that_do_not_fit_are_named(self, robot):
         targets = robot.kinematics.fk(reachable(robot, 3))
         with pytest.raises(rc.ArgumentError, match=r"expected 7 seed values .* or 21"):
             robot.kinematics.ik_batch(targets, seeds=np.zeros((2, 7)))
+        for seeds, shape in [
+            (np.zeros((7, 3)), r"\(7, 3\)"),  # the right number of values
+            (np.zeros(21), r"\(21,\)"),
+            (np.zeros((3, 7, 1)), r"\(3, 7, 1\)"),
+            (np.zeros(6), r"\(6,\)"),
+        ]:
+            for ik_batch in (robot.kinematics.ik_batch, robot.chain.ik_batch):
+                with pytest.raises(
+                    rc.ArgumentError, match=r"seeds must be \(7,\), or .*, has shape " + shape
+                ):
+                    ik_batch(targets, seeds=seeds)
         seeds = np.zeros((3, 7))
         seeds[2, 4] = np.nan
         with pytest.raises(rc.ArgumentError, match=r"seeds\[2\]\[4\] is nan"):

@@ -371,6 +371,8 @@ class TestLockedGroups:
             np.testing.assert_allclose(batch(many).q, np.repeat(expected, 4, 0), atol=1e-12)
         with pytest.raises(rc.ArgumentError, match=r"targets\[1\]: matrix must be"):
             batch([target, 3])
+        with pytest.raises(rc.ArgumentError, match=r"targets\[1\] must be a pose, got None"):
+            batch([target, None])
         with pytest.raises(rc.ArgumentError, match=r"targets\[1\]: .*4"):
             batch([target, np.zeros((4, 4))])
         with pytest.raises(TypeError, match=r"matrix\[0\]\[0\] must be a number"):

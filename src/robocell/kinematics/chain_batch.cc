@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 
 #include "robocell/base/error.h"
@@ -89,6 +90,20 @@ void MassMatrixBatch(const Chain& chain, std::span<const double> q, std::span<do
   const auto n = static_cast<size_t>(chain.n_joints());
   const Batch batch(chain, masses, n * n);
   Run(chain, PosePart::kMass, {.count = batch.count(), .q = batch.Joints("q", q)}, masses);
+}
+
+void CoriolisTorquesBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
+                          std::span<double> torques) {
+  const std::array<double, kMaxChainJoints> still{};
+  const std::array<double, 3> weightless{};
+  InverseDynamicsBatch(chain, q, qd, std::span(still).first(static_cast<size_t>(chain.n_joints())),
+                       weightless, torques);
+}
+
+void ManipulabilityBatch(const Chain& chain, std::span<const double> q, std::span<double> values) {
+  const Batch batch(chain, values, 1);
+  Run(chain, PosePart::kManipulability, {.count = batch.count(), .q = batch.Joints("q", q)},
+      values);
 }
 
 void InverseDynamicsBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,

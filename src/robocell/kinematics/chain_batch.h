@@ -29,9 +29,14 @@ void GravityTorquesBatch(const Chain& chain, std::span<const double> q,
                          std::span<const double> gravity_in_base, std::span<double> torques);
 // q (B, n); masses (B, n, n).
 void MassMatrixBatch(const Chain& chain, std::span<const double> q, std::span<double> masses);
+// q, qd (B, n); torques (B, n): the part that comes from moving.
+void CoriolisTorquesBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
+                          std::span<double> torques);
 // q, qd, qdd (B, n), gravity in the base frame (B, 3); torques (B, n).
 void InverseDynamicsBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
                           std::span<const double> qdd, std::span<const double> gravity_in_base,
                           std::span<double> torques);
+// q (B, n); values (B,): see manipulability.h.
+void ManipulabilityBatch(const Chain& chain, std::span<const double> q, std::span<double> values);
 
 }  // namespace robocell

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <Eigen/SVD>
+
 #include "robocell/kinematics/testing/engine_says.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/instruction_sets.h"
@@ -14,9 +17,9 @@ namespace {
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using MatrixMap = Eigen::Map<const Matrix>;
 
-// All five results of a batch.
+// All results of a batch.
 struct Results {
-  std::vector<double> tips, jacobians, gravity, masses, motion;
+  std::vector<double> tips, jacobians, gravity, masses, motion, coriolis, manipulability;
 
   bool operator==(const Results&) const = default;
 };
@@ -37,14 +40,23 @@ struct Motions {
 
 Results Compute(const Chain& chain, const Motions& m, int count) {
   const size_t n = chain.n_joints(), b = count;
-  Results r{std::vector<double>(b * 16), std::vector<double>(b * 6 * n), std::vector<double>(b * n),
-            std::vector<double>(b * n * n), std::vector<double>(b * n)};
+  Results r{std::vector<double>(b * 16), std::vector<double>(b * 6 * n),
+            std::vector<double>(b * n),  std::vector<double>(b * n * n),
+            std::vector<double>(b * n),  std::vector<double>(b * n),
+            std::vector<double>(b)};
   FkBatch(chain, m.q, r.tips);
   JacobianBatch(chain, m.q, r.jacobians);
   GravityTorquesBatch(chain, m.q, m.gravity, r.gravity);
   MassMatrixBatch(chain, m.q, r.masses);
   InverseDynamicsBatch(chain, m.q, m.qd, m.qdd, m.gravity, r.motion);
+  CoriolisTorquesBatch(chain, m.q, m.qd, r.coriolis);
+  ManipulabilityBatch(chain, m.q, r.manipulability);
   return r;
+}
+
+// The volume that the Jacobian makes of speeds of unit norm: the product of its singular values.
+double VolumeOf(const Matrix& jacobian) {
+  return Eigen::JacobiSVD<Matrix>(jacobian).singularValues().prod();
 }
 
 JointVector RandomRates(Rng* rng, int n) {
@@ -58,7 +70,7 @@ struct EngineBatch {
   Motions motions;
   std::vector<Transform> tips;
   std::vector<Matrix> jacobians, masses;
-  std::vector<Eigen::VectorXd> gravity, motion;
+  std::vector<Eigen::VectorXd> gravity, motion, coriolis;
 
   EngineBatch(TestModel& t, const Chain& chain, Rng* rng, int count) {
     for (int k = 0; k < count; ++k) {
@@ -76,6 +88,8 @@ struct EngineBatch {
       gravity.push_back(EngineGravityTorques(t, chain));
       masses.push_back(EngineMassMatrix(t, chain));
       motion.push_back(EngineInverseDynamics(t, chain, qd, qdd));
+      coriolis.push_back(EngineInverseDynamics(t, chain, qd, JointVector(chain.n_joints())) -
+                         gravity.back());
     }
   }
 
@@ -92,6 +106,9 @@ struct EngineBatch {
       EXPECT_LT((mass - masses[k]).norm(), 1e-10);
       EXPECT_LT((MatrixMap(r.gravity.data() + n * k, n, 1) - gravity[k]).norm(), 1e-10);
       EXPECT_LT((MatrixMap(r.motion.data() + n * k, n, 1) - motion[k]).norm(), 1e-9);
+      EXPECT_LT((MatrixMap(r.coriolis.data() + n * k, n, 1) - coriolis[k]).norm(), 1e-9);
+      const double volume = VolumeOf(jacobians[k]);
+      EXPECT_NEAR(std::pow(r.manipulability[k], 2), volume * volume, 1e-11 * (1 + volume * volume));
     }
   }
 };
@@ -186,9 +203,10 @@ TEST(ChainBatch, ResultsDoNotDependOnTheBatch) {
           part.qdd = cut(c.motions.qdd, joints);
           part.gravity = cut(c.motions.gravity, 3);
           const size_t n = joints;
-          const Results expected{cut(whole.tips, 16), cut(whole.jacobians, 6 * n),
-                                 cut(whole.gravity, n), cut(whole.masses, n * n),
-                                 cut(whole.motion, n)};
+          const Results expected{cut(whole.tips, 16),         cut(whole.jacobians, 6 * n),
+                                 cut(whole.gravity, n),       cut(whole.masses, n * n),
+                                 cut(whole.motion, n),        cut(whole.coriolis, n),
+                                 cut(whole.manipulability, 1)};
           EXPECT_EQ(Compute(c.chain, part, count), expected) << first << " " << count;
         }
       }

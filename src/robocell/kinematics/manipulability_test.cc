@@ -1,11 +1,14 @@
-// The gradient of manipulability against differences.
+// The gradient of manipulability against differences, batches against single configurations.
 #include "robocell/kinematics/manipulability.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "robocell/kinematics/chain_batch.h"
 #include "robocell/kinematics/testing/ik_judge.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/instruction_sets.h"
 
 namespace robocell {
 namespace {
@@ -46,6 +49,34 @@ TEST(LogManipulabilityGradient, IsFiniteWhereADirectionIsLost) {
   LogManipulabilityGradient(chain.model(), JointVector{0, 0, 0}.data(), gradient.data());
   for (const double slope : gradient) EXPECT_TRUE(std::isfinite(slope));
   EXPECT_LT(Manipulability(chain, JointVector{0, 0, 0}), 1e-9);
+}
+
+TEST(ManipulabilityBatch, IsThatOfEachAlsoWhereADirectionIsLost) {
+  const TestModel t = TestModel::FromXml(
+      "<mujoco><default><geom size='.1'/></default><worldbody><body name='base'><geom/>"
+      "<body><joint axis='0 0 1'/><geom/><body><joint axis='0 1 0'/><geom/><body pos='0 0 .4'>"
+      "<joint axis='0 0 1'/><geom/><body><joint axis='0 1 0'/><geom/><body pos='0 0 .3'>"
+      "<joint axis='0 0 1'/><geom/><body><joint axis='0 1 0'/><geom/><body><joint axis='0 0 1'/>"
+      "<geom/><site name='tip' pos='.1 0 .1'/></body></body></body></body></body></body></body>"
+      "</body></worldbody></mujoco>");
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  Rng rng = Rng::Stream(1, "manipulability batch");
+  std::vector<double> q(7);  // stretched
+  for (int k = 0; k < 20; ++k) {
+    const JointVector some = RandomJoints(chain, &rng);
+    q.insert(q.end(), some.begin(), some.end());
+  }
+  std::vector<double> values(21);
+  OnEveryInstructionSet([&](const std::string&) {
+    ManipulabilityBatch(chain, q, values);
+    EXPECT_LT(values[0], 1e-7);
+    for (int k = 0; k < 21; ++k)
+      EXPECT_NEAR(values[k], Manipulability(chain, std::span(q).subspan(7 * k, 7)), 1e-7);
+  });
+  std::vector<double> none;
+  ManipulabilityBatch(chain, none, none);
+  ExpectThrow<ArgumentError>([&] { ManipulabilityBatch(chain, none, values); },
+                             "q: expected 7 numbers, or 7 for each of 21 configurations; got 0");
 }
 
 }  // namespace

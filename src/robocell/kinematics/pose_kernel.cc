@@ -19,6 +19,8 @@ namespace robocell::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kMostPoses = 8;
+// Of the largest on a diagonal.
+constexpr double kLeastPivot = 1e-20;
 using Configurations = hn::CappedTag<double, kMostPoses>;
 using P = hn::Vec<Configurations>;
 constexpr Configurations kPoses;
@@ -128,7 +130,12 @@ HWY_INLINE void TipsOf(const LinkTable& t, const Inputs& q, int lanes, double* o
   tips.Write(lanes, 16, out);
 }
 
-HWY_INLINE void JacobiansOf(const LinkTable& t, const Inputs& q, int lanes, double* out) {
+// Of the Jacobian at the tip.
+struct Column {
+  P row[6];  // linear ones first
+};
+
+HWY_INLINE void ColumnsOf(const LinkTable& t, const Inputs& q, Column* columns) {
   Vec3<P> axis[kMaxChainJoints], point[kMaxChainJoints];
   const Frame3<P> last = WalkPoses(t, q, [&](int i, const Frame3<P>& f) HWY_ATTR {
     axis[i] = f.z;
@@ -136,15 +143,65 @@ HWY_INLINE void JacobiansOf(const LinkTable& t, const Inputs& q, int lanes, doub
   });
   const Vec3<P> tip = TipPosition(t, last);
   const P zero = hn::Zero(kPoses);
-  Outputs<6 * kMaxChainJoints> jacobian;
   for (int i = 0; i < t.n; ++i) {
     const bool slide = t.slides[i] != 0;
     const Vec3<P> linear = slide ? axis[i] : Cross(axis[i], Sub(tip, point[i]));
     const Vec3<P> angular = slide ? Vec3<P>{zero, zero, zero} : axis[i];
-    const P column[6] = {linear.x, linear.y, linear.z, angular.x, angular.y, angular.z};
-    for (int r = 0; r < 6; ++r) jacobian.Put(r * t.n + i, column[r]);
+    columns[i] = {{linear.x, linear.y, linear.z, angular.x, angular.y, angular.z}};
+  }
+}
+
+HWY_INLINE void JacobiansOf(const LinkTable& t, const Inputs& q, int lanes, double* out) {
+  Column columns[kMaxChainJoints];
+  ColumnsOf(t, q, columns);
+  Outputs<6 * kMaxChainJoints> jacobian;
+  for (int i = 0; i < t.n; ++i) {
+    for (int r = 0; r < 6; ++r) jacobian.Put(r * t.n + i, columns[i].row[r]);
   }
   jacobian.Write(lanes, 6 * t.n, out);
+}
+
+// The lower triangle of the smaller of J J^T and J^T J; how many rows it has.
+HWY_INLINE int SquaredOf(const Column* columns, int n, P (*square)[6]) {
+  const int rows = HWY_MIN(n, 6);
+  for (int r = 0; r < rows; ++r) {
+    for (int c = 0; c <= r; ++c) {
+      P sum = hn::Zero(kPoses);
+      for (int k = 0, end = HWY_MAX(n, 6); k < end; ++k) {
+        sum = n < 6 ? hn::MulAdd(columns[r].row[k], columns[c].row[k], sum)
+                    : hn::MulAdd(columns[k].row[r], columns[k].row[c], sum);
+      }
+      square[r][c] = sum;
+    }
+  }
+  return rows;
+}
+
+// The root of the determinant of a symmetric matrix without negative eigenvalues. Uses it up.
+HWY_INLINE P RootOfDeterminant(P (*a)[6], int rows) {
+  P largest = hn::Zero(kPoses), product = All(1);
+  for (int k = 0; k < rows; ++k) largest = hn::Max(largest, a[k][k]);
+  // What is divided by; where a pivot is below it the product is next to nothing, whatever follows.
+  const P least = hn::Max(hn::Mul(All(kLeastPivot), largest), All(kLeastPivot));
+  for (int k = 0; k < rows; ++k) {
+    product = hn::Mul(product, hn::Max(a[k][k], hn::Zero(kPoses)));
+    const P inverse = hn::Div(All(1), hn::Max(a[k][k], least));
+    for (int r = k + 1; r < rows; ++r) {
+      const P factor = hn::Mul(a[r][k], inverse);
+      for (int c = k + 1; c <= r; ++c) a[r][c] = hn::NegMulAdd(factor, a[c][k], a[r][c]);
+    }
+  }
+  return hn::Sqrt(product);
+}
+
+HWY_INLINE void ManipulabilitiesOf(const LinkTable& t, const Inputs& q, int lanes, double* out) {
+  Column columns[kMaxChainJoints];
+  ColumnsOf(t, q, columns);
+  P square[6][6];
+  const int rows = SquaredOf(columns, t.n, square);
+  Outputs<1> values;
+  values.Put(0, RootOfDeterminant(square, rows));
+  values.Write(lanes, 1, out);
 }
 
 HWY_INLINE Vec3<P> Three(const Inputs& in) { return {in[0], in[1], in[2]}; }
@@ -258,6 +315,8 @@ void Some(const LinkTable& t, PosePart part, const PoseQuery& query, std::size_t
       return MotionsOf(t, q, Inputs(query.qd, first, last, t.n),
                        Inputs(query.qdd, first, last, t.n), Inputs(query.gravity, first, last, 3),
                        lanes, out + t.n * first);
+    case PosePart::kManipulability:
+      return ManipulabilitiesOf(t, q, lanes, out + first);
   }
 }
 

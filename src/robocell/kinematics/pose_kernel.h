@@ -21,11 +21,12 @@ struct PoseRows {
 };
 
 enum class PosePart {
-  kTip,       // 4 x 4 each, row by row
-  kJacobian,  // 6 x n each, row by row, linear rows first
-  kGravity,   // n each
-  kMass,      // n x n each, row by row
-  kMotion     // n each
+  kTip,            // 4 x 4 each, row by row
+  kJacobian,       // 6 x n each, row by row, linear rows first
+  kGravity,        // n each
+  kMass,           // n x n each, row by row
+  kMotion,         // n each
+  kManipulability  // 1 each
 };
 
 // Those that the part needs: joint values n each, gravity in the base frame 3 each.

@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/chain_batch.h"
 #include "robocell/kinematics/ik_batch.h"
-#include "robocell/kinematics/manipulability.h"
 #include "robocell/kinematics/on_threads.h"
 
 namespace robocell {
@@ -81,6 +81,7 @@ class Mapper {
     IkBatch(chain_, targets_, {}, batch_, &found_);
     const int cells = static_cast<int>(asked_.size());
     const int threads = std::clamp(batch_.threads, 1, std::max(1, cells));
+    manipulability_.resize(targets_.size());
     OnThreads(threads, [&](int t) {
       for (int k = t; k < cells; k += threads) Fill(k);
     });
@@ -91,15 +92,17 @@ class Mapper {
   // The k-th of the cells that were asked for.
   void Fill(int k) {
     const int count = static_cast<int>(rotations_.size());
-    int reached = 0;
-    double sum = 0;
-    for (int b = k * count, end = b + count; b < end; ++b) {
-      if (!found_.success[b]) continue;
-      ++reached;
-      sum += ManipulabilityOf(chain_.model(), found_.row(b).data());
-    }
+    const std::size_t first = static_cast<std::size_t>(k) * count, n = chain_.n_joints();
+    const auto solved = std::span(found_.success).subspan(first, count);
+    const auto reached = std::count(solved.begin(), solved.end(), uint8_t{1});
     map_.fraction[asked_[k]] = static_cast<float>(reached) / static_cast<float>(count);
-    if (reached > 0) map_.manipulability[asked_[k]] = static_cast<float>(sum / reached);
+    if (reached == 0) return;
+    // Of all, for the lanes; those of approaches are not looked at.
+    const auto values = std::span(manipulability_).subspan(first, count);
+    ManipulabilityBatch(chain_, std::span(found_.q).subspan(first * n, count * n), values);
+    double sum = 0;
+    for (int b = 0; b < count; ++b) sum += solved[b] ? values[b] : 0;
+    map_.manipulability[asked_[k]] = static_cast<float>(sum / static_cast<double>(reached));
   }
 
   const Chain& chain_;
@@ -109,6 +112,7 @@ class Mapper {
   std::vector<std::size_t> asked_;
   std::vector<Pose> targets_;
   IkBatchResult found_;
+  std::vector<double> manipulability_;
 };
 
 }  // namespace
