@@ -52,7 +52,12 @@ std::map<std::string, std::string> ChangedModels(const fs::path& dataset) {
   std::map<std::string, std::string> changed;
   const SumsByName run = SumsOfRun(dataset);
   if (run.empty()) return changed;
-  for (const std::string& folder : StoredModels(dataset)) {
+  std::vector<std::string> folders;
+  try {
+    folders = StoredModels(dataset);
+  } catch (const Error&) {  // told by itself
+  }
+  for (const std::string& folder : folders) {
     try {
       if (auto file = ChangedFile(SumsOfStoredModel(dataset, folder), run))
         changed[folder] = std::move(*file);

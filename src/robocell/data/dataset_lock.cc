@@ -32,6 +32,7 @@ void CreateIfMissing(const fs::path& path) {
 
 const std::string kWhole(kLockFile);
 const std::string kWriters = kWhole + "-writers";
+const std::string kStart = kWhole + "-start";  // of a shard that takes its lock
 
 // Who has a lock alone, for messages of others; nobody depends on it. Nobody takes it back either:
 // the start tells whether it is still about the process of that number.
@@ -105,22 +106,23 @@ std::string Holders(const fs::path& dataset, const std::string& name) {
 std::string By(const std::string& owner) { return owner.empty() ? "" : " by " + owner; }
 
 // Somebody who asks whether the lock is held has it for an instant (ForEachHeldShard, Holders).
-std::optional<FileLock> TryPatiently(const fs::path& path, LockKind kind) {
-  constexpr int kTries = 5;
-  constexpr std::chrono::milliseconds kPause(5);
+constexpr int kTries = 25;
+constexpr std::chrono::milliseconds kPause(1);
+
+std::optional<FileLock> TryPatiently(const fs::path& path, LockKind kind, int tries = kTries) {
   std::optional<FileLock> lock = FileLock::Try(path, kind);
-  for (int i = 1; !lock && i < kTries; ++i) {
+  for (int i = 1; !lock && i < tries; ++i) {
     std::this_thread::sleep_for(kPause);
     lock = FileLock::Try(path, kind);
   }
   return lock;
 }
 
-FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind) {
+FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind, int tries = kTries) {
   const fs::path path = dataset / name;
   RequireOwnFolders(dataset);
   CreateIfMissing(path);
-  std::optional<FileLock> lock = TryPatiently(path, kind);
+  std::optional<FileLock> lock = TryPatiently(path, kind, tries);
   if (!lock) {
     throw IoError(
         fmt::format("'{}' is in use{}. Wait until that is over, end it, or take another folder for "
@@ -129,6 +131,13 @@ FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind) {
   }
   if (kind == LockKind::kExclusive) WriteOwner(path);
   return std::move(*lock);
+}
+
+// One shard at a time takes its lock and looks for those of others: of two that begin at once the
+// first has it, and the second sees that. It takes milliseconds, on a network disk some more.
+FileLock TakeTurn(const fs::path& dataset) {
+  constexpr std::chrono::seconds kMost(30);
+  return Take(dataset, kStart, LockKind::kExclusive, kMost / kPause);
 }
 
 void RequireSameCount(const fs::path& dataset, int count) {
@@ -158,10 +167,10 @@ DatasetLock DatasetLock::Alone(const fs::path& dataset) {
 DatasetLock::DatasetLock(const fs::path& dataset, int shard, int count) {
   held_.push_back(Take(dataset, kWhole, count == 1 ? LockKind::kExclusive : LockKind::kShared));
   if (count == 1) return;
+  const FileLock turn = TakeTurn(dataset);
   held_.push_back(
       Take(dataset, fmt::format("{}-{}-of-{}", kWhole, shard, count), LockKind::kExclusive));
-  RequireSameCount(dataset,
-                   count);  // after taking ours: of two that begin at once, one sees the other
+  RequireSameCount(dataset, count);
 }
 
 }  // namespace robocell

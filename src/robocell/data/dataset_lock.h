@@ -1,7 +1,8 @@
 // Keeps two runs, or a run and a repair, from working on the same dataset: lock files in its
 // folder. The whole plan is locked exclusively; the shards of a plan share the folder and lock
-// themselves. Shards of different counts make the same episodes and are refused together. Who only
-// adds episodes may do so beside a run, but not while somebody moves things about.
+// themselves. Shards of different counts make the same episodes: beside one another count is
+// refused, and of two that start at once one begins. Who only adds episodes may do so beside a run,
+// but not while somebody moves things about.
 //
 //   DatasetLock lock("out/pick_v1");         // IoError names the owner when it is taken
 //   DatasetLock shard("out/pick_v1", 0, 8);  // shard 0 of 8

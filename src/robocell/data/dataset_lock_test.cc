@@ -115,6 +115,34 @@ TEST(DatasetLock, ShardsThatStartTogetherDoNotRefuseEachOther) {
   EXPECT_THAT(refused, Each(""));
 }
 
+// Both would make the same episodes; refusing both would leave nobody at work.
+TEST(DatasetLock, OfShardsOfDifferentCountsThatStartTogetherOneBegins) {
+  constexpr int kRounds = 100;
+  TempDir folder;
+  std::barrier together(2);
+  std::vector<int> taken(2);
+  std::vector<std::string> refused(2);
+  const auto run = [&](int shard) {
+    for (int i = 0; i < kRounds; ++i) {
+      together.arrive_and_wait();
+      std::optional<DatasetLock> lock;
+      try {
+        lock.emplace(folder.path(), 0, 2 + shard);
+        ++taken[static_cast<size_t>(shard)];
+      } catch (const IoError& error) {
+        refused[static_cast<size_t>(shard)] = error.what();
+      }
+      together.arrive_and_wait();  // whoever has one holds it so long
+    }
+  };
+  std::thread other(run, 1);
+  run(0);
+  other.join();
+  EXPECT_EQ(taken[0] + taken[1], kRounds) << refused[0] << "\n" << refused[1];
+  for (const std::string& text : refused)
+    EXPECT_TRUE(text.empty() || text.find("give all shards the same N") != text.npos) << text;
+}
+
 TEST(DatasetLock, ShardsOfDifferentCountsAreRefusedTogether) {
   TempDir folder;
   std::optional<DatasetLock> half(std::in_place, folder.path(), 0, 2);

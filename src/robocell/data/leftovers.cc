@@ -30,6 +30,23 @@ void AddUnfinished(const fs::path& folder, const std::string& prefix,
   if (error) ThrowIoError("list", folder, error.value());
 }
 
+// Verify tells what cannot be listed.
+void AddWhatCanBeListed(const fs::path& folder, const std::string& prefix,
+                        std::vector<std::string>& names) {
+  try {
+    AddUnfinished(folder, prefix, names);
+  } catch (const IoError&) {
+  }
+}
+
+std::vector<std::string> ModelsThatCanBeListed(const fs::path& dataset) {
+  try {
+    return StoredModels(dataset);
+  } catch (const IoError&) {
+    return {};
+  }
+}
+
 bool IsOf(const DeadWriter& writer, const std::string& name) {
   const auto parsed = TemporaryName::Parse(fs::path(name).filename().string());
   const bool is_model = name.starts_with(std::string(kModelsFolder) + "/");
@@ -80,9 +97,9 @@ std::vector<std::string> UnfinishedIn(const fs::path& dataset) {
   std::vector<std::string> names;
   AddUnfinished(dataset, "", names);
   if (IsFolder(dataset / kModelsFolder))
-    AddUnfinished(dataset / kModelsFolder, std::string(kModelsFolder) + "/", names);
-  for (const std::string& model : StoredModels(dataset))
-    AddUnfinished(dataset / model, model + "/", names);
+    AddWhatCanBeListed(dataset / kModelsFolder, std::string(kModelsFolder) + "/", names);
+  for (const std::string& model : ModelsThatCanBeListed(dataset))
+    AddWhatCanBeListed(dataset / model, model + "/", names);
   std::sort(names.begin(), names.end());
   return names;
 }

@@ -15,7 +15,8 @@ namespace robocell {
 // cannot tell.
 bool IsBeingWritten(const std::filesystem::path& unfinished);
 
-// Names of unfinished folders and files in the dataset, sorted, with and without a writer.
+// Names of unfinished folders and files in the dataset, sorted, with and without a writer; not of
+// models that cannot be listed.
 std::vector<std::string> UnfinishedIn(const std::filesystem::path& dataset);
 
 struct DeadWriter {

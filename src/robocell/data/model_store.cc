@@ -39,8 +39,12 @@ bool IsRealFolder(const fs::path& path) {
 
 // What is in the folder of models: "models/rc7-0123456789abcdef", sorted.
 std::vector<std::string> NamesInModels(const fs::path& dataset) {
-  if (!IsRealFolder(dataset / kModelsFolder)) return {};
-  std::vector<std::string> names = FolderNames(dataset / kModelsFolder);
+  const fs::path folder = dataset / kModelsFolder;
+  if (!IsRealFolder(folder)) return {};
+  std::vector<std::string> names = FolderNames(folder);
+  std::error_code error;  // with the right to list it, and none to look at what is listed
+  fs::symlink_status(folder / ".", error);
+  if (error) ThrowIoError("look into", folder, error.value());
   for (std::string& name : names) name.insert(0, std::string(kModelsFolder) + "/");
   return names;
 }

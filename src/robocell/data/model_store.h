@@ -49,7 +49,8 @@ void WriteModelList(const std::filesystem::path& dataset, const std::string& pat
 // Whether the folder of a model, which has a path or folder as above, is there.
 bool IsStored(const std::filesystem::path& dataset, const std::string& path);
 
-// The folders of models in the dataset: "models/rc7-0123456789abcdef", sorted.
+// The folders of models in the dataset: "models/rc7-0123456789abcdef", sorted. IoError when the
+// folder that they are in cannot be looked into.
 std::vector<std::string> StoredModels(const std::filesystem::path& dataset);
 
 // What else is in the folder of models, but for what somebody is writing: names as above, sorted.

@@ -138,6 +138,17 @@ void CheckStoredModel(const fs::path& dataset, const std::string& model, VerifyR
   report.unlisted.push_back(model);
 }
 
+// False when their folder is closed to this user, or cannot be read: then nothing is known of them.
+bool CanLookAtModels(const fs::path& dataset, VerifyReport& report) {
+  try {
+    StoredModels(dataset);
+    return true;
+  } catch (const Error& error) {
+    AddPart(std::string(kModelsFolder), error.what(), KindOf(error), report);
+    return false;
+  }
+}
+
 void CheckStoredModels(const fs::path& dataset, VerifyReport& report) {
   for (const std::string& model : StoredModels(dataset)) {
     try {
@@ -156,7 +167,13 @@ void CheckStoredModels(const fs::path& dataset, VerifyReport& report) {
 }
 
 void CheckLostEpisodes(const fs::path& dataset, VerifyReport& report) {
-  for (const std::string& id : LostEpisodes(dataset))
+  std::vector<std::string> lost;
+  try {
+    lost = LostEpisodes(dataset);
+  } catch (const Error& error) {  // what was set aside cannot be seen
+    AddPart(std::string(kQuarantineFolder), error.what(), KindOf(error), report);
+  }
+  for (const std::string& id : lost)
     report.problems.push_back(
         {id, "",
          "a report says that it was made, and it is gone. `robocell generate` "
@@ -243,8 +260,10 @@ VerifyReport Verify(const fs::path& dataset, const VerifyOptions& options) {
     if (IsReportFile(name)) CheckReport(dataset, name, report);
   }
   CheckOwnFolders(dataset, report);
-  CheckStoredModels(dataset, report);
-  CheckMissingModels(dataset, report);
+  if (CanLookAtModels(dataset, report)) {
+    CheckStoredModels(dataset, report);
+    CheckMissingModels(dataset, report);
+  }
   CheckLostEpisodes(dataset, report);
   return report;
 }
@@ -267,8 +286,11 @@ RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
   FsyncDirectory(dataset);
   VerifyReport after{.good = found.good};
   CheckManifest(dataset, after);
-  CheckMissingModels(dataset, after);
+  if (CanLookAtModels(dataset, after)) CheckMissingModels(dataset, after);
   CheckLostEpisodes(dataset, after);
+  std::erase_if(after.problems, [](const VerifyProblem& problem) {  // found before
+    return problem.kind == ProblemKind::kUnreadable;
+  });
   result.remaining = after.problems;
   for (const VerifyProblem& problem : found.problems) {
     if (problem.kind == ProblemKind::kUnreadable) result.remaining.push_back(problem);

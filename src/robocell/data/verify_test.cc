@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <tuple>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
@@ -23,9 +24,11 @@ namespace robocell {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::StartsWith;
 
 // Without the flush to the disk of AtomicWrite: hundreds of times.
 void Store(const fs::path& path, const std::string& bytes) {
@@ -187,6 +190,40 @@ TEST_F(Unjudged, WhatThisUserMayNotRead) {
       EXPECT_EQ(Dataset(folder_.path()).Open("c").Read<double>("time").size(), 10u);
     }
     fs::permissions(path, before);
+  }
+}
+
+// Of a cache that several users share, say: the episodes are judged all the same.
+TEST_F(VerifyTest, ModelsThatThisUserMayNotReadHideNoEpisode) {
+  const std::string sums = Sha256("<mujoco/>") + "  arm.xml\n";
+  const std::string model = "models/arm-" + Sha256(sums).substr(0, 16);
+  fs::create_directories(folder_ / model);
+  Store(folder_ / model / "arm.xml", "<mujoco/>");
+  Store(folder_ / model / "SHA256SUMS", sums);
+  fs::create_directory(folder_ / ".quarantine");
+  fs::permissions(folder_.path(), fs::perms(0755));
+  ASSERT_TRUE(Verify(folder_.path()).ok()) << Verify(folder_.path()).Text();
+  const auto none = fs::perms::none;
+  const auto list_only = fs::perms(0444);
+  for (const auto& [closed, perms, said] :
+       {std::tuple{std::string("models"), none, std::string("models: cannot list '")},
+        std::tuple{std::string("models"), list_only, std::string("models: cannot look into '")},
+        std::tuple{model, none, model + ": cannot list '"},
+        std::tuple{std::string(".quarantine"), none, std::string(".quarantine: cannot list '")}}) {
+    const fs::perms before = fs::status(folder_ / closed).permissions();
+    fs::permissions(folder_ / closed, perms);
+    {
+      const AsNobody nobody;
+      const VerifyReport report = Verify(folder_.path());
+      EXPECT_THAT(report.good, ElementsAre("a", "b", "c"));
+      ASSERT_EQ(report.problems.size(), 1u) << report.Text();
+      EXPECT_THAT(report.problems[0].Text(),
+                  AllOf(StartsWith(said), HasSubstr("': Permission denied")));
+      EXPECT_TRUE(report.only_unreadable());
+      EXPECT_THAT(report.bad_parts, IsEmpty());
+      EXPECT_THAT(report.foreign, IsEmpty());
+    }
+    fs::permissions(folder_ / closed, before);
   }
 }
 
