@@ -112,6 +112,17 @@ def test_a_circle_of_links_is_an_error(tmp_path: Path):
     assert f"no robot file '{tmp_path}/loop'" in text
 
 
+def test_a_pipe_that_a_model_names_is_not_waited_for(tmp_path: Path):
+    robot = shutil.copytree(Path(str(storm.RUN["robot"])).parent, tmp_path / "robot")
+    model, part = robot / "rc7.xml", robot / "part.xml"
+    model.write_text(model.read_text().replace("</mujoco>", '<include file="part.xml"/></mujoco>'))
+    os.mkfifo(part)
+    file = robot / "rc7.yaml"
+    for command in (["check", file], ["generate", write_run(tmp_path, robot=str(file))]):
+        text = refused(*command)
+        assert f"names the file 'part.xml', and '{part}' is a pipe, not a file" in text
+
+
 def name_a_camera_outside(content: dict[str, Any]) -> None:
     content["cameras"]["wrist"]["file"] = "../../secret.mp4"
 

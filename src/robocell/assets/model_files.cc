@@ -1,5 +1,7 @@
 #include "robocell/assets/model_files.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <set>
@@ -7,6 +9,7 @@
 #include <system_error>
 
 #include "robocell/assets/model_text.h"
+#include "robocell/base/error.h"
 #include "robocell/base/real_file.h"
 
 namespace robocell {
@@ -28,6 +31,11 @@ bool HasScheme(std::string_view name) {
          });
 }
 
+bool MayNeverEnd(fs::file_type type) {
+  return type == fs::file_type::fifo || type == fs::file_type::socket ||
+         type == fs::file_type::character || type == fs::file_type::block;
+}
+
 // As the engine joins them: what it takes for an absolute name stands alone.
 fs::path Join(const fs::path& folder, const fs::path& name) {
   return name.native().find(":/") == std::string::npos ? folder / name : fs::absolute(name);
@@ -40,7 +48,9 @@ class Walk {
   explicit Walk(const fs::path& model) { ReadModel(model); }
 
   ModelFiles Take() {
-    return {.files = {files_.begin(), files_.end()}, .missing = std::move(missing_)};
+    return {.files = {files_.begin(), files_.end()},
+            .missing = std::move(missing_),
+            .no_files = std::move(no_files_)};
   }
 
  private:
@@ -110,7 +120,11 @@ class Walk {
     for (const fs::path& candidate : Candidates(model, document, named)) {
       std::error_code error;
       const fs::path path = candidate.lexically_normal();
-      if (fs::is_regular_file(path, error)) found.push_back(path);
+      const fs::file_type type = fs::status(path, error).type();
+      if (type == fs::file_type::regular) found.push_back(path);
+      if (MayNeverEnd(type))
+        no_files_.push_back(
+            {document, named.name, fmt::format("'{}' is {}", path.string(), WhatIsAt(path))});
     }
     const bool other = named.kind != NameKind::kAsset && HasScheme(named.name);
     if (found.empty() || other)
@@ -119,13 +133,28 @@ class Walk {
   }
 
   std::set<fs::path> files_, models_;
-  std::vector<MissingFile> missing_;
+  std::vector<MissingFile> missing_, no_files_;
 };
 
 }  // namespace
 
 ModelFiles FindModelFiles(const fs::path& model) {
   return Walk(fs::absolute(model).lexically_normal()).Take();
+}
+
+void RequireOnlyFiles(const fs::path& model) {
+  ModelFiles found;
+  try {
+    found = FindModelFiles(model);
+  } catch (const IoError&) {
+    return;
+  }
+  if (found.no_files.empty()) return;
+  const MissingFile& first = found.no_files.front();
+  throw SpecError(
+      fmt::format("model file '{}' names the file '{}', and {}, not a file. What it "
+                  "brings is written to a file first",
+                  first.document.string(), first.name, first.reason));
 }
 
 FileSet ModelFileSet(const fs::path& model, const Hashing& hashing) {

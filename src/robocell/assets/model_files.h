@@ -5,6 +5,7 @@
 //
 //   const FileSet arm = ModelFileSet("/menagerie/ufactory_xarm7/xarm7.xml");
 //   const ModelFiles found = FindModelFiles(stored);   // also what is named and not there
+//   RequireOnlyFiles(model);                           // before the engine opens what it names
 #pragma once
 
 #include <filesystem>
@@ -25,10 +26,15 @@ struct MissingFile {
 struct ModelFiles {
   std::vector<std::filesystem::path> files;  // absolute, sorted, with the model
   std::vector<MissingFile> missing;
+  std::vector<MissingFile> no_files;  // there is a pipe, a socket or a device, which may never end
 };
 
 // IoError when `model` cannot be read.
 ModelFiles FindModelFiles(const std::filesystem::path& model);
+
+// SpecError for a pipe, a socket or a device that `model`, or what it includes, names as a file:
+// the engine would open it and wait for ever. What cannot be read is left for the engine to tell.
+void RequireOnlyFiles(const std::filesystem::path& model);
 
 // Those that are there, known by what they hold.
 FileSet ModelFileSet(const std::filesystem::path& model, const Hashing& hashing = {});

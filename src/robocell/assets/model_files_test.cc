@@ -1,5 +1,6 @@
 #include "robocell/assets/model_files.h"
 
+#include <sys/stat.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -18,6 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
@@ -68,6 +70,33 @@ TEST(ModelFiles, IncludesMeshesAndTexturesAreFoundWithTheirFolders) {
   EXPECT_THAT(Names(temp / "arm/arm.xml"),
               ElementsAre("arm.xml", "meshes/a.stl", "meshes/b.stl", "parts/hand.xml"));
   EXPECT_THAT(Missing(temp / "arm/arm.xml"), ElementsAre("none.png"));
+}
+
+// The engine would open them, and wait.
+TEST(ModelFiles, PipesAndDevicesAreNoFiles) {
+  TempDir temp;
+  const fs::path arm = temp / "arm/arm.xml";
+  const auto expect_refused = [&](const std::string& text, const std::string& message) {
+    Write(arm, text);
+    EXPECT_THAT(ExpectThrow<SpecError>([&] { RequireOnlyFiles(arm); }, "model file '"),
+                HasSubstr(message));
+  };
+  fs::create_directories(temp / "arm/meshes");
+  ASSERT_EQ(mkfifo((temp / "arm/hand.xml").c_str(), 0600), 0);
+  ASSERT_EQ(mkfifo((temp / "arm/meshes/a.obj").c_str(), 0600), 0);
+  fs::create_symlink("/dev/zero", temp / "arm/zero.png");
+  expect_refused("<mujoco><include file='hand.xml'/></mujoco>",
+                 "arm.xml' names the file 'hand.xml', and '" + (temp / "arm/hand.xml").string() +
+                     "' is a pipe, not a file. What it brings is written to a file first");
+  expect_refused(MeshModel("a.obj", "<compiler meshdir='meshes'/>"), "meshes/a.obj' is a pipe");
+  expect_refused("<mujoco><asset><texture type='2d' file='zero.png'/></asset></mujoco>",
+                 "zero.png' is a link to '/dev/zero', not a file");
+  expect_refused("<mujoco><asset><model file='hand.xml'/></asset></mujoco>", "is a pipe");
+  Write(temp / "arm/part.xml", "<mujoco><include file='hand.xml'/></mujoco>");
+  expect_refused("<mujoco><include file='part.xml'/></mujoco>", "part.xml' names the file 'hand");
+  Write(arm, "<mujoco><include file='gone.xml'/></mujoco>");  // the engine says that better
+  EXPECT_NO_THROW(RequireOnlyFiles(arm));
+  EXPECT_NO_THROW(RequireOnlyFiles(temp / "none.xml"));
 }
 
 // Where the engine alone finds the mesh is where it must be found.

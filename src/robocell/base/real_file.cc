@@ -116,6 +116,7 @@ std::string ReadRealFile(const fs::path& path, uint64_t max_bytes) {
                               path.string(), size, max_bytes));
   };
   require(file.size());
+  bytes.reserve(file.size());
   ReadBlocks(file.descriptor(), path, [&](std::string_view block) {
     require(bytes.size() + block.size());  // it may have grown
     bytes += block;

@@ -151,7 +151,8 @@ ModelPtr LoadBinaryString(std::string_view bytes, std::string_view context) {
 }
 
 ModelPtr LoadBinary(const Path& path, std::string_view context) {
-  const std::string bytes = InContext(context, [&] { return ReadFile(path); });
+  constexpr uint64_t kMost = uint64_t{8} << 30;
+  const std::string bytes = InContext(context, [&] { return ReadRealFile(path, kMost); });
   return LoadBinaryString(bytes, Prefix(context) + "'" + path.string() + "'");
 }
 

@@ -1,5 +1,6 @@
 #include "robocell/mujoco/compile.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -155,6 +156,17 @@ TEST_F(Compiling, ATruncatedBinaryFileIsAnErrorThatNamesTheFile) {
               HasSubstr("cut.mjb': loading a binary"));
   EXPECT_THROW(LoadBinaryString("not a model"), SpecError);
   EXPECT_THROW(LoadBinaryString(""), SpecError);
+}
+
+TEST_F(Compiling, WhatIsNoFileOrTooLargeIsNotReadAsABinary) {
+  ASSERT_EQ(mkfifo((folder_ / "pipe.mjb").c_str(), 0600), 0);
+  EXPECT_THAT(
+      MessageOf<IoError>([&] { LoadBinary(folder_ / "pipe.mjb", "scene 'pick'"); }),
+      AllOf(HasSubstr("scene 'pick': cannot read '"), HasSubstr("it is a pipe, not a file")));
+  std::ofstream(folder_ / "endless.mjb") << "";
+  std::filesystem::resize_file(folder_ / "endless.mjb", uint64_t{9} << 30);  // of holes
+  EXPECT_THAT(MessageOf<IoError>([&] { LoadBinary(folder_ / "endless.mjb"); }),
+              HasSubstr("it has 9663676416 bytes, 8589934592 are the most that is read"));
 }
 
 TEST_F(Compiling, AnUnwritablePlaceIsAnIoErrorWithPathAndReason) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "robocell/assets/model_files.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/compile.h"
@@ -88,6 +89,7 @@ class SceneCompiler {
     if (spec().base) {
       report_.Locate("base", spec().locations);
       const auto file = FindModel(*spec().base, spec().source_dir, "base", "base", report_);
+      if (file) Collect("base", [&] { RequireOnlyFiles(*file); });
       report_.Throw(spec().name);
       spec_ = ParseXmlFile(*file, context_ + " / base");
       LabelUnnamed(spec_.get(), "body");

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 
+#include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -136,6 +137,7 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
   const size_t before = report.problem_count();
   Part part{place, field, *file, nullptr, {}};
   try {
+    RequireOnlyFiles(*file);
     part.spec = ParseXmlFile(*file);
   } catch (const SpecError& error) {
     report.Problem(place, error.what(), field);
