@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <mutex>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -12,6 +14,7 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
 
@@ -39,7 +42,8 @@ bool IsVersionOf(const std::string& folder, const std::string& robot) {
 }
 
 // The folder of the version that `robocell fetch` has recorded, which stays until it is asked for
-// another; empty when there is none. What is wrong with the record is told by `robocell fetch`.
+// another; empty when there is none. It need not be there. What is wrong with the record is told by
+// `robocell fetch`.
 fs::path RecordedFolder(const std::string& robot) {
   const fs::path record = UserCache() / "robocell/menagerie.json";
   if (!CanReadFile(record)) return {};
@@ -47,15 +51,26 @@ fs::path RecordedFolder(const std::string& robot) {
   const auto tree = nlohmann::json::json_pointer("/robots/" + robot + "/tree");
   if (json.is_discarded() || robot.find_first_of("~/") != std::string::npos) return {};
   if (!json.contains(tree) || !json[tree].is_string()) return {};
-  const fs::path folder =
-      CacheModels() / (robot + "-" + json[tree].get<std::string>().substr(0, kVersionDigits));
-  std::error_code error;
-  return fs::exists(folder / ".complete", error) ? folder : fs::path();
+  return CacheModels() / (robot + "-" + json[tree].get<std::string>().substr(0, kVersionDigits));
 }
 
-// The recorded version of a robot, else the one that was published last; empty when there is none.
-fs::path CachedFolder(const std::string& robot) {
-  if (fs::path recorded = RecordedFolder(robot); !recorded.empty()) return recorded;
+// Once a process for each robot: names are looked up many times.
+void WarnOfOtherVersion(const std::string& robot, const fs::path& recorded, const fs::path& other) {
+  static std::mutex mutex;
+  static std::set<std::string> told;
+  {
+    const std::lock_guard lock(mutex);
+    if (!told.insert(recorded.string()).second) return;
+  }
+  LogWarn(
+      fmt::format("menagerie robot '{0}': the version that `robocell fetch` recorded is not in the "
+                  "cache ('{1}'), and '{2}' is taken in its place. `robocell fetch {0}` gets the "
+                  "recorded one or says how; with --update the package's version is recorded",
+                  robot, recorded.string(), other.filename().string()));
+}
+
+// The version of a robot that was published last; empty when there is none.
+fs::path NewestFolder(const std::string& robot) {
   fs::path newest;
   fs::file_time_type newest_time{};
   for (const std::string& folder : assets::ListFolder(CacheModels())) {
@@ -66,6 +81,14 @@ fs::path CachedFolder(const std::string& robot) {
     if (newest.empty() || time >= newest_time) newest = path, newest_time = time;
   }
   return newest;
+}
+
+// The recorded version of a robot, else the one that was published last; empty when there is none.
+fs::path CachedFolder(const std::string& robot) {
+  std::error_code error;
+  const fs::path recorded = RecordedFolder(robot);
+  if (!recorded.empty() && fs::exists(recorded / ".complete", error)) return recorded;
+  return NewestFolder(robot);
 }
 
 // The robot models in a folder: neither scenes nor the variants for MJX.
@@ -136,7 +159,11 @@ std::string RobotFolder(const std::string& robot) {
   } else {
     looked.push_back("MENAGERIE_ROOT (not set)");
   }
-  if (const fs::path cached = CachedFolder(robot); !cached.empty()) return cached.string();
+  if (const fs::path cached = CachedFolder(robot); !cached.empty()) {
+    const fs::path recorded = RecordedFolder(robot);
+    if (!recorded.empty() && cached != recorded) WarnOfOtherVersion(robot, recorded, cached);
+    return cached.string();
+  }
   looked.push_back((CacheModels() / (robot + "-*")).string());
   assets::ThrowNotFound("menagerie robot '" + robot + "'", looked, Remedy(robot));
 }

@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/scoped_env.h"
 
@@ -17,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 class Resolving : public ::testing::Test {
@@ -174,6 +176,34 @@ TEST_F(Resolving, TheMenagerieCacheHoldsCompleteVersionsOnly) {
   Write(done + ".complete");
   Write("models/franka_fr3_v2-0123456789abcdef/.complete");
   EXPECT_EQ(Resolve("menagerie:franka_fr3"), file);
+}
+
+// A run would else be made with another robot than before, and nobody told.
+TEST_F(Resolving, ARecordedVersionThatIsNotInTheCacheIsToldOnce) {
+  const std::string other = "models/franka_fr3-0123456789abcdef/";
+  const std::string file = Write(other + "fr3.xml");
+  Write(other + ".complete");
+  fs::create_directories(folder_ / "robocell");
+  std::ofstream(folder_ / "robocell/menagerie.json")
+      << R"({"robots": {"franka_fr3": {"tree": "fedcba9876543210fedcba98"}}})";
+  const ScopedEnv root("MENAGERIE_ROOT", ""), cache("MENAGERIE_CACHE_DIR", folder_.string());
+  const ScopedEnv user("XDG_CACHE_HOME", folder_.string());
+  std::vector<std::string> lines;
+  const ScopedLogSink sink([&](LogLevel, std::string_view text) { lines.emplace_back(text); });
+  EXPECT_EQ(Resolve("menagerie:franka_fr3"), file);
+  EXPECT_EQ(Resolve("menagerie:franka_fr3/fr3.xml"), file);
+  EXPECT_THAT(
+      lines, ElementsAre("menagerie robot 'franka_fr3': the version that `robocell fetch` recorded "
+                         "is not in the cache ('" +
+                         At("models/franka_fr3-fedcba9876543210") +
+                         "'), and 'franka_fr3-0123456789abcdef' is taken in its place. `robocell "
+                         "fetch franka_fr3` gets the recorded one or says how; with --update the "
+                         "package's version is recorded"));
+  lines.clear();
+  const std::string recorded = Write("models/franka_fr3-fedcba9876543210/fr3.xml");
+  Write("models/franka_fr3-fedcba9876543210/.complete");
+  EXPECT_EQ(Resolve("menagerie:franka_fr3"), recorded);
+  EXPECT_THAT(lines, ElementsAre());
 }
 
 TEST_F(Resolving, AMisspeltRobotOfTheMenagerieIsToldWithTheNearestHere) {
