@@ -409,10 +409,16 @@ void BindRobotClass(nb::module_& m) {
       "SpecError when the robot's file says what its model does not do: a gripper's `distance` "
       "that measuring contradicts, a base wider than the robot reaches; or when no controller can "
       "drive its arm or gripper.");
-  m.def("try_robot", &TryRobot, "robot"_a, Unlocked(),
-        "Tries a robot out in its scene, which is reset and stepped: what touches at home, and "
-        "whether its arms stay there and follow a small step of each joint. Returns a text for "
-        "whatever does not work as it should, with the reason and the next step.");
+  m.def(
+      "try_robot",
+      [](const Robot& robot, bool beside_warnings) {
+        return beside_warnings ? TryRobotBesideWarnings(robot) : TryRobot(robot);
+      },
+      "robot"_a, nb::kw_only(), "beside_warnings"_a = false, Unlocked(),
+      "Tries a robot out in its scene, which is reset and stepped: what touches at home, and "
+      "whether its arms stay there and follow a small step of each joint. Returns a text for "
+      "whatever does not work as it should, with the reason and the next step; with "
+      "`beside_warnings` not what the scene's warnings say already.");
   m.def("robots_of", &RobotsOf, "scene"_a, Unlocked(), "All configured robots of a scene.");
 }
 

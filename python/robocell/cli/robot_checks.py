@@ -19,7 +19,7 @@ def compiler_warnings(loaded: RobotScene) -> list[str]:
 
 def trial(loaded: RobotScene) -> list[str]:
     """What touches at home, whether the arm holds home and follows a step, and idle actuators."""
-    return try_robot(loaded.robot)
+    return try_robot(loaded.robot, beside_warnings=True)
 
 
 CHECKS: tuple[Callable[[RobotScene], list[str]], ...] = (compiler_warnings, trial)

@@ -183,7 +183,8 @@ class SceneCheck {
     const RobotConfig& config = run_.robot.config;
     spec.robots.push_back(
         {.name = config.name, .config = config, .control_modes = config.used_modes()});
-    const std::vector<std::string> doubts = TryRobot(Robot::Of(Scene::Build(spec), config.name));
+    const std::vector<std::string> doubts =
+        TryRobotBesideWarnings(Robot::Of(Scene::Build(spec), config.name));
     warnings_.insert(warnings_.end(), doubts.begin(), doubts.end());
   }
 

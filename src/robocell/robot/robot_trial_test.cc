@@ -130,6 +130,21 @@ TEST_F(RobotTrial, AServoThatMayNotBeSentThereIsToldWithItsRange) {
                             "`home`")));
 }
 
+// The scene warns of it by itself, with the numbers to write.
+TEST_F(RobotTrial, AServoThatTheSceneWarnsOfIsToldOnce) {
+  Doubts("kp='500' kv='50' ctrlrange='-0.1 0.1'", "gravcomp: true\nhome: {arm: [0.3]}\n");
+  const Robot robot = RobotAlone(RobotConfig::Load(file_));
+  EXPECT_THAT(robot.scene().compiled()->warnings(),
+              ElementsAre(AllOf(HasSubstr("the servo 'drive' sends joint 'hip' from -0.1 to 0.1"),
+                                HasSubstr("the way to home, 0.3, stops there"))));
+  EXPECT_THAT(TryRobot(robot), ElementsAre(HasSubstr("joint 'hip' drifts by")));
+  EXPECT_THAT(TryRobotBesideWarnings(robot), IsEmpty());
+  Doubts("kp='500' kv='50' ctrlrange='-0.1 0.25'", "gravcomp: true\nhome: {arm: [0.3]}\n");
+  const Robot near = RobotAlone(RobotConfig::Load(file_));  // too near for the scene to warn
+  EXPECT_THAT(near.scene().compiled()->warnings(), IsEmpty());
+  EXPECT_THAT(TryRobotBesideWarnings(near), ElementsAre(HasSubstr("joint 'hip' drifts by 0.05")));
+}
+
 // Neither gravity nor damping: what is measured, and nothing that would not help.
 TEST_F(RobotTrial, AServoThatSomethingElseHoldsIsToldWithWhatIsMeasured) {
   EXPECT_THAT(

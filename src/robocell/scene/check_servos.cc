@@ -20,9 +20,8 @@
 namespace robocell {
 namespace {
 
-constexpr double kServoSlack = 0.02;  // of a joint's range
-constexpr double kHardlyAny = 0.05;   // of a joint's range: no safety margin
-constexpr double kManyTimes = 20;     // a joint's range; degrees are 57 times
+constexpr double kHardlyAny = 0.05;  // of a joint's range: no safety margin
+constexpr double kManyTimes = 20;    // a joint's range; degrees are 57 times
 constexpr double kManyTurns = 4 * kPi;
 constexpr double kHardlyTurns = Radians(4 * kPi);  // what 4 pi become that are taken for degrees
 
