@@ -91,10 +91,8 @@ bool MayCall(PyObject* function, PyObject* const* args, size_t count) {
   try {
     (*Names().find(function)->second.guard)(nb::handle(args[0]));
     return true;
-  } catch (const ClosedError& error) {
-    SetError(error);
-  } catch (const std::exception& error) {  // of a group of the user's own
-    PyErr_SetString(PyExc_RuntimeError, error.what());
+  } catch (const std::exception&) {
+    SetCaughtError();
   }
   return false;
 }

@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 
 #include <cstring>
+#include <exception>
 #include <filesystem>
 
 #include "bindings.h"
@@ -64,7 +65,15 @@ void Translate(const std::exception_ptr& p, void*) {
 
 }  // namespace
 
-void SetError(const ClosedError& error) { Raise(classes.closed, error.what()); }
+void SetCaughtError() {
+  try {
+    Translate(std::current_exception(), nullptr);
+  } catch (nb::python_error& error) {  // of a group of the user's own
+    error.restore();
+  } catch (const std::exception& error) {
+    PyErr_SetString(PyExc_RuntimeError, error.what());
+  }
+}
 
 void BindBase(nb::module_& m) {
   classes.error = NewClass(m, "Error", "Base of everything robocell raises.", PyExc_RuntimeError);

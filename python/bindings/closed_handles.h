@@ -16,7 +16,7 @@
 
 namespace robocell::python {
 
-// Throws ClosedError.
+// Throws ClosedError, or Error when another thread uses the object (in_use.h).
 using HandleGuard = std::function<void(nb::handle self)>;
 using Names = std::initializer_list<const char*>;
 
@@ -37,8 +37,9 @@ void GuardHandle(nb::handle type, RequireOpen require_open, Names always = {}) {
       always);
 }
 
-// Makes it the present Python error.
-void SetError(const ClosedError& error);
+// Makes the exception that is being handled the present Python error, of the class that it has
+// everywhere else.
+void SetCaughtError();
 
 // ClosedError "<thing> is closed: its scene 'pick' was closed".
 void RequireOpen(const Scene& scene, std::string_view thing);

@@ -30,7 +30,7 @@ def only_one_may_use(step: Callable[[], Any], message: str) -> None:
         while not told and time.monotonic() < deadline:
             try:
                 step()
-            except RuntimeError as error:
+            except rc.Error as error:
                 told.append(str(error))
 
     threads = [threading.Thread(target=run) for _ in range(2)]

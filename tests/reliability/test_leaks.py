@@ -151,6 +151,19 @@ run = rc.RunConfig.load(leaks.DEMO)
 planner, other = rc.PickPlanner(run, start), rc.EpisodeStart(scene, start.task)
 runner = rc.Runner(run, expert=lambda run, start: Idle())
 """,
+    "filters, samplers and solutions": """
+scene = leaks.cell()
+robot = scene.robot("a")
+free = rc.CollisionFilter(robot)
+found = robot.kinematics.ik(robot.fk_frame(), filter=lambda q: free(q))
+class Mine(rc.PickTaskSampler):
+    def make_task(self, target, kind, objects):
+        return super().make_task(target, kind, objects)
+run = rc.RunConfig.load(leaks.DEMO)
+sampler = Mine(run)
+start = sampler.sample(rc.SampleRequest(), rc.Rng.stream(1, "test"))
+scene.on_reset(lambda context: (robot, free, sampler))
+""",
     "exceptions": """
 try:
     leaks.cell().robot("b")
