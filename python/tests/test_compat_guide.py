@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import robocell.compat.mj_kdl_wrapper as mjk
+import test_recording as recording
 from robocell.compat.mj_kdl_wrapper.fetch import main
 from test_kdl import PyKDL, needs_pykdl
 
@@ -172,6 +173,37 @@ def test_misspelt_names_and_wrong_values_are_refused(scene: mjk.Scene, robot: mj
         mjk.set_log_level("info")
     with pytest.raises(TypeError, match="expected a SceneObject, got 'table'"):
         mjk.scene_object_site_name("table", "table_top")
+
+
+def test_misspelt_arguments_are_told_with_what_was_meant(scene: mjk.Scene):
+    for call, message in (
+        (
+            lambda: mjk.Robot.from_scene(scene, "base_link", "bracelet_link", prefx="r2_"),
+            r"^Robot\.from_scene\(\): no argument 'prefx'\. Its arguments: scene, base_body, "
+            r"tip_body, prefix, tool\. Did you mean 'prefix'\?$",
+        ),
+        (lambda: mjk.Robot.of(scene, nmae="a"), r"Robot\.of\(\): .*mean 'name'\?"),
+        (lambda: mjk.SceneObject(nmae="cube"), r"SceneObject.*'nmae'.*mean 'name'\?"),
+        (lambda: mjk.RobotSpec(prefx="r2_"), r"RobotSpec.*'prefx'.*mean 'prefix'\?"),
+        (
+            lambda: mjk.Env(scene).create_robot("base_link", "bracelet_link", tol=None),
+            r"Env\.create_robot\(\): no argument 'tol'.*mean 'tool'\?",
+        ),
+        (lambda: mjk.Env.build(spce=None), r"Env\.build\(\): .*mean 'spec'\?"),
+        (
+            lambda: mjk.VideoRecorder.open_preset(scene, "a.mp4", resolutoin=None),
+            r"VideoRecorder\.open_preset\(\): .*mean 'resolution'\?",
+        ),
+        (lambda: mjk.menagerie.model_path(nam="a"), r"model_path\(\): .*mean 'name'\?"),
+    ):
+        with pytest.raises(TypeError, match=message):
+            call()
+    with pytest.raises(AttributeError, match=r"has no 'Scnee'\. Did you mean 'Scene'\?"):
+        mjk.Scnee  # noqa: B018
+    with pytest.raises(
+        AttributeError, match=r"'SimulateViewer'\. The viewer is not there yet: rec"
+    ):
+        mjk.SimulateViewer  # noqa: B018
 
 
 def test_a_wrist_force_torque_sensor():
@@ -438,6 +470,13 @@ def test_headless_video_recording(robot: mjk.Robot):
     assert Path("sim.mp4").stat().st_size > 1000
 
 
+def test_a_recorder_takes_an_env_and_even_sizes_below_odd_ones(scene: mjk.Scene):
+    recorder = mjk.VideoRecorder.open(mjk.Env(scene), "odd.mp4", 65, 49, 30)
+    recorder.record_frame()
+    recorder.close()
+    assert [recording.probe(Path("odd.mp4"))[side] for side in ("width", "height")] == ["64", "48"]
+
+
 class TestModelPaths:
     def test_files_of_ones_own_come_first(self, tmp_path, monkeypatch):
         mine = tmp_path / "mine.xml"
@@ -456,6 +495,23 @@ class TestModelPaths:
             with pytest.raises(RuntimeError, match=f"^{variable} is '/nonexistent', which is no"):
                 path()
             monkeypatch.delenv(variable)
+
+    def test_a_variable_of_ones_own_comes_before_all(self, tmp_path, monkeypatch):
+        mine = tmp_path / "mine.xml"
+        mine.write_text("<mujoco/>")
+        paths = (
+            lambda: mjk.menagerie.model_path("kinova_gen3", env_var="MY_ARM"),
+            lambda: mjk.menagerie.asset_path("table.xml", env_var="MY_ARM"),
+            lambda: mjk.menagerie.asset_path("robotiq_2f85/2f85.xml", env_var="MY_ARM"),
+        )
+        for path in paths:
+            assert path() != str(mine)
+        monkeypatch.setenv("MY_ARM", str(mine))
+        assert [path() for path in paths] == [str(mine)] * 3
+        monkeypatch.setenv("MY_ARM", "/nonexistent")
+        for path in paths:
+            with pytest.raises(RuntimeError, match=r"^MY_ARM is '/nonexistent', which is no file"):
+                path()
 
     def test_a_root_of_ones_own_comes_next(self, in_a_fetched_folder, monkeypatch):
         root = in_a_fetched_folder / "menagerie"

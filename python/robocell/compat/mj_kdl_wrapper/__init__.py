@@ -13,6 +13,8 @@ names are its parts' own: see docs/compat.md.
 
 from __future__ import annotations
 
+import difflib
+
 from robocell import (
     AttachKind,
     AttachmentSpec,
@@ -71,3 +73,16 @@ __all__ = [
     "scene_object_site_name",
     "set_log_level",
 ]
+
+
+def __getattr__(name: str) -> object:
+    """Says what is not here, with the nearest that is."""
+    if name == "SimulateViewer":
+        hint = (
+            "The viewer is not there yet: record a video (VideoRecorder), or look at what save_xml "
+            "wrote with `python -m mujoco.viewer --mjcf=FILE`"
+        )
+    else:
+        near = difflib.get_close_matches(name, __all__, 1)
+        hint = f"Did you mean '{near[0]}'?" if near else f"It has {', '.join(__all__)}"
+    raise AttributeError(f"module '{__name__}' has no '{name}'. {hint}")

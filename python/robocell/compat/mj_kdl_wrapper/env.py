@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from robocell import ResetContext, Scene, SceneSpec, ToolFrameSpec
+from robocell.compat.mj_kdl_wrapper.calls import told
 from robocell.compat.mj_kdl_wrapper.forward import Forwarding
 from robocell.compat.mj_kdl_wrapper.robot import Robot
 
@@ -32,10 +33,12 @@ class Env(Forwarding):
         self._hook_id = None
 
     @classmethod
+    @told
     def build(cls, spec: SceneSpec) -> Env:
         """Compiles the scene."""
         return cls(Scene.build(spec))
 
+    @told
     def create_robot(
         self, base_body: str, tip_body: str, prefix: str = "", tool: ToolFrameSpec | None = None
     ) -> Robot:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import enum
 
 import robocell
+from robocell.compat.mj_kdl_wrapper.calls import told
 
 
 class LogLevel(enum.Enum):
@@ -16,6 +17,7 @@ class LogLevel(enum.Enum):
     NONE = "none"
 
 
+@told
 def set_log_level(level: LogLevel) -> None:
     """How much is logged, of the whole process."""
     if not isinstance(level, LogLevel):

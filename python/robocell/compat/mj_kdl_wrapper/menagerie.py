@@ -15,6 +15,7 @@ from pathlib import Path
 
 from robocell import NotFoundError, fetching, menagerie, models
 from robocell._core import override_file
+from robocell.compat.mj_kdl_wrapper.calls import told
 
 ARM, GRIPPER = "kinova_gen3", "robotiq_2f85"
 # Asset -> built-in model, and the variable that puts a file in its place.
@@ -29,31 +30,45 @@ ASSETS = {
 GRIPPER_ASSET = "robotiq_2f85/2f85.xml"
 
 
-def model_path(name: str) -> str:
+@told
+def model_path(name: str, *, env_var: str | None = None) -> str:
     """Main model file of a robot of the Menagerie; NotFoundError says what to do without it.
 
     Args:
         name: The robot, such as ``"kinova_gen3"``. A name that the Menagerie does not have is an
             error also where ``MJ_KDL_MODEL`` names the file.
+        env_var: A variable of one's own that names the file, before all others.
     """
     _require_robot(name)
     return (
-        _override("MJ_KDL_GRIPPER" if name == GRIPPER else "MJ_KDL_MODEL")
+        (env_var and _override(env_var))
+        or _override("MJ_KDL_GRIPPER" if name == GRIPPER else "MJ_KDL_MODEL")
         or _below_root(name)
         or menagerie.model_path(name)
     )
 
 
-def asset_path(rel: str) -> str:
-    """An asset of the examples, such as ``"cabinet/cabinet.xml"``; NotFoundError lists them."""
+@told
+def asset_path(rel: str, *, env_var: str | None = None) -> str:
+    """An asset of the examples, such as ``"cabinet/cabinet.xml"``; NotFoundError lists them.
+
+    Args:
+        rel: Which one.
+        env_var: A variable of one's own that names the file, before all others.
+    """
     if rel == GRIPPER_ASSET:
-        return model_path(GRIPPER)
+        return model_path(GRIPPER, env_var=env_var)
     if rel not in ASSETS:
         raise NotFoundError(f"no asset '{rel}'. The assets: {', '.join([*ASSETS, GRIPPER_ASSET])}")
     model, variable = ASSETS[rel]
-    return (variable and _override(variable)) or models.resolve(model)
+    return (
+        (env_var and _override(env_var))
+        or (variable and _override(variable))
+        or models.resolve(model)
+    )
 
 
+@told
 def fetch(dest: str | Path | None = None) -> dict[str, str]:
     """Fetches the examples' robots, unless they are here.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import robocell
+from robocell.compat.mj_kdl_wrapper.calls import told
 
 
 class Condim:
@@ -13,6 +14,7 @@ class Condim:
     Rolling = robocell.Condim.ROLLING
 
 
+@told
 def scene_object_site_name(scene_object: robocell.SceneObject, site: str) -> str:
     """What a site of an object's model is called in a scene."""
     if not isinstance(scene_object, robocell.SceneObject):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import robocell
+from robocell.compat.mj_kdl_wrapper.calls import told
 
 
 class Robot(robocell.Robot):
@@ -16,11 +17,13 @@ class Robot(robocell.Robot):
     __slots__ = ()
 
     @staticmethod
+    @told
     def of(scene: robocell.Scene, name: str) -> Robot:
         """A configured robot by its name in the scene."""
         return Robot(robocell.Robot.of(scene, name))
 
     @staticmethod
+    @told
     def from_scene(
         scene: robocell.Scene,
         base_body: str,
@@ -31,6 +34,7 @@ class Robot(robocell.Robot):
         """A robot without configuration: the chain between two bodies."""
         return Robot(robocell.Robot.from_scene(scene, base_body, tip_body, prefix, tool))
 
+    @told
     def fk_frame(self, q: Any = None) -> Any:
         """The TCP in the robot base frame, a PyKDL.Frame; with joint values in any form or now."""
         return super().fk_frame(q).to_kdl()
@@ -40,6 +44,7 @@ class Robot(robocell.Robot):
         """The TCP in the tip body, a PyKDL.Frame."""
         return super().tip_to_tcp.to_kdl()
 
+    @told
     def ft_sensor_frame(self, name: str) -> Any:
         """The site in the world that a sensor's reading is expressed in, a PyKDL.Frame."""
         return super().ft_sensor_frame(name).to_kdl()

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import robocell
+from robocell.compat.mj_kdl_wrapper.calls import told
 from robocell.compat.mj_kdl_wrapper.env import Env
 from robocell.compat.mj_kdl_wrapper.forward import Forwarding
 
@@ -23,6 +24,7 @@ class VideoRecorder(Forwarding):
         self._closed = False
 
     @classmethod
+    @told
     def open(
         cls,
         target: robocell.Scene | Env,
@@ -31,15 +33,17 @@ class VideoRecorder(Forwarding):
         height: int = 720,
         fps: int = 60,
     ) -> VideoRecorder:
-        """With a size of one's own, in pixels."""
-        return cls(robocell.VideoRecorder(_scene(target), path, width, height, fps))
+        """With a size of one's own, in pixels; odd ones are rounded down to even ones."""
+        size = width - width % 2, height - height % 2
+        return cls(robocell.VideoRecorder(_scene(target), path, *size, fps))
 
     @classmethod
+    @told
     def open_preset(
         cls,
         target: robocell.Scene | Env,
         path: str | Path,
-        resolution: robocell.VideoResolution,
+        resolution: robocell.VideoResolution = robocell.VideoResolution.R720p,
         fps: int = 60,
     ) -> VideoRecorder:
         """With one of the usual sizes."""
@@ -51,6 +55,7 @@ class VideoRecorder(Forwarding):
             self._closed = True
             self.recorder.finish()
 
+    @told
     def use_camera(self, name: str = "") -> bool:
         """Chooses a camera by name, or the free one: False, and no change, when there is none."""
         try:
