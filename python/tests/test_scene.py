@@ -361,9 +361,13 @@ class TestCalls:
         assert rc.Pose(scene.body_frame("cube")) == scene.body_pose("cube")
 
     def test_everything_is_refused_after_close(self, scene):
+        data = weakref.ref(scene.data)
         with scene:
             pass
+        scene.close()
         assert scene.closed
+        gc.collect()
+        assert data() is None
         assert repr(scene) == "<Scene 'small', closed>"
         for call in (
             scene.step, scene.reset, scene.time, scene.state, scene.contacts,

@@ -55,7 +55,11 @@ TEST_F(Cameras, OfARobotCarryItsPrefixAndMoveWithIt) {
       {.name = "mast", .pos = Vec3{0, 0, 1}, .fovy = 60, .attach_to = Body("base")});
   config.cameras.push_back({.name = "elbow", .pos = Vec3{}, .fovy = 60, .attach_to = Body("fore")});
   spec.robots.push_back({.config = config, .prefix = "r_"});
+  spec.cameras.push_back({.name = "overview", .pos = Vec3{1.8, -2, 1.4}, .fovy = 45});
   const Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.camera_names(),
+              ::testing::UnorderedElementsAre("r_wrist", "r_mast", "r_elbow", "overview"));
+  EXPECT_EQ(scene.model()->cam_fovy[RequireId(scene.model(), mjOBJ_CAMERA, "overview", "")], 45);
   EXPECT_TRUE(scene.camera_pose("r_wrist").is_close(
       scene.site_pose("r_flange") * Pose(Eigen::Vector3d(0, 0, 0.1)), 1e-9, 1e-9));
   EXPECT_TRUE(scene.camera_pose("r_mast").is_close(

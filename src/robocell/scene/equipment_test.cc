@@ -75,6 +75,21 @@ TEST(Equipment, ATablesSiteIsTheMiddleOfItsTop) {
   EXPECT_NEAR(scene.body_pose("cube").translation().z(), 0.72, 1e-3) << "it lies on the table";
 }
 
+TEST(Equipment, ARobotStandsOnATable) {
+  SceneSpec spec = EmptyScene();
+  const SceneObject table{
+      .name = "table", .mjcf_path = "table", .pos = {0.3, 0.1, 0.7}, .fixed = true};
+  const std::string mount = SceneObjectElementName(table.name, "table_top");
+  spec.robots.push_back({.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7")),
+                         .attach_to = Site(mount),
+                         .pos = {0, 0.2, 0}});
+  spec.objects.push_back(table);
+  const Scene scene = Scene::Build(spec);
+  EXPECT_TRUE(scene.body_pose("base_link")
+                  .is_close(scene.site_pose(mount) * Pose(Eigen::Vector3d(0, 0.2, 0)), 1e-9, 1e-9));
+  EXPECT_NEAR(scene.body_pose("base_link").translation().z(), 0.7, 1e-9);
+}
+
 TEST(Equipment, ACabinetsDoorAndDrawerOpenWhenPulledAndStayThere) {
   Scene scene = BuildCabinet();
   EXPECT_TRUE(scene.contacts("c_cabinet").empty()) << "closed, nothing rubs";

@@ -32,6 +32,20 @@ class Objects : public ::testing::Test {
       "ball", R"(<worldbody><body><freejoint/><geom size="0.05"/></body></worldbody>)");
 };
 
+TEST_F(Objects, APrimitiveFallsAndRests) {
+  SceneObject cube = BoxObject("red_cube", {0.35, 0.1, 0.3});
+  cube.condim = Condim::kTorsional;
+  Scene scene = BuildWith(cube);
+  EXPECT_EQ(scene.model()->geom_condim[RequireId(scene.model(), mjOBJ_GEOM, "red_cube_geom", "")],
+            4);
+  ASSERT_TRUE(scene.StepN(50).ok());
+  EXPECT_LT(scene.body_pose("red_cube").translation().z(), 0.26) << "it falls";
+  ASSERT_TRUE(scene.StepN(450).ok());
+  EXPECT_TRUE(
+      scene.body_pose("red_cube").is_close(Pose(Eigen::Vector3d(0.35, 0.1, 0.02)), 1e-2, 1e-3));
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(scene.data()->qvel[i], 0, 1e-3) << "it rests";
+}
+
 TEST_F(Objects, PrimitivesHaveTheShapeMassAndNamesTheyAreGiven) {
   SceneObject can{.name = "can",
                   .shape = Shape::kCylinder,

@@ -1,5 +1,6 @@
 // Laws that every scene obeys, on random ones: robots of all models at hand with tools on tools,
 // objects, rigs, cameras.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -83,9 +84,11 @@ TEST_P(RandomCells, TheOrderOfIndependentEntitiesChangesNothing) {
   const Poses after = PosesAfter(spec_, 50);
   ASSERT_EQ(after.size(), before.size());
   const double difference = LargestDifference(before, after);
+  RecordProperty("difference", fmt::format("{:.1e}", difference));
   if (difference < 1e-9) return;
   // Stiff contacts make as much of a rounding error, whatever the order.
   const double rounding = LargestDifference(after, PosesAfter(spec_, 50, 1e-15));
+  RecordProperty("rounding", fmt::format("{:.1e}", rounding));
   EXPECT_LT(difference, 10 * rounding);
   EXPECT_LT(difference, 1e-4);
 }
