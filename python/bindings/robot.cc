@@ -231,7 +231,9 @@ void BindRobotClass(nb::module_& m) {
           "A robot without configuration: the chain between two bodies.\n\nRobots whose arm has "
           "the "
           "same joints and actuators, configured or not, share its mode, controller and "
-          "command ports; making one changes nothing of these.")
+          "command ports; making one changes nothing of these. One that has some of the actuators "
+          "of an arm that is driven, and others, is measured only: its ports say which arm has "
+          "them.")
       .def_prop_ro("name", &Robot::name)
       .def_prop_ro("prefix", &Robot::prefix)
       .def_prop_ro("scene", &Robot::scene)

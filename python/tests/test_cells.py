@@ -173,14 +173,18 @@ class TestRobots:
         assert robots[1].joint_names == [f"r2_{name}" for name in robots[0].joint_names]
         assert robots[0].base_in_world.translation.tolist() == [-0.5, 0, 0]
         assert robots[1].base_in_world.translation.tolist() == [0.5, 0, 0]
-        still = robots[1].arm.joint_pos
-        robots[0].jnt_pos_cmd[0] += 0.3
-        for _ in range(500):
-            for robot in robots:
-                robot.update()
-            scene.step()
-        assert robots[0].arm.joint_pos[0] == pytest.approx(0.3, abs=5e-3)
-        np.testing.assert_allclose(robots[1].arm.joint_pos, still, atol=5e-3)
+        start = scene.state()
+        ends = []
+        for command in (0.0, 0.3):
+            scene.set_state(start)
+            robots[0].jnt_pos_cmd[0] = command
+            for _ in range(500):
+                for robot in robots:
+                    robot.update()
+                scene.step()
+            assert robots[0].arm.joint_pos[0] == pytest.approx(command, abs=5e-3)
+            ends.append(robots[1].arm.joint_pos)
+        np.testing.assert_allclose(ends[0], ends[1], atol=1e-9)
 
 
 class TestObjects:
@@ -329,6 +333,36 @@ class TestReset:
         with pytest.raises(rc.Error, match=r"'cell': reset\(\) in a reset hook, which would call"):
             scene.reset()
         assert scene.time() == 0
+
+    def test_a_group_that_raises_stops_no_other_robot(self):
+        class Sulky(rc.MoveGroup):
+            sulks = False
+            get_name = lambda self: "sulky"  # noqa: E731
+            get_joint_names = get_actuator_names = lambda self: ["dimmer"]
+            get_joint_vel = get_joint_torque = get_ctrl = lambda self: [0.0]
+            get_joint_pos_limits = lambda self: [(0.0, 1.0)]  # noqa: E731
+            set_ctrl = ctrl_for_joint_pos = lambda self, values: values
+
+            def get_joint_pos(self) -> list[float]:
+                if self.sulks:
+                    raise ValueError("I would rather not")
+                return [0.0]
+
+        spec = empty(robots=[rc7(name="a", prefix="a_"), rc7(name="b", prefix="b_", pos=[0, 2, 0])])
+        scene = rc.Scene.build(spec)
+        sulky = Sulky()
+        scene.robot("a").set_group(sulky)
+        robot, home = scene.robot("b"), scene.robot("b").jnt_pos_cmd.copy()
+        robot.jnt_pos_cmd = np.full(7, 0.3)
+        scene.set_body_wrench("b_link7", [0, 0, 100])
+        sulky.sulks = True
+        with pytest.raises(ValueError, match="I would rather not"):
+            scene.reset()
+        np.testing.assert_array_equal(robot.jnt_pos_cmd, home)
+        np.testing.assert_array_equal(robot.jnt_pos_msr, home)
+        assert not scene.data.xfrc_applied.any()
+        sulky.sulks = False
+        scene.reset()
 
     def test_a_part_without_keyframes_starts_where_its_model_does(self, table):
         lamp = str(table.mjcf_path).replace("table.xml", "lamp.xml")

@@ -222,6 +222,25 @@ class TestSharedArms:
         assert robot.ctrl_mode == rc.CtrlMode.TORQUE
         assert robot.jnt_trq_cmd.tolist() == robot.gravity_torques().tolist()
 
+    def test_a_part_of_an_arm_is_measured_beside_it_and_not_driven(self):
+        arm = rc7()
+        part = rc.Robot.from_scene(arm.scene, "base_link", "link4")
+        why = r"servo1 \.\.\. servo4 are driven by robot 'a' / group 'arm' already, an arm of other"
+        with pytest.raises(rc.NotFoundError, match=why):
+            part.jnt_pos_cmd = np.zeros(4)
+        with pytest.raises(rc.ArgumentError, match=why):
+            part.ctrl_mode = "position"
+        assert part.is_driven("arm") is False
+        target = arm.jnt_pos_cmd[0] + 0.3
+        arm.jnt_pos_cmd[0] = target
+        for _ in range(500):
+            part.update()  # would hold its joints where they were
+            run(arm, 1)
+        part.update()
+        assert part.jnt_pos_msr[0] == pytest.approx(target, abs=0.02)
+        in_world = part.base_in_world * part.fk_frame()
+        assert in_world.is_close(arm.scene.body_pose("link4"), 1e-9, 1e-9)
+
     def test_a_paused_robot_does_not_step_the_scene(self):
         robot = rc7()
         assert robot.paused is False

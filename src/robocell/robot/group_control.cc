@@ -6,7 +6,7 @@ namespace robocell {
 namespace {
 
 std::string ControlKey(const MoveGroup& arm) {
-  std::string key = "control:";
+  std::string key(kControlKey);
   for (const auto* names : {&arm.joint_names(), &arm.actuator_names()}) {
     for (const std::string& name : *names) key += name + '\n';
   }

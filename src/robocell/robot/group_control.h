@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -15,6 +16,9 @@
 #include "robocell/robot/group_factory.h"
 
 namespace robocell {
+
+// What the keys of all controls begin with (ControlledGroup::control_key()).
+inline constexpr std::string_view kControlKey = "control:";
 
 // A group, what it can be driven by, and the chain to its leaf.
 class ControlledGroup {

@@ -20,7 +20,8 @@
 // An arm is driven once, however many robots are made of it: those whose arm has the same joints
 // and actuators, from Of() or FromScene(), share its controller, mode and command ports. Making one
 // changes nothing of these. The mode is the actuators': it stays when the last of them goes, and
-// the next holds the arm where it is, in that mode.
+// the next holds the arm where it is, in that mode. An arm that has some of these actuators and
+// others has no controller beside it: whoever is there first drives them.
 //
 // Frames: the robot base frame is the root body's. Joint values in chain order, rad or m.
 //

@@ -217,7 +217,7 @@ void Robot::State::Drive(GroupSlot& slot, const std::string& controller, bool co
   const CtrlMode wanted = ControllerMode(controller, place(slot));
   if (configured) RequireDrive(slot, wanted);  // or why it cannot, whoever drives it now
   const std::string& key = slot.own->control_key();
-  if (const auto known = std::dynamic_pointer_cast<GroupControl>(scene.FindObserver(key))) {
+  if (const auto known = FindControl(key)) {
     slot.control = known;
     const bool by_default = !known->chosen && known->controller->kind() != controller;
     if (configured && by_default && known->controller->mode() == wanted)
@@ -226,11 +226,36 @@ void Robot::State::Drive(GroupSlot& slot, const std::string& controller, bool co
   }
   const CtrlMode mode = ModeNow(slot.own->drives, scene).value_or(wanted);
   const std::string kind = mode == wanted ? controller : PortController(mode);
-  const bool is_arm = slot.own->group->kind() == MoveGroupKind::kArm;
-  if (is_arm) slot.control->ports.Resize(slot.own->group->nq(), slot.own->group->nv());
+  if (slot.own->group->kind() == MoveGroupKind::kArm) {
+    slot.control->ports.Resize(slot.own->group->nq(), slot.own->group->nv());
+    slot.control->ports.Reseed(*slot.own->group);
+  }
+  RequireUndriven(slot);
   Use(slot, MakeController(kind, RequireDrive(slot, mode)));
-  if (is_arm) slot.control->ports.Reseed(*slot.own->group);
-  if (!key.empty()) scene.AddObserver(slot.control, key);
+}
+
+std::shared_ptr<GroupControl> Robot::State::FindControl(const std::string& key) const {
+  return std::dynamic_pointer_cast<GroupControl>(scene.FindObserver(key));
+}
+
+void Robot::State::RequireUndriven(const GroupSlot& slot) const {
+  if (slot.own->control_key().empty()) return;
+  for (const auto& known : scene.FindObservers(kControlKey)) {
+    const auto* other = dynamic_cast<const GroupControl*>(known.get());
+    if (!other || !other->controller || other == slot.control.get()) continue;
+    const std::vector<std::string>& theirs = other->of->group->actuator_names();
+    std::vector<std::string> shared = slot.own->group->actuator_names();
+    std::erase_if(shared, [&](const std::string& name) {
+      return std::find(theirs.begin(), theirs.end(), name) == theirs.end();
+    });
+    if (shared.empty()) continue;
+    throw ArgumentError(fmt::format(
+        "{}: {} {} driven by {} already, an arm of other joints ({}), and an actuator is driven by "
+        "one arm alone. Command that one, or make a robot of the same joints, which shares what "
+        "drives them",
+        slot.own->group->place(), ListNames(shared), shared.size() == 1 ? "is" : "are",
+        other->of->group->place(), ListNames(other->of->group->joint_names())));
+  }
 }
 
 void Robot::State::PutInstead(GroupSlot& slot, const std::string& controller) {
@@ -295,12 +320,21 @@ MoveGroup& Robot::State::RequireDrive(GroupSlot& slot, CtrlMode mode) {
 }
 
 void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) {
+  const std::string& key = slot.own->control_key();
+  if (!slot.control->controller) {
+    if (const auto known = FindControl(key)) {
+      slot.control = known;
+    } else {
+      RequireUndriven(slot);
+    }
+  }
   GroupControl& control = *slot.control;
   MoveGroup& drive = RequireDrive(slot, controller->mode());
   const bool other_mode = control.controller && control.controller->mode() != controller->mode();
   const bool switched = SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
   if (switched) SeedServos(*slot.own, *controller);
   control.Put(std::move(controller), slot.own, drive);
+  if (!key.empty() && !FindControl(key)) scene.AddObserver(slot.control, key);
   // At once, so that nothing falls in a step before the next Update().
   if (switched) control.Guarded([](GroupControl& c) { c.Run(); });
 }

@@ -115,8 +115,13 @@ class Robot::State : public SceneObserver {
   }
   [[noreturn]] void ThrowClosed() const;
   [[noreturn]] void ThrowLost() const;
-  // Gives a new slot its control; ArgumentError when `controller` cannot drive its group.
+  // Gives a new slot its control; ArgumentError when `controller` cannot drive its group, or an arm
+  // of other joints drives some of its actuators.
   void Drive(GroupSlot& slot, const std::string& controller, bool configured);
+  // What drives the actuators of that key; null while nothing does.
+  std::shared_ptr<GroupControl> FindControl(const std::string& key) const;
+  // ArgumentError when the group's actuators are not all its own to drive.
+  void RequireUndriven(const GroupSlot& slot) const;
   // A controller of the slot's group in the place of one of the same mode, driven to the same.
   void PutInstead(GroupSlot& slot, const std::string& controller);
   // Anew from the model, with what hangs on them at `qpos` or, without, at the reference.

@@ -145,6 +145,131 @@ TEST_P(SharedArm, StaysInItsModeWhenNoRobotIsLeft) {
   EXPECT_THAT(next.jnt_trq_cmd(), ElementsAreArray(gravity));
 }
 
+// A pointer on the flange: the tip of the robot that puts a controller in.
+class PointedArm : public SharedArm {
+ protected:
+  // What chooses the controller, made before or after the other robot of the arm.
+  void Make(bool first_before) {
+    scene.AddObject(pointer);
+    const auto make_first = [&] {
+      first = Robot::FromScene(scene, "base_link", "link7", {.tool = {.tcp_site = "pointer_tip"}});
+    };
+    if (first_before) make_first();
+    second = Second(scene);
+    if (!first_before) make_first();
+  }
+
+  ModelFolder folder;
+  SceneObject pointer{.name = "pointer",
+                      .mjcf_path = folder.Write("pointer", R"(<worldbody><body name="rod">
+      <geom type="capsule" size="0.01 0.05" mass="0.3"/><site name="tip" pos="0 0 0.05"/>
+      </body></worldbody>)"),
+                      .attach_to = Body("link7"),
+                      .pos = {0, 0, 0.3},
+                      .fixed = true};
+  Scene scene = Build();
+  std::optional<Robot> first, second;
+};
+INSTANTIATE_TEST_SUITE_P(Second, PointedArm, ::testing::Bool(),
+                         [](const auto& second) { return second.param ? "Configured" : "AdHoc"; });
+
+TEST_P(PointedArm, GoesOnAsTheOtherRobotWhenTheTipOfTheOneIsTakenAway) {
+  for (const bool before : {true, false}) {
+    Make(before);
+    first->SetController("arm", "cartesian_impedance");
+    scene.RemoveObject("pointer");
+    EXPECT_EQ(second->controller("arm").kind(), "joint_torque");
+    EXPECT_EQ(second->ctrl_mode(), kPushed) << "no servo jumps in";
+    std::vector<double> gravity(7);
+    second->GravityTorques(gravity);
+    EXPECT_THAT(second->jnt_trq_cmd(), ElementsAreArray(gravity)) << "it holds itself up";
+    const std::vector<double> pushed = Pushed(*second);
+    for (size_t i = 0; i < 7; ++i) EXPECT_NEAR(pushed[i], gravity[i], 1e-9) << i;
+    ExpectThrow<ClosedError>([&] { first->Update(); }, "went with an object that was removed");
+    scene.AddObject(pointer);
+    first->Update();
+    EXPECT_EQ(first->controller("arm").kind(), "joint_torque") << "of the other robot";
+    scene.RemoveObject("pointer");
+    second->set_ctrl_mode(kDriven);
+  }
+}
+
+TEST_P(PointedArm, KeepsItsTargetWhenTheTipIsTakenAway) {
+  for (const bool before : {true, false}) {
+    for (const bool handle : {true, false}) {
+      Make(before);
+      std::vector<double> target(second->jnt_pos_msr().begin(), second->jnt_pos_msr().end());
+      target[0] += 0.2;
+      first->SetController("arm", "joint_position");  // made for its group
+      first->SetJntPosCmd(target);
+      if (!handle) first.reset();
+      scene.RemoveObject("pointer");
+      EXPECT_THAT(second->jnt_pos_cmd(), ElementsAreArray(target));
+      for (int i = 0; i < 500; ++i) {
+        second->Update();
+        ASSERT_TRUE(second->Step().ok());
+      }
+      EXPECT_NEAR(second->arm().joint_pos()[0], target[0], 0.02);
+      scene.Reset();
+    }
+  }
+}
+
+// The first four of seven joints.
+Robot PartOf(const Scene& scene) { return Robot::FromScene(scene, "base_link", "link4"); }
+
+TEST(PartOfAnArm, IsMeasuredBesideTheArmAndNotDriven) {
+  const Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));
+  Robot arm = Robot::Of(scene, "a"), part = PartOf(scene);
+  const std::string why =
+      "servo1 ... servo4 are driven by robot 'a' / group 'arm' already, an arm of other joints "
+      "(joint1 ... joint7), and an actuator is driven by one arm alone. Command that one, or make "
+      "a robot of the same joints, which shares what drives them";
+  ExpectThrow<NotFoundError>([&] { part.jnt_pos_cmd(); }, "group 'arm' has no controller: " + why);
+  ExpectThrow<ArgumentError>([&] { part.set_ctrl_mode(kDriven); }, why);
+  ExpectThrow<ArgumentError>([&] { part.SetController("arm", "joint_position"); }, why);
+  std::vector<double> target(arm.jnt_pos_msr().begin(), arm.jnt_pos_msr().end());
+  target[0] += 0.3;
+  arm.SetJntPosCmd(target);
+  for (int i = 0; i < 500; ++i) {
+    arm.Update();
+    part.Update();  // would hold its joints where they were
+    ASSERT_TRUE(arm.Step().ok());
+  }
+  part.Update();
+  EXPECT_NEAR(part.jnt_pos_msr()[0], target[0], 0.02);
+  EXPECT_TRUE(
+      (part.base_in_world() * part.FkFrame()).is_close(scene.body_pose("link4"), 1e-9, 1e-9));
+}
+
+TEST(PartOfAnArm, ThatIsThereFirstIsDrivenUntilItGoes) {
+  const Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));
+  std::optional<Robot> part = PartOf(scene);
+  part->SetJntPosCmd(std::vector<double>{0.1, 0.2, 0.3, 0.4});
+  Robot whole = Robot::FromScene(scene, "base_link", "link7");
+  const std::string why = "servo1 ... servo4 are driven by robot 'a' / group 'arm' already";
+  ExpectThrow<NotFoundError>([&] { whole.jnt_pos_cmd(); }, why);
+  ExpectThrow<ArgumentError>([&] { Robot::Of(scene, "a"); }, why);
+  whole.Update();
+  part->Update();
+  EXPECT_EQ(scene.actuator_ctrl("servo4"), 0.4);
+  part.reset();
+  whole.set_ctrl_mode(kDriven);
+  EXPECT_EQ(whole.jnt_pos_cmd().size(), 7);
+  EXPECT_EQ(Robot::Of(scene, "a").jnt_pos_cmd().data(), whole.jnt_pos_cmd().data());
+  ExpectThrow<NotFoundError>([&] { PartOf(scene).jnt_pos_cmd(); }, "'arm' already");
+}
+
+TEST(PartOfAnArm, OfArmsThatShareNoJointEachIsDriven) {
+  SceneSpec spec = SceneWith({.name = "a", .config = Rc7(), .prefix = "a_"});
+  spec.robots.push_back({.name = "b", .config = Rc7(), .prefix = "b_", .pos = {0, 2, 0}});
+  const Scene scene = Scene::Build(spec);
+  Robot a = Robot::Of(scene, "a");
+  Robot part = Robot::FromScene(scene, "base_link", "link4", {.prefix = "b_"});
+  EXPECT_EQ(part.jnt_pos_cmd().size(), 4);
+  EXPECT_EQ(a.jnt_pos_cmd().size(), 7);
+}
+
 TEST(ArmMode, IsTheActuatorsWhoeverSwitchedThem) {
   Robot robot = RobotAlone(Rc7());
   mjModel* m = robot.scene().mutable_model();

@@ -281,6 +281,39 @@ TEST(Reset, AHookThatThrowsLeavesAResetWithoutHooks) {
   EXPECT_TRUE(Trajectory(scene, 3) == Trajectory(fresh, 3));
 }
 
+// Throws when it is told.
+struct Sulky : SceneObserver {
+  void OnReset() override {
+    if (at_once) throw ArgumentError("I would rather not");
+  }
+  void OnResetDone() override { throw ArgumentError("nor now"); }
+  bool at_once = true;
+};
+
+TEST(Reset, AnObserverThatThrowsStopsNothing) {
+  Scene fresh = Scene::Build(Busy()), scene = Scene::Build(Busy());
+  std::vector<std::string> entries;
+  const auto before = std::make_shared<Diary>(entries), after = std::make_shared<Diary>(entries);
+  const auto sulky = std::make_shared<Sulky>();
+  scene.AddObserver(before);
+  scene.AddObserver(sulky);
+  scene.AddObserver(after);
+  fresh.Reset({.seed = 4});
+  for (const char* message : {"I would rather not", "nor now"}) {
+    entries.clear();
+    LiveThrough(scene, Rng::Stream(6, "life"));
+    ExpectThrow<ArgumentError>([&] { scene.Reset({.seed = 4}); }, message);
+    EXPECT_THAT(entries, ElementsAre("observer", "observer", "done", "done"));
+    EXPECT_EQ(scene.state(), fresh.state());
+    EXPECT_EQ(scene.data()->qfrc_applied[0], 0);
+    sulky->at_once = false;
+  }
+  const int id = scene.AddResetHook([](ResetContext&) { throw NotFoundError("no grasp"); });
+  ExpectThrow<NotFoundError>([&] { scene.Reset({.seed = 4}); }, "no grasp");
+  EXPECT_EQ(scene.state(), fresh.state());
+  scene.RemoveResetHook(id);
+}
+
 TEST(Reset, IsRefusedInAHook) {
   Scene scene = Scene::Build(Busy());
   int calls = 0;

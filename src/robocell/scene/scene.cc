@@ -134,6 +134,15 @@ std::shared_ptr<SceneObserver> Scene::FindObserver(const std::string& key) const
   return nullptr;
 }
 
+std::vector<std::shared_ptr<SceneObserver>> Scene::FindObservers(std::string_view key_begin) const {
+  std::vector<std::shared_ptr<SceneObserver>> found;
+  for (const auto& watch : open().observers) {
+    if (!watch.key.starts_with(key_begin)) continue;
+    if (auto observer = watch.observer.lock()) found.push_back(std::move(observer));
+  }
+  return found;
+}
+
 void Scene::Close() {
   if (state_->closed) return;
   const auto observers = std::move(state_->observers);

@@ -22,6 +22,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "robocell/base/rng.h"
@@ -58,6 +59,8 @@ using ResetHook = std::function<void(ResetContext&)>;
 class SceneObserver {
  public:
   virtual ~SceneObserver() = default;
+  // What one of these two throws comes out of Reset(), the first of them, after all others were
+  // told and the reset was carried out.
   virtual void OnReset() {}  // after the reset hook; poses agree with qpos
   // After the Forward() that ends a reset: forces and sensors agree with the state too.
   virtual void OnResetDone() {}
@@ -124,6 +127,8 @@ class Scene {
   void AddObserver(std::weak_ptr<SceneObserver> observer, const std::string& key = {});
   void KeepObserver(std::shared_ptr<SceneObserver> observer, const std::string& key);
   std::shared_ptr<SceneObserver> FindObserver(const std::string& key) const;
+  // Those whose keys begin so, in the order in which they were added.
+  std::vector<std::shared_ptr<SceneObserver>> FindObservers(std::string_view key_begin) const;
   // A handle that keeps the simulation alive, but not what the scene keeps.
   Scene inner() const;
 

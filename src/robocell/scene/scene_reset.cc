@@ -1,9 +1,12 @@
 // Reset: restore, noise, hooks, observers, forget, forward.
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <exception>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/base/rng.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
@@ -113,7 +116,12 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
     // Half of what a hook meant to set is no start of an episode: as if there were no hooks.
     if (!s.closed) {
       s.RestoreStart(*this, options);
-      s.FinishReset(*this);
+      try {
+        s.FinishReset(*this);
+      } catch (const std::exception& error) {  // the hook's error is the one to throw
+        LogWarn(fmt::format("{}: while undoing what a reset hook had begun: {}", s.context,
+                            error.what()));
+      }
     }
     throw;
   }
@@ -155,16 +163,22 @@ void Scene::State::CallResetHooks(Scene& scene, const ResetOptions& options,
 void Scene::State::FinishReset(Scene& scene) {
   scene.SyncPoses();
   const auto present = observers;
-  for (const auto& watch : present) {
-    if (const auto observer = watch.observer.lock()) observer->OnReset();
-    scene.open();
-  }
+  std::exception_ptr failed;
+  const auto tell = [&](void (SceneObserver::*what)()) {
+    for (const auto& watch : present) {
+      try {
+        if (const auto observer = watch.observer.lock()) (observer.get()->*what)();
+      } catch (...) {  // no reason not to tell the others
+        if (!failed) failed = std::current_exception();
+      }
+      scene.open();
+    }
+  };
+  tell(&SceneObserver::OnReset);
   Forget(model(), data.data);
   scene.Forward();
-  for (const auto& watch : present) {
-    if (const auto observer = watch.observer.lock()) observer->OnResetDone();
-    scene.open();
-  }
+  tell(&SceneObserver::OnResetDone);
+  if (failed) std::rethrow_exception(failed);
 }
 
 const std::map<int, ResetHook>& Scene::reset_hooks() const { return state_->hooks; }

@@ -271,7 +271,13 @@ TEST(Scene, FindsObserversByKeyWhileTheyLive) {
   EXPECT_EQ(scene.FindObserver("robot left"), watch);
   EXPECT_EQ(scene.FindObserver("robot right"), nullptr);
   EXPECT_EQ(scene.FindObserver(""), nullptr);
+  const auto other = std::make_shared<CloseWatch>(), third = std::make_shared<CloseWatch>();
+  scene.AddObserver(other, "lamp");
+  scene.AddObserver(third, "robot right");
+  EXPECT_THAT(scene.FindObservers("robot "), ::testing::ElementsAre(watch, third));
+  EXPECT_THAT(scene.FindObservers("robots"), ::testing::IsEmpty());
   watch.reset();
+  EXPECT_THAT(scene.FindObservers("robot "), ::testing::ElementsAre(third));
   EXPECT_EQ(scene.FindObserver("robot left"), nullptr);
 }
 
