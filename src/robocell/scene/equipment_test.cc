@@ -81,6 +81,7 @@ TEST(Equipment, ARobotStandsOnATable) {
       .name = "table", .mjcf_path = "table", .pos = {0.3, 0.1, 0.7}, .fixed = true};
   const std::string mount = SceneObjectElementName(table.name, "table_top");
   spec.robots.push_back({.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7")),
+                         .base = BaseConfig{},  // without its pedestal
                          .attach_to = Site(mount),
                          .pos = {0, 0.2, 0}});
   spec.objects.push_back(table);

@@ -1,6 +1,5 @@
 // Laws that every scene obeys, on random ones: robots of all models at hand with tools on tools,
 // objects, rigs, cameras.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -24,7 +23,7 @@ namespace robocell {
 namespace {
 
 // The first seeds without the Menagerie, whose meshes take their time.
-constexpr uint64_t kPlain = 8, kAll = 20;
+constexpr uint64_t kPlain = 8, kAll = 40;
 
 class RandomCells : public ::testing::TestWithParam<uint64_t> {
  protected:
@@ -52,10 +51,8 @@ double LargestDifference(const Poses& a, const Poses& b) {
   return largest;
 }
 
-// `nudge` is added to all velocities at the start.
-Poses PosesAfter(const SceneSpec& spec, int steps, double nudge = 0) {
+Poses PosesAfter(const SceneSpec& spec, int steps) {
   Scene scene = Scene::Build(spec);
-  for (int i = 0; i < scene.model()->nv; ++i) scene.data()->qvel[i] += nudge;
   EXPECT_TRUE(scene.StepN(steps).ok());
   Poses poses;
   for (const std::string& body : scene.body_names()) {
@@ -69,6 +66,8 @@ void Shuffle(Rng& rng, List<T>& list) {
   rng.Shuffle(list.boxes());
 }
 
+// Beyond rounding. In about one cell of a hundred any rounding error, the order's or another's,
+// grows to 1e-6 in these steps, by stiff contacts; none of these is one.
 TEST_P(RandomCells, TheOrderOfIndependentEntitiesChangesNothing) {
   // To the end: else the order decides where the solver stops.
   spec_.options.tolerance = 0;
@@ -83,14 +82,7 @@ TEST_P(RandomCells, TheOrderOfIndependentEntitiesChangesNothing) {
   Shuffle(rng_, spec_.cameras);
   const Poses after = PosesAfter(spec_, 50);
   ASSERT_EQ(after.size(), before.size());
-  const double difference = LargestDifference(before, after);
-  RecordProperty("difference", fmt::format("{:.1e}", difference));
-  if (difference < 1e-9) return;
-  // Stiff contacts make as much of a rounding error, whatever the order.
-  const double rounding = LargestDifference(after, PosesAfter(spec_, 50, 1e-15));
-  RecordProperty("rounding", fmt::format("{:.1e}", rounding));
-  EXPECT_LT(difference, 10 * rounding);
-  EXPECT_LT(difference, 1e-4);
+  EXPECT_LT(LargestDifference(before, after), 1e-9);
 }
 
 TEST_P(RandomCells, SavedAndLoadedTheyAreTheSame) {
@@ -206,11 +198,15 @@ TEST(RandomCellsOnTheWhole, HaveEveryKindOfRobotAndManyTools) {
   std::map<AttachKind, int> stands, lies, hangs;
   std::set<std::string> tools;
   int within_reach = 0;
+  size_t most_robots = 0, most_objects = 0, most_tools = 0;
   for (uint64_t seed = 0; seed < kAll; ++seed) {
     RandomScenes& scenes = seed < kPlain ? plain : all;
     Rng rng = Rng::Stream(seed, "cell");
     const SceneSpec spec = scenes.NextCell(rng);
+    most_robots = std::max(most_robots, spec.robots.size());
+    most_objects = std::max(most_objects, spec.objects.size());
     for (const RobotSpec& robot : spec.robots) {
+      most_tools = std::max(most_tools, robot.attachments.size());
       robots.insert(robot.path.empty() ? robot.config->model : robot.path);
       ++stands[robot.attach_to.kind];
       for (const AttachmentSpec& tool : robot.attachments) {
@@ -227,6 +223,9 @@ TEST(RandomCellsOnTheWhole, HaveEveryKindOfRobotAndManyTools) {
     for (const SceneObject& object : spec.objects) ++lies[object.attach_to.kind];
   }
   using enum AttachKind;
+  EXPECT_EQ(most_robots, 3);
+  EXPECT_EQ(most_objects, 10);
+  EXPECT_EQ(most_tools, 5);
   EXPECT_GE(robots.size(), 6) << ::testing::PrintToString(robots);
   EXPECT_EQ(tools.size(), 4) << "two kinds, each written twice";
   EXPECT_GE(within_reach, 5);
