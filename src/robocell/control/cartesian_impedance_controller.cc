@@ -25,12 +25,7 @@ namespace {
 }  // namespace
 
 CartesianImpedanceController::CartesianImpedanceController(ArmGroup& arm)
-    : arm_(arm),
-      posture_(arm.nq()),
-      q_(arm.nq()),
-      qd_(arm.nv()),
-      wanted_(arm.nv()),
-      torque_(arm.nv()) {
+    : arm_(arm), posture_(arm.nq()), q_(arm.nq()), qd_(arm.nv()), wanted_(arm.nv()) {
   Reset();
 }
 
@@ -85,27 +80,21 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
                &links);
   // Before what takes longer, beside which the processor does it.
   const PoseError error = ErrorTo(ToTransform(pose()), TipOf(links));
+  const double deviation[6] = {error.linear[0],  error.linear[1],  error.linear[2],
+                               error.angular[0], error.angular[1], error.angular[2]};
   LeafAnswer leaf;
   ComputeLeaf({.n = chain.n_joints(),
                .jacobian = links.jacobian,
                .mass = links.mass,
                .velocity = qd_.data(),
                .wanted = wanted_.data(),
-               .stiffness = stiffness_.data()},
+               .stiffness = stiffness_.data(),
+               .deviation = deviation,
+               .feedforward = feedforward_.data(),
+               .damping_ratio = damping_ratio_,
+               .torques = links.torques},
               &leaf);
-
-  Gains force;
-  for (int k = 0; k < 6; ++k) {
-    const double deviation = k < 3 ? error.linear[k] : error.angular[k - 3];
-    // What the joints to spare do is not to be felt.
-    force[k] = stiffness_[k] * deviation - damping_ratio_ * leaf.damping[k] + feedforward_[k] -
-               leaf.felt[k];
-  }
-  for (size_t i = 0; i < torque_.size(); ++i) {
-    torque_[i] = links.torques[i];
-    for (int k = 0; k < 6; ++k) torque_[i] += links.jacobian[k][i] * force[k];
-  }
-  arm_.CtrlForJointTorque(torque_, ctrl);
+  arm_.CtrlForJointTorque({leaf.torques, static_cast<size_t>(chain.n_joints())}, ctrl);
 }
 
 }  // namespace robocell

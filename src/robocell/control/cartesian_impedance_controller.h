@@ -72,7 +72,6 @@ class CartesianImpedanceController : public Controller {
   std::vector<double> posture_;
   std::vector<double> q_, qd_;
   std::vector<double> wanted_;  // acceleration of the joints to spare
-  std::vector<double> torque_;
 };
 
 }  // namespace robocell

@@ -185,6 +185,22 @@ HWY_INLINE void Damp(const double* stiffness, const double* mobility, double det
     out[k] = scale * root[k] * hn::GetLane(hn::SumOfLanes(kPoles, sums[k]));
 }
 
+HWY_INLINE void TorquesOf(const LeafQuery& query, LeafAnswer* out) {
+  hn::Vec<Poles> force[6];
+  for (int k = 0; k < 6; ++k) {
+    // What the joints to spare do is not to be felt.
+    force[k] = hn::Set(kPoles, query.stiffness[k] * query.deviation[k] -
+                                   query.damping_ratio * out->damping[k] + query.feedforward[k] -
+                                   out->felt[k]);
+  }
+  for (int i = 0; i < query.n; i += hn::Lanes(kPoles)) {
+    auto sum = hn::Load(kPoles, query.torques + i);
+    for (int k = 0; k < 6; ++k)
+      sum = hn::MulAdd(force[k], hn::Load(kPoles, query.jacobian[k] + i), sum);
+    hn::Store(sum, kPoles, out->torques + i);
+  }
+}
+
 void Leaf(const LeafQuery& query, LeafAnswer* out) {
   Columns columns;
   MakeColumns(query.n, query.jacobian, &columns);
@@ -194,6 +210,7 @@ void Leaf(const LeafQuery& query, LeafAnswer* out) {
   MobilityOf(query.n, query.mass, &columns, mobility);
   const double determinant = SolveOne(mobility, out->felt);
   Damp(query.stiffness, mobility, determinant, velocity, out->damping);
+  TorquesOf(query, out);
 }
 
 void Mobility(int n, const LinkTable::Row* jacobian, const LinkTable::Row* mass, double* mobility) {

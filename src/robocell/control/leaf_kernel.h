@@ -17,6 +17,12 @@ struct LeafQuery {
   const double* velocity = nullptr;          // of the joints
   const double* wanted = nullptr;            // accelerations of the joints
   const double* stiffness = nullptr;         // of the leaf, 6
+  // For the torques: where the leaf is not, and what it is pushed with on top, 6 each; the share of
+  // the damping; what the joints need anyway, n.
+  const double* deviation = nullptr;
+  const double* feedforward = nullptr;
+  double damping_ratio = 1;
+  const double* torques = nullptr;
 };
 
 struct LeafAnswer {
@@ -26,6 +32,9 @@ struct LeafAnswer {
   double damping[6];
   // The force that would accelerate the leaf as the wanted accelerations do.
   double felt[6];
+  // Of the joints, n: what they need anyway, and what pushes the leaf with
+  // stiffness * deviation - damping_ratio * damping + feedforward - felt.
+  alignas(64) LinkTable::Row torques;
 };
 
 void ComputeLeaf(const LeafQuery& query, LeafAnswer* out);

@@ -189,18 +189,29 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       const LeafCase leaf(&rng, n);
       const VectorXd velocity = RandomMatrix(&rng, n, 1), wanted = RandomMatrix(&rng, n, 1);
       const VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
+      const VectorXd deviation = RandomMatrix(&rng, 6, 1), push = RandomMatrix(&rng, 6, 1);
+      const VectorXd anyway = RandomMatrix(&rng, n, 1);
+      alignas(64) LinkTable::Row torques = {};
+      std::copy_n(anyway.data(), n, torques);
       LeafAnswer answer;
       ComputeLeaf({.n = n,
                    .jacobian = leaf.jacobian,
                    .mass = leaf.mass,
                    .velocity = velocity.data(),
                    .wanted = wanted.data(),
-                   .stiffness = stiffness.data()},
+                   .stiffness = stiffness.data(),
+                   .deviation = deviation.data(),
+                   .feedforward = push.data(),
+                   .damping_ratio = 0.7,
+                   .torques = torques},
                   &answer);
       const VectorXd felt = leaf.Mobility().llt().solve(leaf.j * wanted);
       EXPECT_LT((Eigen::Map<VectorXd>(answer.felt, 6) - felt).norm(), 1e-8 * felt.norm());
       const VectorXd damping = Damping(stiffness, leaf.Mobility(), leaf.j * velocity);
       EXPECT_LT((Eigen::Map<VectorXd>(answer.damping, 6) - damping).norm(), 1e-9 * damping.norm());
+      const VectorXd force = stiffness.cwiseProduct(deviation) - 0.7 * damping + push - felt;
+      const VectorXd needed = anyway + leaf.j.transpose() * force;
+      EXPECT_LT((Eigen::Map<VectorXd>(answer.torques, n) - needed).norm(), 1e-7 * needed.norm());
     }
   });
 }

@@ -54,60 +54,73 @@ class Values {
   int n_;
 };
 
-// 16 zeros and 16 ones, and the other way round: where a sum over links begins and ends.
 constexpr int kMost = kMaxChainJoints;
-struct Ramp {
-  double up[2 * kMost] = {}, down[2 * kMost] = {};
-  constexpr Ramp() {
-    for (int i = 0; i < kMost; ++i) up[kMost + i] = down[i] = 1;
-  }
-};
-constexpr Ramp kRamp;
 
-// Sums from the base on. Adding with a factor of 0 or 1 is faster than waiting for single numbers
-// to be put together in a register, where there are many lanes.
+#if HWY_MAX_BYTES >= 32
+static_assert(HWY_MAX_BYTES == 32, "sums are over the four lanes of a register");
+// 1 for the lanes that get something added.
+struct Lanes {
+  alignas(32) double odd[4] = {0, 1, 0, 1};
+  alignas(32) double even[4] = {1, 0, 1, 0};
+  alignas(32) double upper[4] = {0, 0, 1, 1};
+  alignas(32) double lower[4] = {1, 1, 0, 0};
+};
+constexpr Lanes kLanes;
+HWY_INLINE L WithLower(L v) { return hn::ConcatLowerLower(kLinks, v, v); }
+HWY_INLINE L WithUpper(L v) { return hn::ConcatUpperUpper(kLinks, v, v); }
+
+// Sums from the base on: neighbours, then pairs, then all links before. Row after row, for code
+// that is run once in a while is waited for longer than it takes.
 template <int kRows>
 HWY_INLINE void SumUp(int n, Row* rows) {
-  const int width = hn::Lanes(kLinks);
-  if (width < 4) {
-    for (int k = 0; k < kRows; ++k) {
-      for (int i = 1; i < n; ++i) rows[k][i] += rows[k][i - 1];
+  const L odd = hn::Load(kLinks, kLanes.odd), upper = hn::Load(kLinks, kLanes.upper);
+#pragma GCC unroll 1
+  for (int k = 0; k < kRows; ++k) {
+    L before = hn::Zero(kLinks);
+#pragma GCC unroll 1
+    for (int i = 0; i < n; i += 4) {
+      L sum = At(rows[k], i);
+      sum = hn::MulAdd(odd, hn::DupEven(sum), sum);
+      sum = hn::MulAdd(upper, WithLower(hn::DupOdd(sum)), sum);
+      sum = hn::Add(sum, before);
+      before = WithUpper(hn::DupOdd(sum));
+      Put(sum, i, rows[k]);
     }
-    return;
-  }
-  for (int first = (n - 1) / width * width; first >= 0; first -= width) {
-    L sum[kRows];
-    for (L& s : sum) s = hn::Zero(kLinks);
-    for (int i = 0; i < HWY_MIN(n, first + width); ++i) {
-      const L factor = hn::LoadU(kLinks, kRamp.up + kMost + first - i);
-      for (int k = 0; k < kRows; ++k)
-        sum[k] = hn::MulAdd(factor, hn::Set(kLinks, rows[k][i]), sum[k]);
-    }
-    for (int k = 0; k < kRows; ++k) Put(sum[k], first, rows[k]);
   }
 }
 
-// Sums from the tip on.
+// Sums from the tip on. Lanes that have no link hold 0.
 template <int kRows>
 HWY_INLINE void SumDown(int n, Row* rows) {
-  const int width = hn::Lanes(kLinks);
-  if (width < 4) {
-    for (int k = 0; k < kRows; ++k) {
-      for (int i = n - 2; i >= 0; --i) rows[k][i] += rows[k][i + 1];
+  const L even = hn::Load(kLinks, kLanes.even), lower = hn::Load(kLinks, kLanes.lower);
+#pragma GCC unroll 1
+  for (int k = 0; k < kRows; ++k) {
+    L behind = hn::Zero(kLinks);
+#pragma GCC unroll 1
+    for (int i = (n - 1) / 4 * 4; i >= 0; i -= 4) {
+      L sum = At(rows[k], i);
+      sum = hn::MulAdd(even, hn::DupOdd(sum), sum);
+      sum = hn::MulAdd(lower, WithUpper(hn::DupEven(sum)), sum);
+      sum = hn::Add(sum, behind);
+      behind = WithLower(hn::DupEven(sum));
+      Put(sum, i, rows[k]);
     }
-    return;
-  }
-  for (int first = 0; first < n; first += width) {
-    L sum[kRows];
-    for (L& s : sum) s = hn::Zero(kLinks);
-    for (int i = first; i < n; ++i) {
-      const L factor = hn::LoadU(kLinks, kRamp.down + kMost - 1 + first - i);
-      for (int k = 0; k < kRows; ++k)
-        sum[k] = hn::MulAdd(factor, hn::Set(kLinks, rows[k][i]), sum[k]);
-    }
-    for (int k = 0; k < kRows; ++k) Put(sum[k], first, rows[k]);
   }
 }
+#else
+template <int kRows>
+HWY_INLINE void SumUp(int n, Row* rows) {
+  for (int k = 0; k < kRows; ++k) {
+    for (int i = 1; i < n; ++i) rows[k][i] += rows[k][i - 1];
+  }
+}
+template <int kRows>
+HWY_INLINE void SumDown(int n, Row* rows) {
+  for (int k = 0; k < kRows; ++k) {
+    for (int i = n - 2; i >= 0; --i) rows[k][i] += rows[k][i + 1];
+  }
+}
+#endif
 
 // x, y, z axis and origin of each link's frame, one row a number.
 struct Frames {
@@ -289,6 +302,7 @@ HWY_INLINE void MotionOf(const LinkTable& t, const Frames& frames, const Values&
   }
 }
 
+template <bool kWhole>
 HWY_INLINE void MassOf(const LinkTable& t, LinkRows* rows, Row* mass) {
   const int width = hn::Lanes(kLinks);
   SumDown<3>(t.n, rows->moment);
@@ -304,7 +318,7 @@ HWY_INLINE void MassOf(const LinkTable& t, LinkRows* rows, Row* mass) {
     for (int i = 0; i <= j; i += width) Put(Dot(SixAt(rows->unit, i), of_j), i, mass[j]);
     mass[j][j] += t.armature[j];
   }
-  for (int i = 0; i < t.n; ++i) {
+  for (int i = 0; kWhole && i < t.n; ++i) {
     for (int j = i + 1; j < t.n; ++j) mass[i][j] = mass[j][i];
   }
 }
@@ -335,7 +349,7 @@ HWY_INLINE void ComputeParts(const LinkTable& t, const LinkQuery& query, LinkAns
   LinkRows rows;
   if (kMass || kMotion) Describe<kMotion>(t, frames, qd, &rows);
   if (kMotion) MotionOf(t, frames, qd, qdd, query.gravity, &rows, out->torques);
-  if (kMass) MassOf(t, &rows, out->mass);
+  if (kMass) MassOf<!kJacobian>(t, &rows, out->mass);
 }
 
 void Compute(const LinkTable& t, LinkPart part, const LinkQuery& query, LinkAnswer* out) {
