@@ -345,6 +345,8 @@ class TestCalls:
         assert scene.body_pose("cube").translation[2] == pytest.approx(0.5, abs=1e-6)
 
     def test_saved_files_are_loaded_by_mujoco(self, scene, tmp_path):
+        scene.model.opt.gravity[2] = -1.625
+        scene.model.geom("cube_geom").friction[0] = 0.125
         scene.save_xml(tmp_path / "scene.xml")
         scene.save_binary(tmp_path / "scene.mjb")
         for model in (
@@ -353,6 +355,8 @@ class TestCalls:
             mujoco.MjModel.from_xml_string(scene.to_xml()),
         ):
             assert model.body("cube").mass == pytest.approx(0.1)
+            assert model.opt.gravity[2] == -1.625, "what was changed in the model since"
+            assert model.geom("cube_geom").friction[0] == 0.125
         with pytest.raises(rc.IoError, match="nowhere"):
             scene.save_binary(tmp_path / "nowhere" / "scene.mjb")
 
