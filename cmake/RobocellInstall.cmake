@@ -28,6 +28,13 @@ install(DIRECTORY "${CMAKE_SOURCE_DIR}/src/robocell" DESTINATION "${include_dir}
 if(EXISTS "${CMAKE_SOURCE_DIR}/models")
   install(DIRECTORY "${CMAKE_SOURCE_DIR}/models" DESTINATION "${models_dir}")
 endif()
+# Ready-made environments and the robots that they name, where they find each other and the models.
+if(EXISTS "${CMAKE_SOURCE_DIR}/examples/envs")
+  install(DIRECTORY "${CMAKE_SOURCE_DIR}/examples/envs" DESTINATION "${models_dir}/examples")
+  foreach(robot xarm7 gen3_2f85 panda)
+    install(FILES "${CMAKE_SOURCE_DIR}/examples/${robot}.yaml" DESTINATION "${models_dir}/examples")
+  endforeach()
+endif()
 
 # One config file for the installed tree, the wheel and the build folder: it uses no path of its own.
 configure_file("${CMAKE_SOURCE_DIR}/cmake/robocellConfig.cmake.in" "${CMAKE_BINARY_DIR}/robocellConfig.cmake" @ONLY)

@@ -22,6 +22,9 @@ void BindAssets(nb::module_& m) {
   m.def("builtin_scenes", &assets::BuiltinScenes, "Names of the built-in scenes.");
   m.def("builtin_robot_file", &assets::BuiltinRobotFile, nb::arg("name"),
         "The YAML file of a built-in robot.");
+  m.def("builtin_cells", &assets::BuiltinCells, "Names of the ready-made environments.");
+  m.def("builtin_cell_file", &assets::BuiltinCellFile, nb::arg("name"),
+        "The YAML file of a ready-made environment, for EnvConfig.load.");
   m.def("menagerie_model_path", &menagerie::ModelPath, nb::arg("name"));
   m.def("menagerie_robot_folder", &menagerie::RobotFolder, nb::arg("robot"));
   m.def("menagerie_robot_folders", &menagerie::RobotFolders);

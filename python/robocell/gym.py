@@ -19,7 +19,7 @@ import gymnasium
 from gymnasium.vector import AutoresetMode
 
 from robocell import models
-from robocell._core import EnvConfig, Pose, RobotConfig
+from robocell._core import ArgumentError, EnvConfig, Pose, RobotConfig
 from robocell._gym_env import GymEnv
 from robocell._gym_flat import FlatGymEnv, FlatVectorGymEnv
 from robocell._gym_vector import VectorGymEnv
@@ -43,6 +43,8 @@ __all__ = [
 
 PICK_CUBE_STEPS = 200
 PICK_PLACE_STEPS = 400
+# Fields of EnvConfig: a cell's robots, and what they carry.
+CARRIED = ("robots", "grippers", "gripper_offsets", "robot_frame_objects", "camera_adds")
 
 File = str | os.PathLike[str]
 
@@ -52,11 +54,21 @@ def _single(config: EnvConfig, render_mode: str | None, flat: bool) -> GymEnv:
 
 
 def _configured(config: EnvConfig | File, fields: dict[str, Any]) -> EnvConfig:
-    """A copy, or what a file says, with other fields."""
-    own = copy.deepcopy(config) if isinstance(config, EnvConfig) else EnvConfig.load(config)
+    """A copy, what a file says or a ready-made cell, with other fields."""
+    if isinstance(config, EnvConfig):
+        own = copy.deepcopy(config)
+    elif _is_name(config):
+        own = EnvConfig.load(models.cell_file(str(config)))
+    else:
+        own = EnvConfig.load(config)
     for name, value in fields.items():
         setattr(own, name, value)
     return own
+
+
+def _is_name(given: Any) -> bool:
+    """Whether it is the name of something that is there, or was meant as one."""
+    return isinstance(given, str) and not os.path.splitext(given)[1] and not os.path.exists(given)
 
 
 def environment(
@@ -68,7 +80,7 @@ def environment(
     """The environment ``robocell/Env-v0``: of any configuration.
 
     Args:
-        config: it, or its file.
+        config: it, its file, or the name of a ready-made cell (``models.cells()``).
         render_mode: as of ``GymEnv``.
         flat: whether observations and actions are vectors: ``FlatGymEnv``.
         fields: of EnvConfig, in the place of those of the configuration.
@@ -96,14 +108,12 @@ def pick_cube_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvCon
     """A robot that is to pick up a cube from the floor in front of it.
 
     Args:
-        robot: a built-in robot's name, a robot file, or a configuration.
+        robot: a built-in robot's name, the name of a ready-made cell (``models.cells()``), whose
+            robots and what they carry are taken, a robot file, or a configuration.
         fields: of EnvConfig, in the place of those chosen here.
     """
-    if isinstance(robot, str) and robot in models.robots():
-        robot = models.robot_file(robot)
     chosen: dict[str, Any] = {
         "name": "pick_cube",
-        "robots": {"robot": robot},
         "add_floor": True,
         "root_frame_objects": {
             "cube": {
@@ -117,7 +127,22 @@ def pick_cube_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvCon
         "max_relative_movement": (0.05, 0.3),
         "sim": {"async_control": True, "frequency": 20, "on_collision": "report"},
     }
-    return EnvConfig(**(chosen | fields))
+    return EnvConfig(**(_robots_of(robot) | chosen | fields))
+
+
+def _robots_of(robot: RobotConfig | File) -> dict[str, Any]:
+    """Fields of EnvConfig: one robot, or that of a ready-made cell with what it carries."""
+    if not isinstance(robot, str) or not _is_name(robot):
+        return {"robots": {"robot": robot}}
+    if robot in models.robots():
+        return {"robots": {"robot": models.robot_file(robot)}}
+    cell = EnvConfig.load(models.cell_file(robot))
+    if len(cell.robots) > 1:
+        raise ArgumentError(
+            f"robot: the cell '{robot}' has {len(cell.robots)} robots ({', '.join(cell.robots)}), "
+            "one is wanted here; gym.make('robocell/Env-v0', config=...) takes cells"
+        )
+    return {field: dict(getattr(cell, field)) for field in CARRIED}
 
 
 def pick_cube(

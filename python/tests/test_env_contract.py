@@ -86,6 +86,7 @@ def test_every_cell_keeps_the_contract(cell: rc.EnvConfig, scene: str, mode: str
 
 def test_the_cells_are_those_of_the_page():
     page = (Path(__file__).parents[2] / "docs" / "environments.md").read_text()
+    assert rc.models.cells() == [file.stem for file in CELLS]
     assert len(CELLS) == 6
     for file in CELLS:
         assert f"`{file.stem}`" in page, file

@@ -139,6 +139,30 @@ def test_any_configuration_has_a_registered_name(tmp_path):
         gym.make("robocell/Env-v0", config=own, control_mod="joints")
 
 
+@pytest.mark.parametrize("robot", ["xarm7", "fr3", "gen3_2f85", "panda"])
+def test_robots_of_the_cells_pick_by_their_name(menagerie, robot):
+    env = gym.make("robocell/PickCube-v0", robot=robot)
+    observation, _ = env.reset(seed=0)
+    assert set(observation["robot"]) == {"tquat", "xyzrpy", "joints", "gripper"}
+    *_, info = env.step(env.action_space.sample())
+    assert info["reason"] != "diverged"
+    env.close()
+
+
+def test_cells_and_robots_that_are_not_there(menagerie):
+    duo = gym.make("robocell/Env-v0", config="fr3_duo")
+    assert set(duo.observation_space.spaces) == {"left", "right"}
+    duo.close()
+    with pytest.raises(rc.ArgumentError, match=r"the cell 'fr3_duo' has 2 robots \(left, right\)"):
+        gym.make("robocell/PickCube-v0", robot="fr3_duo")
+    for make in (
+        lambda: gym.make("robocell/PickCube-v0", robot="xarm8"),
+        lambda: gym.make("robocell/Env-v0", config="xarm8"),
+    ):
+        with pytest.raises(rc.NotFoundError, match=r"no cell 'xarm8'\..* Did you mean 'xarm7'\?"):
+            make()
+
+
 def test_factories_are_pickled():
     make = pickle.loads(pickle.dumps(partial(GymEnv, config())))
     env = make()

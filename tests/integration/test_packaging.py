@@ -47,6 +47,9 @@ def test_a_user_builds_against_an_install(build_folder, tmp_path):
     assert version == "0.1.0"
     assert Path(models) == prefix / "share/robocell/models"
     assert (Path(models) / "equipment/cabinet/cabinet.xml").exists()
+    cells = Path(models).parent / "examples" / "envs"
+    for cell in (ROOT / "examples" / "envs").glob("*.yaml"):
+        robocell.EnvConfig.load(cells / cell.name)  # with all that it names
     assert float(rest) == pytest.approx(0, abs=1e-15)
     assert not (prefix / "include/robocell/testing").exists()
 

@@ -43,6 +43,8 @@ def test_the_package_imports_from_the_wheel_and_finds_its_models(site: Path):
     assert Path(file).parent == site / "robocell"
     assert version == "0.1.0"
     assert (site / "robocell/models/robots/rc7/rc7.yaml").exists()
+    load = "import robocell as rc; print([*rc.EnvConfig.load(rc.models.cell_file('xarm7')).robots])"
+    assert python(site, load) == "['robot']"
 
 
 def test_stubs_types_and_library_are_there_once(site: Path):

@@ -54,6 +54,19 @@ std::vector<std::string> ModelsWithFolder(const char* kind) {
   return names;
 }
 
+fs::path CellsFolder() {
+  return (fs::path(ModelsRoot()) / ".." / "examples" / "envs").lexically_normal();
+}
+
+// Names N of folder/N<ending>.
+std::vector<std::string> FilesWith(const char* ending, const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const std::string& file : ListFolder(folder)) {
+    if (fs::path(file).extension() == ending) names.push_back(fs::path(file).stem().string());
+  }
+  return names;
+}
+
 }  // namespace
 
 std::string ModelsRoot() { return FindModelsRoot().string(); }
@@ -65,11 +78,7 @@ std::vector<std::string> BuiltinObjects() { return ModelsWithFolder("objects"); 
 std::vector<std::string> BuiltinEquipment() { return ModelsWithFolder("equipment"); }
 
 std::vector<std::string> BuiltinScenes() {
-  std::vector<std::string> names;
-  for (const std::string& file : ListFolder(fs::path(ModelsRoot()) / "scenes")) {
-    if (fs::path(file).extension() == ".xml") names.push_back(fs::path(file).stem().string());
-  }
-  return names;
+  return FilesWith(".xml", fs::path(ModelsRoot()) / "scenes");
 }
 
 std::vector<std::string> BuiltinModels() {
@@ -85,6 +94,13 @@ std::string BuiltinRobotFile(const std::string& name) {
     return file->string();
   }
   throw NotFoundError(NoSuchName("built-in models", "robot", name, BuiltinRobots()));
+}
+
+std::vector<std::string> BuiltinCells() { return FilesWith(".yaml", CellsFolder()); }
+
+std::string BuiltinCellFile(const std::string& name) {
+  if (const auto file = FindBelow(CellsFolder(), name + ".yaml")) return file->string();
+  throw NotFoundError(NoSuchName("ready-made environments", "cell", name, BuiltinCells()));
 }
 
 }  // namespace robocell::assets

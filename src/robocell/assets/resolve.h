@@ -41,6 +41,11 @@ std::vector<std::string> BuiltinModels();  // all of these
 // The YAML file of a built-in robot; NotFoundError with the nearest names.
 std::string BuiltinRobotFile(const std::string& name);
 
+// Ready-made environments, for EnvConfig::Load: names, sorted, and the file of each
+// (examples/envs/NAME.yaml beside the folder of the models). NotFoundError with the nearest names.
+std::vector<std::string> BuiltinCells();
+std::string BuiltinCellFile(const std::string& name);
+
 }  // namespace robocell::assets
 
 namespace robocell::menagerie {

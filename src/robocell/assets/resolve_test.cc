@@ -112,6 +112,18 @@ TEST_F(Resolving, BuiltInModelsAreFoundByName) {
   ExpectThrow<NotFoundError>([] { BuiltinRobotFile("rc8"); }, "no robot 'rc8'. Its robots: rc7");
 }
 
+TEST_F(Resolving, ReadyMadeEnvironmentsAreFoundByName) {
+  EXPECT_THAT(BuiltinCells(),
+              ::testing::ElementsAre("fr3", "fr3_duo", "gen3_2f85", "panda", "rc7", "xarm7"));
+  EXPECT_TRUE(fs::exists(BuiltinCellFile("fr3_duo")));
+  ExpectThrow<NotFoundError>([] { BuiltinCellFile("fr3_dou"); },
+                             "ready-made environments: no cell 'fr3_dou'. Its cells: fr3, fr3_duo, "
+                             "gen3_2f85, panda, rc7, xarm7. Did you mean 'fr3_duo'?");
+  Write("robots/mine/mine.xml");
+  const ScopedEnv env("ROBOCELL_MODELS", folder_.string());
+  EXPECT_TRUE(BuiltinCells().empty()) << "none beside models of one's own";
+}
+
 TEST_F(Resolving, AVariablePutsAFileInTheModelsPlace) {
   const std::string mine = Write("my table.xml"), arm = Write("arm.xml");
   const ScopedEnv root("MENAGERIE_ROOT", At("none")), cache("MENAGERIE_CACHE_DIR", At("none"));

@@ -12,13 +12,18 @@ from robocell.compat.rcs.registries import OBJECT_PATHS
 
 @dataclass(kw_only=True)
 class PickTaskConfig:
-    """An object that lies around its place in the root frame and is to be lifted."""
+    """An object that lies around its place in the root frame and is to be lifted.
+
+    ``object_joint`` is accepted and unused: robocell finds the free joint of the object, and adds
+    one to a model that has none.
+    """
 
     robot_name: str = "robot"
     object_center_to_root_frame: rc.Pose = field(
         default_factory=lambda: Pose(translation=[0.5, 0, 0.05])
     )
     object_xml: str | os.PathLike[str] = OBJECT_PATHS["green_cube"]
+    object_joint: str = "box_joint"
     prefix: str = "PickTask_"
     include_rotation: bool = True
     task_id: str = "pick"
