@@ -1,7 +1,8 @@
 """One side of env_step.py, in a process of its own: seconds of a step and of a reset as JSON.
 
 env_side.py SIDE [ROBOT.yaml]. Sides: robocell, vector1, vector2 (copies on one and two threads),
-mujoco (the engine's Python package with a controller in numpy), robosuite, gymnasium_robotics.
+mujoco (the engine's Python package with a controller in numpy), robosuite, gymnasium_robotics,
+envpool (copies on two threads).
 """
 
 from __future__ import annotations
@@ -73,7 +74,8 @@ def vector(file: str, threads: int) -> Result:
         for sign in (1, -1)
     ]
     each(lambda i: env.step(actions[i % 2]), 4)
-    return {"step": each(lambda i: env.step(actions[i % 2]), STEPS // 2) / COPIES}
+    step = each(lambda i: env.step(actions[i % 2]), STEPS // 2) / COPIES
+    return {"step": step, "engine": step / SUBSTEPS}
 
 
 def mujoco(file: str) -> Result:
@@ -135,6 +137,17 @@ def gymnasium_robotics(_: str) -> Result:
     return {"step": step, "reset": each(lambda _: env.reset(), RESETS)}
 
 
+def envpool(_: str) -> Result:
+    """Copies of FetchPickAndPlace on two threads, 20 steps of the engine in each step."""
+    import envpool as pool
+
+    env = pool.make_gymnasium("FetchPickAndPlace-v4", num_envs=COPIES, num_threads=2)
+    env.reset()
+    actions = np.random.default_rng(0).uniform(-1, 1, (STEPS, COPIES, 4))
+    each(lambda i: env.step(actions[i]), 4)
+    return {"engine": each(lambda i: env.step(actions[i]), STEPS // 2) / COPIES / 20}
+
+
 SIDES: dict[str, Callable[[str], Result]] = {
     "robocell": robocell,
     "vector1": lambda file: vector(file, 1),
@@ -142,6 +155,7 @@ SIDES: dict[str, Callable[[str], Result]] = {
     "mujoco": mujoco,
     "robosuite": robosuite,
     "gymnasium_robotics": gymnasium_robotics,
+    "envpool": envpool,
 }
 
 if __name__ == "__main__":

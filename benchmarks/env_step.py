@@ -1,7 +1,8 @@
 """P8 and P9: a step of an environment from Python, and its reset, beside what does the same.
 
 The loop in C++ is env_step_bench.cc; all others run in env_side.py, each in a process of its own,
-robosuite and gymnasium-robotics in environments of their own with the mujoco that they work with.
+robosuite, gymnasium-robotics and EnvPool in environments of their own with the mujoco that they
+work with.
 """
 
 from __future__ import annotations
@@ -20,11 +21,14 @@ from table import Row
 
 ROOT = Path(__file__).resolve().parents[1]
 ROUNDS = 5
-# Side -> what is installed for it. Newer versions of mujoco break both.
+# Side -> what is installed for it. Newer versions of mujoco break the first two; EnvPool has one of
+# its own.
 PEERS = {
     "robosuite": ("robosuite==1.5.2", "mujoco==3.4.0"),
     "gymnasium_robotics": ("gymnasium-robotics==1.4.2", "mujoco==3.4.0"),
+    "envpool": ("envpool==1.2.5",),
 }
+ON_TWO_THREADS = ("vector1", "vector2", "envpool")  # not pinned to a core; vector1 has one
 Measured = dict[str, dict[str, list[float]]]  # side -> step, reset, ... -> seconds
 
 
@@ -51,10 +55,8 @@ def rounds(file: Path, peers: list[str], folder: Path) -> Measured:
     """All sides in turn, several times; C++ as sides ``C++`` and ``mj_step``."""
     measured: Measured = defaultdict(lambda: defaultdict(list))
     for _ in range(ROUNDS):
-        for side in ("robocell", "mujoco", *peers):
-            measure(side, file, measured)
-        for side in ("vector1", "vector2"):
-            measure(side, file, measured, one_core=False)
+        for side in ("robocell", "mujoco", "vector1", "vector2", *peers):
+            measure(side, file, measured, one_core=side not in ON_TWO_THREADS)
         [sides] = seconds("env_step_bench", [file], folder, repetitions=1).values()
         measured["C++"]["step"] += sides["env"]
         measured["mj_step"]["step"] += sides["mj_step"]
@@ -74,12 +76,14 @@ def available(peer: str) -> bool:
 STEP = "step from Python, 33 of the engine"
 RESET = "reset from Python"
 TWO_THREADS = "step in a vector on two threads"
+OF_ENGINE = "step of the engine in a vector on two threads"
 # What, side and value of ours, side and value of the peer's, note.
 COMPARED = (
     (STEP, "robocell", "step", "C++", "step", "peer: the same in C++, `Env::Step`"),
     (STEP, "robocell", "step", "mj_step", "step", "peer: `mj_step` alone, same controls"),
     (STEP, "robocell", "step", "mujoco", "step", "peer: package mujoco, controls by numpy"),
     (TWO_THREADS, "vector2", "step", "vector1", "step", "peer: one thread; 32 copies, of one"),
+    (OF_ENGINE, "vector2", "engine", "envpool", "engine", "peer: EnvPool, FetchPickAndPlace-v4"),
     (STEP, "robocell", "step", "robosuite", "step", "peer: robosuite's Lift, Panda"),
     (RESET, "robocell", "reset", "robosuite", "reset", "peer: robosuite's Lift, soft"),
     (RESET, "robocell", "reset", "robosuite", "hard", "peer: robosuite's Lift, hard"),
