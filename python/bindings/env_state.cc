@@ -66,11 +66,27 @@ void BindState(nb::module_& m) {
 void BindRecord(nb::module_& m) {
   nb::class_<EnvRecord>(m, "EnvRecord",
                         "An episode as it was acted and observed: n steps. Its arrays make it "
-                        "again, so that numpy.savez keeps it.")
+                        "again; it can be pickled, and `save` keeps it in a file.")
       .def("__init__", &InitRecord, "start"_a, "actions"_a, "observations"_a, "rewards"_a,
            nb::sig("def __init__(self, start: EnvState, actions: numpy.typing.ArrayLike, "
                    "observations: numpy.typing.ArrayLike, rewards: numpy.typing.ArrayLike) -> "
                    "None"))
+      .def(
+          "save", [](const EnvRecord& r, const std::filesystem::path& file) { r.Save(file); },
+          "file"_a,
+          "Writes a file that EnvRecord.load reads, in C++ too: a .npy with one row of float64.")
+      .def_static(
+          "load", [](const std::filesystem::path& file) { return EnvRecord::Load(file); }, "file"_a,
+          "Of a file that save wrote. IoError for one that is no record.")
+      .def("__getstate__",
+           [](const EnvRecord& r) {
+             return std::vector{r.start.numbers(), r.actions, r.observations, r.rewards};
+           })
+      .def("__setstate__",
+           [](EnvRecord& r, const std::vector<std::vector<double>>& lists) {
+             if (lists.size() != 4) throw ArgumentError("this is no record of an environment");
+             new (&r) EnvRecord{EnvState::FromNumbers(lists[0]), lists[1], lists[2], lists[3]};
+           })
       .def_prop_ro("steps", &EnvRecord::steps)
       .def_prop_ro(
           "start", [](const EnvRecord& r) { return EnvState(r.start); }, "The state at its start.")

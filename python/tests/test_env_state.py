@@ -54,6 +54,10 @@ def test_a_state_of_the_rig_elsewhere():
     same(act(other), act(env), 1e-5)
 
 
+def flat(record: rc.EnvRecord) -> list[np.ndarray]:
+    return [record.start.numbers, record.actions, record.observations, record.rewards]
+
+
 def test_a_record_is_replayed_and_kept_in_a_file(tmp_path):
     env = rc.Env(config())
     env.reset(seed=1)
@@ -77,6 +81,15 @@ def test_a_record_is_replayed_and_kept_in_a_file(tmp_path):
     replay = other.replay(rc.EnvRecord(**(kept | {"start": record.start})))
     assert (replay.same, replay.steps) == (False, 2)
     assert replay.difference.startswith("after step 2: robot.tquat[")
+    file = tmp_path / "record.npy"
+    record.save(file)
+    assert np.load(file).shape == (4 + sum(len(each.ravel()) for each in flat(record)),)
+    for same_again in (rc.EnvRecord.load(file), pickle.loads(pickle.dumps(record))):
+        assert all(map(np.array_equal, flat(same_again), flat(record)))
+        assert other.replay(same_again).same
+    file.write_text("steps: 3")
+    with pytest.raises(rc.IoError, match=r"record.npy' is no record of an environment: it is no"):
+        rc.EnvRecord.load(file)
     moved = rc.Env(config(root_frame_to_world=ELSEWHERE))
     assert moved.replay(again, frame="root", tolerance=1e-5).same
 

@@ -6,6 +6,7 @@
 //   const EnvRecord record = env.StopRecord();
 //   const EnvReplay replay = ReplayRecord(env, record);
 //   if (!replay.same()) LogWarn(replay.difference);
+//   record.Save("episode.npy");  // for EnvRecord::Load, also in another process
 #pragma once
 
 #include <string>
@@ -24,6 +25,12 @@ struct EnvRecord {
   std::vector<double> rewards = {};       // of each step
 
   int steps() const { return static_cast<int>(rewards.size()); }
+
+  // A file that has the old record or the new one, never half: NumPy's .npy with one row of
+  // float64, in which start, actions, observations and rewards each say first how many numbers
+  // they have. IoError when it cannot be written or read, or is no record.
+  void Save(const std::string& file) const;
+  static EnvRecord Load(const std::string& file);
 };
 
 struct EnvReplay {

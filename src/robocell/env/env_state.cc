@@ -9,44 +9,12 @@
 #include "robocell/base/names.h"
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env.h"
+#include "robocell/env/number_list.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
 namespace robocell {
 namespace {
-
-// Numbers that say how many follow, then these.
-void PutList(std::span<const double> list, std::vector<double>& out) {
-  out.push_back(static_cast<double>(list.size()));
-  out.insert(out.end(), list.begin(), list.end());
-}
-
-class NumberReader {
- public:
-  explicit NumberReader(std::span<const double> numbers) : left_(numbers) {}
-
-  std::span<const double> Take(size_t count) {
-    if (count > left_.size())
-      throw ArgumentError("these numbers are no state of an environment: they end too early");
-    const std::span<const double> taken = left_.first(count);
-    left_ = left_.subspan(count);
-    return taken;
-  }
-  size_t Count() {
-    const double count = Take(1)[0];
-    if (!(count >= 0 && count <= static_cast<double>(left_.size())))
-      throw ArgumentError("these numbers are no state of an environment");
-    return static_cast<size_t>(count);
-  }
-  std::vector<double> List() {
-    const std::span<const double> list = Take(Count());
-    return {list.begin(), list.end()};
-  }
-  bool AtEnd() const { return left_.empty(); }
-
- private:
-  std::span<const double> left_;
-};
 
 // The free joints and mocap bodies in the subtree of a body.
 struct Movables {
@@ -110,7 +78,7 @@ std::vector<double> EnvState::numbers() const {
 }
 
 EnvState EnvState::FromNumbers(std::span<const double> numbers) {
-  NumberReader reader(numbers);
+  NumberReader reader(numbers, "state of an environment");
   EnvState state;
   const std::span<const double> p = reader.Take(7);
   state.root_frame_to_world = Pose({p[0], p[1], p[2]}, Quaternion{p[3], p[4], p[5], p[6]});
@@ -127,7 +95,7 @@ EnvState EnvState::FromNumbers(std::span<const double> numbers) {
     std::span<const double> own = reader.Take(ArmDriver::Memory::CountOfNumbers(joints));
     state.arms.push_back(ArmDriver::Memory::FromNumbers(joints, own));
   }
-  if (!reader.AtEnd()) throw ArgumentError("these numbers are more than a state of an environment");
+  reader.RequireEnd();
   return state;
 }
 

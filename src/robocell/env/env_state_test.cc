@@ -102,6 +102,13 @@ TEST(EnvStates, FitTheirConfigurationOnly) {
   ExpectThrow<ArgumentError>([&] { EnvState::FromNumbers(numbers); }, "no state of an environment");
 }
 
+std::string FileText(const std::string& path) {
+  std::ifstream in(path);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
 EnvRecord Episode(Env& env) {
   env.Reset({.seed = 5});
   env.StartRecord();
@@ -149,6 +156,48 @@ TEST(EnvReplays, InARigThatStandsElsewhere) {
               StartsWith("at the start: objects.cube.tquat"));
 }
 
+TEST(EnvReplays, OfRecordsFromFiles) {
+  TempDir folder;
+  const std::string file = folder.path() / "episode.npy";
+  Env env(Rc7WithCube());
+  const EnvRecord record = Episode(env);
+  record.Save(file);
+  const EnvRecord loaded = EnvRecord::Load(file);
+  EXPECT_EQ(loaded.start.numbers(), record.start.numbers());
+  EXPECT_EQ(loaded.actions, record.actions);
+  EXPECT_EQ(loaded.observations, record.observations);
+  EXPECT_EQ(loaded.rewards, record.rewards);
+  Env other(Rc7WithCube());
+  EXPECT_EQ(ReplayRecord(other, loaded).difference, "");
+
+  const std::string whole = FileText(file);
+  EXPECT_EQ((whole.size() - 8 * (4 + record.start.numbers().size() + record.actions.size() +
+                                 record.observations.size() + record.rewards.size())) %
+                64,
+            0u)
+      << "numbers begin where NumPy wants them";
+  const std::string problem = "'" + file + "' is no record of an environment: ";
+  const auto expect = [&](const std::string& bytes, const std::string& why) {
+    std::ofstream(file, std::ios::binary) << bytes;
+    ExpectThrow<IoError>([&] { EnvRecord::Load(file); }, problem + why);
+  };
+  const std::string no_row = "it is no .npy with one row of float64";
+  expect("", no_row);
+  expect("steps: 3", no_row);
+  expect(whole.substr(0, 9), no_row);
+  expect(whole.substr(0, 40), no_row);
+  expect(whole.substr(0, whole.size() - 8), no_row);
+  std::string other_numbers = whole;
+  other_numbers.replace(other_numbers.size() - 8, 8, std::string(8, '\x7f'));
+  std::ofstream(file, std::ios::binary) << other_numbers;
+  EXPECT_NE(EnvRecord::Load(file).rewards.back(), record.rewards.back());
+  EnvRecord without = record;
+  without.start = {};
+  without.Save(file);
+  ExpectThrow<ArgumentError>([&] { ReplayRecord(other, EnvRecord::Load(file)); }, "the state is");
+  ExpectThrow<IoError>([&] { EnvRecord::Load(folder.path() / "nothing.npy"); }, "nothing.npy");
+}
+
 TEST(EnvReplays, RecordingEndsWithTheEpisode) {
   Env env(Rc7WithCube());
   env.Reset();
@@ -156,13 +205,6 @@ TEST(EnvReplays, RecordingEndsWithTheEpisode) {
   env.StartRecord();
   env.Reset();
   ExpectThrow<Error>([&] { env.StopRecord(); }, "nothing is being recorded");
-}
-
-std::string FileText(const std::string& path) {
-  std::ifstream in(path);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
 }
 
 TEST(EnvSavedScenes, AreSimulatedInThePlaceOfTheConfiguration) {
