@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
@@ -10,6 +11,20 @@ from gymnasium import spaces
 from robocell._core import ArgumentError, Env, EnvConfig, OrbitCamera, Renderer
 from robocell._spaces import frame_space, space_of
 from robocell._window import RENDER_SIZE, Window, frame_rate, side_view
+
+
+def options_of(options: Any, takes: str | None = None) -> Mapping[str, Any]:
+    """Options of a reset, which takes only the one that is named."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise ArgumentError(
+            f"options of reset must be a dict or None, got {type(options).__name__}"
+        )
+    if unknown := [str(key) for key in options if key != takes]:
+        what = f"the option '{takes}'" if takes else "no options"
+        raise ArgumentError(f"reset takes {what} here, got {', '.join(unknown)}")
+    return options
 
 
 class GymEnv(gymnasium.Env[Any, Any]):
@@ -62,8 +77,7 @@ class GymEnv(gymnasium.Env[Any, Any]):
     ) -> tuple[Any, dict[str, Any]]:
         """To a start: that of the seed, or the next one of the last seed; by chance at first."""
         super().reset(seed=seed)
-        if options:
-            raise ArgumentError(f"reset takes no options here, got {', '.join(options)}")
+        options_of(options)
         if seed is None and not self._seeded:
             seed = int(self.np_random.integers(2**63))
         observation, info = self.core.reset(seed)

@@ -33,10 +33,27 @@ def _observation_box(lower: NDArray[Any], upper: NDArray[Any]) -> spaces.Box:
     )
 
 
-def _scaled(shares: NDArray[Any], low: NDArray[Any], high: NDArray[Any]) -> NDArray[np.float64]:
+def shares_of(name: str, action: Any, size: int, copies: int | None = None) -> NDArray[np.float64]:
+    """An action as numbers of ranges: ``size`` of them, or a row of them for each copy."""
+    shape = (size,) if copies is None else (copies, size)
+    try:
+        shares = np.asarray(action, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        shares, problem = np.empty(0), f"no array: {error}"
+    else:
+        problem = f"of shape {shares.shape}"
+    if shares.shape != shape:
+        wanted = f"be {size} numbers"
+        if copies is not None:
+            wanted = f"have a row of {size} numbers for each of {copies} copies"
+        raise ArgumentError(f"environment '{name}': action must {wanted}, it is {problem}")
+    return shares
+
+
+def scaled(shares: NDArray[Any], low: NDArray[Any], high: NDArray[Any]) -> NDArray[np.float64]:
     """Numbers of ranges: -1 is their lower end, 1 the upper; what is beyond is cut."""
-    scaled: NDArray[np.float64] = low + (shares.clip(-1, 1) + 1) / 2 * (high - low)
-    return scaled
+    numbers: NDArray[np.float64] = low + (shares.clip(-1, 1) + 1) / 2 * (high - low)
+    return numbers
 
 
 class FlatGymEnv(GymEnv):
@@ -57,6 +74,7 @@ class FlatGymEnv(GymEnv):
     ) -> None:
         _require_no_streams(config)
         super().__init__(config, render_mode, render_camera, render_size)
+        self._name = config.name
         self._seen_parts = [path for path, _, _ in self.core.observation_parts]
         self._action_parts = self.core.action_parts
         acted = [path for path, _, _ in self._action_parts]
@@ -81,13 +99,8 @@ class FlatGymEnv(GymEnv):
         return _joined(observation, self._seen_parts).astype(np.float32)
 
     def _commands(self, action: Any) -> dict[str, dict[str, NDArray[np.float64]]]:
-        shares = np.asarray(action, dtype=np.float64)
-        if shares.shape != self._low.shape:
-            raise ArgumentError(
-                f"environment '{self.core.config.name}': action must be {len(self._low)} numbers, "
-                f"it is of shape {shares.shape}"
-            )
-        numbers = _scaled(shares, self._low, self._high)
+        shares = shares_of(self._name, action, len(self._low))
+        numbers = scaled(shares, self._low, self._high)
         out: dict[str, dict[str, NDArray[np.float64]]] = {}
         for (robot, command), begin, size in self._action_parts:
             out.setdefault(robot, {})[command] = numbers[begin : begin + size]
@@ -142,13 +155,8 @@ class FlatVectorGymEnv(VectorGymEnv):
         self.action_space = batch_space(self.single_action_space, num_envs)
 
     def _flat(self, actions: Any) -> NDArray[np.float64]:
-        shares = np.asarray(actions, dtype=np.float64)
-        if shares.shape != (self.num_envs, len(self._low)):
-            raise ArgumentError(
-                f"environment '{self._name}': action must have a row of {len(self._low)} numbers "
-                f"for each of {self.num_envs} copies, it is of shape {shares.shape}"
-            )
-        return _scaled(shares, self._low, self._high)
+        shares = shares_of(self._name, actions, len(self._low), self.num_envs)
+        return scaled(shares, self._low, self._high)
 
     def _observation(self, flat: NDArray[np.float64]) -> NDArray[np.float32]:
         return flat.astype(np.float32)

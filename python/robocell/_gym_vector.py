@@ -12,6 +12,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera
+from robocell._gym_env import options_of
 from robocell._spaces import frame_space, space_of
 from robocell._window import RENDER_SIZE, frame_rate, side_view, warn_once
 
@@ -155,14 +156,10 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
             self.core.close()
 
     def _which(self, options: dict[str, Any] | None) -> NDArray[np.bool_]:
-        options = options or {}
-        if unknown := [key for key in options if key != RESET_OPTION]:
-            raise ArgumentError(
-                f"reset takes the option '{RESET_OPTION}' here, got {', '.join(unknown)}"
-            )
-        if RESET_OPTION not in options:
+        given = options_of(options, RESET_OPTION)
+        if RESET_OPTION not in given:
             return np.ones(self.num_envs, dtype=bool)
-        which = np.asarray(options[RESET_OPTION])
+        which = np.asarray(given[RESET_OPTION])
         if which.dtype != np.bool_ or which.shape != (self.num_envs,):
             raise ArgumentError(
                 f"{RESET_OPTION} must be {self.num_envs} bools, one for each copy; got "

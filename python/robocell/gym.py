@@ -19,7 +19,7 @@ import gymnasium
 from gymnasium.vector import AutoresetMode
 
 from robocell import models
-from robocell._core import ArgumentError, EnvConfig, Pose, RobotConfig
+from robocell._core import ArgumentError, ControlMode, EnvConfig, Pose, RobotConfig
 from robocell._gym_env import GymEnv
 from robocell._gym_flat import FlatGymEnv, FlatVectorGymEnv
 from robocell._gym_vector import VectorGymEnv
@@ -107,6 +107,9 @@ def environment_vector(
 def pick_cube_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvConfig:
     """A robot that is to pick up a cube from the floor in front of it.
 
+    Actions are poses, ``cartesian_tquat``; with ``control_mode="joints"`` steps have the limit that
+    EnvConfig has for these.
+
     Args:
         robot: a built-in robot's name, the name of a ready-made cell (``models.cells()``), whose
             robots and what they carry are taken, a robot file, or a configuration.
@@ -124,9 +127,10 @@ def pick_cube_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvCon
         },
         "task": {"object": "cube", "spread": [0.08, 0.15]},
         "control_mode": "cartesian_tquat",
-        "max_relative_movement": (0.05, 0.3),
         "sim": {"async_control": True, "frequency": 20, "on_collision": "report"},
     }
+    if fields.get("control_mode") not in ("joints", ControlMode.JOINTS):
+        chosen["max_relative_movement"] = (0.05, 0.3)
     return EnvConfig(**(_robots_of(robot) | chosen | fields))
 
 

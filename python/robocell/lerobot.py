@@ -18,7 +18,8 @@ from gymnasium import spaces
 from gymnasium.spaces.utils import flatten, flatten_space, unflatten
 from numpy.typing import NDArray
 
-from robocell._core import EnvConfig
+from robocell._core import ArgumentError, EnvConfig
+from robocell._gym_flat import scaled, shares_of
 from robocell.gym import GymEnv
 
 Observation = dict[str, Any]
@@ -28,7 +29,7 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """A ``GymEnv`` with flat vectors and the names of LeRobot.
 
     Actions are one vector between -1 and 1 for the ranges of ``GymEnv``, its dictionaries in the
-    order of their keys. Observations, all float32 but ``pixels``:
+    order of their keys; what is beyond is cut. Observations, all float32 but ``pixels``:
 
     - ``agent_pos``: all of the robots; ``environment_state``: of the task's objects and signals;
     - ``pixels``: of each image stream the colour image, (H, W, 3) uint8.
@@ -45,6 +46,10 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         max_episode_steps: int = 200,
         render_mode: str | None = "rgb_array",
     ) -> None:
+        if max_episode_steps < 1:
+            raise ArgumentError(
+                f"environment '{config.name}': max_episode_steps is {max_episode_steps}; at least 1"
+            )
         self.env = GymEnv(config, render_mode=render_mode)
         self.metadata = self.env.metadata
         self.render_mode = render_mode
@@ -98,8 +103,8 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self, action: NDArray[np.float32]
     ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """One step."""
-        share = (np.asarray(action, dtype=np.float64) + 1) / 2
-        numbers = self._low + share * (self._high - self._low)
+        shares = shares_of(self.task, action, len(self._low))
+        numbers = scaled(shares, self._low, self._high)
         own: Any = unflatten(self.env.action_space, numbers)
         observation, reward, terminated, truncated, info = self.env.step(own)
         self._steps += 1

@@ -19,10 +19,20 @@ from typing import Any
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
-from stable_baselines3.common import vec_env
 
 from robocell._core import ArgumentError, EnvConfig
 from robocell._gym_flat import FlatVectorGymEnv
+
+try:
+    from stable_baselines3.common import vec_env
+except ModuleNotFoundError as error:
+    if error.name and error.name.split(".")[0] == "stable_baselines3":
+        raise ModuleNotFoundError(
+            "robocell.sb3 needs the package stable-baselines3, which robocell does not install: "
+            "pip install stable-baselines3. Without it: robocell.gym.FlatVectorGymEnv",
+            name=error.name,
+        ) from None
+    raise
 
 
 class VecEnv(vec_env.VecEnv):

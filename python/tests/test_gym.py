@@ -349,4 +349,20 @@ def test_unknown_render_modes_and_options_are_refused():
     env = GymEnv(config())
     with pytest.raises(rc.ArgumentError, match="reset takes no options here, got pose"):
         env.reset(options={"pose": 1})
+    with pytest.raises(rc.ArgumentError, match="options of reset must be a dict or None, got list"):
+        env.reset(options=[1])
+    env.close()
+
+
+@pytest.mark.parametrize("mode", ["joints", rc.ControlMode.JOINTS])
+def test_the_registered_environment_takes_joints_too(mode):
+    for name in ("robocell/PickCube-v0", "robocell/PickPlace-v0"):
+        env = gym.make(name, control_mode=mode)
+        env.reset(seed=0)
+        action = env.action_space.sample()
+        assert set(action["robot"]) == {"joints", "gripper"}
+        env.step(action)
+        env.close()
+    env = gym.make("robocell/PickCube-v0", control_mode=mode, max_relative_movement=[0.2])
+    assert env.unwrapped.core.config.max_relative_movement == (0.2,)
     env.close()

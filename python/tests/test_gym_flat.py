@@ -86,6 +86,8 @@ def test_what_is_no_vector_is_refused():
     vector.reset()
     with pytest.raises(rc.ArgumentError, match=r"a row of 8 numbers .* it is of shape \(8,\)"):
         vector.step(np.zeros(8))
+    with pytest.raises(rc.ArgumentError, match="it is no array: could not convert"):
+        vector.step("far")
     vector.close()
 
 
@@ -138,8 +140,27 @@ def test_an_action_of_one_has_its_numbers():
     env.reset(seed=0)
     with pytest.raises(rc.ArgumentError, match=r"'pick_cube': action must be 8 numbers, .*\(7,\)"):
         env.step(np.zeros(7))
+    with pytest.raises(rc.ArgumentError, match="must be 8 numbers, it is no array: could not"):
+        env.step("far")
     config = pick_cube_config()
     config.cameras.streams = [rc.CameraConfig(name="eye", camera="exo_camera")]
     with pytest.raises(rc.ArgumentError, match=r"flat observations have no images; .* \(eye\)"):
         FlatGymEnv(config)
+    env.close()
+
+
+def test_gymnasiums_wrappers_of_boxes_take_it():
+    env = gym.make("robocell/PickCube-v0", flat=True)
+    ends = np.full((2, 8), np.float32([[-2], [2]]))
+    wrapped = gym.wrappers.ClipAction(gym.wrappers.RescaleAction(env, *ends))
+    plain = gym.make("robocell/PickCube-v0", flat=True)
+    wrapped.reset(seed=0)
+    plain.reset(seed=0)
+    action = np.array([1, 0, -1, 0, 0, 0, 1, 1], dtype=np.float32)
+    assert np.array_equal(wrapped.step(3 * action)[0], plain.step(action)[0])
+    plain.close()
+    wrapped.close()
+    env = gym.make("robocell/PickCube-v0")  # dictionaries they do not take
+    with pytest.raises(TypeError, match="requires a Box action space"):
+        gym.wrappers.RescaleAction(env, -1.0, 1.0)
     env.close()

@@ -260,6 +260,8 @@ def test_what_is_wrong_is_told_by_the_copy():
     action["robot"]["tquat"][1, 2] = np.nan
     with pytest.raises(rc.ArgumentError, match=r"'pick_cube\[1\]' / robot 'robot': number 2 of"):
         vector.step(action)
+    with pytest.raises(rc.ArgumentError, match="options of reset must be a dict or None, got list"):
+        vector.reset(options=[1])
     with pytest.raises(rc.ArgumentError, match="0 copies; at least 1"):
         VectorGymEnv(pick_cube_config(), 0)
     with pytest.raises(rc.ArgumentError, match="threads is -1; 0 for one for each core, or more"):

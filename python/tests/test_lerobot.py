@@ -7,8 +7,10 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+import pytest
 from gymnasium.utils.env_checker import check_env
 
+import robocell as rc
 from robocell.gym import GymEnv, pick_cube_config
 from robocell.lerobot import LeRobotEnv
 
@@ -67,3 +69,25 @@ def test_the_hubs_env_makes_vectors():
     assert vector.observation_space.contains(observation)
     assert info["is_success"].shape == (2,)
     vector.close()
+
+
+def test_actions_have_their_numbers_and_episodes_a_length():
+    env = LeRobotEnv(pick_cube_config())
+    env.reset(seed=0)
+    for action, problem in [
+        (np.zeros(1), r"it is of shape \(1,\)"),
+        (np.zeros((8, 1)), r"it is of shape \(8, 1\)"),
+        (0.0, r"it is of shape \(\)"),
+        ("far", "it is no array: could not convert"),
+    ]:
+        with pytest.raises(
+            rc.ArgumentError, match="'pick_cube': action must be 8 numbers, " + problem
+        ):
+            env.step(action)
+    with pytest.raises(rc.ArgumentError, match="/ robot 'robot': number 0 of its tquat is nan"):
+        env.step(np.full(8, np.nan))
+    env.step(np.full(8, 1e300))  # what is beyond is cut
+    env.close()
+    for limit in (0, -3):
+        with pytest.raises(rc.ArgumentError, match=f"max_episode_steps is {limit}; at least 1"):
+            LeRobotEnv(pick_cube_config(), max_episode_steps=limit)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -85,3 +87,11 @@ def test_copies_have_nothing_of_their_own(vec_env):
     with pytest.raises(rc.ArgumentError, match="no methods of their own, such as jump"):
         env.env_method("jump")
     env.close()
+
+
+def test_without_the_package_one_is_told_how_to_get_it(monkeypatch):
+    monkeypatch.delitem(sys.modules, "robocell.sb3", raising=False)
+    monkeypatch.setitem(sys.modules, "stable_baselines3", None)
+    with pytest.raises(ModuleNotFoundError, match="pip install stable-baselines3") as told:
+        importlib.import_module("robocell.sb3")
+    assert told.value.name == "stable_baselines3.common"
