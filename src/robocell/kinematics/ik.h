@@ -1,10 +1,10 @@
 // Inverse kinematics of one pose: joint values that put the tip of a chain where it shall be.
 //
-// The target is the pose of the tip in the base frame. The search starts at the seed and goes on,
-// in all lanes of a vector register at once, near the target and from points that fill the joint
-// space evenly: the same question has the same answer, on every thread and at every time (another
-// instruction set may find another solution). Limits are always obeyed. The answer is judged by a
-// fresh forward kinematics.
+// The target is the pose of the tip in the base frame. The search starts at the seed, whose answer
+// goes before all others; where it is far or slow, others are made meanwhile in lanes of a vector
+// register, near the target and from points that fill the joint space evenly. The same question has
+// the same answer, on every thread and at every time (another instruction set may find another
+// solution). Limits are always obeyed. The answer is judged by a fresh forward kinematics.
 //
 // Not finding a solution is a value (success = false, with the best joint values met), never an
 // exception; it takes bounded time (at most max_iterations steps for the seed and each restart, and
@@ -15,8 +15,8 @@
 // is clipped. Of positions that are whole turns apart and in the limits, the one nearest to the
 // seed is returned.
 //
-// Nothing is allocated (but by a filter), but for a table of starts that a chain makes once, when
-// its first question is not solved from its seed. Method: damped least squares with joints that
+// Nothing is allocated (but by a filter), but for a table of starts that a chain makes once, when a
+// seed is first not near enough to search alone. Method: damped least squares with joints that
 // press on a limit taken out (after T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by the
 // Levenberg-Marquardt Method", 2011), many short tries instead of a few long ones. lane_search.h
 // has one question in all lanes, ik_batch.h one question per lane.

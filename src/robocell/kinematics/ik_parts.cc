@@ -12,6 +12,13 @@ namespace {
 
 // After more of them too few digits are left for an angle.
 constexpr double kMostTurns = 1e5;
+constexpr double kLessThanHalfATurn = 3;  // rad
+
+// Of a vector whose square may be too large for a number.
+double Length(const Eigen::Vector3d& v) {
+  const double square = v.squaredNorm();
+  return square > 1e-200 && square < 1e200 ? std::sqrt(square) : v.stableNorm();
+}
 
 }  // namespace
 
@@ -48,6 +55,7 @@ void UnwindTowards(const ChainModel& chain, const JointVector& seed, const Locke
   for (int i = 0; i < chain.n; ++i) {
     const JointModel& joint = chain.joints[i];
     if (joint.slide || locked[i]) continue;
+    if (std::abs(seed[i] - (*q)[i]) < kLessThanHalfATurn) continue;
     const double turns = std::round((seed[i] - (*q)[i]) / kTurn);
     if (turns == 0 || std::abs(turns) > kMostTurns) continue;
     const double moved = (*q)[i] + turns * kTurn;
@@ -55,13 +63,14 @@ void UnwindTowards(const ChainModel& chain, const JointVector& seed, const Locke
   }
 }
 
-IkResult Judged(const ChainModel& chain, const Transform& target, const IkTask& task,
-                double tolerance, const JointVector& q) {
+// Flat: a call of a product of matrices costs more than the product.
+[[gnu::flatten]] IkResult Judged(const ChainModel& chain, const Transform& target,
+                                 const IkTask& task, double tolerance, const JointVector& q) {
   IkResult result{.q = q};
   const Transform tip = WalkChain(chain, q.data(), [](int, const Transform&) {});
   if (task.plain) {
     const PoseError error = ErrorTo(target, tip);
-    result.position_error = error.linear.stableNorm();
+    result.position_error = Length(error.linear);
     result.rotation_error = error.angular.norm();
   } else {
     const IkTask::Errors errors = task.ErrorsOf(target, tip);

@@ -249,6 +249,45 @@ TEST(Ik, CountsStepsAndObeysTheirNumber) {
   EXPECT_TRUE(Ik(chain, target, options).success);
 }
 
+TEST(Ik, IsJudgedAfterItsLastStepWithoutAnotherOne) {
+  const AnyArm arm(11, {.joints = 7, .slide_share = 0, .limited_share = 0});
+  Rng rng = Rng::Stream(11, "last step");
+  for (int k = 0; k < 20; ++k) {
+    const JointVector seed = RandomJoints(*arm.chain, &rng);
+    JointVector goal = seed;
+    for (double& value : goal) value += rng.Uniform(-1e-4, 1e-4);
+    IkOptions options{.seed = seed, .max_restarts = 0, .max_iterations = 0};
+    const IkResult none = Ik(*arm.chain, arm.chain->Fk(goal), options);
+    EXPECT_FALSE(none.success);
+    EXPECT_EQ(none.q, seed);
+    options.max_iterations = 1;
+    const IkResult one = Ik(*arm.chain, arm.chain->Fk(goal), options);
+    EXPECT_TRUE(one.success) << one.position_error << " " << one.rotation_error;
+    EXPECT_EQ(one.iterations, 1);
+  }
+}
+
+// Far seeds and near ones.
+TEST(Ik, AnswersFromTheSeedWhatCanBeAnsweredFromIt) {
+  int alone = 0, together = 0;
+  for (int k = 0; k < 300; ++k) {
+    const AnyArm arm(200 + k % 3, {.joints = 6 + k % 3, .slide_share = 0.1});
+    Rng rng = Rng::Stream(12, "from the seed", k);
+    const JointVector seed = RandomJoints(*arm.chain, &rng);
+    const Pose target = arm.chain->Fk(RandomJoints(*arm.chain, &rng));
+    const IkResult from_seed = Ik(*arm.chain, target, {.seed = seed, .max_restarts = 0});
+    const IkResult found = Ik(*arm.chain, target, {.seed = seed});
+    together += found.success;
+    if (!from_seed.success) continue;
+    ++alone;
+    EXPECT_EQ(found.q, from_seed.q);
+    EXPECT_EQ(found.restarts, 0);
+  }
+  EXPECT_GE(alone, 50);
+  EXPECT_GE(together, 298);
+  EXPECT_LT(alone, together);
+}
+
 TEST(Ik, KeepsLockedJointsExactlyWhereTheSeedHasThem) {
   const AnyArm arm(7, {.joints = 8, .slide_share = 0});
   Rng rng = Rng::Stream(7, "locked");

@@ -21,10 +21,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // While one group waits for its divisions, the processor works on the next.
 constexpr int kGroups = 2;
-
-using D = hn::CappedTag<double, kMaxLanes / kGroups>;
-using V = hn::Vec<D>;
-constexpr D d;
+// Lanes for one question. More find its answer hardly sooner.
+constexpr int kMostOfOneQuestion = 4;
 
 // Damping = kDamping * |error|^2 + kLeastDamping: bold far away would overshoot, cautious near the
 // target would crawl (T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by the
@@ -38,356 +36,380 @@ constexpr double kLargestTurn = 1.2;
 // the difference between turning this way and that.
 constexpr double kNearHalfTurn = 1e-2;
 
-HWY_INLINE V Load(const double* p) { return hn::Load(d, p); }
-HWY_INLINE V Number(double value) { return hn::Set(d, value); }
-
-using V3 = Vec3<V>;
-using Frame = Frame3<V>;
-
-// Turns u towards v by an angle: u' = c u + s v, v' = c v - s u.
-HWY_INLINE void Turn(V c, V s, V3* u, V3* v) {
-  const V3 turned = {hn::MulAdd(c, u->x, hn::Mul(s, v->x)), hn::MulAdd(c, u->y, hn::Mul(s, v->y)),
-                     hn::MulAdd(c, u->z, hn::Mul(s, v->z))};
-  *v = {hn::MulSub(c, v->x, hn::Mul(s, u->x)), hn::MulSub(c, v->y, hn::Mul(s, u->y)),
-        hn::MulSub(c, v->z, hn::Mul(s, u->z))};
-  *u = turned;
-}
-HWY_INLINE V3 Load3(const double (*rows)[kMaxLanes], int lane) {
-  return {Load(rows[0] + lane), Load(rows[1] + lane), Load(rows[2] + lane)};
+template <class V>
+HWY_INLINE Vec3<V> Times(const Frame3<V>& f, const double* v) {
+  constexpr hn::DFromV<V> d;
+  return MulAdd(hn::Set(d, v[0]), f.x, MulAdd(hn::Set(d, v[1]), f.y, Times(hn::Set(d, v[2]), f.z)));
 }
 
-HWY_INLINE V3 Times(const Frame& f, const double* v) {
-  return MulAdd(Number(v[0]), f.x, MulAdd(Number(v[1]), f.y, Times(Number(v[2]), f.z)));
-}
+// A step of the lanes of one register of type D.
+template <class D>
+struct LaneStep {
+  using V = hn::Vec<D>;
+  static constexpr D d = {};
 
-HWY_NOINLINE void WholeLink(const PlainTransform& link, Frame* f) {
-  const double* r = link.rotation;
-  const double x[3] = {r[0], r[3], r[6]}, y[3] = {r[1], r[4], r[7]}, z[3] = {r[2], r[5], r[8]};
-  const Frame old = *f;
-  f->p = Add(old.p, Times(old, link.translation));
-  f->x = Times(old, x);
-  f->y = Times(old, y);
-  f->z = Times(old, z);
-}
+  static HWY_INLINE V Load(const double* p) { return hn::Load(d, p); }
+  static HWY_INLINE V Number(double value) { return hn::Set(d, value); }
 
-HWY_INLINE void LinkTo(const FoldedJoint& joint, Frame* f) {
-  if (HWY_UNLIKELY(joint.whole_link)) return WholeLink(joint.link, f);
-  f->p = MulAdd(Number(joint.normal_length), f->x, f->p);
-  Turn(Number(joint.cos_twist), Number(joint.sin_twist), &f->y, &f->z);
-}
+  using V3 = Vec3<V>;
+  using Frame = Frame3<V>;
 
-// What a step needs of one joint.
-struct Axis {
-  V3 direction, point;
-};
+  // Turns u towards v by an angle: u' = c u + s v, v' = c v - s u.
+  static HWY_INLINE void Turn(V c, V s, V3* u, V3* v) {
+    const V3 turned = {hn::MulAdd(c, u->x, hn::Mul(s, v->x)), hn::MulAdd(c, u->y, hn::Mul(s, v->y)),
+                       hn::MulAdd(c, u->z, hn::Mul(s, v->z))};
+    *v = {hn::MulSub(c, v->x, hn::Mul(s, u->x)), hn::MulSub(c, v->y, hn::Mul(s, u->y)),
+          hn::MulSub(c, v->z, hn::Mul(s, u->z))};
+    *u = turned;
+  }
+  static HWY_INLINE V3 Load3(const double (*rows)[kMaxLanes], int lane) {
+    return {Load(rows[0] + lane), Load(rows[1] + lane), Load(rows[2] + lane)};
+  }
 
-// Frames of all screws at q; the frame of the last one.
-template <int N>
-HWY_INLINE Frame Walk(const FoldedChain& chain, const V* q, Axis* axes) {
-  const int n = N ? N : chain.n;
-  V sine[N ? N : kMaxChainJoints], cosine[N ? N : kMaxChainJoints];
-  for (int i = 0; i < n; ++i) {
-    const FoldedJoint& joint = chain.joints[i];
-    if (HWY_UNLIKELY(joint.slide)) {
-      sine[i] = Number(joint.sin_angle);
-      cosine[i] = Number(joint.cos_angle);
-    } else {
-      SinCos(d, hn::Add(q[i], Number(joint.angle)), &sine[i], &cosine[i]);
+  static HWY_NOINLINE void WholeLink(const PlainTransform& link, Frame* f) {
+    const double* r = link.rotation;
+    const double x[3] = {r[0], r[3], r[6]}, y[3] = {r[1], r[4], r[7]}, z[3] = {r[2], r[5], r[8]};
+    const Frame old = *f;
+    f->p = Add(old.p, Times(old, link.translation));
+    f->x = Times(old, x);
+    f->y = Times(old, y);
+    f->z = Times(old, z);
+  }
+
+  static HWY_INLINE void LinkTo(const FoldedJoint& joint, Frame* f) {
+    if (HWY_UNLIKELY(joint.whole_link)) return WholeLink(joint.link, f);
+    f->p = MulAdd(Number(joint.normal_length), f->x, f->p);
+    Turn(Number(joint.cos_twist), Number(joint.sin_twist), &f->y, &f->z);
+  }
+
+  // What a step needs of one joint.
+  struct Axis {
+    V3 direction, point;
+  };
+
+  // Frames of all screws at q; the frame of the last one.
+  template <int N>
+  static HWY_INLINE Frame Walk(const FoldedChain& chain, const V* q, Axis* axes) {
+    const int n = N ? N : chain.n;
+    V sine[N ? N : kMaxChainJoints], cosine[N ? N : kMaxChainJoints];
+    for (int i = 0; i < n; ++i) {
+      const FoldedJoint& joint = chain.joints[i];
+      if (HWY_UNLIKELY(joint.slide)) {
+        sine[i] = Number(joint.sin_angle);
+        cosine[i] = Number(joint.cos_angle);
+      } else {
+        SinCos(d, hn::Add(q[i], Number(joint.angle)), &sine[i], &cosine[i]);
+      }
+    }
+    const V zero = hn::Zero(d), one = Number(1);
+    Frame f{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}, {zero, zero, zero}};
+    for (int i = 0; i < n; ++i) {
+      const FoldedJoint& joint = chain.joints[i];
+      if (i > 0) LinkTo(joint, &f);
+      V shift = Number(joint.shift);
+      if (HWY_UNLIKELY(joint.slide)) shift = hn::MulAdd(q[i], Number(chain.per_metre), shift);
+      f.p = MulAdd(shift, f.z, f.p);
+      axes[i] = {f.z, f.p};
+      Turn(cosine[i], sine[i], &f.x, &f.y);
+    }
+    return f;
+  }
+
+  // For lanes with nearly half a turn left: some axis of it, from how a vector and its image lie (R
+  // + 1 is 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine.
+  static HWY_NOINLINE void TurnAround(const Frame& f, const V3& x, const V3& y, const V3& z,
+                                      const V3& sine2, V cosine2, hn::Mask<D> lanes, V3* angular,
+                                      V* turn2) {
+    const V3 some = {Number(0.48), Number(0.60), Number(0.64)};
+    V3 axis = MulAdd(Dot(f.x, some), x, MulAdd(Dot(f.y, some), y, Times(Dot(f.z, some), z)));
+    axis = Add(axis, some);
+    const V length2 = hn::Max(Dot(axis, axis), Number(1e-12));
+    // The way on which the turn is a little shorter.
+    const V shorter = hn::CopySign(Number(3), Dot(axis, sine2));
+    axis = Times(hn::Div(shorter, hn::Sqrt(length2)), axis);
+    angular->x = hn::IfThenElse(lanes, axis.x, angular->x);
+    angular->y = hn::IfThenElse(lanes, axis.y, angular->y);
+    angular->z = hn::IfThenElse(lanes, axis.z, angular->z);
+    const V tangent2 =
+        hn::Div(hn::Mul(Number(4), hn::Sub(Number(4), cosine2)), hn::Max(cosine2, Number(1e-3)));
+    *turn2 = hn::IfThenElse(lanes, tangent2, *turn2);
+  }
+
+  // What is left to turn: 2 tan(angle / 2) axis, and its squared length, which grows beyond all
+  // bounds at half a turn.
+  static HWY_INLINE void TurnLeft(const Frame& f, const V3& x, const V3& y, const V3& z,
+                                  V3* angular, V* turn2) {
+    const V3 sine2 = Add(Cross(f.x, x), Add(Cross(f.y, y), Cross(f.z, z)));   // 2 sin(angle) axis
+    const V trace = hn::Add(Dot(f.x, x), hn::Add(Dot(f.y, y), Dot(f.z, z)));  // 1 + 2 cos(angle)
+    const V cosine2 = hn::Add(trace, Number(1));                              // 2 (1 + cos(angle))
+    const V scale = hn::Div(Number(2), hn::Max(cosine2, Number(kNearHalfTurn)));
+    *angular = Times(scale, sine2);
+    *turn2 = Dot(*angular, *angular);
+    const auto half_turn = hn::Lt(cosine2, Number(kNearHalfTurn));
+    if (HWY_UNLIKELY(!hn::AllFalse(d, half_turn)))
+      TurnAround(f, x, y, z, sine2, cosine2, half_turn, angular, turn2);
+  }
+
+  // For lanes in which an axis points nearly the other way: it may be turned about anything across.
+  // The tangent of half the angle, from the cosine.
+  static HWY_NOINLINE void SwingAround(const V3& now, V cosine1, hn::Mask<D> lanes, V3* about,
+                                       V* tangent) {
+    const V3 across = Cross(now, {Number(0.48), Number(0.60), Number(0.64)});
+    const V breadth = hn::Sqrt(hn::Max(Dot(across, across), Number(1e-12)));
+    about->x = hn::IfThenElse(lanes, hn::Div(across.x, breadth), about->x);
+    about->y = hn::IfThenElse(lanes, hn::Div(across.y, breadth), about->y);
+    about->z = hn::IfThenElse(lanes, hn::Div(across.z, breadth), about->z);
+    const V tangent2 = hn::Div(hn::Sub(Number(2), cosine1), hn::Max(cosine1, Number(1e-12)));
+    *tangent = hn::IfThenElse(lanes, hn::Sqrt(tangent2), *tangent);
+  }
+
+  // The same when only one axis has to point somewhere: 2 tan(angle / 2) about `about`, which is
+  // zero where nothing is left.
+  static HWY_INLINE void SwingLeft(const LaneTask& task, const Frame& f, const V3& x, const V3& y,
+                                   const V3& z, V3* angular, V* turn2, V3* about) {
+    const V3 now = Times(f, task.axis);
+    const V3 then = MulAdd(Number(task.axis[0]), x,
+                           MulAdd(Number(task.axis[1]), y, Times(Number(task.axis[2]), z)));
+    const V3 sine = Cross(now, then);
+    const V cosine1 = hn::Add(Dot(now, then), Number(1));  // 1 + cos(angle)
+    const V length = hn::Sqrt(hn::Max(Dot(sine, sine), Number(1e-60)));
+    *about = {hn::Div(sine.x, length), hn::Div(sine.y, length), hn::Div(sine.z, length)};
+    V tangent = hn::Div(length, hn::Max(cosine1, Number(0.5 * kNearHalfTurn)));
+    const auto half_turn = hn::Lt(cosine1, Number(0.5 * kNearHalfTurn));
+    if (HWY_UNLIKELY(!hn::AllFalse(d, half_turn)))
+      SwingAround(now, cosine1, half_turn, about, &tangent);
+    // tan((angle - cone) / 2)
+    const V cone = Number(task.cone);
+    const V left = hn::Div(hn::Sub(tangent, cone), hn::MulAdd(tangent, cone, Number(1)));
+    const V twice = hn::Max(hn::Add(left, left), hn::Zero(d));
+    *turn2 = hn::Mul(twice, twice);
+    *angular = Times(hn::Min(twice, Number(3)), *about);
+    if (task.cone > 0) {
+      const auto inside = hn::Le(left, hn::Zero(d));
+      about->x = hn::IfThenZeroElse(inside, about->x);
+      about->y = hn::IfThenZeroElse(inside, about->y);
+      about->z = hn::IfThenZeroElse(inside, about->z);
     }
   }
-  const V zero = hn::Zero(d), one = Number(1);
-  Frame f{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}, {zero, zero, zero}};
-  for (int i = 0; i < n; ++i) {
+
+  // Three rows times a vector.
+  static HWY_INLINE V3 TimesRows(const double (*rows)[kMaxLanes], int lane, const V3& v) {
+    return {Dot(Load3(rows, lane), v), Dot(Load3(rows + 3, lane), v),
+            Dot(Load3(rows + 6, lane), v)};
+  }
+
+  // What is left of the way to where the tip shall be, and the cost of what is left.
+  struct Way {
+    V3 linear, angular;
+    V3 about;  // of a swing
+    V distance2, turn2, cost;
+    V pull;  // on joints to spare
+  };
+
+  template <bool kTask>
+  static HWY_INLINE Way Measure(const Frame& f, const V3& tip, int lane, const LaneTask* task,
+                                const LaneState& state) {
+    const V zero = hn::Zero(d);
+    Way way;
+    way.linear = Sub(Load3(state.position, lane), tip);
+    way.about = {zero, zero, zero};
+    way.pull = zero;
+    const V3 x = Load3(state.axes, lane), y = Load3(state.axes + 3, lane),
+             z = Load3(state.axes + 6, lane);
+    if (kTask && task->swing) {
+      SwingLeft(*task, f, x, y, z, &way.angular, &way.turn2, &way.about);
+    } else {
+      TurnLeft(f, x, y, z, &way.angular, &way.turn2);
+    }
+    if constexpr (kTask) {
+      way.linear = TimesRows(task->linear, lane, way.linear);
+      const V whole2 = hn::Max(Dot(way.angular, way.angular), Number(1e-60));
+      way.angular = TimesRows(task->angular, lane, way.angular);
+      // Far off the way that is gone is shorter than the one that is left.
+      const V share = hn::Div(way.turn2, whole2);
+      way.turn2 = hn::Mul(share, Dot(way.angular, way.angular));
+      way.pull = Load(task->pull + lane);
+    }
+    way.distance2 = Dot(way.linear, way.linear);
+    way.cost = hn::Add(way.distance2, way.turn2);
+    return way;
+  }
+
+  // Tells what was measured, and keeps the best.
+  static HWY_INLINE void Note(const Way& way, int n, const V* q, int lane, LaneState* state) {
+    hn::Store(way.distance2, d, state->distance2 + lane);
+    hn::Store(way.turn2, d, state->turn2 + lane);
+    const V best = Load(state->best_cost + lane);
+    const auto better = hn::Lt(way.cost, best);
+    hn::Store(hn::IfThenElse(better, way.cost, best), d, state->best_cost + lane);
+    for (int i = 0; i < n; ++i) hn::BlendedStore(q[i], better, d, state->best_q[i] + lane);
+  }
+
+  // The equations of a step: the lower triangle of a symmetric matrix, and what it is solved for.
+  struct Equations {
+    V a[kEntries], b[6];
+  };
+
+  // What the joints do: columns of the Jacobian, a wish of their own, how easily they are moved.
+  template <int N, bool kTask>
+  struct Moves {
+    static constexpr int kMost = N ? N : kMaxChainJoints;
+    V column[kMost][6], spare[kTask ? kMost : 1], ease[kTask ? kMost : 1];
+  };
+
+  template <int N, bool kTask>
+  static HWY_INLINE void AddJoint(const FoldedChain& chain, const LaneOptions& options, int i, V q,
+                                  const Axis& axis, const V3& tip, int lane, const LaneTask* task,
+                                  const Way& way, Moves<N, kTask>* joints, Equations* e) {
+    V* c = joints->column[i];
     const FoldedJoint& joint = chain.joints[i];
-    if (i > 0) LinkTo(joint, &f);
-    V shift = Number(joint.shift);
-    if (HWY_UNLIKELY(joint.slide)) shift = hn::MulAdd(q[i], Number(chain.per_metre), shift);
-    f.p = MulAdd(shift, f.z, f.p);
-    axes[i] = {f.z, f.p};
-    Turn(cosine[i], sine[i], &f.x, &f.y);
-  }
-  return f;
-}
-
-// For lanes with nearly half a turn left: some axis of it, from how a vector and its image lie (R +
-// 1 is 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine.
-HWY_NOINLINE void TurnAround(const Frame& f, const V3& x, const V3& y, const V3& z, const V3& sine2,
-                             V cosine2, hn::Mask<D> lanes, V3* angular, V* turn2) {
-  const V3 some = {Number(0.48), Number(0.60), Number(0.64)};
-  V3 axis = MulAdd(Dot(f.x, some), x, MulAdd(Dot(f.y, some), y, Times(Dot(f.z, some), z)));
-  axis = Add(axis, some);
-  const V length2 = hn::Max(Dot(axis, axis), Number(1e-12));
-  // The way on which the turn is a little shorter.
-  const V shorter = hn::CopySign(Number(3), Dot(axis, sine2));
-  axis = Times(hn::Div(shorter, hn::Sqrt(length2)), axis);
-  angular->x = hn::IfThenElse(lanes, axis.x, angular->x);
-  angular->y = hn::IfThenElse(lanes, axis.y, angular->y);
-  angular->z = hn::IfThenElse(lanes, axis.z, angular->z);
-  const V tangent2 =
-      hn::Div(hn::Mul(Number(4), hn::Sub(Number(4), cosine2)), hn::Max(cosine2, Number(1e-3)));
-  *turn2 = hn::IfThenElse(lanes, tangent2, *turn2);
-}
-
-// What is left to turn: 2 tan(angle / 2) axis, and its squared length, which grows beyond all
-// bounds at half a turn.
-HWY_INLINE void TurnLeft(const Frame& f, const V3& x, const V3& y, const V3& z, V3* angular,
-                         V* turn2) {
-  const V3 sine2 = Add(Cross(f.x, x), Add(Cross(f.y, y), Cross(f.z, z)));   // 2 sin(angle) axis
-  const V trace = hn::Add(Dot(f.x, x), hn::Add(Dot(f.y, y), Dot(f.z, z)));  // 1 + 2 cos(angle)
-  const V cosine2 = hn::Add(trace, Number(1));                              // 2 (1 + cos(angle))
-  const V scale = hn::Div(Number(2), hn::Max(cosine2, Number(kNearHalfTurn)));
-  *angular = Times(scale, sine2);
-  *turn2 = Dot(*angular, *angular);
-  const auto half_turn = hn::Lt(cosine2, Number(kNearHalfTurn));
-  if (HWY_UNLIKELY(!hn::AllFalse(d, half_turn)))
-    TurnAround(f, x, y, z, sine2, cosine2, half_turn, angular, turn2);
-}
-
-// For lanes in which an axis points nearly the other way: it may be turned about anything across.
-// The tangent of half the angle, from the cosine.
-HWY_NOINLINE void SwingAround(const V3& now, V cosine1, hn::Mask<D> lanes, V3* about, V* tangent) {
-  const V3 across = Cross(now, {Number(0.48), Number(0.60), Number(0.64)});
-  const V breadth = hn::Sqrt(hn::Max(Dot(across, across), Number(1e-12)));
-  about->x = hn::IfThenElse(lanes, hn::Div(across.x, breadth), about->x);
-  about->y = hn::IfThenElse(lanes, hn::Div(across.y, breadth), about->y);
-  about->z = hn::IfThenElse(lanes, hn::Div(across.z, breadth), about->z);
-  const V tangent2 = hn::Div(hn::Sub(Number(2), cosine1), hn::Max(cosine1, Number(1e-12)));
-  *tangent = hn::IfThenElse(lanes, hn::Sqrt(tangent2), *tangent);
-}
-
-// The same when only one axis has to point somewhere: 2 tan(angle / 2) about `about`, which is zero
-// where nothing is left.
-HWY_INLINE void SwingLeft(const LaneTask& task, const Frame& f, const V3& x, const V3& y,
-                          const V3& z, V3* angular, V* turn2, V3* about) {
-  const V3 now = Times(f, task.axis);
-  const V3 then = MulAdd(Number(task.axis[0]), x,
-                         MulAdd(Number(task.axis[1]), y, Times(Number(task.axis[2]), z)));
-  const V3 sine = Cross(now, then);
-  const V cosine1 = hn::Add(Dot(now, then), Number(1));  // 1 + cos(angle)
-  const V length = hn::Sqrt(hn::Max(Dot(sine, sine), Number(1e-60)));
-  *about = {hn::Div(sine.x, length), hn::Div(sine.y, length), hn::Div(sine.z, length)};
-  V tangent = hn::Div(length, hn::Max(cosine1, Number(0.5 * kNearHalfTurn)));
-  const auto half_turn = hn::Lt(cosine1, Number(0.5 * kNearHalfTurn));
-  if (HWY_UNLIKELY(!hn::AllFalse(d, half_turn)))
-    SwingAround(now, cosine1, half_turn, about, &tangent);
-  // tan((angle - cone) / 2)
-  const V cone = Number(task.cone);
-  const V left = hn::Div(hn::Sub(tangent, cone), hn::MulAdd(tangent, cone, Number(1)));
-  const V twice = hn::Max(hn::Add(left, left), hn::Zero(d));
-  *turn2 = hn::Mul(twice, twice);
-  *angular = Times(hn::Min(twice, Number(3)), *about);
-  if (task.cone > 0) {
-    const auto inside = hn::Le(left, hn::Zero(d));
-    about->x = hn::IfThenZeroElse(inside, about->x);
-    about->y = hn::IfThenZeroElse(inside, about->y);
-    about->z = hn::IfThenZeroElse(inside, about->z);
-  }
-}
-
-// Three rows times a vector.
-HWY_INLINE V3 TimesRows(const double (*rows)[kMaxLanes], int lane, const V3& v) {
-  return {Dot(Load3(rows, lane), v), Dot(Load3(rows + 3, lane), v), Dot(Load3(rows + 6, lane), v)};
-}
-
-// What is left of the way to where the tip shall be, and the cost of what is left.
-struct Way {
-  V3 linear, angular;
-  V3 about;  // of a swing
-  V distance2, turn2, cost;
-  V pull;  // on joints to spare
-};
-
-template <bool kTask>
-HWY_INLINE Way Measure(const Frame& f, const V3& tip, int lane, const LaneTask* task,
-                       const LaneState& state) {
-  const V zero = hn::Zero(d);
-  Way way;
-  way.linear = Sub(Load3(state.position, lane), tip);
-  way.about = {zero, zero, zero};
-  way.pull = zero;
-  const V3 x = Load3(state.axes, lane), y = Load3(state.axes + 3, lane),
-           z = Load3(state.axes + 6, lane);
-  if (kTask && task->swing) {
-    SwingLeft(*task, f, x, y, z, &way.angular, &way.turn2, &way.about);
-  } else {
-    TurnLeft(f, x, y, z, &way.angular, &way.turn2);
-  }
-  if constexpr (kTask) {
-    way.linear = TimesRows(task->linear, lane, way.linear);
-    const V whole2 = hn::Max(Dot(way.angular, way.angular), Number(1e-60));
-    way.angular = TimesRows(task->angular, lane, way.angular);
-    // Far off the way that is gone is shorter than the one that is left.
-    const V share = hn::Div(way.turn2, whole2);
-    way.turn2 = hn::Mul(share, Dot(way.angular, way.angular));
-    way.pull = Load(task->pull + lane);
-  }
-  way.distance2 = Dot(way.linear, way.linear);
-  way.cost = hn::Add(way.distance2, way.turn2);
-  return way;
-}
-
-// Tells what was measured, and keeps the best.
-HWY_INLINE void Note(const Way& way, int n, const V* q, int lane, LaneState* state) {
-  hn::Store(way.distance2, d, state->distance2 + lane);
-  hn::Store(way.turn2, d, state->turn2 + lane);
-  const V best = Load(state->best_cost + lane);
-  const auto better = hn::Lt(way.cost, best);
-  hn::Store(hn::IfThenElse(better, way.cost, best), d, state->best_cost + lane);
-  for (int i = 0; i < n; ++i) hn::BlendedStore(q[i], better, d, state->best_q[i] + lane);
-}
-
-// The equations of a step: the lower triangle of a symmetric matrix, and what it is solved for.
-struct Equations {
-  V a[kEntries], b[6];
-};
-
-// What the joints do: columns of the Jacobian, a wish of their own, how easily they are moved.
-template <int N, bool kTask>
-struct Moves {
-  static constexpr int kMost = N ? N : kMaxChainJoints;
-  V column[kMost][6], spare[kTask ? kMost : 1], ease[kTask ? kMost : 1];
-};
-
-template <int N, bool kTask>
-HWY_INLINE void AddJoint(const FoldedChain& chain, const LaneOptions& options, int i, V q,
-                         const Axis& axis, const V3& tip, int lane, const LaneTask* task,
-                         const Way& way, Moves<N, kTask>* joints, Equations* e) {
-  V* c = joints->column[i];
-  const FoldedJoint& joint = chain.joints[i];
-  V3 moves, turns = axis.direction;
-  if (HWY_UNLIKELY(joint.slide)) {
-    moves = Times(Number(chain.per_metre), turns);
-    turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-  } else {
-    moves = Cross(turns, Sub(tip, axis.point));
-  }
-  if constexpr (kTask) {
-    moves = TimesRows(task->linear, lane, moves);
-    // Along the border of a cone nothing is asked for.
-    if (task->cone > 0) turns = Times(Dot(way.about, turns), way.about);
-    turns = TimesRows(task->angular, lane, turns);
-    const V to_goal = hn::Sub(Load(task->goal[i] + lane), q);
-    joints->spare[i] = options.locked[i]
-                           ? hn::Zero(d)
-                           : hn::Mul(hn::Mul(way.pull, Number(task->part[i])), to_goal);
-  }
-  // A joint that presses on its limit takes no part (projected gradient: D. P. Bertsekas,
-  // "Projected Newton Methods for Optimization Problems with Simple Constraints", 1982).
-  V push = hn::Add(Dot(moves, way.linear), Dot(turns, way.angular));
-  if constexpr (kTask) push = hn::Add(push, joints->spare[i]);
-  const auto up = hn::Gt(push, hn::Zero(d));
-  const auto stuck = hn::Or(hn::And(up, hn::Ge(q, Number(joint.upper))),
-                            hn::AndNot(up, hn::Le(q, Number(joint.lower))));
-  c[0] = hn::IfThenZeroElse(stuck, moves.x);
-  c[1] = hn::IfThenZeroElse(stuck, moves.y);
-  c[2] = hn::IfThenZeroElse(stuck, moves.z);
-  c[3] = hn::IfThenZeroElse(stuck, turns.x);
-  c[4] = hn::IfThenZeroElse(stuck, turns.y);
-  c[5] = hn::IfThenZeroElse(stuck, turns.z);
-  if (HWY_UNLIKELY(options.locked[i])) {
-    for (int k = 0; k < 6; ++k) c[k] = hn::Zero(d);
-  }
-  if constexpr (kTask) {
-    joints->spare[i] = hn::IfThenZeroElse(stuck, joints->spare[i]);
-    const auto at_ease = hn::Gt(way.pull, hn::Zero(d));
-    joints->ease[i] = hn::IfThenElse(at_ease, Number(task->ease[i]), Number(1));
-    for (int r = 0; r < 6; ++r) e->b[r] = hn::NegMulAdd(c[r], joints->spare[i], e->b[r]);
-  }
+    V3 moves, turns = axis.direction;
+    if (HWY_UNLIKELY(joint.slide)) {
+      moves = Times(Number(chain.per_metre), turns);
+      turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    } else {
+      moves = Cross(turns, Sub(tip, axis.point));
+    }
+    if constexpr (kTask) {
+      moves = TimesRows(task->linear, lane, moves);
+      // Along the border of a cone nothing is asked for.
+      if (task->cone > 0) turns = Times(Dot(way.about, turns), way.about);
+      turns = TimesRows(task->angular, lane, turns);
+      const V to_goal = hn::Sub(Load(task->goal[i] + lane), q);
+      joints->spare[i] = options.locked[i]
+                             ? hn::Zero(d)
+                             : hn::Mul(hn::Mul(way.pull, Number(task->part[i])), to_goal);
+    }
+    // A joint that presses on its limit takes no part (projected gradient: D. P. Bertsekas,
+    // "Projected Newton Methods for Optimization Problems with Simple Constraints", 1982).
+    V push = hn::Add(Dot(moves, way.linear), Dot(turns, way.angular));
+    if constexpr (kTask) push = hn::Add(push, joints->spare[i]);
+    const auto up = hn::Gt(push, hn::Zero(d));
+    const auto stuck = hn::Or(hn::And(up, hn::Ge(q, Number(joint.upper))),
+                              hn::AndNot(up, hn::Le(q, Number(joint.lower))));
+    c[0] = hn::IfThenZeroElse(stuck, moves.x);
+    c[1] = hn::IfThenZeroElse(stuck, moves.y);
+    c[2] = hn::IfThenZeroElse(stuck, moves.z);
+    c[3] = hn::IfThenZeroElse(stuck, turns.x);
+    c[4] = hn::IfThenZeroElse(stuck, turns.y);
+    c[5] = hn::IfThenZeroElse(stuck, turns.z);
+    if (HWY_UNLIKELY(options.locked[i])) {
+      for (int k = 0; k < 6; ++k) c[k] = hn::Zero(d);
+    }
+    if constexpr (kTask) {
+      joints->spare[i] = hn::IfThenZeroElse(stuck, joints->spare[i]);
+      const auto at_ease = hn::Gt(way.pull, hn::Zero(d));
+      joints->ease[i] = hn::IfThenElse(at_ease, Number(task->ease[i]), Number(1));
+      for (int r = 0; r < 6; ++r) e->b[r] = hn::NegMulAdd(c[r], joints->spare[i], e->b[r]);
+    }
 #pragma GCC unroll 6
-  for (int r = 0; r < 6; ++r) {
-    V row = c[r];
-    if constexpr (kTask) row = hn::Mul(row, joints->ease[i]);
+    for (int r = 0; r < 6; ++r) {
+      V row = c[r];
+      if constexpr (kTask) row = hn::Mul(row, joints->ease[i]);
 #pragma GCC unroll 6
-    for (int k = 0; k <= r; ++k) e->a[Entry(r, k)] = hn::MulAdd(row, c[k], e->a[Entry(r, k)]);
+      for (int k = 0; k <= r; ++k) e->a[Entry(r, k)] = hn::MulAdd(row, c[k], e->a[Entry(r, k)]);
+    }
   }
-}
 
-// The step that takes the tip along its way, damped.
-template <int N, bool kTask>
-HWY_INLINE void Assemble(const FoldedChain& chain, const LaneOptions& options, const V* q,
-                         const Axis* axes, const V3& tip, int lane, const LaneTask* task,
-                         const Way& way, Moves<N, kTask>* joints, Equations* e) {
-  const int n = N ? N : chain.n;
-  for (V& entry : e->a) entry = hn::Zero(d);
-  const V damping =
-      hn::MulAdd(hn::Min(way.cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
-  for (int i = 0; i < 6; ++i) e->a[Entry(i, i)] = damping;
-  e->b[0] = way.linear.x, e->b[1] = way.linear.y, e->b[2] = way.linear.z;
-  e->b[3] = way.angular.x, e->b[4] = way.angular.y, e->b[5] = way.angular.z;
-  for (int i = 0; i < n; ++i)
-    AddJoint(chain, options, i, q[i], axes[i], tip, lane, task, way, joints, e);
-}
-
-// Moves the lanes that do not stay, by what the solved equations say.
-template <int N, bool kTask>
-HWY_INLINE void Advance(const FoldedChain& chain, const LaneOptions& options, const V* q,
-                        const Moves<N, kTask>& joints, const Equations& e, hn::Mask<D> stay,
-                        int lane, LaneState* state) {
-  const int n = N ? N : chain.n;
-  V step[Moves<N, kTask>::kMost];
-  V most = hn::Zero(d);
-  for (int i = 0; i < n; ++i) {
-    const V* c = joints.column[i];
-    V sum = hn::Mul(c[0], e.b[0]);
-    for (int k = 1; k < 6; ++k) sum = hn::MulAdd(c[k], e.b[k], sum);
-    if constexpr (kTask) sum = hn::MulAdd(sum, joints.ease[i], joints.spare[i]);
-    step[i] = sum;
-    if (!chain.joints[i].slide) most = hn::Max(most, hn::Abs(sum));
+  // The step that takes the tip along its way, damped.
+  template <int N, bool kTask>
+  static HWY_INLINE void Assemble(const FoldedChain& chain, const LaneOptions& options, const V* q,
+                                  const Axis* axes, const V3& tip, int lane, const LaneTask* task,
+                                  const Way& way, Moves<N, kTask>* joints, Equations* e) {
+    const int n = N ? N : chain.n;
+    for (V& entry : e->a) entry = hn::Zero(d);
+    const V damping =
+        hn::MulAdd(hn::Min(way.cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
+    for (int i = 0; i < 6; ++i) e->a[Entry(i, i)] = damping;
+    e->b[0] = way.linear.x, e->b[1] = way.linear.y, e->b[2] = way.linear.z;
+    e->b[3] = way.angular.x, e->b[4] = way.angular.y, e->b[5] = way.angular.z;
+    for (int i = 0; i < n; ++i)
+      AddJoint(chain, options, i, q[i], axes[i], tip, lane, task, way, joints, e);
   }
-  // Slides are linear however far they go.
-  const V go = hn::IfThenZeroElse(stay, Number(1));
-  const V shorten =
-      hn::IfThenZeroElse(stay, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
-  for (int i = 0; i < n; ++i) {
-    if (HWY_UNLIKELY(options.locked[i])) continue;
-    const FoldedJoint& joint = chain.joints[i];
-    const V part = joint.slide ? go : shorten;
-    const V moved = hn::MulAdd(part, step[i], q[i]);
-    hn::Store(hn::Min(hn::Max(moved, Number(joint.lower)), Number(joint.upper)), d,
-              state->q[i] + lane);
+
+  // Moves the lanes that do not stay, by what the solved equations say.
+  template <int N, bool kTask>
+  static HWY_INLINE void Advance(const FoldedChain& chain, const LaneOptions& options, const V* q,
+                                 const Moves<N, kTask>& joints, const Equations& e,
+                                 hn::Mask<D> stay, int lane, LaneState* state) {
+    const int n = N ? N : chain.n;
+    V step[Moves<N, kTask>::kMost];
+    V most = hn::Zero(d);
+    for (int i = 0; i < n; ++i) {
+      const V* c = joints.column[i];
+      V sum = hn::Mul(c[0], e.b[0]);
+      for (int k = 1; k < 6; ++k) sum = hn::MulAdd(c[k], e.b[k], sum);
+      if constexpr (kTask) sum = hn::MulAdd(sum, joints.ease[i], joints.spare[i]);
+      step[i] = sum;
+      if (!chain.joints[i].slide) most = hn::Max(most, hn::Abs(sum));
+    }
+    // Slides are linear however far they go.
+    const V go = hn::IfThenZeroElse(stay, Number(1));
+    const V shorten = hn::IfThenZeroElse(
+        stay, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
+    for (int i = 0; i < n; ++i) {
+      if (HWY_UNLIKELY(options.locked[i])) continue;
+      const FoldedJoint& joint = chain.joints[i];
+      const V part = joint.slide ? go : shorten;
+      const V moved = hn::MulAdd(part, step[i], q[i]);
+      hn::Store(hn::Min(hn::Max(moved, Number(joint.lower)), Number(joint.upper)), d,
+                state->q[i] + lane);
+    }
   }
-}
 
-template <int N, bool kTask>
-HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& options, int lane,
-                              LaneState* state, const LaneTask* task) {
-  constexpr int kMost = Moves<N, kTask>::kMost;
-  const int n = N ? N : chain.n;
-  V q[kMost];
-  for (int i = 0; i < n; ++i) q[i] = Load(state->q[i] + lane);
-  Axis axes[kMost];
-  const Frame f = Walk<N>(chain, q, axes);
-  const V3 tip = Add(f.p, Times(f, chain.tip.translation));
-  const Way way = Measure<kTask>(f, tip, lane, task, *state);
-  Note(way, n, q, lane, state);
-  const auto arrived = hn::And(hn::Le(way.distance2, Number(options.distance2)),
-                               hn::Le(way.turn2, Number(options.turn2)));
-  auto stay = arrived;
-  if constexpr (kTask) stay = hn::And(stay, hn::Le(way.pull, hn::Zero(d)));
+  template <int N, bool kTask>
+  static HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& options,
+                                       int lane, LaneState* state, const LaneTask* task) {
+    constexpr int kMost = Moves<N, kTask>::kMost;
+    const int n = N ? N : chain.n;
+    V q[kMost];
+    for (int i = 0; i < n; ++i) q[i] = Load(state->q[i] + lane);
+    Axis axes[kMost];
+    const Frame f = Walk<N>(chain, q, axes);
+    const V3 tip = Add(f.p, Times(f, chain.tip.translation));
+    const Way way = Measure<kTask>(f, tip, lane, task, *state);
+    Note(way, n, q, lane, state);
+    const auto arrived = hn::And(hn::Le(way.distance2, Number(options.distance2)),
+                                 hn::Le(way.turn2, Number(options.turn2)));
+    auto stay = arrived;
+    if constexpr (kTask) stay = hn::And(stay, hn::Le(way.pull, hn::Zero(d)));
 
-  Equations e;
-  Moves<N, kTask> joints;
-  Assemble(chain, options, q, axes, tip, lane, task, way, &joints, &e);
-  SolveSix(d, e.a, e.b);
-  Advance(chain, options, q, joints, e, stay, lane, state);
-  uint8_t bits[8] = {};
-  hn::StoreMaskBits(d, arrived, bits);
-  return bits[0];
-}
+    Equations e;
+    Moves<N, kTask> joints;
+    Assemble(chain, options, q, axes, tip, lane, task, way, &joints, &e);
+    SolveSix(d, e.a, e.b);
+    Advance(chain, options, q, joints, e, stay, lane, state);
+    uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, arrived, bits);
+    return bits[0];
+  }
+};
+
+using Wide = LaneStep<hn::CappedTag<double, kMaxLanes / kGroups>>;
+// For fewer lanes: shorter registers wait less for their divisions, and on many processors the
+// longest ones do half as much at a time as they hold.
+using Few = LaneStep<hn::CappedTag<double, kMostOfOneQuestion>>;
+using One = LaneStep<hn::CappedTag<double, 1>>;
+
+int Count() { return kGroups * hn::Lanes(Wide::d); }
+int CountOfOneQuestion() { return hn::Lanes(Few::d); }
 
 template <int N, bool kTask>
 uint32_t Step(const FoldedChain& chain, const LaneOptions& options, uint32_t busy, LaneState* state,
               const LaneTask* task) {
-  const int width = hn::Lanes(d);
+  if constexpr (!kTask) {
+    if (busy == 1) return One::template StepGroup<N, kTask>(chain, options, 0, state, task);
+  }
+  if (busy >> hn::Lanes(Few::d) == 0)
+    return Few::template StepGroup<N, kTask>(chain, options, 0, state, task);
+  const int width = hn::Lanes(Wide::d);
   uint32_t arrived = 0;
   for (int first = 0; first < kGroups * width; first += width) {
     if ((busy >> first & ((1U << width) - 1)) != 0)
-      arrived |= StepGroup<N, kTask>(chain, options, first, state, task) << first;
+      arrived |= Wide::StepGroup<N, kTask>(chain, options, first, state, task) << first;
   }
   return arrived;
 }
-
-int Count() { return kGroups * hn::Lanes(d); }
 
 // The common numbers of joints have code of their own, whose arrays the compiler can lay out.
 template <bool kTask>
@@ -417,9 +439,10 @@ namespace robocell {
 
 HWY_EXPORT(StepAny);
 HWY_EXPORT(Count);
+HWY_EXPORT(CountOfOneQuestion);
 
 int LaneCount() { return HWY_DYNAMIC_DISPATCH(Count)(); }
-int GroupOfLanes() { return LaneCount() / HWY_NAMESPACE::kGroups; }
+int LanesOfOneQuestion() { return HWY_DYNAMIC_DISPATCH(CountOfOneQuestion)(); }
 
 uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
                    LaneState* state, const LaneTask* task) {

@@ -30,7 +30,8 @@ struct LaneState {
   alignas(64) double turn2[kMaxLanes] = {};
   // The q with the least sum of both since it was last set to infinity.
   alignas(64) double best_cost[kMaxLanes] = {};
-  alignas(64) double best_q[kMaxChainJoints][kMaxLanes] = {};
+  // Without a value until then: clearing it would take a tenth of the time of an easy question.
+  alignas(64) double best_q[kMaxChainJoints][kMaxLanes];
 };
 
 struct LaneOptions {
@@ -60,8 +61,9 @@ struct LaneTask {
 
 // Lanes of this processor's kernel: a multiple of its registers' width, at most kMaxLanes.
 int LaneCount();
-// The lanes below this number are one group: stepping one of them costs as much as all.
-int GroupOfLanes();
+// The lanes below this number are for one question: stepping some of them costs as much as all, and
+// less than a group of all lanes. Lane 0 alone, without a task, costs less again.
+int LanesOfOneQuestion();
 
 // Measures the busy lanes (bits), and moves those that have not arrived one step. Returns the lanes
 // that have arrived; bits of others have no meaning. Without a task a pose is asked for.

@@ -9,6 +9,7 @@
 
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/kinematics/testing/models.h"
+#include "robocell/testing/instruction_sets.h"
 
 namespace robocell {
 namespace {
@@ -124,6 +125,27 @@ TEST(LaneKernel, LanesDoNotMix) {
       EXPECT_EQ(other.Q(lane), moved) << joints << " joints, lane " << lane;
     }
   }
+}
+
+// Bit for bit: one question has shorter registers than many.
+TEST(LaneKernel, TakesTheSameStepsInFewLanes) {
+  OnEveryInstructionSet([](const std::string& name) {
+    for (const int joints : {6, 7, 9}) {
+      for (const int lanes : {1, LanesOfOneQuestion()}) {
+        Scene all(joints), few(joints);
+        for (int k = 0; k < 6; ++k) {
+          all.Step();
+          StepLanes(few.folded, few.options, (1U << lanes) - 1, &few.state);
+          for (int lane = 0; lane < lanes; ++lane) {
+            EXPECT_EQ(few.Q(lane), all.Q(lane)) << name << ", " << joints << " joints";
+            EXPECT_EQ(few.state.distance2[lane], all.state.distance2[lane]);
+            EXPECT_EQ(few.state.turn2[lane], all.state.turn2[lane]);
+            EXPECT_EQ(few.state.best_cost[lane], all.state.best_cost[lane]);
+          }
+        }
+      }
+    }
+  });
 }
 
 TEST(LaneKernel, ObeysLimitsAndLocks) {

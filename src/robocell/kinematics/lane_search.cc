@@ -10,7 +10,9 @@
 namespace robocell {
 namespace {
 
-// Steps that a seed is given before others join it.
+// Where the seed is farther from the target than this (squared error), or has not arrived after so
+// many steps, others join it.
+constexpr double kNearSeed = 0.25;
 constexpr int kStepsAlone = 8;
 
 class LaneSearch {
@@ -19,25 +21,32 @@ class LaneSearch {
       : work_(chain, options),
         target_(target),
         starts_(work_, target, options.seed),
-        starts_left_(1 + int64_t{work_.RestartsFor(target)}) {}
+        starts_left_(1 + int64_t{work_.RestartsFor(target)}),
+        seed_searches_(!options.seed.empty()) {}
 
   IkResult Run() {
     Begin(0);
-    if (work_.options().seed.empty()) Join();
+    if (!seed_searches_) Join();
     while (busy_ != 0 && !Step()) {
-      if (steps_ == kStepsAlone) Join();
+      if (!joined_ && (steps_ == kStepsAlone || work_.cost(0) > kNearSeed)) Join();
     }
-    if (!answer_.success) answer_ = work_.Judge(target_, Best());
-    answer_.iterations = steps_ - 1;  // the last one only measured
-    answer_.restarts = answer_.success ? winner_ : starts_.begun() - 1;
+    if (answer_.success) {
+      answer_.restarts = winner_;
+    } else {
+      answer_ = work_.Judge(target_, Best());
+      answer_.restarts = starts_.begun() - 1;
+    }
+    answer_.iterations = steps_ - (only_measured_ ? 1 : 0);
     return answer_;
   }
 
  private:
-  // Starts in all lanes that have none. One group of lanes costs as much as one lane.
+  // Starts in all lanes that have none. All cost as much as two.
   void Join() {
     joined_ = true;
-    for (int lane = 0, count = GroupOfLanes(); lane < count; ++lane) {
+    const int count = LanesOfOneQuestion();
+    if (starts_left_ > 0) starts_.Foresee(count, work_);
+    for (int lane = 0; lane < count; ++lane) {
       if ((busy_ >> lane & 1) == 0) Begin(lane);
     }
   }
@@ -49,38 +58,53 @@ class LaneSearch {
     busy_ |= 1U << lane;
     if (!aimed_[lane]) work_.Aim(lane, target_);
     aimed_[lane] = true;
+    tried_[lane] = false;
     age_[lane] = 0;
     number_[lane] = starts_.begun();
     starts_.Begin(lane, &work_);
   }
 
-  // Whether an answer was found.
+  // Whether an answer was found that no other can take the place of.
   bool Step() {
     ++steps_;
     const uint32_t arrived = work_.Step(busy_);
-    for (uint32_t left = arrived; left != 0; left &= left - 1) TryAnswer(std::countr_zero(left));
-    if (answer_.success) return true;
+    for (uint32_t left = busy_; left != 0; left &= left - 1) {
+      const int lane = std::countr_zero(left);
+      const bool there = (arrived >> lane & 1) != 0;
+      if (there || IsWorthATry(lane)) TryAnswer(lane, there);
+    }
+    if (answer_.success && winner_ == 0) return true;
     for (uint32_t left = busy_; left != 0; left &= left - 1) {
       const int lane = std::countr_zero(left);
       const bool failed = (arrived >> lane & 1) != 0;
-      if (!failed && !work_.IsHopeless(lane, number_[lane], ++age_[lane])) continue;
-      joined_ ? Begin(lane) : Join(lane);
+      if (failed || work_.IsHopeless(lane, number_[lane], ++age_[lane])) GiveUp(lane);
     }
-    return false;
+    if (!answer_.success) return false;
+    busy_ &= 1U;  // where the seed's search goes on, which has the last word
+    return !seed_searches_;
   }
 
-  // The seed has failed before the others joined.
-  void Join(int lane) {
-    Begin(lane);
-    Join();
+  // Whether it has most likely arrived with this step, so that it is judged without another one.
+  bool IsWorthATry(int lane) const {
+    return !tried_[lane] && age_[lane] < work_.options().max_iterations &&
+           work_.IsLikelyThere(lane);
   }
 
-  void TryAnswer(int lane) {
+  void TryAnswer(int lane, bool only_measured) {
+    tried_[lane] = true;
     if (answer_.success && number_[lane] > winner_) return;
     const IkResult found = work_.Judge(target_, work_.Now(lane, starts_.seed()));
     if (!found.success) return;
     answer_ = found;
     winner_ = number_[lane];
+    only_measured_ = only_measured;
+  }
+
+  void GiveUp(int lane) {
+    if (number_[lane] == 0) seed_searches_ = false;
+    if (answer_.success) return;
+    Begin(lane);
+    if (!joined_) Join();
   }
 
   JointVector Best() const {
@@ -96,12 +120,14 @@ class LaneSearch {
   LaneStarts starts_;
   int64_t starts_left_;
   int steps_ = 0;
+  bool seed_searches_;  // has not been given up
   bool joined_ = false;
   uint32_t busy_ = 0;
-  std::array<bool, kMaxLanes> aimed_{};
+  std::array<bool, kMaxLanes> aimed_{}, tried_{};
   std::array<int, kMaxLanes> age_{}, number_{};
   IkResult answer_;
   int winner_ = 0;
+  bool only_measured_ = true;  // the last step that the answer took
 };
 
 }  // namespace

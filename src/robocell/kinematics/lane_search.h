@@ -1,8 +1,10 @@
 // One inverse kinematics question in all lanes: each searches from a start of its own.
 //
-// With a seed the first steps are the seed's alone, so that a target near it is answered near it;
-// then, or without a seed, the first lane to arrive has the answer (of several, the one that began
-// first). The same question has the same answer on the same instruction set.
+// A seed near the target searches alone for its first steps: one lane is cheaper than several.
+// Where it is far or slow others join it, but it has the last word until it is given up: what can
+// be answered from the seed alone is answered so. Otherwise the first lane to arrive has the answer
+// (of several, the one that began first). The same question has the same answer on the same
+// instruction set.
 #pragma once
 
 #include "robocell/kinematics/ik.h"

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <span>
 
 #include "robocell/kinematics/lane_work.h"
@@ -36,6 +37,12 @@ class LaneStarts {
   // The present one's place among all of the question.
   int number() const { return next_ - stride_; }
 
+  // The next starts up to this number will be wanted: looks for those near the target all at once.
+  void Foresee(int count, const LaneWork& work) {
+    const StartTable* table = around_ || known_ > 0 ? nullptr : work.table();
+    if (table) known_ = table->First(aim_, std::span(places_).first(std::min(count, kNearby)));
+  }
+
   // Puts the next start into a lane.
   void Begin(int lane, LaneWork* work) {
     const int number = next_;
@@ -56,13 +63,14 @@ class LaneStarts {
   // The table's entry with this place in the order of nearness; false when there is none.
   bool PutNearby(int lane, int entry, int number, LaneWork* work) {
     const StartTable* table = number < kNearby ? work->table() : nullptr;
-    const float* nearby = nullptr;
-    for (; table && passed_ <= entry; ++passed_) {
-      nearby = table->Next(aim_, &place_);
-      if (!nearby) break;
+    if (!table) return false;
+    for (; known_ <= entry; ++known_) {
+      StartTable::Place place = known_ > 0 ? places_[known_ - 1] : StartTable::Place();
+      if (!table->Next(aim_, &place)) return false;
+      places_[known_] = place;
     }
-    if (nearby) work->Put(lane, nearby);
-    return nearby != nullptr;
+    work->Put(lane, table->Values(places_[entry]));
+    return true;
   }
 
   // The goal, the seed, then one around the goal and one near the target by turns.
@@ -78,11 +86,12 @@ class LaneStarts {
   }
 
   StartTable::Aim aim_{};
-  StartTable::Place place_;
+  // Of the nearest in the table, as far as they were looked for.
+  std::array<StartTable::Place, kNearby> places_;
   JointVector seed_;
   std::span<const double> own_seed_;  // of a question that prefers something
   bool seeded_ = false, around_ = false;
-  int begun_ = 0, passed_ = 0;
+  int begun_ = 0, known_ = 0;
   int next_ = 0, stride_ = 1;
 };
 

@@ -132,7 +132,7 @@ TEST(LaneTargets, HaveLanesOfTheirOwnNumber) {
   OnEveryInstructionSet([&](const std::string&) {
     lanes.push_back(LaneCount());
     EXPECT_LE(LaneCount(), kMaxLanes);
-    EXPECT_EQ(LaneCount() % GroupOfLanes(), 0);
+    EXPECT_EQ(LaneCount() % LanesOfOneQuestion(), 0);
   });
   ASSERT_FALSE(lanes.empty());
   EXPECT_TRUE(std::ranges::is_sorted(lanes, std::greater<>()));

@@ -9,6 +9,8 @@ namespace {
 
 // The kernel's sums are rounded otherwise than the judge's.
 constexpr double kPartOfTolerance = 0.999;
+// Of the squared error before a step, in chain lengths and radians, this part is left.
+constexpr double kLeftOfSquare = 0.5;
 // Steps that a start is given: few at first, as most get there in six; more where many failed.
 constexpr int StepsOf(int start) { return start < 4 ? 12 : start < 12 ? 20 : 40; }
 // After so many steps a start with a larger cost (squared error) is hopeless; not for the starts
@@ -33,6 +35,7 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
   const double tolerance = options.tolerance * kPartOfTolerance;
   limits_.distance2 = std::pow(tolerance * folded_.per_metre, 2);
   limits_.turn2 = tolerance * tolerance;
+  likely_cost_ = tolerance * std::min(1.0, folded_.per_metre) / kLeftOfSquare;
   for (int i = 0; i < chain_.n; ++i) {
     limits_.locked[i] = options.locked[i];
     any_locked_ |= options.locked[i];
@@ -104,8 +107,8 @@ JointVector LaneWork::Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], in
 bool LaneWork::IsHopeless(int lane, int start, int age) const {
   if (age > std::min(options_.max_iterations, StepsOf(start))) return true;
   if (start >= kStartsLookedAt) return false;
-  const double cost = state_.distance2[lane] + state_.turn2[lane];
-  return (age == kFirstLook && cost > kFirstCost) || (age == kSecondLook && cost > kSecondCost);
+  return (age == kFirstLook && cost(lane) > kFirstCost) ||
+         (age == kSecondLook && cost(lane) > kSecondCost);
 }
 
 const StartTable* LaneWork::table() const {

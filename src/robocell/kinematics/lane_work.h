@@ -47,6 +47,11 @@ class LaneWork {
     return Taken(state_.best_q, lane, seed);
   }
   double best_cost(int lane) const { return state_.best_cost[lane]; }
+  // Squared error before the last step.
+  double cost(int lane) const { return state_.distance2[lane] + state_.turn2[lane]; }
+  // Whether the last step most likely has arrived: near a target, what is left after a step is a
+  // part of the square of what was left before it.
+  bool IsLikelyThere(int lane) const { return cost(lane) <= likely_cost_; }
 
   // Whether the start with this number (0, 1, ...) that was measured `age` times in the lane is to
   // be given up: it came too slowly, or took too long.
@@ -71,6 +76,7 @@ class LaneWork {
   bool any_locked_ = false;
   int free_joints_ = 0;
   LaneOptions limits_;
+  double likely_cost_ = 0;
   LaneState state_;
   std::optional<LaneTask> lane_task_;  // for more or less than poses
 };

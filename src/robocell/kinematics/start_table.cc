@@ -133,23 +133,42 @@ void StartTable::Score(const Aim& aim, int first, int count, float* scores) cons
   }
 }
 
-const float* StartTable::Next(const Aim& aim, Place* place) const {
+template <class Visit>
+void StartTable::ForNearby(const Aim& aim, const Visit& visit) const {
   const int cell = detour_[CellOf(aim.position.data())], end = begin_[cell + 1];
-  Place best{std::numeric_limits<float>::infinity(), -1};
   std::array<float, 64> scores;
   for (int first = begin_[cell]; first < end; first += static_cast<int>(scores.size())) {
     const int count = std::min(end - first, static_cast<int>(scores.size()));
     Score(aim, first, count, scores.data());
-    for (int e = 0; e < count; ++e) {
-      const float score = scores[e];
-      if (score >= best.score || score < place->score) continue;
-      if (score == place->score && first + e <= place->entry) continue;
-      best = {score, first + e};
-    }
+    for (int e = 0; e < count; ++e) visit(Place{scores[e], first + e});
   }
+}
+
+const float* StartTable::Next(const Aim& aim, Place* place) const {
+  Place best{std::numeric_limits<float>::infinity(), -1};
+  ForNearby(aim, [&](const Place& entry) {
+    if (entry.score >= best.score || entry.score < place->score) return;
+    if (entry.score == place->score && entry.entry <= place->entry) return;
+    best = entry;
+  });
   if (best.entry < 0) return nullptr;
   *place = best;
-  return q_.data() + static_cast<std::ptrdiff_t>(best.entry) * n_;
+  return Values(best);
+}
+
+int StartTable::First(const Aim& aim, std::span<Place> places) const {
+  const int most = static_cast<int>(places.size());
+  int found = 0;
+  float last = std::numeric_limits<float>::infinity();
+  // Inserted where it belongs; entries that are equally near stay in their order.
+  ForNearby(aim, [&](const Place& entry) {
+    if (!(entry.score < last)) return;
+    int at = found < most ? found++ : most - 1;
+    for (; at > 0 && entry.score < places[at - 1].score; --at) places[at] = places[at - 1];
+    places[at] = entry;
+    if (found == most) last = places[most - 1].score;
+  });
+  return found;
 }
 
 }  // namespace robocell

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "robocell/kinematics/chain_model.h"
@@ -33,6 +34,12 @@ class StartTable {
   };
   // The next start in order of nearness: n values, or null when there are no more nearby.
   const float* Next(const Aim& aim, Place* place) const;
+  // The first of them at once, as many as `places` holds: for less than two walks. How many there
+  // are.
+  int First(const Aim& aim, std::span<Place> places) const;
+  const float* Values(const Place& place) const {
+    return q_.data() + static_cast<std::ptrdiff_t>(place.entry) * n_;
+  }
 
   int n_joints() const { return n_; }
 
@@ -44,6 +51,9 @@ class StartTable {
   int CellOf(const float* position) const;
   // Of entries in a row: how far each is from the aim.
   void Score(const Aim& aim, int first, int count, float* scores) const;
+  // Calls visit(place) for each entry of the aim's cell, in their order.
+  template <class Visit>
+  void ForNearby(const Aim& aim, const Visit& visit) const;
 
   int n_ = 0;
   float per_distance2_ = 0;        // weight of a squared distance against a squared angle

@@ -43,6 +43,29 @@ TEST_F(StartTableTest, ComeInOrderAndEndAndLieInTheLimits) {
   EXPECT_GE(count, 8);
 }
 
+TEST_F(StartTableTest, AreTheSameAtOnceAndOneByOne) {
+  for (int k = 0; k < 50; ++k) {
+    std::vector<float> q(7);
+    for (float& value : q) value = static_cast<float>(rng_.Uniform(-1, 1));
+    const StartTable::Aim aim = StartTable::At(TipAt(q.data()), k % 5 == 0);
+    for (const int most : {1, 7, 16, 8192}) {
+      std::vector<StartTable::Place> together(most);
+      const int count = table_.First(aim, together);
+      StartTable::Place place;
+      int one = 0;
+      while (one < most) {
+        const float* start = table_.Next(aim, &place);
+        if (!start) break;
+        ASSERT_LT(one, count);
+        EXPECT_EQ(table_.Values(together[one]), start);
+        EXPECT_EQ(together[one].score, place.score);
+        ++one;
+      }
+      EXPECT_EQ(one, count);
+    }
+  }
+}
+
 TEST_F(StartTableTest, AreNearerThanTheMiddle) {
   double first = 0, middle = 0;
   const JointVector centre(7);

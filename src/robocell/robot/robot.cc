@@ -250,6 +250,7 @@ IkResult Robot::Ik(const Pose& tcp_in_robot_base, IkOptions options) const {
 }
 
 LockedJoints Robot::LockGroups(std::span<const std::string> groups) const {
+  if (groups.empty()) return {};  // before each inverse kinematics of one pose
   std::vector<std::string> in_chain;
   const std::vector<std::string>& of_chain = chain().joint_names();
   for (const std::string& name : groups) {
