@@ -4,29 +4,10 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/mujoco/tree.h"
 
 namespace robocell {
 namespace {
-
-// The body an element sits on, or -1.
-int BodyOf(const mjModel* model, mjtObj kind, int id) {
-  switch (kind) {
-    case mjOBJ_JOINT:
-      return model->jnt_bodyid[id];
-    case mjOBJ_DOF:
-      return model->dof_bodyid[id];
-    case mjOBJ_GEOM:
-      return model->geom_bodyid[id];
-    case mjOBJ_SITE:
-      return model->site_bodyid[id];
-    case mjOBJ_CAMERA:
-      return model->cam_bodyid[id];
-    case mjOBJ_LIGHT:
-      return model->light_bodyid[id];
-    default:
-      return -1;
-  }
-}
 
 std::vector<std::string> NamedOnly(std::vector<std::string> names) {
   std::erase(names, "");
@@ -127,7 +108,7 @@ int RequireId(const mjModel* model, mjtObj kind, std::string_view name, std::str
 std::string Describe(const mjModel* model, mjtObj kind, int id) {
   const std::string name = ElementName(model, kind, id);
   if (!name.empty()) return std::string(KindName(kind)) + " '" + name + "'";
-  const int body = BodyOf(model, kind, id);
+  const int body = kind == mjOBJ_BODY || kind == mjOBJ_XBODY ? -1 : BodyOf(model, kind, id);
   std::string out = std::string(KindName(kind)) + " " + std::to_string(id) + " (unnamed";
   if (body >= 0) out += ", of " + Describe(model, mjOBJ_BODY, body);
   return out + ")";

@@ -1,8 +1,8 @@
 // Names and ids of a compiled model's elements. Look-ups are exact; a miss lists what there is and
 // the nearest name.
 //
-//   const int joint = RequireId(model, mjOBJ_JOINT, "joint1", "scene 'pick'");   // NotFoundError
-//   with suggestions for (const std::string& name : ElementNames(model, mjOBJ_BODY)) ...
+//   const int joint = RequireId(model, mjOBJ_JOINT, "joint1", "scene 'pick'");
+//   for (const std::string& name : ElementNames(model, mjOBJ_BODY)) ...
 //
 // Elements need no name in MuJoCo: ElementNames has "" for these, Describe says what they belong to
 // instead. Do not look names up in loops: resolve once, keep the id. All functions may be called

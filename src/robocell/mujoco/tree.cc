@@ -23,4 +23,26 @@ int CommonAncestor(const mjModel* m, int a, int b) {
   return a;
 }
 
+int BodyOf(const mjModel* m, mjtObj kind, int id) {
+  switch (kind) {
+    case mjOBJ_BODY:
+    case mjOBJ_XBODY:
+      return id;
+    case mjOBJ_JOINT:
+      return m->jnt_bodyid[id];
+    case mjOBJ_DOF:
+      return m->dof_bodyid[id];
+    case mjOBJ_GEOM:
+      return m->geom_bodyid[id];
+    case mjOBJ_SITE:
+      return m->site_bodyid[id];
+    case mjOBJ_CAMERA:
+      return m->cam_bodyid[id];
+    case mjOBJ_LIGHT:
+      return m->light_bodyid[id];
+    default:
+      return -1;
+  }
+}
+
 }  // namespace robocell

@@ -1,6 +1,8 @@
 // Questions about a compiled model's body tree. Ids are not checked.
 #pragma once
 
+#include <mujoco/mjtype.h>
+
 #include <vector>
 
 #include "robocell/mujoco/forward.h"
@@ -15,5 +17,9 @@ std::vector<bool> SubtreeMask(const mjModel* model, int root);
 
 // The lowest body that both are or hang on.
 int CommonAncestor(const mjModel* model, int a, int b);
+
+// The body that a joint, degree of freedom, geom, site, camera or light sits on, and of a body
+// itself; -1 for other kinds.
+int BodyOf(const mjModel* model, mjtObj kind, int id);
 
 }  // namespace robocell

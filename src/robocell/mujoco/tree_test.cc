@@ -46,5 +46,26 @@ TEST_F(Tree, CommonAncestorIsTheLowestThatCarriesBoth) {
   }
 }
 
+TEST_F(Tree, WhatSitsOnABodyIsAskedByKind) {
+  const ModelPtr part = Compile(
+      ParseXmlString(R"(<mujoco><asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
+      <worldbody><body name="a"><body name="b"><joint name="j"/><geom name="g" size="1"/><site name="s"/>
+      <camera name="c"/><light name="l"/></body></body></worldbody></mujoco>)",
+                     "part")
+          .get(),
+      nullptr, "part");
+  const int b = RequireId(part.get(), mjOBJ_BODY, "b", "part");
+  for (const auto& [kind, name] : {std::pair{mjOBJ_BODY, "b"},
+                                   {mjOBJ_JOINT, "j"},
+                                   {mjOBJ_GEOM, "g"},
+                                   {mjOBJ_SITE, "s"},
+                                   {mjOBJ_CAMERA, "c"},
+                                   {mjOBJ_LIGHT, "l"}}) {
+    EXPECT_EQ(BodyOf(part.get(), kind, RequireId(part.get(), kind, name, "part")), b) << name;
+  }
+  EXPECT_EQ(BodyOf(part.get(), mjOBJ_DOF, 0), b);
+  EXPECT_EQ(BodyOf(part.get(), mjOBJ_MESH, 0), -1);
+}
+
 }  // namespace
 }  // namespace robocell

@@ -65,10 +65,6 @@ int BranchOf(const mjModel* m, int hand, int body) {
   return body;
 }
 
-int BodyOf(const mjModel* m, int equality, int id) {
-  return m->eq_objtype[equality] == mjOBJ_SITE ? m->site_bodyid[id] : id;
-}
-
 // Marks the branch of `to` when `from` is marked and nothing forbids it.
 bool Grow(const mjModel* m, int hand, int other_finger, int from, int to, std::vector<bool>& mask) {
   if (!mask[from] || mask[to] || to == hand || !IsInSubtree(m, to, hand)) return false;
@@ -85,7 +81,8 @@ std::vector<bool> Linkage(const mjModel* m, int hand, int first_link, int other_
     grown = false;
     for (int e = 0; e < m->neq; ++e) {
       if (m->eq_type[e] != mjEQ_CONNECT && m->eq_type[e] != mjEQ_WELD) continue;
-      const int a = BodyOf(m, e, m->eq_obj1id[e]), b = BodyOf(m, e, m->eq_obj2id[e]);
+      const mjtObj kind = static_cast<mjtObj>(m->eq_objtype[e]);
+      const int a = BodyOf(m, kind, m->eq_obj1id[e]), b = BodyOf(m, kind, m->eq_obj2id[e]);
       grown |= Grow(m, hand, other_finger, a, b, mask) || Grow(m, hand, other_finger, b, a, mask);
     }
   }

@@ -46,7 +46,7 @@ bool Ties(const mjModel* m, int equality, int id, const FingerJoints& joints) {
       return TendonHas(m, id, joints);
     case mjEQ_CONNECT:
     case mjEQ_WELD: {
-      const int body = m->eq_objtype[equality] == mjOBJ_SITE ? m->site_bodyid[id] : id;
+      const int body = BodyOf(m, static_cast<mjtObj>(m->eq_objtype[equality]), id);
       return IsInSubtree(m, body, joints.branch);
     }
     default:

@@ -20,17 +20,6 @@
 namespace robocell {
 namespace {
 
-int BodyOf(const mjModel* m, const ElementId& element) {
-  switch (element.kind) {
-    case mjOBJ_SITE:
-      return m->site_bodyid[element.id];
-    case mjOBJ_GEOM:
-      return m->geom_bodyid[element.id];
-    default:
-      return element.id;
-  }
-}
-
 // The checks of one robot.
 class GroupCheck {
  public:
@@ -53,7 +42,8 @@ class GroupCheck {
   // The element's body; nothing when there is none of this name.
   std::optional<int> BodyOfRef(const ElementRef& ref, std::initializer_list<mjtObj> kinds) const {
     try {
-      return BodyOf(m_, FindElement(m_, robot_, ref, kinds));
+      const ElementId element = FindElement(m_, robot_, ref, kinds);
+      return BodyOf(m_, element.kind, element.id);
     } catch (const NotFoundError&) {
       return std::nullopt;
     }

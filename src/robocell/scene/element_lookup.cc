@@ -15,26 +15,6 @@ namespace {
 
 std::string Place(const RobotRecord& robot) { return "robot '" + robot.name + "'"; }
 
-// The body an element sits on, or -1 for kinds that sit on none.
-int BodyOf(const mjModel* model, mjtObj kind, int id) {
-  switch (kind) {
-    case mjOBJ_BODY:
-      return id;
-    case mjOBJ_JOINT:
-      return model->jnt_bodyid[id];
-    case mjOBJ_GEOM:
-      return model->geom_bodyid[id];
-    case mjOBJ_SITE:
-      return model->site_bodyid[id];
-    case mjOBJ_CAMERA:
-      return model->cam_bodyid[id];
-    case mjOBJ_LIGHT:
-      return model->light_bodyid[id];
-    default:
-      return -1;
-  }
-}
-
 // Whether an element is the robot's: it has its prefix and, when it sits on a body, that is one of
 // the robot's or something mounted on it.
 bool Belongs(const mjModel* model, const RobotRecord& robot, mjtObj kind, int id) {
