@@ -217,8 +217,7 @@ void DefMotion(nb::class_<Chain>& c) {
         "in the axes of the base ('base'), of the tip ('tip') or of the 'world', in which the base "
         "stands at `base_in_world`. Joints of `locked_joints`, by name, do not move. The rest is "
         "as for Kinematics.differential_ik.")
-      .def("reach_map", &ReachMapOf, "lower"_a, "upper"_a, "cell"_a = 0.05, "rotations"_a = 64,
-           "tolerance"_a = 1e-3, "max_restarts"_a = 8, "threads"_a = 1,
+      .def("reach_map", &ReachMapOf, ROBOCELL_REACH_MAP_ARGS,
            nb::sig("def reach_map(self, " ROBOCELL_REACH_MAP_SIG),
            "Where the tip can be in a box of the base frame, as Kinematics.reach_map.")
       .def("reach_box", &ReachBoxOf, nb::sig(ROBOCELL_REACH_BOX_SIG),

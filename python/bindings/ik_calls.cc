@@ -148,15 +148,20 @@ nb::object TwistOf(const Chain& chain, nb::handle q, nb::handle twist, nb::handl
 }
 
 nb::object ReachMapOf(const Chain& chain, nb::handle lower, nb::handle upper, double cell,
-                      int rotations, double tolerance, int max_restarts, int threads) {
+                      int rotations, double tolerance, int max_restarts, int threads,
+                      bool position_only, nb::handle axis) {
   const ReachGrid grid{
       .lower = ToThree(lower, "lower"), .upper = ToThree(upper, "upper"), .cell = cell};
+  const std::optional<Eigen::Vector3d> direction =
+      axis.is_none() ? std::nullopt : std::optional(ToThree(axis, "axis"));
   ReachMap map;
   {
     const nb::gil_scoped_release release;
     SignalPoll poll;
     map = MapReach(chain, grid,
                    {.rotations = rotations,
+                    .position_only = position_only,
+                    .axis = direction,
                     .tolerance = tolerance,
                     .max_restarts = max_restarts,
                     .threads = threads,

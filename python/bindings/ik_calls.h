@@ -36,15 +36,21 @@ nb::object TwistOf(const Chain& chain, nb::handle q, nb::handle twist, nb::handl
 
 // A reach map between two corners, as a namespace of arrays.
 nb::object ReachMapOf(const Chain& chain, nb::handle lower, nb::handle upper, double cell,
-                      int rotations, double tolerance, int max_restarts, int threads);
+                      int rotations, double tolerance, int max_restarts, int threads,
+                      bool position_only, nb::handle axis);
 // The corners of a box around all that is reached.
 nb::object ReachBoxOf(const Chain& chain);
 
+#define ROBOCELL_REACH_MAP_ARGS                                                    \
+  "lower"_a, "upper"_a, "cell"_a = 0.05, "rotations"_a = 64, "tolerance"_a = 1e-3, \
+                        "max_restarts"_a = 8, "threads"_a = 1, nb::kw_only(),      \
+                        "position_only"_a = false, "axis"_a = nb::none()
 // For nb::sig: what follows the first arguments.
-#define ROBOCELL_REACH_MAP_SIG                                                   \
-  "lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, cell: float = " \
-  "0.05, rotations: int = 64, tolerance: float = 0.001, max_restarts: int = 8, " \
-  "threads: int = 1) -> types.SimpleNamespace"
+#define ROBOCELL_REACH_MAP_SIG                                                                     \
+  "lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, cell: float = "                   \
+  "0.05, rotations: int = 64, tolerance: float = 0.001, max_restarts: int = 8, "                   \
+  "threads: int = 1, *, position_only: bool = False, axis: numpy.typing.ArrayLike | None = None) " \
+  "-> types.SimpleNamespace"
 #define ROBOCELL_REACH_BOX_SIG                                         \
   "def reach_box(self) -> tuple[numpy.typing.NDArray[numpy.float64], " \
   "numpy.typing.NDArray[numpy.float64]]"

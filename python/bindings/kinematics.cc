@@ -103,9 +103,10 @@ nb::object SolveTwist(const Kinematics& k, nb::handle q, nb::handle twist, nb::h
 }
 
 nb::object MapReachOf(const Kinematics& k, nb::handle lower, nb::handle upper, double cell,
-                      int rotations, double tolerance, int max_restarts, int threads) {
+                      int rotations, double tolerance, int max_restarts, int threads,
+                      bool position_only, nb::handle axis) {
   return ReachMapOf(k.robot.chain(), lower, upper, cell, rotations, tolerance, max_restarts,
-                    threads);
+                    threads, position_only, axis);
 }
 
 // The world's, in the axes of the robot base frame, unless given.
@@ -340,15 +341,17 @@ void BindKinematics(nb::module_& m) {
           "How well the TCP can move in all directions at q (n,): the root of det(J J^T) "
           "(Yoshikawa 1985), 0 where a direction is lost; of a batch (B, n), (B,).")
       .def(
-          "reach_map", &MapReachOf, "lower"_a, "upper"_a, "cell"_a = 0.05, "rotations"_a = 64,
-          "tolerance"_a = 1e-3, "max_restarts"_a = 8, "threads"_a = 1,
+          "reach_map", &MapReachOf, ROBOCELL_REACH_MAP_ARGS,
           nb::sig("def reach_map(self, " ROBOCELL_REACH_MAP_SIG),
           "Where the TCP can be in the box between the corners `lower` and `upper` (3,), m, in the "
           "robot base frame (one layer of cells where they agree along an axis).\n\n"
           "At the centre of each cell so many evenly spread rotations are tried. Returns "
           "`fraction` (X, Y, Z), the share that is solved within the limits; `manipulability` (X, "
           "Y, Z), the mean of the answers'; the centres `x`, `y`, `z`; `cell` and `rotations`. "
-          "Collisions are not looked at.")
+          "Collisions are not looked at.\n\nAn arm of less than six joints reaches hardly any "
+          "rotation that it is given exactly: of one of five joints ask where an `axis` (3,) of "
+          "the TCP points, of a shorter one for the position only, for which `rotations` does not "
+          "count.")
       .def(
           "reach_box", [](const Kinematics& k) { return ReachBoxOf(k.robot.chain()); },
           nb::sig(ROBOCELL_REACH_BOX_SIG),

@@ -249,6 +249,50 @@ def test_reach_of_a_volume_is_drawn_in_slices_and_as_a_body(tmp_path: Path):
     assert '"type":"volume"' in (tmp_path / "map.html").read_text()
 
 
+SCARA = """<mujoco><worldbody><body name="base"><geom size=".05"/>
+<body pos="0 0 .3"><joint name="a" axis="0 0 1" range="-170 170"/><geom size=".02" pos=".1 0 0"/>
+<body pos=".3 0 0"><joint name="b" axis="0 0 1" range="-150 150"/><geom size=".02" pos=".1 0 0"/>
+<body name="quill" pos=".2 0 0"><joint name="c" type="slide" axis="0 0 1" range="-.2 0"/>
+<geom size=".01"/>
+<site name="tip"/></body></body></body></body></worldbody><actuator>
+<position joint="a"/><position joint="b"/><position joint="c"/></actuator></mujoco>"""
+SCARA_YAML = """name: scara
+model: scara.xml
+move_groups: {arm: {kind: arm, joints: [a, b, c], leaf: {site: tip}}}
+"""
+
+
+def test_reach_of_a_short_arm_asks_for_less_than_a_pose(tmp_path: Path):
+    (tmp_path / "scara.xml").write_text(SCARA)
+    (tmp_path / "scara.yaml").write_text(SCARA_YAML)
+    ask = ("reach", tmp_path / "scara.yaml", "--plane", "z=0.2", "-o", tmp_path / "map")
+    result = robocell_command(*ask)
+    assert result.returncode == 0, result.stderr
+    assert "with 3 joints scara reaches hardly any full rotation" in result.stderr
+    assert "add --axis z (where the TCP's z axis points; or x, y) or --position-only" in (
+        result.stderr
+    )
+    assert "reached: 0.0 % of the cells" in result.stdout
+    result = robocell_command(*ask, "--position-only")
+    assert "hardly" not in result.stderr
+    with np.load(tmp_path / "map.npz") as found:
+        x, y = np.meshgrid(found["x"], found["y"], indexing="ij")
+        in_ring = (np.hypot(x, y) < 0.48) & (np.hypot(x, y) > 0.2) & (x > 0)
+        assert (found["fraction"][in_ring] == 1).all()
+        assert found["rotations"] == 1
+    result = robocell_command(*ask, "--axis", "z")
+    assert "hardly" not in result.stderr
+    with np.load(tmp_path / "map.npz") as found:
+        assert found["fraction"].max() < 0.1  # its z axis points up, and nowhere else
+    far = robocell_command(
+        "reach", tmp_path / "scara.yaml", "--plane", "y=9", "--position-only", cwd=tmp_path
+    )
+    assert "nothing with y = 9 m is reached; scara's TCP is never beyond x from" in far.stderr
+    assert "--axis and --position-only exclude each other" in refused(
+        *ask, "--axis", "z", "--position-only"
+    )
+
+
 def test_reach_tells_what_it_cannot_do(tmp_path: Path):
     assert "give one of --plane AXIS=METRES (as --plane z=0.4) and --volume" in refused(
         "reach", RC7

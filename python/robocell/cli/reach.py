@@ -5,16 +5,35 @@ from __future__ import annotations
 import os
 import re
 import time
+from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from robocell.cli.common import ExitCode, fail
+from robocell.cli.common import ExitCode, fail, print_warning
 from robocell.cli.robot_scene import load_robot
 
+if TYPE_CHECKING:
+    from robocell import Robot
+
 SUFFIXES = (".npz", ".png", ".html")
+FULL_POSE = 6  # joints that it takes
 PLANE = re.compile(r"\s*([xyz])\s*=\s*([-+0-9.eE]+)\s*")
+
+
+class Axis(StrEnum):
+    """An axis of the TCP frame."""
+
+    X = "x"
+    Y = "y"
+    Z = "z"
+
+    @property
+    def vector(self) -> tuple[float, float, float]:
+        """Its direction in that frame."""
+        x, y, z = (float(self == axis) for axis in Axis)
+        return x, y, z
 
 
 def reach(
@@ -28,6 +47,13 @@ def reach(
     ] = False,
     cell: Annotated[float, typer.Option(min=1e-3, help="Edge of a cell, m.")] = 0.05,
     rotations: Annotated[int, typer.Option(min=1, help="Tried at each cell.")] = 64,
+    axis: Annotated[
+        Axis | None,
+        typer.Option(help="Ask only where this axis of the TCP points. For arms of 5 joints."),
+    ] = None,
+    position_only: Annotated[
+        bool, typer.Option("--position-only", help="Any rotation will do. For 3 or 4 joints.")
+    ] = False,
     output: Annotated[
         Path | None,
         typer.Option("-o", "--output", metavar="NAME", help="Makes NAME.npz, .png and .html."),
@@ -40,10 +66,19 @@ def reach(
     Collisions are not looked at.
     """
     layer = _layer(plane, volume)
+    if axis and position_only:
+        fail("--axis and --position-only exclude each other: take one")
     # With numpy and pyplot, which take longer to load than all that the other commands need.
     from robocell.cli.reach_map import corners, draw, save, write_page
 
     robot = load_robot(robot_file).robot
+    joints = len(robot.kinematics.joint_names)
+    if joints < FULL_POSE and not (axis or position_only):
+        print_warning(
+            f"with {joints} joints {robot.name} reaches hardly any full rotation, so "
+            "the map says little of where it gets to: add --axis z (where the TCP's z axis points; "
+            "or x, y) or --position-only"
+        )
     name = output or Path(f"{robot.name}_reach")
     if name.suffix in SUFFIXES:
         name = name.with_suffix("")
@@ -52,14 +87,20 @@ def reach(
     lower, upper = corners(robot, layer)
     begin = time.perf_counter()
     found = robot.kinematics.reach_map(
-        lower, upper, cell=cell, rotations=rotations, threads=len(os.sched_getaffinity(0))
+        lower,
+        upper,
+        cell=cell,
+        rotations=rotations,
+        threads=len(os.sched_getaffinity(0)),
+        position_only=position_only,
+        axis=axis and axis.vector,
     )
     seconds = time.perf_counter() - begin
     numbers, picture, page = (name.with_name(name.name + suffix) for suffix in SUFFIXES)
     save(numbers, found)
     draw(picture, robot.name, found)
     write_page(page, robot.name, found)
-    poses = found.fraction.size * rotations
+    poses = found.fraction.size * found.rotations
     reached = float((found.fraction > 0).mean())
     print(
         f"{robot.name}: {found.fraction.size} cells of {cell:g} m, {poses} poses in {seconds:.1f} s"
@@ -68,7 +109,19 @@ def reach(
         f"reached: {100 * reached:.1f} % of the cells, "
         f"{100 * float(found.fraction.mean()):.1f} % of the poses"
     )
+    if not reached:
+        _say_where_it_reaches(robot, layer)
     print(f"written: {numbers}, {picture}, {page}")
+
+
+def _say_where_it_reaches(robot: Robot, layer: tuple[int, float] | None) -> None:
+    lower, upper = robot.kinematics.reach_box()
+    box = ", ".join(
+        f"{axis} from {low:.2f} to {high:.2f} m"
+        for axis, low, high in zip("xyz", lower, upper, strict=True)
+    )
+    where = f"with {'xyz'[layer[0]]} = {layer[1]:g} m" if layer else "there"
+    print_warning(f"nothing {where} is reached; {robot.name}'s TCP is never beyond {box}")
 
 
 def _layer(plane: str | None, volume: bool) -> tuple[int, float] | None:

@@ -47,12 +47,14 @@ class Mapper {
  public:
   Mapper(const Chain& chain, const ReachMapOptions& options, ReachMap* map)
       : chain_(chain), map_(*map) {
+    batch_.ik.position_only = options.position_only;
+    batch_.ik.axis = options.axis;
     batch_.ik.tolerance = options.tolerance;
     batch_.ik.max_restarts = options.max_restarts;
     batch_.threads = options.threads;
     batch_.poll = options.poll;
-    for (int k = 0; k < options.rotations; ++k)
-      rotations_.push_back(SpreadRotation(k, options.rotations));
+    for (int k = 0; k < map->rotations; ++k)
+      rotations_.push_back(SpreadRotation(k, map->rotations));
   }
 
   void Run() {
@@ -138,8 +140,8 @@ Quaternion SpreadRotation(int k, int count) {
 
 ReachMap MapReach(const Chain& chain, const ReachGrid& grid, const ReachMapOptions& options) {
   CheckReachMap(grid, options);
-  ReachMap map{.cell = grid.cell, .rotations = options.rotations};
-  double poses = options.rotations;
+  ReachMap map{.cell = grid.cell, .rotations = options.position_only ? 1 : options.rotations};
+  double poses = map.rotations;
   for (int axis = 0; axis < 3; ++axis) {
     const auto [count, first] = Divide(grid.lower[axis], grid.upper[axis], grid.cell);
     poses *= count;
@@ -147,7 +149,7 @@ ReachMap MapReach(const Chain& chain, const ReachGrid& grid, const ReachMapOptio
       Refuse(
           fmt::format("more than 2^31 poses with cells of {:g} m and {} rotations; take larger "
                       "cells, fewer rotations or a smaller box",
-                      grid.cell, options.rotations));
+                      grid.cell, map.rotations));
     }
     map.cells[axis] = static_cast<int>(count);
     map.first[axis] = first;

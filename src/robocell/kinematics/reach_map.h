@@ -6,6 +6,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "robocell/kinematics/chain.h"
@@ -25,7 +26,12 @@ struct ReachGrid {
 struct ReachMapOptions {
   // Rotations that are tried at the centre of each cell, spread evenly over all of them.
   int rotations = 64;
-  double tolerance = 1e-3;  // m and rad
+  // What is asked for at each cell, as in IkOptions. A chain of less than six joints reaches hardly
+  // any rotation that it is given exactly: of one of five joints ask where an axis of the tip
+  // points, of a shorter one its position only, for which `rotations` does not count.
+  bool position_only = false;
+  std::optional<Eigen::Vector3d> axis{};  // in the tip's frame
+  double tolerance = 1e-3;                // m and rad
   // Starts after the first for each. What is reached from few starts only counts as not reached.
   int max_restarts = 8;
   int threads = 1;
@@ -37,7 +43,7 @@ struct ReachMap {
   std::array<int, 3> cells{};                       // along x, y, z
   Eigen::Vector3d first = Eigen::Vector3d::Zero();  // centre of the first cell, m, base frame
   double cell = 0;                                  // between centres, m
-  int rotations = 0;
+  int rotations = 0;                                // tried at each cell
   // Of the rotations, those that are reached, 0 to 1; and the mean manipulability
   // (manipulability.h) of the configurations found, 0 where there are none. z changes fastest.
   std::vector<float> fraction{}, manipulability{};

@@ -53,6 +53,44 @@ TEST(ReachMap, IsTheShellThatTwoLinksReach) {
   EXPECT_GT(outside, 100);
 }
 
+// The first joints of the ball arm, and a tip on the last of them.
+std::string Shorter(const std::string& wrist) {
+  std::string xml = kBallArm;
+  const std::string whole = "<joint axis='1 0 0'/><joint axis='0 1 0'/><joint axis='1 0 0'/>";
+  return xml.replace(xml.find(whole), whole.size(), wrist);
+}
+
+TEST(ReachMap, OfFiveJointsAsksWhereAnAxisPoints) {
+  const TestModel t = TestModel::FromXml(Shorter("<joint axis='1 0 0'/><joint axis='0 1 0'/>"));
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  const ReachGrid grid{.lower = {0.3, 0.3, 0.1}, .upper = {0.5, 0.5, 0.3}, .cell = 0.1};
+  const ReachMap whole = MapReach(chain, grid, {.max_restarts = 20});
+  const ReachMap axis = MapReach(chain, grid, {.axis = Vector3d::UnitX(), .max_restarts = 20});
+  EXPECT_EQ(axis.rotations, 64);
+  for (std::size_t cell = 0; cell < axis.fraction.size(); ++cell) {
+    EXPECT_LE(whole.fraction[cell], 0.1);
+    EXPECT_GE(axis.fraction[cell], 0.95);
+  }
+}
+
+TEST(ReachMap, OfThreeJointsAsksForThePositionOnly) {
+  const TestModel t = TestModel::FromXml(Shorter(""));
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  const ReachGrid grid{.lower = {-1.1, -1.1, 0}, .upper = {1.1, 1.1, 0}, .cell = 0.1};
+  const ReachMap map = MapReach(chain, grid, {.position_only = true});
+  EXPECT_EQ(map.rotations, 1);
+  int inside = 0;
+  for (int x = 0; x < map.cells[0]; ++x) {
+    for (int y = 0; y < map.cells[1]; ++y) {
+      const double r = map.centre(x, y, 0).norm();
+      if (r > 0.99 && r < 1.01) continue;
+      EXPECT_EQ(map.fraction[map.index(x, y, 0)], r > 0.21 && r < 0.99 ? 1 : 0) << r;
+      inside += r < 0.99;
+    }
+  }
+  EXPECT_GT(inside, 200);
+}
+
 // Where a configuration puts the tip, the map may not say that nothing reaches.
 TEST(ReachMap, KnowsThePlacesThatRandomConfigurationsReach) {
   Rng rng = Rng::Stream(1, "reach map");
