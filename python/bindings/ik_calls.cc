@@ -112,7 +112,8 @@ nb::object AllSolutionsOf(const Chain& chain, const Pose& target, const IkOption
   std::vector<IkResult> found;
   {
     const nb::gil_scoped_release release;
-    found = IkSolutions(chain, target, options, separation);
+    SignalPoll poll;
+    found = IkSolutions(chain, target, options, separation, [&] { poll(); });
   }
   std::vector<double> rows;
   for (const IkResult& one : found) rows.insert(rows.end(), one.q.begin(), one.q.end());

@@ -86,6 +86,14 @@ def test_a_large_batch_of_inverse_kinematics_ends(threads):
         kinematics.ik_batch(out_of_reach, threads=threads)
 
 
+def test_looking_for_all_solutions_ends():
+    robot = cell().robot("a")
+    target = robot.fk_frame()
+    for ik_solutions in (robot.kinematics.ik_solutions, robot.chain.ik_solutions):
+        with interrupted():
+            ik_solutions(target, starts=1_000_000, prefer="manipulability")
+
+
 class Endless(Idle):
     """Never done."""
 

@@ -155,6 +155,47 @@ TEST_P(DifferentialIkTest, ObeysBoundsAndIsTheBestBetweenThem) {
   EXPECT_GT(exact, 0.9 * judged);
 }
 
+// Whatever is asked of whatever chain, wherever it stands.
+TEST(DifferentialIk, ObeysItsBoundsOnEveryChain) {
+  for (int joints = 1; joints <= 12; ++joints) {
+    Rng rng = Rng::Stream(joints, "any differential ik");
+    const TestModel t = TestModel::FromXml(
+        RandomChainXml(&rng, {.joints = joints, .slide_share = 0.3, .tiny_share = 0.2}).Write());
+    const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+    for (int k = 0; k < 60; ++k) {
+      JointVector q = RandomJoints(chain, &rng);
+      DifferentialIkOptions options{.seconds = 0.02, .max_speed = JointVector(joints)};
+      for (int i = 0; i < joints; ++i) {
+        options.max_speed[i] = rng.Uniform(0.1, 2);
+        options.locked[i] = rng.Uniform() < 0.1;
+        if (k % 3 == 0) q[i] += rng.Uniform(-0.1, 0.1);  // some of them beyond their limits
+      }
+      if (k % 2) options.posture = RandomJoints(chain, &rng);
+      const Vector3d linear(rng.Normal(), rng.Normal(), rng.Normal());
+      const Twist asked{linear, Vector3d(rng.Normal(), rng.Normal(), rng.Normal())};
+      const DifferentialIkResult found = DifferentialIk(chain, q, asked, options);
+      Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, joints);
+      chain.Jacobian(q, jacobian);
+      Eigen::Matrix<double, 6, 1> moved = -found.twist.vector();
+      for (int i = 0; i < joints; ++i) {
+        const double v = found.velocity[i], most = options.max_speed[i];
+        const ChainJoint& joint = chain.joints()[i];
+        EXPECT_TRUE(std::abs(v) <= most) << joint.name;
+        moved += jacobian.col(i) * v;
+        if (options.locked[i]) {
+          EXPECT_EQ(v, 0) << joint.name;
+          continue;
+        }
+        // In the limits after the time, or on the way back as fast as it may be.
+        const double after = q[i] + v * options.seconds;
+        EXPECT_TRUE(after >= joint.lower - 1e-12 || v == most) << joint.name;
+        EXPECT_TRUE(after <= joint.upper + 1e-12 || v == -most) << joint.name;
+      }
+      EXPECT_LT(moved.norm(), 1e-9);
+    }
+  }
+}
+
 TEST_P(DifferentialIkTest, StepsOfAMotionStayInTheLimits) {
   constexpr double kSeconds = 0.01;
   JointVector q = Inside();

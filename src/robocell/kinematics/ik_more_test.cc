@@ -416,6 +416,16 @@ TEST_P(IkMore, AllSolutionsAreApartAndTrueAndNearestFirst) {
   }
 }
 
+TEST_P(IkMore, AllSolutionsEndWithTheExceptionOfTheirPoll) {
+  int polls = 0;
+  const auto poll = [&] {
+    if (++polls == 3) throw Error("interrupted");
+  };
+  const IkOptions many{.max_restarts = 999};
+  ExpectThrow<Error>([&] { IkSolutions(chain_, Reached(), many, 0.05, poll); }, "interrupted");
+  EXPECT_EQ(polls, 3);
+}
+
 // Elbow up and elbow down, and nothing else: known in closed form.
 TEST(IkSolutionsOfTwoLinks, AreBothElbows) {
   const TestModel t = TestModel::FromXml(

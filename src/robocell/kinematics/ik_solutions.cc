@@ -16,14 +16,19 @@ namespace {
 
 // Far beyond what finds anything new; their answers have to fit into memory.
 constexpr int kMostStarts = 1'000'000;
+constexpr int kStartsBetweenPolls = 16;
 
 // Every start is a question of its own.
 class EveryStart : public LaneQueue {
  public:
-  EveryStart(const Transform& target, const IkOptions& options)
-      : target_(target), options_(options), answers_(std::size_t(options.max_restarts) + 1) {}
+  EveryStart(const Transform& target, const IkOptions& options, const std::function<void()>& poll)
+      : target_(target),
+        options_(options),
+        poll_(poll),
+        answers_(std::size_t(options.max_restarts) + 1) {}
 
   bool Next(LaneQuestion* question) override {
+    if (poll_ && next_ % kStartsBetweenPolls == 0) poll_();
     if (next_ >= static_cast<int>(answers_.size())) return false;
     *question = {.number = next_,
                  .target = target_,
@@ -47,6 +52,7 @@ class EveryStart : public LaneQueue {
  private:
   const Transform& target_;
   const IkOptions& options_;
+  const std::function<void()>& poll_;
   std::vector<IkResult> answers_;
   int next_ = 0;
 };
@@ -86,7 +92,8 @@ bool AreApart(const ChainModel& chain, const JointVector& a, const JointVector& 
 }  // namespace
 
 std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
-                                  const IkOptions& options, double separation) {
+                                  const IkOptions& options, double separation,
+                                  const std::function<void()>& poll) {
   CheckIkTarget(tip_in_base, "target");
   CheckIkOptions(chain, options);
   if (!(separation > 0 && std::isfinite(separation))) {
@@ -101,7 +108,7 @@ std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
   }
   const ChainModel& model = chain.model();
   const Transform target = ToTransform(tip_in_base);
-  EveryStart every(target, options);
+  EveryStart every(target, options, poll);
   SolveLanes(chain, options, &every);
   std::vector<IkResult> solutions = every.Solutions();
   Filter(options.filter, &solutions);

@@ -3,6 +3,7 @@
 //   for (const IkResult& found : IkSolutions(chain, target, {.seed = q_now})) Look(found.q);
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "robocell/kinematics/ik.h"
@@ -15,8 +16,10 @@ namespace robocell {
 // seed first unless that says otherwise. Of a chain with joints to spare these are samples of
 // endlessly many; with a preference each of them has moved to where it is met best, so that they
 // are one for each way to hold the arm. Deterministic. ArgumentError as Ik has it, for a separation
-// that is not above 0, and for more than a million starts.
+// that is not above 0, and for more than a million starts. `poll` is called now and then; what it
+// throws ends the search and comes out of it.
 std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
-                                  const IkOptions& options = {}, double separation = 0.05);
+                                  const IkOptions& options = {}, double separation = 0.05,
+                                  const std::function<void()>& poll = {});
 
 }  // namespace robocell
