@@ -1,4 +1,4 @@
-"""Run the benchmarks and print their table: run.py [--record] [--only NAME].
+"""Run the benchmarks and print their tables: run.py [--record] [--only NAME ...].
 
 Method: benchmarks/README.md. Raw values go to build/bench/results.json.
 """
@@ -13,6 +13,7 @@ import subprocess
 from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import add_remove
 import control_loop
@@ -24,6 +25,7 @@ import ik
 import overlap
 import reset
 import scene_again
+from record import record
 from table import Row, markdown
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -71,27 +73,25 @@ def circumstances() -> str:
 def main() -> None:
     """Run what was asked for, print the table and keep the values."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--record", action="store_true", help="write RESULTS.md")
-    parser.add_argument("--only", choices=sorted(BENCHMARKS), help="one benchmark")
+    parser.add_argument("--record", action="store_true", help="write what ran to RESULTS.md")
+    parser.add_argument("--only", nargs="+", choices=sorted(BENCHMARKS), help="only these")
     options = parser.parse_args()
-    if options.record and options.only:
-        parser.error("--record writes the whole table; leave out --only")
 
     folder = ROOT / "build" / "bench"
     folder.mkdir(parents=True, exist_ok=True)
-    rows: list[Row] = []
+    conditions = circumstances()
+    values: list[dict[str, Any]] = []
     for name, run in BENCHMARKS.items():
-        if options.only in (None, name):
-            print(f"running {name} ...", flush=True)
-            rows += run(folder)
-    (folder / "results.json").write_text(json.dumps([row.to_json() for row in rows], indent=1))
-    text = f"{circumstances()}\n\n{markdown(rows)}"
-    print(f"\n{text}")
-    if options.record:
-        header = (
-            "# Results\n\nWritten by `benchmarks/run.py --record`; method: [README](README.md).\n"
-        )
-        (ROOT / "benchmarks" / "RESULTS.md").write_text(f"{header}\n{text}")
+        if options.only and name not in options.only:
+            continue
+        print(f"running {name} ...", flush=True)
+        rows = run(folder)
+        values += [row.to_json() for row in rows]
+        (folder / "results.json").write_text(json.dumps(values, indent=1))
+        text = f"{conditions}\n\n{markdown(rows)}"
+        print(f"\n{text}", flush=True)
+        if options.record:  # at once: what comes later may fail
+            record(ROOT / "benchmarks" / "RESULTS.md", {name: text}, BENCHMARKS)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,31 @@
+"""benchmarks/record.py: what is measured anew replaces its own section of RESULTS.md only."""
+
+import sys
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
+from record import record, sections
+
+ORDER = ("a", "b", "c")
+TABLE = "- commit: 1\n\n| what |\n|---|\n| x |"
+
+
+def test_sections_come_in_order_whatever_ran_first(tmp_path: Path):
+    path = tmp_path / "RESULTS.md"
+    record(path, {"c": TABLE}, ORDER)
+    record(path, {"a": "first\n"}, ORDER)
+    assert list(sections(path.read_text())) == ["a", "c"]
+
+
+def test_only_what_ran_is_replaced(tmp_path: Path):
+    path = tmp_path / "RESULTS.md"
+    record(path, {"a": TABLE, "b": "old"}, ORDER)
+    before = path.read_text()
+    record(path, {"b": "new"}, ORDER)
+    assert path.read_text() == before.replace("old", "new")
+
+
+def test_the_recorded_results_are_read_whole():
+    path = Path(__file__).parents[1] / "benchmarks/RESULTS.md"
+    text = path.read_text()
+    assert sum(body.count("\n|") for body in sections(text).values()) == text.count("\n|")
