@@ -180,6 +180,73 @@ def test_vectors_of_gymnasiums_own():
     vector.close()
 
 
+FORKED = """
+import os, sys
+import robocell as rc
+from robocell.gym import GymEnv, pick_cube_config
+
+streams = [rc.CameraConfig(name="eye", camera="exo_camera")]
+config = pick_cube_config(cameras={"resolution": [64, 48], "streams": streams})
+
+
+def try_in_a_fork(work):
+    child = os.fork()
+    if child == 0:
+        try:
+            work()
+            print("drawn", flush=True)
+        except rc.Error as error:
+            print(error, flush=True)
+        os._exit(0)
+    os.waitpid(child, 0)
+
+
+def drawn_alone():
+    env = GymEnv(config)
+    env.reset(seed=0)
+
+
+try_in_a_fork(drawn_alone)
+env = GymEnv(config)
+env.reset(seed=0)
+try_in_a_fork(drawn_alone)
+try_in_a_fork(env.reset)
+try_in_a_fork(env.close)
+env.reset(seed=0)
+"""
+
+
+def test_forks_of_a_process_that_has_drawn_are_told():
+    """They waited for OpenGL's threads for ever."""
+    done = subprocess.run(
+        [sys.executable, "-c", FORKED],
+        env={"PYTHONPATH": ":".join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    before, *forked, closed = done.stdout.splitlines()
+    assert (before, len(forked), closed) == ("drawn", 2, "drawn")
+    for told in forked:
+        assert told.startswith("this process was forked after something had been drawn, and OpenGL")
+        assert "context='forkserver' or 'spawn'" in told
+        assert "gym.make_vec" in told
+
+
+def test_gymnasiums_processes_draw_with_another_context():
+    factory = partial(GymEnv, images_config())
+    vector = gym.vector.AsyncVectorEnv([factory] * 2, context="forkserver")
+    seen, _ = vector.reset(seed=0)
+    assert seen["frames"]["eye"]["rgb"]["data"].shape == (2, 48, 64, 3)
+    vector.close()
+
+
+def images_config() -> rc.EnvConfig:
+    streams = [rc.CameraConfig(name="eye", camera="exo_camera")]
+    return pick_cube_config(cameras={"resolution": [64, 48], "streams": streams})
+
+
 def test_images_are_part_of_the_space():
     streams = [{"name": "eye", "camera": "exo_camera", "depth": True, "segmentation": True}]
     images = config(cameras={"resolution": [32, 24], "streams": streams})

@@ -161,7 +161,9 @@ Opened Open(Display display) {
 class EglContext final : public GlContext {
  public:
   explicit EglContext(const Opened& opened) : opened_(opened) {}
-  ~EglContext() override { egl().DestroyContext(opened_.display, opened_.context); }
+  ~EglContext() override {
+    if (!InFork()) egl().DestroyContext(opened_.display, opened_.context);
+  }
 
   GlBackend backend() const override { return GlBackend::kEgl; }
 

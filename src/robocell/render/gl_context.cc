@@ -1,5 +1,7 @@
 #include "robocell/render/gl_context.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cctype>
@@ -16,6 +18,9 @@ namespace {
 
 // The library that MuJoCo's GL functions come from in this process; kAuto until there is one.
 std::atomic<GlBackend> process_backend = GlBackend::kAuto;
+
+// The process that had the first context; 0 until there is one.
+std::atomic<pid_t> drawing_process = 0;
 
 std::string Lower(std::string_view text) {
   std::string out(text);
@@ -80,12 +85,28 @@ GlBackend GlBackendFromEnvironment() {
   return GlBackend::kAuto;
 }
 
+bool GlContext::InFork() {
+  const pid_t first = drawing_process;
+  return first != 0 && first != getpid();
+}
+
+void GlContext::RequireOwnProcess() {
+  if (!InFork()) return;
+  throw Error(
+      "this process was forked after something had been drawn, and OpenGL does not work in such a "
+      "fork. Start it anew: context='forkserver' or 'spawn' in multiprocessing and in Gymnasium's "
+      "AsyncVectorEnv; or make copies of an environment in one process: gym.make_vec, "
+      "robocell.gym.VectorGymEnv");
+}
+
 std::unique_ptr<GlContext> GlContext::Create(GlBackend wanted) {
+  RequireOwnProcess();
   std::string tried, install;
   for (GlBackend backend : Order(wanted)) {
     try {
       auto context = CreateOne(backend);
       process_backend = backend;
+      drawing_process = getpid();
       return context;
     } catch (
         const ArgumentError&) {  // the caller asked for what does not exist: no silent replacement

@@ -19,7 +19,9 @@
 //
 // Errors: Error naming everything that was tried, why it failed and what to install. Threads: a
 // context is current on one thread at a time; within that rule it may move between threads.
-// Whatever context was current before a scope is current again after it.
+// Whatever context was current before a scope is current again after it. Processes: OpenGL's
+// threads are not there in a fork of a process that has drawn, where it would wait for them for
+// ever; a context that is made or used there is an Error.
 #pragma once
 
 #include <memory>
@@ -52,7 +54,10 @@ class GlContext {
   // Makes a context current on this thread for a scope.
   class Current {
    public:
-    explicit Current(GlContext& context) : context_(context) { context_.Enter(saved_); }
+    explicit Current(GlContext& context) : context_(context) {
+      RequireOwnProcess();
+      context_.Enter(saved_);
+    }
     ~Current() { context_.Leave(saved_); }
     Current(const Current&) = delete;
     Current& operator=(const Current&) = delete;
@@ -62,6 +67,9 @@ class GlContext {
     void* saved_[4] = {};  // what was current before, for the back end
   };
 
+  // Whether this process is a fork of one that has had a context.
+  static bool InFork();
+
  protected:
   GlContext() = default;
   using Saved = void* [4];
@@ -69,6 +77,9 @@ class GlContext {
   virtual void Leave(Saved& saved) noexcept = 0;
 
   std::string description_;
+
+ private:
+  static void RequireOwnProcess();
 };
 
 // The description of what draws here. Errors: those of Create, when nothing does.

@@ -47,7 +47,9 @@ class OsmesaContext final : public GlContext {
       : context_(osmesa().CreateContext(kRgba, 24, 8, 0, nullptr)), buffer_(4 * kSide * kSide) {
     if (!context_) throw IoError("OSMesaCreateContextExt failed");
   }
-  ~OsmesaContext() override { osmesa().DestroyContext(context_); }
+  ~OsmesaContext() override {
+    if (!InFork()) osmesa().DestroyContext(context_);
+  }
 
   GlBackend backend() const override { return GlBackend::kOsmesa; }
 
