@@ -11,7 +11,19 @@ namespace {
 constexpr double kShortest = 1e-6;  // quaternion that has a direction
 
 double Length(std::span<const double> q) {
-  return std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  return std::hypot(q[0], q[1], std::hypot(q[2], q[3]));  // its squares do not overflow
+}
+
+// Of unit length. First brought near it by a power of two, which rounds nothing: the length of the
+// longest is not a number that a double holds.
+Quaternion Normalised(std::span<const double> q) {
+  double largest = 0;
+  for (const double x : q) largest = std::max(largest, std::abs(x));
+  Quaternion unit;
+  for (size_t i = 0; i < 4; ++i) unit[i] = std::ldexp(q[i], -std::ilogb(largest));
+  const double length = Length(unit);
+  for (double& x : unit) x /= length;
+  return unit;
 }
 
 }  // namespace
@@ -56,8 +68,7 @@ Pose PoseOfAction(ControlMode mode, std::span<const double> action) {
     return Pose::FromRpy(translation, {action[3], action[4], action[5]});
   const std::span<const double> q = action.subspan(3, 4);
   if (!HasDirection(q)) return Pose(translation);
-  const double length = Length(q);
-  return Pose(translation, Quaternion{q[0] / length, q[1] / length, q[2] / length, q[3] / length});
+  return Pose(translation, Normalised(q));
 }
 
 }  // namespace robocell

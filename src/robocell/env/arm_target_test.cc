@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "robocell/base/rng.h"
@@ -89,6 +90,26 @@ TEST(ArmTarget, ReadsBothKindsOfCartesianActions) {
   EXPECT_TRUE(PoseOfAction(ControlMode::kCartesianTquat, tquat).is_close(pose, 1e-12, 1e-12));
   EXPECT_FALSE(HasDirection(std::vector<double>{0, 0, 0, 0}));
   EXPECT_TRUE(HasDirection(std::vector<double>{0, 0, 0.01, 0}));
+}
+
+TEST(ArmTarget, QuaternionsOfAnyLengthAreTheSameRotation) {
+  const Pose pose = Pose::FromRpy({0, 0, 0}, {0.4, -0.5, 0.6});
+  for (const double length : {1e-5, 1.0, 1e160, 1e300, std::numeric_limits<double>::max()}) {
+    std::vector<double> tquat = {0, 0, 0};
+    for (const double number : pose.quaternion()) tquat.push_back(length * number);
+    EXPECT_TRUE(HasDirection(std::span(tquat).subspan(3))) << length;
+    EXPECT_TRUE(PoseOfAction(ControlMode::kCartesianTquat, tquat).is_close(pose, 1e-12, 1e-12))
+        << length;
+  }
+  const double most = std::numeric_limits<double>::max();  // its length is more than a double holds
+  EXPECT_TRUE(
+      PoseOfAction(ControlMode::kCartesianTquat, std::vector<double>{0, 0, 0, most, 0, 0, most})
+          .is_close(Pose::FromRpy({0, 0, 0}, {kPi / 2, 0, 0}), 1e-12, 0));
+}
+
+TEST(ArmTarget, PlacesThatAreAsFarAsNumbersGoAreApproachedByTheLimit) {
+  const Pose sent = LimitedStep(Pose(), Pose(Eigen::Vector3d(3e300, 0, 4e300)), {0.05, 0.1});
+  EXPECT_TRUE(sent.translation().isApprox(Eigen::Vector3d(0.03, 0, 0.04), 1e-12));
 }
 
 }  // namespace

@@ -115,7 +115,9 @@ Pose Pose::interpolate(const Pose& to, double s) const {
 }
 
 Pose Pose::limit_translation(double metres) const {
-  const double length = translation_.norm();
+  // The norm of the longest is infinite.
+  const double norm = translation_.norm();
+  const double length = std::isfinite(norm) ? norm : translation_.stableNorm();
   if (length <= Limit(metres, "translation")) return *this;
   return Pose(translation_ * (metres / length), quaternion_, Unchecked());
 }
