@@ -3,6 +3,7 @@
 #include "robocell/env/env.h"
 
 #include <algorithm>
+#include <functional>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@
 #include "env.h"
 #include "in_use.h"
 #include "scene_sharing.h"
+#include "signals.h"
 #include "values.h"
 #include "robocell/base/names.h"
 #include "robocell/env/env_scene.h"
@@ -299,13 +301,31 @@ nb::tuple StepEnv(Env& env, nb::handle action) {
   const std::vector<double> numbers = ToAction(env, action);
   const InUse use(env, &Place, "stepped");
   EnvStep step;
+  SignalPoll poll;
   {
     const nb::gil_scoped_release release;
-    step = env.Step(numbers);
+    step = env.Step(numbers, std::ref(poll));
   }
   const bool diverged = step.reason == EndReason::kDiverged;
   return nb::make_tuple(Observation(env), step.reward, step.success, diverged, Info(env, step));
 }
+
+// A task that is written in Python refers to its class, that to the variables of its script, and
+// the environment is often among them.
+int TraverseEnv(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (nb::inst_ready(self)) Py_VISIT(TargetOfTask(*nb::inst_ptr<Env>(self)));
+  return 0;
+}
+
+int ClearEnv(PyObject* self) {
+  if (nb::inst_ready(self)) nb::inst_ptr<Env>(self)->DropTask();
+  return 0;
+}
+
+PyType_Slot env_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseEnv)},
+                           {Py_tp_clear, reinterpret_cast<void*>(&ClearEnv)},
+                           {0, nullptr}};
 
 }  // namespace
 
@@ -321,7 +341,8 @@ void BindEnv(nb::module_& m) {
       "with a task {'objects': {id: {'tquat': (7,)}}, 'task': {signal: (n,)}}, with streams "
       "{'frames': {stream: {'rgb' |\n"
       "'depth' | 'segmentation': {'data', 'intrinsics', 'extrinsics'}, 'time': (1,)}}};\n"
-      "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.");
+      "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.",
+      nb::type_slots(env_slots), nb::is_weak_referenceable());
   const auto require_usable = [](const Env& e) {
     RequireIdle(e, &Place);
     if (e.scene().closed()) RequireOpen(e.scene(), Place(e));
@@ -344,7 +365,8 @@ void BindEnv(nb::module_& m) {
            "and collision; info['collisions'] lists what touched, by robot and body. Wrong keys, "
            "sizes and numbers that are not finite are an ArgumentError before anything moves; "
            "numbers beyond their range are cut to it. While another thread steps it, all functions "
-           "are an Error. With a task there are info['is_success'], "
+           "are an Error. Ctrl-C ends it halfway; then only reset goes on. With a task there are "
+           "info['is_success'], "
            "which terminates, and info['instruction'].")
       .def("save", &Env::Save, "name"_a,
            "Keeps the present state under a name; restore(name) goes back to it.")

@@ -16,6 +16,10 @@ nb::dict Observation(const Env& env);
 nb::tuple ActionParts(const EnvLayout& layout);
 nb::tuple ObservationParts(const EnvLayout& layout);
 
+// The Python object of its task, for the collector; null for other tasks, and while something else
+// in C++ shares that reference.
+PyObject* TargetOfTask(const Env& env);
+
 // EnvState and EnvRecord, and what an environment does with them.
 void BindEnvState(nb::module_& m);
 void DefEnvState(nb::class_<Env>& env);

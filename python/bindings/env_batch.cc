@@ -118,12 +118,33 @@ nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>
                         reasons);
 }
 
+// As of one environment.
+int TraverseBatch(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  if (!nb::inst_ready(self)) return 0;
+  auto& batch = *nb::inst_ptr<EnvBatch>(self);
+  for (int i = 0; i < batch.size(); ++i) Py_VISIT(TargetOfTask(batch.env(i)));
+  return 0;
+}
+
+int ClearBatch(PyObject* self) {
+  if (!nb::inst_ready(self)) return 0;
+  auto& batch = *nb::inst_ptr<EnvBatch>(self);
+  for (int i = 0; i < batch.size(); ++i) batch.env(i).DropTask();
+  return 0;
+}
+
+PyType_Slot batch_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseBatch)},
+                             {Py_tp_clear, reinterpret_cast<void*>(&ClearBatch)},
+                             {0, nullptr}};
+
 }  // namespace
 
 void BindEnvBatch(nb::module_& m) {
   nb::class_<EnvBatch> batches(
       m, "EnvBatch",
-      "Copies of one environment on one model, stepped together on threads, with flat arrays.");
+      "Copies of one environment on one model, stepped together on threads, with flat arrays.",
+      nb::type_slots(batch_slots), nb::is_weak_referenceable());
   const auto require_usable = [](const EnvBatch& batch) {
     RequireIdle(batch, &Place);
     batch.RequireOpen();

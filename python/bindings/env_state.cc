@@ -136,7 +136,8 @@ void DefEnvState(nb::class_<Env>& env) {
           "root_frame_objects is put where it was in the root frame, for a rig that stands "
           "elsewhere.")
       .def("start_record", &Env::StartRecord,
-           "Notes actions and observations from now on; a reset drops them.")
+           "Notes actions and observations from now on; a reset drops them.\n\n"
+           "Error when it does so already.")
       .def("stop_record", &Env::StopRecord, "The record since start_record.")
       .def(
           "replay",

@@ -157,6 +157,10 @@ void RegisterPythonTask(const std::string& kind, nb::object factory) {
 
 }  // namespace
 
+PyObject* TargetOfTask(const Env& env) {
+  return env.task().use_count() == 1 ? TargetOf(env.task()) : nullptr;
+}
+
 void BindEnvTask(nb::module_& m) {
   m.attr(kFactories) = nb::dict();
   nb::class_<EnvTask, Task, PyEnvTask>(

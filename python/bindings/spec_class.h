@@ -3,6 +3,7 @@
 // Included by spec*.cc only.
 #pragma once
 
+#include <filesystem>
 #include <new>
 #include <string>
 #include <utility>
@@ -147,6 +148,19 @@ void ForEachSourceDir(T& value, F&& f) {
   }
 }
 
+// Whether relative paths start at the working folder when it has no folder; those of a robot
+// without one start at the folder of what the robot is part of.
+template <class T>
+constexpr bool kOwnsPaths = requires(T& value) {
+  value.source_dir;
+}
+&&!std::is_same_v<T, RobotConfig>;
+
+// The working folder for "".
+inline std::string AbsoluteFolder(const std::string& folder) {
+  return std::filesystem::absolute(folder.empty() ? "." : folder).lexically_normal().string();
+}
+
 // Pickled as YAML, and the folders of files.
 template <HasFields T>
 void DefCopies(nb::class_<T>& c) {
@@ -160,7 +174,11 @@ void DefCopies(nb::class_<T>& c) {
       "__getstate__",
       [](T& self) {
         std::vector<std::string> state = {ToYaml(self)};
-        ForEachSourceDir(self, [&](const std::string& folder) { state.push_back(folder); });
+        // Whoever takes it may work in another folder.
+        ForEachSourceDir(self, [&](const std::string& folder) {
+          const bool owner = kOwnsPaths<T> && state.size() == 1;
+          state.push_back(folder.empty() && !owner ? "" : AbsoluteFolder(folder));
+        });
         return state;
       },
       nb::sig("def __getstate__(self) -> list[str]"));
@@ -179,7 +197,9 @@ template <HasFields T>
 void DefYaml(nb::class_<T>& c) {
   c.def(
       "to_yaml", [](const T& self) { return ToYaml(self); },
-      "The spec as YAML text that comes back equal; unset fields are left out.");
+      "The spec as YAML text that comes back equal; unset fields are left out. Relative paths stay "
+      "so: "
+      "from_yaml takes their folder as `directory`; pickling keeps it.");
   c.def(
       "validate",
       [](const T& self, const std::string& what) {

@@ -122,3 +122,69 @@ def test_copies_of_a_vector_have_objects_of_their_own():
     assert masses[0] != masses[1]
     assert all(0.025 <= mass <= 0.1 for mass in masses)
     vector.close()
+
+
+def test_a_state_of_another_robot_is_told_from_ones_own():
+    """Also where it has as many numbers."""
+    env, other = rc.Env(config()), rc.Env(renamed())
+    env.reset(seed=1)
+    other.reset(seed=1)
+    state = env.get_state()
+    assert len(state.numbers) == len(other.get_state().numbers)
+    before = other.get_state().numbers
+    with pytest.raises(rc.ArgumentError, match="the state is of another environment; states fit"):
+        other.set_state(state)
+    assert np.array_equal(other.get_state().numbers, before)
+    act(other)
+    env.close()
+    other.close()
+
+
+def renamed() -> rc.EnvConfig:
+    """The same cell, whose cube has another name."""
+    own = config()
+    objects = {"die": own.root_frame_objects["cube"]}
+    return config(root_frame_objects=objects, task={"object": "die"})
+
+
+def test_states_that_are_no_numbers_change_nothing():
+    env = rc.Env(config())
+    env.reset(seed=1)
+    whole = env.get_state().numbers
+    task = 9 + int(whole[8]) + 1  # what a task remembers is its own business
+    indices = {0, 3, 7, 8, *range(9, len(whole), 7)} - {*range(task, task + int(whole[task - 1]))}
+    refused = 0
+    for i in sorted(indices):
+        for bad in (np.nan, np.inf):
+            numbers = whole.copy()
+            numbers[i] = bad
+            with pytest.raises(rc.ArgumentError) as told:
+                env.set_state(rc.EnvState(numbers))
+            refused += f"'pick_cube': number {i} of the state is {bad}" in str(told.value)
+            assert np.array_equal(env.get_state().numbers, whole)
+    assert refused > len(indices)
+    act(env)
+    env.close()
+
+
+def test_records_are_pickled_and_one_at_a_time():
+    env = rc.Env(config())
+    env.reset(seed=1)
+    with pytest.raises(
+        rc.Error, match=r"nothing is being recorded: start_record .* begins it, and"
+    ):
+        env.stop_record()
+    env.start_record()
+    act(env)
+    with pytest.raises(rc.Error, match="it is being recorded already, 3 steps by now; stop_record"):
+        env.start_record()
+    record = env.stop_record()
+    again = pickle.loads(pickle.dumps(record))
+    assert again.steps == 3
+    assert np.array_equal(again.start.numbers, record.start.numbers)
+    for name in ("actions", "observations", "rewards"):
+        assert np.array_equal(getattr(again, name), getattr(record, name))
+    assert env.replay(again).same
+    with pytest.raises(rc.ArgumentError, match="'pick_cube': a saved state needs a name"):
+        env.save("")
+    env.close()

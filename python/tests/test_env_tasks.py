@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import pickle
+import subprocess
+import sys
+import weakref
 from functools import partial
 
 import gymnasium as gym
@@ -225,3 +229,119 @@ def test_what_is_wrong_with_a_task_is_told(factory, error, message):
 def test_a_name_that_is_not_known():
     with pytest.raises(rc.NotFoundError, match=r"no task 'pik'. Its tasks: .*Did you mean 'pick'"):
         rc.Env(pick_cube_config(task={"kind": "pik"}))
+
+
+def never(kind: str, **methods) -> rc.EnvConfig:
+    """Of a task that never succeeds, with these methods."""
+    methods = {"success": lambda self, scene: False} | methods
+    rc.register_env_task(kind, lambda config, scene: type("Never", (Silent,), methods)())
+    return pick_cube_config(task={"kind": kind})
+
+
+@pytest.mark.parametrize("number", [float("nan"), float("inf")])
+def test_what_is_no_number_is_not_handed_on(number):
+    stay = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}}
+    env = rc.Env(never("odd_reward", reward=lambda self, scene: number))
+    env.reset()
+    text = f"environment 'pick_cube': the reward of task 'odd_reward' is {number}"
+    with pytest.raises(rc.ArgumentError, match=text):
+        env.step(stay)
+    env.close()
+    env = rc.Env(
+        never(
+            "odd_signal",
+            signals=lambda self: {"a": ([0, 0], [1, 1])},
+            observe=lambda self, scene: {"a": [0, number]},
+        )
+    )
+    text = rf"'pick_cube': task 'odd_signal' observed task.a\[1\], which is {number}"
+    with pytest.raises(rc.ArgumentError, match=text):
+        env.reset()
+    env.close()
+
+
+def test_tasks_have_names_and_what_they_need():
+    with pytest.raises(rc.ArgumentError, match="a task that is registered needs a name"):
+        rc.register_env_task("", Reach)
+    with pytest.raises(
+        rc.SpecError,
+        match=r"task.object: is required: what is to be picked, one of root_frame_objects: cube",
+    ):
+        rc.Env(pick_cube_config(task={"kind": "pick"}))
+    with pytest.raises(
+        rc.SpecError, match=r"task.kind: is required: pick, pick_place, or the name"
+    ):
+        rc.Env(pick_cube_config(task={"kind": ""}))
+    with pytest.raises(
+        rc.SpecError, match=r"task.goal: kind pick has no goal; kind pick_place has"
+    ):
+        rc.Env(pick_cube_config(task={"object": "cube", "goal": [0.4, 0, 0]}))
+
+
+ALONE = """
+import numpy as np
+import robocell as rc
+from robocell.gym import pick_cube_config
+
+
+class Reach(rc.EnvTask):
+    def __init__(self, config, scene):
+        super().__init__()
+        self.robot = scene.robot("robot")
+
+    def reward(self, scene):
+        return float(np.zeros(1)[0])
+
+    def success(self, scene):
+        return False
+
+    def instruction(self):
+        return "reach"
+
+
+rc.register_env_task("reach", Reach)
+config = pick_cube_config(task={"kind": "reach"})
+"""
+
+
+@pytest.mark.parametrize(
+    "made",
+    ["env = rc.Env(config)", "env = rc.EnvBatch(config, 2)", "env = GymEnv(config)"],
+)
+def test_a_script_that_ends_with_an_environment_says_nothing_of_leaks(tmp_path, made):
+    script = tmp_path / "script.py"
+    script.write_text(f"{ALONE}\nfrom robocell.gym import GymEnv\n{made}\nenv.reset()\n")
+    done = subprocess.run(
+        [sys.executable, script],
+        env={"PYTHONPATH": ":".join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=120,
+    )
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("make", [rc.Env, lambda config: rc.EnvBatch(config, 2)])
+def test_an_environment_and_its_task_are_collected(make):
+    class Circle(Silent):
+        env = None
+
+        def __init__(self, config, scene):
+            super().__init__()
+            self.robot = scene.robot("robot")
+
+        def success(self, scene):
+            return False
+
+    rc.register_env_task("circle", Circle)
+    env = Circle.env = make(pick_cube_config(task={"kind": "circle"}))
+    env.reset()
+    gone = weakref.ref(env)
+    rc.register_env_task("circle", Silent)
+    del env
+    gc.collect()
+    assert gone() is not None, "the class is still here"
+    del Circle
+    gc.collect()
+    assert gone() is None

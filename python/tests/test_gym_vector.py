@@ -264,6 +264,12 @@ def test_what_is_wrong_is_told_by_the_copy():
         vector.reset(options=[1])
     with pytest.raises(rc.ArgumentError, match="0 copies; at least 1"):
         VectorGymEnv(pick_cube_config(), 0)
+    with pytest.raises(
+        rc.ArgumentError,
+        match=r"'pick_cube': 1000000000 copies need [\d.e+]+ GB of memory or more, [\d.]+ MB each; "
+        r"this machine has [\d.]+ GB",
+    ):
+        VectorGymEnv(pick_cube_config(), 10**9)
     with pytest.raises(rc.ArgumentError, match="threads is -1; 0 for one for each core, or more"):
         VectorGymEnv(pick_cube_config(), 2, threads=-1)
     for limit in (0, -3):

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
+from robocell.gym import pick_cube_config
 from test_experts import Idle, load
 from test_robot import cell
 
@@ -47,6 +48,19 @@ def test_many_steps_end():
         scene.step_n(2_000_000_000)
     assert 0 < scene.time() < 4e6
     assert scene.step()
+
+
+def test_a_step_of_an_environment_ends():
+    sim = {"async_control": True, "frequency": 1e-3, "on_collision": "report"}
+    env = rc.Env(pick_cube_config(sim=sim))
+    env.reset(seed=0)
+    stay = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}}
+    with interrupted():
+        env.step(stay)
+    with pytest.raises(rc.Error, match="ended its last reset or step halfway; call reset to go on"):
+        env.step(stay)
+    env.reset()
+    env.close()
 
 
 def test_parts_of_many_steps_are_one_answer():

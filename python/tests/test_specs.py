@@ -4,6 +4,7 @@ import collections.abc
 import copy
 import pathlib
 import pickle
+import shutil
 
 import numpy as np
 import pytest
@@ -385,6 +386,21 @@ class TestValues:
 
     def test_pickles_hold_text_only(self):
         assert all(isinstance(part, str) for part in arm_config().__getstate__())
+
+    def test_pickles_are_built_in_any_folder(self, tmp_path, monkeypatch):
+        shutil.copytree(pathlib.Path(rc.models.robot_file("rc7")).parent, tmp_path / "arms")
+        (tmp_path / "cell.yaml").write_text("robots: {arm: arms/rc7.yaml}\nscene: room.xml\n")
+        (tmp_path / "room.xml").write_text("<mujoco model='room'/>")
+        (tmp_path / "elsewhere").mkdir()
+        monkeypatch.chdir(tmp_path)
+        loaded = rc.EnvConfig.load("cell.yaml")
+        made = rc.EnvConfig(robots={"arm": "arms/rc7.yaml"}, scene="room.xml")
+        pickled = [pickle.dumps(config) for config in (loaded, made)]
+        monkeypatch.chdir(tmp_path / "elsewhere")
+        for text in pickled:
+            config = pickle.loads(text)
+            assert config == loaded
+            rc.Env(config).close()
 
     def test_repr_gives_the_spec_back(self):
         spec = rc.SceneSpec(timestep=0.002, objects=[cube()], robots=[{"config": arm_config()}])

@@ -203,27 +203,31 @@ EndReason Env::ReasonOf(const StepResult& step, const EnvStep& out) {
   return HaveArrived() ? EndReason::kArrived : EndReason::kTimeout;
 }
 
-StepResult Env::Advance() {
-  return stepper_.AdvanceUntil({}, TicksOfStep(), [this] { return ShouldEnd(); }).step;
+StepResult Env::Advance(const Poll& poll) {
+  const auto done = [&] {
+    if (poll) poll();
+    return ShouldEnd();
+  };
+  return stepper_.AdvanceUntil({}, TicksOfStep(), done).step;
 }
 
 // Simulates the step; when a robot runs into something goes back to its begin, and simulates it
 // again with the arms held where they were sent before.
-StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& before,
-                               EnvStep& out) {
+StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& before, EnvStep& out,
+                               const Poll& poll) {
   cameras_.Mark();
   out.ik_failed = Send(action);
-  const StepResult ahead = Advance();
+  const StepResult ahead = Advance(poll);
   if (!ahead.ok() || !collided_) return ahead;
   out.collisions = collisions_.found();
   Recall(before);
   collisions_.Begin();
   cameras_.GoBackToMark();
   held_ = true;
-  return Advance();
+  return Advance(poll);
 }
 
-EnvStep Env::Step(std::span<const double> action) {
+EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   CheckAction(action);
   EnvStep out;
   collided_ = held_ = false;
@@ -233,10 +237,10 @@ EnvStep Env::Step(std::span<const double> action) {
   collisions_.Begin();
   StepResult result;
   if (before) {
-    result = AdvanceGuarded(action, *before, out);
+    result = AdvanceGuarded(action, *before, out, poll);
   } else {
     out.ik_failed = Send(action);
-    result = Advance();
+    result = Advance(poll);
   }
   out.reason = ReasonOf(result, out);
   out.message = result.message;
@@ -247,15 +251,20 @@ EnvStep Env::Step(std::span<const double> action) {
     return out;
   }
   Observe();
-  if (task_) {
-    const TaskVerdict verdict = task_->Judge(scene_);
-    out.reward = verdict.reward;
-    out.success = verdict.success;
-  }
+  if (task_) Judge(out);
   phase_ = Phase::kReady;
   if (record_) Note(action, out.reward);
   if (config_.sim.realtime) pacer_.Wait(out.time);
   return out;
+}
+
+void Env::Judge(EnvStep& out) {
+  const TaskVerdict verdict = task_->Judge(scene_);
+  out.reward = verdict.reward;
+  out.success = verdict.success;
+  if (std::isfinite(out.reward)) return;
+  throw ArgumentError(
+      fmt::format("{}: the reward of task '{}' is {}", place(), config_.task->kind, out.reward));
 }
 
 void Env::Observe() {
@@ -273,9 +282,14 @@ void Env::Observe() {
 
 void Env::ObserveTask() {
   const auto [begin, size] = layout_.all_signals;
-  if (size == 0) return;
+  if (size == 0 || !task_) return;
   task_->Observe(scene_, std::span(observation_).subspan(begin, size));
   for (int i = begin; i < begin + size; ++i) {
+    if (!std::isfinite(observation_[i])) {
+      throw ArgumentError(fmt::format("{}: task '{}' observed {}, which is {}", place(),
+                                      config_.task->kind, NameOfObservation(layout_, i),
+                                      observation_[i]));
+    }
     observation_[i] =
         std::clamp(observation_[i], layout_.observation.lower[i], layout_.observation.upper[i]);
   }

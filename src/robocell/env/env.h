@@ -14,15 +14,17 @@
 // and is tried again with the next command.
 //
 // Errors: SpecError for what is wrong with the configuration; ArgumentError for actions of a wrong
-// size or with numbers that are not finite, before anything moves; numbers beyond their range are
-// cut to it. Divergence is a value: after it, as after an error on the way, only Reset and Restore
-// go on. With on_collision guard a step is simulated, and when a robot runs into something, taken
-// back: the arms are held where they were sent before, for as long as the step takes, and the
-// reason is collision. Copies of one environment run in parallel each with an Env of its own on a
-// frozen model. Threads: those of the scene.
+// size or with numbers that are not finite, before anything moves, and for rewards and signals of a
+// task that are not finite; numbers beyond their range are cut to it. Divergence is a value: after
+// it, as after an error on the way, only Reset and Restore go on. With on_collision guard a step is
+// simulated, and when a robot runs into something, taken back: the arms are held where they were
+// sent before, for as long as the step takes, and the reason is collision. Copies of one
+// environment run in parallel each with an Env of its own on a frozen model. Threads: those of the
+// scene.
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -80,8 +82,9 @@ class Env {
 
   void Reset(const EnvResetOptions& options = {});
   // `action` has layout().action.size() numbers. Error before the first Reset and after a
-  // divergence.
-  EnvStep Step(std::span<const double> action);
+  // divergence. `poll` is called after each step of the engine; what it throws ends the step
+  // halfway.
+  EnvStep Step(std::span<const double> action, const std::function<void()>& poll = {});
   // Throws what Step would throw for this action, and moves nothing.
   void CheckAction(std::span<const double> action) const;
   // What the last Reset or Step left, layout().observation.size() numbers; a step that diverged
@@ -107,17 +110,23 @@ class Env {
   // The present state as a value: for an environment of the same configuration, in another process
   // too, and with StateFrame::kRoot of a rig that stands elsewhere. Error before the first Reset.
   EnvState state() const;
-  // ArgumentError for a state of another configuration.
+  // ArgumentError for a state of another configuration and for numbers that are not finite, before
+  // anything changes.
   void SetState(const EnvState& state, StateFrame frame = StateFrame::kWorld);
 
   // Notes what is done and seen from now on, for ReplayRecord. It ends with StopRecord, and a Reset
-  // or going back to a state drops it. Error when nothing is recorded.
+  // or going back to a state drops it. Error when it is being done already, or nothing is recorded.
   void StartRecord();
   EnvRecord StopRecord();
 
   // With relative_to configured_origin: from now on relative to where the robot was last sent.
   // NotFoundError lists the robots.
   void SetOriginToCurrent(const std::string& robot);
+
+  // For those who own the task's object in another language: the only reference to it from here,
+  // null without one, and its end. Without its task an environment is of no use any more.
+  const std::shared_ptr<EnvTask>& task() const { return task_; }
+  void DropTask() { task_.reset(); }
 
  private:
   enum class Phase { kUnready, kReady, kDiverged, kBroken };
@@ -134,8 +143,11 @@ class Env {
   void CheckState(const EnvState& state) const;
   void Recall(const EnvState& state);
   void MoveToRoot(const Pose& from);
-  StepResult Advance();
-  StepResult AdvanceGuarded(std::span<const double> action, const EnvState& before, EnvStep& out);
+  using Poll = std::function<void()>;
+  StepResult Advance(const Poll& poll);
+  StepResult AdvanceGuarded(std::span<const double> action, const EnvState& before, EnvStep& out,
+                            const Poll& poll);
+  void Judge(EnvStep& out);
   int64_t TicksOfStep() const;
   double TimeSinceReset() const;
   bool ShouldEnd();

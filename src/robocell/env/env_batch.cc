@@ -1,6 +1,8 @@
 #include "robocell/env/env_batch.h"
 
+#include <unistd.h>
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 
@@ -33,6 +35,26 @@ std::shared_ptr<SharedDrawing> NewDrawing(const EnvConfig& config, const mjModel
   return drawing;
 }
 
+// What a copy needs at least, bytes: the engine's data, and of a model of its own the arrays.
+double BytesOfCopy(const Scene& scene, bool own_model) {
+  const double data =
+      static_cast<double>(sizeof(mjData)) + static_cast<double>(scene.data()->nbuffer);
+  return own_model ? data + static_cast<double>(mj_sizeModel(scene.model())) : data;
+}
+
+double BytesOfMachine() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+// Before the memory is full, which nobody hears of but the one that is killed for it.
+void CheckMemory(const EnvConfig& config, int count, double bytes_of_copy) {
+  const double need = count * bytes_of_copy, there = BytesOfMachine();
+  if (need <= there) return;
+  throw ArgumentError(fmt::format(
+      "{}: {} copies need {:.3g} GB of memory or more, {:.3g} MB each; this machine has {:.3g} GB",
+      BatchPlace(config), count, need / 1e9, bytes_of_copy / 1e6, there / 1e9));
+}
+
 bool Holds(const std::vector<bool>& which, int i) { return !which.empty() && which[i]; }
 
 }  // namespace
@@ -51,6 +73,7 @@ EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
     own.name = fmt::format("{}[{}]", config.name, i);
     envs_.push_back(std::make_unique<Env>(
         std::move(own), Scene::FromCompiled(shared ? compiled : compiled->Copy()), i, drawing));
+    if (i == 0) CheckMemory(config, count, BytesOfCopy(envs_.front()->scene(), !shared));
   }
   episode_steps_.resize(count);
   observations_.resize(static_cast<size_t>(count) * layout().observation.size());

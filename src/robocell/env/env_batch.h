@@ -10,8 +10,9 @@
 // Copies are called `name[i]` in messages. Their images are drawn by one renderer, one copy after
 // the other, when all have stepped: env(i).frames().
 //
-// Errors: those of Env. An action that is refused leaves all copies as they are; what else one copy
-// throws comes out after all have finished, the first by its number. Threads: one caller at a time.
+// Errors: those of Env; ArgumentError for more copies than the machine has memory for. An action
+// that is refused leaves all copies as they are; what else one copy throws comes out after all have
+// finished, the first by its number. Threads: one caller at a time.
 #pragma once
 
 #include <cstdint>

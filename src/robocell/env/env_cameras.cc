@@ -1,10 +1,12 @@
 #include "robocell/env/env_cameras.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/base/error.h"
 #include "robocell/render/stream_camera.h"
 
 namespace robocell {
@@ -21,6 +23,15 @@ EnvFrame FrameOf(const CameraConfig& stream, int width, int height) {
   return frame;
 }
 
+// Frames are taken at steps of the engine.
+void CheckRate(const CameraConfig& stream, double timestep) {
+  if (stream.rate * timestep <= 1 + kRounding) return;
+  throw ArgumentError(
+      fmt::format("stream '{}': its rate, {:g} Hz, is more often than the engine steps, every {:g} "
+                  "s; at most {:g} Hz, or leave it out for a frame with every observation",
+                  stream.name, stream.rate, timestep, 1 / timestep));
+}
+
 }  // namespace
 
 void SharedDrawing::TakeColours(const mjModel* copy) {
@@ -32,6 +43,7 @@ EnvCameras::EnvCameras(Scene scene, const CameraSystemConfig& config,
     : scene_(std::move(scene)), shared_(std::move(shared)) {
   if (config.streams.empty()) return;
   for (const CameraConfig& stream : config.streams) {
+    CheckRate(stream, scene_.timestep());
     streams_.push_back({.config = stream});
     frames_.push_back(FrameOf(stream, config.width(stream), config.height(stream)));
   }

@@ -90,10 +90,22 @@ EnvReplay ReplayRecord(Env& env, const EnvRecord& record, StateFrame frame, doub
   return replay;
 }
 
-void Env::StartRecord() { record_ = EnvRecord{.start = state(), .observations = observation_}; }
+void Env::StartRecord() {
+  RequireReady();
+  if (record_) {
+    throw Error(
+        fmt::format("{}: it is being recorded already, {} steps by now; stop_record "
+                    "(StopRecord) gives them",
+                    place(), record_->steps()));
+  }
+  record_ = EnvRecord{.start = state(), .observations = observation_};
+}
 
 EnvRecord Env::StopRecord() {
-  if (!record_) throw Error(place() + ": nothing is being recorded; StartRecord begins");
+  if (!record_)
+    throw Error(place() +
+                ": nothing is being recorded: start_record (StartRecord) begins it, and a reset or "
+                "going back to a state drops it");
   EnvRecord record = std::move(*record_);
   record_.reset();
   return record;

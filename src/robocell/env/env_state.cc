@@ -4,6 +4,8 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string_view>
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -15,6 +17,54 @@
 
 namespace robocell {
 namespace {
+
+constexpr size_t kNumbersBeforePhysics = 8;  // the rig's pose, ticks
+
+constexpr double kMostTicks = 1e15;
+constexpr double kMostBodies = 1e9;
+
+// A number of steps, or of bodies.
+int64_t ToWhole(double number, double most) {
+  if (number >= 0 && number <= most && number == std::floor(number))
+    return static_cast<int64_t>(number);
+  throw ArgumentError(fmt::format(
+      "these numbers are no state of an environment: {} where a whole number is expected", number));
+}
+
+// Fowler, Noll, Vo: FNV-1a.
+class NamesHash {
+ public:
+  void Add(std::string_view name) {
+    for (const char c : name) AddByte(static_cast<unsigned char>(c));
+    AddByte(0);  // "ab", "c" are not "a", "bc"
+  }
+  // A double holds it.
+  double value() const { return static_cast<double>(hash_ >> 16); }
+
+ private:
+  void AddByte(unsigned char byte) { hash_ = (hash_ ^ byte) * 0x100000001b3u; }
+  uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+// What makes the numbers of a state mean what they do: other fixed bodies do not matter.
+double HashOfNames(const EnvConfig& config, const mjModel* m) {
+  NamesHash hash;
+  const auto add = [&](mjtObj type, int id) {
+    const char* name = mj_id2name(m, type, id);
+    hash.Add(name ? name : "");
+  };
+  for (const std::string& robot : config.robots.keys()) hash.Add(robot);
+  for (int j = 0; j < m->njnt; ++j) {
+    add(mjOBJ_JOINT, j);
+    add(mjOBJ_BODY, m->jnt_bodyid[j]);
+    hash.Add(fmt::to_string(m->jnt_type[j]));
+  }
+  for (int b = 0; b < m->nbody; ++b) {
+    if (m->body_mocapid[b] >= 0) add(mjOBJ_BODY, b);
+  }
+  for (int a = 0; a < m->nu; ++a) add(mjOBJ_ACTUATOR, a);
+  return hash.value();
+}
 
 // The free joints and mocap bodies in the subtree of a body.
 struct Movables {
@@ -74,6 +124,7 @@ std::vector<double> EnvState::numbers() const {
     const std::vector<double> own = arm.numbers();
     out.insert(out.end(), own.begin(), own.end());
   }
+  out.push_back(names_hash);
   return out;
 }
 
@@ -82,19 +133,21 @@ EnvState EnvState::FromNumbers(std::span<const double> numbers) {
   EnvState state;
   const std::span<const double> p = reader.Take(7);
   state.root_frame_to_world = Pose({p[0], p[1], p[2]}, Quaternion{p[3], p[4], p[5], p[6]});
-  state.ticks = static_cast<int64_t>(reader.Take(1)[0]);
+  state.ticks = ToWhole(reader.Take(1)[0], kMostTicks);
   state.physics = reader.List();
   state.task = reader.List();
   state.variations = reader.List();
   const std::vector<double> pairs = reader.List();
   for (size_t i = 0; i + 1 < pairs.size(); i += 2)
-    state.touching.emplace_back(static_cast<int>(pairs[i]), static_cast<int>(pairs[i + 1]));
+    state.touching.emplace_back(static_cast<int>(ToWhole(pairs[i], kMostBodies)),
+                                static_cast<int>(ToWhole(pairs[i + 1], kMostBodies)));
   const size_t arms = reader.Count();
   for (size_t i = 0; i < arms; ++i) {
     const size_t joints = reader.Count();
     std::span<const double> own = reader.Take(ArmDriver::Memory::CountOfNumbers(joints));
     state.arms.push_back(ArmDriver::Memory::FromNumbers(joints, own));
   }
+  state.names_hash = reader.Take(1)[0];
   reader.RequireEnd();
   return state;
 }
@@ -106,22 +159,33 @@ EnvState Env::state() const {
                  .task = task_ ? task_->memory() : std::vector<double>(),
                  .variations = variations_.drawn(),
                  .touching = collisions_.memory(),
-                 .ticks = ticks_};
+                 .ticks = ticks_,
+                 .names_hash = HashOfNames(config_, scene_.model())};
   for (const ArmDriver& arm : arms_) state.arms.push_back(arm.memory());
   return state;
 }
 
 void Env::CheckState(const EnvState& state) const {
-  bool fits = state.arms.size() == arms_.size() &&
+  bool fits = state.names_hash == HashOfNames(config_, scene_.model()) &&
+              state.arms.size() == arms_.size() &&
               state.variations.size() == variations_.drawn().size() &&
               state.task.size() == (task_ ? task_->memory().size() : 0) &&
               state.physics.size() == scene_.state().size();
   for (size_t i = 0; fits && i < arms_.size(); ++i)
     fits = state.arms[i].commanded.size() == arms_[i].memory().commanded.size();
-  if (fits) return;
-  throw ArgumentError(place() +
-                      ": the state is of another environment; states fit those of the same "
-                      "configuration, but for root_frame_to_world");
+  if (!fits) {
+    throw ArgumentError(place() +
+                        ": the state is of another environment; states fit those of the same "
+                        "configuration, but for root_frame_to_world");
+  }
+  // A task may remember what it likes.
+  const auto task =
+      static_cast<std::ptrdiff_t>(kNumbersBeforePhysics + 1 + state.physics.size() + 1);
+  const std::vector<double> numbers = state.numbers();
+  for (std::ptrdiff_t i = 0; i < std::ssize(numbers); ++i) {
+    if (std::isfinite(numbers[i]) || (i >= task && i < task + std::ssize(state.task))) continue;
+    throw ArgumentError(fmt::format("{}: number {} of the state is {}", place(), i, numbers[i]));
+  }
 }
 
 // Without the observation.
@@ -157,6 +221,7 @@ void Env::SetState(const EnvState& state, StateFrame frame) {
 }
 
 void Env::Save(const std::string& name) {
+  if (name.empty()) throw ArgumentError(place() + ": a saved state needs a name");
   saved_[name] = {.generation = scene_.generation(), .state = state()};
 }
 

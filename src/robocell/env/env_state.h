@@ -35,6 +35,9 @@ struct EnvState {
   std::vector<double> variations = {};  // ObjectVariations::drawn()
   CollisionMonitor::Memory touching = {};
   int64_t ticks = 0;  // engine steps since the reset
+  // Of the names of robots, and of the joints, moving bodies and actuators that the numbers are of:
+  // a whole number, as those of a file are.
+  double names_hash = 0;
 
   // For files.
   std::vector<double> numbers() const;

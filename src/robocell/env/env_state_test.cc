@@ -201,8 +201,10 @@ TEST(EnvReplays, OfRecordsFromFiles) {
 TEST(EnvReplays, RecordingEndsWithTheEpisode) {
   Env env(Rc7WithCube());
   env.Reset();
-  ExpectThrow<Error>([&] { env.StopRecord(); }, "nothing is being recorded; StartRecord begins");
+  ExpectThrow<Error>([&] { env.StopRecord(); },
+                     "nothing is being recorded: start_record (StartRecord) begins it");
   env.StartRecord();
+  ExpectThrow<Error>([&] { env.StartRecord(); }, "it is being recorded already, 0 steps by now");
   env.Reset();
   ExpectThrow<Error>([&] { env.StopRecord(); }, "nothing is being recorded");
 }

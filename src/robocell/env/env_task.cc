@@ -46,6 +46,7 @@ EnvTaskFactory FindTask(const EnvConfig& config) {
 }  // namespace
 
 void RegisterEnvTask(const std::string& kind, EnvTaskFactory factory) {
+  if (kind.empty()) throw ArgumentError("a task that is registered needs a name");
   if (!factory) throw ArgumentError("task '" + kind + "' needs a function that makes it");
   TaskRegistry& registry = EnvTasks();
   const std::lock_guard lock(registry.mutex);

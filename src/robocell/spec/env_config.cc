@@ -118,10 +118,28 @@ void CheckTask(const EnvConfig& env, Problems& problems) {
     problems.AddAt(
         field, NoSuchName("root_frame_objects", "object", object, env.root_frame_objects.keys()));
   };
-  if (places || task.kind == "pick" || !task.object.empty()) check_object("object", task.object);
+  CheckNotEmpty(task.kind, "kind", "pick, pick_place, or the name of a task that was registered",
+                problems);
+  const bool picks = places || task.kind == "pick";
+  if (picks) {
+    const std::vector<std::string> ids = env.root_frame_objects.keys();
+    CheckNotEmpty(task.object, "object",
+                  ids.empty()
+                      ? "what is to be picked, by its id in root_frame_objects, where "
+                        "nothing is yet"
+                      : "what is to be picked, one of root_frame_objects: " + ListNames(ids),
+                  problems);
+  }
+  if (!task.object.empty()) check_object("object", task.object);
   if (!task.goal_object.empty()) check_object("goal_object", task.goal_object);
   if (places && !task.goal)
     problems.AddAt("goal", "is required: where the object is to be put, for example [0.4, 0.2, 0]");
+  for (const auto& [field, is_set] : {std::pair{"goal", task.goal.has_value()},
+                                      std::pair{"goal_object", !task.goal_object.empty()},
+                                      std::pair{"goal_spread", task.goal_spread != Vec2{0, 0}}}) {
+    if (task.kind == "pick" && is_set)
+      problems.AddAt(field, "kind pick has no goal; kind pick_place has, or leave this out");
+  }
   if (places && !task.goal_object.empty() && task.goal_object == task.object)
     problems.AddAt("goal_object", "is the object that is to be put there; name another one");
 }
@@ -194,7 +212,10 @@ void EnvConfig::Validate(Problems& problems) const {
   CheckNotEmpty(scene, "scene", "the base scene, for example empty_world", problems);
   if (robots.empty())
     problems.AddAt("robots", "an environment needs a robot, for example {robot: xarm7.yaml}");
-  for (const std::string& robot : robots.keys()) CheckNamePart(robot, "robots", problems);
+  for (const std::string& robot : robots.keys()) {
+    CheckNamePart(robot, "robots", problems);
+    CheckNotEmpty(robot, "robots", "a name for each robot, found ''", problems);
+  }
   for (const char* taken : {"frames", "objects", "task"}) {
     if (robots.contains(taken))
       problems.AddAt("robots", fmt::format("'{}' is a part of observations; give the robot another "

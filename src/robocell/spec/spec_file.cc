@@ -93,8 +93,13 @@ std::string MissingSpecFile(const std::string& path, const std::string& type) {
   }
   const std::vector<std::string> names = SpecFilesIn(looked, type);
   const std::vector<std::string> near = NearestNames(fs::path(path).filename().string(), names, 1);
-  const std::string hint =
+  std::string hint =
       near.empty() ? "" : fmt::format(" Did you mean '{}'?", (folder / near[0]).string());
+  if (type == "RobotConfig" && folder.empty() && !fs::path(path).has_extension()) {
+    hint += fmt::format(
+        " The file of a built-in robot is rc.models.robot_file('{}') (C++: BuiltinRobotFile).",
+        path);
+  }
   return fmt::format("no {} '{}'.{}{}{}", kind.what, path, Listing(looked, kind.what, names), hint,
                      tail);
 }
