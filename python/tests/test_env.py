@@ -185,3 +185,29 @@ def test_a_closed_environment_says_so():
     with pytest.raises(rc.ClosedError, match="environment 'duo' is closed"):
         env.reset()
     assert env.config.name == "duo"
+
+
+def test_quaternions_of_actions_may_be_as_long_as_numbers_go():
+    arms = rc.EnvConfig(
+        robots={"arm": rc.models.robot_file("rc7")},
+        control_mode=rc.ControlMode.CARTESIAN_TQUAT,
+        sim={"async_control": True, "frequency": 20},
+    )
+    seen = []
+    turn = np.array([0, 0, 0.1, 1])
+    for length in (1.0, 1e160, 1e300):
+        env = rc.Env(arms)
+        env.reset(seed=0)
+        observation, *_ = env.step({"arm": {"tquat": [0, 0, 0, *(turn * length)], "gripper": 1}})
+        seen.append(observation["arm"]["joints"])
+        env.close()
+    for joints in seen[1:]:
+        np.testing.assert_allclose(joints, seen[0], atol=1e-9)
+
+
+def test_robots_have_names_and_built_in_ones_a_file(tmp_path, monkeypatch):
+    with pytest.raises(rc.SpecError, match="robots: is required: a name for each robot, found ''"):
+        rc.Env(rc.EnvConfig(robots={"": rc.models.robot_file("rc7")}))
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(rc.IoError, match=r"built-in robot is rc.models.robot_file\('rc7'\)"):
+        rc.EnvConfig(robots={"arm": "rc7"})

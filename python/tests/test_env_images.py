@@ -74,6 +74,19 @@ def test_frames_come_at_the_rate_of_their_stream():
         assert 0 <= now - times["fast"] < 0.012
 
 
+def test_no_stream_is_faster_than_the_engine():
+    config = watched()
+    config.cameras.streams.append({"name": "fast", "camera": "top", "rate": 1e9})
+    text = (
+        r"stream 'fast': its rate, 1e\+09 Hz, is more often than the engine steps, every 0.002 s; "
+        "at most 500 Hz, or leave it out for a frame with every observation"
+    )
+    with pytest.raises(rc.ArgumentError, match=text):
+        rc.Env(config)
+    config.cameras.streams[1].rate = 500
+    rc.Env(config).close()
+
+
 def test_a_camera_that_is_not_there_is_told():
     config = watched()
     config.cameras.streams[0].name = "eye"
