@@ -1,5 +1,7 @@
 """Control modes and controllers from Python: what holds, what moves, what gives way."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -31,6 +33,27 @@ def build(*robots: rc.RobotSpec) -> rc.Scene:
 def arm_of(scene: rc.Scene, prefix: str = "") -> rc.Robot:
     tool = rc.ToolFrameSpec(tool_body="g_base", tcp_site="g_pinch")
     return rc.Robot.from_scene(scene, "base_link", "bracelet_link", prefix=prefix, tool=tool)
+
+
+def two_joints(folder: Path, joint: str, actuator: str) -> rc.Robot:
+    """An arm that turns about the vertical and a level axis, in velocity mode."""
+    (folder / "arm.xml").write_text(f"""<mujoco><compiler angle="radian"/>
+      <default><joint armature="0.05" {joint}/><geom contype="0" conaffinity="0" size="0.03"/>
+      </default><worldbody><body name="base"><geom mass="1"/>
+        <body name="upper"><joint name="j1" axis="0 0 1"/>
+          <geom type="capsule" mass="2" fromto="0 0 0 0.3 0 0"/>
+          <body name="fore" pos="0.3 0 0"><joint name="j2" axis="0 1 0"/>
+            <geom type="capsule" mass="1" fromto="0 0 0 0.3 0 0"/><site name="tcp"/>
+      </body></body></body></worldbody>
+      <actuator><{actuator} name="a1" joint="j1"/><{actuator} name="a2" joint="j2"/></actuator>
+    </mujoco>""")
+    config = rc.RobotConfig(name="arm", model=str(folder / "arm.xml"))
+    config.move_groups["arm"] = rc.MoveGroupConfig(
+        kind="arm", joints=["j1", "j2"], actuators=["a1", "a2"], leaf=rc.ElementRef("tcp")
+    )
+    config.control["arm"] = "joint_velocity"
+    modes = ["velocity", "torque" if actuator.startswith("motor") else "position"]
+    return build(rc.RobotSpec(name="arm", config=config, control_modes=modes)).robot("arm")
 
 
 def rc7(gravcomp: bool = True, **fields: object) -> rc.Robot:
@@ -112,7 +135,29 @@ class TestModes:
         robot.jnt_vel_cmd[0] = 0.3
         run(robot, 500)
         assert robot.arm.joint_pos[0] - before[0] == pytest.approx(0.3, abs=0.02)
-        assert robot.arm.joint_vel[0] == pytest.approx(0.3, abs=0.02)
+        assert robot.arm.joint_vel[0] == pytest.approx(0.3, abs=3e-3)
+
+    @pytest.mark.parametrize(
+        ("joint", "actuator"),
+        [
+            ('damping="60"', 'position kp="2000"'),
+            ('damping="0.4" frictionloss="2"', 'motor ctrlrange="-90 90"'),
+            ('stiffness="20" springref="0.4"', 'motor gear="-30" ctrlrange="-3 3"'),
+        ],
+    )
+    def test_velocity_is_reached_against_what_resists(self, tmp_path, joint, actuator):
+        robot = two_joints(tmp_path, joint, actuator)
+        for velocity in ([0.1, 0.1], [-0.1, 0.0], [0.0, 0.2]):
+            robot.jnt_vel_cmd = velocity
+            run(robot, 800)
+            np.testing.assert_allclose(robot.jnt_vel_msr, velocity, atol=1e-3)
+
+    def test_velocity_servos_push_no_harder_than_the_motor(self, tmp_path):
+        robot = two_joints(tmp_path, 'damping="0.4"', 'motor gear="2" ctrlrange="-3 6"')
+        robot.jnt_vel_cmd = [50, -50]
+        run(robot, 10)
+        np.testing.assert_allclose(robot.jnt_trq_msr, [12, -6], rtol=2e-3)
+        assert abs(robot.jnt_trq_msr) @ [1, 2] <= 24
 
     def test_modes_are_actuator_groups_of_the_model(self):
         robot = rc7(control_modes=["torque"])

@@ -6,10 +6,13 @@
 #include <limits>
 
 #include "robocell/base/error.h"
+#include "robocell/robot/joint_resistance.h"
 
 namespace robocell {
 namespace {
 
+constexpr double kRounding = 1e-3;  // rad or m, of joint limits
+constexpr double kInside = 0.999;   // of a force limit, so that nothing is cut off there
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
 inline void CutOff(Interval& limit, const mjtNum* range, double scale) {
@@ -26,6 +29,18 @@ const Chain& ArmGroup::chain() const {
                       "configured arm of a robot");
 }
 
+size_t ArmGroup::FindBeyondLimits(std::span<const double> q) const {
+  core().Bind();
+  const mjModel* m = core().model();
+  for (size_t i = 0; i < q.size(); ++i) {
+    const int joint = core().joint_ids()[i];
+    const mjtNum* range = m->jnt_range + 2 * joint;
+    if (!m->jnt_limited[joint]) continue;
+    if (q[i] < range[0] - kRounding || q[i] > range[1] + kRounding) return i;
+  }
+  return q.size();
+}
+
 void ArmGroup::GravityTorques(std::span<const double> q, std::span<double> out) const {
   chain().GravityTorques(q, gravity_in_base(), out);
 }
@@ -33,6 +48,12 @@ void ArmGroup::GravityTorques(std::span<const double> q, std::span<double> out) 
 void ArmGroup::InverseDynamics(std::span<const double> q, std::span<const double> qd,
                                std::span<const double> qdd, std::span<double> out) const {
   chain().InverseDynamics(q, qd, qdd, gravity_in_base(), out);
+}
+
+void ArmGroup::AddResistance(std::span<const double> q, std::span<const double> velocity,
+                             std::span<double> torque) const {
+  core().Bind();
+  AddJointResistance(core().model(), core().joint_ids(), q, velocity, torque);
 }
 
 Interval ArmGroup::torque_limit(size_t joint) const {
@@ -52,13 +73,19 @@ size_t ArmGroup::FindStrained(std::span<const double> torque, size_t from) const
 
 // In the engine's order: what one leaves the next cuts off, even where they have nothing in common.
 Interval ArmGroup::TorqueLimit(const mjModel* m, size_t joint) const {
-  const int actuator = core().actuator_ids()[joint], id = core().joint_ids()[joint];
+  const int actuator = core().actuator_ids()[joint];
   Interval limit{-kNoLimit, kNoLimit};
   const int input = m->actuator_ctrladr[actuator];
   const double gear = m->actuator_gear[6 * m->actuator_outadr[actuator]];
   if (m->actuator_ctrllimited[input])
     CutOff(limit, m->actuator_ctrlrange + 2 * input,
            gear * m->actuator_gainprm[mjNGAIN * actuator]);
+  return WithinForceLimits(m, joint, limit);
+}
+
+Interval ArmGroup::WithinForceLimits(const mjModel* m, size_t joint, Interval limit) const {
+  const int actuator = core().actuator_ids()[joint], id = core().joint_ids()[joint];
+  const double gear = m->actuator_gear[6 * m->actuator_outadr[actuator]];
   if (m->actuator_forcelimited[actuator])
     CutOff(limit, m->actuator_forcerange + 2 * actuator, gear);
   if (m->jnt_actfrclimited[id]) CutOff(limit, m->jnt_actfrcrange + 2 * id, 1);
@@ -75,14 +102,18 @@ void ArmGroup::CtrlForJointTorque(std::span<const double> torque, std::span<doub
   }
 }
 
-void ArmGroup::CtrlForJointVel(std::span<const double> velocity, std::span<const double> torque,
-                               std::span<double> ctrl) const {
+void ArmGroup::CtrlForJointVel(std::span<const double> velocity, std::span<const double> now,
+                               std::span<const double> torque, std::span<double> ctrl) const {
   core().Bind();
   const mjModel* m = core().model();
   const std::vector<int>& ids = core().actuator_ids();
   for (size_t i = 0; i < ids.size(); ++i) {
     const double gear = m->actuator_gear[6 * m->actuator_outadr[ids[i]]];
-    ctrl[i] = gear * velocity[i] + torque[i] / (gear * m->actuator_gainprm[mjNGAIN * ids[i]]);
+    const double gain = gear * m->actuator_gainprm[mjNGAIN * ids[i]];
+    const Interval limit = WithinForceLimits(m, i, {-kNoLimit, kNoLimit});
+    const double push = std::clamp(gain * gear * (velocity[i] - now[i]) + torque[i],
+                                   kInside * limit.lower, kInside * limit.upper);
+    ctrl[i] = gear * now[i] + push / gain;
   }
 }
 

@@ -30,6 +30,9 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
 
   // As SetJointPos, but what follows from it is computed when next asked for, or stepped.
   void WriteJointPos(std::span<const double> q) { core().WriteJointPos(q); }
+  // The first joint that `q` puts beyond its limits, by more than rounding; nq() when there is
+  // none. No allocation.
+  size_t FindBeyondLimits(std::span<const double> q) const;
   // Simulated seconds.
   double time() const { return core().scene().time(); }
   Eigen::Vector3d gravity_in_base() const { return core().gravity_in_base(); }
@@ -39,6 +42,11 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   void InverseDynamics(std::span<const double> q, std::span<const double> qd,
                        std::span<const double> qdd, std::span<double> out) const;
 
+  // Adds what the joints' springs, dampers and friction resist with when they move at `velocity`
+  // (joint_resistance.h), N m or N.
+  void AddResistance(std::span<const double> q, std::span<const double> velocity,
+                     std::span<double> torque) const;
+
   // What the motor of a joint can push it with; +-infinity where nothing limits it.
   Interval torque_limit(size_t joint) const;
   // The first joint from `from` on whose motor cannot push with its `torque`, or may just not; nv()
@@ -46,15 +54,19 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   size_t FindStrained(std::span<const double> torque, size_t from) const;
   // The controls of motors that push with `torque`.
   void CtrlForJointTorque(std::span<const double> torque, std::span<double> ctrl) const;
-  // The controls of velocity servos that drive at `velocity` and push with `torque` on top.
-  void CtrlForJointVel(std::span<const double> velocity, std::span<const double> torque,
-                       std::span<double> ctrl) const;
+  // The controls of velocity servos that drive joints that move at `now` at `velocity`, and push
+  // with `torque` on top: no harder than they can, because a servo that is cut off by its limit is
+  // a switch, which stiff ones of light joints would go on throwing at every step.
+  void CtrlForJointVel(std::span<const double> velocity, std::span<const double> now,
+                       std::span<const double> torque, std::span<double> ctrl) const;
   // Where position servos have to be sent to push with `torque` at `q`.
   void JointPosForTorque(std::span<const double> q, std::span<const double> torque,
                          std::span<double> out) const;
 
  private:
   Interval TorqueLimit(const mjModel* m, size_t joint) const;
+  // `limit` within what the forces of actuator and joint are limited to.
+  Interval WithinForceLimits(const mjModel* m, size_t joint, Interval limit) const;
 
   const std::optional<Chain>* chain_ = nullptr;
 };

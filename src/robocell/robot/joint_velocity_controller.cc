@@ -11,7 +11,12 @@ std::unique_ptr<Controller> MakeJointVelocityController(MoveGroup& group) {
 }
 
 JointVelocityController::JointVelocityController(ArmGroup& arm)
-    : arm_(arm), velocity_(std::vector<double>(arm.nv())), gravity_(arm.nv()), q_(arm.nq()) {
+    : arm_(arm),
+      velocity_(std::vector<double>(arm.nv())),
+      still_(arm.nv()),
+      feedforward_(arm.nv()),
+      q_(arm.nq()),
+      qd_(arm.nv()) {
   Reset();
 }
 
@@ -30,8 +35,10 @@ void JointVelocityController::Compute(std::span<double> ctrl) {
   CheckValues([&] { return arm_.place(); }, "joint", velocity_.get(), target_size(),
               arm_.joint_names());
   arm_.GetJointPos(q_);
-  arm_.GravityTorques(q_, gravity_);
-  arm_.CtrlForJointVel(velocity_.get(), gravity_, ctrl);
+  arm_.GetJointVel(qd_);
+  arm_.InverseDynamics(q_, qd_, still_, feedforward_);
+  arm_.AddResistance(q_, velocity_.get(), feedforward_);
+  arm_.CtrlForJointVel(velocity_.get(), qd_, feedforward_, ctrl);
 }
 
 }  // namespace robocell

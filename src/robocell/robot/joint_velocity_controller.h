@@ -1,5 +1,7 @@
 // The velocity port: velocity servos drive each joint at the velocity that is commanded. They are
-// fed what holds the arm against gravity, so that it does not sag.
+// fed what the arm takes to move so without them: gravity and Coriolis torques where it is and as
+// it moves, and what its joints' springs, dampers and friction resist the commanded velocity with.
+// So they have only errors to push against; no error is summed up.
 #pragma once
 
 #include <memory>
@@ -35,8 +37,8 @@ class JointVelocityController : public Controller {
  private:
   ArmGroup& arm_;
   PortValues velocity_;
-  std::vector<double> gravity_;
-  std::vector<double> q_;  // as last measured
+  std::vector<double> still_, feedforward_;
+  std::vector<double> q_, qd_;  // as last measured
 };
 
 }  // namespace robocell

@@ -276,7 +276,6 @@ class SceneCompiler {
     }
     std::erase_if(out_->warnings_, IsAboutEmptyPrefix);
     mjModel* model = out_->model_ = out_->model_owner_.get();
-    FillVelocityGains(model, limbs);
     for (const RobotRecord& robot : out_->robots_) CheckRobot(model, robot, report_);
     CheckGroups(model, out_->robots_, report_);
     CheckKeyframes(model, home_, out_->robots_, report_);
@@ -284,6 +283,7 @@ class SceneCompiler {
     FillPool(model);
     FillHomeKey(model, key, home_, out_->robots_);
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
+    FillVelocityGains(model, out_->home_key_, limbs);
     for (size_t i = 0; i < robots_.size(); ++i) {
       CheckRanges(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);
       CheckServos(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);

@@ -10,7 +10,9 @@
 #include <set>
 
 #include "robocell/base/names.h"
+#include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/owners.h"
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {
@@ -126,6 +128,27 @@ std::optional<CtrlMode> NativeMode(const mjSpec* spec, const Limb& limb) {
 
 // --- Adding actuators ----------------------------------------------------------------------------
 
+bool IsLimited(int limited, const double* range) {
+  return limited == mjLIMITED_TRUE || (limited == mjLIMITED_AUTO && range[0] < range[1]);
+}
+
+// An actuator pushes no harder than the one that it stands in for. What limits a motor may be its
+// force or its control.
+void LimitForce(const mjsActuator* authored, mjsActuator* actuator) {
+  actuator->forcelimited = authored->forcelimited;
+  std::copy_n(authored->forcerange, 2, actuator->forcerange);
+  const bool is_motor = authored->biastype == mjBIAS_NONE;
+  if (!is_motor || !IsLimited(authored->ctrllimited, authored->ctrlrange)) return;
+  const double scale = authored->gainprm[0];
+  const auto [low, high] =
+      std::minmax({scale * authored->ctrlrange[0], scale * authored->ctrlrange[1]});
+  const bool also = IsLimited(authored->forcelimited, authored->forcerange);
+  const double* range = authored->forcerange;
+  actuator->forcerange[0] = also ? std::clamp(low, range[0], range[1]) : low;
+  actuator->forcerange[1] = also ? std::clamp(high, range[0], range[1]) : high;
+  actuator->forcelimited = mjLIMITED_TRUE;
+}
+
 // On the joint of `authored`, with its gear and force limit.
 void AddActuator(const mjsActuator* authored, const std::string& joint, CtrlMode mode, mjSpec* spec,
                  const std::string& place) {
@@ -139,8 +162,7 @@ void AddActuator(const mjsActuator* authored, const std::string& joint, CtrlMode
   actuator->trntype = mjTRN_JOINT;
   mjs_setString(actuator->target, joint.c_str());
   std::copy_n(authored->gear, 6, actuator->gear);
-  actuator->forcelimited = authored->forcelimited;
-  std::copy_n(authored->forcerange, 2, actuator->forcerange);
+  LimitForce(authored, actuator);
   actuator->ctrllimited = mjLIMITED_FALSE;
   std::fill_n(actuator->ctrlrange, 2, 0.0);
   actuator->actlimited = mjLIMITED_FALSE;
@@ -234,6 +256,44 @@ class GroupNumbers {
   int next_ = 1;  // 0 is where everything is unless somebody says so
 };
 
+// --- Gains ---------------------------------------------------------------------------------------
+
+class VelocityGains {
+ public:
+  VelocityGains(const mjModel* m, int home_key) : m_(m), home_key_(home_key) {}
+
+  // Of the velocity servo on the joint of an authored actuator, with its gear: the joint is braked
+  // with the gear squared times this, N m s/rad or N s/m.
+  double Beside(int authored) {
+    const double stiffness = -m_->actuator_biasprm[mjNBIAS * authored + 1];
+    const double braking = -m_->actuator_biasprm[mjNBIAS * authored + 2];
+    if (braking > 0) return braking;
+    const int dof = m_->jnt_dofadr[m_->actuator_trnid[2 * authored]];
+    const double gear = std::abs(m_->actuator_gear[6 * m_->actuator_outadr[authored]]);
+    if (stiffness > 0) return 2 * std::sqrt(stiffness / m_->dof_invweight0[dof]) / gear;
+    return InertiaAtHome(dof) / (kVelocityTime * gear * gear);
+  }
+
+ private:
+  double InertiaAtHome(int dof) {
+    if (!data_) data_ = DataAtHome();
+    return data_->M[m_->M_rowadr[dof] + m_->M_rownnz[dof] - 1];  // the last of a row is its own
+  }
+
+  DataPtr DataAtHome() const {
+    DataPtr data = MakeData(m_);
+    Guarded("gains of velocity servos", data.get(), [&] {
+      if (home_key_ >= 0) mj_resetDataKeyframe(m_, data.get(), home_key_);
+      mj_fwdPosition(m_, data.get());
+    });
+    return data;
+  }
+
+  const mjModel* m_;
+  int home_key_;
+  DataPtr data_;  // made when first needed: few arms have motors
+};
+
 void ReportTooMany(const RobotLimbs& robot, int needed, int left, Report& report) {
   const std::string message =
       fmt::format("its arms need {} actuator groups for their control modes and {} of {} are left",
@@ -314,20 +374,18 @@ void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, R
   }
 }
 
-void FillVelocityGains(mjModel* m, const std::vector<RobotLimbs>& robots) {
+void FillVelocityGains(mjModel* m, int home_key, const std::vector<RobotLimbs>& robots) {
+  VelocityGains gains(m, home_key);
   for (const RobotLimbs& robot : robots) {
     for (const Limb& limb : robot.limbs) {
       if (!Has(limb, CtrlMode::kVelocity) || limb.native == CtrlMode::kVelocity) continue;
       for (size_t i = 0; i < limb.joints.size(); ++i) {
-        const int servo = FindId(m, mjOBJ_ACTUATOR, robot.prefix + limb.actuators[i]);
+        const int authored = FindId(m, mjOBJ_ACTUATOR, robot.prefix + limb.actuators[i]);
         const int added =
             FindId(m, mjOBJ_ACTUATOR,
                    robot.prefix + ModeActuatorName(limb.joints[i], CtrlMode::kVelocity));
-        if (servo < 0 || added < 0) continue;
-        const mjtNum* bias = m->actuator_biasprm + mjNBIAS * servo;
-        const int dof = m->jnt_dofadr[m->actuator_trnid[2 * servo]];
-        double gain = -bias[2];
-        if (gain <= 0) gain = 2 * std::sqrt(std::max(-bias[1], 1.0) / m->dof_invweight0[dof]);
+        if (authored < 0 || added < 0) continue;
+        const double gain = gains.Beside(authored);
         m->actuator_gainprm[mjNGAIN * added] = gain;
         m->actuator_biasprm[mjNBIAS * added + 2] = -gain;
       }

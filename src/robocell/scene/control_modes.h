@@ -69,7 +69,12 @@ struct RobotLimbs {
 void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, Report& report);
 
 // Velocity servos brake as the position servos of their joints do; where these do not say, so that
-// a position servo as stiff would be critically damped. Written into the compiled model.
-void FillVelocityGains(mjModel* model, const std::vector<RobotLimbs>& robots);
+// a position servo as stiff would be critically damped. Those beside motors brake the inertia that
+// their joint has at the keyframe `home_key` (the diagonal of the mass matrix, armature included;
+// at the reference when < 0) within kVelocityTime. Written into the compiled model.
+void FillVelocityGains(mjModel* model, int home_key, const std::vector<RobotLimbs>& robots);
+
+// Seconds in which an error of the velocity of a joint with a motor falls to 1/e, the others still.
+inline constexpr double kVelocityTime = 0.05;
 
 }  // namespace robocell

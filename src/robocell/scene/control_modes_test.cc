@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/compile.h"
@@ -105,6 +107,61 @@ TEST_F(ControlModes, AddedActuatorsHaveGearAndForceLimitOfTheServo) {
   EXPECT_EQ(m->actuator_gainprm[mjNGAIN * brake], 10) << "as the servo brakes";
   EXPECT_EQ(m->actuator_biasprm[mjNBIAS * brake + 2], -10);
   EXPECT_FALSE(m->actuator_forcelimited[Actuator(m, "a0_elbow_torque")]);
+}
+
+// The arm with motors, the one at the shoulder geared and limited in its control.
+constexpr const char* kServos[] = {R"(<position name="servo1" joint="shoulder" kp="100" kv="10"/>)",
+                                   R"(<position name="servo2" joint="elbow" kp="50" kv="5"/>)"};
+
+std::string WithActuators(const std::string& shoulder, const std::string& elbow) {
+  std::string model = kTwoJointArm;
+  for (const auto& [servo, actuator] : {std::pair{kServos[0], shoulder}, {kServos[1], elbow}})
+    model.replace(model.find(servo), std::string(servo).size(), actuator);
+  return model;
+}
+
+TEST_F(ControlModes, VelocityServosBesideMotorsBrakeTheInertiaAtHomeAndPushNoHarder) {
+  RobotConfig config = ArmConfig(
+      folder.Write("motors", WithActuators(R"(<motor name="servo1" joint="shoulder" gear="-4"
+                                  ctrlrange="-0.5 1" forcerange="-9 0.7"/>)",
+                                           R"(<general name="servo2" joint="elbow" gainprm="-3"
+                                  ctrlrange="-2 1"/>)")));
+  config.home["arm"] = {0.2, 0.9};
+  config.control["arm"] = ControlKind::kJointTorque;
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.name = "a", .config = config, .prefix = "a_"});
+  spec.robots[0].control_modes = Modes{kVelocity, kTorque};
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  std::vector<mjtNum> inertia(m->nv * m->nv);
+  mj_fullM(m, scene.data(), inertia.data());
+  const struct {
+    const char* joint;
+    double gear, low, high;
+  } joints[] = {{"shoulder", -4, -0.5, 0.7}, {"elbow", 1, -3, 6}};
+  for (const auto& [joint, gear, low, high] : joints) {
+    const int id = Actuator(m, std::string("a_") + joint + "_velocity");
+    const int dof = m->jnt_dofadr[RequireId(m, mjOBJ_JOINT, std::string("a_") + joint, "")];
+    const double gain = inertia[dof * m->nv + dof] / 0.05 / (gear * gear);
+    EXPECT_NEAR(m->actuator_gainprm[mjNGAIN * id], gain, 1e-9 * gain) << joint;
+    EXPECT_NEAR(m->actuator_biasprm[mjNBIAS * id + 2], -gain, 1e-9 * gain) << joint;
+    EXPECT_EQ(m->actuator_gear[6 * id], gear);
+    EXPECT_TRUE(m->actuator_forcelimited[id]) << joint;
+    EXPECT_EQ(m->actuator_forcerange[2 * id], low) << joint;
+    EXPECT_EQ(m->actuator_forcerange[2 * id + 1], high) << joint;
+  }
+}
+
+TEST_F(ControlModes, VelocityServosBesideServosWithoutDampingAreCriticallyDamped) {
+  SceneSpec spec = Arms(1, Modes{kPosition, kVelocity});
+  spec.robots[0].path = folder.Write(
+      "undamped",
+      WithActuators(R"(<position name="servo1" joint="shoulder" kp="100" gear="5"/>)", kServos[1]));
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  const int dof = m->jnt_dofadr[RequireId(m, mjOBJ_JOINT, "a0_shoulder", "")];
+  const double joint_gain = 25 * m->actuator_gainprm[mjNGAIN * Actuator(m, "a0_shoulder_velocity")];
+  EXPECT_NEAR(joint_gain, 2 * std::sqrt(100 * 25 / m->dof_invweight0[dof]), 1e-9 * joint_gain);
 }
 
 TEST_F(ControlModes, GroupsThatPartsUseAreLeftToThem) {

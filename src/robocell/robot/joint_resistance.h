@@ -1,0 +1,22 @@
+// What joints push back with when they are moved: their springs, dampers and friction.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "robocell/mujoco/forward.h"
+
+namespace robocell {
+
+// Adds to `torque` (N m or N) what keeps joints at `q` moving at `velocity` (rad and rad/s, or m
+// and m/s) against their springs, their dampers, those of actuators on them (which count even where
+// the actuator is switched off) and their friction loss; none of it where a joint stands still but
+// the spring's. Joints of one degree of freedom; tendons are left out. No allocation.
+//
+// The polynomials are the engine's: springs push with x (k0 + k1 x + k2 x^2), dampers with
+// v (d0 + d1 |v| + d2 v^2), those of actuators with the joint's velocity and the gear squared.
+void AddJointResistance(const mjModel* model, const std::vector<int>& joint_ids,
+                        std::span<const double> q, std::span<const double> velocity,
+                        std::span<double> torque);
+
+}  // namespace robocell

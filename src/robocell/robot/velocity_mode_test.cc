@@ -1,0 +1,135 @@
+// Velocity mode of arms that resist: dampers, springs, friction, motors instead of servos, limits.
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/joint_resistance.h"
+#include "robocell/robot/testing/robots.h"
+#include "robocell/scene/testing/scenes.h"
+
+namespace robocell {
+namespace {
+
+constexpr CtrlMode kPosition = CtrlMode::kPosition, kVelocity = CtrlMode::kVelocity,
+                   kTorque = CtrlMode::kTorque;
+
+// An arm that turns about the vertical, then about a level axis, so that gravity pulls.
+std::string Arm(const std::string& joint, const std::string& actuator) {
+  return R"(
+  <compiler angle="radian" autolimits="true"/>
+  <default><joint armature="0.05" )" +
+         joint + R"(/><geom type="capsule" contype="0" conaffinity="0" size="0.03"/></default>
+  <worldbody>
+    <body name="base">
+      <geom mass="1" fromto="0 0 0 0 0 0.1"/>
+      <body name="upper" pos="0 0 0.1">
+        <joint name="j1" axis="0 0 1"/><geom mass="2" fromto="0 0 0 0.3 0 0"/>
+        <body name="fore" pos="0.3 0 0">
+          <joint name="j2" axis="0 1 0"/><geom mass="1" fromto="0 0 0 0.3 0 0"/>
+          <site name="tcp" pos="0.3 0 0"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <)" + actuator +
+         R"( name="a1" joint="j1"/><)" + actuator + R"( name="a2" joint="j2"/>
+  </actuator>)";
+}
+
+class VelocityMode : public ::testing::Test {
+ protected:
+  Robot Build(const std::string& joint, const std::string& actuator, CtrlMode native) {
+    RobotConfig config{.name = "arm", .model = folder.Write("arm", Arm(joint, actuator))};
+    config.move_groups["arm"] = {.kind = MoveGroupKind::kArm,
+                                 .joints = {"j1", "j2"},
+                                 .actuators = {"a1", "a2"},
+                                 .leaf = ElementRef{.kind = ElementKind::kSite, .name = "tcp"}};
+    config.control["arm"] = ControlKind::kJointVelocity;
+    RobotSpec spec{.name = "arm", .config = config};
+    spec.control_modes = std::vector{native, kVelocity};
+    return Robot::Of(Scene::Build(SceneWith(spec)), "arm");
+  }
+
+  static void Run(Robot& robot, const std::vector<double>& velocity, int steps) {
+    robot.SetJntVelCmd(velocity);
+    for (int i = 0; i < steps; ++i) {
+      robot.Update();
+      ASSERT_TRUE(robot.Step().ok());
+    }
+    robot.Update();
+  }
+
+  static void ExpectReached(Robot& robot, const std::vector<double>& velocity) {
+    Run(robot, velocity, 1000);
+    for (int i = 0; i < 2; ++i) EXPECT_NEAR(robot.jnt_vel_msr()[i], velocity[i], 1e-3) << i;
+  }
+
+  ModelFolder folder;
+};
+
+TEST_F(VelocityMode, ReachesItAgainstDampersSpringsAndFriction) {
+  for (const char* joint :
+       {"damping='60'", "damping='2 10 30'", "frictionloss='5'",
+        "stiffness='20 5 3' springref='0.4'", "damping='8' frictionloss='2' stiffness='10'"}) {
+    SCOPED_TRACE(joint);
+    Robot robot = Build(joint, "position kp='2000'", kPosition);
+    ExpectReached(robot, {0.1, 0.1});
+    ExpectReached(robot, {-0.1, 0});
+  }
+}
+
+TEST_F(VelocityMode, MotorsReachItAndTheirOtherJointsKeepStill) {
+  Robot robot = Build("damping='0.4'", "motor ctrlrange='-90 90'", kTorque);
+  ExpectReached(robot, {0.1, 0.1});
+  ExpectReached(robot, {0, 0});
+  const double before = robot.jnt_pos_msr()[1];
+  ExpectReached(robot, {0.3, 0});
+  EXPECT_NEAR(robot.jnt_pos_msr()[1], before, 1e-3);
+}
+
+TEST_F(VelocityMode, DampersOfActuatorsAreOvercomeEvenWhereTheseAreOff) {
+  Robot robot = Build("damping='1'", "position kp='500' damping='12' gear='2'", kPosition);
+  ExpectReached(robot, {0.1, -0.1});
+}
+
+TEST_F(VelocityMode, MotorsPushNoHarderThanTheirControlAllows) {
+  Robot robot = Build("damping='0.4'", "motor ctrlrange='-3 6' gear='2'", kTorque);
+  robot.SetJntVelCmd(std::vector<double>{50, -50});
+  for (int i = 0; i < 20; ++i) {
+    robot.Update();
+    ASSERT_TRUE(robot.Step().ok());
+    robot.Update();
+    EXPECT_LE(robot.jnt_trq_msr()[0], 12) << i;
+    EXPECT_GE(robot.jnt_trq_msr()[1], -6) << i;
+    EXPECT_NEAR(robot.jnt_trq_msr()[0], 12, 0.02) << i;
+    EXPECT_NEAR(robot.jnt_trq_msr()[1], -6, 0.02) << i;
+  }
+}
+
+TEST_F(VelocityMode, ResistanceIsWhatTheEngineComputes) {
+  const Robot robot = Build("damping='2 3 5' stiffness='20 5 3' springref='0.4' frictionloss='7'",
+                            "position kp='500' damping='12 2 1' gear='2'", kPosition);
+  const Scene scene = robot.scene();
+  const mjModel* m = scene.model();
+  mjData* d = scene.data();
+  const std::vector<int> joints = {RequireId(m, mjOBJ_JOINT, "j1", ""),
+                                   RequireId(m, mjOBJ_JOINT, "j2", "")};
+  for (const double x : {-1.3, -0.2, 0.0, 0.6, 2.1}) {
+    const std::vector<double> q = {x, 0.3 - x}, v = {0.5 - x, 1.1 * x};
+    std::copy_n(q.data(), 2, d->qpos);
+    std::copy_n(v.data(), 2, d->qvel);
+    mj_forward(m, d);
+    std::vector<double> torque = {10, 20};
+    AddJointResistance(m, joints, q, v, torque);
+    for (int i = 0; i < 2; ++i) {
+      const double friction = v[i] == 0 ? 0 : std::copysign(7, v[i]);
+      EXPECT_NEAR(torque[i], 10.0 * (i + 1) - d->qfrc_passive[i] + friction, 1e-9) << x;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace robocell
