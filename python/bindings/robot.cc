@@ -301,7 +301,8 @@ void BindRobotClass(nb::module_& m) {
             r.SetJointPos(ToRow(q, "q"), call_forward);
           },
           "q"_a, "call_forward"_a = true,
-          "Teleports the arm and re-seeds its port. Without `call_forward` poses are updated when "
+          "Teleports the arm and re-seeds its port. Positions beyond the limits are taken, and the "
+          "limits push back: the log says so once. Without `call_forward` poses are updated when "
           "they are asked for, and all else by the next step.")
       .def(
           "fk_frame",

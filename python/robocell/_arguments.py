@@ -38,6 +38,7 @@ SYNONYMS = (
     {"quaternion", "quat", "orientation"},
     {"rpy", "euler"},
 )
+CALLABLE = "collections.abc.Callable"
 LISTS = ("list", "collections.abc.Sequence", "collections.abc.Iterable")
 MAPS = ("dict", "collections.abc.Mapping")
 
@@ -138,6 +139,8 @@ def word(kind: ast.expr) -> str:
     name = text.partition("[")[0]
     if name in WORDS:
         return WORDS[name]
+    if name == CALLABLE:
+        return "a function"
     if isinstance(kind, ast.Subscript) and name in LISTS:
         return f"a list of {short(kind.slice)}"
     if isinstance(kind, ast.Subscript) and name in MAPS:
@@ -179,6 +182,8 @@ def fits_one(value: object, kind: ast.expr) -> bool | None:
         if isinstance(value, NUMBERS[text]):
             return True
         return False if isinstance(value, (*NOTHING_LIKE, float)) else None
+    if name == CALLABLE:
+        return callable(value)
     if text in ("str", "bool", "bytes"):
         return isinstance(value, {"str": str, "bool": bool, "bytes": bytes}[text])
     if name == "os.PathLike":

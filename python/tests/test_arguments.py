@@ -81,6 +81,10 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             "Robot.ik(): `pose` must be a Pose or numbers, got 'up'. It is called as Robot.ik(",
         ),
         (
+            lambda s: s.on_reset(5),
+            "Scene.on_reset(): `hook` must be a function, got 5 (int). It is called as ",
+        ),
+        (
             lambda s: s.robot("a").set_joint_pos(None),
             "Robot.set_joint_pos(): `q` must be a value, ",
         ),

@@ -102,6 +102,10 @@ WRONG: dict[str, tuple[Command, str]] = {
         lambda s, r: s.set_actuator_ctrl("servo5", NAN),
         "control of actuator 'servo5' must be a finite number, got nan",
     ),
+    "scene, state": (
+        lambda s, r: s.set_state([s.time(), NAN, *s.state()[2:]]),
+        "number 1 of the state is nan: the position of joint 'joint1'; all of a state is finite",
+    ),
     "scene, wrench": (
         lambda s, r: s.set_body_wrench("link3", [0, NAN, 0], [0, 0, 0]),
         "force on body 'link3' must be a finite number, got nan",

@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
@@ -226,9 +227,8 @@ RunInputs RequireSameRun(const RunConfig& run) {
   const std::optional<std::string> manifest = ReadManifest(run.output);
   if (!manifest) {
     throw SpecError(
-        fmt::format("run '{}': '{}' is no dataset: it has no dataset.json; call PrepareDataset "
-                    "(prepare_dataset in Python) first",
-                    run.run, run.output));
+        fmt::format("run '{}': '{}' is no dataset: it has no dataset.json; first call {}", run.run,
+                    run.output, InBothLanguages("PrepareDataset")));
   }
   RunInputs inputs = InputsOf(run);
   if (const auto changes = Changes(*manifest, inputs); !changes.empty()) ThrowChanged(run, changes);

@@ -110,7 +110,8 @@ TEST(Runner, NeverMakesAMixture) {
   run.seed = 7;
   ExpectThrow<SpecError>([&] { Runner(run).Run(item); }, "seed: 0 then, 7 now");
   run.output = (folder / "none").string();
-  ExpectThrow<SpecError>([&] { Runner(run).Run(item); }, "call PrepareDataset");
+  ExpectThrow<SpecError>([&] { Runner(run).Run(item); },
+                         "first call PrepareDataset (in Python prepare_dataset)");
   EXPECT_FALSE(std::filesystem::exists(folder / "none"));
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <mutex>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/env/pick_env_task.h"
@@ -38,9 +39,9 @@ EnvTaskFactory FindTask(const EnvConfig& config) {
     const auto found = registry.kinds.find(config.task->kind);
     if (found != registry.kinds.end()) return found->second;
   }
-  throw NotFoundError(
-      NoSuchName(PlaceOfTask(config), "task", config.task->kind, EnvTaskKinds()) +
-      " Tasks of your own are registered before (RegisterEnvTask, register_env_task)");
+  throw NotFoundError(NoSuchName(PlaceOfTask(config), "task", config.task->kind, EnvTaskKinds()) +
+                      " Tasks of your own are registered before with " +
+                      InBothLanguages("RegisterEnvTask"));
 }
 
 }  // namespace

@@ -211,7 +211,7 @@ TEST_F(EnvTaskTest, TasksOfOnesOwnAreRegistered) {
   ExpectThrow<NotFoundError>([&] { Env env(config); },
                              "environment 'env': no task 'be_hihg'. Its tasks: be_high, pick, "
                              "pick_place. Did you mean 'be_high'? Tasks of your own are registered "
-                             "before (RegisterEnvTask, register_env_task)");
+                             "before with RegisterEnvTask (in Python register_env_task)");
   config.task->kind = "be_high";
   Env env(config);
   env.Reset();

@@ -11,6 +11,7 @@
 #include "robocell/base/names.h"
 #include "robocell/math/rotation.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
 
 namespace robocell {
 namespace {
@@ -223,11 +224,22 @@ void AddInertias(const mjModel* m, const std::vector<int>& link_of_body, const m
   }
 }
 
-void CheckTool(const mjModel* m, const ChainOptions& options, const std::vector<int>& link_of_body,
-               const std::string& place) {
+void CheckTool(const mjModel* m, const ChainOptions& options, const BuiltChain& chain,
+               const std::vector<int>& link_of_body, const std::string& place) {
   if (options.tool_body.empty()) return;
   const std::string name = options.prefix + options.tool_body;
-  if (link_of_body[RequireId(m, mjOBJ_BODY, name, place)] >= 0) return;
+  const int tool = RequireId(m, mjOBJ_BODY, name, place);
+  // The last link may be the tool, those before it cannot.
+  for (size_t i = 0; i + 1 < chain.joints.size(); ++i) {
+    const ChainJoint& joint = chain.joints[i];
+    if (!IsInSubtree(m, m->jnt_bodyid[joint.id], tool)) continue;
+    throw ArgumentError(
+        fmt::format("{}: tool body '{}' is a link of the chain itself, at or before its joint "
+                    "'{}'. Name a body at its end or beyond, or leave tool_body out: what hangs on "
+                    "the chain counts anyway.",
+                    place, name, joint.name));
+  }
+  if (link_of_body[tool] >= 0) return;
   throw ArgumentError(
       fmt::format("{}: tool body '{}' does not hang on the chain. Attach the tool behind the "
                   "chain's first joint, or leave "
@@ -269,7 +281,7 @@ BuiltChain BuildChain(const mjModel* m, std::string_view base_body, const ChainT
   BuiltChain chain = builder.Build(base, tip_body, tip_in_body);
   MeasureLength(&chain.model);
   const std::vector<int> link_of_body = builder.LinkOfBodies();
-  CheckTool(m, options, link_of_body, place);
+  CheckTool(m, options, chain, link_of_body, place);
   AddInertias(m, link_of_body, options.qpos.empty() ? m->qpos0 : options.qpos.data(), &chain);
   return chain;
 }

@@ -109,6 +109,16 @@ TEST_F(ChainTest, RefusesAToolThatDoesNotHangOnIt) {
   EXPECT_NO_THROW(Make("left_base", ChainTip::Body("left_lower"), {.tool_body = "left_tool"}));
 }
 
+TEST_F(ChainTest, RefusesALinkOfItselfAsTheTool) {
+  for (const char* link : {"left_base", "left_upper", "left_lower"}) {
+    ExpectThrow<ArgumentError>(
+        [&] { Make("left_base", ChainTip::Site("left_tcp"), {.tool_body = link}); },
+        std::string("tool body '") + link +
+            "' is a link of the chain itself, at or before its "
+            "joint 'left_");
+  }
+}
+
 TEST_F(ChainTest, RefusesAChainWithoutJoints) {
   ExpectThrow<ArgumentError>([&] { Make("left_base", ChainTip::Body("left_base")); },
                              "there is no joint between base and tip, so nothing moves.");

@@ -178,8 +178,11 @@ struct VideoWriter::Impl {
     }
   }
 
-  void RequireUsable(const char* call) const {
-    if (finished) throw ClosedError(fmt::format("{}: {} after Finish()", name, call));
+  void RequireUsable(const char* what) const {
+    if (finished) {
+      throw ClosedError(
+          fmt::format("{}: it is finished, so it cannot be {}; begin another video", name, what));
+    }
     if (!failure.empty()) throw IoError(failure);
   }
 
@@ -192,7 +195,7 @@ struct VideoWriter::Impl {
   }
 
   void Put(VideoKind kind, std::span<const uint8_t> frame) {
-    RequireUsable("Write()");
+    RequireUsable("written to");
     const size_t expected = FrameBytes(options.kind, options.width, options.height);
     if (kind != options.kind || frame.size() != expected) {
       throw ArgumentError(fmt::format("{}: expected a {} frame of {}x{}x{} = {} bytes, got {}{}",
@@ -251,7 +254,7 @@ void VideoWriter::Write(std::span<const uint16_t> depth) {
 }
 
 void VideoWriter::Finish() {
-  impl_->RequireUsable("Finish()");
+  impl_->RequireUsable("finished again");
   if (impl_->frames == 0) throw ArgumentError(fmt::format("{}: no frame was written", impl_->name));
   impl_->Guarded([&] {
     impl_->encoder->CloseStdin();

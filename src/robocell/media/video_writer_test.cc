@@ -155,7 +155,8 @@ TEST(VideoWriter, AFrameOfTheWrongSizeIsRefusedAndTheVideoGoesOn) {
   video.Write(TestFrame(96, 64, 0));
   video.Finish();
   EXPECT_EQ(ReadVideoInfo(folder / "a.mp4").frames, 1);
-  ExpectThrow<ClosedError>([&] { video.Write(TestFrame(96, 64, 0)); }, "Write() after Finish()");
+  ExpectThrow<ClosedError>([&] { video.Write(TestFrame(96, 64, 0)); },
+                           "it is finished, so it cannot be written to; begin another video");
 }
 
 TEST(VideoWriter, AVideoWithoutFramesIsNotWritten) {

@@ -1,6 +1,7 @@
 // Commands beyond limits: clamped, told once, at every way in.
 #include "robocell/robot/beyond_limits.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -52,6 +53,25 @@ TEST_F(BeyondLimitsTest, AnArmIsDrivenToItsLimits) {
   robot.Apply({{"arm", GroupCommand::Joints(q)}});
   robot.Update();
   EXPECT_EQ(robot.arm().ctrl()[3], limits.lower);
+  EXPECT_EQ(lines_.size(), 1u);
+}
+
+TEST_F(BeyondLimitsTest, ATeleportBeyondTheLimitsIsTakenAndTold) {
+  Robot robot = RobotAlone(Rc7());
+  const Interval limits = robot.joint_limits()[3];
+  std::vector<double> q = robot.arm().joint_pos();
+  robot.SetJointPos(q);
+  q[3] = limits.upper;
+  robot.SetJointPos(q);
+  EXPECT_THAT(lines_, IsEmpty());
+  q[3] = limits.upper + 1;
+  robot.SetJointPos(q, false);
+  EXPECT_EQ(robot.arm().joint_pos()[3], q[3]);
+  EXPECT_THAT(lines_, ElementsAre(fmt::format(
+                          "robot 'rc7' / group 'arm': joint 'joint4' is put at {:g}, outside of "
+                          "its limits {:g} to {:g}, which push it back (said once)",
+                          q[3], limits.lower, limits.upper)));
+  robot.SetJointPos(q);
   EXPECT_EQ(lines_.size(), 1u);
 }
 

@@ -252,6 +252,17 @@ TEST(CtrlMode, CommandsAreThoseOfTheController) {
   ExpectThrow<ArgumentError>([&] { robot.Update(); }, "the target of 'joint3' is nan");
 }
 
+TEST(CtrlMode, ARobotOfAChainHasNoGripperAndSaysWhatHas) {
+  const Scene scene = Scene::Build(SceneWith({.name = "rc7", .config = Rc7()}));
+  const Robot robot = Robot::FromScene(scene, "base_link", "link7");
+  ExpectThrow<NotFoundError>(
+      [&] { robot.gripper(); },
+      "has no gripper group. Its groups: arm, base. It was made of a chain by Robot::FromScene (in "
+      "Python Robot.from_scene), which makes an arm only: give the RobotSpec a `config` with this "
+      "group, or drive its actuators by their names with Scene::SetActuatorCtrl (in Python "
+      "Scene.set_actuator_ctrl)");
+}
+
 TEST(CtrlMode, SaysWhyAModeIsNotThere) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>(

@@ -225,6 +225,7 @@ void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
   } else {
     slot.own->group->SetJointPos(q);
   }
+  if (arm) open().TellBeyondLimits(*arm, q);
   if (slot.control->controller) {
     slot.control->controller->Reset();
     slot.control->ports.Reseed(*slot.own->group);

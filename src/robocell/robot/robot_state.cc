@@ -7,7 +7,9 @@
 #include <set>
 #include <utility>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -281,6 +283,18 @@ void Robot::State::ListKinds() {
   ReadPorts();
 }
 
+void Robot::State::TellBeyondLimits(const ArmGroup& arm, std::span<const double> q) {
+  if (told_beyond_limits) return;
+  const size_t i = arm.FindBeyondLimits(q);
+  if (i >= q.size()) return;
+  told_beyond_limits = true;
+  const Interval limits = arm.joint_pos_limits()[i];
+  LogWarn(
+      fmt::format("{}: joint '{}' is put at {:g}, outside of its limits {:g} to {:g}, which "
+                  "push it back (said once)",
+                  arm.place(), arm.joint_names()[i], q[i], limits.lower, limits.upper));
+}
+
 GroupSlot* Robot::State::Find(const std::string& name) {
   for (const auto& slot : slots) {
     if (slot->own->group->name() == name) return slot.get();
@@ -298,8 +312,14 @@ GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
   RequireBodies();
   if (GroupSlot* slot = FindKind(kind)) return *slot;
   const std::string next =
-      record.config.move_groups.empty()
-          ? "Its configuration has none: declare one under `move_groups`, or use Robot::FromScene"
+      is_of_chain()
+          ? "It was made of a chain by " + InBothLanguages("Robot::FromScene") +
+                ", which makes an arm only: give the RobotSpec a `config` with this group, or "
+                "drive its actuators by their names with " +
+                InBothLanguages("Scene::SetActuatorCtrl")
+      : record.config.move_groups.empty()
+          ? "Its configuration has none: declare one under `move_groups`, or use " +
+                InBothLanguages("Robot::FromScene")
           : fmt::format("Declare one under `move_groups` with `kind: {}`", ToString(kind));
   throw NotFoundError(fmt::format("{}: has no {} group. Its groups: {}. {}", place(),
                                   ToString(kind), ListNames(group_names()), next));

@@ -73,6 +73,8 @@ class Robot::State : public SceneObserver {
   void RefreshChains();
   // State of the arm into the ports, and readings of the force-torque sensors.
   void ReadPorts();
+  // Where a teleport puts the arm beyond its limits the log says so, the first time.
+  void TellBeyondLimits(const ArmGroup& arm, std::span<const double> q);
   // ClosedError when its bodies were removed with an object of the scene.
   void RequireBodies() const {
     if (!lost.empty()) ThrowLost();
@@ -88,14 +90,15 @@ class Robot::State : public SceneObserver {
   Scene scene;
   RobotRecord record;
   ChainOptions chain_options;
-  std::string tip_body;  // as given to FromScene(), full name
+  std::string tip_body;  // as given to FromScene(), full name; else ""
+  bool is_of_chain() const { return !tip_body.empty(); }
   std::vector<std::shared_ptr<GroupSlot>> slots;
   std::vector<double> pos, vel, trq;  // the arm's measurement ports
   std::vector<FtReading> ft_sensors;
   int root_body = -1;
   std::vector<int> bodies, geoms, collision_geoms;
   std::optional<double> reach;
-  bool paused = false;
+  bool paused = false, told_beyond_limits = false;
   std::string lost;  // why it could not follow when the scene was compiled anew
 
  private:

@@ -42,7 +42,7 @@ mjsElement* OnlyCamera(const Part& model, mjsBody* root, Report& report) {
 
 void AddHousing(const CameraSpec& camera, const Placement& placement, const Part& model,
                 Report& report) {
-  mjsBody* root = ChooseRoot(model, "", report);
+  mjsBody* root = ChooseRoot(model, std::nullopt, report);
   mjsElement* own = root ? OnlyCamera(model, root, report) : nullptr;
   if (!own) return;
   const std::string prefix = SceneObjectElementName(camera.name, "");

@@ -79,7 +79,7 @@ std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec&
   if (!part) return std::nullopt;
   ObjectPart out{
       std::move(*part), nullptr, SceneObjectElementName(object.name, ""), {object.name, "", {}}};
-  out.root = ChooseRoot(out.part, "", report);
+  out.root = ChooseRoot(out.part, std::nullopt, report);
   if (!out.root) return std::nullopt;
   SettleFreeJoint(object, out);
   out.record.root_body = out.prefix + NameOr(out.root->element, "body", place);

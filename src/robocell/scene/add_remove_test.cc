@@ -396,8 +396,8 @@ TEST(AddRemove, AFrozenModelKeepsItsObjects) {
   });
   EXPECT_EQ(message,
             "scene 'test': object 'other' cannot be added: the compiled scene is frozen because it "
-            "is shared between scenes. Build a scene of its own (Scene::Build), or change the spec "
-            "and compile it again");
+            "is shared between scenes. Build a scene of its own with Scene::Build (in Python "
+            "Scene.build), or change the spec and compile it again");
   EXPECT_THAT(MessageOfRefused<Error>(scene, [&] { scene.RemoveObject("cube"); }),
               HasSubstr("object 'cube' cannot be removed: the compiled scene is frozen"));
 }

@@ -40,7 +40,7 @@ void AddAttachment(const AttachmentSpec& attachment, const std::string& director
                                root_label, report);
   if (!loaded) return;
   const Part& tool = *loaded;
-  mjsBody* root = ChooseRoot(tool, "", report);
+  mjsBody* root = ChooseRoot(tool, std::nullopt, report);
   if (!root) return;
   const auto at =
       Place(attachment.attach_to, attachment.pose(), robot.spec.get(), scene, {}, place, report);

@@ -45,6 +45,17 @@ std::string RootElement(std::string_view xml) {
 
 void CheckIsMjcf(const std::string& file, const std::string& place, const std::string& field,
                  Report& report) {
+  const std::string extension = std::filesystem::path(file).extension().string();
+  if (extension == ".yaml" || extension == ".yml") {
+    report.Problem(
+        place,
+        fmt::format("{0} is YAML, and models are MJCF. If it is a robot's configuration, "
+                    "it goes into the `config` of a RobotSpec, without a `path`: "
+                    "config: {0} in YAML, RobotConfig.load('{0}') in Python",
+                    file),
+        field);
+    return;
+  }
   if (RootElement(HeadOf(file)) != "robot") return;
   const std::string mjcf = std::filesystem::path(file).replace_extension(".mjcf.xml").string();
   report.Problem(

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <vector>
 
@@ -104,6 +106,22 @@ std::optional<std::string> CompileProblem(const std::string& text, const Part& p
   return fmt::format("{}{} '{}': {}{}", PlaceOf(part, file, line),
                      is_certain ? KindName(kinds[0]) : "element", name, complaint,
                      NextStep(complaint, kinds[0], name, editable));
+}
+
+std::optional<Repeated> RepeatedName(const std::string& text) {
+  Repeated repeated{.kind = "", .name = Between(text, "repeated name '", "' in ")};
+  if (repeated.name.empty()) return std::nullopt;
+  const std::string rest = Between(text + "\n", "' in ", "\n");
+  repeated.kind = rest.substr(0, rest.find_first_of(" ,.;\n"));
+  return repeated;
+}
+
+bool HasElement(const Part& part, const std::string& prefix, const Repeated& element) {
+  if (!element.name.starts_with(prefix)) return false;
+  const std::string name = element.name.substr(prefix.size());
+  return std::any_of(std::begin(kKinds), std::end(kKinds), [&](mjtObj kind) {
+    return KindName(kind) == element.kind && FindSpecElement(part.spec.get(), kind, name);
+  });
 }
 
 std::string PlaceInModel(const Part& part, mjtObj kind, const std::string& name) {

@@ -15,6 +15,14 @@ namespace robocell {
 std::optional<std::string> CompileProblem(const std::string& text, const Part& part,
                                           const std::string& prefix);
 
+// What the engine's text says is there twice: "body", "l3".
+struct Repeated {
+  std::string kind, name;
+};
+std::optional<Repeated> RepeatedName(const std::string& text);
+// Whether the part, with its prefix in the scene, brings such an element.
+bool HasElement(const Part& part, const std::string& prefix, const Repeated& element);
+
 // Where the part's joint or actuator of that name stands: "arm.xml:12", or the file alone when the
 // line is not known.
 std::string PlaceInModel(const Part& part, mjtObj kind, const std::string& name);

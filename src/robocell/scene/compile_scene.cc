@@ -306,8 +306,29 @@ class SceneCompiler {
     }
   }
 
+  // Robots among themselves are told before; an object's name is what can be changed here.
+  void TellRepeatedName(const std::string& text) {
+    const std::optional<Repeated> repeated = RepeatedName(text);
+    if (!repeated) return;
+    std::vector<const Part*> owners;
+    const auto look = [&](const Part& part, const std::string& prefix) {
+      if (HasElement(part, prefix, *repeated)) owners.push_back(&part);
+    };
+    for (const auto& robot : robots_) {
+      if (robot->part.spec) look(robot->part, robot->record.prefix);
+    }
+    for (const auto& object : objects_) look(object->part, object->prefix);
+    if (owners.size() < 2 || !owners.back()->place.starts_with("object ")) return;
+    report_.Problem(owners.back()->place,
+                    fmt::format("{0} '{1}' is in {2} already, and the object would bring another "
+                                "one; give the object another name",
+                                repeated->kind, repeated->name, owners.front()->place),
+                    "name");
+  }
+
   // The engine's text about an element of a part becomes a problem of that part's file.
   void TellWhose(const std::string& text) {
+    TellRepeatedName(text);
     const auto tell = [&](const Part& part, const std::string& prefix) {
       if (const auto problem = CompileProblem(text, part, prefix))
         report_.Problem(part.place, *problem, part.field);

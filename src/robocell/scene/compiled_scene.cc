@@ -4,6 +4,7 @@
 
 #include <atomic>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 
@@ -55,7 +56,8 @@ mjModel* CompiledScene::mutable_model() {
   if (frozen_) {
     throw Error("scene '" + scene_spec_.name +
                 "': its compiled scene is frozen because it is shared between scenes; "
-                "what writes to the model needs a scene of its own (Scene::Build)");
+                "what writes to the model needs a scene of its own: " +
+                InBothLanguages("Scene::Build"));
   }
   return model_;
 }
@@ -65,7 +67,8 @@ std::shared_ptr<void> CompiledScene::Claim() {
     throw Error("scene '" + scene_spec_.name +
                 "': its compiled scene is used by another scene already, and what one of them "
                 "writes to the model would change the other. Freeze the compiled scene to share it "
-                "(Freeze(), in Python freeze()), or compile the spec again");
+                "with " +
+                InBothLanguages("Freeze") + ", or compile the spec again");
   }
   auto claim = std::make_shared<char>();
   if (!frozen_) claim_ = claim;  // frozen ones may be claimed by several threads at once

@@ -120,6 +120,15 @@ TEST_F(Objects, ThatCanMoveFreelyHangOnTheWorldOnly) {
                          "to site 'table_rim'; attach it to the world, or set fixed: true");
 }
 
+TEST_F(Objects, NamedLikeAnElementOfARobotAreToldSo) {
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.name = "arm", .path = folder.Write("arm", kTwoJointArm)});
+  spec.objects.push_back(BoxObject("upper", {0.5, 0, 0.02}));
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                         "object 'upper': body 'upper' is in robot 'arm' already, and the object "
+                         "would bring another one; give the object another name");
+}
+
 TEST_F(Objects, SayWhatIsWrongWithTheirModels) {
   const std::string two = folder.Write(
       "two",
@@ -131,7 +140,10 @@ TEST_F(Objects, SayWhatIsWrongWithTheirModels) {
                   {.name = "r", .mjcf_path = "mugg"}};
   const std::string message =
       ExpectThrow<SpecError>([&] { Scene::Build(spec); }, "scene 'test' has 3 problems:");
-  EXPECT_THAT(message, ::testing::HasSubstr("object 'p': " + two + " has 2 root bodies: a, b"));
+  EXPECT_THAT(message,
+              ::testing::HasSubstr("object 'p': " + two +
+                                   " has 2 root bodies: a, b; only one can be placed: put them "
+                                   "into one body in that file, or make a file of each"));
   EXPECT_THAT(message, ::testing::HasSubstr("object 'q': " + none + " has no body to attach"));
   EXPECT_THAT(message, ::testing::HasSubstr("object 'r': model 'mugg' not found."));
   EXPECT_THAT(message, ::testing::HasSubstr("Did you mean 'mug'?"));

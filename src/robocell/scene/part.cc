@@ -113,6 +113,9 @@ void WarnDropped(mjSpec* parent, const Part& part, mjtObj kind, size_t before,
                   lost.empty() ? "(unnamed)" : ListNames(lost)));
 }
 
+constexpr const char* kOneRoot =
+    "only one can be placed: put them into one body in that file, or make a file of each";
+
 }  // namespace
 
 std::optional<std::string> FindModel(const std::string& name, const std::string& directory,
@@ -157,15 +160,15 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
   return part;
 }
 
-mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& report) {
+mjsBody* ChooseRoot(const Part& part, const std::optional<std::string>& root_body, Report& report) {
   const std::vector<mjsElement*> roots = BodyElements(WorldBody(part.spec.get()), mjOBJ_BODY);
   mjsBody* root = nullptr;
-  if (!root_body.empty()) {
-    mjsBody* named = mjs_findBody(part.spec.get(), root_body.c_str());
-    if (!named || root_body == "world") {
+  if (root_body && !root_body->empty()) {
+    mjsBody* named = mjs_findBody(part.spec.get(), root_body->c_str());
+    if (!named || *root_body == "world") {
       std::vector<std::string> names = SpecNames(part.spec.get(), mjOBJ_BODY);
       std::erase(names, "world");  // is the scene's
-      report.Problem(part.place, NoSuchName("root_body", "body", root_body, names), "root_body");
+      report.Problem(part.place, NoSuchName("root_body", "body", *root_body, names), "root_body");
       return nullptr;
     }
     root = TopBody(named);
@@ -175,8 +178,9 @@ mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& repo
     report.Problem(part.place,
                    roots.empty()
                        ? part.file + " has no body to attach"
-                       : fmt::format("{} has {} root bodies: {}; say which one is the root_body",
-                                     part.file, roots.size(), ListNames(Names(roots))),
+                       : fmt::format("{} has {} root bodies: {}; {}", part.file, roots.size(),
+                                     ListNames(Names(roots)),
+                                     root_body ? "say which one is the root_body" : kOneRoot),
                    part.field);
     return nullptr;
   }

@@ -68,10 +68,10 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
                              Report& report);
 
 // The body that the part hangs on when it is attached: the only child of its world, or the one that
-// holds `root_body` when that is given. A problem in the report and null when there is no such
-// body. What stays behind (other bodies, geoms, sites and cameras of the part's world) is a
-// warning; lights, which the scene has its own of, are a note.
-mjsBody* ChooseRoot(const Part& part, const std::string& root_body, Report& report);
+// holds `root_body` when that is given; null for what has no such field. A problem in the report
+// and null when there is no such body. What stays behind (other bodies, geoms, sites and cameras of
+// the part's world) is a warning; lights, which the scene has its own of, are a note.
+mjsBody* ChooseRoot(const Part& part, const std::optional<std::string>& root_body, Report& report);
 
 // Replaces the names of the files that a model refers to by absolute paths. Those that do not exist
 // are one entry in the report; false then.

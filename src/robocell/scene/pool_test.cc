@@ -261,7 +261,7 @@ TEST_F(Pool, WhatIsRefusedIsToldAndChangesNothing) {
   const std::vector<double> state = scene.state();
   ExpectThrow<ArgumentError>([&] { scene.AddObject("b"); },
                              "scene 'test': object 'b' is in the scene already; move it with "
-                             "SetBodyPose, or remove it first");
+                             "SetBodyPose (in Python set_body_pose), or remove it first");
   ExpectThrow<NotFoundError>(
       [&] { scene.AddObject("mugg"); },
       "scene 'test' / pool: no object 'mugg'. Its objects: a, jar, mug. Did "
@@ -270,9 +270,10 @@ TEST_F(Pool, WhatIsRefusedIsToldAndChangesNothing) {
   ExpectThrow<NotFoundError>([&] { scene.RemoveObject("a"); },
                              "scene 'test': object 'a' is parked, not in the scene. Objects in it: "
                              "table, b, cube");
-  ExpectThrow<ArgumentError>([&] { scene.SetBodyPose("a", Pose()); },
-                             "scene 'test': object 'a' is parked, so it cannot be moved; "
-                             "AddObject(name, pose) puts it into the scene");
+  ExpectThrow<ArgumentError>(
+      [&] { scene.SetBodyPose("a", Pose()); },
+      "scene 'test': object 'a' is parked, so it cannot be moved; "
+      "put it into the scene at its pose with AddObject (in Python add_object)");
   SceneObject heavy = spec.objects[1];
   heavy.mass = 5;
   ExpectThrow<ArgumentError>([&] { scene.AddObject(heavy); },

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <fstream>
+
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/mujoco/names.h"
@@ -173,6 +175,19 @@ TEST_F(Robots, TakeOnlyTheirRootAndSayWhatStaysBehind) {
   spec.robots[0].config->root_body = "bse";
   ExpectThrow<SpecError>([&] { Scene::Build(spec); },
                          "root_body: no body 'bse'. Its bodies: base, chair. Did you mean 'base'?");
+}
+
+TEST_F(Robots, AConfigurationIsNoModel) {
+  SceneSpec spec = EmptyScene();
+  const std::string file = (folder.path() / "arm.yaml").string();
+  std::ofstream(file) << "name: arm\nmodel: arm.xml\n";
+  spec.robots.push_back({.name = "arm", .path = file});
+  ExpectThrow<SpecError>(
+      [&] { Scene::Build(spec); },
+      file +
+          " is YAML, and models are MJCF. If it is a robot's configuration, "
+          "it goes into the `config` of a RobotSpec, without a `path`: config: " +
+          file + " in YAML, RobotConfig.load('" + file + "') in Python");
 }
 
 TEST_F(Robots, HaveTheirBaseFrameAtANestedRootBody) {

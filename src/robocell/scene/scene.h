@@ -183,6 +183,7 @@ class Scene {
 
   // Everything the engine needs to go on bit-equally (mjSTATE_INTEGRATION).
   std::vector<double> state() const;
+  // ArgumentError for a state of another size, or that is not finite: it says which number of what.
   void SetState(std::span<const double> state);
 
   // Files that stock MuJoCo loads. The XML refers to assets by absolute path.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/guard.h"
@@ -22,10 +23,9 @@ mjSpec* UpToDateSpec(CompiledScene& compiled, const std::string& context) {
   mjSpec* spec = compiled.mutable_spec();
   const mjModel* model = compiled.model();
   if (!Guarded(context, [&] { return mj_copyBack(spec, model); })) {
-    throw EngineError(
-        context +
-        ": the model was changed in a way that XML cannot hold; SaveBinary can. MuJoCo: " +
-        mjs_getError(spec));
+    throw EngineError(context +
+                      ": the model was changed in a way that XML cannot hold; save it with " +
+                      InBothLanguages("SaveBinary") + ". MuJoCo: " + mjs_getError(spec));
   }
   return spec;
 }

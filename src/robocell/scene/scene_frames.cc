@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene_state.h"
+#include "robocell/scene/state_number.h"
 
 namespace robocell {
 namespace {
@@ -71,10 +73,10 @@ void Scene::SetBodyPose(const std::string& name, const Pose& pose_in_world) {
   const int body = RequireId(s.model(), mjOBJ_BODY, name, s.context);
   for (const PooledObject& object : s.pool) {
     if (!object.parked || object.body() != body) continue;
-    throw ArgumentError(fmt::format(
-        "{}: object '{}' is parked, so it cannot be moved; AddObject(name, pose) puts it into the "
-        "scene",
-        s.context, object.name()));
+    throw ArgumentError(
+        fmt::format("{}: object '{}' is parked, so it cannot be moved; put it into the scene at "
+                    "its pose with {}",
+                    s.context, object.name(), InBothLanguages("AddObject")));
   }
   const int mocap = s.model()->body_mocapid[body];
   if (mocap >= 0) {
@@ -152,6 +154,12 @@ void Scene::SetState(std::span<const double> state) {
     throw ArgumentError(fmt::format(
         "{}: a state has {} numbers, got {}; states fit only the model they were taken from",
         s.context, size, state.size()));
+  }
+  for (size_t i = 0; i < size; ++i) {
+    if (std::isfinite(state[i])) continue;
+    throw ArgumentError(
+        fmt::format("{}: number {} of the state is {}: {}; all of a state is finite", s.context, i,
+                    state[i], DescribeStateNumber(s.model(), i)));
   }
   s.FollowPool(state.data() + mj_stateSize(s.model(), mjSTATE_TIME));  // positions come next
   const auto set = [&] { mj_setState(s.model(), s.data.data, state.data(), kState); };

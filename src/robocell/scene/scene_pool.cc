@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/step.h"
@@ -62,8 +63,8 @@ void Scene::State::RequireOwnModel(const char* what, const std::string& object) 
   if (!compiled->frozen()) return;
   throw Error(fmt::format(
       "{}: object '{}' cannot be {}: the compiled scene is frozen because it is shared between "
-      "scenes. Build a scene of its own (Scene::Build), or change the spec and compile it again",
-      context, object, what));
+      "scenes. Build a scene of its own with {}, or change the spec and compile it again",
+      context, object, what, InBothLanguages("Scene::Build")));
 }
 
 void Scene::Swap(PooledObject& object, bool park, const mjtNum* pos) {
@@ -85,9 +86,9 @@ void Scene::AddObject(const std::string& name, const std::optional<Pose>& pose_i
                         " Declare it with `parked` in the scene's spec, or give a SceneObject");
   }
   if (!object->parked) {
-    throw ArgumentError(fmt::format(
-        "{}: object '{}' is in the scene already; move it with SetBodyPose, or remove it first",
-        s.context, name));
+    throw ArgumentError(
+        fmt::format("{}: object '{}' is in the scene already; move it with {}, or remove it first",
+                    s.context, name, InBothLanguages("SetBodyPose")));
   }
   s.RequireOwnModel("added", name);
   FreeJointPos pos;

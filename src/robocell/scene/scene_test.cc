@@ -1,9 +1,11 @@
 #include "robocell/scene/scene.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <cmath>
 #include <limits>
 #include <thread>
 
@@ -228,6 +230,35 @@ TEST(Scene, GoesOnToTheBitFromASavedState) {
                              "numbers, got 3; states fit only the model they were taken from");
 }
 
+TEST(Scene, StatesThatAreNotFiniteAreRefusedByTheirNumbers) {
+  Scene scene = Scene::Build(Workplace());
+  const mjModel* m = scene.model();
+  const std::vector<double> before = scene.state();
+  const auto refuses = [&](int part, int index, const std::string& what) {
+    const auto at = static_cast<size_t>(mj_stateSize(m, part - 1) + index);  // of all before it
+    std::vector<double> state = before;
+    for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
+      state[at] = bad;
+      ExpectThrow<ArgumentError>(
+          [&] { scene.SetState(state); },
+          fmt::format("number {} of the state is {}: {}; all of a state is finite", at, bad, what));
+      EXPECT_EQ(scene.state(), before);
+    }
+  };
+  const int last_joint = static_cast<int>(m->njnt) - 1;
+  const std::string first = Describe(m, mjOBJ_JOINT, 0);
+  refuses(mjSTATE_TIME, 0, "the time");
+  refuses(mjSTATE_QPOS, 0, "the position of " + first);
+  refuses(mjSTATE_QPOS, static_cast<int>(m->nq) - 1,
+          "the position of " + Describe(m, mjOBJ_JOINT, last_joint));
+  refuses(mjSTATE_QVEL, 0, "the velocity of " + first);
+  refuses(mjSTATE_WARMSTART, 0, "the warm start of " + first);
+  refuses(mjSTATE_CTRL, m->actuator_ctrladr[m->nactuator - 1],
+          "the control of " + Describe(m, mjOBJ_ACTUATOR, static_cast<int>(m->nactuator) - 1));
+  refuses(mjSTATE_QFRC_APPLIED, 0, "the applied force of " + first);
+  refuses(mjSTATE_XFRC_APPLIED, 8, "the wrench on " + Describe(m, mjOBJ_BODY, 1));
+}
+
 TEST(Scene, DivergenceIsAValue) {
   Scene scene = Scene::Build(Workplace());
   scene.data()->qvel[0] = 1e11;
@@ -319,7 +350,7 @@ TEST(CompiledScene, ThatIsNotFrozenServesOneSceneAtATime) {
   ExpectThrow<Error>([&] { Scene::FromCompiled(compiled); },
                      "scene 'test': its compiled scene is used by another scene already, and what "
                      "one of them writes to the model would change the other. Freeze the compiled "
-                     "scene to share it (Freeze(), in Python freeze()), or compile the spec again");
+                     "scene to share it with Freeze (in Python freeze), or compile the spec again");
   scene->Close();
   scene = Scene::FromCompiled(compiled);
   scene.reset();

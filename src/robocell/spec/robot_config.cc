@@ -56,8 +56,11 @@ void CheckLengths(const Map<std::vector<double>>& map, std::string_view field,
     const MoveGroupConfig* group = robot.move_groups.find(key);
     if (!group || group->joints.empty() || box->size() == group->joints.size()) continue;
     if (one_for_all && box->size() == 1) continue;
-    problems.AddAt(key, fmt::format("has {} values for the {} joints {}", box->size(),
-                                    group->joints.size(), ListNames(group->joints.names)));
+    problems.AddAt(
+        key, fmt::format("has {} values for the {} joints {}; give one for each, or "
+                         "leave those out of move_groups.{}.joints that the model does "
+                         "not have",
+                         box->size(), group->joints.size(), ListNames(group->joints.names), key));
   }
 }
 
