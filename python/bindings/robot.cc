@@ -228,8 +228,8 @@ void BindRobotClass(nb::module_& m) {
           },
           "scene"_a, "base_body"_a, "tip_body"_a, "prefix"_a = "", "tool"_a = nb::none(),
           Unlocked(),
-          "A robot without configuration: the chain between two bodies.\n\nRobots whose arm has "
-          "the "
+          "A robot without configuration: the chain between two bodies, driven by the position "
+          "servos, velocity servos or motors on its joints.\n\nRobots whose arm has the "
           "same joints and actuators, configured or not, share its mode, controller and "
           "command ports; making one changes nothing of these. One that has some of the actuators "
           "of an arm that is driven, and others, is measured only: its ports say which arm has "

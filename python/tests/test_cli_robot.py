@@ -169,13 +169,16 @@ def test_an_arm_of_motors_is_refused_by_check_and_by_runs(tmp_path: Path, contro
     )
     result = robocell_command("check", robot)
     assert result.returncode == 2
-    assert "actuator 'drive' is no position servo of one of its joints" in result.stderr
-    assert "give the group another controller, or the model a servo" in result.stderr
+    why = (
+        "drive' is a motor, no position servo: set `control` of the group to joint_torque or "
+        "joint_impedance, or give the model position servos"
+    )
+    assert why in result.stderr
     assert "robot 'bob' / group 'arm'" in result.stderr
     for hint in ("gravcomp", "stiffness"):
         assert hint not in result.stderr
     run = write_run(tmp_path, robot=str(robot))
-    assert "drive' is no position servo of one of its joints" in refused("generate", run)
+    assert why in refused("generate", run)
     if not control:
         assert "none" in next(line for line in result.stdout.splitlines() if "drive" in line)
 

@@ -7,6 +7,8 @@
 #include <set>
 
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
 
 namespace robocell {
@@ -36,6 +38,7 @@ bool AllGroupsAreTaken(const mjModel* m) {
 
 // Whether one of the engine's groups holds these actuators and no others; why not, else "".
 std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
+  if (ids.empty()) return "it has no actuators";
   const int group = m->actuator_group[ids[0]];
   for (int a = 0; a < m->nactuator; ++a) {
     if ((m->actuator_group[a] == group) == Contains(ids, a)) continue;
@@ -53,9 +56,72 @@ std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
   return group >= 0 && group <= kLastActuatorGroup ? "" : "no actuator group is left for its modes";
 }
 
+// 0 for a group of somebody's own that names no actuators.
 int GroupBit(const mjModel* m, const MoveGroup& drive) {
-  const int id = FindId(m, mjOBJ_ACTUATOR, drive.actuator_names()[0]);
+  const std::vector<std::string>& names = drive.actuator_names();
+  const int id = names.empty() ? -1 : FindId(m, mjOBJ_ACTUATOR, names.front());
   return id < 0 ? 0 : 1 << m->actuator_group[id];
+}
+
+// Who could have added actuators for an arm to the scene.
+enum class Origin { kConfigured, kBare, kObject };
+
+Origin OriginOf(const Scene& scene, const std::vector<std::string>& joints) {
+  const mjModel* m = scene.model();
+  const int joint = joints.empty() ? -1 : FindId(m, mjOBJ_JOINT, joints.front());
+  if (joint < 0) return Origin::kObject;
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    if (IsInSubtree(m, m->jnt_bodyid[joint], FindId(m, mjOBJ_BODY, robot.base_body)))
+      return robot.config.move_groups.empty() ? Origin::kBare : Origin::kConfigured;
+  }
+  return Origin::kObject;
+}
+
+// "'m1' is a motor", of the first that is not of the kind.
+std::string WhatItHas(const mjModel* m, const std::vector<std::string>& actuators,
+                      CtrlMode wanted) {
+  for (const std::string& name : actuators) {
+    const int id = FindId(m, mjOBJ_ACTUATOR, name);
+    if (ActsOnJoint(m, id) && ActuatorKind(m, id) == wanted) continue;
+    return fmt::format("'{}' is {}", name,
+                       ActsOnJoint(m, id) ? DescribeActuator(m, id) : "on none of its joints");
+  }
+  return "";
+}
+
+// What to do about an arm whose actuators are of kind `native`, without any of `mode`.
+std::string HowToGet(CtrlMode mode, CtrlMode native, Origin origin) {
+  const char* word = ActuatorWord(mode);
+  const bool torque = native == CtrlMode::kTorque;
+  if (mode == CtrlMode::kPosition && origin == Origin::kConfigured) {
+    return fmt::format("set `control` of the group to {}, or give the model {}s",
+                       torque ? "joint_torque or joint_impedance" : "joint_velocity", word);
+  }
+  if (mode == CtrlMode::kPosition) {
+    return fmt::format("drive it in ctrl_mode {0} by jnt_{1}_cmd, or give the model {2}s",
+                       ToString(native), torque ? "trq" : "vel", word);
+  }
+  if (origin == Origin::kObject) {
+    return fmt::format(
+        "others are added to robots only, and this is none. Put its model in as one (RobotSpec) "
+        "with {} in its control_modes, or give it {}s",
+        ToString(mode), word);
+  }
+  return fmt::format("add {} to the control_modes of its RobotSpec", ToString(mode));
+}
+
+// Why an arm that has actuators cannot be driven by those of `mode`, and what to do.
+std::string WhyNotAdded(const mjModel* m, const std::vector<std::string>& own,
+                        std::optional<CtrlMode> native, CtrlMode mode, Origin origin) {
+  if (!native) {
+    return fmt::format("{}, and others are added to actuators of one kind only. Give the model {}s",
+                       WhatItHas(m, own, mode), ActuatorWord(mode));
+  }
+  const std::string has =
+      mode == CtrlMode::kPosition
+          ? fmt::format("{}, no {}", WhatItHas(m, own, mode), ActuatorWord(mode))
+          : std::string("the scene has no actuators for it");
+  return has + ": " + HowToGet(mode, *native, origin);
 }
 
 // The slot that has the drives keeps the group itself. Collectors count who keeps a group.
@@ -73,28 +139,26 @@ Drives OwnDrive(const std::shared_ptr<MoveGroup>& group) {
   return drives;
 }
 
-Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, GroupNames names) {
+Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, GroupNames names,
+                  const std::string& why_no_actuators) {
   const mjModel* m = scene.model();
   const std::vector<std::string>& own = arm->actuator_names();
-  // Others are refused where they are asked for a position, which says what they are.
-  const CtrlMode native = NativeMode(m, own).value_or(CtrlMode::kPosition);
-  Drives drives;
+  Drives drives{.native = NativeMode(m, own)};
+  if (own.empty()) {
+    drives.why_none.fill(why_no_actuators);
+    return drives;
+  }
+  const Origin origin = OriginOf(scene, names.joints);
   for (int i = 0; i < kCtrlModes; ++i) {
     const auto mode = static_cast<CtrlMode>(i);
-    if (mode == native) {
+    if (mode == drives.native) {
       drives.groups[i] = Unowned(arm);
       continue;
     }
     const std::vector<std::string> added = AddedActuators(names.joints, mode);
     const std::vector<int> ids = Ids(m, added);
-    if (ids.empty() || Contains(ids, -1)) {
-      drives.why_none[i] =
-          mode == CtrlMode::kPosition
-              ? "it has no position servos"
-              : fmt::format(
-                    "the scene has no actuators for it: add {} to the control_modes of "
-                    "its RobotSpec",
-                    ToString(mode));
+    if (!drives.native || ids.empty() || Contains(ids, -1)) {
+      drives.why_none[i] = WhyNotAdded(m, own, drives.native, mode, origin);
       continue;
     }
     drives.why_none[i] = WhyNotSwitchable(m, ids);

@@ -17,14 +17,19 @@ struct Drives {
   std::array<std::shared_ptr<MoveGroup>, kCtrlModes> groups = {};
   std::array<std::string, kCtrlModes> why_none = {};
 
+  // What the arm's own actuators are; nothing without, or when they are of no kind or of several.
+  std::optional<CtrlMode> native = {};
+
   MoveGroup* of(CtrlMode mode) const { return groups[static_cast<size_t>(mode)].get(); }
+  const std::string& why_not(CtrlMode mode) const { return why_none[static_cast<size_t>(mode)]; }
 };
 
 // A group with nothing but its own actuators. Does not keep it.
 Drives OwnDrive(const std::shared_ptr<MoveGroup>& group);
 // An arm with its own actuators and those that were added to the scene for its joints
-// (RobotSpec::control_modes).
-Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, GroupNames names);
+// (RobotSpec::control_modes). `why_no_actuators` says why it has none of its own, if so.
+Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, GroupNames names,
+                  const std::string& why_no_actuators);
 
 // Switches on the actuators of `mode` and off those of the other modes. Nothing is written where
 // that is so already, which returns false, so that it may be done on a frozen model; else that is

@@ -31,14 +31,12 @@ bool IsSame(const Chain& a, const Chain& b) {
 ControlledGroup::ControlledGroup(const Scene& scene, MadeGroup made, std::string root_body,
                                  const ChainOptions& options)
     : group(std::move(made.group)),
-      drives(std::move(made.drives)),
+      drives(made.drives ? std::move(*made.drives) : OwnDrive(group)),
       arm(dynamic_cast<const ArmGroup*>(group.get())),
       tip(std::move(made.tip)),
       root_body_(std::move(root_body)),
       tool_body_(options.tool_body) {
-  const bool found = drives.groups != Drives{}.groups;
-  if (found && group->nu() > 0) control_key_ = ControlKey(*group);
-  if (!found) drives = OwnDrive(group);
+  if (made.drives && group->nu() > 0) control_key_ = ControlKey(*group);
   RemakeChain(scene.model());
   for (const auto& drive : drives.groups) {
     if (auto* driven = dynamic_cast<ArmGroup*>(drive.get())) driven->UseChain(&chain);

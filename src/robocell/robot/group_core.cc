@@ -11,6 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
 
 namespace robocell {
@@ -240,9 +241,12 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
     const std::optional<double> rest = RestingCtrlFor(i, q);
     if (!rest) {
       throw ArgumentError(fmt::format(
-          "{}: actuator '{}' is no position servo of one of its joints, so it cannot be driven to "
-          "a joint position; give the group another controller, or the model a servo",
-          place(), names_.actuators[i]));
+          "{}: actuator '{}' is no position servo of one of its joints{}, so it cannot be driven "
+          "to "
+          "a joint position; give the group another controller (`control` of an arm of motors: "
+          "joint_torque or joint_impedance), or the model a servo",
+          place(), names_.actuators[i],
+          driven_[i] < 0 ? "" : " but " + DescribeActuator(m, actuator_ids_[i])));
     }
     ctrl[i] = *rest;
     const int input = m->actuator_ctrladr[actuator_ids_[i]];

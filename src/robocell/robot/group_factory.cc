@@ -11,64 +11,55 @@
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/located.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/element_lookup.h"
-#include "robocell/scene/hold_ctrl.h"
 
 namespace robocell {
 namespace {
 
-// The position servo on a joint; "" when there is none.
-std::string ServoOf(const mjModel* m, const std::string& joint) {
+// "elbow ('push' on it is a motor)": what a joint has instead.
+std::string WithItsActuators(const mjModel* m, const std::string& joint) {
   const int id = FindId(m, mjOBJ_JOINT, joint);
   for (int a = 0; a < m->nactuator; ++a) {
-    const int type = m->actuator_trntype[a];
-    const bool on_joint = type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT;
-    if (!on_joint || m->actuator_trnid[2 * a] != id || !IsPositionServo(m, a)) continue;
-    return ElementName(m, mjOBJ_ACTUATOR, a);
-  }
-  return "";
-}
-
-// "elbow ('motor' on it is a motor)": why a joint has no servo.
-std::string WithoutServo(const mjModel* m, const std::string& joint) {
-  const int id = FindId(m, mjOBJ_JOINT, joint);
-  for (int a = 0; a < m->nactuator; ++a) {
-    if (m->actuator_trntype[a] != mjTRN_JOINT || m->actuator_trnid[2 * a] != id) continue;
-    const bool motor = m->actuator_biastype[a] == mjBIAS_NONE;
+    if (!ActsOnJoint(m, a) || m->actuator_trnid[2 * a] != id) continue;
     return fmt::format("{} ('{}' on it is {})", joint, ElementName(m, mjOBJ_ACTUATOR, a),
-                       motor ? "a motor" : "no position servo");
+                       DescribeActuator(m, a));
   }
   return joint;
 }
 
-// One servo for each joint, or none and the reason why.
-struct Servos {
+// One actuator for each joint, or none and the reason why.
+struct FoundActuators {
   std::vector<std::string> names = {};
   std::string why_none = {};
   bool incomplete = false;  // some joints have one
 };
 
-Servos ServosOf(const mjModel* m, const std::vector<std::string>& joints) {
-  std::vector<std::string> names, without;
-  for (const std::string& joint : joints) {
-    std::string servo = ServoOf(m, joint);
-    if (servo.empty()) {
-      without.push_back(WithoutServo(m, joint));
-    } else {
-      names.push_back(std::move(servo));
-    }
+FoundActuators ActuatorsOf(const mjModel* m, const std::vector<std::string>& joints) {
+  ArmDrive drive = FindArmDrive(joints, JointActuators(m));
+  if (drive.complete()) return {std::move(drive.names)};
+  std::vector<std::string> without;
+  bool others = false;  // actuators of no kind
+  for (size_t i = 0; i < joints.size(); ++i) {
+    if (!drive.names[i].empty()) continue;
+    without.push_back(WithItsActuators(m, joints[i]));
+    others = others || without.back() != joints[i];
   }
-  if (without.empty()) return {std::move(names)};
-  if (names.empty()) return {.why_none = "it has no actuators: no position servo on its joints"};
-  return {.why_none = fmt::format("{} of its joints {} no position servo: {}", without.size(),
-                                  without.size() == 1 ? "has" : "have", ListNames(without)),
+  if (!drive.kind) {
+    return {.why_none = std::string("it has no actuators: no position servo on its joints, no "
+                                    "velocity servo and no motor") +
+                        (others ? ": " + ListNames(without) : "")};
+  }
+  return {.why_none = fmt::format("{} of its joints {} no {}: {}", without.size(),
+                                  without.size() == 1 ? "has" : "have", ActuatorWord(*drive.kind),
+                                  ListNames(without)),
           .incomplete = true};
 }
 
 MadeGroup MakeArmGroup(const Scene& scene, GroupNames names, const ChainTip& tip,
                        const std::string& why_no_actuators) {
   const auto arm = std::make_shared<ArmGroup>(scene, names);
-  return {arm, tip, why_no_actuators, FindDrives(scene, arm, std::move(names))};
+  return {arm, tip, why_no_actuators, FindDrives(scene, arm, std::move(names), why_no_actuators)};
 }
 
 // Makes one configured group.
@@ -118,18 +109,18 @@ class GroupMaker {
 
   MadeGroup MakeArm() {
     names_.leaf = LeafOr(ToolFrame());
-    Servos servos;
-    if (names_.actuators.empty()) servos = ServosOf(model(), names_.joints);
-    if (servos.incomplete) {
+    FoundActuators found;
+    if (names_.actuators.empty()) found = ActuatorsOf(model(), names_.joints);
+    if (found.incomplete) {
       throw ArgumentError(
           fmt::format("{}: {}. Name the `actuators` that move it, one for each joint, or leave "
                       "those joints out",
-                      place_, servos.why_none));
+                      place_, found.why_none));
     }
-    if (names_.actuators.empty()) names_.actuators = servos.names;
+    if (names_.actuators.empty()) names_.actuators = found.names;
     const ChainTip tip =
         names_.leaf.is_site ? ChainTip::Site(names_.leaf.name) : ChainTip::Body(names_.leaf.name);
-    return MakeArmGroup(scene_, names_, tip, servos.why_none);
+    return MakeArmGroup(scene_, names_, tip, found.why_none);
   }
 
   FrameName Frame(const ElementRef& ref, std::initializer_list<mjtObj> kinds) {
@@ -198,12 +189,12 @@ MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
                    .root = base,
                    .leaf = {tip.kind == ChainTip::Kind::kSite, tip.name},
                    .robot_base = base};
-  const Servos servos = ServosOf(scene.model(), names.joints);
-  if (servos.incomplete) {
-    LogWarn(fmt::format("robot '{}' / group 'arm' is not driven: {}", robot.name, servos.why_none));
+  const FoundActuators found = ActuatorsOf(scene.model(), names.joints);
+  if (found.incomplete) {
+    LogWarn(fmt::format("robot '{}' / group 'arm' is not driven: {}", robot.name, found.why_none));
   }
-  names.actuators = servos.names;
-  return MakeArmGroup(scene, std::move(names), tip, servos.why_none);
+  names.actuators = found.names;
+  return MakeArmGroup(scene, std::move(names), tip, found.why_none);
 }
 
 }  // namespace robocell

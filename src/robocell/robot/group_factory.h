@@ -17,20 +17,21 @@ struct MadeGroup {
   std::shared_ptr<MoveGroup> group;
   std::optional<ChainTip> tip = {};  // where an arm's chain ends; unset for the other kinds
   std::string why_no_actuators = {};
-  Drives drives = {};  // of an arm
+  std::optional<Drives> drives = {};  // of an arm
 };
 
 // The groups of RobotConfig.move_groups in their order, and a group "base" when none is configured.
-// An arm that names no actuators is driven by the position servos found on its joints. Errors:
-// those of the groups' constructors; ArgumentError for an arm that has servos on some of its joints
-// only. They begin with the group's place in the robot's file.
+// An arm that names no actuators is driven by those found on its joints, of one kind: position
+// servos, velocity servos or motors (actuator_kind.h). Errors: those of the groups' constructors;
+// ArgumentError for an arm that has them on some of its joints only. They begin with the group's
+// place in the robot's file.
 std::vector<MadeGroup> MakeGroups(const Scene& scene, const RobotRecord& robot);
 
 // What is under a robot whose configuration names no base group.
 MadeGroup MakeImplicitBase(const Scene& scene, const RobotRecord& robot);
 
-// An arm over the given joints, driven by the servos found on them, for robots without a
-// configuration. It gets no actuators, and the log says why, unless each joint has a servo.
+// An arm over the given joints, driven by the actuators found on them, likewise, for robots without
+// a configuration. It gets none, and the log says why, unless each joint has one of the kind.
 MadeGroup MakeAdHocArm(const Scene& scene, const RobotRecord& robot,
                        std::vector<std::string> joints, const ChainTip& tip);
 

@@ -106,14 +106,15 @@ TEST(JointPosition, NeedsServos) {
   }
   RobotConfig config = ArmConfig(folder.Write("motors", motors));
   const std::string why =
-      "actuator 'servo1' is no position servo of one of its joints, so it cannot be "
-      "driven to a joint position; give the group another controller, or the model a servo";
+      "'servo1' is a motor, no position servo: set `control` of the group to joint_torque or "
+      "joint_impedance, or give the model position servos";
   Robot robot = RobotAlone(config);
   robot.Update();
   ExpectThrow<NotFoundError>([&] { robot.controller("arm"); },
                              "robot 'arm' / group 'arm' has no controller: " + why);
   config.control["arm"] = ControlKind::kJointPosition;
-  ExpectThrow<ArgumentError>([&] { RobotAlone(config); }, "group 'arm': " + why);
+  ExpectThrow<ArgumentError>([&] { RobotAlone(config); },
+                             "group 'arm' cannot be driven to positions: " + why);
 }
 
 class GripperOpening : public ::testing::Test {

@@ -81,8 +81,9 @@ TEST_F(LocatedRobot, AControllerThatTheArmCannotHave) {
   ExpectThrow<ArgumentError>(
       [&] { Make("move_groups:\n" + arm_ + "control: {arm: joint_position}\n"); },
       file_ +
-          ":6:16: scene 'test' / robot 'arm' / group 'arm': `control` asks for joint_position, "
-          "but it has no actuators: no position servo on its joints");
+          ":6:16: scene 'test' / robot 'arm' / group 'arm' cannot be driven to positions: 'servo1' "
+          "is a motor, no position servo: set `control` of the group to joint_torque or "
+          "joint_impedance");
 }
 
 }  // namespace

@@ -72,7 +72,9 @@ Robot Robot::FromScene(const Scene& scene, const std::string& base_body,
   const Chain chain(scene.model(), record.root_body, tip, chain_options);
   auto state = std::make_shared<State>(scene, record, chain_options);
   state->tip_body = options.prefix + tip_body;
-  state->AddGroup(MakeAdHocArm(scene, record, chain.joint_names(), tip), kDefaultControl, false);
+  MadeGroup arm = MakeAdHocArm(scene, record, chain.joint_names(), tip);
+  const CtrlMode native = arm.drives->native.value_or(CtrlMode::kPosition);
+  state->AddGroup(std::move(arm), PortController(native), false);
   state->AddGroup(MakeImplicitBase(scene, record), kDefaultControl, false);
   Scene(scene).AddObserver(state);
   return Robot(scene, std::move(state));

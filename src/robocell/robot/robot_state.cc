@@ -13,6 +13,7 @@
 #include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/element_lookup.h"
 
 namespace robocell {
@@ -38,6 +39,13 @@ void SeedServos(const ControlledGroup& group, Controller& controller) {
     return;
   servos->JointPosForTorque(group.group->joint_pos(), group.group->joint_torque(),
                             controller.command_port());
+}
+
+// What the model of an arm that is to be driven in a mode may have.
+std::string ActuatorsFor(CtrlMode mode) {
+  const std::string servos = std::string(ActuatorWord(CtrlMode::kPosition)) + "s";
+  return mode == CtrlMode::kPosition ? servos
+                                     : fmt::format("{}s or {}", ActuatorWord(mode), servos);
 }
 
 // A message about a place without its "place: ", which the reader has in front of it already.
@@ -191,17 +199,18 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
   if (slot->own->group->nu() == 0) {
     slot->control->why_no_controller = why_no_actuators;
     if (must_be_driven) {
-      throw ArgumentError(
-          fmt::format("{}: `control` asks for {}, but {}; remove it there, or give "
-                      "the model position servos",
-                      place(*slot), controller, why_no_actuators));
+      throw ArgumentError(fmt::format(
+          "{}: `control` asks for {}, but {}; remove it there, or give the model {}", place(*slot),
+          controller, why_no_actuators, ActuatorsFor(ControllerMode(controller, place(*slot)))));
     }
   } else {
     try {
       Drive(*slot, controller, must_be_driven);
     } catch (const ArgumentError& error) {
       if (must_be_driven) throw;
-      slot->control->why_no_controller = WithoutPlace(error.what(), slot->own->group->place());
+      const std::string& why = slot->own->drives.why_not(ControllerMode(controller, place(*slot)));
+      slot->control->why_no_controller =
+          why.empty() ? WithoutPlace(error.what(), slot->own->group->place()) : why;
     }
   }
   const std::string& name = slot->own->group->name();
@@ -333,10 +342,11 @@ Controller& Robot::State::RequireController(GroupSlot& slot) {
 
 MoveGroup& Robot::State::RequireDrive(GroupSlot& slot, CtrlMode mode) {
   if (MoveGroup* drive = slot.own->drives.of(mode)) return *drive;
-  // What its actuators are instead is said when they are asked for a position.
-  if (mode == CtrlMode::kPosition) return *slot.own->group;
-  throw ArgumentError(fmt::format("{} cannot be switched to {}: {}", place(slot), ToString(mode),
-                                  slot.own->drives.why_none[static_cast<size_t>(mode)]));
+  throw ArgumentError(fmt::format("{} cannot be {}: {}", place(slot),
+                                  mode == CtrlMode::kPosition
+                                      ? "driven to positions"
+                                      : std::string("switched to ") + ToString(mode),
+                                  slot.own->drives.why_not(mode)));
 }
 
 void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) {

@@ -15,6 +15,7 @@
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/idle_actuators.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/spec/problem_lines.h"
 

@@ -80,7 +80,7 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   const std::string top = SpecName(out.top->element);
   const std::string root = RootOf(robot, out);
   const bool configured = !config.move_groups.empty();
-  if (!configured) out.limbs = SerialLimbs(out.part.spec.get());
+  if (!configured) out.limbs = SerialLimbs(out.part.spec.get(), robot.control_modes.has_value());
   AddAttachments(config.attachments, config.locations, directory, out.part, scene, report);
   AddAttachments(robot.attachments, locations, scene.source_dir, out.part, scene, report);
   AddRobotCameras(config, directory, out.part, scene, report);

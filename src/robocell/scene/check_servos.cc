@@ -11,6 +11,7 @@
 #include "robocell/base/names.h"
 #include "robocell/base/units.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/check_robot.h"
 #include "robocell/scene/compile_problem.h"
 #include "robocell/scene/control_modes.h"

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -13,67 +14,39 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {
 namespace {
 
-// What of an actuator says how it drives its joint.
-struct DriveKind {
-  int transmission, gain_type, bias_type, dynamics;
-  double gain, position_bias;
-};
-
-DriveKind KindOf(const mjsActuator* a) {
-  return {a->trntype, a->gaintype, a->biastype, a->dyntype, a->gainprm[0], a->biasprm[1]};
-}
-
-DriveKind KindOf(const mjModel* m, int a) {
-  return {m->actuator_trntype[a],           m->actuator_gaintype[a],
-          m->actuator_biastype[a],          m->actuator_dyntype[a],
-          m->actuator_gainprm[mjNGAIN * a], m->actuator_biasprm[mjNBIAS * a + 1]};
-}
-
-bool ScalesCtrlOnJoint(const DriveKind& a) {
-  const bool on_joint = a.transmission == mjTRN_JOINT || a.transmission == mjTRN_JOINTINPARENT;
-  return on_joint && a.gain_type == mjGAIN_FIXED && a.gain != 0;
-}
-
-bool IsServo(const DriveKind& a) {
-  return ScalesCtrlOnJoint(a) && a.bias_type == mjBIAS_AFFINE && a.position_bias < 0;
-}
-
-bool IsMotor(const DriveKind& a) {
-  return ScalesCtrlOnJoint(a) && a.bias_type == mjBIAS_NONE && a.dynamics == mjDYN_NONE;
-}
-
 // What all of them are; nothing when they are not of one kind.
-std::optional<CtrlMode> ModeOfAll(const std::vector<DriveKind>& actuators) {
-  const auto all = [&](bool (*is)(const DriveKind&)) {
-    return std::all_of(actuators.begin(), actuators.end(), is);
-  };
-  if (all(&IsServo)) return CtrlMode::kPosition;
-  if (all(&IsMotor)) return CtrlMode::kTorque;
-  return std::nullopt;
-}
-
-// Names of the position servos by the joints they act on; where a joint has several, the first.
-std::map<std::string, std::string> ServosByJoint(const mjSpec* spec) {
-  std::map<std::string, std::string> servos;
-  for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
-    const mjsActuator* actuator = mjs_asActuator(element);
-    if (IsServo(KindOf(actuator)))
-      servos.emplace(mjs_getString(actuator->target), SpecName(element));
-  }
-  return servos;
+std::optional<CtrlMode> KindOfAll(const std::vector<std::optional<CtrlMode>>& kinds) {
+  if (kinds.empty() ||
+      std::adjacent_find(kinds.begin(), kinds.end(), std::not_equal_to<>()) != kinds.end())
+    return std::nullopt;
+  return kinds.front();
 }
 
 // --- Which joints belong together ----------------------------------------------------------------
 
-// Follows a tree of bodies; where it branches into several with servos, new limbs begin.
+// Names of the actuators of a kind by the joints they act on; where a joint has several, the first.
+using ByJoint = std::map<std::string, std::string>;
+
+ByJoint ActuatorsByJoint(const mjSpec* spec, CtrlMode kind) {
+  ByJoint names;
+  for (const JointActuator& actuator : JointActuators(spec)) {
+    if (actuator.kind == kind) names.emplace(actuator.joint, actuator.name);
+  }
+  return names;
+}
+
+// Follows a tree of bodies; where it branches into several with actuators of the kind, new limbs
+// begin.
 class SerialStretches {
  public:
-  explicit SerialStretches(const mjSpec* spec) : servos_(ServosByJoint(spec)) {}
+  SerialStretches(CtrlMode kind, ByJoint actuators)
+      : kind_(kind), actuators_(std::move(actuators)) {}
 
   std::vector<Limb> Find(mjsBody* world) {
     Follow(world, Begin());
@@ -83,31 +56,32 @@ class SerialStretches {
 
  private:
   size_t Begin() {
-    limbs_.push_back({.name = "arm"});
+    limbs_.push_back({.name = "arm", .initial = kind_});
     return limbs_.size() - 1;
   }
 
-  std::vector<std::string> ServoJoints(mjsBody* body, bool whole_subtree) const {
+  std::vector<std::string> DrivenJoints(mjsBody* body, bool whole_subtree) const {
     std::vector<std::string> joints;
     for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT, whole_subtree)) {
-      if (servos_.contains(SpecName(joint))) joints.push_back(SpecName(joint));
+      if (actuators_.contains(SpecName(joint))) joints.push_back(SpecName(joint));
     }
     return joints;
   }
 
   void Follow(mjsBody* body, size_t limb) {
-    for (const std::string& joint : ServoJoints(body, false)) {
+    for (const std::string& joint : DrivenJoints(body, false)) {
       limbs_[limb].joints.push_back(joint);
-      limbs_[limb].actuators.push_back(servos_.at(joint));
+      limbs_[limb].actuators.push_back(actuators_.at(joint));
     }
     std::vector<mjsBody*> ways;
     for (mjsElement* child : BodyElements(body, mjOBJ_BODY)) {
-      if (!ServoJoints(mjs_asBody(child), true).empty()) ways.push_back(mjs_asBody(child));
+      if (!DrivenJoints(mjs_asBody(child), true).empty()) ways.push_back(mjs_asBody(child));
     }
     for (mjsBody* way : ways) Follow(way, ways.size() == 1 ? limb : Begin());
   }
 
-  std::map<std::string, std::string> servos_;
+  CtrlMode kind_;
+  ByJoint actuators_;
   std::vector<Limb> limbs_;
 };
 
@@ -117,13 +91,14 @@ std::optional<CtrlMode> NativeMode(const mjSpec* spec, const Limb& limb) {
   for (const std::string& joint : limb.joints) {
     if (!FindSpecElement(spec, mjOBJ_JOINT, joint)) return std::nullopt;
   }
-  std::vector<DriveKind> actuators;
+  std::vector<std::optional<CtrlMode>> kinds;
   for (const std::string& name : limb.actuators) {
     mjsElement* element = FindSpecElement(spec, mjOBJ_ACTUATOR, name);
     if (!element) return std::nullopt;
-    actuators.push_back(KindOf(mjs_asActuator(element)));
+    const mjsActuator* actuator = mjs_asActuator(element);
+    kinds.push_back(ActsOnJoint(actuator) ? ActuatorKind(actuator) : std::nullopt);
   }
-  return ModeOfAll(actuators);
+  return KindOfAll(kinds);
 }
 
 // --- Adding actuators ----------------------------------------------------------------------------
@@ -185,6 +160,21 @@ void AddModes(const RobotSpec& robot, const std::string& place, mjSpec* spec, Li
 
 bool Has(const Limb& limb, CtrlMode mode) {
   return std::find(limb.modes.begin(), limb.modes.end(), mode) != limb.modes.end();
+}
+
+void WarnOfMissingModes(const RobotSpec& robot, const std::set<CtrlMode>& had,
+                        const std::string& place, Report& report) {
+  if (!robot.control_modes) return;
+  for (const CtrlMode mode : *robot.control_modes) {
+    if (had.contains(mode)) continue;
+    report.Warn(
+        place,
+        fmt::format("control_modes has {}, but no arm of it has actuators that these can be "
+                    "added to: position servos, velocity servos or motors, one on each "
+                    "joint",
+                    ToString(mode)),
+        "control_modes");
+  }
 }
 
 void CheckInitialMode(const std::string& place, Limb& limb, Report& report) {
@@ -314,20 +304,18 @@ std::string ModeActuatorName(const std::string& joint, CtrlMode mode) {
 }
 
 std::optional<CtrlMode> NativeMode(const mjModel* m, const std::vector<std::string>& actuators) {
-  std::vector<DriveKind> kinds;
-  for (const std::string& name : actuators)
-    kinds.push_back(KindOf(m, FindId(m, mjOBJ_ACTUATOR, name)));
-  return ModeOfAll(kinds);
+  std::vector<std::optional<CtrlMode>> kinds;
+  for (const std::string& name : actuators) {
+    const int id = FindId(m, mjOBJ_ACTUATOR, name);
+    kinds.push_back(id >= 0 && ActsOnJoint(m, id) ? ActuatorKind(m, id) : std::nullopt);
+  }
+  return KindOfAll(kinds);
 }
 
 std::vector<std::string> ArmActuators(const MoveGroupConfig& arm, const mjSpec* spec) {
   if (!arm.actuators.empty()) return arm.actuators.names;
-  const auto servos = ServosByJoint(spec);
-  std::vector<std::string> actuators;
-  for (const std::string& joint : arm.joints) {
-    const auto servo = servos.find(joint);
-    if (servo != servos.end()) actuators.push_back(servo->second);
-  }
+  std::vector<std::string> actuators = FindArmDrive(arm.joints.names, JointActuators(spec)).names;
+  std::erase(actuators, "");
   return actuators;
 }
 
@@ -342,19 +330,34 @@ std::vector<Limb> ConfiguredLimbs(const RobotConfig& config, const mjSpec* spec)
   return limbs;
 }
 
-std::vector<Limb> SerialLimbs(mjSpec* spec) { return SerialStretches(spec).Find(WorldBody(spec)); }
+std::vector<Limb> SerialLimbs(mjSpec* spec, bool declared) {
+  std::vector<Limb> limbs;
+  std::set<std::string> driven;
+  for (const CtrlMode kind : {CtrlMode::kPosition, CtrlMode::kVelocity, CtrlMode::kTorque}) {
+    if (kind != CtrlMode::kPosition && !declared) break;
+    ByJoint actuators = ActuatorsByJoint(spec, kind);
+    std::erase_if(actuators, [&](const auto& entry) { return driven.contains(entry.first); });
+    for (const auto& [joint, name] : actuators) driven.insert(joint);
+    for (Limb& limb : SerialStretches(kind, std::move(actuators)).Find(WorldBody(spec)))
+      limbs.push_back(std::move(limb));
+  }
+  return limbs;
+}
 
 std::vector<Limb> AddModeActuators(const RobotSpec& robot, std::vector<Limb> limbs,
                                    const std::string& place, mjSpec* spec, Report& report) {
   std::vector<Limb> switched;
+  std::set<CtrlMode> had = {CtrlMode::kPosition};  // is told where it is asked for
   for (Limb& limb : limbs) {
     const auto native = NativeMode(spec, limb);
     if (!native) continue;
     limb.native = *native;
     AddModes(robot, place, spec, limb);
     CheckInitialMode(place, limb, report);
+    had.insert(limb.modes.begin(), limb.modes.end());
     if (limb.modes.size() > 1) switched.push_back(std::move(limb));
   }
+  WarnOfMissingModes(robot, had, place, report);
   return switched;
 }
 

@@ -1,7 +1,7 @@
 // Private to scene: actuators for the control modes of arms, and the groups by which modes are
 // switched (RobotSpec::control_modes, docs/control.md).
 //
-// An arm whose joints have servos gets motors `<joint>_torque` and velocity servos
+// An arm whose joints have actuators of one kind gets motors `<joint>_torque` and velocity servos
 // `<joint>_velocity` for the modes that its robot declares, after all that its model has. Each mode
 // of each arm is an actuator group of its own; the engine switches groups off by their numbers
 // 0 ... 30. All other actuators, grippers' too, stay in groups that are never switched off. An arm
@@ -36,17 +36,18 @@ inline constexpr int kLastActuatorGroup = 30;
 // "joint1_torque".
 std::string ModeActuatorName(const std::string& joint, CtrlMode mode);
 
-// What actuators of a compiled model, which it has, are: position servos, or motors; nothing when
-// they are of several kinds, or of another.
+// What these actuators of a compiled model, which act on joints, are (actuator_kind.h); nothing for
+// none, when they are of several kinds, or of another.
 std::optional<CtrlMode> NativeMode(const mjModel* model, const std::vector<std::string>& actuators);
 
-// The actuators of an arm, in the order of its joints: those that it lists, else the position
-// servos on its joints (fewer than joints when some have none).
+// The actuators of an arm, in the order of its joints: those that it lists, else those on its
+// joints of the kind that drives them (actuator_kind.h; fewer than joints when some have none).
 std::vector<std::string> ArmActuators(const MoveGroupConfig& arm, const mjSpec* spec);
 
-// The limbs of a robot without move groups: the serial stretches of joints with position servos.
-// To be asked before tools are mounted, whose joints are none of its limbs.
-std::vector<Limb> SerialLimbs(mjSpec* spec);
+// The limbs of a robot without move groups: the serial stretches of joints with position servos
+// and, for a robot whose modes are `declared`, of joints that have velocity servos or motors
+// instead. To be asked before tools are mounted, whose joints are none of its limbs.
+std::vector<Limb> SerialLimbs(mjSpec* spec, bool declared);
 // Those of its arm groups.
 std::vector<Limb> ConfiguredLimbs(const RobotConfig& config, const mjSpec* spec);
 

@@ -5,18 +5,9 @@
 #include <algorithm>
 
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/actuator_kind.h"
 
 namespace robocell {
-
-bool IsPositionServo(const mjModel* model, int actuator) {
-  const int dynamics = model->actuator_dyntype[actuator];
-  return model->actuator_gaintype[actuator] == mjGAIN_FIXED &&
-         model->actuator_biastype[actuator] == mjBIAS_AFFINE &&
-         model->actuator_ctrlnum[actuator] == 1 &&
-         (dynamics == mjDYN_NONE || dynamics == mjDYN_FILTER || dynamics == mjDYN_FILTEREXACT) &&
-         model->actuator_gainprm[mjNGAIN * actuator] != 0 &&
-         model->actuator_biasprm[mjNBIAS * actuator + 1] < 0;
-}
 
 std::optional<double> FreeRestingCtrl(const mjModel* model, int actuator, double length) {
   if (!IsPositionServo(model, actuator)) return std::nullopt;

@@ -12,10 +12,6 @@ namespace robocell {
 // Of a joint's range: by so much less a servo may reach without a word.
 inline constexpr double kServoSlack = 0.02;
 
-// Whether an actuator's force is gain * ctrl + a + b * length with b < 0: a position servo, or a
-// gripper scaled to 0..255 (XML reference, actuator/general).
-bool IsPositionServo(const mjModel* model, int actuator);
-
 // Whether an actuator's activation follows its control with a delay.
 bool IsFiltered(const mjModel* model, int actuator);
 

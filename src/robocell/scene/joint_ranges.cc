@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
-#include "robocell/scene/hold_ctrl.h"
 
 namespace robocell {
 

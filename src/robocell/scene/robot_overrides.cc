@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/names.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
@@ -10,14 +11,13 @@
 namespace robocell {
 namespace {
 
-bool IsPositionServo(const mjsActuator* actuator) {
-  return actuator->gaintype == mjGAIN_FIXED && actuator->biastype == mjBIAS_AFFINE &&
-         actuator->gainprm[0] == -actuator->biasprm[1] && actuator->gainprm[0] > 0;
-}
-
+// What the engine makes of a control stays: a servo whose controls are scaled goes on resting where
+// it did.
 void OverrideServo(const RobotConfig& config, mjsActuator* actuator) {
   if (config.stiffness) {
-    actuator->gainprm[0] = *config.stiffness;
+    const double authored = -actuator->biasprm[1];
+    actuator->gainprm[0] = *config.stiffness * (actuator->gainprm[0] / authored);
+    actuator->biasprm[0] = *config.stiffness * (actuator->biasprm[0] / authored);
     actuator->biasprm[1] = -*config.stiffness;
   }
   if (config.damping) actuator->biasprm[2] = -*config.damping;

@@ -232,6 +232,23 @@ TEST_F(Robots, RefuseGainsForWhatIsNoServo) {
       "stiffness, damping and force_limit are for position servos; actuator 'servo1' is none");
 }
 
+// Of force = gain * ctrl + a + b * length.
+TEST_F(Robots, StiffenServosWithScaledControlsWhichRestWhereTheyDid) {
+  config.model = folder.Write(
+      "scaled",
+      R"(<worldbody><body name="base"><geom size="0.1"/><body><joint name="shoulder" axis="0 0 1"/><geom size="0.1"/></body></body></worldbody>
+      <actuator><general name="servo1" joint="shoulder" gainprm="0.5" biastype="affine" biasprm="-2 -4 -1"/></actuator>)");
+  config.move_groups["arm"] = {.kind = MoveGroupKind::kArm, .joints = {"shoulder"}};
+  config.stiffness = 40;
+  const Scene scene = BuildArm();
+  const mjModel* m = scene.model();
+  const int servo = RequireId(m, mjOBJ_ACTUATOR, "l_servo1", "");
+  EXPECT_DOUBLE_EQ(m->actuator_gainprm[mjNGAIN * servo], 5);
+  EXPECT_DOUBLE_EQ(m->actuator_biasprm[mjNBIAS * servo], -20);
+  EXPECT_EQ(m->actuator_biasprm[mjNBIAS * servo + 1], -40);
+  EXPECT_EQ(m->actuator_biasprm[mjNBIAS * servo + 2], -1);
+}
+
 TEST_F(Robots, GetATcpSiteFromTheOffset) {
   config.move_groups["arm"].leaf.reset();
   config.attachment_site = "flange";

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/task/timed_path.h"
 
 namespace robocell {
@@ -29,6 +30,13 @@ double LargestForce(const mjModel* m, int actuator, int joint) {
   return most;
 }
 
+bool AreServos(const mjModel* m, const std::vector<std::string>& actuators) {
+  return std::all_of(actuators.begin(), actuators.end(), [&](const std::string& name) {
+    const int id = FindId(m, mjOBJ_ACTUATOR, name);
+    return id < 0 || IsPositionServo(m, id);
+  });
+}
+
 }  // namespace
 
 std::vector<double> ServoJumps(const mjModel* m, const MoveGroup& arm) {
@@ -36,6 +44,7 @@ std::vector<double> ServoJumps(const mjModel* m, const MoveGroup& arm) {
   const std::vector<std::string>& actuators = arm.actuator_names();
   std::vector<double> q = arm.joint_pos(), here(actuators.size()), there(actuators.size());
   std::vector<double> jumps(joints.size(), kNoLimit);
+  if (!AreServos(m, actuators)) return jumps;  // motors: what they push with is their controller's
   arm.CtrlForJointPos(q, here);
   for (double& value : q) value += kProbe;
   arm.CtrlForJointPos(q, there);

@@ -51,6 +51,21 @@ TEST(ServoJumps, OfAServoWithoutLimitIsInfinite) {
   for (const double jump : ServoJumps(m, robot.arm())) EXPECT_TRUE(std::isinf(jump));
 }
 
+TEST(ServoJumps, OfMotorsAreInfinite) {
+  ModelFolder folder;
+  std::string model = kTwoJointArm;
+  const size_t begin = model.find("<position"), end = model.find("</actuator>");
+  model.replace(begin, end - begin,
+                R"(<motor name="servo1" joint="shoulder" ctrlrange="-9 9"/>
+                   <motor name="servo2" joint="elbow" forcerange="-9 9"/>)");
+  RobotConfig config = ArmConfig(folder.Write("motors", model));
+  config.control["arm"] = ControlKind::kJointImpedance;
+  const Robot robot = RobotAlone(config);
+  const std::vector<double> jumps = ServoJumps(robot.scene().model(), robot.arm());
+  ASSERT_EQ(jumps.size(), 2u);
+  for (const double jump : jumps) EXPECT_TRUE(std::isinf(jump));
+}
+
 TEST(SecondsForJumps, KeepEveryTargetOfTheLegWithinThem) {
   const JointPath points = {{0, 0}, {0.1, 0.3}, {0.5, 0.4}, {0.6, 0.4}};
   const std::vector<double> jumps = {0.02, 0.05};

@@ -1,0 +1,147 @@
+#include "robocell/scene/actuator_kind.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/control_modes.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+// What of an actuator says how it drives.
+struct DriveLaw {
+  int gain_type, bias_type, dynamics, inputs;
+  double gain;
+  const double* bias;
+};
+
+DriveLaw LawOf(const mjsActuator* a) {
+  return {a->gaintype, a->biastype, a->dyntype, 1, a->gainprm[0], a->biasprm};
+}
+
+DriveLaw LawOf(const mjModel* m, int a) {
+  return {m->actuator_gaintype[a],          m->actuator_biastype[a],
+          m->actuator_dyntype[a],           m->actuator_ctrlnum[a],
+          m->actuator_gainprm[mjNGAIN * a], m->actuator_biasprm + mjNBIAS * a};
+}
+
+std::optional<CtrlMode> KindOf(const DriveLaw& law) {
+  if (law.gain_type != mjGAIN_FIXED || law.gain == 0 || law.inputs != 1) return std::nullopt;
+  const bool direct = law.dynamics == mjDYN_NONE;
+  const bool filtered = law.dynamics == mjDYN_FILTER || law.dynamics == mjDYN_FILTEREXACT;
+  if (law.bias_type == mjBIAS_NONE && direct) return CtrlMode::kTorque;
+  if (law.bias_type != mjBIAS_AFFINE) return std::nullopt;
+  if (law.bias[1] < 0 && (direct || filtered)) return CtrlMode::kPosition;
+  const bool of_velocity = law.bias[0] == 0 && law.bias[1] == 0 && law.bias[2] == -law.gain;
+  if (of_velocity && law.gain > 0 && direct) return CtrlMode::kVelocity;
+  return std::nullopt;
+}
+
+bool IsOnJoint(int transmission) {
+  return transmission == mjTRN_JOINT || transmission == mjTRN_JOINTINPARENT;
+}
+
+// Whether it was added for another mode of an arm (control_modes.h), which is switched off: it is
+// called so and comes after what the model has on the joint.
+bool IsAdded(const std::vector<JointActuator>& actuators, size_t i) {
+  const JointActuator& actuator = actuators[i];
+  const auto here = actuators.begin() + static_cast<std::ptrdiff_t>(i);
+  return actuator.kind && actuator.name == ModeActuatorName(actuator.joint, *actuator.kind) &&
+         std::any_of(actuators.begin(), here,
+                     [&](const JointActuator& other) { return other.joint == actuator.joint; });
+}
+
+// The first of the model's own actuators of a kind on each joint.
+ArmDrive FindOfKind(CtrlMode kind, const std::vector<std::string>& joints,
+                    const std::vector<JointActuator>& actuators) {
+  ArmDrive drive{.kind = kind, .names = std::vector<std::string>(joints.size())};
+  for (size_t i = 0; i < actuators.size(); ++i) {
+    if (actuators[i].kind != kind || IsAdded(actuators, i)) continue;
+    for (size_t j = 0; j < joints.size(); ++j) {
+      if (joints[j] == actuators[i].joint && drive.names[j].empty())
+        drive.names[j] = actuators[i].name;
+    }
+  }
+  return drive;
+}
+
+}  // namespace
+
+std::optional<CtrlMode> ActuatorKind(const mjModel* model, int actuator) {
+  return KindOf(LawOf(model, actuator));
+}
+
+std::optional<CtrlMode> ActuatorKind(const mjsActuator* actuator) {
+  return KindOf(LawOf(actuator));
+}
+
+bool ActsOnJoint(const mjModel* model, int actuator) {
+  return IsOnJoint(model->actuator_trntype[actuator]);
+}
+
+bool ActsOnJoint(const mjsActuator* actuator) { return IsOnJoint(actuator->trntype); }
+
+std::string DescribeActuator(const mjModel* model, int actuator) {
+  if (const auto kind = ActuatorKind(model, actuator))
+    return std::string("a ") + ActuatorWord(*kind);
+  const DriveLaw law = LawOf(model, actuator);
+  const bool servo = law.bias_type == mjBIAS_AFFINE && (law.bias[1] < 0 || law.bias[2] < 0);
+  if (servo && law.dynamics == mjDYN_INTEGRATOR) return "a servo that integrates its control";
+  return "no position servo, velocity servo or motor";
+}
+
+const char* ActuatorWord(CtrlMode kind) {
+  switch (kind) {
+    case CtrlMode::kPosition:
+      return "position servo";
+    case CtrlMode::kVelocity:
+      return "velocity servo";
+    case CtrlMode::kTorque:
+      break;
+  }
+  return "motor";
+}
+
+std::vector<JointActuator> JointActuators(const mjModel* m) {
+  std::vector<JointActuator> out;
+  for (int a = 0; a < m->nactuator; ++a) {
+    if (!ActsOnJoint(m, a)) continue;
+    out.push_back({ElementName(m, mjOBJ_JOINT, m->actuator_trnid[2 * a]),
+                   ElementName(m, mjOBJ_ACTUATOR, a), ActuatorKind(m, a)});
+  }
+  return out;
+}
+
+std::vector<JointActuator> JointActuators(const mjSpec* spec) {
+  std::vector<JointActuator> out;
+  for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
+    const mjsActuator* actuator = mjs_asActuator(element);
+    if (!ActsOnJoint(actuator)) continue;
+    out.push_back({mjs_getString(actuator->target), SpecName(element), ActuatorKind(actuator)});
+  }
+  return out;
+}
+
+bool ArmDrive::complete() const {
+  return kind && std::find(names.begin(), names.end(), "") == names.end();
+}
+
+ArmDrive FindArmDrive(const std::vector<std::string>& joints,
+                      const std::vector<JointActuator>& actuators) {
+  ArmDrive best{.names = std::vector<std::string>(joints.size())};
+  const auto missing = [](const ArmDrive& drive) {
+    return std::count(drive.names.begin(), drive.names.end(), "");
+  };
+  for (const CtrlMode kind : {CtrlMode::kPosition, CtrlMode::kVelocity, CtrlMode::kTorque}) {
+    ArmDrive found = FindOfKind(kind, joints, actuators);
+    if (missing(found) < missing(best)) best = std::move(found);
+  }
+  return best;
+}
+
+}  // namespace robocell

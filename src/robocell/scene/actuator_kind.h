@@ -1,0 +1,64 @@
+// What an actuator is, by the force that it makes of its control: the one place that says so, of
+// models that are being written and of compiled ones.
+//
+// A kind is named by the mode that an arm of such actuators is in (ctrl_mode.h). With force =
+// gain * ctrl + a + b * length + c * velocity (XML reference, actuator/general):
+//   kPosition  position servo: b < 0; its control may be filtered, and scaled (grippers, 0..255)
+//   kVelocity  velocity servo: gain = -c > 0, a = b = 0
+//   kTorque    motor: no a, b, c
+// All others have no kind: servos that integrate their control, dampers, muscles, several inputs.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/mujoco/forward.h"
+#include "robocell/spec/ctrl_mode.h"
+
+struct mjsActuator_;
+typedef struct mjsActuator_ mjsActuator;
+
+namespace robocell {
+
+std::optional<CtrlMode> ActuatorKind(const mjModel* model, int actuator);
+std::optional<CtrlMode> ActuatorKind(const mjsActuator* actuator);
+
+inline bool IsPositionServo(const mjModel* model, int actuator) {
+  return ActuatorKind(model, actuator) == CtrlMode::kPosition;
+}
+inline bool IsPositionServo(const mjsActuator* actuator) {
+  return ActuatorKind(actuator) == CtrlMode::kPosition;
+}
+
+// Whether it acts on one joint, not through a tendon or at a site.
+bool ActsOnJoint(const mjModel* model, int actuator);
+bool ActsOnJoint(const mjsActuator* actuator);
+
+// "a motor", "a servo that integrates its control"
+std::string DescribeActuator(const mjModel* model, int actuator);
+// "position servo", "velocity servo", "motor"
+const char* ActuatorWord(CtrlMode kind);
+
+// Actuators that act on joints, in the model's order, with full names.
+struct JointActuator {
+  std::string joint, name;
+  std::optional<CtrlMode> kind = {};
+};
+std::vector<JointActuator> JointActuators(const mjModel* model);
+std::vector<JointActuator> JointActuators(const mjSpec* spec);
+
+// What drives the joints of an arm that names no actuators: those of one kind, the first on each
+// joint; "" where a joint has none of it. The kind that drives most of them; of several position
+// before velocity before torque; no kind where none drives any. What was added for other modes
+// (control_modes.h) does not count.
+struct ArmDrive {
+  std::optional<CtrlMode> kind = {};
+  std::vector<std::string> names = {};  // one per joint
+
+  bool complete() const;
+};
+ArmDrive FindArmDrive(const std::vector<std::string>& joints,
+                      const std::vector<JointActuator>& actuators);
+
+}  // namespace robocell
