@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 namespace robocell::python {
 namespace {
 
@@ -16,8 +18,9 @@ nb::object AsSequence(nb::handle value) {
 
 }  // namespace
 
-std::vector<double> ToDoubles(nb::handle value, const char* what, std::vector<size_t>& shape) {
-  nb::module_ numpy = nb::module_::import_("numpy");
+Doubles::Doubles(nb::handle value, const char* what) {
+  if (nb::try_cast(value, array_, /*convert=*/false) && array_.ndim() > 0) return;
+  const nb::module_ numpy = nb::module_::import_("numpy");
   const auto refuse = [&] {
     throw ArgumentError(std::string(what) + " must be a list of numbers, got " +
                         nb::cast<std::string>(nb::repr(value)));
@@ -30,16 +33,25 @@ std::vector<double> ToDoubles(nb::handle value, const char* what, std::vector<si
     if (!e.matches(PyExc_TypeError) && !e.matches(PyExc_ValueError)) throw;
     refuse();
   }
-  const auto view = nb::cast<nb::ndarray<const double, nb::c_contig, nb::device::cpu>>(array);
-  if (view.ndim() == 0) refuse();
-  shape.clear();
-  for (size_t i = 0; i < view.ndim(); ++i) shape.push_back(view.shape(i));
-  return {view.data(), view.data() + view.size()};
+  array_ = nb::cast<decltype(array_)>(array);
+  if (array_.ndim() == 0) refuse();
+}
+
+std::vector<size_t> Doubles::shape() const {
+  std::vector<size_t> shape;
+  for (size_t i = 0; i < array_.ndim(); ++i) shape.push_back(array_.shape(i));
+  return shape;
+}
+
+std::vector<double> ToDoubles(nb::handle value, const char* what, std::vector<size_t>& shape) {
+  const Doubles numbers(value, what);
+  shape = numbers.shape();
+  return {numbers.span().begin(), numbers.span().end()};
 }
 
 std::vector<double> ToDoubles(nb::handle value, const char* what) {
-  std::vector<size_t> shape;
-  return ToDoubles(value, what, shape);
+  const Doubles numbers(value, what);
+  return {numbers.span().begin(), numbers.span().end()};
 }
 
 std::vector<double> ToRow(nb::handle value, const char* what) {
@@ -48,6 +60,22 @@ std::vector<double> ToRow(nb::handle value, const char* what) {
   if (shape.size() == 1) return row;
   throw ArgumentError(fmt::format("{} must be a row of numbers, got an array of shape ({})", what,
                                   fmt::join(shape, ", ")));
+}
+
+nb::object NewRow(std::span<const double> values) {
+  // Kept for good, with the GIL.
+  static PyObject* empty = nullptr;
+  if (!empty) empty = nb::object(nb::module_::import_("numpy").attr("empty")).release().ptr();
+  const nb::int_ size(values.size());
+  PyObject* arguments[] = {nullptr, size.ptr()};
+  nb::object row = nb::steal(
+      PyObject_Vectorcall(empty, arguments + 1, 1 | PY_VECTORCALL_ARGUMENTS_OFFSET, nullptr));
+  Py_buffer buffer;
+  if (!row.is_valid() || PyObject_GetBuffer(row.ptr(), &buffer, PyBUF_WRITABLE) != 0)
+    throw nb::python_error();
+  std::copy(values.begin(), values.end(), static_cast<double*>(buffer.buf));
+  PyBuffer_Release(&buffer);
+  return row;
 }
 
 }  // namespace robocell::python

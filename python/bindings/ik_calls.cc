@@ -53,13 +53,13 @@ std::vector<Pose> ToPoses(nb::handle targets) {
   if (const Pose* one = nullptr; nb::try_cast(targets, one) && one) return {*one};
   const bool is_list = nb::isinstance<nb::list>(targets) || nb::isinstance<nb::tuple>(targets);
   if (!is_list || nb::len(targets) == 0 || !IsOnePose(nb::object(targets[0]))) {
-    std::vector<size_t> shape;
-    const std::vector<double> matrices = ToDoubles(targets, "targets", shape);
+    const Doubles matrices(targets, "targets");
+    const std::vector<size_t> shape = matrices.shape();
     const bool is_one = shape == std::vector<size_t>{4, 4};
     const bool are_many = shape.size() == 3 && shape[1] == 4 && shape[2] == 4;
-    if (!is_one && !are_many && !matrices.empty())
+    if (!is_one && !are_many && !matrices.span().empty())
       RefuseShape("targets", "4x4 matrices (B, 4, 4), or a list of poses", shape);
-    return PosesFromMatrices(matrices, "targets");
+    return PosesFromMatrices(matrices.span(), "targets");
   }
   std::vector<Pose> poses;
   for (const nb::handle item : targets) {
@@ -88,13 +88,12 @@ nb::object BatchOf(const Chain& chain, nb::handle targets, std::span<const doubl
     result = IkBatch(chain, poses, seeds, options);
   }
   const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
-  const nb::object numpy = nb::module_::import_("numpy");
-  return Namespace()(
-      "q"_a = NewArray<double>(result.q, {b, n}),
-      "success"_a = NewArray<uint8_t>(result.success, {b}).attr("astype")(numpy.attr("bool_")),
-      "position_error"_a = NewArray<double>(result.position_error, {b}),
-      "rotation_error"_a = NewArray<double>(result.rotation_error, {b}),
-      "iterations"_a = NewArray<int>(result.iterations, {b}));
+  const nb::object success = NewArray(std::move(result.success), {b});
+  return Namespace()("q"_a = NewArray(std::move(result.q), {b, n}),
+                     "success"_a = success.attr("view")("?"),  // they are 0 or 1
+                     "position_error"_a = NewArray(std::move(result.position_error), {b}),
+                     "rotation_error"_a = NewArray(std::move(result.rotation_error), {b}),
+                     "iterations"_a = NewArray(std::move(result.iterations), {b}));
 }
 
 std::vector<double> SeedsOf(const Chain& chain, nb::handle seeds) {

@@ -235,8 +235,7 @@ void BindKinematics(nb::module_& m) {
       .def_prop_ro(
           "q",
           [](const IkResult& r) {
-            return NewArray<double>(std::span(r.q.data(), static_cast<size_t>(r.q.size())),
-                                    {static_cast<size_t>(r.q.size())});
+            return NewRow({r.q.data(), static_cast<size_t>(r.q.size())});
           },
           nb::for_getter(nb::sig("def q(self) -> numpy.typing.NDArray[numpy.float64]")),
           "Joint values in chain order, rad or m; the best met when there is no solution.")

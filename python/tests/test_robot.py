@@ -358,6 +358,35 @@ class TestLockedGroups:
         one = robot.kinematics.ik(target, seed=seed, prefer="seed")
         np.testing.assert_allclose(near.q[0], one.q, atol=1e-12)
 
+    def test_numbers_are_read_wherever_they_are_and_answers_are_arrays_of_their_own(self, robot):
+        seed = robot.arm.joint_pos.round(3)
+        target = robot.kinematics.fk(seed + 0.1)
+        found = robot.kinematics.ik(target, seed=seed)
+        assert found.success
+        read_only = seed.copy()
+        read_only.setflags(write=False)
+        wide = np.repeat(seed, 2)[::2]
+        for same in (seed.tolist(), tuple(seed), read_only, wide, seed.astype(object)):
+            np.testing.assert_array_equal(robot.kinematics.ik(target, seed=same).q, found.q)
+        for wrong in (seed[None], seed[0], np.zeros((7, 1))):
+            with pytest.raises(rc.ArgumentError, match="seed must be a"):
+                robot.kinematics.ik(target, seed=wrong)
+        q = found.q
+        assert (q.shape, q.dtype, q.flags.owndata) == ((7,), np.float64, True)
+        q[:] = 0
+        assert not np.array_equal(found.q, q)
+
+        targets = np.repeat(target.matrix[None], 5, axis=0)
+        batch = robot.kinematics.ik_batch(targets, seeds=seed)
+        spaced = np.repeat(targets, 2, axis=0)[::2]
+        for same in (targets.tolist(), spaced, np.asfortranarray(targets)):
+            np.testing.assert_array_equal(robot.kinematics.ik_batch(same, seeds=seed).q, batch.q)
+        assert (batch.success.dtype, batch.iterations.dtype) == (np.bool_, np.int32)
+        del targets
+        batch.q += 1
+        batch.success[0] = False
+        assert batch.success.tolist() == [False, True, True, True, True]
+
     def test_a_target_is_a_pose_or_a_matrix_and_a_batch_a_list_of_either(self, robot):
         target = robot.kinematics.fk(robot.arm.joint_pos + 0.1)
         solve, batch = robot.kinematics.ik, robot.kinematics.ik_batch
