@@ -89,12 +89,14 @@ const GripperRange& ActuatedGripper::Measured() const {
   return *measured_;
 }
 
-// The error of a model that diverges meanwhile says whose gripper it is.
+// The error of a model that diverges meanwhile, or does not come to rest, says whose gripper it is.
 std::array<double, 2> ActuatedGripper::Settled(std::array<double, 2> ctrl) const {
   try {
     return SettledFingerDistances(core().scene(), Parts(), ctrl);
   } catch (const EngineError& error) {
     throw EngineError(core().place() + ": " + error.what());
+  } catch (const ArgumentError& error) {
+    Fail("fingers", error.what());
   }
 }
 

@@ -40,8 +40,8 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   int hand_body() const { return Parts().pair.hand; }
 
   // Opens and closes the gripper in a copy of the simulation, whatever the configuration says of
-  // its distances. ArgumentError when the fingers do not move, or when the configured open and
-  // closed are swapped.
+  // its distances. ArgumentError when the fingers do not move or do not come to rest, or when
+  // the configured open and closed are swapped.
   GripperRange Measure() const;
 
  private:

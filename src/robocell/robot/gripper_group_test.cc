@@ -1,6 +1,7 @@
 // Grippers: openings, distances, what is measured and guessed, what is held, and what is said.
 #include "robocell/robot/gripper_group.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -282,6 +283,52 @@ TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
         "group 'gripper': the fingers do not come back: control 0 brings them 0.0920 m apart from "
         "home, "
         "and leaves them 0.02");
+  }
+}
+
+// Fingers that come as near as 1/e to where their servo sends them in `seconds`.
+RobotConfig WithSlowGripper(ModelFolder& folder, double seconds, const std::string& actuator) {
+  const std::string hand = fmt::format(
+      R"(<compiler angle="radian"/><worldbody><body name="palm">
+    <geom size=".01" mass=".1"/>
+    <body name="left" pos="0 .005 .05"><joint name="l" type="slide" axis="0 1 0" range="0 .04"
+      limited="true" damping="{0}"/><geom type="box" size=".01 .004 .02" mass=".05"/></body>
+    <body name="right" pos="0 -.005 .05"><joint name="r" type="slide" axis="0 -1 0" range="0 .04"
+      limited="true" damping="{0}"/><geom type="box" size=".01 .004 .02" mass=".05"/></body>
+    </body></worldbody><equality><joint joint1="l" joint2="r"/></equality><actuator>{1}
+    </actuator>)",
+      500 * seconds, actuator);
+  RobotConfig config = ArmConfig(folder.Write("arm", kTwoJointArm));
+  config.attachments.push_back({.mjcf_path = folder.Write("hand", hand),
+                                .attach_to = {AttachKind::kSite, "flange"},
+                                .prefix = "g_"});
+  config.move_groups["gripper"] = {
+      .kind = MoveGroupKind::kGripper, .joints = {"g_l", "g_r"}, .actuators = {"g_grip"}};
+  return config;
+}
+
+TEST(Gripper, SlowFingersAreMeasuredOnceTheyStandStill) {
+  constexpr const char* kServo = R"(<position name="grip" joint="l" kp="1000" ctrlrange="0 .04"/>)";
+  for (const double seconds : {0.05, 2.0}) {
+    ModelFolder folder;
+    const Interval range =
+        RobotAlone(WithSlowGripper(folder, seconds, kServo)).gripper().inter_finger_dist_range();
+    EXPECT_NEAR(range.lower, 0.002, 0.0025) << seconds;
+    EXPECT_NEAR(range.upper, 0.082, 0.0025) << seconds;
+  }
+}
+
+TEST(Gripper, FingersThatDoNotComeToRestAreNoNumber) {
+  constexpr const char* kServo = R"(<position name="grip" joint="l" kp="1000" ctrlrange="0 .04"/>)";
+  ModelFolder folder;
+  RobotConfig config = WithSlowGripper(folder, 30, kServo);
+  for (const bool said : {false, true}) {
+    if (said) GripperConfig(config).distance = GripperDistance{.closed = 0.002, .open = 0.082};
+    Robot robot = RobotAlone(config);
+    ExpectThrow<ArgumentError>(
+        [&] { GripperOf(robot).Measure(); },
+        "group 'gripper': the fingers do not come to rest: 20 s after control 0.04 they go between "
+        "0.0");
   }
 }
 

@@ -17,7 +17,11 @@
 namespace robocell {
 namespace {
 
-constexpr double kSettleSeconds = 1.0;
+constexpr double kLeastSeconds = 1.0;
+constexpr double kMostSeconds = 20.0;
+constexpr double kWindowSeconds = 0.25;
+constexpr double kStill = 2.5e-4;  // metres within a window: a millimetre a second
+constexpr double kSteady = 0.97;   // of what they moved within the window before
 constexpr const char* kContext = "measuring a gripper";
 
 ModelPtr AloneWithoutGravity(const mjModel* model, int robot_body) {
@@ -38,13 +42,57 @@ DataPtr DataAtHome(const mjModel* m, int home_key) {
   return data;
 }
 
-double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts, double ctrl) {
-  for (const int a : parts.ctrl_addresses) d->ctrl[a] = ctrl;
-  const int steps = static_cast<int>(std::ceil(kSettleSeconds / m->opt.timestep));
+void Advance(const mjModel* m, mjData* d, double seconds) {
+  const int steps = std::max(1, static_cast<int>(std::ceil(seconds / m->opt.timestep)));
   const StepResult result = Step(m, d, steps, kContext);
   if (!result.ok()) throw EngineError(std::string(kContext) + ": " + result.message);
   Guarded(kContext, d, [&] { mj_kinematics(m, d); });
-  return FingerDistance(m, d, parts.pair.fingers[0], parts.pair.fingers[1]);
+}
+
+// The distances that the fingers pass within a window, in which they may swing.
+Interval Passed(const mjModel* m, mjData* d, const FingerPair& pair) {
+  constexpr int kLooks = 10;
+  const auto distance = [&] { return FingerDistance(m, d, pair.fingers[0], pair.fingers[1]); };
+  Interval passed{distance(), distance()};
+  for (int i = 0; i < kLooks; ++i) {
+    Advance(m, d, kWindowSeconds / kLooks);
+    passed.lower = std::min(passed.lower, distance());
+    passed.upper = std::max(passed.upper, distance());
+  }
+  return passed;
+}
+
+bool HasFriction(const mjModel* m, int hand) {
+  const std::vector<bool> inside = SubtreeMask(m, hand);
+  for (int dof = 0; dof < m->nv; ++dof) {
+    if (inside[m->dof_bodyid[dof]] && m->dof_frictionloss[dof] > 0) return true;
+  }
+  return false;
+}
+
+// What dry friction holds creeps on steadily, for in the engine friction is soft: that counts as
+// rest too, or the fingers would be waited for until they are where friction keeps them from.
+double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts, double ctrl) {
+  const auto width = [](const Interval& passed) { return passed.upper - passed.lower; };
+  const bool may_creep = HasFriction(m, parts.pair.hand);
+  for (const int a : parts.ctrl_addresses) d->ctrl[a] = ctrl;
+  const double end = d->time + kMostSeconds;
+  Advance(m, d, kLeastSeconds - 2 * kWindowSeconds);
+  double before = width(Passed(m, d, parts.pair));
+  for (;;) {
+    const Interval passed = Passed(m, d, parts.pair);
+    const bool creeps = may_creep && width(passed) > kSteady * before;
+    if (width(passed) <= kStill || creeps)
+      return FingerDistance(m, d, parts.pair.fingers[0], parts.pair.fingers[1]);
+    if (d->time >= end) {
+      throw ArgumentError(fmt::format(
+          "the fingers do not come to rest: {} s after control {} they go between {:.4f} and "
+          "{:.4f} m in a quarter of a second. Are the gripper's gains, damping and contacts right, "
+          "or is its joint too slow for its actuator?",
+          kMostSeconds, ctrl, passed.lower, passed.upper));
+    }
+    before = width(passed);
+  }
 }
 
 std::array<double, 2> MeasuredDistances(const Scene& scene, const GripperParts& parts,

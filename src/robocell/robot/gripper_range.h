@@ -23,12 +23,15 @@ struct GripperParts {
   FingerPair pair;
 };
 
-// The finger distance (m) one second after the control was set to the first value, and one second
-// after it was then set to the second. Done in a copy of the model without gravity, in which the
-// robot touches nothing but itself, from the scene's home: the present state plays no part, and the
-// numbers are the same each time. Linkages go on creeping by fractions of a millimetre for seconds,
-// which is why the time is fixed. EngineError when the copy diverges. Takes milliseconds to a
-// second, for large models; once for all scenes on a frozen one.
+// The finger distance (m) once the fingers came to rest after the control was set to the first
+// value, and then to the second. At rest they move less than a quarter of a millimetre in a quarter
+// of a second, a second after the control was set or later: linkages go on creeping by fractions of
+// a millimetre for long. What dry friction holds creeps on steadily, and counts as at rest too.
+// Done in a copy of the model without gravity, in which the robot touches nothing but itself, from
+// the scene's home: the present state plays no part, and the numbers are the same each time.
+// EngineError when the copy diverges; ArgumentError when the fingers are not at rest after 20 s.
+// Takes milliseconds to a second, for large models, more where fingers are slow; once for all
+// scenes on a frozen one.
 std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
                                              std::array<double, 2> ctrl);
 
