@@ -54,6 +54,20 @@ Transform JointInBody(const mjModel* m, int joint) {
   return frame;
 }
 
+// What rotors add to the joint's own inertia: that of the joint, and those of actuators that act on
+// it directly, behind their gears.
+double Armature(const mjModel* m, int joint) {
+  double sum = m->dof_armature[m->jnt_dofadr[joint]];
+  for (int a = 0; a < m->nactuator; ++a) {
+    const int type = m->actuator_trntype[a];
+    const bool acts = type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT;
+    if (!acts || m->actuator_trnid[2 * a] != joint) continue;
+    const double gear = m->actuator_gear[6 * m->actuator_outadr[a]];
+    sum += gear * gear * m->actuator_armature[a];
+  }
+  return sum;
+}
+
 bool IsScalar(const mjModel* m, int joint) {
   return m->jnt_type[joint] == mjJNT_HINGE || m->jnt_type[joint] == mjJNT_SLIDE;
 }
@@ -172,7 +186,7 @@ class Builder {
     joint.reference = m_->qpos0[description.qpos_address];
     joint.lower = description.lower;
     joint.upper = description.upper;
-    joint.armature = m_->dof_armature[description.dof_address];
+    joint.armature = Armature(m_, id);
     out_.joints.push_back(description);
     link_bodies_.push_back(body);
   }

@@ -68,6 +68,24 @@ TEST(RandomChainDynamics, AgreesWithTheEngineWithSideBranchesAndGravityCompensat
   }
 }
 
+TEST(ChainDynamics, RotorsOfActuatorsCountBehindTheirGears) {
+  TestModel t =
+      TestModel::FromXml(R"(<mujoco><compiler angle="radian"/><worldbody><body name="base">
+      <geom size=".1"/><body><joint name="a" axis="0 1 0" armature=".1"/><geom size=".1" pos=".3 0 0"/>
+      <body pos=".5 0 0"><joint name="b" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/>
+      <site name="tip" pos=".4 0 0"/></body></body></body></worldbody>
+      <actuator><motor joint="b" armature="3e-5" gear="100"/><position joint="a" kp="9" armature=".02"/>
+      <motor joint="a" armature=".01" gear="3"/></actuator></mujoco>)");
+  Rng rng = Rng::Stream(4, "rotors");
+  for (int k = 0; k < 10; ++k) {
+    t.Randomise(&rng);
+    const Chain chain = ChainAsItStands(t, "base", ChainTip::Site("tip"));
+    EXPECT_NEAR(chain.model().joints[1].armature, 0.3, 1e-12);
+    ExpectMassMatrixOfTheEngine(t, chain);
+    ExpectInverseDynamicsOfTheEngine(t, chain, &rng);
+  }
+}
+
 // All numbers of lanes, full and not.
 TEST(RandomChainDynamics, AgreesWithTheEngineOnEveryInstructionSet) {
   OnEveryInstructionSet([](const std::string&) {
