@@ -57,13 +57,11 @@ inline Eigen::VectorXd EngineInverseDynamics(const TestModel& t, const Chain& ch
   }
   mj_fwdPosition(t.model(), t.data());
   mj_fwdVelocity(t.model(), t.data());
-  Eigen::VectorXd all(t.model()->nv);
-  mj_rne(t.model(), t.data(), 1, all.data());
-  Eigen::VectorXd torques =
-      RowsOfChain(chain, all.data()) - RowsOfChain(chain, t.data()->qfrc_gravcomp);
-  for (int i = 0; i < chain.n_joints(); ++i)
-    torques[i] += t.model()->dof_armature[chain.joints()[i].dof_address] * qdd[i];
-  return torques;
+  Eigen::VectorXd bias(t.model()->nv), inertial(t.model()->nv);
+  mj_rne(t.model(), t.data(), 0, bias.data());
+  mj_mulM(t.model(), t.data(), inertial.data(), t.data()->qacc);  // rotors included
+  bias += inertial;
+  return RowsOfChain(chain, bias.data()) - RowsOfChain(chain, t.data()->qfrc_gravcomp);
 }
 
 // The engine's Jacobian of the tip, columns of the chain's joints, in the axes of the base body.
