@@ -43,7 +43,7 @@ std::vector<std::string> NamesInModels(const fs::path& dataset) {
   if (!IsRealFolder(folder)) return {};
   std::vector<std::string> names = FolderNames(folder);
   std::error_code error;  // with the right to list it, and none to look at what is listed
-  fs::symlink_status(folder / ".", error);
+  static_cast<void>(fs::symlink_status(folder / ".", error));
   if (error) ThrowIoError("look into", folder, error.value());
   for (std::string& name : names) name.insert(0, std::string(kModelsFolder) + "/");
   return names;
