@@ -12,6 +12,7 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/move_group.h"
 #include "robocell/robot/once_per_model.h"
 
 namespace robocell {
