@@ -151,6 +151,22 @@ run = rc.RunConfig.load(leaks.DEMO)
 planner, other = rc.PickPlanner(run, start), rc.EpisodeStart(scene, start.task)
 runner = rc.Runner(run, expert=lambda run, start: Idle())
 """,
+    "environments with a task of one's own": """
+from robocell.gym import GymEnv, VectorGymEnv, pick_cube_config
+class Wait(rc.EnvTask):
+    def __init__(self, config, scene):
+        super().__init__()
+        self.scene = scene
+    def reward(self, scene): return 0.0
+    def success(self, scene): return False
+    def instruction(self): return "wait"
+rc.register_env_task("wait", Wait)
+waiting = pick_cube_config(task={"kind": "wait"}, root_frame_objects={})
+env, vector = GymEnv(waiting), VectorGymEnv(waiting, 2, threads=2)
+env.reset(seed=1)
+vector.reset(seed=1)
+env.core.save("here")
+""",
     "filters, samplers and solutions": """
 scene = leaks.cell()
 robot = scene.robot("a")
