@@ -30,7 +30,7 @@ CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
-  check-rules check-docs check-tidy check-sanitizers check-fuzz check-tsan bench soak soak-reliability \
+  check-rules check-docs check-tidy check-sanitizers check-fuzz check-tsan check-tsan-python bench soak soak-reliability \
   soak-tests soak-fuzz clean format docs
 
 setup:
@@ -150,6 +150,14 @@ check-tsan: setup
 	@$(call configure,tsan)
 	@cmake --build --preset tsan -j $(JOBS) --target threads_test base_test mujoco_test
 	@ctest --preset tsan -L '^(threads|base|mujoco)$$' --no-tests=error --progress
+
+# The same for what Python does in several threads (tests/threads), with an extension that is
+# instrumented. Not a part of soak before it has been seen to pass.
+check-tsan-python: setup
+	@$(call headline,threads of Python under ThreadSanitizer)
+	@$(call configure,tsan) -DROBOCELL_PYTHON=ON
+	@cmake --build --preset tsan -j $(JOBS) --target _core
+	@scripts/tsan_python
 
 format: setup
 	@$(PYTHON) scripts/wrap_comments.py $(CXX_FILES)

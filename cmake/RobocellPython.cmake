@@ -18,7 +18,11 @@ target_link_libraries(_core PRIVATE robocell orocos-kdl)
 target_include_directories(_core SYSTEM PRIVATE ${orocos_kdl_INCLUDE_DIRS})
 set_target_properties(_core PROPERTIES BUILD_RPATH "${MUJOCO_DIR};${CMAKE_BINARY_DIR}"
   INSTALL_RPATH "${ROBOCELL_INSTALL_RPATH}")
-if(NOT SKBUILD)
+# A sanitizer's stays in the build folder: beside the package it would take the place of the one that is used.
+if(ROBOCELL_SANITIZE)
+  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/python")
+  return()
+elseif(NOT SKBUILD)
   set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${CMAKE_SOURCE_DIR}/python/robocell")
 endif()
 
