@@ -144,7 +144,16 @@ void BindGroups(nb::module_& m) {
           "it. Beyond 0 ... 1 the nearest is used, and the log says so once.")
       .def(
           "raw_ctrl", [](const GripperGroup& g, double o) { return g.ctrl_for_opening(o); },
-          "opening"_a, Unlocked(), "The raw control that leads to an opening, 0 ... 1.")
+          "opening"_a, Unlocked(),
+          "The raw control of the first actuator that leads to an opening, 0 ... 1.")
+      .def(
+          "raw_ctrls",
+          [](const GripperGroup& g, double o) {
+            std::vector<double> ctrl(static_cast<size_t>(g.nu()));
+            g.CtrlForOpening(o, ctrl);
+            return ctrl;
+          },
+          "opening"_a, Unlocked(), "The same for each actuator (nu,).")
       .def("open", &GripperGroup::Open, Unlocked())
       .def("close", &GripperGroup::Close, Unlocked())
       .def_prop_ro("inter_finger_dist", &GripperGroup::inter_finger_dist, "Metres.")

@@ -96,13 +96,20 @@ def summary_lines(loaded: RobotScene) -> list[str]:
 
 
 def ctrl_lines(robot: Robot) -> list[str]:
-    """A line for each gripper: "    Gripper 'gripper': ctrl 255 closed, 0 open"."""
+    """A line for each gripper: "    Gripper 'gripper': ctrl 255 closed, 0 open".
+
+    Of several actuators each is told, by its name.
+    """
     lines = []
     for name in robot.group_names:
         group = robot.group(name)
         if isinstance(group, GripperGroup):
-            closed, opened = (group.raw_ctrl(opening) for opening in (0, 1))
-            lines.append(f"    Gripper '{name}': ctrl {closed:g} closed, {opened:g} open")
+            ends = zip(*(group.raw_ctrls(opening) for opening in (0, 1)), strict=True)
+            texts = [f"ctrl {closed:g} closed, {opened:g} open" for closed, opened in ends]
+            if len(texts) > 1:
+                named = zip(group.actuator_names, texts, strict=True)
+                texts = [f"{actuator} {text}" for actuator, text in named]
+            lines.append(f"    Gripper '{name}': {'; '.join(texts)}")
     return lines
 
 

@@ -5,10 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "robocell/base/error.h"
+#include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scene/element_lookup.h"
 #include "robocell/spec/split_place.h"
 
 namespace robocell {
@@ -34,6 +37,41 @@ bool Touches(const mjModel* m, const mjData* d, const Finger& finger, const Acce
   return false;
 }
 
+std::vector<double> Values(const std::vector<GripperCtrl>& ends, double GripperCtrl::*end) {
+  std::vector<double> values;
+  for (const GripperCtrl& ctrl : ends) values.push_back(ctrl.*end);
+  return values;
+}
+
+// What `fingers`, or without joints `joints`, may be.
+std::string FingerHint(const mjModel* m, const RobotRecord& robot, const std::vector<int>& joints) {
+  if (joints.empty()) {
+    std::set<std::string> taken;
+    for (const auto& [name, group] : robot.config.move_groups.entries())
+      taken.insert(group->joints.begin(), group->joints.end());
+    std::vector<std::string> names = RobotElementNames(m, robot, mjOBJ_JOINT);
+    std::erase_if(names, [&](const std::string& name) { return taken.contains(name); });
+    return names.empty() ? "No joint is left for them" : "Its joints may be: " + ListNames(names);
+  }
+  std::set<int> bodies;
+  for (const int joint : joints) {
+    const int body = m->jnt_bodyid[joint];
+    bodies.insert({m->body_parentid[body], body});
+  }
+  std::vector<std::string> names;
+  for (const int body : bodies) {
+    const std::string name = ElementName(m, mjOBJ_BODY, body);
+    if (name.starts_with(robot.prefix)) names.push_back(name.substr(robot.prefix.size()));
+  }
+  return "Bodies that move at its joints, and those that carry them: " + ListNames(names);
+}
+
+void Swap(GripperCtrl& ctrl) { std::swap(ctrl.open, ctrl.closed); }
+
+double At(const GripperCtrl& ctrl, double opening) {
+  return ctrl.closed + (ctrl.open - ctrl.closed) * opening;
+}
+
 }  // namespace
 
 ActuatedGripper::ActuatedGripper(const Scene& scene, GroupNames names, MoveGroupConfig config)
@@ -42,6 +80,7 @@ ActuatedGripper::ActuatedGripper(const Scene& scene, GroupNames names, MoveGroup
     throw ArgumentError(core().place() +
                         ": a gripper needs the actuator that moves it, in `actuators`");
   }
+  if (config_.ctrl) configured_.assign(static_cast<size_t>(nu()), *config_.ctrl);
   ResolveFingers();
 }
 
@@ -74,9 +113,11 @@ void ActuatedGripper::ResolveFingers() const {
       ends[i] = {mjOBJ_BODY, tips[i]};
     } else {
       Fail("fingers",
-           fmt::format("which are its fingers? Name two geoms, bodies or sites in `fingers` (they "
-                       "can be guessed only for a gripper with two joints; this one has {})",
-                       joints.size()));
+           fmt::format(
+               "which are its fingers? Name two geoms, bodies or sites in `fingers` (they "
+               "can be guessed only for a gripper with two joints; this one has {}). {}",
+               joints.empty() ? "none: list them in `joints`" : fmt::format("{}", joints.size()),
+               FingerHint(m, robot, joints)));
     }
   }
   parts_ = {RequireId(m, mjOBJ_BODY, robot.base_body, core().place()), core().ctrl_addresses(),
@@ -90,7 +131,8 @@ const GripperRange& ActuatedGripper::Measured() const {
 }
 
 // The error of a model that diverges meanwhile, or does not come to rest, says whose gripper it is.
-std::array<double, 2> ActuatedGripper::Settled(std::array<double, 2> ctrl) const {
+std::array<double, 2> ActuatedGripper::Settled(
+    const std::array<std::vector<double>, 2>& ctrl) const {
   try {
     return SettledFingerDistances(core().scene(), Parts(), ctrl);
   } catch (const EngineError& error) {
@@ -100,40 +142,80 @@ std::array<double, 2> ActuatedGripper::Settled(std::array<double, 2> ctrl) const
   }
 }
 
-GripperRange ActuatedGripper::Measure() const {
-  const Interval limits = ctrl_limits()[0];
-  const GripperCtrl ends = config_.ctrl.value_or(GripperCtrl{limits.upper, limits.lower});
-  if (!std::isfinite(ends.open) || !std::isfinite(ends.closed)) {
-    Fail("ctrl",
-         fmt::format("actuator '{}' has no control range; give `ctrl: {{open: ..., closed: ...}}`",
-                     actuator_names()[0]));
+std::vector<GripperCtrl> ActuatedGripper::Ends() const {
+  if (config_.ctrl) return configured_;
+  std::vector<GripperCtrl> ends;
+  for (const Interval& limits : ctrl_limits()) {
+    if (!std::isfinite(limits.lower) || !std::isfinite(limits.upper)) {
+      Fail(
+          "ctrl",
+          fmt::format("actuator '{}' has no control range; give `ctrl: {{open: ..., closed: ...}}`",
+                      actuator_names()[std::min(ends.size(), actuator_names().size() - 1)]));
+    }
+    ends.push_back({limits.upper, limits.lower});
   }
-  const auto [at_open, at_closed] = Settled({ends.open, ends.closed});
+  if (ends.size() > 1) Orient(ends);
+  return ends;
+}
+
+void ActuatedGripper::Orient(std::vector<GripperCtrl>& ends) const {
+  const mjModel* m = core().model();
+  const int key = core().scene().compiled()->home_key();
+  std::vector<double> home;
+  for (const int a : Parts().ctrl_addresses)
+    home.push_back(key >= 0 ? m->key_ctrl[key * m->nu + a] : 0.0);
+  std::vector<size_t> idle;
+  std::optional<bool> first_swapped;
+  for (size_t i = 0; i < ends.size(); ++i) {
+    std::array<std::vector<double>, 2> alone = {home, home};
+    alone[0][i] = ends[i].open;
+    alone[1][i] = ends[i].closed;
+    const auto [at_open, at_closed] = Settled(alone);
+    if (std::abs(at_open - at_closed) < kLeastTravel) {
+      idle.push_back(i);
+      continue;
+    }
+    if (at_open < at_closed) Swap(ends[i]);
+    if (!first_swapped) first_swapped = at_open < at_closed;
+  }
+  if (!first_swapped.value_or(false)) return;
+  for (const size_t i : idle) Swap(ends[i]);
+}
+
+GripperRange ActuatedGripper::Measure() const {
+  std::vector<GripperCtrl> ends = Ends();
+  const std::vector<double> open = Values(ends, &GripperCtrl::open);
+  const std::vector<double> closed = Values(ends, &GripperCtrl::closed);
+  const auto [at_open, at_closed] = Settled({open, closed});
   // The other way round: the one is from home then, and the other after it.
-  const auto [closed_first, open_after] = Settled({ends.closed, ends.open});
+  const auto [closed_first, open_after] = Settled({closed, open});
   const auto ends_of_travel = std::minmax({at_open, at_closed, closed_first, open_after});
   const double travel = ends_of_travel.second - ends_of_travel.first;
   if (travel < kLeastTravel) {
     Fail("fingers", fmt::format("the finger distance stays at {:.4f} m between control {} and {}; "
                                 "are `fingers` and `ctrl` right?",
-                                at_open, ends.open, ends.closed));
+                                at_open, CtrlText(open), CtrlText(closed)));
   }
-  const auto jams = [&](double ctrl, double from_home, double later, double other) {
+  const auto jams = [&](const std::vector<double>& ctrl, double from_home, double later,
+                        const std::vector<double>& other) {
     if (std::abs(from_home - later) < kJammed * travel) return;
     Fail("fingers",
          fmt::format(
              "the fingers do not come back: control {} brings them {:.4f} m apart from home, and "
              "leaves them {:.4f} m apart after control {}. Do they overlap or catch on each "
              "other, or is the actuator too weak to move them?",
-             ctrl, from_home, later, other));
+             CtrlText(ctrl), from_home, later, CtrlText(other)));
   };
-  jams(ends.open, at_open, open_after, ends.closed);
-  jams(ends.closed, closed_first, at_closed, ends.open);
+  jams(open, at_open, open_after, closed);
+  jams(closed, closed_first, at_closed, open);
   if (at_open > at_closed) return {ends, {at_closed, at_open}};
-  if (!config_.ctrl) return {{ends.closed, ends.open}, {at_open, at_closed}};
+  if (!config_.ctrl) {
+    std::for_each(ends.begin(), ends.end(), Swap);
+    return {ends, {at_open, at_closed}};
+  }
   Fail("ctrl", fmt::format("the fingers are {:.4f} m apart at ctrl.open = {} and {:.4f} m at "
                            "ctrl.closed = {}; open and closed are swapped",
-                           at_open, ends.open, at_closed, ends.closed));
+                           at_open, config_.ctrl->open, at_closed, config_.ctrl->closed));
 }
 
 double ActuatedGripper::inter_finger_dist() const {
@@ -151,20 +233,32 @@ double ActuatedGripper::opening() const {
   return std::clamp((inter_finger_dist() - d.closed) / (d.open - d.closed), 0.0, 1.0);
 }
 
-double ActuatedGripper::ctrl_for_opening(double opening) const {
+double ActuatedGripper::CheckedOpening(double opening) const {
   if (!std::isfinite(opening)) {
     throw ArgumentError(fmt::format("{}: opening cannot be {}; it goes from 0 (closed) to 1 (open)",
                                     core().place(), opening));
   }
-  const GripperCtrl& c = CtrlEnds();
-  return c.closed + (c.open - c.closed) * std::clamp(opening, 0.0, 1.0);
+  return std::clamp(opening, 0.0, 1.0);
+}
+
+double ActuatedGripper::ctrl_for_opening(double opening) const {
+  return At(CtrlEnds()[0], CheckedOpening(opening));
+}
+
+void ActuatedGripper::CtrlForOpening(double opening, std::span<double> ctrl) const {
+  const double checked = CheckedOpening(opening);
+  const std::vector<GripperCtrl>& ends = CtrlEnds();
+  for (size_t i = 0; i < ctrl.size(); ++i) ctrl[i] = At(ends[i], checked);
 }
 
 void ActuatedGripper::SetOpening(double opening) {
   core().Bind();
-  const double ctrl = ctrl_for_opening(
-      beyond_.Clamp(opening, {0, 1}, [&] { return core().place() + ": opening"; }));
-  for (const int a : core().ctrl_addresses()) core().data()->ctrl[a] = ctrl;
+  const double checked =
+      CheckedOpening(beyond_.Clamp(opening, {0, 1}, [&] { return core().place() + ": opening"; }));
+  const std::vector<GripperCtrl>& ends = CtrlEnds();
+  const std::vector<int>& addresses = core().ctrl_addresses();
+  for (size_t i = 0; i < addresses.size(); ++i)
+    core().data()->ctrl[addresses[i]] = At(ends[i], checked);
 }
 
 bool ActuatedGripper::is_open() const { return opening() >= kOpenFrom; }

@@ -1,10 +1,10 @@
-// ActuatedGripper: a gripper moved by actuators whose raw control runs from one value (open) to
-// another (closed), with two fingers: parallel slides and linkages alike.
+// ActuatedGripper: a gripper moved by actuators, each of whose raw control runs from one value
+// (open) to another (closed), with two fingers: parallel slides and linkages alike.
 //
 // What the configuration leaves out is found when it is first needed. Fingers: the bodies of the
 // group's joints, when these are two, or what grips at the ends of their linkages. Control: the
-// actuator's range, open being the end at which the fingers are farther apart. Distance: measured
-// (gripper_range.h).
+// actuator's range, open being the end at which the fingers are farther apart; of several actuators
+// each has its own range and its own open end. Distance: measured (gripper_range.h).
 #pragma once
 
 #include <array>
@@ -29,6 +29,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   double opening() const override;
   void SetOpening(double opening) override;
   double ctrl_for_opening(double opening) const override;
+  void CtrlForOpening(double opening, std::span<double> ctrl) const override;
   double inter_finger_dist() const override;
   Interval inter_finger_dist_range() const override;
   bool is_open() const override;
@@ -49,16 +50,26 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   void ResolveFingers() const;
   // ArgumentError about a field of its configuration, with its place in the robot's file.
   [[noreturn]] void Fail(const char* field, const std::string& message) const;
-  std::array<double, 2> Settled(std::array<double, 2> ctrl) const;
+  std::array<double, 2> Settled(const std::array<std::vector<double>, 2>& ctrl) const;
+  // Of each actuator, before measuring tells whether all are swapped.
+  std::vector<GripperCtrl> Ends() const;
+  // Of several actuators: which end of each brings the fingers farther apart, the others at home.
+  // One that moves neither finger goes the way of the first that does.
+  void Orient(std::vector<GripperCtrl>& ends) const;
+  double CheckedOpening(double opening) const;
   // Measured once.
   const GripperRange& Measured() const;
-  const GripperCtrl& CtrlEnds() const { return config_.ctrl ? *config_.ctrl : Measured().ctrl; }
+  const std::vector<GripperCtrl>& CtrlEnds() const {
+    if (config_.ctrl) return configured_;
+    return Measured().ctrl;
+  }
   const GripperDistance& Distances() const {
     return config_.distance ? *config_.distance : Measured().distance;
   }
   bool IsGraspingAnything() const;
 
   MoveGroupConfig config_;
+  std::vector<GripperCtrl> configured_;  // of each actuator, when the configuration says
   mutable std::optional<GripperRange> measured_;
   mutable uint64_t generation_ = ~uint64_t{0};
   mutable GripperParts parts_;

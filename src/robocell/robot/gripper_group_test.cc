@@ -74,7 +74,7 @@ TEST_P(AnyGripper, MeasuresItsRangeWhateverTheStateAndAlwaysTheSame) {
   const GripperRange again = GripperOf(robot).Measure();
   EXPECT_EQ(again.distance.closed, range.lower);
   EXPECT_EQ(again.distance.open, range.upper);
-  EXPECT_EQ(again.ctrl.open, GetParam().ctrl_open);
+  EXPECT_EQ(again.ctrl.at(0).open, GetParam().ctrl_open);
 }
 
 TEST_P(AnyGripper, OpensAndClosesByItsOpening) {
@@ -238,7 +238,14 @@ TEST(Gripper, SaysWhenFingersCannotBeTold) {
   ExpectThrow<ArgumentError>(
       [&] { RobotAlone(config); },
       "robot 'rc7' / group 'gripper': which are its fingers? Name two geoms, bodies or sites in "
-      "`fingers` (they can be guessed only for a gripper with two joints; this one has 1)");
+      "`fingers` (they can be guessed only for a gripper with two joints; this one has 1). Bodies "
+      "that move at its joints, and those that carry them: hand, left_finger");
+  gripper.joints = {};
+  ExpectThrow<ArgumentError>(
+      [&] { RobotAlone(config); },
+      "(they can be guessed only for a gripper with two joints; this one has none: list them in "
+      "`joints`). Its joints may be: left_finger_joint, right_finger_joint");
+  gripper.joints = {"left_finger_joint"};
   gripper.fingers = {{.name = "left_finger_pad"}, {.name = "left_finger_blade"}};
   ExpectThrow<ArgumentError>(
       [&] { RobotAlone(config); },
@@ -330,6 +337,86 @@ TEST(Gripper, FingersThatDoNotComeToRestAreNoNumber) {
         "group 'gripper': the fingers do not come to rest: 20 s after control 0.04 they go between "
         "0.0");
   }
+}
+
+// Fingers with a servo each, whose ranges are mirrored, and a thumb that no finger distance tells
+// of: it goes the way of the first servo. `first` and `second` are the slides' ranges.
+RobotConfig WithTwoServos(ModelFolder& folder, const char* first_axis, const char* first,
+                          const char* second_axis, const char* second) {
+  const std::string hand = fmt::format(
+      R"(<compiler angle="radian"/><worldbody><body name="palm">
+    <geom size=".01" mass=".1"/>
+    <body name="left" pos="0 .005 .05"><joint name="l" type="slide" axis="{0}" range="{1}"
+      limited="true" damping="5"/><geom type="box" size=".01 .004 .02" mass=".05"/></body>
+    <body name="right" pos="0 -.005 .05"><joint name="r" type="slide" axis="{2}" range="{3}"
+      limited="true" damping="5"/><geom type="box" size=".01 .004 .02" mass=".05"/></body>
+    <body name="thumb" pos=".2 0 .05"><joint name="t" axis="0 1 0" damping="1"/>
+      <geom size=".01" mass=".05"/></body>
+    </body></worldbody><actuator>
+    <position name="left" joint="l" kp="500" kv="10" ctrlrange="{1}"/>
+    <position name="right" joint="r" kp="500" kv="10" ctrlrange="{3}"/>
+    <position name="thumb" joint="t" kp="1" kv=".1" ctrlrange="0 1"/></actuator>)",
+      first_axis, first, second_axis, second);
+  RobotConfig config = ArmConfig(folder.Write("arm", kTwoJointArm));
+  config.attachments.push_back({.mjcf_path = folder.Write("hand", hand),
+                                .attach_to = {AttachKind::kSite, "flange"},
+                                .prefix = "g_"});
+  config.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper,
+                                   .joints = {"g_l", "g_r"},
+                                   .actuators = {"g_left", "g_right", "g_thumb"}};
+  return config;
+}
+
+TEST(Gripper, EachOfSeveralServosOpensByItsOwnRange) {
+  struct Hand {
+    const char *first_axis, *first, *second_axis, *second;
+    std::array<double, 3> open, closed;
+  };
+  const Hand hands[] = {
+      {"0 1 0", "0 .04", "0 1 0", "-.04 0", {.04, -.04, 1}, {0, 0, 0}},
+      {"0 -1 0", "-.04 0", "0 -1 0", "0 .04", {-.04, .04, 0}, {0, 0, 1}},
+      {"0 1 0", "0 .04", "0 -1 0", "0 .03", {.04, .03, 1}, {0, 0, 0}},
+  };
+  for (const Hand& hand : hands) {
+    ModelFolder folder;
+    Robot robot = RobotAlone(
+        WithTwoServos(folder, hand.first_axis, hand.first, hand.second_axis, hand.second));
+    GripperGroup& gripper = robot.gripper();
+    const Interval range = gripper.inter_finger_dist_range();
+    EXPECT_NEAR(range.lower, 0.002, 1e-3);
+    EXPECT_NEAR(range.upper, 0.002 + std::abs(hand.open[0]) + std::abs(hand.open[1]), 1e-3);
+    EXPECT_EQ(gripper.ctrl_for_opening(1), hand.open[0]);
+    for (const double opening : {1.0, 0.25, 0.0}) {
+      robot.Apply({{"gripper", GroupCommand::Opening(opening)}});
+      Simulate(robot, 1);
+      for (int i = 0; i < 3; ++i) {
+        EXPECT_NEAR(gripper.ctrl()[i], hand.closed[i] + opening * (hand.open[i] - hand.closed[i]),
+                    1e-12);
+      }
+      EXPECT_NEAR(gripper.opening(), opening, 0.02);
+    }
+    gripper.Open();
+    EXPECT_THAT(gripper.ctrl(), ::testing::ElementsAreArray(hand.open));
+  }
+}
+
+TEST(Gripper, SaysWhichOfItsServosHasNoRange) {
+  ModelFolder folder;
+  RobotConfig config = WithTwoServos(folder, "0 1 0", "0 .04", "0 1 0", "-.04 0");
+  config.attachments[0].mjcf_path = folder.Write("free", [&] {
+    std::string hand = R"(<worldbody><body name="palm"><geom size=".01" mass=".1"/>
+      <body name="left"><joint name="l" type="slide"/><geom size=".01"/></body>
+      <body name="right"><joint name="r" type="slide"/><geom size=".01"/></body>
+      </body></worldbody><actuator><position name="left" joint="l" ctrlrange="0 .04"/>
+      <position name="right" joint="r"/></actuator>)";
+    return hand;
+  }());
+  GripperConfig(config).actuators = {"g_left", "g_right"};
+  Robot robot = RobotAlone(config);
+  ExpectThrow<ArgumentError>(
+      [&] { robot.gripper().opening(); },
+      "group 'gripper': actuator 'g_right' has no control range; give `ctrl: {open: ..., closed: "
+      "...}`");
 }
 
 TEST(Gripper, SaysWhenItsFingersDoNotMove) {

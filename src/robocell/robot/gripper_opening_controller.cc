@@ -31,8 +31,8 @@ void GripperOpeningController::Reset() {
 void GripperOpeningController::Compute(std::span<double> ctrl) {
   group_.GetCtrl(present_);
   if (present_[0] != seen_) Reset();
-  seen_ = group_.ctrl_for_opening(opening_);
-  std::fill(ctrl.begin(), ctrl.end(), seen_);
+  group_.CtrlForOpening(opening_, ctrl);
+  seen_ = ctrl[0];
 }
 
 }  // namespace robocell

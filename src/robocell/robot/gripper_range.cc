@@ -73,10 +73,13 @@ bool HasFriction(const mjModel* m, int hand) {
 
 // What dry friction holds creeps on steadily, for in the engine friction is soft: that counts as
 // rest too, or the fingers would be waited for until they are where friction keeps them from.
-double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts, double ctrl) {
+double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
+                       const std::vector<double>& ctrl) {
   const auto width = [](const Interval& passed) { return passed.upper - passed.lower; };
   const bool may_creep = HasFriction(m, parts.pair.hand);
-  for (const int a : parts.ctrl_addresses) d->ctrl[a] = ctrl;
+  for (size_t i = 0; i < ctrl.size(); ++i) {
+    if (!std::isnan(ctrl[i])) d->ctrl[parts.ctrl_addresses[i]] = ctrl[i];
+  }
   const double end = d->time + kMostSeconds;
   Advance(m, d, kLeastSeconds - 2 * kWindowSeconds);
   double before = width(Passed(m, d, parts.pair));
@@ -90,14 +93,14 @@ double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts, d
           "the fingers do not come to rest: {} s after control {} they go between {:.4f} and "
           "{:.4f} m in a quarter of a second. Are the gripper's gains, damping and contacts right, "
           "or is its joint too slow for its actuator?",
-          kMostSeconds, ctrl, passed.lower, passed.upper));
+          kMostSeconds, CtrlText(ctrl), passed.lower, passed.upper));
     }
     before = width(passed);
   }
 }
 
 std::array<double, 2> MeasuredDistances(const Scene& scene, const GripperParts& parts,
-                                        std::array<double, 2> ctrl) {
+                                        const std::array<std::vector<double>, 2>& ctrl) {
   const ModelPtr model = AloneWithoutGravity(scene.model(), parts.robot_body);
   const DataPtr data = DataAtHome(model.get(), scene.compiled()->home_key());
   std::array<double, 2> distances;
@@ -114,12 +117,17 @@ std::string FingerName(const Finger& finger) {
 
 }  // namespace
 
+std::string CtrlText(const std::vector<double>& ctrl) {
+  if (ctrl.size() == 1) return fmt::format("{}", ctrl[0]);
+  return fmt::format("[{}]", fmt::join(ctrl, ", "));
+}
+
 std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
-                                             std::array<double, 2> ctrl) {
-  const std::string what =
-      fmt::format("fingers of body {}: {}, {}; controls {}: {}, {}", parts.robot_body,
-                  FingerName(parts.pair.fingers[0]), FingerName(parts.pair.fingers[1]),
-                  fmt::join(parts.ctrl_addresses, " "), ctrl[0], ctrl[1]);
+                                             const std::array<std::vector<double>, 2>& ctrl) {
+  const std::string what = fmt::format(
+      "fingers of body {}: {}, {}; controls {}: {}, {}", parts.robot_body,
+      FingerName(parts.pair.fingers[0]), FingerName(parts.pair.fingers[1]),
+      fmt::join(parts.ctrl_addresses, " "), fmt::join(ctrl[0], " "), fmt::join(ctrl[1], " "));
   const std::vector<double> distances = OncePerModel(*scene.compiled(), what, [&] {
     const auto [first, second] = MeasuredDistances(scene, parts, ctrl);
     return std::vector<double>{first, second};

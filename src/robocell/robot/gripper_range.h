@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 #include <vector>
 
 #include "robocell/robot/finger.h"
@@ -12,7 +13,7 @@ namespace robocell {
 
 // What a gripper does at the two ends of its control.
 struct GripperRange {
-  GripperCtrl ctrl;
+  std::vector<GripperCtrl> ctrl;  // of each actuator
   GripperDistance distance;
 };
 
@@ -23,8 +24,9 @@ struct GripperParts {
   FingerPair pair;
 };
 
-// The finger distance (m) once the fingers came to rest after the control was set to the first
-// value, and then to the second. At rest they move less than a quarter of a millimetre in a quarter
+// The finger distance (m) once the fingers came to rest after the controls (one for each of
+// ctrl_addresses; NaN leaves that of home) were set to the first values, and then to the second. At
+// rest they move less than a quarter of a millimetre in a quarter
 // of a second, a second after the control was set or later: linkages go on creeping by fractions of
 // a millimetre for long. What dry friction holds creeps on steadily, and counts as at rest too.
 // Done in a copy of the model without gravity, in which the robot touches nothing but itself, from
@@ -33,6 +35,9 @@ struct GripperParts {
 // Takes milliseconds to a second, for large models, more where fingers are slow; once for all
 // scenes on a frozen one.
 std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
-                                             std::array<double, 2> ctrl);
+                                             const std::array<std::vector<double>, 2>& ctrl);
+
+// "0.7", of several actuators "[0.7, -0.7]".
+std::string CtrlText(const std::vector<double>& ctrl);
 
 }  // namespace robocell

@@ -1,5 +1,7 @@
 #include "robocell/robot/move_group.h"
 
+#include <algorithm>
+
 namespace robocell {
 namespace {
 
@@ -26,6 +28,10 @@ std::vector<double> MoveGroup::ctrl() const {
 }
 std::vector<double> MoveGroup::noop_ctrl() const {
   return Filled(nu(), [&](std::span<double> out) { NoopCtrl(out); });
+}
+
+void GripperGroup::CtrlForOpening(double opening, std::span<double> ctrl) const {
+  std::fill(ctrl.begin(), ctrl.end(), ctrl_for_opening(opening));
 }
 
 }  // namespace robocell

@@ -96,7 +96,10 @@ class GripperGroup : public MoveGroup {
   virtual void SetOpening(double opening) = 0;
   void Open() { SetOpening(1); }
   void Close() { SetOpening(0); }
+  // Of the first actuator; the others' are the same unless CtrlForOpening says otherwise.
   virtual double ctrl_for_opening(double opening) const = 0;
+  // Of each actuator (nu values).
+  virtual void CtrlForOpening(double opening, std::span<double> ctrl) const;
   // Free distance between the fingers, metres; its range is {closed, open}, measured once when not
   // configured.
   virtual double inter_finger_dist() const = 0;
