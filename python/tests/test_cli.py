@@ -36,6 +36,12 @@ def test_every_command_is_listed_with_what_it_does():
     assert robocell_command("generate", "--help").returncode == 0
 
 
+def test_the_version_is_one_line_that_scripts_can_read():
+    said = robocell_command("--version")
+    assert (said.returncode, said.stdout) == (0, f"robocell {robocell.__version__}\n")
+    assert "--version" in robocell_command("--help").stdout
+
+
 def test_an_unknown_file_is_told_with_what_is_there(tmp_path: Path):
     write_run(tmp_path)
     text = refused("generate", tmp_path / "runn.yaml")

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
 
 import typer
 
-from robocell import Error
+from robocell import Error, __version__
 from robocell.cli.check import check
 from robocell.cli.common import ExitCode, print_error
 from robocell.cli.doctor import doctor
@@ -20,11 +21,33 @@ from robocell.cli.report import report
 from robocell.cli.verify import verify
 
 app = typer.Typer(
-    help="Robot cells in MuJoCo: check robots, generate, verify and replay datasets.",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
+
+
+def _say_version(wanted: bool) -> None:
+    if wanted:
+        print(f"robocell {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version",
+            callback=_say_version,
+            is_eager=True,
+            help="The version, and no more; `robocell doctor` has those of all parts.",
+        ),
+    ] = False,
+) -> None:
+    """Robot cells in MuJoCo: check robots, generate, verify and replay datasets."""
+
+
 for command in (
     generate,
     report,
