@@ -30,8 +30,8 @@ CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
-  check-rules check-docs check-tidy check-sanitizers check-fuzz check-tsan check-tsan-python bench soak soak-reliability \
-  soak-tests soak-fuzz clean format docs
+  check-rules check-docs check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc check-tsan-python bench soak \
+  soak-reliability soak-tests soak-fuzz clean format docs
 
 setup:
 	@scripts/setup
@@ -145,14 +145,16 @@ soak-fuzz:
 	@$(MAKE) check-fuzz FUZZ_SECONDS=$(SOAK_FUZZ_SECONDS)
 
 # Not part of make check: the second build of everything takes longer than all of the rest.
-check-tsan: setup
+check-tsan: check-tsan-cc check-tsan-python
+
+check-tsan-cc: setup
 	@$(call headline,threads under ThreadSanitizer)
-	@$(call configure,tsan)
+	@$(call configure,tsan) -DROBOCELL_PYTHON=ON
 	@cmake --build --preset tsan -j $(JOBS) --target threads_test base_test mujoco_test
 	@ctest --preset tsan -L '^(threads|base|mujoco)$$' --no-tests=error --progress
 
 # The same for what Python does in several threads (tests/threads), with an extension that is
-# instrumented. Not a part of soak before it has been seen to pass.
+# instrumented.
 check-tsan-python: setup
 	@$(call headline,threads of Python under ThreadSanitizer)
 	@$(call configure,tsan) -DROBOCELL_PYTHON=ON

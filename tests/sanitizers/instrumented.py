@@ -30,9 +30,9 @@ class Instrumented(MetaPathFinder):
 sys.meta_path.insert(0, Instrumented())
 
 
-def pytest_report_header() -> str:
-    """Which extension is tested."""
+def pytest_configure() -> None:
+    """Says which extension is tested; an error when it is another one than that."""
     import robocell._core
 
     assert robocell._core.__file__ == os.environ["ROBOCELL_CORE"], robocell._core.__file__
-    return f"extension: {robocell._core.__file__}"
+    print("extension:", robocell._core.__file__)
