@@ -1,5 +1,5 @@
-// What happens around every call: a handle that was closed refuses it (closed_handles.h), and
-// arguments that do not fit are told.
+// What happens around every call: the scenes that it uses are claimed for it and a handle that was
+// closed refuses it (handles.h), and arguments that do not fit are told.
 //
 // nanobind has no hook for either. Its functions are called through a pointer in each function
 // object (CPython's vectorcall protocol), which is replaced by one that calls the original and,
@@ -15,7 +15,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "closed_handles.h"
+#include "handles.h"
 #include "returned.h"
 #include "robocell/base/error.h"
 
@@ -36,7 +36,8 @@ bool IsOfThisCall(nb::handle function, const nb::python_error& error) {
 struct Named {
   std::string name;  // "Scene.step_n", "Pose"
   bool is_constructor = false, is_setter = false;
-  const HandleGuard* guard = nullptr;
+  Asked self = {};  // of the object that it is a function of
+  bool takes_handles = false;
 };
 
 // What functions are called; they live as long as the module.
@@ -85,11 +86,16 @@ constexpr size_t kArgumentCount = (size_t{1} << 32) - 1;
 constexpr size_t kMostOriginals = 16;  // nanobind has one for each of a few shapes of signatures
 std::array<vectorcallfunc, kMostOriginals> originals = {};
 
-// Whether a handle's function may be called; else the error is set.
-bool MayCall(PyObject* function, PyObject* const* args, size_t count) {
-  if (count == 0) return true;
+// Claims the scenes of the arguments and asks the object. Whether the function may be called; else
+// the error is set.
+bool MayCall(const Named& call, PyObject* const* args, size_t count, PyObject* keywords,
+             SceneClaims& claims) {
   try {
-    (*Names().find(function)->second.guard)(nb::handle(args[0]));
+    if (call.self.guard && count > 0)
+      (*call.self.guard)(nb::handle(args[0]), claims, call.self.must_be_open);
+    if (!call.takes_handles) return true;
+    if (keywords) count += static_cast<size_t>(PyTuple_GET_SIZE(keywords));
+    for (size_t i = 0; i < count; ++i) UseArgument(nb::handle(args[i]), claims);
     return true;
   } catch (const std::exception&) {
     SetCaughtError();
@@ -97,12 +103,24 @@ bool MayCall(PyObject* function, PyObject* const* args, size_t count) {
   return false;
 }
 
-template <size_t i, bool guarded>
-PyObject* Call(PyObject* function, PyObject* const* args, size_t count, PyObject* keywords) {
-  if (guarded && !MayCall(function, args, count & kArgumentCount)) return nullptr;
+template <size_t i>
+PyObject* CallOriginal(PyObject* function, PyObject* const* args, size_t count,
+                       PyObject* keywords) {
   PyObject* result = originals[i](function, args, count, keywords);
   if (!result) Explain(function, args, count & kArgumentCount, keywords);
   return result;
+}
+
+template <size_t i, bool guarded>
+PyObject* Call(PyObject* function, PyObject* const* args, size_t count, PyObject* keywords) {
+  if constexpr (guarded) {
+    const Named& call = Names().find(function)->second;
+    SceneClaims claims(call.name.c_str());
+    if (!MayCall(call, args, count & kArgumentCount, keywords, claims)) return nullptr;
+    return CallOriginal<i>(function, args, count, keywords);
+  } else {
+    return CallOriginal<i>(function, args, count, keywords);
+  }
 }
 
 template <bool guarded, size_t... i>
@@ -124,7 +142,9 @@ vectorcallfunc InPlaceOf(vectorcallfunc original, bool guarded) {
 void Wrap(nb::handle function, Named named) {
   const Py_ssize_t offset = Py_TYPE(function.ptr())->tp_vectorcall_offset;
   if (offset <= 0 || !nb::hasattr(function, "__nb_signature__")) return;
-  const bool guarded = named.guard;
+  for (const auto& overload : function.attr("__nb_signature__"))
+    named.takes_handles |= !named.self.never && TakesHandles(nb::cast<std::string>(overload[0]));
+  const bool guarded = named.self.guard || named.takes_handles;
   if (!Names().emplace(function.ptr(), std::move(named)).second) return;  // under two names
   auto& call = *reinterpret_cast<vectorcallfunc*>(reinterpret_cast<char*>(function.ptr()) + offset);
   call = InPlaceOf(call, guarded);
@@ -167,11 +187,11 @@ void WrapClass(const std::string& name, nb::handle type) {
     const auto member_name = nb::cast<std::string>(key);
     const bool is_constructor = member_name == "__init__";
     const std::string full = fmt::format("{}.{}", name, member_name);
-    const HandleGuard* guard = GuardOf(type, member_name);
-    Wrap(member, {is_constructor ? name : full, is_constructor, false, guard});
+    const Asked asked = AskedOf(type, member_name);
+    Wrap(member, {is_constructor ? name : full, is_constructor, false, asked});
     if (Py_TYPE(member.ptr()) != &PyProperty_Type) continue;
-    Wrap(member.attr("fget"), {.name = full, .guard = guard});
-    Wrap(member.attr("fset"), {.name = full, .is_setter = true, .guard = guard});
+    Wrap(member.attr("fget"), {.name = full, .self = asked});
+    Wrap(member.attr("fset"), {.name = full, .is_setter = true, .self = asked});
   }
 }
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "bindings.h"
-#include "closed_handles.h"
+#include "handles.h"
 #include "python_owner.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"

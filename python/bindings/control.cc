@@ -4,7 +4,7 @@
 #include <nanobind/ndarray.h>
 
 #include "arrays.h"
-#include "closed_handles.h"
+#include "handles.h"
 #include "kinematics.h"
 #include "values.h"
 #include "robocell/base/error.h"
@@ -211,7 +211,9 @@ void BindControllers(nb::module_& m) {
        {nb::handle(controller), nb::type<JointImpedanceController>(),
         nb::type<CartesianPoseController>(), nb::type<CartesianImpedanceController>(),
         nb::type<DifferentialIkController>()})
-    GuardHandle<Controller>(type, [](const Controller& c) { c.RequireOpen(); }, {"kind"});
+    GuardHandle<Controller>(
+        type, [](const Controller& c, SceneClaims& claims) { claims.Add(c.scene()); },
+        [](const Controller& c) { c.RequireOpen(); }, {.always = {"kind"}});
 }
 
 void DefControl(nb::class_<Robot>& robot) {

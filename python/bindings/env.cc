@@ -9,8 +9,8 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "closed_handles.h"
 #include "env.h"
+#include "handles.h"
 #include "in_use.h"
 #include "scene_sharing.h"
 #include "signals.h"
@@ -343,11 +343,17 @@ void BindEnv(nb::module_& m) {
       "'depth' | 'segmentation': {'data', 'intrinsics', 'extrinsics'}, 'time': (1,)}}};\n"
       "metres, radians, quaternions xyzw, grippers 0 closed ... 1 open. Arrays are copies.",
       nb::type_slots(env_slots), nb::is_weak_referenceable());
-  const auto require_usable = [](const Env& e) {
-    RequireIdle(e, &Place);
-    if (e.scene().closed()) RequireOpen(e.scene(), Place(e));
-  };
-  GuardHandle<Env>(env, require_usable, {"close", "config"});
+  GuardHandle<Env>(
+      env,
+      [](const Env& e, SceneClaims&) {
+        RequireIdle(e, &Place);
+        // Long calls claim it for themselves, others are over before another thread has its turn.
+        const SceneUse::Claim free(e.scene().use(), "Env");
+      },
+      [](const Env& e) {
+        if (e.scene().closed()) RequireOpen(e.scene(), Place(e));
+      },
+      {.always = {"config"}, .closed = {"close"}});
   DefEnvState(env);
   env.def("__init__", &InitEnv, "config"_a)
       .def("reset", &ResetEnv, "seed"_a = nb::none(),
@@ -420,6 +426,7 @@ void BindEnv(nb::module_& m) {
           "close",
           [](Env& e) {
             const InUse use(e, &Place, "closed");
+            const SceneUse::Claim claim(e.scene().use(), "Env.close");
             Scene(e.scene()).Close();
           },
           "Ends its use, and its scene's.");

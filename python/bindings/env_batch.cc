@@ -4,8 +4,8 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "cameras.h"
-#include "closed_handles.h"
 #include "env.h"
+#include "handles.h"
 #include "in_use.h"
 #include "values.h"
 #include "robocell/env/env.h"
@@ -145,11 +145,11 @@ void BindEnvBatch(nb::module_& m) {
       m, "EnvBatch",
       "Copies of one environment on one model, stepped together on threads, with flat arrays.",
       nb::type_slots(batch_slots), nb::is_weak_referenceable());
-  const auto require_usable = [](const EnvBatch& batch) {
-    RequireIdle(batch, &Place);
-    batch.RequireOpen();
-  };
-  GuardHandle<EnvBatch>(batches, require_usable, {"close", "count"});
+  // Its threads claim the scenes of the copies that they work on.
+  GuardHandle<EnvBatch>(
+      batches, [](const EnvBatch& batch, SceneClaims&) { RequireIdle(batch, &Place); },
+      [](const EnvBatch& batch) { batch.RequireOpen(); },
+      {.always = {"count"}, .closed = {"close"}});
   batches
       .def(
           "__init__",

@@ -10,7 +10,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "chain_batch.h"
-#include "closed_handles.h"
+#include "handles.h"
 #include "ik_calls.h"
 #include "ik_wishes.h"
 #include "values.h"
@@ -261,7 +261,9 @@ void BindKinematics(nb::module_& m) {
       "where they are, and the answer is written into `out` when it is given. No result depends "
       "on the batch that it is in. (The Pose that fk returns for one q is computed on its own, and "
       "rounded otherwise than the matrix in a batch or in `out`.)");
-  GuardHandle<Kinematics>(kinematics, [](const Kinematics& k) { k.robot.RequireOpen(); });
+  GuardHandle<Kinematics>(
+      kinematics, [](const Kinematics&, SceneClaims&) {},  // threads may share them
+      [](const Kinematics& k) { k.robot.RequireOpen(); });
   DefDynamics(kinematics);
   kinematics
       .def_prop_ro("joint_names", [](const Kinematics& k) { return k.robot.chain().joint_names(); })

@@ -7,7 +7,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "cameras.h"
-#include "closed_handles.h"
+#include "handles.h"
 #include "returned.h"
 #include "robocell/media/png.h"
 #include "robocell/render/gl_context.h"
@@ -128,8 +128,9 @@ void BindRender(nb::module_& m) {
       m, "Renderer",
       "Images of a scene: colour, depth in metres, body ids; with the camera that they were drawn "
       "with.");
-  GuardHandle<SceneRenderer>(renderer,
-                             [](const SceneRenderer& r) { RequireOpen(r.scene, "renderer"); });
+  GuardHandle<SceneRenderer>(
+      renderer, [](const SceneRenderer& r, SceneClaims& claims) { claims.Add(r.scene); },
+      [](const SceneRenderer& r) { RequireOpen(r.scene, "renderer"); });
   renderer
       .def(
           "__init__",

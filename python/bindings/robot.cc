@@ -3,8 +3,8 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "closed_handles.h"
 #include "control.h"
+#include "handles.h"
 #include "kinematics.h"
 #include "move_group_trampoline.h"
 #include "python_owner.h"
@@ -59,7 +59,9 @@ PyType_Slot robot_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseR
                              {0, nullptr}};
 
 void GuardGroup(nb::handle type) {
-  GuardHandle<MoveGroup>(type, [](const MoveGroup& g) { g.RequireOpen(); }, {"name", "kind"});
+  GuardHandle<MoveGroup>(
+      type, [](const MoveGroup& g, SceneClaims& claims) { claims.Add(g.scene()); },
+      [](const MoveGroup& g) { g.RequireOpen(); }, {.always = {"name", "kind"}});
 }
 
 void BindGroups(nb::module_& m) {
@@ -223,7 +225,9 @@ void BindRobotClass(nb::module_& m) {
       "A robot of a scene: its move groups, kinematics and controllers.\n\nAll "
       "handles to one robot of one scene share their state, which the scene keeps.",
       nb::type_slots(robot_slots));
-  GuardHandle<Robot>(robot, [](const Robot& r) { r.RequireOpen(); }, {"name", "prefix", "scene"});
+  GuardHandle<Robot>(
+      robot, [](const Robot& r, SceneClaims& claims) { claims.Add(r.scene()); },
+      [](const Robot& r) { r.RequireOpen(); }, {.always = {"name", "prefix", "scene"}});
   DefRobotIk(robot);
   robot.def(nb::init<const Robot&>(), "robot"_a, "Another handle to the same robot.")
       .def_static("of", &Robot::Of, "scene"_a, "name"_a, Unlocked(),
@@ -443,7 +447,9 @@ void BindStepper(nb::module_& m) {
   nb::class_<Stepper> stepper(
       m, "Stepper",
       "Drives robots and engine: per control tick every robot's update, then the engine's steps.");
-  GuardHandle<Stepper>(stepper, [](const Stepper& s) { RequireOpen(s.scene(), "stepper"); });
+  GuardHandle<Stepper>(
+      stepper, [](const Stepper& s, SceneClaims& claims) { claims.Add(s.scene()); },
+      [](const Stepper& s) { RequireOpen(s.scene(), "stepper"); });
   stepper
       .def(
           "__init__",

@@ -10,7 +10,7 @@
 #include <nanobind/stl/variant.h>
 
 #include "bindings.h"
-#include "closed_handles.h"
+#include "handles.h"
 #include "kinematics.h"
 #include "python_owner.h"
 #include "robot_cycles.h"
@@ -451,12 +451,16 @@ void BindScene(nb::module_& m) {
       m, "Scene",
       "A simulation that is alive. A handle: copies share the simulation, which lives as long as "
       "any of them.\n\nPoses are world poses; metres, seconds, radians, quaternions xyzw. One "
-      "scene is used by one thread at a time. Raises NotFoundError for unknown names and "
-      "ClosedError after close().",
+      "scene, with its robots, renderers and all else that belongs to it, is used by one thread at "
+      "a time: what a second thread asks of it during a call is an Error. Raises NotFoundError for "
+      "unknown names and ClosedError after close().",
       nb::type_slots(scene_slots), nb::is_weak_referenceable());
   // By a call that every scene that is open answers.
-  GuardHandle<Scene>(c, [](const Scene& s) { s.time(); },
-                     {"name", "close", "closed", "__eq__", "__hash__", "__enter__", "__exit__"});
+  GuardHandle<Scene>(
+      c, [](const Scene& s, SceneClaims& claims) { claims.Add(s); },
+      [](const Scene& s) { s.time(); },
+      {.always = {"name", "__eq__", "__hash__", "__enter__"},
+       .closed = {"close", "closed", "__exit__"}});
   c.def_static("build", &Build, nb::arg("spec"),
                "Compile a SceneSpec and reset it. SpecError lists all that is wrong with the spec; "
                "EngineError has the engine's text.");
@@ -477,6 +481,8 @@ void BindScene(nb::module_& m) {
       .def("__enter__", [](nb::handle_t<Scene> self) { return nb::borrow(self); })
       .def("__exit__", [](Scene& s, nb::args) { s.Close(); })
       .def("__repr__", [](const Scene& s) {
+        if (s.use().by_another_thread())
+          return fmt::format("<Scene '{}', in use by another thread>", s.name());
         return s.closed() ? fmt::format("<Scene '{}', closed>", s.name())
                           : fmt::format("<Scene '{}', t={:g} s>", s.name(), s.time());
       });

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cameras.h"
-#include "closed_handles.h"
+#include "handles.h"
 #include "robocell/base/error.h"
 #include "robocell/render/video_recorder.h"
 #include "robocell/scene/scene.h"
@@ -77,8 +77,9 @@ void BindVideo(nb::module_& m) {
       "bodies that they track, are\n"
       "found again by name when objects were added or removed.");
   GuardHandle<SceneRecorder>(
-      recorder, [](const SceneRecorder& r) { RequireOpen(r.scene(), "video recorder"); },
-      {"finish", "frames", "__enter__", "__exit__"});
+      recorder, [](const SceneRecorder& r, SceneClaims& claims) { claims.Add(r.scene()); },
+      [](const SceneRecorder& r) { RequireOpen(r.scene(), "video recorder"); },
+      {.always = {"__enter__"}, .closed = {"finish", "frames", "__exit__"}});
   recorder
       .def(
           "__init__",

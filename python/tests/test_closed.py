@@ -69,12 +69,12 @@ KINDS = [
 ]
 
 
-def uses(handle: Any) -> dict[str, Callable[[], Any]]:
+def uses(handle: Any, but: dict[str, set[str]] = ALWAYS) -> dict[str, Callable[[], Any]]:
     """Everything public that can be asked of an object, with no or any arguments."""
     found: dict[str, Callable[[], Any]] = {}
     for owner in type(handle).__mro__:
         for name, member in vars(owner).items():
-            if name.startswith("_") or name in ALWAYS.get(owner.__name__, ()):
+            if name.startswith("_") or name in but.get(owner.__name__, ()):
                 continue
             if not isinstance(member, property):
                 if "(self" in member.__nb_signature__[0][0]:

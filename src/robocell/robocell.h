@@ -42,6 +42,7 @@
 #include "robocell/robot/collision_filter.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scene/scene_use.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/yaml.h"

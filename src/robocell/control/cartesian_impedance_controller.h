@@ -34,6 +34,7 @@ class CartesianImpedanceController : public Controller {
 
   std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
+  const Scene* scene() const override { return arm_.scene(); }
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   TargetKind target_kind() const override { return TargetKind::kPose; }
   int target_size() const override { return 7; }

@@ -28,6 +28,7 @@ class CartesianPoseController : public Controller {
 
   std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
+  const Scene* scene() const override { return arm_.scene(); }
   TargetKind target_kind() const override { return TargetKind::kPose; }
   int target_size() const override { return 7; }
   void SetTarget(std::span<const double> numbers) override;

@@ -28,6 +28,7 @@ class DifferentialIkController : public Controller {
 
   std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
+  const Scene* scene() const override { return arm_.scene(); }
   TargetKind target_kind() const override { return TargetKind::kTwist; }
   int target_size() const override { return 6; }
   // Linear then angular velocity of the leaf, m/s and rad/s, in the axes of frame().

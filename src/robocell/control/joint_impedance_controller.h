@@ -28,6 +28,7 @@ class JointImpedanceController : public Controller {
 
   std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
+  const Scene* scene() const override { return arm_.scene(); }
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   int target_size() const override { return arm_.nq(); }
   void SetTarget(std::span<const double> q) override;

@@ -16,6 +16,7 @@ class RelativeJointController : public Controller {
 
   std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { group_.RequireOpen(); }
+  const Scene* scene() const override { return group_.scene(); }
   int target_size() const override { return absolute_.target_size(); }
   // Adds `delta` (rad or m) to where the group is being driven, kept within the joint limits.
   void SetTarget(std::span<const double> delta) override;

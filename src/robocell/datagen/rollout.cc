@@ -147,6 +147,7 @@ std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutRes
 
 RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
                          const RolloutOptions& given) {
+  const SceneUse::Claim claim(start.scene.use(), "RunRollout");
   RolloutOptions options = given;
   const PortableScene portable = MakePortable(start.scene.spec());
   options.metadata_json = Metadata(run, start, portable, given);

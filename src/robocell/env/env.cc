@@ -109,6 +109,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       draws_(!drawing) {}
 
 void Env::Reset(const EnvResetOptions& options) {
+  const SceneUse::Claim claim(scene_.use(), "Env::Reset");
   if (options.seed) seeds_ = Rng::Stream(*options.seed, kSeedPurpose);
   std::vector<std::vector<double>> kept;
   if (!config_.wrappers.home_on_reset && phase_ == Phase::kReady) {
@@ -228,6 +229,7 @@ StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& b
 }
 
 EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
+  const SceneUse::Claim claim(scene_.use(), "Env::Step");
   CheckAction(action);
   EnvStep out;
   collided_ = held_ = false;

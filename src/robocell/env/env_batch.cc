@@ -5,6 +5,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <deque>
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
@@ -92,6 +93,8 @@ void EnvBatch::RequireOpen() const {
 }
 
 void EnvBatch::Close() {
+  std::deque<SceneUse::Claim> claims;
+  for (const auto& env : envs_) claims.emplace_back(env->scene().use(), "EnvBatch::Close");
   workers_.reset();
   for (const std::unique_ptr<Env>& env : envs_) Scene(env->scene()).Close();
 }
@@ -109,6 +112,7 @@ std::vector<uint8_t> EnvBatch::Draw(const CameraView& camera, int width, int hei
   const size_t one = size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height);
   std::vector<uint8_t> rgb(one * envs_.size());
   for (size_t i = 0; i < envs_.size(); ++i) {
+    const SceneUse::Claim claim(envs_[i]->scene().use(), "EnvBatch::Draw");
     pictures_->TakeColours(envs_[i]->scene().model());
     pictures_->renderer->Render(envs_[i]->scene().data(),
                                 {.camera = camera, .width = width, .height = height},
@@ -119,7 +123,10 @@ std::vector<uint8_t> EnvBatch::Draw(const CameraView& camera, int width, int hei
 
 void EnvBatch::DrawFrames() {
   if (envs_.front()->frames().empty()) return;
-  for (const auto& env : envs_) env->DrawFrames();
+  for (const auto& env : envs_) {
+    const SceneUse::Claim claim(env->scene().use(), "EnvBatch::DrawFrames");
+    env->DrawFrames();
+  }
 }
 
 void EnvBatch::ForEach(const std::function<void(int)>& work) { workers_->Run(size(), work); }

@@ -209,6 +209,7 @@ void Env::MoveToRoot(const Pose& from) {
 }
 
 void Env::SetState(const EnvState& state, StateFrame frame) {
+  const SceneUse::Claim claim(scene_.use(), "Env::SetState");
   CheckState(state);
   phase_ = Phase::kBroken;  // until all is done
   Recall(state);
@@ -232,6 +233,7 @@ Env::Snapshot& Env::RequireSnapshot(const std::string& name) {
 }
 
 void Env::Restore(const std::string& name) {
+  const SceneUse::Claim claim(scene_.use(), "Env::Restore");
   const Snapshot& snapshot = RequireSnapshot(name);
   if (snapshot.generation != scene_.generation()) {
     throw Error(

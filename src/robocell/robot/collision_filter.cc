@@ -50,6 +50,8 @@ CollisionFilter::CollisionFilter(const Robot& robot, const CollisionFilterOption
 }
 
 void CollisionFilter::Update() {
+  const Scene scene = state_->scratch.robot().scene();
+  const SceneUse::Claim claim(scene.use(), "CollisionFilter::Update");
   const std::lock_guard lock(state_->mutex);
   state_->scratch.Update();
 }

@@ -48,6 +48,8 @@ class Controller {
   virtual std::string_view kind() const = 0;  // "joint_position", ...
   // ClosedError when the scene of its group was closed.
   virtual void RequireOpen() const {}
+  // The scene of its group; null where neither knows of one.
+  virtual const Scene* scene() const { return nullptr; }
   // What it drives.
   virtual CtrlMode mode() const { return CtrlMode::kPosition; }
   virtual TargetKind target_kind() const { return TargetKind::kJointPositions; }

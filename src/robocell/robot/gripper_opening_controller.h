@@ -19,6 +19,7 @@ class GripperOpeningController : public Controller {
 
   std::string_view kind() const override { return "joint_position"; }
   void RequireOpen() const override { group_.RequireOpen(); }
+  const Scene* scene() const override { return group_.scene(); }
   TargetKind target_kind() const override { return TargetKind::kOpening; }
   int target_size() const override { return 1; }
   // Beyond 0..1 the nearest is used, which is told once; the actuators are told at once.

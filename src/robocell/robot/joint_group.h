@@ -33,6 +33,7 @@ class JointGroupOf : public Interface, public ServoGroup {
   const std::string& name() const override { return core_.names().group; }
   std::string place() const override { return core_.place(); }
   void RequireOpen() const override { core_.RequireOpen(); }
+  const Scene* scene() const override { return &core_.scene(); }
   MoveGroupKind kind() const override { return kind_; }
   int nq() const override { return core_.nq(); }
   int nv() const override { return core_.nv(); }

@@ -24,6 +24,7 @@ class JointPositionController : public Controller {
 
   std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { group_.RequireOpen(); }
+  const Scene* scene() const override { return group_.scene(); }
   int target_size() const override { return group_.nq(); }
   void SetTarget(std::span<const double> target) override;
   std::span<const double> target() const override { return target_.get(); }

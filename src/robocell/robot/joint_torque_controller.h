@@ -23,6 +23,7 @@ class JointTorqueController : public Controller {
 
   std::string_view kind() const override { return kKind; }
   void RequireOpen() const override { arm_.RequireOpen(); }
+  const Scene* scene() const override { return arm_.scene(); }
   CtrlMode mode() const override { return CtrlMode::kTorque; }
   TargetKind target_kind() const override { return TargetKind::kJointTorques; }
   int target_size() const override { return arm_.nv(); }

@@ -27,6 +27,8 @@
 
 namespace robocell {
 
+class Scene;
+
 struct Interval {
   double lower, upper;
 };
@@ -40,6 +42,8 @@ class MoveGroup {
   virtual std::string place() const { return "group '" + name() + "'"; }
   // ClosedError when its scene was closed. A group that knows of no scene is never closed.
   virtual void RequireOpen() const {}
+  // Its scene; null for a group that knows of none.
+  virtual const Scene* scene() const { return nullptr; }
   virtual MoveGroupKind kind() const = 0;
 
   // Sizes and names (full names in the model).

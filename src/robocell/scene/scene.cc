@@ -27,10 +27,8 @@ Scene Scene::Build(const SceneSpec& spec, const DataFactory& factory) {
 }
 
 Scene Scene::FromCompiled(std::shared_ptr<CompiledScene> compiled, const DataFactory& factory) {
-  auto state = std::make_shared<State>();
+  auto state = std::make_shared<State>(compiled->spec().name);
   state->claim = compiled->Claim();
-  state->name = compiled->spec().name;
-  state->context = "scene '" + state->name + "'";
   state->factory = factory ? factory : MakeOwnData;
   state->data = state->factory(*compiled);
   state->compiled = std::move(compiled);
@@ -92,6 +90,8 @@ Pose Scene::shared_base_frame_to_world() const {
 }
 
 const std::string& Scene::name() const { return state_->name; }
+
+SceneUse& Scene::use() const { return state_->use; }
 
 const SceneSpec& Scene::spec() const { return open().compiled->spec(); }
 

@@ -12,7 +12,7 @@
 //
 // Errors: NotFoundError for unknown names, ClosedError after Close(), EngineError when MuJoCo
 // reports one. Divergence is a value (StepResult), never an exception. One scene is used by one
-// thread at a time.
+// thread at a time; use() is how callers who do not know of each other keep to that.
 #pragma once
 
 #include <cstdint>
@@ -29,6 +29,7 @@
 #include "robocell/math/pose.h"
 #include "robocell/mujoco/divergence.h"
 #include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/scene_use.h"
 
 namespace robocell {
 
@@ -203,6 +204,9 @@ class Scene {
     return *now_;
   }
   const std::shared_ptr<void>& data_keeper() const;
+
+  // For claims by those who use it, also after it was closed; handles to one simulation share it.
+  SceneUse& use() const;
 
   void Close();
   bool closed() const { return now_->data == nullptr; }

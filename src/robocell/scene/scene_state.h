@@ -11,8 +11,12 @@
 namespace robocell {
 
 struct Scene::State {
-  std::string name;
-  std::string context;  // "scene 'pick'", for messages
+  explicit State(const std::string& scene)
+      : name(scene), context("scene '" + scene + "'"), use(context) {}
+
+  const std::string name;
+  const std::string context;  // "scene 'pick'", for messages
+  SceneUse use;
   std::shared_ptr<CompiledScene> compiled;
   DataHandle data;
   DataFactory factory;

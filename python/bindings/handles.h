@@ -1,0 +1,95 @@
+// Handles to a scene and to what belongs to one (groups, controllers, renderers ...), whatever is
+// asked of them:
+// - another thread that uses the scene meanwhile is an Error (scene_use.h). Long calls let go of
+//   Python's lock, so that a second thread could change what the first one works on. Calls claim
+//   the scenes of their object and of all handles among their arguments, to their end.
+// - After the scene was closed it is a ClosedError.
+//
+// All functions of their classes begin with these questions. They are asked in one place
+// (argument_errors.cc wraps all functions), so none can forget.
+//
+//   GuardHandle<MoveGroup>(
+//       cls, [](const MoveGroup& g, SceneClaims& claims) { claims.Add(g.scene()); },
+//       [](const MoveGroup& g) { g.RequireOpen(); }, {.always = {"name", "kind"}});
+#pragma once
+
+#include <array>
+#include <functional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "bindings.h"
+#include "robocell/base/error.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell::python {
+
+// The scenes that one call of a function uses; claimed until the call ends.
+class SceneClaims {
+ public:
+  // The function's name, for the Error that another thread gets meanwhile. It lives as long as the
+  // module.
+  explicit SceneClaims(const char* function) : function_(function) {}
+  ~SceneClaims();
+  SceneClaims(const SceneClaims&) = delete;
+  SceneClaims& operator=(const SceneClaims&) = delete;
+
+  // Error when another thread uses it. Nothing for null.
+  void Add(const Scene* scene);
+  void Add(const Scene& scene) { Add(&scene); }
+
+ private:
+  const char* function_;
+  std::array<SceneUse*, 8> claimed_;  // more handles are no function's arguments
+  size_t count_ = 0;
+};
+
+// Claims the scene of an object, then requires that it is open, if it has to be.
+using HandleGuard = std::function<void(nb::handle self, SceneClaims&, bool must_be_open)>;
+
+// Functions that are asked less: `always` nothing, as they tell what never changes; `closed` not
+// that it is open.
+struct Excepted {
+  std::set<std::string, std::less<>> always = {}, closed = {};
+};
+
+// For the functions that `type` itself defines, and for handles of it among the arguments of all.
+// `__repr__` is excepted always.
+void AddGuard(nb::handle type, HandleGuard guard, Excepted excepted);
+
+// What is asked of the object of a function of a class: nothing when there is no guard; with
+// `never` nothing of its arguments either.
+struct Asked {
+  bool never = false;
+  const HandleGuard* guard = nullptr;
+  bool must_be_open = true;
+};
+Asked AskedOf(nb::handle type, std::string_view function);
+// Whether a signature in Python's words has a parameter of such a class.
+bool TakesHandles(std::string_view signature);
+// Claims the scenes of an argument, if it is a handle.
+void UseArgument(nb::handle argument, SceneClaims& claims);
+
+template <class T, class Use, class RequireOpen>
+void GuardHandle(nb::handle type, Use use, RequireOpen require_open, Excepted excepted = {}) {
+  AddGuard(
+      type,
+      [=](nb::handle self, SceneClaims& claims, bool must_be_open) {
+        if (!nb::isinstance<T>(self) || !nb::inst_ready(self)) return;
+        const T& handle = *nb::inst_ptr<T>(self);
+        use(handle, claims);
+        if (must_be_open) require_open(handle);
+      },
+      std::move(excepted));
+}
+
+// Makes the exception that is being handled the present Python error, of the class that it has
+// everywhere else.
+void SetCaughtError();
+
+// ClosedError "<thing> is closed: its scene 'pick' was closed".
+void RequireOpen(const Scene& scene, std::string_view thing);
+
+}  // namespace robocell::python
