@@ -14,6 +14,7 @@
 #include "ik_calls.h"
 #include "ik_wishes.h"
 #include "values.h"
+#include "robocell/base/error.h"
 #include "robocell/base/names.h"
 
 namespace nb = nanobind;
@@ -107,6 +108,17 @@ nb::object MapReachOf(const Kinematics& k, nb::handle lower, nb::handle upper, d
                       bool position_only, nb::handle axis) {
   return ReachMapOf(k.robot.chain(), lower, upper, cell, rotations, tolerance, max_restarts,
                     threads, position_only, axis);
+}
+
+// Threads may share kinematics while the scene rests, so that they claim nothing: they look at
+// where the robot is, and work on the chain that it has.
+void RequireRest(const Kinematics& k) {
+  if (!k.robot.scene().use().by_another_thread()) return;
+  throw Error(fmt::format(
+      "kinematics of robot '{}': its scene '{}' is in use by another thread, and may be moving it. "
+      "In other threads use robot.chain, a copy with the same functions, taken beforehand; or let "
+      "the threads take turns with a lock of yours",
+      k.robot.name(), k.robot.scene().name()));
 }
 
 // The world's, in the axes of the robot base frame, unless given.
@@ -262,7 +274,7 @@ void BindKinematics(nb::module_& m) {
       "on the batch that it is in. (The Pose that fk returns for one q is computed on its own, and "
       "rounded otherwise than the matrix in a batch or in `out`.)");
   GuardHandle<Kinematics>(
-      kinematics, [](const Kinematics&, SceneClaims&) {},  // threads may share them
+      kinematics, [](const Kinematics& k, SceneClaims&) { RequireRest(k); },
       [](const Kinematics& k) { k.robot.RequireOpen(); });
   DefDynamics(kinematics);
   kinematics

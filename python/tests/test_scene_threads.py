@@ -141,6 +141,27 @@ def test_so_it_is_when_it_is_an_argument_or_kept(tmp_path: Path):
             assert refused(call).startswith(IN_USE.format("Scene.reset")), number
 
 
+def test_kinematics_are_shared_while_the_scene_rests_and_chains_always():
+    scene = cell()
+    robot = scene.robot("a")
+    kinematics, chain, q = robot.kinematics, robot.chain, robot.jnt_pos_msr
+    here = kinematics.fk(q).matrix
+    door = Door()
+    target, seed = kinematics.fk(q), q + 0.01
+    keep = lambda rows: (door(), np.ones(len(rows), bool))[1]  # noqa: E731
+    with door.held(lambda: kinematics.ik(target, seed=seed, filter=keep)):
+        assert np.array_equal(kinematics.fk(q).matrix, here)
+    with resetting(scene):
+        for name, use in uses(kinematics).items():
+            told = refused(use)
+            assert told.startswith(
+                "kinematics of robot 'a': its scene 'cell' is in use by another thread"
+            ), name
+            assert "use robot.chain, a copy with the same functions" in told
+        assert np.array_equal(chain.fk(q).matrix, here)
+        assert chain.ik(target, seed=seed).success
+
+
 def test_it_says_what_to_do():
     scene = cell()
     with resetting(scene):

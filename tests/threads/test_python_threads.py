@@ -190,6 +190,40 @@ def test_one_environment_is_used_by_one_thread_at_a_time():
     env.close()
 
 
+def test_one_scene_is_used_by_one_thread_at_a_time():
+    """The other one is told so; what one thread leaves, the next one finds."""
+    scene = cell()
+    robot = scene.robot("a")
+    calls = [
+        lambda: scene.reset(seed=1),
+        lambda: scene.step_n(20),
+        lambda: (
+            robot.update(),
+            robot.set_joint_pos(robot.jnt_pos_msr),
+            robot.refresh_tool_inertia(),
+        ),
+    ]
+    done, refused = [0] * THREADS, set()
+    deadline = time.monotonic() + 60
+
+    def work(number: int) -> None:
+        while (min(done) < ROUNDS or not refused) and time.monotonic() < deadline:
+            try:
+                calls[number]()
+                done[number] += 1
+                time.sleep(0.002)  # the lock may be another's
+            except rc.Error as error:
+                refused.add(str(error).split(" (")[0])
+
+    in_parallel(work)
+    assert min(done) >= ROUNDS, done
+    assert refused == {"scene 'cell' is in use by another thread"}
+    scene.reset(seed=1)
+    alone = cell()
+    alone.reset(seed=1)
+    np.testing.assert_array_equal(scene.state(), alone.state())
+
+
 def test_a_filter_of_python_is_asked_by_several_threads():
     kinematics = cell().robot("a").kinematics
     low, high = np.array(cell().robot("a").joint_limits).T
