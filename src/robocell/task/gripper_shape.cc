@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <Eigen/Geometry>
@@ -13,6 +14,7 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
+#include "robocell/base/units.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/gripper_group.h"
@@ -31,6 +33,12 @@ constexpr double kMostPadHalf =
     0.02;  // a longer "pad" is a whole finger: its last part is what grips
 constexpr double kTipPadHalf = 0.01;  // ... this far from its tip
 constexpr size_t kMostKept = 32;
+// Fingers are rarely mounted askew; millimetres of asymmetry should not turn the grasp frame.
+constexpr double kAskew = 0.99;  // cosine to an axis of the TCP
+// Jaws on a hinge: the direction in which they close turns, and an axis of the TCP is meant.
+constexpr double kTurned = 0.85;         // cosine to it where they meet what is held
+constexpr double kTurning = Radians(5);  // between open and there; parallel fingers do not
+constexpr double kHeldGap = 0.02;
 
 SceneSpec RobotAlone(const RobotConfig& config, const SimOptions& options, double timestep) {
   SceneSpec spec{.name = "gripper of " + config.name,
@@ -79,13 +87,11 @@ class GripperSweep {
     for (const int j : joints_)
       shape.joint_names_.push_back(ElementName(scene_.model(), mjOBJ_JOINT, j));
     MoveTo(1, kFullyOpenSeconds);
-    shape.grasp_in_tcp_ = frame_ = GraspFrame();
-    const Eigen::Vector3d a = HalfPad(0), b = HalfPad(1);
-    shape.pad_half_width_ = std::min(a.x(), b.x());
-    shape.pad_half_height_ = std::min(a.z(), b.z());
-    for (int k = 0; k < kRows; ++k) {
-      if (k > 0) MoveTo(1 - k / (kRows - 1.0), kRowSeconds);
-      shape.rows_.push_back(Measure());
+    const Eigen::Vector3d open = Closing();
+    Close(SnapToAxis(open, kAskew), shape);
+    if (AngleBetween(open, meeting_.closing) > kTurning) {
+      MoveTo(1, kFullyOpenSeconds);
+      Close(SnapToAxis(meeting_.closing, kTurned), shape);
     }
     std::sort(shape.rows_.begin(), shape.rows_.end(),
               [](const auto& x, const auto& y) { return x.gap < y.gap; });
@@ -108,6 +114,36 @@ class GripperSweep {
           robot_.name(), scene_.timestep(), opening, result.message));
     }
     scene_.SyncPoses();
+  }
+
+  // The direction from finger to finger, TCP axes, where the gap is nearest to what is held.
+  struct Meeting {
+    double off = std::numeric_limits<double>::infinity();
+    Eigen::Vector3d closing = Eigen::Vector3d::Zero();
+  };
+
+  // Rows of a sweep that begins open, in the frame that closes along `closing`.
+  void Close(const Eigen::Vector3d& closing, GripperShape& shape) {
+    shape.grasp_in_tcp_ = frame_ = GraspFrame(closing);
+    const Eigen::Vector3d a = HalfPad(0), b = HalfPad(1);
+    shape.pad_half_width_ = std::min(a.x(), b.x());
+    shape.pad_half_height_ = std::min(a.z(), b.z());
+    shape.rows_.clear();
+    meeting_ = {};
+    for (int k = 0; k < kRows; ++k) {
+      if (k > 0) MoveTo(1 - k / (kRows - 1.0), kRowSeconds);
+      shape.rows_.push_back(Measure());
+      const double off = std::abs(shape.rows_.back().gap - kHeldGap);
+      if (off < meeting_.off) meeting_ = {off, Closing()};
+    }
+  }
+
+  Eigen::Vector3d Closing() const {
+    return (PadCentre(0, Pose()) - PadCentre(1, Pose())).normalized();
+  }
+
+  static double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return std::atan2(a.cross(b).norm(), a.dot(b));
   }
 
   // The pad of a finger in a frame at the TCP.
@@ -151,9 +187,8 @@ class GripperSweep {
 
   // The axis of the TCP that points from the wrist to the pads, across the direction from finger to
   // finger.
-  Pose GraspFrame() const {
+  Pose GraspFrame(const Eigen::Vector3d& closing) const {
     const Eigen::Vector3d a = PadCentre(0, Pose()), b = PadCentre(1, Pose());
-    const Eigen::Vector3d closing = SnapToAxis((a - b).normalized());
     const mjModel* m = scene_.model();
     const int last = FindId(m, mjOBJ_JOINT, robot_.joint_names().back());
     const Eigen::Vector3d wrist =
@@ -173,11 +208,11 @@ class GripperSweep {
     return Pose(Eigen::Vector3d::Zero(), axes);
   }
 
-  // Fingers are rarely mounted askew; millimetres of asymmetry should not turn the frame.
-  static Eigen::Vector3d SnapToAxis(const Eigen::Vector3d& direction) {
+  // The axis of the TCP that is as near to a direction as that, else the direction.
+  static Eigen::Vector3d SnapToAxis(const Eigen::Vector3d& direction, double cosine) {
     Eigen::Index axis;
     direction.cwiseAbs().maxCoeff(&axis);
-    if (std::abs(direction[axis]) < 0.99) return direction;
+    if (std::abs(direction[axis]) < cosine) return direction;
     return Eigen::Vector3d::Unit(axis) * (direction[axis] > 0 ? 1 : -1);
   }
 
@@ -202,6 +237,7 @@ class GripperSweep {
   int hand_ = 0;
   std::vector<int> hand_geoms_, joints_;
   Pose frame_;
+  Meeting meeting_;
 };
 
 std::shared_ptr<const GripperShape> GripperShape::Of(const RobotConfig& config,

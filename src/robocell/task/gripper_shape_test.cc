@@ -100,6 +100,44 @@ TEST(GripperShape, FollowsTheSwingOfALinkage) {
   EXPECT_NEAR(shape->TipAt(0), 0.003, 2e-3);
 }
 
+// One jaw is fixed, the other turns about a hinge 80 mm behind the tips by up to 1.6 rad: the
+// direction from finger to finger turns with it, and the axes of the TCP are meant.
+TEST(GripperShape, AJawOnAHingeClosesAlongAnAxisOfTheTcp) {
+  constexpr const char* kJaws = R"(<mujoco><compiler angle="radian"/><worldbody><body name="base">
+    <body name="link"><joint name="j1" axis="0 0 1" range="-2 2" limited="true"/>
+      <geom size=".02" mass="1" contype="0" conaffinity="0"/>
+    <body name="palm"><joint name="j2" axis="0 1 0" range="-2 2" limited="true"/>
+      <geom size=".01" mass=".1" contype="0" conaffinity="0"/>
+      <site name="tcp" pos="0 0 .08"/>
+      <geom name="fixed" type="box" size=".008 .001 .01" pos="0 -.001 .08" mass=".01"/>
+      <body name="jaw" pos="0 .01 0"><joint name="jaw" axis="-1 0 0" range="0 1.6" limited="true"
+        damping=".1"/>
+        <geom name="moving" type="box" size=".008 .001 .01" pos="0 -.008 .08" mass=".01"/>
+      </body></body></body></body></worldbody><actuator>
+    <position name="s1" joint="j1" kp="100" kv="10"/><position name="s2" joint="j2" kp="100" kv="10"/>
+    <position name="grip" joint="jaw" kp="2" kv=".1" ctrlrange="0 1.6"/></actuator></mujoco>)";
+  TempDir folder;
+  AtomicWrite(folder / "jaws.xml", kJaws);
+  RobotConfig config;
+  config.name = "jaws";
+  config.model = (folder / "jaws.xml").string();
+  config.move_groups["arm"] = {
+      .kind = MoveGroupKind::kArm, .joints = {"j1", "j2"}, .actuators = {"s1", "s2"}};
+  config.move_groups["arm"].leaf = ElementRef{.name = "tcp"};
+  config.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper,
+                                   .joints = {"jaw"},
+                                   .actuators = {"grip"},
+                                   .fingers = {{.name = "fixed"}, {.name = "moving"}}};
+  const auto shape = GripperShape::Of(config, {}, 0.002);
+  const Eigen::Matrix3d axes = shape->grasp_in_tcp().rotation();
+  EXPECT_NEAR(axes(2, 2), 1, 1e-12) << "approach along z of the TCP";
+  EXPECT_NEAR(std::abs(axes(1, 1)), 1, 1e-12) << "closes along y";
+  EXPECT_GT(shape->open_gap(), 0.08);
+  EXPECT_LT(shape->closed_gap(), 0.002);
+  EXPECT_NEAR(shape->PadAt(0.0).z(), 0, 3e-3);
+  EXPECT_LT(shape->PadAt(shape->open_gap()).z(), -0.02) << "the open jaw swings back";
+}
+
 TEST(GripperShape, ARobotWithoutAGripperIsNamed) {
   RobotConfig config = ExampleRun("demo.yaml").robot.config;
   const MoveGroupConfig arm = config.move_groups.at("arm");
