@@ -74,9 +74,11 @@ class SceneCheck {
     CheckCameras(*scene);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
-    Try("robot", [&] { CheckColumns(*scene, *robot); });
+    // What follows asks the controllers, and would say the same of them again.
+    const bool driven = !demands_.scripted_expert || CheckControllers(*robot);
+    if (driven) Try("robot", [&] { CheckColumns(*scene, *robot); });
     Try("robot", [&] { CheckRobot(*robot); });
-    if (demands_.scripted_expert) CheckForExpert(*scene, *robot);
+    if (demands_.scripted_expert && driven) CheckForExpert(*scene, *robot);
     if (demands_.scripted_expert && problems_.empty()) Try("robot", [&] { TryAlone(); });
     if (demands_.on_this_machine && problems_.empty()) CheckStreamsHere(run_, *scene, problems_);
   }
@@ -147,7 +149,6 @@ class SceneCheck {
 
   // PickPlanner: an arm, a gripper that can be measured, a base that can be put where it reaches.
   void CheckForExpert(const Scene& scene, Robot& robot) {
-    if (!CheckControllers(robot)) return;
     if (!Try("robot", [&] { CheckParts(scene, robot); })) return;
     CheckReach(run_, robot, problems_);
     Try("task", [&] { CheckGraspable(scene, robot); });
@@ -166,7 +167,7 @@ class SceneCheck {
       Problems doubt(run_.locations);
       doubt.AddAt("task.objects",
                   fmt::format("gripper '{}' cannot hold '{}' ({}): such starts are refused. Leave "
-                              "the kind out of task.objects, or take a gripper that opens wider",
+                              "the kind out of task.objects, or take a gripper that fits",
                               robot.gripper().name(), kinds[i],
                               SizesForGrasp(scene.model(), scene.data(), body, *shape)));
       warnings_.push_back(LinesOf(doubt).front());
@@ -203,6 +204,7 @@ class SceneCheck {
           "the scripted expert needs a gripper with two fingers that actuators move; bring an "
           "expert of your own for this one");
     }
+    robot.gripper().inter_finger_dist_range();  // measured for the records, which may fail
     GripperShape::Of(robot.config(), run_.options, scene.timestep());
   }
 

@@ -212,6 +212,36 @@ TEST(CheckRun, AKindThatTheGripperCannotHoldIsTold) {
                              HasSubstr("Leave the kind out of task.objects"))));
 }
 
+TEST(CheckRun, WhyAGripperThatIsWideEnoughCannotHoldAKindIsTold) {
+  RunConfig run = Demo();
+  run.task.objects.names = {"box"};
+  // A spike between the fingers, long past the pads.
+  run.robot.config.edits.push_back(
+      {.geom = ElementRef{.name = "hand_palm"}, .size = Vec3{0.005, 0.005, 0.2}});
+  EXPECT_THAT(CheckRun(run),
+              Contains(AllOf(HasSubstr("cannot hold 'box' (it is "),
+                             HasSubstr(", but on the way to that width its fingertips reach "),
+                             HasSubstr(" m below the middle of the pads, so that they touch what "
+                                       "it stands on before the pads have 0.012 m of it)"))));
+}
+
+TEST(CheckRun, AGripperThatCannotBeMeasuredIsToldOnce) {
+  RunConfig run = Demo();
+  MoveGroupConfig& gripper = *run.robot.config.move_groups.find("gripper");
+  gripper.distance.reset();
+  Edit narrow;
+  narrow.actuator = ElementRef{.name = "gripper"};
+  narrow.ctrlrange = Vec2{99.999, 100};
+  run.robot.config.edits.push_back(narrow);
+  for (const bool said : {true, false}) {
+    gripper.ctrl = GripperCtrl{.open = 100, .closed = 99.999};
+    if (!said) gripper.ctrl.reset();
+    const std::string text =
+        ExpectThrow<SpecError>([&] { CheckRun(run); }, "the finger distance stays at 0.0900 m");
+    EXPECT_EQ(text.find("finger distance stays"), text.rfind("finger distance stays")) << text;
+  }
+}
+
 TEST(CheckRun, ARunWithStreamsNeedsAnEncoder) {
   const RunConfig run = Demo();
   setenv("ROBOCELL_FFMPEG", "/no/such/ffmpeg", 1);

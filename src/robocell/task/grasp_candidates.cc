@@ -115,6 +115,9 @@ class CandidateSearch {
     return std::move(found_);
   }
 
+  // Whether the pads get deep enough beside it.
+  bool HasHeight() const { return !Heights().empty(); }
+
  private:
   // Heights of the pads' middle.
   std::vector<double> Heights() const {
@@ -260,13 +263,20 @@ std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_b
     const Eigen::Vector3d across(std::cos(yaw), std::sin(yaw), 0);
     narrowest = std::min(narrowest, Length(ExtentAlong(model, data, geoms, across)));
   }
-  return fmt::format(
+  const double least = std::max(kLeastWidth, shape.closed_gap() + kLeastAboveClosed);
+  const double most = std::max(shape.open_gap() - 2 * kOpenClearance, 0.0);
+  const std::string sizes = fmt::format(
       "it is {:.3g} m wide where it is narrowest and {:.3g} m high, and the gripper holds from "
-      "{:.3g} "
-      "to {:.3g} m",
-      narrowest, Length(ExtentAlong(model, data, geoms, Eigen::Vector3d::UnitZ())),
-      std::max(kLeastWidth, shape.closed_gap() + kLeastAboveClosed),
-      std::max(shape.open_gap() - 2 * kOpenClearance, 0.0));
+      "{:.3g} to {:.3g} m",
+      narrowest, Length(ExtentAlong(model, data, geoms, Eigen::Vector3d::UnitZ())), least, most);
+  if (narrowest < least || narrowest > most) return sizes;
+  if (!CandidateSearch(model, data, object_body, shape).HasHeight()) {
+    return fmt::format(
+        "{}, but on the way to that width its fingertips reach {:.3g} m below the middle of the "
+        "pads, so that they touch what it stands on before the pads have {:g} m of it",
+        sizes, shape.TipAt(narrowest) - shape.PadAt(narrowest).z(), kLeastOverlap);
+  }
+  return sizes + ", but where the pads would touch, its sides do not face each other squarely";
 }
 
 }  // namespace robocell
