@@ -43,6 +43,21 @@ struct Quantity {
   }
 };
 
+// Of one value of a column, from the units of the column: one for all, one for each, or one for the
+// translation and one for the rotation of a pose or twist. Nothing for what has none.
+std::string UnitOfValue(const std::string& units, size_t i, size_t count) {
+  std::vector<std::string> parts;
+  for (size_t from = 0; from <= units.size();) {
+    const size_t comma = std::min(units.find(", ", from), units.size());
+    parts.push_back(units.substr(from, comma - from));
+    from = comma + 2;
+  }
+  const bool spatial = parts.size() == 2 && (count == 6 || count == 7);
+  const size_t part = spatial ? i / 3 : i;
+  const std::string& unit = parts.size() == 1 ? parts[0] : parts[std::min(part, parts.size() - 1)];
+  return unit == "1" ? "" : unit;
+}
+
 // A quaternion and its negative are the same rotation; a pose ends with one.
 void AlignQuaternion(std::span<double> pose, std::span<const double> with) {
   const double dot = std::inner_product(pose.begin() + 3, pose.end(), with.begin() + 3, 0.0);
@@ -209,7 +224,7 @@ class Replay {
                          .column = quantity.column,
                          .recorded = then[i],
                          .replayed = quantity.now[i],
-                         .units = quantity.units};
+                         .units = UnitOfValue(quantity.units, i, then.size())};
       }
     }
     return !report_.first;
@@ -256,14 +271,19 @@ std::string ReplayReport::Text() const {
   if (ok()) return fmt::format("{}: {} rows, {} control ticks: the same", episode, rows, ticks);
   const ReplayDifference& d = *first;
   std::string text = fmt::format(
-      "{}: differs first in row {} (control tick {}, t = {:.3f} s): {}: {:.12g} {} recorded, "
+      "{}: differs first in row {} (control tick {}, t = {:.3f} s): {}: {:.12g}{} recorded, "
       "{:.12g} replayed",
-      episode, d.row, d.tick, d.time, d.what, d.recorded, d.units, d.replayed);
+      episode, d.row, d.tick, d.time, d.what, d.recorded, d.units.empty() ? "" : " " + d.units,
+      d.replayed);
   if (d.others) text += fmt::format("; {} more values of this row differ", d.others);
   return versions.empty() ? text : text + "\n" + versions;
 }
 
 ReplayReport CheckReplay(const Episode& episode, const ReplayOptions& options) {
+  if (!(options.tolerance >= 0)) {
+    throw ArgumentError(fmt::format(
+        "tolerance {} is not at least 0; 0 takes no difference for none", options.tolerance));
+  }
   return Replay(episode, options).Run();
 }
 

@@ -98,6 +98,8 @@ TEST_F(ReplayTest, APushedObjectIsNamedWithTheRowAfterThePush) {
   EXPECT_EQ(report.rows, 8);
   EXPECT_THAT(report.Text(), StartsWith("e: differs first in row 8 (control tick 264, t = 0.528"));
   EXPECT_THAT(report.Text(), HasSubstr("object 'target' x: "));
+  EXPECT_EQ(report.first->units, "m") << "the value's, not the column's";
+  EXPECT_THAT(report.Text(), HasSubstr(" m recorded, "));
 }
 
 TEST_F(ReplayTest, AForceOnTheArmIsSeenInItsFirstJointThatMoved) {
@@ -127,6 +129,10 @@ TEST_F(ReplayTest, WhatIsBelowTheToleranceIsNoDifference) {
   const Episode episode = Record(7, [](Scene scene) { scene.data()->qvel[0] += 1e-13; });
   EXPECT_TRUE(CheckReplay(episode, {.tolerance = 1e-3}).ok());
   EXPECT_FALSE(CheckReplay(episode, {.tolerance = 0}).ok());
+  ExpectThrow<ArgumentError>([&] { CheckReplay(episode, {.tolerance = -1}); },
+                             "tolerance -1 is not at least 0");
+  ExpectThrow<ArgumentError>([&] { CheckReplay(episode, {.tolerance = NAN}); },
+                             "tolerance nan is not at least 0");
 }
 
 TEST_F(ReplayTest, AnEpisodeThatDoesNotSayItsSceneIsRefused) {
