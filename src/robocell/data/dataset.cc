@@ -12,6 +12,7 @@
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/shell_word.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
@@ -33,10 +34,10 @@ namespace {
        it.increment(ignored)) {
     if (it->is_directory(ignored)) beside.push_back(it->path().filename().string());
   }
-  throw IoError(
-      fmt::format("no dataset '{}': there is no such folder.{} `robocell generate RUN.yaml "
-                  "--output {}` makes one",
-                  folder.string(), DidYouMean(whole.filename().string(), beside), folder.string()));
+  throw IoError(fmt::format(
+      "no dataset '{}': there is no such folder.{} `robocell generate RUN.yaml "
+      "--output {}` makes one",
+      folder.string(), DidYouMean(whole.filename().string(), beside), ShellWord(folder.string())));
 }
 
 }  // namespace
@@ -95,7 +96,7 @@ std::optional<std::string> ReadManifest(const fs::path& dataset) {
     throw IoError(
         fmt::format("'{}' is damaged: {}. `robocell verify --repair {}` sets it aside, `robocell "
                     "generate` with the run's file writes it again",
-                    path.string(), *damage, dataset.string()));
+                    path.string(), *damage, ShellWord(dataset.string())));
   return text;
 }
 

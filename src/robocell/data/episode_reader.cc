@@ -11,6 +11,7 @@
 #include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/shell_word.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/json_count.h"
@@ -120,7 +121,7 @@ struct Episode::Impl {
   }
 
   std::string Advice() const {
-    const std::string dataset = folder.parent_path().string();
+    const std::string dataset = ShellWord(folder.parent_path().string());
     return fmt::format(
         ". `robocell verify {}` names all that is damaged, `robocell verify "
         "--repair {}` sets it aside",

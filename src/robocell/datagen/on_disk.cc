@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
+#include "robocell/base/shell_word.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/datagen/earlier_attempts.h"
 #include "robocell/datagen/run_origin.h"
@@ -81,7 +82,8 @@ Attempts::Found Attempts::Look(const PlanItem& item, int attempt) {
 
 [[noreturn]] void ThrowBroken(const RunConfig& run, const std::string& problem) {
   if (problem.ends_with(kMoveAway)) throw IoError(problem);
-  throw IoError(fmt::format("{}\nSet it aside: robocell verify --repair {}", problem, run.output));
+  throw IoError(
+      fmt::format("{}\nSet it aside: robocell verify --repair {}", problem, ShellWord(run.output)));
 }
 
 ItemOnDisk LookFor(const RunConfig& run, Attempts& attempts, const PlanItem& item) {

@@ -13,6 +13,7 @@
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
 #include "robocell/base/file_set.h"
+#include "robocell/base/shell_word.h"
 #include "robocell/data/model_store.h"
 #include "robocell/spec/yaml.h"
 
@@ -79,7 +80,7 @@ class Models {
       return model.string();
     }
     throw IoError(fmt::format("{}: '{}' is not what was stored; see `robocell verify {}`", name_,
-                              (dataset_ / it->second).string(), dataset_.string()));
+                              (dataset_ / it->second).string(), ShellWord(dataset_.string())));
   }
 
  private:
