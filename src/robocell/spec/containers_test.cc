@@ -85,13 +85,22 @@ TEST(NameList, ExpandsNumberedRanges) {
   EXPECT_EQ(NameList::Expand("wrist.joint"), (NameList{"wrist.joint"}));
 }
 
+TEST(NameList, TheNumberMayBeAnywhereInTheNames) {
+  EXPECT_EQ(NameList::Expand("arm_1_joint..arm_3_joint"),
+            (NameList{"arm_1_joint", "arm_2_joint", "arm_3_joint"}));
+  EXPECT_EQ(NameList::Expand("r2_j1..r2_j3"), (NameList{"r2_j1", "r2_j2", "r2_j3"}));
+  EXPECT_EQ(NameList::Expand("r2_j1..r3_j1"), (NameList{"r2_j1", "r3_j1"}));
+  EXPECT_EQ(NameList::Expand("j09x..j10x"), (NameList{"j09x", "j10x"}));
+}
+
 TEST(NameList, KeepsLeadingZeros) {
   EXPECT_EQ(NameList::Expand("j08..j10"), (NameList{"j08", "j09", "j10"}));
 }
 
 TEST(NameList, RefusesWhatIsNoRange) {
-  for (const char* text : {"joint1..act7", "joint7..joint1", "joint..joint7", "..", "a1..", "..a2",
-                           "a1..a99999", "a1..a99999999999999999999", "a01..a1"}) {
+  for (const char* text :
+       {"joint1..act7", "joint7..joint1", "joint..joint7", "..", "a1..", "..a2", "a1..a99999",
+        "a1x..a3y", "a1x..b3x", "r1_j1..r2_j2", "a1..a99999999999999999999", "a01..a1"}) {
     ExpectThrow<ArgumentError>(
         [&] { NameList::Expand(text); },
         "'" + std::string(text) + "' is not a range of names: write it like joint1..joint7");
