@@ -107,6 +107,8 @@ def test_an_override_goes_through_the_same_checks(tmp_path: Path):
     text = refused("generate", path, "--set", "rates.sim_ms=-1")
     assert "--set rates.sim_ms" in text
     assert "nonsense" in refused("generate", path, "--set", "nonsense")
+    text = refused("generate", path, "--set", "cameras.streams.0.camera=exo_camera")
+    assert "entries of lists have brackets: cameras.streams[0].camera" in text
     assert "--workers" in refused("generate", path, "--workers", "0")
 
 

@@ -134,13 +134,34 @@ std::vector<std::string> Reader::OverriddenKeys() const {
   return keys;
 }
 
+namespace {
+
+// "streams.0.camera" -> "streams[0].camera"
+std::string WithIndicesInBrackets(const std::string& path) {
+  std::string out;
+  for (size_t from = 0; from < path.size();) {
+    const size_t dot = std::min(path.find('.', from), path.size());
+    const std::string key = path.substr(from, dot - from);
+    const bool index = !key.empty() && key.find_first_not_of("0123456789") == std::string::npos;
+    out += index ? "[" + key + "]" : (out.empty() ? "" : ".") + key;
+    from = dot + 1;
+  }
+  return out;
+}
+
+}  // namespace
+
 void Reader::ReportUnusedOverrides() {
   for (const Override& o : overrides_) {
     const auto tells = [&](const Problem& p) { return p.source == "--set " + o.text; };
     const auto& list = problems_.list();
     if (o.used || std::any_of(list.begin(), list.end(), tells)) continue;
-    problems_.AddFromSource("--set " + o.text, "'" + o.path + "' leads to nothing in " + source_ +
-                                                   "; set the value around it as a whole");
+    const std::string in_brackets = WithIndicesInBrackets(o.path);
+    problems_.AddFromSource(
+        "--set " + o.text,
+        "'" + o.path + "' leads to nothing in " + source_ +
+            (in_brackets == o.path ? "; set the value around it as a whole"
+                                   : "; entries of lists have brackets: " + in_brackets));
   }
 }
 
