@@ -16,7 +16,7 @@ import os
 import shutil
 import tarfile
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -128,7 +128,9 @@ def fetch(robot: str, *, update: bool = False, progress: Progress | None = None)
     try:
         entry = known(robot)
     except _package().MenagerieError as error:
-        raise NotFoundError(f"{error} `robocell fetch --list` lists all robots.") from None
+        raise NotFoundError(
+            f"{error}{_with_in_name(robot)} `robocell fetch --list` lists all robots."
+        ) from None
     record = read_record(record_path())
     pin = record.get(robot)
     if pin and pin.tree != entry.oid and not update:
@@ -179,6 +181,21 @@ def known_robots() -> list[Any]:
     """All robots of the installed registry: name, category, license, download_size. No network."""
     robots: list[Any] = _package().robots()
     return robots
+
+
+def robots_like(words: Sequence[str]) -> list[Any]:
+    """Those of `known_robots` with one of the words in their names; all without a word."""
+    return [
+        robot
+        for robot in known_robots()
+        if not words or any(word.lower() in robot.name.lower() for word in words)
+    ]
+
+
+def _with_in_name(word: str) -> str:
+    """' With 'kuka' in the name: kuka_iiwa_14.', or nothing."""
+    names = [robot.name for robot in robots_like([word])] if word else []
+    return f" With '{word}' in the name: {', '.join(names)}." if names else ""
 
 
 def cached_folder(robot: str, tree: str) -> Path:

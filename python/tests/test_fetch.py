@@ -228,5 +228,15 @@ def test_the_command_lists_and_fails_as_documented(tmp_path):
     assert (listing.returncode, "kinova_gen3" in listing.stdout) == (0, True), listing.stderr
     offline = robocell("robotiq_2f85")
     assert (offline.returncode, "could not be fetched" in offline.stderr) == (3, True)
+    listing = robocell("--list", "kinova", "KUKA")
+    assert "kinova_gen3" in listing.stdout
+    assert "kuka_iiwa_14" in listing.stdout
+    assert "franka" not in listing.stdout
+    nothing = robocell("--list", "no_such_robot")
+    told = "no robot has 'no_such_robot' in its name. `robocell fetch --list` lists all robots."
+    assert (nothing.returncode, told in nothing.stderr) == (2, True), nothing.stderr
+    part = robocell("kuka")
+    assert part.returncode == 2
+    assert "With 'kuka' in the name: kuka_iiwa_14." in part.stderr
     unknown = robocell("kinova_gen4")
     assert (unknown.returncode, "Did you mean" in unknown.stderr) == (2, True), unknown.stderr

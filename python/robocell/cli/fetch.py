@@ -18,7 +18,10 @@ MEGABYTE = 1_000_000
 def fetch(
     robots: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[ROBOT]...", help="Names in the Menagerie; those of the examples."),
+        typer.Argument(
+            metavar="[ROBOT]...",
+            help="Names in the Menagerie; those of the examples. With --list parts of names.",
+        ),
     ] = None,
     listing: Annotated[
         bool, typer.Option("--list", help="List all robots and what of them is here.")
@@ -36,7 +39,7 @@ def fetch(
     and a hash of every file, and stays until --update. Exit code 3 when a download failed.
     """
     if listing:
-        print_wide(_table(robots))
+        print_wide(_table(robots or []))
         return
     try:
         for robot in robots or fetching.EXAMPLE_ROBOTS:
@@ -56,12 +59,14 @@ def _fetch(robot: str, dest: Path | None, update: bool) -> None:
     print(f"{robot}: {folder} (Menagerie {fetched.pin.commit[:12]}){note}", flush=True)
 
 
-def _table(robots: list[str] | None) -> Table:
+def _table(words: list[str]) -> Table:
     record = fetching.read_record(fetching.record_path())
     table = Table("robot", "kind", "license", "MB", "here", box=None)
-    for robot in fetching.known_robots():
-        if robots and robot.name not in robots:
-            continue
+    found = fetching.robots_like(words)
+    if not found:
+        wanted = " or ".join(f"'{word}'" for word in words)
+        fail(f"no robot has {wanted} in its name. `robocell fetch --list` lists all robots.")
+    for robot in found:
         pin = record.get(robot.name)
         here = "yes" if fetching.is_here(robot.name, robot.oid) else ""
         if pin and fetching.is_here(robot.name, pin.tree):
