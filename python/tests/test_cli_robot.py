@@ -276,6 +276,10 @@ def test_reach_of_a_short_arm_asks_for_less_than_a_pose(tmp_path: Path):
         result.stderr
     )
     assert "reached: 0.0 % of the cells" in result.stdout
+    assert "none of the rotations that were tried is reached there: --position-only maps" in (
+        result.stderr
+    )
+    assert "nothing with" not in result.stderr
     result = robocell_command(*ask, "--position-only")
     assert "hardly" not in result.stderr
     with np.load(tmp_path / "map.npz") as found:

@@ -110,12 +110,20 @@ def reach(
         f"{100 * float(found.fraction.mean()):.1f} % of the poses"
     )
     if not reached:
-        _say_where_it_reaches(robot, layer)
+        _say_where_it_reaches(robot, layer, position_only=position_only)
     print(f"written: {numbers}, {picture}, {page}")
 
 
-def _say_where_it_reaches(robot: Robot, layer: tuple[int, float] | None) -> None:
+def _say_where_it_reaches(
+    robot: Robot, layer: tuple[int, float] | None, *, position_only: bool
+) -> None:
     lower, upper = robot.kinematics.reach_box()
+    if not position_only and (layer is None or lower[layer[0]] <= layer[1] <= upper[layer[0]]):
+        print_warning(
+            "none of the rotations that were tried is reached there: --position-only maps "
+            "where the TCP gets, however it is turned"
+        )
+        return
     box = ", ".join(
         f"{axis} from {low:.2f} to {high:.2f} m"
         for axis, low, high in zip("xyz", lower, upper, strict=True)
