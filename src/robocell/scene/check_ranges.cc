@@ -40,7 +40,8 @@ class RangeCheck {
     for (const auto& [name, group] : robot_.config.move_groups.entries()) {
       for (const std::string& joint : group->joints) CheckReversed(joint);
       for (const std::string& joint : group->joints) CheckTooFar(*group, joint);
-      if (group->kind == MoveGroupKind::kArm) CheckTooNarrow(*group);
+      if (group->kind == MoveGroupKind::kArm || group->kind == MoveGroupKind::kGripper)
+        CheckTooNarrow(*group);
     }
     CheckActuators();
     for (const auto& [name, noise] : robot_.config.home_noise.entries()) CheckNoise(name, *noise);
@@ -106,35 +107,36 @@ class RangeCheck {
   }
 
   // Radians that were read as degrees: all hinges of an arm move next to nothing. One alone may be
-  // meant so, unless its servo says otherwise.
-  void CheckTooNarrow(const MoveGroupConfig& arm) {
+  // meant so, unless its servo says otherwise; so may those of fingers.
+  void CheckTooNarrow(const MoveGroupConfig& group) {
+    const bool arm = group.kind == MoveGroupKind::kArm;
     int hinges = 0, widest = -1, telling = -1;
-    for (const std::string& name : arm.joints) {
+    for (const std::string& name : group.joints) {
       const int joint = ranges_.Joint(name);
       if (joint < 0 || !ranges_.IsHinge(joint) || !m_->jnt_limited[joint]) continue;
       if (ranges_.RangeOf(joint).width() > kLeastTurn) return;
       ++hinges;
       if (widest < 0 || ranges_.RangeOf(joint).width() > ranges_.RangeOf(widest).width())
         widest = joint;
-      if (IsInDegrees(arm, joint)) telling = joint;
+      if (IsInDegrees(group, joint)) telling = joint;
     }
-    if (hinges == 0 || (hinges < 2 && telling < 0)) return;
+    if (hinges == 0 || ((hinges < 2 || !arm) && telling < 0)) return;
     const int joint = telling >= 0 ? telling : widest;
     const std::string name = ranges_.Name(mjOBJ_JOINT, joint);
-    const auto span = ranges_.ServoSpan(ranges_.ServoOf(arm, joint));
+    const auto span = ranges_.ServoSpan(ranges_.ServoOf(group, joint));
     const std::string servo =
         telling < 0 || !span ? "" : fmt::format(", while its servo takes {}", span->text());
     report_.WarnAt(PlaceInModel(part_, mjOBJ_JOINT, name), part_.place,
-                   fmt::format("no hinge of the arm moves farther than {:.1f} degrees (joint '{}': "
+                   fmt::format("no hinge of the {} moves farther than {:.1f} degrees (joint '{}': "
                                "{} rad{}). Were radians read as degrees? They are degrees unless "
                                "the model says <compiler angle=\"radian\"/>",
-                               ranges_.RangeOf(widest).width() * 180 / kPi, name,
-                               ranges_.RangeOf(joint).text(), servo));
+                               arm ? "arm" : "gripper", ranges_.RangeOf(widest).width() * 180 / kPi,
+                               name, ranges_.RangeOf(joint).text(), servo));
   }
 
   // Whether the joint's range looks like its servo's, divided by 180 / pi.
-  bool IsInDegrees(const MoveGroupConfig& arm, int joint) const {
-    const auto span = ranges_.ServoSpan(ranges_.ServoOf(arm, joint));
+  bool IsInDegrees(const MoveGroupConfig& group, int joint) const {
+    const auto span = ranges_.ServoSpan(ranges_.ServoOf(group, joint));
     const double times = span ? span->width() / ranges_.RangeOf(joint).width() : 0;
     return times > kDegreesLow && times < kDegreesHigh;
   }

@@ -133,6 +133,28 @@ TEST_F(Ranges, RadiansThatWereReadAsDegrees) {
                                   "unless the model says <compiler angle=\"radian\"/>"))));
 }
 
+TEST_F(Ranges, RadiansOfTheFingersOfAToolThatWereReadAsDegrees) {
+  const auto hand = [&](const char* angle) {
+    folder_.Write("hand", fmt::format(R"({}<worldbody><body name="palm">
+      <geom size="0.01" mass="0.1"/>
+      <body name="left" pos="0 0.02 0"><joint name="l" axis="1 0 0" range="0 0.8" limited="true"/>
+        <geom type="capsule" size="0.005" fromto="0 0 0 0 0 0.05"/></body>
+      <body name="right" pos="0 -0.02 0"><joint name="r" axis="-1 0 0" range="0 0.8" limited="true"/>
+        <geom type="capsule" size="0.005" fromto="0 0 0 0 0 0.05"/></body></body></worldbody>
+      <actuator><position name="l" joint="l" kp="1" kv="0.1" ctrlrange="0 0.8"/>
+      <position name="r" joint="r" kp="1" kv="0.1" ctrlrange="0 0.8"/></actuator>)",
+                                      angle));
+    return Warnings({},
+                    "  claw: {kind: gripper, joints: [g_l, g_r], actuators: [g_l, g_r]}\n"
+                    "attachments: [{mjcf_path: hand.xml, attach_to: {site: tip}, prefix: g_}]\n");
+  };
+  EXPECT_THAT(hand("<compiler angle=\"radian\"/>"), IsEmpty());
+  EXPECT_THAT(hand(""),
+              ElementsAre(HasSubstr("no hinge of the gripper moves farther than 0.8 degrees (joint "
+                                    "'g_r': 0 to 0.01396 rad, while its servo takes 0 to 0.8). "
+                                    "Were radians read as degrees?")));
+}
+
 TEST_F(Ranges, DegreesThatWereReadAsRadians) {
   EXPECT_THAT(
       Warnings({.hip = "-170 170"}),
