@@ -41,6 +41,10 @@ IkOptions OptionsFor(const Robot& robot, nb::handle seed,
   return options;
 }
 
+// The chain as it is now, for long work without Python's lock: another thread may reset the scene
+// or add objects meanwhile, which makes the robot's anew.
+Chain SteadyChain(const Kinematics& k) { return k.robot.chain(); }
+
 // Of a robot, or of its kinematics.
 template <class Self>
 IkResult SolveIk(const Self& self, const PoseOrFrame& target, nb::handle seed,
@@ -71,7 +75,7 @@ nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle s
   options.tolerance = tolerance;
   options.position_only = position_only;
   options.max_restarts = RestartsOf(starts);
-  return AllSolutionsOf(k.robot.chain(), target.get(), options, separation);
+  return AllSolutionsOf(SteadyChain(k), target.get(), options, separation);
 }
 
 nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
@@ -91,7 +95,7 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
   } else if (!locked_groups.empty() || ik.prefer == IkPrefer::kSeed) {
     seed_values = k.robot.arm().joint_pos();
   }
-  return BatchOf(k.robot.chain(), targets, seed_values, ik, threads);
+  return BatchOf(SteadyChain(k), targets, seed_values, ik, threads);
 }
 
 nb::object SolveTwist(const Kinematics& k, nb::handle q, nb::handle twist, nb::handle frame,
@@ -106,8 +110,8 @@ nb::object SolveTwist(const Kinematics& k, nb::handle q, nb::handle twist, nb::h
 nb::object MapReachOf(const Kinematics& k, nb::handle lower, nb::handle upper, double cell,
                       int rotations, double tolerance, int max_restarts, int threads,
                       bool position_only, nb::handle axis) {
-  return ReachMapOf(k.robot.chain(), lower, upper, cell, rotations, tolerance, max_restarts,
-                    threads, position_only, axis);
+  return ReachMapOf(SteadyChain(k), lower, upper, cell, rotations, tolerance, max_restarts, threads,
+                    position_only, axis);
 }
 
 // Threads may share kinematics while the scene rests, so that they claim nothing: they look at

@@ -162,6 +162,26 @@ def test_kinematics_are_shared_while_the_scene_rests_and_chains_always():
         assert chain.ik(target, seed=seed).success
 
 
+def test_long_kinematics_end_with_the_arm_that_they_began_with():
+    scene = cell()
+    robot = scene.robot("a")
+    kinematics, q = robot.kinematics, robot.jnt_pos_msr
+    targets = kinematics.fk(q + np.linspace(-0.3, 0.3, 8)[:, None])
+
+    def search(keep: Callable[[np.ndarray], np.ndarray]) -> list[np.ndarray]:
+        batch = kinematics.ik_batch(targets, filter=keep).q
+        return [batch, kinematics.ik_solutions(targets[0], starts=20, filter=keep)]
+
+    alone, door, found = search(lambda rows: np.ones(len(rows), bool)), Door(), []
+    keep = lambda rows: (door(), np.ones(len(rows), bool))[1]  # noqa: E731
+    with door.held(lambda: found.extend(search(keep))):
+        scene.add_object(cube("other"))
+        robot.refresh_tool_inertia()
+        scene.reset()
+    for mine, other in zip(found, alone, strict=True):
+        assert np.array_equal(mine, other)
+
+
 def test_it_says_what_to_do():
     scene = cell()
     with resetting(scene):
