@@ -20,7 +20,8 @@ add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,GNU>:SHELL:--param ggc-min-heap
 # headers and the same templates. So names in anonymous namespaces are unique within a layer.
 option(ROBOCELL_UNITY "Compile several sources of a layer together" ON)
 # More would make the build after one change slow.
-set(ROBOCELL_UNITY_FILES 6)
+set(ROBOCELL_UNITY_FILES 8)
+set(ROBOCELL_UNITY_TESTS 12)  # not optimised: headers are most of their time
 set(ROBOCELL_UNITY_BINDINGS 3)  # nanobind's templates are many
 
 # robocell_unity(TARGET FILES SOURCES...): groups of that many sources, never across folders.

@@ -12,7 +12,7 @@ target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
 # robocell_test(NAME SOURCES...): a test program and its tests.
 function(robocell_test name)
   add_executable(${name} ${ARGN})
-  robocell_unity(${name} ${ROBOCELL_UNITY_FILES} ${ARGN})
+  robocell_unity(${name} ${ROBOCELL_UNITY_TESTS} ${ARGN})
   target_include_directories(${name} SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
   target_link_libraries(${name} PRIVATE robocell robocell_testing robocell_flags spdlog::spdlog yaml-cpp
     nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)

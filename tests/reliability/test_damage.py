@@ -87,7 +87,7 @@ def require_named_and_set_aside(victim: Victim, where: str) -> None:
 
 @pytest.mark.parametrize("kind", EVERY)
 @pytest.mark.parametrize("damage", [flip_bit, cut])
-@pytest.mark.parametrize("step", [10, pytest.param(1, marks=pytest.mark.soak)])
+@pytest.mark.parametrize("step", [20, pytest.param(1, marks=pytest.mark.soak)])
 def test_damage_anywhere_is_named_and_set_aside(
     step: int, damage: Damage, kind: str, tmp_path: Path, calm: Storm
 ):

@@ -152,12 +152,13 @@ def calm(tmp_path_factory: pytest.TempPathFactory) -> Contents:
     return calm
 
 
-# Encoders take longest to start: with them, all calls are for `make soak`.
+# Every call is hundreds of runs: for `make soak`.
 CASES = [
-    pytest.param(PLAIN, everywhere, id="plain"),
+    pytest.param(PLAIN, at_points, id="plain"),
     pytest.param(FILMED, at_points, id="filmed"),
     pytest.param(ENCODER, at_points, id="encoder"),
     pytest.param(DEPTH, at_points, id="depth"),
+    pytest.param(PLAIN, everywhere, id="plain, every call", marks=pytest.mark.soak),
     pytest.param(FILMED, everywhere, id="filmed, every call", marks=pytest.mark.soak),
     pytest.param(ENCODER, everywhere, id="encoder, every call", marks=pytest.mark.soak),
 ]
