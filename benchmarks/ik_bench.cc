@@ -86,7 +86,9 @@ void Run(const std::string& robot_file, int calls, const std::string& asked,
   const std::vector<double> numbers = Read(asked);
   const auto count = static_cast<std::size_t>(numbers[0]);
   const std::span<const double> matrices = std::span(numbers).subspan(2, 16 * count);
-  const std::vector<Pose> targets = PosesFromMatrices(matrices);
+  const IkTargets asked_for = IkTargets::FromMatrices(matrices);
+  std::vector<Pose> targets;
+  for (std::size_t b = 0; b < count; ++b) targets.push_back(asked_for[b].pose());
   IkBatch(chain, std::span(targets).first(1));  // makes what a chain keeps
   std::vector<double> answers;
   if (calls > 0) {

@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <optional>
+
 #include "arrays.h"
 #include "kinematics.h"
 #include "signals.h"
@@ -48,44 +50,80 @@ bool IsOnePose(nb::handle value) {
   return MayBePose(nb::object(value[0])) && nb::len(nb::object(value[0])) == 4;
 }
 
-// (B, 4, 4), a list of poses, or one.
-std::vector<Pose> ToPoses(nb::handle targets) {
-  if (const Pose* one = nullptr; nb::try_cast(targets, one) && one) return {*one};
-  const bool is_list = nb::isinstance<nb::list>(targets) || nb::isinstance<nb::tuple>(targets);
-  if (!is_list || nb::len(targets) == 0 || !IsOnePose(nb::object(targets[0]))) {
-    const Doubles matrices(targets, "targets");
-    const std::vector<size_t> shape = matrices.shape();
-    const bool is_one = shape == std::vector<size_t>{4, 4};
-    const bool are_many = shape.size() == 3 && shape[1] == 4 && shape[2] == 4;
-    if (!is_one && !are_many && !matrices.span().empty())
-      RefuseShape("targets", "4x4 matrices (B, 4, 4), or a list of poses", shape);
-    return PosesFromMatrices(matrices.span(), "targets");
-  }
-  std::vector<Pose> poses;
-  for (const nb::handle item : targets) {
-    if (item.is_none())  // of which Pose would make the identity
-      throw ArgumentError(fmt::format("targets[{}] must be a pose, got None", poses.size()));
-    try {
-      poses.push_back(nb::cast<Pose>(nb::type<Pose>()(item)));
-    } catch (const nb::python_error& error) {
-      throw ArgumentError(fmt::format("targets[{}]: {}", poses.size(),
-                                      nb::cast<std::string>(nb::str(error.value()))));
+// What is asked for, and the numbers that it refers to.
+struct Targets {
+  std::optional<Doubles> array{};
+  std::vector<double> list{};
+  IkTargets all{};
+};
+
+// The 4x4 numbers of an item of a list. What is a matrix comes out as it went in, so that a list
+// of matrices is answered as an array of them is.
+void AppendMatrix(nb::handle item, std::vector<double>* numbers) {
+  const auto pose = nb::cast<Pose>(nb::type<Pose>()(item));
+  if (!nb::isinstance<Pose>(item) && !nb::hasattr(item, "M")) {
+    const Doubles given(item, "targets");
+    if (given.span().size() == 16) {
+      numbers->insert(numbers->end(), given.span().begin(), given.span().end());
+      return;
     }
   }
-  return poses;
+  const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> matrix = pose.matrix();
+  numbers->insert(numbers->end(), matrix.data(), matrix.data() + matrix.size());
+}
+
+// A list of poses.
+std::vector<double> MatricesOf(nb::handle list) {
+  std::vector<double> numbers;
+  for (const nb::handle item : list) {
+    const size_t row = numbers.size() / 16;
+    if (item.is_none())  // of which Pose would make the identity
+      throw ArgumentError(fmt::format("targets[{}] must be a pose, got None", row));
+    try {
+      AppendMatrix(item, &numbers);
+    } catch (const nb::python_error& error) {
+      throw ArgumentError(
+          fmt::format("targets[{}]: {}", row, nb::cast<std::string>(nb::str(error.value()))));
+    }
+  }
+  return numbers;
+}
+
+// (B, 4, 4), a list of poses, or one.
+Targets ToTargets(nb::handle targets) {
+  Targets asked;
+  if (nb::isinstance<Pose>(targets)) {
+    AppendMatrix(targets, &asked.list);
+    asked.all = IkTargets::FromMatrices(asked.list);
+    return asked;
+  }
+  const bool is_list = nb::isinstance<nb::list>(targets) || nb::isinstance<nb::tuple>(targets);
+  if (is_list && nb::len(targets) > 0 && IsOnePose(nb::object(targets[0]))) {
+    asked.list = MatricesOf(targets);
+    asked.all = IkTargets::FromMatrices(asked.list);
+    return asked;
+  }
+  const Doubles& matrices = asked.array.emplace(targets, "targets");
+  const std::vector<size_t> shape = matrices.shape();
+  const bool is_one = shape == std::vector<size_t>{4, 4};
+  const bool are_many = shape.size() == 3 && shape[1] == 4 && shape[2] == 4;
+  if (!is_one && !are_many && !matrices.span().empty())
+    RefuseShape("targets", "4x4 matrices (B, 4, 4), or a list of poses", shape);
+  asked.all = IkTargets::FromMatrices(matrices.span());
+  return asked;
 }
 
 }  // namespace
 
 nb::object BatchOf(const Chain& chain, nb::handle targets, std::span<const double> seeds,
                    const IkOptions& ik, int threads) {
-  const std::vector<Pose> poses = ToPoses(targets);
+  const Targets asked = ToTargets(targets);
   IkBatchResult result;
   {
     const nb::gil_scoped_release release;
     SignalPoll poll;
     const IkBatchOptions options{.ik = ik, .threads = threads, .poll = [&] { poll(); }};
-    result = IkBatch(chain, poses, seeds, options);
+    result = IkBatch(chain, asked.all, seeds, options);
   }
   const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
   const nb::object success = NewArray(std::move(result.success), {b});

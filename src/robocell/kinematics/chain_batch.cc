@@ -18,9 +18,9 @@ bool AllFinite(std::span<const double> values) {
 }
 
 // Checks the arguments of one batch and makes rows of them.
-class Batch {
+class BatchRows {
  public:
-  Batch(const Chain& chain, std::span<double> out, size_t per_row)
+  BatchRows(const Chain& chain, std::span<double> out, size_t per_row)
       : chain_(chain), count_(out.size() / per_row) {
     if (out.size() == count_ * per_row) return;
     throw ArgumentError(fmt::format("{}: the output has {} numbers, which are not whole rows of {}",
@@ -67,18 +67,18 @@ void Run(const Chain& chain, PosePart part, const PoseQuery& query, std::span<do
 }  // namespace
 
 void FkBatch(const Chain& chain, std::span<const double> q, std::span<double> tips) {
-  const Batch batch(chain, tips, 16);
+  const BatchRows batch(chain, tips, 16);
   Run(chain, PosePart::kTip, {.count = batch.count(), .q = batch.Joints("q", q)}, tips);
 }
 
 void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians) {
-  const Batch batch(chain, jacobians, 6 * static_cast<size_t>(chain.n_joints()));
+  const BatchRows batch(chain, jacobians, 6 * static_cast<size_t>(chain.n_joints()));
   Run(chain, PosePart::kJacobian, {.count = batch.count(), .q = batch.Joints("q", q)}, jacobians);
 }
 
 void GravityTorquesBatch(const Chain& chain, std::span<const double> q,
                          std::span<const double> gravity_in_base, std::span<double> torques) {
-  const Batch batch(chain, torques, static_cast<size_t>(chain.n_joints()));
+  const BatchRows batch(chain, torques, static_cast<size_t>(chain.n_joints()));
   Run(chain, PosePart::kGravity,
       {.count = batch.count(),
        .q = batch.Joints("q", q),
@@ -88,7 +88,7 @@ void GravityTorquesBatch(const Chain& chain, std::span<const double> q,
 
 void MassMatrixBatch(const Chain& chain, std::span<const double> q, std::span<double> masses) {
   const auto n = static_cast<size_t>(chain.n_joints());
-  const Batch batch(chain, masses, n * n);
+  const BatchRows batch(chain, masses, n * n);
   Run(chain, PosePart::kMass, {.count = batch.count(), .q = batch.Joints("q", q)}, masses);
 }
 
@@ -101,7 +101,7 @@ void CoriolisTorquesBatch(const Chain& chain, std::span<const double> q, std::sp
 }
 
 void ManipulabilityBatch(const Chain& chain, std::span<const double> q, std::span<double> values) {
-  const Batch batch(chain, values, 1);
+  const BatchRows batch(chain, values, 1);
   Run(chain, PosePart::kManipulability, {.count = batch.count(), .q = batch.Joints("q", q)},
       values);
 }
@@ -109,7 +109,7 @@ void ManipulabilityBatch(const Chain& chain, std::span<const double> q, std::spa
 void InverseDynamicsBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
                           std::span<const double> qdd, std::span<const double> gravity_in_base,
                           std::span<double> torques) {
-  const Batch batch(chain, torques, static_cast<size_t>(chain.n_joints()));
+  const BatchRows batch(chain, torques, static_cast<size_t>(chain.n_joints()));
   Run(chain, PosePart::kMotion,
       {.count = batch.count(),
        .q = batch.Joints("q", q),

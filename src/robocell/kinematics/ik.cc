@@ -53,13 +53,11 @@ LockedJoints LockJoints(const Chain& chain, std::span<const std::string> names) 
   return locked;
 }
 
-bool IsFinite(const Pose& pose) {
-  const Quaternion& q = pose.quaternion();
-  return pose.translation().allFinite() && std::isfinite(q[0] + q[1] + q[2] + q[3]);
+void CheckIkTarget(const Pose& tip_in_base, std::string_view name) {
+  if (!IsFinite(tip_in_base)) RefuseIkTarget(name);
 }
 
-void CheckIkTarget(const Pose& tip_in_base, std::string_view name) {
-  if (IsFinite(tip_in_base)) return;
+void RefuseIkTarget(std::string_view name) {
   throw ArgumentError(fmt::format("inverse kinematics: {} has a number that is not finite", name));
 }
 

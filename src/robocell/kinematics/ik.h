@@ -36,6 +36,7 @@
 #include <string>
 
 #include "robocell/kinematics/chain.h"
+#include "robocell/kinematics/ik_targets.h"
 
 namespace robocell {
 
@@ -101,8 +102,8 @@ IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& option
 
 // What Ik refuses with ArgumentError, for callers that check many questions before the work. `name`
 // begins the message.
-bool IsFinite(const Pose& pose);
 void CheckIkTarget(const Pose& tip_in_base, std::string_view name);
+[[noreturn]] void RefuseIkTarget(std::string_view name);  // which is not finite
 void CheckIkOptions(const Chain& chain, const IkOptions& options);
 
 }  // namespace robocell

@@ -16,7 +16,7 @@ namespace robocell {
 namespace {
 
 // Questions between two polls of a thread.
-constexpr int kPollEvery = 16;
+constexpr int kPollEvery = 64;
 
 // Questions that are chosen for together.
 constexpr int kChosenTogether = 64;
@@ -39,7 +39,7 @@ Seeds LayoutOf(const Chain& chain, std::size_t questions, std::size_t values) {
 
 class Batch {
  public:
-  Batch(const Chain& chain, std::span<const Pose> targets, std::span<const double> seeds,
+  Batch(const Chain& chain, const IkTargets& targets, std::span<const double> seeds,
         const IkBatchOptions& options, IkBatchResult* result)
       : chain_(chain),
         targets_(targets),
@@ -85,8 +85,7 @@ class Batch {
     if (targets_.empty() && first.seed.empty()) first.seed = JointVector(chain_.n_joints());
     CheckIkOptions(chain_, first);
     for (std::size_t b = 0; b < targets_.size(); ++b) {
-      const Pose& target = targets_[b];
-      if (!IsFinite(target)) CheckIkTarget(target, fmt::format("targets[{}]", b));
+      if (!targets_.is_finite(b)) RefuseIkTarget(fmt::format("targets[{}]", b));
     }
   }
 
@@ -119,7 +118,7 @@ class Batch {
     bool Next(LaneQuestion* question) override {
       if (poll_ && ++asked_ % kPollEvery == 1) poll_();
       if (next_ >= batch_.out_.size || batch_.ended_) return false;
-      *question = {next_, ToTransform(batch_.targets_[next_]), batch_.SeedOf(next_)};
+      *question = {next_, batch_.targets_[next_], batch_.SeedOf(next_)};
       next_ += stride_;
       return true;
     }
@@ -145,7 +144,7 @@ class Batch {
       const int count = std::min(kChosenTogether, out_.size - first);
       questions.clear();
       for (int b = first; b < first + count; ++b)
-        questions.push_back({.target = ToTransform(targets_[b]), .seed = SeedOf(b)});
+        questions.push_back({.target = targets_[b], .seed = SeedOf(b)});
       IkChoice choice(chain_, options_.ik, questions,
                       std::span(searches).first(std::size_t(count) * IkChoice::kSearches), answers);
       do {
@@ -165,7 +164,7 @@ class Batch {
   }
 
   const Chain& chain_;
-  std::span<const Pose> targets_;
+  const IkTargets& targets_;
   std::span<const double> seeds_;
   Seeds layout_;
   const IkBatchOptions& options_;
@@ -179,34 +178,16 @@ int IkBatchResult::solved() const {
   return static_cast<int>(std::count(success.begin(), success.end(), uint8_t{1}));
 }
 
-void IkBatch(const Chain& chain, std::span<const Pose> tips_in_base, std::span<const double> seeds,
+void IkBatch(const Chain& chain, const IkTargets& tips_in_base, std::span<const double> seeds,
              const IkBatchOptions& options, IkBatchResult* result) {
   Batch(chain, tips_in_base, seeds, options, result).Run();
 }
 
-IkBatchResult IkBatch(const Chain& chain, std::span<const Pose> tips_in_base,
+IkBatchResult IkBatch(const Chain& chain, const IkTargets& tips_in_base,
                       std::span<const double> seeds, const IkBatchOptions& options) {
   IkBatchResult result;
   IkBatch(chain, tips_in_base, seeds, options, &result);
   return result;
-}
-
-std::vector<Pose> PosesFromMatrices(std::span<const double> matrices, std::string_view name) {
-  if (matrices.size() % 16 != 0) {
-    throw ArgumentError(
-        fmt::format("{}: expected 16 values for each 4x4 matrix, got {}", name, matrices.size()));
-  }
-  std::vector<Pose> poses;
-  poses.reserve(matrices.size() / 16);
-  for (std::size_t b = 0; b < matrices.size() / 16; ++b) {
-    using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
-    try {
-      poses.push_back(Pose::FromMatrix(Eigen::Map<const RowMajor>(matrices.data() + 16 * b)));
-    } catch (const ArgumentError& error) {
-      throw ArgumentError(fmt::format("{}[{}]: {}", name, b, error.what()));
-    }
-  }
-  return poses;
 }
 
 }  // namespace robocell

@@ -16,10 +16,10 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "robocell/kinematics/ik.h"
+#include "robocell/kinematics/ik_targets.h"
 
 namespace robocell {
 
@@ -49,16 +49,11 @@ struct IkBatchResult {
 
 // `seeds` holds no value (the middle of the limits), n values (the same seed for all) or B x n
 // values row by row.
-IkBatchResult IkBatch(const Chain& chain, std::span<const Pose> tips_in_base,
+IkBatchResult IkBatch(const Chain& chain, const IkTargets& tips_in_base,
                       std::span<const double> seeds = {}, const IkBatchOptions& options = {});
 // The same into a result whose memory is used again: no allocation when the size is the same,
 // threads is 1, and the options have neither a preference nor a filter.
-void IkBatch(const Chain& chain, std::span<const Pose> tips_in_base, std::span<const double> seeds,
+void IkBatch(const Chain& chain, const IkTargets& tips_in_base, std::span<const double> seeds,
              const IkBatchOptions& options, IkBatchResult* result);
-
-// Poses from B homogeneous 4x4 matrices, row by row. What is no rigid transform is an ArgumentError
-// that names the row: "targets[17]: ...".
-std::vector<Pose> PosesFromMatrices(std::span<const double> matrices,
-                                    std::string_view name = "targets");
 
 }  // namespace robocell

@@ -125,21 +125,5 @@ TEST_F(IkBatchTest, NamesTheRowThatIsWrongBeforeItStarts) {
                              "options.ik.seed is set; pass seeds as the third argument");
 }
 
-TEST(PosesFromMatrices, ReadsRowMajorMatricesAndNamesTheOneThatIsNoTransform) {
-  std::vector<double> matrices = {1, 0, 0, 5, 0, 0, -1, 6, 0, 1, 0, 7, 0, 0, 0, 1,
-                                  1, 0, 0, 5, 0, 1, 0,  6, 0, 0, 1, 7, 0, 0, 0, 1};
-  const std::vector<Pose> poses = PosesFromMatrices(matrices);
-  ASSERT_EQ(poses.size(), 2u);
-  EXPECT_EQ(poses[0].translation(), Eigen::Vector3d(5, 6, 7));
-  EXPECT_NEAR(poses[0].rpy()[0], std::acos(0), 1e-12);
-  matrices[16] = 2;
-  ExpectThrow<ArgumentError>([&] { PosesFromMatrices(matrices); }, "targets[1]: ");
-  matrices[16] = NAN;
-  ExpectThrow<ArgumentError>([&] { PosesFromMatrices(matrices, "goals"); }, "goals[1]: ");
-  matrices.pop_back();
-  ExpectThrow<ArgumentError>([&] { PosesFromMatrices(matrices); },
-                             "expected 16 values for each 4x4 matrix, got 31");
-}
-
 }  // namespace
 }  // namespace robocell

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/kinematics/link_kernel.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/kinematics/start_range.h"
@@ -18,6 +19,16 @@ constexpr double kLessThanHalfATurn = 3;  // rad
 double Length(const Eigen::Vector3d& v) {
   const double square = v.squaredNorm();
   return square > 1e-200 && square < 1e200 ? std::sqrt(square) : v.stableNorm();
+}
+
+Transform TipAt(const Chain& chain, const JointVector& q) {
+  LinkAnswer answer;
+  ComputeLinks(chain.links(), LinkPart::kTip, {.q = q.data()}, &answer);
+  Transform tip;
+  for (int c = 0; c < 3; ++c)
+    tip.rotation.col(c) = Eigen::Map<const Eigen::Vector3d>(answer.tip[c]);
+  tip.translation = Eigen::Map<const Eigen::Vector3d>(answer.tip[3]);
+  return tip;
 }
 
 }  // namespace
@@ -64,10 +75,10 @@ void UnwindTowards(const ChainModel& chain, const JointVector& seed, const Locke
 }
 
 // Flat: a call of a product of matrices costs more than the product.
-[[gnu::flatten]] IkResult Judged(const ChainModel& chain, const Transform& target,
-                                 const IkTask& task, double tolerance, const JointVector& q) {
+[[gnu::flatten]] IkResult Judged(const Chain& chain, const Transform& target, const IkTask& task,
+                                 double tolerance, const JointVector& q) {
   IkResult result{.q = q};
-  const Transform tip = WalkChain(chain, q.data(), [](int, const Transform&) {});
+  const Transform tip = TipAt(chain, q);
   if (task.plain) {
     const PoseError error = ErrorTo(target, tip);
     result.position_error = Length(error.linear);

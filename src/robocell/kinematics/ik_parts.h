@@ -30,9 +30,9 @@ inline constexpr int kRestartsWhenTooFar = 8;
 void UnwindTowards(const ChainModel& chain, const JointVector& seed, const LockedJoints& locked,
                    JointVector* q);
 
-// Judges q by a fresh forward kinematics, in double precision and one pose at a time: what a faster
-// kernel says counts for nothing. Fills in the errors and `success`.
-IkResult Judged(const ChainModel& chain, const Transform& target, const IkTask& task,
-                double tolerance, const JointVector& q);
+// Judges q by a fresh forward kinematics, that of Chain::Fk, in double precision and one pose at a
+// time: what the kernel of the search says counts for nothing. Fills in the errors and `success`.
+IkResult Judged(const Chain& chain, const Transform& target, const IkTask& task, double tolerance,
+                const JointVector& q);
 
 }  // namespace robocell

@@ -87,11 +87,33 @@ struct LaneStep {
     V3 direction, point;
   };
 
-  // Frames of all screws at q; the frame of the last one.
+  // The turns of all screws where there is one lane: those of several joints at once.
   template <int N>
-  static HWY_INLINE Frame Walk(const FoldedChain& chain, const V* q, Axis* axes) {
+  static HWY_INLINE void TurnsOfOne(const FoldedChain& chain, const V* q, V* sine, V* cosine) {
+    constexpr hn::CappedTag<double, 4> several;
+    constexpr int kRoom = ((N ? N : kMaxChainJoints) + 3) / 4 * 4;
+    alignas(32) double angle[kRoom] = {}, sines[kRoom], cosines[kRoom];
     const int n = N ? N : chain.n;
-    V sine[N ? N : kMaxChainJoints], cosine[N ? N : kMaxChainJoints];
+    for (int i = 0; i < n; ++i) {
+      if (!chain.joints[i].slide) angle[i] = hn::GetLane(q[i]) + chain.joints[i].angle;
+    }
+    for (int i = 0; i < n; i += static_cast<int>(hn::Lanes(several))) {
+      hn::Vec<decltype(several)> s, c;
+      SinCos(several, hn::Load(several, angle + i), &s, &c);
+      hn::Store(s, several, sines + i);
+      hn::Store(c, several, cosines + i);
+    }
+    for (int i = 0; i < n; ++i) {
+      const FoldedJoint& joint = chain.joints[i];
+      sine[i] = Number(joint.slide ? joint.sin_angle : sines[i]);
+      cosine[i] = Number(joint.slide ? joint.cos_angle : cosines[i]);
+    }
+  }
+
+  template <int N>
+  static HWY_INLINE void TurnsOf(const FoldedChain& chain, const V* q, V* sine, V* cosine) {
+    if constexpr (hn::MaxLanes(D()) == 1) return TurnsOfOne<N>(chain, q, sine, cosine);
+    const int n = N ? N : chain.n;
     for (int i = 0; i < n; ++i) {
       const FoldedJoint& joint = chain.joints[i];
       if (HWY_UNLIKELY(joint.slide)) {
@@ -101,6 +123,14 @@ struct LaneStep {
         SinCos(d, hn::Add(q[i], Number(joint.angle)), &sine[i], &cosine[i]);
       }
     }
+  }
+
+  // Frames of all screws at q; the frame of the last one.
+  template <int N>
+  static HWY_INLINE Frame Walk(const FoldedChain& chain, const V* q, Axis* axes) {
+    const int n = N ? N : chain.n;
+    V sine[N ? N : kMaxChainJoints], cosine[N ? N : kMaxChainJoints];
+    TurnsOf<N>(chain, q, sine, cosine);
     const V zero = hn::Zero(d), one = Number(1);
     Frame f{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}, {zero, zero, zero}};
     for (int i = 0; i < n; ++i) {

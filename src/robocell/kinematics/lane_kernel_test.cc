@@ -56,7 +56,7 @@ struct Scene {
   Chain chain;
   FoldedChain folded;
   LaneOptions options;
-  LaneState state;
+  LaneState state{};
   Transform targets[kMaxLanes];
 };
 

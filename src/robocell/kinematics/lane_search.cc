@@ -45,6 +45,7 @@ class LaneSearch {
   void Join() {
     joined_ = true;
     const int count = LanesOfOneQuestion();
+    work_.Clear(1, count);
     if (starts_left_ > 0) starts_.Foresee(count, work_);
     for (int lane = 0; lane < count; ++lane) {
       if ((busy_ >> lane & 1) == 0) Begin(lane);

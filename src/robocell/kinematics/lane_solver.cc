@@ -37,7 +37,9 @@ double FarthestMove(const JointVector& from, const JointVector& to) {
 class LaneSolver {
  public:
   LaneSolver(const Chain& chain, const IkOptions& options, LaneQueue* queue)
-      : work_(chain, options), queue_(*queue) {}
+      : work_(chain, options), queue_(*queue) {
+    work_.Clear(0, LaneCount());
+  }
 
   void Run() {
     for (int k = 0, count = LaneCount(); k < count && Ask(k); ++k) {

@@ -17,9 +17,10 @@ namespace robocell {
 class LaneStarts {
  public:
   LaneStarts() = default;
+  // Refers to the pose.
   LaneStarts(const LaneWork& work, const Transform& tip_in_base, std::span<const double> seed,
              int first = 0, int stride = 1)
-      : aim_(StartTable::At(tip_in_base, work.position_only())),
+      : tip_(&tip_in_base),
         seed_(SeedOf(work.chain(), seed, work.options().locked)),
         seeded_(!seed.empty()),
         next_(first),
@@ -40,7 +41,9 @@ class LaneStarts {
   // The next starts up to this number will be wanted: looks for those near the target all at once.
   void Foresee(int count, const LaneWork& work) {
     const StartTable* table = around_ || known_ > 0 ? nullptr : work.table();
-    if (table) known_ = table->First(aim_, std::span(places_).first(std::min(count, kNearby)));
+    if (!table) return;
+    AimOnce(work);
+    known_ = table->First(aim_, std::span(places_).first(std::min(count, kNearby)));
   }
 
   // Puts the next start into a lane.
@@ -60,10 +63,18 @@ class LaneStarts {
   // By so much the part that is filled grows.
   static constexpr double kGrowth = 0.1;
 
+  // The table is asked for a start near the pose for the first time.
+  void AimOnce(const LaneWork& work) {
+    if (is_aimed_) return;
+    aim_ = StartTable::At(*tip_, work.position_only());
+    is_aimed_ = true;
+  }
+
   // The table's entry with this place in the order of nearness; false when there is none.
   bool PutNearby(int lane, int entry, int number, LaneWork* work) {
     const StartTable* table = number < kNearby ? work->table() : nullptr;
     if (!table) return false;
+    AimOnce(*work);
     for (; known_ <= entry; ++known_) {
       StartTable::Place place = known_ > 0 ? places_[known_ - 1] : StartTable::Place();
       if (!table->Next(aim_, &place)) return false;
@@ -85,7 +96,9 @@ class LaneStarts {
     work->Put(lane, SpreadStart(work->chain(), seed_, work->options().locked, number, part).data());
   }
 
-  StartTable::Aim aim_{};
+  const Transform* tip_ = nullptr;
+  bool is_aimed_ = false;
+  StartTable::Aim aim_;  // without a value until then
   // Of the nearest in the table, as far as they were looked for.
   std::array<StartTable::Place, kNearby> places_;
   JointVector seed_;

@@ -26,7 +26,8 @@ constexpr double kMostLengths = 1e9, kMostMetres = 1e100;
 }  // namespace
 
 LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
-    : chain_(chain.model()),
+    : asked_(chain),
+      chain_(chain.model()),
       lane_chain_(chain.lanes()),
       folded_(lane_chain_.folded()),
       options_(options),
@@ -53,7 +54,18 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
   }
 }
 
-void LaneWork::Aim(int lane, const Transform& tip_in_base) {
+void LaneWork::Clear(int first, int end) {
+  const auto clear = [&](double(&row)[kMaxLanes]) { std::fill(row + first, row + end, 0.0); };
+  for (int i = 0; i < chain_.n; ++i) clear(state_.q[i]), clear(state_.best_q[i]);
+  for (auto& row : state_.axes) clear(row);
+  for (auto& row : state_.position) clear(row);
+  clear(state_.distance2);
+  clear(state_.turn2);
+  clear(state_.best_cost);
+}
+
+// Flat: a call of a product of matrices costs more than the product.
+[[gnu::flatten]] void LaneWork::Aim(int lane, const Transform& tip_in_base) {
   state_.best_cost[lane] = std::numeric_limits<double>::infinity();
   Transform tip = tip_in_base;
   tip.translation = tip.translation.cwiseMax(-kMostMetres).cwiseMin(kMostMetres);
@@ -66,8 +78,11 @@ void LaneWork::Aim(int lane, const Transform& tip_in_base) {
   // Not along an axis that may have any value.
   const double most = task_.whole_position ? kMostReaches * reach : kMostLengths;
   const double far = std::min(most, kMostLengths);
-  const double distance = position.stableNorm();
-  if (distance > far) position *= far / distance;
+  // Of numbers whose squares may be too large for one.
+  if (!(position.squaredNorm() <= far * far)) {
+    const double distance = position.stableNorm();
+    if (distance > far) position *= far / distance;
+  }
   for (int i = 0; i < 3; ++i) state_.position[i][lane] = position[i];
   if (lane_task_) AimTask(lane, target.rotation);
 }

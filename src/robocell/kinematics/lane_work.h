@@ -22,6 +22,8 @@ class LaneWork {
   // Whether arrived lanes have joints to spare that go somewhere.
   bool settles() const { return preference_.any() && free_joints_ > task_.rows; }
 
+  // Gives the lanes from one to another values, before any of them is stepped with others.
+  void Clear(int first, int end);
   // A new question for a lane; forgets the best of the last one.
   void Aim(int lane, const Transform& tip_in_base);
   // Where the lane starts; the best there is until something better is met.
@@ -37,7 +39,7 @@ class LaneWork {
   void Pull(int lane, const JointVector& goal);
   void LetGo(int lane) { lane_task_->pull[lane] = 0; }
   IkResult Judge(const Transform& target, const JointVector& q) const {
-    return Judged(chain_, target, task_, options_.tolerance, q);
+    return Judged(asked_, target, task_, options_.tolerance, q);
   }
 
   // Joint values of a lane: now, and the best met since it was aimed. Locked joints are the seed's
@@ -67,6 +69,7 @@ class LaneWork {
   JointVector Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
                     const JointVector& seed) const;
 
+  const Chain& asked_;
   const ChainModel& chain_;
   const LaneChain& lane_chain_;
   const FoldedChain& folded_;

@@ -176,15 +176,29 @@ HWY_INLINE Vec3<L> Interleaved(const double (*fours)[4]) {
   return v;
 }
 
-HWY_INLINE Corner Walk(const LinkTable& t, const Steps& s, Frames* frames) {
+HWY_INLINE Corner FirstCorner() {
   alignas(64) static constexpr double kUnit[4][4] = {{1}, {0, 1}, {0, 0, 1}, {}};
+  return {QuadAt(kUnit[0]), QuadAt(kUnit[1]), QuadAt(kUnit[2]), QuadAt(kUnit[3])};
+}
+
+HWY_INLINE Corner Next(const LinkTable& t, const Steps& s, int i, const Corner& f) {
+  const Row *r = s.rotation, *m = s.translation;
+  return {Mix(f, r[0][i], r[1][i], r[2][i]), Mix(f, r[3][i], r[4][i], r[5][i]),
+          Mix(f, t.rotation[6][i], t.rotation[7][i], t.rotation[8][i]),
+          MulAdd(m[2][i], f.z, MulAdd(m[1][i], f.y, MulAdd(m[0][i], f.x, f.p)))};
+}
+
+HWY_INLINE Corner LastCorner(const LinkTable& t, const Steps& s) {
+  Corner f = FirstCorner();
+  for (int i = 0; i < t.n; ++i) f = Next(t, s, i, f);
+  return f;
+}
+
+HWY_INLINE Corner Walk(const LinkTable& t, const Steps& s, Frames* frames) {
   alignas(64) double column[4][kMost][4];
-  Corner f{QuadAt(kUnit[0]), QuadAt(kUnit[1]), QuadAt(kUnit[2]), QuadAt(kUnit[3])};
+  Corner f = FirstCorner();
   for (int i = 0; i < t.n; ++i) {
-    const Row *r = s.rotation, *m = s.translation;
-    f = {Mix(f, r[0][i], r[1][i], r[2][i]), Mix(f, r[3][i], r[4][i], r[5][i]),
-         Mix(f, t.rotation[6][i], t.rotation[7][i], t.rotation[8][i]),
-         MulAdd(m[2][i], f.z, MulAdd(m[1][i], f.y, MulAdd(m[0][i], f.x, f.p)))};
+    f = Next(t, s, i, f);
     Put(f.x, column[0][i]);
     Put(f.y, column[1][i]);
     Put(f.z, column[2][i]);
@@ -334,6 +348,12 @@ HWY_INLINE void JacobianOf(const LinkTable& t, const Frames& frames, const Vec3<
   }
 }
 
+HWY_INLINE void ComputeTip(const LinkTable& t, const LinkQuery& query, LinkAnswer* out) {
+  Steps steps;
+  MakeSteps(t, Values(query.q, t.n), &steps);
+  TipOf(t, LastCorner(t, steps), out);
+}
+
 template <bool kTip, bool kJacobian, bool kMass, bool kGravity, bool kMotion>
 HWY_INLINE void ComputeParts(const LinkTable& t, const LinkQuery& query, LinkAnswer* out) {
   const Values q(query.q, t.n), qd(query.qd, t.n), qdd(query.qdd, t.n);
@@ -355,7 +375,7 @@ HWY_INLINE void ComputeParts(const LinkTable& t, const LinkQuery& query, LinkAns
 void Compute(const LinkTable& t, LinkPart part, const LinkQuery& query, LinkAnswer* out) {
   switch (part) {
     case LinkPart::kTip:
-      return ComputeParts<true, false, false, false, false>(t, query, out);
+      return ComputeTip(t, query, out);
     case LinkPart::kJacobian:
       return ComputeParts<true, true, false, false, false>(t, query, out);
     case LinkPart::kMass:

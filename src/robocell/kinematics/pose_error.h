@@ -13,8 +13,9 @@ inline Eigen::Vector3d RotationVector(const Eigen::Matrix3d& r) {
   const Eigen::Vector3d sine(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0),
                              r(1, 0) - r(0, 1));  // 2 sin(angle) axis
   const double s = 0.5 * sine.norm(), c = 0.5 * (r.trace() - 1);
+  // angle / sin(angle): what the series leaves out is below rounding
+  if (s < 1e-3 && c > 0) return sine * (0.5 + s * s * (1.0 / 12 + s * s * (3.0 / 80)));
   if (s > 1e-7) return sine * (std::atan2(s, c) / (2 * s));
-  if (c > 0) return 0.5 * sine;
   Eigen::Index longest;  // half a turn: r + I = 2 axis axis^T
   (r.diagonal()).maxCoeff(&longest);
   Eigen::Vector3d axis = r.col(longest);

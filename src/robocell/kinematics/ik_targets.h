@@ -1,0 +1,56 @@
+// IkTargets: poses of the tip in the base frame that are asked for together, as Poses or as the
+// numbers of matrices.
+//
+//   IkBatch(chain, poses);                             // std::vector<Pose>
+//   IkBatch(chain, IkTargets::FromMatrices(numbers));  // B x 4 x 4 numbers, as numpy has them
+#pragma once
+
+#include <concepts>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "robocell/kinematics/transform.h"
+
+namespace robocell {
+
+bool IsFinite(const Pose& pose);
+
+// Refers to what it is made from, and allocates nothing.
+class IkTargets {
+ public:
+  IkTargets() = default;
+  template <class Poses>
+  requires std::convertible_to<const Poses&, std::span<const Pose>> IkTargets(const Poses& poses)
+      : poses_(poses) {}
+  IkTargets(const Pose* poses, std::size_t count) : poses_(poses, count) {}
+  // From B homogeneous 4x4 matrices, row by row. Rotations are taken as they are where they are
+  // orthonormal to rounding, else as Pose takes them. What is no rigid transform is an
+  // ArgumentError that names the row: "targets[17]: ...".
+  static IkTargets FromMatrices(std::span<const double> matrices,
+                                std::string_view name = "targets");
+
+  std::size_t size() const { return matrices_.empty() ? poses_.size() : matrices_.size() / 16; }
+  bool empty() const { return size() == 0; }
+  Transform operator[](std::size_t b) const {
+    return matrices_.empty() ? ToTransform(poses_[b]) : FromMatrix(matrices_.data() + 16 * b);
+  }
+  bool is_finite(std::size_t b) const { return !matrices_.empty() || IsFinite(poses_[b]); }
+
+ private:
+  Transform FromMatrix(const double* m) const { return all_rigid_ ? AsItIs(m) : Normalised(m); }
+  static Transform AsItIs(const double* m) {
+    Transform t;
+    t.rotation << m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10];
+    t.translation << m[3], m[7], m[11];
+    return t;
+  }
+  // Of a rigid one it is that one, so that nothing depends on the others.
+  static Transform Normalised(const double* matrix);
+
+  std::span<const Pose> poses_;
+  std::span<const double> matrices_;
+  bool all_rigid_ = true;  // to rounding
+};
+
+}  // namespace robocell
