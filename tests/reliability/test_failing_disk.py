@@ -102,7 +102,7 @@ def at_points(dataset: Path, case: Case, do: str) -> Iterator[Ending]:
     """One ending per point, each in a dataset of its own."""
     for point in case.points:
         call, path = point.split()
-        ending = fault(dataset, case, f"{call} {dataset}/{path}", do)
+        ending = fault(dataset, case, f"{call} {dataset / path}", do)
         assert fnmatch(ending.fault, point), f"{point} was not met: {ending.said}"
         yield ending
     figures.note("calls", program=case.program, do=do, times=len(case.points))
