@@ -8,6 +8,7 @@
 #include <nanobind/trampoline.h>
 
 #include "bindings.h"
+#include "body_poses.h"
 #include "env.h"
 #include "python_owner.h"
 #include "returned.h"
@@ -47,6 +48,13 @@ class PyEnvTask : public EnvTask {
  public:
   NB_TRAMPOLINE(EnvTask);
 
+  BodyPoses Starts(Rng& rng) override {
+    const nb::detail::ticket call(nb_trampoline, "starts", nb::detail::str_hash("starts"), false);
+    if (!call.key.is_valid()) return {};
+    const RngLoan loan(rng);
+    const std::string text = MethodText(nb_trampoline.base(), "starts");
+    return ToBodyPoses(nb_trampoline.base().attr(call.key)(loan.rng()), FieldPath(text));
+  }
   void Arrange(Scene& scene, Rng& rng) override {
     const nb::detail::ticket call(nb_trampoline, "arrange", nb::detail::str_hash("arrange"), false);
     if (!call.key.is_valid()) return;
@@ -166,18 +174,25 @@ void BindEnvTask(nb::module_& m) {
   nb::class_<EnvTask, Task, PyEnvTask>(
       m, "EnvTask",
       "What an environment is about. Subclass it with reward(scene), success(scene) and\n"
-      "instruction(), and as needed arrange(scene, rng), which puts objects where the episode\n"
-      "starts, begin(scene), objects() (ids of the objects to observe), signals() ->\n"
-      "{name: (lower, upper)} with observe(scene) -> {name: numbers}, and memory() -> numbers "
-      "with\n"
-      "recall(numbers), for going back to saved states.\n\n"
+      "instruction(), and as needed starts(rng) -> {name: Pose}, where bodies of the scene start,\n"
+      "arrange(scene, rng), which does what else an episode starts with, begin(scene), objects()\n"
+      "(ids of the objects to observe), signals() -> {name: (lower, upper)} with observe(scene) "
+      "->\n"
+      "{name: numbers}, and memory() -> numbers with recall(numbers), for going back to saved\n"
+      "states.\n\n"
       "register_env_task('mine', Mine) makes it known; EnvConfig(task={'kind': 'mine'}) uses it. "
       "It is made as Mine(config, scene).")
       .def(nb::init<>())
       // What a subclass need not define; they also tell nanobind where to look for overrides.
       .def(
+          "starts", [](EnvTask&, PythonRng&) { return nb::dict(); }, "rng"_a,
+          nb::sig("def starts(self, rng: Rng) -> collections.abc.Mapping[str, Pose]"),
+          "Where free and mocap bodies start: {name in the scene: pose in the world}. The reset "
+          "puts them there with all else, which is several times as fast as moving them in "
+          "arrange.")
+      .def(
           "arrange", [](EnvTask&, const Scene&, PythonRng&) {}, "scene"_a, "rng"_a,
-          "Puts objects where the episode starts.")
+          "What else an episode starts with; `rng` goes on from starts.")
       .def(
           "signals", [](const EnvTask&) { return nb::dict(); },
           nb::sig("def signals(self) -> dict[str, tuple[numpy.typing.ArrayLike, "

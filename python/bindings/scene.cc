@@ -10,6 +10,7 @@
 #include <nanobind/stl/variant.h>
 
 #include "bindings.h"
+#include "body_poses.h"
 #include "handles.h"
 #include "kinematics.h"
 #include "python_owner.h"
@@ -97,12 +98,18 @@ Scene FromCompiled(std::shared_ptr<CompiledScene> compiled) {
   return Scene::FromCompiled(std::move(compiled), PythonData());
 }
 
+BodyPoses PosesOr(nb::handle given) {
+  return given.is_none() ? BodyPoses() : ToBodyPoses(given, FieldPath("body_poses"));
+}
+
 ResetInfo Reset(Scene& scene, const ResetOptions* options, std::optional<int> keyframe,
-                bool use_keyframe, std::optional<uint64_t> seed) {
-  const ResetOptions given = options ? *options : ResetOptions{keyframe, use_keyframe, seed};
-  if (options && (keyframe || seed || !use_keyframe)) {
-    throw ArgumentError("reset: give either options or keyframe, use_keyframe and seed");
+                bool use_keyframe, std::optional<uint64_t> seed, nb::handle body_poses) {
+  if (options && (keyframe || seed || !use_keyframe || !body_poses.is_none())) {
+    throw ArgumentError(
+        "reset: give either options or keyframe, use_keyframe, seed and body_poses");
   }
+  const ResetOptions given =
+      options ? *options : ResetOptions{keyframe, use_keyframe, seed, PosesOr(body_poses)};
   const nb::gil_scoped_release release;
   return scene.Reset(given);
 }
@@ -169,20 +176,36 @@ void BindReset(nb::module_& m) {
       .def(
           "__init__",
           [](ResetOptions* self, std::optional<int> keyframe, bool use_keyframe,
-             std::optional<uint64_t> seed) {
-            new (self) ResetOptions{keyframe, use_keyframe, seed};
+             std::optional<uint64_t> seed, nb::handle body_poses) {
+            new (self) ResetOptions{keyframe, use_keyframe, seed, PosesOr(body_poses)};
           },
           nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
-          nb::arg("seed") = nb::none())
+          nb::arg("seed") = nb::none(), nb::arg("body_poses") = nb::none(),
+          nb::sig("def __init__(self, keyframe: int | None = None, use_keyframe: bool = True, "
+                  "seed: int | None = None, body_poses: collections.abc.Mapping[str, Pose] | None "
+                  "= None) -> None"))
       .def_rw("keyframe", &ResetOptions::keyframe, nb::arg("value").none(),
               "Number of the keyframe; None: the scene's home.")
       .def_rw("use_keyframe", &ResetOptions::use_keyframe,
               "False: the model's default configuration.")
       .def_rw("seed", &ResetOptions::seed, nb::arg("value").none(),
               "For the robots' home noise; None: no noise.")
+      .def_prop_rw(
+          "body_poses", [](const ResetOptions& o) { return ToDict(o.body_poses); },
+          [](ResetOptions& o, nb::handle value) { o.body_poses = PosesOr(value); },
+          nb::for_setter(nb::arg("value").none()),
+          nb::for_getter(nb::sig("def body_poses(self, /) -> dict[str, Pose]")),
+          nb::for_setter(nb::sig("def body_poses(self, value: "
+                                 "collections.abc.Mapping[str, Pose] | None, /) -> None")),
+          "{name: pose in the world} of free and mocap bodies that start elsewhere, at rest, "
+          "whatever hooks do to them. A copy.")
       .def("__repr__", [](nb::handle options) {
-        return nb::str("ResetOptions(keyframe={}, use_keyframe={}, seed={})")
-            .format(options.attr("keyframe"), options.attr("use_keyframe"), options.attr("seed"));
+        const nb::object poses = options.attr("body_poses");
+        const nb::str more =
+            nb::len(poses) == 0 ? nb::str("") : nb::str(", body_poses={}").format(poses);
+        return nb::str("ResetOptions(keyframe={}, use_keyframe={}, seed={}{})")
+            .format(options.attr("keyframe"), options.attr("use_keyframe"), options.attr("seed"),
+                    more);
       });
   nb::class_<ResetInfo>(m, "ResetInfo", "What a reset started from.")
       .def_ro("used_keyframe", &ResetInfo::used_keyframe, "Whether it was a keyframe.")
@@ -255,9 +278,13 @@ void DefStepping(nb::class_<Scene>& c) {
            "Recompute what follows from qpos, qvel and ctrl. Call it after writing to `data`.")
       .def("reset", &Reset, nb::arg("options") = nb::none(), nb::kw_only(),
            nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
-           nb::arg("seed") = nb::none(),
+           nb::arg("seed") = nb::none(), nb::arg("body_poses") = nb::none(),
+           nb::sig("def reset(self, options: ResetOptions | None = None, *, keyframe: int | None = "
+                   "None, use_keyframe: bool = True, seed: int | None = None, body_poses: "
+                   "collections.abc.Mapping[str, Pose] | None = None) -> ResetInfo"),
            "Restore the keyframe (home unless given) or the default configuration, add the robots' "
-           "home noise (with a seed), call the hooks, clear stale forces.\n\n"
+           "home noise (with a seed), put free and mocap bodies at their `body_poses`, call the "
+           "hooks, clear stale forces.\n\n"
            "The trajectory after a reset does not depend on what was before. What a hook raises is "
            "raised after the reset was ended as if there were no hooks; reset() in a hook is an "
            "Error.")

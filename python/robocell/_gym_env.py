@@ -6,7 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
+import numpy as np
 from gymnasium import spaces
+from gymnasium.utils import seeding
 
 from robocell._core import ArgumentError, Env, EnvConfig, OrbitCamera, Renderer
 from robocell._spaces import frame_space, space_of
@@ -54,6 +56,7 @@ class GymEnv(gymnasium.Env[Any, Any]):
             raise ArgumentError(
                 f"render_mode must be None, 'human' or 'rgb_array', got {render_mode!r}"
             )
+        self._generator: np.random.Generator | None = None
         self.core = Env(config)
         self.render_mode = render_mode
         self.action_space = space_of(*self.core.action_range)
@@ -72,12 +75,31 @@ class GymEnv(gymnasium.Env[Any, Any]):
         if render_mode == "human" or not config.headless:
             self._window = Window.open(self.core.scene, view)
 
+    # Gymnasium's generator, which nothing here draws from once there was a seed: making one takes
+    # longer than a whole reset, so it is made when somebody asks for it.
+    @property
+    def _np_random(self) -> np.random.Generator | None:
+        if self._generator is None and self._np_random_seed is not None:
+            self._generator, _ = seeding.np_random(self._np_random_seed)
+        return self._generator
+
+    @_np_random.setter
+    def _np_random(self, generator: np.random.Generator | None) -> None:
+        self._generator = generator
+
+    def _seed(self, seed: int) -> None:
+        if not isinstance(seed, int) or seed < 0:
+            seeding.np_random(seed)  # Gymnasium's error
+        self._generator, self._np_random_seed = None, seed
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
         """To a start: that of the seed, or the next one of the last seed; by chance at first."""
-        super().reset(seed=seed)
-        options_of(options)
+        if seed is not None:
+            self._seed(seed)
+        if options is not None:
+            options_of(options)
         if seed is None and not self._seeded:
             seed = int(self.np_random.integers(2**63))
         observation, info = self.core.reset(seed)

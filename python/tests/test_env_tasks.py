@@ -129,6 +129,61 @@ def reach_config(**fields) -> rc.EnvConfig:
     )
 
 
+class FindTheCube(Reach):
+    """The cube is put where the point is; ``arrange`` draws after ``starts``."""
+
+    def starts(self, rng):
+        self.point = np.array([0.4, rng.uniform(-0.2, 0.2), 0.0195])  # into the floor
+        return {"cube_green_cube": rc.Pose(translation=self.point)}
+
+    def arrange(self, scene, rng):
+        at = scene.body_pose("cube_green_cube").translation
+        assert np.allclose(at, self.point, atol=1e-12)
+        assert len(scene.contacts("cube_green_cube")) > 0
+        self.drawn = rng.uniform(0, 1)
+
+    def objects(self):
+        return ["cube"]
+
+
+def test_bodies_start_where_a_task_says():
+    rc.register_env_task("find_the_cube", FindTheCube)
+    config = pick_cube_config(task={"kind": "find_the_cube"})
+    env = rc.Env(config)
+    seen = [env.reset(seed)[0] for seed in (1, 1, 2)]
+    for observation in seen:
+        cube = observation["objects"]["cube"]["tquat"]
+        assert np.allclose(cube, [*observation["task"]["point"], 0, 0, 0, 1], atol=1e-12)
+    assert np.array_equal(seen[0]["task"]["point"], seen[1]["task"]["point"])
+    assert not np.array_equal(seen[0]["task"]["point"], seen[2]["task"]["point"])
+    env.close()
+
+
+@pytest.mark.parametrize(
+    ("starts", "error", "text"),
+    [
+        ({"cube": rc.Pose()}, rc.NotFoundError, "no body 'cube'"),
+        ({"robotrobot_link1": rc.Pose()}, rc.ArgumentError, "neither free nor a mocap body"),
+        (
+            {"cube_green_cube": [0, 0, 1]},
+            TypeError,
+            r"starts\(\)\.cube_green_cube must be a Pose, got list",
+        ),
+        (None, TypeError, r"starts\(\) must be a dict of names of bodies to poses, got None"),
+    ],
+)
+def test_starts_that_are_none_are_refused(starts, error, text):
+    class Wrong(FindTheCube):
+        def starts(self, rng):
+            return starts
+
+    rc.register_env_task("wrong_starts", Wrong)
+    env = rc.Env(pick_cube_config(task={"kind": "wrong_starts"}))
+    with pytest.raises(error, match=text):
+        env.reset(1)
+    env.close()
+
+
 def test_a_task_of_ones_own_by_its_name():
     env = GymEnv(pickle.loads(pickle.dumps(reach_config(root_frame_to_world=ROOT))))
     check_env(env, skip_render_check=True)

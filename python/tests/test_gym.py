@@ -16,6 +16,7 @@ import mujoco
 import mujoco.viewer
 import numpy as np
 import pytest
+from gymnasium.utils import seeding
 from gymnasium.utils.env_checker import check_env
 
 import robocell as rc
@@ -99,6 +100,26 @@ for seed in (7, None, 8):
     parts = (*observation["robot"].values(), observation["objects"]["cube"]["tquat"], mass)
     sys.stdout.write(np.concatenate(parts).tobytes().hex() + "\\n")
 """
+
+
+def test_the_generator_is_that_of_the_seed():
+    env = GymEnv(pick_cube_config())
+    env.reset(seed=5)
+    expected, _ = seeding.np_random(5)
+    assert env.np_random_seed == 5
+    assert env.np_random.random() == expected.random()
+    env.reset()
+    assert env.np_random.random() == expected.random(), "it goes on"
+    for seed in (-1, 1.5, "1"):
+        with pytest.raises(gym.error.Error, match="Seed must be"):
+            env.reset(seed=seed)
+    own = np.random.default_rng(3)
+    env.np_random = own
+    assert env.np_random is own
+    assert env.np_random_seed == -1
+    env.reset(seed=5)
+    assert env.np_random.random() == seeding.np_random(5)[0].random()
+    env.close()
 
 
 def test_seeded_resets_are_the_same_in_every_process():

@@ -258,6 +258,24 @@ class TestReset:
         assert scene.body_pose("cube").translation.tolist() == [0, 0, 0.5]
         assert seen == [(5, True)]
 
+    def test_bodies_start_where_a_reset_puts_them(self, scene):
+        there = rc.Pose(translation=[0.1, 0, 1], rpy=[0, 0, 1])
+        scene.reset(body_poses={"cube": there})
+        assert scene.body_pose("cube").is_close(there, 1e-12, 1e-12)
+        scene.reset()
+        assert scene.body_pose("cube").translation.tolist() == [0, 0, 0.5]
+        options = rc.ResetOptions(seed=3, body_poses={"cube": there})
+        assert options.body_poses["cube"] == there
+        assert repr(options).endswith(f"seed=3, body_poses={{'cube': {there!r}}})")
+        scene.reset(options)
+        assert scene.body_pose("cube").is_close(there, 1e-12, 1e-12)
+        with pytest.raises(rc.ArgumentError, match="give either options or keyframe"):
+            scene.reset(options, body_poses={})
+        with pytest.raises(TypeError, match=r"body_poses\.cube must be a Pose, got int"):
+            scene.reset(body_poses={"cube": 3})
+        options.body_poses = None
+        assert options.body_poses == {}
+
     def test_an_error_in_a_hook_comes_out_of_reset(self, scene):
         def fail(reset: rc.ResetContext) -> None:
             raise KeyError("mine")

@@ -119,12 +119,12 @@ void Env::Reset(const EnvResetOptions& options) {
   const uint64_t seed = seeds_.NextBits();
   Rng variation = Rng::Stream(seed, "env variation");
   variations_.Draw(variation);
-  scene_.Reset({.seed = seed});
+  Rng of_task = Rng::Stream(seed, "env task");
+  scene_.Reset({.seed = seed, .body_poses = task_ ? task_->Starts(of_task) : BodyPoses()});
   for (size_t i = 0; i < kept.size(); ++i) Robot(arms_[i].robot()).SetJointPos(kept[i]);
   for (ArmDriver& arm : arms_) arm.Reset();
   if (task_) {
-    Rng rng = Rng::Stream(seed, "env task");
-    task_->Arrange(scene_, rng);
+    task_->Arrange(scene_, of_task);
     task_->Begin(scene_);
   }
   collisions_.Forget();

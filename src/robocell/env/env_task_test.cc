@@ -1,17 +1,23 @@
 // Tasks in environments, and going back to saved states.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <tuple>
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/mujoco/owners.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
 
 using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
 using ::testing::IsEmpty;
 
 // A cube in front of the built-in robot on a floor that is the root frame's ground.
@@ -246,6 +252,45 @@ TEST_F(EnvTaskTest, StartsAreSpreadAroundTheObjectsPlaceInTheRootFrame) {
   EXPECT_LT(least_x, 0.42);
   EXPECT_GT(most_x, 0.48);
   EXPECT_GT(most_turn, 2);
+}
+
+int evaluations = 0;
+
+TEST_F(EnvTaskTest, AResetEvaluatesItsStartOnce) {
+  Env env(Placing(Pose(), true));
+  env.Reset({.seed = 1});
+  evaluations = 0;
+  mjcb_control = [](const mjModel*, mjData*) { ++evaluations; };
+  env.Reset({.seed = 2});
+  mjcb_control = nullptr;
+  EXPECT_EQ(evaluations, 1);
+}
+
+// What the engine finds for the same state, in data of its own.
+TEST_F(EnvTaskTest, AResetLeavesContactsAndPosesOfWhereThingsStart) {
+  Env env(Placing(Pose::FromRpy({1, -1, 0.3}, {0, 0, 2}), true));
+  const mjModel* m = env.scene().model();
+  const DataPtr other = MakeData(m);
+  for (uint64_t seed = 0; seed < 5; ++seed) {
+    env.Reset({.seed = seed});
+    const mjData* d = env.scene().data();
+    mj_resetData(m, other.get());
+    std::copy_n(d->qpos, m->nq, other->qpos);
+    std::copy_n(d->ctrl, m->nu, other->ctrl);
+    std::copy_n(d->act, m->na, other->act);
+    mj_forward(m, other.get());
+    EXPECT_GT(d->ncon, 0);
+    ASSERT_EQ(d->ncon, other->ncon);
+    for (int c = 0; c < d->ncon; ++c)
+      EXPECT_THAT(d->contact[c].pos, ElementsAreArray(other->contact[c].pos));
+    for (const auto& [is, wanted, size] :
+         {std::tuple(d->xpos, other->xpos, 3 * m->nbody), std::tuple(d->qacc, other->qacc, m->nv),
+          std::tuple(d->sensordata, other->sensordata, m->nsensordata)})
+      EXPECT_THAT(std::span(is, size), ElementsAreArray(wanted, size));
+    EXPECT_TRUE(Object(env).is_close(
+        env.scene().shared_base_frame_to_world().inverse() * env.scene().body_pose("cube_cube"),
+        1e-12, 1e-12));
+  }
 }
 
 TEST_F(EnvTaskTest, PickingItUpIsSuccessWhereverTheRootIs) {

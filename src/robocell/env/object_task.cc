@@ -59,10 +59,6 @@ Pose ObjectTask::Start(Rng& rng) const {
   return {at.translation(), (turn * at).quaternion()};
 }
 
-void ObjectTask::Put(Scene& scene, const Pose& in_root) const {
-  scene.SetBodyPose(object_.name(), root_ * in_root);
-}
-
 double ObjectTask::Nearness() const {
   const Eigen::Vector3d object = ObjectInWorld();
   double nearest = std::numeric_limits<double>::infinity();

@@ -37,7 +37,6 @@ class ObjectTask : public EnvTask {
   static Pose Around(const Pose& offset, const Vec2& spread, Rng& rng);
   // A place for the object, in the root frame.
   Pose Start(Rng& rng) const;
-  void Put(Scene& scene, const Pose& in_root) const;
 
   // 1 with a TCP at the object, falling with the distance.
   double Nearness() const;

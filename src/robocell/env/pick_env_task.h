@@ -11,7 +11,7 @@ class PickEnvTask final : public ObjectTask {
  public:
   using ObjectTask::ObjectTask;
 
-  void Arrange(Scene& scene, Rng& rng) override { Put(scene, Start(rng)); }
+  BodyPoses Starts(Rng& rng) override { return {{object().name(), root() * Start(rng)}}; }
   bool Success(const Scene& scene) override { return IsLifted(scene); }
   std::string instruction() const override { return "pick up the " + task().object; }
 

@@ -35,18 +35,18 @@ PickPlaceEnvTask::PickPlaceEnvTask(const EnvConfig& config, const Scene& scene)
                   place(), id, id));
 }
 
-void PickPlaceEnvTask::Arrange(Scene& scene, Rng& rng) {
+BodyPoses PickPlaceEnvTask::Starts(Rng& rng) {
   const Pose goal_in_object = has_goal_object() ? Pose(ToEigen(*task().goal)) : Pose();
   for (int i = 0; i < kTries; ++i) {
     const Pose start = Start(rng);
     const Pose target = Around(goal_offset_, task().goal_spread, rng);
     const Eigen::Vector3d goal = (target * goal_in_object).translation();
     if ((goal - start.translation()).head<2>().norm() < task().goal_distance) continue;
-    Put(scene, start);
     goal_ = goal;
+    BodyPoses starts = {{object().name(), root() * start}};
     if (has_goal_object() && task().goal_spread != Vec2{0, 0})
-      scene.SetBodyPose(goal_body_->name(), root() * target);
-    return;
+      starts.emplace_back(goal_body_->name(), root() * target);
+    return starts;
   }
   throw ArgumentError(
       fmt::format("{}: in {} tries '{}' was never {:g} m from its goal; widen task.spread or "

@@ -20,7 +20,7 @@ class PickPlaceEnvTask final : public ObjectTask {
   PickPlaceEnvTask(const EnvConfig& config, const Scene& scene);
 
   // ArgumentError when no start is as far from the goal as goal_distance asks for.
-  void Arrange(Scene& scene, Rng& rng) override;
+  BodyPoses Starts(Rng& rng) override;
   void Begin(const Scene& scene) override;
   bool Success(const Scene& scene) override;
   std::string instruction() const override;

@@ -253,6 +253,51 @@ TEST(Reset, CallsHooksThenObserversThenForgetsForcesThenComputesPoses) {
   EXPECT_THAT(entries, ElementsAre("hook", "observer", "done"));
 }
 
+TEST(Reset, PutsBodiesWhereItIsTold) {
+  const Pose there = Pose::FromRpy({0.5, 0.3, 0.4}, {0.1, 0.2, 0.3});
+  const Pose aside(Eigen::Vector3d(0.1, 0.5, 0.1));
+  Scene moved = Scene::Build(Busy()), told = Scene::Build(Busy());
+  const auto onlooker = std::make_shared<Onlooker>(told);
+  told.AddObserver(onlooker);
+  told.AddResetHook([&](ResetContext& reset) {
+    const Pose cube = reset.scene.body_pose("cube0");
+    EXPECT_EQ(cube.is_close(there, 1e-12, 1e-12), !reset.options.body_poses.empty());
+    reset.scene.SetBodyPose("cube0", aside);
+    reset.scene.SetBodyPose("cube1", aside);
+  });
+  moved.Reset({.seed = 3});
+  for (const char* cube : {"cube1", "cube0"})
+    moved.SetBodyPose(cube, cube == std::string("cube0") ? there : aside);
+  EXPECT_TRUE(told.StepN(10).ok());
+  told.Reset({.seed = 3, .body_poses = {{"cube0", there}}});
+  EXPECT_DOUBLE_EQ(onlooker->height, 0.4);
+  const auto qpos = [](const Scene& s) {
+    return std::vector<double>(s.data()->qpos, s.data()->qpos + s.model()->nq);
+  };
+  EXPECT_EQ(qpos(told), qpos(moved));
+  EXPECT_THAT(std::span(told.data()->qvel, told.model()->nv), Each(0.0));
+  EXPECT_EQ(told.contacts().size(), moved.contacts().size());
+  told.Reset({.seed = 3});
+  EXPECT_EQ(told.body_pose("cube0").translation().x(), 0.1) << "it holds for one reset";
+}
+
+TEST(Reset, RefusesBodiesThatItCannotPutAnywhereBeforeAnythingChanges) {
+  Scene scene = Scene::Build(Busy());
+  EXPECT_TRUE(scene.StepN(10).ok());
+  const std::vector<double> before = scene.state();
+  ExpectThrow<NotFoundError>(
+      [&] {
+        scene.Reset({.body_poses = {{"cube", Pose()}}});
+      },
+      "no body 'cube'");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        scene.Reset({.body_poses = {{"r_link1", Pose()}}});
+      },
+      "body 'r_link1' cannot be moved by its pose: it is neither free");
+  EXPECT_EQ(scene.state(), before);
+}
+
 TEST(Reset, AHookThatClosesTheSceneEndsTheReset) {
   Scene scene = Scene::Build(Busy());
   scene.AddResetHook([](ResetContext& reset) { reset.scene.Close(); });

@@ -23,6 +23,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "robocell/base/rng.h"
@@ -36,10 +37,16 @@ namespace robocell {
 class Scene;
 class PooledObject;
 
+// Bodies by name, each with a pose in the world.
+using BodyPoses = std::vector<std::pair<std::string, Pose>>;
+
 struct ResetOptions {
   std::optional<int> keyframe = {};   // unset: the scene's home key
   bool use_keyframe = true;           // false: the model's default configuration
   std::optional<uint64_t> seed = {};  // for home_noise; unset: no noise
+  // Free and mocap bodies that start elsewhere, at rest, whatever hooks do to them. Moved one by
+  // one after the reset, each costs a Forward() more.
+  BodyPoses body_poses = {};
 };
 
 struct ResetInfo {
@@ -115,9 +122,10 @@ class Scene {
   // To be called after writing qpos without Forward(): poses are computed anew when next asked for.
   void PosesChanged();
 
-  // Restores the keyframe (or default), puts robots at home plus noise, calls the hooks, tells the
-  // observers, clears stale forces and warm starts, and runs Forward. The trajectory after a reset
-  // does not depend on what was before.
+  // Restores the keyframe (or default), puts robots at home plus noise and bodies where the options
+  // say, calls the hooks, tells the observers, clears stale forces and warm starts, and runs
+  // Forward. The trajectory after a reset does not depend on what was before. A body that is not
+  // there or cannot be moved is an error before anything changes.
   ResetInfo Reset(const ResetOptions& options = {});
   int AddResetHook(ResetHook hook);
   void RemoveResetHook(int id);

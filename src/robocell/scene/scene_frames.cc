@@ -68,26 +68,41 @@ Pose Scene::camera_pose(const std::string& name) const {
                                         s.data.data->cam_xmat + 9 * id);
 }
 
-void Scene::SetBodyPose(const std::string& name, const Pose& pose_in_world) {
-  State& s = open();
-  const int body = RequireId(s.model(), mjOBJ_BODY, name, s.context);
-  for (const PooledObject& object : s.pool) {
-    if (!object.parked || object.body() != body) continue;
+int Scene::State::RequireMovable(const std::string& name, bool after_reset) const {
+  const int body = RequireId(model(), mjOBJ_BODY, name, context);
+  for (const PooledObject& object : pool) {
+    const bool parked = after_reset ? object.parked_after_reset() : object.parked;
+    if (!parked || object.body() != body) continue;
     throw ArgumentError(
         fmt::format("{}: object '{}' is parked, so it cannot be moved; put it into the scene at "
                     "its pose with {}",
-                    s.context, object.name(), InBothLanguages("AddObject")));
+                    context, object.name(), InBothLanguages("AddObject")));
   }
-  const int mocap = s.model()->body_mocapid[body];
+  if (model()->body_mocapid[body] >= 0 || IsFree(model(), body)) return body;
+  throw ArgumentError(
+      fmt::format("{}: body '{}' cannot be moved by its pose: it is neither free nor a mocap body",
+                  context, name));
+}
+
+void Scene::State::PutBody(int body, const Pose& pose_in_world) {
+  const int mocap = model()->body_mocapid[body];
   if (mocap >= 0) {
-    MoveMocapBody(s.data.data, mocap, pose_in_world);
-  } else if (IsFree(s.model(), body)) {
-    MoveFreeBody(s.model(), s.data.data, body, pose_in_world);
+    MoveMocapBody(data.data, mocap, pose_in_world);
   } else {
-    throw ArgumentError(fmt::format(
-        "{}: body '{}' cannot be moved by its pose: it is neither free nor a mocap body", s.context,
-        name));
+    MoveFreeBody(model(), data.data, body, pose_in_world);
   }
+}
+
+void Scene::State::PutBodies(const BodyPoses& poses) {
+  for (const auto& [name, pose] : poses) {
+    const int body = FindId(model(), mjOBJ_BODY, name);
+    if (body >= 0) PutBody(body, pose);
+  }
+}
+
+void Scene::SetBodyPose(const std::string& name, const Pose& pose_in_world) {
+  State& s = open();
+  s.PutBody(s.RequireMovable(name), pose_in_world);
   Forward();
 }
 

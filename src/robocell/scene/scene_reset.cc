@@ -1,4 +1,4 @@
-// Reset: restore, noise, hooks, observers, forget, forward.
+// Reset: restore, noise, bodies' poses, hooks, observers, forget, forward.
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
@@ -109,6 +109,7 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
                 ": reset() in a reset hook, which would call the hook again; leave it out: what "
                 "the hook sets is what the reset ends with");
   }
+  for (const auto& [body, pose] : options.body_poses) s.RequireMovable(body, true);
   const ResetInfo info = s.RestoreStart(*this, options);
   try {
     s.CallResetHooks(*this, options, info);
@@ -142,6 +143,7 @@ ResetInfo Scene::State::RestoreStart(Scene& scene, const ResetOptions& options) 
   ResetPool();
   std::vector<bool> moved(static_cast<size_t>(model()->nv));
   if (options.seed) ApplyHomeNoise(*compiled, data.data, *options.seed, moved);
+  PutBodies(options.body_poses);
   poses_at = -1;
   scene.SyncPoses();
   HoldNewPositions(model(), data.data, moved, context);
@@ -157,7 +159,10 @@ void Scene::State::CallResetHooks(Scene& scene, const ResetOptions& options,
     hook(reset);
     scene.open();  // a hook that closed the scene ends the reset
   }
-  if (!present.empty()) poses_at = -1;
+  if (present.empty()) return;
+  // Hooks may have removed a body with its object, or parked it.
+  for (const auto& [body, pose] : options.body_poses) PutBody(RequireMovable(body), pose);
+  poses_at = -1;
 }
 
 void Scene::State::FinishReset(Scene& scene) {

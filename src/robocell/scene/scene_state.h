@@ -45,8 +45,15 @@ struct Scene::State {
   void ResetPool();
   // The pool as these positions have it.
   void FollowPool(const mjtNum* qpos);
-  // The parts of a reset: the state with the home noise; what hooks do to it; robots and other
-  // observers, stale forces, poses.
+  // ArgumentError unless a free or mocap body of that name is in the scene, NotFoundError without
+  // one; the pool as it is now, or as a reset leaves it.
+  int RequireMovable(const std::string& body, bool after_reset = false) const;
+  // What RequireMovable gave, at rest; poses are not brought up to date.
+  void PutBody(int body, const Pose& pose_in_world);
+  // Those that are there: a hook that ended a reset with an error may have removed some before.
+  void PutBodies(const BodyPoses& poses);
+  // The parts of a reset: the state with the home noise and the bodies' poses; what hooks do to it;
+  // robots and other observers, stale forces, poses.
   ResetInfo RestoreStart(Scene& scene, const ResetOptions& options);
   void CallResetHooks(Scene& scene, const ResetOptions& options, const ResetInfo& info);
   void FinishReset(Scene& scene);

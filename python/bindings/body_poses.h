@@ -1,0 +1,14 @@
+// Poses of bodies by their names, as Python gives them: {name: Pose}.
+#pragma once
+
+#include "bindings.h"
+#include "values.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell::python {
+
+// TypeError "<path>.cube must be a Pose, got ..."; a PyKDL.Frame is one too.
+BodyPoses ToBodyPoses(nb::handle value, const FieldPath& path);
+nb::dict ToDict(const BodyPoses& poses);
+
+}  // namespace robocell::python
