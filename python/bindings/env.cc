@@ -301,10 +301,9 @@ nb::tuple StepEnv(Env& env, nb::handle action) {
   const std::vector<double> numbers = ToAction(env, action);
   const InUse use(env, &Place, "stepped");
   EnvStep step;
-  SignalPoll poll;
   {
     const nb::gil_scoped_release release;
-    step = env.Step(numbers, std::ref(poll));
+    step = env.Step(numbers, SparsePoll());
   }
   const bool diverged = step.reason == EndReason::kDiverged;
   return nb::make_tuple(Observation(env), step.reward, step.success, diverged, Info(env, step));

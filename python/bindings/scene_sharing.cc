@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <mutex>
 #include <string_view>
+#include <utility>
 
 #include "python_owner.h"
 #include "robocell/base/error.h"
@@ -90,6 +91,13 @@ nb::object ImportWithAnyGl() {
   }
 }
 
+// The package has the engine read the clock dozens of times in every step, for MjData.timer: a
+// tenth of the time of a small robot's step. A clock that somebody set is left.
+void StopEngineTimers(const nb::object& mujoco) {
+  if (std::getenv("ROBOCELL_ENGINE_TIMERS")) return;
+  if (mujoco.attr("get_mjcb_time")().is_none()) mjcb_time = nullptr;
+}
+
 }  // namespace
 
 nb::object ImportMujoco() {
@@ -101,6 +109,8 @@ nb::object ImportMujoco() {
         "pip install mujoco=={}",
         version, CompiledEngineVersion(), CompiledEngineVersion()));
   }
+  static bool stopped = false;  // with the GIL
+  if (!std::exchange(stopped, true)) StopEngineTimers(mujoco);
   return mujoco;
 }
 

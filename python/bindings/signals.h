@@ -25,4 +25,18 @@ class SignalPoll {
       std::chrono::steady_clock::now() + std::chrono::milliseconds(10);
 };
 
+// The same for what is done in microseconds, such as a step of the engine: only every few calls
+// look at the clock.
+class SparsePoll {
+ public:
+  void operator()() {
+    if (++calls_ % kCalls == 0) poll_();
+  }
+
+ private:
+  static constexpr int kCalls = 8;
+  int calls_ = 0;
+  SignalPoll poll_;
+};
+
 }  // namespace robocell::python

@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 import robocell as rc
 
 
@@ -78,3 +80,34 @@ def test_no_object_is_left_over_at_exit():
     )
     assert result.returncode == 0, result.stderr
     assert result.stderr == ""
+
+
+CLOCK = """
+import mujoco, sys
+{before}
+import robocell as rc
+config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
+spec.robots.append(rc.RobotSpec(config=config))
+scene = rc.Scene.build(spec)
+scene.step_n(10)
+times = scene.data.timer.duration
+sys.exit(0 if (times[mujoco.mjtTimer.mjTIMER_STEP] > 0) == {expected} else str(times))
+"""
+
+
+@pytest.mark.parametrize(
+    ("before", "asked", "expected"),
+    [
+        ("", "", False),
+        ("", "1", True),
+        ("import time; mujoco.set_mjcb_time(time.perf_counter)", "", True),
+    ],
+    ids=["by default", "when asked to", "by a clock that was set"],
+)
+def test_the_engine_reads_the_clock(before, asked, expected, monkeypatch):
+    monkeypatch.delenv("ROBOCELL_ENGINE_TIMERS", raising=False)
+    if asked:
+        monkeypatch.setenv("ROBOCELL_ENGINE_TIMERS", asked)
+    result = run(CLOCK.format(before=before, expected=expected))
+    assert result.returncode == 0, result.stderr
