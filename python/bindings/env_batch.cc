@@ -7,6 +7,7 @@
 #include "env.h"
 #include "handles.h"
 #include "in_use.h"
+#include "signals.h"
 #include "values.h"
 #include "robocell/env/env.h"
 
@@ -103,7 +104,7 @@ nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>
   const BatchStep* step = nullptr;
   {
     const nb::gil_scoped_release release;
-    step = &batch.Step(numbers, reset_instead);
+    step = &batch.Step(numbers, reset_instead, SparsePoll());
   }
   const size_t n = CopyCount(batch);
   std::vector<double> time;
@@ -227,7 +228,7 @@ void BindEnvBatch(nb::module_& m) {
                   "numpy.typing.NDArray[numpy.float64], list[str]]"),
           "Steps all copies but those that `reset_instead` is true for, which begin their next "
           "episode: (observations (count, m), rewards, terminated, truncated, time since the "
-          "reset, reasons).");
+          "reset, reasons). Ctrl-C ends it halfway; copies that were stepping then want a reset.");
 }
 
 }  // namespace robocell::python

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from robocell.gym import pick_cube_config
+from robocell.gym import VectorGymEnv, pick_cube_config
 from test_experts import Idle, load
 from test_robot import cell
 
@@ -61,6 +61,23 @@ def test_a_step_of_an_environment_ends():
         env.step(stay)
     env.reset()
     env.close()
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_step_of_a_vector_ends(threads):
+    sim = {"async_control": True, "frequency": 1e-3, "on_collision": "report"}
+    vector = VectorGymEnv(pick_cube_config(sim=sim), 3, threads=threads)
+    vector.reset(seed=0)
+    stay = {"robot": {"tquat": np.tile([0, 0, 0, 0, 0, 0, 1.0], (3, 1)), "gripper": np.ones(3)}}
+    with interrupted():
+        vector.step(stay)
+    with pytest.raises(rc.Error, match="ended its last reset or step halfway; call reset to go on"):
+        vector.step(stay)
+    observation, _ = vector.reset(seed=0)
+    assert vector.observation_space.contains(observation)
+    with interrupted():
+        vector.step(stay)
+    vector.close()
 
 
 def test_parts_of_many_steps_are_one_answer():

@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <deque>
+#include <atomic>
+#include <exception>
+#include <thread>
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
@@ -57,6 +60,36 @@ void CheckMemory(const EnvConfig& config, int count, double bytes_of_copy) {
 }
 
 bool Holds(const std::vector<bool>& which, int i) { return !which.empty() && which[i]; }
+
+// Asks the poll on the caller's thread; what it throws ends the work of all threads.
+class Interruption {
+ public:
+  explicit Interruption(const std::function<void()>& poll) : poll_(poll) {}
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+
+  void operator()() {
+    if (interrupted_) throw Error("the step of a batch was interrupted");
+    if (std::this_thread::get_id() != caller_) return;
+    try {
+      poll_();
+    } catch (...) {
+      thrown_ = std::current_exception();
+      interrupted_ = true;
+      throw;
+    }
+  }
+  // When all threads are done: what the poll threw, if it did.
+  void Rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  const std::function<void()>& poll_;
+  const std::thread::id caller_ = std::this_thread::get_id();
+  std::atomic<bool> interrupted_ = false;
+  std::exception_ptr thrown_;  // written and read by the caller's thread
+};
 
 }  // namespace
 
@@ -145,8 +178,8 @@ void EnvBatch::ResetOne(int i, std::optional<uint64_t> seed) {
   CopyObservation(i);
 }
 
-void EnvBatch::StepOne(int i, std::span<const double> action) {
-  EnvStep& step = step_.steps[i] = envs_[i]->Step(action);
+void EnvBatch::StepOne(int i, std::span<const double> action, const std::function<void()>& poll) {
+  EnvStep& step = step_.steps[i] = envs_[i]->Step(action, poll);
   ++episode_steps_[i];
   step_.reward[i] = step.reward;
   step_.terminated[i] = step.success;
@@ -172,7 +205,8 @@ void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds,
 }
 
 const BatchStep& EnvBatch::Step(std::span<const double> actions,
-                                const std::vector<bool>& reset_instead) {
+                                const std::vector<bool>& reset_instead,
+                                const std::function<void()>& poll) {
   RequireOpen();
   const auto width = static_cast<size_t>(layout().action.size());
   if (actions.size() != envs_.size() * width) {
@@ -184,13 +218,23 @@ const BatchStep& EnvBatch::Step(std::span<const double> actions,
   for (int i = 0; i < size(); ++i) {
     if (!Holds(reset_instead, i)) envs_[i]->CheckAction(own(i));
   }
-  ForEach([&](int i) {
+  Interruption interruption(poll);
+  std::function<void()> ask;
+  if (poll) ask = std::ref(interruption);
+  const auto work = [&](int i) {
+    if (ask) ask();
     if (Holds(reset_instead, i)) {
       ResetOne(i, std::nullopt);
     } else {
-      StepOne(i, own(i));
+      StepOne(i, own(i), ask);
     }
-  });
+  };
+  try {
+    workers_->Run(size(), work, ask);
+  } catch (...) {
+    interruption.Rethrow();
+    throw;
+  }
   DrawFrames();
   return step_;
 }

@@ -55,8 +55,11 @@ class EnvBatch {
   void Reset(std::span<const std::optional<uint64_t>> seeds, const std::vector<bool>& which = {});
   // Steps all copies but those that `reset_instead` is true for, which begin their next episode:
   // reward 0, neither terminated nor truncated.
+  // `poll` is called on the caller's thread, often; what it throws ends all copies' steps and comes
+  // out. Those that it ended halfway then want a reset.
   const BatchStep& Step(std::span<const double> actions,
-                        const std::vector<bool>& reset_instead = {});
+                        const std::vector<bool>& reset_instead = {},
+                        const std::function<void()>& poll = {});
   std::span<const double> observations() const { return observations_; }
   // A colour picture of each copy's present state, one after another, each of rows from the top:
   // for people. All are drawn by one renderer, which is made at the first call.
@@ -71,7 +74,7 @@ class EnvBatch {
  private:
   void ForEach(const std::function<void(int)>& work);
   void ResetOne(int i, std::optional<uint64_t> seed);
-  void StepOne(int i, std::span<const double> action);
+  void StepOne(int i, std::span<const double> action, const std::function<void()>& poll);
   void CopyObservation(int i);
   void DrawFrames();
 

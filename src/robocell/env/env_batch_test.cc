@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 
 #include <cmath>
+#include <thread>
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
@@ -175,6 +176,31 @@ TEST(EnvBatch, ImagesAreThoseOfSingleEnvironmentsAlsoOfObjectsThatVary) {
       EXPECT_EQ(seen.time, alone.time);
     }
     EXPECT_NE(batch.env(0).frames()[0].rgb, batch.env(1).frames()[0].rgb);
+  }
+}
+
+TEST(EnvBatch, WhatAPollThrowsEndsTheStepsOfAllThreads) {
+  struct Enough {};
+  for (const int threads : {1, 2}) {
+    EnvConfig config = Noisy();
+    config.sim.frequency = 1e-3;  // the test does not wait for it
+    EnvBatch batch(config, kCopies, threads);
+    batch.Reset(Seeds());
+    const std::vector<double> zeros(static_cast<size_t>(kCopies) *
+                                    static_cast<size_t>(batch.layout().action.size()));
+    const std::thread::id caller = std::this_thread::get_id();
+    int calls = 0;
+    const auto poll = [&] {
+      EXPECT_EQ(std::this_thread::get_id(), caller);
+      if (++calls == 20) throw Enough();
+    };
+    EXPECT_THROW(batch.Step(zeros, {}, poll), Enough);
+    EXPECT_EQ(calls, 20);
+    for (int i = 0; i < kCopies; ++i) EXPECT_LT(batch.env(i).scene().time(), 1e3);
+    ExpectThrow<Error>([&] { batch.Step(zeros, {}, poll); }, "call reset to go on");
+    batch.Reset(Seeds());
+    calls = 0;
+    EXPECT_THROW(batch.Step(zeros, {}, poll), Enough) << "and again";
   }
 }
 

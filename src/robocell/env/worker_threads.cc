@@ -3,11 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <system_error>
 
 #include "robocell/base/error.h"
 
 namespace robocell {
+namespace {
+
+constexpr std::chrono::milliseconds kMeanwhile{10};
+
+}  // namespace
 
 WorkerThreads::WorkerThreads(int threads, int most) {
   if (threads < 0)
@@ -65,7 +71,25 @@ void WorkerThreads::Take() {
   }
 }
 
-void WorkerThreads::Run(int count, const std::function<void(int)>& work) {
+void WorkerThreads::WaitForOthers(const std::function<void()>& meanwhile) {
+  const auto done = [&] { return busy_ == 0; };
+  std::exception_ptr thrown;
+  std::unique_lock lock(mutex_);
+  while (meanwhile && !thrown && !end_.wait_for(lock, kMeanwhile, done)) {
+    lock.unlock();
+    try {
+      meanwhile();
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+    lock.lock();
+  }
+  end_.wait(lock, done);
+  if (thrown) std::rethrow_exception(thrown);
+}
+
+void WorkerThreads::Run(int count, const std::function<void(int)>& work,
+                        const std::function<void()>& meanwhile) {
   {
     const std::lock_guard lock(mutex_);
     count_ = count;
@@ -77,8 +101,7 @@ void WorkerThreads::Run(int count, const std::function<void(int)>& work) {
   }
   begin_.notify_all();
   Take();
-  std::unique_lock lock(mutex_);
-  end_.wait(lock, [&] { return busy_ == 0; });
+  WaitForOthers(meanwhile);
   for (const std::exception_ptr& thrown : thrown_) {
     if (thrown) std::rethrow_exception(thrown);
   }

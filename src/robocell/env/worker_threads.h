@@ -22,14 +22,18 @@ class WorkerThreads {
   WorkerThreads(const WorkerThreads&) = delete;
   WorkerThreads& operator=(const WorkerThreads&) = delete;
 
-  // Returns when all is done. What work threw comes out then, that of the lowest number.
-  void Run(int count, const std::function<void(int)>& work);
+  // Returns when all is done. What work threw comes out then, that of the lowest number. While the
+  // caller has no work left and waits for the others, it calls `meanwhile` every few milliseconds;
+  // what that throws comes out first, when all is done.
+  void Run(int count, const std::function<void(int)>& work,
+           const std::function<void()>& meanwhile = {});
 
  private:
   void Start(int count);
   void Stop();
   void Wait();
   void Take();
+  void WaitForOthers(const std::function<void()>& meanwhile);
 
   std::mutex mutex_;
   std::condition_variable begin_, end_;
