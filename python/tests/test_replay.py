@@ -113,3 +113,46 @@ def test_a_damaged_episode_is_named_and_does_not_stop_the_others(dataset: Path, 
     assert result.stderr == f"error: {message}\n"
     assert "1 episode, " in result.stdout
     assert f"Did you mean '{copy}'?" in refused("report", tmp_path)
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Of an environment, with its configuration beside it."""
+    folder = tmp_path_factory.mktemp("record")
+    rc7 = robocell.models.robot_file("rc7")
+    (folder / "env.yaml").write_text(f"robots: {{robot: {rc7}}}\nsim: {{frequency: 10}}\n")
+    env = robocell.Env(robocell.EnvConfig.load(folder / "env.yaml"))
+    env.reset(seed=1)
+    env.start_record()
+    for i in range(3):
+        env.step({"robot": {"joints": [0.02 * i] * 7, "gripper": 1}})
+    env.stop_record().save(str(folder / "record.npy"))
+    env.close()
+    return folder / "record.npy"
+
+
+def test_the_record_of_an_environment_is_replayed(record: Path, tmp_path: Path):
+    result = robocell_command(
+        "replay", record, "--env", record.parent / "env.yaml", "--tolerance", 0
+    )
+    assert (result.returncode, result.stdout) == (0, f"{record}: 3 steps, all as recorded\n")
+    shorter = tmp_path / "shorter.yaml"
+    text = (record.parent / "env.yaml").read_text()
+    shorter.write_text(text.replace("frequency: 10", "max_convergence_time: 0.004"))
+    result = robocell_command("replay", record, "--env", shorter)
+    assert result.returncode == 1
+    assert f"{record}: after step 2: robot." in result.stdout
+
+
+def test_what_a_record_needs_is_told(dataset: Path, record: Path, tmp_path: Path):
+    assert "a record of an environment needs --env with its configuration" in refused(
+        "replay", record
+    )
+    assert "leave e1 out" in refused("replay", record, "e1", "--env", "rc7")
+    assert "--env is for a record" in refused("replay", dataset, "--env", "rc7")
+    assert "no cell 'none'" in refused("replay", record, "--env", "none")
+    broken = tmp_path / "broken.npy"
+    broken.write_bytes(record.read_bytes()[:50])
+    result = robocell_command("replay", broken, "--env", "rc7")
+    assert result.returncode == 3
+    assert str(broken) in result.stderr

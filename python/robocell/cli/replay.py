@@ -14,7 +14,12 @@ from robocell.generate.totals import counted
 
 
 def replay(
-    dataset: Annotated[Path, typer.Argument(metavar="DATASET", help="Folder of the dataset.")],
+    dataset: Annotated[
+        Path,
+        typer.Argument(
+            metavar="DATASET", help="Folder of the dataset, or a record of an environment."
+        ),
+    ],
     episode: Annotated[
         str | None, typer.Argument(metavar="EPISODE", help="Its id; all of them unless given.")
     ] = None,
@@ -24,14 +29,31 @@ def replay(
     tolerance: Annotated[
         float, typer.Option(min=0, help="Differences up to this count as none: m, rad, m/s, s.")
     ] = 1e-9,
+    env: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            help="Of a record: the environment's configuration, or the name of a ready-made cell.",
+        ),
+    ] = None,
 ) -> None:
     """Simulate episodes again from their start and their recorded controls, and compare.
 
     The first step that comes out otherwise is named; an episode that cannot be read or replayed is
-    told, and the others go on. Exit codes: 0 all the same, 1 some differ, 2 wrong command or an
-    episode that cannot be replayed, 3 a file cannot be read.
+    told, and the others go on. A record is a file that EnvRecord.save wrote; it has no
+    configuration, which --env gives. Exit codes: 0 all the same, 1 some differ, 2 wrong command or
+    an episode that cannot be replayed, 3 a file cannot be read.
     """
+    if dataset.is_file():
+        _replay_record(dataset, episode, env, tolerance)
+    else:
+        _replay_dataset(dataset, episode, env, tolerance)
+
+
+def _replay_dataset(dataset: Path, episode: str | None, env: str | None, tolerance: float) -> None:
     require_folder(dataset, "dataset")
+    if env is not None:
+        fail(f"--env is for a record of an environment, a file; '{dataset}' is a folder")
     _core.require_dataset(dataset)
     episodes = robocell.Dataset(dataset)
     if episode is not None and episode not in episodes:
@@ -53,6 +75,36 @@ def replay(
             print(report, flush=True)
             differing += not report.ok
     _end(len(ids), differing=differing, unplayed=unplayed, unread=unread)
+
+
+def _replay_record(file: Path, episode: str | None, env: str | None, tolerance: float) -> None:
+    if episode is not None:
+        fail(f"'{file}' is one record; it has no episodes by id, leave {episode} out")
+    if env is None:
+        fail(
+            f"'{file}' is a file: a dataset is a folder, and a record of an environment needs "
+            "--env with its configuration"
+        )
+    try:
+        record = robocell.EnvRecord.load(str(file))
+    except robocell.Error as error:
+        fail(str(error), ExitCode.OUTPUT)
+    try:
+        environment = robocell.Env(_env_config(env))
+        report = environment.replay(record, tolerance=tolerance)
+    except robocell.Error as error:
+        fail(f"{file} cannot be replayed: {error}")
+    environment.close()
+    if report.same:
+        print(f"{file}: {counted(report.steps, 'step')}, all as recorded")
+        return
+    print(f"{file}: {report.difference}")
+    raise typer.Exit(ExitCode.INCOMPLETE)
+
+
+def _env_config(env: str) -> robocell.EnvConfig:
+    file = env if Path(env).suffix or Path(env).exists() else robocell.models.cell_file(env)
+    return robocell.EnvConfig.load(file)
 
 
 def _end(count: int, differing: int, unplayed: int, unread: int) -> None:
