@@ -5,8 +5,8 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <deque>
 #include <atomic>
+#include <deque>
 #include <exception>
 #include <thread>
 
