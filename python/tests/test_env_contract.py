@@ -37,11 +37,12 @@ def cell(request: pytest.FixtureRequest) -> rc.EnvConfig:
     return rc.EnvConfig.load(request.param)
 
 
-def made(cell: rc.EnvConfig, scene: str, mode: str) -> GymEnv:
+def made(cell: rc.EnvConfig, scene: str, mode: str, relative_to: str = "last_step") -> GymEnv:
     config = copy.copy(cell)
     for field, value in SCENES[scene].items():
         setattr(config, field, value)
     config.control_mode = mode
+    config.relative_to = relative_to
     config.max_relative_movement = MODES[mode]
     config.sim.frequency = 125  # four steps of the engine
     return GymEnv(config)
@@ -67,10 +68,7 @@ def episode(env: GymEnv) -> list[Leaves]:
     return seen
 
 
-@pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("mode", MODES)
-def test_every_cell_keeps_the_contract(cell: rc.EnvConfig, scene: str, mode: str):
-    env = made(cell, scene, mode)
+def check_contract(env: GymEnv) -> None:
     first, second = episode(env), episode(env)
     for path in first[0]:
         once, again = (np.array([each[path] for each in seen]) for seen in (first, second))
@@ -81,6 +79,20 @@ def test_every_cell_keeps_the_contract(cell: rc.EnvConfig, scene: str, mode: str
         for name in SENSED:
             engine = getattr(env.core.scene.data, name)
             assert not np.shares_memory(first[-1][path], engine), f"{path}: is the engine's {name}"
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("mode", MODES)
+def test_every_cell_keeps_the_contract(cell: rc.EnvConfig, scene: str, mode: str):
+    env = made(cell, scene, mode)
+    check_contract(env)
+    env.close()
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_every_cell_keeps_it_about_a_configured_origin(cell: rc.EnvConfig, mode: str):
+    env = made(cell, "empty_world", mode, "configured_origin")
+    check_contract(env)
     env.close()
 
 
