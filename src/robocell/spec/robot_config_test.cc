@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 using testing::ValidationError;
 
-RobotConfig Arm() {
+RobotConfig ArmFile() {
   return {.name = "arm",
           .model = "arm.xml",
           .move_groups = {{"arm", {.kind = MoveGroupKind::kArm, .joints = {"a", "b"}}},
@@ -28,7 +28,7 @@ RobotConfig Arm() {
           .home = {{"arm", {0, 1}}}};
 }
 
-TEST(RobotConfig, AValidOnePasses) { EXPECT_EQ(ValidationError(Arm()), ""); }
+TEST(RobotConfig, AValidOnePasses) { EXPECT_EQ(ValidationError(ArmFile()), ""); }
 
 TEST(RobotConfig, NeedsANameAndAModel) {
   EXPECT_EQ(ValidationError(RobotConfig{}, "robot"),
@@ -37,19 +37,19 @@ TEST(RobotConfig, NeedsANameAndAModel) {
 }
 
 TEST(RobotConfig, NanInHomeIsNamedByGroupAndPlace) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   robot.home["arm"][1] = std::nan("");
   EXPECT_EQ(ValidationError(robot), "it is not valid: home.arm[1]: nan is not a finite number");
 }
 
 TEST(RobotConfig, HomeHasOneValuePerJoint) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   robot.home["arm"] = {0, 0, 0};
   EXPECT_THAT(ValidationError(robot), HasSubstr("home.arm: has 3 values for the 2 joints a, b"));
 }
 
 TEST(RobotConfig, NoiseHasOneValueOrOnePerJoint) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   robot.home_noise["arm"] = {0.1};
   EXPECT_EQ(ValidationError(robot), "");
   robot.home_noise["arm"] = {0.1, 0.1, 0.1};
@@ -59,14 +59,14 @@ TEST(RobotConfig, NoiseHasOneValueOrOnePerJoint) {
 }
 
 TEST(RobotConfig, GroupsThatDoNotExistAreNamedWithTheNearest) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   robot.control["hnad"] = ControlKind::kJointPosition;
   EXPECT_THAT(ValidationError(robot), HasSubstr("control.hnad: no move group 'hnad'. Known move "
                                                 "groups: arm, hand. Did you mean 'hand'?"));
 }
 
 TEST(RobotConfig, AnArmHasOneActuatorPerJoint) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   robot.move_groups["arm"].actuators = {"x"};
   EXPECT_THAT(ValidationError(robot),
               HasSubstr("move_groups.arm.actuators: an arm has one actuator "
@@ -78,7 +78,7 @@ TEST(RobotConfig, AnArmHasOneActuatorPerJoint) {
 }
 
 TEST(RobotConfig, AGripperHasTwoFingersAndASense) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   MoveGroupConfig& hand = robot.move_groups["hand"];
   hand.fingers.push_back({.name = "third"});
   hand.ctrl->closed = 0;
@@ -93,25 +93,25 @@ TEST(RobotConfig, AGripperHasTwoFingersAndASense) {
 }
 
 TEST(RobotConfig, OnlyGrippersHaveFingers) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   robot.move_groups["arm"].fingers = {{.name = "x"}};
   EXPECT_THAT(ValidationError(robot), HasSubstr("belong to a gripper; this group's kind is arm"));
 }
 
 TEST(RobotConfig, JointsThatAreListedTwiceAreRefused) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   robot.move_groups["arm"].joints = {"a", "a"};
   EXPECT_THAT(ValidationError(robot), HasSubstr("move_groups.arm.joints: 'a' is listed twice"));
 }
 
 TEST(RobotConfig, ATcpOffsetNeedsItsSite) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   robot.tcp_offset = Pose();
   EXPECT_THAT(ValidationError(robot), HasSubstr("tcp_offset: is relative to attachment_site"));
 }
 
 TEST(RobotConfig, NamesInDatasetsHaveNoSlash) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   robot.name = "lab/arm";
   const std::string why =
       " cannot be a name here: datasets have it in their columns' names, robots/ROBOT/GROUP and "
@@ -120,7 +120,7 @@ TEST(RobotConfig, NamesInDatasetsHaveNoSlash) {
   robot.name = "arm";
   robot.move_groups["left/arm"] = robot.move_groups.at("arm");
   EXPECT_EQ(ValidationError(robot), "it is not valid: move_groups: 'left/arm'" + why);
-  EXPECT_EQ(ValidationError(RobotSpec{.name = "a/b", .config = Arm()}),
+  EXPECT_EQ(ValidationError(RobotSpec{.name = "a/b", .config = ArmFile()}),
             "it is not valid: name: 'a/b'" + why);
   const SceneObject cube{.name = "a/b", .mjcf_path = "cube.xml"};
   EXPECT_EQ(ValidationError(cube), "it is not valid: name: 'a/b'" + why);
@@ -129,18 +129,18 @@ TEST(RobotConfig, NamesInDatasetsHaveNoSlash) {
 TEST(RobotSpec, NeedsAModelOrAConfiguration) {
   EXPECT_THAT(ValidationError(RobotSpec{}),
               HasSubstr("path: is empty: give the robot's model file"));
-  EXPECT_THAT(ValidationError(RobotSpec{.path = "a.xml", .config = Arm()}),
+  EXPECT_THAT(ValidationError(RobotSpec{.path = "a.xml", .config = ArmFile()}),
               HasSubstr("path: is set together with config"));
 }
 
 TEST(RobotSpec, ReportsWhatIsWrongInItsConfiguration) {
-  RobotSpec spec{.config = Arm()};
+  RobotSpec spec{.config = ArmFile()};
   spec.config->reach = 0;
   EXPECT_EQ(ValidationError(spec), "it is not valid: config.reach: 0 must be greater than 0");
 }
 
 TEST(RobotSpec, ItsOwnBaseComesBeforeTheConfigurations) {
-  RobotSpec spec{.config = Arm()};
+  RobotSpec spec{.config = ArmFile()};
   spec.config->base.kind = BaseKind::kFree;
   EXPECT_EQ(spec.EffectiveBase().kind, BaseKind::kFree);
   spec.base = BaseConfig{.kind = BaseKind::kMocap};
@@ -156,7 +156,7 @@ TEST(AttachmentSpec, GoesOnABodySiteOrFrame) {
 }
 
 TEST(AttachmentSpec, ListedTwiceIsTold) {
-  RobotConfig robot = Arm();
+  RobotConfig robot = ArmFile();
   const AttachmentSpec hand{
       .mjcf_path = "hand.xml", .attach_to = {AttachKind::kSite, "flange"}, .prefix = "hand_"};
   robot.attachments = {hand, hand};
