@@ -30,17 +30,31 @@ Robot Gen3In(const Scene& scene, const std::string& prefix) {
       {.prefix = prefix, .tool = {.tool_body = "g_base", .tcp_site = "g_pinch"}});
 }
 
-// Updates and steps; the farthest that the TCP gets from where it was.
-double Drift(Robot& robot, int steps) {
-  const Eigen::Vector3d start = robot.tcp_in_world().translation();
+// Updates, commands and steps robots of one scene; the farthest that a TCP gets from where it was.
+template <class Command>
+double Drift(const std::vector<Robot*>& robots, int steps, const Command& command) {
+  std::vector<Eigen::Vector3d> starts;
+  for (const Robot* robot : robots) starts.push_back(robot->tcp_in_world().translation());
   double farthest = 0;
   for (int i = 0; i < steps; ++i) {
-    robot.Update();
-    EXPECT_TRUE(robot.Step().ok());
-    farthest = std::max(farthest, (robot.tcp_in_world().translation() - start).norm());
+    for (Robot* robot : robots) {
+      robot->Update();
+      command(*robot);
+    }
+    EXPECT_TRUE(robots[0]->Step().ok());
+    for (size_t k = 0; k < robots.size(); ++k) {
+      const Eigen::Vector3d now = robots[k]->tcp_in_world().translation();
+      farthest = std::max(farthest, (now - starts[k]).norm());
+    }
   }
   return farthest;
 }
+
+double Drift(Robot& robot, int steps) {
+  return Drift({&robot}, steps, [](Robot&) {});
+}
+
+void CommandGravityTorques(Robot& robot) { robot.GravityTorques(robot.jnt_trq_cmd()); }
 
 class Modes : public ::testing::TestWithParam<RobotCase> {
  protected:
@@ -66,13 +80,7 @@ TEST_P(Modes, GravityTorquesHoldTheArm) {
   REQUIRE_ROBOT(GetParam());
   Robot robot = In(Build());
   robot.set_ctrl_mode(kTorque);
-  const Eigen::Vector3d start = robot.tcp_in_world().translation();
-  for (int i = 0; i < 500; ++i) {
-    robot.Update();
-    robot.GravityTorques(robot.jnt_trq_cmd());
-    ASSERT_TRUE(robot.Step().ok());
-  }
-  EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-3);
+  EXPECT_LT(Drift({&robot}, 500, CommandGravityTorques), 1e-3);
 }
 
 TEST_P(Modes, SwitchingMovesNothingAndStaysThroughAReset) {
@@ -127,16 +135,7 @@ TEST(CtrlMode, GravityTorquesHoldTwoArmsWithGrippers) {
   left.set_ctrl_mode(kTorque);
   EXPECT_EQ(right.ctrl_mode(), kPosition) << "each arm has its own mode";
   right.set_ctrl_mode(kTorque);
-  const Pose left_tcp = left.tcp_in_world(), right_tcp = right.tcp_in_world();
-  for (int i = 0; i < 500; ++i) {
-    for (Robot* robot : {&left, &right}) {
-      robot->Update();
-      robot->GravityTorques(robot->jnt_trq_cmd());
-    }
-    ASSERT_TRUE(left.Step().ok());
-  }
-  EXPECT_LT((left.tcp_in_world().translation() - left_tcp.translation()).norm(), 1e-3);
-  EXPECT_LT((right.tcp_in_world().translation() - right_tcp.translation()).norm(), 1e-3);
+  EXPECT_LT(Drift({&left, &right}, 500, CommandGravityTorques), 1e-3);
 }
 
 // The built-in robot without its servos.
