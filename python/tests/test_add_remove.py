@@ -149,6 +149,24 @@ class TestHandles:
         scene.reset()
         assert scene.object_names == []
 
+    @pytest.mark.parametrize("configured", [True, False])
+    def test_robots_hold_the_pose_of_the_hook_after_later_resets(self, scene, configured: bool):
+        robot = scene.robot("a") if configured else rc.Robot.from_scene(scene, "base_link", "link7")
+        pose = [0.4, 0.3, -0.2, 1.1, 0.5, -0.6, 0.7]
+        scene.on_reset(lambda reset: robot.set_joint_pos(pose, call_forward=False))
+        for change in (lambda: scene.add_object(cube()), lambda: scene.remove_object("cube")):
+            change()
+            robot.jnt_pos_cmd = [0.1] * 7
+            for _ in range(20):
+                robot.update()
+                robot.step()
+            scene.reset()
+            assert list(robot.jnt_pos_cmd) == pose
+            for _ in range(200):
+                robot.update()
+                np.testing.assert_allclose(robot.jnt_pos_msr, pose, atol=2e-3)
+                robot.step()
+
     def test_pictures_and_videos_follow(self, scene, tmp_path: Path):
         renderer = rc.Renderer(scene)
         bare = renderer.render("front", 64, 48, segmentation=True)["segmentation"]

@@ -271,6 +271,19 @@ def test_multi_robot_scene():
     assert scene.body_frame("r2_base_link").p.x() == pytest.approx(0.5)
 
 
+def red_cube() -> mjk.SceneObject:
+    cube = mjk.SceneObject()
+    cube.name = "red_cube"
+    cube.shape = mjk.Shape.BOX
+    cube.size = [0.03, 0.03, 0.03]
+    cube.pos = [0.35, 0.10, 0.73]
+    cube.rgba = [1.0, 0.0, 0.0, 1.0]
+    cube.mass = 0.1
+    cube.condim = mjk.Condim.Torsional
+    cube.friction = [0.8, 0.02, 0.001]
+    return cube
+
+
 def table_scene() -> mjk.Scene:
     spec = base_spec()
     table = mjk.SceneObject()
@@ -282,16 +295,7 @@ def table_scene() -> mjk.Scene:
     robot_spec = mjk.RobotSpec()
     robot_spec.path = mjk.menagerie.model_path("kinova_gen3")
     robot_spec.attach_to = mjk.AttachTarget(mjk.AttachKind.Site, mount)
-    cube = mjk.SceneObject()
-    cube.name = "red_cube"
-    cube.shape = mjk.Shape.BOX
-    cube.size = [0.03, 0.03, 0.03]
-    cube.pos = [0.35, 0.10, 0.73]
-    cube.rgba = [1.0, 0.0, 0.0, 1.0]
-    cube.mass = 0.1
-    cube.condim = mjk.Condim.Torsional
-    cube.friction = [0.8, 0.02, 0.001]
-    spec.objects = [table, cube]
+    spec.objects = [table, red_cube()]
     spec.robots = [robot_spec]
     return mjk.Scene.build(spec)
 
@@ -377,12 +381,13 @@ def test_control_loop(robot: mjk.Robot):
     robot.ctrl_mode = mjk.CtrlMode.TORQUE
     robot.set_joint_pos([0.0, 0.26, 3.14, -2.27, 0.0, 0.96, 1.57])
     start = np.array(robot.tcp_in_world.translation)
-    steps = 0
-    while robot.step() and steps < 500:
+    farthest = []
+    while robot.step() and len(farthest) < 500:
         robot.update()
         robot.jnt_trq_cmd = robot.gravity_torques()
-        steps += 1
-    assert np.linalg.norm(robot.tcp_in_world.translation - start) < 1e-3
+        farthest.append(np.linalg.norm(robot.tcp_in_world.translation - start))
+    assert len(farthest) == 500
+    assert max(farthest) < 1e-3
     robot.set_joint_pos([0.0] * robot.n_joints)
     assert robot.fk_frame() is not None
 
@@ -390,6 +395,7 @@ def test_control_loop(robot: mjk.Robot):
 def test_reset():
     spec = base_spec()
     spec.robots = [with_gripper()]
+    spec.objects = [red_cube()]
     env = mjk.Env.build(spec)
     robot = env.create_robot("base_link", "bracelet_link")
     seen = []
@@ -411,7 +417,9 @@ def test_reset():
     assert len(seen) == 2
     assert any(robot.jnt_pos_cmd), "the keyframe's pose"
     env.set_actuator_ctrl("g_fingers_actuator", 0.25)
-    assert isinstance(env.body_frame("bracelet_link"), PyKDL.Frame)
+    frame = env.body_frame("red_cube")
+    assert isinstance(frame, PyKDL.Frame)
+    assert list(frame.p) == pytest.approx([0.35, 0.10, 0.73])
     env.save_xml("episode_start.xml")
     assert mujoco.MjModel.from_xml_path("episode_start.xml").nq == env.model.nq
     env.close()
@@ -444,6 +452,31 @@ def test_runtime_add_and_remove_objects(scene: mjk.Scene, robot: mjk.Robot):
         robot.update()
 
 
+def test_robots_follow_resets_after_objects_came_and_went():
+    spec = base_spec()
+    spec.robots = [with_gripper()]
+    env = mjk.Env.build(spec)
+    robot = env.create_robot("base_link", "bracelet_link")
+    pose = [0.0, 0.26, 3.14, -2.27, 0.0, 0.96, 1.57]
+    env.on_reset = lambda ctx: robot.set_joint_pos(pose, call_forward=False)
+    cube = red_cube()
+    cube.pos = [0.4, 0.2, 0.5]
+    for change in (lambda: env.add_object(cube), lambda: env.remove_object("red_cube")):
+        change()
+        robot.jnt_pos_cmd = [0.0] * 7
+        for _ in range(20):
+            robot.update()
+            robot.step()
+        env.reset()
+        if "red_cube" in env.body_names():
+            assert list(env.body_frame("red_cube").p) == pytest.approx([0.4, 0.2, 0.5])
+        assert list(robot.jnt_pos_cmd) == pose
+        for _ in range(200):
+            robot.update()
+            np.testing.assert_allclose(robot.jnt_pos_msr, pose, atol=0.02)
+            robot.step()
+
+
 def test_headless_video_recording(robot: mjk.Robot):
     from robocell import describe_gl
 
@@ -451,7 +484,7 @@ def test_headless_video_recording(robot: mjk.Robot):
     recorder = mjk.VideoRecorder.open_preset(
         robot.scene,
         "sim.mp4",
-        mjk.VideoResolution.R360p,
+        mjk.VideoResolution.R720p,
         fps=60,
     )
     recorder.set_free_camera(2.5, 135.0, -20.0, (0.0, 0.0, 0.7))
@@ -467,7 +500,9 @@ def test_headless_video_recording(robot: mjk.Robot):
     recorder.close()
     recorder.close()
     assert recorder.frames == 6
-    assert Path("sim.mp4").stat().st_size > 1000
+    video = recording.probe(Path("sim.mp4"))
+    assert (video["width"], video["height"], video["nb_read_frames"]) == ("1280", "720", "6")
+    assert video["avg_frame_rate"] == "60/1"
 
 
 def test_a_recorder_takes_an_env_and_even_sizes_below_odd_ones(scene: mjk.Scene):
@@ -520,6 +555,31 @@ class TestModelPaths:
         monkeypatch.setenv("MJ_KDL_MENAGERIE", "/nonexistent")
         with pytest.raises(RuntimeError, match=r"^MJ_KDL_MENAGERIE is '/nonexistent', which holds"):
             mjk.menagerie.model_path("kinova_gen3")
+
+    def test_of_several_variables_the_nearest_to_the_file_counts(
+        self, in_a_fetched_folder, tmp_path, monkeypatch
+    ):
+        arm, gripper, mine = (tmp_path / f"{name}.xml" for name in ("arm", "gripper", "mine"))
+        for file in (arm, gripper, mine):
+            file.write_text("<mujoco/>")
+
+        def models() -> list[str]:
+            names = ("kinova_gen3", "robotiq_2f85")
+            return [mjk.menagerie.model_path(name, env_var="MY_MODEL") for name in names]
+
+        root = in_a_fetched_folder / "menagerie"
+        of_root = [str(root / "kinova_gen3/gen3.xml"), str(root / "robotiq_2f85/2f85.xml")]
+        for variable, value, expected in (
+            ("MENAGERIE_ROOT", "/nonexistent", None),
+            ("MJ_KDL_MENAGERIE", root, of_root),
+            ("MJ_KDL_MODEL", arm, [str(arm), of_root[1]]),
+            ("MJ_KDL_GRIPPER", gripper, [str(arm), str(gripper)]),
+            ("MJ_KDL_MENAGERIE", "/nonexistent", [str(arm), str(gripper)]),
+            ("MY_MODEL", mine, [str(mine)] * 2),
+        ):
+            monkeypatch.setenv(variable, str(value))
+            if expected:
+                assert models() == expected, variable
 
     def test_unknown_robots_are_told_whatever_the_variables_say(self, tmp_path, monkeypatch):
         for _ in range(2):

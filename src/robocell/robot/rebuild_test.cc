@@ -97,6 +97,35 @@ TEST(Rebuild, TargetsAndControlModesStay) {
   EXPECT_EQ(a.ctrl_mode(), CtrlMode::kPosition);
 }
 
+// The commands of each kind of robot are the pose that the hook leaves, and it stays there.
+TEST(Rebuild, AfterLaterResetsRobotsHoldThePoseOfTheHook) {
+  Scene scene = Scene::Build(TwoRobots());
+  Robot a = Robot::Of(scene, "a");
+  Robot b =
+      Robot::FromScene(scene, "base_link", "link7", {.prefix = "b_", .tool = {.tcp_site = "tcp"}});
+  const std::vector<double> elsewhere(7, 0.1), pose{0.4, 0.3, -0.2, 1.1, 0.5, -0.6, 0.7};
+  scene.AddResetHook([&](ResetContext&) {
+    for (Robot* robot : {&a, &b}) robot->SetJointPos(pose, false);
+  });
+  const auto expect_held = [&](const char* when) {
+    SCOPED_TRACE(when);
+    for (Robot* robot : {&a, &b}) robot->SetJntPosCmd(elsewhere);
+    RunBoth(a, b, 20);
+    scene.Reset();
+    for (Robot* robot : {&a, &b}) EXPECT_THAT(robot->jnt_pos_cmd(), ElementsAreArray(pose));
+    for (int i = 0; i < 200; ++i) {
+      RunBoth(a, b, 1);
+      for (Robot* robot : {&a, &b}) {
+        for (int j = 0; j < 7; ++j) ASSERT_NEAR(robot->jnt_pos_msr()[j], pose[j], 2e-3) << j;
+      }
+    }
+  };
+  scene.AddObject(Cube());
+  expect_held("added");
+  scene.RemoveObject("cube");
+  expect_held("removed");
+}
+
 // The mode is in the model; it stays when nobody holds the robot any more.
 TEST(Rebuild, AControlModeStaysWithoutAHandle) {
   Scene scene = Scene::Build(TwoRobots());
