@@ -17,6 +17,7 @@ import robocell as rc
 from robocell import fetching
 from robocell.cli.fetch import fetch as fetch_command
 from robocell.compat.mj_kdl_wrapper import menagerie as guide
+from robocell.compat.mj_kdl_wrapper.fetch import main as fetch_for_the_guide
 
 MODEL = (
     "<mujoco model='{0}'><worldbody><body name='base'><geom size='.1'/></body></worldbody></mujoco>"
@@ -25,7 +26,7 @@ MODEL = (
 
 @pytest.fixture
 def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Publishes versions of the robot ``toy_arm``; caches are empty."""
+    """Publishes versions of robots, at first of ``toy_arm``; caches are empty."""
     monkeypatch.delenv("MENAGERIE_ROOT", raising=False)
     monkeypatch.setenv("MENAGERIE_CACHE_DIR", str(tmp_path / "cache"))
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "user"))
@@ -34,18 +35,17 @@ def shop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("MENAGERIE_BASE_URL", archives.as_uri())
     here: dict[str, mujoco_menagerie.Robot] = {}
 
-    def publish(version: str) -> None:
-        source = tmp_path / version / "toy_arm"
+    def publish(version: str, name: str = "toy_arm", model: str = "arm") -> None:
+        source = tmp_path / version / name
         source.mkdir(parents=True)
-        (source / "arm.xml").write_text(MODEL.format(version))
-        archive = archives / f"toy_arm-{version}.tar.xz"
+        (source / f"{model}.xml").write_text(MODEL.format(version))
+        archive = archives / f"{name}-{version}.tar.xz"
         with tarfile.open(archive, "w:xz") as tar:
-            tar.add(source, "toy_arm")
-        here["toy_arm"] = mujoco_menagerie.Robot(
-            "toy_arm", "Toy arm", "arm", "Apache-2.0", hashlib.sha1(version.encode()).hexdigest(),
-            archive.name, hashlib.sha256(archive.read_bytes()).hexdigest(),
-            archive.stat().st_size, 1, (mujoco_menagerie.EntryPoint("arm", "robot", "arm.xml"),),
-            "arm", None,
+            tar.add(source, name)
+        here[name] = mujoco_menagerie.Robot(
+            name, "A toy", "arm", "Apache-2.0", hashlib.sha1(version.encode()).hexdigest(),
+            archive.name, hashlib.sha256(archive.read_bytes()).hexdigest(), archive.stat().st_size,
+            1, (mujoco_menagerie.EntryPoint(model, "robot", f"{model}.xml"),), model, None,
         )  # fmt: skip
 
     def get(name: str) -> mujoco_menagerie.Robot:
@@ -154,6 +154,87 @@ def test_without_a_network_it_says_what_else_there_is(tmp_path, monkeypatch):
         error.value
     )
     assert fetching.read_record(fetching.record_path()) == {}
+
+
+def test_a_model_that_is_nowhere_is_told_with_the_command_that_fetches_it(
+    shop, tmp_path, monkeypatch
+):
+    shop("one", "kinova_gen3", "gen3")
+    monkeypatch.setenv("MENAGERIE_BASE_URL", (tmp_path / "nowhere").as_uri())
+    for name in ("toy_arm", "kinova_gen3"):
+        with pytest.raises(rc.NotFoundError) as error:
+            rc.menagerie.model_path(name)
+        message = str(error.value)
+        assert message.startswith(f"menagerie robot '{name}' not found")
+        assert f"MENAGERIE_ROOT (not set), {tmp_path}/cache/models/{name}-*" in message
+        assert f"Fetch it with: robocell fetch {name}\n" in message
+        assert "Downloading it failed: " in message
+        assert "mj-kdl" not in message
+    for name, with_the_guides in (("kinova_gen3", True), ("toy_arm", False)):
+        monkeypatch.setattr(fetching, "known_robots", lambda: [mujoco_menagerie.get("toy_arm")])
+        with pytest.raises(rc.NotFoundError, match=f"'{name}' not found") as error:
+            guide.model_path(name)
+        assert ("\nmj-kdl-fetch-menagerie fetches it" in str(error.value)) == with_the_guides
+
+
+class TestTheGuidesCommand:
+    """mj-kdl-fetch-menagerie, on a machine that has nothing yet."""
+
+    @pytest.fixture
+    def run(self, shop, capsys, monkeypatch):
+        """Runs it with arguments: exit code, standard output and standard error."""
+        shop("one", "kinova_gen3", "gen3")
+        shop("one", "robotiq_2f85", "2f85")
+
+        def run(*arguments: str) -> tuple[int, str, str]:
+            monkeypatch.setattr("sys.argv", ["mj-kdl-fetch-menagerie", *arguments])
+            with pytest.raises(SystemExit) as end:
+                fetch_for_the_guide()
+            return (int(end.value.code or 0), *capsys.readouterr())
+
+        return run
+
+    def test_it_downloads_and_records_what_is_not_here(self, run, tmp_path):
+        code, out, err = run()
+        assert (code, err) == (0, "")
+        paths = dict(line.split(": ") for line in out.splitlines())
+        assert set(paths) == {*guide.ASSETS, guide.GRIPPER_ASSET, "kinova_gen3", "robotiq_2f85"}
+        assert all(Path(path).is_file() for path in paths.values())
+        for robot in ("kinova_gen3", "robotiq_2f85"):
+            assert version_of(paths[robot]) == "one"
+            assert (tmp_path / "cache") in Path(paths[robot]).parents
+            assert guide.model_path(robot) == paths[robot]
+        record = fetching.read_record(fetching.record_path())
+        assert set(record) == {"kinova_gen3", "robotiq_2f85"}
+
+    def test_it_fills_a_folder_with_what_it_downloaded(self, run, tmp_path):
+        assert run("--dest", str(tmp_path / "dest"))[0] == 0
+        for file in ("menagerie/kinova_gen3/gen3.xml", "assets/robotiq_2f85/2f85.xml"):
+            assert version_of(tmp_path / "dest" / file) == "one"
+
+    def test_without_a_network_it_fails_and_says_what_else_there_is(
+        self, run, tmp_path, monkeypatch
+    ):
+        monkeypatch.setenv("MENAGERIE_BASE_URL", (tmp_path / "nowhere").as_uri())
+        code, out, err = run()
+        assert (code, out) == (3, "")
+        assert err.startswith("error: robot 'kinova_gen3' could not be fetched: file://")
+        assert "or set MENAGERIE_ROOT" in err
+        assert "Traceback" not in err
+
+    def test_a_folder_that_cannot_be_written_fails(self, run, tmp_path):
+        (tmp_path / "file").write_text("")
+        code, out, err = run("--dest", str(tmp_path / "file"))
+        assert (code, out) == (3, "")
+        assert err.startswith("error: ")
+        assert str(tmp_path / "file") in err
+
+    def test_a_wrong_variable_is_a_wrong_use(self, run, monkeypatch):
+        monkeypatch.setenv("MJ_KDL_MODEL", "/nonexistent")
+        code, out, err = run()
+        assert (code, out) == (2, "")
+        told = "error: MJ_KDL_MODEL is '/nonexistent', which is no file: correct it or unset it\n"
+        assert err == told
 
 
 @pytest.mark.parametrize(

@@ -44,7 +44,7 @@ def model_path(name: str, *, env_var: str | None = None) -> str:
         (env_var and _override(env_var))
         or _override("MJ_KDL_GRIPPER" if name == GRIPPER else "MJ_KDL_MODEL")
         or _below_root(name)
-        or menagerie.model_path(name)
+        or _from_the_menagerie(name)
     )
 
 
@@ -105,6 +105,16 @@ def _require_robot(name: str) -> None:
         )
         + " `robocell fetch --list` lists all robots; for a file of your own set RobotSpec.path"
     )
+
+
+def _from_the_menagerie(name: str) -> str:
+    try:
+        return menagerie.model_path(name)
+    except NotFoundError as missing:
+        if name.partition("/")[0] not in (ARM, GRIPPER):
+            raise
+        message = f"{missing}\nmj-kdl-fetch-menagerie fetches it with all that the examples use"
+        raise NotFoundError(message) from None
 
 
 def _names_below_root() -> list[str]:
