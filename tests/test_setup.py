@@ -1,0 +1,218 @@
+"""scripts/setup on a machine made of stand-ins: what it installs, asks for, and leaves alone."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+COMMAND = "sudo apt-get update && sudo apt-get install -y --no-install-recommends "
+STAND_INS = {
+    "id": "echo $(cat user)",
+    "sudo": """[ -e sudo-works ] || exit 1
+        shift  # -n
+        exec "$@" """,
+    "dpkg-query": "sed 's/^/installed /' installed",
+    "apt-cache": """case " $(cat unknown) " in
+        *" $2 "*) echo '  Candidate: (none)';;
+        *) echo '  Candidate: 1.0';;
+        esac""",
+    "apt-get": """echo "apt-get $*" >>calls
+        [ ! -e broken ] || exit 100
+        for word in "$@"; do
+            case "$word" in
+            -*|*=*|install|update) ;;
+            *) echo "$word" >>installed;;
+            esac
+        done""",
+    "python": f"""case "$*" in
+        '-m pip --version') exit 0;;
+        '-m pip install'*) echo "pip $*" >>calls; exit 0;;
+        -c*get_path*) echo "$PWD/site"; exit 0;;
+        esac
+        exec {sys.executable} "$@" """,
+}
+
+
+def lines() -> list[str]:
+    """Of the list of packages, without comments."""
+    text = re.sub(r"#.*", "", (ROOT / "scripts/packages.txt").read_text())
+    return [line.strip() for line in text.splitlines() if line.strip()]
+
+
+# The first of each line's names.
+REQUIRED = [line.split(" | ")[0] for line in lines() if not line.startswith("?")]
+OPTIONAL = [line[1:].split(" | ")[0] for line in lines() if line.startswith("?")]
+
+
+class Machine:
+    """A checkout with only what scripts/setup reads, and stand-ins for what it calls."""
+
+    def __init__(self, folder: Path):
+        self.root = folder / "checkout"
+        self.state = folder / "state"
+        (self.root / "scripts").mkdir(parents=True)
+        for file in ("setup", "packages.txt", "requirements.txt", "constraints.txt"):
+            shutil.copy(ROOT / "scripts" / file, self.root / "scripts" / file)
+        (self.state / "site").mkdir(parents=True)
+        for name, body in STAND_INS.items():
+            place = folder / "bin" / name
+            if name == "python":
+                place = self.root / ".venv/bin/python"
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_text(f"#!/bin/sh\ncd {self.state}\n{body}\n")
+            place.chmod(0o755)
+        self.path = f"{folder / 'bin'}:/usr/bin:/bin"
+        self.write("calls", "")
+        self.write("unknown", "")
+        self.write("user", "1000")
+        self.has(*REQUIRED, *OPTIONAL)
+
+    def write(self, name: str, text: str) -> None:
+        (self.state / name).write_text(text)
+
+    def has(self, *packages: str) -> None:
+        """What is installed."""
+        self.write("installed", "".join(f"{name}\n" for name in packages))
+
+    def has_all_but(self, *packages: str) -> None:
+        self.has(*(name for name in [*REQUIRED, *OPTIONAL] if name not in packages))
+
+    def calls(self) -> list[str]:
+        """Of apt-get and pip, since the last time."""
+        calls = (self.state / "calls").read_text().splitlines()
+        self.write("calls", "")
+        return calls
+
+    def setup(self, *arguments: str) -> tuple[int, str, str]:
+        """Exit code, standard output, standard error."""
+        run = subprocess.run(
+            [self.root / "scripts/setup", *arguments],
+            env={"PATH": self.path, "HOME": str(self.state)},
+            capture_output=True, text=True, check=False, timeout=60,
+        )  # fmt: skip
+        return run.returncode, run.stdout, run.stderr
+
+
+@pytest.fixture
+def machine(tmp_path: Path) -> Machine:
+    return Machine(tmp_path)
+
+
+def test_python_packages_are_installed_once(machine: Machine):
+    code, out, err = machine.setup()
+    assert (code, err) == (0, "")
+    assert "setup: ready" in out
+    [pip] = machine.calls()
+    assert pip.startswith("pip -m pip install")
+    assert "--requirement scripts/requirements.txt" in pip
+    in_place = machine.state / "site/robocell-in-place.pth"
+    assert in_place.read_text().strip() == str(machine.root / "python")
+    code, out, err = machine.setup()
+    assert (code, machine.calls(), err) == (0, [], ""), "a second run installs nothing"
+    assert re.fullmatch(r"(setup: note: no PyKDL.*\n)?setup: ready \(\d+ s\)\n", out)
+    requirements = machine.root / "scripts/requirements.txt"
+    requirements.write_text(requirements.read_text() + "another\n")
+    assert machine.setup()[0] == 0
+    assert len(machine.calls()) == 1, "until the list changes"
+
+
+def test_without_permission_it_prints_the_command_and_stops(machine: Machine):
+    machine.has_all_but("cmake", "libeigen3-dev", "libosmesa6")
+    for _ in range(2):
+        code, out, err = machine.setup()
+        assert code == 3
+        assert out == ""
+        assert err.splitlines() == [
+            "setup: system packages are missing, and this user may not install them. Run:",
+            f"  {COMMAND}cmake libeigen3-dev libosmesa6",
+            "then run the same command again.",
+        ]
+        assert machine.calls() == []
+    machine.has(*REQUIRED, *OPTIONAL)  # as the command does
+    assert machine.setup()[0] == 0
+
+
+def test_of_alternatives_that_one_is_asked_for_which_the_machine_knows(machine: Machine):
+    alternatives = next(line for line in lines() if " | " in line).lstrip("?").split(" | ")
+    machine.has_all_but("cmake", alternatives[0])
+    machine.write("unknown", alternatives[0])
+    assert f"  {COMMAND}cmake {alternatives[1]}\n" in machine.setup()[2]
+    machine.write("unknown", " ".join(alternatives))
+    assert f"  {COMMAND}cmake\n" in machine.setup()[2]
+
+
+def test_what_is_optional_is_asked_for_once(machine: Machine):
+    machine.has_all_but("libosmesa6")
+    code, out, err = machine.setup()
+    assert (code, err) == (0, "")
+    assert "setup: optional system packages are missing; what needs them will say so. To " in out
+    assert f"setup:   {COMMAND}libosmesa6\n" in out
+    code, out, err = machine.setup()
+    assert code == 0
+    assert "libosmesa6" not in out
+
+
+@pytest.mark.parametrize("who", ["root", "sudo"])
+def test_with_permission_it_installs_what_is_missing(machine: Machine, who: str):
+    if who == "root":
+        machine.write("user", "0")
+    else:
+        machine.write("sudo-works", "")
+    machine.has_all_but("cmake", "libeigen3-dev", "libosmesa6")
+    code, out, err = machine.setup()
+    assert (code, err) == (0, "")
+    assert "setup: installing cmake libeigen3-dev\n" in out
+    update, required, optional, _ = machine.calls()
+    assert update.endswith(" update")
+    assert required.endswith(" install -y --no-install-recommends cmake libeigen3-dev")
+    assert optional.endswith(" install -y --no-install-recommends libosmesa6")
+    assert machine.setup()[0] == 0
+    assert machine.calls() == []
+
+
+def test_an_installation_that_fails_is_told(machine: Machine):
+    machine.write("user", "0")
+    machine.write("broken", "")
+    machine.has_all_but("cmake")
+    code, _, err = machine.setup()
+    assert (code, err) == (1, "setup: apt-get update failed; see its message above\n")
+
+
+def test_check_says_what_is_missing_and_installs_nothing(machine: Machine):
+    machine.write("user", "0")
+    machine.has_all_but("cmake", "libeigen3-dev", "libosmesa6")
+    code, out, err = machine.setup("--check")
+    assert (code, err) == (1, "setup: not ready; run scripts/setup\n")
+    assert "setup: system packages missing: cmake libeigen3-dev\n" in out
+    assert "setup: optional system packages missing: ?libosmesa6\n" in out
+    assert "setup: Python packages in .venv are missing or out of date\n" in out
+    assert machine.calls() == []
+    assert not (machine.root / "build").exists()
+    shutil.rmtree(machine.root / ".venv")
+    machine.has(*REQUIRED, *OPTIONAL)
+    code, out, err = machine.setup("--check")
+    assert (code, out) == (1, "setup: .venv is missing\n")
+    assert not (machine.root / ".venv").exists()
+
+
+def test_check_of_a_machine_that_is_ready_passes(machine: Machine):
+    machine.setup()
+    code, out, err = machine.setup("--check")
+    assert (code, err) == (0, "")
+    assert re.fullmatch(r"setup: ready \(\d+ s\)\n", out)
+
+
+def test_anything_else_is_a_wrong_use(machine: Machine):
+    assert machine.setup("--chekc") == (2, "", "usage: scripts/setup [--check]\n")
+    assert machine.calls() == []
+
+
+def test_a_list_of_packages_has_names_that_apt_understands():
+    names = [name for line in lines() for name in line.lstrip("?").split(" | ")]
+    assert [name for name in names if not re.fullmatch(r"[a-z0-9][a-z0-9+.-]+", name)] == []
