@@ -1,43 +1,79 @@
-"""docs/coverage.md names tests that exist."""
+"""docs/coverage.md has every check, and names tests of both languages that exist."""
 
 from __future__ import annotations
 
+import ast
+import functools
 import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "docs/coverage.md").read_text()
+CHECKS = [*range(1, 51), *range(54, 75)]  # 51 to 53 are the viewer's, which is not there yet
 
 
-def named() -> list[str]:
-    """The tests the tables name; a name that begins with a dot or `::` is of the suite before."""
+def rows() -> list[tuple[int, list[str]]]:
+    """Number and the other cells of every row: check, C++, Python, example."""
+    found = re.findall(r"^\| *(\d+) \|(.*)\|$", PAGE, re.MULTILINE)
+    return [(int(number), [cell.strip() for cell in rest.split("|")]) for number, rest in found]
+
+
+def named(cell: str) -> list[str]:
+    """The tests of a cell; a name that begins with a dot or `::` is of the suite before."""
     names: list[str] = []
-    for row in re.findall(r"^\| *\d+ \|(.*)$", PAGE, re.MULTILINE):
-        for cell in row.split("|")[1:3]:
-            suite = ""
-            for name in re.findall(r"`([^`]+)`", cell):
-                if name.startswith((".", "::")):
-                    name = suite + name
-                suite = re.split(r"\.|::", name)[0]
-                names.append(name)
+    for name in re.findall(r"`([^`]+)`", cell):
+        if name.startswith("."):
+            name = names[-1].split(".")[0] + name
+        elif name.startswith("::"):
+            name = names[-1].rpartition("::")[0] + name
+        names.append(name)
     return names
+
+
+@functools.cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text())
+
+
+@functools.cache
+def cxx_tests() -> set[tuple[str, str]]:
+    files = ROOT.glob("src/robocell/**/*_test.cc")
+    test = re.compile(r"TEST(?:_F|_P)?\(\s*(\w+),\s*(\w+)\)")
+    return {found for f in files for found in test.findall(f.read_text())}
+
+
+def has_test(body: list[ast.stmt], path: list[str]) -> bool:
+    """Whether the function is there, in the very classes that are named."""
+    kind = ast.ClassDef if path[1:] else ast.FunctionDef
+    for node in body:
+        if isinstance(node, kind) and node.name == path[0]:
+            return not path[1:] or has_test(node.body, path[1:])
+    return False
 
 
 def exists(name: str) -> bool:
     if "::" in name:
         file, *path = name.split("::")
         files = [*ROOT.glob(f"python/tests/{file}.py"), *ROOT.glob(f"tests/**/{file}.py")]
-        kinds = ["class "] * (len(path) - 1) + ["def "]
-        return any(
-            all(kind + part in f.read_text() for kind, part in zip(kinds, path, strict=True))
-            for f in files
-        )
+        return any(has_test(parsed(f).body, path) for f in files)
     suite, test = name.split(".")
-    tests = rf"TEST(?:_F|_P)?\(\s*{suite},\s*{'' if test == '*' else test}\b"
-    return any(re.search(tests, f.read_text()) for f in ROOT.glob("src/robocell/**/*_test.cc"))
+    return any(s == suite and test in ("*", t) for s, t in cxx_tests())
+
+
+def test_every_check_has_one_row():
+    assert sorted(number for number, _ in rows()) == CHECKS
+
+
+def test_every_check_has_a_test_in_both_languages_and_an_example():
+    assert [
+        f"{number}: {column}"
+        for number, cells in rows()
+        for column, cell in zip(("check", "C++", "Python", "example"), cells, strict=True)
+        if not (named(cell) if column in ("C++", "Python") else cell)
+    ] == []
 
 
 def test_every_test_that_the_page_names_exists():
-    names = named()
+    names = [name for _, cells in rows() for cell in cells[1:3] for name in named(cell)]
     assert len(names) > 50
     assert [name for name in names if not exists(name)] == []

@@ -196,6 +196,24 @@ TEST(Placement, ToolsStandAtFramesWithAnglesInDegreesAboutFixedAxes) {
           rig.authored);
 }
 
+// A spec may be changed where it lies; the next scene that is made of it has that.
+TEST(Placement, EditsInPlaceMoveTheTool) {
+  ModelFolder folder;
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.path = folder.Write("arm", kTwoJointArm),
+                         .attachments = {{.mjcf_path = folder.Write("gripper", kTwoFingerGripper),
+                                          .attach_to = Site("flange"),
+                                          .prefix = "g_"}}});
+  const Scene before = Scene::Build(spec);
+  AttachmentSpec& gripper = spec.robots[0].attachments[0];
+  gripper.pos[2] = 0.005;
+  gripper.euler[2] = 15;
+  const Scene after = Scene::Build(spec);
+  EXPECT_SAME_POSE(after.site_pose("flange"), before.site_pose("flange"));
+  EXPECT_SAME_POSE(before.site_pose("g_pinch").inverse() * after.site_pose("g_pinch"),
+                   Pose::FromRpy({0, 0, 0.005}, {0, 0, 15 * std::numbers::pi / 180}));
+}
+
 TEST(Placement, TheRigIsWhatTheSceneSays) {
   RandomRig rig(3);
   const Scene scene = Scene::Build(rig.spec);
