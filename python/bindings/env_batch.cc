@@ -228,7 +228,8 @@ void BindEnvBatch(nb::module_& m) {
                   "numpy.typing.NDArray[numpy.float64], list[str]]"),
           "Steps all copies but those that `reset_instead` is true for, which begin their next "
           "episode: (observations (count, m), rewards, terminated, truncated, time since the "
-          "reset, reasons). Ctrl-C ends it halfway; copies that were stepping then want a reset.");
+          "reset, reasons). Ctrl-C ends it halfway. After an error on the way, as after Ctrl-C, "
+          "all copies want a reset.");
 }
 
 }  // namespace robocell::python

@@ -119,7 +119,10 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
     def step(
         self, actions: Any
     ) -> tuple[Any, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
-        """One step of every copy; those that ended begin anew as the autoreset mode says."""
+        """One step of every copy; those that ended begin anew as the autoreset mode says.
+
+        After an error on the way, as after Ctrl-C, all copies want a reset.
+        """
         if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
             raise ArgumentError(
                 f"episodes of {np.flatnonzero(self._ended).tolist()} have ended: reset them with "

@@ -80,6 +80,42 @@ def test_a_step_of_a_vector_ends(threads):
     vector.close()
 
 
+class InterruptsTheSecond(rc.EnvTask):
+    """Sends Ctrl-C into the step of the second copy, when the first has stepped."""
+
+    def __init__(self, config: rc.EnvConfig, scene: rc.Scene) -> None:
+        super().__init__()
+        self.first = config.name.endswith("[0]")
+
+    def reward(self, scene: rc.Scene) -> float:
+        if self.first:
+            threading.Timer(0.02, os.kill, (os.getpid(), signal.SIGINT)).start()
+        return 1.0
+
+    def success(self, scene: rc.Scene) -> bool:
+        return True
+
+    def instruction(self) -> str:
+        return "be interrupted"
+
+
+def test_all_copies_of_an_interrupted_vector_want_a_reset():
+    rc.register_env_task("interrupts_the_second", InterruptsTheSecond)
+    config = pick_cube_config(
+        sim={"async_control": True, "frequency": 0.01, "on_collision": "report"},
+        task={"kind": "interrupts_the_second"},
+    )
+    vector = VectorGymEnv(config, 3, threads=1)
+    vector.reset(seed=0)
+    stay = {"robot": {"tquat": np.tile([0, 0, 0, 0, 0, 0, 1.0], (3, 1)), "gripper": np.ones(3)}}
+    with pytest.raises(KeyboardInterrupt):
+        vector.step(stay)
+    vector.reset(options={"reset_mask": np.array([False, True, True])})
+    with pytest.raises(rc.Error, match=r"'pick_cube\[0\]': an error ended its last reset or step"):
+        vector.step(stay)
+    vector.close()
+
+
 def test_parts_of_many_steps_are_one_answer():
     one, other = cell(), cell()
     result = one.step_n(1000)

@@ -82,9 +82,12 @@ class Env {
 
   void Reset(const EnvResetOptions& options = {});
   // `action` has layout().action.size() numbers. Error before the first Reset and after a
-  // divergence. `poll` is called after each step of the engine; what it throws ends the step
-  // halfway.
+  // divergence. `poll` is called after each step of the engine, and often while a step waits for
+  // real time; what it throws ends the step halfway.
   EnvStep Step(std::span<const double> action, const std::function<void()>& poll = {});
+  // From now on only Reset and going back to a state go on, as after an error halfway: for those
+  // who step several environments together, when that of another one has failed.
+  void WantReset() { phase_ = Phase::kBroken; }
   // Throws what Step would throw for this action, and moves nothing.
   void CheckAction(std::span<const double> action) const;
   // What the last Reset or Step left, layout().observation.size() numbers; a step that diverged

@@ -231,11 +231,13 @@ const BatchStep& EnvBatch::Step(std::span<const double> actions,
   };
   try {
     workers_->Run(size(), work, ask);
+    DrawFrames();
   } catch (...) {
+    // Some have stepped and some have not, and nobody hears which episodes ended.
+    for (const std::unique_ptr<Env>& env : envs_) env->WantReset();
     interruption.Rethrow();
     throw;
   }
-  DrawFrames();
   return step_;
 }
 

@@ -12,7 +12,8 @@
 //
 // Errors: those of Env; ArgumentError for more copies than the machine has memory for. An action
 // that is refused leaves all copies as they are; what else one copy throws comes out after all have
-// finished, the first by its number. Threads: one caller at a time.
+// finished, the first by its number. After a step that failed so, all copies want a reset: some
+// have stepped, and what they were rewarded with is lost. Threads: one caller at a time.
 #pragma once
 
 #include <cstdint>
@@ -56,7 +57,7 @@ class EnvBatch {
   // Steps all copies but those that `reset_instead` is true for, which begin their next episode:
   // reward 0, neither terminated nor truncated.
   // `poll` is called on the caller's thread, often; what it throws ends all copies' steps and comes
-  // out. Those that it ended halfway then want a reset.
+  // out, and all copies want a reset.
   const BatchStep& Step(std::span<const double> actions,
                         const std::vector<bool>& reset_instead = {},
                         const std::function<void()>& poll = {});

@@ -11,6 +11,7 @@
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/robot.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -201,6 +202,68 @@ TEST(EnvBatch, WhatAPollThrowsEndsTheStepsOfAllThreads) {
     batch.Reset(Seeds());
     calls = 0;
     EXPECT_THROW(batch.Step(zeros, {}, poll), Enough) << "and again";
+  }
+}
+
+std::vector<double> Zeros(const EnvBatch& batch) {
+  return std::vector<double>(static_cast<size_t>(batch.size()) *
+                             static_cast<size_t>(batch.layout().action.size()));
+}
+
+TEST(EnvBatch, WheneverAStepIsEndedAllCopiesWantAReset) {
+  struct Enough {};
+  EnvConfig config = Noisy();
+  config.sim.frequency = 125;  // four steps of the engine
+  const std::vector<std::optional<uint64_t>> seeds = {3, 4, 5};
+  for (const int threads : {1, 2}) {
+    EnvBatch batch(config, 3, threads);
+    const std::vector<double> zeros = Zeros(batch);
+    int calls = 0, last = 0;
+    const auto poll = [&] {
+      if (++calls == last) throw Enough();
+    };
+    batch.Reset(seeds);
+    batch.Step(zeros, {}, poll);
+    EXPECT_TRUE(threads == 2 || calls == 3 * 5) << "before each copy, and after each engine step";
+    const std::vector<double> whole(batch.observations().begin(), batch.observations().end());
+    for (last = 1; last <= 3 * 5; ++last) {
+      batch.Reset(seeds);
+      calls = 0;
+      bool ended = false;
+      try {
+        batch.Step(zeros, {}, poll);
+      } catch (const Enough&) {
+        ended = true;
+      }
+      EXPECT_EQ(ended, threads == 1 || calls >= last) << last;
+      if (!ended) continue;  // the other thread took that much of the work
+      ExpectThrow<Error>([&] { batch.Step(zeros); },
+                         "'env[0]': an error ended its last reset or step halfway; call reset");
+      batch.Reset({}, {true, true, false});
+      ExpectThrow<Error>([&] { batch.Step(zeros); }, "'env[2]': an error ended its last reset");
+    }
+    batch.Reset(seeds);
+    batch.Step(zeros);
+    const std::vector<double> again(batch.observations().begin(), batch.observations().end());
+    EXPECT_EQ(again, whole);
+  }
+}
+
+TEST(EnvBatch, AfterAnErrorOfOneCopyAllWantAReset) {
+  for (const int threads : {1, 2}) {
+    EnvBatch batch(Noisy(), 3, threads);
+    batch.Reset({});
+    // A controller that it cannot use, put in behind its back.
+    Robot robot = Robot::Of(batch.env(1).scene(), "robot");
+    robot.SetController("arm", "cartesian_pose");
+    robot.SetController("arm", "differential_ik");
+    ExpectThrow<ArgumentError>([&] { batch.Step(Zeros(batch)); }, "takes a twist");
+    robot.SetController("arm", "joint_position");
+    batch.Reset({}, {false, true, false});
+    ExpectThrow<Error>([&] { batch.Step(Zeros(batch)); },
+                       "'env[0]': an error ended its last reset or step halfway; call reset");
+    batch.Reset({});
+    batch.Step(Zeros(batch));
   }
 }
 
