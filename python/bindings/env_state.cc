@@ -7,6 +7,7 @@
 #include "bindings.h"
 #include "env.h"
 #include "in_use.h"
+#include "signals.h"
 #include "spec_enums.h"
 #include "values.h"
 #include "robocell/base/names.h"
@@ -145,11 +146,11 @@ void DefEnvState(nb::class_<Env>& env) {
             const StateFrame in = ToStateFrame(frame);
             const InUse use(e, &Place, "replayed");
             const nb::gil_scoped_release release;
-            return ReplayRecord(e, record, in, tolerance);
+            return ReplayRecord(e, record, in, tolerance, SparsePoll());
           },
           "record"_a, "frame"_a = "world", "tolerance"_a = 0.0,
           "Does what was recorded again, from its start, until a number differs by more than "
-          "`tolerance` (0: to the bit); frame as of set_state.");
+          "`tolerance` (0: to the bit); frame as of set_state. Ctrl-C ends it.");
 }
 
 }  // namespace robocell::python

@@ -63,6 +63,33 @@ def test_a_step_of_an_environment_ends():
     env.close()
 
 
+def test_waiting_for_real_time_ends():
+    sim = {"async_control": True, "frequency": 0.1, "on_collision": "report", "realtime": True}
+    env = rc.Env(pick_cube_config(sim=sim))
+    env.reset(seed=0)
+    stay = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}}
+    with interrupted(2.0):
+        env.step(stay)
+    with pytest.raises(rc.Error, match="call reset to go on"):
+        env.step(stay)
+    env.close()
+
+
+def test_a_replay_ends():
+    sim = {"async_control": True, "frequency": 1e-3, "on_collision": "report"}
+    env = rc.Env(pick_cube_config(sim=sim))
+    env.reset(seed=0)
+    env.start_record()
+    nothing = env.stop_record()
+    stay = [[0, 0, 0, 0, 0, 0, 1, 1]]
+    record = rc.EnvRecord(nothing.start, stay, np.tile(nothing.observations, (2, 1)), [0])
+    with interrupted():
+        env.replay(record)
+    with pytest.raises(rc.Error, match="call reset to go on"):
+        env.step({"robot": {"tquat": stay[0][:7], "gripper": 1}})
+    env.close()
+
+
 @pytest.mark.parametrize("threads", [1, 2])
 def test_a_step_of_a_vector_ends(threads):
     sim = {"async_control": True, "frequency": 1e-3, "on_collision": "report"}

@@ -254,9 +254,9 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   }
   Observe();
   if (task_) Judge(out);
+  if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;
   if (record_) Note(action, out.reward);
-  if (config_.sim.realtime) pacer_.Wait(out.time);
   return out;
 }
 

@@ -66,7 +66,8 @@ std::string DifferenceOf(const Env& env, std::span<const double> row, double tol
 
 }  // namespace
 
-EnvReplay ReplayRecord(Env& env, const EnvRecord& record, StateFrame frame, double tolerance) {
+EnvReplay ReplayRecord(Env& env, const EnvRecord& record, StateFrame frame, double tolerance,
+                       const std::function<void()>& poll) {
   CheckRecord(env, record);
   env.SetState(record.start, frame);
   const auto row = [](const std::vector<double>& all, int i, int size) {
@@ -78,7 +79,7 @@ EnvReplay ReplayRecord(Env& env, const EnvRecord& record, StateFrame frame, doub
   if (!difference.empty()) replay.difference = "at the start: " + difference;
   while (replay.same() && replay.steps < record.steps()) {
     const int i = replay.steps++;
-    const EnvStep step = env.Step(row(record.actions, i, action));
+    const EnvStep step = env.Step(row(record.actions, i, action), poll);
     difference = DifferenceOf(env, row(record.observations, i + 1, seen), tolerance);
     if (step.reason == EndReason::kDiverged)
       difference = "the simulation diverged: " + step.message;

@@ -9,6 +9,7 @@
 //   record.Save("episode.npy");  // for EnvRecord::Load, also in another process
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -44,8 +45,8 @@ struct EnvReplay {
 // Goes back to the start of the record and does the same again, until something is farther from
 // what was recorded than `tolerance` (of each number of the observations, and the rewards). With 0
 // it is the same to the bit or not; StateFrame::kRoot, for a rig that stands elsewhere, needs more.
-// ArgumentError for a record of another configuration.
+// ArgumentError for a record of another configuration. `poll` as of Env::Step.
 EnvReplay ReplayRecord(Env& env, const EnvRecord& record, StateFrame frame = StateFrame::kWorld,
-                       double tolerance = 0);
+                       double tolerance = 0, const std::function<void()>& poll = {});
 
 }  // namespace robocell

@@ -146,6 +146,24 @@ TEST(EnvReplays, AreTheSameToTheBitAndSayWhatIsNot) {
                              "a record of 3 steps has 3 x 8 numbers of actions");
 }
 
+TEST(EnvReplays, EndWhenTheirPollThrows) {
+  struct Enough {};
+  Env env(Rc7WithCube());
+  const EnvRecord record = Episode(env);
+  int calls = 0, last = 0;
+  const auto poll = [&] {
+    if (++calls == last) throw Enough();
+  };
+  EXPECT_TRUE(ReplayRecord(env, record, StateFrame::kWorld, 0, poll).same());
+  last = calls / 2;
+  EXPECT_GT(last, 3) << "after each step of the engine";
+  calls = 0;
+  EXPECT_THROW(ReplayRecord(env, record, StateFrame::kWorld, 0, poll), Enough);
+  EXPECT_EQ(calls, last);
+  ExpectThrow<Error>([&] { GoTo(env, {0.45, 0, 0.3}, 1); }, "call reset to go on");
+  EXPECT_TRUE(ReplayRecord(env, record).same());
+}
+
 TEST(EnvReplays, InARigThatStandsElsewhere) {
   Env here(Rc7WithCube()), there(Rc7WithCube(kElsewhere));
   const EnvRecord record = Episode(here);
