@@ -189,7 +189,8 @@ void BindEnvTask(nb::module_& m) {
           nb::sig("def starts(self, rng: Rng) -> collections.abc.Mapping[str, Pose]"),
           "Where free and mocap bodies start: {name in the scene: pose in the world}. The reset "
           "puts them there with all else, which is several times as fast as moving them in "
-          "arrange.")
+          "arrange.\n\nThe scene is still where the last episode ended: do not look at it; what "
+          "depends on it belongs into arrange.")
       .def(
           "arrange", [](EnvTask&, const Scene&, PythonRng&) {}, "scene"_a, "rng"_a,
           "What else an episode starts with; `rng` goes on from starts.")

@@ -120,7 +120,9 @@ void Env::Reset(const EnvResetOptions& options) {
   Rng variation = Rng::Stream(seed, "env variation");
   variations_.Draw(variation);
   Rng of_task = Rng::Stream(seed, "env task");
-  scene_.Reset({.seed = seed, .body_poses = task_ ? task_->Starts(of_task) : BodyPoses()});
+  // Asked before the reset, which puts bodies there and is one evaluation of the scene.
+  const BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
+  scene_.Reset({.seed = seed, .body_poses = starts});
   for (size_t i = 0; i < kept.size(); ++i) Robot(arms_[i].robot()).SetJointPos(kept[i]);
   for (ArmDriver& arm : arms_) arm.Reset();
   if (task_) {

@@ -6,10 +6,10 @@
 //     return std::make_shared<Stack>(config, scene);
 //   });
 //
-// At a reset: Starts, robots at home and bodies there, Arrange, Begin. After each step: Observe and
-// Judge, which is Reward and Success. Objects of objects() are observed by themselves. Copies of an
-// environment have a task each; their threads call them at the same time, one call at a time for
-// each.
+// At a reset: Starts (before anything is moved), robots at home and bodies there, Arrange, Begin.
+// After each step: Observe and Judge, which is Reward and Success. Objects of objects() are
+// observed by themselves. Copies of an environment have a task each; their threads call them at the
+// same time, one call at a time for each.
 #pragma once
 
 #include <functional>
@@ -41,8 +41,10 @@ class EnvTask : public Task {
   // Once after each step. For tasks that find the two together.
   virtual TaskVerdict Judge(const Scene& scene) { return {Reward(scene), Success(scene)}; }
 
-  // Where bodies start that are free or mocap bodies, by their names in the scene. The reset puts
-  // them there with all else, which is several times as fast as moving them in Arrange.
+  // Where bodies start that are free or mocap bodies: poses in the world, by their names in the
+  // scene. The reset puts them there with all else, which is several times as fast as moving them
+  // in Arrange. The scene is still where the last episode ended: do not look at it; what depends on
+  // it belongs into Arrange.
   virtual BodyPoses Starts(Rng& /*rng*/) { return {}; }
   // What else an episode starts with; the robots are at their start already. `rng` goes on from
   // Starts.
