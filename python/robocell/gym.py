@@ -19,6 +19,7 @@ import gymnasium
 from gymnasium.vector import AutoresetMode
 
 from robocell import models
+from robocell._cells import is_name, load_cell
 from robocell._core import ArgumentError, ControlMode, EnvConfig, Pose, RobotConfig
 from robocell._gym_env import GymEnv
 from robocell._gym_flat import FlatGymEnv, FlatVectorGymEnv
@@ -55,20 +56,10 @@ def _single(config: EnvConfig, render_mode: str | None, flat: bool) -> GymEnv:
 
 def _configured(config: EnvConfig | File, fields: dict[str, Any]) -> EnvConfig:
     """A copy, what a file says or a ready-made cell, with other fields."""
-    if isinstance(config, EnvConfig):
-        own = copy.deepcopy(config)
-    elif _is_name(config):
-        own = EnvConfig.load(models.cell_file(str(config)))
-    else:
-        own = EnvConfig.load(config)
+    own = copy.deepcopy(config) if isinstance(config, EnvConfig) else load_cell(config)
     for name, value in fields.items():
         setattr(own, name, value)
     return own
-
-
-def _is_name(given: Any) -> bool:
-    """Whether it is the name of something that is there, or was meant as one."""
-    return isinstance(given, str) and not os.path.splitext(given)[1] and not os.path.exists(given)
 
 
 def environment(
@@ -136,11 +127,11 @@ def pick_cube_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvCon
 
 def _robots_of(robot: RobotConfig | File) -> dict[str, Any]:
     """Fields of EnvConfig: one robot, or that of a ready-made cell with what it carries."""
-    if not isinstance(robot, str) or not _is_name(robot):
+    if not isinstance(robot, str) or not is_name(robot):
         return {"robots": {"robot": robot}}
     if robot in models.robots():
         return {"robots": {"robot": models.robot_file(robot)}}
-    cell = EnvConfig.load(models.cell_file(robot))
+    cell = load_cell(robot)
     if len(cell.robots) > 1:
         raise ArgumentError(
             f"robot: the cell '{robot}' has {len(cell.robots)} robots ({', '.join(cell.robots)}), "

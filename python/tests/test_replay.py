@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import shutil
+import time
 from pathlib import Path
 
 import h5py
@@ -144,6 +146,27 @@ def test_the_record_of_an_environment_is_replayed(record: Path, tmp_path: Path):
     assert f"{record}: after step 2: robot." in result.stdout
 
 
+def test_a_replay_does_not_wait_for_real_time(tmp_path: Path):
+    rc7 = robocell.models.robot_file("rc7")
+    (tmp_path / "env.yaml").write_text(
+        f"robots: {{robot: {rc7}}}\nsim: {{async_control: true, frequency: 0.02, realtime: true}}\n"
+    )
+    config = robocell.EnvConfig.load(tmp_path / "env.yaml")
+    config.sim.realtime = False
+    env = robocell.Env(config)
+    env.reset(seed=1)
+    env.start_record()
+    env.step({"robot": {"joints": [0] * 7, "gripper": 1}})
+    env.stop_record().save(str(tmp_path / "record.npy"))
+    env.close()
+    started = time.monotonic()
+    result = robocell_command(
+        "replay", tmp_path / "record.npy", "--env", tmp_path / "env.yaml", "--tolerance", 0
+    )
+    assert result.returncode == 0, result.stderr
+    assert time.monotonic() - started < 40, "the step alone is 50 s"
+
+
 def test_what_a_record_needs_is_told(dataset: Path, record: Path, tmp_path: Path):
     assert "a record of an environment needs --env with its configuration" in refused(
         "replay", record
@@ -151,6 +174,19 @@ def test_what_a_record_needs_is_told(dataset: Path, record: Path, tmp_path: Path
     assert "leave e1 out" in refused("replay", record, "e1", "--env", "rc7")
     assert "--env is for a record" in refused("replay", dataset, "--env", "rc7")
     assert "no cell 'none'" in refused("replay", record, "--env", "none")
+    mistyped, folder = record.with_name("recrd.npy"), record.parent
+    assert (
+        f"no record '{mistyped}'. Files *.npy in {folder}/: record.npy. Did you mean '{record}'?"
+        in refused("replay", mistyped, "--env", folder / "env.yaml")
+    )
+    nowhere = folder / "none" / "record.npy"
+    assert f"no record '{nowhere}': there is no folder '{nowhere.parent}'" in refused(
+        "replay", nowhere, "--env", "rc7"
+    )
+    os.mkfifo(tmp_path / "pipe")
+    assert f"'{tmp_path / 'pipe'}' is no file; give the file of a record" in refused(
+        "replay", tmp_path / "pipe", "--env", "rc7"
+    )
     broken = tmp_path / "broken.npy"
     broken.write_bytes(record.read_bytes()[:50])
     result = robocell_command("replay", broken, "--env", "rc7")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import enum
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -92,13 +92,29 @@ def require_folder(path: Path, what: str) -> None:
         fail(f"'{path}' is a file; give the folder of a {what}.")
     if path.is_dir():
         return
+    _fail_missing(path, what, "Folders", Path.is_dir)
+
+
+def require_file(path: Path, what: str, suffix: str) -> None:
+    """Ends the command unless `path` is a file; the message lists those with that suffix."""
+    if path.is_file():
+        return
+    if path.exists():
+        fail(f"'{path}' is no file; give the file of a {what}.")
+    _fail_missing(
+        path, what, f"Files *{suffix}", lambda each: each.suffix == suffix and each.is_file()
+    )
+
+
+def _fail_missing(path: Path, what: str, kind: str, is_one: Callable[[Path], bool]) -> NoReturn:
+    """With what there is beside `path`, and the nearest of it."""
     folder = path.parent
     if not folder.is_dir():
         fail(f"no {what} '{path}': there is no folder '{folder}'.")
-    names = sorted(entry.name for entry in folder.iterdir() if entry.is_dir())
+    names = sorted(entry.name for entry in folder.iterdir() if is_one(entry))
     near = difflib.get_close_matches(path.name, names, n=1, cutoff=0.5)
     hint = f" Did you mean '{folder / near[0]}'?" if near else ""
-    fail(f"no {what} '{path}'.{_list(f'Folders in {folder}/', names)}{hint}")
+    fail(f"no {what} '{path}'.{_list(f'{kind} in {folder}/', names)}{hint}")
 
 
 def _list(place: str, names: Iterable[str]) -> str:

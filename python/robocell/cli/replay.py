@@ -9,7 +9,8 @@ import typer
 
 import robocell
 from robocell import _core
-from robocell.cli.common import ExitCode, fail, print_error, require_folder
+from robocell._cells import load_cell
+from robocell.cli.common import ExitCode, fail, print_error, require_file, require_folder
 from robocell.generate.totals import counted
 
 
@@ -44,7 +45,7 @@ def replay(
     configuration, which --env gives. Exit codes: 0 all the same, 1 some differ, 2 wrong command or
     an episode that cannot be replayed, 3 a file cannot be read.
     """
-    if dataset.is_file():
+    if dataset.is_file() or (env is not None and not dataset.is_dir()):
         _replay_record(dataset, episode, env, tolerance)
     else:
         _replay_dataset(dataset, episode, env, tolerance)
@@ -78,6 +79,7 @@ def _replay_dataset(dataset: Path, episode: str | None, env: str | None, toleran
 
 
 def _replay_record(file: Path, episode: str | None, env: str | None, tolerance: float) -> None:
+    require_file(file, "record", ".npy")
     if episode is not None:
         fail(f"'{file}' is one record; it has no episodes by id, leave {episode} out")
     if env is None:
@@ -90,7 +92,9 @@ def _replay_record(file: Path, episode: str | None, env: str | None, tolerance: 
     except robocell.Error as error:
         fail(str(error), ExitCode.OUTPUT)
     try:
-        environment = robocell.Env(_env_config(env))
+        config = load_cell(env)
+        config.sim.realtime = False
+        environment = robocell.Env(config)
         report = environment.replay(record, tolerance=tolerance)
     except robocell.Error as error:
         fail(f"{file} cannot be replayed: {error}")
@@ -100,11 +104,6 @@ def _replay_record(file: Path, episode: str | None, env: str | None, tolerance: 
         return
     print(f"{file}: {report.difference}")
     raise typer.Exit(ExitCode.INCOMPLETE)
-
-
-def _env_config(env: str) -> robocell.EnvConfig:
-    file = env if Path(env).suffix or Path(env).exists() else robocell.models.cell_file(env)
-    return robocell.EnvConfig.load(file)
 
 
 def _end(count: int, differing: int, unplayed: int, unread: int) -> None:

@@ -1,0 +1,19 @@
+"""Cells as they are given: as a file, or by the name of a ready-made one."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from robocell import models
+from robocell._core import EnvConfig
+
+
+def is_name(given: Any) -> bool:
+    """Whether it is the name of something that is there, or was meant as one."""
+    return isinstance(given, str) and not os.path.splitext(given)[1] and not os.path.exists(given)
+
+
+def load_cell(given: str | os.PathLike[str]) -> EnvConfig:
+    """What a configuration's file says, or a ready-made cell (``models.cells()``) by its name."""
+    return EnvConfig.load(models.cell_file(str(given)) if is_name(given) else given)
