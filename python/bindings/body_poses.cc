@@ -2,12 +2,28 @@
 
 namespace robocell::python {
 
+namespace {
+
+constexpr const char* kExpected = "a dict of names of bodies to poses";
+
+// What a mapping holds, as pairs; lists have no items(), but count as mappings for Python's C API.
+nb::list ItemsOf(nb::handle value, const FieldPath& path) {
+  if (!PyMapping_Check(value.ptr()) || !nb::hasattr(value, "items"))
+    ThrowType(path, kExpected, value);
+  nb::object items = nb::steal(PyMapping_Items(value.ptr()));
+  if (!items.is_valid()) throw nb::python_error();
+  return nb::cast<nb::list>(items);
+}
+
+}  // namespace
+
 BodyPoses ToBodyPoses(nb::handle value, const FieldPath& path) {
-  nb::dict given;
-  if (!nb::try_cast(value, given)) ThrowType(path, "a dict of names of bodies to poses", value);
   BodyPoses poses;
-  for (const auto& [key, item] : given) {
-    const std::string name = ToText(key, path);
+  for (const nb::handle pair : ItemsOf(value, path)) {
+    std::pair<nb::object, nb::object> entry;
+    if (!nb::try_cast(pair, entry)) ThrowType(path, kExpected, value);
+    const auto& [key, item] = entry;
+    const std::string name = ToKey(key, path);
     const Pose* pose = nullptr;
     const bool is_frame = nb::hasattr(item, "M") && nb::hasattr(item, "p");
     if (!is_frame && !(nb::try_cast(item, pose) && pose))

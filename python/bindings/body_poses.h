@@ -7,7 +7,7 @@
 
 namespace robocell::python {
 
-// TypeError "<path>.cube must be a Pose, got ..."; a PyKDL.Frame is one too.
+// Of any mapping. TypeError "<path>.cube must be a Pose, got ..."; a PyKDL.Frame is one too.
 BodyPoses ToBodyPoses(nb::handle value, const FieldPath& path);
 nb::dict ToDict(const BodyPoses& poses);
 

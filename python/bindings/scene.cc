@@ -98,7 +98,8 @@ Scene FromCompiled(std::shared_ptr<CompiledScene> compiled) {
   return Scene::FromCompiled(std::move(compiled), PythonData());
 }
 
-BodyPoses PosesOr(nb::handle given) {
+// What the argument of that name says; None for none.
+BodyPoses GivenBodyPoses(nb::handle given) {
   return given.is_none() ? BodyPoses() : ToBodyPoses(given, FieldPath("body_poses"));
 }
 
@@ -109,7 +110,7 @@ ResetInfo Reset(Scene& scene, const ResetOptions* options, std::optional<int> ke
         "reset: give either options or keyframe, use_keyframe, seed and body_poses");
   }
   const ResetOptions given =
-      options ? *options : ResetOptions{keyframe, use_keyframe, seed, PosesOr(body_poses)};
+      options ? *options : ResetOptions{keyframe, use_keyframe, seed, GivenBodyPoses(body_poses)};
   const nb::gil_scoped_release release;
   return scene.Reset(given);
 }
@@ -177,7 +178,7 @@ void BindReset(nb::module_& m) {
           "__init__",
           [](ResetOptions* self, std::optional<int> keyframe, bool use_keyframe,
              std::optional<uint64_t> seed, nb::handle body_poses) {
-            new (self) ResetOptions{keyframe, use_keyframe, seed, PosesOr(body_poses)};
+            new (self) ResetOptions{keyframe, use_keyframe, seed, GivenBodyPoses(body_poses)};
           },
           nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
           nb::arg("seed") = nb::none(), nb::arg("body_poses") = nb::none(),
@@ -192,7 +193,7 @@ void BindReset(nb::module_& m) {
               "For the robots' home noise; None: no noise.")
       .def_prop_rw(
           "body_poses", [](const ResetOptions& o) { return ToDict(o.body_poses); },
-          [](ResetOptions& o, nb::handle value) { o.body_poses = PosesOr(value); },
+          [](ResetOptions& o, nb::handle value) { o.body_poses = GivenBodyPoses(value); },
           nb::for_setter(nb::arg("value").none()),
           nb::for_getter(nb::sig("def body_poses(self, /) -> dict[str, Pose]")),
           nb::for_setter(nb::sig("def body_poses(self, value: "

@@ -172,12 +172,12 @@ size_t FindOrThrow(const SpecMap& self, nb::handle key) {
 }
 
 nb::object GetItem(const SpecMap& self, nb::handle key) {
-  return self.ops->get(MapOf(self), FindOrThrow(self, key));
+  return self.ops->get(MapOf(self), FindOrThrow(self, key), self.name);
 }
 
 void SetItem(SpecMap& self, nb::handle key, nb::handle value) {
   const FieldPath path(self.name);
-  const std::string name = ToText(key, path);
+  const std::string name = ToKey(key, path);
   self.ops->set(MapOf(self), name, self.ops->box(value, FieldPath(path, name)));
 }
 
@@ -196,7 +196,7 @@ nb::object Pop(SpecMap& self, nb::handle key, nb::args otherwise) {
 nb::dict Objects(const SpecMap& self) {
   nb::dict out;
   for (size_t i = 0; i < Size(self); ++i) {
-    out[self.ops->key(MapOf(self), i).c_str()] = self.ops->get(MapOf(self), i);
+    out[self.ops->key(MapOf(self), i).c_str()] = self.ops->get(MapOf(self), i, self.name);
   }
   return out;
 }
@@ -212,7 +212,7 @@ Entries ToEntries(nb::handle value, const FieldPath& path, const MapOps& ops) {
   for (const nb::object& entry : ToItems(entries, path, expected)) {
     if (IsText(entry) || !PySequence_Check(entry.ptr()) || nb::len(entry) != 2)
       ThrowType(path, expected, value);
-    const std::string key = ToText(entry[0], path);
+    const std::string key = ToKey(entry[0], path);
     out.emplace_back(key, ops.box(entry[1], FieldPath(path, key)));
   }
   return out;

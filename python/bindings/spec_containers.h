@@ -25,10 +25,11 @@ struct ListOps {
 };
 
 struct MapOps {
-  const char* element;
+  const char* element;  // "Pose", "numbers"
   size_t (*size)(const void* map);
   std::string (*key)(const void* map, size_t i);
-  nb::object (*get)(void* map, size_t i);
+  // `name` is that of the map, for messages.
+  nb::object (*get)(void* map, size_t i, const std::string& name);
   AnyBox (*box)(nb::handle value, const FieldPath& path);
   void (*set)(void* map, const std::string& key, const AnyBox& box);
   void (*erase)(void* map, size_t i);

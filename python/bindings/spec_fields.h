@@ -407,11 +407,15 @@ template <class T>
 const MapOps* MapOpsOf();
 
 // What a mapping's values are: specs, enums, poses, lists of numbers, or mappings of these.
+// Element() is what messages call them.
 template <class T>
 struct MapValue {
   static std::string Type() { return Convert<T>::Type(); }
   static std::string SetType() { return Convert<T>::SetType(); }
-  static nb::object Get(Box<T>& box) { return Convert<T>::Get(*box, "", nb::handle()); }
+  static std::string Element() { return Type(); }
+  static nb::object Get(Box<T>& box, const FieldPath&) {
+    return Convert<T>::Get(*box, "", nb::handle());
+  }
   static Box<T> ToBox(nb::handle value, const FieldPath& path) {
     auto box = std::make_shared<T>();
     Convert<T>::Set(*box, value, path);
@@ -423,7 +427,8 @@ template <HasFields S>
 struct MapValue<S> {
   static std::string Type() { return S::kTypeName; }
   static std::string SetType() { return Convert<S>::SetType(); }
-  static nb::object Get(Box<S>& box) { return nb::cast(box); }
+  static std::string Element() { return Type(); }
+  static nb::object Get(Box<S>& box, const FieldPath&) { return nb::cast(box); }
   static Box<S> ToBox(nb::handle value, const FieldPath& path) { return ToSpecBox<S>(value, path); }
 };
 
@@ -431,7 +436,8 @@ template <>
 struct MapValue<std::vector<double>> {
   static std::string Type() { return kArrayType<double>; }
   static std::string SetType() { return "numpy.typing.ArrayLike"; }
-  static nb::object Get(Box<std::vector<double>>& box) {
+  static std::string Element() { return "numbers"; }
+  static nb::object Get(Box<std::vector<double>>& box, const FieldPath&) {
     return NumberView(box->data(), box->size(), Keeper(box));
   }
   static Box<std::vector<double>> ToBox(nb::handle value, const FieldPath& path) {
@@ -447,8 +453,9 @@ struct MapValue<Map<S>> {
   static std::string SetType() {
     return "collections.abc.Mapping[str, " + MapValue<S>::SetType() + "]";
   }
-  static nb::object Get(Box<Map<S>>& box) {
-    return nb::cast(SpecMap{Keeper(box), "", box.get(), MapOpsOf<S>()});
+  static std::string Element() { return "mappings of names to " + MapValue<S>::Element(); }
+  static nb::object Get(Box<Map<S>>& box, const FieldPath& path) {
+    return nb::cast(SpecMap{Keeper(box), path.text(), box.get(), MapOpsOf<S>()});
   }
   static Box<Map<S>> ToBox(nb::handle value, const FieldPath& path) {
     auto box = std::make_shared<Map<S>>();
@@ -459,13 +466,15 @@ struct MapValue<Map<S>> {
 
 template <class T>
 const MapOps* MapOpsOf() {
-  static const std::string kElement = MapValue<T>::Type();
+  static const std::string kElement = MapValue<T>::Element();
   static const MapOps kOps = {
       kElement.c_str(),
       [](const void* map) { return static_cast<const Map<T>*>(map)->size(); },
       [](const void* map, size_t i) { return static_cast<const Map<T>*>(map)->entries()[i].first; },
-      [](void* map, size_t i) {
-        return MapValue<T>::Get(static_cast<Map<T>*>(map)->entries()[i].second);
+      [](void* map, size_t i, const std::string& name) {
+        auto& [key, box] = static_cast<Map<T>*>(map)->entries()[i];
+        const FieldPath path(name);
+        return MapValue<T>::Get(box, FieldPath(path, key));
       },
       [](nb::handle value, const FieldPath& path) -> AnyBox {
         return MapValue<T>::ToBox(value, path);

@@ -86,6 +86,11 @@ std::string ToText(nb::handle value, const FieldPath& path) {
   return {utf8, static_cast<size_t>(size)};
 }
 
+std::string ToKey(nb::handle key, const FieldPath& path) {
+  if (!IsText(key) && !nb::hasattr(key, "__fspath__")) ThrowType(path, "keyed by names", key);
+  return ToText(key, path);
+}
+
 std::vector<nb::object> ToItems(nb::handle value, const FieldPath& path,
                                 const std::string& expected) {
   const nb::object iterator = IsText(value) || nb::isinstance<nb::dict>(value)

@@ -45,6 +45,8 @@ double ToDouble(nb::handle value, const FieldPath& path);
 // A text, or a path object.
 std::string ToText(nb::handle value, const FieldPath& path);
 bool IsText(nb::handle value);
+// A key of the mapping that `path` names.
+std::string ToKey(nb::handle key, const FieldPath& path);
 // The items of any iterable but a text; `expected` as in "a list of names".
 std::vector<nb::object> ToItems(nb::handle value, const FieldPath& path,
                                 const std::string& expected);

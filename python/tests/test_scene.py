@@ -5,6 +5,7 @@ import sys
 import threading
 import time
 import weakref
+from types import MappingProxyType
 
 import mujoco
 import numpy as np
@@ -264,6 +265,13 @@ class TestReset:
         assert scene.body_pose("cube").is_close(there, 1e-12, 1e-12)
         scene.reset()
         assert scene.body_pose("cube").translation.tolist() == [0, 0, 0.5]
+        scene.reset(body_poses=MappingProxyType({"cube": there}))
+        assert scene.body_pose("cube").is_close(there, 1e-12, 1e-12)
+        for nothing in ([("cube", there)], "cube", 3):
+            with pytest.raises(TypeError, match="body_poses must be a dict of names of bodies to"):
+                scene.reset(body_poses=nothing)
+        with pytest.raises(TypeError, match="body_poses must be keyed by names, got int"):
+            scene.reset(body_poses={3: there})
         options = rc.ResetOptions(seed=3, body_poses={"cube": there})
         assert options.body_poses["cube"] == there
         assert repr(options).endswith(f"seed=3, body_poses={{'cube': {there!r}}})")

@@ -4,6 +4,7 @@ import collections.abc
 import copy
 import pathlib
 import pickle
+import re
 import shutil
 
 import numpy as np
@@ -351,7 +352,37 @@ class TestMaps:
             config.move_groups["x"] = 3
         with pytest.raises(TypeError, match="home must be a mapping of names"):
             config.home = [1]
+        with pytest.raises(TypeError, match="home must be a mapping of names to numbers, got int"):
+            config.home = 3
+        with pytest.raises(TypeError, match=r"control\.arm must be a ControlKind, got int"):
+            config.control = {"arm": 3}
+        with pytest.raises(TypeError, match="move_groups must be keyed by names, got int"):
+            config.move_groups[3] = {}
         assert config == arm_config()
+
+    @pytest.mark.parametrize(
+        ("given", "text"),
+        [
+            (3, " must be a mapping of names to mappings of names to EnvObject, got int"),
+            ({"x": 3}, ".x must be a mapping of names to EnvObject, got int"),
+            ({"x": {"cup": 3}}, ".x.cup must be an EnvObject, got int"),
+            ({"x": {"cup": {"mass": "1"}}}, ".x.cup.mass must be a number, got str"),
+            ({3: {}}, " must be keyed by names, got int"),
+            ({"x": {3: {}}}, ".x must be keyed by names, got int"),
+        ],
+    )
+    def test_what_a_mapping_of_mappings_refuses(self, given, text):
+        config = rc.EnvConfig()
+        with pytest.raises(TypeError, match=f"^robot_frame_objects{re.escape(text)}$"):
+            config.robot_frame_objects = given
+
+    def test_a_mapping_in_a_mapping_knows_its_name(self):
+        config = rc.EnvConfig(robot_frame_objects={"left": {"cup": {}}})
+        of_left = config.robot_frame_objects["left"]
+        with pytest.raises(TypeError, match=r"^robot_frame_objects\.left\.mug must be an Env"):
+            of_left["mug"] = 3
+        with pytest.raises(KeyError, match=r"robot_frame_objects\.left: no key 'cpu'.*'cup'"):
+            of_left["cpu"]
 
 
 class TestValues:
