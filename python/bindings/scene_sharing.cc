@@ -94,7 +94,8 @@ nb::object ImportWithAnyGl() {
 // The package has the engine read the clock dozens of times in every step, for MjData.timer: a
 // tenth of the time of a small robot's step. A clock that somebody set is left.
 void StopEngineTimers(const nb::object& mujoco) {
-  if (std::getenv("ROBOCELL_ENGINE_TIMERS")) return;
+  const char* wanted = std::getenv("ROBOCELL_ENGINE_TIMERS");
+  if (wanted && *wanted && std::string_view(wanted) != "0") return;
   if (mujoco.attr("get_mjcb_time")().is_none()) mjcb_time = nullptr;
 }
 

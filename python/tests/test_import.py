@@ -99,15 +99,17 @@ sys.exit(0 if (times[mujoco.mjtTimer.mjTIMER_STEP] > 0) == {expected} else str(t
 @pytest.mark.parametrize(
     ("before", "asked", "expected"),
     [
-        ("", "", False),
+        ("", None, False),
         ("", "1", True),
-        ("import time; mujoco.set_mjcb_time(time.perf_counter)", "", True),
+        ("", "0", False),
+        ("", "", False),
+        ("import time; mujoco.set_mjcb_time(time.perf_counter)", None, True),
     ],
-    ids=["by default", "when asked to", "by a clock that was set"],
+    ids=["by default", "when asked to", "not with 0", "nor with ''", "by a clock that was set"],
 )
 def test_the_engine_reads_the_clock(before, asked, expected, monkeypatch):
     monkeypatch.delenv("ROBOCELL_ENGINE_TIMERS", raising=False)
-    if asked:
+    if asked is not None:
         monkeypatch.setenv("ROBOCELL_ENGINE_TIMERS", asked)
     result = run(CLOCK.format(before=before, expected=expected))
     assert result.returncode == 0, result.stderr
