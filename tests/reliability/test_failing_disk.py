@@ -1,5 +1,6 @@
-"""The N-th write, flush, rename ... fails or kills, N = 1, 2, ... until nothing is left to fail.
+"""A write, flush, rename ... fails or kills: chosen ones in `make test`, every one in `make soak`.
 
+There it is the N-th, N = 1, 2, ... until nothing is left to fail; here one where it hurts most.
 Whatever the instant: what was acknowledged is there, what is there is intact, an error names the
 path, and writing again completes the dataset with the bytes of an undisturbed run.
 """
@@ -152,7 +153,7 @@ def calm(tmp_path_factory: pytest.TempPathFactory) -> Contents:
     return calm
 
 
-# Every call is hundreds of runs: for `make soak`.
+# Every call is hundreds of runs: for `make soak`. A numbered call of the encoders is met by both.
 CASES = [
     pytest.param(PLAIN, at_points, id="plain"),
     pytest.param(FILMED, at_points, id="filmed"),
@@ -174,7 +175,7 @@ def require_completed(ending: Ending, case: Case, calm: Contents) -> None:
 
 @pytest.mark.parametrize(("case", "endings"), CASES)
 @pytest.mark.parametrize("do", ["fail", "full"])
-def test_every_call_that_fails_is_reported_and_loses_nothing(
+def test_a_call_that_fails_is_reported_and_loses_nothing(
     do: str, case: Case, endings: Endings, dataset: Path, calm: Contents
 ):
     for ending in endings(dataset, case, do):
@@ -194,7 +195,7 @@ def test_every_call_that_fails_is_reported_and_loses_nothing(
 
 @pytest.mark.parametrize(("case", "endings"), CASES)
 @pytest.mark.parametrize("do", ["kill_before", "kill_after"])
-def test_death_at_every_call_loses_nothing(
+def test_death_at_a_call_loses_nothing(
     do: str, case: Case, endings: Endings, dataset: Path, calm: Contents
 ):
     for ending in endings(dataset, case, do):

@@ -1,5 +1,6 @@
-"""`robocell generate` before and after its workers: each call of prepare, lock and report may fail.
+"""`robocell generate` before and after its workers: calls of prepare, lock and report may fail.
 
+Chosen ones in `make test`, every one in `make soak`.
 The episodes are there; manifest, models, lock and report are not. What workers do is for
 test_failing_disk.py.
 """
@@ -130,7 +131,7 @@ ENDINGS = [Command.at_points, pytest.param(Command.everywhere, marks=pytest.mark
 
 @pytest.mark.parametrize("endings", ENDINGS)
 @pytest.mark.parametrize("do", ["fail", "full", "kill_before"])
-def test_every_call_before_and_after_the_workers_may_fail(
+def test_a_call_before_or_after_the_workers_may_fail(
     do: str, endings: Callable[[Command, str], Iterator[Ending]], command: Command
 ):
     for ending in endings(command, do):
