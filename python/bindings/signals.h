@@ -4,20 +4,25 @@
 #include <chrono>
 
 #include "bindings.h"
+#include "robocell/base/poll_clock.h"
 
 namespace robocell::python {
 
-// Called often from C++ code that works for long; asks Python every few milliseconds. Throws what a
-// signal's handler raises (KeyboardInterrupt). Without the GIL or with it; handlers run on the main
-// thread only, so on others it does nothing.
+// Runs the handlers of signals that have come, and throws what they raise (KeyboardInterrupt).
+// Without the GIL or with it; handlers run on the main thread only, so on others it does nothing.
+inline void HearSignals() {
+  const nb::gil_scoped_acquire gil;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+// Called often from C++ code that works for long; hears signals every few milliseconds.
 class SignalPoll {
  public:
   void operator()() {
     const auto now = std::chrono::steady_clock::now();
     if (now < next_) return;
     next_ = now + std::chrono::milliseconds(10);
-    const nb::gil_scoped_acquire gil;
-    if (PyErr_CheckSignals() != 0) throw nb::python_error();
+    HearSignals();
   }
 
  private:
@@ -25,18 +30,15 @@ class SignalPoll {
       std::chrono::steady_clock::now() + std::chrono::milliseconds(10);
 };
 
-// The same for what is done in microseconds, such as a step of the engine: only every few calls
-// look at the clock.
+// The same for what may be done in microseconds, such as a step of the engine.
 class SparsePoll {
  public:
   void operator()() {
-    if (++calls_ % kCalls == 0) poll_();
+    if (clock_.IsDue()) HearSignals();
   }
 
  private:
-  static constexpr int kCalls = 8;
-  int calls_ = 0;
-  SignalPoll poll_;
+  PollClock clock_;
 };
 
 }  // namespace robocell::python
