@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <exception>
 #include <set>
 #include <utility>
 
@@ -72,12 +73,18 @@ void Robot::State::OnReset() {
   };
   if (std::any_of(slots.begin(), slots.end(), refreshed)) RemakeChains();
   for (FtReading& reading : ft_sensors) reading.tare = {};
-  ForControlled([](GroupControl& control) {
-    control.controller->Reset();
-    control.ports.Reseed(*control.of->group);
-    // The key that was restored holds servos only.
-    if (control.controller->mode() != CtrlMode::kPosition) control.Run();
+  std::exception_ptr failed;
+  ForControlled([&](GroupControl& control) {
+    try {
+      control.controller->Reset();
+      control.ports.Reseed(*control.of->group);
+      // The key that was restored holds servos only.
+      if (control.controller->mode() != CtrlMode::kPosition) control.Run();
+    } catch (...) {  // no reason not to reset the other groups
+      if (!failed) failed = std::current_exception();
+    }
   });
+  if (failed) std::rethrow_exception(failed);
 }
 
 void Robot::State::OnResetDone() {

@@ -5,6 +5,10 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/joint_group.h"
@@ -333,6 +337,44 @@ TEST(Robot, ResetReseedsTargetsFromThePoseThatAHookLeaves) {
   scene.RemoveResetHook(hook);
   scene.Reset();
   EXPECT_EQ(robot.arm().joint_pos(), Rc7().home.at("arm"));
+}
+
+// Counts its resets, and throws at each when it has something to say.
+class ThrowsAtReset : public Controller {
+ public:
+  ThrowsAtReset(const MoveGroup& group, int* resets, std::string text)
+      : resets_(resets), text_(std::move(text)), q_(group.joint_pos()) {}
+  std::string_view kind() const override { return "throws_at_reset"; }
+  int target_size() const override { return static_cast<int>(q_.size()); }
+  void SetTarget(std::span<const double>) override {}
+  std::span<const double> target() const override { return q_; }
+  std::span<const double> commanded_joint_pos() const override { return q_; }
+  std::span<double> command_port() override { return q_; }
+  void Reset() override {
+    ++*resets_;
+    if (!text_.empty()) throw ArgumentError(text_);
+  }
+  void Compute(std::span<double> ctrl) override { std::fill(ctrl.begin(), ctrl.end(), 0.0); }
+
+ private:
+  int* resets_;
+  std::string text_;
+  std::vector<double> q_;
+};
+
+TEST(Robot, AGroupThatThrowsAtAResetStopsNoOther) {
+  Scene scene = Scene::Build(TwoRc7());
+  Robot left = Robot::Of(scene, "left"), right = Robot::Of(scene, "right");
+  std::array<int, 3> resets = {};
+  left.SetController("arm", std::make_unique<ThrowsAtReset>(left.arm(), &resets[0], "not now"));
+  left.SetController("gripper",
+                     std::make_unique<ThrowsAtReset>(left.gripper(), &resets[1], "nor then"));
+  right.SetController("gripper", std::make_unique<ThrowsAtReset>(right.gripper(), &resets[2], ""));
+  right.jnt_pos_cmd()[0] = 2;
+  resets = {};
+  ExpectThrow<ArgumentError>([&] { scene.Reset(); }, "not now");
+  EXPECT_THAT(resets, ElementsAre(1, 1, 1));
+  EXPECT_EQ(right.jnt_pos_cmd()[0], right.arm().joint_pos()[0]);
 }
 
 // qpos of every step of a motion of arm and gripper.
