@@ -256,6 +256,19 @@ TEST_F(Pool, ComesFromTheCacheToo) {
   EXPECT_TRUE(other.state() == scene.state());
 }
 
+TEST_F(Pool, WhatAResetParksStartsNowhereAlsoWhileItIsInTheScene) {
+  Scene scene = Scene::Build(spec);
+  const auto start = [&] { scene.Reset({.body_poses = {{"a", Pose()}}}); };
+  const char* refused =
+      "scene 'test': a reset parks object 'a', so it cannot start anywhere; put it into the scene "
+      "after the reset, at its pose, with AddObject (in Python add_object)";
+  ExpectThrow<ArgumentError>(start, refused);
+  scene.AddObject("a");
+  const std::vector<double> state = scene.state();
+  ExpectThrow<ArgumentError>(start, refused);
+  EXPECT_TRUE(scene.state() == state);
+}
+
 TEST_F(Pool, WhatIsRefusedIsToldAndChangesNothing) {
   Scene scene = Scene::Build(spec);
   const std::vector<double> state = scene.state();

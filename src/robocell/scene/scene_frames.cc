@@ -73,6 +73,12 @@ int Scene::State::RequireMovable(const std::string& name, bool after_reset) cons
   for (const PooledObject& object : pool) {
     const bool parked = after_reset ? object.parked_after_reset() : object.parked;
     if (!parked || object.body() != body) continue;
+    if (after_reset) {
+      throw ArgumentError(
+          fmt::format("{}: a reset parks object '{}', so it cannot start anywhere; put it into the "
+                      "scene after the reset, at its pose, with {}",
+                      context, object.name(), InBothLanguages("AddObject")));
+    }
     throw ArgumentError(
         fmt::format("{}: object '{}' is parked, so it cannot be moved; put it into the scene at "
                     "its pose with {}",
