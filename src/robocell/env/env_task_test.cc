@@ -256,13 +256,22 @@ TEST_F(EnvTaskTest, StartsAreSpreadAroundTheObjectsPlaceInTheRootFrame) {
 
 int evaluations = 0;
 
+// Counts evaluations of the engine for a scope.
+struct CountingEvaluations {
+  CountingEvaluations() {
+    evaluations = 0;
+    mjcb_control = [](const mjModel*, mjData*) { ++evaluations; };
+  }
+  ~CountingEvaluations() { mjcb_control = nullptr; }
+  CountingEvaluations(const CountingEvaluations&) = delete;
+  CountingEvaluations& operator=(const CountingEvaluations&) = delete;
+};
+
 TEST_F(EnvTaskTest, AResetEvaluatesItsStartOnce) {
   Env env(Placing(Pose(), true));
   env.Reset({.seed = 1});
-  evaluations = 0;
-  mjcb_control = [](const mjModel*, mjData*) { ++evaluations; };
+  const CountingEvaluations counting;
   env.Reset({.seed = 2});
-  mjcb_control = nullptr;
   EXPECT_EQ(evaluations, 1);
 }
 
