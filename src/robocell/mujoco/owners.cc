@@ -6,11 +6,15 @@
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/model_watch.h"
 
 namespace robocell {
 
 void SpecDeleter::operator()(mjSpec* spec) const { mj_deleteSpec(spec); }
-void ModelDeleter::operator()(mjModel* model) const { mj_deleteModel(model); }
+void ModelDeleter::operator()(mjModel* model) const {
+  ModelEnds(model);
+  mj_deleteModel(model);
+}
 void DataDeleter::operator()(mjData* data) const { mj_deleteData(data); }
 
 void VfsDeleter::operator()(mjVFS* vfs) const {

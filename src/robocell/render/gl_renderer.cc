@@ -6,6 +6,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/model_watch.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/gl_drawing.h"
@@ -39,7 +40,9 @@ struct GlRenderer::Impl {
   mjvOption visible;
 
   const mjModel* model = nullptr;
-  DataPtr scratch;  // poses for drawing
+  ModelWatch watch;        // of the model, which is the caller's
+  uint64_t signature = 0;  // the model's, which its data have too
+  DataPtr scratch;         // poses for drawing
   std::unique_ptr<MjvScene> scene;
   std::unique_ptr<MjrContext> colour;  // uploads; without multisampling one serves both passes
   std::unique_ptr<MjrContext> exact;   // for depth and segmentation, when `colour` is multisampled
@@ -57,6 +60,20 @@ struct GlRenderer::Impl {
     } catch (const Error&) {  // the context is in use elsewhere: its objects go when it does
       static_cast<void>(colour.release());
       static_cast<void>(exact.release());
+    }
+  }
+
+  // Whether it may be drawn at all. Reads nothing of the model, which may have been freed.
+  void Check(const mjData* data) const {
+    if (!model) throw ArgumentError("renderer: no model; call SetModel before Render");
+    if (watch.gone()) {
+      throw ArgumentError(
+          "renderer: the model that it was given was freed; call SetModel after a scene was built "
+          "anew, or draw with a SceneRenderer");
+    }
+    if (data->signature != signature) {
+      throw ArgumentError(
+          "renderer: the data belong to another model; call SetModel after a scene was built anew");
     }
   }
 
@@ -173,6 +190,8 @@ void GlRenderer::SetModel(const mjModel* model) {
   GlContext::Current current(*r.context);
   r.colour = std::make_unique<MjrContext>(model, quality.multisamples,
                                           quality.shadows ? quality.shadow_size : 0);
+  r.watch = ModelWatch(model);
+  r.signature = model->signature;
   r.model = model;
 }
 
@@ -180,11 +199,7 @@ CameraModel GlRenderer::Render(const mjData* data, const RenderRequest& request,
                                const RenderOutputs& outputs) {
   Impl& r = *impl_;
   CheckOutputs(request, outputs);
-  if (!r.model) throw ArgumentError("renderer: no model; call SetModel before Render");
-  if (data->signature != r.model->signature) {
-    throw ArgumentError(
-        "renderer: the data belong to another model; call SetModel after a scene was built anew");
-  }
+  r.Check(data);
   mjModel view = *r.model;  // shallow; the engine does not update bodies that sleep, which in the
                             // scratch data are stale
   view.opt.enableflags &= ~mjENBL_SLEEP;

@@ -231,6 +231,26 @@ TEST_F(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
   renderer_->Render(data.get(), request, {.rgb = rgb});
 }
 
+// What was freed is not read: the new model has the signature of the old one, and may even have its
+// address.
+TEST_F(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
+  std::vector<uint8_t> rgb(3 * kW * kH);
+  const RenderRequest request{.camera = ModelCamera{0}, .width = kW, .height = kH};
+  const auto compile = [] { return Compile(ParseXmlString(kSpheres).get()); };
+  ModelPtr model = compile();
+  renderer_->SetModel(model.get());
+  const uint64_t signature = model->signature;
+  model.reset();
+  model = compile();
+  ASSERT_EQ(model->signature, signature);
+  const DataPtr data = MakeData(model.get());
+  ExpectThrow<ArgumentError>(
+      [&] { renderer_->Render(data.get(), request, {.rgb = rgb}); },
+      "the model that it was given was freed; call SetModel after a scene was built anew");
+  renderer_->SetModel(model.get());
+  renderer_->Render(data.get(), request, {.rgb = rgb});
+}
+
 TEST_F(Rendering, WrongBuffersAndSizesAreErrorsThatTell) {
   std::vector<uint8_t> rgb(10);
   ExpectThrow<ArgumentError>(

@@ -7,6 +7,7 @@
 #include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/mujoco/model_watch.h"
 
 namespace robocell {
 namespace {
@@ -24,7 +25,9 @@ const Record& Find(const std::vector<Record>& records, const std::string& name, 
 
 }  // namespace
 
-CompiledScene::~CompiledScene() = default;
+CompiledScene::~CompiledScene() {
+  if (keeper_) ModelEnds(model_);  // Python may keep the model longer: nobody else may count on it
+}
 
 uint64_t CompiledScene::NextGeneration() {
   static std::atomic<uint64_t> next = 1;

@@ -1,0 +1,34 @@
+// ModelWatch: whether a model that one only borrows is still there. Neither its address nor the
+// engine's signature can tell: a model that is compiled later may have both of one that was freed.
+//
+//   const ModelWatch watch(model);
+//   ... a scene may be built anew ...
+//   if (watch.gone()) throw ArgumentError("call SetModel");   // nothing of the model is read
+//
+// A model is gone once its ModelPtr (mujoco/owners.h) or its scene (scene/compiled_scene.h) has
+// ended; one that has neither is never gone. Threads: any, but what is freed while another thread
+// goes on using it no watch can save.
+#pragma once
+
+#include <atomic>
+#include <memory>
+
+#include "robocell/mujoco/forward.h"
+
+namespace robocell {
+
+class ModelWatch {
+ public:
+  ModelWatch() = default;  // of none
+  explicit ModelWatch(const mjModel* model);
+
+  bool gone() const { return gone_ && gone_->load(std::memory_order_acquire); }
+
+ private:
+  std::shared_ptr<const std::atomic<bool>> gone_;
+};
+
+// Tells those that watch a model. For its owners, before they free it.
+void ModelEnds(const mjModel* model) noexcept;
+
+}  // namespace robocell
