@@ -114,11 +114,11 @@ int main(int argc, char** argv) try {
   rc::WritePng(folder / "picture.png", picture);
 
   // A video: one call, one frame. The camera goes around the robot.
-  rc::VideoRecorder video(scene.model(), folder / "around.mp4",
+  rc::SceneRecorder video(scene, folder / "around.mp4",
                           {.width = kWidth, .height = kHeight, .fps_num = 30});
   for (int degrees = 0; degrees < 360; degrees += 6) {
     video.SetFreeCamera(1.8, degrees, -20, {.3, 0, .3});
-    video.RecordFrame(scene.data());
+    video.RecordFrame();
   }
   video.Finish();
   std::printf("around.mp4: %td frames\n", static_cast<ptrdiff_t>(video.frames()));

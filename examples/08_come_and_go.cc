@@ -65,13 +65,9 @@ void Run(rc::Robot& robot, int steps) {
 }
 
 // Puts what the camera sees into the n-th panel.
-void Picture(const rc::Scene& scene, rc::Renderer& renderer, int n, rc::RgbImage& panels) {
+void Picture(rc::SceneRenderer& renderer, int n, rc::RgbImage& panels) {
   std::vector<uint8_t> rgb(3 * kWidth * kHeight);
-  renderer.SetModel(scene.model());  // it may be another one
-  renderer.Render(scene.data(),
-                  {.camera = rc::NamedCamera(scene.model(), "front", "example 8"),
-                   .width = kWidth,
-                   .height = kHeight},
+  renderer.Render({.camera = renderer.Camera("front"), .width = kWidth, .height = kHeight},
                   {.rgb = rgb});
   for (int row = 0; row < kHeight; ++row)
     std::copy_n(&rgb[3 * row * kWidth], 3 * kWidth, &panels.pixels[3 * kWidth * (3 * row + n)]);
@@ -84,7 +80,7 @@ int main(int argc, char** argv) try {
   fs::create_directories(folder);
   rc::Scene scene = Build();
   rc::Robot robot = rc::Robot::Of(scene, "rc7");
-  const auto renderer = rc::MakeRenderer();
+  rc::SceneRenderer renderer(scene);
   rc::RgbImage panels{3 * kWidth, kHeight, std::vector<uint8_t>(9 * kWidth * kHeight)};
 
   // By compiling, in the middle of a motion. The handles stay.
@@ -98,7 +94,7 @@ int main(int argc, char** argv) try {
   Report(scene, "a bottle");
   Run(robot, 400);
   std::printf("the arm went on to %.3f rad\n", robot.arm().joint_pos()[0]);
-  Picture(scene, *renderer, 0, panels);
+  Picture(renderer, 0, panels);
 
   // From the pool. Nothing is compiled.
   const mjModel* model = scene.model();
@@ -110,7 +106,7 @@ int main(int argc, char** argv) try {
   Require(scene.model() == model, "the scene was compiled anew");
   Report(scene, "four cubes");
   std::printf("the highest stands at %.0f mm\n", 1000 * scene.body_pose("cube3").translation().z());
-  Picture(scene, *renderer, 1, panels);
+  Picture(renderer, 1, panels);
 
   // What cannot be is refused with the reason, and changes nothing.
   try {
@@ -126,7 +122,7 @@ int main(int argc, char** argv) try {
   scene.AddResetHook([](rc::ResetContext& reset) { reset.scene.AddObject("cube2"); });
   scene.Reset();
   Report(scene, "reset");
-  Picture(scene, *renderer, 2, panels);
+  Picture(renderer, 2, panels);
   rc::WritePng(folder / "picture.png", panels);
   return 0;
 } catch (const rc::Error& e) {

@@ -2,8 +2,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
-#include <memory>
-
 #include "arrays.h"
 #include "bindings.h"
 #include "cameras.h"
@@ -12,8 +10,7 @@
 #include "robocell/media/png.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/markers.h"
-#include "robocell/render/renderer.h"
-#include "robocell/scene/scene.h"
+#include "robocell/render/scene_renderer.h"
 
 namespace nb = nanobind;
 
@@ -22,24 +19,6 @@ namespace robocell::python {
 using namespace nb::literals;
 
 namespace {
-
-// A renderer that follows its scene: the model is uploaded again when the scene was rebuilt.
-struct SceneRenderer {
-  Scene scene;
-  std::unique_ptr<Renderer> renderer;
-  uint64_t generation = 0;
-
-  SceneRenderer(const Scene& s, const RenderQuality& quality, const std::string& gl)
-      : scene(s), renderer(MakeRenderer({.gl = gl, .quality = quality})) {
-    renderer->SetModel(scene.model());
-    generation = scene.generation();
-  }
-  void Follow() {
-    if (scene.generation() == generation) return;
-    renderer->SetModel(scene.model());
-    generation = scene.generation();
-  }
-};
 
 std::vector<Marker> FrameMarkers(const std::vector<std::pair<std::string, Pose>>& frames,
                                  double length) {
@@ -60,10 +39,9 @@ nb::object MatrixArray(const Eigen::Matrix<double, R, C>& m) {
 nb::dict Render(SceneRenderer& self, nb::handle camera, int width, int height, bool rgb, bool depth,
                 bool segmentation, const std::vector<std::pair<std::string, Pose>>& frames,
                 double frame_length) {
-  self.Follow();
   const std::vector<Marker> markers = FrameMarkers(frames, frame_length);
   const RenderRequest request{
-      .camera = ViewOf(self.scene.model(), camera, "scene '" + self.scene.name() + "'"),
+      .camera = ViewOf(self.scene().model(), camera, "scene '" + self.scene().name() + "'"),
       .width = width,
       .height = height,
       .markers = markers};
@@ -75,8 +53,7 @@ nb::dict Render(SceneRenderer& self, nb::handle camera, int width, int height, b
   CameraModel model;
   {
     nb::gil_scoped_release release;
-    model = self.renderer->Render(self.scene.data(), request,
-                                  {.rgb = colour, .depth = metres, .segmentation = bodies});
+    model = self.Render(request, {.rgb = colour, .depth = metres, .segmentation = bodies});
   }
   nb::dict out;
   if (rgb) out["rgb"] = NewArray<uint8_t>(colour, {h, w, 3});
@@ -129,8 +106,8 @@ void BindRender(nb::module_& m) {
       "Images of a scene: colour, depth in metres, body ids; with the camera that they were drawn "
       "with.");
   GuardHandle<SceneRenderer>(
-      renderer, [](const SceneRenderer& r, SceneClaims& claims) { claims.Add(r.scene); },
-      [](const SceneRenderer& r) { RequireOpen(r.scene, "renderer"); });
+      renderer, [](const SceneRenderer& r, SceneClaims& claims) { claims.Add(r.scene()); },
+      [](const SceneRenderer& r) { RequireOpen(r.scene(), "renderer"); });
   renderer
       .def(
           "__init__",
@@ -140,7 +117,7 @@ void BindRender(nb::module_& m) {
                                         .reflections = reflections,
                                         .multisamples = multisamples,
                                         .shadow_size = shadow_size};
-            new (self) SceneRenderer(scene, quality, gl);
+            new (self) SceneRenderer(scene, {.gl = gl, .quality = quality});
           },
           "scene"_a, "shadows"_a = false, "multisamples"_a = 0, "reflections"_a = false,
           "shadow_size"_a = RenderQuality{}.shadow_size, "gl"_a = "auto",
@@ -157,7 +134,7 @@ void BindRender(nb::module_& m) {
            "is a view of the whole model), an OrbitCamera, a FreeCamera or a TrackingCamera; "
            "`frames` are (text, pose in the world)\n"
            "drawn as axes.")
-      .def_prop_ro("description", [](const SceneRenderer& r) { return r.renderer->description(); });
+      .def_prop_ro("description", &SceneRenderer::description);
   m.def(
       "write_png",
       [](const std::filesystem::path& path, nb::handle rgb) {

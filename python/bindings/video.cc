@@ -5,9 +5,7 @@
 
 #include "cameras.h"
 #include "handles.h"
-#include "robocell/base/error.h"
-#include "robocell/render/video_recorder.h"
-#include "robocell/scene/scene.h"
+#include "robocell/render/scene_recorder.h"
 
 namespace robocell::python {
 
@@ -16,48 +14,18 @@ using namespace nb::literals;
 
 namespace {
 
-// A recorder that follows its scene: whatever it is asked for, it is asked of the present model.
-class SceneRecorder {
- public:
-  SceneRecorder(const Scene& scene, const std::filesystem::path& path, VideoSize size, int fps)
-      : scene_(scene),
-        recorder_(scene.model(), path,
-                  {.width = size.width, .height = size.height, .fps_num = fps}),
-        generation_(scene.generation()) {}
-
-  const Scene& scene() const { return scene_; }
-  // The recorder as it is: what was recorded can be ended and counted after the scene was closed.
-  VideoRecorder& recorder() { return recorder_; }
-  const VideoRecorder& recorder() const { return recorder_; }
-  VideoRecorder& Follow() {
-    if (scene_.generation() != generation_) recorder_.SetModel(scene_.model());
-    generation_ = scene_.generation();
-    return recorder_;
-  }
-  // For a change of the camera: the one in use may be gone from the present model.
-  VideoRecorder& FollowToChange() {
+void UseCamera(SceneRecorder& self, nb::handle camera) {
+  if (nb::isinstance<nb::str>(camera)) {
+    const auto name = nb::cast<std::string>(camera);
     const nb::gil_scoped_release release;
-    try {
-      return Follow();
-    } catch (const NotFoundError&) {
-      return recorder_;  // which has the present model
-    }
+    self.UseCamera(name);
+    return;
   }
-  void Use(nb::handle camera) {
-    FollowToChange();
-    if (nb::isinstance<nb::str>(camera)) {
-      recorder_.UseCamera(nb::cast<std::string>(camera));
-    } else {
-      recorder_.UseCamera(
-          ViewOf(scene_.model(), camera, "video '" + recorder_.path().string() + "'"));
-    }
-  }
-
- private:
-  Scene scene_;
-  VideoRecorder recorder_;
-  uint64_t generation_;
-};
+  const CameraView view =
+      ViewOf(self.scene().model(), camera, "video '" + self.path().string() + "'");
+  const nb::gil_scoped_release release;
+  self.UseCamera(view);
+}
 
 }  // namespace
 
@@ -85,7 +53,8 @@ void BindVideo(nb::module_& m) {
           "__init__",
           [](SceneRecorder* self, const Scene& scene, const std::filesystem::path& path, int width,
              int height, int fps) {
-            new (self) SceneRecorder(scene, path, {width, height}, fps);
+            new (self)
+                SceneRecorder(scene, path, {.width = width, .height = height, .fps_num = fps});
           },
           "scene"_a, "path"_a, "width"_a = 1280, "height"_a = 720, "fps"_a = 60,
           nb::call_guard<nb::gil_scoped_release>(), "Even sizes, in pixels.")
@@ -93,42 +62,46 @@ void BindVideo(nb::module_& m) {
           "open_preset",
           [](const Scene& scene, const std::filesystem::path& path, VideoResolution resolution,
              int fps) {
-            return std::make_unique<SceneRecorder>(scene, path, SizeOf(resolution), fps);
+            const VideoSize size = SizeOf(resolution);
+            return std::make_unique<SceneRecorder>(
+                scene, path,
+                VideoRecorderOptions{.width = size.width, .height = size.height, .fps_num = fps});
           },
           "scene"_a, "path"_a, "resolution"_a = VideoResolution::kR720p, "fps"_a = 60,
           nb::call_guard<nb::gil_scoped_release>())
-      .def("use_camera", &SceneRecorder::Use, "camera"_a.none(),
+      .def("camera_names", &SceneRecorder::camera_names,
+           "What use_camera takes by name: 'Current', 'Free', 'Tracking', then the cameras of "
+           "robots "
+           "and objects, then those of\n"
+           "SceneSpec.cameras.")
+      .def("use_camera", &UseCamera, "camera"_a.none(),
            nb::sig("def use_camera(self, camera: str | OrbitCamera | FreeCamera | TrackingCamera)"
                    " -> None"),
-           "A camera of the scene by name ('' is the free camera, where set_free_camera left it), "
-           "or any other one. NotFoundError\n"
-           "with the names that there are.")
+           "One of camera_names(), or any other one. 'Free' and '' are the free camera where "
+           "set_free_camera left it, 'Tracking' is\n"
+           "the one of set_tracking_camera (ArgumentError before that), 'Current' changes nothing. "
+           "NotFoundError with the names\n"
+           "that there are.")
       .def(
           "set_free_camera",
           [](SceneRecorder& r, double distance, double azimuth, double elevation,
              nb::handle lookat) {
             const Eigen::Vector3d point = ToPoint(lookat);
-            r.FollowToChange().SetFreeCamera(distance, azimuth, elevation, point);
+            const nb::gil_scoped_release release;
+            r.SetFreeCamera(distance, azimuth, elevation, point);
           },
           "distance"_a, "azimuth"_a, "elevation"_a, "lookat"_a,
           "The free camera, from now on: looks at a point in the world; metres and degrees, as in "
           "MuJoCo's viewer.")
-      .def(
-          "set_tracking_camera",
-          [](SceneRecorder& r, const std::string& body, double distance, double azimuth,
-             double elevation) {
-            r.FollowToChange().SetTrackingCamera(body, distance, azimuth, elevation);
-          },
-          "body"_a, "distance"_a = 2.0, "azimuth"_a = 90.0, "elevation"_a = -45.0,
-          "Follows a body and what hangs from it (the centre of their mass), from the same "
-          "direction.")
-      .def(
-          "record_frame", [](SceneRecorder& r) { r.Follow().RecordFrame(r.scene().data()); },
-          nb::call_guard<nb::gil_scoped_release>(), "The scene as it is now becomes one frame.")
-      .def(
-          "finish", [](SceneRecorder& r) { r.recorder().Finish(); },
-          nb::call_guard<nb::gil_scoped_release>(), "Ends the file; without it there is none.")
-      .def_prop_ro("frames", [](const SceneRecorder& r) { return r.recorder().frames(); })
+      .def("set_tracking_camera", &SceneRecorder::SetTrackingCamera, "body"_a, "distance"_a = 2.0,
+           "azimuth"_a = 90.0, "elevation"_a = -45.0, nb::call_guard<nb::gil_scoped_release>(),
+           "Follows a body and what hangs from it (the centre of their mass), from the same "
+           "direction.")
+      .def("record_frame", &SceneRecorder::RecordFrame, nb::call_guard<nb::gil_scoped_release>(),
+           "The scene as it is now becomes one frame.")
+      .def("finish", &SceneRecorder::Finish, nb::call_guard<nb::gil_scoped_release>(),
+           "Ends the file; without it there is none.")
+      .def_prop_ro("frames", &SceneRecorder::frames)
       .def(
           "__enter__", [](nb::object self) { return self; },
           nb::sig("def __enter__(self) -> VideoRecorder"))
@@ -136,8 +109,8 @@ void BindVideo(nb::module_& m) {
           "__exit__",
           [](SceneRecorder& r, nb::handle type, nb::handle, nb::handle) {
             if (!type.is_none()) return;
-            nb::gil_scoped_release release;
-            r.recorder().Finish();
+            const nb::gil_scoped_release release;
+            r.Finish();
           },
           "type"_a = nb::none(), "value"_a = nb::none(), "traceback"_a = nb::none());
 }

@@ -505,6 +505,25 @@ def test_headless_video_recording(robot: mjk.Robot):
     assert video["avg_frame_rate"] == "60/1"
 
 
+def test_the_cameras_of_a_recorder():
+    spec = base_spec()
+    spec.robots = [with_gripper()]
+    spec.cameras = [mjk.CameraSpec(name="overview", pos=[1.8, -2.0, 1.4], fovy=45.0)]
+    recorder = mjk.VideoRecorder.open(mjk.Scene.build(spec), "cameras.mp4", 64, 48, 30)
+    names = recorder.camera_names()
+    assert names == ["Current", "Free", "Tracking", "wrist", "overview"]
+    assert recorder.use_camera("overview") is True
+    assert recorder.use_camera("overwiev") is False
+    with pytest.raises(RuntimeError, match=r"nothing to follow yet; .*set_tracking_camera"):
+        recorder.use_camera("Tracking")
+    recorder.set_tracking_camera("bracelet_link")
+    for name in names:
+        assert recorder.use_camera(name) is True
+        assert recorder.record_frame()
+    recorder.close()
+    assert recording.probe(Path("cameras.mp4"))["nb_read_frames"] == "5"
+
+
 def test_a_recorder_takes_an_env_and_even_sizes_below_odd_ones(scene: mjk.Scene):
     recorder = mjk.VideoRecorder.open(mjk.Env(scene), "odd.mp4", 65, 49, 30)
     recorder.record_frame()

@@ -62,6 +62,11 @@ def height_of_red(frame: np.ndarray) -> float:
     return frame.shape[0] / 2 - 0.5 - rows.mean() if rows.size else float("nan")
 
 
+def psnr(a: np.ndarray, b: np.ndarray) -> float:
+    """How alike two images are, decibels."""
+    return float(10 * np.log10(255**2 / np.mean((a.astype(float) - b) ** 2)))
+
+
 def probe(video: Path) -> dict[str, str]:
     """What another program says of the file."""
     command = ["ffprobe", "-v", "error", "-select_streams", "v", "-count_frames", "-of"]
@@ -124,6 +129,46 @@ def test_every_kind_of_camera(scene: rc.Scene, tmp_path: Path):
     assert fixed == pytest.approx(free_again, abs=2)
 
 
+def test_cameras_by_name(tmp_path: Path):
+    config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    scene = rc.Scene.build(
+        rc.SceneSpec(
+            name="cell", timestep=0.002, add_floor=True, add_skybox=False, objects=[ball("ball")],
+            robots=[rc.RobotSpec(name="r", config=config, prefix="r_", pos=[0, 1.5, 0])],
+            cameras=[rc.CameraSpec(name="side", pos=[0, -3, 0.7], fovy=45, look_at=[0, 0, 0.7])],
+        )
+    )  # fmt: skip
+    path = tmp_path / "a.mp4"
+    with rc.VideoRecorder(scene, path, 64, 48, fps=30) as video:
+        names = video.camera_names()
+        assert names == ["Current", "Free", "Tracking", "r_exo_camera", "r_wrist_camera", "side"]
+        video.set_free_camera(3, 90, 0, [0, 0, 0.7])
+        with pytest.raises(
+            rc.ArgumentError,
+            match=r"a.mp4': camera 'Tracking' has nothing to follow yet; .*set_tracking_camera\)",
+        ):
+            video.use_camera("Tracking")
+        video.use_camera("Current")
+        video.record_frame()
+        video.set_tracking_camera("ball", distance=3, elevation=0)
+        for name in [*names, "Current"]:
+            video.use_camera(name)
+            video.record_frame()
+    renderer = rc.Renderer(scene)
+    frames = frames_of(path, 64, 48)
+    first, current, free, tracking, exo, wrist, side, last = frames
+    low = height_of_red(first)
+    assert low > 3
+    assert height_of_red(free) == pytest.approx(low, abs=0.5)
+    assert abs(height_of_red(current)) < 1.5
+    assert abs(height_of_red(tracking)) < 1.5
+    shown = {"r_exo_camera": [exo], "r_wrist_camera": [wrist], "side": [side, last]}
+    images = {camera: renderer.render(camera, 64, 48)["rgb"] for camera in shown}
+    for camera, filmed in shown.items():
+        assert min(psnr(frame, images[camera]) for frame in filmed) > 28, camera
+    assert max(psnr(exo, wrist), psnr(wrist, side), psnr(side, exo)) < 20
+
+
 def test_images_take_the_same_cameras(scene: rc.Scene):
     renderer = rc.Renderer(scene)
     whole = renderer.render("", 64, 48)["rgb"]
@@ -164,7 +209,11 @@ def test_cameras_are_found_again_when_objects_come_and_go(scene: rc.Scene, tmp_p
 
 def test_wrong_cameras_sizes_and_places_are_named(scene: rc.Scene, tmp_path: Path):
     video = rc.VideoRecorder(scene, tmp_path / "a.mp4", 64, 48)
-    with pytest.raises(rc.NotFoundError, match=r"no camera 'sied'. Its cameras: side."):
+    with pytest.raises(
+        rc.NotFoundError,
+        match=r"a.mp4': no camera 'sied'. Its cameras: Current, Free, Tracking, side. "
+        r"Did you mean 'side'\?",
+    ):
         video.use_camera("sied")
     with pytest.raises(TypeError, match="OrbitCamera, a FreeCamera or a TrackingCamera, got None"):
         video.use_camera(None)  # type: ignore[arg-type]

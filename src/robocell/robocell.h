@@ -38,6 +38,8 @@
 #include "robocell/math/twist.h"
 #include "robocell/media/png.h"
 #include "robocell/render/renderer.h"
+#include "robocell/render/scene_recorder.h"
+#include "robocell/render/scene_renderer.h"
 #include "robocell/render/video_recorder.h"
 #include "robocell/robot/collision_filter.h"
 #include "robocell/robot/robot.h"

@@ -22,10 +22,11 @@
 // call; meshes and textures when SetModel is called. Same state, same model, same renderer: the
 // same bytes, whatever was rendered before and on whichever thread.
 //
-// Lifetime: the model must live until the next SetModel or the end of the renderer. Errors:
-// ArgumentError for buffers of the wrong size and data of another model, EngineError, Error when
-// there is no OpenGL. Threads: one at a time, any. No allocation of ours once the largest image has
-// been rendered.
+// Lifetime: the model must live until the next SetModel or the end of the renderer; a scene's ends
+// when objects are added or removed, which render/scene_renderer.h follows. Errors: ArgumentError
+// for buffers of the wrong size, data of another model and a model that was freed (that of a
+// ModelPtr or a scene), EngineError, Error when there is no OpenGL. Threads: one at a time, any. No
+// allocation of ours once the largest image has been rendered.
 #pragma once
 
 #include <array>

@@ -2,8 +2,13 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <string>
+#include <utility>
 
+#include "robocell/base/both_languages.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
@@ -38,12 +43,24 @@ VideoSize SizeOf(VideoResolution resolution) {
   return {};
 }
 
+std::vector<std::string> RecorderCameras(const mjModel* model) {
+  std::vector<std::string> names;
+  for (const std::string_view name : {kCurrentCamera, kFreeCamera, kTrackingCamera})
+    names.emplace_back(name);
+  for (std::string& name : ElementNames(model, mjOBJ_CAMERA)) {
+    if (!name.empty() && std::ranges::find(names, name) == names.end())
+      names.push_back(std::move(name));
+  }
+  return names;
+}
+
 // The writer first: it refuses sizes and places before the renderer is made.
 VideoRecorder::VideoRecorder(const mjModel* model, std::filesystem::path path,
                              const VideoRecorderOptions& options)
     : writer_(std::move(path), ToVideoOptions(options)),
       renderer_(MakeRenderer(options.renderer)),
       model_(model),
+      watch_(model),
       free_(InitialView(model)),
       view_(free_),
       size_{options.width, options.height},
@@ -53,33 +70,64 @@ VideoRecorder::VideoRecorder(const mjModel* model, std::filesystem::path path,
 
 void VideoRecorder::SetModel(const mjModel* model) {
   model_ = model;
+  watch_ = ModelWatch(model);
   renderer_->SetModel(model);
   LookUpAgain();
+}
+
+const mjModel* VideoRecorder::Model() const {
+  if (watch_.gone()) {
+    throw ArgumentError(Place() +
+                        ": the model that it was given was freed; call SetModel after a scene was "
+                        "built anew, or film with a SceneRecorder");
+  }
+  return model_;
+}
+
+int VideoRecorder::CameraId(std::string_view name) const {
+  const int id = FindId(Model(), mjOBJ_CAMERA, name);
+  if (id < 0) throw NotFoundError(NoSuchName(Place(), "camera", name, camera_names()));
+  return id;
+}
+
+TrackingCamera VideoRecorder::TrackingAgain() const {
+  if (tracked_.empty()) {
+    throw ArgumentError(Place() + ": camera 'Tracking' has nothing to follow yet; " +
+                        InBothLanguages("SetTrackingCamera") + " says which body");
+  }
+  TrackingCamera view = tracking_;
+  view.body = RequireId(Model(), mjOBJ_BODY, tracked_, Place());
+  return view;
 }
 
 void VideoRecorder::LookUpAgain() {
   if (name_.empty()) return;
   missing_ = true;
   if (auto* tracking = std::get_if<TrackingCamera>(&view_)) {
-    tracking->body = RequireId(model_, mjOBJ_BODY, name_, Place());
+    tracking->body = RequireId(Model(), mjOBJ_BODY, name_, Place());
   } else {
-    view_ = NamedCamera(model_, name_, Place());
+    view_ = ModelCamera{CameraId(name_)};
   }
   missing_ = false;
 }
 
 void VideoRecorder::UseCamera(std::string_view name) {
-  UseCamera(name.empty() ? CameraView(free_) : NamedCamera(model_, name, Place()));
+  const bool ours = FindId(Model(), mjOBJ_CAMERA, name) < 0;  // the model's cameras come first
+  if (ours && name == kCurrentCamera) return;
+  if (ours && (name.empty() || name == kFreeCamera)) return UseCamera(free_);
+  if (ours && name == kTrackingCamera) return UseCamera(TrackingAgain());
+  UseCamera(ModelCamera{CameraId(name)});
 }
 
 void VideoRecorder::UseCamera(const CameraView& view) {
+  const mjModel* model = Model();
   view_ = view;
   missing_ = false;
   name_.clear();
   if (const auto* fixed = std::get_if<ModelCamera>(&view))
-    name_ = ElementName(model_, mjOBJ_CAMERA, fixed->id);
+    name_ = ElementName(model, mjOBJ_CAMERA, fixed->id);
   if (const auto* tracking = std::get_if<TrackingCamera>(&view))
-    name_ = ElementName(model_, mjOBJ_BODY, tracking->body);
+    name_ = ElementName(model, mjOBJ_BODY, tracking->body);
 }
 
 void VideoRecorder::SetFreeCamera(double distance, double azimuth, double elevation,
@@ -88,17 +136,19 @@ void VideoRecorder::SetFreeCamera(double distance, double azimuth, double elevat
            .distance = distance,
            .azimuth = azimuth,
            .elevation = elevation,
-           .fovy = model_->vis.global.fovy};
+           .fovy = Model()->vis.global.fovy};
   UseCamera(free_);
 }
 
 void VideoRecorder::SetTrackingCamera(std::string_view body, double distance, double azimuth,
                                       double elevation) {
-  UseCamera(TrackingCamera{.body = RequireId(model_, mjOBJ_BODY, body, Place()),
-                           .distance = distance,
-                           .azimuth = azimuth,
-                           .elevation = elevation,
-                           .fovy = model_->vis.global.fovy});
+  tracking_ = {.body = RequireId(Model(), mjOBJ_BODY, body, Place()),
+               .distance = distance,
+               .azimuth = azimuth,
+               .elevation = elevation,
+               .fovy = Model()->vis.global.fovy};
+  tracked_ = body;
+  UseCamera(tracking_);
 }
 
 std::string VideoRecorder::Place() const { return "video '" + path().string() + "'"; }

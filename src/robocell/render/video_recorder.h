@@ -10,8 +10,9 @@
 //
 // One call is one frame: the caller decides the time between frames, the file plays them at the
 // given rate. The camera is free until another one is chosen, and shows the whole model until it is
-// set. Lifetime: the model as for Renderer. Errors: those of render/renderer.h and
-// media/video_writer.h. Threads: one at a time.
+// set. Lifetime: the model as for Renderer; scene_recorder.h follows a scene whose model is built
+// anew. Errors: those of render/renderer.h and media/video_writer.h; ArgumentError for what needs a
+// model that was freed. Threads: one at a time.
 #pragma once
 
 #include <filesystem>
@@ -21,6 +22,7 @@
 #include <vector>
 
 #include "robocell/media/video_writer.h"
+#include "robocell/mujoco/model_watch.h"
 #include "robocell/render/renderer.h"
 
 namespace robocell {
@@ -32,6 +34,14 @@ struct VideoSize {
   int width = 0, height = 0;  // px
 };
 VideoSize SizeOf(VideoResolution resolution);
+
+// What recorders can be told to use by name beside the cameras of the model: whichever is in use,
+// the free camera where it was left, and the tracking one where it was left. A camera of the model
+// that has one of these names is that camera.
+inline constexpr std::string_view kCurrentCamera = "Current", kFreeCamera = "Free",
+                                  kTrackingCamera = "Tracking";
+// These three, then the cameras of a model that have names, in its order.
+std::vector<std::string> RecorderCameras(const mjModel* model);
 
 struct VideoRecorderOptions {
   int width = 1280, height = 720;  // px, even
@@ -49,7 +59,9 @@ class VideoRecorder {
   // is chosen.
   void SetModel(const mjModel* model);
 
-  // A camera of the model (NotFoundError with its cameras); "" is the free camera.
+  std::vector<std::string> camera_names() const { return RecorderCameras(Model()); }
+  // One of camera_names(), else NotFoundError with them; "" is the free camera too. "Tracking" is
+  // an ArgumentError before SetTrackingCamera has said what to follow.
   void UseCamera(std::string_view name);
   void UseCamera(const CameraView& view);
   // The free camera, from now on: looks at a point; degrees and metres, as in the interactive
@@ -71,13 +83,19 @@ class VideoRecorder {
   const std::filesystem::path& path() const { return writer_.path(); }
 
  private:
-  std::string Place() const;  // for messages
+  std::string Place() const;     // for messages
+  const mjModel* Model() const;  // ArgumentError when it was freed
+  int CameraId(std::string_view name) const;
+  TrackingCamera TrackingAgain() const;
   void LookUpAgain();
 
   VideoWriter writer_;
   std::unique_ptr<Renderer> renderer_;
   const mjModel* model_;
+  ModelWatch watch_;  // of the model, which is the caller's
   OrbitCamera free_;
+  TrackingCamera tracking_;
+  std::string tracked_;  // the body that it was told; ids change
   CameraView view_;
   std::string name_;      // of the model's camera or the body in view_
   bool missing_ = false;  // the present model has none of that name

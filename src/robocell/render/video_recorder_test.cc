@@ -8,9 +8,9 @@
 
 #include "robocell/base/error.h"
 #include "robocell/media/video_info.h"
-#include "robocell/media/video_reader.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/step.h"
+#include "robocell/render/testing/videos.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/skip.h"
 #include "robocell/testing/temp_dir.h"
@@ -40,12 +40,6 @@ class Recording : public testing::Test {
   DataPtr data_;
 };
 
-double Psnr(const std::vector<uint8_t>& a, const std::vector<uint8_t>& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return 10 * std::log10(255.0 * 255.0 * static_cast<double>(a.size()) / sum);
-}
-
 TEST_F(Recording, EachCallIsOneFrameAndShowsThatState) {
   VideoRecorder video(model_.get(), folder_ / "fall.mp4", kSmall);
   video.UseCamera("side");
@@ -60,34 +54,15 @@ TEST_F(Recording, EachCallIsOneFrameAndShowsThatState) {
     EXPECT_TRUE(Step(model_.get(), data_.get(), 40).ok());
   }
   video.Finish();
-  VideoReader reader(folder_ / "fall.mp4");
   EXPECT_EQ(video.frames(), 6);
-  std::vector<uint8_t> rgb(reader.frame_bytes());
+  const std::vector<std::vector<uint8_t>> filmed = FramesOf(folder_ / "fall.mp4");
+  ASSERT_EQ(filmed.size(), frames.size());
   for (size_t i = 0; i < frames.size(); ++i) {
-    ASSERT_TRUE(reader.Next(rgb)) << i;
-    EXPECT_GT(Psnr(rgb, frames[i]), 28) << i;
+    EXPECT_GT(Psnr(filmed[i], frames[i]), 28) << i;
     if (i + 1 < frames.size()) {
-      EXPECT_GT(Psnr(rgb, frames[i]), Psnr(rgb, frames[i + 1])) << i;
+      EXPECT_GT(Psnr(filmed[i], frames[i]), Psnr(filmed[i], frames[i + 1])) << i;
     }
   }
-  EXPECT_FALSE(reader.Next(rgb));
-}
-
-// Where most of the ball's red is, in pixels from the top; the file is read again.
-std::vector<double> RowsOfRed(const std::filesystem::path& file) {
-  VideoReader reader(file);
-  std::vector<uint8_t> rgb(reader.frame_bytes());
-  std::vector<double> rows;
-  while (reader.Next(rgb)) {
-    double sum = 0, red = 0;
-    for (size_t pixel = 0; pixel < rgb.size() / 3; ++pixel) {
-      if (rgb[3 * pixel] < 100 || rgb[3 * pixel + 1] > 80) continue;
-      sum += static_cast<double>(pixel / 64);
-      ++red;
-    }
-    rows.push_back(red > 0 ? sum / red : NAN);
-  }
-  return rows;
 }
 
 TEST_F(Recording, TheTrackingCameraFollowsTheFreeOneStaysAndOneGoesBackToIt) {
@@ -139,12 +114,82 @@ TEST_F(Recording, NamesAreLookedUpAgainInANewModel) {
   EXPECT_TRUE(std::isnan(rows[2]));
 }
 
+TEST_F(Recording, CurrentFreeAndTrackingAreCamerasByName) {
+  VideoRecorder video(model_.get(), folder_ / "named.mp4", kSmall);
+  EXPECT_THAT(video.camera_names(), testing::ElementsAre("Current", "Free", "Tracking", "side"));
+  const auto film = [&](const char* camera) {
+    video.UseCamera(camera);
+    video.RecordFrame(data_.get());
+  };
+  video.SetFreeCamera(3, 90, 0, {0, 0, 0.7});
+  ExpectThrow<ArgumentError>([&] { video.UseCamera("Tracking"); },
+                             "named.mp4': camera 'Tracking' has nothing to follow yet; "
+                             "SetTrackingCamera (in Python set_tracking_camera) says which body");
+  film("Current");
+  video.SetTrackingCamera("ball", 3, 90, 0);
+  film("Current");
+  film("Free");
+  film("Tracking");
+  film("side");
+  film("Current");
+  film("");
+  video.Finish();
+  const std::vector<double> rows = RowsOfRed(folder_ / "named.mp4");
+  ASSERT_EQ(rows.size(), 7);
+  EXPECT_LT(rows[0], 20);
+  for (const size_t free : {2, 6}) EXPECT_NEAR(rows[free], rows[0], 0.5) << free;
+  for (const size_t tracking : {1, 3}) EXPECT_NEAR(rows[tracking], 23.5, 1) << tracking;
+  EXPECT_LT(rows[4], 20);
+  EXPECT_NEAR(rows[5], rows[4], 0.5);
+}
+
+TEST_F(Recording, ACameraOfTheModelComesBeforeOursOfThatName) {
+  const ModelPtr model = Compile(
+      ParseXmlString(R"(<mujoco><worldbody><camera name="Free" pos="0 -3 .7" xyaxes="1 0 0 0 0 1"/>
+        <light pos="0 0 3"/><geom pos="0 0 1" size=".2" rgba="1 0 0 1"/></worldbody></mujoco>)")
+          .get());
+  const DataPtr data = MakeData(model.get());
+  VideoRecorder video(model.get(), folder_ / "own.mp4", kSmall);
+  EXPECT_THAT(video.camera_names(), testing::ElementsAre("Current", "Free", "Tracking"));
+  video.SetFreeCamera(3, 90, 0, {0, 0, 1});
+  for (const char* camera : {"Free", ""}) {
+    video.UseCamera(camera);
+    video.RecordFrame(data.get());
+  }
+  video.Finish();
+  const std::vector<double> rows = RowsOfRed(folder_ / "own.mp4");
+  ASSERT_EQ(rows.size(), 2);
+  EXPECT_LT(rows[0], 20) << "the model's";
+  EXPECT_NEAR(rows[1], 23.5, 1) << "the free one";
+}
+
+TEST_F(Recording, AModelThatWasFreedIsToldAndNotRead) {
+  ModelPtr model = Compile(ParseXmlString(kFalling).get());
+  VideoRecorder video(model.get(), folder_ / "freed.mp4", kSmall);
+  video.UseCamera("side");
+  model.reset();
+  const std::string freed =
+      "the model that it was given was freed; call SetModel after a scene was built anew";
+  ExpectThrow<ArgumentError>([&] { video.RecordFrame(data_.get()); }, "renderer: " + freed);
+  const std::string place = "freed.mp4': " + freed;
+  ExpectThrow<ArgumentError>([&] { video.UseCamera("side"); }, place);
+  ExpectThrow<ArgumentError>([&] { video.UseCamera(ModelCamera{0}); }, place);
+  ExpectThrow<ArgumentError>([&] { video.SetFreeCamera(3, 90, 0, {0, 0, 0}); }, place);
+  ExpectThrow<ArgumentError>([&] { video.SetTrackingCamera("ball", 3, 90, 0); }, place);
+  ExpectThrow<ArgumentError>([&] { video.camera_names(); }, place);
+  video.SetModel(model_.get());
+  video.RecordFrame(data_.get());
+  EXPECT_EQ(video.frames(), 1);
+}
+
 TEST_F(Recording, OddSizesAndUnknownCamerasAreErrorsThatTell) {
   ExpectThrow<ArgumentError>(
       [&] { VideoRecorder(model_.get(), folder_ / "odd.mp4", {.width = 63, .height = 48}); }, "63");
   VideoRecorder video(model_.get(), folder_ / "a.mp4", kSmall);
-  ExpectThrow<NotFoundError>([&] { video.UseCamera("sied"); },
-                             "no camera 'sied'. Its cameras: side.");
+  ExpectThrow<NotFoundError>(
+      [&] { video.UseCamera("sied"); },
+      "no camera 'sied'. Its cameras: Current, Free, Tracking, side. Did you mean "
+      "'side'?");
   ExpectThrow<NotFoundError>([&] { video.SetTrackingCamera("bal", 2, 90, 0); },
                              "no body 'bal'. Its bodies: world, ball. Did you mean 'ball'?");
 }

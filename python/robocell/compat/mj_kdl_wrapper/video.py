@@ -11,7 +11,7 @@ from robocell.compat.mj_kdl_wrapper.forward import Forwarding
 
 
 class VideoRecorder(Forwarding):
-    """A recorder of robocell's, whose `finish` is called `close`: set_free_camera, frames ..."""
+    """A recorder of robocell's, whose `finish` is called `close`: camera_names, frames ..."""
 
     __slots__ = ("_closed", "recorder")
     _wraps = "recorder"
@@ -57,7 +57,10 @@ class VideoRecorder(Forwarding):
 
     @told
     def use_camera(self, name: str = "") -> bool:
-        """Chooses a camera by name, or the free one: False, and no change, when there is none."""
+        """Chooses one of camera_names(), or the free one: False, and no change, without such one.
+
+        "Tracking" is an error before `set_tracking_camera` said what to follow.
+        """
         try:
             self.recorder.use_camera(name)
         except robocell.NotFoundError:
