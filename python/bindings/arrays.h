@@ -6,6 +6,7 @@
 #include <nanobind/ndarray.h>
 
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +16,10 @@
 namespace robocell::python {
 
 namespace nb = nanobind;
+
+// The numbers of an array of one dimension that are contiguous float64, where they are: valid as
+// long as the object given is. Nothing of anything else.
+std::optional<std::span<const double>> RowOf(nb::handle value);
 
 // Float64 numbers of anything array-like, flat; read where they are when they are contiguous
 // float64. ArgumentError: "<what> must be a list of numbers, got None". The object given must live

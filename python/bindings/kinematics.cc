@@ -6,6 +6,7 @@
 #include <nanobind/nanobind.h>
 
 #include <array>
+#include <utility>
 
 #include "arrays.h"
 #include "bindings.h"
@@ -61,7 +62,7 @@ IkResult SolveIk(const Self& self, const PoseOrFrame& target, nb::handle seed,
   options.max_iterations = max_iterations;
   const Pose pose = target.get();
   const nb::gil_scoped_release release;
-  return robot.Ik(pose, options);
+  return robot.Ik(pose, std::move(options));
 }
 
 nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nanobind/ndarray.h>
 
+#include "arrays.h"
 #include "robocell/base/error.h"
 
 namespace robocell::python {
@@ -116,6 +117,11 @@ std::vector<std::string> ToTexts(nb::handle value, const FieldPath& path) {
 }
 
 bool Numbers::Borrow(nb::handle value) {
+  if (const auto row = RowOf(value)) {
+    array_ = nb::borrow(value);
+    span_ = *row;
+    return true;
+  }
   using Array = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
   Array array;
   if (!nb::try_cast(value, array, /*convert=*/false)) return false;

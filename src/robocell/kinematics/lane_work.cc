@@ -43,6 +43,7 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
     free_joints_ += options.locked[i] ? 0 : 1;
   }
   if (task_.plain && !settles()) return;
+  Clear(0, LanesOfOneQuestion());  // lanes with a task are stepped with others always
   lane_task_.emplace();
   lane_task_->swing = task_.swing;
   const Eigen::Vector3d axis = chain_.last_to_tip.rotation * task_.axis;
