@@ -309,7 +309,8 @@ void BindKinematics(nb::module_& m) {
                    "max_iterations: int = 40, *, " ROBOCELL_IK_WISHES_SIG
                    ") -> types.SimpleNamespace"),
            "Many poses at once, as many at a time as the processor has lanes.\n\n"
-           "targets (B, 4, 4) in the robot base frame, or a list of poses. seeds (B, n) or (n,): "
+           "targets (B, 4, 4) in the robot base frame, or a list of poses; not to be written to by "
+           "other threads meanwhile. seeds (B, n) or (n,): "
            "where each search "
            "begins, and where the joints of `locked_groups` stay; without seeds it begins near "
            "the target (what is asked for of the seed, for locked groups and by prefer='seed', is "
