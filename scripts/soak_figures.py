@@ -3,8 +3,8 @@
     .venv/bin/python scripts/soak_figures.py [build/soak/figures.jsonl]
 
 Between the page's two marks stands nothing but what this script found: what the tests of
-tests/reliability noted, and the logs of the fuzz targets. A part that did not run has no figures,
-and the table says so.
+tests/reliability noted, and the logs of the fuzz targets, each with its day. A part that did not
+run this time keeps the figures of its last run; one that never did has none, and the table says so.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ BEGIN, END = "<!-- figures: begin -->", "<!-- figures: end -->"
 FUZZ_DONE = re.compile(r"^Done (\d+) runs in (\d+) second", re.MULTILINE)
 TARGETS = ("yaml", "names", "dataset", "video")
 NOT_RUN = "not run"
+ROW = re.compile(r"^\| (.+?) \| (.+ \|)$", re.MULTILINE)
 
 Notes = Sequence[Mapping[str, Any]]
 
@@ -83,9 +84,9 @@ def fuzzed(logs: Mapping[str, str], target: str) -> str:
     return f"{int(done[1]):,} inputs in {done[2]} s".replace(",", " ") if done else NOT_RUN
 
 
-def table(notes: Notes, logs: Mapping[str, str]) -> str:
-    """All figures, as Markdown."""
-    rows = {
+def figures(notes: Notes, logs: Mapping[str, str]) -> dict[str, str]:
+    """All figures, by what they are of."""
+    return {
         "kills survived, nothing acknowledged lost": kills(notes),
         "calls that failed (write, flush, rename ...), each reported": calls(
             notes, ("fail", "full")
@@ -106,8 +107,34 @@ def table(notes: Notes, logs: Mapping[str, str]) -> str:
         },
         **{f"fuzzed: {target}": fuzzed(logs, target) for target in TARGETS},
     }
-    lines = [f"| {what} | {figure} |" for what, figure in rows.items()]
-    return "\n".join(["| what | how often |", "|---|---|", *lines])
+
+
+def days(notes: Path, logs: Mapping[str, Path]) -> dict[str, str]:
+    """When each fuzz target ran, and under "" when all else did."""
+    files = {"": notes, **{f"fuzzed: {target}": log for target, log in logs.items()}}
+    return {
+        what: datetime.fromtimestamp(file.stat().st_mtime, UTC).date().isoformat()
+        for what, file in files.items()
+        if file.exists()
+    }
+
+
+def table(found: Mapping[str, str], when: Mapping[str, str], before: str) -> str:
+    """The figures as Markdown; what did not run as in `before`, the table of the last time."""
+    kept = dict(ROW.findall(before))
+    rows = []
+    for what, figure in found.items():
+        if figure == NOT_RUN:
+            rows.append(f"| {what} | {kept.get(what, f'{NOT_RUN} |  |')}")
+        else:
+            rows.append(f"| {what} | {figure} | {when.get(what, when.get('', ''))} |")
+    return "\n".join(["| what | how often | when |", "|---|---|---|", *rows])
+
+
+def between(page: Path) -> str:
+    """What stands between the marks."""
+    _, _, rest = page.read_text().partition(BEGIN)
+    return rest.partition(END)[0].strip()
 
 
 def write(page: Path, text: str) -> None:
@@ -122,14 +149,15 @@ def write(page: Path, text: str) -> None:
 def main() -> None:
     """The command."""
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "build/soak/figures.jsonl"
-    notes = [json.loads(line) for line in file.read_text().splitlines()]
+    lines = file.read_text().splitlines() if file.exists() else []
+    notes = [json.loads(line) for line in lines]
     folder = file.resolve().parents[1] / "fuzz"
     logs = {name: (folder / f"{name}.log") for name in TARGETS}
     texts = {name: log.read_text(errors="replace") for name, log in logs.items() if log.exists()}
-    when = datetime.fromtimestamp(file.stat().st_mtime, UTC).date().isoformat()
     cores = len(os.sched_getaffinity(0))
-    head = f"Of {when}, on {cores} cores of {platform.machine()}:\n"
-    write(PAGE, f"{head}\n{table(notes, texts)}")
+    head = f"On {cores} cores of {platform.machine()}:\n"
+    text = table(figures(notes, texts), days(file, logs), between(PAGE))
+    write(PAGE, f"{head}\n{text}")
 
 
 if __name__ == "__main__":

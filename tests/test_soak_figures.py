@@ -26,18 +26,38 @@ NOTES = [
 ]
 
 
+LOGS = {"yaml": "#1 INITED\nDone 12345 runs in 61 second(s)\n"}
+DAYS = {"": "2026-01-02", "fuzzed: yaml": "2026-01-03"}
+
+
 def test_figures_are_summed_and_gaps_are_named():
-    text = soak_figures.table(NOTES, {"yaml": "#1 INITED\nDone 12345 runs in 61 second(s)\n"})
-    assert "| kills survived, nothing acknowledged lost | 5 (inside 2, worker 3) |" in text
-    assert "each reported | 42 |" in text
+    text = soak_figures.table(soak_figures.figures(NOTES, LOGS), DAYS, "")
+    assert (
+        "| kills survived, nothing acknowledged lost | 5 (inside 2, worker 3) | 2026-01-02 |"
+        in text
+    )
+    assert "each reported | 42 | 2026-01-02 |" in text
     assert "| deaths at a call, nothing lost | 7 |" in text
     assert "finished after they grew | 1024 kB (tmpfs) |" in text
     assert "| bits flipped, each found | 100 (steps.h5) |" in text
-    assert "| files cut short, each found | not run |" in text
+    assert "| files cut short, each found | not run |  |" in text
     assert "| 1000: 0 descriptors, 0 processes, 0 bytes each stay |" in text
-    assert "| resets | not run |" in text
-    assert "| fuzzed: yaml | 12 345 inputs in 61 s |" in text
-    assert "| fuzzed: names | not run |" in text
+    assert "| resets | not run |  |" in text
+    assert "| fuzzed: yaml | 12 345 inputs in 61 s | 2026-01-03 |" in text
+    assert "| fuzzed: names | not run |  |" in text
+
+
+def test_what_did_not_run_this_time_keeps_its_figures_and_their_day():
+    first = soak_figures.table(soak_figures.figures(NOTES, LOGS), DAYS, "")
+    later = {"": "2026-02-01", "fuzzed: names": "2026-02-02"}
+    logs = {"names": "Done 7 runs in 9 second(s)\n"}
+    notes = [{"what": "kills", "worker": 4}]
+    text = soak_figures.table(soak_figures.figures(notes, logs), later, first)
+    assert "| kills survived, nothing acknowledged lost | 4 (worker 4) | 2026-02-01 |" in text
+    assert "each reported | 42 | 2026-01-02 |" in text
+    assert "| fuzzed: yaml | 12 345 inputs in 61 s | 2026-01-03 |" in text
+    assert "| fuzzed: names | 7 inputs in 9 s | 2026-02-02 |" in text
+    assert "| resets | not run |  |" in text
 
 
 def test_only_what_is_between_the_marks_is_replaced(tmp_path: Path):
