@@ -5,7 +5,8 @@
 Uses compile_commands.json of the build folder (``cmake --preset tidy``). Nearly all of clang-tidy's
 time goes into the headers, so it looks at the sources that are compiled together (ROBOCELL_UNITY)
 together, and the headers once. Each of them is parsed on its own as well, with clang's warnings: a
-missing include, or what the compiler says of a main file only, comes out there. A group that was
+missing include of ours, or what the compiler says of a main file only, comes out there (the large
+headers of others are precompiled for that). A group that was
 clean is remembered under ``<build>/tidy`` by a hash of its text, of all our headers, of its
 command, of .clang-tidy and of this file, so that a second run takes seconds. Tests are left out:
 their macros cost most and find least.
@@ -21,6 +22,7 @@ import re
 import shlex
 import subprocess
 import sys
+import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,6 +37,24 @@ LENIENT = (
     "-Wno-unknown-warning-option",
     "-Wno-ignored-optimization-argument",
 )
+# Headers of others that most sources have, by one way or another.
+COMMON = (
+    "Eigen/Dense",
+    "algorithm",
+    "filesystem",
+    "fmt/format.h",
+    "functional",
+    "map",
+    "memory",
+    "mujoco/mujoco.h",
+    "nanobind/nanobind.h",
+    "nanobind/ndarray.h",
+    "optional",
+    "set",
+    "string",
+    "vector",
+)
+PRECOMPILING = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -129,12 +149,40 @@ def said(command: list[str], folder: str) -> str:
     return text or (f"{shlex.join(command)}: exit code {run.returncode}\n" * bool(run.returncode))
 
 
-def alone(group: Group, source: str) -> str:
-    """What clang says of one source of a group, compiled on its own."""
+def options(group: Group) -> list[str]:
+    """How the sources of a group are compiled, for clang."""
     words = shlex.split(group.command)
     first = next(i for i, word in enumerate(words) if word.startswith("-"))
     end = words.index("-o")  # from here on: what is written, and the file that includes the group
-    parse = ["clang++", *words[first:end], *LENIENT, "-fsyntax-only", str(ROOT / source)]
+    return [*words[first:end], *LENIENT]
+
+
+def precompiled(build: Path, group: Group) -> Path:
+    """Common headers as the sources of a group see them; made once for each set of options."""
+    flags = options(group)
+    name = hashlib.sha256(repr((flags, COMMON)).encode()).hexdigest()[:20]
+    header = build / "tidy" / f"{name}.h"
+    result = header.with_suffix(".pch")
+    with PRECOMPILING:
+        if not result.exists():
+            lines = (f"#if __has_include(<{h}>)\n#include <{h}>\n#endif\n" for h in COMMON)
+            header.write_text("".join(lines))
+            make = ["clang++", *flags, "-fpch-instantiate-templates", "-x", "c++-header"]
+            part = header.with_suffix(".part")
+            run = [*make, str(header), "-o", str(part)]
+            subprocess.run(run, cwd=group.folder, capture_output=True, check=True)
+            part.rename(result)
+    return result
+
+
+def alone(build: Path, group: Group, source: str) -> str:
+    """What clang says of one source of a group, compiled on its own."""
+    parse = ["clang++", *options(group), "-fsyntax-only", str(ROOT / source)]
+    common = precompiled(build, group)
+    text = said([*parse, "-include-pch", str(common)], group.folder)
+    if "precompiled" not in text and "PCH" not in text:
+        return text
+    common.unlink(missing_ok=True)  # of a header that has changed since, or of another clang
     return said(parse, group.folder)
 
 
@@ -145,7 +193,7 @@ def tidy(build: Path, group: Group) -> str:
     look = ["clang-tidy", "--quiet", rules, f"--line-filter={LINES}", *lenient, "-p", str(build)]
     found = [said([*look, str(group.file)], group.folder)]
     if group.file != ROOT / group.sources[0]:
-        found += [alone(group, source) for source in group.sources]
+        found += [alone(build, group, source) for source in group.sources]
     return "".join(found)
 
 
