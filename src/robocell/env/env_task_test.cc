@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <memory>
 #include <tuple>
 
 #include "robocell/base/error.h"
@@ -11,6 +12,8 @@
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/robot/gripper_group.h"
+#include "robocell/task/pick_task.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -316,6 +319,69 @@ TEST_F(EnvTaskTest, PickingItUpIsSuccessWhereverTheRootIs) {
     step = PickUp(env);
     EXPECT_TRUE(step.success);
     EXPECT_EQ(step.reward, 1);
+  }
+}
+
+// Asks after things were put somewhere: nothing is simulated. The cube is held where a finger is.
+class EnvPickTest : public EnvTaskTest {
+ protected:
+  void Make(const Pose& root, const std::string& kind) {
+    EnvConfig config = kind == "pick" ? Picking(root) : Placing(root);
+    config.task->lift_height = 0.01;
+    config.root_frame_objects["stone"] = {.offset = Pose(Eigen::Vector3d(0.45, 0.4, 0.02)),
+                                          .shape = Shape::kBox,
+                                          .size = Vec3{0.02, 0.02, 0.02},
+                                          .mass = 0.1};
+    env_ = std::make_unique<Env>(config);
+    env_->Reset({.seed = 1});
+    const auto& gripper =
+        dynamic_cast<const ActuatedGripper&>(Robot::Of(env_->scene(), "robot").gripper());
+    const mjtNum* finger = env_->scene().data()->geom_xpos + 3 * gripper.finger(0).geoms[0];
+    held_ = {finger[0], finger[1], finger[2]};
+    // High above the ground, as on a stack: an object counts from where it starts.
+    Put("cube_cube", 0);
+    env_->task()->Begin(env_->scene());
+  }
+
+  // `up` from where the cube starts, along the world's z.
+  void Put(const std::string& body, double up, double aside = 0) {
+    Scene scene = env_->scene();
+    scene.SetBodyPose(body, Pose(held_ + Eigen::Vector3d(aside, 0, up)));
+    scene.Forward();
+  }
+
+  bool IsPicked() {
+    const bool success = env_->task()->Success(env_->scene());
+    // What is to be put down has been lifted once.
+    return env_->config().task->kind == "pick" ? success : env_->task()->memory().back() == 1;
+  }
+
+  std::unique_ptr<Env> env_;
+
+ private:
+  Eigen::Vector3d held_ = Eigen::Vector3d::Zero();
+};
+
+TEST_F(EnvPickTest, PickedIsWhatOnlyRobotsHoldACentimetreAboveItsStart) {
+  for (const char* kind : {"pick", "pick_place"}) {
+    for (const Pose& root : {Pose(), Pose::FromRpy({1, -1, 0.3}, {0.1, 0, 2})}) {
+      Make(root, kind);
+      EXPECT_FALSE(IsPicked()) << "at its start";
+      Put("cube_cube", 0.009);
+      EXPECT_TRUE(OnlyRobotsTouch(env_->scene(), "cube_cube"));
+      EXPECT_FALSE(IsPicked()) << "9 mm";
+      Put("cube_cube", 0.1, 1);
+      EXPECT_FALSE(IsPicked()) << "nobody touches it";
+      Put("cube_cube", 0.011);
+      Put("stone", 0.011 + 0.0395);
+      EXPECT_FALSE(IsPicked()) << "a stone lies on it";
+      EXPECT_LT(env_->task()->Judge(env_->scene()).reward, 1);
+      Put("stone", 0.011 + 0.2, 1);
+      EXPECT_TRUE(IsPicked()) << "11 mm";
+      if (std::string(kind) == "pick") {
+        EXPECT_EQ(env_->task()->Judge(env_->scene()).reward, 1);
+      }
+    }
   }
 }
 

@@ -70,9 +70,7 @@ double ObjectTask::Nearness() const {
 double ObjectTask::Lift() const { return ObjectInWorld().z() - (root_ * start_).z(); }
 
 bool ObjectTask::IsLifted(const Scene& scene) const {
-  if (Lift() < task_.lift_height) return false;
-  const Touching touching = TouchingBody(scene, object_.name());
-  return touching.robot && !touching.other;
+  return Lift() >= task_.lift_height && OnlyRobotsTouch(scene, object_.name());
 }
 
 }  // namespace robocell

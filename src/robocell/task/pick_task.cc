@@ -40,6 +40,11 @@ Touching TouchingBody(const Scene& scene, const std::string& body) {
   return touching;
 }
 
+bool OnlyRobotsTouch(const Scene& scene, const std::string& body) {
+  const Touching touching = TouchingBody(scene, body);
+  return touching.robot && !touching.other;
+}
+
 PickTask::PickTask(std::string object, std::string kind, std::vector<std::string> all_objects,
                    double lift_height)
     : object_(std::move(object)),
@@ -60,8 +65,7 @@ double PickTask::Reward(const Scene& scene) { return std::max(0.0, Lift(scene));
 
 bool PickTask::Success(const Scene& scene) {
   if (Lift(scene) < lift_height_) return false;
-  const Touching touching = TouchingBody(scene, body_);
-  return touching.robot && !touching.other;
+  return OnlyRobotsTouch(scene, body_);
 }
 
 }  // namespace robocell

@@ -37,5 +37,7 @@ struct Touching {
   bool other = false;
 };
 Touching TouchingBody(const Scene& scene, const std::string& body);
+// Whether it is held: robots touch it, and nothing else does.
+bool OnlyRobotsTouch(const Scene& scene, const std::string& body);
 
 }  // namespace robocell
