@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <memory>
+#include <nlohmann/json.hpp>
+
 #include "robocell/data/episode_reader.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/testing/expect_throw.h"
@@ -12,10 +15,13 @@
 namespace robocell {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Each;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Pair;
+using ::testing::StartsWith;
 
 // Sends the arm somewhere every second action, and holds still between.
 class Commanding : public Expert {
@@ -101,6 +107,28 @@ TEST_F(RolloutTest, ObjectsThatComeInTheMiddleEndItWithAnError) {
   Adding expert;
   ExpectThrow<Error>([&] { Rollout(expert); },
                      "objects were added or removed while an episode is recorded");
+}
+
+// Where images come from shows in them, to the bit.
+TEST_F(RolloutTest, WhatDrewIsRecordedWithWhatWasDrawn) {
+  const auto renderer_of = [&](const std::string& id) {
+    return nlohmann::json::parse(Episode(folder / id).metadata_json()).value("renderer", "none");
+  };
+  Commanding expert(Pose(), 0);
+  Rollout(expert);
+  EXPECT_EQ(renderer_of("e"), "none");
+  run.cameras.resolution = {64, 48};
+  run.cameras.streams.push_back({.name = "wrist", .camera = "wrist_camera"});
+  const std::unique_ptr<Renderer> renderer = MakeRenderer({.quality = run.cameras.quality});
+  Rng rng = Rng::Stream(2, "expert");
+  RunRollout(run, *start, expert, rng,
+             {.dataset = folder.path(),
+              .episode_id = "seen",
+              .metadata_json = "{}",
+              .keep_failures = true,
+              .renderer = renderer.get()});
+  EXPECT_EQ(renderer_of("seen"), renderer->description());
+  EXPECT_THAT(renderer_of("seen"), AllOf(StartsWith("gl: "), HasSubstr("OpenGL")));
 }
 
 TEST_F(RolloutTest, WarningsFromBeforeTheStartAreNotTheEpisodes) {
