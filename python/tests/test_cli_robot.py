@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,16 @@ import numpy as np
 import pytest
 
 import robocell
-from command_line import RC7, refused, robocell_command, set_in, write_robot, write_run
+from command_line import (
+    RC7,
+    REPOSITORY,
+    refused,
+    robocell_command,
+    set_in,
+    write_robot,
+    write_run,
+)
+from menagerie import require_menagerie
 from robocell.cli import reach_map
 from robocell.cli.robot_checks import trial
 from robocell.cli.robot_scene import load_robot
@@ -195,6 +205,21 @@ def test_the_range_of_grippers_is_printed_in_this_form():
         distance = config.move_groups["gripper"].distance
         assert (closed, opened) == (distance.closed, distance.open)
     assert 0 <= closed < opened < 0.2
+
+
+@pytest.mark.parametrize("measured", [False, True])
+def test_the_range_of_a_linkage_gripper_is_said_or_measured(tmp_path: Path, measured: bool):
+    require_menagerie("ufactory_xarm7")
+    text = (REPOSITORY / "examples" / "xarm7.yaml").read_text()
+    said = ", distance: {closed: 0.004, open: 0.089}"
+    assert text.count(said) == 1
+    path = tmp_path / "xarm7.yaml"
+    path.write_text(text.replace(said, "") if measured else text)
+    result = robocell_command("gripper-range", path)
+    assert result.returncode == 0, result.stderr
+    first, second = result.stdout.splitlines()
+    assert first == "Gripper finger ranges:"
+    assert re.fullmatch(r"    Gripper 'gripper': 0\.00[234] - 0\.089", second), second
 
 
 def test_check_shows_the_robot_and_finds_nothing_wrong_with_the_builtin_one(tmp_path: Path):

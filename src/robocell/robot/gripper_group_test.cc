@@ -42,7 +42,7 @@ struct GripperCase {
 std::vector<GripperCase> Grippers() {
   const std::vector<RobotCase> robots = AllRobots();
   return {{robots[0], {0.0019, 0.0021}, {0.0899, 0.0901}, 100},
-          {robots[1], {0.002, 0.0045}, {0.0885, 0.0895}, 0},
+          {robots[1], {0.002, 0.0041}, {0.0885, 0.0895}, 0},
           {robots[2], {0, 0.001}, {0.083, 0.087}, 0},
           {robots[3], {0, 0.004}, {0.079, 0.085}, 255}};
 }
