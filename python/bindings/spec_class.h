@@ -237,6 +237,17 @@ void DefYamlFile(nb::class_<T>& c) {
                                T::kTypeName))),
       "Read YAML text; `source` stands for the file in messages, relative paths start at "
       "`directory`.");
+  if constexpr (requires(const T& spec) { spec.locations; }) {
+    c.def(
+        "location",
+        [](const T& self, const std::string& field) { return self.locations.At(field); },
+        nb::arg("field") = "",
+        "Where a field stood in the file this was read from, for messages: location('output') is "
+        "'run.yaml:3:9'.\n\n"
+        "Fields of parts are written as in 'cameras.streams[0].camera'. The nearest part around a "
+        "field that was not given; the override, as in '--set output=/tmp/x', when that gave it; "
+        "'' for what came from no file.");
+  }
 }
 
 template <HasFields T>

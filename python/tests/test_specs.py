@@ -471,3 +471,14 @@ class TestPlaces:
             rc.Scene.build(spec)
         place = f"scene 'scene' / robot 'q' / edits[{len(config.edits) - 1}]: the model: no joint"
         assert str(caught.value).startswith(place)
+
+    def test_a_spec_says_where_its_fields_stood(self, tmp_path: pathlib.Path):
+        path = tmp_path / "run.yaml"
+        path.write_text(f"run: a\nrobot: {rc.models.robot_file('rc7')}\noutput: out\n")
+        run = rc.RunConfig.load(path)
+        assert run.location("output") == f"{path}:3:9"
+        assert run.location("robot.home.arm[2]").startswith(rc.models.robot_file("rc7"))
+        assert run.location("task.lift_height") == run.location(), "the part that is there"
+        given = rc.RunConfig.load(path, ["output=there"])
+        assert given.location("output") == "--set output=there"
+        assert rc.RunConfig().location("output") == ""

@@ -28,22 +28,25 @@ def _nearest(folder: Path) -> Path:
     return next(path for path in (absolute, *absolute.parents) if path.exists())
 
 
-def require_no_file(folder: Path) -> None:
-    """IoError when a file stands where the folder, which need not exist yet, is to be."""
+def require_no_file(folder: Path, place: str = "") -> None:
+    """IoError when a file stands where the folder, which need not exist yet, is to be.
+
+    `place`: what messages begin with.
+    """
     for path in (folder, *folder.parents):
         if path.exists() and not path.is_dir():
             raise IoError(
-                f"output '{folder}': '{path}' is a file, and a dataset is a folder. Name another "
-                "one (--output), or move the file away"
+                f"{place}output '{folder}': '{path}' is a file, and a dataset is a folder. Name "
+                "another one (--output), or move the file away"
             )
 
 
-def require_writable(folder: Path) -> None:
+def require_writable(folder: Path, place: str = "") -> None:
     """IoError when nothing can be written where the folder is or, when there is none yet, is to be.
 
-    Tries it with an empty folder, which it removes again.
+    Tries it with an empty folder, which it removes again. `place`: what messages begin with.
     """
-    require_no_file(folder)
+    require_no_file(folder, place)
     there = _nearest(folder)
     probe = _probe(there)
     try:
@@ -55,7 +58,7 @@ def require_writable(folder: Path) -> None:
         if isinstance(error, FileNotFoundError):  # as /proc says, which is there
             reason = "no folder can be made there"
         raise IoError(
-            f"output '{folder}': cannot write into '{there}': {reason}. Name "
+            f"{place}output '{folder}': cannot write into '{there}': {reason}. Name "
             "another one (--output), or make that folder writable"
         ) from error
 

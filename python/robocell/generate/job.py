@@ -104,10 +104,15 @@ class Job:
         Returns warnings: what works and may yet not be meant, or that a model crashed the engine.
         IoError when the dataset cannot be written, or none of this could be found out.
         """
-        require_writable(self.dataset)
+        require_writable(self.dataset, self._place_of_output())
         warnings = check_apart(str(self.run_file), self.overrides)
         check_dataset(self.run)
         return warnings
+
+    def _place_of_output(self) -> str:
+        """'run.yaml:3:9: '; empty for a folder that the command names."""
+        named = any(override.startswith("output=") for override in self.overrides)
+        return "" if named else f"{self.run.location('output')}: "
 
     def reproduce(self, item: Item) -> str:
         """The command that makes one item alone, in a folder beside the dataset.

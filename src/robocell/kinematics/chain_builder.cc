@@ -127,6 +127,32 @@ void RefuseNonScalar(const mjModel* m, int joint, const std::string& place) {
                   BodyName(m, body)));
 }
 
+// Whether only hinges and slides, at least one, are between `base` and a body of its subtree.
+bool MayEndAt(const mjModel* m, int base, int body) {
+  int joints = 0;
+  for (; body != base; body = m->body_parentid[body]) {
+    if (m->body_mocapid[body] >= 0) return false;
+    for (int k = 0; k < m->body_jntnum[body]; ++k, ++joints) {
+      if (!IsScalar(m, m->body_jntadr[body] + k)) return false;
+    }
+  }
+  return joints > 0;
+}
+
+std::string WhereToEnd(const mjModel* m, int base) {
+  std::vector<std::string> ends;
+  for (int body = base + 1; body < m->nbody; ++body) {
+    if (IsInSubtree(m, body, base) && MayEndAt(m, base, body)) ends.push_back(BodyName(m, body));
+  }
+  if (ends.empty())
+    return fmt::format("No hinge or slide moves a body on '{}'; choose another base.",
+                       BodyName(m, base));
+  return fmt::format(
+      "End it at one of the bodies that move with respect to '{}', or at a site "
+      "there: {}.",
+      BodyName(m, base), ListNames(ends));
+}
+
 ChainJoint Describe(const mjModel* m, int id) {
   ChainJoint joint;
   joint.id = id;
@@ -149,7 +175,8 @@ class Builder {
     for (int body : PathBetween(m_, base, tip_body, place_)) AddBody(body);
     if (out_.model.n == 0) {
       throw ArgumentError(
-          fmt::format("{}: there is no joint between base and tip, so nothing moves.", place_));
+          fmt::format("{}: there is no joint between base and tip, so nothing moves. {}", place_,
+                      WhereToEnd(m_, base)));
     }
     out_.model.last_to_tip = frame_ * tip_in_body;
     return std::move(out_);

@@ -121,7 +121,14 @@ TEST_F(ChainTest, RefusesALinkOfItselfAsTheTool) {
 
 TEST_F(ChainTest, RefusesAChainWithoutJoints) {
   ExpectThrow<ArgumentError>([&] { Make("left_base", ChainTip::Body("left_base")); },
-                             "there is no joint between base and tip, so nothing moves.");
+                             "kinematic chain 'left_base' -> body 'left_base': there is no joint "
+                             "between base and tip, so nothing moves. End it at one of the bodies "
+                             "that move with respect to 'left_base', or at a site there: "
+                             "left_upper, left_lower, left_tool.");
+  ExpectThrow<ArgumentError>([&] { Make("right_base", ChainTip::Body("right_base")); },
+                             "or at a site there: right_upper.");
+  ExpectThrow<ArgumentError>([&] { Make("left_tool", ChainTip::Site("left_tcp")); },
+                             "No hinge or slide moves a body on 'left_tool'; choose another base.");
 }
 
 TEST_F(ChainTest, RefusesMoreJointsThanItCanHoldAndNamesThem) {

@@ -91,12 +91,6 @@ class GroupCheck {
     if (!leaf) return;
     const auto joints = JointsTo(*leaf);
     if (!joints || *joints == group.joints.names) return;
-    if (joints->empty()) {
-      return Problem(field + (group.leaf ? ".leaf" : ".joints"),
-                     fmt::format("there is no joint between '{}' and the arm's leaf, so nothing "
-                                 "moves; name what the last joint carries",
-                                 WithoutPrefix(robot_.root_body)));
-    }
     if (const std::string carrier = JointOfTheRoot(group); !carrier.empty()) {
       return Problem(
           field + ".joints",
@@ -105,6 +99,13 @@ class GroupCheck {
               "a body without joints around '{1}' in the model, or give '{0}' a group of "
               "its own: {{kind: generic, joints: [{0}], actuators: [NAME]}}",
               carrier, WithoutPrefix(robot_.root_body)));
+    }
+    if (joints->empty()) {
+      return Problem(
+          field + (group.leaf ? ".leaf" : ".joints"),
+          fmt::format("there is no joint between '{}' and the arm's leaf, so nothing "
+                      "moves; {}",
+                      WithoutPrefix(robot_.root_body), HowToNameALeaf(group.joints.names.back())));
     }
     if (const std::string ball = BallAmong(*joints); !ball.empty()) {
       return Problem(field + (group.leaf ? ".leaf" : ".joints"),
@@ -119,6 +120,27 @@ class GroupCheck {
                         ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
                         ListNames(*joints), group.leaf ? "" : ", or name its `leaf`",
                         HowToNameFirst(*joints)));
+  }
+
+  // What the last joint of an arm carries, sites first.
+  std::string HowToNameALeaf(const std::string& last) const {
+    const int carrier = BodyOfJoint(last).value();
+    const std::vector<std::string> sites = CarriedBy(carrier, mjOBJ_SITE);
+    const std::vector<std::string> bodies = CarriedBy(carrier, mjOBJ_BODY);
+    return fmt::format(
+        "name as `leaf` what the last joint, '{}', carries, for example {{{}}}. {}"
+        "Bodies there: {}",
+        last, sites.empty() ? "body: " + bodies.front() : "site: " + sites.back(),
+        sites.empty() ? "" : "Sites there: " + ListNames(sites) + ". ", ListNames(bodies));
+  }
+
+  std::vector<std::string> CarriedBy(int carrier, mjtObj kind) const {
+    std::vector<std::string> names;
+    for (const std::string& name : RobotElementNames(m_, robot_, kind)) {
+      const int id = FindId(m_, kind, robot_.prefix + name);
+      if (IsInSubtree(m_, BodyOf(m_, kind, id), carrier)) names.push_back(name);
+    }
+    return names;
   }
 
   // The first of them with more than one degree of freedom.

@@ -121,7 +121,9 @@ TEST_F(Located, JointsThatAreNotThoseToTheLeaf) {
   ExpectThrow<SpecError>([&] { BuildRobot(still); },
                          still +
                              ":4:53: robot 'left': move_groups.arm.leaf: there is no joint "
-                             "between 'base' and the arm's leaf, so nothing moves");
+                             "between 'base' and the arm's leaf, so nothing moves; name as "
+                             "`leaf` what the last joint, 'elbow', carries, for example {site: "
+                             "flange}. Sites there: flange. Bodies there: fore");
   const std::string one_missing = RobotFile("move_groups: {arm: {kind: arm, joints: [elbow]}}\n");
   ExpectThrow<SpecError>([&] { BuildRobot(one_missing); },
                          one_missing +

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <string_view>
 #include <Eigen/Geometry>
 
 #include "robocell/spec/validate.h"
@@ -61,14 +62,15 @@ namespace {
 // H.264 encodes no longer side, and OpenGL draws none on common drivers.
 constexpr int kLongestSide = 16384;
 
+constexpr std::string_view kCorrectTheSize =
+    "correct the stream's width and height, or `cameras.resolution`";
+
 void CheckNotTooLarge(const CameraSystemConfig& cameras, const CameraConfig& stream,
                       Problems& problems) {
   const int w = cameras.width(stream), h = cameras.height(stream);
   if (w <= kLongestSide && h <= kLongestSide) return;
-  problems.Add(
-      fmt::format("size {}x{} is too large: width and height can be at most {} pixels; "
-                  "correct the stream's width and height, or `cameras.resolution`",
-                  w, h, kLongestSide));
+  problems.Add(fmt::format("size {}x{} is too large: width and height can be at most {} pixels; {}",
+                           w, h, kLongestSide, kCorrectTheSize));
 }
 
 }  // namespace
@@ -88,8 +90,8 @@ void CameraSystemConfig::Validate(Problems& problems) const {
     if (stream.rgb && (w % 2 || h % 2)) {
       problems.Add(
           fmt::format("size {}x{} cannot be encoded as video, which needs even numbers; the "
-                      "nearest size is {}x{}",
-                      w, h, w + w % 2, h + h % 2));
+                      "nearest size is {}x{}; {}",
+                      w, h, w + w % 2, h + h % 2, kCorrectTheSize));
     }
   }
 }

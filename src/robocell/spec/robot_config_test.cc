@@ -39,7 +39,9 @@ TEST(RobotConfig, NeedsANameAndAModel) {
 TEST(RobotConfig, NanInHomeIsNamedByGroupAndPlace) {
   RobotConfig robot = ArmFile();
   robot.home["arm"][1] = std::nan("");
-  EXPECT_EQ(ValidationError(robot), "it is not valid: home.arm[1]: nan is not a finite number");
+  EXPECT_EQ(
+      ValidationError(robot),
+      "it is not valid: home.arm[1]: nan is not a finite number; write a number in its place");
 }
 
 TEST(RobotConfig, HomeHasOneValuePerJoint) {

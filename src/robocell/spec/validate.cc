@@ -9,9 +9,28 @@
 
 namespace robocell {
 
+namespace {
+
+// What a field with this check takes.
+const char* Wanted(Check check) {
+  switch (check) {
+    case Check::kPositive:
+      return "a number greater than 0";
+    case Check::kNonNegative:
+      return "0 or a greater number";
+    case Check::kFraction:
+      return "a number between 0 and 1";
+    default:
+      return "a number";
+  }
+}
+
+}  // namespace
+
 void CheckNumber(double value, Check check, Problems& problems) {
   if (!std::isfinite(value)) {
-    problems.Add(fmt::format("{} is not a finite number", value));
+    problems.Add(
+        fmt::format("{} is not a finite number; write {} in its place", value, Wanted(check)));
   } else if (check == Check::kPositive && value <= 0) {
     problems.Add(fmt::format("{} must be greater than 0", value));
   } else if (check == Check::kNonNegative && value < 0) {
