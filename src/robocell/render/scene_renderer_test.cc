@@ -79,6 +79,21 @@ TEST_F(FollowingRenderer, DrawsWhatIsThereWhenObjectsComeAndGo) {
   EXPECT_EQ(Take(), TakeAnew());
 }
 
+// The model of after has the signature of the one that was drawn, and may have its address.
+TEST_F(FollowingRenderer, WhatDoesNotFollowIsToldAndDrawsNothingThatWasFreed) {
+  const auto renderer = MakeRenderer();
+  renderer->SetModel(scene_.model());
+  const uint64_t signature = scene_.model()->signature;
+  scene_.AddObject(BoxObject("second", {0.1, 0, 0.02}));
+  scene_.RemoveObject("second");
+  ASSERT_EQ(scene_.model()->signature, signature);
+  std::vector<uint8_t> rgb(3 * 64 * 48);
+  ExpectThrow<ArgumentError>(
+      [&] { renderer->Render(scene_.data(), {.width = 64, .height = 48}, {.rgb = rgb}); },
+      "renderer: the model that it was given was freed; call SetModel after a scene was built "
+      "anew, or draw with a SceneRenderer");
+}
+
 TEST_F(FollowingRenderer, CamerasAreThoseOfTheSceneAsItIs) {
   ExpectThrow<NotFoundError>([&] { renderer_->Camera("frnt"); },
                              "scene 'test': no camera 'frnt'. Its cameras: front. Did you mean "

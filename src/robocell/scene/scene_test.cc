@@ -11,6 +11,7 @@
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
+#include "robocell/mujoco/model_watch.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/count_allocations.h"
@@ -401,6 +402,18 @@ TEST(CompiledScene, HandsItsModelOverOnce) {
     EXPECT_TRUE(scene.StepN(10).ok());
   }
   EXPECT_EQ(freed, 0);
+}
+
+// Whoever keeps the model then may free it at any time.
+TEST(CompiledScene, EndsItsModelForThoseWhoWatchItAlsoAfterItWasHandedOver) {
+  auto compiled = CompileScene(Workplace());
+  const std::shared_ptr<void> kept(compiled->mutable_model(),
+                                   [](void* m) { mj_deleteModel(static_cast<mjModel*>(m)); });
+  const ModelWatch watch(compiled->model());
+  compiled->AdoptModelKeeper(kept);
+  EXPECT_FALSE(watch.gone());
+  compiled.reset();
+  EXPECT_TRUE(watch.gone());
 }
 
 TEST(CompiledScene, TakesDataThatSomebodyElseMade) {
