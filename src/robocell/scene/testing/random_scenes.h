@@ -59,17 +59,22 @@ inline const char* kStand = R"(
 
 class RandomScenes {
  public:
-  // `menagerie`: its robots that are at hand take part.
-  explicit RandomScenes(bool menagerie = false)
-      : arm_(ArmConfig(folder_.Write("arm", kTwoJointArm))),
+  // `menagerie`: its robots that are at hand take part, in turn from the `first` on.
+  explicit RandomScenes(bool menagerie = false, uint64_t first = 0)
+      : turn_(first),
+        arm_(ArmConfig(folder_.Write("arm", kTwoJointArm))),
         gripper_(folder_.Write("gripper", kTwoFingerGripper)),
         lid_box_(folder_.Write("lid_box", kLidBox)),
-        probe_(folder_.Write("probe", kProbe)),
         stand_(folder_.Write("stand", kStand)) {
+    tools_ = {{gripper_, {Body("palm"), Site("pinch")}},
+              {folder_.Write("probe", kProbe), {Body("rod"), Site("end"), Frame("rim")}},
+              {assets::Resolve("ft_sensor"), {Body("ft_sensor"), Site("wrist_ft_site")}}};
     if (!menagerie) return;
     for (const std::string& name : MenagerieTestModels()) {
       if (MissingMenagerie({name}).empty()) menagerie_.push_back(menagerie::ModelPath(name));
     }
+    if (MissingMenagerie({"robotiq_2f85"}).empty())
+      tools_.push_back({menagerie::ModelPath("robotiq_2f85"), {Body("base"), Site("pinch")}});
   }
 
   // 0 to 3 robots and 0 to 5 objects.
@@ -94,7 +99,7 @@ class RandomScenes {
     }
     for (uint64_t i = 0, n = rng.UniformInt(4); i < n; ++i) {
       spec.robots.push_back(menagerie_.empty() || rng.UniformInt(4) == 0 ? Robot(rng, i)
-                                                                         : FromMenagerie(rng, i));
+                                                                         : FromMenagerie(i));
       RobotSpec& robot = spec.robots.back();
       robot.reset_root_pose = rng.UniformInt(2) == 0;
       robot.attachments = {};
@@ -188,8 +193,8 @@ class RandomScenes {
     return robot;
   }
 
-  RobotSpec FromMenagerie(Rng& rng, uint64_t i) {
-    return {.path = rng.Choice(menagerie_),
+  RobotSpec FromMenagerie(uint64_t i) {
+    return {.path = menagerie_[turn_++ % menagerie_.size()],
             .prefix = "r" + std::to_string(i) + "_",
             .pos = {0, 2.0 * i, 0}};
   }
@@ -232,10 +237,10 @@ class RandomScenes {
     AttachTarget on;
     if (k > 0 && rng.UniformInt(3) > 0) {
       const AttachmentSpec& other = robot.attachments[rng.UniformInt(k)];
-      const bool fingers = other.mjcf_path == gripper_;
-      const std::vector<AttachTarget> places = {Body(fingers ? "palm" : "rod"),
-                                                Site(fingers ? "pinch" : "end")};
-      on = !fingers && rng.UniformInt(2) == 0 ? Frame("rim") : rng.Choice(places);
+      const auto kind = std::find_if(tools_.begin(), tools_.end(), [&](const Tool& tool) {
+        return tool.mjcf_path == other.mjcf_path;
+      });
+      on = rng.Choice(kind->places);
       on.name = other.prefix + on.name;
     } else {
       const mjModel* model = Alone(FileOf(robot));
@@ -243,7 +248,7 @@ class RandomScenes {
       on = !sites.empty() && rng.UniformInt(2) == 0 ? Site(rng.Choice(sites))
                                                     : Body(rng.Choice(Named(model, mjOBJ_BODY)));
     }
-    AttachmentSpec tool{.mjcf_path = rng.UniformInt(2) == 0 ? gripper_ : probe_,
+    AttachmentSpec tool{.mjcf_path = rng.Choice(tools_).mjcf_path,
                         .attach_to = on,
                         .prefix = "t" + std::to_string(k) + "_"};
     PutAt(tool, Pose(RandomVector(rng, 0.1), RandomQuaternion(rng)));
@@ -257,9 +262,17 @@ class RandomScenes {
     return names;
   }
 
+  // What may hang on a robot, and where on it others may.
+  struct Tool {
+    std::string mjcf_path;
+    std::vector<AttachTarget> places;
+  };
+
+  uint64_t turn_;
   ModelFolder folder_;
   RobotConfig arm_;
-  std::string gripper_, lid_box_, probe_, stand_;
+  std::string gripper_, lid_box_, stand_;
+  std::vector<Tool> tools_;
   std::vector<std::string> menagerie_;
 };
 
