@@ -5,6 +5,10 @@ find_package(GTest REQUIRED)
 file(GLOB testing_sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/testing/*.cc")
 list(FILTER testing_sources EXCLUDE REGEX "_test\\.cc$")
 add_library(robocell_testing STATIC ${testing_sources})
+if(ROBOCELL_SANITIZE OR NOT CMAKE_BUILD_TYPE STREQUAL "Release")
+  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/testing/ratio_of_times.cc"
+    PROPERTIES COMPILE_DEFINITIONS ROBOCELL_SLOW_BUILD)
+endif()
 target_compile_definitions(robocell_testing PUBLIC ROBOCELL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
 target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
   PRIVATE robocell_flags PkgConfig::HWY)

@@ -11,6 +11,7 @@
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/ratio_of_times.h"
 
 namespace robocell {
 namespace {
@@ -95,6 +96,21 @@ TEST_F(Pool, StartsAsTheSpecSaysAndComesAndGoesByName) {
   EXPECT_EQ(scene.model(), model);
   EXPECT_EQ(scene.data(), data);
   EXPECT_EQ(scene.generation(), generation);
+}
+
+// Measured at one each; to compile anew takes dozens.
+TEST_F(Pool, ComingOrGoingTakesNoLongerThanAFewForwards) {
+  Scene scene = Scene::Build(spec);
+  const auto comes_and_goes = [&] {
+    for (int i = 0; i < 10; ++i) {
+      scene.AddObject("a");
+      scene.RemoveObject("a");
+    }
+  };
+  const auto forwards = [&] {
+    for (int i = 0; i < 20; ++i) scene.Forward();
+  };
+  EXPECT_LT(RatioOfTimes(comes_and_goes, forwards), Allowed(8));
 }
 
 // The same object by its spec, elsewhere: as a scene that was built so has it.

@@ -1,0 +1,26 @@
+// That the cost of this folder's controllers did not collapse, as robot/update_cost_test.cc does of
+// the plain modes: far from how fast they are, which benchmarks/ tells.
+#include <gtest/gtest.h>
+
+#include "robocell/robot/testing/robots.h"
+#include "robocell/robot/testing/update_cost.h"
+
+namespace robocell {
+namespace {
+
+double CostOf(const std::string& controller) {
+  RobotConfig config = Rc7();
+  config.gravcomp = false;  // else there is nothing to compensate
+  Robot robot = RobotAlone(config);
+  robot.SetController("arm", controller);
+  return UpdateCost(robot, [] {});
+}
+
+// Measured at 6 and 11 % of a step.
+TEST(ControllerCost, IsAFractionOfAStep) {
+  EXPECT_LT(CostOf("joint_impedance"), Allowed(0.6));
+  EXPECT_LT(CostOf("cartesian_impedance"), Allowed(1.0));
+}
+
+}  // namespace
+}  // namespace robocell
