@@ -153,7 +153,7 @@ class TestHandles:
     def test_robots_hold_the_pose_of_the_hook_after_later_resets(self, scene, configured: bool):
         robot = scene.robot("a") if configured else rc.Robot.from_scene(scene, "base_link", "link7")
         pose = [0.4, 0.3, -0.2, 1.1, 0.5, -0.6, 0.7]
-        scene.on_reset(lambda reset: robot.set_joint_pos(pose, call_forward=False))
+        scene.on_reset(lambda reset: setattr(robot.arm, "joint_pos", pose))  # commands nothing
         for change in (lambda: scene.add_object(cube()), lambda: scene.remove_object("cube")):
             change()
             robot.jnt_pos_cmd = [0.1] * 7

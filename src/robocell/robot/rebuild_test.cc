@@ -105,7 +105,7 @@ TEST(Rebuild, AfterLaterResetsRobotsHoldThePoseOfTheHook) {
       Robot::FromScene(scene, "base_link", "link7", {.prefix = "b_", .tool = {.tcp_site = "tcp"}});
   const std::vector<double> elsewhere(7, 0.1), pose{0.4, 0.3, -0.2, 1.1, 0.5, -0.6, 0.7};
   scene.AddResetHook([&](ResetContext&) {
-    for (Robot* robot : {&a, &b}) robot->SetJointPos(pose, false);
+    for (Robot* robot : {&a, &b}) robot->arm().SetJointPos(pose);  // which commands nothing
   });
   const auto expect_held = [&](const char* when) {
     SCOPED_TRACE(when);
