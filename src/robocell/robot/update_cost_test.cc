@@ -19,7 +19,7 @@ TEST(UpdateCost, WithGravityTorquesIsAFractionOfAStep) {
   Robot robot = RobotAlone(Rc7());
   robot.set_ctrl_mode(CtrlMode::kTorque);
   const auto command = [&] { robot.GravityTorques(robot.jnt_trq_cmd()); };
-  EXPECT_LT(UpdateCost(robot, command), Allowed(0.4));
+  EXPECT_LT(UpdateCost(robot, command), Allowed(0.3));
 }
 
 }  // namespace
