@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,13 +19,40 @@ AMPLITUDE, TIMESTEP = 0.2, 0.002  # as in control_loop_bench.cc
 REPETITIONS, ROUNDS = 5, 20
 
 
+Second = Callable[[robocell.Scene, robocell.Robot, list[np.ndarray]], None]
+
+
+def _follow(scene: robocell.Scene, robot: robocell.Robot, targets: list[np.ndarray]) -> None:
+    """Joint position: a target each tick."""
+    for target in targets:
+        robot.jnt_pos_cmd = target
+        robot.update()
+        robot.step()
+
+
+def _float(scene: robocell.Scene, robot: robocell.Robot, targets: list[np.ndarray]) -> None:
+    """Gravity torques, the loop of mj_kdl_wrapper's guide."""
+    for _ in targets:
+        robot.jnt_trq_cmd = robot.gravity_torques()
+        robot.update()
+        scene.step()
+
+
+# As control_loop_bench.cc names them.
+LOOPS: dict[str, tuple[str, Second]] = {
+    "joint position": ("position", _follow),
+    "gravity torques": ("torque", _float),
+}
+
+
 def rows(folder: Path) -> list[Row]:
-    """One row per robot and kind of control, and one per robot for the same loop in Python."""
+    """One row per robot and kind of control, and some per robot for the same loops in Python."""
     files = robot_files()
     configs = [robocell.RobotConfig.load(file) for file in files]
-    before = [_python_loop(config) for config in configs]
+    loops = [(control, config) for control in LOOPS for config in configs]
+    before = [_python_loop(*loop) for loop in loops]
     timed = seconds("control_loop_bench", files, folder)
-    after = [_python_loop(config) for config in configs]
+    after = [_python_loop(*loop) for loop in loops]
     beside_engine = [
         Row(
             f"control tick, {control}",
@@ -36,8 +64,8 @@ def rows(folder: Path) -> list[Row]:
         for control, sides in timed.items()
     ]
     return beside_engine + [
-        _from_python(f"joint position, {config.name}", one + other, timed)
-        for config, one, other in zip(configs, before, after, strict=True)
+        _from_python(f"{control}, {config.name}", one + other, timed)
+        for (control, config), one, other in zip(loops, before, after, strict=True)
     ]
 
 
@@ -54,9 +82,10 @@ def _from_python(name: str, times: list[float], timed: dict[str, dict[str, list[
     )
 
 
-def _python_loop(config: robocell.RobotConfig) -> list[float]:
+def _python_loop(control: str, config: robocell.RobotConfig) -> list[float]:
     """Seconds of a tick in each repetition: a command, update and a step of the engine."""
-    config.gravcomp = True
+    mode, second = LOOPS[control]
+    config.gravcomp = mode == "position"  # else there is nothing to compensate
     spec = robocell.SceneSpec(name="bench", timestep=TIMESTEP, add_floor=True, add_skybox=False)
     spec.robots.append(robocell.RobotSpec(name="robot", config=config))
     scene = robocell.Scene.build(spec)
@@ -65,6 +94,7 @@ def _python_loop(config: robocell.RobotConfig) -> list[float]:
     ticks = round(1 / TIMESTEP)
     swing = AMPLITUDE * np.sin(2 * np.pi * np.arange(ticks) / ticks)
     targets = list(np.array(robot.jnt_pos_cmd) + swing[:, np.newaxis])
+    robot.ctrl_mode = mode
     start, ends, times = scene.state(), [], []
     cores = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {min(cores)})
@@ -74,10 +104,7 @@ def _python_loop(config: robocell.RobotConfig) -> list[float]:
             for _ in range(ROUNDS):
                 scene.set_state(start)
                 begin = time.perf_counter()
-                for target in targets:
-                    robot.jnt_pos_cmd = target
-                    robot.update()
-                    robot.step()
+                second(scene, robot, targets)
                 elapsed += time.perf_counter() - begin
                 ends.append(scene.state())
             times.append(elapsed / (ROUNDS * ticks))
