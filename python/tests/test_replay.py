@@ -179,6 +179,7 @@ def test_what_a_record_needs_is_told(dataset: Path, record: Path, tmp_path: Path
         f"no record '{mistyped}'. Files *.npy in {folder}/: record.npy. Did you mean '{record}'?"
         in refused("replay", mistyped, "--env", folder / "env.yaml")
     )
+    assert f"no record '{mistyped}'" in refused("replay", mistyped)
     nowhere = folder / "none" / "record.npy"
     assert f"no record '{nowhere}': there is no folder '{nowhere.parent}'" in refused(
         "replay", nowhere, "--env", "rc7"

@@ -13,6 +13,8 @@ from robocell._cells import load_cell
 from robocell.cli.common import ExitCode, fail, print_error, require_file, require_folder
 from robocell.generate.totals import counted
 
+RECORD_SUFFIX = ".npy"
+
 
 def replay(
     dataset: Annotated[
@@ -45,7 +47,8 @@ def replay(
     configuration, which --env gives. Exit codes: 0 all the same, 1 some differ, 2 wrong command or
     an episode that cannot be replayed, 3 a file cannot be read.
     """
-    if dataset.is_file() or (env is not None and not dataset.is_dir()):
+    meant_as_file = env is not None or dataset.suffix == RECORD_SUFFIX
+    if dataset.is_file() or (meant_as_file and not dataset.is_dir()):
         _replay_record(dataset, episode, env, tolerance)
     else:
         _replay_dataset(dataset, episode, env, tolerance)
@@ -79,7 +82,7 @@ def _replay_dataset(dataset: Path, episode: str | None, env: str | None, toleran
 
 
 def _replay_record(file: Path, episode: str | None, env: str | None, tolerance: float) -> None:
-    require_file(file, "record", ".npy")
+    require_file(file, "record", RECORD_SUFFIX)
     if episode is not None:
         fail(f"'{file}' is one record; it has no episodes by id, leave {episode} out")
     if env is None:
