@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "robocell/base/error.h"
 
 namespace robocell {
@@ -35,11 +33,6 @@ bool IsRigid(const double* m) {
 }
 
 }  // namespace
-
-bool IsFinite(const Pose& pose) {
-  const Quaternion& q = pose.quaternion();
-  return pose.translation().allFinite() && std::isfinite(q[0] + q[1] + q[2] + q[3]);
-}
 
 IkTargets IkTargets::FromMatrices(std::span<const double> matrices, std::string_view name) {
   if (matrices.size() % 16 != 0) {

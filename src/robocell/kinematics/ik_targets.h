@@ -1,5 +1,5 @@
-// IkTargets: poses of the tip in the base frame that are asked for together, as Poses or as the
-// numbers of matrices.
+// IkTargets: poses of the tip in the base frame (metres) that are asked for together, as Poses or
+// as the numbers of matrices.
 //
 //   IkBatch(chain, poses);                             // std::vector<Pose>
 //   IkBatch(chain, IkTargets::FromMatrices(numbers));  // B x 4 x 4 numbers, as numpy has them
@@ -14,8 +14,6 @@
 
 namespace robocell {
 
-bool IsFinite(const Pose& pose);
-
 // Refers to what it is made from, and allocates nothing.
 class IkTargets {
  public:
@@ -24,9 +22,10 @@ class IkTargets {
   requires std::convertible_to<const Poses&, std::span<const Pose>> IkTargets(const Poses& poses)
       : poses_(poses) {}
   IkTargets(const Pose* poses, std::size_t count) : poses_(poses, count) {}
-  // From B homogeneous 4x4 matrices, row by row. Rotations are taken as they are where they are
-  // orthonormal to rounding, else as Pose takes them. What is no rigid transform is an
-  // ArgumentError that names the row: "targets[17]: ...".
+  // From B homogeneous 4x4 matrices, row by row, translations in metres. Rotations are taken as
+  // they are where they are orthonormal to rounding (products of their rows are within 1e-14 of 0
+  // and 1), else as Pose takes them. What is no rigid transform is an ArgumentError that names the
+  // row: "targets[17]: ...".
   static IkTargets FromMatrices(std::span<const double> matrices,
                                 std::string_view name = "targets");
 

@@ -138,6 +138,11 @@ bool Pose::operator==(const Pose& other) const {
   return translation_ == other.translation_ && quaternion_ == other.quaternion_;
 }
 
+bool IsFinite(const Pose& pose) {
+  const Quaternion& q = pose.quaternion();
+  return pose.translation().allFinite() && std::isfinite(q[0] + q[1] + q[2] + q[3]);
+}
+
 std::ostream& operator<<(std::ostream& out, const Pose& pose) {
   const Eigen::Vector3d& t = pose.translation();
   const Quaternion& q = pose.quaternion();

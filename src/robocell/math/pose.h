@@ -86,6 +86,9 @@ class Pose {
   Quaternion quaternion_ = {0, 0, 0, 1};
 };
 
+// Whether all its numbers are finite. Constructors take no others; arithmetic may overflow.
+bool IsFinite(const Pose& pose);
+
 std::ostream& operator<<(std::ostream& out, const Pose& pose);
 
 // Six numbers, linear part first: X_AB's twist from `from` to `to` in one unit of time, expressed

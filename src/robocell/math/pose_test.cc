@@ -203,6 +203,13 @@ TEST(Pose, WhatIsNoPoseIsRefused) {
                              "[0.5, 0, 0, 1]");
 }
 
+TEST(Pose, IsFiniteUntilArithmeticOverflows) {
+  const Pose far(Eigen::Vector3d(0, 1.5e308, 0));
+  EXPECT_TRUE(IsFinite(Pose()));
+  EXPECT_TRUE(IsFinite(far));
+  EXPECT_FALSE(IsFinite(far * far));
+}
+
 TEST(Pose, PrintsTheNumbersItIsMadeFrom) {
   std::ostringstream out;
   out << Pose({0.1, 0, -2}, Quaternion{0.6, 0, 0, 0.8});
