@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <exception>
 
 #include "robocell/base/error.h"
@@ -17,6 +18,10 @@ namespace {
 
 // Questions between two polls of a thread.
 constexpr int kPollEvery = 64;
+
+// Questions that a thread takes at a time: neighbours, so that threads hardly ever write to the
+// same line of memory, and few, so that none waits long for the last.
+constexpr int kTakenTogether = 64;
 
 // Questions that are chosen for together.
 constexpr int kChosenTogether = 64;
@@ -55,7 +60,7 @@ class Batch {
     const int threads = std::clamp(options_.threads, 1, std::max(1, out_.size));
     if (threads > 1) chain_.lanes().starts(chain_.model());  // what throws, throws here
     if (IsChosen(options_.ik)) return ChooseAll(threads);
-    OnThreads(threads, [&](int t) { SolveEvery(t, threads, t == 0 ? options_.poll : kNoPoll); });
+    OnThreads(threads, [&](int t) { SolveShare(t == 0 ? options_.poll : kNoPoll); });
   }
 
  private:
@@ -109,30 +114,37 @@ class Batch {
     }
   };
 
-  // One thread's share: every so-manieth question.
+  // What one thread solves: some questions, and some more when it is done with them.
   class Share : public LaneQueue {
    public:
-    Share(Batch* batch, int first, int stride, const std::function<void()>& poll)
-        : batch_(*batch), next_(first), stride_(stride), poll_(poll) {}
+    Share(Batch* batch, const std::function<void()>& poll) : batch_(*batch), poll_(poll) {}
 
     bool Next(LaneQuestion* question) override {
       if (poll_ && ++asked_ % kPollEvery == 1) poll_();
-      if (next_ >= batch_.out_.size || batch_.ended_) return false;
+      if (next_ == end_) TakeMore();
+      if (next_ == end_ || batch_.ended_) return false;
       *question = {next_, batch_.targets_[next_], batch_.SeedOf(next_)};
-      next_ += stride_;
+      ++next_;
       return true;
     }
     void Take(int number, const IkResult& answer) override { batch_.Keep(number, answer); }
 
    private:
+    void TakeMore() {
+      const int64_t first = batch_.taken_.fetch_add(kTakenTogether, std::memory_order_relaxed);
+      const int64_t size = batch_.out_.size;
+      next_ = static_cast<int>(std::min(first, size));
+      end_ = static_cast<int>(std::min(first + kTakenTogether, size));
+    }
+
     Batch& batch_;
-    int next_, stride_, asked_ = 0;
+    int next_ = 0, end_ = 0, asked_ = 0;
     const std::function<void()>& poll_;
   };
 
-  void SolveEvery(int first, int stride, const std::function<void()>& poll) {
+  void SolveShare(const std::function<void()>& poll) {
     const Ending ending{ended_};
-    Share share(this, first, stride, poll);
+    Share share(this, poll);
     SolveLanes(chain_, options_.ik, &share);
   }
 
@@ -169,6 +181,7 @@ class Batch {
   Seeds layout_;
   const IkBatchOptions& options_;
   IkBatchResult& out_;
+  std::atomic<int64_t> taken_ = 0;
   std::atomic<bool> ended_ = false;
 };
 
