@@ -24,3 +24,8 @@ def test_a_missing_file_and_a_missing_heading_are_found(tmp_path):
         "gone.png: no such file",
         "#nowhere: no such heading",
     ]
+
+
+def test_words_of_a_heading_keep_their_underscores():
+    assert check_docs.anchor(" `control_loop` ") == "control_loop"
+    assert check_docs.anchor("_Two_ *Words*") == "two-words"
