@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 HEADER = """# Results
@@ -19,14 +19,21 @@ def sections(text: str) -> dict[str, str]:
     return {name: body.strip() for name, body in SECTION.findall(text)}
 
 
-def record(path: Path, measured: Mapping[str, str], order: Iterable[str]) -> None:
+def record(
+    path: Path,
+    measured: Mapping[str, str],
+    order: Iterable[str],
+    summary: Callable[[Mapping[str, str]], str] | None = None,
+) -> None:
     """Puts sections in the place of those that the file has; the others stay.
 
     Args:
         path: of RESULTS.md, which need not be there.
         measured: text of each benchmark that was run, by its name.
         order: of the sections; what is in the file and not here is left out.
+        summary: what is said above all of them, from the sections.
     """
     known = {**sections(path.read_text() if path.exists() else ""), **measured}
-    parts = [f"## `{name}`\n\n{known[name].strip()}\n" for name in order if name in known]
-    path.write_text("\n".join([HEADER, *parts]))
+    kept = {name: known[name].strip() for name in order if name in known}
+    parts = [f"## `{name}`\n\n{body}\n" for name, body in kept.items()]
+    path.write_text("\n".join([HEADER, *([summary(kept)] if summary else []), *parts]))

@@ -1,4 +1,4 @@
-"""Run the benchmarks and print their tables: run.py [--record] [--only NAME ...].
+"""Run the benchmarks and print their tables: run.py [--record] [--only NAME ...] [--judge].
 
 Method: benchmarks/README.md. Raw values go to build/bench/results.json.
 """
@@ -25,10 +25,13 @@ import ik
 import overlap
 import reset
 import scene_again
+from instruction_set import instruction_set
 from record import record
 from table import Row, markdown
+from verdicts import summary
 
 ROOT = Path(__file__).resolve().parents[1]
+RESULTS = ROOT / "benchmarks" / "RESULTS.md"
 BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "control_loop": control_loop.rows,
     "dynamics": dynamics.rows,
@@ -58,11 +61,12 @@ def cpu_name() -> str:
 
 
 def circumstances() -> str:
-    """Machine, compiler, engine and commit, one per line."""
+    """Machine, instruction set of the kernels, compiler and commit, one per line."""
     changed = " with changes" if command_output("git", "status", "--porcelain") else ""
     return "\n".join(
         [
             f"- machine: {cpu_name()}, {os.cpu_count()} cores seen, {platform.system()}",
+            f"- instruction set: {instruction_set()}",
             f"- compiler: {command_output('c++', '--version').splitlines()[0]}",
             f"- commit: {command_output('git', 'rev-parse', '--short', 'HEAD')}{changed}",
             f"- date: {datetime.now(UTC):%Y-%m-%d}",
@@ -75,7 +79,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--record", action="store_true", help="write what ran to RESULTS.md")
     parser.add_argument("--only", nargs="+", choices=sorted(BENCHMARKS), help="only these")
+    parser.add_argument(
+        "--judge", action="store_true", help="only write RESULTS.md's verdicts anew"
+    )
     options = parser.parse_args()
+    if options.judge:
+        record(RESULTS, {}, BENCHMARKS, summary)
+        return
 
     folder = ROOT / "build" / "bench"
     folder.mkdir(parents=True, exist_ok=True)
@@ -91,7 +101,7 @@ def main() -> None:
         text = f"{conditions}\n\n{markdown(rows)}"
         print(f"\n{text}", flush=True)
         if options.record:  # at once: what comes later may fail
-            record(ROOT / "benchmarks" / "RESULTS.md", {name: text}, BENCHMARKS)
+            record(RESULTS, {name: text}, BENCHMARKS, summary)
 
 
 if __name__ == "__main__":

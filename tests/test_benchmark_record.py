@@ -5,6 +5,7 @@ from pathlib import Path
 
 sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 from record import record, sections
+from verdicts import BEGIN, END
 
 ORDER = ("a", "b", "c")
 TABLE = "- commit: 1\n\n| what |\n|---|\n| x |"
@@ -28,4 +29,13 @@ def test_only_what_ran_is_replaced(tmp_path: Path):
 def test_the_recorded_results_are_read_whole():
     path = Path(__file__).parents[1] / "benchmarks/RESULTS.md"
     text = path.read_text()
-    assert sum(body.count("\n|") for body in sections(text).values()) == text.count("\n|")
+    measured = text.replace(text[text.index(BEGIN) : text.index(END)], "")
+    assert sum(body.count("\n|") for body in sections(text).values()) == measured.count("\n|")
+
+
+def test_a_summary_of_all_sections_stands_above_them(tmp_path: Path):
+    path = tmp_path / "RESULTS.md"
+    record(path, {"a": TABLE, "c": TABLE}, ORDER, ", ".join)
+    record(path, {"b": TABLE}, ORDER, ", ".join)
+    assert path.read_text().count("a, b, c\n## `a`") == 1
+    assert "a, c" not in path.read_text()

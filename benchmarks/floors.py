@@ -1,0 +1,170 @@
+"""What robocell wants to reach: floors that must be met, and aims. Data only.
+
+Rows are called P1 to P14, as in README.md; ratios are to peers of the same run. verdicts.py judges
+what RESULTS.md has of them.
+"""
+
+from __future__ import annotations
+
+from floor import Floor
+from kinematics_floors import KINEMATICS
+from measures import MORE_TIME, RATE, TIMES_AS_LONG
+
+TRIALS = 375  # an hour: the most that RoboCasa and MimicGen publish
+
+LOOPS = (
+    *(
+        Floor(
+            "P7",
+            f"control tick, {control}, beside bare `mj_step`",
+            "control_loop",
+            f"control tick, {control}, {{robot}}",
+            "`mj_step`",
+            MORE_TIME,
+            floor=floor,
+            aim=aim,
+        )
+        for control, floor, aim in (
+            ("joint position", None, None),
+            ("joint impedance", 1.05, 1.01),
+            ("gravity torques", 1.08, 1.03),
+            ("Cartesian impedance", 1.08, 1.03),
+        )
+    ),
+    Floor(
+        "P8",
+        "step of an environment from Python, beside C++",
+        "env_step",
+        "step from Python, 33 of the engine, {robot}",
+        "the same in C++, `Env::Step`",
+        MORE_TIME,
+        floor=1.05,
+        aim=1.01,
+    ),
+    Floor(
+        "P8",
+        "step of an environment from Python, beside robosuite's Lift",
+        "env_step",
+        "step from Python, 33 of the engine, {robot}",
+        "robosuite's Lift, Panda",
+        floor=5,
+        aim=7,
+    ),
+    Floor(
+        "P8",
+        "vector of environments on two threads, beside one",
+        "env_step",
+        "step in a vector on two threads, {robot}",
+        "one thread",
+        floor=1.85,
+        aim=1.95,
+    ),
+)
+SCENES = (
+    Floor(
+        "P9",
+        "reset, beside one `mj_forward`",
+        "reset",
+        "reset with noise, {robot}",
+        "one `mj_forward`",
+        TIMES_AS_LONG,
+        floor=3,
+        aim=1.5,
+    ),
+    *(
+        Floor(
+            "P9",
+            f"reset from Python, beside {peer}",
+            "env_step",
+            "reset from Python, {robot}",
+            peer,
+            floor=floor,
+        )
+        for peer, floor in (
+            ("robosuite's Lift, soft", 30),
+            ("robosuite's Lift, hard", 3000),
+            ("FetchPickAndPlace-v4", 8),
+        )
+    ),
+    Floor(
+        "P10",
+        "objects of the pool, beside `mj_recompile`",
+        "add_remove",
+        "object added or removed by pool, {robot}",
+        "`mj_recompile`",
+        floor=20,
+        aim=1000,
+    ),
+    *(
+        Floor(
+            "P10",
+            f"scene in a later process, beside {what}",
+            "scene_again",
+            "scene in a later process, {robot}",
+            peer,
+            floor=5,
+            aim=10,
+        )
+        for what, peer in (
+            ("compiling it", "the same scene compiled"),
+            ("the engine reading the robot's XML", "the engine alone reads the robot's XML"),
+        )
+    ),
+    Floor("P11", "color, depth and segmentation, beside `mujoco.Renderer`", floor=20, aim=80),
+    Floor("P11", "the same, its quality turned off", floor=5, aim=18),
+)
+EPISODES = (
+    Floor(
+        "P12",
+        "images of episodes, beside the stages one after the other",
+        "overlap",
+        "an image of an episode, {robot}",
+        "acting, images, encoding one after the other",
+        floor=1.2,
+        aim=1.8,
+    ),
+    Floor(
+        "P12",
+        "images of episodes, beside the slowest stage",
+        "overlap",
+        "an image of an episode, {robot}",
+        "the slowest stage alone",
+        TIMES_AS_LONG,
+        aim=1.15,
+    ),
+    Floor("P12", "images of episodes, beside a Python pipeline, default renderer", floor=5, aim=20),
+    Floor(
+        "P13",
+        "pick episodes an hour, without cameras",
+        "episodes",
+        "pick episodes, {robot}, without cameras",
+        measure=RATE,
+        floor=30 * TRIALS,
+        aim=30_000,
+    ),
+    Floor(
+        "P14",
+        "dataset writer, beside the bare encoders",
+        "dataset_writer",
+        "an image and its share of the rows, written, {robot}",
+        "the bare encoders",
+        MORE_TIME,
+        floor=1.10,
+        aim=1.03,
+    ),
+    Floor("P14", "dataset writer, beside LeRobot 0.4.4", floor=8, aim=18),
+    Floor("P14", "dataset writer, beside LeRobot's streaming", floor=2, aim=4.5),
+)
+FLOORS = tuple(
+    sorted((*KINEMATICS, *LOOPS, *SCENES, *EPISODES), key=lambda floor: int(floor.row[1:]))
+)
+
+# Peers that do a part of our work and nothing else: nobody is faster than they are.
+BARE = (
+    "`mj_step`",
+    "one `mj_forward`",
+    "the same in C++",
+    "ours from C++",
+    "the slowest stage alone",
+    "the bare encoders",
+)

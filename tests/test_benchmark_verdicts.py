@@ -1,0 +1,165 @@
+"""benchmarks/verdicts.py: floors and aims are judged by what is recorded, and by all of it."""
+
+import ctypes
+import platform
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
+import recorded
+from floor import Floor
+from floors import FLOORS
+from instruction_set import KERNELS, instruction_set
+from measures import MORE_TIME, P50, P99, RATE, SOLVED, TIMES_AS_LONG
+from record import sections
+from table import Row, markdown
+from verdicts import BEGIN, END, judge, summary, warnings
+
+RESULTS = (Path(__file__).parents[1] / "benchmarks/RESULTS.md").read_text()
+SOLVES = "solved 99.40% (beyond limits too: 100.00%) / 90.00%; p50, p99 1.5, 2.8 / 108.1, 217.4 µs"
+
+
+def section(*rows: Row, on: str = "AVX2") -> dict[str, str]:
+    return {"s": f"- machine: x\n- instruction set: {on}\n\n{markdown(rows)}"}
+
+
+def tick(robot: str, ours: float, peer: float, name: str = "`mj_step` alone") -> Row:
+    return Row(f"tick, {robot}", "µs", [ours], [peer], note=f"peer: {name}, same controls")
+
+
+def floor_of(**fields: object) -> Floor:
+    return Floor("P0", "a tick", "s", "tick, {robot}", **fields)  # type: ignore[arg-type]
+
+
+def test_a_row_is_read_as_it_was_written():
+    (row,) = recorded.rows(section(tick("rc7", 12, 10))["s"])
+    assert (row.name, row.unit, row.ours, row.peer) == ("tick, rc7", "µs", 12, 10)
+    assert row.speed == pytest.approx(10 / 12)
+    rate = Row("r", "1/s", [8, 9], [3], better="higher")
+    assert recorded.rows(markdown([rate]))[0].speed == pytest.approx(3)
+    alone = Row("r", "1/h", [8], better="higher")
+    assert recorded.rows(markdown([alone]))[0].speed is None
+
+
+def test_ratios_agree_with_the_recorded_ones():
+    checked = 0
+    for line in RESULTS[RESULTS.index(END) :].splitlines():
+        for row in recorded.rows(line):
+            if row.speed is None:
+                continue
+            ratio = float(line.split("|")[5])
+            ours = row.speed if row.unit.startswith("1/") else 1 / row.speed
+            assert ours == pytest.approx(ratio, rel=1e-3, abs=6e-4), line
+            checked += 1
+    assert checked > 100
+
+
+def test_peers_with_a_common_beginning_are_different():
+    (row,) = recorded.rows(markdown([Row("r", "ns", [1], [2], note="of 2; peer: KDL-LMA; solved")]))
+    assert row.has_peer("KDL-LMA")
+    assert not row.has_peer("KDL")
+    assert not row.has_peer("LMA")
+
+
+def test_numbers_of_a_note_are_ours():
+    (row,) = recorded.rows(markdown([Row("r", "1/s", [1], [2], note=f"peer: x; {SOLVES}")]))
+    assert [measure.of(row) for measure in (SOLVED, P50, P99)] == [99.4, 1.5, 2.8]
+    (bare,) = recorded.rows(markdown([Row("r", "1/s", [1], [2], note="peer: x")]))
+    assert [measure.of(bare) for measure in (SOLVED, P50, P99)] == [None, None, None]
+
+
+@pytest.mark.parametrize(
+    ("worst", "says"),
+    [(1.005, "aim met"), (1.03, "floor met"), (1.05, "floor met"), (1.07, "**floor missed**")],
+)
+def test_the_worst_robot_counts(worst: float, says: str):
+    found = section(tick("a", 1, 1), tick("b", 100 * worst, 100))
+    verdict = judge(floor_of(measure=MORE_TIME, floor=1.05, aim=1.01), found)
+    assert verdict.says == says
+    assert verdict.worst == pytest.approx(worst)
+
+
+def test_more_is_better_only_where_it_is():
+    found = section(tick("a", 1, 30), tick("b", 1, 50))
+    assert judge(floor_of(floor=40), found).worst == 30
+    assert judge(floor_of(floor=40), found).says == "**floor missed**"
+    assert judge(floor_of(measure=TIMES_AS_LONG, floor=1), found).worst == pytest.approx(1 / 30)
+    assert judge(floor_of(measure=RATE, aim=2), found).says == "aim missed"
+
+
+@pytest.mark.parametrize(
+    ("where", "says"),
+    [("AVX2", "aim met"), ("AVX-512", "floor met"), ("plain x86-64", "floor met")],
+)
+def test_the_aim_is_that_of_the_instruction_set(where: str, says: str):
+    floor = floor_of(floor=10, aims={"AVX2": 25, "AVX-512": 80})
+    assert judge(floor, section(tick("a", 1, 30), on=where)).says == says
+
+
+def test_robots_that_are_not_meant_are_left_out():
+    found = section(tick("a", 1, 30), tick("b", 1, 5))
+    assert judge(floor_of(floor=10, not_meant=("b",)), found).values == {"a": 30}
+
+
+def test_only_rows_with_the_peer_count():
+    found = section(tick("a", 1, 30), tick("a", 1, 5, "another"))
+    assert judge(floor_of(peer="`mj_step`"), found).values == {"a": 30}
+    assert judge(floor_of(peer="another"), found).values == {"a": 5}
+
+
+def test_what_is_not_measured_is_said():
+    assert judge(floor_of(floor=10), {}).says == "not measured"
+    assert judge(Floor("P0", "unheard of", floor=10), section(tick("a", 1, 30))).values == {}
+    assert "of 0 aims 0; 1 rows are not measured" in summary({}, [floor_of(floor=10)])
+
+
+def test_being_faster_than_a_part_of_the_work_is_suspicious():
+    found = section(tick("a", 92.5, 100), tick("b", 1.01, 1), tick("c", 1, 2, "KDL"))
+    (warning,) = warnings(found)
+    assert warning == (
+        "- [`s`](#s), tick, a: 0.925 of the time (peer: `mj_step` alone, same controls)"
+    )
+    assert warning in summary(found, [floor_of()])
+    assert "Disturbed" not in summary(section(tick("b", 1.01, 1)), [floor_of()])
+
+
+def test_every_floor_finds_its_rows():
+    known = sections(RESULTS)
+    unmeasured = {
+        floor.what for floor in FLOORS if floor.section and not judge(floor, known).values
+    }
+    assert all("beside Pinocchio in C++" in what for what in unmeasured)
+    for floor in FLOORS:
+        if floor.section:
+            before, _, after = floor.name.partition("{robot}")
+            names = [row.name for row in recorded.rows(known[floor.section])]
+            assert any(n.startswith(before) and n.endswith(after) for n in names), floor.what
+
+
+def test_the_recorded_verdicts_are_those_of_the_recorded_sections():
+    written = RESULTS[RESULTS.index(BEGIN) : RESULTS.index(END) + len(END)]
+    assert written == summary(sections(RESULTS)).strip(), "run benchmarks/run.py --judge"
+
+
+@pytest.mark.skipif(platform.machine() != "x86_64", reason="names of x86-64")
+class TestInstructionSet:
+    def test_all_that_highway_wants_is_needed(self):
+        for name, needed in KERNELS.items():
+            assert instruction_set(f"flags\t\t: fpu {' '.join(needed)}\n") == name
+            for missing in needed:
+                flags = " ".join(flag for flag in needed if flag != missing)
+                assert instruction_set(f"flags : {flags}") != name
+        assert instruction_set("flags : fpu sse2") == "plain x86-64"
+
+    def test_it_is_what_highway_says(self):
+        try:
+            supported = ctypes.CDLL("libhwy.so.1")._ZN3hwy16SupportedTargetsEv
+        except (OSError, AttributeError):
+            pytest.skip("libhwy.so.1 is not here")
+        supported.restype = ctypes.c_int64
+        avx3, avx2 = 1 << 8, 1 << 9  # as in hwy/detect_targets.h
+        targets = supported()
+        best = "AVX-512" if targets & avx3 else "AVX2" if targets & avx2 else "plain x86-64"
+        assert instruction_set() == best
