@@ -15,9 +15,22 @@ def is_robot(file: Path) -> bool:
     return isinstance(content, dict) and "model" in content
 
 
+def kinds(file: Path) -> set[str]:
+    """Of the groups of a robot."""
+    groups = yaml.safe_load(file.read_text())["move_groups"]
+    return {group["kind"] for group in groups.values()}
+
+
+def arms(file: Path) -> bool:
+    """Whether it stands alone: grippers without an arm are parts of other robots."""
+    return "arm" in kinds(file)
+
+
 ROBOT_FILES = [
     file
-    for pattern in ("models/robots/*/*.yaml", "examples/*.yaml", "examples/*/*.yaml")
-    for file in sorted(ROOT.glob(pattern))
-    if is_robot(file)
+    for folder in ("models", "examples")
+    for file in sorted((ROOT / folder).rglob("*.yaml"))
+    if is_robot(file) and arms(file)
 ]
+# Those that can grasp.
+GRASPING_FILES = [file for file in ROBOT_FILES if "gripper" in kinds(file)]

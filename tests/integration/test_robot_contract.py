@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from commands import generate, robocell_command
 from numpy.typing import NDArray
-from robot_files import ROBOT_FILES
+from robot_files import GRASPING_FILES, ROBOT_FILES
 
 import robocell as rc
 from menagerie import require_menagerie
@@ -30,7 +30,17 @@ EPISODES = 2
 @pytest.fixture(params=ROBOT_FILES, ids=lambda file: file.stem)
 def robot_file(request: pytest.FixtureRequest) -> Path:
     """Each shipped robot file whose models are on this machine."""
-    file: Path = request.param
+    return on_this_machine(request.param)
+
+
+@pytest.fixture(params=GRASPING_FILES, ids=lambda file: file.stem)
+def grasping_file(request: pytest.FixtureRequest) -> Path:
+    """The same of those with a gripper."""
+    return on_this_machine(request.param)
+
+
+def on_this_machine(file: Path) -> Path:
+    """The file, once its models are there."""
     models = re.findall(r"menagerie:(\w+)/", file.read_text())
     if models:
         require_menagerie(*models)
@@ -40,7 +50,18 @@ def robot_file(request: pytest.FixtureRequest) -> Path:
 @pytest.fixture
 def loaded(robot_file: Path) -> RobotScene:
     """The robot alone in a scene, at home."""
-    loaded = load_robot(robot_file)
+    return at_home(robot_file)
+
+
+@pytest.fixture
+def grasping(grasping_file: Path) -> RobotScene:
+    """The same of one with a gripper."""
+    return at_home(grasping_file)
+
+
+def at_home(file: Path) -> RobotScene:
+    """A robot alone in a scene."""
+    loaded = load_robot(file)
     loaded.scene.reset()
     return loaded
 
@@ -67,10 +88,14 @@ def test_it_starts_at_home_and_stays_there(loaded: RobotScene):
         np.testing.assert_allclose(home, config.home["arm"], atol=1e-12)
     limits = np.array(robot.joint_limits)
     assert np.all((limits[:, 0] <= home) & (home <= limits[:, 1]))
-    assert robot.gripper.is_open
     run(scene, robot, 1)
     np.testing.assert_allclose(robot.arm.joint_pos, home, atol=config.arrival_tolerance)
-    assert robot.gripper.is_open
+
+
+def test_its_gripper_is_open_at_home_and_stays_so(grasping: RobotScene):
+    assert grasping.robot.gripper.is_open
+    run(grasping.scene, grasping.robot, 1)
+    assert grasping.robot.gripper.is_open
 
 
 def test_a_seeded_reset_stays_near_home(loaded: RobotScene):
@@ -150,11 +175,11 @@ def scene_with_box(loaded: RobotScene, width: float) -> rc.Scene:
     return rc.Scene.build(spec)
 
 
-def test_the_gripper_holds_a_box_while_the_arm_moves(loaded: RobotScene):
-    closed, opened = loaded.robot.gripper.inter_finger_dist_range
+def test_the_gripper_holds_a_box_while_the_arm_moves(grasping: RobotScene):
+    closed, opened = grasping.robot.gripper.inter_finger_dist_range
     width = closed + 0.4 * (opened - closed)
-    scene = scene_with_box(loaded, width)
-    robot = scene.robot(loaded.config.name)
+    scene = scene_with_box(grasping, width)
+    robot = scene.robot(grasping.config.name)
     scene.reset()
     gripper, gravity = robot.gripper, scene.model.opt.gravity.copy()
     assert gripper.inter_finger_dist == pytest.approx(opened, abs=0.005)
@@ -190,13 +215,13 @@ def test_the_gripper_holds_a_box_while_the_arm_moves(loaded: RobotScene):
     assert gripper.inter_finger_dist == pytest.approx(opened, abs=0.005)
 
 
-def test_two_picks_are_generated_and_intact(robot_file: Path, tmp_path: Path):
-    base = rc.RobotConfig.load(robot_file).base
+def test_two_picks_are_generated_and_intact(grasping_file: Path, tmp_path: Path):
+    base = rc.RobotConfig.load(grasping_file).base
     height = 0.0 if base.size is None else base.size[2]  # the robot stands level with the table
     task = f"{{kind: pick, base_distance: [0.35, 0.5], base_height_offset: {-height}}}"
     run_file = tmp_path / "run.yaml"
     run_file.write_text(
-        f"run: contract\nrobot: {robot_file}\ntask: {task}\nepisodes_per_scene: {EPISODES}\n"
+        f"run: contract\nrobot: {grasping_file}\ntask: {task}\nepisodes_per_scene: {EPISODES}\n"
         f"output: {tmp_path / 'unused'}\n"
     )
     dataset = tmp_path / "dataset"
