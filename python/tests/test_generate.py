@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import random
 import shutil
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +23,7 @@ from command_line import RUN, refused, robocell_command, write_run
 from contents import contents, of_episodes
 from robocell.generate import report as reports
 from robocell.generate.items import Report
+from robocell.generate.procfs import children
 from robocell.generate.resume import report_of
 
 IDS = ["s0000_e0000", "s0000_e0001"]
@@ -101,6 +105,45 @@ def test_more_workers_make_the_same_bytes(longer: Path, tmp_path: Path, workers:
     generate(run, tmp_path / "out", "--workers", workers)
     assert len(processes(tmp_path / "out")) >= 3
     assert contents(tmp_path / "out") == contents(longer)
+
+
+@contextlib.contextmanager
+def going_on(run: Path, output: Path, *options: object) -> Iterator[subprocess.Popen[str]]:
+    """A run that has begun, and is ended at last."""
+    command = [sys.executable, "-m", "robocell", "generate", run, "--output", output, *options]
+    with subprocess.Popen(
+        [str(word) for word in [*command, "--progress", "jsonl"]],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        try:
+            assert process.stdout is not None
+            assert json.loads(process.stdout.readline())["event"] == "started"
+            yield process
+        finally:
+            process.kill()
+
+
+def test_workers_that_stand_still_now_and_then_make_the_same_bytes(longer: Path, tmp_path: Path):
+    run, out, chance = write_run(tmp_path, **LONGER), tmp_path / "out", random.Random(4)
+    stops = 0
+    with going_on(run, out, "--workers", 3) as process:
+        while process.poll() is None:
+            time.sleep(chance.uniform(0, 0.05))
+            workers = children(process.pid)
+            if not workers:
+                continue
+            still = chance.choice(workers)
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(still, signal.SIGSTOP)
+                time.sleep(chance.uniform(0.01, 0.1))
+                os.kill(still, signal.SIGCONT)
+                stops += 1
+        assert process.returncode == 0
+    assert stops > 10
+    assert contents(out) == contents(longer)
 
 
 def test_two_shards_make_the_same_bytes_into_one_folder(reference: Path, tmp_path: Path):
@@ -247,3 +290,29 @@ def test_a_killed_run_can_go_on(reference: Path, tmp_path: Path):
     assert report.leftovers == [], "what the killed workers were writing is gone"
     made = contents(tmp_path / "out")
     assert {name: made[name] for name in contents(reference)} == contents(reference)
+
+
+def test_a_second_run_is_refused_while_the_first_goes_on_unharmed(reference: Path, tmp_path: Path):
+    run, out = write_run(tmp_path), tmp_path / "out"
+    with going_on(run, out, "--workers", 1) as first:
+        first.send_signal(signal.SIGSTOP)  # so that it is there still
+        refusal = " ".join(refused("generate", run, "--output", out, code=3).split())
+        assert f"process {first.pid} on" in refusal
+        assert str(out) in refusal
+        first.send_signal(signal.SIGCONT)
+        _, told = first.communicate(timeout=120)
+        assert first.returncode == 0, told
+    assert contents(out) == contents(reference)
+
+
+def test_another_shard_may_run_meanwhile_but_not_the_same(reference: Path, tmp_path: Path):
+    run, out = write_run(tmp_path), tmp_path / "out"
+    with going_on(run, out, "--shard", "0/2", "--workers", 1) as first:
+        first.send_signal(signal.SIGSTOP)
+        generate(run, out, "--shard", "1/2", "--workers", 1)
+        refusal = refused("generate", run, "--output", out, "--shard", "0/2", code=3)
+        assert f"process {first.pid} on" in " ".join(refusal.split())
+        first.send_signal(signal.SIGCONT)
+        _, told = first.communicate(timeout=120)
+        assert first.returncode == 0, told
+    assert contents(out) == contents(reference)
