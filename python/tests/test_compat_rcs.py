@@ -6,6 +6,10 @@ Menagerie's FR3 with the hand of the Panda; mounts, cube and housing are robocel
 
 from __future__ import annotations
 
+import warnings
+from pathlib import Path
+
+import mujoco
 import numpy as np
 import pytest
 
@@ -21,7 +25,7 @@ from robocell.compat.rcs.envs.scenes import (
     SimEnvCreatorConfig,
     WrapperConfig,
 )
-from robocell.compat.rcs.envs.tasks import PickTaskConfig
+from robocell.compat.rcs.envs.tasks import BaseTaskConfig, PickPlaceTaskConfig, PickTaskConfig
 from robocell.compat.rcs.sim import (
     CameraType,
     SimCameraConfig,
@@ -298,6 +302,9 @@ def test_the_pick_task(fr3):
     body = env.core.scene.body_pose("PickTask_green_cube")
     assert np.allclose((root.inverse() * body).translation, [0.5, 0, 0.05], atol=1e-9)
     assert info["instruction"] == "pick up the PickTask"
+    still = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1]}}
+    heights = [env.step(still)[0]["objects"]["PickTask"]["tquat"][2] for _ in range(20)]
+    assert heights[-1] == pytest.approx(0.02, abs=1e-3), "it lies on the ground of the empty world"
     env.close()
     for wrong, text in (
         (
@@ -308,6 +315,247 @@ def test_the_pick_task(fr3):
     ):
         with pytest.raises(rc.NotFoundError, match=text):
             minimal(fr3, task_cfg=wrong).to_env_config()
+
+
+def carried(env, observation, stops) -> list[dict]:
+    """What each step told on the way through these places, with the gripper so far open."""
+    at, told = observation["robot"]["tquat"][:3], []
+    for place, gripper in stops:
+        steps = int(np.ceil(max(1, np.linalg.norm(place - at) / 0.03)))  # too gentle to lose it
+        for way in np.linspace(0, 1, steps + 1)[1:]:
+            tquat = [*(at + way * (place - at)), 1, 0, 0, 0]
+            *_, info = env.step({"robot": {"tquat": tquat, "gripper": [gripper]}})
+            told.append(info)
+        at = place
+    return told
+
+
+def test_the_pick_and_place_task(fr3):
+    fr3 = SimRobotConfig(tcp_offset=rcs.GRIPPER_TCP_OFFSETS["FrankaHand"])
+    env = SimEnvCreator()(
+        SimEnvCreatorConfig(
+            robot_cfgs={"robot": fr3},
+            gripper_cfgs={"robot": SimGripperConfig()},
+            gripper_offsets={"robot": rcs.GRIPPER_MOUNT_OFFSETS["FrankaHand"]},
+            sim_cfg=SimConfig(max_convergence_steps=1000),
+            control_mode=ControlMode.CARTESIAN_TQuat,
+            relative_to=RelativeTo.NONE,
+            task_cfg=PickPlaceTaskConfig(
+                object_center_to_root_frame=rcs.common.Pose(translation=[0.5, 0, 0.02]),
+                include_rotation=False,
+            ),
+            add_gravcomp=True,
+            headless=True,
+        )
+    )
+    observation, info = env.reset(seed=0)
+    assert info["instruction"] == "pick up the PickPlaceTask and put it down at the goal"
+    cube = observation["objects"]["PickPlaceTask"]["tquat"][:3]
+    goal = observation["task"]["goal"]
+    assert np.allclose(goal, [0.5, 0.25, 0.02])
+    up, low = np.array([0, 0, 0.08]), goal + np.array([0, 0, 0.004])
+    there = [(cube + up, 1), (cube, 1), (cube, 0), (cube + up, 0), (goal + up, 0), (low, 0)]
+    told = carried(env, observation, [*there, (low, 1)])
+    assert [info["is_success"] for info in told] == [False] * (len(told) - 1) + [True]
+    lying = env.core.scene.body_pose("PickPlaceTask_green_cube").translation
+    assert np.linalg.norm(lying - goal) < 0.03
+    env.close()
+    with pytest.raises(
+        rc.ArgumentError, match="told where the object goes; PickPlaceTaskConfig has goal"
+    ):
+        minimal(fr3, task_cfg=PickTaskConfig(task_id="pick_place")).to_env_config()
+    config = minimal(
+        fr3, task_cfg=PickPlaceTaskConfig(goal=np.array([0.4, 0, 0]), goal_tolerance=0.01)
+    ).to_env_config()
+    assert list(config.task.goal) == [0.4, 0, 0]
+    assert config.task.goal_tolerance == 0.01
+
+
+class Wait(rc.EnvTask):
+    """Nothing is to be done, beside an object where there is one."""
+
+    def __init__(self, config, scene):
+        super().__init__()
+        self.object = config.task.object
+
+    def reward(self, scene):
+        return 0.5
+
+    def success(self, scene):
+        return False
+
+    def instruction(self):
+        return f"wait beside the {self.object}"
+
+    def objects(self):
+        return [self.object] if self.object else []
+
+
+class BesideALamp(BaseTaskConfig):
+    def add_to(self, config: rc.EnvConfig) -> None:
+        super().add_to(config)
+        config.world_frame_objects["lamp"] = (OBJECT_PATHS["green_cube"], rc.Pose())
+
+
+def test_tasks_of_ones_own(fr3):
+    rc.register_env_task("wait", Wait)
+    env = SimEnvCreator()(minimal(fr3, task_cfg=BaseTaskConfig(task_id="wait"), headless=True))
+    assert env.reset(seed=0)[1]["instruction"] == "wait beside the "
+    still = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1]}}
+    assert env.step(still)[1] == 0.5
+    env.close()
+    about = PickTaskConfig(task_id="wait", prefix="Cube_")
+    env = SimEnvCreator()(minimal(fr3, task_cfg=about, headless=True))
+    observation, info = env.reset(seed=0)
+    assert info["instruction"] == "wait beside the Cube"
+    assert np.allclose(observation["objects"]["Cube"]["tquat"][:3], [0.5, 0, 0.05])
+    env.close()
+    config = minimal(fr3, task_cfg=BesideALamp(task_id="wait")).to_env_config()
+    assert (list(config.world_frame_objects), config.task.kind) == (["lamp"], "wait")
+    with pytest.raises(
+        rc.NotFoundError,
+        match=r"no task 'pour'. Known tasks: pick, pick_place, .*wait; those of one's own are add",
+    ):
+        minimal(fr3, task_cfg=BaseTaskConfig(task_id="pour")).to_env_config()
+
+
+def told_by(make) -> list[str]:
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("default")
+        make()
+        make()
+    return [str(each.message) for each in caught]
+
+
+def test_fields_that_do_nothing_say_so_once_when_they_are_set():
+    assert told_by(lambda: SimRobotConfig(seconds_between_callbacks=0.2).to_robot()) == [
+        "SimRobotConfig.seconds_between_callbacks does nothing: whether the arm has arrived is "
+        "looked at with every step of the engine; joint_rotational_tolerance says how near that is"
+    ]
+    gripper = SimGripperConfig(
+        min_joint_width=0.005, max_joint_width=1.0, collision_geoms=["hand_c"],
+        ignored_collision_geoms=["finger"], seconds_between_callbacks=0.1,
+    )  # fmt: skip
+    told = told_by(gripper.to_robot)
+    assert [text.split(" does nothing: ")[0].split(".")[1] for text in told] == [
+        "min_joint_width", "max_joint_width", "collision_geoms", "ignored_collision_geoms",
+        "seconds_between_callbacks",
+    ]  # fmt: skip
+    assert told[0].endswith("at min_actuator_width and max_actuator_width; set these")
+    assert "SimRobotConfig.arm_collision_geoms" in told[2]
+    assert told_by(lambda: SimRobotConfig().to_robot()) == []
+    assert told_by(lambda: SimGripperConfig(collision_geoms=[]).to_robot()) == []
+
+
+def test_the_original_configuration_is_none(fr3):
+    assert minimal(fr3, _original_cfg=None).to_env_config() == minimal(fr3).to_env_config()
+    with pytest.raises(rc.ArgumentError, match="_original_cfg: robocell prefixes nothing in place"):
+        minimal(fr3, _original_cfg=minimal(fr3)).to_env_config()
+
+
+class TestMistakes:
+    """The page's common mistakes, 1 to 5: with its names, which frame or name was expected."""
+
+    CUBE = (OBJECT_PATHS["green_cube"], rcs.common.Pose())
+    FRAMES = (
+        "world_frame_objects stay in the room, root_frame_objects move with the rig, "
+        "robot_frame_objects follow a robot's wrist"
+    )
+
+    def message(self, fr3, **more) -> str:
+        cfg = duo(fr3, **more)
+        with pytest.raises(rc.Error) as error:
+            SimEnvCreator().create_model(cfg)
+        return str(error.value)
+
+    def test_1_world_and_root_frame(self, fr3):
+        both = {
+            "world_frame_objects": {"cube": self.CUBE},
+            "root_frame_objects": {"cube": self.CUBE},
+        }
+        message = self.message(fr3, **both)
+        assert "root_frame_objects.cube: is in world_frame_objects too; keep one of" in message
+        assert self.FRAMES in message
+        task = PickTaskConfig(robot_name="left")
+        assert self.message(fr3, task_cfg=task, world_frame_objects={"PickTask": self.CUBE}) == (
+            "world_frame_objects.PickTask: the object of task_cfg has this name, its prefix "
+            "'PickTask_', and stands in the root frame; leave 'PickTask' out of "
+            "world_frame_objects, or give task_cfg another prefix"
+        )
+
+    def test_2_the_frame_of_a_cameras_offset(self, fr3):
+        streams = {"wrist": camera("wrist")}
+        adds = {"wrist": CameraAdderConfig(robot_name="lfet")}
+        assert (
+            "camera_adds.wrist.robot_name: no robot 'lfet'. Known robots: left, right. Did you "
+            "mean 'left'? Unset, the camera belongs to the rig, and its offset is in the root frame"
+        ) in self.message(fr3, camera_cfgs=streams, camera_adds=adds)
+        adds = {"wrist": CameraAdderConfig(attachment_site="attachment_site")}
+        assert (
+            "camera_adds.wrist.attachment_site: is a site of a robot, but without robot_name the "
+            "offset is in the root frame; set robot_name, or leave the site out"
+        ) in self.message(fr3, camera_cfgs=streams, camera_adds=adds)
+
+    def test_3_matching_camera_names(self, fr3):
+        added = {"camera_adds": {"bird_eye": CameraAdderConfig()}}
+        wrist = {"wrist": camera("wrist")}
+        assert self.message(fr3, **added, camera_cfgs=wrist) == (
+            "camera_adds.bird_eye: no entry of camera_cfgs takes images of this camera; name it in "
+            "camera_cfgs ({'bird_eye': SimCameraConfig(identifier='bird_eye')}), or leave it out. "
+            "camera_cfgs has wrist"
+        )
+        assert self.message(fr3, **added).endswith("camera_cfgs has none")
+        assert self.message(fr3, **added, camera_cfgs={"bird_eye": camera("bird")}) == (
+            "camera_adds.bird_eye: camera_cfgs.bird_eye takes images of the camera 'bird', its "
+            "identifier; the name of this one is expected there: identifier='bird_eye'"
+        )
+        added["camera_adds"]["wrist"] = CameraAdderConfig(robot_name="left")
+        lines = self.message(fr3, **added).splitlines()
+        assert [line.split(":")[0] for line in lines] == [
+            "camera_adds.bird_eye", "camera_adds.wrist",
+        ]  # fmt: skip
+        duo(fr3, **added, camera_cfgs={"above": camera("bird_eye")} | wrist).to_env_config()
+
+    def test_4_what_follows_a_wrist_in_world_objects(self, fr3):
+        assert self.message(fr3, world_frame_objects={"left": {"mount": self.CUBE}}) == (
+            "world_frame_objects.left is wrong: objects by name stand where one object is "
+            "expected; those that follow a robot's wrist go into robot_frame_objects: "
+            "{robot: {id: ...}}, all others are {id: ...} without a robot"
+        )
+        message = self.message(fr3, world_frame_objects={"left": self.CUBE})
+        assert "world_frame_objects.left: is the name of a robot. What follows its wr" in message
+        assert self.FRAMES in message
+        assert self.message(fr3, robot_frame_objects={"mount": self.CUBE}) == (
+            "robot_frame_objects.mount: objects follow the wrist of a robot and are expected under "
+            "its name, {robot: {'mount': (model, Pose)}}. Known robots: left, right"
+        )
+
+    def test_5_prefixes_of_a_model_of_all_robots(self, tmp_path: Path):
+        arms = mujoco.MjSpec()
+        torso = arms.worldbody.add_body(name="torso")
+        for side, y in (("left", 0.3), ("right", -0.3)):
+            arm = mujoco.MjSpec.from_file(rc.models.resolve("rc7"))
+            for key in arm.keys:
+                arm.delete(key)
+            torso.add_frame(pos=[0, y, 0]).attach_body(arm.body("base_link"), f"arm_{side}_", "")
+        path = tmp_path / "arms.xml"
+        path.write_text(arms.to_xml())
+        own = rc.RobotConfig.load(rc.models.robot_file("rc7")).move_groups["arm"]
+        robot_cfg = SimRobotConfig(
+            robot_type="rc7", base="base_link", joints=list(own.joints), q_home=None,
+            actuators=list(own.actuators), kinematic_model_path=rc.models.resolve("rc7"),
+        )  # fmt: skip
+        cfg = duo(robot_cfg, alternative_combined_robot_mjcf=path, robot_to_shared_base_frame=None)
+        with pytest.raises(rc.SpecError) as error:
+            built(cfg)
+        text = str(error.value)
+        assert "the names of robot 'left' must begin with 'robotleft_'; its bodies are " in text
+        assert "arm_left_base_link" in text
+
+    def test_a_gripper_of_no_robot(self, fr3):
+        assert self.message(fr3, gripper_cfgs={"lfet": SimGripperConfig()}) == (
+            "gripper_cfgs.lfet: no robot 'lfet'. Known robots: left, right"
+        )
 
 
 def test_every_field_becomes_one_of_robocells():

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import enum
 import os
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from typing import Any
 
 import robocell as rc
@@ -14,6 +15,22 @@ from robocell.compat.rcs.registries import GRIPPER_PATHS, HOME_POSITIONS
 
 TIMESTEP = rc.SimSettings().timestep  # seconds
 UNLIMITED = 1e6 * TIMESTEP  # s; the most that a step may take
+
+
+def _warn_of_unused(config: Any, instead: Mapping[str, str]) -> None:
+    """For each of these fields that is not at its default: that it does nothing, and what does.
+
+    A warning of one text comes once, as Python shows warnings.
+    """
+    for each in fields(config):
+        if each.name not in instead:
+            continue
+        value = getattr(config, each.name)
+        if (tuple(value) if isinstance(each.default, tuple) else value) != each.default:
+            warnings.warn(
+                f"{type(config).__name__}.{each.name} does nothing: {instead[each.name]}",
+                stacklevel=2,
+            )
 
 
 def _fr3_joints() -> list[str]:
@@ -45,8 +62,9 @@ class SimConfig:
 class SimRobotConfig:
     """An arm; by default the Menagerie's FR3. Names are those of its model, without prefix.
 
-    ``dof``, when it is set, must be the number of joints. ``seconds_between_callbacks`` is accepted
-    and unused: robocell looks at every step of the engine whether an arm has arrived.
+    ``dof``, when it is set, must be the number of joints. ``seconds_between_callbacks`` does
+    nothing, and a warning says so when it is set: robocell looks at every step of the engine
+    whether an arm has arrived.
     """
 
     robot_type: str = "FR3"
@@ -65,6 +83,13 @@ class SimRobotConfig:
 
     def to_robot(self) -> rc.RobotConfig:
         """As a robot's configuration with one group, ``arm``."""
+        _warn_of_unused(
+            self,
+            {
+                "seconds_between_callbacks": "whether the arm has arrived is looked at with every "
+                "step of the engine; joint_rotational_tolerance says how near that is"
+            },
+        )
         if self.dof is not None and self.dof != len(self.joints):
             raise rc.ArgumentError(
                 f"robot {self.robot_type}: dof is {self.dof}, but joints has {len(self.joints)} "
@@ -98,13 +123,32 @@ class SimRobotConfig:
         return robot
 
 
+_MEASURED = (
+    "how far the fingers open is measured on the model, at min_actuator_width and "
+    "max_actuator_width; set these"
+)
+_MAY_TOUCH = (
+    "grippers may touch things, which ends no step; the contacts of a body of theirs are "
+    "env.core.scene.contacts(body), and what ends steps are the arm's, SimRobotConfig."
+    "arm_collision_geoms"
+)
+_UNUSED_OF_GRIPPERS = {
+    "min_joint_width": _MEASURED,
+    "max_joint_width": _MEASURED,
+    "collision_geoms": _MAY_TOUCH,
+    "ignored_collision_geoms": _MAY_TOUCH,
+    "seconds_between_callbacks": "whether the fingers stand still is looked at with every step of "
+    "the engine",
+}
+
+
 @dataclass
 class SimGripperConfig:
     """A gripper of GRIPPER_PATHS, or ``gripper_type`` is a model's path; by default Franka's hand.
 
-    Accepted and unused: ``min_joint_width``, ``max_joint_width`` (the opening is measured on the
-    model), ``collision_geoms``, ``ignored_collision_geoms`` (grippers may touch things) and
-    ``seconds_between_callbacks``.
+    These do nothing, and a warning says so when they are set: ``min_joint_width``,
+    ``max_joint_width`` (the opening is measured on the model), ``collision_geoms``,
+    ``ignored_collision_geoms`` (grippers may touch things) and ``seconds_between_callbacks``.
     """
 
     gripper_type: str = "FrankaHand"
@@ -121,6 +165,7 @@ class SimGripperConfig:
 
     def to_robot(self) -> rc.RobotConfig:
         """As a robot's configuration with one group, ``gripper``."""
+        _warn_of_unused(self, _UNUSED_OF_GRIPPERS)
         kind = str(self.gripper_type)
         if kind not in GRIPPER_PATHS and not kind.endswith(".xml"):
             known = ", ".join(GRIPPER_PATHS)

@@ -11,7 +11,7 @@ import robocell as rc
 from robocell import CameraAdderConfig, WrapperConfig
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
-from robocell.compat.rcs.envs.tasks import PickTaskConfig
+from robocell.compat.rcs.envs.tasks import BaseTaskConfig
 from robocell.compat.rcs.registries import SCENE_PATHS
 from robocell.compat.rcs.sim import SimCameraConfig, SimConfig, SimGripperConfig, SimRobotConfig
 
@@ -31,14 +31,40 @@ Path = str | os.PathLike[str]
 Placed = tuple[Path, rc.Pose]
 
 
+def _without_images(
+    camera: str, added: rc.CameraAdderConfig, streams: Mapping[str, SimCameraConfig]
+) -> str | None:
+    """What is wrong when no entry of camera_cfgs takes images of a camera that was added.
+
+    A model is there for its housing too.
+    """
+    if added.xml_path or any(stream.identifier == camera for stream in streams.values()):
+        return None
+    if camera in streams:
+        return (
+            f"camera_adds.{camera}: camera_cfgs.{camera} takes images of the camera "
+            f"'{streams[camera].identifier}', its identifier; the name of this one is expected "
+            f"there: identifier='{camera}'"
+        )
+    return (
+        f"camera_adds.{camera}: no entry of camera_cfgs takes images of this camera; name it in "
+        f"camera_cfgs ({{'{camera}': SimCameraConfig(identifier='{camera}')}}), or leave it out. "
+        f"camera_cfgs has {', '.join(streams) or 'none'}"
+    )
+
+
 @dataclass(kw_only=True)
 class SimEnvCreatorConfig:
-    """A cell of one or several robots; all but the first three have defaults."""
+    """A cell of one or several robots; all but the first three have defaults.
+
+    ``_original_cfg`` is None: RCS keeps there what was given before it prefixes names in place,
+    and robocell prefixes nothing in place.
+    """
 
     robot_cfgs: Mapping[str, SimRobotConfig]
     sim_cfg: SimConfig
     control_mode: rc.ControlMode
-    task_cfg: PickTaskConfig | None = None
+    task_cfg: BaseTaskConfig | None = None
     scene: Path = SCENE_PATHS["empty_world"]
     gripper_cfgs: Mapping[str, SimGripperConfig] | None = None
     camera_cfgs: Mapping[str, SimCameraConfig] | None = None
@@ -56,15 +82,48 @@ class SimEnvCreatorConfig:
     robot_frame_objects: Mapping[str, Mapping[str, Placed]] | None = None
     camera_adds: Mapping[str, rc.CameraAdderConfig] | None = None
     gripper_offsets: Mapping[str, rc.Pose] | None = None
+    _original_cfg: None = field(default=None, repr=False)
+
+    def _check_names(self) -> None:
+        """What robocell would tell with fields that are not there in this configuration."""
+        if self._original_cfg is not None:
+            raise rc.ArgumentError(
+                "_original_cfg: robocell prefixes nothing in place; give that configuration itself "
+                "in the place of this one, and leave the field at None"
+            )
+        for robot in self.gripper_cfgs or {}:
+            if robot not in self.robot_cfgs:
+                raise rc.NotFoundError(
+                    f"gripper_cfgs.{robot}: no robot '{robot}'. Known robots: "
+                    f"{', '.join(self.robot_cfgs)}"
+                )
+        for robot, each in (self.robot_frame_objects or {}).items():
+            if not isinstance(each, Mapping):
+                raise rc.ArgumentError(
+                    f"robot_frame_objects.{robot}: objects follow the wrist of a robot and are "
+                    f"expected under its name, {{robot: {{'{robot}': (model, Pose)}}}}. Known "
+                    f"robots: {', '.join(self.robot_cfgs)}"
+                )
+        streams = self.camera_cfgs or {}
+        wrong = [_without_images(n, each, streams) for n, each in (self.camera_adds or {}).items()]
+        if any(wrong):
+            raise rc.ArgumentError("\n".join(text for text in wrong if text))
 
     def to_env_config(self, name: str = "env") -> rc.EnvConfig:
-        """The same cell as robocell's configuration; this one stays as it is."""
+        """The same cell as robocell's configuration; this one stays as it is.
+
+        ArgumentError for a camera of ``camera_adds`` that ``camera_cfgs`` does not name and for
+        objects of wrists that are under no robot's name, NotFoundError for the gripper of none.
+        """
+        self._check_names()
         fields: dict[str, Any] = {
             "name": name,
             "robots": {robot: each.to_robot() for robot, each in self.robot_cfgs.items()},
             "grippers": {robot: g.to_robot() for robot, g in (self.gripper_cfgs or {}).items()},
             "gripper_offsets": dict(self.gripper_offsets or {}),
             "scene": str(self.scene),
+            # RCS's empty world has one, on which things lie; robocell's has not.
+            "add_floor": str(self.scene) == SCENE_PATHS["empty_world"],
             "root_frame_to_world": self.root_frame_to_world,
             "shared_base_frame_to_root_frame": self.shared_base_frame_to_root_frame,
             "robot_to_shared_base_frame": dict(self.robot_to_shared_base_frame or {}),

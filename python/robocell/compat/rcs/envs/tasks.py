@@ -1,8 +1,9 @@
-"""The pick task."""
+"""Tasks: picking, picking and placing, and those that users register with robocell."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import robocell as rc
@@ -11,8 +12,34 @@ from robocell.compat.rcs.registries import OBJECT_PATHS
 
 
 @dataclass(kw_only=True)
-class PickTaskConfig:
+class BaseTaskConfig:
+    """A task by its name: one of ``rc.env_task_kinds()``.
+
+    That is all that a task of one's own needs which was registered (``rc.register_env_task``);
+    subclasses may add to the environment in ``add_to`` too.
+    """
+
+    task_id: str
+
+    def add_to(self, config: rc.EnvConfig) -> None:
+        """The task; ``config`` is robocell's own, with all that the environment has besides."""
+        self._check_task_id()
+        config.task = rc.EnvTaskConfig(kind=self.task_id)
+
+    def _check_task_id(self) -> None:
+        kinds = rc.env_task_kinds()
+        if self.task_id not in kinds:
+            raise rc.NotFoundError(
+                f"task_cfg: no task '{self.task_id}'. Known tasks: {', '.join(kinds)}; those of "
+                "one's own are added by rc.register_env_task"
+            )
+
+
+@dataclass(kw_only=True)
+class PickTaskConfig(BaseTaskConfig):
     """An object that lies around its place in the root frame and is to be lifted.
+
+    With the ``task_id`` of a task of one's own that task is about the object.
 
     ``object_joint`` is accepted and unused: robocell finds the free joint of the object, and adds
     one to a model that has none.
@@ -30,15 +57,51 @@ class PickTaskConfig:
 
     def add_to(self, config: rc.EnvConfig) -> None:
         """The object among those of the rig, free, and the task about it."""
-        if self.task_id != "pick":
-            raise rc.NotFoundError(f"task_cfg: no task '{self.task_id}'. Known tasks: pick")
+        self._check_task_id()
         if self.robot_name not in config.robots:
             raise rc.NotFoundError(
                 f"task_cfg.robot_name: no robot '{self.robot_name}'. Known robots: "
                 f"{', '.join(config.robots)}"
             )
         name = self.prefix.rstrip("_")
+        for taken in ("world_frame_objects", "root_frame_objects"):
+            if name in getattr(config, taken):
+                raise rc.ArgumentError(
+                    f"{taken}.{name}: the object of task_cfg has this name, its prefix "
+                    f"'{self.prefix}', and stands in the root frame; leave '{name}' out of "
+                    f"{taken}, or give task_cfg another prefix"
+                )
         config.root_frame_objects[name] = rc.EnvObject(
             mjcf_path=str(self.object_xml), offset=self.object_center_to_root_frame, fixed=False
         )
-        config.task = rc.EnvTaskConfig(object=name, rotate=self.include_rotation)
+        config.task = self._task(name)
+
+    def _task(self, name: str) -> rc.EnvTaskConfig:
+        if self.task_id == "pick_place":
+            raise rc.ArgumentError(
+                "task_cfg: pick_place is told where the object goes; PickPlaceTaskConfig has goal"
+            )
+        return rc.EnvTaskConfig(kind=self.task_id, object=name, rotate=self.include_rotation)
+
+
+@dataclass(kw_only=True)
+class PickPlaceTaskConfig(PickTaskConfig):
+    """The same object, which is to be lifted and put down somewhere else.
+
+    ``goal``: where its root is to rest, metres, in the root frame, within ``goal_tolerance``; the
+    default is that of the green cube on the ground.
+    """
+
+    prefix: str = "PickPlaceTask_"
+    task_id: str = "pick_place"
+    goal: Sequence[float] = (0.5, 0.25, 0.02)
+    goal_tolerance: float = 0.03
+
+    def _task(self, name: str) -> rc.EnvTaskConfig:
+        return rc.EnvTaskConfig(
+            kind=self.task_id,
+            object=name,
+            rotate=self.include_rotation,
+            goal=[float(x) for x in self.goal],
+            goal_tolerance=self.goal_tolerance,
+        )
