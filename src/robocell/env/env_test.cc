@@ -115,6 +115,22 @@ TEST(EnvFrames, RelativeRotationsTurnAboutTheTcpWithTheAxesOfTheSharedFrame) {
   }
 }
 
+TEST(EnvFrames, AboutAConfiguredOriginTheyTurnFromThereAndNotFromTheLastStep) {
+  Env env = Ready(Rc7Duo(ControlMode::kCartesianTrpy, RelativeTo::kConfiguredOrigin));
+  const Pose origins[] = {ObservedTcp(env, 0), ObservedTcp(env, 1)};
+  const Numbers actions[] = {
+      {0, 0, 0, 0.1, -0.2, 0.3}, {0.02, -0.03, 0.01, -0.2, 0.1, 0.2}, {0, 0, 0, 0, 0, 0}};
+  for (const Numbers& a : actions) {
+    const Pose delta = Pose::FromRpy({a[0], a[1], a[2]}, {a[3], a[4], a[5]});
+    EXPECT_THAT(env.Step(ForAll(env, a)).ik_failed, IsEmpty());
+    for (size_t i = 0; i < 2; ++i) {
+      const Pose sent =
+          SharedToWorld(env).inverse() * SentInWorld(env, env.layout().robots[i].robot);
+      EXPECT_TRUE(sent.is_close(MovedBy(origins[i], delta), kIk, kIk)) << i;
+    }
+  }
+}
+
 TEST(EnvActions, JointsAreAbsoluteOrAddedToWhereTheArmWasSent) {
   Env absolute = Ready(Rc7Env(ControlMode::kJoints, RelativeTo::kNone));
   const Numbers goal = {0.3, -0.3, 0.2, 1.7, 0.1, 1.2, 0.1};
@@ -152,6 +168,18 @@ TEST(EnvActions, StepsAreLimitedFromWhereTheArmWasSent) {
     last = sent;
   }
   EXPECT_TRUE(last.is_close(goal, kIk, kIk));
+}
+
+TEST(EnvActions, MovesAboutAConfiguredOriginAreLimitedFromWhereTheArmWasSent) {
+  EnvConfig config = Rc7Env(ControlMode::kCartesianTrpy, RelativeTo::kConfiguredOrigin);
+  config.max_relative_movement = {0.02, 0.1};
+  Env env = Ready(config);
+  const Pose origin = ObservedTcp(env);
+  for (const double x : {0.02, 0.04, 0.05, 0.05}) {
+    env.Step(ForAll(env, {0.05, 0, 0, 0, 0, 0}));
+    const Pose moved = MovedBy(origin, Pose(Eigen::Vector3d(x, 0, 0)));
+    EXPECT_TRUE(SentInWorld(env, "robot").is_close(moved, kIk, kIk)) << x;
+  }
 }
 
 TEST(EnvActions, AConfiguredOriginStaysUntilItIsSetAnew) {
