@@ -9,12 +9,13 @@
 // target, or per target).
 #include <chrono>
 #include <cmath>
-#include <fstream>
+#include <exception>
 #include <limits>
 #include <string>
 #include <vector>
 
 #include "bench.h"
+#include "numbers.h"
 #include "robocell/kinematics/ik_batch.h"
 
 namespace robocell {
@@ -31,21 +32,6 @@ class Stopwatch {
  private:
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
-
-std::vector<double> Read(const std::string& file) {
-  std::ifstream in(file, std::ios::binary | std::ios::ate);
-  std::vector<double> numbers(static_cast<std::size_t>(in.tellg()) / sizeof(double));
-  in.seekg(0);
-  in.read(reinterpret_cast<char*>(numbers.data()),
-          static_cast<std::streamsize>(numbers.size() * sizeof(double)));
-  return numbers;
-}
-
-void Write(const std::string& file, const std::vector<double>& numbers) {
-  std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(numbers.data()),
-            static_cast<std::streamsize>(numbers.size() * sizeof(double)));
-}
 
 void Append(std::span<const double> q, bool success, std::vector<double>* answers) {
   for (const double v : q)
@@ -83,7 +69,7 @@ void Run(const std::string& robot_file, int calls, const std::string& asked,
          const std::string& answered) {
   const Robot robot = Robot::Of(bench::SceneWith(RobotConfig::Load(robot_file)), "robot");
   const Chain& chain = robot.chain();
-  const std::vector<double> numbers = Read(asked);
+  const std::vector<double> numbers = bench::ReadNumbers(asked);
   const auto count = static_cast<std::size_t>(numbers[0]);
   const std::span<const double> matrices = std::span(numbers).subspan(2, 16 * count);
   const IkTargets asked_for = IkTargets::FromMatrices(matrices);
@@ -96,7 +82,7 @@ void Run(const std::string& robot_file, int calls, const std::string& asked,
   } else {
     SolveOneByOne(chain, targets, std::span(numbers).subspan(2 + 16 * count), &answers);
   }
-  Write(answered, answers);
+  bench::WriteNumbers(answered, answers);
 }
 
 }  // namespace
@@ -110,7 +96,7 @@ int main(int argc, char** argv) {
   try {
     robocell::Run(argv[1], std::stoi(argv[2]), argv[3], argv[4]);
     return 0;
-  } catch (const robocell::Error& error) {
+  } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 1;
   }
