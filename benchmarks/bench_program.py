@@ -12,15 +12,18 @@ ROOT = Path(__file__).resolve().parents[1]
 
 
 def seconds(
-    program: str,
+    program: str | Path,
     files: Sequence[Path],
     folder: Path,
     *,
     repetitions: int = 9,
     one_core: bool = True,
 ) -> dict[str, dict[str, list[float]]]:
-    """Row -> side -> seconds of each repetition, of one of what the program counts."""
-    result = folder / f"{program}.json"
+    """Row -> side -> seconds of each repetition, of one of what the program counts.
+
+    A program is one of build/release, or has a path of its own.
+    """
+    result = folder / f"{Path(program).name}.json"
     run = subprocess.run(
         [
             *(("taskset", "--cpu-list", "0") if one_core else ()),

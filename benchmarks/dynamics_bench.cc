@@ -5,6 +5,9 @@
 // All sides must agree to 1e-8, or the row is an error.
 //
 //   build/release/dynamics_bench [ROBOT.yaml ...]   default: the built-in rc7
+//   build/release/dynamics_bench --ask ARM ROBOT.yaml
+//
+// The second writes ARM for a peer in a process of its own (pinocchio_peer.cc says what is in it).
 #include <mujoco/mujoco.h>
 
 #include <kdl/chaindynparam.hpp>
@@ -13,11 +16,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <exception>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "bench.h"
+#include "numbers.h"
 #include "robocell/kinematics/kdl_bridge.h"
 
 namespace robocell {
@@ -26,7 +32,8 @@ namespace {
 constexpr int kPoses = 1000, kRounds = 20;
 const Eigen::Vector3d kGravity(0, 0, -9.81);
 
-using Numbers = std::vector<double>;
+using bench::Append;
+using bench::Numbers;
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
 // KDL knows no gravity compensation, and the robots' servos have it.
@@ -147,8 +154,39 @@ class Arm {
     if (out) *out = answer_;
   }
 
+  // The arm, its configurations and our answers.
+  Numbers Asked() {
+    Numbers out = {double(n()), kPoses};
+    Append(kGravity, &out);
+    for (int i = 0; i < n(); ++i) AppendJoint(chain_.model().joints[i], &out);
+    AppendFrame(chain_.model().last_to_tip, &out);
+    out.insert(out.end(), q_.begin(), q_.end());
+    for (int k = 0; k < kPoses; ++k) {
+      AppendFrame(ToTransform(chain_.Jacobian(at(k), jacobian_)), &out);
+      Append(jacobian_, &out);
+    }
+    Gravities(&out);
+    Masses(&out);
+    return out;
+  }
+
  private:
   bool TipIsSite() const { return chain_.tip().kind == ChainTip::Kind::kSite; }
+  static void AppendFrame(const Transform& frame, Numbers* out) {
+    Append(frame.rotation, out);
+    Append(frame.translation, out);
+  }
+  // Where the joint's frame is for joint value 0, and what it moves.
+  static void AppendJoint(const JointModel& joint, Numbers* out) {
+    Transform at_zero = joint.fixed;
+    MoveJoint(joint, 0, &at_zero);
+    AppendFrame(at_zero, out);
+    out->push_back(joint.slide);
+    out->push_back(joint.link.mass);
+    Append(joint.link.moment, out);
+    Append(joint.link.inertia, out);
+    out->push_back(joint.armature);
+  }
   // The chain's of the engine's columns, in the axes of the base.
   void AppendColumns(int nv, Numbers* out) {
     using Rows = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>;
@@ -159,11 +197,6 @@ class Arm {
           base_.transpose() * column.tail<3>();
     }
     Append(jacobian_, out);
-  }
-  static void Append(const Eigen::MatrixXd& matrix, Numbers* out) {
-    for (int r = 0; r < matrix.rows(); ++r) {
-      for (int c = 0; c < matrix.cols(); ++c) out->push_back(matrix(r, c));
-    }
   }
 
   Scene scene_;
@@ -190,10 +223,7 @@ std::string Difference(Arm& arm, Work ours, Work theirs) {
   Numbers a, b;
   (arm.*ours)(&a);
   (arm.*theirs)(&b);
-  double most = a.size() == b.size() ? 0 : INFINITY;
-  for (size_t k = 0; k < std::min(a.size(), b.size()); ++k)
-    most = std::max(most, std::abs(a[k] - b[k]));
-  return most < 1e-8 ? "" : "the answers differ by " + std::to_string(most);
+  return bench::Difference(a, b, 1e-8);
 }
 
 void AddRow(const std::shared_ptr<Arm>& arm, const std::string& row, Work ours, Work theirs,
@@ -228,10 +258,21 @@ void Register(const std::string& file) {
   AddRow(arm, "mass matrix, batch" + name, &Arm::MassBatches, &Arm::TheirMasses);
 }
 
+int Ask(const std::string& into, const std::string& robot) {
+  try {
+    bench::WriteNumbers(into, Arm(robot).Asked());
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 2;
+  }
+}
+
 }  // namespace
 }  // namespace robocell
 
 int main(int argc, char** argv) {
+  if (argc == 4 && std::string(argv[1]) == "--ask") return robocell::Ask(argv[2], argv[3]);
   return robocell::bench::Main(argc, argv, robocell::Register,
                                robocell::assets::BuiltinRobotFile("rc7"));
 }

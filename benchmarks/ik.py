@@ -73,14 +73,7 @@ class Side:
     @property
     def python(self) -> Path | None:
         """The interpreter that has the side's package; None when it cannot be installed."""
-        packages = PACKAGES.get(self.name)
-        if packages is None:
-            return Path(sys.executable)
-        try:
-            return environment(*packages.split())
-        except subprocess.CalledProcessError:
-            print(f"left out: {self.name}: it cannot be installed")
-            return None
+        return interpreter(self.name) if self.name in PACKAGES else Path(sys.executable)
 
     def shares(self) -> str:
         """What it solved, and what it only reached."""
@@ -100,6 +93,15 @@ def environment(package: str, *more: str) -> Path:
         )
         ready.touch()
     return python
+
+
+def interpreter(peer: str) -> Path | None:
+    """That of a peer's environment; None, having said so, when its packages cannot be installed."""
+    try:
+        return environment(*PACKAGES[peer].split())
+    except subprocess.CalledProcessError:
+        print(f"left out: {peer}: it cannot be installed")
+        return None
 
 
 class Arm:
