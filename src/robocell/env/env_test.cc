@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -293,13 +294,19 @@ TEST(EnvSteps, TakeAsLongAsTheySimulateWhenPaced) {
     EnvConfig config = Rc7Env();
     config.sim.async_control = async_control;
     config.sim.realtime = true;
-    Env env = Ready(config);
+    Env env(config);
     const auto start = std::chrono::steady_clock::now();
-    double simulated = 0;
-    for (int step = 0; step < 6; ++step) simulated = env.Step(ForAll(env, Numbers(7, 0.02))).time;
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    env.Reset();
+    double simulated = 0, took = 0, least_late = 1;  // seconds
+    for (int step = 0; step < 6; ++step) {
+      const double began = took, simulated_before = simulated;
+      simulated = env.Step(ForAll(env, Numbers(7, 0.02))).time;
+      took = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      EXPECT_GE(took, simulated);
+      least_late = std::min(least_late, (took - began) - (simulated - simulated_before));
+    }
     EXPECT_GE(simulated, 0.15);
-    EXPECT_GE(took.count(), simulated);
+    EXPECT_LT(least_late, 0.01) << "a busy machine is late at times, and not with every step";
   }
 }
 
