@@ -12,6 +12,29 @@
 #include "robocell/mujoco/owners.h"
 
 namespace robocell {
+namespace {
+
+bool IsStill(const mjModel* m, int body) { return m->body_dofnum[m->body_weldid[body]] == 0; }
+
+// Whether the engine looks for contacts of two geoms (its filters of mj_collision).
+bool MayCollide(const mjModel* m, int a, int b) {
+  if (!(m->geom_contype[a] & m->geom_conaffinity[b]) &&
+      !(m->geom_contype[b] & m->geom_conaffinity[a]))
+    return false;
+  const int first = std::min(m->geom_bodyid[a], m->geom_bodyid[b]);
+  const int second = std::max(m->geom_bodyid[a], m->geom_bodyid[b]);
+  if (IsStill(m, first) && IsStill(m, second)) return false;
+  const int* excluded = m->exclude_signature;
+  if (std::find(excluded, excluded + m->nexclude, (first << 16) + second) != excluded + m->nexclude)
+    return false;
+  const int link = m->body_weldid[first], other = m->body_weldid[second];
+  if (link == other) return false;
+  const auto above = [&](int l) { return m->body_weldid[m->body_parentid[l]]; };
+  const bool neighbours = link != 0 && other != 0 && (above(link) == other || above(other) == link);
+  return !neighbours || (m->opt.disableflags & mjDSBL_FILTERPARENT) != 0;
+}
+
+}  // namespace
 
 struct ScratchRobot::State {
   State(const Robot& r, std::string_view after_changes)
@@ -23,6 +46,11 @@ struct ScratchRobot::State {
 
   void RequireSameModel() const;
   bool FindContacts();
+  void PairBoxes();
+  bool AreBoxes(int a, int b) const {
+    return model.geom_type[a] == mjGEOM_BOX && model.geom_type[b] == mjGEOM_BOX;
+  }
+  void MeasureBoxes();
 
   Robot robot;
   std::string remedy;
@@ -32,6 +60,7 @@ struct ScratchRobot::State {
   std::vector<char> is_robot, counts;  // per geom; `counts`: it is not overlooked
   std::vector<int> arm;                // addresses in qpos
   std::set<std::pair<int, int>> always_touching;
+  std::set<std::pair<int, int>> boxes;  // the robot's that count, and others, that may collide
   std::vector<Touch> touches;
 };
 
@@ -54,6 +83,29 @@ bool ScratchRobot::State::FindContacts() {
   return d->warning[mjWARN_CONTACTFULL].number == before;
 }
 
+void ScratchRobot::State::PairBoxes() {
+  if ((model.opt.disableflags & (mjDSBL_CONTACT | mjDSBL_CONSTRAINT)) != 0) return;
+  for (const int own : robot.collision_geom_ids()) {
+    for (int g = 0; g < model.ngeom; ++g) {
+      if (!is_robot[g] && AreBoxes(own, g) && MayCollide(&model, own, g)) boxes.emplace(own, g);
+    }
+  }
+}
+
+// Of boxes that are apart, contacts of a margin tell other distances, or are missing.
+void ScratchRobot::State::MeasureBoxes() {
+  const double horizon = model.opt.o_margin;
+  mjData* d = data.get();
+  for (const auto& [own, other] : boxes) {
+    const double reach = model.geom_rbound[own] + model.geom_rbound[other] + horizon;
+    if (mju_dist3(d->geom_xpos + 3 * own, d->geom_xpos + 3 * other) >= reach) continue;
+    const double distance = Guarded("planning: distance of two boxes", d, [&] {
+      return mj_geomDistance(&model, d, own, other, horizon, nullptr);
+    });
+    if (distance >= 0 && distance < horizon) touches.push_back({own, other, distance, false});
+  }
+}
+
 ScratchRobot::ScratchRobot(const Robot& robot, double horizon, std::string_view remedy)
     : state_(std::make_unique<State>(robot, remedy)) {
   State& s = *state_;
@@ -68,6 +120,7 @@ ScratchRobot::ScratchRobot(const Robot& robot, double horizon, std::string_view 
     s.counts[g] = 0;
   }
   for (const int g : robot.collision_geom_ids()) s.counts[g] = 1;
+  if (horizon > 0) s.PairBoxes();
   for (const ChainJoint& joint : robot.chain().joints()) s.arm.push_back(joint.qpos_address);
   Update();
 }
@@ -111,8 +164,10 @@ bool ScratchRobot::FindTouches() {
     const bool itself = s.is_robot[a] && s.is_robot[b];
     if (itself && (distance >= 0 || s.always_touching.contains({a, b}))) continue;
     const auto [own, other] = s.is_robot[a] ? std::pair(a, b) : std::pair(b, a);
+    if (distance >= 0 && s.boxes.contains({own, other})) continue;  // measured below
     s.touches.push_back({own, other, distance, itself});
   }
+  s.MeasureBoxes();
   return all;
 }
 
