@@ -96,7 +96,8 @@ void ScratchRobot::State::PairBoxes() {
 void ScratchRobot::State::MeasureBoxes() {
   const double horizon = model.opt.o_margin;
   mjData* d = data.get();
-  for (const auto& [own, other] : boxes) {
+  for (const std::pair<int, int>& pair : boxes) {  // no names for the two: clang 14 captures none
+    const int own = pair.first, other = pair.second;
     const double reach = model.geom_rbound[own] + model.geom_rbound[other] + horizon;
     if (mju_dist3(d->geom_xpos + 3 * own, d->geom_xpos + 3 * other) >= reach) continue;
     const double distance = Guarded("planning: distance of two boxes", d, [&] {
