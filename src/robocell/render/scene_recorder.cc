@@ -25,8 +25,8 @@ SceneRecorder::SceneRecorder(const Scene& scene, std::filesystem::path path,
 
 std::vector<std::string> SceneRecorder::camera_names() const {
   std::vector<std::string> names = RecorderCameras(scene_.model());
-  std::ranges::stable_partition(
-      names, [&](const std::string& name) { return !IsOfScene(name, scene_.spec()); });
+  std::stable_partition(names.begin(), names.end(),
+                        [&](const std::string& name) { return !IsOfScene(name, scene_.spec()); });
   return names;
 }
 
