@@ -107,7 +107,7 @@ SCENES = (
         )
         for what, peer in (
             ("compiling it", "the same scene compiled"),
-            ("the engine reading the robot's XML", "the engine alone reads the robot's XML"),
+            ("the engine reading it as XML", "the engine alone reads it as XML"),
         )
     ),
     Floor("P11", "color, depth and segmentation, beside `mujoco.Renderer`", floor=20, aim=80),
