@@ -38,7 +38,7 @@ def trac_ik(questions: Questions) -> Answers:
     solver = TracIK(
         "base", "tip", str(questions["urdf"]), timeout=0.005, epsilon=TOLERANCE, solver_type="Speed"
     )
-    targets, seeds = questions["targets"], questions["seeds"]
+    targets, seeds = questions["targets"], list(questions["seeds"])
     rotations = [np.ascontiguousarray(target[:3, :3]) for target in targets]
     positions = [target[:3, 3].copy() for target in targets]
     return one_by_one(questions, lambda b: solver.ik(positions[b], rotations[b], seeds[b]))

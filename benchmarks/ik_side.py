@@ -74,12 +74,12 @@ def robocell_one(questions: Questions) -> tuple[Array, Array]:
 
     kinematics = load(questions).kinematics
     targets = [robocell.Pose(target) for target in questions["targets"]]
-    seeds = questions["seeds"]
+    seeds = list(questions["seeds"])
     kinematics.ik(robocell.Pose(translation=[9, 9, 9]))  # makes what a chain keeps
 
     def solve(b: int) -> Array | None:
         found = kinematics.ik(targets[b], seed=seeds[b], tolerance=TOLERANCE)
-        return np.asarray(found.q) if found.success else None
+        return found.q if found.success else None
 
     return one_by_one(questions, solve)
 
