@@ -110,10 +110,9 @@ class Arm {
     }
   }
   void JacobianBatches(Numbers* out) {
-    answer_.resize(kPoses * 16);
-    FkBatch(chain_, q_, answer_);
     answer_.resize(kPoses * 6 * n());
-    JacobianBatch(chain_, q_, answer_);
+    tips_.resize(kPoses * 16);
+    JacobianBatch(chain_, q_, answer_, tips_);
     if (out) *out = answer_;
   }
 
@@ -213,7 +212,7 @@ class Arm {
   KDL::Jacobian their_jacobian_;
   KDL::JntArray their_torques_;
   KDL::JntSpaceInertiaMatrix their_mass_;
-  Numbers q_, answer_;
+  Numbers q_, answer_, tips_;
   std::vector<KDL::JntArray> their_q_;
 };
 

@@ -120,8 +120,8 @@ nb::object DifferentialIkOf(const Chain& chain, nb::handle q, nb::handle twist, 
 constexpr const char* kFk =
     "def fk(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> typing.Any";
 constexpr const char* kJacobian =
-    "def jacobian(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
-    "numpy.typing.NDArray[numpy.float64]";
+    "def jacobian(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None, tips: "
+    "numpy.typing.NDArray[numpy.float64] | None = None) -> numpy.typing.NDArray[numpy.float64]";
 constexpr const char* kMassMatrix =
     "def mass_matrix(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
     "numpy.typing.NDArray[numpy.float64]";
@@ -265,8 +265,10 @@ void BindChain(nb::module_& m) {
       .def("fk", &FkOf, "q"_a, "out"_a = nb::none(), nb::sig(kFk),
            "Pose of the tip in the base frame; of a batch, (B, 4, 4) matrices, which are rounded "
            "otherwise.")
-      .def("jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), nb::sig(kJacobian),
-           "(6, n) at the tip, linear rows first.");
+      .def("jacobian", &JacobianOf, "q"_a, "out"_a = nb::none(), "tips"_a = nb::none(),
+           nb::sig(kJacobian),
+           "(6, n) at the tip, linear rows first. The poses of fk are written into `tips` too, (4, "
+           "4) or (B, 4, 4), if it is given: faster than both calls.");
   DefIk(c);
   DefMotion(c);
   c.def("__repr__", [](const Chain& chain) { return "<" + chain.description() + ">"; });

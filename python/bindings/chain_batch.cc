@@ -7,6 +7,9 @@
 #include <deque>
 #include <functional>
 #include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "values.h"
 #include "robocell/kinematics/chain_batch.h"
@@ -125,23 +128,30 @@ class BatchCall {
 
   bool is_batch() const { return rows_.has_value(); }
 
-  // Runs with the output; `row` is the shape of one configuration's.
+  // Where to write; `row` is the shape of one configuration's numbers.
+  std::span<double> Written(const char* name, nb::handle out, Sizes row) {
+    AddRows(&row);
+    const std::span<double> numbers(NumbersIn(FieldPath(name), out, row), SizeOf(row));
+    written_.push_back({name, numbers});
+    return numbers;
+  }
+
+  // Runs with the output.
   nb::object Answer(Sizes row, nb::handle out, const std::function<void(std::span<double>)>& run) {
-    if (rows_) row.insert(row.begin(), *rows_);
-    size_t size = 1;
-    for (const size_t n : row) size *= n;
     nb::object answer;
-    double* data = nullptr;
+    std::span<double> numbers;
     if (out.is_none()) {
-      data = new double[size];
+      AddRows(&row);
+      auto* data = new double[SizeOf(row)];
       const nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
       answer = nb::cast(nb::ndarray<nb::numpy, double>(data, row.size(), row.data(), owner));
+      numbers = {data, SizeOf(row)};
     } else {
-      data = Written(out, row, size);
+      numbers = Written("out", out, std::move(row));
       answer = nb::borrow(out);
     }
     const nb::gil_scoped_release release;
-    run({data, size});
+    run(numbers);
     return answer;
   }
 
@@ -158,8 +168,16 @@ class BatchCall {
     return argument.values();
   }
 
-  double* Written(nb::handle out, const Sizes& shape, size_t size) const {
-    const FieldPath path("out");
+  void AddRows(Sizes* row) const {
+    if (rows_) row->insert(row->begin(), *rows_);
+  }
+  static size_t SizeOf(const Sizes& shape) {
+    size_t size = 1;
+    for (const size_t n : shape) size *= n;
+    return size;
+  }
+
+  double* NumbersIn(const FieldPath& path, nb::handle out, const Sizes& shape) const {
     const std::string expected =
         fmt::format("a writable, C-contiguous float64 array of shape {}", InBrackets(shape));
     nb::ndarray<double, nb::c_contig, nb::device::cpu> array;
@@ -171,18 +189,22 @@ class BatchCall {
     if (SizesOf(array) != shape)
       ThrowValue(path, fmt::format("must have shape {}, has {}", InBrackets(shape),
                                    InBrackets(SizesOf(array))));
-    for (const RowsArgument& argument : arguments_) {
-      const std::span<const double> in = argument.values();
-      const bool apart = std::less_equal<>()(in.data() + in.size(), array.data()) ||
-                         std::less_equal<>()(array.data() + size, in.data());
-      if (!apart)
-        ThrowValue(path, "shares memory with " + argument.path().text() + "; give it its own");
-    }
+    const std::span<const double> numbers(array.data(), array.size());
+    for (const RowsArgument& argument : arguments_)
+      CheckApart(path, numbers, argument.path().text(), argument.values());
+    for (const auto& [name, written] : written_) CheckApart(path, numbers, name, written);
     return array.data();
+  }
+  static void CheckApart(const FieldPath& path, std::span<const double> out,
+                         const std::string& name, std::span<const double> other) {
+    const bool apart = std::less_equal<>()(other.data() + other.size(), out.data()) ||
+                       std::less_equal<>()(out.data() + out.size(), other.data());
+    if (!apart) ThrowValue(path, "shares memory with " + name + "; give it its own");
   }
 
   const Chain& chain_;
   std::deque<RowsArgument> arguments_;
+  std::vector<std::pair<std::string, std::span<const double>>> written_;
   std::optional<size_t> rows_;
   const char* first_ = "";
 };
@@ -198,11 +220,14 @@ nb::object FkOf(const Chain& chain, nb::handle q, nb::handle out) {
   return call.Answer({4, 4}, out, [&](std::span<double> to) { FkBatch(chain, at, to); });
 }
 
-nb::object JacobianOf(const Chain& chain, nb::handle q, nb::handle out) {
+nb::object JacobianOf(const Chain& chain, nb::handle q, nb::handle out, nb::handle tips) {
   BatchCall call(chain);
   const auto at = call.Joints(q, "q");
-  return call.Answer({6, JointsOf(chain)}, out,
-                     [&](std::span<double> to) { JacobianBatch(chain, at, to); });
+  std::optional<std::span<double>> to_tips;
+  if (!tips.is_none()) to_tips = call.Written("tips", tips, {4, 4});
+  return call.Answer({6, JointsOf(chain)}, out, [&](std::span<double> to) {
+    to_tips ? JacobianBatch(chain, at, to, *to_tips) : JacobianBatch(chain, at, to);
+  });
 }
 
 nb::object MassMatrixOf(const Chain& chain, nb::handle q, nb::handle out) {

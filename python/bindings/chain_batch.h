@@ -13,7 +13,8 @@ namespace robocell::python {
 
 // A Pose, or poses as (B, 4, 4).
 nb::object FkOf(const Chain& chain, nb::handle q, nb::handle out);
-nb::object JacobianOf(const Chain& chain, nb::handle q, nb::handle out);
+// The poses of FkOf are written into `tips` too, unless it is None.
+nb::object JacobianOf(const Chain& chain, nb::handle q, nb::handle out, nb::handle tips);
 nb::object MassMatrixOf(const Chain& chain, nb::handle q, nb::handle out);
 // Gravity in the base frame, (3,) or (B, 3).
 nb::object GravityTorquesOf(const Chain& chain, nb::handle q, nb::handle gravity, nb::handle out);

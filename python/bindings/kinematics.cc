@@ -158,13 +158,15 @@ void DefDynamics(nb::class_<Kinematics>& c) {
        "(B, 4, 4) matrices.")
       .def(
           "jacobian",
-          [](const Kinematics& k, nb::handle q, nb::handle out) {
-            return JacobianOf(k.robot.chain(), q, out);
+          [](const Kinematics& k, nb::handle q, nb::handle out, nb::handle tips) {
+            return JacobianOf(k.robot.chain(), q, out, tips);
           },
-          "q"_a, "out"_a = nb::none(),
+          "q"_a, "out"_a = nb::none(), "tips"_a = nb::none(),
           nb::sig("def jacobian(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = "
-                  "None) -> numpy.typing.NDArray[numpy.float64]"),
-          "(6, n) at the TCP, axes of the robot base frame, linear rows first.")
+                  "None, tips: numpy.typing.NDArray[numpy.float64] | None = None) -> "
+                  "numpy.typing.NDArray[numpy.float64]"),
+          "(6, n) at the TCP, axes of the robot base frame, linear rows first. The poses of fk are "
+          "written into `tips` too, (4, 4) or (B, 4, 4), if it is given: faster than both calls.")
       .def(
           "gravity_torques",
           [](const Kinematics& k, nb::handle q, nb::handle gravity, nb::handle out) {

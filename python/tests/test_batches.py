@@ -129,7 +129,20 @@ def test_answers_are_written_where_they_are_wanted(robot: rc.Robot):
     assert not part[8:].any()
 
 
+def test_jacobians_bring_the_tips_of_forward_kinematics(robot: rc.Robot):
+    for k in (robot.kinematics, robot.chain):
+        q = positions(6)
+        tips, out = np.full((6, 4, 4), np.nan), np.empty((6, 6, 7))
+        assert k.jacobian(q, out=out, tips=tips) is out
+        assert np.array_equal(out, k.jacobian(q))
+        assert np.array_equal(tips, k.fk(q))
+        one = np.empty((4, 4))
+        assert np.array_equal(k.jacobian(q[2], tips=one), out[2])
+        assert np.array_equal(one, tips[2])
+
+
 READ_ONLY = np.zeros((6, 7))
+SHARED = np.zeros(56)
 READ_ONLY.flags.writeable = False
 EXPECTED_OUT = "out must be a writable, C-contiguous float64 array of shape (6, 7), got "
 
@@ -215,6 +228,21 @@ EXPECTED_OUT = "out must be a writable, C-contiguous float64 array of shape (6, 
             lambda k, q: k.gravity_torques(q, out=q),
             ValueError,
             "out shares memory with q; give it its own",
+        ),
+        (
+            lambda k, q: k.jacobian(q, tips=np.zeros((6, 3, 4))),
+            ValueError,
+            "tips must have shape (6, 4, 4), has (6, 3, 4)",
+        ),
+        (
+            lambda k, q: k.jacobian(q, tips=np.zeros((6, 4, 4), np.float32)),
+            ValueError,
+            "tips must be a writable, C-contiguous float64 array of shape (6, 4, 4), got float32",
+        ),
+        (
+            lambda k, q: k.jacobian(q[0], SHARED[:42].reshape(6, 7), SHARED[40:56].reshape(4, 4)),
+            ValueError,
+            "out shares memory with tips; give it its own",
         ),
     ],
 )

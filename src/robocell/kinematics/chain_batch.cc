@@ -2,19 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/pose_kernel.h"
 
 namespace robocell {
 namespace {
 
+// Adds NaN for what is not finite, in several sums that do not wait for each other.
 bool AllFinite(std::span<const double> values) {
-  double nothing = 0;
-  for (const double value : values) nothing += 0 * value;  // NaN for what is not finite
-  return nothing == 0;
+  constexpr size_t kSums = 8;
+  std::array<double, kSums> nothing{};
+  const size_t whole = values.size() / kSums * kSums;
+  for (size_t first = 0; first < whole; first += kSums) {
+    for (size_t k = 0; k < kSums; ++k) nothing[k] += 0 * values[first + k];
+  }
+  for (const double value : values.subspan(whole)) nothing[0] += 0 * value;
+  return std::ranges::all_of(nothing, [](double sum) { return sum == 0; });
 }
 
 // Checks the arguments of one batch and makes rows of them.
@@ -28,6 +36,13 @@ class BatchRows {
   }
 
   size_t count() const { return count_; }
+
+  void CheckTips(std::span<const double> tips) const {
+    if (tips.size() == 16 * count_) return;
+    throw ArgumentError(
+        fmt::format("{}: tips: expected 16 numbers for each of {} configurations; got {}",
+                    chain_.description(), count_, tips.size()));
+  }
 
   PoseRows Joints(std::string_view what, std::span<const double> values) const {
     const size_t n = static_cast<size_t>(chain_.n_joints());
@@ -61,7 +76,7 @@ class BatchRows {
 };
 
 void Run(const Chain& chain, PosePart part, const PoseQuery& query, std::span<double> out) {
-  ComputePoses(chain.links(), part, query, out.data());
+  ComputePoses(chain.lanes().links(), part, query, out.data());
 }
 
 }  // namespace
@@ -74,6 +89,14 @@ void FkBatch(const Chain& chain, std::span<const double> q, std::span<double> ti
 void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians) {
   const BatchRows batch(chain, jacobians, 6 * static_cast<size_t>(chain.n_joints()));
   Run(chain, PosePart::kJacobian, {.count = batch.count(), .q = batch.Joints("q", q)}, jacobians);
+}
+
+void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians,
+                   std::span<double> tips) {
+  const BatchRows batch(chain, jacobians, 6 * static_cast<size_t>(chain.n_joints()));
+  batch.CheckTips(tips);
+  ComputePoses(chain.lanes().links(), PosePart::kJacobian,
+               {.count = batch.count(), .q = batch.Joints("q", q)}, jacobians.data(), tips.data());
 }
 
 void GravityTorquesBatch(const Chain& chain, std::span<const double> q,

@@ -24,6 +24,9 @@ namespace robocell {
 void FkBatch(const Chain& chain, std::span<const double> q, std::span<double> tips);
 // q (B, n); jacobians (B, 6, n).
 void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians);
+// And tips (B, 4, 4), of the same walk along the chain: bit for bit those of FkBatch.
+void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<double> jacobians,
+                   std::span<double> tips);
 // q (B, n), gravity in the base frame (B, 3); torques (B, n).
 void GravityTorquesBatch(const Chain& chain, std::span<const double> q,
                          std::span<const double> gravity_in_base, std::span<double> torques);

@@ -183,6 +183,19 @@ TEST(ChainBatch, JacobiansAreTheDifferencesOfTips) {
   }
 }
 
+TEST(ChainBatch, JacobiansComeWithTheTipsOfForwardKinematics) {
+  OnEveryInstructionSet([](const std::string&) {
+    for (const int joints : {2, 6, 7, 10}) {
+      const RandomCase c(joints, 19);
+      const Results expected = Compute(c.chain, c.motions, 19);
+      std::vector<double> jacobians(expected.jacobians.size()), tips(expected.tips.size());
+      JacobianBatch(c.chain, c.motions.q, jacobians, tips);
+      EXPECT_EQ(jacobians, expected.jacobians);
+      EXPECT_EQ(tips, expected.tips);
+    }
+  });
+}
+
 // Bit for bit: whole, one by one, and shifted by some lanes.
 TEST(ChainBatch, ResultsDoNotDependOnTheBatch) {
   OnEveryInstructionSet([](const std::string&) {
@@ -246,6 +259,10 @@ TEST(ChainBatch, NamesWhatIsWrong) {
                              "4 configurations; got 27");
   out.pop_back();
   ExpectThrow<ArgumentError>(torques, "the output has 27 numbers, which are not whole rows of 7");
+  std::vector<double> jacobians(28 / 7 * 42), tips(63);
+  ExpectThrow<ArgumentError>(
+      [&] { JacobianBatch(c.chain, std::vector<double>(28), jacobians, tips); },
+      "chain 'base' -> site 'tip': tips: expected 16 numbers for each of 4 configurations; got 63");
   const std::vector<double> no_gravity = {0, 0, INFINITY};
   out.resize(7);
   const std::vector<double> q(7);

@@ -35,6 +35,8 @@ struct PoseQuery {
   PoseRows q, qd, qdd, gravity;
 };
 
-void ComputePoses(const LinkTable& table, PosePart part, const PoseQuery& query, double* out);
+// With Jacobians, tips too where they are wanted.
+void ComputePoses(const LinkTable& table, PosePart part, const PoseQuery& query, double* out,
+                  double* tips = nullptr);
 
 }  // namespace robocell
