@@ -6,7 +6,7 @@ import os
 from typing import Any
 
 from robocell import models
-from robocell._core import EnvConfig
+from robocell._core import EnvConfig, NotFoundError
 
 
 def is_name(given: Any) -> bool:
@@ -16,4 +16,10 @@ def is_name(given: Any) -> bool:
 
 def load_cell(given: str | os.PathLike[str]) -> EnvConfig:
     """What a configuration's file says, or a ready-made cell (``models.cells()``) by its name."""
-    return EnvConfig.load(models.cell_file(str(given)) if is_name(given) else given)
+    if not is_name(given):
+        return EnvConfig.load(given)
+    try:
+        file = models.cell_file(str(given))
+    except NotFoundError as error:
+        raise NotFoundError(f"{error} A file is given with its ending, '{given}.yaml'") from None
+    return EnvConfig.load(file)

@@ -64,6 +64,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
                 f"render_mode of a vector must be None or 'rgb_array', got {render_mode!r}: its "
                 "copies have no windows"
             )
+        mode = _autoreset_mode(autoreset_mode)
         if not config.headless:
             warn_once(NO_WINDOWS)
         self.core = EnvBatch(config, num_envs, threads, max_episode_steps)
@@ -80,7 +81,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         self.num_envs = num_envs
         self.action_space = batch_space(self.single_action_space, num_envs)
         self.observation_space = batch_space(self.single_observation_space, num_envs)
-        self.autoreset_mode = AutoresetMode(autoreset_mode)
+        self.autoreset_mode = mode
         self.render_mode = render_mode
         self.metadata = {
             "autoreset_mode": self.autoreset_mode,
@@ -196,8 +197,10 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
     def _check_keys(self, given: Any, path: tuple[str, ...], keys: list[str]) -> None:
         name = ".".join(("action", *path))
         if not isinstance(given, Mapping):
+            flat = "" if path else ". With flat=True actions are a matrix, a row for each copy"
             raise ArgumentError(
-                f"environment '{self._name}': {name} must be a dict, got {type(given).__name__}"
+                f"environment '{self._name}': {name} must be a dict, got {type(given).__name__}; "
+                f"it takes {', '.join(keys)}{flat}"
             )
         wrong = [f"no '{key}'" for key in given if key not in keys]
         wrong += [f"'{key}' is missing" for key in keys if key not in given]
@@ -274,6 +277,17 @@ def _texts(texts: Sequence[str], which: NDArray[np.bool_]) -> NDArray[Any]:
     """None in the place of those that ``which`` is false for."""
     shown = [text if keep else None for text, keep in zip(texts, which, strict=True)]
     return np.array(shown, dtype=object)
+
+
+def _autoreset_mode(given: AutoresetMode | str) -> AutoresetMode:
+    try:
+        return AutoresetMode(given)
+    except ValueError:
+        pass
+    known = ", ".join(f"'{mode.value}'" for mode in AutoresetMode)
+    raise ArgumentError(
+        f"autoreset_mode must be {known}, or an AutoresetMode of Gymnasium's, got {given!r}"
+    )
 
 
 def _seed(seed: Any) -> int:

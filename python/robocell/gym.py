@@ -54,8 +54,13 @@ def _single(config: EnvConfig, render_mode: str | None, flat: bool) -> GymEnv:
     return (FlatGymEnv if flat else GymEnv)(config, render_mode)
 
 
-def _configured(config: EnvConfig | File, fields: dict[str, Any]) -> EnvConfig:
+def _configured(config: EnvConfig | File | None, fields: dict[str, Any]) -> EnvConfig:
     """A copy, what a file says or a ready-made cell, with other fields."""
+    if config is None:  # Gymnasium calls without, and would tell of this module's function
+        raise ArgumentError(
+            "robocell/Env-v0 needs a config: an EnvConfig, its file, or the name of a ready-made "
+            f"cell ({', '.join(models.cells())}), as in gym.make('robocell/Env-v0', config='rc7')"
+        )
     own = copy.deepcopy(config) if isinstance(config, EnvConfig) else load_cell(config)
     for name, value in fields.items():
         setattr(own, name, value)
@@ -63,7 +68,7 @@ def _configured(config: EnvConfig | File, fields: dict[str, Any]) -> EnvConfig:
 
 
 def environment(
-    config: EnvConfig | File,
+    config: EnvConfig | File | None = None,
     render_mode: str | None = None,
     flat: bool = False,
     **fields: Any,
@@ -71,7 +76,7 @@ def environment(
     """The environment ``robocell/Env-v0``: of any configuration.
 
     Args:
-        config: it, its file, or the name of a ready-made cell (``models.cells()``).
+        config: it, its file, or the name of a ready-made cell (``models.cells()``); required.
         render_mode: as of ``GymEnv``.
         flat: whether observations and actions are vectors: ``FlatGymEnv``.
         fields: of EnvConfig, in the place of those of the configuration.
@@ -80,7 +85,7 @@ def environment(
 
 
 def environment_vector(
-    config: EnvConfig | File,
+    config: EnvConfig | File | None = None,
     num_envs: int = 1,
     max_episode_steps: int | None = None,
     autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,

@@ -6,7 +6,10 @@ Menagerie's FR3 with the hand of the Panda; mounts, cube and housing are robocel
 
 from __future__ import annotations
 
+import copy
+import pickle
 import warnings
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import mujoco
@@ -445,6 +448,35 @@ def test_fields_that_do_nothing_say_so_once_when_they_are_set():
     assert "SimRobotConfig.arm_collision_geoms" in told[2]
     assert told_by(lambda: SimRobotConfig().to_robot()) == []
     assert told_by(lambda: SimGripperConfig(collision_geoms=[]).to_robot()) == []
+
+
+@dataclass(kw_only=True)
+class Stacking(BaseTaskConfig):
+    task_id: str = "pick"
+    height: float = 0.1
+
+
+def test_fields_that_are_not_there(fr3):
+    for config, name, meant in [
+        (SimConfig(), "frequncy", "frequency"),
+        (SimRobotConfig(), "atachment_site", "attachment_site"),
+        (SimGripperConfig(), "actuators", "actuator"),
+        (camera("wrist"), "framerate", "frame_rate"),
+        (minimal(fr3), "robot_cfg", "robot_cfgs"),
+        (PickTaskConfig(), "object_xm", "object_xml"),
+        (Stacking(), "heigth", "height"),
+    ]:
+        told = rf"a {type(config).__name__}: no field '{name}'\. Its fields: .*'{meant}'\?$"
+        with pytest.raises(AttributeError, match=told):
+            setattr(config, name, 1)
+        assert not hasattr(config, name)
+        with pytest.raises(TypeError, match=told):
+            type(config)(**{name: 1})
+        setattr(config, meant, getattr(config, meant))
+        for same in (copy.deepcopy(config), pickle.loads(pickle.dumps(config)), replace(config)):
+            assert same == config
+    with pytest.raises(TypeError, match="missing 1 required positional argument: 'identifier'"):
+        SimCameraConfig()
 
 
 def test_the_original_configuration_is_none(fr3):

@@ -182,6 +182,15 @@ def test_cells_and_robots_that_are_not_there(menagerie):
     ):
         with pytest.raises(rc.NotFoundError, match=r"no cell 'xarm8'\..* Did you mean 'xarm7'\?"):
             make()
+        with pytest.raises(
+            rc.NotFoundError, match=r"A file is given with its ending, 'xarm8\.yaml'"
+        ):
+            make()
+    for make in (gym.make, gym.make_vec):
+        with pytest.raises(
+            rc.ArgumentError, match=r"needs a config: .* cell \(fr3, .*config='rc7'"
+        ):
+            make("robocell/Env-v0")
 
 
 def test_factories_are_pickled():

@@ -224,7 +224,8 @@ def test_actions_are_refused_that_one_environment_refuses():
     place = "environment 'pick_cube': action"
     for action, problem in [
         ({"robo": good}, f"{place}: no 'robo', 'robot' is missing; it takes robot"),
-        ({"robot": 1}, rf"{place}\.robot must be a dict, got int"),
+        ({"robot": 1}, rf"{place}\.robot must be a dict, got int; it takes tquat, gripper$"),
+        (np.zeros((2, 8)), rf"{place} must be a dict, got ndarray; it takes robot. With flat=True"),
         ({"robot": {"tquat": good["tquat"]}}, rf"{place}\.robot: 'gripper' is missing; it takes"),
         ({"robot": good | {"joints": 1}}, rf"{place}\.robot: no 'joints'; it takes tquat, gripper"),
         ({"robot": good | {"tquat": np.ones((7, 2))}}, r"it is of shape \(7, 2\)"),
@@ -233,6 +234,15 @@ def test_actions_are_refused_that_one_environment_refuses():
     ]:
         with pytest.raises(rc.ArgumentError, match=problem):
             vector.step(action)
+    vector.close()
+
+
+def test_an_autoreset_mode_that_is_none():
+    known = "must be 'NextStep', 'SameStep', 'Disabled', or an AutoresetMode of Gymnasium's"
+    with pytest.raises(rc.ArgumentError, match=f"{known}, got 'same_step'"):
+        gym.make_vec("robocell/PickCube-v0", num_envs=2, autoreset_mode="same_step")
+    vector = gym.make_vec("robocell/PickCube-v0", num_envs=2, autoreset_mode="SameStep")
+    assert vector.metadata["autoreset_mode"] is AutoresetMode.SAME_STEP
     vector.close()
 
 

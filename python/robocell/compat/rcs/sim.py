@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 import robocell as rc
+from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.registries import GRIPPER_PATHS, HOME_POSITIONS
 
@@ -38,7 +39,7 @@ def _fr3_joints() -> list[str]:
 
 
 @dataclass
-class SimConfig:
+class SimConfig(NamedFields):
     """How the simulation runs; a number of convergence steps below 0 is none."""
 
     async_control: bool = False
@@ -59,7 +60,7 @@ class SimConfig:
 
 
 @dataclass
-class SimRobotConfig:
+class SimRobotConfig(NamedFields):
     """An arm; by default the Menagerie's FR3. Names are those of its model, without prefix.
 
     ``dof``, when it is set, must be the number of joints. ``seconds_between_callbacks`` does
@@ -143,7 +144,7 @@ _UNUSED_OF_GRIPPERS = {
 
 
 @dataclass
-class SimGripperConfig:
+class SimGripperConfig(NamedFields):
     """A gripper of GRIPPER_PATHS, or ``gripper_type`` is a model's path; by default Franka's hand.
 
     These do nothing, and a warning says so when they are set: ``min_joint_width``,
@@ -193,7 +194,7 @@ class CameraType(enum.Enum):
 
 
 @dataclass
-class SimCameraConfig:
+class SimCameraConfig(NamedFields):
     """What is taken of a camera, by its name in the scene; rate 0: a frame with every step."""
 
     identifier: str

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import robocell as rc
 from robocell import CameraAdderConfig, WrapperConfig
+from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
 from robocell.compat.rcs.envs.tasks import BaseTaskConfig
@@ -54,7 +55,7 @@ def _without_images(
 
 
 @dataclass(kw_only=True)
-class SimEnvCreatorConfig:
+class SimEnvCreatorConfig(NamedFields):
     """A cell of one or several robots; all but the first three have defaults.
 
     ``_original_cfg`` is None: RCS keeps there what was given before it prefixes names in place,

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import robocell as rc
+from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.registries import OBJECT_PATHS
 
 
 @dataclass(kw_only=True)
-class BaseTaskConfig:
+class BaseTaskConfig(NamedFields):
     """A task by its name: one of ``rc.env_task_kinds()``.
 
     That is all that a task of one's own needs which was registered (``rc.register_env_task``);
