@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -95,3 +96,13 @@ def test_an_output_that_is_a_file_is_told_with_the_next_step(
     assert f"output '{file / below}': '{file}' is a file, and a dataset is a folder" in text
     assert "Name another one (--output), or move the file away" in text
     assert file.read_text() == "mine"
+
+
+def test_a_model_that_stalls_the_engine_costs_the_given_time_and_not_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    ends(tmp_path, monkeypatch, "exec sleep 60")
+    began = time.monotonic()
+    (slow,) = check_apart("run.yaml", [], 0.3)
+    assert slow == "the run could not be looked through within 0.3 s: a model takes too long"
+    assert time.monotonic() - began < 20

@@ -21,29 +21,32 @@ from typing import Any
 from robocell import Error, IoError, RunConfig, check_run
 from robocell.generate.own_process import own_process
 from robocell.generate.protocol import Failure
+from robocell.generate.supervisor import Limits
 from robocell.generate.worker_process import describe_exit
 
-LONGEST_S = 1800.0
 CRASHES = {
     -number
     for number in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
 }
 
 
-def check_apart(run_file: str, overrides: Sequence[str]) -> list[str]:
+def check_apart(
+    run_file: str, overrides: Sequence[str], longest_s: float = Limits.item_timeout_s
+) -> list[str]:
     """Raises what `robocell.check_run` raises; its warnings, or that a model crashed the engine.
 
-    Models that crash the engine must not end the run: workers meet them again, one at a time, and
-    what they cannot make is listed. IoError when the process ended in another way.
+    Models that crash or stall the engine must not end the run: workers meet them again, one at a
+    time, and what they cannot make is listed. Such a process is given `longest_s` seconds. IoError
+    when it ended in another way.
     """
     sets = [f"--set={override}" for override in overrides]
     command = [*own_process("robocell.generate.check"), *sets, "--", run_file]
     try:
         done = subprocess.run(
-            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=LONGEST_S
+            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=longest_s
         )
     except subprocess.TimeoutExpired:
-        slow = f"the run could not be looked through within {LONGEST_S:g} s: a model takes too long"
+        slow = f"the run could not be looked through within {longest_s:g} s: a model takes too long"
         return [slow]
     sys.stderr.write(done.stderr)
     said = _last_line(done.stdout)

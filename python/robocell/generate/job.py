@@ -97,15 +97,16 @@ class Job:
             return set()
         return made_items(self.run, self._chosen)
 
-    def check(self) -> list[str]:
+    def check(self, longest_s: float = Limits.item_timeout_s) -> list[str]:
         """SpecError with all that can be known to be wrong before the first episode.
 
         The run (see `robocell.check_run`), or a dataset that is of another one. Writes nothing.
-        Returns warnings: what works and may yet not be meant, or that a model crashed the engine.
+        Returns warnings: what works and may yet not be meant, that a model crashed the engine, or
+        that it was not through after `longest_s` seconds.
         IoError when the dataset cannot be written, or none of this could be found out.
         """
         require_writable(self.dataset, self._place_of_output())
-        warnings = check_apart(str(self.run_file), self.overrides)
+        warnings = check_apart(str(self.run_file), self.overrides, longest_s)
         check_dataset(self.run)
         return warnings
 
@@ -132,7 +133,8 @@ class Job:
         IoError and OSError when the dataset cannot be written or another process is at it. Ctrl-C
         and SIGTERM stop it; see `Supervisor`.
         """
-        for warning in self.check():
+        limits = limits or Limits()
+        for warning in self.check(limits.item_timeout_s):
             observer.warning(warning)
         prepare_dataset(self.run, check_run=False)
         with DatasetLock(self.dataset, *self.shard):

@@ -6,11 +6,13 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <type_traits>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/log.h"
 #include "robocell/base/real_file.h"
+#include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/parse_problem.h"
 #include "robocell/mujoco/warnings.h"
@@ -69,13 +71,34 @@ void Report(const std::vector<std::string>& found, std::string_view context,
   }
 }
 
+// What fn() returns, a pointer; its errors and exceptions are EngineErrors. Models with sizes
+// beyond all memory make the engine throw.
+template <class Function>
+auto Tried(std::string_view place, Function fn) {
+  struct Call {
+    Function* fn;
+    std::invoke_result_t<Function&> result;
+    static void Run(void* self) {
+      auto* call = static_cast<Call*>(self);
+      call->result = (*call->fn)();
+    }
+  } call{&fn, nullptr};
+  EngineExceptions exceptions;
+  if (Guarded(place, [&] { return exceptions.Catch(&Call::Run, &call); })) return call.result;
+  throw EngineError(
+      std::string(place) +
+      ": the engine threw a C++ exception, as it does when a size is too large for the memory: "
+      "look at the sizes of its hfield, texture, mesh, skin, flexcomp, replicate and size "
+      "elements");
+}
+
 // `file` is "" for a text.
 template <class Parse>
 SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
   std::array<char, 2048> error{};
   const std::string place =
       Prefix(context) + (file.empty() ? "model text" : "model file '" + file + "'");
-  SpecPtr spec(Guarded(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
+  SpecPtr spec(Tried(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
   if (spec) return spec;
   throw SpecError((file.empty() ? place + ": " : Prefix(context)) +
                   ParseProblem(Trim(error.data()), file));
@@ -102,7 +125,7 @@ ModelPtr Compile(mjSpec* spec, mjVFS* vfs, std::string_view context,
   const std::string place = Prefix(context) + "building the model";
   WarningCapture
       replayed;  // the engine repeats the spec's warnings through the log; they are read below
-  ModelPtr model(Guarded(place, [&] { return mj_compile(spec, vfs); }));
+  ModelPtr model(Tried(place, [&] { return mj_compile(spec, vfs); }));
   if (!model) throw SpecError(place + ": " + Trim(mjs_getError(spec)));
   Report(SpecWarnings(spec), context, warnings);
   return model;

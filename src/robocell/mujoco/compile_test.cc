@@ -60,6 +60,21 @@ TEST_F(Compiling, TextThatIsNotXmlIsASpecErrorWithTheEnginesReason) {
       AllOf(HasSubstr("robot 'left': model text: "), HasSubstr("wrldbody")));
 }
 
+// The engine's library throws, in a C++ runtime that is not ours.
+TEST_F(Compiling, AnExceptionOfTheEngineIsAnEngineErrorThatSaysWhereToLook) {
+  constexpr char kTooLarge[] =
+      R"(<mujoco><asset><mesh name="m" builtin="plate" params="100000 100000"/></asset></mujoco>)";
+  const auto file = folder_ / "large.xml";
+  std::ofstream(file) << kTooLarge;
+  const auto where = HasSubstr("look at the sizes of its hfield, texture, mesh, ");
+  EXPECT_THAT(MessageOf<EngineError>([&] { ParseXmlFile(file, "robot 'left'"); }),
+              AllOf(HasSubstr("robot 'left': model file '" + file.string() +
+                              "': the engine threw a C++ exception"),
+                    where));
+  EXPECT_THAT(MessageOf<EngineError>([&] { ParseXmlString(kTooLarge); }),
+              AllOf(HasSubstr("model text: the engine threw a C++ exception"), where));
+}
+
 TEST_F(Compiling, AMissingFileIsAnIoErrorThatNamesIt) {
   EXPECT_EQ(MessageOf<IoError>([] { ParseXmlFile("/no/such/arm.xml", "robot 'left'"); }),
             "robot 'left': cannot read model file '/no/such/arm.xml': No such file or directory");
