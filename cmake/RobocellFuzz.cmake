@@ -6,6 +6,9 @@ foreach(layer base math spec media data)
   file(GLOB layer_sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/${layer}/*.cc")
   list(APPEND fuzzed_sources ${layer_sources})
 endforeach()
+foreach(file builtin menagerie override resolve roots)  # where models are found; the rest needs the engine
+  list(APPEND fuzzed_sources "${CMAKE_SOURCE_DIR}/src/robocell/assets/${file}.cc")
+endforeach()
 list(FILTER fuzzed_sources EXCLUDE REGEX "_test\\.cc$")
 
 set(fuzz_flags -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1 -O1

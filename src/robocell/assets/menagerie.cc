@@ -48,8 +48,8 @@ fs::path RecordedFolder(const std::string& robot) {
   const fs::path record = UserCache() / "robocell/menagerie.json";
   if (!CanReadFile(record)) return {};
   const auto json = nlohmann::json::parse(ReadRealFile(record), nullptr, false);
-  const auto tree = nlohmann::json::json_pointer("/robots/" + robot + "/tree");
   if (json.is_discarded() || robot.find_first_of("~/") != std::string::npos) return {};
+  const auto tree = nlohmann::json::json_pointer("/robots/" + robot + "/tree");
   if (!json.contains(tree) || !json[tree].is_string()) return {};
   return CacheModels() / (robot + "-" + json[tree].get<std::string>().substr(0, kVersionDigits));
 }

@@ -154,6 +154,25 @@ TEST_F(Resolving, EquipmentIsFoundByNameAndIsNothingToPick) {
   EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));
 }
 
+// Both ended in an exception that is no Error.
+TEST_F(Resolving, LinksInACircleAndNamesOfNoRobotAreErrorsLikeOthers) {
+  Write("robots/mine/mine.xml");
+  fs::create_symlink("circle", folder_ / "robots/circle");
+  fs::create_symlink("arm.xml", folder_ / "arm.xml");
+  fs::create_directories(folder_ / "robocell");
+  std::ofstream(folder_ / "robocell/menagerie.json") << R"({"robots": {}})";
+  const ScopedEnv models("ROBOCELL_MODELS", folder_.string());
+  const ScopedEnv root("MENAGERIE_ROOT", ""), cache("MENAGERIE_CACHE_DIR", folder_.string());
+  const ScopedEnv user("XDG_CACHE_HOME", folder_.string());
+  EXPECT_THAT(BuiltinRobots(), ElementsAre("mine"));
+  ExpectThrow<NotFoundError>([] { Resolve("mien"); }, "Built-in models: mine.");
+  ExpectThrow<ArgumentError>([] { Resolve("circle"); }, "goes through too many symbolic links");
+  ExpectThrow<NotFoundError>([&] { Resolve("arm.xml", folder_.string()); },
+                             "model file 'arm.xml' not found. Looked for: " + At("arm.xml"));
+  ExpectThrow<NotFoundError>([] { Resolve("menagerie:franka~fr3"); },
+                             "menagerie robot 'franka~fr3' not found");
+}
+
 TEST_F(Resolving, BuiltInModelsCanBeMoved) {
   const std::string file = Write("robots/mine/mine.xml");
   const ScopedEnv env("ROBOCELL_MODELS", folder_.string());

@@ -1,6 +1,7 @@
 #include "robocell/base/paths.h"
 
 #include <algorithm>
+#include <climits>
 #include <deque>
 #include <string>
 #include <system_error>
@@ -78,6 +79,10 @@ std::string_view FileNameProblem(std::string_view name) {
 
 fs::path ConfinedPath(const fs::path& root, std::string_view relative) {
   if (relative.empty()) Refuse(root, relative, "is empty");
+  if (relative.size() >= PATH_MAX) {  // no system call takes it, and to follow its links takes long
+    Refuse(root, "...",
+           fmt::format("has {} bytes, more than the {} of a path", relative.size(), PATH_MAX - 1));
+  }
   if (relative.find('\0') != std::string_view::npos) Refuse(root, relative, "contains a NUL byte");
   const fs::path path(relative);
   if (path.is_absolute()) Refuse(root, relative, "is absolute");

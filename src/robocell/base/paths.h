@@ -10,10 +10,10 @@
 namespace robocell {
 
 // root / relative, refused (ArgumentError that names both) when `relative` is empty, absolute,
-// contains ".." or a NUL byte, or when a symbolic link on the way, dangling ones included, leads
-// outside `root`. Any other name is fine: spaces, quotes, $(), Unicode. The path need not exist,
-// and neither need the root. It is a check against mistakes and hostile names, not against someone
-// who swaps links while we run.
+// contains ".." or a NUL byte, is longer than a path can be, or when a symbolic link on the way,
+// dangling ones included, leads outside `root`. Any other name is fine: spaces, quotes, $(),
+// Unicode. The path need not exist, and neither need the root. It is a check against mistakes and
+// hostile names, not against someone who swaps links while we run.
 std::filesystem::path ConfinedPath(const std::filesystem::path& root, std::string_view relative);
 
 // Whether `name` can be the name of one file on the systems we know: not empty, "." or "..",

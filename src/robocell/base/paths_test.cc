@@ -55,6 +55,9 @@ TEST_F(ConfinedPathTest, PathsThatLeaveAreRefused) {
   ExpectRefused("/etc/passwd", "path '/etc/passwd' is absolute");
   ExpectRefused("", "path '' is empty");
   ExpectRefused(std::string_view("a\0b", 3), "path 'a\\0b' contains a NUL byte");
+  std::string deep;
+  while (deep.size() < 4096) deep += "a/";
+  ExpectRefused(deep, "path '...' has 4096 bytes, more than the 4095 of a path; it must lead to");
 }
 
 TEST_F(ConfinedPathTest, LinksThatLeaveAreRefused) {

@@ -26,6 +26,7 @@
 #include "robocell/datagen/check_run.h"
 #include "robocell/datagen/lost_manifest.h"
 #include "robocell/datagen/run_inputs.h"
+#include "robocell/spec/split_place.h"
 
 namespace robocell {
 namespace {
@@ -94,24 +95,38 @@ std::vector<std::string> Changes(const std::string& manifest, const RunInputs& i
   }
 }
 
+// "run.yaml:4:30: task.base_distance: ..." for a difference of a field that stands in the file.
+std::string InFile(const RunConfig& run, const std::string& difference) {
+  const std::string field = difference.substr(0, difference.find(": "));
+  return WithPlace(run.locations.Exactly(field).value_or(""), difference);
+}
+
+// The folder of the dataset is where it says in the file.
+[[noreturn]] void ThrowOfOutput(const RunConfig& run, const std::string& problem) {
+  throw SpecError(WithPlace(run.locations.At("output"), "run '" + run.run + "': " + problem));
+}
+
 [[noreturn]] void ThrowChanged(const RunConfig& run, std::vector<std::string> lines) {
   if (lines.size() > kMostLines) {
     const size_t more = lines.size() - kMostLines;
     lines.resize(kMostLines);
     lines.push_back(fmt::format("... and {} more", more));
   }
-  throw SpecError(fmt::format(
-      "run '{}': the dataset '{}' was begun differently:\n  {}\n"
-      "Change these back to go on with it, or give another `output` to start a new dataset",
-      run.run, run.output, fmt::join(lines, "\n  ")));
+  for (std::string& line : lines) line = InFile(run, line);
+  ThrowOfOutput(
+      run,
+      fmt::format(
+          "the dataset '{}' was begun differently:\n  {}\n"
+          "Change these back to go on with it, or give another `output` to start a new dataset",
+          run.output, fmt::join(lines, "\n  ")));
 }
 
 void RequireOutput(const RunConfig& run) {
   if (!run.output.empty()) return;
-  throw SpecError("run '" + run.run +
-                  "': output: where should the dataset go? Give the folder, for example `output: "
-                  "experiment_output/" +
-                  run.run + "`");
+  ThrowOfOutput(run,
+                "output: where should the dataset go? Give the folder, for example `output: "
+                "experiment_output/" +
+                    run.run + "`");
 }
 
 // Whether the dataset has to be begun, for the first time or anew. SpecError when it must not be:
@@ -128,9 +143,9 @@ bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
     if (!lost->empty()) ThrowChanged(run, *lost);
     return true;
   }
-  throw SpecError(fmt::format(
-      "run '{}': output: the folder '{}' holds '{}' and is no dataset; give a new folder", run.run,
-      run.output, entry));
+  ThrowOfOutput(
+      run, fmt::format("output: the folder '{}' holds '{}' and is no dataset; give a new folder",
+                       run.output, entry));
 }
 
 // Unset when somebody is at it.

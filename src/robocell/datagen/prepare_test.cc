@@ -122,7 +122,9 @@ TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
   run.task.base_distance = {0.2, 0.5};
   const std::string text =
       ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "was begun differently");
-  EXPECT_THAT(text, HasSubstr("\n  task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now\n"));
+  EXPECT_THAT(text, HasSubstr("/demo.yaml:11:9: run 'demo': the dataset '"));
+  EXPECT_THAT(text, HasSubstr("/demo.yaml:4:35: task.base_distance: [0.3, 0.55] then, [0.2, 0.5] "
+                              "now\nChange these back"));
   EXPECT_THAT(text, HasSubstr(run.output));
   EXPECT_THAT(text, Not(HasSubstr("base_height")));
 }
@@ -130,8 +132,9 @@ TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
 TEST(PrepareDataset, LeavesOtherFoldersAlone) {
   TempDir folder;
   AtomicWrite(folder / "thesis.txt", "years of work");
-  ExpectThrow<SpecError>([&] { PrepareDataset(Demo(folder.path())); },
-                         "holds 'thesis.txt' and is no dataset");
+  EXPECT_THAT(ExpectThrow<SpecError>([&] { PrepareDataset(Demo(folder.path())); },
+                                     "holds 'thesis.txt' and is no dataset"),
+              HasSubstr("/demo.yaml:11:9: run 'demo': output: the folder"));
   EXPECT_FALSE(ReadManifest(folder.path()));
 }
 
@@ -152,7 +155,9 @@ TEST(PrepareDataset, SaysWhichFolderCannotBeWritten) {
 }
 
 TEST(PrepareDataset, AsksForAnOutput) {
-  ExpectThrow<SpecError>([] { PrepareDataset(Demo("")); }, "output: where should the dataset go?");
+  EXPECT_THAT(ExpectThrow<SpecError>([] { PrepareDataset(Demo("")); },
+                                     "output: where should the dataset go?"),
+              HasSubstr("/demo.yaml:11:9: run 'demo': "));
 }
 
 TEST(PrepareDataset, NamesADamagedManifest) {
