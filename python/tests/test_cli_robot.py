@@ -112,6 +112,67 @@ def test_a_robot_without_gripper_is_told_with_its_groups(tmp_path: Path):
     assert "no move group has the actuators gripper: nothing will command them" in warnings
 
 
+def write_torso(folder: Path, grippers: tuple[str, str]) -> Path:
+    """A torso with an arm of two joints and a gripper on each side."""
+
+    def arm(side: str, y: float) -> str:
+        fingers = "".join(
+            f'<body name="{side}_f{i}" pos="0.2 {sign * 0.03} 0"><joint name="{side}_g{i}" '
+            f'type="slide" axis="0 {-sign} 0" range="0 0.02" damping="2"/>'
+            f'<geom name="{side}_p{i}" type="box" size="0.03 0.005 0.01" mass="0.05"/></body>'
+            for i, sign in ((1, 1), (2, -1))
+        )
+        return (
+            f'<body name="{side}_upper" pos="0 {y} 0.5"><joint name="{side}1" axis="0 0 1" '
+            'range="-2 2" damping="1"/><geom size="0.04" mass="1"/>'
+            f'<body name="{side}_lower" pos="0.2 0 0"><joint name="{side}2" axis="0 1 0" '
+            'range="-2 2" damping="1"/><geom size="0.03" mass="0.5"/>'
+            f'<site name="{side}_tcp" pos="0.22 0 0"/>{fingers}</body></body>'
+        )
+
+    servos = "".join(
+        f'<position name="{s}{n}" joint="{s}{n}" kp="{kp}" kv="{kp / 10}" ctrlrange="{ends}"/>'
+        for s in "lr"
+        for n, kp, ends in (
+            ("1", 300, "-2 2"), ("2", 300, "-2 2"), ("_g1", 200, "0 .02"), ("_g2", 200, "0 .02"),
+        )
+    )  # fmt: skip
+    (folder / "torso.xml").write_text(
+        '<mujoco><compiler angle="radian"/><worldbody><body name="torso">'
+        '<geom type="box" size="0.05 0.05 0.2" pos="0 0 0.2"/>'
+        f"{arm('l', 0.3)}{arm('r', -0.3)}</body></worldbody><actuator>{servos}</actuator></mujoco>"
+    )
+    groups = {
+        f"{s}_arm": f"{{kind: arm, joints: {s}1..{s}2, leaf: {{site: {s}_tcp}}}}" for s in "lr"
+    }
+    for side in grippers:
+        pair = f"[{side}_g1, {side}_g2]"
+        groups[f"{side}_hand"] = f"{{kind: gripper, joints: {pair}, actuators: {pair}}}"
+    path = folder / "torso.yaml"
+    path.write_text(
+        "name: torso\nmodel: torso.xml\ngravcomp: true\nmove_groups:\n"
+        + "".join(f"  {name}: {group}\n" for name, group in groups.items())
+    )
+    return path
+
+
+@pytest.mark.parametrize("grippers", [("l", "r"), ("r", "l")])
+def test_of_several_arms_and_grippers_it_is_told_which_are_used(
+    tmp_path: Path, grippers: tuple[str, str]
+):
+    path = write_torso(tmp_path, grippers)
+    result = robocell_command("check", path)
+    assert result.returncode == 0, result.stderr
+    hands = [f"{side}_hand" for side in grippers]
+    assert "note: move_groups has 2 of kind arm: l_arm, r_arm. Environments and" in result.stdout
+    assert f"note: move_groups has 2 of kind gripper: {', '.join(hands)}. Env" in result.stdout
+    robot = load_robot(path).robot
+    assert (robot.arm.name, robot.gripper.name) == ("l_arm", hands[0])
+    elsewhere = "the first arm, 'l_arm', does not carry the first gripper, 'r_hand'"
+    assert (elsewhere in result.stderr) == (grippers[0] == "r")
+    assert ("nothing found wrong" in result.stdout) == (grippers[0] == "l")
+
+
 @pytest.mark.parametrize("controller", ["joint_velocity", "joint_torque", "joint_impedance"])
 def test_actuators_that_were_added_for_a_controller_are_not_idle(tmp_path: Path, controller: str):
     def choose(config: dict[str, Any]) -> None:

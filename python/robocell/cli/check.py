@@ -25,7 +25,7 @@ def check(
     to know and need no change.
     """
     # With MuJoCo and numpy, which take longer to load than all that the other commands need.
-    from robocell.cli.robot_checks import CHECKS
+    from robocell.cli.robot_checks import CHECKS, several_of_a_kind
     from robocell.cli.robot_picture import draw_robot
     from robocell.cli.robot_table import actuators_table, frames_table, joints_table, summary_lines
 
@@ -45,7 +45,7 @@ def check(
     wrong = _wrong(loaded)
     warnings = [warning for find in CHECKS for warning in find(loaded)]
     console.print()
-    for note in loaded.scene.notes:
+    for note in [*loaded.scene.notes, *several_of_a_kind(loaded)]:
         console.print(f"note: {note}", markup=False, highlight=False)
     for warning in warnings:
         print_warning(warning)
