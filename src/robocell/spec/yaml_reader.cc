@@ -59,6 +59,11 @@ bool IsAtOrBelow(std::string_view path, std::string_view root) {
 
 }  // namespace
 
+Reader::Reader(std::string source, std::string directory)
+    : source_(std::move(source)), directory_(std::move(directory)) {}
+
+Reader::~Reader() = default;
+
 std::string Reader::At(const YAML::Node& node) const {
   const std::string& path = problems_.path();
   const bool made_up = node.Mark().is_null();  // stands for what the file does not have
@@ -94,6 +99,138 @@ void Reader::FailKind(const YAML::Node& node, const std::string& expected,
                                                 : "names with values";
   Fail(node,
        "expected " + expected + ", found " + found + (hint.empty() ? QuotedListHint(node) : hint));
+}
+
+void Reader::FailNoFields(const YAML::Node& root, const char* type, const std::string& example) {
+  FailKind(root, "the fields of " + WithArticle(type) + ", for example `" + example + ": ...`");
+}
+
+void Reader::FailNotFields(const YAML::Node& node, const char* type, const std::string& hint) {
+  FailKind(node, "the fields of " + WithArticle(type), hint);
+}
+
+void Reader::FailField(const YAML::Node& key, const std::string& name, const YAML::Node& value,
+                       const char* type, const std::vector<std::string>& names,
+                       const char* when_nested) {
+  const Problems::Scope scope(problems_, name);
+  if (when_nested != nullptr && value.IsMap() && NearestNames(name, names, 1).empty()) {
+    return Fail(key, when_nested);
+  }
+  if (const std::string hint = NoBlankHint(name, names); !hint.empty()) return Fail(key, hint);
+  Fail(key, NoSuchName(WithArticle(type), "field", name, names));
+}
+
+bool Reader::Fits(const YAML::Node& node, ReadInto read, void* out) const {
+  Reader trial(source_, directory_);
+  read(trial, node, out);
+  return trial.problems().empty();
+}
+
+std::string Reader::FieldsHint(const YAML::Node& node, const char* fits,
+                               const std::vector<std::string>& names) {
+  if (fits == nullptr) return "; its fields: " + ListNames(names);
+  return "; write {" + std::string(fits) + ": " + Short(node) + "}";
+}
+
+bool Reader::IsListOf(const YAML::Node& node, size_t count, const char* items) {
+  const std::string want = "a list of " + std::to_string(count) + items;
+  if (!node.IsSequence()) {
+    FailKind(node, want, ListHint(node, count));
+    return false;
+  }
+  if (node.size() == count) return true;
+  Fail(node, "expected " + want + ", found a list of " + std::to_string(node.size()));
+  return false;
+}
+
+std::optional<size_t> Reader::ReadOneOf(const YAML::Node& node,
+                                        const std::vector<std::string>& names) {
+  std::string text;
+  if (!ReadScalar(node, "one of " + ListNames(names), text)) return {};
+  const auto known = std::find(names.begin(), names.end(), text);
+  if (known != names.end()) return known - names.begin();
+  Fail(node, "'" + text + "' is not one of " + ListNames(names) + "." + DidYouMean(text, names));
+  return {};
+}
+
+void Reader::ForEachKey(const YAML::Node& node, const OnKey& f, const IsStrange& strange) {
+  std::set<std::string> seen;
+  Stray stray(node);
+  YAML::Node last;
+  for (const auto& entry : node) {
+    std::string name;
+    if (!ReadScalar(entry.first, "a name", name)) continue;
+    if (stray.IsPartOfLast(entry.first, entry.second, strange(name))) {
+      TellStray(last, stray);
+      continue;
+    }
+    last.reset(entry.first);
+    stray.SetLast(entry.first, entry.second, problems_.list().size());
+    if (seen.insert(name).second) {
+      f(entry.first, name, entry.second);
+    } else {
+      const Problems::Scope scope(problems_, name);
+      Fail(entry.first, "'" + name + "' is given twice");
+    }
+  }
+  for (const std::string& name : OverriddenKeys()) {
+    const YAML::Node empty(YAML::NodeType::Map);
+    if (seen.insert(name).second) f(empty, name, empty);
+  }
+}
+
+void Reader::ReadAt(const YAML::Node& node, std::string_view key, ReadInto read, void* out) {
+  const Problems::Scope scope(problems_, key);
+  ReadHere(node, read, out);
+}
+
+void Reader::ReadItem(const YAML::Node& node, size_t i, ReadInto read, void* out) {
+  const Problems::Scope scope(problems_, i);
+  ReadHere(node, read, out);
+}
+
+void Reader::ReadHere(const YAML::Node& node, ReadInto read, void* out) {
+  const YAML::Node value = Effective(node);
+  Mark(value);
+  read(*this, value, out);
+}
+
+void Reader::ReadExplained(const YAML::Node& node, const std::string& name, const char* doc,
+                           ReadInto read, void* out) {
+  const size_t before = problems_.list().size();
+  ReadAt(node, name, read, out);
+  ExplainField(name, doc, before);
+}
+
+std::optional<Vec4> Reader::ReadWxyz(const YAML::Node& node, const std::string& name) {
+  Vec4 wxyz{};
+  const size_t before = problems_.list().size();
+  ReadAt(node, name, wxyz);
+  const bool good = problems_.list().size() == before;
+  const Problems::Scope scope(problems_, "quat");
+  Mark(node);
+  return good ? std::optional(NormalizedFromWxyz(wxyz)) : std::nullopt;
+}
+
+bool Reader::IsNoField(const std::string& name, const std::vector<std::string>& fields) {
+  return !IsOneOf(name, fields) && name != "quat_wxyz" && NearestNames(name, fields, 1).empty();
+}
+
+std::string Reader::MeantField(const YAML::Node& node, const std::string& name,
+                               const std::vector<std::string>& fields) {
+  const std::vector<std::string> near = NearestNames(name, fields, 1);
+  if (near.empty() || (node.IsMap() && node[near.front()])) return "";
+  return near.front();
+}
+
+void Reader::ForgetProblemsOf(const std::string& field, size_t first_problem) {
+  if (problems_.list().size() == first_problem) return;
+  problems_.Truncate(first_problem);
+  unread_.push_back(JoinPath(problems_.path(), field));
+}
+
+void Reader::MarkMap(const char* field) {
+  (*sources_)[JoinPath(problems_.path(), field) + std::string(kAnyKey)] = "";
 }
 
 void Reader::TellStray(const YAML::Node& key, const Stray& stray) {

@@ -3,10 +3,14 @@
 //
 // The reader walks the declared fields, never the file's structure: what it does for one value is
 // bounded by the spec, and a limit on the number of values read keeps aliases from exploding.
+//
+// Templates know the types of fields and no more: the rest is compiled once, not for each of a
+// hundred types.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -46,8 +50,8 @@ Override ParseOverride(const std::string& text);
 class Reader {
  public:
   // `source` stands for the file in messages; relative paths inside start at `directory`.
-  Reader(std::string source, std::string directory)
-      : source_(std::move(source)), directory_(std::move(directory)) {}
+  Reader(std::string source, std::string directory);
+  ~Reader();
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
@@ -65,8 +69,7 @@ class Reader {
       ValidateFields(out, found);
       AppendUnread(found);
     } else {
-      FailKind(root, "the fields of " + WithArticle(T::kTypeName) + ", for example `" +
-                         FieldNames<T>().front() + ": ...`");
+      FailNoFields(root, T::kTypeName, FieldNames<T>().front());
     }
   }
 
@@ -96,25 +99,14 @@ class Reader {
 
   template <HasEnumNames E>
   void Read(const YAML::Node& node, E& out) {
-    const std::vector<std::string> names = ValueNames<E>();
-    std::string text;
-    if (!ReadScalar(node, "one of " + ListNames(names), text)) return;
-    const auto known = std::find(names.begin(), names.end(), text);
-    if (known == names.end()) {
-      return Fail(
-          node, "'" + text + "' is not one of " + ListNames(names) + "." + DidYouMean(text, names));
+    if (const auto known = ReadOneOf(node, ValueNames<E>())) {
+      out = EnumNames<E>::kNames[*known].first;
     }
-    out = EnumNames<E>::kNames[known - names.begin()].first;
   }
 
   template <class T, size_t N>
   void Read(const YAML::Node& node, std::array<T, N>& out) {
-    const std::string want =
-        "a list of " + std::to_string(N) + (std::is_arithmetic_v<T> ? " numbers" : " names");
-    if (!node.IsSequence()) return FailKind(node, want, ListHint(node, N));
-    if (node.size() != N) {
-      return Fail(node, "expected " + want + ", found a list of " + std::to_string(node.size()));
-    }
+    if (!IsListOf(node, N, std::is_arithmetic_v<T> ? " numbers" : " names")) return;
     for (size_t i = 0; i < N; ++i) ReadItem(node[i], i, out[i]);
   }
 
@@ -150,13 +142,18 @@ class Reader {
 
   template <HasFields T>
   void Read(const YAML::Node& node, T& out) {
-    if (!node.IsMap()) {
-      return FailKind(node, "the fields of " + WithArticle(T::kTypeName), FieldHint<T>(node));
-    }
+    if (!node.IsMap()) return FailNotFields(node, T::kTypeName, FieldHint<T>(node));
     ReadFields(node, out);
   }
 
  private:
+  // Read() of a type that is not told.
+  using ReadInto = void (*)(Reader&, const YAML::Node&, void* out);
+  template <class T>
+  static void ReadIntoA(Reader& reader, const YAML::Node& node, void* out) {
+    reader.Read(node, *static_cast<T*>(out));
+  }
+
   // Values that are written without the names of fields.
   template <class T>
   static constexpr bool kPlain =
@@ -168,16 +165,18 @@ class Reader {
   template <HasFields T>
   std::string FieldHint(const YAML::Node& node) const {
     if (node.IsNull()) return "";
-    std::string hint;
-    if (node.IsScalar()) hint = NoBlankHint(node.Scalar(), FieldNames<T>());
-    if (!hint.empty()) return "; " + hint;
+    const std::vector<std::string> names = FieldNames<T>();
+    if (node.IsScalar()) {
+      if (const std::string hint = NoBlankHint(node.Scalar(), names); !hint.empty()) {
+        return "; " + hint;
+      }
+    }
+    const char* fits = nullptr;
     T trial{};
     ForEachField(trial, [&](const char* name, auto& value, const char*, Check) {
-      if (hint.empty() && FitsInto(node, value)) {
-        hint = "; write {" + std::string(name) + ": " + Short(node) + "}";
-      }
+      if (fits == nullptr && FitsInto(node, value)) fits = name;
     });
-    return hint.empty() ? "; its fields: " + ListNames(FieldNames<T>()) : hint;
+    return FieldsHint(node, fits, names);
   }
 
   template <class T>
@@ -185,9 +184,7 @@ class Reader {
     if constexpr (IsOptional<T>::value) {
       return FitsInto(node, out.emplace());
     } else if constexpr (kPlain<T>) {
-      Reader trial(source_, directory_);
-      trial.Read(node, out);
-      return trial.problems().empty();
+      return Fits(node, &ReadIntoA<T>, &out);
     }
     return false;
   }
@@ -200,6 +197,12 @@ class Reader {
     return !other.empty();
   }
 
+  // Whether what is read that way has no problems.
+  bool Fits(const YAML::Node& node, ReadInto read, void* out) const;
+  // What FieldHint says of the field that fits, nullptr for none.
+  static std::string FieldsHint(const YAML::Node& node, const char* fits,
+                                const std::vector<std::string>& names);
+
   // "file.yaml:3:7" of a node at the current path, or "--set ..." of what replaced it.
   std::string At(const YAML::Node& node) const;
   // Remembers where the current path stands, for the checks that run after reading.
@@ -207,6 +210,8 @@ class Reader {
   void Fail(const YAML::Node& node, const std::string& message);
   // Says what was expected, what is there, and what may have been meant ("; write ...").
   void FailKind(const YAML::Node& node, const std::string& expected, const std::string& hint = "");
+  void FailNoFields(const YAML::Node& root, const char* type, const std::string& example);
+  void FailNotFields(const YAML::Node& node, const char* type, const std::string& hint);
   // What stands at the current path: the file's node, or the override's.
   YAML::Node Effective(const YAML::Node& node);
   // Keys below the current path that overrides lead to.
@@ -219,6 +224,10 @@ class Reader {
   template <class Int>
   void ReadWhole(const YAML::Node& node, Int& out);
   bool ReadScalar(const YAML::Node& node, const std::string& expected, std::string& out);
+  // Which of the names it is; when it is none, that is a problem.
+  std::optional<size_t> ReadOneOf(const YAML::Node& node, const std::vector<std::string>& names);
+  // Whether it is a list of that many; when it is not, that is a problem.
+  bool IsListOf(const YAML::Node& node, size_t count, const char* items);
   void ReadRobotFile(const YAML::Node& node, RobotConfig& out);
   void ReadAttachWord(const YAML::Node& node, AttachTarget& out);
 
@@ -238,51 +247,26 @@ class Reader {
     return (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>)&&node.IsScalar();
   }
 
+  using OnKey =
+      std::function<void(const YAML::Node& key, const std::string& name, const YAML::Node& value)>;
+  using IsStrange = std::function<bool(const std::string& name)>;
   // Calls f(key node, key, value) once for each key, then for keys that only overrides have.
   // `strange(key)`: no key of this map; in the place of a value it may be what lost its
   // indentation.
-  template <class F, class Strange>
-  void ForEachKey(const YAML::Node& node, F&& f, Strange&& strange) {
-    std::set<std::string> seen;
-    Stray stray(node);
-    YAML::Node last;
-    for (const auto& entry : node) {
-      std::string name;
-      if (!ReadScalar(entry.first, "a name", name)) continue;
-      if (stray.IsPartOfLast(entry.first, entry.second, strange(name))) {
-        TellStray(last, stray);
-        continue;
-      }
-      last.reset(entry.first);
-      stray.SetLast(entry.first, entry.second, problems_.list().size());
-      if (seen.insert(name).second) {
-        f(entry.first, name, entry.second);
-      } else {
-        Problems::Scope scope(problems_, name);
-        Fail(entry.first, "'" + name + "' is given twice");
-      }
-    }
-    for (const std::string& name : OverriddenKeys()) {
-      const YAML::Node empty(YAML::NodeType::Map);
-      if (seen.insert(name).second) f(empty, name, empty);
-    }
-  }
+  void ForEachKey(const YAML::Node& node, const OnKey& f, const IsStrange& strange);
 
   template <class T>
   void ReadAt(const YAML::Node& node, std::string_view key, T& out) {
-    Problems::Scope scope(problems_, key);
-    const YAML::Node value = Effective(node);
-    Mark(value);
-    Read(value, out);
+    ReadAt(node, key, &ReadIntoA<T>, &out);
   }
+  void ReadAt(const YAML::Node& node, std::string_view key, ReadInto read, void* out);
 
   template <class T>
   void ReadItem(const YAML::Node& node, size_t i, T& out) {
-    Problems::Scope scope(problems_, i);
-    const YAML::Node value = Effective(node);
-    Mark(value);
-    Read(value, out);
+    ReadItem(node, i, &ReadIntoA<T>, &out);
   }
+  void ReadItem(const YAML::Node& node, size_t i, ReadInto read, void* out);
+  void ReadHere(const YAML::Node& node, ReadInto read, void* out);
 
   template <HasFields T>
   void ReadFields(const YAML::Node& node, T& out) {
@@ -294,10 +278,8 @@ class Reader {
       FailField(key, name, value, out);
       ReadAsMeant(node, name, value, out);
     };
-    ForEachKey(node, read, [](const std::string& name) {
-      const std::vector<std::string> fields = FieldNames<T>();
-      return !IsOneOf(name, fields) && name != "quat_wxyz" && NearestNames(name, fields, 1).empty();
-    });
+    ForEachKey(node, read,
+               [](const std::string& name) { return IsNoField(name, FieldNames<T>()); });
     if (quat && quat_wxyz) Fail(node, "both quat and quat_wxyz are given; keep one of them");
     if constexpr (requires { out.source_dir; }) out.source_dir = directory_;
     MarkMaps(out);
@@ -306,41 +288,45 @@ class Reader {
     }
   }
 
+  static bool IsNoField(const std::string& name, const std::vector<std::string>& fields);
+
   // The map fields of T, for locations.h.
   template <class T>
   void MarkMaps(T& out) {
     ForEachField(out, [&](const char* field, auto& value, const char*, Check) {
-      if constexpr (IsMap<std::remove_cvref_t<decltype(value)>>::value)
-        (*sources_)[JoinPath(problems_.path(), field) + std::string(kAnyKey)] = "";
+      if constexpr (IsMap<std::remove_cvref_t<decltype(value)>>::value) MarkMap(field);
     });
   }
+
+  void MarkMap(const char* field);
 
   template <class T>
   void FailField(const YAML::Node& key, const std::string& name, const YAML::Node& value,
                  const T& out) {
     std::vector<std::string> names = FieldNames<T>();
     if constexpr (requires { out.quat; }) names.push_back("quat_wxyz");
-    Problems::Scope scope(problems_, name);
-    if constexpr (requires { T::kWhenNested; }) {
-      if (value.IsMap() && NearestNames(name, names, 1).empty()) return Fail(key, T::kWhenNested);
-    }
-    if (const std::string hint = NoBlankHint(name, names); !hint.empty()) return Fail(key, hint);
-    Fail(key, NoSuchName(WithArticle(T::kTypeName), "field", name, names));
+    const char* when_nested = nullptr;
+    if constexpr (requires { T::kWhenNested; }) when_nested = T::kWhenNested;
+    FailField(key, name, value, T::kTypeName, names, when_nested);
   }
+  void FailField(const YAML::Node& key, const std::string& name, const YAML::Node& value,
+                 const char* type, const std::vector<std::string>& names, const char* when_nested);
 
   // The value of a misspelt field counts as that of the field that was probably meant, so that it
   // is not reported as missing too, nor what follows from that.
   template <class T>
   void ReadAsMeant(const YAML::Node& node, const std::string& name, const YAML::Node& value,
                    T& out) {
-    const std::vector<std::string> near = NearestNames(name, FieldNames<T>(), 1);
-    if (near.empty() || (node.IsMap() && node[near.front()])) return;
+    const std::string meant = MeantField(node, name, FieldNames<T>());
+    if (meant.empty()) return;
     const size_t before = problems_.list().size();
-    ReadField(near.front(), value, out);
-    if (problems_.list().size() == before) return;
-    problems_.Truncate(before);
-    unread_.push_back(JoinPath(problems_.path(), near.front()));
+    ReadField(meant, value, out);
+    ForgetProblemsOf(meant, before);
   }
+  // Empty when there is none, or when it is there itself.
+  static std::string MeantField(const YAML::Node& node, const std::string& name,
+                                const std::vector<std::string>& fields);
+  void ForgetProblemsOf(const std::string& field, size_t first_problem);
 
   template <class T>
   bool ReadField(const std::string& name, const YAML::Node& node, T& out) {
@@ -348,28 +334,24 @@ class Reader {
     ForEachField(out, [&](const char* field, auto& value, const char* doc, Check) {
       if (found || name != field) return;
       found = true;
-      const size_t before = problems_.list().size();
-      ReadAt(node, name, value);
-      ExplainField(name, doc, before);
+      ReadExplained(node, name, doc, &ReadIntoA<std::remove_cvref_t<decltype(value)>>, &value);
     });
     return found;
   }
+  void ReadExplained(const YAML::Node& node, const std::string& name, const char* doc,
+                     ReadInto read, void* out);
 
   // `quat_wxyz` is accepted wherever there is a `quat`: numbers copied from an MJCF file.
   template <class T>
   bool ReadQuatWxyz(const std::string& name, const YAML::Node& node, T& out) {
     if constexpr (requires { out.quat; }) {
       if (name != "quat_wxyz") return false;
-      Vec4 wxyz{};
-      const size_t before = problems_.list().size();
-      ReadAt(node, name, wxyz);
-      if (problems_.list().size() == before) out.quat = NormalizedFromWxyz(wxyz);
-      Problems::Scope scope(problems_, "quat");
-      Mark(node);
+      if (const auto quat = ReadWxyz(node, name)) out.quat = *quat;
       return true;
     }
     return false;
   }
+  std::optional<Vec4> ReadWxyz(const YAML::Node& node, const std::string& name);
 
   std::string source_, directory_;
   std::shared_ptr<SourceMap> sources_ = std::make_shared<SourceMap>();

@@ -6,6 +6,23 @@
 
 namespace robocell::yaml {
 
+Writer::Writer() = default;
+Writer::~Writer() = default;
+
+void Writer::BeginMap() { out_ << YAML::BeginMap; }
+void Writer::WriteKey(const char* key) { out_ << YAML::Key << key << YAML::Value; }
+void Writer::WriteKey(const std::string& key) { out_ << YAML::Key << key << YAML::Value; }
+void Writer::EndMap() { out_ << YAML::EndMap; }
+
+void Writer::BeginSequence(bool flow) {
+  if (flow) out_ << YAML::Flow;
+  out_ << YAML::BeginSeq;
+}
+
+void Writer::EndSequence() { out_ << YAML::EndSeq; }
+void Writer::WriteNull() { out_ << YAML::Null; }
+void Writer::WriteWord(const char* word) { out_ << word; }
+
 void Writer::Write(double value) { out_ << fmt::format("{}", value); }
 void Writer::Write(const std::string& value) { out_ << value; }
 

@@ -17,6 +17,8 @@ namespace robocell::yaml {
 
 class Writer {
  public:
+  Writer();
+  ~Writer();
   std::string text() const { return out_.c_str(); }
 
   void Write(bool value) { out_ << value; }
@@ -32,15 +34,12 @@ class Writer {
   void Write(const RobotSource& value) { Write(value.config); }
   template <HasEnumNames E>
   void Write(E value) {
-    out_ << ToString(value);
+    WriteWord(ToString(value));
   }
   template <class T>
   requires(IsOptional<T>::value) void Write(const T& value) {
-    if (value) {
-      Write(*value);
-    } else {
-      out_ << YAML::Null;
-    }
+    if (!value) return WriteNull();
+    Write(*value);
   }
   template <class T, size_t N>
   void Write(const std::array<T, N>& value) {
@@ -56,25 +55,25 @@ class Writer {
   }
   template <class T>
   void Write(const Map<T>& value) {
-    out_ << YAML::BeginMap;
+    BeginMap();
     for (const auto& [key, box] : value.entries()) {
-      out_ << YAML::Key << key << YAML::Value;
+      WriteKey(key);
       Write(*box);
     }
-    out_ << YAML::EndMap;
+    EndMap();
   }
   template <HasFields T>
   void Write(const T& value) {
-    out_ << YAML::BeginMap;
+    BeginMap();
     [[maybe_unused]] static const T kDefault{};
     T::Fields([&](const char* name, auto member, const char*, Check = Check::kNone) {
       const auto& field = value.*member;
       // What is empty is left out, unless that would bring back a default that is not.
       if (IsAbsent(field) && IsAbsent(kDefault.*member)) return;
-      out_ << YAML::Key << name << YAML::Value;
+      WriteKey(name);
       Write(field);
     });
-    out_ << YAML::EndMap;
+    EndMap();
   }
 
  private:
@@ -86,11 +85,19 @@ class Writer {
   }
   template <class T>
   void WriteSequence(const T& values, bool flow) {
-    if (flow) out_ << YAML::Flow;
-    out_ << YAML::BeginSeq;
+    BeginSequence(flow);
     for (const auto& value : values) Write(value);
-    out_ << YAML::EndSeq;
+    EndSequence();
   }
+  // What does not depend on a type is compiled once.
+  void BeginMap();
+  void WriteKey(const char* key);
+  void WriteKey(const std::string& key);
+  void EndMap();
+  void BeginSequence(bool flow);
+  void EndSequence();
+  void WriteNull();
+  void WriteWord(const char* word);
 
   YAML::Emitter out_;
 };
