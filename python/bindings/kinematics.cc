@@ -42,9 +42,9 @@ IkOptions OptionsFor(const Robot& robot, nb::handle seed,
   return options;
 }
 
-// The chain as it is now, for long work without Python's lock: another thread may reset the scene
-// or add objects meanwhile, which makes the robot's anew.
-Chain SteadyChain(const Kinematics& k) { return k.robot.chain(); }
+// The chain as it is now, for work without Python's lock: another thread may reset the scene or add
+// objects meanwhile, which makes the robot's anew.
+Chain SteadyChain(const Robot& robot) { return robot.chain(); }
 
 // Of a robot, or of its kinematics.
 template <class Self>
@@ -60,9 +60,11 @@ IkResult SolveIk(const Self& self, const PoseOrFrame& target, nb::handle seed,
   options.position_only = position_only;
   options.max_restarts = max_restarts;
   options.max_iterations = max_iterations;
+  if (options.seed.empty()) options.seed = JointVector(robot.arm().joint_pos());
   const Pose pose = target.get();
+  const Chain chain = SteadyChain(robot);
   const nb::gil_scoped_release release;
-  return robot.Ik(pose, std::move(options));
+  return Ik(chain, pose, options);
 }
 
 nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
@@ -76,7 +78,7 @@ nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle s
   options.tolerance = tolerance;
   options.position_only = position_only;
   options.max_restarts = RestartsOf(starts);
-  return AllSolutionsOf(SteadyChain(k), target.get(), options, separation);
+  return AllSolutionsOf(SteadyChain(k.robot), target.get(), options, separation);
 }
 
 nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
@@ -92,11 +94,11 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
   ik.max_iterations = max_iterations;
   std::vector<double> seed_values;
   if (!seeds.is_none()) {
-    seed_values = SeedsOf(k.robot.chain(), seeds);
+    seed_values = SeedsOf(SteadyChain(k.robot), seeds);
   } else if (!locked_groups.empty() || ik.prefer == IkPrefer::kSeed) {
     seed_values = k.robot.arm().joint_pos();
   }
-  return BatchOf(SteadyChain(k), targets, seed_values, ik, threads);
+  return BatchOf(SteadyChain(k.robot), targets, seed_values, ik, threads);
 }
 
 nb::object SolveTwist(const Kinematics& k, nb::handle q, nb::handle twist, nb::handle frame,
@@ -104,15 +106,15 @@ nb::object SolveTwist(const Kinematics& k, nb::handle q, nb::handle twist, nb::h
                       const std::vector<std::string>& locked_groups) {
   const TwistPlace place{.base_in_world = k.robot.base_in_world().rotation(),
                          .locked = k.robot.LockGroups(locked_groups)};
-  return TwistOf(k.robot.chain(), q, twist, frame, seconds, max_speed, posture, posture_rate,
+  return TwistOf(SteadyChain(k.robot), q, twist, frame, seconds, max_speed, posture, posture_rate,
                  place);
 }
 
 nb::object MapReachOf(const Kinematics& k, nb::handle lower, nb::handle upper, double cell,
                       int rotations, double tolerance, int max_restarts, int threads,
                       bool position_only, nb::handle axis) {
-  return ReachMapOf(SteadyChain(k), lower, upper, cell, rotations, tolerance, max_restarts, threads,
-                    position_only, axis);
+  return ReachMapOf(SteadyChain(k.robot), lower, upper, cell, rotations, tolerance, max_restarts,
+                    threads, position_only, axis);
 }
 
 // Threads may share kinematics while the scene rests, so that they claim nothing: they look at
@@ -149,7 +151,7 @@ void DefDynamics(nb::class_<Kinematics>& c) {
   c.def(
        "fk",
        [](const Kinematics& k, nb::handle q, nb::handle out) {
-         return FkOf(k.robot.chain(), q, out);
+         return FkOf(SteadyChain(k.robot), q, out);
        },
        "q"_a, "out"_a = nb::none(),
        nb::sig("def fk(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = None) -> "
@@ -159,7 +161,7 @@ void DefDynamics(nb::class_<Kinematics>& c) {
       .def(
           "jacobian",
           [](const Kinematics& k, nb::handle q, nb::handle out, nb::handle tips) {
-            return JacobianOf(k.robot.chain(), q, out, tips);
+            return JacobianOf(SteadyChain(k.robot), q, out, tips);
           },
           "q"_a, "out"_a = nb::none(), "tips"_a = nb::none(),
           nb::sig("def jacobian(self, q: object, out: numpy.typing.NDArray[numpy.float64] | None = "
@@ -170,7 +172,7 @@ void DefDynamics(nb::class_<Kinematics>& c) {
       .def(
           "gravity_torques",
           [](const Kinematics& k, nb::handle q, nb::handle gravity, nb::handle out) {
-            return GravityTorquesOf(k.robot.chain(), q, GravityFor(k, gravity), out);
+            return GravityTorquesOf(SteadyChain(k.robot), q, GravityFor(k, gravity), out);
           },
           "q"_a, "gravity"_a = nb::none(), "out"_a = nb::none(),
           nb::sig("def gravity_torques(self, q: object, gravity: numpy.typing.ArrayLike | None = "
@@ -181,7 +183,7 @@ void DefDynamics(nb::class_<Kinematics>& c) {
       .def(
           "mass_matrix",
           [](const Kinematics& k, nb::handle q, nb::handle out) {
-            return MassMatrixOf(k.robot.chain(), q, out);
+            return MassMatrixOf(SteadyChain(k.robot), q, out);
           },
           "q"_a, "out"_a = nb::none(),
           nb::sig("def mass_matrix(self, q: object, out: numpy.typing.NDArray[numpy.float64] | "
@@ -190,7 +192,7 @@ void DefDynamics(nb::class_<Kinematics>& c) {
       .def(
           "coriolis_torques",
           [](const Kinematics& k, nb::handle q, nb::handle qd, nb::handle out) {
-            return CoriolisTorquesOf(k.robot.chain(), q, qd, out);
+            return CoriolisTorquesOf(SteadyChain(k.robot), q, qd, out);
           },
           "q"_a, "qd"_a, "out"_a = nb::none(),
           nb::sig("def coriolis_torques(self, q: object, qd: object, out: "
@@ -201,7 +203,7 @@ void DefDynamics(nb::class_<Kinematics>& c) {
           "inverse_dynamics",
           [](const Kinematics& k, nb::handle q, nb::handle qd, nb::handle qdd, nb::handle gravity,
              nb::handle out) {
-            return InverseDynamicsOf(k.robot.chain(), q, qd, qdd, GravityFor(k, gravity), out);
+            return InverseDynamicsOf(SteadyChain(k.robot), q, qd, qdd, GravityFor(k, gravity), out);
           },
           "q"_a, "qd"_a, "qdd"_a, "gravity"_a = nb::none(), "out"_a = nb::none(),
           nb::sig("def inverse_dynamics(self, q: object, qd: object, qdd: object, gravity: "
@@ -285,7 +287,8 @@ void BindKinematics(nb::module_& m) {
       [](const Kinematics& k) { k.robot.RequireOpen(); });
   DefDynamics(kinematics);
   kinematics
-      .def_prop_ro("joint_names", [](const Kinematics& k) { return k.robot.chain().joint_names(); })
+      .def_prop_ro("joint_names",
+                   [](const Kinematics& k) { return SteadyChain(k.robot).joint_names(); })
       .def("ik", &SolveIk<Kinematics>, "target"_a, ROBOCELL_IK_ARGS,
            nb::sig("def ik(self, target: " ROBOCELL_IK_SIG),
            "Joint values that put the TCP at `target` (in the robot base frame): a Pose, a "
@@ -354,7 +357,7 @@ void BindKinematics(nb::module_& m) {
       .def(
           "manipulability",
           [](const Kinematics& k, nb::handle q, nb::handle out) {
-            return ManipulabilityOf(k.robot.chain(), q, out);
+            return ManipulabilityOf(SteadyChain(k.robot), q, out);
           },
           "q"_a, "out"_a = nb::none(),
           nb::sig("def manipulability(self, q: object, out: numpy.typing.NDArray[numpy.float64] | "
@@ -374,7 +377,7 @@ void BindKinematics(nb::module_& m) {
           "the TCP points, of a shorter one for the position only, for which `rotations` does not "
           "count.")
       .def(
-          "reach_box", [](const Kinematics& k) { return ReachBoxOf(k.robot.chain()); },
+          "reach_box", [](const Kinematics& k) { return ReachBoxOf(SteadyChain(k.robot)); },
           nb::sig(ROBOCELL_REACH_BOX_SIG),
           "Lower and upper corner (3,), m, of a box in the robot base frame beyond which the TCP "
           "never is: for reach_map. ArgumentError for an arm with a slide without limits.")

@@ -169,8 +169,9 @@ def test_long_kinematics_end_with_the_arm_that_they_began_with():
     targets = kinematics.fk(q + np.linspace(-0.3, 0.3, 8)[:, None])
 
     def search(keep: Callable[[np.ndarray], np.ndarray]) -> list[np.ndarray]:
+        one = kinematics.ik(targets[0], filter=keep).q
         batch = kinematics.ik_batch(targets, filter=keep).q
-        return [batch, kinematics.ik_solutions(targets[0], starts=20, filter=keep)]
+        return [one, batch, kinematics.ik_solutions(targets[0], starts=20, filter=keep)]
 
     alone, door, found = search(lambda rows: np.ones(len(rows), bool)), Door(), []
     keep = lambda rows: (door(), np.ones(len(rows), bool))[1]  # noqa: E731

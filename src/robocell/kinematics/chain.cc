@@ -20,49 +20,54 @@ struct Chain::Lazy {
   std::shared_ptr<void> companion;
 };
 
-std::shared_ptr<Chain::Lazy> Chain::NewLazy() { return std::make_shared<Lazy>(); }
-
 const LaneChain& Chain::lanes() const {
-  std::call_once(lazy_->made, [this] { lazy_->lanes.emplace(model_); });
-  return *lazy_->lanes;
+  Lazy& lazy = *parts_->lazy;
+  std::call_once(lazy.made, [&] { lazy.lanes.emplace(model()); });
+  return *lazy.lanes;
 }
 
-std::shared_ptr<void>& Chain::companion() const { return lazy_->companion; }
+std::shared_ptr<void>& Chain::companion() const { return parts_->lazy->companion; }
 
 Chain::Chain(const mjModel* model, std::string_view base_body, const ChainTip& tip,
              const ChainOptions& options)
-    : base_body_(base_body == "world" ? "world" : options.prefix + std::string(base_body)),
-      tip_{tip.kind, options.prefix + tip.name} {
-  BuiltChain built = BuildChain(model, base_body_, tip_, options);
-  UseModel(built.model);
-  joints_ = std::move(built.joints);
-}
+    : Chain([&] {
+        Parts parts{
+            .base_body = base_body == "world" ? "world" : options.prefix + std::string(base_body),
+            .tip = {tip.kind, options.prefix + tip.name}};
+        BuiltChain built = BuildChain(model, parts.base_body, parts.tip, options);
+        parts.model = built.model;
+        parts.joints = std::move(built.joints);
+        return parts;
+      }()) {}
 
-void Chain::UseModel(const ChainModel& model) {
-  model_ = model;
-  links_ = std::make_shared<const LinkTable>(Tabulate(model));
+Chain::Chain(Parts parts) : parts_(Complete(std::move(parts))), links_(parts_->links.get()) {}
+
+std::shared_ptr<const Chain::Parts> Chain::Complete(Parts parts) {
+  parts.links = std::make_shared<const LinkTable>(Tabulate(parts.model));
+  parts.lazy = std::make_shared<Lazy>();
+  return std::make_shared<const Parts>(std::move(parts));
 }
 
 std::string Chain::description() const {
-  return fmt::format("chain '{}' -> {} '{}'", base_body_,
-                     tip_.kind == ChainTip::Kind::kSite ? "site" : "body", tip_.name);
+  return fmt::format("chain '{}' -> {} '{}'", base_body(),
+                     tip().kind == ChainTip::Kind::kSite ? "site" : "body", tip().name);
 }
 
 std::vector<std::string> Chain::joint_names() const {
   std::vector<std::string> names;
-  for (const ChainJoint& joint : joints_) names.push_back(joint.name);
+  for (const ChainJoint& joint : joints()) names.push_back(joint.name);
   return names;
 }
 
 int Chain::joint_index(std::string_view name) const {
   for (int i = 0; i < n_joints(); ++i) {
-    if (joints_[i].name == name) return i;
+    if (joints()[i].name == name) return i;
   }
   throw NotFoundError(NoSuchName(description(), "joint", name, joint_names()));
 }
 
 void Chain::CheckSize(std::string_view what, std::size_t size) const {
-  if (size == joints_.size()) return;
+  if (size == joints().size()) return;
   throw ArgumentError(fmt::format("{}: {}: expected {} joint values, got {}", description(), what,
                                   n_joints(), size));
 }
@@ -75,13 +80,13 @@ void Chain::CheckJointValues(std::string_view what, std::span<const double> valu
   for (int i = 0; i < n_joints(); ++i) {
     if (std::isfinite(values[i])) continue;
     throw ArgumentError(fmt::format("{}: {}: joint '{}' is {}; joint values must be finite",
-                                    description(), what, joints_[i].name, values[i]));
+                                    description(), what, joints()[i].name, values[i]));
   }
 }
 
 double Chain::moving_mass() const {
   double mass = 0;
-  for (int i = 0; i < n_joints(); ++i) mass += model_.joints[i].link.mass;
+  for (int i = 0; i < n_joints(); ++i) mass += model().joints[i].link.mass;
   return mass;
 }
 

@@ -16,6 +16,8 @@
 // Errors: NotFoundError for a missing body or site, ArgumentError for a chain that cannot be made
 // and for a wrong number of joint values. Threads: a Chain is immutable, its functions are const,
 // allocate nothing and may run in parallel; what solvers need is made once, when first asked for.
+// Copies share all that they know: a copy is cheap, and is good for as long as it is kept, whatever
+// becomes of the chain that it was made of.
 //
 // Jacobian and dynamics are computed in vector registers, of AVX2 at most (link_kernel.h):
 // between instruction sets they differ by rounding. For many configurations at once there is
@@ -92,11 +94,11 @@ class Chain {
   Chain(const mjModel* model, std::string_view base_body, const ChainTip& tip,
         const ChainOptions& options = {});
 
-  int n_joints() const { return model_.n; }
-  const std::vector<ChainJoint>& joints() const { return joints_; }
+  int n_joints() const { return parts_->model.n; }
+  const std::vector<ChainJoint>& joints() const { return parts_->joints; }
   std::vector<std::string> joint_names() const;
-  const std::string& base_body() const { return base_body_; }
-  const ChainTip& tip() const { return tip_; }
+  const std::string& base_body() const { return parts_->base_body; }
+  const ChainTip& tip() const { return parts_->tip; }
   // The index of a joint by its full name; NotFoundError lists the names.
   int joint_index(std::string_view name) const;
 
@@ -135,7 +137,7 @@ class Chain {
   void CheckJointValues(std::string_view what, std::span<const double> values) const;
 
   // The folded numbers, for solvers.
-  const ChainModel& model() const { return model_; }
+  const ChainModel& model() const { return parts_->model; }
   const LinkTable& links() const { return *links_; }
   const LaneChain& lanes() const;
   // What somebody keeps with this chain, all copies alike: its form in another library, which lives
@@ -147,18 +149,21 @@ class Chain {
  private:
   friend Chain ChainFromSegments(const std::vector<KdlSegment>& segments,
                                  std::span<const std::array<double, 2>> limits);
-  Chain() = default;
-  void UseModel(const ChainModel& model);
-  void CheckSize(std::string_view what, std::size_t size) const;
   struct Lazy;
-  static std::shared_ptr<Lazy> NewLazy();
+  struct Parts {
+    ChainModel model;
+    std::vector<ChainJoint> joints;
+    std::string base_body;
+    ChainTip tip;
+    std::shared_ptr<const LinkTable> links{};
+    std::shared_ptr<Lazy> lazy{};
+  };
+  explicit Chain(Parts parts);  // without links and lazy
+  static std::shared_ptr<const Parts> Complete(Parts parts);
+  void CheckSize(std::string_view what, std::size_t size) const;
 
-  ChainModel model_;
-  std::shared_ptr<const LinkTable> links_;  // copies share it, and what is lazy
-  std::shared_ptr<Lazy> lazy_ = NewLazy();
-  std::vector<ChainJoint> joints_;
-  std::string base_body_;
-  ChainTip tip_;
+  std::shared_ptr<const Parts> parts_;
+  const LinkTable* links_;  // of the parts: what control loops ask for is one step away
 };
 
 }  // namespace robocell

@@ -23,8 +23,8 @@ Pose Chain::Fk(std::span<const double> q) const {
 Pose Chain::FkAll(std::span<const double> q, std::span<Pose> bodies) const {
   CheckSize("bodies", bodies.size());
   const Pose tip = Fk(q);
-  WalkChain(model_, q.data(), [&](int i, const Transform& frame) {
-    bodies[i] = (frame * model_.joints[i].joint_to_body).pose();
+  WalkChain(model(), q.data(), [&](int i, const Transform& frame) {
+    bodies[i] = (frame * model().joints[i].joint_to_body).pose();
   });
   return tip;
 }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "robocell/kinematics/testing/models.h"
 #include "robocell/testing/expect_throw.h"
@@ -54,6 +55,20 @@ TEST_F(ChainTest, StaysValidWhenTheModelIsGone) {
   const Pose before = chain.Fk(JointVector{0.1, 0.2, 0.3});
   t_ = TestModel::FromXml("<mujoco/>");
   EXPECT_EQ(chain.Fk(JointVector{0.1, 0.2, 0.3}), before);
+}
+
+TEST_F(ChainTest, ACopyIsGoodWhateverBecomesOfTheChain) {
+  std::optional<Chain> chain = Make("left_base", ChainTip::Site("left_tcp"));
+  const JointVector q{0.1, 0.2, 0.3};
+  const Pose before = chain->Fk(q);
+  const Chain copy = *chain;
+  EXPECT_EQ(&copy.model(), &chain->model());  // shared, so that it costs nothing
+  EXPECT_EQ(&copy.lanes(), &chain->lanes());
+  chain = Make("right_base", ChainTip::Body("right_upper"));
+  EXPECT_EQ(copy.Fk(q), before);
+  EXPECT_EQ(copy.joint_names().front(), "left_a");
+  chain.reset();
+  EXPECT_EQ(copy.Fk(q), before);
 }
 
 TEST_F(ChainTest, PutsThePrefixBeforeBaseTipAndTool) {

@@ -157,12 +157,10 @@ Chain ChainFromSegments(const std::vector<KdlSegment>& segments,
   SegmentReader reader(limits);
   for (const KdlSegment& segment : segments) reader.Read(segment);
   reader.Finish();
-  Chain chain;
-  chain.UseModel(reader.model);
-  chain.joints_ = std::move(reader.joints);
-  chain.base_body_ = "base";
-  chain.tip_ = ChainTip::Body(segments.back().name);
-  return chain;
+  return Chain({.model = reader.model,
+                .joints = std::move(reader.joints),
+                .base_body = "base",
+                .tip = ChainTip::Body(segments.back().name)});
 }
 
 void SetOffset(const Transform& pose_at_zero, double speed, KdlSegment* segment) {
