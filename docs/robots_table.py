@@ -39,7 +39,8 @@ The page was written by
 - **success**: episodes made, of the rollouts that were begun.
 - **accepted**: starts that the sampler took, of those it drew.
 - **episode**: mean length in simulated seconds.
-- **episodes/h**: by the clock on the wall in one short run; other work on the machine lowers it.
+- **episodes/h**: by the clock on the wall in one short run; other work on the machine lowers it
+  (its load was {{load:.0f}}, of which {WORKERS} are these).
 - **gripper**: distance of the fingers, closed and open, as `robocell gripper-range` prints it.
 
 | robot | run file | success | accepted | episode | episodes/h | gripper |
@@ -129,7 +130,7 @@ def main() -> None:
         if row := measure(run_file):
             print(row.line(), flush=True)
             rows.append(row)
-    head = HEAD.format(cores=len(os.sched_getaffinity(0)))
+    head = HEAD.format(cores=len(os.sched_getaffinity(0)), load=os.getloadavg()[1])
     lines = "\n".join(row.line() for row in rows)
     pictures = "\n".join(row.picture() for row in rows)
     PAGE.write_text(f"{head}{lines}\n\n{pictures}")
