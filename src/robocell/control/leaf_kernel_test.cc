@@ -4,12 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
+#include <Eigen/Core>
 
 #include "robocell/base/rng.h"
 #include "robocell/control/inverse_root.h"
+#include "robocell/testing/decompositions.h"
 #include "robocell/testing/instruction_sets.h"
 
 namespace robocell {
@@ -27,7 +26,7 @@ MatrixXd RandomMatrix(Rng* rng, int rows, int cols) {
 
 // Symmetric, with eigenvalues from 1 to 1 / condition.
 MatrixXd RandomPositive(Rng* rng, int n, double condition) {
-  const MatrixXd q = RandomMatrix(rng, n, n).householderQr().householderQ();
+  const MatrixXd q = OrthogonalPartOf(RandomMatrix(rng, n, n));
   VectorXd values(n);
   for (int k = 0; k < n; ++k) values[k] = std::pow(condition, -double(k) / std::max(n - 1, 1));
   return q * values.asDiagonal() * q.transpose();
@@ -45,15 +44,14 @@ std::array<double, 21> Triangle(const MatrixXd& m) {
 VectorXd ByEigenvectors(const VectorXd& stiffness, const MatrixXd& mobility,
                         const VectorXd& velocity) {
   const VectorXd root = stiffness.cwiseSqrt();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> modes(root.asDiagonal() * mobility *
-                                                      root.asDiagonal());
-  const VectorXd along = modes.eigenvectors().transpose() * root.cwiseProduct(velocity);
+  const Eigenpairs modes = EigenpairsOf(root.asDiagonal() * mobility * root.asDiagonal());
+  const VectorXd along = modes.vectors.transpose() * root.cwiseProduct(velocity);
   VectorXd scaled(6);
   for (int k = 0; k < 6; ++k) {
-    const double value = modes.eigenvalues()[k];
+    const double value = modes.values[k];
     scaled[k] = value > 0 ? along[k] / std::sqrt(value) : 0;
   }
-  return 2 * root.cwiseProduct(modes.eigenvectors() * scaled);
+  return 2 * root.cwiseProduct(modes.vectors * scaled);
 }
 
 VectorXd Damping(const VectorXd& stiffness, const MatrixXd& mobility, const VectorXd& velocity) {
@@ -164,7 +162,7 @@ struct LeafCase {
     }
   }
   MatrixXd Mobility() const {
-    return j * m.llt().solve(j.transpose()) + kLeastMobility * MatrixXd::Identity(6, 6);
+    return j * SolvePositive(m, j.transpose()) + kLeastMobility * MatrixXd::Identity(6, 6);
   }
 };
 
@@ -205,7 +203,7 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
                    .damping_ratio = 0.7,
                    .torques = torques},
                   &answer);
-      const VectorXd felt = leaf.Mobility().llt().solve(leaf.j * wanted);
+      const VectorXd felt = SolvePositive(leaf.Mobility(), leaf.j * wanted);
       EXPECT_LT((Eigen::Map<VectorXd>(answer.felt, 6) - felt).norm(), 1e-8 * felt.norm());
       const VectorXd damping = Damping(stiffness, leaf.Mobility(), leaf.j * velocity);
       EXPECT_LT((Eigen::Map<VectorXd>(answer.damping, 6) - damping).norm(), 1e-9 * damping.norm());

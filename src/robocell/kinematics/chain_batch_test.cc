@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <Eigen/SVD>
 
 #include "robocell/kinematics/testing/engine_says.h"
+#include "robocell/testing/decompositions.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/instruction_sets.h"
 
@@ -55,9 +55,7 @@ Results Compute(const Chain& chain, const Motions& m, int count) {
 }
 
 // The volume that the Jacobian makes of speeds of unit norm: the product of its singular values.
-double VolumeOf(const Matrix& jacobian) {
-  return Eigen::JacobiSVD<Matrix>(jacobian).singularValues().prod();
-}
+double VolumeOf(const Matrix& jacobian) { return SvdOf(jacobian).values.prod(); }
 
 JointVector RandomRates(Rng* rng, int n) {
   JointVector rates(n);

@@ -7,6 +7,7 @@
 
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/kinematics/testing/ik_judge.h"
+#include "robocell/testing/decompositions.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -136,7 +137,7 @@ TEST_P(DifferentialIkTest, ObeysBoundsAndIsTheBestBetweenThem) {
       free.rightCols(1) = jacobian.col(i);
     }
     if (free.cols() > 0) {
-      const Eigen::VectorXd singular = Eigen::JacobiSVD<Eigen::MatrixXd>(free).singularValues();
+      const Eigen::VectorXd singular = SvdOf(free).values;
       if ((singular.array() < 0.02 && singular.array() > 1e-9).any()) continue;
     }
     ++judged;
@@ -249,7 +250,7 @@ TEST_P(DifferentialIkTest, IsDampedWhereTheJointsThatMoveAreNearASingularity) {
     options.seconds = k % 2 ? 0 : 0.002;
     // The worst of many.
     JointVector q;
-    Eigen::JacobiSVD<Eigen::MatrixXd> svd;
+    Svd svd;
     for (int other = 0; other < 60; ++other) {
       JointVector there = Inside();
       if (!options.locked[stuck]) there[stuck] = chain_.joints()[stuck].upper;
@@ -257,14 +258,14 @@ TEST_P(DifferentialIkTest, IsDampedWhereTheJointsThatMoveAreNearASingularity) {
       chain_.Jacobian(there, jacobian);
       jacobian.topRows(3) /= chain_.model().length;
       jacobian.col(stuck).setZero();
-      const Eigen::JacobiSVD<Eigen::MatrixXd> of_these(jacobian, Eigen::ComputeFullU);
-      if (other > 0 && of_these.singularValues()[5] > svd.singularValues()[5]) continue;
+      const Svd of_these = SvdOf(jacobian);
+      if (other > 0 && of_these.values[5] > svd.values[5]) continue;
       svd = of_these;
       q = there;
     }
-    near += svd.singularValues()[5] < 0.02;
+    near += svd.values[5] < 0.02;
     // What the others can hardly do, and a little of everything.
-    Eigen::Matrix<double, 6, 1> hard = svd.matrixU().col(5) + 0.1 * RandomTwist().vector();
+    Eigen::Matrix<double, 6, 1> hard = svd.left.col(5) + 0.1 * RandomTwist().vector();
     hard.head(3) *= chain_.model().length;
     const Twist asked = Twist::FromVector(0.2 * hard);
     const DifferentialIkResult found = DifferentialIk(chain_, q, asked, options);

@@ -11,6 +11,7 @@
 #include "robocell/kinematics/ik_solutions.h"
 #include "robocell/kinematics/manipulability.h"
 #include "robocell/kinematics/testing/ik_judge.h"
+#include "robocell/testing/decompositions.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -272,8 +273,7 @@ TEST_P(IkPrefersToSpare, IsMetAsWellAsTheJointsToSpareAllow) {
       ++counted;
       Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, chain_.n_joints());
       chain_.Jacobian(best.q, jacobian);
-      const Eigen::MatrixXd spare =
-          Eigen::FullPivLU<Eigen::MatrixXd>(jacobian).kernel().colwise().normalized();
+      const Eigen::MatrixXd spare = NullSpaceOf(jacobian);
       bool best_here = true;
       for (Eigen::Index c = 0; c < spare.cols(); ++c) {
         for (const double step : {-0.02, 0.02}) {
