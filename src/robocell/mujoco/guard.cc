@@ -13,6 +13,7 @@
 // The engine's thread-local handler, which its documentation describes (programming/simulation,
 // "Error recovery") but no public header declares. Weak: without it the process-wide handler still
 // serves every guard that is not inside somebody else's.
+// NOLINTNEXTLINE(clang-diagnostic-reserved-identifier): the engine's name
 extern "C" __attribute__((weak)) mjfLogHandler _mjPRIVATE_setTlsLogHandler(mjfLogHandler handler);
 
 namespace robocell {
