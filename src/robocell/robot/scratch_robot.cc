@@ -114,6 +114,8 @@ ScratchRobot::ScratchRobot(const Robot& robot, double horizon, std::string_view 
   // Contacts are reported from this distance on, whatever the geoms ask for.
   m->opt.enableflags |= mjENBL_OVERRIDE;
   m->opt.o_margin = horizon;
+  // Several contacts of two geoms that are apart may leave out the nearest points.
+  m->opt.disableflags |= mjDSBL_MULTICCD;
   s.is_robot.assign(m->ngeom, 0);
   s.counts.assign(m->ngeom, 1);
   for (const int g : robot.geom_ids()) {

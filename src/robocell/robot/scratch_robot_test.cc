@@ -1,0 +1,96 @@
+// What a robot is near, with the engine's distance of each two geoms as the oracle.
+#include "robocell/robot/scratch_robot.h"
+
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <utility>
+
+#include "robocell/base/rng.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/testing/robots.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kHorizon = 0.2;
+
+// The built-in robot, of boxes, cylinders and a capsule, beside one thing.
+Scene Beside(const std::string& geom) {
+  const TempDir folder;
+  std::ofstream(folder / "thing.xml")
+      << R"(<mujoco><asset><mesh name="stone" vertex="0 0 .2 .16 .12 0 -.14 .16 0 -.16 -.12 0
+               .12 -.14 0 0 0 -.14"/></asset><worldbody><body name="thing">)"
+      << geom << "</body></worldbody></mujoco>";
+  SceneSpec spec = SceneWith({.name = "rc7", .config = Rc7()});
+  SceneObject thing;
+  thing.name = "thing";
+  thing.mjcf_path = (folder / "thing.xml").string();
+  thing.pos = {0.45, 0, 0.4};
+  thing.fixed = true;
+  spec.objects.push_back(thing);
+  return Scene::Build(spec);
+}
+
+using Pair = std::pair<int, int>;
+
+std::map<Pair, double> Found(ScratchRobot& scratch) {
+  EXPECT_TRUE(scratch.FindTouches());
+  std::map<Pair, double> nearest;
+  for (const ScratchRobot::Touch& touch : scratch.touches()) {
+    if (touch.itself) continue;
+    const Pair pair(touch.own_geom, touch.other_geom);
+    const auto [it, is_new] = nearest.emplace(pair, touch.distance);
+    it->second = std::min(it->second, touch.distance);
+  }
+  return nearest;
+}
+
+// Compares with the engine wherever the two are apart. How often there was something to compare.
+int Compare(const Robot& robot, ScratchRobot& scratch, int thing) {
+  const std::map<Pair, double> found = Found(scratch);
+  int compared = 0;
+  for (const int own : robot.collision_geom_ids()) {
+    const mjModel* m = scratch.model();
+    // The engine looks for no contacts of what no joint moves with what stands still.
+    if (m->body_dofnum[m->body_weldid[m->geom_bodyid[own]]] == 0) continue;
+    if ((m->geom_contype[own] | m->geom_conaffinity[own]) == 0) continue;  // only drawn
+    auto* data = const_cast<mjData*>(scratch.data());                      // which is only read
+    const double expected = mj_geomDistance(m, data, own, thing, kHorizon, nullptr);
+    if (expected < 1e-4 || expected > kHorizon - 1e-4) continue;
+    const auto it = found.find({own, thing});
+    EXPECT_NE(it, found.end()) << own << " is " << expected << " m away and was not found";
+    if (it != found.end()) EXPECT_NEAR(it->second, expected, 1e-6) << own;
+    ++compared;
+  }
+  return compared;
+}
+
+TEST(ScratchRobot, DistancesAreThoseOfTheNearestPoints) {
+  for (const std::string geom : {"type='sphere' size='.15'", "type='capsule' size='.08 .1'",
+                                 "type='cylinder' size='.1 .15'", "type='box' size='.15 .15 .1'",
+                                 "type='ellipsoid' size='.1 .15 .2'", "type='mesh' mesh='stone'"}) {
+    const Scene scene = Beside("<geom mass='1' " + geom + "/>");
+    const Robot robot = Robot::Of(scene, "rc7");
+    ScratchRobot scratch(robot, kHorizon, "look again");
+    const mjModel* m = scene.model();
+    const int thing = m->body_geomadr[RequireId(m, mjOBJ_BODY, "thing_thing", "the scene")];
+    Rng rng = Rng::Stream(1, "scratch robot");
+    JointVector q(robot.n_joints());
+    int compared = 0;
+    for (int k = 0; k < 400; ++k) {
+      for (int i = 0; i < q.size(); ++i)
+        q[i] = rng.Uniform(robot.joint_limits()[i].lower, robot.joint_limits()[i].upper);
+      scratch.SetArm({q.data(), static_cast<size_t>(q.size())});
+      compared += Compare(robot, scratch, thing);
+    }
+    EXPECT_GT(compared, 300) << geom;
+  }
+}
+
+}  // namespace
+}  // namespace robocell
