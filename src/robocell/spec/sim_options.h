@@ -78,7 +78,7 @@ struct SimOptions {
     v("wind", &SimOptions::wind, "Velocity of the medium, m/s.");
     v("disable", &SimOptions::disable,
       "Engine features to turn off, by their names in <flag>: contact, limit, ...");
-    v("enable", &SimOptions::enable, "Engine features to turn on: energy, multiccd, sleep, ...");
+    v("enable", &SimOptions::enable, "Engine features to turn on: energy, invdiscrete, sleep, ...");
   }
 };
 
