@@ -116,10 +116,27 @@ class GroupCheck {
     }
     Problem(field + ".joints",
             fmt::format("lists {}, but the joints from '{}' to the arm's leaf are {}; list "
-                        "those, in this order{}{}",
+                        "those, in this order{}{}{}",
                         ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
                         ListNames(*joints), group.leaf ? "" : ", or name its `leaf`",
-                        HowToNameFirst(*joints)));
+                        HowToNameFirst(*joints), HowToBeginBehind(*joints, group.joints.names)));
+  }
+
+  // Of an arm that hangs on a waist, which has a group of its own: "" unless it lists the rest.
+  std::string HowToBeginBehind(const std::vector<std::string>& joints,
+                               const std::vector<std::string>& listed) const {
+    if (listed.empty() || listed.size() >= joints.size()) return "";
+    const auto begin = joints.end() - static_cast<std::ptrdiff_t>(listed.size());
+    if (!std::equal(begin, joints.end(), listed.begin())) return "";
+    const std::string& last = *std::prev(begin);
+    const std::optional<int> body = BodyOfJoint(last);
+    if (!body || body == BodyOfJoint(listed.front())) return "";
+    const std::string name = WithoutPrefix(ElementName(m_, mjOBJ_BODY, *body));
+    if (name.empty()) return "";
+    return fmt::format(
+        ". Or, where '{}' has a group of its own (a waist that two arms hang on, a lift): "
+        "`root_body: {}` at the top level of the robot file; the arms begin behind it",
+        last, name);
   }
 
   // What the last joint of an arm carries, sites first.

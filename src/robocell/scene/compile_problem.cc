@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/names.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/spec_tree.h"
@@ -61,14 +62,94 @@ std::string LineOf(mjsElement* element) {
   return info ? Digits(Between(mjs_getString(info) + std::string("\n"), "line ", "\n")) : "";
 }
 
-// Elements without a name do not tell whose they are; their part does not compile alone either.
-bool FailsAlone(const Part& part, const std::string& complaint) {
+// What the engine says of the part alone; "" when it compiles.
+std::string ProblemAlone(const Part& part) {
   try {
     Compile(part.spec.get());
   } catch (const SpecError& error) {
-    return Between(error.what(), "Error: ", "\n") == complaint;
+    return error.what();
   }
-  return false;
+  return "";
+}
+
+// "mesh 'foo' not found in geom 8": an asset that an element asks for and the model lacks.
+struct MissingAsset {
+  mjtObj kind = mjOBJ_UNKNOWN;
+  std::string name;
+};
+
+std::optional<MissingAsset> FindMissingAsset(const std::string& text) {
+  for (const mjtObj kind : {mjOBJ_MESH, mjOBJ_MATERIAL, mjOBJ_TEXTURE, mjOBJ_HFIELD}) {
+    const std::string name =
+        Between(text, fmt::format("Error: {} '", KindName(kind)), "' not found in ");
+    if (!name.empty()) return MissingAsset{kind, name};
+  }
+  return std::nullopt;
+}
+
+// Whether an element asks for the asset.
+bool Wants(mjsElement* element, const MissingAsset& asset) {
+  std::vector<const mjString*> names;
+  const bool material = asset.kind == mjOBJ_MATERIAL;
+  switch (element->elemtype) {
+    case mjOBJ_GEOM: {
+      const mjsGeom* geom = mjs_asGeom(element);
+      names = {material                     ? geom->material
+               : asset.kind == mjOBJ_HFIELD ? geom->hfieldname
+                                            : geom->meshname};
+      break;
+    }
+    case mjOBJ_SITE:
+      names = {material ? mjs_asSite(element)->material : mjs_asSite(element)->meshname};
+      break;
+    case mjOBJ_SKIN:
+      names = {mjs_asSkin(element)->material};
+      break;
+    case mjOBJ_TENDON:
+      names = {mjs_asTendon(element)->material};
+      break;
+    default:
+      break;
+  }
+  return std::any_of(names.begin(), names.end(), [&](const mjString* name) {
+    return name && asset.name == mjs_getString(name);
+  });
+}
+
+// "geom 0 (unnamed, of body 'fore'): ", of the first that asks for it; "" when it is not known.
+std::string WhoWants(const Part& part, const MissingAsset& asset, const std::string& text) {
+  if (const std::string name = Between(text, "Element name '", "'"); !name.empty()) {
+    const std::string rest = Between(text + "\n", "' not found in ", "\n");
+    return fmt::format("{} '{}': ", rest.substr(0, rest.find(' ')), name);
+  }
+  for (const mjtObj kind : {mjOBJ_GEOM, mjOBJ_SITE, mjOBJ_SKIN, mjOBJ_TENDON}) {
+    for (mjsElement* element : SpecElements(part.spec.get(), kind)) {
+      if (Wants(element, asset)) return DescribeSpecElement(element) + ": ";
+    }
+  }
+  return "";
+}
+
+// The element's number is another one in the scene, its name may have a prefix there: what counts
+// is the part alone.
+std::optional<std::string> MissingAssetProblem(const std::string& text, const Part& part,
+                                               const std::string& prefix) {
+  const auto in_scene = FindMissingAsset(text);
+  if (!in_scene) return std::nullopt;
+  const std::string alone = ProblemAlone(part);
+  const auto asset = FindMissingAsset(alone);
+  if (!asset || asset->kind != in_scene->kind) return std::nullopt;
+  if (in_scene->name != asset->name && in_scene->name != prefix + asset->name) return std::nullopt;
+  const std::vector<std::string> names = SpecNames(part.spec.get(), asset->kind);
+  const char* kind = KindName(asset->kind);
+  const std::string what = names.empty()
+                               ? fmt::format(
+                                     "no {0} '{1}', and the model has none: put <{0} name=\"{1}\" "
+                                     ".../> into its <asset>",
+                                     kind, asset->name)
+                               : NoSuchName("", kind, asset->name, names);
+  return PlaceOf(part, FileOf(part, asset->name), Digits(Between(alone + "\n", ", line ", "\n"))) +
+         WhoWants(part, *asset, alone) + what;
 }
 
 // What to do about the engine's complaint; "" when nothing more can be said.
@@ -91,7 +172,10 @@ std::optional<std::string> CompileProblem(const std::string& text, const Part& p
   const std::string full_name = Between(text, "Element name '", "'");
   const std::string complaint = Between(text, "Error: ", "\n");
   const std::string line = Digits(Between(text + "\n", ", line ", "\n"));
-  if (full_name.empty() && !complaint.empty() && FailsAlone(part, complaint))
+  if (const auto problem = MissingAssetProblem(text, part, prefix)) return problem;
+  // Elements without a name do not tell whose they are; their part does not compile alone either.
+  if (full_name.empty() && !complaint.empty() &&
+      Between(ProblemAlone(part), "Error: ", "\n") == complaint)
     return PlaceOf(part, part.tools.empty() ? part.file : "", line) + complaint;
   if (full_name.size() <= prefix.size() || !full_name.starts_with(prefix)) return std::nullopt;
   const std::string name = full_name.substr(prefix.size());

@@ -129,7 +129,13 @@ TEST_F(Located, JointsThatAreNotThoseToTheLeaf) {
                          one_missing +
                              ":3:40: robot 'left': move_groups.arm.joints: lists elbow, "
                              "but the joints from 'base' to the arm's leaf are shoulder, "
-                             "elbow; list those, in this order, or name its `leaf`");
+                             "elbow; list those, in this order, or name its `leaf`. Or, where "
+                             "'shoulder' has a group of its own (a waist that two arms hang on, a "
+                             "lift): `root_body: upper` at the top level of the robot file; the "
+                             "arms begin behind it");
+  BuildRobot(
+      RobotFile("root_body: upper\n"
+                "move_groups: {arm: {kind: arm, joints: [elbow]}}\n"));
 }
 
 TEST_F(Located, AJointOfTheRootItself) {
@@ -210,6 +216,55 @@ TEST_F(Located, WhatTheEngineDislikesHasTheModelsLine) {
                          with_tool +
                              ":2:8: robot 'left': " + (folder.path() / "tool.xml").string() +
                              ":1: geom 't_ball': size 0 must be positive in geom");
+}
+
+TEST_F(Located, AnAssetThatTheModelLacks) {
+  const auto message = [&](const std::string& model) {
+    const std::string path = folder.Write("lacking", model);
+    const std::string file = File("lacking.yaml", "name: arm\nmodel: lacking.xml\n");
+    const std::string text = ExpectThrow<SpecError>([&] { BuildRobot(file); },
+                                                    file + ":2:8: robot 'left': " + path + ":");
+    return text.substr(text.find(path) + path.size() + 1);
+  };
+  std::ofstream(folder.path() / "link0.obj")
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+  EXPECT_EQ(message("<asset><mesh file=\"link0.obj\"/><mesh name=\"cover\" file=\"link0.obj\"/>"
+                    "</asset><worldbody><body name=\"base\">\n<geom size=\".1\"/>\n"
+                    "<geom type=\"mesh\" mesh=\"lnk0\"/></body></worldbody>"),
+            "3: geom 1 (unnamed, of body 'base'): no mesh 'lnk0'. Known meshes: link0, cover. Did "
+            "you mean 'link0'?");
+  EXPECT_EQ(message("<worldbody><body name=\"base\"><geom name=\"skin\" size=\".1\"\n"
+                    "material=\"red\"/></body></worldbody>"),
+            "1: geom 'skin': no material 'red', and the model has none: put <material "
+            "name=\"red\" .../> into its <asset>");
+  EXPECT_EQ(message("<asset><texture name=\"wood\" type=\"2d\" builtin=\"flat\" width=\"8\" "
+                    "height=\"8\"/>\n<material name=\"m\" texture=\"wod\"/></asset>"
+                    "<worldbody><body name=\"base\"><geom size=\".1\" material=\"m\"/></body>"
+                    "</worldbody>"),
+            "2: material 'm': no texture 'wod'. Known textures: wood. Did you mean 'wood'?");
+  EXPECT_THAT(message("<worldbody><body name=\"base\"><geom size=\".1\"/>"
+                      "<site name=\"s\" material=\"red\"/></body></worldbody>"),
+              HasSubstr("site 's': no material 'red'"));
+  EXPECT_THAT(message("<worldbody><body name=\"base\"><geom type=\"hfield\" hfield=\"hill\"/>"
+                      "</body></worldbody>"),
+              HasSubstr("geom 0 (unnamed, of body 'base'): no hfield 'hill', and the model"));
+}
+
+TEST_F(Located, AnAssetThatATwinOfTheRobotOrItsToolLacks) {
+  const std::string tool = folder.Write(
+      "tool", R"(<worldbody><body name="t"><geom type="mesh" mesh="foo"/></body></worldbody>)");
+  const std::string with_tool =
+      RobotFile("attachments: [{mjcf_path: tool.xml, prefix: t_, attach_to: {site: flange}}]\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(with_tool); }, tool + ":1: ");
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(BoxObject("box", {1, 1, 1}));
+  spec.robots.push_back(
+      {.name = "left", .config = RobotConfig::Load(RobotFile("")), .prefix = "l_"});
+  spec.objects.push_back({.name = "thing", .mjcf_path = tool});
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                         "object 'thing': " + tool +
+                             ":1: geom 0 (unnamed, of body 't'): no mesh "
+                             "'foo', and the model has none");
 }
 
 TEST_F(Located, AFingerThatNothingMoves) {
