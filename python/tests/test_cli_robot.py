@@ -241,8 +241,8 @@ def test_an_arm_of_motors_is_refused_by_check_and_by_runs(tmp_path: Path, contro
     result = robocell_command("check", robot)
     assert result.returncode == 2
     why = (
-        "drive' is a motor, no position servo: set `control` of the group to joint_torque or "
-        "joint_impedance, or give the model position servos"
+        "drive' is a motor, no position servo: write `control: {arm: joint_torque}` or "
+        "joint_impedance at the top level of the robot file, or give the model position servos"
     )
     assert why in result.stderr
     assert "robot 'bob' / group 'arm'" in result.stderr

@@ -36,9 +36,10 @@ void RequireJointPositions(const EnvConfig& config, const Robot& robot) {
   if (kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps) return;
   throw ArgumentError(fmt::format(
       "environment '{}' / robot '{}': its controller '{}' takes {}, but an environment sends joint "
-      "positions, found by inverse kinematics where actions are poses. In `control` of the robot "
-      "say joint_position, joint_impedance or relative_joint_position, or leave it out",
-      config.name, robot.name(), controller.kind(), Describe(kind)));
+      "positions, found by inverse kinematics where actions are poses. Write `control: {{{}: "
+      "joint_position}}`, joint_impedance or relative_joint_position at the top level of the robot "
+      "file, or leave it out",
+      config.name, robot.name(), controller.kind(), Describe(kind), robot.arm().name()));
 }
 
 std::vector<bool> TurnFreely(const Robot& robot) {

@@ -90,12 +90,14 @@ std::string WhatItHas(const mjModel* m, const std::vector<std::string>& actuator
 }
 
 // What to do about an arm whose actuators are of kind `native`, without any of `mode`.
-std::string HowToGet(CtrlMode mode, CtrlMode native, Origin origin) {
+std::string HowToGet(const std::string& group, CtrlMode mode, CtrlMode native, Origin origin) {
   const char* word = ActuatorWord(mode);
   const bool torque = native == CtrlMode::kTorque;
   if (mode == CtrlMode::kPosition && origin == Origin::kConfigured) {
-    return fmt::format("set `control` of the group to {}, or give the model {}s",
-                       torque ? "joint_torque or joint_impedance" : "joint_velocity", word);
+    return fmt::format(
+        "write `control: {{{}: {}}}`{} at the top level of the robot file, or give the model {}s",
+        group, torque ? "joint_torque" : "joint_velocity", torque ? " or joint_impedance" : "",
+        word);
   }
   if (mode == CtrlMode::kPosition) {
     return fmt::format("drive it in ctrl_mode {0} by jnt_{1}_cmd, or give the model {2}s",
@@ -111,8 +113,9 @@ std::string HowToGet(CtrlMode mode, CtrlMode native, Origin origin) {
 }
 
 // Why an arm that has actuators cannot be driven by those of `mode`, and what to do.
-std::string WhyNotAdded(const mjModel* m, const std::vector<std::string>& own,
-                        std::optional<CtrlMode> native, CtrlMode mode, Origin origin) {
+std::string WhyNotAdded(const mjModel* m, const std::string& group,
+                        const std::vector<std::string>& own, std::optional<CtrlMode> native,
+                        CtrlMode mode, Origin origin) {
   if (!native) {
     return fmt::format("{}, and others are added to actuators of one kind only. Give the model {}s",
                        WhatItHas(m, own, mode), ActuatorWord(mode));
@@ -121,7 +124,7 @@ std::string WhyNotAdded(const mjModel* m, const std::vector<std::string>& own,
       mode == CtrlMode::kPosition
           ? fmt::format("{}, no {}", WhatItHas(m, own, mode), ActuatorWord(mode))
           : std::string("the scene has no actuators for it");
-  return has + ": " + HowToGet(mode, *native, origin);
+  return has + ": " + HowToGet(group, mode, *native, origin);
 }
 
 // The slot that has the drives keeps the group itself. Collectors count who keeps a group.
@@ -158,7 +161,7 @@ Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, Grou
     const std::vector<std::string> added = AddedActuators(names.joints, mode);
     const std::vector<int> ids = Ids(m, added);
     if (!drives.native || ids.empty() || Contains(ids, -1)) {
-      drives.why_none[i] = WhyNotAdded(m, own, drives.native, mode, origin);
+      drives.why_none[i] = WhyNotAdded(m, arm->name(), own, drives.native, mode, origin);
       continue;
     }
     drives.why_none[i] = WhyNotSwitchable(m, ids);

@@ -243,10 +243,11 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
       throw ArgumentError(fmt::format(
           "{}: actuator '{}' is no position servo of one of its joints{}, so it cannot be driven "
           "to "
-          "a joint position; give the group another controller (`control` of an arm of motors: "
-          "joint_torque or joint_impedance), or the model a servo",
+          "a joint position; give the group another controller (for an arm of motors: `control: "
+          "{{{}: joint_torque}}` or joint_impedance at the top level of the robot file), or the "
+          "model a servo",
           place(), names_.actuators[i],
-          driven_[i] < 0 ? "" : " but " + DescribeActuator(m, actuator_ids_[i])));
+          driven_[i] < 0 ? "" : " but " + DescribeActuator(m, actuator_ids_[i]), names_.group));
     }
     ctrl[i] = *rest;
     const int input = m->actuator_ctrladr[actuator_ids_[i]];

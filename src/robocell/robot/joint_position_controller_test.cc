@@ -106,8 +106,8 @@ TEST(JointPosition, NeedsServos) {
   }
   RobotConfig config = ArmConfig(folder.Write("motors", motors));
   const std::string why =
-      "'servo1' is a motor, no position servo: set `control` of the group to joint_torque or "
-      "joint_impedance, or give the model position servos";
+      "'servo1' is a motor, no position servo: write `control: {arm: joint_torque}` or "
+      "joint_impedance at the top level of the robot file, or give the model position servos";
   Robot robot = RobotAlone(config);
   robot.Update();
   ExpectThrow<NotFoundError>([&] { robot.controller("arm"); },

@@ -218,6 +218,15 @@ TEST(OtherKind, ASceneFile) {
   EXPECT_THAT(ParseError<CameraSpec>(kScene), HasSubstr("A CameraSpec file is wanted here"));
 }
 
+TEST(Hints, AFieldOfTheWholeFileInsideOfAValue) {
+  EXPECT_THAT(
+      HintFor("move_groups: {right: {kind: arm, joints: j1, control: joint_torque}}"),
+      AllOf(HasSubstr("move_groups.right.control: a MoveGroupConfig: no field 'control'"),
+            EndsWith(" `control` is a field of the whole file: write it at the top level, not "
+                     "indented")));
+  EXPECT_THAT(HintFor("contrl: {}"), Not(HasSubstr("top level")));
+}
+
 TEST(OtherKind, OneStrayFieldIsNotAnotherKind) {
   EXPECT_THAT(HintFor("task: {kind: pick}"), HasSubstr("no field 'task'"));
 }

@@ -1,5 +1,6 @@
 #include "robocell/spec/yaml_reader.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -117,7 +118,14 @@ void Reader::FailField(const YAML::Node& key, const std::string& name, const YAM
     return Fail(key, when_nested);
   }
   if (const std::string hint = NoBlankHint(name, names); !hint.empty()) return Fail(key, hint);
-  Fail(key, NoSuchName(WithArticle(type), "field", name, names));
+  Fail(key, NoSuchName(WithArticle(type), "field", name, names) + TopLevelHint(name));
+}
+
+std::string Reader::TopLevelHint(const std::string& name) const {
+  if (problems_.path() == name || !std::count(root_fields_.begin(), root_fields_.end(), name))
+    return "";
+  return fmt::format(" `{}` is a field of the whole file: write it at the top level, not indented",
+                     name);
 }
 
 bool Reader::Fits(const YAML::Node& node, ReadInto read, void* out) const {

@@ -192,7 +192,8 @@ class Reader {
   template <HasFields T>
   bool RefuseOtherKind(const YAML::Node& root) {
     if (!root.IsMap()) return false;
-    const std::string other = OtherKindOfFile(root, T::kTypeName, FieldNames<T>(), source_);
+    root_fields_ = FieldNames<T>();
+    const std::string other = OtherKindOfFile(root, T::kTypeName, root_fields_, source_);
     if (!other.empty()) Fail(root, other);
     return !other.empty();
   }
@@ -311,6 +312,8 @@ class Reader {
   }
   void FailField(const YAML::Node& key, const std::string& name, const YAML::Node& value,
                  const char* type, const std::vector<std::string>& names, const char* when_nested);
+  // Where a field belongs that one of the values in the file was given, and the file itself has.
+  std::string TopLevelHint(const std::string& name) const;
 
   // The value of a misspelt field counts as that of the field that was probably meant, so that it
   // is not reported as missing too, nor what follows from that.
@@ -354,6 +357,7 @@ class Reader {
   std::optional<Vec4> ReadWxyz(const YAML::Node& node, const std::string& name);
 
   std::string source_, directory_;
+  std::vector<std::string> root_fields_;  // of the type that the whole file is
   std::shared_ptr<SourceMap> sources_ = std::make_shared<SourceMap>();
   Problems problems_{Locations(sources_)};
   std::vector<std::string> unread_;  // paths of fields that were misspelt and could not be read
