@@ -194,6 +194,11 @@ def test_misspelt_arguments_are_told_with_what_was_meant(scene: mjk.Scene):
             lambda: mjk.VideoRecorder.open_preset(scene, "a.mp4", resolutoin=None),
             r"VideoRecorder\.open_preset\(\): .*mean 'resolution'\?",
         ),
+        (
+            lambda: mjk.VideoRecorder(),
+            r"To begin a video: VideoRecorder\.open\(env, 'video\.mp4'\)",
+        ),
+        (lambda: mjk.VideoRecorder(3), r"takes a robocell\.VideoRecorder, got int\. To begin"),
         (lambda: mjk.menagerie.model_path(nam="a"), r"model_path\(\): .*mean 'name'\?"),
     ):
         with pytest.raises(TypeError, match=message):

@@ -2,6 +2,7 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -11,6 +12,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/log.h"
+#include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/guard.h"
@@ -37,6 +39,21 @@ std::string Joined(const std::vector<std::string>& lines) {
   return out;
 }
 
+// ". Models in 'cells': a.xml, b.xml. Did you mean 'a.xml'?" for a file that is not there.
+std::string ModelsBeside(const Path& path) {
+  std::error_code error;
+  const Path folder = path.has_parent_path() ? path.parent_path() : Path(".");
+  std::vector<std::string> names;
+  std::filesystem::directory_iterator entry(folder, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    if (entry->path().extension() == ".xml") names.push_back(entry->path().filename().string());
+  }
+  if (names.empty()) return "";
+  std::sort(names.begin(), names.end());
+  return ". Models in '" + folder.string() + "': " + ListNames(names) + "." +
+         DidYouMean(path.filename().string(), names);
+}
+
 void CheckReadable(const Path& path, std::string_view context) {
   std::error_code error;
   // A pipe or a device is not even opened: that may wait for ever.
@@ -45,8 +62,10 @@ void CheckReadable(const Path& path, std::string_view context) {
                   ", not a model file");
   }
   if (!std::ifstream(path)) {
-    throw IoError(Prefix(context) + "cannot read model file '" + path.string() +
-                  "': " + std::strerror(errno));
+    const std::string why = std::strerror(errno);
+    const bool missing = errno == ENOENT;
+    throw IoError(Prefix(context) + "cannot read model file '" + path.string() + "': " + why +
+                  (missing ? ModelsBeside(path) : ""));
   }
 }
 

@@ -78,6 +78,11 @@ TEST_F(Compiling, AnExceptionOfTheEngineIsAnEngineErrorThatSaysWhereToLook) {
 TEST_F(Compiling, AMissingFileIsAnIoErrorThatNamesIt) {
   EXPECT_EQ(MessageOf<IoError>([] { ParseXmlFile("/no/such/arm.xml", "robot 'left'"); }),
             "robot 'left': cannot read model file '/no/such/arm.xml': No such file or directory");
+  std::ofstream(folder_ / "cell.xml") << "<mujoco/>";
+  EXPECT_THAT(MessageOf<IoError>([&] { ParseXmlFile(folder_ / "cel.xml"); }),
+              AllOf(HasSubstr("cel.xml': No such file or directory. Models in '" +
+                              folder_.string() + "': "),
+                    HasSubstr(". Did you mean 'cell.xml'?")));
   EXPECT_THAT(MessageOf<IoError>([&] { ParseXmlFile(folder_); }),
               HasSubstr("is a folder, not a model file"));
   EXPECT_THAT(MessageOf<IoError>([&] { ParseXmlFile("/dev/zero"); }),

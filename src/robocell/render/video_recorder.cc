@@ -1,8 +1,10 @@
 #include "robocell/render/video_recorder.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -130,8 +132,21 @@ void VideoRecorder::UseCamera(const CameraView& view) {
     name_ = ElementName(model, mjOBJ_BODY, tracking->body);
 }
 
+void VideoRecorder::RequireFinite(const std::string& what, double value) const {
+  if (!std::isfinite(value))
+    throw ArgumentError(fmt::format("{}: {} is {}; it must be finite", Place(), what, value));
+}
+
+void VideoRecorder::RequireDirection(double distance, double azimuth, double elevation) const {
+  RequireFinite("distance", distance);
+  RequireFinite("azimuth", azimuth);
+  RequireFinite("elevation", elevation);
+}
+
 void VideoRecorder::SetFreeCamera(double distance, double azimuth, double elevation,
                                   const Eigen::Vector3d& lookat) {
+  RequireDirection(distance, azimuth, elevation);
+  for (int i = 0; i < 3; ++i) RequireFinite(fmt::format("lookat[{}]", i), lookat[i]);
   free_ = {.lookat = lookat,
            .distance = distance,
            .azimuth = azimuth,
@@ -142,6 +157,7 @@ void VideoRecorder::SetFreeCamera(double distance, double azimuth, double elevat
 
 void VideoRecorder::SetTrackingCamera(std::string_view body, double distance, double azimuth,
                                       double elevation) {
+  RequireDirection(distance, azimuth, elevation);
   tracking_ = {.body = RequireId(Model(), mjOBJ_BODY, body, Place()),
                .distance = distance,
                .azimuth = azimuth,

@@ -83,7 +83,10 @@ class VideoRecorder {
   const std::filesystem::path& path() const { return writer_.path(); }
 
  private:
-  std::string Place() const;     // for messages
+  std::string Place() const;  // for messages
+  // ArgumentError for infinite values and NaN.
+  void RequireFinite(const std::string& what, double value) const;
+  void RequireDirection(double distance, double azimuth, double elevation) const;
   const mjModel* Model() const;  // ArgumentError when it was freed
   int CameraId(std::string_view name) const;
   TrackingCamera TrackingAgain() const;

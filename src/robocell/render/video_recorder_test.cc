@@ -178,6 +178,19 @@ TEST_F(Recording, AModelThatWasFreedIsToldAndNotRead) {
   ExpectThrow<ArgumentError>([&] { video.SetTrackingCamera("ball", 3, 90, 0); }, place);
   ExpectThrow<ArgumentError>([&] { video.camera_names(); }, place);
   video.SetModel(model_.get());
+  const double nan = std::nan("");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        video.SetFreeCamera(3, 90, 0, {0, 0, nan});
+      },
+      "freed.mp4': lookat[2] is nan; it must be finite");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        video.SetFreeCamera(3, HUGE_VAL, 0, {0, 0, 0});
+      },
+      "freed.mp4': azimuth is inf; it must be finite");
+  ExpectThrow<ArgumentError>([&] { video.SetTrackingCamera("ball", nan, 90, 0); },
+                             "freed.mp4': distance is nan; it must be finite");
   video.RecordFrame(data_.get());
   EXPECT_EQ(video.frames(), 1);
 }

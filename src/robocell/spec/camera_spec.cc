@@ -88,10 +88,10 @@ void CameraSystemConfig::Validate(Problems& problems) const {
     const int w = width(stream), h = height(stream);
     CheckNotTooLarge(*this, stream, problems);
     if (stream.rgb && (w % 2 || h % 2)) {
-      problems.Add(
-          fmt::format("size {}x{} cannot be encoded as video, which needs even numbers; the "
-                      "nearest size is {}x{}; {}",
-                      w, h, w + w % 2, h + h % 2, kCorrectTheSize));
+      problems.Add(fmt::format(
+          "size {}x{} cannot be encoded as video, which needs even numbers (of "
+          "environments too: a dataset can have the same cameras); the nearest size is {}x{}; {}",
+          w, h, w + w % 2, h + h % 2, kCorrectTheSize));
     }
   }
 }

@@ -61,7 +61,8 @@ TEST(CameraSystemConfig, OddSizesAreRefusedBeforeAnythingIsEncoded) {
       ParseError<CameraSystemConfig>(
           "resolution: [623, 351]\nstreams: [{name: wrist, camera: wrist_camera}]\n"),
       "f.yaml is not valid: f.yaml:2:11: streams[0]: size 623x351 cannot be encoded as video, "
-      "which needs even numbers; the nearest size is 624x352; correct the stream's width and "
+      "which needs even numbers (of environments too: a dataset can have the same cameras); the "
+      "nearest size is 624x352; correct the stream's width and "
       "height, or "
       "`cameras.resolution`");
 }

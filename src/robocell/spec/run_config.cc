@@ -27,8 +27,11 @@ void CheckMultiple(const char* field, double whole, const char* of, double part,
     const double below = std::max(1.0, std::floor(whole / part)) * part;
     problems.AddAt(
         field,
-        fmt::format("{} ms is not a multiple of {} ({} ms); the nearest are {:.6g} and {:.6g} ms",
-                    whole, of, part, below, below + part));
+        fmt::format("{} ms is not a multiple of {} ({} ms); the nearest are {:.6g} and {:.6g} ms{}",
+                    whole, of, part, below, below + part,
+                    whole < 1 && whole < part
+                        ? fmt::format(". Are these seconds? Then write {:.6g}", 1000 * whole)
+                        : ""));
   }
 }
 

@@ -9,6 +9,7 @@ namespace robocell {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::ParseError;
 using testing::ValidationError;
 
@@ -50,6 +51,10 @@ TEST(Rates, AreMultiplesOfEachOther) {
   EXPECT_EQ(ValidationError(Rates{.policy_ms = 65}),
             "it is not valid: policy_ms: 65 ms is not a multiple of control_ms (2 ms); the nearest "
             "are 64 and 66 ms");
+  EXPECT_EQ(ValidationError(Rates{.policy_ms = 0.066}),
+            "it is not valid: policy_ms: 0.066 ms is not a multiple of control_ms (2 ms); the "
+            "nearest are 2 and 4 ms. Are these seconds? Then write 66");
+  EXPECT_THAT(ValidationError(Rates{.policy_ms = 1, .control_ms = 2}), Not(HasSubstr("seconds")));
   EXPECT_THAT(ValidationError(Rates{.policy_ms = 1, .control_ms = 2}),
               HasSubstr("policy_ms: 1 ms is not a multiple of control_ms (2 ms)"));
   EXPECT_THAT(ValidationError(Rates{.sim_ms = 0}), HasSubstr("sim_ms: 0 must be greater than 0"));

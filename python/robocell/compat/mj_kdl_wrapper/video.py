@@ -18,8 +18,15 @@ class VideoRecorder(Forwarding):
     recorder: robocell.VideoRecorder
     _closed: bool
 
-    def __init__(self, recorder: robocell.VideoRecorder) -> None:
-        """Of a recorder that is open."""
+    def __init__(self, recorder: robocell.VideoRecorder | None = None) -> None:
+        """Of a recorder that is open; `open` and `open_preset` make one."""
+        if not isinstance(recorder, robocell.VideoRecorder):
+            given = "" if recorder is None else f", got {type(recorder).__name__}"
+            raise TypeError(
+                "VideoRecorder takes a robocell.VideoRecorder"
+                f"{given}. To begin a video: VideoRecorder.open(env, 'video.mp4'), or with one "
+                "of the usual sizes VideoRecorder.open_preset(env, 'video.mp4')"
+            )
         self.recorder = recorder
         self._closed = False
 
