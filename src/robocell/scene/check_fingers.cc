@@ -3,7 +3,12 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <Eigen/Geometry>
 
+#include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/check_robot.h"
@@ -95,7 +100,76 @@ bool CanTouch(const mjModel* m, int hand, int finger, const FingerJoints& joints
   return false;
 }
 
+// What an actuator may push with: its forcerange, or, where it is less, what the ends of its
+// ctrlrange are apart. Unset where nothing bounds it.
+std::optional<double> MostForce(const mjModel* m, int a) {
+  std::optional<double> most;
+  if (m->actuator_forcelimited[a]) {
+    const mjtNum* range = m->actuator_forcerange + 2 * a;
+    most = std::max(std::abs(range[0]), std::abs(range[1]));
+  }
+  const int input = m->actuator_ctrladr[a];
+  const bool fixed =
+      m->actuator_gaintype[a] == mjGAIN_FIXED && m->actuator_dyntype[a] == mjDYN_NONE;
+  if (fixed && m->actuator_ctrlnum[a] > 0 && m->actuator_ctrllimited[input]) {
+    const mjtNum* range = m->actuator_ctrlrange + 2 * input;
+    const double between = std::abs(m->actuator_gainprm[mjNGAIN * a]) * (range[1] - range[0]);
+    most = std::min(most.value_or(between), between);
+  }
+  return most;
+}
+
+// What it takes to hold what hangs on a degree of freedom against gravity from the side, N or N m.
+// Unset for those of balls and free bodies.
+std::optional<double> Weight(const mjModel* m, const mjData* d, int dof) {
+  constexpr double kGravity = 9.81;  // the scene may have none
+  const int joint = m->dof_jntid[dof], body = m->dof_bodyid[dof];
+  const double weight = kGravity * m->body_subtreemass[body];
+  if (m->jnt_type[joint] == mjJNT_SLIDE) return weight;
+  if (m->jnt_type[joint] != mjJNT_HINGE) return std::nullopt;
+  const Eigen::Map<const Eigen::Vector3d> com(d->subtree_com + 3 * body),
+      anchor(d->xanchor + 3 * joint), axis(d->xaxis + 3 * joint);
+  return weight * axis.cross(com - anchor).norm();
+}
+
 }  // namespace
+
+void CheckFingerForces(const mjModel* m, const mjData* d, const RobotRecord& robot,
+                       const std::string& field, const std::vector<std::string>& actuators,
+                       Report& report) {
+  std::map<int, double> forces;  // of each degree of freedom, N or N m
+  double pushed = 0;
+  for (const std::string& name : actuators) {
+    const int a = FindId(m, mjOBJ_ACTUATOR, robot.prefix + name);
+    const std::optional<double> most = a < 0 ? std::nullopt : MostForce(m, a);
+    if (!most) return;
+    pushed = std::max(pushed, *most);
+    const int output = m->actuator_outadr[a];
+    for (int i = d->moment_rowadr[output]; i < d->moment_rowadr[output] + d->moment_rownnz[output];
+         ++i) {
+      if (d->actuator_moment[i] != 0)
+        forces[d->moment_colind[i]] += *most * std::abs(d->actuator_moment[i]);
+    }
+  }
+  if (forces.empty()) return;
+  int weakest = -1;
+  for (const auto& [dof, force] : forces) {
+    const std::optional<double> weight = Weight(m, d, dof);
+    if (!weight || force >= *weight) return;
+    weakest = dof;
+  }
+  const bool slide = m->jnt_type[m->dof_jntid[weakest]] == mjJNT_SLIDE;
+  report.Warn(
+      "robot '" + robot.name + "'",
+      fmt::format("{}: {} may push with {:.3g} at most, which is {:.3g} {} at joint '{}', and what "
+                  "hangs on it takes {:.3g} to lift: the gripper can hold nothing. Raise the "
+                  "forcerange, or the gains where that is not the limit (edits: [{{actuator: '{}', "
+                  "forcerange: [-F, F]}}])",
+                  field, ListNames(actuators), pushed, forces[weakest], slide ? "N" : "N m",
+                  ElementName(m, mjOBJ_JOINT, m->dof_jntid[weakest]).substr(robot.prefix.size()),
+                  *Weight(m, d, weakest), actuators.front()),
+      field);
+}
 
 void CheckFingers(const mjModel* m, const mjData* d, const RobotRecord& robot,
                   const std::string& field, const std::array<int, 2>& fingers, Report& report) {

@@ -219,6 +219,7 @@ class GroupCheck {
     const int hand = CommonAncestor(m_, (*fingers)[0], (*fingers)[1]);
     CheckGripperActuators(field + ".actuators", group, hand);
     CheckFingers(m_, d_, robot_, field + named, *fingers, report_);
+    CheckFingerForces(m_, d_, robot_, field + ".actuators", group.actuators.names, report_);
   }
 
   void CheckGripperActuators(const std::string& field, const MoveGroupConfig& group, int hand) {

@@ -23,6 +23,7 @@ constexpr double kLeastTurn = Radians(4 * kPi);  // what 4 pi become that are ta
 constexpr double kDegreesLow = 50, kDegreesHigh = 65;  // around 180 / pi
 constexpr double kAsFar = 0.5;                         // of a joint's range
 constexpr double kWholeTurns = 720;                    // what degrees of a joint are at most
+constexpr double kHardlyCoupled = 0.05;                // of the narrower of two coupled ranges
 
 // The checks of one robot. Names are those of its part.
 class RangeCheck {
@@ -42,8 +43,10 @@ class RangeCheck {
       for (const std::string& joint : group->joints) CheckTooFar(*group, joint);
       if (group->kind == MoveGroupKind::kArm || group->kind == MoveGroupKind::kGripper)
         CheckTooNarrow(*group);
+      if (group->kind == MoveGroupKind::kArm) CheckOneTooNarrow(*group);
     }
     CheckActuators();
+    CheckCouplings();
     for (const auto& [name, noise] : robot_.config.home_noise.entries()) CheckNoise(name, *noise);
   }
 
@@ -132,6 +135,95 @@ class RangeCheck {
                                "the model says <compiler angle=\"radian\"/>",
                                arm ? "arm" : "gripper", ranges_.RangeOf(widest).width() * 180 / kPi,
                                name, ranges_.RangeOf(joint).text(), servo));
+  }
+
+  // One hinge that moves next to nothing in an arm whose others do move, in a model whose angles
+  // are degrees: its numbers are small enough to be radians.
+  void CheckOneTooNarrow(const MoveGroupConfig& arm) {
+    if (!part_.spec->compiler.degree) return;
+    std::vector<int> narrow;
+    bool others_move = false;
+    for (const std::string& name : arm.joints) {
+      const int joint = ranges_.Joint(name);
+      if (joint < 0 || !ranges_.IsHinge(joint)) continue;
+      if (m_->jnt_limited[joint] && ranges_.RangeOf(joint).width() <= kLeastTurn) {
+        if (!EditOf(name)) narrow.push_back(joint);
+      } else {
+        others_move = true;
+      }
+    }
+    if (!others_move) return;
+    for (const int joint : narrow) {
+      const Reach range = ranges_.RangeOf(joint);
+      const double lower = range.lower * 180 / kPi, upper = range.upper * 180 / kPi;
+      const std::string name = ranges_.Name(mjOBJ_JOINT, joint);
+      WarnOfJoint(name,
+                  fmt::format("joint '{}' moves from {:.4g} to {:.4g} degrees only, while "
+                              "other hinges of the arm move farther. Are these radians? The "
+                              "model's angles are degrees: write \"{:.4g} {:.4g}\", or, where "
+                              "they are meant, leave it",
+                              name, lower, upper, lower * 180 / kPi, upper * 180 / kPi));
+    }
+  }
+
+  // An equality that lets a joint go only where the other one may not.
+  void CheckCouplings() {
+    for (int e = 0; e < m_->neq; ++e) {
+      const int first = m_->eq_obj1id[e], second = m_->eq_obj2id[e];
+      if (m_->eq_type[e] != mjEQ_JOINT || !m_->eq_active0[e] || second < 0) continue;
+      if (m_->jnt_limited[first] && m_->jnt_limited[second] && IsOwn(first) && IsOwn(second))
+        CheckCoupling(first, second, m_->eq_data + mjNEQDATA * e);
+    }
+  }
+
+  // With an empty prefix the joint may be another part's.
+  bool IsOwn(int joint) const {
+    const std::string full = ElementName(m_, mjOBJ_JOINT, joint);
+    return full.starts_with(robot_.prefix) &&
+           FindSpecElement(part_.spec.get(), mjOBJ_JOINT, full.substr(robot_.prefix.size()));
+  }
+
+  void CheckCoupling(int first, int second, const mjtNum* polynomial) {
+    const Reach range = ranges_.RangeOf(first);
+    const double least = kHardlyCoupled * range.width();
+    const Reach to = Coupled(first, second, polynomial, 1);
+    if (Shared(to, range) >= std::min(least, kHardlyCoupled * to.width()) || to.width() <= 0)
+      return;
+    const Reach turned = Coupled(first, second, polynomial, -1);
+    const std::string name = ranges_.Name(mjOBJ_JOINT, first);
+    const std::string other = ranges_.Name(mjOBJ_JOINT, second);
+    report_.WarnAt(
+        PlaceInModel(part_, mjOBJ_JOINT, name), part_.place,
+        fmt::format(
+            "the equality of joints '{0}' and '{1}' sends '{0}' from {2} {3} while '{1}' moves "
+            "through its range, {4}, but '{0}' may move from {5}, so neither moves. {6}",
+            name, other, to.text(), ranges_.Unit(first), ranges_.RangeOf(second).text(),
+            range.text(),
+            Shared(turned, range) > least
+                ? fmt::format("Has its polycoef the wrong sign? \"{:g} {:g}\" would fit",
+                              polynomial[0], 0.0 - polynomial[1])
+                : std::string("Are its polycoef and the ranges right?")));
+  }
+
+  // Where the first joint goes while the second moves through its range; `sign` is that of the
+  // polynomial beyond its constant.
+  Reach Coupled(int first, int second, const mjtNum* polynomial, double sign) const {
+    constexpr int kParts = 50;
+    const Reach range = ranges_.RangeOf(second);
+    const double from = m_->qpos0[m_->jnt_qposadr[second]];
+    const double zero = m_->qpos0[m_->jnt_qposadr[first]];
+    Reach out{HUGE_VAL, -HUGE_VAL};
+    for (int i = 0; i <= kParts; ++i) {
+      const double x = range.lower + range.width() * i / kParts - from;
+      const double rest = ((polynomial[4] * x + polynomial[3]) * x + polynomial[2]) * x;
+      const double y = zero + polynomial[0] + sign * (rest + polynomial[1]) * x;
+      out = {std::min(out.lower, y), std::max(out.upper, y)};
+    }
+    return out;
+  }
+
+  static double Shared(const Reach& a, const Reach& b) {
+    return std::min(a.upper, b.upper) - std::max(a.lower, b.lower);
   }
 
   // Whether the joint's range looks like its servo's, divided by 180 / pi.

@@ -155,6 +155,50 @@ TEST_F(Ranges, RadiansOfTheFingersOfAToolThatWereReadAsDegrees) {
                                     "Were radians read as degrees?")));
 }
 
+TEST_F(Ranges, RadiansOfOneHingeThatWereReadAsDegrees) {
+  const ModelText one = {.angle = "degree", .hip = "-115 115", .knee = "-2.9 2.9"};
+  EXPECT_THAT(
+      Warnings(one),
+      ElementsAre(model_ + ":5: robot 'arm': joint 'knee' moves from -2.9 to 2.9 degrees "
+                           "only, while other hinges of the arm move farther. Are these "
+                           "radians? The model's angles are degrees: write \"-166.2 166.2\", "
+                           "or, where they are meant, leave it"));
+  EXPECT_THAT(Warnings({.knee = "-0.05 0.05"}), IsEmpty()) << "a model in radians";
+  EXPECT_THAT(Warnings({.angle = "degree", .hip = "-115 115", .knee = "-10 10"}), IsEmpty());
+  EXPECT_THAT(Warnings(one, "edits: [{joint: knee, range: [-0.05, 0.05]}]\n"), IsEmpty());
+}
+
+TEST_F(Ranges, AnEqualityAgainstTheRangesOfItsJoints) {
+  const auto coupled = [&](const char* polycoef) {
+    return Warnings(
+        {.first = fmt::format(
+             R"(<equality><joint joint1="l" joint2="r" polycoef="{}"/></equality>)", polycoef)});
+  };
+  EXPECT_THAT(coupled("0 1 0 0 0"), IsEmpty());
+  EXPECT_THAT(coupled("0 .5 0 0 0"), IsEmpty());
+  EXPECT_THAT(coupled("-.02 .5 0 0 0"), IsEmpty());
+  EXPECT_THAT(
+      coupled("0 -1 0 0 0"),
+      ElementsAre(model_ + ":6: robot 'arm': the equality of joints 'l' and 'r' sends 'l' "
+                           "from 0 to 0.04 m while 'r' moves through its range, -0.04 to 0, "
+                           "but 'l' may move from -0.04 to 0, so neither moves. Has its "
+                           "polycoef the wrong sign? \"0 1\" would fit"));
+  EXPECT_THAT(coupled(".5 1 0 0 0"),
+              ElementsAre(HasSubstr("so neither moves. Are its polycoef and the ranges right?")));
+}
+
+TEST_F(Ranges, AGripperTooWeakToHoldAnything) {
+  EXPECT_THAT(Warnings({}, "edits: [{actuator: grip, forcerange: [-0.2, 0.2]}]\n"), IsEmpty());
+  EXPECT_THAT(
+      Warnings({}, "edits: [{actuator: grip, forcerange: [-0.04, 0.04]}]\n"),
+      ElementsAre(file_ +
+                  ":5:52: robot 'arm': move_groups.hand.actuators: grip may push with 0.04 "
+                  "at most, which is 0.04 N at joint 'l', and what hangs on it takes 0.0628 "
+                  "to lift: the gripper can hold nothing. Raise the forcerange, or the "
+                  "gains where that is not the limit (edits: [{actuator: 'grip', "
+                  "forcerange: [-F, F]}])"));
+}
+
 TEST_F(Ranges, DegreesThatWereReadAsRadians) {
   EXPECT_THAT(
       Warnings({.hip = "-170 170"}),

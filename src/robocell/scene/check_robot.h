@@ -25,10 +25,16 @@ void CheckGroups(const mjModel* model, const std::vector<RobotRecord>& robots, R
 void CheckFingers(const mjModel* model, const mjData* data, const RobotRecord& robot,
                   const std::string& field, const std::array<int, 2>& fingers, Report& report);
 
+// A warning for actuators of a gripper that push less, all together, than its fingers weigh.
+void CheckFingerForces(const mjModel* model, const mjData* data, const RobotRecord& robot,
+                       const std::string& field, const std::vector<std::string>& actuators,
+                       Report& report);
+
 // A TCP given twice, as the leaf of the arm and as attachment_site * tcp_offset, must be the same.
 void CheckToolPoints(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
 
-// check_ranges.cc: warnings for ranges that contradict each other or that look like degrees where
+// check_ranges.cc: warnings for ranges that contradict each other or the equalities between their
+// joints, or that look like degrees where
 // radians are meant: joints, actuators, home_noise. `part` is the robot's own model; the home key
 // is filled.
 void CheckRanges(const mjModel* model, int home_key, const RobotRecord& robot, const Part& part,
