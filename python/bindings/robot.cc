@@ -273,6 +273,17 @@ void BindRobotClass(nb::module_& m) {
           "gripper", [](const Robot& r) { return GroupObject(r, r.gripper()); },
           nb::sig("def gripper(self, /) -> GripperGroup"))
       .def_prop_ro("has_gripper", &Robot::has_gripper)
+      .def(
+          "gripper_of",
+          [](const Robot& r, const std::string& arm) -> std::optional<std::string> {
+            const std::string gripper = r.gripper_of(arm);
+            return gripper.empty() ? std::nullopt : std::optional(gripper);
+          },
+          "arm"_a,
+          "The name of the gripper that goes with an arm: the first that hangs on the arm's last "
+          "link, in the order of the file; where it carries none the first that no other arm "
+          "carries; None without. `gripper` is that of the first arm. ArgumentError for a group "
+          "that is no arm.")
       .def_prop_ro(
           "base", [](const Robot& r) { return GroupObject(r, r.base()); },
           nb::sig("def base(self, /) -> BaseGroup"))

@@ -112,7 +112,7 @@ def test_a_robot_without_gripper_is_told_with_its_groups(tmp_path: Path):
     assert "no move group has the actuators gripper: nothing will command them" in warnings
 
 
-def write_torso(folder: Path, grippers: tuple[str, str]) -> Path:
+def write_torso(folder: Path, grippers: tuple[str, ...]) -> Path:
     """A torso with an arm of two joints and a gripper on each side."""
 
     def arm(side: str, y: float) -> str:
@@ -167,10 +167,17 @@ def test_of_several_arms_and_grippers_it_is_told_which_are_used(
     assert "note: move_groups has 2 of kind arm: l_arm, r_arm. Environments and" in result.stdout
     assert f"note: move_groups has 2 of kind gripper: {', '.join(hands)}. Env" in result.stdout
     robot = load_robot(path).robot
-    assert (robot.arm.name, robot.gripper.name) == ("l_arm", hands[0])
-    elsewhere = "the first arm, 'l_arm', does not carry the first gripper, 'r_hand'"
-    assert (elsewhere in result.stderr) == (grippers[0] == "r")
-    assert ("nothing found wrong" in result.stdout) == (grippers[0] == "l")
+    assert (robot.arm.name, robot.gripper.name) == ("l_arm", "l_hand")
+    assert "use that of the first arm, 'l_hand', and hold the others still" in result.stdout
+    assert (robot.gripper_of("l_arm"), robot.gripper_of("r_arm")) == ("l_hand", "r_hand")
+    assert "nothing found wrong" in result.stdout
+
+
+def test_a_first_arm_without_gripper_is_told(tmp_path: Path):
+    result = robocell_command("check", write_torso(tmp_path, ("r",)))
+    assert result.returncode == 0, result.stderr
+    told = "the first arm, 'l_arm', which environments and pick tasks use, carries no gripper"
+    assert f"{told}: 'r_hand' is on 'r_arm'" in result.stderr
 
 
 @pytest.mark.parametrize("controller", ["joint_velocity", "joint_torque", "joint_impedance"])

@@ -23,37 +23,37 @@ def trial(loaded: RobotScene) -> list[str]:
 
 
 def gripper_elsewhere(loaded: RobotScene) -> list[str]:
-    """The first arm and the first gripper are used together; does the one carry the other?"""
+    """Environments and pick tasks use the first arm; does it carry a gripper?"""
+    arms = _names(loaded, MoveGroupKind.ARM)
     grippers = _names(loaded, MoveGroupKind.GRIPPER)
-    if not grippers or not loaded.robot.group(grippers[0]).joint_names:
+    if not arms or not grippers or loaded.robot.gripper_of(arms[0]):
         return []
-    model, arm = loaded.scene.model, loaded.robot.arm
-    wrist = model.joint(arm.joint_names[-1]).bodyid[0]
-    body = model.joint(loaded.robot.group(grippers[0]).joint_names[0]).bodyid[0]
-    while body not in (wrist, 0):
-        body = model.body_parentid[body]
-    if body == wrist:
-        return []
+    carried = {arm: loaded.robot.gripper_of(arm) for arm in arms[1:]}
+    holders = [arm for arm, gripper in carried.items() if gripper]
     return [
-        f"move_groups: the first arm, '{arm.name}', does not carry the first gripper, "
-        f"'{grippers[0]}', and these are used together by environments and pick tasks. Put the "
-        "gripper of the first arm before other grippers"
+        f"move_groups: the first arm, '{arms[0]}', which environments and pick tasks use, carries "
+        f"no gripper: '{carried[holders[0]]}' is on '{holders[0]}'. Put the arm with the gripper "
+        "before other arms"
     ]
 
 
 def several_of_a_kind(loaded: RobotScene) -> list[str]:
     """Good to know: which arm and gripper are meant where one of each is used."""
-    notes = []
-    for kind, what in ((MoveGroupKind.ARM, "arm"), (MoveGroupKind.GRIPPER, "gripper")):
-        first, *others = _names(loaded, kind) or [""]
-        if others:
-            known = ", ".join([first, *others])
-            notes.append(
-                f"move_groups has {len(others) + 1} of kind {what}: {known}. Environments and pick "
-                f"tasks use the first, '{first}', and hold the others still; robot.group(name) has "
-                "each of them"
-            )
-    return notes
+    arms = _names(loaded, MoveGroupKind.ARM)
+    grippers = _names(loaded, MoveGroupKind.GRIPPER)
+    if not arms:
+        return []
+    gripper = loaded.robot.gripper_of(arms[0])
+    return [
+        f"move_groups has {len(names)} of kind {kind}: {', '.join(names)}. Environments and pick "
+        f"tasks use {which}, '{used}', and hold the others still; robot.group(name) has each of "
+        "them"
+        for kind, names, which, used in (
+            ("arm", arms, "the first", arms[0]),
+            ("gripper", grippers, "that of the first arm", gripper),
+        )
+        if len(names) > 1 and used
+    ]
 
 
 def _names(loaded: RobotScene, kind: MoveGroupKind) -> list[str]:

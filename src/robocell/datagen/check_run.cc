@@ -19,6 +19,7 @@
 #include "robocell/render/stream_camera.h"
 #include "robocell/robot/check_config.h"
 #include "robocell/robot/robot_trial.h"
+#include "robocell/robot/unused_groups.h"
 #include "robocell/spec/problem_lines.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/catalogue.h"
@@ -79,6 +80,7 @@ class SceneCheck {
     if (driven) Try("robot", [&] { CheckColumns(*scene, *robot); });
     Try("robot", [&] { CheckRobot(*robot); });
     if (demands_.scripted_expert && driven) CheckForExpert(*scene, *robot);
+    if (demands_.scripted_expert) TellUnused(*robot);
     if (demands_.scripted_expert && problems_.empty()) Try("robot", [&] { TryAlone(); });
     if (demands_.on_this_machine && problems_.empty()) CheckStreamsHere(run_, *scene, problems_);
   }
@@ -152,6 +154,17 @@ class SceneCheck {
     if (!Try("robot", [&] { CheckParts(scene, robot); })) return;
     CheckReach(run_, robot, problems_);
     Try("task", [&] { CheckGraspable(scene, robot); });
+  }
+
+  // The expert acts with one arm.
+  void TellUnused(const Robot& robot) {
+    const std::string unused = TellUnusedGroups(robot);
+    if (unused.empty()) return;
+    Problems doubt(run_.locations);
+    doubt.AddAt("robot", fmt::format("has several arms or grippers, and pick tasks act with one of "
+                                     "each, the first arm of `move_groups` and its gripper: {}",
+                                     unused));
+    warnings_.push_back(LinesOf(doubt).front());
   }
 
   // Kinds of objects that the gripper cannot take; sizes that are drawn may differ.

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/robot/unused_groups.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -106,7 +109,21 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       cameras_(scene_, StreamsOf(config_), drawing),
       seeds_(copy ? Rng::Stream(0, kSeedPurpose, *copy) : Rng::Stream(0, kSeedPurpose)),
       observation_(layout_.observation.size()),
-      draws_(!drawing) {}
+      draws_(!drawing) {
+  if (copy.value_or(0) > 0) return;  // said of the first
+  for (const ArmDriver& arm : arms_) TellUndriven(arm.robot());
+}
+
+void Env::TellUndriven(const Robot& robot) const {
+  const std::string unused = TellUnusedGroups(robot);
+  if (unused.empty()) return;
+  LogWarn(fmt::format(
+      "{} / robot '{}': has several arms or grippers, and a robot of an environment acts with one "
+      "of each: {}, and no action or observation has them. Command them beside the steps with {}, "
+      "or make each arm a robot of the environment, from one model with "
+      "`alternative_combined_robot_mjcf`",
+      place(), robot.name(), unused, InBothLanguages("Robot::Apply")));
+}
 
 void Env::Reset(const EnvResetOptions& options) {
   const SceneUse::Claim claim(scene_.use(), "Env::Reset");

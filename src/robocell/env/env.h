@@ -160,6 +160,8 @@ class Env {
   void Observe();
   void ObserveTask();
   std::string place() const { return "environment '" + config_.name + "'"; }
+  // Warns of arms and grippers that no action reaches.
+  void TellUndriven(const Robot& robot) const;
 
   EnvConfig config_;
   Scene scene_;

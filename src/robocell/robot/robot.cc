@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/base/names.h"
 #include "robocell/kinematics/reach.h"
 #include "robocell/robot/once_per_model.h"
 #include "robocell/robot/robot_state.h"
@@ -25,6 +26,14 @@ void CheckInterface(const MoveGroup* group) {
   if (group->kind() == MoveGroupKind::kBase && !dynamic_cast<const BaseGroup*>(group)) {
     throw ArgumentError(place + ": a group of kind base derives from BaseGroup");
   }
+}
+
+std::vector<std::string> NamesOfKind(const Robot& robot, MoveGroupKind kind) {
+  std::vector<std::string> names;
+  for (const std::string& name : robot.group_names()) {
+    if (robot.group(name).kind() == kind) names.push_back(name);
+  }
+  return names;
 }
 
 JointVector Positions(const MoveGroup& group) {
@@ -59,6 +68,17 @@ bool Robot::has_gripper() const { return open().FindKind(MoveGroupKind::kGripper
 
 GripperGroup& Robot::gripper() const {
   return dynamic_cast<GripperGroup&>(*open().RequireKind(MoveGroupKind::kGripper).own->group);
+}
+
+std::string Robot::gripper_of(const std::string& arm) const {
+  const GroupSlot& slot = open().Require(arm);
+  if (slot.own->group->kind() != MoveGroupKind::kArm) {
+    throw ArgumentError(fmt::format("{} is of kind {}, and grippers go with arms: {}",
+                                    open().place(slot), ToString(slot.own->group->kind()),
+                                    ListNames(NamesOfKind(*this, MoveGroupKind::kArm))));
+  }
+  const GroupSlot* gripper = open().GripperOf(slot);
+  return gripper ? gripper->own->group->name() : "";
 }
 
 BaseGroup& Robot::base() const {

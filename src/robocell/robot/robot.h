@@ -79,8 +79,13 @@ class Robot {
   // The same, keeping the robot and the group alive, in use or not.
   std::shared_ptr<MoveGroup> shared_group(const std::string& name) const;
   MoveGroup& arm() const;
+  // That of the first arm, see gripper_of().
   GripperGroup& gripper() const;
   bool has_gripper() const;
+  // The name of the gripper that goes with an arm: the first that hangs on the arm's last link, in
+  // the order of the file; where it carries none the first that no other arm carries; "" for none.
+  // ArgumentError for a group that is no arm.
+  std::string gripper_of(const std::string& arm) const;
   BaseGroup& base() const;
   // Replaces or adds a group, e.g. the user's own kind. Its controller is made anew: joint
   // position, or none when its actuators are no position servos. What was replaced goes when

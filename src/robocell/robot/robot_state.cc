@@ -286,6 +286,56 @@ void Robot::State::PutInstead(GroupSlot& slot, const std::string& controller) {
   if (put.port_kind() == kind) std::copy(told.begin(), told.end(), put.command_port().begin());
 }
 
+std::vector<GroupSlot*> Robot::State::OfKind(MoveGroupKind kind) const {
+  std::vector<GroupSlot*> found;
+  for (const auto& slot : slots) {
+    if (slot->own->group->kind() == kind) found.push_back(slot.get());
+  }
+  return found;
+}
+
+int Robot::State::LastLink(const GroupSlot& arm) const {
+  const mjModel* m = scene.model();
+  int last = -1;
+  for (const std::string& name : arm.own->group->joint_names()) {
+    const int joint = FindId(m, mjOBJ_JOINT, name);
+    if (joint < 0) continue;
+    const int body = m->jnt_bodyid[joint];
+    if (last < 0 || IsInSubtree(m, body, last)) last = body;
+  }
+  return last;
+}
+
+bool Robot::State::Carries(const GroupSlot& arm, const GroupSlot& gripper) const {
+  const int last = LastLink(arm);
+  if (last < 0) return false;
+  const std::vector<std::string>& names = gripper.own->group->joint_names();
+  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
+    const int joint = FindId(scene.model(), mjOBJ_JOINT, name);
+    return joint >= 0 && IsInSubtree(scene.model(), scene.model()->jnt_bodyid[joint], last);
+  });
+}
+
+GroupSlot* Robot::State::CarrierOf(const GroupSlot& gripper) const {
+  const std::vector<GroupSlot*> arms = OfKind(MoveGroupKind::kArm);
+  const auto found = std::find_if(arms.begin(), arms.end(),
+                                  [&](const GroupSlot* arm) { return Carries(*arm, gripper); });
+  return found == arms.end() ? nullptr : *found;
+}
+
+GroupSlot* Robot::State::GripperOf(const GroupSlot& arm) const {
+  const std::vector<GroupSlot*> grippers = OfKind(MoveGroupKind::kGripper);
+  // Nothing to choose: whatever it hangs on, and without asking groups of the user's own.
+  if (grippers.size() == 1 && OfKind(MoveGroupKind::kArm).size() == 1) return grippers[0];
+  for (GroupSlot* gripper : grippers) {
+    if (Carries(arm, *gripper)) return gripper;
+  }
+  for (GroupSlot* gripper : grippers) {
+    if (!CarrierOf(*gripper)) return gripper;
+  }
+  return nullptr;
+}
+
 void Robot::State::ListKinds() {
   first_ = {};
   for (const auto& slot : slots) {
@@ -293,6 +343,7 @@ void Robot::State::ListKinds() {
     if (!first) first = slot.get();
   }
   const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
+  if (arm) first_[static_cast<size_t>(MoveGroupKind::kGripper)] = GripperOf(*arm);
   pos.resize(arm ? arm->own->group->nq() : 0);
   vel.resize(arm ? arm->own->group->nv() : 0);
   trq.resize(arm ? arm->own->group->nv() : 0);
@@ -327,6 +378,13 @@ GroupSlot& Robot::State::Require(const std::string& name) {
 GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
   RequireBodies();
   if (GroupSlot* slot = FindKind(kind)) return *slot;
+  if (const auto grippers = OfKind(kind); !grippers.empty()) {
+    throw NotFoundError(fmt::format(
+        "{}: arm '{}', the first of its `move_groups`, carries no gripper: '{}' is on arm '{}'. "
+        "Declare the arm with the gripper first, or take group '{}' by its name",
+        place(), FindKind(MoveGroupKind::kArm)->own->group->name(), grippers[0]->own->group->name(),
+        CarrierOf(*grippers[0])->own->group->name(), grippers[0]->own->group->name()));
+  }
   const std::string next =
       is_of_chain()
           ? "It was made of a chain by " + InBothLanguages("Robot::FromScene") +

@@ -45,7 +45,11 @@ class Robot::State : public SceneObserver {
   // configuration names `controller`, that is an error.
   void AddGroup(MadeGroup made, const std::string& controller, bool must_be_driven);
   GroupSlot* Find(const std::string& name);
+  // The first of the kind; of grippers the one that goes with the first arm, see GripperOf().
   GroupSlot* FindKind(MoveGroupKind kind) { return first_[static_cast<size_t>(kind)]; }
+  // The gripper that goes with an arm: the first that hangs on the arm's last link, in the order of
+  // the file; where it carries none the first that no other arm carries. Null for none.
+  GroupSlot* GripperOf(const GroupSlot& arm) const;
   // NotFoundError with the alternatives.
   GroupSlot& Require(const std::string& name);
   GroupSlot& RequireKind(MoveGroupKind kind);
@@ -133,8 +137,15 @@ class Robot::State : public SceneObserver {
   void FindCollisionGeoms();
   void FindFtSensors();
   void ListKinds();
+  std::vector<GroupSlot*> OfKind(MoveGroupKind kind) const;
+  // The body that the arm's last joint moves; -1 when it has no joints of the model.
+  int LastLink(const GroupSlot& arm) const;
+  // Whether one of the gripper's joints hangs on the arm's last link.
+  bool Carries(const GroupSlot& arm, const GroupSlot& gripper) const;
+  // The first arm that carries it; null for none.
+  GroupSlot* CarrierOf(const GroupSlot& gripper) const;
 
-  std::array<GroupSlot*, 4> first_ = {};  // of each MoveGroupKind
+  std::array<GroupSlot*, 4> first_ = {};  // see FindKind()
   int running_ = 0;                       // loops over controllers
   std::vector<std::shared_ptr<void>> replaced_;
   bool reading_ = false;  // the arm writes into the ports
