@@ -11,9 +11,11 @@
 namespace robocell {
 namespace {
 
-constexpr double kSettling = 0.05;  // s: within its motion an arm at rest stays in its tolerance
-constexpr double kWindow = 0.05;    // s, over which a gripper is watched
-constexpr double kStill = 1e-3;     // of its opening, within a window
+// s. Joints that have arrived are so slow that they would take this long to go as far as their
+// tolerance. Much longer, and servos that chatter about their target, to 0.1 rad/s, never arrive.
+constexpr double kSettling = 0.05;
+constexpr double kWindow = 0.05;  // s, over which a gripper is watched
+constexpr double kStill = 1e-3;   // of its opening, within a window
 
 std::optional<Robot> RobotWithGripper(const EnvConfig& config, const Robot& robot) {
   if (config.has_mounted_gripper(robot.name()))
@@ -40,6 +42,17 @@ void RequireJointPositions(const EnvConfig& config, const Robot& robot) {
       "joint_position}}`, joint_impedance or relative_joint_position at the top level of the robot "
       "file, or leave it out",
       config.name, robot.name(), controller.kind(), Describe(kind), robot.arm().name()));
+}
+
+// Of each joint, rad or m.
+std::vector<double> ArrivalTolerances(const Robot& robot) {
+  std::vector<double> tolerances;
+  for (const ChainJoint& joint : robot.chain().joints()) {
+    tolerances.push_back(joint.type == ChainJointType::kSlide
+                             ? robot.config().slide_arrival_tolerance()
+                             : robot.config().arrival_tolerance);
+  }
+  return tolerances;
 }
 
 std::vector<bool> TurnFreely(const Robot& robot) {
@@ -92,8 +105,10 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       relative_to_(config.relative_to),
       limit_(config.step_limit()),
       binary_gripper_(config.wrappers.binary_gripper),
-      tolerance_(robot.config().arrival_tolerance),
       robot_(std::move(robot)),
+      tolerances_(ArrivalTolerances(robot_)),
+      pos_(tolerances_.size()),
+      vel_(tolerances_.size()),
       gripper_(RobotWithGripper(config, robot_)),
       layout_(std::move(layout)),
       joint_limits_(CommandLimits(robot_)),
@@ -225,10 +240,12 @@ bool ArmDriver::GripperIsStill(double time) {
 
 bool ArmDriver::HasArrived(double time) {
   const std::span<const double> wanted = controller_->commanded_joint_pos();
-  const std::span<const double> is = robot_.jnt_pos_msr(), moves = robot_.jnt_vel_msr();
+  // Not the ports, which are of before the tick: in the first of a step nothing would move yet.
+  robot_.arm().GetJointPos(pos_);
+  robot_.arm().GetJointVel(vel_);
   for (size_t i = 0; i < wanted.size(); ++i) {
-    if (std::abs(is[i] - wanted[i]) > tolerance_) return false;
-    if (std::abs(moves[i]) * kSettling > tolerance_) return false;
+    if (std::abs(pos_[i] - wanted[i]) > tolerances_[i]) return false;
+    if (std::abs(vel_[i]) * kSettling > tolerances_[i]) return false;
   }
   return !gripper_ || GripperIsStill(time);
 }

@@ -72,9 +72,10 @@ class ArmDriver {
   RelativeTo relative_to_;
   StepLimit limit_;
   bool binary_gripper_;
-  double tolerance_;
   Robot robot_;
-  std::optional<Robot> gripper_;  // the robot that has the gripper
+  std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
+  std::vector<double> pos_, vel_;   // read by HasArrived()
+  std::optional<Robot> gripper_;    // the robot that has the gripper
   RobotLayout layout_;
   std::vector<Interval> joint_limits_;
   std::vector<bool> turns_freely_;  // a joint without limits

@@ -68,6 +68,11 @@ class ArmTrial {
   const mjData* data() const { return scene_.data(); }
   const RobotConfig& config() const { return robot_.config(); }
   std::string Field() const { return "move_groups." + arm_.name(); }
+  bool IsSlide(size_t i) const { return *Unit(i) == 'm'; }
+  // Within which it has arrived, rad or m.
+  double Tolerance(size_t i) const {
+    return IsSlide(i) ? config().slide_arrival_tolerance() : config().arrival_tolerance;
+  }
   const char* Unit(size_t i) const {
     return model()->jnt_type[joints_[i]] == mjJNT_SLIDE ? "m" : "rad";
   }
@@ -100,10 +105,12 @@ class ArmTrial {
       if (!Step()) return Diverged("holds still");
     }
     std::vector<Miss> misses;
+    bool slides = false;
     const std::vector<double> now = arm_.joint_pos();
     for (size_t i = 0; i < home_.size(); ++i) {
       const double drift = std::abs(now[i] - home_[i]);
-      if (drift <= config().arrival_tolerance) continue;
+      if (drift <= Tolerance(i)) continue;
+      slides = slides || IsSlide(i);
       misses.push_back({JointName(i), fmt::format("drifts by {:.3g} {}", drift, Unit(i)), drift,
                         Why(i, home_[i], touching_[i])});
     }
@@ -112,8 +119,11 @@ class ArmTrial {
       std::erase_if(misses, [](const Miss& miss) { return miss.cause.in_warnings; });
     std::stable_sort(misses.begin(), misses.end(),
                      [](const Miss& a, const Miss& b) { return a.amount > b.amount; });
-    Tell(misses, fmt::format(" in {:g} s while it should hold home (arrival_tolerance is {:g})",
-                             kHoldSeconds, config().arrival_tolerance));
+    Tell(misses,
+         fmt::format(
+             " in {:g} s while it should hold home (arrival_tolerance is {:g}{})", kHoldSeconds,
+             config().arrival_tolerance,
+             slides ? fmt::format(", {:g} m for slides", config().slide_arrival_tolerance()) : ""));
     return holds;
   }
 
@@ -153,8 +163,7 @@ class ArmTrial {
   std::optional<Miss> TryStep(size_t i, double step) {
     scene_.Reset();
     const double size = std::abs(step);
-    const double enough =
-        std::max(std::min(config().arrival_tolerance, size / 2), kShareMissing * size);
+    const double enough = std::max(std::min(Tolerance(i), size / 2), kShareMissing * size);
     std::vector<double> q = home_, now = home_;
     const int steps = static_cast<int>(std::ceil(kFollowSeconds / scene_.timestep()));
     for (int k = 0; k < steps; ++k) {
@@ -317,9 +326,9 @@ class ArmTrial {
         fmt::format(": its servo's stiffness is {:g} {}/{}", stiffness, ForceUnit(i), Unit(i)), "",
         config().stiffness ? "stiffness" : Field()};
     if (gravity >= kExplains * off * stiffness) {
-      cause.why += fmt::format(
-          ", and gravity pulls with {:.3g} {} at home ({:g} would do)", gravity, ForceUnit(i),
-          Rounded(2 * std::max(stiffness, gravity / config().arrival_tolerance)));
+      cause.why +=
+          fmt::format(", and gravity pulls with {:.3g} {} at home ({:g} would do)", gravity,
+                      ForceUnit(i), Rounded(2 * std::max(stiffness, gravity / Tolerance(i))));
       if (!compensated()) cause.remedy = "Set `gravcomp: true` or ";
     } else if (damping > kSlow * stiffness &&
                damping * std::abs(data()->qvel[dof]) >= kExplains * off * stiffness) {

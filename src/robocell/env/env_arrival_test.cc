@@ -1,0 +1,209 @@
+// What "arrived" promises, asked of the engine; and robots with more arms than an environment uses.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/log.h"
+#include "robocell/base/units.h"
+#include "robocell/env/arm_target.h"
+#include "robocell/env/env.h"
+#include "robocell/env/testing/envs.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/testing/torso.h"
+
+namespace robocell {
+namespace {
+
+using Numbers = std::vector<double>;
+
+constexpr double kHinge = 0.01, kSlide = 0.001;  // of the default `arrival_tolerance`, rad and m
+constexpr double kSettling = 0.05;               // s
+
+// How far a joint is from where it was sent and how fast it is, by the engine.
+struct JointState {
+  double error, speed;
+};
+JointState StateOf(const Scene& scene, const std::string& joint, double wanted) {
+  const mjModel* m = scene.model();
+  const int id = FindId(m, mjOBJ_JOINT, joint);
+  return {std::abs(scene.data()->qpos[m->jnt_qposadr[id]] - wanted),
+          std::abs(scene.data()->qvel[m->jnt_dofadr[id]])};
+}
+
+// A carriage whose servo takes 0.2 s for most of a way, and a hinge on it.
+EnvConfig Rail(ModelFolder& folder) {
+  RobotConfig robot{.name = "rail", .model = folder.Write("rail", R"(
+    <compiler angle="radian" autolimits="true"/>
+    <worldbody><body name="rail"><geom type="box" size="0.5 0.05 0.02"/>
+      <body name="carriage" pos="0 0 0.1">
+        <joint name="slide" type="slide" axis="1 0 0" range="-0.5 0.5"/><geom size="0.05" mass="2"/>
+        <body name="link" pos="0 0 0.1"><joint name="turn" axis="0 0 1" range="-2 2"/>
+          <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.5"/>
+          <site name="tip" pos="0.3 0 0"/></body></body></body></worldbody>
+    <actuator><position name="slide" joint="slide" kp="1000" kv="200"/>
+      <position name="turn" joint="turn" kp="50" kv="5"/></actuator>)")};
+  robot.gravcomp = true;
+  robot.move_groups["arm"] = {.kind = MoveGroupKind::kArm,
+                              .joints = {"slide", "turn"},
+                              .actuators = {"slide", "turn"},
+                              .leaf = ElementRef{.kind = ElementKind::kSite, .name = "tip"}};
+  EnvConfig config;
+  config.robots["robot"] = robot;
+  config.control_mode = ControlMode::kJoints;
+  config.relative_to = RelativeTo::kNone;
+  config.sim.max_convergence_time = 5;
+  return config;
+}
+
+TEST(EnvArrival, ASlideIsWithinAMillimetreAndSlow) {
+  ModelFolder folder;
+  Env env(Rail(folder));
+  env.Reset({.seed = 1});
+  for (const double x : {0.1, 0.1, -0.2, -0.195, -0.1945}) {
+    ASSERT_EQ(env.Step(Numbers{x, 5 * x}).reason, EndReason::kArrived);
+    const JointState slide = StateOf(env.scene(), "robotrobot_slide", x),
+                     turn = StateOf(env.scene(), "robotrobot_turn", 5 * x);
+    EXPECT_LE(slide.error, kSlide) << x;
+    EXPECT_LE(slide.speed, kSlide / kSettling) << x;
+    EXPECT_LE(turn.error, kHinge) << x;
+    EXPECT_LE(turn.speed, kHinge / kSettling) << x;
+  }
+}
+
+TEST(EnvArrival, ToleranceAndSpeedAreThoseOfTheRobotsFile) {
+  ModelFolder folder;
+  EnvConfig config = Rail(folder);
+  config.robots["robot"].arrival_tolerance = 0.001;
+  Env env(config);
+  env.Reset({.seed = 1});
+  ASSERT_EQ(env.Step(Numbers{0.2, 1}).reason, EndReason::kArrived);
+  EXPECT_LE(StateOf(env.scene(), "robotrobot_slide", 0.2).error, 1e-4);
+  EXPECT_LE(StateOf(env.scene(), "robotrobot_slide", 0.2).speed, 1e-4 / kSettling);
+  EXPECT_LE(StateOf(env.scene(), "robotrobot_turn", 1).error, 1e-3);
+  EXPECT_LE(StateOf(env.scene(), "robotrobot_turn", 1).speed, 1e-3 / kSettling);
+}
+
+EnvConfig OneRc7(RelativeTo relative_to) {
+  EnvConfig config;
+  config.robots["robot"] = Rc7();
+  config.control_mode = ControlMode::kJoints;
+  config.relative_to = relative_to;
+  return config;
+}
+
+TEST(EnvArrival, SmallAndLargeStepsOfHingesEndNearAndSlow) {
+  Env env(OneRc7(RelativeTo::kLastStep));
+  env.Reset({.seed = 1});
+  const Robot robot = Robot::Of(env.scene(), "robot");
+  Rng rng = Rng::Stream(2, "arrival");
+  for (int i = 0; i < 30; ++i) {
+    Numbers action(8, 1);  // the last is the gripper's
+    const double most = i % 2 ? 0.2 : 0.008;
+    for (int j = 0; j < 7; ++j) action[j] = rng.Uniform(-most, most);
+    ASSERT_EQ(env.Step(action).reason, EndReason::kArrived) << i;
+    const auto wanted = robot.controller("arm").commanded_joint_pos();
+    for (size_t j = 0; j < 7; ++j) {
+      const JointState joint = StateOf(env.scene(), robot.joint_names()[j], wanted[j]);
+      EXPECT_LE(joint.error, kHinge) << i << " " << robot.joint_names()[j];
+      EXPECT_LE(joint.speed, kHinge / kSettling) << i << " " << robot.joint_names()[j];
+    }
+  }
+}
+
+// Farthest that the TCP is from where it was sent while every joint is within its tolerance.
+double TcpTolerance(const Robot& robot) {
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, robot.n_joints());
+  robot.arm().Jacobian(jacobian);
+  double most = 0;
+  for (int i = 0; i < robot.n_joints(); ++i) most += kHinge * jacobian.col(i).head<3>().norm();
+  return most;
+}
+
+// Sends one arm of two there, from the reset, and the other to where it is.
+EndReason SendOneOf(Env& env, size_t arm, const Pose& there) {
+  env.Reset({.seed = 1});
+  Numbers action;
+  for (size_t i = 0; i < 2; ++i) {
+    const auto seen = env.observation().begin() + env.layout().robots[i].tquat.begin;
+    Numbers tquat(seen, seen + 7);
+    if (i == arm) PutTquat(there, tquat);
+    action.insert(action.end(), tquat.begin(), tquat.end());
+    action.push_back(1);
+  }
+  return env.Step(action).reason;
+}
+
+TEST(EnvArrival, ArmsThatAreSentToOnePlaceAreThereWithinTheToleranceOfTheirJoints) {
+  EnvConfig config = Rc7Duo(ControlMode::kCartesianTquat, RelativeTo::kNone);
+  config.sim.max_convergence_time = 5;
+  Env env(config);
+  Rng rng = Rng::Stream(1, "env arrival");
+  int both = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Pose down = Pose::FromRpy({0.35, 0, 0.3}, {kPi, 0, 0});
+    const Pose there = MovedBy(down, Pose::FromRpy(RandomVector(rng, 0.1), RandomVector(rng, 0.5)));
+    int arrived = 0;
+    Eigen::Vector3d place[2];
+    double tolerance = 0;
+    for (size_t arm = 0; arm < 2; ++arm) {
+      if (SendOneOf(env, arm, there) != EndReason::kArrived) continue;  // out of reach
+      ++arrived;
+      const Robot robot = Robot::Of(env.scene(), env.layout().robots[arm].robot);
+      place[arm] = robot.tcp_in_world().translation();
+      tolerance += TcpTolerance(robot);
+    }
+    if (arrived < 2) continue;
+    ++both;
+    EXPECT_LE((place[0] - place[1]).norm(), tolerance);
+  }
+  EXPECT_GE(both, 5);
+}
+
+TEST(EnvArms, ThoseThatNoActionReachesAreTold) {
+  ModelFolder folder;
+  std::vector<std::string> warnings;
+  const ScopedLogSink sink([&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::kWarn) warnings.emplace_back(text);
+  });
+  EnvConfig config;
+  config.robots["t"] = Torso(folder, {"r", "l"});
+  config.control_mode = ControlMode::kJoints;
+  Env env(config);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_THAT(warnings[0],
+              ::testing::HasSubstr(
+                  "/ robot 't': has several arms or grippers, and a robot of an environment acts "
+                  "with one of each: arm 'l_arm' and its gripper 'l_hand' are used; r_arm, r_hand "
+                  "hold still, and no action or observation has them. Command them beside the "
+                  "steps with Robot::Apply (in Python Robot.apply)"));
+  env.Reset({.seed = 1});
+  env.Step(Numbers{0.1, 0.1, 0});
+  const Robot robot = Robot::Of(env.scene(), "t");
+  const auto& left = dynamic_cast<const GripperGroup&>(robot.group("l_hand"));
+  const auto& right = dynamic_cast<const GripperGroup&>(robot.group("r_hand"));
+  const double held = right.opening();
+  for (int i = 0; i < 5; ++i) env.Step(Numbers{0, 0, 1});
+  EXPECT_GT(left.opening(), 0.9);
+  EXPECT_NEAR(right.opening(), held, 0.05);
+  // What the warning says can be done.
+  Robot(robot).Apply({{"r_arm", GroupCommand::Joints({0.3, -0.2})}});
+  for (int i = 0; i < 5; ++i) env.Step(Numbers{0.05, 0, 1});
+  EXPECT_LE(StateOf(env.scene(), "robott_r1", 0.3).error, kHinge);
+  EXPECT_LE(StateOf(env.scene(), "robott_r2", -0.2).error, kHinge);
+}
+
+TEST(EnvArms, ARobotWithOneArmIsNothingToTell) {
+  std::vector<std::string> lines;
+  const ScopedLogSink sink([&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::kWarn) lines.emplace_back(text);
+  });
+  Env env(OneRc7(RelativeTo::kNone));
+  EXPECT_THAT(lines, ::testing::IsEmpty());
+}
+
+}  // namespace
+}  // namespace robocell
