@@ -182,6 +182,16 @@ void ActuatedGripper::Orient(std::vector<GripperCtrl>& ends) const {
   for (const size_t i : idle) Swap(ends[i]);
 }
 
+std::string ActuatedGripper::WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const {
+  const std::vector<std::string> touching = TouchingFingers(core().scene(), Parts(), ctrl);
+  if (touching.empty()) return "Nothing touches them: is the actuator too weak to move them?";
+  return fmt::format(
+      "Meanwhile {} touch. Do they overlap or catch on each other (exclude in the model the pairs "
+      "that may overlap, or choose another `home`), or is the actuator too weak to move the "
+      "fingers?",
+      ListNames(touching, 6));
+}
+
 GripperRange ActuatedGripper::Measure() const {
   std::vector<GripperCtrl> ends = Ends();
   const std::vector<double> open = Values(ends, &GripperCtrl::open);
@@ -202,9 +212,8 @@ GripperRange ActuatedGripper::Measure() const {
     Fail("fingers",
          fmt::format(
              "the fingers do not come back: control {} brings them {:.4f} m apart from home, and "
-             "leaves them {:.4f} m apart after control {}. Do they overlap or catch on each "
-             "other, or is the actuator too weak to move them?",
-             CtrlText(ctrl), from_home, later, CtrlText(other)));
+             "leaves them {:.4f} m apart after control {}. {}",
+             CtrlText(ctrl), from_home, later, CtrlText(other), WhyTheyJam({other, ctrl})));
   };
   jams(open, at_open, open_after, closed);
   jams(closed, closed_first, at_closed, open);

@@ -44,6 +44,8 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   // its distances. ArgumentError when the fingers do not move or do not come to rest, or when
   // the configured open and closed are swapped.
   GripperRange Measure() const;
+  // What to do about fingers that do not come back from the first controls to the second.
+  std::string WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const;
 
  private:
   const GripperParts& Parts() const;

@@ -265,7 +265,7 @@ TEST(Gripper, SaysWhenOpenAndClosedAreSwapped) {
 }
 
 // It closes with 5 N and opens with less than friction takes.
-TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
+RobotConfig WithStickyGripper(ModelFolder& folder, const std::string& arm) {
   constexpr const char* kSticky = R"(<compiler angle="radian"/><worldbody><body name="palm">
     <geom size=".01" mass=".1"/>
     <body name="left" pos="0 .05 .05"><joint name="l" type="slide" axis="0 1 0" range="-.04 0"
@@ -275,13 +275,18 @@ TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
     </body></worldbody><equality><joint joint1="l" joint2="r"/></equality><actuator>
     <position name="grip" joint="l" kp="200" kv="5" ctrlrange="-.04 0" forcerange="-5 .5"/>
     </actuator>)";
-  ModelFolder folder;
-  RobotConfig config = ArmConfig(folder.Write("arm", kTwoJointArm));
+  RobotConfig config = ArmConfig(folder.Write("arm", arm));
   config.attachments.push_back({.mjcf_path = folder.Write("sticky", kSticky),
                                 .attach_to = {AttachKind::kSite, "flange"},
                                 .prefix = "g_"});
   config.move_groups["gripper"] = {
       .kind = MoveGroupKind::kGripper, .joints = {"g_l", "g_r"}, .actuators = {"g_grip"}};
+  return config;
+}
+
+TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
+  ModelFolder folder;
+  RobotConfig config = WithStickyGripper(folder, kTwoJointArm);
   for (const bool said : {false, true}) {
     if (said) GripperConfig(config).ctrl = GripperCtrl{.open = 0, .closed = -0.04};
     Robot robot = RobotAlone(config);
@@ -290,7 +295,25 @@ TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
         "group 'gripper': the fingers do not come back: control 0 brings them 0.0920 m apart from "
         "home, "
         "and leaves them 0.02");
+    ExpectThrow<ArgumentError>([&] { robot.gripper().opening(); },
+                               ". Nothing touches them: is the actuator too weak to move them?");
   }
+}
+
+// A ball of the upper arm is at home where the palm is, and stops both fingers.
+TEST(Gripper, FingersThatDoNotComeBackAreToldWithWhatTouchesThem) {
+  const std::string ball = R"(<geom name="ball" type="sphere" size=".034" pos="-.0779 0 .4842"
+      contype="1" conaffinity="1"/>)";
+  std::string arm = kTwoJointArm;
+  arm.insert(arm.find("<body name=\"fore\""), ball);
+  ModelFolder folder;
+  const std::string message = ExpectThrow<ArgumentError>(
+      [&] { RobotAlone(WithStickyGripper(folder, arm)).gripper().opening(); },
+      "the fingers do not come back: ");
+  EXPECT_THAT(message, HasSubstr("Meanwhile 'upper' and 'g_left', 'upper' and 'g_right' touch. Do "
+                                 "they overlap or catch on each other (exclude in the model the "
+                                 "pairs that may overlap, or choose another `home`), or is the "
+                                 "actuator too weak to move the fingers?"));
 }
 
 // Fingers that come as near as 1/e to where their servo sends them in `seconds`.

@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/mujoco/tree.h"
@@ -110,12 +111,39 @@ std::array<double, 2> MeasuredDistances(const Scene& scene, const GripperParts& 
   return distances;
 }
 
+// The pairs of bodies that touch, one of which the hand's fingers move.
+void AddTouching(const mjModel* m, const mjData* d, int hand, std::vector<std::string>& pairs) {
+  const std::vector<bool> inside = SubtreeMask(m, hand);
+  const auto moves = [&](int body) { return body != hand && inside[body]; };
+  for (int i = 0; i < d->ncon; ++i) {
+    const mjContact& contact = d->contact[i];
+    if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
+    const int a = m->geom_bodyid[contact.geom[0]], b = m->geom_bodyid[contact.geom[1]];
+    if (!moves(a) && !moves(b)) continue;
+    const std::string pair =
+        fmt::format("'{}' and '{}'", ElementName(m, mjOBJ_BODY, a), ElementName(m, mjOBJ_BODY, b));
+    if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
+  }
+}
+
 std::string FingerName(const Finger& finger) {
   return fmt::format("site {} body {} geoms {}", finger.site, finger.body,
                      fmt::join(finger.geoms, " "));
 }
 
 }  // namespace
+
+std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts& parts,
+                                         const std::array<std::vector<double>, 2>& ctrl) {
+  const ModelPtr model = AloneWithoutGravity(scene.model(), parts.robot_body);
+  const DataPtr data = DataAtHome(model.get(), scene.compiled()->home_key());
+  std::vector<std::string> pairs;
+  for (const std::vector<double>& values : ctrl) {
+    SettledDistance(model.get(), data.get(), parts, values);
+    AddTouching(model.get(), data.get(), parts.pair.hand, pairs);
+  }
+  return pairs;
+}
 
 std::string CtrlText(const std::vector<double>& ctrl) {
   if (ctrl.size() == 1) return fmt::format("{}", ctrl[0]);

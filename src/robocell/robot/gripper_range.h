@@ -37,6 +37,11 @@ struct GripperParts {
 std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperParts& parts,
                                              const std::array<std::vector<double>, 2>& ctrl);
 
+// What touches the fingers at the end of that: "'forearm' and 'left_finger'", names of bodies; of
+// each pair once. Measures anew, for messages.
+std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts& parts,
+                                         const std::array<std::vector<double>, 2>& ctrl);
+
 // "0.7", of several actuators "[0.7, -0.7]".
 std::string CtrlText(const std::vector<double>& ctrl);
 
