@@ -98,7 +98,10 @@ struct Convert<E> {
   static nb::object Get(E& value, const char*, nb::handle) { return nb::cast(value); }
   static void Set(E& out, nb::handle value, const FieldPath& path) {
     if (nb::try_cast(value, out, /*convert=*/false)) return;
-    if (!IsText(value)) ThrowType(path, WithArticle(kEnumName<E>), value);
+    if (!IsText(value)) {
+      ThrowType(path, WithArticle(kEnumName<E>) + " or one of " + ListNames(ValueNames<E>()),
+                value);
+    }
     const std::string text = ToText(value, path);
     for (const auto& [known, name] : EnumNames<E>::kNames) {
       if (text == name) return void(out = known);

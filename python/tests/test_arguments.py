@@ -108,6 +108,10 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             "ctrl_mode must be a CtrlMode or one of position, velocity, torque, got int",
         ),
         (
+            lambda s: rc.SceneObject(condim=4),
+            "condim must be a Condim or one of tangential, torsional, rolling, got int",
+        ),
+        (
             lambda s: rc.Stepper(s, s.robot("a")),
             "Stepper(): `robots` must be a list of Robot, got <Robot 'a'>. It is called ",
         ),

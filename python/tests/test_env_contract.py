@@ -96,6 +96,19 @@ def test_every_cell_keeps_it_about_a_configured_origin(cell: rc.EnvConfig, mode:
     env.close()
 
 
+def test_nothing_touches_anything_at_home(cell: rc.EnvConfig):
+    for scene in SCENES:
+        env = made(cell, scene, "joints")
+        env.reset(seed=3)
+        model, data = env.core.scene.model, env.core.scene.data
+        touching = [
+            [model.body(model.geom_bodyid[geom]).name for geom in data.contact.geom[i]]
+            for i in range(data.ncon)
+        ]
+        assert not touching, scene
+        env.close()
+
+
 def test_the_cells_are_those_of_the_page():
     page = (Path(__file__).parents[2] / "docs" / "environments.md").read_text()
     assert rc.models.cells() == [file.stem for file in CELLS]

@@ -64,7 +64,7 @@ TEST_F(EnvTrouble, AHingeWithoutLimitsTurnsForEverAndIsObservedInItsRange) {
   env.Reset();
   const EnvLayout& layout = env.layout();
   double farthest = 0;
-  for (int step = 0; step < 40; ++step) {
+  for (int step = 0; step < 60; ++step) {
     const std::vector<double> before = SentJoints(env);
     const Quaternion own = SeenTcp(env).quaternion();
     const Quaternion about_z = {0, 0, std::sin(0.15), std::cos(0.15)};

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".scene";
 // Another one when the same spec compiles to another model than before.
-constexpr const char* kLayout = "6";
+constexpr const char* kLayout = "7";
 
 // Nothing when it is not there, another process has just pruned it, or it cannot be read. (Copied,
 // not mapped: a disk that fails or a machine that prunes a shared folder would end the process.)
