@@ -143,7 +143,7 @@ def test_what_comes_in_the_way_while_a_run_goes_on_does_not_take_its_report(
             raise answer
         return answer
 
-    monkeypatch.setattr(Job, "check", lambda self: [])
+    monkeypatch.setattr(Job, "check", lambda self, longest_s=0: [])
     monkeypatch.setattr(Job, "made", made)
     with pytest.raises(DamagedEpisodesError, match="half an episode"):
         job.do(Told())

@@ -37,7 +37,7 @@ def test_repair_is_advised_only_where_it_helps(tmp_path: Path):
 def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
-    def interrupted(self: object) -> None:
+    def interrupted(self: object, longest_s: float = 0) -> None:
         raise KeyboardInterrupt
 
     monkeypatch.setattr(cli.Job, "check", interrupted)

@@ -354,7 +354,7 @@ def test_a_signal_after_the_last_worker_does_not_take_the_report(
         os.kill(os.getpid(), signal.SIGINT)
         write(*arguments)
 
-    monkeypatch.setattr(Job, "check", lambda self: [])
+    monkeypatch.setattr(Job, "check", lambda self, longest_s=0: [])
     monkeypatch.setattr(Job, "_report", signalled)
     # A test run in the background may have it ignored.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
