@@ -13,6 +13,7 @@
 #include "robocell/base/log.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/step.h"
+#include "robocell/testing/leaks_of_others.h"
 
 namespace robocell {
 namespace {
@@ -66,6 +67,7 @@ TEST_F(Compiling, AnExceptionOfTheEngineIsAnEngineErrorThatSaysWhereToLook) {
       R"(<mujoco><asset><mesh name="m" builtin="plate" params="100000 100000"/></asset></mujoco>)";
   const auto file = folder_ / "large.xml";
   std::ofstream(file) << kTooLarge;
+  const LeaksOfOthers leaks;  // the engine forgets what it had made when it throws
   const auto where = HasSubstr("look at the sizes of its hfield, texture, mesh, ");
   EXPECT_THAT(MessageOf<EngineError>([&] { ParseXmlFile(file, "robot 'left'"); }),
               AllOf(HasSubstr("robot 'left': model file '" + file.string() +

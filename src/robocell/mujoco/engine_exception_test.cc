@@ -10,6 +10,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/testing/leaks_of_others.h"
 
 namespace robocell {
 namespace {
@@ -28,6 +29,7 @@ bool Throws(const char* xml) {
       call->spec = mj_parseXMLString(call->xml, nullptr, nullptr, 0);
     }
   } call{xml, nullptr};
+  const LeaksOfOthers leaks;  // the engine forgets what it had made when it throws
   EngineExceptions exceptions;
   const bool threw = !Guarded("parsing", [&] { return exceptions.Catch(&Call::Run, &call); });
   const SpecPtr spec(call.spec);
