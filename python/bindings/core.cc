@@ -5,6 +5,7 @@
 #include "ik_wishes.h"
 #include "robocell/mujoco/version.h"
 
+// NOLINTNEXTLINE(clang-diagnostic-reserved-identifier): Python's and nanobind's names
 NB_MODULE(_core, m) {
   using namespace robocell::python;
   m.doc() = "robocell's C++ core. Use it through the package `robocell`.";
