@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import sys
+
 from robocell import _startup
 
 
 def run() -> None:
     """Loads the command line and runs it; see `_startup` for Ctrl-C meanwhile."""
     _startup.be_quiet()
-    from robocell.cli import main
+    from robocell.cli import load, main
 
+    app = load(sys.argv[1:])
     _startup.hear_again()
-    main()
+    main(app)
 
 
 if __name__ == "__main__":

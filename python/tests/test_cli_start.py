@@ -38,7 +38,7 @@ def interrupted_at_import(
     )
 
 
-@pytest.mark.parametrize("module", ["robocell._core", "typer", "robocell.cli.generate"])
+@pytest.mark.parametrize("module", ["robocell._core", "typer", "robocell.cli.probes"])
 def test_ctrl_c_while_the_command_is_loaded_leaves_no_traceback(tmp_path: Path, module: str):
     result = interrupted_at_import(tmp_path, module, "-m", "robocell", "doctor")
     assert (result.returncode, result.stderr) == (-signal.SIGINT, "")

@@ -27,10 +27,21 @@ def test_the_command_line_loads_neither_mujoco_nor_numpy():
     """They take longer than the rest; the commands that need them load them."""
     result = run(
         "import sys, robocell.cli; "
+        "robocell.cli.load([]); "
         "bad = {'mujoco', 'numpy', 'h5py', 'matplotlib', 'plotly', 'PIL'} & set(sys.modules); "
         "sys.exit(str(bad) if bad else 0)"
     )
     assert result.returncode == 0, result.stderr
+
+
+def test_a_command_is_loaded_without_the_others():
+    result = run(
+        "import sys, robocell.cli; "
+        "robocell.cli.load(['gripper-range', 'robot.yaml']); "
+        "print(*(name for name in robocell.cli.COMMANDS"
+        " if 'robocell.cli.' + name.replace('-', '_') in sys.modules))"
+    )
+    assert result.stdout == "gripper-range\n", result.stderr
 
 
 def test_importing_opens_no_data_file():

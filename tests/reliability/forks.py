@@ -13,8 +13,10 @@ import sys
 import tempfile
 from typing import Any
 
-from robocell.cli import main
+from robocell.cli import load, main
 from robocell.generate import job
+
+COMMAND = load(["generate"])
 
 
 def be_the_command(request: dict[str, Any], said: int) -> None:
@@ -24,7 +26,7 @@ def be_the_command(request: dict[str, Any], said: int) -> None:
     os.dup2(said, 2)
     sys.argv = ["robocell", *request["arguments"]]
     try:
-        main()
+        main(COMMAND)
     except SystemExit as end:
         sys.stdout.flush()
         sys.stderr.flush()

@@ -2,28 +2,28 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
+from collections.abc import Sequence
 from typing import Annotated
 
 import typer
 
 from robocell import Error, __version__
-from robocell.cli.check import check
 from robocell.cli.common import ExitCode, print_error
-from robocell.cli.doctor import doctor
-from robocell.cli.fetch import fetch
-from robocell.cli.generate import generate
-from robocell.cli.gripper_range import gripper_range
-from robocell.cli.ik_test import ik_test
-from robocell.cli.reach import reach
-from robocell.cli.replay import replay
-from robocell.cli.report import report
-from robocell.cli.verify import verify
 
-app = typer.Typer(
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
+# Each is a function in a module of its name.
+COMMANDS = (
+    "generate",
+    "report",
+    "verify",
+    "replay",
+    "check",
+    "gripper-range",
+    "ik-test",
+    "reach",
+    "fetch",
+    "doctor",
 )
 
 
@@ -33,7 +33,6 @@ def _say_version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback()
 def options(
     version: Annotated[
         bool,
@@ -48,25 +47,33 @@ def options(
     """Robot cells in MuJoCo: check robots, generate, verify and replay datasets."""
 
 
-for command in (
-    generate,
-    report,
-    verify,
-    replay,
-    check,
-    gripper_range,
-    ik_test,
-    reach,
-    fetch,
-    doctor,
-):
-    app.command()(command)
+def load(arguments: Sequence[str]) -> typer.Typer:
+    """The command line for these arguments.
+
+    The command that they begin with is loaded alone, in half the time; all of them for the help,
+    and for a name that is none.
+    """
+    app = typer.Typer(
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+    )
+    app.callback()(options)
+    wanted = [name for name in COMMANDS if name in arguments[:1]] or COMMANDS
+    for name in wanted:
+        module = name.replace("-", "_")
+        app.command(name)(getattr(importlib.import_module(f"robocell.cli.{module}"), module))
+    return app
 
 
-def main() -> None:
-    """Runs a command. What the user can mend is told without a traceback; see `ExitCode`."""
+def main(app: typer.Typer | None = None) -> None:
+    """Runs a command. What the user can mend is told without a traceback; see `ExitCode`.
+
+    Args:
+        app: What `load` returned; it is loaded here unless given.
+    """
     try:
-        app(prog_name="robocell")
+        (app or load(sys.argv[1:]))(prog_name="robocell")
     except OSError as error:
         print_error(str(error))
         sys.exit(ExitCode.OUTPUT)
