@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import atexit
+import functools
+import json
 import os
+import signal
 import subprocess
 import sys
-from collections.abc import Callable
+import tempfile
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -42,24 +47,111 @@ def write_run(folder: Path, **changes: object) -> Path:
     return path
 
 
-def robocell_command(
+def new_process(
     *arguments: object,
-    environment: dict[str, object] | None = None,
-    timeout_s: float = 240,
+    environment: Mapping[str, str],
+    timeout_s: float,
     **options: object,
 ) -> subprocess.CompletedProcess[str]:
-    """Runs the command line in a process of its own; `options` are those of `subprocess.run`."""
-    given = {name: str(value) for name, value in (environment or {}).items()}
-    own = {"PYTHONPATH": os.pathsep.join(sys.path), "COLUMNS": "200"}
+    """Runs the command line as a person does; `options` are those of `subprocess.run`."""
     return subprocess.run(
         [sys.executable, "-m", "robocell", *map(str, arguments)],
-        env={**os.environ, **own, **given},
+        env=environment,
         capture_output=True,
         text=True,
         check=False,
         timeout=timeout_s,
         **options,  # type: ignore[call-overload]
     )
+
+
+def environment_with(changes: Mapping[str, object]) -> dict[str, str]:
+    """Of a command: it finds the modules that this process finds, and has wide lines."""
+    own = {"PYTHONPATH": os.pathsep.join(sys.path), "COLUMNS": "200"}
+    return {**os.environ, **own, **{name: str(value) for name, value in changes.items()}}
+
+
+class CommandServer:
+    """Forks of a process that has the command line loaded, see `command_server`."""
+
+    # What is read while a process starts or a module is loaded.
+    READ_AT_START = ("PYTHON", "LD_", "MUJOCO_", "ROBOCELL_", "OPENBLAS_", "MALLOC_")
+
+    def __init__(self) -> None:
+        self._start = self._of_start(environment_with({}))
+        self._folder = tempfile.TemporaryDirectory()
+        self._out, self._err = (Path(self._folder.name) / name for name in ("out", "err"))
+        self._process = subprocess.Popen(
+            [sys.executable, Path(__file__).with_name("command_server.py")],
+            env={**environment_with({}), "OPENBLAS_NUM_THREADS": "1"},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def serves(self, environment: Mapping[str, str]) -> bool:
+        """Whether a fork is what a new process with these variables would be."""
+        return self._of_start(environment) == self._start
+
+    def run(
+        self, *arguments: object, environment: Mapping[str, str], timeout_s: float
+    ) -> subprocess.CompletedProcess[str]:
+        """Runs the command line."""
+        for file in (self._out, self._err):
+            file.write_bytes(b"")
+        command = ["robocell", *map(str, arguments)]
+        request = {
+            "arguments": command[1:],
+            "environment": dict(environment),
+            "folder": os.getcwd(),
+            "out": str(self._out),
+            "err": str(self._err),
+            "timeout_s": timeout_s,
+        }
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        print(json.dumps(request), file=self._process.stdin, flush=True)
+        code = int(self._process.stdout.readline())
+        if code == -signal.SIGALRM:
+            raise subprocess.TimeoutExpired(command, timeout_s)
+        out, err = self._out.read_text(), self._err.read_text()
+        return subprocess.CompletedProcess(command, code, out, err)
+
+    def close(self) -> None:
+        """Ends the process."""
+        self._process.communicate()
+        self._folder.cleanup()
+
+    def _of_start(self, environment: Mapping[str, str]) -> dict[str, str]:
+        return {
+            name: value
+            for name, value in environment.items()
+            if name.startswith(self.READ_AT_START)
+        }
+
+
+@functools.cache
+def command_server() -> CommandServer:
+    """The one of this process, which ends with it."""
+    server = CommandServer()
+    atexit.register(server.close)
+    return server
+
+
+def robocell_command(
+    *arguments: object,
+    environment: Mapping[str, object] | None = None,
+    timeout_s: float = 240,
+    **options: object,
+) -> subprocess.CompletedProcess[str]:
+    """Runs the command line in a process of its own: a new one where a fork would not be the same.
+
+    `options` are those of `subprocess.run`.
+    """
+    found = environment_with(environment or {})
+    if options or not command_server().serves(found):
+        return new_process(*arguments, environment=found, timeout_s=timeout_s, **options)
+    return command_server().run(*arguments, environment=found, timeout_s=timeout_s)
 
 
 def refused(*arguments: object, code: int = 2) -> str:

@@ -17,8 +17,11 @@ robocell_command = functools.partial(command_line.robocell_command, timeout_s=LO
 
 
 def generate(run: Path, output: Path, *options: object) -> list[dict[str, Any]]:
-    """The events of a `robocell generate` that must succeed."""
-    result = robocell_command("generate", run, "--output", output, "--progress", "jsonl", *options)
+    """The events of a `robocell generate` that must succeed, as a person starts it."""
+    words = ("generate", run, "--output", output, "--progress", "jsonl", *options)
+    result = command_line.new_process(
+        *words, environment=command_line.environment_with({}), timeout_s=LONGEST_S
+    )
     assert result.returncode == 0, result.stderr
     return [json.loads(line) for line in result.stdout.splitlines()]
 
