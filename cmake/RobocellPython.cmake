@@ -11,11 +11,14 @@ endif()
 execute_process(COMMAND "${Python_EXECUTABLE}" -m nanobind --cmake_dir
   OUTPUT_VARIABLE nanobind_ROOT OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 find_package(nanobind CONFIG REQUIRED)
+# MuJoCo's package requires numpy, so that it is there.
+execute_process(COMMAND "${Python_EXECUTABLE}" -c "import numpy; print(numpy.get_include())"
+  OUTPUT_VARIABLE numpy_include OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 
 nanobind_add_module(_core NB_STATIC ${binding_sources})
 robocell_unity(_core ${ROBOCELL_UNITY_BINDINGS} ${binding_sources})
 target_link_libraries(_core PRIVATE robocell orocos-kdl)
-target_include_directories(_core SYSTEM PRIVATE ${orocos_kdl_INCLUDE_DIRS})
+target_include_directories(_core SYSTEM PRIVATE ${orocos_kdl_INCLUDE_DIRS} "${numpy_include}")
 set_target_properties(_core PROPERTIES BUILD_RPATH "${MUJOCO_DIR};${CMAKE_BINARY_DIR}"
   INSTALL_RPATH "${ROBOCELL_INSTALL_RPATH}")
 # A sanitizer's stays in the build folder: beside the package it would take the place of the one that is used.

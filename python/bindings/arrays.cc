@@ -3,7 +3,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <string_view>
+
+// Numpy's own functions. Their addresses are asked for at the first use.
+#define NPY_NO_DEPRECATED_API NPY_2_0_API_VERSION
+#include <numpy/arrayobject.h>
 
 namespace robocell::python {
 namespace {
@@ -17,11 +22,27 @@ nb::object AsSequence(nb::handle value) {
   return list;
 }
 
-}  // namespace
+void ImportNumpy() {
+  if (PyArray_ImportNumPyAPI() != 0) throw nb::python_error();
+}
 
-// By the buffer protocol, which takes half the time of a DLPack capsule.
-std::optional<std::span<const double>> RowOf(nb::handle value) {
-  if (!PyObject_CheckBuffer(value.ptr())) return std::nullopt;
+PyArrayObject* AsArray(nb::handle array) { return reinterpret_cast<PyArrayObject*>(array.ptr()); }
+
+bool IsNumpyArray(nb::handle value) {
+  ImportNumpy();
+  return PyArray_Check(value.ptr());
+}
+
+// For the buffer protocol numpy writes down type and shape each time.
+std::optional<std::span<const double>> RowOfArray(PyArrayObject* array) {
+  const bool is_row = PyArray_NDIM(array) == 1 && PyArray_TYPE(array) == NPY_DOUBLE &&
+                      PyArray_ISCARRAY_RO(array);  // native, aligned, contiguous
+  if (!is_row) return std::nullopt;
+  return std::span(static_cast<const double*>(PyArray_DATA(array)),
+                   static_cast<size_t>(PyArray_DIM(array, 0)));
+}
+
+std::optional<std::span<const double>> RowOfBuffer(nb::handle value) {
   Py_buffer buffer;
   if (PyObject_GetBuffer(value.ptr(), &buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) != 0) {
     PyErr_Clear();
@@ -32,6 +53,37 @@ std::optional<std::span<const double>> RowOf(nb::handle value) {
     row.emplace(static_cast<const double*>(buffer.buf), static_cast<size_t>(buffer.shape[0]));
   PyBuffer_Release(&buffer);
   return row;
+}
+
+int NumpyType(nb::dlpack::dtype type) {
+  static constexpr std::array kTypes = {
+      std::pair{nb::dtype<double>(), NPY_DOUBLE},   std::pair{nb::dtype<float>(), NPY_FLOAT},
+      std::pair{nb::dtype<int32_t>(), NPY_INT32},   std::pair{nb::dtype<int64_t>(), NPY_INT64},
+      std::pair{nb::dtype<uint16_t>(), NPY_UINT16}, std::pair{nb::dtype<uint8_t>(), NPY_UINT8},
+      std::pair{nb::dtype<bool>(), NPY_BOOL}};
+  for (const auto& [each, number] : kTypes) {
+    if (each == type) return number;
+  }
+  throw Error("no array has numbers of this type");
+}
+
+// With numbers of its own when none are given; flags would then mean columns first.
+nb::object MakeArray(void* numbers, nb::dlpack::dtype type, std::span<const size_t> shape) {
+  ImportNumpy();
+  std::array<npy_intp, NPY_MAXDIMS> sizes;
+  std::copy(shape.begin(), shape.end(), sizes.begin());
+  nb::object array = nb::steal(PyArray_New(&PyArray_Type, static_cast<int>(shape.size()),
+                                           sizes.data(), NumpyType(type), nullptr, numbers, 0,
+                                           numbers ? NPY_ARRAY_CARRAY : 0, nullptr));
+  if (!array.is_valid()) throw nb::python_error();
+  return array;
+}
+
+}  // namespace
+
+std::optional<std::span<const double>> RowOf(nb::handle value) {
+  if (!PyObject_CheckBuffer(value.ptr())) return std::nullopt;
+  return IsNumpyArray(value) ? RowOfArray(AsArray(value)) : RowOfBuffer(value);
 }
 
 Doubles::Doubles(nb::handle value, const char* what) {
@@ -79,20 +131,25 @@ std::vector<double> ToRow(nb::handle value, const char* what) {
                                   fmt::join(shape, ", ")));
 }
 
-nb::object NewRow(std::span<const double> values) {
-  // Kept for good, with the GIL.
-  static PyObject* empty = nullptr;
-  if (!empty) empty = nb::object(nb::module_::import_("numpy").attr("empty")).release().ptr();
-  const nb::int_ size(values.size());
-  PyObject* arguments[] = {nullptr, size.ptr()};
-  nb::object row = nb::steal(
-      PyObject_Vectorcall(empty, arguments + 1, 1 | PY_VECTORCALL_ARGUMENTS_OFFSET, nullptr));
-  Py_buffer buffer;
-  if (!row.is_valid() || PyObject_GetBuffer(row.ptr(), &buffer, PyBUF_WRITABLE) != 0)
+Unwritten NewUnwritten(nb::dlpack::dtype type, std::span<const size_t> shape) {
+  Unwritten made{MakeArray(nullptr, type, shape)};
+  made.numbers = PyArray_DATA(AsArray(made.array));
+  return made;
+}
+
+nb::object NewArrayOver(void* numbers, nb::dlpack::dtype type, std::span<const size_t> shape,
+                        nb::handle owner) {
+  nb::object array = MakeArray(numbers, type, shape);
+  if (numbers && PyArray_SetBaseObject(AsArray(array), owner.inc_ref().ptr()) != 0)
     throw nb::python_error();
-  std::copy(values.begin(), values.end(), static_cast<double*>(buffer.buf));
-  PyBuffer_Release(&buffer);
-  return row;
+  return array;
+}
+
+nb::object NewRow(std::span<const double> values) {
+  const size_t size = values.size();
+  Unwritten made = NewUnwritten(nb::dtype<double>(), {&size, 1});
+  std::copy(values.begin(), values.end(), static_cast<double*>(made.numbers));
+  return std::move(made.array);
 }
 
 }  // namespace robocell::python

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "arrays.h"
 #include "values.h"
 #include "robocell/kinematics/chain_batch.h"
 #include "robocell/kinematics/manipulability.h"
@@ -142,10 +143,9 @@ class BatchCall {
     std::span<double> numbers;
     if (out.is_none()) {
       AddRows(&row);
-      auto* data = new double[SizeOf(row)];
-      const nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-      answer = nb::cast(nb::ndarray<nb::numpy, double>(data, row.size(), row.data(), owner));
-      numbers = {data, SizeOf(row)};
+      Unwritten made = NewUnwritten(nb::dtype<double>(), row);
+      numbers = {static_cast<double*>(made.numbers), SizeOf(row)};
+      answer = std::move(made.array);
     } else {
       numbers = Written("out", out, std::move(row));
       answer = nb::borrow(out);

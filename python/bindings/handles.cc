@@ -43,13 +43,11 @@ SceneClaims::~SceneClaims() {
   while (count_ > 0) claimed_[--count_]->End();
 }
 
-void SceneClaims::Add(const Scene* scene) {
-  if (!scene) return;
-  SceneUse* use = &scene->use();
+void SceneClaims::Add(SceneUse& use) {
   const auto end = claimed_.begin() + count_;
-  if (count_ == claimed_.size() || std::find(claimed_.begin(), end, use) != end) return;
-  use->Begin(function_);
-  claimed_[count_++] = use;
+  if (count_ == claimed_.size() || std::find(claimed_.begin(), end, &use) != end) return;
+  use.Begin(function_);
+  claimed_[count_++] = &use;
 }
 
 void AddGuard(nb::handle type, HandleGuard guard, Excepted excepted) {

@@ -36,9 +36,12 @@ class SceneClaims {
   SceneClaims(const SceneClaims&) = delete;
   SceneClaims& operator=(const SceneClaims&) = delete;
 
-  // Error when another thread uses it. Nothing for null.
-  void Add(const Scene* scene);
-  void Add(const Scene& scene) { Add(&scene); }
+  // Error when another thread uses it.
+  void Add(SceneUse& use);
+  void Add(const Scene& scene) { Add(scene.use()); }
+  void Add(const Scene* scene) {  // nothing for null
+    if (scene) Add(*scene);
+  }
 
  private:
   const char* function_;

@@ -41,7 +41,12 @@ Eigen::Vector3d ToThree(nb::handle value, const char* name) {
   return {three[0], three[1], three[2]};
 }
 
-nb::object Namespace() { return nb::module_::import_("types").attr("SimpleNamespace"); }
+nb::handle Namespace() {
+  static PyObject* type = nullptr;  // kept for good, with the GIL
+  if (!type)
+    type = nb::object(nb::module_::import_("types").attr("SimpleNamespace")).release().ptr();
+  return type;
+}
 
 // A Pose, a Frame, or something with four rows.
 bool IsOnePose(nb::handle value) {
@@ -126,9 +131,8 @@ nb::object BatchOf(const Chain& chain, nb::handle targets, std::span<const doubl
     result = IkBatch(chain, asked.all, seeds, options);
   }
   const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
-  const nb::object success = NewArray(std::move(result.success), {b});
   return Namespace()("q"_a = NewArray(std::move(result.q), {b, n}),
-                     "success"_a = success.attr("view")("?"),  // they are 0 or 1
+                     "success"_a = NewArray<uint8_t, bool>(std::move(result.success), {b}),
                      "position_error"_a = NewArray(std::move(result.position_error), {b}),
                      "rotation_error"_a = NewArray(std::move(result.rotation_error), {b}),
                      "iterations"_a = NewArray(std::move(result.iterations), {b}));

@@ -36,7 +36,11 @@ const Robot& RobotOf(const Kinematics& k) { return k.robot; }
 IkOptions OptionsFor(const Robot& robot, nb::handle seed,
                      const std::vector<std::string>& locked_groups, const IkWishes& wishes) {
   IkOptions options;
-  if (!seed.is_none()) options.seed = JointVector(std::span<const double>(ToRow(seed, "seed")));
+  if (const auto row = RowOf(seed)) {
+    options.seed = JointVector(*row);
+  } else if (!seed.is_none()) {
+    options.seed = JointVector(std::span<const double>(ToRow(seed, "seed")));
+  }
   options.locked = robot.LockGroups(locked_groups);
   wishes.Apply(&options);
   return options;
@@ -120,7 +124,7 @@ nb::object MapReachOf(const Kinematics& k, nb::handle lower, nb::handle upper, d
 // Threads may share kinematics while the scene rests, so that they claim nothing: they look at
 // where the robot is, and work on the chain that it has.
 void RequireRest(const Kinematics& k) {
-  if (!k.robot.scene().use().by_another_thread()) return;
+  if (!k.robot.use().by_another_thread()) return;
   throw Error(fmt::format(
       "kinematics of robot '{}': its scene '{}' is in use by another thread, and may be moving it. "
       "In other threads use robot.chain, a copy with the same functions, taken beforehand; or let "

@@ -226,7 +226,7 @@ void BindRobotClass(nb::module_& m) {
       "handles to one robot of one scene share their state, which the scene keeps.",
       nb::type_slots(robot_slots));
   GuardHandle<Robot>(
-      robot, [](const Robot& r, SceneClaims& claims) { claims.Add(r.scene()); },
+      robot, [](const Robot& r, SceneClaims& claims) { claims.Add(r.use()); },
       [](const Robot& r) { r.RequireOpen(); }, {.always = {"name", "prefix", "scene"}});
   DefRobotIk(robot);
   robot.def(nb::init<const Robot&>(), "robot"_a, "Another handle to the same robot.")

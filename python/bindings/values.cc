@@ -183,17 +183,10 @@ nb::object ReadOnlyView(const double* data, std::initializer_list<size_t> shape,
 }
 
 nb::object NumberCopy(std::span<const double> numbers, std::initializer_list<size_t> shape) {
-  auto copy = std::make_unique<double[]>(numbers.size());
-  std::copy(numbers.begin(), numbers.end(), copy.get());
-  double* data = copy.get();
-  const nb::capsule owner(copy.release(),
-                          [](void* p) noexcept { delete[] static_cast<double*>(p); });
-  return nb::ndarray<nb::numpy, double>(data, shape, owner).cast(nb::rv_policy::reference);
+  return NewArray(numbers, shape);
 }
 
-nb::object NumberCopy(std::span<const double> numbers) {
-  return NumberCopy(numbers, {numbers.size()});
-}
+nb::object NumberCopy(std::span<const double> numbers) { return NewRow(numbers); }
 
 nb::object Keeper(std::shared_ptr<void> object) {
   return nb::capsule(new std::shared_ptr<void>(std::move(object)),

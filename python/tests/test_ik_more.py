@@ -396,6 +396,8 @@ class TestBatches:
                 )
         alone = robot.kinematics.ik_batch(targets[7:8], seeds=seeds[7])
         np.testing.assert_array_equal(alone.q[0], all_of_them.q[7])
+        assert all_of_them.success.dtype == bool
+        assert all_of_them.q.flags.writeable
         assert not all_of_them.success[::9].any()
         reached = np.delete(np.arange(80), np.s_[::9])
         assert all_of_them.success[reached].sum() >= len(reached) - 1

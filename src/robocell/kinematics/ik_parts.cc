@@ -64,9 +64,9 @@ bool IsOutOfReach(const ChainModel& chain, const Transform& target, double toler
 void UnwindTowards(const ChainModel& chain, const JointVector& seed, const LockedJoints& locked,
                    JointVector* q) {
   for (int i = 0; i < chain.n; ++i) {
+    if (std::abs(seed[i] - (*q)[i]) < kLessThanHalfATurn) continue;
     const JointModel& joint = chain.joints[i];
     if (joint.slide || locked[i]) continue;
-    if (std::abs(seed[i] - (*q)[i]) < kLessThanHalfATurn) continue;
     const double turns = std::round((seed[i] - (*q)[i]) / kTurn);
     if (turns == 0 || std::abs(turns) > kMostTurns) continue;
     const double moved = (*q)[i] + turns * kTurn;

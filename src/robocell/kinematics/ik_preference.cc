@@ -21,9 +21,12 @@ bool IsLimited(const JointModel& joint) {
 }  // namespace
 
 IkPreference::IkPreference(const ChainModel& chain, const IkOptions& options)
-    : chain_(chain), options_(options), prefer_(options.prefer) {
-  largest_ = squared_scale(0);
-  for (int i = 1; i < chain.n; ++i) largest_ = std::max(largest_, squared_scale(i));
+    : chain_(chain), options_(options), prefer_(options.prefer) {}
+
+double IkPreference::largest_squared_scale() const {
+  double largest = squared_scale(0);
+  for (int i = 1; i < chain_.n; ++i) largest = std::max(largest, squared_scale(i));
+  return largest;
 }
 
 JointVector IkPreference::GoalFor(const JointVector& seed) const {

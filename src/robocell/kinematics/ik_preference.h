@@ -21,7 +21,7 @@ class IkPreference {
   // What part of the way to a goal joint i goes in a step, and how easily it is moved for others'
   // sake (at most 1).
   double part(int i) const;
-  double ease(int i) const { return squared_scale(i) / largest_; }
+  double ease(int i) const { return squared_scale(i) / largest_squared_scale(); }
   // Where joints to spare go from q.
   JointVector GoalFrom(const JointVector& q, const JointVector& goal) const;
   // The less the better.
@@ -31,11 +31,11 @@ class IkPreference {
   JointVector Uphill(const JointVector& q) const;
   bool counts(int i) const;
   double squared_scale(int i) const;
+  double largest_squared_scale() const;
 
   const ChainModel& chain_;
   const IkOptions& options_;
   IkPrefer prefer_;
-  double largest_ = 1;  // squared scale
 };
 
 }  // namespace robocell

@@ -20,6 +20,12 @@ int CountZeros(const Weights& weights) {
 
 bool IsWhole(const Weights& weights) { return weights == Weights{1, 1, 1}; }
 
+// The whole pose, no weights: most questions, which so spend no time on the rest.
+bool IsPlain(const IkOptions& options) {
+  return !options.position_only && !options.axis && IsWhole(options.position_weights) &&
+         IsWhole(options.rotation_weights);
+}
+
 Eigen::Matrix3d Diagonal(const Weights& weights) {
   return Eigen::Vector3d(weights[0], weights[1], weights[2]).asDiagonal();
 }
@@ -51,13 +57,13 @@ void CheckWeights(std::string_view what, const Weights& weights) {
 
 }  // namespace
 
-IkTask::IkTask(const IkOptions& options)
-    : position_only(options.position_only || CountZeros(options.rotation_weights) == 3),
-      whole_position(
-          *std::min_element(options.position_weights.begin(), options.position_weights.end()) >= 1),
-      cone(options.cone),
-      linear(Diagonal(options.position_weights)),
-      angular(Diagonal(options.rotation_weights)) {
+IkTask::IkTask(const IkOptions& options) : plain(IsPlain(options)), cone(options.cone) {
+  if (plain) return;
+  position_only = options.position_only || CountZeros(options.rotation_weights) == 3;
+  whole_position =
+      *std::min_element(options.position_weights.begin(), options.position_weights.end()) >= 1;
+  linear = Diagonal(options.position_weights);
+  angular = Diagonal(options.rotation_weights);
   if (position_only) {
     angular.setZero();
   } else if (options.axis) {
@@ -70,8 +76,6 @@ IkTask::IkTask(const IkOptions& options)
   }
   rows = 3 - CountZeros(options.position_weights);
   if (!position_only) rows += swing ? (cone > 0 ? 0 : 2) : 3 - CountZeros(options.rotation_weights);
-  plain = !position_only && !swing && IsWhole(options.position_weights) &&
-          IsWhole(options.rotation_weights);
 }
 
 IkTask::Errors IkTask::ErrorsOf(const Transform& target, const Transform& tip) const {
@@ -96,6 +100,7 @@ IkTask::Errors IkTask::ErrorsOf(const Transform& target, const Transform& tip) c
 }
 
 void CheckIkTask(const IkOptions& options) {
+  if (IsPlain(options) && options.cone == 0) return;
   CheckWeights("position_weights", options.position_weights);
   CheckWeights("rotation_weights", options.rotation_weights);
   const bool weighs = !IsWhole(options.rotation_weights);

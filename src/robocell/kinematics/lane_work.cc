@@ -106,7 +106,7 @@ void LaneWork::Pull(int lane, const JointVector& goal) {
 }
 
 void LaneWork::PutJoint(int lane, int i, double value) {
-  const JointModel& joint = chain_.joints[i];
+  const FoldedJoint& joint = folded_.joints[i];  // which the kernel reads too
   if (!options_.locked[i]) value = std::clamp(value, joint.lower, joint.upper);
   state_.q[i][lane] = value;
   if (std::isinf(state_.best_cost[lane])) state_.best_q[i][lane] = value;

@@ -64,6 +64,7 @@ class Robot {
   const std::string& name() const;
   const std::string& prefix() const;
   Scene scene() const { return scene_; }
+  SceneUse& use() const { return scene_.use(); }  // of the scene
   // ClosedError after the scene was closed.
   void RequireOpen() const;
   const RobotConfig& config() const;
