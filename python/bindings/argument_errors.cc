@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "handles.h"
+#include "plain_calls.h"
 #include "returned.h"
 #include "robocell/base/error.h"
 
@@ -111,9 +112,15 @@ PyObject* CallOriginal(PyObject* function, PyObject* const* args, size_t count,
   return result;
 }
 
-template <size_t i, bool guarded>
+enum class Calls { kFree, kGuarded, kPlainFirst };  // the last are guarded too
+
+template <size_t i, Calls calls>
 PyObject* Call(PyObject* function, PyObject* const* args, size_t count, PyObject* keywords) {
-  if constexpr (guarded) {
+  if constexpr (calls == Calls::kPlainFirst) {
+    const PlainCall plain = PlainCallOf(function);
+    if (PyObject* result = plain(args, count & kArgumentCount, keywords)) return result;
+  }
+  if constexpr (calls != Calls::kFree) {
     const Named& call = Names().find(function)->second;
     SceneClaims claims(call.name.c_str());
     if (!MayCall(call, args, count & kArgumentCount, keywords, claims)) return nullptr;
@@ -123,18 +130,21 @@ PyObject* Call(PyObject* function, PyObject* const* args, size_t count, PyObject
   }
 }
 
-template <bool guarded, size_t... i>
-constexpr std::array<vectorcallfunc, kMostOriginals> Calls(std::index_sequence<i...>) {
-  return {&Call<i, guarded>...};
+template <Calls calls, size_t... i>
+constexpr std::array<vectorcallfunc, kMostOriginals> AllCalls(std::index_sequence<i...>) {
+  return {&Call<i, calls>...};
 }
 
 // The call that stands for an original one.
-vectorcallfunc InPlaceOf(vectorcallfunc original, bool guarded) {
+vectorcallfunc InPlaceOf(vectorcallfunc original, Calls calls) {
   static constexpr auto kIndices = std::make_index_sequence<kMostOriginals>();
-  static constexpr auto kPlain = Calls<false>(kIndices), kGuarded = Calls<true>(kIndices);
+  static constexpr auto kFree = AllCalls<Calls::kFree>(kIndices),
+                        kGuarded = AllCalls<Calls::kGuarded>(kIndices),
+                        kPlainFirst = AllCalls<Calls::kPlainFirst>(kIndices);
   for (size_t i = 0; i < kMostOriginals; ++i) {
     if (!originals[i]) originals[i] = original;
-    if (originals[i] == original) return guarded ? kGuarded[i] : kPlain[i];
+    if (originals[i] != original) continue;
+    return (calls == Calls::kFree ? kFree : calls == Calls::kGuarded ? kGuarded : kPlainFirst)[i];
   }
   throw Error("nanobind calls its functions in more ways than the module can wrap");
 }
@@ -144,10 +154,12 @@ void Wrap(nb::handle function, Named named) {
   if (offset <= 0 || !nb::hasattr(function, "__nb_signature__")) return;
   for (const auto& overload : function.attr("__nb_signature__"))
     named.takes_handles |= !named.self.never && TakesHandles(nb::cast<std::string>(overload[0]));
-  const bool guarded = named.self.guard || named.takes_handles;
+  const Calls calls = PlainCallOf(function)                     ? Calls::kPlainFirst
+                      : named.self.guard || named.takes_handles ? Calls::kGuarded
+                                                                : Calls::kFree;
   if (!Names().emplace(function.ptr(), std::move(named)).second) return;  // under two names
   auto& call = *reinterpret_cast<vectorcallfunc*>(reinterpret_cast<char*>(function.ptr()) + offset);
-  call = InPlaceOf(call, guarded);
+  call = InPlaceOf(call, calls);
 }
 
 // A name that the class does not have: with the names that it has. Reading is left alone, where

@@ -389,6 +389,7 @@ void BindKinematics(nb::module_& m) {
           "reach", [](const Kinematics& k) { return k.robot.reach(); },
           nb::call_guard<nb::gil_scoped_release>(),
           "Farthest the TCP gets from the root body, metres.");
+  SetPlainIk(kinematics, nb::type<Chain>());
 }
 
 }  // namespace robocell::python

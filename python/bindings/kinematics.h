@@ -33,6 +33,9 @@ const char* TwistFrameName(TwistFrame frame);
 // `ik` of robots.
 void DefRobotIk(nb::class_<Robot>& robot);
 
+// Their `ik`, asked in the usual way.
+void SetPlainIk(nb::handle kinematics, nb::handle chain);
+
 // Chains on their own. Needs IkResult to be bound.
 void BindChain(nb::module_& m);
 

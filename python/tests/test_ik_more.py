@@ -376,6 +376,78 @@ class TestRobots:
             robot.ik(target, prefer="sed")
 
 
+class TestPlainCalls:
+    """`ik` of a Pose and an array goes past nanobind; any other way of asking the same does not."""
+
+    def test_answer_as_all_others_do(self, robot):
+        low, high = np.array(robot.joint_limits).T
+        for k, q in enumerate(reachable(robot, 30, seed=5)):
+            pose = robot.kinematics.fk(q)
+            seed = (low + high) / 2 if k % 2 else np.clip(q + 0.1, low, high)
+            apart, swapped = np.repeat(seed, 2)[::2], seed.astype(">f8")
+            sealed = seed.copy()
+            sealed.flags.writeable = False
+            for ik in (robot.kinematics.ik, robot.chain.ik):
+                plain = ik(pose, seed=seed, tolerance=1e-5)
+                assert plain.success
+                assert plain.q.flags.writeable
+                assert plain.q is not plain.q
+                for same in (
+                    ik(pose, seed),
+                    ik(pose, seed=sealed),
+                    ik(pose, tolerance=1e-5, seed=seed),
+                    ik(target=pose, seed=seed),
+                    ik(pose, list(seed), tolerance=1e-5),
+                    ik(pose, apart),
+                    ik(pose, swapped),
+                    ik(pose, memoryview(seed)),
+                    ik(pose, seed, max_restarts=100, max_iterations=40),
+                    ik(**{"target": pose, "".join(["se", "ed"]): seed}),
+                ):
+                    np.testing.assert_array_equal(same.q, plain.q)
+                    assert same.restarts == plain.restarts
+                    assert same.iterations == plain.iterations
+                assert ik(pose, seed, tolerance=1e-9).position_error < 1e-9
+
+    def test_refuse_as_all_others_do(self, robot):
+        pose, seed = rc.Pose(translation=[0.4, 0, 0.4]), robot.arm.joint_pos
+        for ik in (robot.kinematics.ik, robot.chain.ik):
+            for options in (
+                {"seed": seed[:6]},
+                {"seed": seed * np.nan},
+                {"seed": np.zeros(13)},
+                {"seed": np.zeros(0), "tolerance": 0.0},
+                {"seed": seed[None]},
+                {"seed": seed, "tolerance": -1.0},
+                {"seed": seed, "tolerance": np.inf},
+            ):
+                messages = []
+                for more in ({}, {"max_restarts": 100}):
+                    with pytest.raises((rc.ArgumentError, TypeError)) as refused:
+                        ik(pose, **options, **more)
+                    messages.append(repr(refused.value))
+                assert messages[0] == messages[1]
+            with pytest.raises(TypeError, match="seed"):
+                ik(pose, seed, seed=seed)
+            with pytest.raises(TypeError, match="tol"):
+                ik(pose, seed, tol=1e-5)
+            with pytest.raises(TypeError, match="`tolerance` must be a number"):
+                ik(pose, seed, tolerance="small")
+
+    def test_end_with_the_scene_but_for_chains(self):
+        spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
+        spec.robots.append(rc.RobotSpec(name="a", config=rc.RobotConfig.load(robot_file("rc7"))))
+        scene = rc.Scene.build(spec)
+        kinematics, chain = scene.robot("a").kinematics, scene.robot("a").chain
+        seed = scene.robot("a").arm.joint_pos
+        pose = chain.fk(seed + 0.1)
+        assert kinematics.ik(pose, seed)
+        scene.close()
+        with pytest.raises(rc.ClosedError, match="robot 'a' is closed: its scene was closed"):
+            kinematics.ik(pose, seed)
+        assert chain.ik(pose, seed)
+
+
 class TestBatches:
     """Any batch, and what is no batch of poses."""
 
