@@ -38,14 +38,16 @@ void Append(std::span<const double> q, bool success, std::vector<double>* answer
     answers->push_back(success ? v : std::numeric_limits<double>::quiet_NaN());
 }
 
-void SolveTogether(const Chain& chain, std::span<const Pose> targets, int calls,
+// From the matrices, as Python has them: what comes of them is looked at within the call.
+void SolveTogether(const Chain& chain, std::span<const double> matrices, int calls,
                    std::vector<double>* answers) {
   std::vector<double> seconds;
   IkBatchResult found;
   for (int k = 0; k < calls; ++k) {
     const Stopwatch watch;
-    found = IkBatch(chain, targets, {}, {.ik = {.tolerance = kTolerance}});
-    seconds.push_back(watch.seconds() / static_cast<double>(targets.size()));
+    found =
+        IkBatch(chain, IkTargets::FromMatrices(matrices), {}, {.ik = {.tolerance = kTolerance}});
+    seconds.push_back(watch.seconds() / found.size);
   }
   for (int b = 0; b < found.size; ++b) Append(found.row(b), found.success[b], answers);
   answers->insert(answers->end(), seconds.begin(), seconds.end());
@@ -78,7 +80,7 @@ void Run(const std::string& robot_file, int calls, const std::string& asked,
   IkBatch(chain, std::span(targets).first(1));  // makes what a chain keeps
   std::vector<double> answers;
   if (calls > 0) {
-    SolveTogether(chain, targets, calls, &answers);
+    SolveTogether(chain, matrices, calls, &answers);
   } else {
     SolveOneByOne(chain, targets, std::span(numbers).subspan(2 + 16 * count), &answers);
   }
