@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <cmath>
 #include <mutex>
 #include <optional>
@@ -17,12 +18,16 @@ namespace robocell {
 struct Chain::Lazy {
   std::once_flag made;
   std::optional<LaneChain> lanes;
+  std::atomic<const LaneChain*> ready = nullptr;  // sooner looked at than the flag
   std::shared_ptr<void> companion;
 };
 
 const LaneChain& Chain::lanes() const {
   Lazy& lazy = *parts_->lazy;
-  std::call_once(lazy.made, [&] { lazy.lanes.emplace(model()); });
+  if (const LaneChain* ready = lazy.ready.load(std::memory_order_acquire)) return *ready;
+  std::call_once(lazy.made, [&] {
+    lazy.ready.store(&lazy.lanes.emplace(model()), std::memory_order_release);
+  });
   return *lazy.lanes;
 }
 

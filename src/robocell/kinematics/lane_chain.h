@@ -1,11 +1,13 @@
 // What a chain keeps for solvers that work on many lanes; made when it is first asked for.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
 
 #include "robocell/kinematics/folded_chain.h"
+#include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/link_table.h"
 #include "robocell/kinematics/normal_frames.h"
 #include "robocell/kinematics/start_table.h"
@@ -15,21 +17,29 @@ namespace robocell {
 class LaneChain {
  public:
   explicit LaneChain(const ChainModel& chain)
-      : folded_(Fold(chain)), links_(Tabulate(InNormalFrames(chain))) {}
+      : folded_(Fold(chain)),
+        links_(Tabulate(InNormalFrames(chain))),
+        middle_(SeedOf(chain, {}, {})) {}
 
   const FoldedChain& folded() const { return folded_; }
   // In normal frames.
   const LinkTable& links() const { return links_; }
+  // Where searches without a seed begin.
+  const JointVector& middle() const { return middle_; }
   const StartTable& starts(const ChainModel& chain) const {
-    std::call_once(made_, [&] { starts_.emplace(chain); });
+    if (const StartTable* ready = ready_.load(std::memory_order_acquire)) return *ready;
+    std::call_once(made_,
+                   [&] { ready_.store(&starts_.emplace(chain), std::memory_order_release); });
     return *starts_;
   }
 
  private:
   FoldedChain folded_;
   LinkTable links_;
+  JointVector middle_;
   mutable std::once_flag made_;
   mutable std::optional<StartTable> starts_;
+  mutable std::atomic<const StartTable*> ready_ = nullptr;  // sooner looked at than the flag
 };
 
 }  // namespace robocell

@@ -21,7 +21,7 @@ class LaneStarts {
   LaneStarts(const LaneWork& work, const Transform& tip_in_base, std::span<const double> seed,
              int first = 0, int stride = 1)
       : tip_(&tip_in_base),
-        seed_(SeedOf(work.chain(), seed, work.options().locked)),
+        seed_(work.SeedOf(seed)),
         seeded_(!seed.empty()),
         next_(first),
         stride_(stride) {
@@ -87,10 +87,7 @@ class LaneStarts {
   // The goal, the seed, then one around the goal and one near the target by turns.
   void BeginAround(int lane, int number, LaneWork* work) {
     if (number == 0) return work->Put(lane, seed_.data());
-    if (number == 1 && seeded_) {
-      const JointVector seed = SeedOf(work->chain(), own_seed_, work->options().locked);
-      return work->Put(lane, seed.data());
-    }
+    if (number == 1 && seeded_) return work->Put(lane, work->SeedOf(own_seed_).data());
     if (number % 2 == 1 && PutNearby(lane, number / 2, number, work)) return;
     const double part = std::min(1.0, kGrowth * number);
     work->Put(lane, SpreadStart(work->chain(), seed_, work->options().locked, number, part).data());

@@ -55,6 +55,16 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
   }
 }
 
+JointVector LaneWork::SeedOf(std::span<const double> seed) const {
+  if (seed.empty()) return lane_chain_.middle();
+  JointVector q(seed);
+  for (int i = 0; i < chain_.n; ++i) {
+    const FoldedJoint& joint = folded_.joints[i];
+    if (!options_.locked[i]) q[i] = std::clamp(q[i], joint.lower, joint.upper);
+  }
+  return q;
+}
+
 void LaneWork::Clear(int first, int end) {
   const auto clear = [&](double(&row)[kMaxLanes]) { std::fill(row + first, row + end, 0.0); };
   for (int i = 0; i < chain_.n; ++i) clear(state_.q[i]), clear(state_.best_q[i]);

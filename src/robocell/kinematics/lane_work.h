@@ -22,6 +22,8 @@ class LaneWork {
   // Whether arrived lanes have joints to spare that go somewhere.
   bool settles() const { return preference_.any() && free_joints_ > task_.rows; }
 
+  // The seed, or the middle of the limits without one; inside the limits but for locked joints.
+  JointVector SeedOf(std::span<const double> seed) const;
   // Gives the lanes from one to another values, before any of them is stepped with others.
   void Clear(int first, int end);
   // A new question for a lane; forgets the best of the last one.
