@@ -34,8 +34,6 @@ ROBOTS = (
     "examples/desk6/desk6.yaml",
 )
 REPETITIONS = 5
-# Of sides that differ by less than processes do: where memory lies, how fast the core is meanwhile.
-SMALL_REPETITIONS = 10
 # What is installed for a side that is not ours, in an environment of its own.
 PACKAGES = {
     "TRAC-IK": "pytracik==0.0.3",
@@ -71,6 +69,14 @@ class Side:
     p99: float = 0
     reached: float = 0
     solved: float = 0
+
+    def take(self, arm: Arm, q: Array, seconds: Array) -> None:
+        """One more repetition."""
+        # Calls by turns do the same work each: what one takes longer is what disturbed it.
+        summary = np.min if "by turns" in self.name else np.mean
+        self.rates.append(1 / float(summary(seconds)))
+        self.p50, self.p99 = 1e6 * np.percentile(seconds, (50, 99))
+        self.reached, self.solved = arm.judge(q)
 
     @property
     def python(self) -> Path | None:
@@ -156,11 +162,11 @@ class Arm:
         return bool(off <= TOLERANCE * 1.0001)
 
 
-def measure(arm: Arm, side: Side, questions: Path, folder: Path) -> None:
-    """One more repetition, in a process on one core (on as many as it has threads)."""
+def answers_of(side: Side, questions: Path, folder: Path) -> tuple[Array, Array]:
+    """What a process on one core (on as many as it has threads) answers, and the seconds."""
     python = side.python
     if python is None:
-        return
+        return np.empty(0), np.empty(0)
     with np.load(questions) as file:
         part = {name: file[name] for name in file.files}
     for name in ("targets", "seeds"):
@@ -175,13 +181,14 @@ def measure(arm: Arm, side: Side, questions: Path, folder: Path) -> None:
         check=True,
     )
     with np.load(answered) as file:
-        if len(file["q"]) == 0:
-            return
-        # Calls with the same batch do the same work: what one takes longer is what disturbed it.
-        summary = np.min if "small batch" in side.name else np.mean
-        side.rates.append(1 / float(summary(file["seconds"])))
-        side.p50, side.p99 = 1e6 * np.percentile(file["seconds"], (50, 99))
-        side.reached, side.solved = arm.judge(file["q"])
+        return file["q"], file["seconds"]
+
+
+def measure(arm: Arm, side: Side, questions: Path, folder: Path) -> None:
+    """One more repetition, if the side can solve this arm."""
+    q, seconds = answers_of(side, questions, folder)
+    if len(q) > 0:
+        side.take(arm, q, seconds)
 
 
 def compare(
@@ -221,12 +228,15 @@ def row(arm: Arm, ours: Side, peer: Side, start: str) -> Row:
 def ourselves(arm: Arm, folder: Path) -> list[Row]:
     """Two threads beside one; Python beside C++, with a small batch."""
     one, two = Side("robocell batch", BATCH), Side("robocell batch, 2 threads", BATCH)
-    small, cpp = Side("robocell small batch", SMALL), Side("robocell small batch, C++", SMALL)
+    small, cpp = (Side("robocell small batch, by turns", SMALL) for _ in range(2))
     questions = arm.questions(folder, warm=False)
-    for pair, repetitions in (((one, two), REPETITIONS), ((small, cpp), SMALL_REPETITIONS)):
-        for _ in range(repetitions):
-            for side in pair:
-                measure(arm, side, questions, folder)
+    for _ in range(REPETITIONS):
+        for side in (one, two):
+            measure(arm, side, questions, folder)
+        for side, q, seconds in zip(
+            (small, cpp), *answers_of(small, questions, folder), strict=True
+        ):
+            side.take(arm, q, seconds)
     return [
         Row(
             f"inverse kinematics in one batch, {what}, {arm.robot.name}",

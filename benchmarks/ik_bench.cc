@@ -1,15 +1,18 @@
 // Inverse kinematics from C++, for rows P1, P3 and P4 of RESULTS.md: the same questions that
 // ik_side.py puts to Python.
 //
-//   build/release/ik_bench ROBOT.yaml CALLS ASKED ANSWERED
+//   build/release/ik_bench ROBOT.yaml one|turns ASKED ANSWERED
 //
 // ASKED: doubles: the numbers of targets and joints, a 4x4 matrix for each target, a seed for each.
-// CALLS with all targets at once, without seeds; 0: one by one, from the seeds. ANSWERED: doubles:
-// joint values for each target, NaN where there are none, then the seconds of each call (for each
-// target, or per target).
+// `one`: one by one, from the seeds. `turns`: all targets in one call, without seeds, ten times for
+// each line on stdin, by turns with who writes them: a line on stdout says that it is their turn.
+// ANSWERED: doubles: joint values for each target, NaN where there are none, then the seconds of
+// each call (for each target, or per target).
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <exception>
+#include <iostream>
 #include <limits>
 #include <string>
 #include <vector>
@@ -22,6 +25,7 @@ namespace robocell {
 namespace {
 
 constexpr double kTolerance = 1e-5;
+constexpr int kCallsATurn = 10;  // so that the core's caches hold what they need
 
 class Stopwatch {
  public:
@@ -38,16 +42,25 @@ void Append(std::span<const double> q, bool success, std::vector<double>* answer
     answers->push_back(success ? v : std::numeric_limits<double>::quiet_NaN());
 }
 
-// From the matrices, as Python has them: what comes of them is looked at within the call.
-void SolveTogether(const Chain& chain, std::span<const double> matrices, int calls,
+// Whether there is another turn, after those of others.
+bool WaitForTurn() {
+  std::string line;
+  std::cout << std::endl;
+  return static_cast<bool>(std::getline(std::cin, line));
+}
+
+// From the matrices, as Python has them: whether they are rigid is looked at within the call.
+void SolveTogether(const Chain& chain, std::span<const double> matrices,
                    std::vector<double>* answers) {
   std::vector<double> seconds;
   IkBatchResult found;
-  for (int k = 0; k < calls; ++k) {
-    const Stopwatch watch;
-    found =
-        IkBatch(chain, IkTargets::FromMatrices(matrices), {}, {.ik = {.tolerance = kTolerance}});
-    seconds.push_back(watch.seconds() / found.size);
+  while (WaitForTurn()) {
+    for (int k = 0; k < kCallsATurn; ++k) {
+      const Stopwatch watch;
+      found =
+          IkBatch(chain, IkTargets::FromMatrices(matrices), {}, {.ik = {.tolerance = kTolerance}});
+      seconds.push_back(watch.seconds() / found.size);
+    }
   }
   for (int b = 0; b < found.size; ++b) Append(found.row(b), found.success[b], answers);
   answers->insert(answers->end(), seconds.begin(), seconds.end());
@@ -67,7 +80,7 @@ void SolveOneByOne(const Chain& chain, std::span<const Pose> targets, std::span<
   answers->insert(answers->end(), seconds.begin(), seconds.end());
 }
 
-void Run(const std::string& robot_file, int calls, const std::string& asked,
+void Run(const std::string& robot_file, const std::string& how, const std::string& asked,
          const std::string& answered) {
   const Robot robot = Robot::Of(bench::SceneWith(RobotConfig::Load(robot_file)), "robot");
   const Chain& chain = robot.chain();
@@ -79,8 +92,8 @@ void Run(const std::string& robot_file, int calls, const std::string& asked,
   for (std::size_t b = 0; b < count; ++b) targets.push_back(asked_for[b].pose());
   IkBatch(chain, std::span(targets).first(1));  // makes what a chain keeps
   std::vector<double> answers;
-  if (calls > 0) {
-    SolveTogether(chain, matrices, calls, &answers);
+  if (how == "turns") {
+    SolveTogether(chain, matrices, &answers);
   } else {
     SolveOneByOne(chain, targets, std::span(numbers).subspan(2 + 16 * count), &answers);
   }
@@ -92,11 +105,11 @@ void Run(const std::string& robot_file, int calls, const std::string& asked,
 
 int main(int argc, char** argv) {
   if (argc != 5) {
-    std::fprintf(stderr, "usage: ik_bench ROBOT.yaml CALLS ASKED ANSWERED\n");
+    std::fprintf(stderr, "usage: ik_bench ROBOT.yaml one|turns ASKED ANSWERED\n");
     return 2;
   }
   try {
-    robocell::Run(argv[1], std::stoi(argv[2]), argv[3], argv[4]);
+    robocell::Run(argv[1], argv[2], argv[3], argv[4]);
     return 0;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());

@@ -3,7 +3,8 @@
 Runs in the environment of the side's own package (ik.py makes it). Questions: targets (B, 4, 4) of
 the tip in the base frame, seeds (B, n), limits (n, 2), `example` (n,), joint values that put the
 tip at the first target, `urdf` and `robot` (files). Answers: q (B, n), NaN where the side found
-nothing, and the seconds of each call; both empty when the side cannot solve this arm.
+nothing, and the seconds of each call; both empty when the side cannot solve this arm. Of two sides
+that take turns: q (2, B, n), seconds (2, calls).
 """
 
 from __future__ import annotations
@@ -12,8 +13,9 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
+from subprocess import PIPE, Popen
 from typing import Any
 
 import numpy as np
@@ -27,7 +29,7 @@ Side = Callable[[Questions], tuple[Array, Array] | None]
 ROOT = Path(__file__).resolve().parents[1]
 # Norms, in metres and radians.
 TOLERANCE = 1e-5
-SMALL_CALLS = 50  # calls with a small batch that are timed
+TURNS, CALLS_A_TURN = 60, 10  # of each of two sides that take turns
 
 
 def one_by_one(questions: Questions, solve: Solve) -> tuple[Array, Array]:
@@ -51,22 +53,51 @@ def load(questions: Questions) -> Any:
     return load_robot(Path(str(questions["robot"]))).robot
 
 
-def batch(threads: int, calls: int) -> Side:
-    """All targets in one call, no seeds; the seconds of each of so many calls, per target."""
+def batch(threads: int) -> Side:
+    """All targets in one call, no seeds; the seconds per target."""
 
     def run(questions: Questions) -> tuple[Array, Array]:
-        kinematics = load(questions).kinematics
-        targets = questions["targets"]
-        kinematics.ik_batch(targets[:1])  # makes what a chain keeps
-        seconds = []
-        for _ in range(calls):
-            begin = time.perf_counter()
-            found = kinematics.ik_batch(targets, tolerance=TOLERANCE, threads=threads)
-            seconds.append((time.perf_counter() - begin) / len(targets))
-        answers = np.where(found.success[:, None], found.q, np.nan)
+        answers, seconds = batches(questions, threads, [None])
         return answers, np.array(seconds)
 
     return run
+
+
+def batches(questions: Questions, threads: int, turns: Iterable[None]) -> tuple[Array, list[float]]:
+    """All targets in one call for each turn; answers, and the seconds of each call, per target."""
+    kinematics = load(questions).kinematics
+    targets = questions["targets"]
+    kinematics.ik_batch(targets[:1])  # makes what a chain keeps
+    seconds = []
+    for _ in turns:
+        begin = time.perf_counter()
+        found = kinematics.ik_batch(targets, tolerance=TOLERANCE, threads=threads)
+        seconds.append((time.perf_counter() - begin) / len(targets))
+    return np.where(found.success[:, None], found.q, np.nan), seconds
+
+
+def batches_by_turns(questions: Questions) -> tuple[Array, Array]:
+    """All targets in one call, ten times from Python, ten from C++ and so on: disturbances of both.
+
+    Two processes one after the other differ by more than what a call from Python costs.
+    """
+
+    def turns(cpp: Popen[str]) -> Iterator[None]:
+        assert cpp.stdin is not None
+        assert cpp.stdout is not None
+        cpp.stdout.readline()
+        for _ in range(TURNS):
+            yield from [None] * CALLS_A_TURN
+            cpp.stdin.write("\n")
+            cpp.stdin.flush()
+            cpp.stdout.readline()
+
+    with tempfile.TemporaryDirectory() as folder:
+        command = cpp_command(questions, "turns", Path(folder))
+        with Popen(command, stdin=PIPE, stdout=PIPE, text=True) as cpp:
+            answers, seconds = batches(questions, 1, turns(cpp))
+        its_answers, its_seconds = cpp_answers(questions, Path(folder))
+    return np.stack([answers, its_answers]), np.stack([seconds, its_seconds])
 
 
 def robocell_one(questions: Questions) -> tuple[Array, Array]:
@@ -85,21 +116,27 @@ def robocell_one(questions: Questions) -> tuple[Array, Array]:
     return one_by_one(questions, solve)
 
 
-def in_cpp(calls: int) -> Side:
-    """The same from C++ (ik_bench.cc): so many calls with all targets; 0: one by one."""
+def one_in_cpp(questions: Questions) -> tuple[Array, Array]:
+    """The same from C++."""
+    with tempfile.TemporaryDirectory() as folder:
+        command = cpp_command(questions, "one", Path(folder))
+        subprocess.run(command, check=True)
+        return cpp_answers(questions, Path(folder))
 
-    def run(questions: Questions) -> tuple[Array, Array]:
-        targets, seeds = questions["targets"], questions["seeds"]
-        with tempfile.TemporaryDirectory() as folder:
-            asked, answered = Path(folder, "asked"), Path(folder, "answered")
-            np.concatenate([seeds.shape, targets.ravel(), seeds.ravel()]).tofile(asked)
-            program = ROOT / "build" / "release" / "ik_bench"
-            robot = str(questions["robot"])
-            subprocess.run([program, robot, str(calls), asked, answered], check=True)
-            numbers = np.fromfile(answered)
-        return numbers[: seeds.size].reshape(seeds.shape), numbers[seeds.size :]
 
-    return run
+def cpp_command(questions: Questions, how: str, folder: Path) -> list[str]:
+    """That of ik_bench.cc, with the questions in a folder."""
+    targets, seeds = questions["targets"], questions["seeds"]
+    np.concatenate([seeds.shape, targets.ravel(), seeds.ravel()]).tofile(folder / "asked")
+    program = ROOT / "build" / "release" / "ik_bench"
+    robot, asked, answered = questions["robot"], folder / "asked", folder / "answered"
+    return [str(word) for word in (program, robot, how, asked, answered)]
+
+
+def cpp_answers(questions: Questions, folder: Path) -> tuple[Array, Array]:
+    """What it left there."""
+    numbers, shape = np.fromfile(folder / "answered"), questions["seeds"].shape
+    return numbers[: np.prod(shape)].reshape(shape), numbers[np.prod(shape) :]
 
 
 def kdl_lma(questions: Questions) -> tuple[Array, Array]:
@@ -159,12 +196,11 @@ def kdl_joints(values: Array) -> Any:
 
 
 SIDES: dict[str, Side] = {
-    "robocell batch": batch(threads=1, calls=1),
-    "robocell batch, 2 threads": batch(threads=2, calls=1),
-    "robocell small batch": batch(threads=1, calls=SMALL_CALLS),
-    "robocell small batch, C++": in_cpp(SMALL_CALLS),
+    "robocell batch": batch(threads=1),
+    "robocell batch, 2 threads": batch(threads=2),
+    "robocell small batch, by turns": batches_by_turns,
     "robocell": robocell_one,
-    "robocell, C++": in_cpp(0),
+    "robocell, C++": one_in_cpp,
     "KDL-LMA": kdl_lma,
     "KDL-NR": kdl_nr,
 }
