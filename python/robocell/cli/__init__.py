@@ -50,8 +50,8 @@ def options(
 def load(arguments: Sequence[str]) -> typer.Typer:
     """The command line for these arguments.
 
-    The command that they begin with is loaded alone, in half the time; all of them for the help,
-    and for a name that is none.
+    The command that they begin with is loaded alone; all of them for the help, and for a name that
+    is none.
     """
     app = typer.Typer(
         no_args_is_help=True,

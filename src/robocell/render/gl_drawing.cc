@@ -99,7 +99,7 @@ void MjvScene::LetPlanesCastNoShadow() {
   }
 }
 
-MjrContext::MjrContext(const mjModel* model, int samples, int shadow_size)
+MjrContext::MjrContext(const mjModel* model, int samples, int shadow_size, bool things)
     : context_(new mjrContext) {
   mjr_defaultContext(context_.get());
   mjModel view = *model;  // quality belongs to the renderer, and the model may be shared: change a
@@ -108,6 +108,7 @@ MjrContext::MjrContext(const mjModel* model, int samples, int shadow_size)
   view.vis.quality.shadowsize = shadow_size;
   view.vis.global.offwidth = 64;
   view.vis.global.offheight = 64;
+  if (!things) view.ntex = view.nmesh = view.nhfield = 0;
   try {
     Guarded("uploading the model to OpenGL", [&] {
       mjr_makeContext(&view, context_.get(), mjFONTSCALE_100);

@@ -37,8 +37,9 @@ class MjvScene {
 class MjrContext {
  public:
   // Uploads the model with an off-screen buffer of this many samples per pixel; `shadow_size` 0
-  // means no shadows.
-  MjrContext(const mjModel* model, int samples, int shadow_size);
+  // means no shadows. Without `things` it has none of the model's textures and meshes, and can draw
+  // nothing that needs them.
+  MjrContext(const mjModel* model, int samples, int shadow_size, bool things = true);
   ~MjrContext() { mjr_freeContext(context_.get()); }
   MjrContext(const MjrContext&) = delete;
   MjrContext& operator=(const MjrContext&) = delete;

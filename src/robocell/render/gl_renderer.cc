@@ -15,11 +15,21 @@
 namespace robocell {
 namespace {
 
+bool ShowsAnything(const Visibility& visibility) {
+  const auto& groups = visibility.geom_groups;
+  return visibility.sites || visibility.skybox ||
+         std::find(groups.begin(), groups.end(), true) != groups.end();
+}
+
 mjvOption ToOption(const Visibility& visibility) {
   mjvOption option;
   mjv_defaultOption(&option);
   for (int i = 0; i < mjNGROUP; ++i) option.geomgroup[i] = visibility.geom_groups[i];
   if (!visibility.sites) std::fill_n(option.sitegroup, mjNGROUP, mjtByte{0});
+  if (!ShowsAnything(visibility)) {
+    std::fill_n(option.skingroup, mjNGROUP, mjtByte{0});
+    std::fill_n(option.flexgroup, mjNGROUP, mjtByte{0});
+  }
   option.flags[mjVIS_RANGEFINDER] = 0;  // drawn rays are no matter
   return option;
 }
@@ -79,7 +89,8 @@ struct GlRenderer::Impl {
 
   MjrContext& Exact() {
     if (options.quality.multisamples == 0) return *colour;
-    if (!exact) exact = std::make_unique<MjrContext>(model, 0, 0);
+    if (!exact)
+      exact = std::make_unique<MjrContext>(model, 0, 0, ShowsAnything(options.visibility));
     return *exact;
   }
 
@@ -189,7 +200,8 @@ void GlRenderer::SetModel(const mjModel* model) {
   const RenderQuality& quality = r.options.quality;
   GlContext::Current current(*r.context);
   r.colour = std::make_unique<MjrContext>(model, quality.multisamples,
-                                          quality.shadows ? quality.shadow_size : 0);
+                                          quality.shadows ? quality.shadow_size : 0,
+                                          ShowsAnything(r.options.visibility));
   r.watch = ModelWatch(model);
   r.signature = model->signature;
   r.model = model;

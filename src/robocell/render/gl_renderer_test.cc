@@ -184,6 +184,15 @@ TEST_F(Rendering, AFloorWithNothingOnItHasNoShadows) {
   EXPECT_EQ(darker, 0);
 }
 
+TEST_F(Rendering, WithNothingToShowTheImageIsEmpty) {
+  const Visibility nothing{.geom_groups = {}, .sites = false, .skybox = false};
+  const Images images = Take(*Make({.visibility = nothing}));
+  EXPECT_THAT(images.rgb, testing::Each(images.rgb.front()));
+  EXPECT_THAT(images.depth, testing::Each(0));
+  EXPECT_THAT(images.ids, testing::Each(-1));
+  EXPECT_EQ(images.camera.width, kW);
+}
+
 TEST_F(Rendering, ColoursAreReadFromTheModelEachTime) {
   const Images red = Take(*renderer_);
   std::swap(model_->geom_rgba[4 * 1 + 0], model_->geom_rgba[4 * 1 + 1]);
