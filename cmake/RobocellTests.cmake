@@ -14,6 +14,10 @@ target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
   PRIVATE robocell_flags PkgConfig::HWY)
 
 # robocell_test(NAME SOURCES...): a test program and its tests.
+# Scene after scene takes and frees megabytes: malloc keeps them instead of giving them back, which takes a fifth of
+# the time. What is in use is the same.
+set(keep_memory "MALLOC_TRIM_THRESHOLD_=1000000000;MALLOC_MMAP_THRESHOLD_=1000000000")
+set(slowest_layers scene datagen task render robot data media env kinematics)
 function(robocell_test name)
   add_executable(${name} ${ARGN})
   robocell_unity(${name} ${ROBOCELL_UNITY_TESTS} ${ARGN})
@@ -31,11 +35,17 @@ function(robocell_test name)
   endif()
   set_target_properties(${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
   string(REPLACE "_test" "" label ${name})
-  # Two processes a layer: starting one for every test costs more than most tests.
+  # Two processes a layer: starting one for every test costs more than most tests. Those that take longest come first,
+  # so that none of them is left alone at the end.
+  list(FIND slowest_layers ${label} place)
+  set(cost 0)
+  if(place GREATER -1)
+    math(EXPR cost "100 - ${place}")
+  endif()
   foreach(shard 0 1)
     add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1 WORKING_DIRECTORY "${CMAKE_BINARY_DIR}")
-    set_tests_properties(${name}.${shard} PROPERTIES LABELS ${label} TIMEOUT 900
-      ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${shard}")
+    set_tests_properties(${name}.${shard} PROPERTIES LABELS ${label} TIMEOUT 900 COST ${cost}
+      ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${shard};${keep_memory}")
   endforeach()
 endfunction()
 

@@ -59,7 +59,7 @@ class Refusing : public TaskSampler {
   }
 };
 
-// At least nine of ten accepted starts succeed.
+// At least nine of ten accepted starts succeed. Of twenty: tests/integration/test_pick_dataset.py.
 void ExpectGoodRun(const RunConfig& run, int episodes) {
   Runner runner(run);
   int accepted = 0, attempts = 0;
@@ -78,13 +78,13 @@ void ExpectGoodRun(const RunConfig& run, int episodes) {
 
 TEST(Runner, TheDemosEpisodesSucceed) {
   TempDir folder;
-  ExpectGoodRun(Blind("demo.yaml", folder / "out"), 10);
+  ExpectGoodRun(Blind("demo.yaml", folder / "out"), 5);
 }
 
 TEST(Runner, TheEpisodesOfARealArmSucceed) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   TempDir folder;
-  ExpectGoodRun(Blind("xarm7_pick.yaml", folder / "out"), 10);
+  ExpectGoodRun(Blind("xarm7_pick.yaml", folder / "out"), 5);
 }
 
 TEST(Runner, AnEpisodeDoesNotDependOnWhatWasMadeBefore) {
