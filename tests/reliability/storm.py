@@ -18,7 +18,7 @@ from ledger import is_blank
 import robocell
 from contents import contents
 
-EPISODES = 8
+EPISODES = 6
 RUN = {
     "run": "storm",
     "robot": str(robocell.models.robot_file("rc7")),

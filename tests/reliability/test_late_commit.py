@@ -27,7 +27,7 @@ import robocell
 COMMIT = "rename */out/s0*"
 SOON_S = 120
 # Of an item, and of a worker's start, which takes longest on a machine with much to do.
-TIMEOUT_S = 15
+TIMEOUT_S = 8
 
 
 class Stop:
