@@ -27,10 +27,10 @@ from robocell.generate.procfs import children
 from robocell.generate.resume import report_of
 
 IDS = ["s0000_e0000", "s0000_e0001"]
-# Enough that each of seven workers gets one; so far away that not every first start is in reach.
+# One for each of seven workers; so far away that not every first start is in reach.
 STREAM = {"name": "wrist", "camera": "wrist_camera", "depth": True}
 LONGER = {
-    "episodes_per_scene": 10,
+    "episodes_per_scene": 7,
     "task": {**RUN["task"], "base_distance": [0.4, 0.62]},
     "rates": {**RUN["rates"], "policy_ms": 198},  # fewer images: what is drawn is not the question
     "cameras": {"resolution": [64, 48], "streams": [STREAM]},
