@@ -33,6 +33,13 @@ std::pair<std::string, nb::object> OnlyEntry(nb::handle value, const FieldPath& 
 
 }  // namespace
 
+void AddField(std::vector<Field>* fields, const char* name, const char* doc, const void* spec,
+              const void* value, const FieldOps& ops) {
+  const auto offset =
+      static_cast<size_t>(static_cast<const char*>(value) - static_cast<const char*>(spec));
+  fields->push_back({name, doc, ops.type(), ops.set_type(), offset, &ops});
+}
+
 bool HoldsOthers(const std::vector<Field>& fields, nb::handle dict) {
   for (const auto& [key, value] : nb::borrow<nb::dict>(dict)) {
     const bool whole = nb::isinstance<nb::dict>(value) ||

@@ -6,7 +6,6 @@
 // AttachTarget, ElementRef), so that no edit is ever lost silently.
 #pragma once
 
-#include <functional>
 #include <limits>
 #include <string>
 #include <type_traits>
@@ -22,15 +21,37 @@
 
 namespace robocell::python {
 
+// What is done to fields of one type, whatever class they are in.
+struct FieldOps {
+  std::string (*type)();  // annotations
+  std::string (*set_type)();
+  nb::object (*get)(void* value, const char* name, nb::handle self);
+  void (*set)(void* value, nb::handle from, const FieldPath& path);
+  bool (*equal)(const void* a, const void* b);
+};
+
 // One field of a spec class, its type hidden.
 struct Field {
   const char* name;
   const char* doc;
   std::string type, set_type;  // annotations
-  std::function<nb::object(void* spec, nb::handle self)> get;
-  std::function<void(void* spec, nb::handle value, const FieldPath& path)> set;
-  std::function<bool(const void* a, const void* b)> equal;
+  size_t offset;               // in the spec
+  const FieldOps* ops;
+
+  nb::object get(void* spec, nb::handle self) const { return ops->get(In(spec), name, self); }
+  void set(void* spec, nb::handle value, const FieldPath& path) const {
+    ops->set(In(spec), value, path);
+  }
+  bool equal(const void* a, const void* b) const {
+    return ops->equal(static_cast<const char*>(a) + offset, static_cast<const char*>(b) + offset);
+  }
+
+ private:
+  void* In(void* spec) const { return static_cast<char*>(spec) + offset; }
 };
+
+void AddField(std::vector<Field>* fields, const char* name, const char* doc, const void* spec,
+              const void* value, const FieldOps& ops);
 
 // Sets fields from keyword arguments or a dictionary. TypeError names an unknown one with the
 // nearest; `path` is what is being set, "" for a constructor.
@@ -531,24 +552,27 @@ struct Convert<RobotSource> {
 
 // --- All fields of a class -----------------------------------------------------------------------
 
+template <class Value>
+inline constexpr FieldOps kFieldOps = {
+    &Convert<Value>::Type, &Convert<Value>::SetType,
+    [](void* value, const char* name, nb::handle self) -> nb::object {
+      return Convert<Value>::Get(*static_cast<Value*>(value), name, self);
+    },
+    [](void* value, nb::handle from, const FieldPath& path) {
+      Convert<Value>::Set(*static_cast<Value*>(value), from, path);
+    },
+    [](const void* a, const void* b) {
+      return *static_cast<const Value*>(a) == *static_cast<const Value*>(b);
+    }};
+
 template <HasFields T>
 const std::vector<Field>& FieldsOf() {
   static const std::vector<Field> kFields = [] {
     std::vector<Field> fields;
-    T::Fields([&](const char* name, auto member, const char* doc, Check = Check::kNone) {
-      using Value = std::remove_reference_t<decltype(std::declval<T&>().*member)>;
-      using C = Convert<Value>;
-      fields.push_back({name, doc, C::Type(), C::SetType(),
-                        [member, name](void* spec, nb::handle self) {
-                          return C::Get(static_cast<T*>(spec)->*member, name, self);
-                        },
-                        [member](void* spec, nb::handle value, const FieldPath& path) {
-                          C::Set(static_cast<T*>(spec)->*member, value, path);
-                        },
-                        [member](const void* a, const void* b) {
-                          return static_cast<const T*>(a)->*member ==
-                                 static_cast<const T*>(b)->*member;
-                        }});
+    const T plain{};
+    ForEachField(plain, [&](const char* name, const auto& value, const char* doc, Check) {
+      using Value = std::remove_cvref_t<decltype(value)>;
+      AddField(&fields, name, doc, &plain, &value, kFieldOps<Value>);
     });
     return fields;
   }();
