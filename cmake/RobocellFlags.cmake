@@ -49,10 +49,19 @@ function(robocell_unity target files)
   target_compile_options(${target} PRIVATE "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>")
 endfunction()
 
+# ccache takes precompiled headers when it is told that macros defined before them do not matter.
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM)
-  set(CMAKE_CXX_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
-  set(CMAKE_C_COMPILER_LAUNCHER "${CCACHE_PROGRAM}")
+  set(launcher "${CMAKE_BINARY_DIR}/ccache")  # tools that read the commands know that name
+  file(CONFIGURE OUTPUT "${launcher}.in" @ONLY CONTENT [[#!/bin/sh
+export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros}"
+exec "@CCACHE_PROGRAM@" "$@"
+]])
+  file(COPY_FILE "${launcher}.in" "${launcher}" ONLY_IF_DIFFERENT)
+  file(CHMOD "${launcher}" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
+    WORLD_READ WORLD_EXECUTE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER "${launcher}")
+  set(CMAKE_C_COMPILER_LAUNCHER "${launcher}")
 endif()
 
 add_library(robocell_flags INTERFACE)

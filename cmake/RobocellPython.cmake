@@ -16,6 +16,7 @@ execute_process(COMMAND "${Python_EXECUTABLE}" -c "import numpy; print(numpy.get
   OUTPUT_VARIABLE numpy_include OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 
 nanobind_add_module(_core NB_STATIC ${binding_sources})
+set_target_properties(nanobind-static PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)  # one unit: half the time
 robocell_unity(_core ${ROBOCELL_UNITY_BINDINGS} ${binding_sources})
 target_link_libraries(_core PRIVATE robocell orocos-kdl)
 target_include_directories(_core SYSTEM PRIVATE ${orocos_kdl_INCLUDE_DIRS} "${numpy_include}")
