@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -17,12 +17,26 @@ def seconds(
     folder: Path,
     *,
     repetitions: int = 9,
+    processes: int = 1,
     one_core: bool = True,
 ) -> dict[str, dict[str, list[float]]]:
     """Row -> side -> seconds of each repetition, of one of what the program counts.
 
-    A program is one of build/release, or has a path of its own.
+    A program is one of build/release, or has a path of its own. In several processes, one after
+    the other, stacks and heaps lie elsewhere each time, which moves what takes a few microseconds
+    by a few percent.
     """
+    values: defaultdict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    for _ in range(processes):
+        for row, side, each in _run(program, files, folder, repetitions, one_core):
+            values[row][side].append(each)
+    return values
+
+
+def _run(
+    program: str | Path, files: Sequence[Path], folder: Path, repetitions: int, one_core: bool
+) -> Iterator[tuple[str, str, float]]:
+    """Row, side and seconds of each repetition in one process."""
     result = folder / f"{Path(program).name}.json"
     run = subprocess.run(
         [
@@ -41,14 +55,12 @@ def seconds(
     )
     if run.returncode:
         raise RuntimeError(f"{program} failed:\n{run.stdout}{run.stderr}")
-    values: defaultdict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     for measured in json.loads(result.read_text())["benchmarks"]:
         if measured.get("error_occurred"):
             raise RuntimeError(f"{measured['name']}: {measured['error_message']}")
         if measured["run_type"] == "iteration":
             row, side = measured["run_name"].split("/")[:2]
-            values[row][side].append(measured["each_s"])
-    return values
+            yield row, side, measured["each_s"]
 
 
 def scaled(values: Sequence[float], factor: float) -> list[float]:

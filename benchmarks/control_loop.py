@@ -11,7 +11,7 @@ import numpy as np
 
 import robocell
 from bench_program import scaled, seconds
-from robots import robot_files
+from robots import arm_files, robot_files
 from table import Row
 
 AMPLITUDE, TIMESTEP = 0.2, 0.002  # as in control_loop_bench.cc
@@ -47,11 +47,10 @@ LOOPS: dict[str, tuple[str, Second]] = {
 
 def rows(folder: Path) -> list[Row]:
     """One row per robot and kind of control, and some per robot for the same loops in Python."""
-    files = robot_files()
-    configs = [robocell.RobotConfig.load(file) for file in files]
+    configs = [robocell.RobotConfig.load(file) for file in robot_files()]
     loops = [(control, config) for control in LOOPS for config in configs]
     before = [_python_loop(*loop) for loop in loops]
-    timed = seconds("control_loop_bench", files, folder)
+    timed = seconds("control_loop_bench", arm_files(), folder, repetitions=3, processes=5)
     after = [_python_loop(*loop) for loop in loops]
     beside_engine = [
         Row(

@@ -16,6 +16,13 @@ def robot_files() -> list[Path]:
     return [file for file in files if is_available(file)]
 
 
+def arm_files() -> list[Path]:
+    """Those, and the other arms of the examples."""
+    others = ["panda", "fr3_2f85", "gen3_2f85"]
+    files = [ROOT / "examples" / f"{name}.yaml" for name in others]
+    return robot_files() + [file for file in files if is_available(file)]
+
+
 def is_available(file: Path) -> bool:
     """Whether the robot's model is found."""
     try:

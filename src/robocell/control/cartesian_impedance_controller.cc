@@ -74,16 +74,19 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
     wanted_[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd_[i];
 
   LinkAnswer links;
-  const Eigen::Vector3d gravity = arm_.gravity_in_base();
-  ComputeLinks(chain.links(), LinkPart::kAll,
-               {.q = q_.data(), .qd = qd_.data(), .qdd = wanted_.data(), .gravity = gravity.data()},
-               &links);
+  ComputeLinks(chain.links(), LinkPart::kJacobian, {.q = q_.data()}, &links);
+  const int n = chain.n_joints();
+  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<kMaxChainJoints>> mass(links.mass[0], n, n);
+  arm_.GetBiasAndMass({links.torques, q_.size()}, mass);
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) links.torques[i] += links.mass[i][k] * wanted_[k];
+  }
   // Before what takes longer, beside which the processor does it.
   const PoseError error = ErrorTo(ToTransform(pose()), TipOf(links));
   const double deviation[6] = {error.linear[0],  error.linear[1],  error.linear[2],
                                error.angular[0], error.angular[1], error.angular[2]};
   LeafAnswer leaf;
-  ComputeLeaf({.n = chain.n_joints(),
+  ComputeLeaf({.n = n,
                .jacobian = links.jacobian,
                .mass = links.mass,
                .velocity = qd_.data(),
@@ -94,7 +97,7 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
                .damping_ratio = damping_ratio_,
                .torques = links.torques},
               &leaf);
-  arm_.CtrlForJointTorque({leaf.torques, static_cast<size_t>(chain.n_joints())}, ctrl);
+  arm_.CtrlForJointTorque({leaf.torques, q_.size()}, ctrl);
 }
 
 }  // namespace robocell

@@ -64,8 +64,7 @@ JointImpedanceController::JointImpedanceController(ArmGroup& arm)
       target_(arm.joint_pos()),
       q_(arm.nq()),
       qd_(arm.nv()),
-      torque_(arm.nv()),
-      still_(arm.nv()) {
+      torque_(arm.nv()) {
   const double least = kLeastShare * *std::max_element(inertia_.begin(), inertia_.end());
   for (const double inertia : inertia_) {
     stiffness_.push_back(std::min(std::max(inertia, least) * kFrequency * kFrequency,
@@ -97,7 +96,7 @@ void JointImpedanceController::ComputeDamping() {
 void JointImpedanceController::Compute(std::span<double> ctrl) {
   arm_.GetJointPos(q_);
   arm_.GetJointVel(qd_);
-  arm_.InverseDynamics(q_, qd_, still_, torque_);  // gravity and Coriolis
+  arm_.GetBiasTorques(torque_);  // gravity and Coriolis
   for (size_t i = 0; i < torque_.size(); ++i)
     torque_[i] += stiffness_[i] * (target_[i] - q_[i]) - damping_[i] * qd_[i];
   arm_.CtrlForJointTorque(torque_, ctrl);

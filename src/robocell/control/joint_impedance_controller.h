@@ -53,7 +53,6 @@ class JointImpedanceController : public Controller {
   double damping_ratio_ = 1;
   PortValues target_;
   std::vector<double> q_, qd_, torque_;  // scratch
-  const std::vector<double> still_;      // no acceleration
 };
 
 // The joint-space inertia of each joint alone in the middle of its limits, kg m^2 or kg.

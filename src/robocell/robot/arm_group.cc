@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "robocell/base/error.h"
@@ -19,6 +20,12 @@ inline void CutOff(Interval& limit, const mjtNum* range, double scale) {
   const double a = scale * range[0], b = scale * range[1];
   const double low = std::min(a, b), high = std::max(a, b);
   limit = {std::clamp(limit.lower, low, high), std::clamp(limit.upper, low, high)};
+}
+
+// Not at one of its ends either.
+inline bool IsInside(double x, const mjtNum* range, double scale) {
+  const double a = scale * range[0], b = scale * range[1];
+  return (a < x && x < b) || (b < x && x < a);
 }
 
 }  // namespace
@@ -65,10 +72,24 @@ size_t ArmGroup::FindStrained(std::span<const double> torque, size_t from) const
   core().Bind();
   const mjModel* m = core().model();
   for (size_t i = from; i < torque.size(); ++i) {
-    const Interval limit = TorqueLimit(m, i);
-    if (!(torque[i] > limit.lower && torque[i] < limit.upper)) return i;
+    if (!IsInsideLimits(m, i, torque[i])) return i;
   }
   return torque.size();
+}
+
+// As if inside of TorqueLimit, without making that: where limits have nothing in common no torque
+// is inside of all.
+bool ArmGroup::IsInsideLimits(const mjModel* m, size_t joint, double torque) const {
+  const int actuator = core().actuator_ids()[joint], id = core().joint_ids()[joint];
+  const int input = m->actuator_ctrladr[actuator];
+  const double gear = m->actuator_gear[6 * m->actuator_outadr[actuator]];
+  return (!m->actuator_ctrllimited[input] ||
+          IsInside(torque, m->actuator_ctrlrange + 2 * input,
+                   gear * m->actuator_gainprm[mjNGAIN * actuator])) &&
+         (!m->actuator_forcelimited[actuator] ||
+          IsInside(torque, m->actuator_forcerange + 2 * actuator, gear)) &&
+         (!m->jnt_actfrclimited[id] || IsInside(torque, m->jnt_actfrcrange + 2 * id, 1)) &&
+         std::isfinite(torque);
 }
 
 // In the engine's order: what one leaves the next cuts off, even where they have nothing in common.

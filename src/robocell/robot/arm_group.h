@@ -42,6 +42,16 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   void InverseDynamics(std::span<const double> q, std::span<const double> qd,
                        std::span<const double> qdd, std::span<double> out) const;
 
+  // What the joints need for the motion that they are in, N m or N: Coriolis and centrifugal
+  // torques, and gravity that the model does not compensate itself. Of everything that they carry,
+  // as it is now; in the present state of the scene.
+  void GetBiasTorques(std::span<double> out) const { core().GetBias(out); }
+
+  // The same, and the inertia that the joints show, nv x nv, kg m^2 or kg.
+  void GetBiasAndMass(std::span<double> bias, Eigen::Ref<Eigen::MatrixXd> mass) const {
+    core().GetBiasAndMass(bias, mass);
+  }
+
   // Adds what the joints' springs, dampers and friction resist with when they move at `velocity`
   // (joint_resistance.h), N m or N.
   void AddResistance(std::span<const double> q, std::span<const double> velocity,
@@ -65,6 +75,7 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
 
  private:
   Interval TorqueLimit(const mjModel* m, size_t joint) const;
+  bool IsInsideLimits(const mjModel* m, size_t joint, double torque) const;
   // `limit` within what the forces of actuator and joint are limited to.
   Interval WithinForceLimits(const mjModel* m, size_t joint, Interval limit) const;
 

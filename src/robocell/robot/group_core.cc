@@ -44,6 +44,15 @@ int DrivenPosition(const mjModel* m, int actuator, const std::vector<int>& qpos_
   return at == qpos_addresses.end() ? -1 : static_cast<int>(at - qpos_addresses.begin());
 }
 
+// Where the engine's M has that element; -1 where it is 0. It keeps the lower triangle.
+int MassAddress(const mjModel* m, int row, int column) {
+  if (row < column) std::swap(row, column);
+  const int first = m->M_rowadr[row], end = first + m->M_rownnz[row];
+  const int* at = std::find(m->M_colind + first, m->M_colind + end, column);
+  const int address = static_cast<int>(at - m->M_colind);
+  return address < end ? address : -1;
+}
+
 // Whether joints move a body.
 bool IsCarried(const mjModel* m, int body) {
   for (; body > 0; body = m->body_parentid[body]) {
@@ -71,6 +80,7 @@ void GroupCore::ThrowClosed() const {
 void GroupCore::Resolve() const {
   const std::string where = "scene '" + scene_.name() + "' / " + place();
   ResolveJoints(where);
+  ResolveMass();
   ResolveActuators(where);
   root_ = Find(names_.root, where);
   leaf_ = Find(names_.leaf, where);
@@ -90,6 +100,13 @@ void GroupCore::ResolveJoints(const std::string& where) const {
     joint_ids_.push_back(id);
     AddRange(qpos_addresses_, m->jnt_qposadr[id], PositionsOf(m->jnt_type[id]));
     AddRange(dof_addresses_, m->jnt_dofadr[id], VelocitiesOf(m->jnt_type[id]));
+  }
+}
+
+void GroupCore::ResolveMass() const {
+  mass_addresses_.clear();
+  for (const int c : dof_addresses_) {
+    for (const int r : dof_addresses_) mass_addresses_.push_back(MassAddress(model(), r, c));
   }
 }
 
@@ -298,6 +315,26 @@ Pose GroupCore::FramePose(FrameId& frame) const {
     return Pose::FromTranslationAndMatrix(d->site_xpos + 3 * id, d->site_xmat + 9 * id);
   }
   return Pose::FromWxyz(d->xpos + 3 * id, d->xquat + 4 * id);
+}
+
+void GroupCore::GetBias(std::span<double> out) const {
+  Bind();
+  CheckSize(out.size(), nv(), "joint torque");
+  scene_.ComputeFirstHalf();
+  const mjtNum *bias = data()->qfrc_bias, *compensated = data()->qfrc_gravcomp;
+  for (size_t i = 0; i < out.size(); ++i)
+    out[i] = bias[dof_addresses_[i]] - compensated[dof_addresses_[i]];
+}
+
+void GroupCore::GetBiasAndMass(std::span<double> bias, Eigen::Ref<Eigen::MatrixXd> mass) const {
+  GetBias(bias);
+  CheckSize(static_cast<size_t>(mass.rows()), nv(), "row");
+  CheckSize(static_cast<size_t>(mass.cols()), nv(), "column");
+  const mjtNum* values = data()->M;
+  const int* address = mass_addresses_.data();
+  for (int c = 0; c < nv(); ++c) {
+    for (int r = 0; r < nv(); ++r, ++address) mass(r, c) = *address < 0 ? 0 : values[*address];
+  }
 }
 
 Eigen::Vector3d GroupCore::gravity_in_base() const {

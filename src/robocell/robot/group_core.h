@@ -88,6 +88,12 @@ class GroupCore {
   Pose root_frame_to_world() const { return FramePose(root_); }
   Pose leaf_frame_to_robot() const { return FramePose(base_).inverse() * FramePose(leaf_); }
   void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const;
+  // What the joints need for the motion that they are in, as the engine has it: Coriolis and
+  // centrifugal, and gravity that the model does not compensate itself. Brings the first half of
+  // the step up to date.
+  void GetBias(std::span<double> out) const;
+  // The same, and the inertia that the joints show, nv x nv, kg m^2 or kg.
+  void GetBiasAndMass(std::span<double> bias, Eigen::Ref<Eigen::MatrixXd> mass) const;
   // The world's gravity in the axes of the robot base frame, m/s^2. Poses are brought up to date
   // only where joints carry the base.
   Eigen::Vector3d gravity_in_base() const;
@@ -104,6 +110,7 @@ class GroupCore {
   [[noreturn]] void ThrowClosed() const;
   void Resolve() const;
   void ResolveJoints(const std::string& where) const;
+  void ResolveMass() const;
   void ResolveActuators(const std::string& where) const;
   FrameId Find(const FrameName& frame, const std::string& where) const;
   Pose FramePose(FrameId& frame) const;
@@ -121,6 +128,7 @@ class GroupCore {
   mutable std::vector<int> joint_ids_, actuator_ids_;
   // One per number, in the order of joints and actuators.
   mutable std::vector<int> qpos_addresses_, dof_addresses_, ctrl_addresses_;
+  mutable std::vector<int> mass_addresses_;  // in the engine's M, column by column; -1 for 0
   mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
   mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;

@@ -1,5 +1,6 @@
 // Frames, forward kinematics, Jacobians and gravity of whole robots against the engine, on mounts
 // that are displaced, tilted and moved.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
@@ -7,7 +8,9 @@
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/arm_group.h"
 #include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
@@ -172,6 +175,36 @@ TEST_P(AnyRobot, GravityTorquesAreTheEnginesBiasForcesAtRest) {
       EXPECT_NEAR(torques[j], needed, 1e-6) << robot.joint_names()[j];
     }
   }
+}
+
+// Both know the tool as it is now; the chain as one body.
+TEST_P(AnyRobot, BiasTorquesAndMassOfTheEngineAreThoseOfTheChain) {
+  REQUIRE_ROBOT(GetParam());
+  Scene scene = Build({.pos = {0, 0, 1}, .euler = {30, 50, 0}});
+  Robot robot = In(scene);
+  const auto& arm = dynamic_cast<const ArmGroup&>(robot.arm());
+  const int n = arm.nv();
+  Rng rng = Rng::Stream(6, "robot bias", GetParam().name);
+  std::vector<double> bias(n), again(n), expected(n), still(n);
+  Eigen::MatrixXd mass(n, n), expected_mass(n, n);
+  for (int i = 0; i < 20; ++i) {
+    robot.SetJointPos(RandomJoints(robot.arm(), rng));
+    const std::vector<double> q = arm.joint_pos();
+    std::vector<double> qd(n);
+    for (double& v : qd) v = rng.Uniform(-2, 2);
+    robot.arm().SetJointVel(qd);
+    robot.RefreshToolInertia();
+    arm.GetBiasTorques(bias);
+    arm.GetBiasAndMass(again, mass);
+    EXPECT_EQ(bias, again);
+    arm.InverseDynamics(q, qd, still, expected);
+    arm.chain().MassMatrix(q, expected_mass);
+    for (int j = 0; j < n; ++j) EXPECT_NEAR(bias[j], expected[j], 1e-6) << robot.joint_names()[j];
+    EXPECT_LT((mass - expected_mass).cwiseAbs().maxCoeff(), 1e-6);
+  }
+  Eigen::MatrixXd small(n - 1, n);
+  ExpectThrow<ArgumentError>([&] { arm.GetBiasAndMass(bias, small); },
+                             fmt::format("expected {} row values, got {}", n, n - 1));
 }
 
 TEST(RobotKinematics, AMocapBaseCarriesTheWholeRobotRigidly) {

@@ -64,7 +64,9 @@ int Compare(const Robot& robot, ScratchRobot& scratch, int thing) {
     if (expected < 1e-4 || expected > kHorizon - 1e-4) continue;
     const auto it = found.find({own, thing});
     EXPECT_NE(it, found.end()) << own << " is " << expected << " m away and was not found";
-    if (it != found.end()) EXPECT_NEAR(it->second, expected, 1e-6) << own;
+    if (it != found.end()) {
+      EXPECT_NEAR(it->second, expected, 1e-6) << own;
+    }
     ++compared;
   }
   return compared;

@@ -59,7 +59,7 @@ StepResult Scene::StepN(int n) {
     throw ArgumentError("scene '" + name() + "': cannot step " + std::to_string(n) +
                         " times; time only goes forward, reset() starts again");
   }
-  return robocell::Step(s.model(), s.data.data, n, s.context);
+  return robocell::Step(s.model(), s.data.data, n, s.context, &s.half);
 }
 
 void Scene::Forward() {
@@ -81,6 +81,12 @@ void Scene::SyncPoses() const {
   s.poses_at = data->time;
 }
 
+void Scene::ComputeFirstHalf() const {
+  State& s = open();
+  s.half.Begin(s.model(), s.data.data, s.context);
+  s.poses_at = s.data.data->time;
+}
+
 void Scene::PosesChanged() { open().poses_at = -1; }
 
 Pose Scene::root_frame_to_world() const { return RootFrameToWorld(open().compiled->spec()); }
@@ -97,7 +103,10 @@ const SceneSpec& Scene::spec() const { return open().compiled->spec(); }
 
 const std::shared_ptr<CompiledScene>& Scene::compiled() const { return open().compiled; }
 
-mjModel* Scene::mutable_model() { return open().compiled->mutable_model(); }
+mjModel* Scene::mutable_model() {
+  open().half.Discard();
+  return open().compiled->mutable_model();
+}
 
 const std::shared_ptr<void>& Scene::data_keeper() const { return open().data.keeper; }
 

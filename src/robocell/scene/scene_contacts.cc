@@ -32,9 +32,10 @@ Eigen::Vector3d ForceOnSecond(const mjModel* model, const mjData* data, int cont
 }  // namespace
 
 std::vector<Contact> Scene::contacts(const std::string& of) const {
-  const State& s = open();
+  State& s = open();
   const mjModel* model = s.model();
   const mjData* data = s.data.data;
+  s.half.SolveContacts(model, s.data.data, s.context);
   const int top = of.empty() ? -1 : RequireId(model, mjOBJ_BODY, of, s.context);
   std::vector<Contact> out;
   for (int i = 0; i < data->ncon; ++i) {

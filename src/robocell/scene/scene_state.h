@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/mujoco/half_step.h"
 #include "robocell/scene/pool.h"
 #include "robocell/scene/scene.h"
 
@@ -32,6 +33,7 @@ struct Scene::State {
   // Time of the data when poses last agreed with qpos. Time moves with every step, whoever makes
   // it.
   double poses_at = -1;
+  HalfStep half;
   bool closed = false;
   SceneNow now;
   std::vector<PooledObject> pool;

@@ -1,0 +1,58 @@
+// The first half of an engine step, ahead of the second: what follows from positions and velocities
+// (frames, contacts, inertia, bias forces) is computed once, for controllers and for the step that
+// they are controllers of.
+//
+//   HalfStep half;
+//   half.Begin(model, data, "scene 'pick'");
+//   ... data->ctrl from data->qfrc_bias, data->M, data->xpos ...
+//   StepResult result = Step(model, data, 1, "scene 'pick'", &half);
+//
+// A step that goes on ends at the same bits as one that begins anew (mj_step1 and mj_step2 are
+// mj_step). It begins anew when anything was changed in between but ctrl and applied forces: the
+// state, the model's options, or what the first half wrote. And always where the engine's mj_step2
+// is not the rest of mj_step, or calls of others are part of it: other integrators than Euler's and
+// the implicit ones, sleeping bodies, plugins, callbacks.
+//
+// What is changed of the model in between (a body's mass) is not noticed: contacts, inertia and
+// bias forces of the step that goes on are those of before. Discard() makes it begin anew.
+//
+// Threads: as the data. No allocation but the first time, or for a larger model.
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "robocell/mujoco/divergence.h"
+#include "robocell/mujoco/forward.h"
+
+namespace robocell {
+
+class HalfStep {
+ public:
+  // Makes what follows from positions and velocities current, unless that was done for this very
+  // state. Throws EngineError.
+  void Begin(const mjModel* model, mjData* data, std::string_view context);
+  void Discard() { begun_ = false; }
+  // After Begin(): the forces of the contacts too, under the present controls. The step that goes
+  // on is none the different. Throws EngineError.
+  void SolveContacts(const mjModel* model, mjData* data, std::string_view context);
+
+  // Whether a step may go on from here, and if so what was before the first half. Once.
+  bool Take(const mjModel* model, const mjData* data, StepStart* start);
+
+ private:
+  bool IsAsLeft(const mjModel* model, const mjData* data) const;
+  void Remember(const mjModel* model, const mjData* data);
+
+  bool begun_ = false, can_go_on_ = false, solved_ = false;
+  StepStart start_;
+  // How it was left.
+  const mjModel* model_ = nullptr;
+  double time_ = 0;
+  int ncon_ = 0, nefc_ = 0;
+  std::vector<std::byte> left_;
+  std::vector<double> warm_start_;  // scratch
+};
+
+}  // namespace robocell

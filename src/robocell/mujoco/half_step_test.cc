@@ -1,0 +1,191 @@
+#include "robocell/mujoco/half_step.h"
+
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "robocell/mujoco/compile.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/step.h"
+#include "robocell/testing/count_allocations.h"
+
+namespace robocell {
+namespace {
+
+// An arm that falls on a ball, a body that follows a mocap body, and a weld that can be let go.
+constexpr const char* kHalfStepModel = R"(<mujoco><option timestep="0.002"/>
+  <worldbody>
+    <geom type="plane" size="3 3 .1"/>
+    <body name="ball" pos="0 0 .1"><freejoint/><geom size=".1"/></body>
+    <body name="guide" mocap="true" pos="1 0 1"/>
+    <body name="follower" pos="1 0 1"><freejoint/><geom size=".05"/></body>
+    <body name="arm" pos="-.3 0 .4"><joint name="elbow" axis="0 1 0" damping=".1"/>
+      <geom type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>
+      <body pos=".3 0 0"><joint axis="0 1 0"/><geom type="capsule" fromto="0 0 0 .3 0 0" size=".02"/>
+      </body></body>
+  </worldbody>
+  <equality><weld body1="guide" body2="follower"/></equality>
+  <actuator><motor joint="elbow"/></actuator>
+</mujoco>)";
+
+class HalfSteps : public testing::Test {
+ protected:
+  HalfSteps()
+      : model_(Compile(ParseXmlString(kHalfStepModel).get())),
+        data_(MakeData(model_.get())),
+        plain_(MakeData(model_.get())) {
+    for (mjData* data : {data_.get(), plain_.get()}) {
+      for (int k = 0; k < 100; ++k) mj_step(model_.get(), data);
+    }
+  }
+
+  void ExpectTheSame() const {
+    const int size = mj_stateSize(model_.get(), mjSTATE_INTEGRATION);
+    std::vector<double> a(size), b(size);
+    mj_getState(model_.get(), data_.get(), a.data(), mjSTATE_INTEGRATION);
+    mj_getState(model_.get(), plain_.get(), b.data(), mjSTATE_INTEGRATION);
+    EXPECT_EQ(a, b);
+  }
+  // A step in two halves and the engine's own, each with `between` before its controls.
+  void StepBoth(const std::function<void(mjData*)>& between) {
+    half_.Begin(model_.get(), data_.get(), "test");
+    for (mjData* data : {data_.get(), plain_.get()}) {
+      between(data);
+      data->ctrl[0] = std::sin(100 * data->time);
+    }
+    ASSERT_TRUE(Step(model_.get(), data_.get(), 1, "test", &half_).ok());
+    mj_step(model_.get(), plain_.get());
+  }
+  bool CanGoOn() {
+    StepStart start;
+    half_.Begin(model_.get(), data_.get(), "test");
+    return half_.Take(model_.get(), data_.get(), &start);
+  }
+
+  ModelPtr model_;
+  DataPtr data_, plain_;
+  HalfStep half_;
+};
+
+TEST_F(HalfSteps, EndAtTheBitsOfAWholeStepWithEveryIntegrator) {
+  for (const int integrator : {mjINT_EULER, mjINT_IMPLICIT, mjINT_IMPLICITFAST, mjINT_RK4}) {
+    model_->opt.integrator = integrator;
+    EXPECT_EQ(CanGoOn(), integrator != mjINT_RK4);
+    for (int k = 0; k < 50; ++k) StepBoth([](mjData*) {});
+    ExpectTheSame();
+  }
+}
+
+TEST_F(HalfSteps, MakeWhatFollowsFromTheStateCurrent) {
+  half_.Begin(model_.get(), data_.get(), "test");
+  mj_forward(model_.get(), plain_.get());
+  for (int k = 0; k < 3 * model_->nbody; ++k) EXPECT_EQ(data_->xpos[k], plain_->xpos[k]);
+  for (int k = 0; k < model_->nv; ++k) EXPECT_EQ(data_->qfrc_bias[k], plain_->qfrc_bias[k]);
+  EXPECT_GT(data_->ncon, 0);
+  EXPECT_EQ(data_->ncon, plain_->ncon);
+}
+
+TEST_F(HalfSteps, NoticeWhatIsChangedInBetween) {
+  const std::vector<std::function<void(mjData*)>> changes = {
+      [](mjData* d) { d->qpos[2] += 1e-3; }, [](mjData* d) { d->qvel[12] -= 0.1; },
+      [](mjData* d) { d->mocap_pos[0] += 0.01; }, [](mjData* d) { d->mocap_quat[1] += 0.01; },
+      [](mjData* d) { d->eq_active[0] = !d->eq_active[0]; },
+      [this](mjData*) { model_->opt.gravity[0] = 1; },
+      // Somebody tried something, and put the state back but not what follows from it.
+      [this](mjData* d) {
+        const double was = d->qpos[14];
+        d->qpos[14] += 0.3;
+        mj_forward(model_.get(), d);
+        d->qpos[14] = was;
+      }};
+  for (const auto& change : changes) {
+    StepBoth(change);
+    ExpectTheSame();
+  }
+}
+
+TEST_F(HalfSteps, GoOnUnderForcesThatWereAppliedInBetween) {
+  StepBoth([](mjData* d) {
+    d->qfrc_applied[12] = 0.3;
+    d->xfrc_applied[6 + 2] = 5;
+  });
+  ExpectTheSame();
+}
+
+TEST_F(HalfSteps, AreMadeOnceForAState) {
+  const auto mark = [&]() -> double& { return data_->xipos[3]; };  // not looked at
+  half_.Begin(model_.get(), data_.get(), "test");
+  mark() = 123;
+  half_.Begin(model_.get(), data_.get(), "test");
+  EXPECT_EQ(mark(), 123);
+  half_.Discard();
+  half_.Begin(model_.get(), data_.get(), "test");
+  EXPECT_NE(mark(), 123);
+  StepStart start;
+  EXPECT_TRUE(half_.Take(model_.get(), data_.get(), &start));
+  EXPECT_FALSE(half_.Take(model_.get(), data_.get(), &start));
+}
+
+TEST_F(HalfSteps, SolveContactsWithoutAnyConsequence) {
+  half_.Begin(model_.get(), data_.get(), "test");
+  for (int i = 0; i < data_->nefc; ++i) EXPECT_EQ(data_->efc_force[i], 0);
+  half_.SolveContacts(model_.get(), data_.get(), "test");
+  mj_forward(model_.get(), plain_.get());
+  double total = 0;
+  for (int i = 0; i < data_->nefc; ++i) {
+    EXPECT_EQ(data_->efc_force[i], plain_->efc_force[i]);
+    total += std::abs(data_->efc_force[i]);
+  }
+  EXPECT_GT(total, 1);
+}
+
+TEST_F(HalfSteps, ThatSolvedTheirContactsEndAtTheSameBitsToo) {
+  half_.Begin(model_.get(), data_.get(), "test");
+  half_.SolveContacts(model_.get(), data_.get(), "test");
+  ASSERT_TRUE(Step(model_.get(), data_.get(), 3, "test", &half_).ok());
+  for (int k = 0; k < 3; ++k) mj_step(model_.get(), plain_.get());
+  ExpectTheSame();
+}
+
+TEST_F(HalfSteps, ReportDivergenceAsWholeStepsDo) {
+  WarningCapture quiet;
+  data_->qvel[12] = plain_->qvel[12] = std::numeric_limits<double>::quiet_NaN();
+  half_.Begin(model_.get(), data_.get(), "test");
+  const StepResult result = Step(model_.get(), data_.get(), 1, "test", &half_);
+  EXPECT_EQ(result.status, StepResult::kDiverged);
+  EXPECT_EQ(result.message, Step(model_.get(), plain_.get()).message);
+  EXPECT_NE(result.message.find("velocity of joint 'elbow' is nan"), std::string::npos);
+}
+
+// It may be the callback that asks.
+TEST_F(HalfSteps, LeaveTheEnginesCallbackToTheStep) {
+  static int calls;
+  calls = 0;
+  mjcb_control = [](const mjModel*, mjData* d) { d->ctrl[0] = ++calls; };
+  half_.Begin(model_.get(), data_.get(), "test");
+  EXPECT_EQ(calls, 0);
+  EXPECT_TRUE(Step(model_.get(), data_.get(), 1, "test", &half_).ok());
+  EXPECT_EQ(calls, 1);
+  mjcb_control = nullptr;
+  plain_->ctrl[0] = 1;
+  mj_step(model_.get(), plain_.get());
+  ExpectTheSame();
+}
+
+TEST_F(HalfSteps, AllocateNothing) {
+  half_.Begin(model_.get(), data_.get(), "test");
+  const AllocationCount count;
+  for (int k = 0; k < 100; ++k) {
+    half_.Begin(model_.get(), data_.get(), "test");
+    if (!Step(model_.get(), data_.get(), 1, "test", &half_).ok()) FAIL();
+  }
+  EXPECT_EQ(count.allocations(), 0);
+}
+
+}  // namespace
+}  // namespace robocell
