@@ -79,7 +79,9 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<kMaxChainJoints>> mass(links.mass[0], n, n);
   arm_.GetBiasAndMass({links.torques, q_.size()}, mass);
   for (int i = 0; i < n; ++i) {
-    for (int k = 0; k < n; ++k) links.torques[i] += links.mass[i][k] * wanted_[k];
+    double needed = links.torques[i];
+    for (int k = 0; k < n; ++k) needed += links.mass[i][k] * wanted_[k];
+    links.torques[i] = needed;
   }
   // Before what takes longer, beside which the processor does it.
   const PoseError error = ErrorTo(ToTransform(pose()), TipOf(links));
