@@ -48,6 +48,7 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   void GetBiasTorques(std::span<double> out) const { core().GetBias(out); }
 
   // The same, and the inertia that the joints show, nv x nv, kg m^2 or kg.
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): a view, written through
   void GetBiasAndMass(std::span<double> bias, Eigen::Ref<Eigen::MatrixXd> mass) const {
     core().GetBiasAndMass(bias, mass);
   }
