@@ -316,7 +316,6 @@ HWY_INLINE void MotionOf(const LinkTable& t, const Frames& frames, const Values&
   }
 }
 
-template <bool kWhole>
 HWY_INLINE void MassOf(const LinkTable& t, LinkRows* rows, Row* mass) {
   const int width = hn::Lanes(kLinks);
   SumDown<3>(t.n, rows->moment);
@@ -332,7 +331,7 @@ HWY_INLINE void MassOf(const LinkTable& t, LinkRows* rows, Row* mass) {
     for (int i = 0; i <= j; i += width) Put(Dot(SixAt(rows->unit, i), of_j), i, mass[j]);
     mass[j][j] += t.armature[j];
   }
-  for (int i = 0; kWhole && i < t.n; ++i) {
+  for (int i = 0; i < t.n; ++i) {
     for (int j = i + 1; j < t.n; ++j) mass[i][j] = mass[j][i];
   }
 }
@@ -369,7 +368,7 @@ HWY_INLINE void ComputeParts(const LinkTable& t, const LinkQuery& query, LinkAns
   LinkRows rows;
   if (kMass || kMotion) Describe<kMotion>(t, frames, qd, &rows);
   if (kMotion) MotionOf(t, frames, qd, qdd, query.gravity, &rows, out->torques);
-  if (kMass) MassOf<!kJacobian>(t, &rows, out->mass);
+  if (kMass) MassOf(t, &rows, out->mass);
 }
 
 void Compute(const LinkTable& t, LinkPart part, const LinkQuery& query, LinkAnswer* out) {
@@ -384,8 +383,6 @@ void Compute(const LinkTable& t, LinkPart part, const LinkQuery& query, LinkAnsw
       return ComputeParts<false, false, false, true, false>(t, query, out);
     case LinkPart::kMotion:
       return ComputeParts<false, false, false, false, true>(t, query, out);
-    case LinkPart::kAll:
-      return ComputeParts<true, true, true, false, true>(t, query, out);
   }
 }
 

@@ -35,8 +35,7 @@ enum class LinkPart {
   kJacobian,  // and tip
   kMass,
   kGravity,  // torques against gravity
-  kMotion,   // torques for qd and qdd, against gravity
-  kAll       // Jacobian, lower triangle of the mass and the torques of kMotion
+  kMotion    // torques for qd and qdd, against gravity
 };
 
 void ComputeLinks(const LinkTable& table, LinkPart part, const LinkQuery& query, LinkAnswer* out);
