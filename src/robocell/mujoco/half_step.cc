@@ -24,7 +24,7 @@ bool ForWatched(const mjModel* m, const mjData* d, Visit visit) {
          (m->neq == 0 || visit(d->eq_active, sizeof(*d->eq_active) * static_cast<size_t>(m->neq)));
 }
 
-// At most what ForWatched visits.
+// What ForWatched visits when nothing stops it.
 size_t WatchedSize(const mjModel* m) {
   const mjtSize numbers = m->nq + 2 * m->nv + 3 * m->nbody + 7 * m->nmocap;
   return sizeof(mjtNum) * static_cast<size_t>(numbers) + sizeof(m->opt) +
@@ -88,8 +88,9 @@ bool HalfStep::Take(const mjModel* model, const mjData* data, StepStart* start) 
 
 bool HalfStep::IsAsLeft(const mjModel* model, const mjData* data) const {
   const std::byte* at = left_.data();
-  if (model != model_ || data->time != time_ || data->ncon != ncon_ || data->nefc != nefc_)
-    return false;
+  // Another model may be where a smaller one was.
+  if (model != model_ || left_.size() != WatchedSize(model)) return false;
+  if (data->time != time_ || data->ncon != ncon_ || data->nefc != nefc_) return false;
   return ForWatched(model, data, [&](const void* now, size_t size) {
     const bool same = std::memcmp(at, now, size) == 0;
     at += size;

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robocell/mujoco/compile.h"
@@ -175,6 +176,22 @@ TEST_F(HalfSteps, LeaveTheEnginesCallbackToTheStep) {
   plain_->ctrl[0] = 1;
   mj_step(model_.get(), plain_.get());
   ExpectTheSame();
+}
+
+// As when a scene is compiled anew: the model is at the same address, and larger.
+TEST_F(HalfSteps, KnowAnotherModelAtTheSameAddress) {
+  const auto bodies = [](int n) {
+    std::string xml = "<mujoco><worldbody>";
+    for (int k = 0; k < n; ++k) xml += "<body><freejoint/><geom size='.1' contype='0'/></body>";
+    return Compile(ParseXmlString(xml + "</worldbody></mujoco>").get());
+  };
+  const ModelPtr small = bodies(1), large = bodies(50);
+  const DataPtr before = MakeData(small.get()), after = MakeData(large.get());
+  half_.Begin(small.get(), before.get(), "test");
+  std::swap(*small, *large);
+  StepStart start;
+  EXPECT_FALSE(half_.Take(small.get(), after.get(), &start));
+  std::swap(*small, *large);
 }
 
 TEST_F(HalfSteps, AllocateNothing) {
