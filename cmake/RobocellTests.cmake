@@ -13,11 +13,12 @@ target_compile_definitions(robocell_testing PUBLIC ROBOCELL_SOURCE_DIR="${CMAKE_
 target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
   PRIVATE robocell_flags PkgConfig::HWY)
 
-# robocell_test(NAME SOURCES...): a test program and its tests.
 # Scene after scene takes and frees megabytes: malloc keeps them instead of giving them back, which takes a fifth of
 # the time. What is in use is the same.
 set(keep_memory "MALLOC_TRIM_THRESHOLD_=1000000000;MALLOC_MMAP_THRESHOLD_=1000000000")
 set(slowest_layers scene datagen task render robot data media env kinematics)
+
+# robocell_test(NAME SOURCES...): a test program and its tests.
 function(robocell_test name)
   add_executable(${name} ${ARGN})
   robocell_unity(${name} ${ROBOCELL_UNITY_TESTS} ${ARGN})
