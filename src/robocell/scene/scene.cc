@@ -87,7 +87,12 @@ void Scene::ComputeFirstHalf() const {
   s.poses_at = s.data.data->time;
 }
 
-void Scene::PosesChanged() { open().poses_at = -1; }
+void Scene::PosesChanged() {
+  State& s = open();
+  s.poses_at = -1;
+  // What follows from these positions may have been computed in part when others are back.
+  s.half.Discard();
+}
 
 Pose Scene::root_frame_to_world() const { return RootFrameToWorld(open().compiled->spec()); }
 
