@@ -84,6 +84,8 @@ bool ScratchRobot::State::FindContacts() {
 }
 
 void ScratchRobot::State::PairBoxes() {
+  boxes.clear();
+  if (model.opt.o_margin == 0) return;  // contacts of boxes that overlap are right
   if ((model.opt.disableflags & (mjDSBL_CONTACT | mjDSBL_CONSTRAINT)) != 0) return;
   for (const int own : robot.collision_geom_ids()) {
     for (int g = 0; g < model.ngeom; ++g) {
@@ -123,7 +125,6 @@ ScratchRobot::ScratchRobot(const Robot& robot, double horizon, std::string_view 
     s.counts[g] = 0;
   }
   for (const int g : robot.collision_geom_ids()) s.counts[g] = 1;
-  if (horizon > 0) s.PairBoxes();
   for (const ChainJoint& joint : robot.chain().joints()) s.arm.push_back(joint.qpos_address);
   Update();
 }
@@ -137,6 +138,7 @@ void ScratchRobot::Update() {
   mju_copy(s.data->qpos, from->qpos, s.model.nq);
   mju_copy(s.data->mocap_pos, from->mocap_pos, 3 * s.model.nmocap);
   mju_copy(s.data->mocap_quat, from->mocap_quat, 4 * s.model.nmocap);
+  s.PairBoxes();  // objects of the pool may collide now, or no longer
   s.FindContacts();
   s.always_touching.clear();
   for (int c = 0; c < s.data->ncon; ++c) {

@@ -12,6 +12,7 @@
 #include "robocell/base/rng.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/testing/robots.h"
+#include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -72,6 +73,20 @@ int Compare(const Robot& robot, ScratchRobot& scratch, int thing) {
   return compared;
 }
 
+// The same in many places.
+int CompareAnywhere(const Robot& robot, ScratchRobot& scratch, int thing) {
+  Rng rng = Rng::Stream(1, "scratch robot");
+  JointVector q(robot.n_joints());
+  int compared = 0;
+  for (int k = 0; k < 400; ++k) {
+    for (int i = 0; i < q.size(); ++i)
+      q[i] = rng.Uniform(robot.joint_limits()[i].lower, robot.joint_limits()[i].upper);
+    scratch.SetArm({q.data(), static_cast<size_t>(q.size())});
+    compared += Compare(robot, scratch, thing);
+  }
+  return compared;
+}
+
 TEST(ScratchRobot, DistancesAreThoseOfTheNearestPoints) {
   for (const std::string geom : {"type='sphere' size='.15'", "type='capsule' size='.08 .1'",
                                  "type='cylinder' size='.1 .15'", "type='box' size='.15 .15 .1'",
@@ -81,17 +96,29 @@ TEST(ScratchRobot, DistancesAreThoseOfTheNearestPoints) {
     ScratchRobot scratch(robot, kHorizon, "look again");
     const mjModel* m = scene.model();
     const int thing = m->body_geomadr[RequireId(m, mjOBJ_BODY, "thing_thing", "the scene")];
-    Rng rng = Rng::Stream(1, "scratch robot");
-    JointVector q(robot.n_joints());
-    int compared = 0;
-    for (int k = 0; k < 400; ++k) {
-      for (int i = 0; i < q.size(); ++i)
-        q[i] = rng.Uniform(robot.joint_limits()[i].lower, robot.joint_limits()[i].upper);
-      scratch.SetArm({q.data(), static_cast<size_t>(q.size())});
-      compared += Compare(robot, scratch, thing);
-    }
-    EXPECT_GT(compared, 300) << geom;
+    EXPECT_GT(CompareAnywhere(robot, scratch, thing), 300) << geom;
   }
+}
+
+// It could not collide with anything yet when the copy was made.
+TEST(ScratchRobot, DistancesOfAnObjectOfThePoolAreRightOnceItIsThere) {
+  SceneSpec spec = SceneWith({.name = "rc7", .config = Rc7()});
+  SceneObject box = BoxObject("box", {0.55, 0, 0.45});
+  box.size = Vec3{0.15, 0.15, 0.1};
+  box.parked = true;
+  spec.objects.push_back(box);
+  Scene scene = Scene::Build(spec);
+  const Robot robot = Robot::Of(scene, "rc7");
+  ScratchRobot scratch(robot, kHorizon, "look again");
+  scene.AddObject("box");
+  scratch.Update();
+  const mjModel* m = scene.model();
+  const int geom = m->body_geomadr[RequireId(m, mjOBJ_BODY, "box", "the scene")];
+  EXPECT_GT(CompareAnywhere(robot, scratch, geom), 300);
+  scene.RemoveObject("box");
+  scratch.Update();
+  EXPECT_TRUE(scratch.FindTouches());
+  for (const ScratchRobot::Touch& touch : scratch.touches()) EXPECT_NE(touch.other_geom, geom);
 }
 
 }  // namespace
