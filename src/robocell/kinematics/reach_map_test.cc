@@ -1,6 +1,7 @@
 // The reach map against geometry known in closed form, and against configurations that are there.
 #include "robocell/kinematics/reach_map.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -89,6 +90,35 @@ TEST(ReachMap, OfThreeJointsAsksForThePositionOnly) {
     }
   }
   EXPECT_GT(inside, 200);
+}
+
+// A shoulder that does not turn all the way round leaves a wedge where no start lies: what reaches
+// into it comes from either side, and the few starts of a map have to find that from both.
+TEST(ReachMap, KnowsWhatIsReachedOnBothSidesOfAShouldersLimits) {
+  for (const char* shoulder : {"-170 170", "-175 160"}) {
+    const TestModel t = TestModel::FromXml(fmt::format(
+        "<mujoco><compiler autolimits='true'/><default><geom size='.01'/></default><worldbody>"
+        "<body name='base'><geom/><body pos='0 0 .25'><joint axis='0 0 -1' range='{}'/><geom/>"
+        "<body pos='.05 0 .2'><joint axis='0 -1 0' range='-120 80'/><geom/>"
+        "<body pos='0 0 .46'><joint axis='0 -1 0' range='-160 10'/><geom/>"
+        "<body pos='0 0 .36'><joint axis='0 0 -1' range='-180 180'/><geom/>"
+        "<body pos='0 0 .12'><joint axis='0 -1 0' range='-125 125'/><geom/>"
+        "<body pos='0 0 .07'><joint axis='0 0 -1'/><geom/><site name='tip' pos='0 0 .13'/>"
+        "</body></body></body></body></body></body></body></worldbody></mujoco>",
+        shoulder));
+    const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+    const ReachGrid grid{.lower = {-1, -0.4, 0.4}, .upper = {-0.4, 0.4, 0.4}, .cell = 0.1};
+    const ReachMap map = MapReach(chain, grid);
+    const ReachMap all = MapReach(chain, grid, {.max_restarts = 100});
+    double found = 0, there = 0;
+    for (std::size_t cell = 0; cell < all.fraction.size(); ++cell) {
+      EXPECT_GE(map.fraction[cell], all.fraction[cell] - 0.1F) << shoulder << ": cell " << cell;
+      found += map.fraction[cell];
+      there += all.fraction[cell];
+    }
+    EXPECT_GT(there, 0.2 * static_cast<double>(all.fraction.size()));
+    EXPECT_GE(found, 0.99 * there) << shoulder;
+  }
 }
 
 // Where a configuration puts the tip, the map may not say that nothing reaches.

@@ -93,7 +93,9 @@ int StartTable::CellOf(const float* position) const {
   return cell;
 }
 
-// Near the border of the reach, cells are nearly empty: the nearest one with enough entries serves.
+// Near the border of the reach, cells are nearly empty: the nearest ones with enough entries serve,
+// all that are equally near. Where the limits of the first joint leave out a wedge, a search from
+// one side of it does not come to what is reached from the other.
 void StartTable::MakeDetours() {
   const int count = static_cast<int>(begin_.size()) - 1;
   const auto entries = [&](int cell) { return begin_[cell + 1] - begin_[cell]; };
@@ -101,18 +103,21 @@ void StartTable::MakeDetours() {
     return Eigen::Vector3i(cell / (cells_[1] * cells_[2]), cell / cells_[2] % cells_[1],
                            cell % cells_[2]);
   };
-  detour_.resize(count);
   for (int cell = 0; cell < count; ++cell) {
-    detour_[cell] = cell;
+    const std::size_t begin = detours_.size();
+    detour_begin_.push_back(static_cast<int>(begin));
+    detours_.push_back(cell);
     if (entries(cell) >= kFewestEntries) continue;
     int nearest = std::numeric_limits<int>::max();
     for (int other = 0; other < count; ++other) {
       const int distance2 = (place(other) - place(cell)).squaredNorm();
-      if (entries(other) < kFewestEntries || distance2 >= nearest) continue;
+      if (entries(other) < kFewestEntries || distance2 > nearest) continue;
+      if (distance2 < nearest) detours_.resize(begin);
       nearest = distance2;
-      detour_[cell] = other;
+      detours_.push_back(other);
     }
   }
+  detour_begin_.push_back(static_cast<int>(detours_.size()));
 }
 
 // Plain loops over columns: the compiler turns them into four lanes on every x86-64, with the same
@@ -135,12 +140,15 @@ void StartTable::Score(const Aim& aim, int first, int count, float* scores) cons
 
 template <class Visit>
 void StartTable::ForNearby(const Aim& aim, const Visit& visit) const {
-  const int cell = detour_[CellOf(aim.position.data())], end = begin_[cell + 1];
+  const int asked = CellOf(aim.position.data());
   std::array<float, 64> scores;
-  for (int first = begin_[cell]; first < end; first += static_cast<int>(scores.size())) {
-    const int count = std::min(end - first, static_cast<int>(scores.size()));
-    Score(aim, first, count, scores.data());
-    for (int e = 0; e < count; ++e) visit(Place{scores[e], first + e});
+  for (int d = detour_begin_[asked]; d < detour_begin_[asked + 1]; ++d) {
+    const int end = begin_[detours_[d] + 1];
+    for (int first = begin_[detours_[d]]; first < end; first += static_cast<int>(scores.size())) {
+      const int count = std::min(end - first, static_cast<int>(scores.size()));
+      Score(aim, first, count, scores.data());
+      for (int e = 0; e < count; ++e) visit(Place{scores[e], first + e});
+    }
   }
 }
 

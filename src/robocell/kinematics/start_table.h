@@ -51,7 +51,7 @@ class StartTable {
   int CellOf(const float* position) const;
   // Of entries in a row: how far each is from the aim.
   void Score(const Aim& aim, int first, int count, float* scores) const;
-  // Calls visit(place) for each entry of the aim's cell, in their order.
+  // Calls visit(place) for each entry of the cells to look in for the aim, in their order.
   template <class Visit>
   void ForNearby(const Aim& aim, const Visit& visit) const;
 
@@ -61,7 +61,9 @@ class StartTable {
   float per_edge_ = 0;             // 1 / edge of a cell, 1/m
   std::array<int, 3> cells_{};     // along each axis
   std::vector<int> begin_;         // of each cell's entries; one more at the end
-  std::vector<int> detour_;        // the cell to look in for a cell: itself, or one with entries
+  // The cells to look in for a cell, from detour_begin_[cell] to the next one's: itself, or those
+  // with entries that are nearest.
+  std::vector<int> detour_begin_, detours_;
   std::array<std::vector<float>, kColumns> poses_;
   std::vector<float> q_;  // n values each
 };
