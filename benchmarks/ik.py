@@ -8,10 +8,12 @@ robocell's scalar forward kinematics: position and rotation within 1e-5 as norms
 from __future__ import annotations
 
 import os
+import random
 import subprocess
 import sys
 import venv
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -19,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import robocell
-from ik_side import TOLERANCE
+from ik_side import READY, TOLERANCE
 from ik_urdf import urdf
 from robocell.cli.robot_scene import load_robot
 from robots import is_available
@@ -33,7 +35,8 @@ ROBOTS = (
     "examples/gen3_2f85.yaml",
     "examples/desk6/desk6.yaml",
 )
-REPETITIONS = 5
+ROUNDS = 16  # turns of each side
+ROUNDS_OF_SMALL = 40  # where two percent count
 # What is installed for a side that is not ours, in an environment of its own.
 PACKAGES = {
     "TRAC-IK": "pytracik==0.0.3",
@@ -55,7 +58,8 @@ class Side:
     Attributes:
         name: In ik_side.SIDES or ik_peers.PEERS.
         count: How many of the targets it gets.
-        rates: Answers a second, one value per repetition; none when it cannot solve this arm.
+        rates: Answers a second, the mean of each turn; none when it cannot solve this arm.
+            What follows is of the fastest turn:
         p50: Median of one call, microseconds.
         p99: 99th percentile of it.
         reached: Share of answers that put the tip where it shall be.
@@ -70,13 +74,12 @@ class Side:
     reached: float = 0
     solved: float = 0
 
-    def take(self, arm: Arm, q: Array, seconds: Array) -> None:
-        """One more repetition."""
-        # Calls by turns do the same work each: what one takes longer is what disturbed it.
-        summary = np.min if "by turns" in self.name else np.mean
-        self.rates.append(1 / float(summary(seconds)))
-        self.p50, self.p99 = 1e6 * np.percentile(seconds, (50, 99))
-        self.reached, self.solved = arm.judge(q)
+    def take(self, arm: Arm, answered: Path) -> None:
+        """What its process wrote down."""
+        with np.load(answered) as file:
+            self.rates = list(1 / file["means"])
+            self.p50, self.p99 = 1e6 * np.percentile(file["seconds"], (50, 99))
+            self.reached, self.solved = arm.judge(file["q"])
 
     @property
     def python(self) -> Path | None:
@@ -162,43 +165,75 @@ class Arm:
         return bool(off <= TOLERANCE * 1.0001)
 
 
-def answers_of(side: Side, questions: Path, folder: Path) -> tuple[Array, Array]:
-    """What a process on one core (on as many as it has threads) answers, and the seconds."""
-    python = side.python
-    if python is None:
-        return np.empty(0), np.empty(0)
-    with np.load(questions) as file:
-        part = {name: file[name] for name in file.files}
-    for name in ("targets", "seeds"):
-        part[name] = part[name][: side.count]
-    asked, answered = folder / "asked.npz", folder / "answered.npz"
-    np.savez(asked, **part)
-    script = Path(__file__).with_name("ik_side.py")
-    cores = "0,1" if "2 threads" in side.name else "0"
-    subprocess.run(
-        ["taskset", "--cpu-list", cores, python, script, side.name, asked, answered],
-        env=os.environ | {"PYTHONPATH": str(ROOT / "python"), "OMP_NUM_THREADS": "1"},
-        check=True,
-    )
-    with np.load(answered) as file:
-        return file["q"], file["seconds"]
+class Process:
+    """That of a side, on one core (on as many as it has threads); it waits for its turns."""
+
+    def __init__(self, side: Side, python: Path, questions: Path, folder: Path) -> None:
+        """Starts it, with the questions that the side gets."""
+        self.side = side
+        with np.load(questions) as file:
+            part = {name: file[name] for name in file.files}
+        for name in ("targets", "seeds"):
+            part[name] = part[name][: side.count]
+        asked = folder / f"{side.name} asked.npz"
+        np.savez(asked, **part)
+        self.answered = folder / f"{side.name} answered.npz"
+        self.answered.unlink(missing_ok=True)
+        cores = "0,1" if "2 threads" in side.name else "0"
+        script = Path(__file__).with_name("ik_side.py")
+        self.process = subprocess.Popen(
+            ["taskset", "--cpu-list", cores, python, script, side.name, asked, self.answered],
+            env=os.environ | {"PYTHONPATH": str(ROOT / "python"), "OMP_NUM_THREADS": "1"},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+
+    def is_ready(self) -> bool:
+        """Waits until it is; False when it has ended."""
+        assert self.process.stdout is not None
+        # What a package says by itself may stand in the same line.
+        return any(line.endswith(READY) for line in self.process.stdout)
+
+    def turn(self) -> None:
+        """The process has a turn."""
+        assert self.process.stdin is not None
+        print(file=self.process.stdin, flush=True)
+        if not self.is_ready():
+            raise RuntimeError(f"{self.side.name} ended within its turn")
+
+    def end(self, arm: Arm) -> None:
+        """Lets it write down its answers, if it has some, and takes them."""
+        self.process.communicate()
+        if self.process.returncode:
+            raise RuntimeError(f"{self.side.name} failed")
+        if self.answered.exists():
+            self.side.take(arm, self.answered)
 
 
-def measure(arm: Arm, side: Side, questions: Path, folder: Path) -> None:
-    """One more repetition, if the side can solve this arm."""
-    q, seconds = answers_of(side, questions, folder)
-    if len(q) > 0:
-        side.take(arm, q, seconds)
+def measure(
+    arm: Arm, sides: Sequence[Side], questions: Path, folder: Path, rounds: int = ROUNDS
+) -> None:
+    """Turns of all sides, in each round in another order: they see the same moments."""
+    with ExitStack() as stack:
+        asked = [
+            Process(side, python, questions, folder) for side in sides if (python := side.python)
+        ]
+        for each in asked:
+            stack.enter_context(each.process)
+        able = [each for each in asked if each.is_ready()]
+        for _ in range(rounds):
+            for each in random.sample(able, len(able)):
+                each.turn()
+        for each in asked:
+            each.end(arm)
 
 
 def compare(
     arm: Arm, ours: Sequence[Side], peers: Sequence[Side], folder: Path, *, warm: bool = False
 ) -> list[Row]:
-    """A row for each of ours beside each peer that can solve the arm; all in turn."""
-    questions = arm.questions(folder, warm=warm)
-    for _ in range(REPETITIONS):
-        for side in (*ours, *peers):
-            measure(arm, side, questions, folder)
+    """A row for each of ours beside each peer that can solve the arm."""
+    measure(arm, [*ours, *peers], arm.questions(folder, warm=warm), folder)
     return [
         row(arm, side, peer, "warm" if warm else "cold")
         for side in ours
@@ -228,15 +263,10 @@ def row(arm: Arm, ours: Side, peer: Side, start: str) -> Row:
 def ourselves(arm: Arm, folder: Path) -> list[Row]:
     """Two threads beside one; Python beside C++, with a small batch."""
     one, two = Side("robocell batch", BATCH), Side("robocell batch, 2 threads", BATCH)
-    small, cpp = (Side("robocell small batch, by turns", SMALL) for _ in range(2))
+    small, cpp = Side("robocell batch", SMALL), Side("robocell batch, C++", SMALL)
     questions = arm.questions(folder, warm=False)
-    for _ in range(REPETITIONS):
-        for side in (one, two):
-            measure(arm, side, questions, folder)
-        for side, q, seconds in zip(
-            (small, cpp), *answers_of(small, questions, folder), strict=True
-        ):
-            side.take(arm, q, seconds)
+    measure(arm, [one, two], questions, folder)
+    measure(arm, [small, cpp], questions, folder, ROUNDS_OF_SMALL)
     return [
         Row(
             f"inverse kinematics in one batch, {what}, {arm.robot.name}",

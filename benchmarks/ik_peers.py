@@ -1,7 +1,6 @@
 """Peers of the inverse kinematics rows that come from PyPI; each runs in an environment of its own.
 
-A side takes the questions of ik_side.py and returns answers (B, n), NaN where it found nothing, and
-the seconds of each call; nothing at all when it cannot solve this arm.
+A side takes the questions of ik_side.py and takes its turns; None when it cannot solve this arm.
 """
 
 from __future__ import annotations
@@ -12,23 +11,34 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ik_side import TOLERANCE, one_by_one
+from ik_side import TOLERANCE, Answers, one_by_one
 
 Array = NDArray[np.float64]
 Questions = Mapping[str, Any]
-Answers = tuple[Array, Array]
 
 # Of solvers that only take steps: what solves most of the targets soonest (tried on Panda, Gen3).
 RESTARTS, STEPS = 25, 30
 LOCKED = 32  # values at which EAIK's seventh joint is held in turn
 
 
-def starts(seed: Array, limits: Array, rng: np.random.Generator) -> Iterator[Array]:
-    """The seed, then anywhere in the limits."""
-    low, high = limits.T
-    yield seed.copy()
-    for _ in range(RESTARTS):
-        yield rng.uniform(low, high)
+class Starts:
+    """Where a search begins: at the seed, then anywhere in the limits."""
+
+    def __init__(self, questions: Questions) -> None:
+        """Of the questions' seeds and limits."""
+        self._seeds = questions["seeds"]
+        self._low, self._high = questions["limits"].T
+        self.begin_pass()
+
+    def begin_pass(self) -> None:
+        """The same again."""
+        self._rng = np.random.default_rng(0)
+
+    def of(self, b: int) -> Iterator[Array]:
+        """For a target."""
+        yield self._seeds[b].copy()
+        for _ in range(RESTARTS):
+            yield self._rng.uniform(self._low, self._high)
 
 
 def trac_ik(questions: Questions) -> Answers:
@@ -66,7 +76,6 @@ def roboplan(questions: Questions) -> Answers:
             damping=1e-5,
         ),
     )
-    solver.setRngSeed(1)
     goals = [
         core.CartesianConfiguration("base", "tip", np.asfortranarray(target))
         for target in questions["targets"]
@@ -77,7 +86,7 @@ def roboplan(questions: Questions) -> Answers:
         found = core.JointConfiguration()
         return found.positions if solver.solveIk(goals[b], seeds[b], found) else None
 
-    return one_by_one(questions, solve)
+    return one_by_one(questions, solve, begin_pass=lambda: solver.setRngSeed(1))
 
 
 def eaik(questions: Questions) -> Answers | None:
@@ -138,11 +147,11 @@ def mink(questions: Questions) -> Answers:
     task = mink.FrameTask("tip", "body", position_cost=1, orientation_cost=1, lm_damping=1e-3)
     bounds = [mink.ConfigurationLimit(model)]
     goals = [mink.SE3.from_matrix(target) for target in questions["targets"]]
-    rng = np.random.default_rng(0)
+    starts = Starts(questions)
 
     def solve(b: int) -> Array | None:
         task.set_target(goals[b])
-        for start in starts(questions["seeds"][b], questions["limits"], rng):
+        for start in starts.of(b):
             now.update(start)
             for _ in range(STEPS):
                 error = task.compute_error(now)
@@ -152,7 +161,7 @@ def mink(questions: Questions) -> Answers:
                 now.integrate_inplace(speed, 1.0)
         return None
 
-    return one_by_one(questions, solve)
+    return one_by_one(questions, solve, begin_pass=starts.begin_pass)
 
 
 def placo(questions: Questions) -> Answers:
@@ -168,7 +177,7 @@ def placo(questions: Questions) -> Answers:
     task.configure("tip", "soft", 1.0, 1.0)
     solver.add_regularization_task(1e-9)
     base = robot.state.q.copy()  # position and quaternion come first
-    rng = np.random.default_rng(0)
+    starts = Starts(questions)
 
     def arrived(target: Array) -> bool:
         tip = robot.get_T_world_frame("tip")
@@ -182,7 +191,7 @@ def placo(questions: Questions) -> Answers:
     def solve(b: int) -> Array | None:
         target = questions["targets"][b]
         task.T_world_frame = target
-        for start in starts(questions["seeds"][b], questions["limits"], rng):
+        for start in starts.of(b):
             robot.state.q = np.r_[base[:7], start]
             robot.update_kinematics()
             for _ in range(STEPS):
@@ -195,7 +204,7 @@ def placo(questions: Questions) -> Answers:
                 robot.update_kinematics()
         return None
 
-    return one_by_one(questions, solve)
+    return one_by_one(questions, solve, begin_pass=starts.begin_pass)
 
 
 def pinocchio(questions: Questions) -> Answers:
@@ -207,10 +216,10 @@ def pinocchio(questions: Questions) -> Answers:
     goals = [pin.SE3(target) for target in questions["targets"]]
     low, high = questions["limits"].T
     damping = 1e-4 * np.eye(6)
-    rng = np.random.default_rng(0)
+    starts = Starts(questions)
 
     def solve(b: int) -> Array | None:
-        for q in starts(questions["seeds"][b], questions["limits"], rng):
+        for q in starts.of(b):
             for _ in range(STEPS + 10):
                 pin.forwardKinematics(model, data, q)
                 left = pin.updateFramePlacement(model, data, tip).actInv(goals[b])
@@ -222,7 +231,7 @@ def pinocchio(questions: Questions) -> Answers:
                 q = np.clip(q - step, low, high)
         return None
 
-    return one_by_one(questions, solve)
+    return one_by_one(questions, solve, begin_pass=starts.begin_pass)
 
 
 PEERS: dict[str, Callable[[Questions], Answers | None]] = {
