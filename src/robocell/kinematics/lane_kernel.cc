@@ -42,11 +42,18 @@ HWY_INLINE Vec3<V> Times(const Frame3<V>& f, const double* v) {
   return MulAdd(hn::Set(d, v[0]), f.x, MulAdd(hn::Set(d, v[1]), f.y, Times(hn::Set(d, v[2]), f.z)));
 }
 
+// Room for the joints of a chain of N; 0: of any.
+template <int N>
+inline constexpr int kMostJoints = N ? N : kMaxChainJoints;
+
 // A step of the lanes of one register of type D.
 template <class D>
 struct LaneStep {
   using V = hn::Vec<D>;
   static constexpr D d = {};
+  // One question waits for each number that its next one is made of. There a branch that is
+  // foreseen is not waited for; of several lanes one goes the other way too often.
+  static constexpr bool kAlone = hn::MaxLanes(D()) == 1;
 
   static HWY_INLINE V Load(const double* p) { return hn::Load(d, p); }
   static HWY_INLINE V Number(double value) { return hn::Set(d, value); }
@@ -66,14 +73,15 @@ struct LaneStep {
     return {Load(rows[0] + lane), Load(rows[1] + lane), Load(rows[2] + lane)};
   }
 
-  static HWY_NOINLINE void WholeLink(const PlainTransform& link, Frame* f) {
+  // Seldom, but no call: a frame that a call points to lies in memory all the time.
+  static HWY_INLINE void WholeLink(const PlainTransform& link, Frame* f) {
     const double* r = link.rotation;
     const double x[3] = {r[0], r[3], r[6]}, y[3] = {r[1], r[4], r[7]}, z[3] = {r[2], r[5], r[8]};
-    const Frame old = *f;
-    f->p = Add(old.p, Times(old, link.translation));
-    f->x = Times(old, x);
-    f->y = Times(old, y);
-    f->z = Times(old, z);
+    const V3 to_x = Times(*f, x), to_y = Times(*f, y), to_z = Times(*f, z);
+    f->p = Add(f->p, Times(*f, link.translation));
+    f->x = to_x;
+    f->y = to_y;
+    f->z = to_z;
   }
 
   static HWY_INLINE void LinkTo(const FoldedJoint& joint, Frame* f) {
@@ -87,19 +95,35 @@ struct LaneStep {
     V3 direction, point;
   };
 
+  // Numbers of one lane, together in a register. (Those that were stored one by one and are loaded
+  // together are waited for.) Combine is found by its arguments: where there is no need it is none.
+  template <class Several>
+  static HWY_INLINE hn::Vec<Several> Together(Several several, const V* each) {
+    constexpr int kHalf = hn::MaxLanes(several) / 2;
+    if constexpr (kHalf == 0) {
+      return each[0];
+    } else {
+      constexpr hn::Half<Several> half;
+      return Combine(several, Together(half, each + kHalf), Together(half, each));
+    }
+  }
+
   // The turns of all screws where there is one lane: those of several joints at once.
   template <int N>
   static HWY_INLINE void TurnsOfOne(const FoldedChain& chain, const V* q, V* sine, V* cosine) {
     constexpr hn::CappedTag<double, 4> several;
-    constexpr int kRoom = ((N ? N : kMaxChainJoints) + 3) / 4 * 4;
-    alignas(32) double angle[kRoom] = {}, sines[kRoom], cosines[kRoom];
+    constexpr int kTogether = hn::MaxLanes(several);
+    constexpr int kRoom = (kMostJoints<N> + 3) / 4 * 4;
+    alignas(32) double sines[kRoom], cosines[kRoom];
+    V angle[kRoom];
     const int n = N ? N : chain.n;
+    for (V& each : angle) each = hn::Zero(d);
     for (int i = 0; i < n; ++i) {
-      if (!chain.joints[i].slide) angle[i] = hn::GetLane(q[i]) + chain.joints[i].angle;
+      if (!chain.joints[i].slide) angle[i] = hn::Add(q[i], Number(chain.joints[i].angle));
     }
-    for (int i = 0; i < n; i += static_cast<int>(hn::Lanes(several))) {
+    for (int i = 0; i < n; i += kTogether) {
       hn::Vec<decltype(several)> s, c;
-      SinCos(several, hn::Load(several, angle + i), &s, &c);
+      SinCos(several, Together(several, angle + i), &s, &c);
       hn::Store(s, several, sines + i);
       hn::Store(c, several, cosines + i);
     }
@@ -112,7 +136,7 @@ struct LaneStep {
 
   template <int N>
   static HWY_INLINE void TurnsOf(const FoldedChain& chain, const V* q, V* sine, V* cosine) {
-    if constexpr (hn::MaxLanes(D()) == 1) return TurnsOfOne<N>(chain, q, sine, cosine);
+    if constexpr (kAlone) return TurnsOfOne<N>(chain, q, sine, cosine);
     const int n = N ? N : chain.n;
     for (int i = 0; i < n; ++i) {
       const FoldedJoint& joint = chain.joints[i];
@@ -125,20 +149,28 @@ struct LaneStep {
     }
   }
 
+  // Of a screw along its axis.
+  static HWY_INLINE V ShiftOf(const FoldedChain& chain, int i, const V* q) {
+    const FoldedJoint& joint = chain.joints[i];
+    const V shift = Number(joint.shift);
+    return HWY_UNLIKELY(joint.slide) ? hn::MulAdd(q[i], Number(chain.per_metre), shift) : shift;
+  }
+
   // Frames of all screws at q; the frame of the last one.
   template <int N>
   static HWY_INLINE Frame Walk(const FoldedChain& chain, const V* q, Axis* axes) {
     const int n = N ? N : chain.n;
-    V sine[N ? N : kMaxChainJoints], cosine[N ? N : kMaxChainJoints];
+    V sine[kMostJoints<N>], cosine[kMostJoints<N>];
     TurnsOf<N>(chain, q, sine, cosine);
-    const V zero = hn::Zero(d), one = Number(1);
-    Frame f{{one, zero, zero}, {zero, one, zero}, {zero, zero, one}, {zero, zero, zero}};
-    for (int i = 0; i < n; ++i) {
-      const FoldedJoint& joint = chain.joints[i];
-      if (i > 0) LinkTo(joint, &f);
-      V shift = Number(joint.shift);
-      if (HWY_UNLIKELY(joint.slide)) shift = hn::MulAdd(q[i], Number(chain.per_metre), shift);
-      f.p = MulAdd(shift, f.z, f.p);
+    const V zero = hn::Zero(d);
+    Frame f{.x = {cosine[0], sine[0], zero},
+            .y = {hn::Neg(sine[0]), cosine[0], zero},
+            .z = {zero, zero, Number(1)},
+            .p = {zero, zero, ShiftOf(chain, 0, q)}};
+    axes[0] = {f.z, f.p};
+    for (int i = 1; i < n; ++i) {
+      LinkTo(chain.joints[i], &f);
+      f.p = MulAdd(ShiftOf(chain, i, q), f.z, f.p);
       axes[i] = {f.z, f.p};
       Turn(cosine[i], sine[i], &f.x, &f.y);
     }
@@ -146,10 +178,10 @@ struct LaneStep {
   }
 
   // For lanes with nearly half a turn left: some axis of it, from how a vector and its image lie (R
-  // + 1 is 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine.
-  static HWY_NOINLINE void TurnAround(const Frame& f, const V3& x, const V3& y, const V3& z,
-                                      const V3& sine2, V cosine2, hn::Mask<D> lanes, V3* angular,
-                                      V* turn2) {
+  // + 1 is 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine. No call, as above.
+  static HWY_INLINE void TurnAround(const Frame& f, const V3& x, const V3& y, const V3& z,
+                                    const V3& sine2, V cosine2, hn::Mask<D> lanes, V3* angular,
+                                    V* turn2) {
     const V3 some = {Number(0.48), Number(0.60), Number(0.64)};
     V3 axis = MulAdd(Dot(f.x, some), x, MulAdd(Dot(f.y, some), y, Times(Dot(f.z, some), z)));
     axis = Add(axis, some);
@@ -283,11 +315,11 @@ struct LaneStep {
   // What the joints do: columns of the Jacobian, a wish of their own, how easily they are moved.
   template <int N, bool kTask>
   struct Moves {
-    static constexpr int kMost = N ? N : kMaxChainJoints;
+    static constexpr int kMost = kMostJoints<N>;
     V column[kMost][6], spare[kTask ? kMost : 1], ease[kTask ? kMost : 1];
   };
 
-  template <int N, bool kTask>
+  template <bool kFirst, int N, bool kTask>
   static HWY_INLINE void AddJoint(const FoldedChain& chain, const LaneOptions& options, int i, V q,
                                   const Axis& axis, const V3& tip, int lane, const LaneTask* task,
                                   const Way& way, Moves<N, kTask>* joints, Equations* e) {
@@ -310,24 +342,23 @@ struct LaneStep {
                              ? hn::Zero(d)
                              : hn::Mul(hn::Mul(way.pull, Number(task->part[i])), to_goal);
     }
+    c[0] = moves.x, c[1] = moves.y, c[2] = moves.z;
+    c[3] = turns.x, c[4] = turns.y, c[5] = turns.z;
     // A joint that presses on its limit takes no part (projected gradient: D. P. Bertsekas,
     // "Projected Newton Methods for Optimization Problems with Simple Constraints", 1982).
-    V push = hn::Add(Dot(moves, way.linear), Dot(turns, way.angular));
-    if constexpr (kTask) push = hn::Add(push, joints->spare[i]);
-    const auto up = hn::Gt(push, hn::Zero(d));
-    const auto stuck = hn::Or(hn::And(up, hn::Ge(q, Number(joint.upper))),
-                              hn::AndNot(up, hn::Le(q, Number(joint.lower))));
-    c[0] = hn::IfThenZeroElse(stuck, moves.x);
-    c[1] = hn::IfThenZeroElse(stuck, moves.y);
-    c[2] = hn::IfThenZeroElse(stuck, moves.z);
-    c[3] = hn::IfThenZeroElse(stuck, turns.x);
-    c[4] = hn::IfThenZeroElse(stuck, turns.y);
-    c[5] = hn::IfThenZeroElse(stuck, turns.z);
+    const auto above = hn::Ge(q, Number(joint.upper)), below = hn::Le(q, Number(joint.lower));
+    if (!kAlone || HWY_UNLIKELY(!hn::AllFalse(d, hn::Or(above, below)))) {
+      V push = hn::Add(Dot(moves, way.linear), Dot(turns, way.angular));
+      if constexpr (kTask) push = hn::Add(push, joints->spare[i]);
+      const auto up = hn::Gt(push, hn::Zero(d));
+      const auto stuck = hn::Or(hn::And(up, above), hn::AndNot(up, below));
+      for (int k = 0; k < 6; ++k) c[k] = hn::IfThenZeroElse(stuck, c[k]);
+      if constexpr (kTask) joints->spare[i] = hn::IfThenZeroElse(stuck, joints->spare[i]);
+    }
     if (HWY_UNLIKELY(options.locked[i])) {
       for (int k = 0; k < 6; ++k) c[k] = hn::Zero(d);
     }
     if constexpr (kTask) {
-      joints->spare[i] = hn::IfThenZeroElse(stuck, joints->spare[i]);
       const auto at_ease = hn::Gt(way.pull, hn::Zero(d));
       joints->ease[i] = hn::IfThenElse(at_ease, Number(task->ease[i]), Number(1));
       for (int r = 0; r < 6; ++r) e->b[r] = hn::NegMulAdd(c[r], joints->spare[i], e->b[r]);
@@ -337,7 +368,10 @@ struct LaneStep {
       V row = c[r];
       if constexpr (kTask) row = hn::Mul(row, joints->ease[i]);
 #pragma GCC unroll 6
-      for (int k = 0; k <= r; ++k) e->a[Entry(r, k)] = hn::MulAdd(row, c[k], e->a[Entry(r, k)]);
+      for (int k = 0; k <= r; ++k) {
+        V& sum = e->a[Entry(r, k)];
+        sum = kFirst ? hn::Mul(row, c[k]) : hn::MulAdd(row, c[k], sum);
+      }
     }
   }
 
@@ -347,14 +381,14 @@ struct LaneStep {
                                   const Axis* axes, const V3& tip, int lane, const LaneTask* task,
                                   const Way& way, Moves<N, kTask>* joints, Equations* e) {
     const int n = N ? N : chain.n;
-    for (V& entry : e->a) entry = hn::Zero(d);
-    const V damping =
-        hn::MulAdd(hn::Min(way.cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
-    for (int i = 0; i < 6; ++i) e->a[Entry(i, i)] = damping;
     e->b[0] = way.linear.x, e->b[1] = way.linear.y, e->b[2] = way.linear.z;
     e->b[3] = way.angular.x, e->b[4] = way.angular.y, e->b[5] = way.angular.z;
-    for (int i = 0; i < n; ++i)
-      AddJoint(chain, options, i, q[i], axes[i], tip, lane, task, way, joints, e);
+    AddJoint<true>(chain, options, 0, q[0], axes[0], tip, lane, task, way, joints, e);
+    for (int i = 1; i < n; ++i)
+      AddJoint<false>(chain, options, i, q[i], axes[i], tip, lane, task, way, joints, e);
+    const V damping =  // which is known last
+        hn::MulAdd(hn::Min(way.cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
+    for (int i = 0; i < 6; ++i) e->a[Entry(i, i)] = hn::Add(e->a[Entry(i, i)], damping);
   }
 
   // Moves the lanes that do not stay, by what the solved equations say.
@@ -367,16 +401,18 @@ struct LaneStep {
     V most = hn::Zero(d);
     for (int i = 0; i < n; ++i) {
       const V* c = joints.column[i];
-      V sum = hn::Mul(c[0], e.b[0]);
-      for (int k = 1; k < 6; ++k) sum = hn::MulAdd(c[k], e.b[k], sum);
+      V sum = hn::Mul(c[5], e.b[5]);  // in the order in which they become known
+      for (int k = 4; k >= 0; --k) sum = hn::MulAdd(c[k], e.b[k], sum);
       if constexpr (kTask) sum = hn::MulAdd(sum, joints.ease[i], joints.spare[i]);
       step[i] = sum;
       if (!chain.joints[i].slide) most = hn::Max(most, hn::Abs(sum));
     }
     // Slides are linear however far they go.
     const V go = hn::IfThenZeroElse(stay, Number(1));
-    const V shorten = hn::IfThenZeroElse(
-        stay, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
+    V shorten = go;
+    if (!kAlone || HWY_UNLIKELY(!hn::AllFalse(d, hn::Gt(most, Number(kLargestTurn)))))
+      shorten = hn::IfThenZeroElse(
+          stay, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
     for (int i = 0; i < n; ++i) {
       if (HWY_UNLIKELY(options.locked[i])) continue;
       const FoldedJoint& joint = chain.joints[i];

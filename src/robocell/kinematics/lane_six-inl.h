@@ -12,7 +12,7 @@ constexpr int kEntries = 21;
 // Solves for b in place by L D L^T. Returns the product of D, the determinant.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V SolveSix(D d, V* a, V* b) {
-  V inverse[6];
+  V inverse[6], factor[6];
   V determinant = hn::Set(d, 1.0);
 #pragma GCC unroll 6
   for (int j = 0; j < 6; ++j) {
@@ -20,19 +20,21 @@ HWY_INLINE V SolveSix(D d, V* a, V* b) {
     inverse[j] = hn::Div(hn::Set(d, 1.0), a[Entry(j, j)]);
 #pragma GCC unroll 6
     for (int i = j + 1; i < 6; ++i) {
-      const V factor = hn::Mul(a[Entry(i, j)], inverse[j]);
+      factor[i] = hn::Mul(a[Entry(i, j)], inverse[j]);
 #pragma GCC unroll 6
       for (int k = j + 1; k <= i; ++k)
-        a[Entry(i, k)] = hn::NegMulAdd(factor, a[Entry(k, j)], a[Entry(i, k)]);
-      b[i] = hn::NegMulAdd(factor, b[j], b[i]);
+        a[Entry(i, k)] = hn::NegMulAdd(factor[i], a[Entry(k, j)], a[Entry(i, k)]);
+      b[i] = hn::NegMulAdd(factor[i], b[j], b[i]);
     }
+#pragma GCC unroll 6
+    for (int i = j + 1; i < 6; ++i) a[Entry(i, j)] = factor[i];  // of L
   }
 #pragma GCC unroll 6
   for (int j = 5; j >= 0; --j) {
-    V sum = b[j];
+    b[j] = hn::Mul(b[j], inverse[j]);
+    // What is known last comes last: one question at a time waits for every sum.
 #pragma GCC unroll 6
-    for (int i = j + 1; i < 6; ++i) sum = hn::NegMulAdd(a[Entry(i, j)], b[i], sum);
-    b[j] = hn::Mul(sum, inverse[j]);
+    for (int i = 5; i > j; --i) b[j] = hn::NegMulAdd(a[Entry(i, j)], b[i], b[j]);
   }
   return determinant;
 }
