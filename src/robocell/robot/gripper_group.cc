@@ -66,6 +66,26 @@ std::string FingerHint(const mjModel* m, const RobotRecord& robot, const std::ve
   return "Bodies that move at its joints, and those that carry them: " + ListNames(names);
 }
 
+// No finger's mesh is larger, m; those drawn in millimetres are a thousand times too large.
+constexpr double kLargestMesh = 2;
+
+// That the mesh of a finger is too large to be in metres; "" when none is.
+std::string MillimetresHint(const mjModel* m, const FingerPair& pair) {
+  for (const Finger& finger : pair.fingers) {
+    for (const int g : finger.geoms) {
+      const mjtNum* half = m->geom_aabb + 6 * static_cast<ptrdiff_t>(g) + 3;
+      const double size = 2 * *std::max_element(half, half + 3);
+      if (m->geom_type[g] != mjGEOM_MESH || size <= kLargestMesh) continue;
+      return fmt::format(
+          " The mesh '{}' of '{}' is {:.3g} m large. Is it drawn in millimetres? Then give its "
+          "<mesh> scale=\"0.001 0.001 0.001\"",
+          ElementName(m, mjOBJ_MESH, m->geom_dataid[g]),
+          ElementName(m, mjOBJ_BODY, m->geom_bodyid[g]), size);
+    }
+  }
+  return "";
+}
+
 void Swap(GripperCtrl& ctrl) { std::swap(ctrl.open, ctrl.closed); }
 
 double At(const GripperCtrl& ctrl, double opening) {
@@ -203,8 +223,9 @@ GripperRange ActuatedGripper::Measure() const {
   const double travel = ends_of_travel.second - ends_of_travel.first;
   if (travel < kLeastTravel) {
     Fail("fingers", fmt::format("the finger distance stays at {:.4f} m between control {} and {}; "
-                                "are `fingers` and `ctrl` right?",
-                                at_open, CtrlText(open), CtrlText(closed)));
+                                "are `fingers` and `ctrl` right?{}",
+                                at_open, CtrlText(open), CtrlText(closed),
+                                MillimetresHint(core().model(), Parts().pair)));
   }
   const auto jams = [&](const std::vector<double>& ctrl, double from_home, double later,
                         const std::vector<double>& other) {

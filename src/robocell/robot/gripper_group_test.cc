@@ -453,6 +453,27 @@ TEST(Gripper, SaysWhenItsFingersDoNotMove) {
       "are `fingers` and `ctrl` right?");
 }
 
+// Fingers of sixty metres overlap wherever they are.
+TEST(Gripper, SaysThatAMeshOfItsFingersMayBeInMillimetres) {
+  ModelFolder folder;
+  RobotConfig config = WithTwoServos(folder, "0 1 0", "0 .04", "0 1 0", "-.04 0");
+  config.attachments[0].mjcf_path = folder.Write("large", R"(<asset><mesh name="pad"
+      vertex="-8 0 0  8 0 0  8 20 0  -8 20 0  -8 0 60  8 0 60  8 20 60  -8 20 60"/></asset>
+      <worldbody><body name="palm"><geom size=".01" mass=".1"/>
+      <body name="left" pos="0 .01 0"><joint name="l" type="slide" axis="0 1 0" range="0 .04"/>
+      <geom type="mesh" mesh="pad" mass=".1"/></body>
+      <body name="right" pos="0 -.01 0"><joint name="r" type="slide" axis="0 1 0" range="-.04 0"/>
+      <geom type="mesh" mesh="pad" mass=".1"/></body>
+      </body></worldbody><actuator><position name="left" joint="l" ctrlrange="0 .04"/>
+      <position name="right" joint="r" ctrlrange="-.04 0"/></actuator>)");
+  GripperConfig(config).actuators = {"g_left", "g_right"};
+  Robot robot = RobotAlone(config);
+  ExpectThrow<ArgumentError>([&] { robot.gripper().opening(); },
+                             "are `fingers` and `ctrl` right? The mesh 'g_pad' of 'g_left' is 60 m "
+                             "large. Is it drawn in millimetres? Then give its <mesh> "
+                             "scale=\"0.001 0.001 0.001\"");
+}
+
 TEST(Gripper, RefusesOpeningsThatAreNoNumbersAndClampsOthers) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>([&] { robot.gripper().SetOpening(NAN); },
