@@ -172,3 +172,8 @@ def test_bad_input_is_told_with_thing_place_alternatives_and_next_step(name: str
     assert case.alternatives in told
     assert case.next_step in told
     assert sorted(tmp_path.rglob("*")) == before, "nothing is made"
+
+
+def test_what_is_missing_at_the_root_of_the_file_system_is_looked_for_there():
+    told = refused("verify", "/no-such-dataset-of-robocell")
+    assert "no dataset '/no-such-dataset-of-robocell'. Folders in /: " in told

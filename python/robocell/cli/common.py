@@ -114,7 +114,8 @@ def _fail_missing(path: Path, what: str, kind: str, is_one: Callable[[Path], boo
     names = sorted(entry.name for entry in folder.iterdir() if is_one(entry))
     near = difflib.get_close_matches(path.name, names, n=1, cutoff=0.5)
     hint = f" Did you mean '{folder / near[0]}'?" if near else ""
-    fail(f"no {what} '{path}'.{_list(f'{kind} in {folder}/', names)}{hint}")
+    place = f"{kind} in {str(folder).rstrip('/')}/"
+    fail(f"no {what} '{path}'.{_list(place, names)}{hint}")
 
 
 def _list(place: str, names: Iterable[str]) -> str:

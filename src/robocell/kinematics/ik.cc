@@ -34,7 +34,7 @@ void CheckPreference(const Chain& chain, const IkOptions& options) {
   if (options.prefer == IkPrefer::kSeed && options.seed.empty()) {
     throw ArgumentError(
         "inverse kinematics: the solution near the seed is preferred, but there is no seed. Give "
-        "one, or a posture with kPosture");
+        "one, or a posture instead");
   }
   if (options.prefer != IkPrefer::kPosture) {
     if (options.posture.empty()) return;
