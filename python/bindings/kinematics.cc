@@ -224,6 +224,7 @@ void DefRobotIk(nb::class_<Robot>& robot) {
             nb::sig("def ik(self, pose: " ROBOCELL_IK_SIG),
             "Joint values that put the TCP at `pose` (in the robot base frame), a Pose, "
             "PyKDL.Frame or 4x4 matrix. The other arguments are those of kinematics.ik.");
+  SetPlainRobotIk(robot);
 }
 
 bool MayBePose(nb::handle value) noexcept {

@@ -35,6 +35,7 @@ void DefRobotIk(nb::class_<Robot>& robot);
 
 // Their `ik`, asked in the usual way.
 void SetPlainIk(nb::handle kinematics, nb::handle chain);
+void SetPlainRobotIk(nb::handle robot);
 
 // Chains on their own. Needs IkResult to be bound.
 void BindChain(nb::module_& m);

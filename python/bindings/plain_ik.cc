@@ -4,6 +4,7 @@
 // Python's lock is kept: with these options an answer takes microseconds, tenths of a millisecond
 // where there is none, and letting go of the lock and taking it again takes longer than the
 // arguments.
+#include <algorithm>
 #include <optional>
 #include <span>
 
@@ -15,17 +16,36 @@
 namespace robocell::python {
 namespace {
 
+const double kTolerance = IkOptions{}.tolerance;
+
 struct PlainQuestion {
   const Pose* target = nullptr;
   std::span<const double> seed{};
-  double tolerance = IkOptions{}.tolerance;
+  double tolerance = kTolerance;
 };
+
+// The same each time but for what was asked: to make them takes longer than a step of the search.
+// With Python's lock.
+const IkOptions& OptionsOf(const PlainQuestion& question) {
+  static auto& options = *new IkOptions;
+  options.tolerance = question.tolerance;
+  if (static_cast<size_t>(options.seed.size()) != question.seed.size())
+    options.seed = JointVector(question.seed);
+  std::copy(question.seed.begin(), question.seed.end(), options.seed.begin());
+  return options;
+}
+
+// Classes are there for good; each is looked for once.
+template <class T>
+nb::handle ClassOf() {
+  static PyObject* const type = nb::type<T>().ptr();
+  return type;
+}
 
 // The object, if it is of this very class; no subclass.
 template <class T>
 const T* Exactly(nb::handle value) {
-  static PyObject* const type = nb::type<T>().ptr();  // classes are there for good
-  const bool exact = reinterpret_cast<PyObject*>(Py_TYPE(value.ptr())) == type;
+  const bool exact = value.type().is(ClassOf<T>());
   return exact && nb::inst_ready(value) ? nb::inst_ptr<T>(value) : nullptr;
 }
 
@@ -60,9 +80,10 @@ std::optional<PlainQuestion> ReadQuestion(PyObject* const* args, size_t count, P
 
 const Chain* ChainNow(const Chain& chain) { return &chain; }
 // Null where its scene is in use by another thread; throws where it is closed.
-const Chain* ChainNow(const Kinematics& k) {
-  return k.robot.use().by_another_thread() ? nullptr : &k.robot.chain();
+const Chain* ChainNow(const Robot& robot) {
+  return robot.use().by_another_thread() ? nullptr : &robot.chain();
 }
+const Chain* ChainNow(const Kinematics& k) { return ChainNow(k.robot); }
 
 template <class Self>
 PyObject* AnswerPlainly(PyObject* const* args, size_t count, PyObject* keywords) {
@@ -72,10 +93,12 @@ PyObject* AnswerPlainly(PyObject* const* args, size_t count, PyObject* keywords)
   try {
     const Chain* chain = ChainNow(*self);
     if (!chain) return nullptr;
-    return nb::cast(Ik(*chain, *question->target,
-                       {.tolerance = question->tolerance, .seed = JointVector(question->seed)}))
-        .release()
-        .ptr();
+    // Where it will be: nb::cast would look for it among all objects, and copy it.
+    nb::object answer = nb::inst_alloc(ClassOf<IkResult>());
+    new (nb::inst_ptr<IkResult>(answer))
+        IkResult(Ik(*chain, *question->target, OptionsOf(*question)));
+    nb::inst_mark_ready(answer);
+    return answer.release().ptr();
   } catch (const std::exception&) {
     return nullptr;  // which nanobind's own call throws again, and tells
   }
@@ -83,6 +106,7 @@ PyObject* AnswerPlainly(PyObject* const* args, size_t count, PyObject* keywords)
 
 }  // namespace
 
+void SetPlainRobotIk(nb::handle robot) { SetPlainCall(robot.attr("ik"), &AnswerPlainly<Robot>); }
 void SetPlainIk(nb::handle kinematics, nb::handle chain) {
   SetPlainCall(kinematics.attr("ik"), &AnswerPlainly<Kinematics>);
   SetPlainCall(chain.attr("ik"), &AnswerPlainly<Chain>);

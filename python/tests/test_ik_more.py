@@ -387,7 +387,11 @@ class TestPlainCalls:
             apart, swapped = np.repeat(seed, 2)[::2], seed.astype(">f8")
             sealed = seed.copy()
             sealed.flags.writeable = False
-            for ik in (robot.kinematics.ik, robot.chain.ik):
+            for name, ik in (
+                ("pose", robot.ik),
+                ("target", robot.kinematics.ik),
+                ("target", robot.chain.ik),
+            ):
                 plain = ik(pose, seed=seed, tolerance=1e-5)
                 assert plain.success
                 assert plain.q.flags.writeable
@@ -396,13 +400,13 @@ class TestPlainCalls:
                     ik(pose, seed),
                     ik(pose, seed=sealed),
                     ik(pose, tolerance=1e-5, seed=seed),
-                    ik(target=pose, seed=seed),
+                    ik(**{name: pose}, seed=seed),
                     ik(pose, list(seed), tolerance=1e-5),
                     ik(pose, apart),
                     ik(pose, swapped),
                     ik(pose, memoryview(seed)),
                     ik(pose, seed, max_restarts=100, max_iterations=40),
-                    ik(**{"target": pose, "".join(["se", "ed"]): seed}),
+                    ik(**{name: pose, "".join(["se", "ed"]): seed}),
                 ):
                     np.testing.assert_array_equal(same.q, plain.q)
                     assert same.restarts == plain.restarts
@@ -411,7 +415,7 @@ class TestPlainCalls:
 
     def test_refuse_as_all_others_do(self, robot):
         pose, seed = rc.Pose(translation=[0.4, 0, 0.4]), robot.arm.joint_pos
-        for ik in (robot.kinematics.ik, robot.chain.ik):
+        for ik in (robot.ik, robot.kinematics.ik, robot.chain.ik):
             for options in (
                 {"seed": seed[:6]},
                 {"seed": seed * np.nan},
@@ -438,14 +442,39 @@ class TestPlainCalls:
         spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
         spec.robots.append(rc.RobotSpec(name="a", config=rc.RobotConfig.load(robot_file("rc7"))))
         scene = rc.Scene.build(spec)
-        kinematics, chain = scene.robot("a").kinematics, scene.robot("a").chain
-        seed = scene.robot("a").arm.joint_pos
+        robot = scene.robot("a")
+        kinematics, chain = robot.kinematics, robot.chain
+        seed = robot.arm.joint_pos
         pose = chain.fk(seed + 0.1)
         assert kinematics.ik(pose, seed)
+        assert robot.ik(pose, seed)
         scene.close()
-        with pytest.raises(rc.ClosedError, match="robot 'a' is closed: its scene was closed"):
-            kinematics.ik(pose, seed)
+        for ik in (robot.ik, kinematics.ik):
+            with pytest.raises(rc.ClosedError, match="robot 'a' is closed: its scene was closed"):
+                ik(pose, seed)
         assert chain.ik(pose, seed)
+
+    def test_know_nothing_of_the_call_before(self, robot):
+        kdl = pytest.importorskip("PyKDL")
+        slide = kdl.Chain()
+        for kind in (kdl.Joint.RotZ, kdl.Joint.TransX):
+            slide.addSegment(kdl.Segment(kdl.Joint(kind), kdl.Frame(kdl.Vector(0.3, 0, 0))))
+        chains = [robot.chain, rc.Chain.from_kdl(slide, limits=[(-2, 2), (0, 1)])]
+        seeds = [robot.arm.joint_pos, np.array([0.2, 0.3])]
+        targets = [chain.fk(seed + 0.1) for chain, seed in zip(chains, seeds, strict=True)]
+
+        def answer(k: int) -> np.ndarray:
+            loose = chains[k].ik(targets[k], seeds[k], tolerance=1e-2)
+            close = chains[k].ik(targets[k], seeds[k])
+            assert loose.iterations < close.iterations
+            assert close.position_error < 1e-5
+            return np.r_[loose.q, close.q]
+
+        alone = [answer(0), answer(1)]
+        for k in (1, 0, 0, 1):
+            with pytest.raises(rc.ArgumentError, match="expected"):
+                chains[k].ik(targets[k], seeds[1 - k])
+            np.testing.assert_array_equal(answer(k), alone[k])
 
 
 class TestBatches:

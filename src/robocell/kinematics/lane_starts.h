@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <span>
 
 #include "robocell/kinematics/lane_work.h"
@@ -43,7 +44,7 @@ class LaneStarts {
     const StartTable* table = around_ || known_ > 0 ? nullptr : work.table();
     if (!table) return;
     AimOnce(work);
-    known_ = table->First(aim_, std::span(places_).first(std::min(count, kNearby)));
+    known_ = table->First(near_->aim, std::span(near_->places).first(std::min(count, kNearby)));
   }
 
   // Puts the next start into a lane.
@@ -65,9 +66,7 @@ class LaneStarts {
 
   // The table is asked for a start near the pose for the first time.
   void AimOnce(const LaneWork& work) {
-    if (is_aimed_) return;
-    aim_ = StartTable::At(*tip_, work.position_only());
-    is_aimed_ = true;
+    if (!near_) near_.emplace(Near{.aim = StartTable::At(*tip_, work.position_only())});
   }
 
   // The table's entry with this place in the order of nearness; false when there is none.
@@ -76,11 +75,11 @@ class LaneStarts {
     if (!table) return false;
     AimOnce(*work);
     for (; known_ <= entry; ++known_) {
-      StartTable::Place place = known_ > 0 ? places_[known_ - 1] : StartTable::Place();
-      if (!table->Next(aim_, &place)) return false;
-      places_[known_] = place;
+      StartTable::Place place = known_ > 0 ? near_->places[known_ - 1] : StartTable::Place();
+      if (!table->Next(near_->aim, &place)) return false;
+      near_->places[known_] = place;
     }
-    work->Put(lane, table->Values(places_[entry]));
+    work->Put(lane, table->Values(near_->places[entry]));
     return true;
   }
 
@@ -94,10 +93,12 @@ class LaneStarts {
   }
 
   const Transform* tip_ = nullptr;
-  bool is_aimed_ = false;
-  StartTable::Aim aim_;  // without a value until then
-  // Of the nearest in the table, as far as they were looked for.
-  std::array<StartTable::Place, kNearby> places_;
+  // What the table has near the pose, as far as it was looked for.
+  struct Near {
+    StartTable::Aim aim;
+    std::array<StartTable::Place, kNearby> places{};
+  };
+  std::optional<Near> near_;  // seeds that lead somewhere need none
   JointVector seed_;
   std::span<const double> own_seed_;  // of a question that prefers something
   bool seeded_ = false, around_ = false;

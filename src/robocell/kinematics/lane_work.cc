@@ -56,11 +56,11 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
 }
 
 JointVector LaneWork::SeedOf(std::span<const double> seed) const {
-  if (seed.empty()) return lane_chain_.middle();
-  JointVector q(seed);
+  JointVector q = lane_chain_.middle();
+  if (seed.empty()) return q;
   for (int i = 0; i < chain_.n; ++i) {
     const FoldedJoint& joint = folded_.joints[i];
-    if (!options_.locked[i]) q[i] = std::clamp(q[i], joint.lower, joint.upper);
+    q[i] = options_.locked[i] ? seed[i] : std::clamp(seed[i], joint.lower, joint.upper);
   }
   return q;
 }
@@ -115,17 +115,26 @@ void LaneWork::Pull(int lane, const JointVector& goal) {
   lane_task_->pull[lane] = 1;
 }
 
-void LaneWork::PutJoint(int lane, int i, double value) {
-  const FoldedJoint& joint = folded_.joints[i];  // which the kernel reads too
-  if (!options_.locked[i]) value = std::clamp(value, joint.lower, joint.upper);
-  state_.q[i][lane] = value;
-  if (std::isinf(state_.best_cost[lane])) state_.best_q[i][lane] = value;
+template <class Number>
+void LaneWork::Put(int lane, const Number* q) {
+  const bool is_best = std::isinf(state_.best_cost[lane]);
+  for (int i = 0; i < chain_.n; ++i) {
+    const FoldedJoint& joint = folded_.joints[i];  // which the kernel reads too
+    double value = q[i];
+    if (!options_.locked[i]) value = std::clamp(value, joint.lower, joint.upper);
+    state_.q[i][lane] = value;
+    if (is_best) state_.best_q[i][lane] = value;
+  }
 }
+template void LaneWork::Put(int lane, const double* q);
+template void LaneWork::Put(int lane, const float* q);
 
 JointVector LaneWork::Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
                             const JointVector& seed) const {
-  JointVector q(chain_.n);
-  for (int i = 0; i < chain_.n; ++i) q[i] = options_.locked[i] ? seed[i] : rows[i][lane];
+  JointVector q = seed;
+  for (int i = 0; i < chain_.n; ++i) {
+    if (!options_.locked[i]) q[i] = rows[i][lane];
+  }
   UnwindTowards(chain_, seed, options_.locked, &q);
   return q;
 }

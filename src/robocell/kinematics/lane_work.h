@@ -29,10 +29,8 @@ class LaneWork {
   // A new question for a lane; forgets the best of the last one.
   void Aim(int lane, const Transform& tip_in_base);
   // Where the lane starts; the best there is until something better is met.
-  template <class Number>
-  void Put(int lane, const Number* q) {
-    for (int i = 0; i < chain_.n; ++i) PutJoint(lane, i, q[i]);
-  }
+  template <class Number>  // double or float
+  void Put(int lane, const Number* q);
   // Measures the busy lanes (bits) and moves them on; the bits of those that have arrived.
   uint32_t Step(uint32_t busy) {
     return StepLanes(folded_, limits_, busy, &state_, lane_task_ ? &*lane_task_ : nullptr) & busy;
@@ -66,7 +64,6 @@ class LaneWork {
   int RestartsFor(const Transform& tip_in_base) const;
 
  private:
-  void PutJoint(int lane, int i, double value);
   void AimTask(int lane, const Eigen::Matrix3d& target_axes);
   JointVector Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
                     const JointVector& seed) const;
