@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cctype>
 #include <cstdlib>
+#include <mutex>
 #include <vector>
 
 #include "robocell/base/error.h"
@@ -21,6 +22,28 @@ std::atomic<GlBackend> process_backend = GlBackend::kAuto;
 
 // The process that had the first context; 0 until there is one.
 std::atomic<pid_t> drawing_process = 0;
+
+// Contexts that nobody uses. Never destroyed: at the end of the process OpenGL may be gone first.
+struct Spare {
+  static constexpr size_t kMost = 2;
+  std::mutex mutex;
+  std::vector<std::unique_ptr<GlContext>> contexts;
+};
+
+Spare& spare() {
+  static Spare* kept = new Spare;
+  return *kept;
+}
+
+// The variables that choose a device.
+std::string WantedDevice() {
+  std::string values;
+  for (const char* name : {"ROBOCELL_EGL_DEVICE", "MUJOCO_EGL_DEVICE_ID"}) {
+    const char* value = std::getenv(name);
+    values += std::string(value ? value : "") + '\n';
+  }
+  return values;
+}
 
 std::string Lower(std::string_view text) {
   std::string out(text);
@@ -99,12 +122,34 @@ void GlContext::RequireOwnProcess() {
       "robocell.gym.VectorGymEnv");
 }
 
+void GlContext::GiveBack(std::unique_ptr<GlContext> context) noexcept {
+  if (!context || InFork()) return;
+  Spare& kept = spare();
+  const std::lock_guard lock(kept.mutex);
+  if (kept.contexts.size() < Spare::kMost) kept.contexts.push_back(std::move(context));
+}
+
+std::unique_ptr<GlContext> GlContext::TakeSpare(GlBackend backend, const std::string& device) {
+  Spare& kept = spare();
+  const std::lock_guard lock(kept.mutex);
+  const auto found = std::find_if(kept.contexts.begin(), kept.contexts.end(), [&](const auto& one) {
+    return one->backend() == backend && one->made_for_ == device;
+  });
+  if (found == kept.contexts.end()) return nullptr;
+  auto context = std::move(*found);
+  kept.contexts.erase(found);
+  return context;
+}
+
 std::unique_ptr<GlContext> GlContext::Create(GlBackend wanted) {
   RequireOwnProcess();
+  const std::string device = WantedDevice();
   std::string tried, install;
   for (GlBackend backend : Order(wanted)) {
+    if (auto context = TakeSpare(backend, device)) return context;
     try {
       auto context = CreateOne(backend);
+      context->made_for_ = device;
       process_backend = backend;
       drawing_process = getpid();
       return context;
@@ -121,6 +166,11 @@ std::unique_ptr<GlContext> GlContext::Create(GlBackend wanted) {
               "\nROBOCELL_GL=egl or ROBOCELL_GL=osmesa chooses one.");
 }
 
-std::string DescribeGl(GlBackend backend) { return GlContext::Create(backend)->description(); }
+std::string DescribeGl(GlBackend backend) {
+  auto context = GlContext::Create(backend);
+  std::string description = context->description();
+  GlContext::GiveBack(std::move(context));
+  return description;
+}
 
 }  // namespace robocell

@@ -85,6 +85,26 @@ TEST_F(GlContexts, MoveBetweenThreadsButAreCurrentOnOne) {
   }).join();
 }
 
+TEST_F(GlContexts, OneThatWasGivenBackIsTheNext) {
+  auto context = GlContext::Create();
+  const GlContext* first = context.get();
+  const auto other = GlContext::Create();
+  EXPECT_NE(other.get(), first);
+  GlContext::GiveBack(std::move(context));
+  context = GlContext::Create();
+  EXPECT_EQ(context.get(), first);
+  std::thread([&] { const GlContext::Current there(*context); }).join();
+}
+
+TEST_F(GlContexts, OneThatWasGivenBackIsNoneForAnotherDevice) {
+  const auto context = GlContext::Create();
+  if (context->backend() != GlBackend::kEgl) SKIP_OR_FAIL("OSMesa has no devices");
+  GlContext::GiveBack(GlContext::Create());
+  const Environment device("ROBOCELL_EGL_DEVICE", "99");
+  ExpectThrow<ArgumentError>([] { GlContext::Create(); },
+                             "ROBOCELL_EGL_DEVICE=99 is not the index of one of the");
+}
+
 // Run again in child processes by the tests below, which read what it prints.
 TEST(DescribeGl, SaysWhatDrawsOrThrows) {
   try {

@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
@@ -11,6 +12,7 @@
 #include "robocell/render/gl_context.h"
 #include "robocell/render/gl_drawing.h"
 #include "robocell/render/image_convert.h"
+#include "robocell/render/view_cull.h"
 
 namespace robocell {
 namespace {
@@ -46,6 +48,7 @@ int BodyOf(const mjModel* model, const mjvGeom& geom) {
 struct GlRenderer::Impl {
   RendererOptions options;
   std::unique_ptr<GlContext> context;
+  bool as_new = true;  // the context is when nothing of ours is in it: no call failed in there
   std::string description;
   mjvOption visible;
 
@@ -54,11 +57,18 @@ struct GlRenderer::Impl {
   uint64_t signature = 0;  // the model's, which its data have too
   DataPtr scratch;         // poses for drawing
   std::unique_ptr<MjvScene> scene;
+  ViewCull cull;
+  int ids = 0;  // segmentation ids of the present scene, also of what is out of view
   std::unique_ptr<MjrContext> colour;  // uploads; without multisampling one serves both passes
   std::unique_ptr<MjrContext> exact;   // for depth and segmentation, when `colour` is multisampled
   std::vector<uint8_t> ids_rgb;
   std::vector<float> depth;  // when only millimetres are wanted
   std::vector<int32_t> body_of_id;
+
+  ~Impl() {
+    Drop();
+    if (as_new) GlContext::GiveBack(std::move(context));
+  }
 
   // Frees what lives in the GL context, which has to be current for that.
   void Drop() noexcept {
@@ -70,6 +80,7 @@ struct GlRenderer::Impl {
     } catch (const Error&) {  // the context is in use elsewhere: its objects go when it does
       static_cast<void>(colour.release());
       static_cast<void>(exact.release());
+      as_new = false;
     }
   }
 
@@ -113,6 +124,9 @@ struct GlRenderer::Impl {
                       scene->get());
     });
     scene->LetPlanesCastNoShadow();
+    ids = scene->get()->ngeom;
+    const RenderQuality& quality = options.quality;
+    if (!quality.shadows && !quality.reflections) cull.DropUnseen(camera, scene->get());
   }
 
   void SetFlags(bool ids) {
@@ -162,11 +176,11 @@ struct GlRenderer::Impl {
   // Body of each segmentation id of the present scene.
   std::span<const int32_t> BodyTable() {
     const mjvScene* drawn = scene->get();
-    std::span<int32_t> table = Sized(body_of_id, static_cast<size_t>(drawn->ngeom));
+    std::span<int32_t> table = Sized(body_of_id, static_cast<size_t>(ids));
     std::fill(table.begin(), table.end(), -1);
     for (int i = 0; i < drawn->ngeom; ++i) {
       const mjvGeom& geom = drawn->geoms[i];
-      if (geom.segid >= 0 && geom.segid < drawn->ngeom) table[geom.segid] = BodyOf(model, geom);
+      if (geom.segid >= 0 && geom.segid < ids) table[geom.segid] = BodyOf(model, geom);
     }
     return table;
   }
@@ -185,7 +199,7 @@ GlRenderer::GlRenderer(const RendererOptions& options) : impl_(std::make_unique<
   impl_->visible = ToOption(options.visibility);
 }
 
-GlRenderer::~GlRenderer() { impl_->Drop(); }
+GlRenderer::~GlRenderer() = default;
 
 const RenderQuality& GlRenderer::quality() const { return impl_->options.quality; }
 
@@ -197,14 +211,17 @@ void GlRenderer::SetModel(const mjModel* model) {
   r.model = nullptr;
   r.scratch = MakeData(model);
   r.scene = std::make_unique<MjvScene>(model);
+  r.cull = ViewCull(model);
   const RenderQuality& quality = r.options.quality;
   GlContext::Current current(*r.context);
+  const bool as_new = std::exchange(r.as_new, false);
   r.colour = std::make_unique<MjrContext>(model, quality.multisamples,
                                           quality.shadows ? quality.shadow_size : 0,
                                           ShowsAnything(r.options.visibility));
   r.watch = ModelWatch(model);
   r.signature = model->signature;
   r.model = model;
+  r.as_new = as_new;
 }
 
 CameraModel GlRenderer::Render(const mjData* data, const RenderRequest& request,
@@ -220,10 +237,12 @@ CameraModel GlRenderer::Render(const mjData* data, const RenderRequest& request,
       ComputeCamera(r.model, r.scratch.get(), request.camera, request.width, request.height);
   r.UpdateScene(view, camera);
   GlContext::Current current(*r.context);
+  const bool as_new = std::exchange(r.as_new, false);
   if (!outputs.rgb.empty()) r.DrawColour(request, outputs.rgb);
   if (!outputs.depth.empty() || !outputs.depth_mm.empty() || !outputs.segmentation.empty()) {
     r.DrawExact(request, outputs, camera);
   }
+  r.as_new = as_new;
   return camera;
 }
 

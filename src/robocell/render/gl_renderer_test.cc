@@ -123,6 +123,17 @@ TEST_F(Rendering, IsTheSameToTheByteWhateverWasRenderedBeforeAndBesides) {
   EXPECT_EQ(elsewhere, first);
 }
 
+TEST_F(Rendering, IsTheSameInAContextThatOthersHaveUsed) {
+  const Images first = Take(*renderer_);
+  const RendererOptions fine{
+      .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512},
+      .visibility = {.sites = true}};
+  for (int i = 0; i < 3; ++i) {  // contexts are kept when their renderers end, see gl_context.h
+    Take(*Make(fine), 64, 48);
+    EXPECT_EQ(Take(*Make({})), first);
+  }
+}
+
 TEST_F(Rendering, ImagesAreNeverAStepBehindTheState) {
   data_->qvel[2] = 5;
   ASSERT_TRUE(Step(model_.get(), data_.get(), 50).ok());

@@ -1,0 +1,46 @@
+// Leaves out of a picture what its camera cannot see: OpenGL would clip it away, after it has
+// transformed and lit every corner of it. A mesh of a real arm has thousands, and the camera at its
+// wrist sees few of them.
+//
+//   const ViewCull cull(model);
+//   mjv_updateScene(...);
+//   cull.DropUnseen(camera, scene);          // after every update
+//
+// Only for pictures without shadows and reflections, which show things outside of the view. Sites,
+// skins, planes and height fields stay. No allocation after the constructor, any thread.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <vector>
+#include <Eigen/Core>
+
+#include "robocell/render/camera_model.h"
+
+namespace robocell {
+
+class ViewCull {
+ public:
+  ViewCull() = default;
+  // Takes the sizes of the model's meshes; of other shapes those count that they are drawn with.
+  explicit ViewCull(const mjModel* model);
+
+  // Removes the geoms that are wholly outside of the image or of the clip planes. The others keep
+  // their order and their ids.
+  void DropUnseen(const CameraModel& camera, mjvScene* scene) const;
+
+ private:
+  // In the axes of the geom that it is the size of.
+  struct Box {
+    Eigen::Vector3d centre, half;
+  };
+
+  static Box MeshBox(const mjModel* model, int mesh);
+  bool MayBeSeen(const CameraModel& camera, const mjvGeom& geom) const;
+  // Whether `box` is that of the geom: there is none for shapes without an end.
+  bool BoxOf(const mjvGeom& geom, Box& box) const;
+
+  std::vector<Box> meshes_;
+};
+
+}  // namespace robocell
