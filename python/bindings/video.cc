@@ -5,6 +5,7 @@
 
 #include "cameras.h"
 #include "handles.h"
+#include "robocell/media/ffmpeg.h"
 #include "robocell/render/scene_recorder.h"
 
 namespace robocell::python {
@@ -30,6 +31,11 @@ void UseCamera(SceneRecorder& self, nb::handle camera) {
 }  // namespace
 
 void BindVideo(nb::module_& m) {
+  m.def(
+      "ffmpeg_answer", &FfmpegAnswer, nb::call_guard<nb::gil_scoped_release>(),
+      "What ffmpeg said of its version, as ROBOCELL_FFMPEG_ANSWER for the processes that this one "
+      "starts; '' when it was\n"
+      "not asked.");
   nb::enum_<VideoResolution>(m, "VideoResolution", "Common sizes.")
       .value("R360p", VideoResolution::kR360p)
       .value("R480p", VideoResolution::kR480p)

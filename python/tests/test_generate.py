@@ -107,6 +107,23 @@ def test_more_workers_make_the_same_bytes(longer: Path, tmp_path: Path, workers:
     assert contents(tmp_path / "out") == contents(longer)
 
 
+def test_ffmpeg_is_asked_for_its_version_once_by_all_processes(tmp_path: Path):
+    asked, program = tmp_path / "asked", tmp_path / "ffmpeg"
+    real = os.environ.get("ROBOCELL_FFMPEG") or shutil.which("ffmpeg")
+    program.write_text(f"""#!/bin/sh
+case "$*" in *-version*) echo once >> '{asked}';; esac
+exec '{real}' "$@"
+""")
+    program.chmod(0o755)
+    command = ("generate", write_run(tmp_path), "--output", tmp_path / "out", "--workers", 2)
+    result = robocell_command(*command, environment={"ROBOCELL_FFMPEG": program})
+    assert result.returncode == 0, result.stderr
+    assert asked.read_text() == "once\n"
+    versions = [episode.json["versions"] for episode in robocell.Dataset(tmp_path / "out")]
+    assert len(versions) == 2
+    assert all(each["ffmpeg"].startswith("ffmpeg version ") for each in versions)
+
+
 @contextlib.contextmanager
 def going_on(run: Path, output: Path, *options: object) -> Iterator[subprocess.Popen[str]]:
     """A run that has begun, and is ended at last."""

@@ -1,10 +1,10 @@
 """Looks through a run before it starts, in a process of its own: a model may crash the engine.
 
-    for text in check_apart("run.yaml", ["workers=2"]):
+    for text in check_apart("run.yaml", ["workers=2"]).warnings:
         print(text)
 
 The module is that process. The last line of its standard output is what it
-raised, {"failed": {...}}, or what it found, {"warnings": [...]}.
+raised, {"failed": {...}}, or what it found, {"warnings": [...], "ffmpeg": "..."}.
 """
 
 from __future__ import annotations
@@ -15,10 +15,11 @@ import signal
 import subprocess
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
-from robocell import Error, IoError, RunConfig, check_run
+from robocell import Error, IoError, RunConfig, _core, check_run
 from robocell.generate.own_process import own_process
 from robocell.generate.protocol import Failure
 from robocell.generate.supervisor import Limits
@@ -30,10 +31,23 @@ CRASHES = {
 }
 
 
+@dataclass(frozen=True)
+class Found:
+    """By a process that looked a run through.
+
+    Attributes:
+        warnings: The run's, or that a model crashed the engine.
+        environment: Variables that spare workers to find out again what this process has.
+    """
+
+    warnings: list[str]
+    environment: Mapping[str, str] = field(default_factory=dict)
+
+
 def check_apart(
     run_file: str, overrides: Sequence[str], longest_s: float = Limits.item_timeout_s
-) -> list[str]:
-    """Raises what `robocell.check_run` raises; its warnings, or that a model crashed the engine.
+) -> Found:
+    """Raises what `robocell.check_run` raises.
 
     Models that crash or stall the engine must not end the run: workers meet them again, one at a
     time, and what they cannot make is listed. Such a process is given `longest_s` seconds. IoError
@@ -47,15 +61,17 @@ def check_apart(
         )
     except subprocess.TimeoutExpired:
         slow = f"the run could not be looked through within {longest_s:g} s: a model takes too long"
-        return [slow]
+        return Found([slow])
     sys.stderr.write(done.stderr)
     said = _last_line(done.stdout)
     if done.returncode == 0:
-        return list(map(str, said.get("warnings", [])))
+        answer = str(said.get("ffmpeg", ""))
+        known = {"ROBOCELL_FFMPEG_ANSWER": answer} if answer else {}
+        return Found(list(map(str, said.get("warnings", []))), known)
     how = f"the process that looked through the run {describe_exit(done.returncode)}"
     if done.returncode in CRASHES:
         blame = "one of its models crashes the engine. Episodes that need it will be listed"
-        return [f"{how}: {blame}"]
+        return Found([f"{how}: {blame}"])
     if failure := _failure(said):
         raise failure.error()
     again = " when more memory is free" if done.returncode == -signal.SIGKILL else ""
@@ -92,7 +108,7 @@ def main() -> int:
             traceback.print_exc()  # a defect: the message alone does not say where
         print(json.dumps({"failed": Failure.of(error).to_json()}))
         return 1
-    print(json.dumps({"warnings": warnings}))
+    print(json.dumps({"warnings": warnings, "ffmpeg": _core.ffmpeg_answer()}))
     return 0
 
 

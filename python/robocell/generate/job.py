@@ -23,7 +23,7 @@ from robocell import (
     shard_plan,
 )
 from robocell.generate import work
-from robocell.generate.check import check_apart
+from robocell.generate.check import Found, check_apart
 from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.items import Item
 from robocell.generate.observer import Observer
@@ -105,10 +105,13 @@ class Job:
         that it was not through after `longest_s` seconds.
         IoError when the dataset cannot be written, or none of this could be found out.
         """
+        return self._look_through(longest_s).warnings
+
+    def _look_through(self, longest_s: float) -> Found:
         require_writable(self.dataset, self._place_of_output())
-        warnings = check_apart(str(self.run_file), self.overrides, longest_s)
+        found = check_apart(str(self.run_file), self.overrides, longest_s)
         check_dataset(self.run)
-        return warnings
+        return found
 
     def _place_of_output(self) -> str:
         """'run.yaml:3:9: '; empty for a folder that the command names."""
@@ -134,7 +137,8 @@ class Job:
         and SIGTERM stop it; see `Supervisor`.
         """
         limits = limits or Limits()
-        for warning in self.check(limits.item_timeout_s):
+        found = self._look_through(limits.item_timeout_s)
+        for warning in found.warnings:
             observer.warning(warning)
         prepare_dataset(self.run, check_run=False)
         with DatasetLock(self.dataset, *self.shard):
@@ -164,6 +168,7 @@ class Job:
                 disk_trouble=lambda: disk_trouble(self.dataset),
                 limits=limits,
                 tried_once=given_up,
+                environment=found.environment,
             )
             # A signal that comes after the last worker must not take the report.
             with stop_on_signals(supervisor.request_stop):

@@ -20,7 +20,7 @@ import os
 import selectors
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -94,6 +94,7 @@ class Supervisor:
         disk_trouble: Why nothing can be written, or None; asked after an input/output error.
         limits: How patient to be.
         tried_once: Items that are given up at their first error or death.
+        environment: Variables for workers, besides those of this process.
     """
 
     def __init__(
@@ -112,6 +113,7 @@ class Supervisor:
         disk_trouble: Callable[[], str | None] = lambda: None,
         limits: Limits | None = None,
         tried_once: Collection[str] = (),
+        environment: Mapping[str, str] | None = None,
     ) -> None:
         self._scouts = Scouts(items, any_made=already > 0)
         self._pending = deque(self._scouts.first(items))
@@ -126,6 +128,7 @@ class Supervisor:
         self._disk_trouble = disk_trouble
         self._limits = limits or Limits()
         self._tried_once = frozenset(tried_once)
+        self._environment = {**os.environ, **(environment or {})}
         self._totals = Totals(planned=len(items) + already, already=already, workers=self._count)
         self._workers: dict[int, WorkerProcess] = {}
         self._tries: Counter[str] = Counter()
@@ -179,7 +182,8 @@ class Supervisor:
             number = next(n for n in range(self._count) if n not in self._workers)
             try:
                 self._logs.mkdir(parents=True, exist_ok=True)  # somebody may have tidied up
-                worker = WorkerProcess(number, self._command, self._logs / f"worker-{number}.log")
+                log = self._logs / f"worker-{number}.log"
+                worker = WorkerProcess(number, self._command, log, self._environment)
             except OSError as error:
                 self._give_up_run("io", f"worker {number} cannot be started: {error}")
                 return

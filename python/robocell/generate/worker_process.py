@@ -29,7 +29,9 @@ class WorkerProcess:
         since: When the latest of this began, `time.monotonic()`.
     """
 
-    def __init__(self, number: int, command: Sequence[str], log: Path) -> None:
+    def __init__(
+        self, number: int, command: Sequence[str], log: Path, environment: Mapping[str, str]
+    ) -> None:
         self.number = number
         self.log = log
         self.item: Item | None = None
@@ -42,6 +44,7 @@ class WorkerProcess:
             self._log_start = file.tell()
             self._process = subprocess.Popen(
                 command,
+                env=environment,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=file,

@@ -12,7 +12,13 @@ namespace robocell {
 std::string FindFfmpeg();
 
 // "ffmpeg version 5.1.9-0+deb12u1": the first line of `program -version` up to the copyright. Asked
-// once per program. The same frames give the same bytes only with the same version.
+// once per program file: its start takes a tenth of a second. The same frames give the same bytes
+// only with the same version.
 std::string FfmpegVersion(const std::string& program = FindFfmpeg());
+
+// What FfmpegVersion was told last, so that a process that this one starts need not ask for the
+// same file again: the value of ROBOCELL_FFMPEG_ANSWER for its environment. "" when nothing was
+// asked.
+std::string FfmpegAnswer();
 
 }  // namespace robocell

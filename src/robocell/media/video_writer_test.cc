@@ -299,6 +299,35 @@ TEST(Ffmpeg, TheVersionIsItsFirstLine) {
   EXPECT_THAT(FfmpegVersion(), StartsWith("ffmpeg version "));
 }
 
+std::string TextOf(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+TEST(Ffmpeg, IsNotAskedAgainAboutAFileThatAParentHasAsked) {
+  TempDir folder;
+  const fs::path asked = folder / "asked", answer = folder / "answer";
+  const std::string count = "echo once >> " + asked.string() + "; echo 'ffmpeg version ";
+  {
+    const FakeFfmpeg fake(count + "1 Copyright nobody'");
+    EXPECT_EQ(InOwnProcess([&] {  // this process has not asked
+                FfmpegVersion();
+                std::ofstream(answer) << FfmpegAnswer();
+                return FfmpegVersion() == "ffmpeg version 1" ? 0 : 1;
+              }),
+              0);
+    setenv("ROBOCELL_FFMPEG_ANSWER", TextOf(answer).c_str(), 1);
+    EXPECT_EQ(FfmpegVersion(), "ffmpeg version 1");
+    EXPECT_EQ(FfmpegAnswer(), TextOf(answer));
+    EXPECT_EQ(TextOf(asked), "once\n");
+  }
+  const FakeFfmpeg other(count + "2 Copyright nobody'");
+  EXPECT_EQ(FfmpegVersion(), "ffmpeg version 2");
+  EXPECT_NE(FfmpegAnswer(), TextOf(answer));
+  EXPECT_EQ(TextOf(asked), "once\nonce\n");
+  unsetenv("ROBOCELL_FFMPEG_ANSWER");
+}
+
 TEST(Ffmpeg, AWrongChoiceOrNoneIsExplained) {
   setenv("ROBOCELL_FFMPEG", "/no/ffmpeg", 1);
   ExpectThrow<IoError>([] { FindFfmpeg(); },
