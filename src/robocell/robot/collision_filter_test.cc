@@ -71,7 +71,7 @@ TEST_F(CollisionFilterTest, SaysWhatTheEngineSays) {
 TEST_F(CollisionFilterTest, IsTheHookOfInverseKinematics) {
   const CollisionFilter filter(robot_, {.clearance = 0.02});
   std::vector<Pose> targets;
-  for (int k = 0; k < 2000 && targets.size() < 60; ++k) {
+  for (int k = 0; k < 4000 && targets.size() < 60; ++k) {
     // Those whose first solution touches something, but not every one does.
     const JointVector q = RandomJoints();
     const Pose target = robot_.chain().Fk(q);
