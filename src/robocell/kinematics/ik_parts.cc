@@ -80,9 +80,8 @@ void UnwindTowards(const ChainModel& chain, const JointVector& seed, const Locke
   IkResult result{.q = q};
   const Transform tip = TipAt(chain, q);
   if (task.plain) {
-    const PoseError error = ErrorTo(target, tip);
-    result.position_error = Length(error.linear);
-    result.rotation_error = error.angular.norm();
+    result.position_error = Length(target.translation - tip.translation);
+    result.rotation_error = RotationAngle(target.rotation * tip.rotation.transpose());
   } else {
     const IkTask::Errors errors = task.ErrorsOf(target, tip);
     result.position_error = errors.position;

@@ -206,7 +206,7 @@ struct LaneStep {
     const V cosine2 = hn::Add(trace, Number(1));                              // 2 (1 + cos(angle))
     const V scale = hn::Div(Number(2), hn::Max(cosine2, Number(kNearHalfTurn)));
     *angular = Times(scale, sine2);
-    *turn2 = Dot(*angular, *angular);
+    *turn2 = hn::Mul(hn::Mul(scale, scale), Dot(sine2, sine2));
     const auto half_turn = hn::Lt(cosine2, Number(kNearHalfTurn));
     if (HWY_UNLIKELY(!hn::AllFalse(d, half_turn)))
       TurnAround(f, x, y, z, sine2, cosine2, half_turn, angular, turn2);
@@ -432,7 +432,9 @@ struct LaneStep {
     for (int i = 0; i < n; ++i) q[i] = Load(state->q[i] + lane);
     Axis axes[kMost];
     const Frame f = Walk<N>(chain, q, axes);
-    const V3 tip = Add(f.p, Times(f, chain.tip.translation));
+    const double* to_tip = chain.tip.translation;
+    const V3 tip = MulAdd(Number(to_tip[0]), f.x,
+                          MulAdd(Number(to_tip[1]), f.y, MulAdd(Number(to_tip[2]), f.z, f.p)));
     const Way way = Measure<kTask>(f, tip, lane, task, *state);
     Note(way, n, q, lane, state);
     const auto arrived = hn::And(hn::Le(way.distance2, Number(options.distance2)),

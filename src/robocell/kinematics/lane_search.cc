@@ -57,9 +57,9 @@ class LaneSearch {
     if (starts_left_ == 0) return;
     --starts_left_;
     busy_ |= 1U << lane;
-    if (!aimed_[lane]) work_.Aim(lane, target_);
-    aimed_[lane] = true;
-    tried_[lane] = false;
+    if (!IsAimed(lane)) work_.Aim(lane, target_);
+    aimed_ |= 1U << lane;
+    tried_ &= ~(1U << lane);
     age_[lane] = 0;
     number_[lane] = starts_.begun();
     starts_.Begin(lane, &work_);
@@ -85,14 +85,16 @@ class LaneSearch {
     return !seed_searches_;
   }
 
+  bool IsAimed(int lane) const { return (aimed_ >> lane & 1) != 0; }
+
   // Whether it has most likely arrived with this step, so that it is judged without another one.
   bool IsWorthATry(int lane) const {
-    return !tried_[lane] && age_[lane] < work_.options().max_iterations &&
+    return (tried_ >> lane & 1) == 0 && age_[lane] < work_.options().max_iterations &&
            work_.IsLikelyThere(lane);
   }
 
   void TryAnswer(int lane, bool only_measured) {
-    tried_[lane] = true;
+    tried_ |= 1U << lane;
     if (answer_.success && number_[lane] > winner_) return;
     const IkResult found = work_.Judge(target_, work_.Now(lane, starts_.seed()));
     if (!found.success) return;
@@ -111,7 +113,7 @@ class LaneSearch {
   JointVector Best() const {
     int best = 0;
     for (int lane = 1; lane < kMaxLanes; ++lane) {
-      if (aimed_[lane] && work_.best_cost(lane) < work_.best_cost(best)) best = lane;
+      if (IsAimed(lane) && work_.best_cost(lane) < work_.best_cost(best)) best = lane;
     }
     return work_.Best(best, starts_.seed());
   }
@@ -123,9 +125,8 @@ class LaneSearch {
   int steps_ = 0;
   bool seed_searches_;  // has not been given up
   bool joined_ = false;
-  uint32_t busy_ = 0;
-  std::array<bool, kMaxLanes> aimed_{}, tried_{};
-  std::array<int, kMaxLanes> age_{}, number_{};
+  uint32_t busy_ = 0, aimed_ = 0, tried_ = 0;  // bits of lanes
+  std::array<int, kMaxLanes> age_, number_;    // of busy lanes
   IkResult answer_;
   int winner_ = 0;
   bool only_measured_ = true;  // the last step that the answer took

@@ -17,7 +17,14 @@ HWY_INLINE V SolveSix(D d, V* a, V* b) {
 #pragma GCC unroll 6
   for (int j = 0; j < 6; ++j) {
     determinant = hn::Mul(determinant, a[Entry(j, j)]);
-    inverse[j] = hn::Div(hn::Set(d, 1.0), a[Entry(j, j)]);
+    // Of every second entry of D the inverse is known with the one before: from the minor of both,
+    // so that two divisions are waited for as one.
+    if (j % 2 == 0) {
+      const V one = hn::Set(d, 1.0), first = a[Entry(j, j)], between = a[Entry(j + 1, j)];
+      const V minor = hn::MulSub(first, a[Entry(j + 1, j + 1)], hn::Mul(between, between));
+      inverse[j] = hn::Div(one, first);
+      inverse[j + 1] = hn::Mul(first, hn::Div(one, minor));
+    }
 #pragma GCC unroll 6
     for (int i = j + 1; i < 6; ++i) {
       factor[i] = hn::Mul(a[Entry(i, j)], inverse[j]);

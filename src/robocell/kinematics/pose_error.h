@@ -23,6 +23,14 @@ inline Eigen::Vector3d RotationVector(const Eigen::Matrix3d& r) {
   return axis.normalized() * std::atan2(s, c);
 }
 
+// The length of that vector: the angle of the rotation.
+inline double RotationAngle(const Eigen::Matrix3d& r) {
+  const Eigen::Vector3d sine(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0), r(1, 0) - r(0, 1));
+  const double s = 0.5 * sine.norm(), c = 0.5 * (r.trace() - 1);
+  if (s < 1e-3 && c > 0) return s * (1 + s * s * (1.0 / 6 + s * s * (3.0 / 40)));
+  return std::atan2(s, c);
+}
+
 // The twist that takes the tip to the target in one unit of time, in the axes of the base.
 struct PoseError {
   Eigen::Vector3d linear;
