@@ -3,6 +3,9 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
 #include <cstring>
 
 #include "robocell/mujoco/guard.h"
@@ -13,23 +16,23 @@ namespace {
 // Of what the first half reads and writes, enough to notice that somebody else was there: the
 // state, and the results that follow from all of it.
 template <class Visit>
-bool ForWatched(const mjModel* m, const mjData* d, Visit visit) {
-  const auto numbers = [&](const mjtNum* x, mjtSize n) {
-    return visit(x, sizeof(mjtNum) * static_cast<size_t>(n));
-  };
-  return numbers(d->qpos, m->nq) && numbers(d->qvel, m->nv) && numbers(d->xpos, 3 * m->nbody) &&
-         numbers(d->qfrc_bias, m->nv) && visit(&m->opt, sizeof(m->opt)) &&
-         (m->nmocap == 0 ||
-          (numbers(d->mocap_pos, 3 * m->nmocap) && numbers(d->mocap_quat, 4 * m->nmocap))) &&
-         (m->neq == 0 || visit(d->eq_active, sizeof(*d->eq_active) * static_cast<size_t>(m->neq)));
+void ForNumbers(const mjModel* m, const mjData* d, Visit visit) {
+  visit(d->qpos, m->nq);
+  visit(d->qvel, m->nv);
+  visit(d->qfrc_bias, m->nv);
+  visit(d->mocap_pos, 3 * m->nmocap);
+  visit(d->mocap_quat, 4 * m->nmocap);
 }
 
-// What ForWatched visits when nothing stops it.
-size_t WatchedSize(const mjModel* m) {
-  const mjtSize numbers = m->nq + 2 * m->nv + 3 * m->nbody + 7 * m->nmocap;
-  return sizeof(mjtNum) * static_cast<size_t>(numbers) + sizeof(m->opt) +
-         sizeof(mjtBool) * static_cast<size_t>(m->neq);
+size_t NumberOfNumbers(const mjModel* m) {
+  return static_cast<size_t>(m->nq + 2 * m->nv + 7 * m->nmocap);
 }
+
+// The world's position, 0: every computation of poses writes it anew. What is left there is a mark,
+// 0 as well, that poses are still those of the first half.
+void Mark(mjData* d) { d->xpos[0] = -0.0; }
+void Unmark(mjData* d) { d->xpos[0] = 0; }
+bool IsMarked(const mjData* d) { return d->xpos[0] == 0 && std::signbit(d->xpos[0]); }
 
 bool HasCallbacks() {
   return mjcb_control || mjcb_passive || mjcb_sensor || mjcb_contactfilter || mjcb_act_dyn ||
@@ -78,38 +81,47 @@ void HalfStep::SolveContacts(const mjModel* model, mjData* data, std::string_vie
   solved_ = true;
 }
 
-bool HalfStep::Take(const mjModel* model, const mjData* data, StepStart* start) {
+bool HalfStep::Take(const mjModel* model, mjData* data, StepStart* start) {
   if (!begun_) return false;
   begun_ = false;
   if (!can_go_on_ || HasCallbacks() || !IsAsLeft(model, data)) return false;
+  Unmark(data);
   *start = start_;
   return true;
 }
 
+// In place: calls for so few numbers each would take longer than what they compare or copy.
 bool HalfStep::IsAsLeft(const mjModel* model, const mjData* data) const {
-  const std::byte* at = left_.data();
   // Another model may be where a smaller one was.
-  if (model != model_ || left_.size() != WatchedSize(model)) return false;
+  if (model != model_ || numbers_.size() != NumberOfNumbers(model)) return false;
   if (data->time != time_ || data->ncon != ncon_ || data->nefc != nefc_) return false;
-  return ForWatched(model, data, [&](const void* now, size_t size) {
-    const bool same = std::memcmp(at, now, size) == 0;
-    at += size;
-    return same;
+  uint64_t other = !IsMarked(data);
+  const mjtNum* at = numbers_.data();
+  ForNumbers(model, data, [&](const mjtNum* now, mjtSize n) {
+    for (mjtSize i = 0; i < n; ++i)
+      other |= std::bit_cast<uint64_t>(now[i]) ^ std::bit_cast<uint64_t>(at[i]);
+    at += n;
   });
+  return other == 0 && std::memcmp(options_.data(), &model->opt, sizeof(mjOption)) == 0 &&
+         std::equal(are_active_.begin(), are_active_.end(), data->eq_active,
+                    data->eq_active + model->neq);
 }
 
-void HalfStep::Remember(const mjModel* model, const mjData* data) {
+void HalfStep::Remember(const mjModel* model, mjData* data) {
   model_ = model;
   time_ = data->time;
   ncon_ = data->ncon;
   nefc_ = data->nefc;
-  left_.resize(WatchedSize(model));
-  std::byte* at = left_.data();
-  ForWatched(model, data, [&](const void* now, size_t size) {
-    std::memcpy(at, now, size);
-    at += size;
-    return true;
+  numbers_.resize(NumberOfNumbers(model));
+  mjtNum* at = numbers_.data();
+  ForNumbers(model, data, [&](const mjtNum* now, mjtSize n) {
+    for (mjtSize i = 0; i < n; ++i) at[i] = now[i];
+    at += n;
   });
+  options_.resize(sizeof(mjOption));
+  std::memcpy(options_.data(), &model->opt, sizeof(mjOption));
+  are_active_.assign(data->eq_active, data->eq_active + model->neq);
+  Mark(data);
 }
 
 }  // namespace robocell

@@ -39,11 +39,11 @@ class HalfStep {
   void SolveContacts(const mjModel* model, mjData* data, std::string_view context);
 
   // Whether a step may go on from here, and if so what was before the first half. Once.
-  bool Take(const mjModel* model, const mjData* data, StepStart* start);
+  bool Take(const mjModel* model, mjData* data, StepStart* start);
 
  private:
   bool IsAsLeft(const mjModel* model, const mjData* data) const;
-  void Remember(const mjModel* model, const mjData* data);
+  void Remember(const mjModel* model, mjData* data);
 
   bool begun_ = false, can_go_on_ = false, solved_ = false;
   StepStart start_;
@@ -51,7 +51,9 @@ class HalfStep {
   const mjModel* model_ = nullptr;
   double time_ = 0;
   int ncon_ = 0, nefc_ = 0;
-  std::vector<std::byte> left_;
+  std::vector<double> numbers_;
+  std::vector<std::byte> options_;
+  std::vector<unsigned char> are_active_;  // equality constraints
   std::vector<double> warm_start_;  // scratch
 };
 

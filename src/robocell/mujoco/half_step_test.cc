@@ -79,6 +79,7 @@ TEST_F(HalfSteps, EndAtTheBitsOfAWholeStepWithEveryIntegrator) {
     EXPECT_EQ(CanGoOn(), integrator != mjINT_RK4);
     for (int k = 0; k < 50; ++k) StepBoth([](mjData*) {});
     ExpectTheSame();
+    for (int k = 0; k < 3; ++k) EXPECT_FALSE(std::signbit(data_->xpos[k])) << "the world's";
   }
 }
 
@@ -103,6 +104,13 @@ TEST_F(HalfSteps, NoticeWhatIsChangedInBetween) {
         d->qpos[14] += 0.3;
         mj_forward(model_.get(), d);
         d->qpos[14] = was;
+      },
+      // The last joint of all, and its poses alone.
+      [this](mjData* d) {
+        const double was = d->qpos[15];
+        d->qpos[15] += 0.3;
+        mj_kinematics(model_.get(), d);
+        d->qpos[15] = was;
       }};
   for (const auto& change : changes) {
     StepBoth(change);
