@@ -3,8 +3,6 @@
 #include <algorithm>
 
 #include "robocell/control/joint_impedance_controller.h"
-#include "robocell/control/leaf_kernel.h"
-#include "robocell/kinematics/link_answer.h"
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/robot/joint_torque_controller.h"
 
@@ -22,22 +20,52 @@ namespace {
   return true;
 }();
 
+constexpr CartesianImpedanceController::Gains kDefaultStiffness = {400, 400, 400, 30, 30, 30};
+
+using Rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+using Position = Eigen::Map<const Eigen::Vector3d>;
+
+// Products entry by entry: those of matrices are calls.
+Transform LeafInBase(const LeafView& view) {
+  const Rotation base(view.base_rotation), leaf(view.leaf_rotation);
+  const Position from(view.base_position), to(view.leaf_position);
+  return {base.transpose().lazyProduct(leaf), base.transpose().lazyProduct(to - from)};
+}
+
 }  // namespace
 
 CartesianImpedanceController::CartesianImpedanceController(ArmGroup& arm)
-    : arm_(arm), posture_(arm.nq()), q_(arm.nq()), qd_(arm.nv()), wanted_(arm.nv()) {
+    : arm_(arm),
+      springs_(MakeLeafSprings(kDefaultStiffness.data())),
+      posture_(arm.nq()),
+      q_(arm.nq()),
+      qd_(arm.nv()) {
   Reset();
 }
 
 void CartesianImpedanceController::SetTarget(std::span<const double> numbers) {
-  target_ = ToNumbers(PoseFromNumbers(numbers, arm_));
+  SetPose(PoseFromNumbers(numbers, arm_));
 }
 
 Pose CartesianImpedanceController::pose() const { return PoseFromNumbers(target_, arm_); }
 
+void CartesianImpedanceController::SetPose(const Pose& leaf_in_robot) {
+  target_ = goal_numbers_ = ToNumbers(leaf_in_robot);
+  goal_ = ToTransform(leaf_in_robot);
+}
+
+const Transform& CartesianImpedanceController::Goal() {
+  if (target_ != goal_numbers_) SetPose(pose());
+  return goal_;
+}
+
+CartesianImpedanceController::Gains CartesianImpedanceController::stiffness() const {
+  return std::to_array(springs_.stiffness);
+}
+
 void CartesianImpedanceController::SetStiffness(const Gains& stiffness) {
   PositiveGains(arm_.place(), "stiffness", stiffness, 6);
-  stiffness_ = stiffness;
+  springs_ = MakeLeafSprings(stiffness.data());
 }
 
 void CartesianImpedanceController::SetDampingRatio(double ratio) {
@@ -61,45 +89,40 @@ void CartesianImpedanceController::SetFeedforward(const Gains& wrench) {
 void CartesianImpedanceController::Reset() {
   arm_.GetJointPos(q_);
   posture_ = q_;
-  target_ = ToNumbers(arm_.chain().Fk(q_));
+  SetPose(arm_.chain().Fk(q_));
 }
 
 void CartesianImpedanceController::Compute(std::span<double> ctrl) {
-  const Chain& chain = arm_.chain();
   arm_.GetJointPos(q_);
   arm_.GetJointVel(qd_);
-  chain.CheckJointValues("q", q_);
+  arm_.chain().CheckJointValues("q", q_);
   const double w = posture_frequency_;
-  for (size_t i = 0; i < q_.size(); ++i)
-    wanted_[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd_[i];
-
-  LinkAnswer links;
-  ComputeLinks(chain.links(), LinkPart::kJacobian, {.q = q_.data()}, &links);
-  const int n = chain.n_joints();
-  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<kMaxChainJoints>> mass(links.mass[0], n, n);
-  arm_.GetBiasAndMass({links.torques, q_.size()}, mass);
-  for (int i = 0; i < n; ++i) {
-    double needed = links.torques[i];
-    for (int k = 0; k < n; ++k) needed += links.mass[i][k] * wanted_[k];
-    links.torques[i] = needed;
-  }
+  const size_t n = q_.size(), padded = (n + 3) / 4 * 4;
+  alignas(64) LinkTable::Row bias, wanted, mass[kMaxChainJoints];
+  for (size_t i = 0; i < n; ++i) wanted[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd_[i];
+  std::fill(wanted + n, wanted + padded, 0.0);
+  for (size_t i = 0; i < n; ++i) std::fill(mass[i] + n, mass[i] + padded, 0.0);
+  const auto size = static_cast<Eigen::Index>(n);
+  arm_.GetBiasAndMass(
+      {bias, n},
+      Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<kMaxChainJoints>>(mass[0], size, size));
+  const LeafView view = arm_.leaf_view();
   // Before what takes longer, beside which the processor does it.
-  const PoseError error = ErrorTo(ToTransform(pose()), TipOf(links));
+  const PoseError error = ErrorTo(Goal(), LeafInBase(view));
   const double deviation[6] = {error.linear[0],  error.linear[1],  error.linear[2],
                                error.angular[0], error.angular[1], error.angular[2]};
   LeafAnswer leaf;
-  ComputeLeaf({.n = n,
-               .jacobian = links.jacobian,
-               .mass = links.mass,
+  ComputeLeaf({.view = view,
+               .mass = mass,
+               .wanted = wanted,
                .velocity = qd_.data(),
-               .wanted = wanted_.data(),
-               .stiffness = stiffness_.data(),
+               .springs = &springs_,
                .deviation = deviation,
                .feedforward = feedforward_.data(),
                .damping_ratio = damping_ratio_,
-               .torques = links.torques},
+               .bias = bias},
               &leaf);
-  arm_.CtrlForJointTorque({leaf.torques, q_.size()}, ctrl);
+  arm_.CtrlForJointTorque({leaf.torques, n}, ctrl);
 }
 
 }  // namespace robocell

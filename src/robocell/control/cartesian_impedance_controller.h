@@ -18,7 +18,9 @@
 #include <array>
 #include <vector>
 
+#include "robocell/control/leaf_kernel.h"
 #include "robocell/control/pose_target.h"
+#include "robocell/kinematics/transform.h"
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/controller.h"
 
@@ -46,11 +48,11 @@ class CartesianImpedanceController : public Controller {
   void Reset() override;
   void Compute(std::span<double> ctrl) override;
 
-  void SetPose(const Pose& leaf_in_robot) { target_ = ToNumbers(leaf_in_robot); }
+  void SetPose(const Pose& leaf_in_robot);
   Pose pose() const;
 
   // x y z in N/m, then about x y z in Nm/rad. ArgumentError for negative or infinite ones.
-  const Gains& stiffness() const { return stiffness_; }
+  Gains stiffness() const;
   void SetStiffness(const Gains& stiffness);
   double damping_ratio() const { return damping_ratio_; }
   void SetDampingRatio(double ratio);
@@ -65,14 +67,18 @@ class CartesianImpedanceController : public Controller {
   void SetFeedforward(const Gains& wrench);
 
  private:
+  // What target_ says, which others write.
+  const Transform& Goal();
+
   ArmGroup& arm_;
   PoseNumbers target_ = {};
-  Gains stiffness_ = {400, 400, 400, 30, 30, 30};
+  PoseNumbers goal_numbers_ = {};
+  Transform goal_;  // of goal_numbers_
+  LeafSprings springs_;
   Gains feedforward_ = {};
   double damping_ratio_ = 1, posture_frequency_ = 5;
   std::vector<double> posture_;
   std::vector<double> q_, qd_;
-  std::vector<double> wanted_;  // acceleration of the joints to spare
 };
 
 }  // namespace robocell

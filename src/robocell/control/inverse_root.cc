@@ -42,7 +42,7 @@ InverseRoot MakeInverseRoot(double range, int n_poles) {
   const double least_root = 1 / std::sqrt(range);
   const Means means(least_root);
   const double step = means.quarter_period() / n_poles;
-  for (int k = 0; k < n_poles / 2; ++k) {
+  for (int k = 0; k < (n_poles + 1) / 2; ++k) {
     const double angle = means.Amplitude((k + 0.5) * step);
     const double s = std::sin(angle), c = std::cos(angle);
     const double t = least_root * s / c;
@@ -60,7 +60,7 @@ InverseRoot MakeInverseRoot(double range, int n_poles) {
 
 const InverseRoot* InverseRoots() {
   static const std::array<InverseRoot, kInverseRoots> roots = {
-      MakeInverseRoot(1.5e5, 8), MakeInverseRoot(1e11, 16), MakeInverseRoot(1e16, 24)};
+      MakeInverseRoot(2.8e4, 7), MakeInverseRoot(1e11, 16), MakeInverseRoot(1e16, 24)};
   return roots.data();
 }
 

@@ -15,13 +15,14 @@ namespace robocell {
 struct InverseRoot {
   static constexpr int kMostPoles = 24;
 
-  int n_poles = 0;  // a multiple of 8
+  int n_poles = 0;  // padded with weights of 0 to a multiple of 8
   double range = 0;
   alignas(64) double shift[kMostPoles] = {};
   alignas(64) double weight[kMostPoles] = {};
 };
 
-// Those for ever wider ranges; the last one has to do for all that is wider.
+// Those for ever wider ranges; the last one has to do for all that is wider. The first one has
+// seven poles, and a shift of 0 in place of the eighth.
 inline constexpr int kInverseRoots = 3;
 const InverseRoot* InverseRoots();
 

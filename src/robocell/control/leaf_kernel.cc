@@ -22,56 +22,73 @@ namespace hn = hwy::HWY_NAMESPACE;
 // One number in a register, so that products and sums are fused as in the lanes.
 using One = hn::CappedTag<double, 1>;
 constexpr One kOne;
-using Poles = hn::CappedTag<double, 8>;
+using Poles = hn::CappedTag<double, LeafSprings::kLanes>;
 constexpr Poles kPoles;
+using PoleVec = hn::Vec<Poles>;
 
-// Solves for one right side; returns the determinant.
-HWY_INLINE double SolveOne(const double* matrix, double* b) {
-  hn::Vec<One> a[kEntries], x[6];
-  for (int k = 0; k < kEntries; ++k) a[k] = hn::Set(kOne, matrix[k]);
-  for (int k = 0; k < 6; ++k) x[k] = hn::Set(kOne, b[k]);
-  const double determinant = hn::GetLane(SolveSix(kOne, a, x));
-  for (int k = 0; k < 6; ++k) b[k] = hn::GetLane(x[k]);
-  return determinant;
+// One copy of the code for all that solve.
+HWY_NOINLINE PoleVec Solve(PoleVec* a, PoleVec* b) { return SolveSix(kPoles, a, b); }
+
+// A symmetric matrix while it is at work here: rows of the left and the right half, the lower
+// triangle good.
+using Halves = double[6][8];
+HWY_INLINE double& At(Halves& m, int row, int column) {
+  return m[row][column < 3 ? column : column + 1];
 }
 
-// The columns of a Jacobian.
+// Where the leaf is moved by each joint at unit speed: the columns of a Jacobian.
 struct Columns {
   alignas(64) double linear[kMaxChainJoints][4];
   alignas(64) double angular[kMaxChainJoints][4];
 };
 
-HWY_INLINE void MakeColumns(int n, const LinkTable::Row* rows, Columns* columns) {
-  const auto zero = hn::Zero(kPoles);
-  const auto at = [&](int row, int i) HWY_ATTR { return hn::Load(kPoles, rows[row] + i); };
-  for (int i = 0; i < n; i += hn::Lanes(kPoles)) {
-    hn::StoreInterleaved4(at(0, i), at(1, i), at(2, i), zero, kPoles, columns->linear[i]);
-    hn::StoreInterleaved4(at(3, i), at(4, i), at(5, i), zero, kPoles, columns->angular[i]);
-  }
+// Of a vector in the axes of the world, which are in those of the base `axes`.
+HWY_INLINE Quad InBase(const double* v, const Quad* axes) {
+  return MulAdd(v[0], axes[0], MulAdd(v[1], axes[1], Times(v[2], axes[2])));
 }
 
-// Jacobian * rates
-HWY_INLINE void LeafMotion(int n, const Columns& columns, const double* rates, double* out) {
-  Quad linear = Times(rates[0], QuadAt(columns.linear[0]));
-  Quad angular = Times(rates[0], QuadAt(columns.angular[0]));
-  for (int i = 1; i < n; ++i) {
-    linear = MulAdd(rates[i], QuadAt(columns.linear[i]), linear);
-    angular = MulAdd(rates[i], QuadAt(columns.angular[i]), angular);
-  }
-  alignas(32) double both[8];
-  Put(linear, both);
-  Put(angular, both + 4);
+HWY_INLINE void MakeColumns(const LeafView& view, Columns* columns) {
+  alignas(32) double rows[3][4] = {};
+  Quad axes[3];
   for (int k = 0; k < 3; ++k) {
-    out[k] = both[k];
-    out[k + 3] = both[k + 4];
+    for (int c = 0; c < 3; ++c) rows[k][c] = view.base_rotation[3 * k + c];
+    axes[k] = QuadAt(rows[k]);
+  }
+  const Quad leaf = InBase(view.leaf_position, axes);
+  for (int i = 0; i < view.n; ++i) {
+    const int at = 3 * view.joints[i];
+    const Quad axis = InBase(view.axes + at, axes);
+    const bool slides = view.slides[i];
+    Put(slides ? axis : Cross(axis, Sub(leaf, InBase(view.anchors + at, axes))),
+        columns->linear[i]);
+    Put(slides ? ZeroQuad() : axis, columns->angular[i]);
   }
 }
 
-// With mass = L D L^T: columns becomes (L^-1 J^T)^T. For a number of joints that is known here,
-// all of it stays in registers.
+// Velocity and another motion of the leaf, with the joints'.
+HWY_INLINE void LeafMotions(const Columns& columns, const LeafQuery& query, double* velocity,
+                            double* wanted) {
+  Quad sums[4];
+  for (Quad& sum : sums) sum = ZeroQuad();
+  for (int i = 0; i < query.view.n; ++i) {
+    const Quad linear = QuadAt(columns.linear[i]), angular = QuadAt(columns.angular[i]);
+    sums[0] = MulAdd(query.velocity[i], linear, sums[0]);
+    sums[1] = MulAdd(query.velocity[i], angular, sums[1]);
+    sums[2] = MulAdd(query.wanted[i], linear, sums[2]);
+    sums[3] = MulAdd(query.wanted[i], angular, sums[3]);
+  }
+  // Six numbers each, and a last one that is written over.
+  PutAnywhere(sums[0], velocity);
+  PutAnywhere(sums[1], velocity + 3);
+  PutAnywhere(sums[2], wanted);
+  PutAnywhere(sums[3], wanted + 3);
+}
+
+// With mass = L D L^T: (L^-1 J^T)^T, and 1 / D. For a number of joints that is known here, the mass
+// stays in registers.
 template <int N>
-HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, Columns* columns,
-                          double* inverse) {
+HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, const Columns& columns,
+                          Columns* out, double* inverse) {
   const int n = N ? N : joints;
   constexpr int kMost = N ? N : kMaxChainJoints;
   hn::Vec<One> m[kMost][kMost];
@@ -80,56 +97,154 @@ HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, Columns* colum
 #pragma GCC unroll 7
     for (int k = 0; k <= i; ++k) m[i][k] = hn::Set(kOne, mass[i][k]);
   }
+#pragma GCC unroll 1
+  for (int i = 0; i < n; ++i) {
+    Put(QuadAt(columns.linear[i]), out->linear[i]);
+    Put(QuadAt(columns.angular[i]), out->angular[i]);
+  }
 #pragma GCC unroll 7
   for (int k = 0; k < n; ++k) {
     const auto reciprocal = hn::Div(hn::Set(kOne, -1.0), m[k][k]);
     inverse[k] = -hn::GetLane(reciprocal);
-    const Quad linear = QuadAt(columns->linear[k]), angular = QuadAt(columns->angular[k]);
+    const Quad linear = QuadAt(out->linear[k]), angular = QuadAt(out->angular[k]);
 #pragma GCC unroll 7
     for (int i = k + 1; i < n; ++i) {
       const auto factor = hn::Mul(m[i][k], reciprocal);
 #pragma GCC unroll 7
       for (int j = k + 1; j <= i; ++j) m[i][j] = hn::MulAdd(factor, m[j][k], m[i][j]);
       const double f = hn::GetLane(factor);
-      Put(MulAdd(f, linear, QuadAt(columns->linear[i])), columns->linear[i]);
-      Put(MulAdd(f, angular, QuadAt(columns->angular[i])), columns->angular[i]);
+      Put(MulAdd(f, linear, QuadAt(out->linear[i])), out->linear[i]);
+      Put(MulAdd(f, angular, QuadAt(out->angular[i])), out->angular[i]);
     }
   }
 }
 
-HWY_INLINE void MobilityOf(int n, const LinkTable::Row* mass, Columns* columns, double* mobility) {
+HWY_INLINE void MobilityOf(int n, const LinkTable::Row* mass, const Columns& columns,
+                           Columns* eliminated, Halves& mobility) {
   double inverse[kMaxChainJoints];
   switch (n) {
     case 6:
-      Eliminate<6>(n, mass, columns, inverse);
+      Eliminate<6>(n, mass, columns, eliminated, inverse);
       break;
     case 7:
-      Eliminate<7>(n, mass, columns, inverse);
+      Eliminate<7>(n, mass, columns, eliminated, inverse);
       break;
     default:
-      Eliminate<0>(n, mass, columns, inverse);
+      Eliminate<0>(n, mass, columns, eliminated, inverse);
   }
   // Rows, the left and the right half; upper right ones are not needed.
+  alignas(32) constexpr double kUnit[3][4] = {{1}, {0, 1}, {0, 0, 1}};
   Quad left[6], right[6];
-  for (int r = 0; r < 6; ++r) left[r] = right[r] = ZeroQuad();
+#pragma GCC unroll 3
+  for (int r = 0; r < 3; ++r) {
+    left[r] = right[r + 3] = Times(kLeastMobility, QuadAt(kUnit[r]));
+    left[r + 3] = ZeroQuad();
+  }
   for (int k = 0; k < n; ++k) {
-    const Quad linear = QuadAt(columns->linear[k]), angular = QuadAt(columns->angular[k]);
+    const Quad linear = QuadAt(eliminated->linear[k]), angular = QuadAt(eliminated->angular[k]);
+    alignas(32) double up[4], down[4];
+    Put(Times(inverse[k], linear), up);
+    Put(Times(inverse[k], angular), down);
 #pragma GCC unroll 3
     for (int r = 0; r < 3; ++r) {
-      const double up = columns->linear[k][r] * inverse[k];
-      const double down = columns->angular[k][r] * inverse[k];
-      left[r] = MulAdd(up, linear, left[r]);
-      left[r + 3] = MulAdd(down, linear, left[r + 3]);
-      right[r + 3] = MulAdd(down, angular, right[r + 3]);
+      left[r] = MulAdd(up[r], linear, left[r]);
+      left[r + 3] = MulAdd(down[r], linear, left[r + 3]);
+      right[r + 3] = MulAdd(down[r], angular, right[r + 3]);
     }
   }
-  alignas(32) double row[8];
-  for (int r = 0; r < 6; ++r) {
-    Put(left[r], row);
-    Put(right[r], row + 4);
-    for (int c = 0; c <= r; ++c) mobility[Entry(r, c)] = row[c < 3 ? c : c + 1];
-    mobility[Entry(r, r)] += kLeastMobility;
+#pragma GCC unroll 3
+  for (int r = 0; r < 3; ++r) {
+    Put(left[r], mobility[r]);
+    Put(left[r + 3], mobility[r + 3]);
+    Put(right[r + 3], mobility[r + 3] + 4);
   }
+}
+
+// The system of `first` and the lanes after it: the mobility in the coordinates of each lane, with
+// a shift.
+HWY_INLINE void SetUp(const LeafSprings& springs, Halves& mobility, int first, PoleVec shift,
+                      PoleVec* scale, PoleVec* a) {
+#pragma GCC unroll 6
+  for (int r = 0; r < 6; ++r) {
+    scale[r] = hn::Load(kPoles, springs.scale[r] + first);
+#pragma GCC unroll 6
+    for (int c = 0; c <= r; ++c) {
+      const PoleVec entry = hn::Set(kPoles, At(mobility, r, c));
+      a[Entry(r, c)] = hn::Mul(hn::Mul(scale[r], scale[c]), entry);
+    }
+    a[Entry(r, r)] = hn::Add(a[Entry(r, r)], shift);
+  }
+}
+
+struct Damped {
+  double determinant = 1;  // of the mobility
+  double along[6], felt[6];
+};
+
+// With the first of the inverse roots, whose last lane, without a shift, solves for `wanted`.
+HWY_INLINE Damped DampAndFeel(const LeafSprings& springs, Halves& mobility, double top,
+                              const double* velocity, const double* wanted) {
+  const InverseRoot& root = InverseRoots()[0];
+  const int lanes = static_cast<int>(hn::Lanes(kPoles));
+  PoleVec sums[6], a[kEntries], b[6], scale[6], determinant;
+  for (PoleVec& sum : sums) sum = hn::Zero(kPoles);
+  for (int first = 0; first < LeafSprings::kLanes; first += lanes) {
+    const PoleVec shift = hn::Load(kPoles, root.shift + first);
+    const auto no_pole = hn::Eq(shift, hn::Zero(kPoles));
+    SetUp(springs, mobility, first, hn::Mul(hn::Set(kPoles, top), shift), scale, a);
+    for (int k = 0; k < 6; ++k) {
+      b[k] = hn::Mul(scale[k], hn::IfThenElse(no_pole, hn::Set(kPoles, wanted[k]),
+                                              hn::Set(kPoles, velocity[k])));
+    }
+    determinant = Solve(a, b);
+    const PoleVec weight = hn::Load(kPoles, root.weight + first);
+    for (int k = 0; k < 6; ++k) sums[k] = hn::MulAdd(weight, b[k], sums[k]);
+  }
+  Damped out;
+  for (int k = 0; k < 6; ++k) {
+    out.along[k] = hn::GetLane(hn::SumOfLanes(kPoles, sums[k]));
+    out.felt[k] = hn::ExtractLane(b[k], lanes - 1);
+  }
+  out.determinant = hn::ExtractLane(determinant, lanes - 1);
+  return out;
+}
+
+// What no eigenvalue is less than, of the mobility in coordinates in which all springs are alike:
+// the trace of its inverse is the sum of what is one over them. Of no axes but those with springs.
+HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility) {
+  alignas(64) constexpr double kUnit[6][LeafSprings::kLanes] = {
+      {1}, {0, 1}, {0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
+  alignas(64) double inverse[6][LeafSprings::kLanes];
+  PoleVec a[kEntries], b[6];
+  for (int first = 0; first < LeafSprings::kLanes; first += static_cast<int>(hn::Lanes(kPoles))) {
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c <= r; ++c) a[Entry(r, c)] = hn::Set(kPoles, At(mobility, r, c));
+      b[r] = hn::Load(kPoles, kUnit[r] + first);
+    }
+    Solve(a, b);
+    for (int r = 0; r < 6; ++r) hn::Store(b[r], kPoles, inverse[r] + first);
+  }
+  double trace = 0;
+  for (int k = 0; k < 6; ++k) {
+    if (springs.stiffness[k] > 0) trace += inverse[k][k] / springs.stiffness[k];
+  }
+  return 1 / trace;
+}
+
+// With one of the inverse roots of more poles.
+HWY_NOINLINE void DampWidely(const LeafSprings& springs, Halves& mobility, double top,
+                             const double* velocity, const InverseRoot& root, double* along) {
+  PoleVec sums[6], a[kEntries], b[6], scale[6];
+  for (PoleVec& sum : sums) sum = hn::Zero(kPoles);
+  for (int first = 0; first < root.n_poles; first += static_cast<int>(hn::Lanes(kPoles))) {
+    const PoleVec shift = hn::Load(kPoles, root.shift + first);
+    SetUp(springs, mobility, 0, hn::Mul(hn::Set(kPoles, top), shift), scale, a);
+    for (int k = 0; k < 6; ++k) b[k] = hn::Mul(scale[k], hn::Set(kPoles, velocity[k]));
+    Solve(a, b);
+    const PoleVec weight = hn::Load(kPoles, root.weight + first);
+    for (int k = 0; k < 6; ++k) sums[k] = hn::MulAdd(weight, b[k], sums[k]);
+  }
+  for (int k = 0; k < 6; ++k) along[k] = hn::GetLane(hn::SumOfLanes(kPoles, sums[k]));
 }
 
 HWY_INLINE const InverseRoot& RootFor(double range) {
@@ -140,89 +255,80 @@ HWY_INLINE const InverseRoot& RootFor(double range) {
   return roots[kInverseRoots - 1];
 }
 
-// `determinant` is that of the mobility.
-HWY_INLINE void Damp(const double* stiffness, const double* mobility, double determinant,
-                     const double* velocity, double* out) {
-  double root[6], trace = 0, softest = HUGE_VAL;
+// And the force that accelerates the leaf as wanted.
+HWY_INLINE void Damp(const LeafSprings& springs, Halves& mobility, const double* velocity,
+                     const double* wanted, double* damping, double* felt) {
+  double trace = 0, stiffnesses = 1;
   for (int k = 0; k < 6; ++k) {
-    root[k] = std::sqrt(stiffness[k]);
-    if (stiffness[k] > 0 && stiffness[k] < softest) softest = stiffness[k];
-    trace += stiffness[k] * mobility[Entry(k, k)];
-    determinant *= stiffness[k];
-    out[k] = 0;
+    trace += springs.stiffness[k] * At(mobility, k, k);
+    stiffnesses *= springs.stiffness[k];
   }
-  if (trace == 0) return;
-  double scaled[kEntries], along[6];
-  for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c <= r; ++c) scaled[Entry(r, c)] = root[r] * root[c] * mobility[Entry(r, c)];
-    along[r] = root[r] * velocity[r];
+  const double top = trace > 0 ? trace : 1;  // no springs: nothing is damped
+  Damped damped = DampAndFeel(springs, mobility, top, velocity, wanted);
+  // No eigenvalue is less than what the others, as large as they can be together, leave of the
+  // determinant. Where that says little, there is more to know.
+  const double share = 5 / top, share2 = share * share;
+  const double least = damped.determinant * stiffnesses * share2 * share2 * share;
+  if (!(top <= InverseRoots()[0].range * least) && trace > 0) {
+    const InverseRoot& root = RootFor(top / LeastEigenvalue(springs, mobility));
+    if (&root != InverseRoots()) DampWidely(springs, mobility, top, velocity, root, damped.along);
   }
-  // No eigenvalue is less than that of the softest spring on the heaviest leaf, nor than what the
-  // others, as large as they can be together, leave of the determinant.
-  const double share = 5 / trace, share2 = share * share;
-  const double by_determinant = determinant * share2 * share2 * share;
-  const double by_bound = kLeastMobility * softest;
-  const InverseRoot& poles =
-      RootFor(trace / (by_determinant > by_bound ? by_determinant : by_bound));
-
-  using V = hn::Vec<Poles>;
-  V sums[6];
-  for (V& sum : sums) sum = hn::Zero(kPoles);
-  for (int first = 0; first < poles.n_poles; first += hn::Lanes(kPoles)) {
-    V a[kEntries], b[6];
-    for (int k = 0; k < kEntries; ++k) a[k] = hn::Set(kPoles, scaled[k]);
-    const V shift = hn::Mul(hn::Set(kPoles, trace), hn::Load(kPoles, poles.shift + first));
-    for (int k = 0; k < 6; ++k) {
-      a[Entry(k, k)] = hn::Add(a[Entry(k, k)], shift);
-      b[k] = hn::Set(kPoles, along[k]);
-    }
-    SolveSix(kPoles, a, b);
-    const V weight = hn::Load(kPoles, poles.weight + first);
-    for (int k = 0; k < 6; ++k) sums[k] = hn::MulAdd(weight, b[k], sums[k]);
+  const double twice = 2 * std::sqrt(top);
+  for (int k = 0; k < 6; ++k) {
+    damping[k] = twice * springs.scale[k][0] * damped.along[k];
+    felt[k] = damped.felt[k];
   }
-  const double scale = 2 * std::sqrt(trace);
-  for (int k = 0; k < 6; ++k)
-    out[k] = scale * root[k] * hn::GetLane(hn::SumOfLanes(kPoles, sums[k]));
 }
 
-HWY_INLINE void TorquesOf(const LeafQuery& query, LeafAnswer* out) {
-  hn::Vec<Poles> force[6];
+HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, LeafAnswer* out) {
+  alignas(32) double force[8] = {}, torque[8] = {};
   for (int k = 0; k < 6; ++k) {
     // What the joints to spare do is not to be felt.
-    force[k] = hn::Set(kPoles, query.stiffness[k] * query.deviation[k] -
-                                   query.damping_ratio * out->damping[k] + query.feedforward[k] -
-                                   out->felt[k]);
+    (k < 3 ? force[k] : torque[k - 3]) = query.springs->stiffness[k] * query.deviation[k] -
+                                         query.damping_ratio * out->damping[k] +
+                                         query.feedforward[k] - out->felt[k];
   }
-  for (int i = 0; i < query.n; i += hn::Lanes(kPoles)) {
-    auto sum = hn::Load(kPoles, query.torques + i);
-    for (int k = 0; k < 6; ++k)
-      sum = hn::MulAdd(force[k], hn::Load(kPoles, query.jacobian[k] + i), sum);
-    hn::Store(sum, kPoles, out->torques + i);
+  const Quad linear = QuadAt(force), angular = QuadAt(torque);
+  const int n = query.view.n;
+  for (int i = 0; i < n; ++i) {
+    Quad sum = MulAdd(QuadAt(columns.linear[i]), linear,
+                      MulAdd(QuadAt(columns.angular[i]), angular, ZeroQuad()));
+    for (int k = 0; k < n; k += 4)
+      sum = MulAdd(QuadAt(query.mass[i] + k), QuadAt(query.wanted + k), sum);
+    out->torques[i] = query.bias[i] + SumOf(sum);
   }
 }
 
 void Leaf(const LeafQuery& query, LeafAnswer* out) {
-  Columns columns;
-  MakeColumns(query.n, query.jacobian, &columns);
-  double velocity[6], mobility[kEntries];
-  LeafMotion(query.n, columns, query.velocity, velocity);
-  LeafMotion(query.n, columns, query.wanted, out->felt);
-  MobilityOf(query.n, query.mass, &columns, mobility);
-  const double determinant = SolveOne(mobility, out->felt);
-  Damp(query.stiffness, mobility, determinant, velocity, out->damping);
-  TorquesOf(query, out);
+  Columns columns, eliminated;
+  MakeColumns(query.view, &columns);
+  double velocity[7], wanted[7];
+  LeafMotions(columns, query, velocity, wanted);
+  alignas(32) Halves mobility;
+  MobilityOf(query.view.n, query.mass, columns, &eliminated, mobility);
+  Damp(*query.springs, mobility, velocity, wanted, out->damping, out->felt);
+  TorquesOf(query, columns, out);
 }
 
-void Mobility(int n, const LinkTable::Row* jacobian, const LinkTable::Row* mass, double* mobility) {
-  Columns columns;
-  MakeColumns(n, jacobian, &columns);
-  MobilityOf(n, mass, &columns, mobility);
+void Mobility(const LeafView& view, const LinkTable::Row* mass, double* mobility) {
+  Columns columns, eliminated;
+  MakeColumns(view, &columns);
+  alignas(32) Halves halves;
+  MobilityOf(view.n, mass, columns, &eliminated, halves);
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c <= r; ++c) mobility[Entry(r, c)] = At(halves, r, c);
+  }
 }
 
 void DampAlone(const double* stiffness, const double* mobility, const double* velocity,
                double* out) {
-  double nothing[6] = {};
-  Damp(stiffness, mobility, SolveOne(mobility, nothing), velocity, out);
+  alignas(32) Halves halves;
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c <= r; ++c) At(halves, r, c) = mobility[Entry(r, c)];
+  }
+  const double wanted[6] = {};
+  double felt[6];
+  Damp(MakeLeafSprings(stiffness), halves, velocity, wanted, out, felt);
 }
 
 }  // namespace robocell::HWY_NAMESPACE
@@ -235,12 +341,21 @@ HWY_EXPORT(Leaf);
 HWY_EXPORT(Mobility);
 HWY_EXPORT(DampAlone);
 
+LeafSprings MakeLeafSprings(const double* stiffness) {
+  LeafSprings springs;
+  for (int k = 0; k < 6; ++k) {
+    springs.stiffness[k] = stiffness[k];
+    for (double& scale : springs.scale[k]) scale = std::sqrt(stiffness[k]);
+    springs.scale[k][LeafSprings::kLanes - 1] = 1;
+  }
+  return springs;
+}
+
 void ComputeLeaf(const LeafQuery& query, LeafAnswer* out) {
   HWY_DYNAMIC_DISPATCH(Leaf)(query, out);
 }
-void ComputeMobility(int n, const LinkTable::Row* jacobian, const LinkTable::Row* mass,
-                     double* mobility) {
-  HWY_DYNAMIC_DISPATCH(Mobility)(n, jacobian, mass, mobility);
+void ComputeMobility(const LeafView& view, const LinkTable::Row* mass, double* mobility) {
+  HWY_DYNAMIC_DISPATCH(Mobility)(view, mass, mobility);
 }
 void CriticalDamping(const double* stiffness, const double* mobility, const double* velocity,
                      double* out) {

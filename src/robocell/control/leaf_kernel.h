@@ -6,23 +6,37 @@
 #pragma once
 
 #include "robocell/kinematics/link_table.h"
+#include "robocell/robot/leaf_view.h"
 
 namespace robocell {
 
+// What holds the leaf, along and about the axes of the base.
+struct LeafSprings {
+  static constexpr int kLanes = 8;
+
+  double stiffness[6] = {};  // N/m, then Nm/rad
+  // The coordinates that each lane of a solution has: those in which all springs are alike, in the
+  // last lane those of the base.
+  alignas(64) double scale[6][kLanes] = {};
+};
+
+LeafSprings MakeLeafSprings(const double* stiffness);
+
 // The linear part before the angular part, in the axes of the base.
 struct LeafQuery {
-  int n = 0;                                 // joints
-  const LinkTable::Row* jacobian = nullptr;  // 6 rows
-  const LinkTable::Row* mass = nullptr;      // n rows
-  const double* velocity = nullptr;          // of the joints
-  const double* wanted = nullptr;            // accelerations of the joints
-  const double* stiffness = nullptr;         // of the leaf, 6
+  LeafView view;
+  // Inertia, a row for each joint, and accelerations that they shall have, both with zeros up to a
+  // multiple of four.
+  const LinkTable::Row* mass = nullptr;
+  const double* wanted = nullptr;
+  const double* velocity = nullptr;  // of the joints
+  const LeafSprings* springs = nullptr;
   // For the torques: where the leaf is not, and what it is pushed with on top, 6 each; the share of
-  // the damping; what the joints need anyway, n.
+  // the damping; what the joints need for the motion that they are in.
   const double* deviation = nullptr;
   const double* feedforward = nullptr;
   double damping_ratio = 1;
-  const double* torques = nullptr;
+  const double* bias = nullptr;
 };
 
 struct LeafAnswer {
@@ -32,18 +46,16 @@ struct LeafAnswer {
   double damping[6];
   // The force that would accelerate the leaf as the wanted accelerations do.
   double felt[6];
-  // Of the joints, n: what they need anyway, and what pushes the leaf with
+  // Of the joints: what they need to accelerate as wanted, and what pushes the leaf with
   // stiffness * deviation - damping_ratio * damping + feedforward - felt.
   alignas(64) LinkTable::Row torques;
 };
 
 void ComputeLeaf(const LeafQuery& query, LeafAnswer* out);
 
-// The first half alone: what the leaf yields to a force (J M^-1 J^T), the lower triangle row by
-// row.
-void ComputeMobility(int n, const LinkTable::Row* jacobian, const LinkTable::Row* mass,
-                     double* mobility);
-// The second half alone: the critical damping of a leaf of that mobility.
+// The first part alone: what the leaf yields to a force (J M^-1 J^T), the lower triangle row by row.
+void ComputeMobility(const LeafView& view, const LinkTable::Row* mass, double* mobility);
+// The last part alone: the critical damping of a leaf of that mobility.
 void CriticalDamping(const double* stiffness, const double* mobility, const double* velocity,
                      double* out);
 

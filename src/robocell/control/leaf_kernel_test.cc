@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "robocell/base/rng.h"
 #include "robocell/control/inverse_root.h"
@@ -148,18 +149,45 @@ TEST(LeafKernel, IsCriticalForOneMassOnOneSpring) {
     EXPECT_NEAR(force[k], 2 * std::sqrt(stiffness[k] * 2), 1e-4 * force[k]);
 }
 
+// An arm of hinges and slides on a tilted base, as the engine lists it: among joints of others, in
+// an order of its own.
 struct LeafCase {
-  alignas(64) LinkTable::Row jacobian[6];
-  alignas(64) LinkTable::Row mass[kMaxChainJoints];
+  int n;
+  std::vector<int> joints;
+  std::vector<char> slides;
+  MatrixXd axes, anchors;  // of all joints
+  Eigen::Vector3d leaf;
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> base;
   MatrixXd j, m;
+  alignas(64) LinkTable::Row mass[kMaxChainJoints];
 
-  LeafCase(Rng* rng, int n) : j(RandomMatrix(rng, 6, n)), m(RandomPositive(rng, n, 1e3)) {
-    for (int r = 0; r < 6; ++r) {
-      for (int c = 0; c < kMaxChainJoints; ++c) jacobian[r][c] = c < n ? j(r, c) : NAN;
+  LeafCase(Rng* rng, int size)
+      : n(size),
+        axes(RandomMatrix(rng, 3, 2 * n + 1)),
+        anchors(RandomMatrix(rng, 3, 2 * n + 1)),
+        leaf(RandomMatrix(rng, 3, 1)),
+        base(OrthogonalPartOf(RandomMatrix(rng, 3, 3))),
+        j(6, n),
+        m(RandomPositive(rng, n, 1e3)) {
+    for (int i = 0; i < n; ++i) {
+      joints.push_back(2 * (n - i) - 1);
+      slides.push_back(rng->Uniform() < 0.3);
+      const Eigen::Vector3d axis = axes.col(joints[i]), arm = leaf - anchors.col(joints[i]);
+      j.col(i).head(3) = base.transpose() * (slides[i] ? axis : axis.cross(arm));
+      j.col(i).tail(3) = slides[i] ? VectorXd::Zero(3) : VectorXd(base.transpose() * axis);
     }
     for (int r = 0; r < n; ++r) {
-      for (int c = 0; c < kMaxChainJoints; ++c) mass[r][c] = c < n ? m(r, c) : NAN;
+      for (int c = 0; c < kMaxChainJoints; ++c) mass[r][c] = c < n ? m(r, c) : c < n + 3 ? 0 : NAN;
     }
+  }
+  LeafView view() const {
+    return {.n = n,
+            .joints = joints.data(),
+            .slides = slides.data(),
+            .axes = axes.data(),
+            .anchors = anchors.data(),
+            .leaf_position = leaf.data(),
+            .base_rotation = base.data()};
   }
   MatrixXd Mobility() const {
     return j * SolvePositive(m, j.transpose()) + kLeastMobility * MatrixXd::Identity(6, 6);
@@ -172,7 +200,7 @@ TEST(LeafKernel, KnowsWhatTheLeafYieldsForAnyNumberOfJoints) {
       Rng rng = Rng::Stream(n, "leaf");
       const LeafCase leaf(&rng, n);
       std::array<double, 21> mobility;
-      ComputeMobility(n, leaf.jacobian, leaf.mass, mobility.data());
+      ComputeMobility(leaf.view(), leaf.mass, mobility.data());
       const auto expected = Triangle(leaf.Mobility());
       for (int k = 0; k < 21; ++k)
         EXPECT_NEAR(mobility[k], expected[k], 1e-11 * leaf.Mobility().norm()) << n;
@@ -189,26 +217,28 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       const VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
       const VectorXd deviation = RandomMatrix(&rng, 6, 1), push = RandomMatrix(&rng, 6, 1);
       const VectorXd anyway = RandomMatrix(&rng, n, 1);
-      alignas(64) LinkTable::Row torques = {};
-      std::copy_n(anyway.data(), n, torques);
+      alignas(64) LinkTable::Row bias = {};
+      std::copy_n(anyway.data(), n, bias);
+      alignas(64) LinkTable::Row padded = {};
+      std::copy_n(wanted.data(), n, padded);
+      const LeafSprings springs = MakeLeafSprings(stiffness.data());
       LeafAnswer answer;
-      ComputeLeaf({.n = n,
-                   .jacobian = leaf.jacobian,
+      ComputeLeaf({.view = leaf.view(),
                    .mass = leaf.mass,
+                   .wanted = padded,
                    .velocity = velocity.data(),
-                   .wanted = wanted.data(),
-                   .stiffness = stiffness.data(),
+                   .springs = &springs,
                    .deviation = deviation.data(),
                    .feedforward = push.data(),
                    .damping_ratio = 0.7,
-                   .torques = torques},
+                   .bias = bias},
                   &answer);
       const VectorXd felt = SolvePositive(leaf.Mobility(), leaf.j * wanted);
       EXPECT_LT((Eigen::Map<VectorXd>(answer.felt, 6) - felt).norm(), 1e-8 * felt.norm());
       const VectorXd damping = Damping(stiffness, leaf.Mobility(), leaf.j * velocity);
       EXPECT_LT((Eigen::Map<VectorXd>(answer.damping, 6) - damping).norm(), 1e-9 * damping.norm());
       const VectorXd force = stiffness.cwiseProduct(deviation) - 0.7 * damping + push - felt;
-      const VectorXd needed = anyway + leaf.j.transpose() * force;
+      const VectorXd needed = anyway + leaf.m * wanted + leaf.j.transpose() * force;
       EXPECT_LT((Eigen::Map<VectorXd>(answer.torques, n) - needed).norm(), 1e-7 * needed.norm());
     }
   });
@@ -218,7 +248,8 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
 TEST(InverseRoot, IsWithinATenThousandth) {
   for (int k = 0; k < kInverseRoots; ++k) {
     const InverseRoot& root = InverseRoots()[k];
-    EXPECT_EQ(root.n_poles % 8, 0);
+    EXPECT_EQ(root.n_poles % 8, k == 0 ? 7 : 0);
+    EXPECT_EQ(root.shift[7] == 0, k == 0);
     for (int i = 0; i <= 1000; ++i) {
       const double value = std::pow(root.range, -i / 1000.0);
       double sum = 0;

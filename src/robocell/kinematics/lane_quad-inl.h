@@ -44,6 +44,44 @@ HWY_INLINE Quad MulAdd(double s, const Quad& a, const Quad& b) {
   for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::MulAdd(factor, a.part[k], b.part[k]);
   return out;
 }
+HWY_INLINE Quad Sub(const Quad& a, const Quad& b) {
+  Quad out;
+  for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::Sub(a.part[k], b.part[k]);
+  return out;
+}
+// The products of numbers in the same place, plus c.
+HWY_INLINE Quad MulAdd(const Quad& a, const Quad& b, const Quad& c) {
+  Quad out;
+  for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::MulAdd(a.part[k], b.part[k], c.part[k]);
+  return out;
+}
+HWY_INLINE double SumOf(const Quad& q) {
+  alignas(32) double p[4];
+  Put(q, p);
+  return (p[0] + p[1]) + (p[2] + p[3]);
+}
+// The second, third and first number; the fourth stays.
+HWY_INLINE Quad Yzx(const Quad& q) {
+  if constexpr (kPartsOfFour == 1) {
+    alignas(32) constexpr int64_t kOrder[4] = {1, 2, 0, 3};
+    return {{hn::TableLookupLanes(q.part[0], hn::SetTableIndices(kFours, kOrder))}};
+  } else {
+    alignas(32) double p[4];
+    Put(q, p);
+    const double x = p[0];
+    p[0] = p[1];
+    p[1] = p[2];
+    p[2] = x;
+    return QuadAt(p);
+  }
+}
+HWY_INLINE Quad Cross(const Quad& a, const Quad& b) {
+  const Quad y = Yzx(b), ab = Yzx(a);
+  Quad z;
+  for (int k = 0; k < kPartsOfFour; ++k)
+    z.part[k] = hn::MulSub(a.part[k], y.part[k], hn::Mul(ab.part[k], b.part[k]));
+  return Yzx(z);
+}
 
 }  // namespace robocell::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -7,14 +7,25 @@
 
 namespace robocell {
 
+// angle / (2 sin(angle)) for the square of a sine up to 1/16: the polynomial that comes closest, to
+// 1e-18.
+inline double HalfAngleBySine(double sine2) {
+  constexpr double kTerms[] = {7.3655469927763283789e-3, 6.7873010341084569891e-3,
+                               8.6889940985615293479e-3, 1.1185608951832380554e-2,
+                               1.5190982486694193298e-2, 2.2321428446032969688e-2,
+                               3.7500000000765836325e-2, 8.3333333333331535368e-2, 0.5};
+  double sum = 0;
+  for (const double term : kTerms) sum = sum * sine2 + term;
+  return sum;
+}
+
 // Rotation vector of a rotation matrix, angle in [0, pi]; exact to rounding for small angles and
 // near pi.
 inline Eigen::Vector3d RotationVector(const Eigen::Matrix3d& r) {
   const Eigen::Vector3d sine(r(2, 1) - r(1, 2), r(0, 2) - r(2, 0),
                              r(1, 0) - r(0, 1));  // 2 sin(angle) axis
   const double s = 0.5 * sine.norm(), c = 0.5 * (r.trace() - 1);
-  // angle / sin(angle): what the series leaves out is below rounding
-  if (s < 1e-3 && c > 0) return sine * (0.5 + s * s * (1.0 / 12 + s * s * (3.0 / 80)));
+  if (s < 0.25 && c > 0) return sine * HalfAngleBySine(s * s);
   if (s > 1e-7) return sine * (std::atan2(s, c) / (2 * s));
   Eigen::Index longest;  // half a turn: r + I = 2 axis axis^T
   (r.diagonal()).maxCoeff(&longest);

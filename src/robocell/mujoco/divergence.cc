@@ -3,22 +3,21 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <bit>
 #include <cmath>
-#include <cstdint>
 
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
 namespace {
 
-// By their bits without the sign, among which those of NaN and infinity are the largest.
 bool AllGood(const mjtNum* x, int n) {
-  constexpr uint64_t kMost = std::bit_cast<uint64_t>(mjtNum{mjMAXVAL}) << 1;
-  bool bad = false;
-#pragma GCC unroll 4
-  for (int i = 0; i < n; ++i) bad |= std::bit_cast<uint64_t>(x[i]) << 1 > kMost;
-  return !bad;
+  double squares = 0;
+  for (int i = 0; i < n; ++i) squares += x[i] * x[i];
+  // All of them together, nearly always; NaN and infinity are not less than anything.
+  if (squares <= mjMAXVAL * mjMAXVAL) return true;
+  bool good = true;
+  for (int i = 0; i < n; ++i) good &= std::abs(x[i]) <= mjMAXVAL;
+  return good;
 }
 
 int FirstBad(const mjtNum* x, int n) {

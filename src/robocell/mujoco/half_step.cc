@@ -3,10 +3,12 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <span>
 
 #include "robocell/mujoco/guard.h"
 
@@ -15,13 +17,16 @@ namespace {
 
 // Of what the first half reads and writes, enough to notice that somebody else was there: the
 // state, and the results that follow from all of it.
-template <class Visit>
-void ForNumbers(const mjModel* m, const mjData* d, Visit visit) {
-  visit(d->qpos, m->nq);
-  visit(d->qvel, m->nv);
-  visit(d->qfrc_bias, m->nv);
-  visit(d->mocap_pos, 3 * m->nmocap);
-  visit(d->mocap_quat, 4 * m->nmocap);
+struct StateNumbers {
+  const mjtNum* at;
+  mjtSize n;
+};
+std::array<StateNumbers, 5> NumbersOf(const mjModel* m, const mjData* d) {
+  return {{{d->qpos, m->nq},
+           {d->qvel, m->nv},
+           {d->qfrc_bias, m->nv},
+           {d->mocap_pos, 3 * m->nmocap},
+           {d->mocap_quat, 4 * m->nmocap}}};
 }
 
 size_t NumberOfNumbers(const mjModel* m) {
@@ -66,22 +71,34 @@ void HalfStep::Begin(const mjModel* model, mjData* data, std::string_view contex
   std::fill_n(data->efc_force, data->nefc, 0.0);
   Remember(model, data);
   begun_ = true;
-  solved_ = false;
+  unsolved_ = true;
 }
 
 void HalfStep::SolveContacts(const mjModel* model, mjData* data, std::string_view context) {
-  if (!begun_ || solved_ || !IsAsLeft(model, data)) return;
-  warm_start_.assign(data->qacc_warmstart, data->qacc_warmstart + model->nv);
+  if (!unsolved_) return;
+  Begin(model, data, context);
+  const std::array<std::span<mjtNum>, 5> others = {
+      {{data->qacc_warmstart, static_cast<size_t>(model->nv)},
+       {data->qacc, static_cast<size_t>(model->nv)},
+       {data->qfrc_actuator, static_cast<size_t>(model->nv)},
+       {data->actuator_force, static_cast<size_t>(model->nout)},
+       {data->act_dot, static_cast<size_t>(model->na)}}};
+  kept_.clear();
+  for (const auto& values : others) kept_.insert(kept_.end(), values.begin(), values.end());
   Guarded(context, data, [&] {
     mj_fwdActuation(model, data);
     mj_fwdAcceleration(model, data);
     mj_fwdConstraint(model, data);
   });
-  std::copy(warm_start_.begin(), warm_start_.end(), data->qacc_warmstart);
-  solved_ = true;
+  const mjtNum* from = kept_.data();
+  for (const auto& values : others) {
+    std::copy_n(from, values.size(), values.begin());
+    from += values.size();
+  }
 }
 
 bool HalfStep::Take(const mjModel* model, mjData* data, StepStart* start) {
+  unsolved_ = false;  // a step follows
   if (!begun_) return false;
   begun_ = false;
   if (!can_go_on_ || HasCallbacks() || !IsAsLeft(model, data)) return false;
@@ -93,15 +110,14 @@ bool HalfStep::Take(const mjModel* model, mjData* data, StepStart* start) {
 // In place: calls for so few numbers each would take longer than what they compare or copy.
 bool HalfStep::IsAsLeft(const mjModel* model, const mjData* data) const {
   // Another model may be where a smaller one was.
-  if (model != model_ || numbers_.size() != NumberOfNumbers(model)) return false;
+  if (model != model_ || data != data_ || numbers_.size() != NumberOfNumbers(model)) return false;
   if (data->time != time_ || data->ncon != ncon_ || data->nefc != nefc_) return false;
   uint64_t other = !IsMarked(data);
   const mjtNum* at = numbers_.data();
-  ForNumbers(model, data, [&](const mjtNum* now, mjtSize n) {
-    for (mjtSize i = 0; i < n; ++i)
-      other |= std::bit_cast<uint64_t>(now[i]) ^ std::bit_cast<uint64_t>(at[i]);
-    at += n;
-  });
+  for (const StateNumbers& now : NumbersOf(model, data)) {
+    for (mjtSize i = 0; i < now.n; ++i, ++at)
+      other |= std::bit_cast<uint64_t>(now.at[i]) ^ std::bit_cast<uint64_t>(*at);
+  }
   return other == 0 && std::memcmp(options_.data(), &model->opt, sizeof(mjOption)) == 0 &&
          std::equal(are_active_.begin(), are_active_.end(), data->eq_active,
                     data->eq_active + model->neq);
@@ -109,15 +125,15 @@ bool HalfStep::IsAsLeft(const mjModel* model, const mjData* data) const {
 
 void HalfStep::Remember(const mjModel* model, mjData* data) {
   model_ = model;
+  data_ = data;
   time_ = data->time;
   ncon_ = data->ncon;
   nefc_ = data->nefc;
   numbers_.resize(NumberOfNumbers(model));
   mjtNum* at = numbers_.data();
-  ForNumbers(model, data, [&](const mjtNum* now, mjtSize n) {
-    for (mjtSize i = 0; i < n; ++i) at[i] = now[i];
-    at += n;
-  });
+  for (const StateNumbers& now : NumbersOf(model, data)) {
+    for (mjtSize i = 0; i < now.n; ++i) *at++ = now.at[i];
+  }
   options_.resize(sizeof(mjOption));
   std::memcpy(options_.data(), &model->opt, sizeof(mjOption));
   are_active_.assign(data->eq_active, data->eq_active + model->neq);

@@ -34,8 +34,9 @@ class HalfStep {
   // state. Throws EngineError.
   void Begin(const mjModel* model, mjData* data, std::string_view context);
   void Discard() { begun_ = false; }
-  // After Begin(): the forces of the contacts too, under the present controls. The step that goes
-  // on is none the different. Throws EngineError.
+  // After Begin(), until the next step: contacts of the present state with their forces under the
+  // present controls. Accelerations and forces of actuators stay those of the last step, and the
+  // step that goes on is none the different. Throws EngineError.
   void SolveContacts(const mjModel* model, mjData* data, std::string_view context);
 
   // Whether a step may go on from here, and if so what was before the first half. Once.
@@ -45,16 +46,18 @@ class HalfStep {
   bool IsAsLeft(const mjModel* model, const mjData* data) const;
   void Remember(const mjModel* model, mjData* data);
 
-  bool begun_ = false, can_go_on_ = false, solved_ = false;
+  bool begun_ = false, can_go_on_ = false;
+  bool unsolved_ = false;  // the data has contacts without forces
   StepStart start_;
   // How it was left.
   const mjModel* model_ = nullptr;
+  const mjData* data_ = nullptr;
   double time_ = 0;
   int ncon_ = 0, nefc_ = 0;
   std::vector<double> numbers_;
   std::vector<std::byte> options_;
   std::vector<unsigned char> are_active_;  // equality constraints
-  std::vector<double> warm_start_;  // scratch
+  std::vector<double> kept_;               // scratch
 };
 
 }  // namespace robocell

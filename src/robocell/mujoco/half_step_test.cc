@@ -153,6 +153,43 @@ TEST_F(HalfSteps, SolveContactsWithoutAnyConsequence) {
   EXPECT_GT(total, 1);
 }
 
+// A velocity was written after the half, or the half was dropped.
+TEST_F(HalfSteps, SolveContactsOfThePresentState) {
+  for (const bool drop : {false, true}) {
+    half_.Begin(model_.get(), data_.get(), "test");
+    if (drop) half_.Discard();
+    for (mjData* data : {data_.get(), plain_.get()}) data->qvel[2] = -0.3;
+    half_.SolveContacts(model_.get(), data_.get(), "test");
+    mj_forward(model_.get(), plain_.get());
+    ASSERT_GT(plain_->nefc, 0);
+    ASSERT_EQ(data_->nefc, plain_->nefc);
+    for (int i = 0; i < data_->nefc; ++i) EXPECT_EQ(data_->efc_force[i], plain_->efc_force[i]);
+    for (const double push : {0.0, -20.0}) {  // pressed down: other forces
+      data_->qfrc_applied[2] = plain_->qfrc_applied[2] = push;
+      half_.SolveContacts(model_.get(), data_.get(), "test");
+      mj_forward(model_.get(), plain_.get());
+      for (int i = 0; i < data_->nefc; ++i)
+        EXPECT_NEAR(data_->efc_force[i], plain_->efc_force[i], 1e-6 * (1 + std::abs(push)));
+    }
+  }
+}
+
+TEST_F(HalfSteps, LeaveWhatTheLastStepSaysOfForcesWhenTheySolveContacts) {
+  const auto said = [&] {
+    const mjData& d = *data_;
+    std::vector<double> all(d.qacc, d.qacc + model_->nv);
+    all.insert(all.end(), d.qfrc_actuator, d.qfrc_actuator + model_->nv);
+    all.insert(all.end(), d.qacc_warmstart, d.qacc_warmstart + model_->nv);
+    all.push_back(d.actuator_force[0]);
+    return all;
+  };
+  const std::vector<double> before = said();
+  half_.Begin(model_.get(), data_.get(), "test");
+  data_->ctrl[0] = 3;
+  half_.SolveContacts(model_.get(), data_.get(), "test");
+  EXPECT_EQ(said(), before);
+}
+
 TEST_F(HalfSteps, ThatSolvedTheirContactsEndAtTheSameBitsToo) {
   half_.Begin(model_.get(), data_.get(), "test");
   half_.SolveContacts(model_.get(), data_.get(), "test");

@@ -53,6 +53,9 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
     core().GetBiasAndMass(bias, mass);
   }
 
+  // Where the leaf is and how the joints move it, in the present state of the scene.
+  LeafView leaf_view() const { return core().leaf_view(); }
+
   // Adds what the joints' springs, dampers and friction resist with when they move at `velocity`
   // (joint_resistance.h), N m or N.
   void AddResistance(std::span<const double> q, std::span<const double> velocity,

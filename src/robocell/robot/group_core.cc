@@ -93,11 +93,13 @@ void GroupCore::Resolve() const {
 void GroupCore::ResolveJoints(const std::string& where) const {
   const mjModel* m = model();
   joint_ids_.clear();
+  slides_.clear();
   qpos_addresses_.clear();
   dof_addresses_.clear();
   for (const std::string& joint : names_.joints) {
     const int id = RequireId(m, mjOBJ_JOINT, joint, where);
     joint_ids_.push_back(id);
+    slides_.push_back(m->jnt_type[id] == mjJNT_SLIDE);
     AddRange(qpos_addresses_, m->jnt_qposadr[id], PositionsOf(m->jnt_type[id]));
     AddRange(dof_addresses_, m->jnt_dofadr[id], VelocitiesOf(m->jnt_type[id]));
   }
@@ -105,8 +107,9 @@ void GroupCore::ResolveJoints(const std::string& where) const {
 
 void GroupCore::ResolveMass() const {
   mass_addresses_.clear();
-  for (const int c : dof_addresses_) {
-    for (const int r : dof_addresses_) mass_addresses_.push_back(MassAddress(model(), r, c));
+  for (size_t r = 0; r < dof_addresses_.size(); ++r) {
+    for (size_t c = 0; c <= r; ++c)
+      mass_addresses_.push_back(MassAddress(model(), dof_addresses_[r], dof_addresses_[c]));
   }
 }
 
@@ -332,9 +335,33 @@ void GroupCore::GetBiasAndMass(std::span<double> bias, Eigen::Ref<Eigen::MatrixX
   CheckSize(static_cast<size_t>(mass.cols()), nv(), "column");
   const mjtNum* values = data()->M;
   const int* address = mass_addresses_.data();
-  for (int c = 0; c < nv(); ++c) {
-    for (int r = 0; r < nv(); ++r, ++address) mass(r, c) = *address < 0 ? 0 : values[*address];
+  double* const out = mass.data();
+  const Eigen::Index stride = mass.outerStride(), n = mass.rows();
+  for (Eigen::Index r = 0; r < n; ++r) {
+    for (Eigen::Index c = 0; c <= r; ++c, ++address)
+      out[r * stride + c] = out[c * stride + r] = *address < 0 ? 0 : values[*address];
   }
+}
+
+LeafView GroupCore::leaf_view() const {
+  Bind();
+  scene_.SyncPoses();
+  const mjData* d = data();
+  const auto position = [&](const FrameId& f) {
+    return (f.is_site ? d->site_xpos : d->xpos) + 3 * f.id;
+  };
+  const auto rotation = [&](const FrameId& f) {
+    return (f.is_site ? d->site_xmat : d->xmat) + 9 * f.id;
+  };
+  return {.n = nv(),
+          .joints = joint_ids_.data(),
+          .slides = slides_.data(),
+          .axes = d->xaxis,
+          .anchors = d->xanchor,
+          .leaf_position = position(leaf_),
+          .leaf_rotation = rotation(leaf_),
+          .base_position = position(base_),
+          .base_rotation = rotation(base_)};
 }
 
 Eigen::Vector3d GroupCore::gravity_in_base() const {

@@ -11,6 +11,7 @@
 #include <vector>
 #include <Eigen/Core>
 
+#include "robocell/robot/leaf_view.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/scene/scene.h"
 
@@ -94,6 +95,8 @@ class GroupCore {
   void GetBias(std::span<double> out) const;
   // The same, and the inertia that the joints show, nv x nv, kg m^2 or kg.
   void GetBiasAndMass(std::span<double> bias, Eigen::Ref<Eigen::MatrixXd> mass) const;
+  // Of joints of one degree of freedom each. Brings poses up to date.
+  LeafView leaf_view() const;
   // The world's gravity in the axes of the robot base frame, m/s^2. Poses are brought up to date
   // only where joints carry the base.
   Eigen::Vector3d gravity_in_base() const;
@@ -126,9 +129,11 @@ class GroupCore {
   GroupNames names_;
   mutable uint64_t generation_ = ~uint64_t{0};
   mutable std::vector<int> joint_ids_, actuator_ids_;
+  mutable std::vector<char> slides_;  // of the joints
   // One per number, in the order of joints and actuators.
   mutable std::vector<int> qpos_addresses_, dof_addresses_, ctrl_addresses_;
-  mutable std::vector<int> mass_addresses_;  // in the engine's M, column by column; -1 for 0
+  // In the engine's M, the lower triangle row by row; -1 for 0.
+  mutable std::vector<int> mass_addresses_;
   mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
   mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;
