@@ -53,7 +53,8 @@ struct LeafAnswer {
 
 void ComputeLeaf(const LeafQuery& query, LeafAnswer* out);
 
-// The first part alone: what the leaf yields to a force (J M^-1 J^T), the lower triangle row by row.
+// The first part alone: what the leaf yields to a force (J M^-1 J^T), the lower triangle row by
+// row.
 void ComputeMobility(const LeafView& view, const LinkTable::Row* mass, double* mobility);
 // The last part alone: the critical damping of a leaf of that mobility.
 void CriticalDamping(const double* stiffness, const double* mobility, const double* velocity,
