@@ -10,10 +10,10 @@ namespace robocell {
 // angle / (2 sin(angle)) for the square of a sine up to 1/16: the polynomial that comes closest, to
 // 1e-18.
 inline double HalfAngleBySine(double sine2) {
-  constexpr double kTerms[] = {7.3655469927763283789e-3, 6.7873010341084569891e-3,
-                               8.6889940985615293479e-3, 1.1185608951832380554e-2,
-                               1.5190982486694193298e-2, 2.2321428446032969688e-2,
-                               3.7500000000765836325e-2, 8.3333333333331535368e-2, 0.5};
+  constexpr double kTerms[] = {
+      7.3655469927763283789e-3, 6.7873010341084569891e-3, 8.6889940985615293479e-3,
+      1.1185608951832380554e-2, 1.5190982486694193298e-2, 2.2321428446032969688e-2,
+      3.7500000000765836325e-2, 8.3333333333331535368e-2, 0.5};
   double sum = 0;
   for (const double term : kTerms) sum = sum * sine2 + term;
   return sum;
