@@ -304,7 +304,14 @@ struct LaneStep {
     const V best = Load(state->best_cost + lane);
     const auto better = hn::Lt(way.cost, best);
     hn::Store(hn::IfThenElse(better, way.cost, best), d, state->best_cost + lane);
-    for (int i = 0; i < n; ++i) hn::BlendedStore(q[i], better, d, state->best_q[i] + lane);
+    if (kAlone && hn::AllFalse(d, better)) return;
+    for (int i = 0; i < n; ++i) {
+      if constexpr (kAlone) {
+        hn::Store(q[i], d, state->best_q[i] + lane);
+      } else {
+        hn::BlendedStore(q[i], better, d, state->best_q[i] + lane);
+      }
+    }
   }
 
   // The equations of a step: the lower triangle of a symmetric matrix, and what it is solved for.

@@ -21,7 +21,6 @@ class LaneSearch {
       : work_(chain, options),
         target_(target),
         starts_(work_, target, options.seed),
-        starts_left_(1 + int64_t{work_.RestartsFor(target)}),
         seed_searches_(!options.seed.empty()) {}
 
   IkResult Run() {
@@ -44,6 +43,7 @@ class LaneSearch {
   // Starts in all lanes that have none. All cost as much as two.
   void Join() {
     joined_ = true;
+    starts_left_ += work_.RestartsFor(target_);
     const int count = LanesOfOneQuestion();
     work_.Clear(1, count);
     if (starts_left_ > 0) starts_.Foresee(count, work_);
@@ -106,8 +106,9 @@ class LaneSearch {
   void GiveUp(int lane) {
     if (number_[lane] == 0) seed_searches_ = false;
     if (answer_.success) return;
-    Begin(lane);
-    if (!joined_) Join();
+    if (joined_) return Begin(lane);
+    busy_ = 0;
+    Join();
   }
 
   JointVector Best() const {
@@ -121,7 +122,7 @@ class LaneSearch {
   LaneWork work_;
   const Transform& target_;
   LaneStarts starts_;
-  int64_t starts_left_;
+  int64_t starts_left_ = 1;  // until others join
   int steps_ = 0;
   bool seed_searches_;  // has not been given up
   bool joined_ = false;

@@ -254,7 +254,8 @@ void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
 }
 
 const Chain& Robot::chain() const {
-  return open().RequireChain(open().RequireKind(MoveGroupKind::kArm));
+  State& state = open();
+  return state.RequireChain(state.RequireKind(MoveGroupKind::kArm));
 }
 
 const Chain& Robot::chain(const std::string& group) const {
