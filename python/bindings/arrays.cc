@@ -42,7 +42,9 @@ std::optional<std::span<const double>> RowOfArray(PyArrayObject* array) {
                    static_cast<size_t>(PyArray_DIM(array, 0)));
 }
 
-std::optional<std::span<const double>> RowOfBuffer(nb::handle value) {
+// Others may make their buffer for the asking, and let go of it with it.
+std::optional<std::span<const double>> RowOfView(nb::handle value) {
+  if (!PyMemoryView_Check(value.ptr())) return std::nullopt;
   Py_buffer buffer;
   if (PyObject_GetBuffer(value.ptr(), &buffer, PyBUF_C_CONTIGUOUS | PyBUF_FORMAT) != 0) {
     PyErr_Clear();
@@ -83,7 +85,7 @@ nb::object MakeArray(void* numbers, nb::dlpack::dtype type, std::span<const size
 
 std::optional<std::span<const double>> RowOf(nb::handle value) {
   if (!PyObject_CheckBuffer(value.ptr())) return std::nullopt;
-  return IsNumpyArray(value) ? RowOfArray(AsArray(value)) : RowOfBuffer(value);
+  return IsNumpyArray(value) ? RowOfArray(AsArray(value)) : RowOfView(value);
 }
 
 Doubles::Doubles(nb::handle value, const char* what) {

@@ -58,8 +58,7 @@ nb::object Limits(const Chain& chain) {
 IkOptions OptionsFor(const Chain& chain, nb::handle seed, double tolerance, bool position_only,
                      const std::vector<std::string>& locked_joints, const IkWishes& wishes) {
   IkOptions options{.tolerance = tolerance, .position_only = position_only};
-  const FieldPath path("seed");
-  if (seed && !seed.is_none()) options.seed = JointVector(Numbers(seed, path).span());
+  if (seed) options.seed = IkSeed(seed, chain);
   options.locked = LockJoints(chain, locked_joints);
   wishes.Apply(&options);
   return options;

@@ -132,6 +132,20 @@ void IkWishes::Apply(IkOptions* options) const {
   ApplyFilter(filter, options);
 }
 
+JointVector IkSeed(nb::handle seed, const Chain& chain) {
+  if (seed.is_none()) return {};
+  const auto there = RowOf(seed);
+  const JointVector read =
+      there ? JointVector(*there) : JointVector(std::span<const double>(ToRow(seed, "seed")));
+  if (read.empty()) {
+    throw ArgumentError(
+        fmt::format("inverse kinematics of {}: seed: expected {} joint values, got 0; without one "
+                    "the seed is None",
+                    chain.description(), chain.n_joints()));
+  }
+  return read;
+}
+
 void BindCollisionFilter(nb::module_& m) {
   nb::class_<CollisionFilter>(
       m, "CollisionFilter",

@@ -16,6 +16,10 @@ struct IkWishes {
   void Apply(IkOptions* options) const;
 };
 
+// The seed of one query: empty for None. ArgumentError for no numbers at all, which would be none
+// as well; how many they are, `ik` says.
+JointVector IkSeed(nb::handle seed, const Chain& chain);
+
 // For nb::sig and docstrings of what takes them.
 #define ROBOCELL_IK_WISHES_SIG                                               \
   "position_weights: numpy.typing.ArrayLike | None = None, "                 \

@@ -36,11 +36,7 @@ const Robot& RobotOf(const Kinematics& k) { return k.robot; }
 IkOptions OptionsFor(const Robot& robot, nb::handle seed,
                      const std::vector<std::string>& locked_groups, const IkWishes& wishes) {
   IkOptions options;
-  if (const auto row = RowOf(seed)) {
-    options.seed = JointVector(*row);
-  } else if (!seed.is_none()) {
-    options.seed = JointVector(std::span<const double>(ToRow(seed, "seed")));
-  }
+  options.seed = IkSeed(seed, robot.chain());
   options.locked = robot.LockGroups(locked_groups);
   wishes.Apply(&options);
   return options;

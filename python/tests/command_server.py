@@ -61,7 +61,10 @@ def exit_code() -> int:
     try:
         main()
     except SystemExit as end:
-        return int(end.code or 0)
+        if end.code is None or isinstance(end.code, int):
+            return end.code or 0
+        print(end.code, file=sys.stderr)  # as Python does
+        return 1
     except BaseException:
         traceback.print_exc()
         return 1

@@ -550,6 +550,9 @@ class TestBatches:
                 ik(target, seed=seed)
             with pytest.raises(rc.ArgumentError, match="seed: expected 7 joint values, got 6"):
                 ik(target, seed=seed[:6])
+            for none in ([], np.empty(0)):
+                with pytest.raises(rc.ArgumentError, match="got 0; without one the seed is None"):
+                    ik(target, none)
         for call in (robot.kinematics.manipulability, robot.chain.fk, robot.chain.jacobian):
             with pytest.raises(rc.ArgumentError, match=f"joint 'joint3' is {spoiled}"):
                 call(seed)

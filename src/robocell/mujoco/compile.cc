@@ -117,7 +117,9 @@ SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
   std::array<char, 2048> error{};
   const std::string place =
       Prefix(context) + (file.empty() ? "model text" : "model file '" + file + "'");
+  const WarningCapture told;  // of a file that they do not name
   SpecPtr spec(Tried(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
+  for (const std::string& text : told.messages()) LogWarn(place + ": MuJoCo: " + text);
   if (spec) return spec;
   throw SpecError((file.empty() ? place + ": " : Prefix(context)) +
                   ParseProblem(Trim(error.data()), file));

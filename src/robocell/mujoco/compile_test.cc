@@ -143,6 +143,18 @@ TEST_F(Compiling, WarningsOfTheBuildAreReturnedOrLoggedOnce) {
   EXPECT_EQ(lines[0], "scene 'pick': MuJoCo: " + warnings[0]);
 }
 
+TEST_F(Compiling, WarningsOfReadingAreLoggedWithTheModelsFile) {
+  const std::filesystem::path file = folder_ / "arm.xml";
+  std::ofstream(file) << R"(<mujoco><worldbody><body pos="0 nan 1"/></worldbody></mujoco>)";
+  std::vector<std::string> told;
+  const ScopedLogSink sink([&](LogLevel, std::string_view text) { told.emplace_back(text); });
+  (void)ParseXmlFile(file, "robot 'left'");
+  ASSERT_EQ(told.size(), 1u);
+  EXPECT_TRUE(told[0].starts_with("robot 'left': model file '" + file.string() + "': MuJoCo: "))
+      << told[0];
+  EXPECT_NE(told[0].find("NaN"), std::string::npos) << told[0];
+}
+
 TEST_F(Compiling, FilesInMemoryAreFoundWhenTheirFileSystemIsGiven) {
   VfsPtr vfs = MakeVfs();
   AddBuffer(vfs.get(), "tetra.obj",
