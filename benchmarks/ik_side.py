@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Questions = Mapping[str, Any]
-Pass = tuple[Array, Array]  # answers to all questions, the seconds of each call
+Pass = tuple[Any, Array]  # what a package answered to all questions, the seconds of each call
 
 
 class Answers(NamedTuple):
@@ -56,19 +56,21 @@ def turns() -> Iterator[None]:
         yield None
 
 
-def by_turns(one_pass: Callable[[], Pass]) -> Answers:
-    """What the fastest turn answered, and what all of them took."""
+def by_turns(one_pass: Callable[[], Pass], read: Callable[[Any], Array]) -> Answers:
+    """What the fastest turn answered, as `read` reads it, and what all of them took."""
     fastest: Pass = np.empty(0), np.array([np.inf])
     means = []
     for _ in turns():
         end = time.perf_counter() + TURN
-        turn = [one_pass()]
+        answered, first = one_pass()
+        passes = [first]
         while time.perf_counter() < end:
-            turn.append(one_pass())
-        seconds = np.concatenate([seconds for _, seconds in turn])
+            answered, one = one_pass()  # in the place of those before, as in a loop of anybody's
+            passes.append(one)
+        seconds = np.concatenate(passes)
         means.append(seconds.mean())
         if means[-1] < fastest[1].mean():
-            fastest = turn[-1][0], seconds
+            fastest = read(answered), seconds
     return Answers(*fastest, np.array(means))
 
 
@@ -98,7 +100,7 @@ def one_by_one(
                 answers[b] = read(q)
         return answers, seconds
 
-    return by_turns(one_pass)
+    return by_turns(one_pass, np.asarray)
 
 
 def load(questions: Questions) -> Any:
@@ -120,10 +122,9 @@ def batch(threads: int) -> Side:
             begin = time.perf_counter()
             found = kinematics.ik_batch(targets, tolerance=TOLERANCE, threads=threads)
             seconds = time.perf_counter() - begin
-            answers = np.where(found.success[:, None], found.q, np.nan)
-            return answers, np.array([seconds / len(targets)])
+            return found, np.array([seconds / len(targets)])
 
-        return by_turns(one_pass)
+        return by_turns(one_pass, lambda found: np.where(found.success[:, None], found.q, np.nan))
 
     return run
 
