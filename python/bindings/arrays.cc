@@ -51,7 +51,8 @@ std::optional<std::span<const double>> RowOfView(nb::handle value) {
     return std::nullopt;
   }
   std::optional<std::span<const double>> row;
-  if (buffer.ndim == 1 && buffer.format && std::string_view(buffer.format) == "d")
+  const bool is_aligned = reinterpret_cast<uintptr_t>(buffer.buf) % alignof(double) == 0;
+  if (is_aligned && buffer.ndim == 1 && buffer.format && std::string_view(buffer.format) == "d")
     row.emplace(static_cast<const double*>(buffer.buf), static_cast<size_t>(buffer.shape[0]));
   PyBuffer_Release(&buffer);
   return row;

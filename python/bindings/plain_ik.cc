@@ -87,10 +87,10 @@ const Chain* ChainNow(const Kinematics& k) { return ChainNow(k.robot); }
 
 template <class Self>
 PyObject* AnswerPlainly(PyObject* const* args, size_t count, PyObject* keywords) {
-  const auto question = ReadQuestion(args, count, keywords);
-  const Self* self = question ? Exactly<Self>(args[0]) : nullptr;
-  if (!self) return nullptr;
   try {
+    const auto question = ReadQuestion(args, count, keywords);
+    const Self* self = question ? Exactly<Self>(args[0]) : nullptr;
+    if (!self) return nullptr;
     const Chain* chain = ChainNow(*self);
     if (!chain) return nullptr;
     // Where it will be: nb::cast would look for it among all objects, and copy it.

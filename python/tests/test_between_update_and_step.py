@@ -58,6 +58,7 @@ class Acts:
             self.look,
             self.teleport,
             self.try_positions,
+            self.try_positions_in_the_data,
             self.swap_pooled,
             self.switch,
             lambda: self.scene.set_body_pose("thrown", [0.5, 0, 0.2], [0, 0, 0, 1]),
@@ -85,6 +86,13 @@ class Acts:
         assert np.isfinite(self.other.arm.noop_ctrl).all()
         self.other.set_joint_pos(here, call_forward=False)
         assert self.other.tcp_in_world
+
+    def try_positions_in_the_data(self) -> None:
+        positions = self.scene.data.qpos
+        here = positions.copy()
+        positions[:] = here + 0.1
+        assert np.isfinite(self.other.arm.noop_ctrl).all()
+        positions[:] = here
 
     def swap_pooled(self) -> None:
         parked = "pooled" in self.scene.parked_objects

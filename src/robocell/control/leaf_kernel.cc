@@ -8,7 +8,7 @@
 #define HWY_TARGET_INCLUDE "robocell/control/leaf_kernel.cc"
 // As in link_kernel.cc.
 #define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+  (HWY_SSSE3 | HWY_SSE4 | (HWY_AVX2 - 1) | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -160,13 +160,10 @@ HWY_INLINE void MobilityOf(int n, const LinkTable::Row* mass, const Columns& col
   }
 }
 
-// The system of `first` and the lanes after it: the mobility in the coordinates of each lane, with
-// a shift.
-HWY_INLINE void SetUp(const LeafSprings& springs, Halves& mobility, int first, PoleVec shift,
-                      PoleVec* scale, PoleVec* a) {
+// The mobility in the coordinates of each lane, with a shift.
+HWY_INLINE void SetUp(const PoleVec* scale, Halves& mobility, PoleVec shift, PoleVec* a) {
 #pragma GCC unroll 6
   for (int r = 0; r < 6; ++r) {
-    scale[r] = hn::Load(kPoles, springs.scale[r] + first);
 #pragma GCC unroll 6
     for (int c = 0; c <= r; ++c) {
       const PoleVec entry = hn::Set(kPoles, At(mobility, r, c));
@@ -191,7 +188,8 @@ HWY_INLINE Damped DampAndFeel(const LeafSprings& springs, Halves& mobility, doub
   for (int first = 0; first < LeafSprings::kLanes; first += lanes) {
     const PoleVec shift = hn::Load(kPoles, root.shift + first);
     const auto no_pole = hn::Eq(shift, hn::Zero(kPoles));
-    SetUp(springs, mobility, first, hn::Mul(hn::Set(kPoles, top), shift), scale, a);
+    for (int k = 0; k < 6; ++k) scale[k] = hn::Load(kPoles, springs.scale[k] + first);
+    SetUp(scale, mobility, hn::Mul(hn::Set(kPoles, top), shift), a);
     for (int k = 0; k < 6; ++k) {
       b[k] = hn::Mul(scale[k], hn::IfThenElse(no_pole, hn::Set(kPoles, wanted[k]),
                                               hn::Set(kPoles, velocity[k])));
@@ -235,10 +233,13 @@ HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility
 HWY_NOINLINE void DampWidely(const LeafSprings& springs, Halves& mobility, double top,
                              const double* velocity, const InverseRoot& root, double* along) {
   PoleVec sums[6], a[kEntries], b[6], scale[6];
-  for (PoleVec& sum : sums) sum = hn::Zero(kPoles);
+  for (int k = 0; k < 6; ++k) {
+    sums[k] = hn::Zero(kPoles);
+    scale[k] = hn::Set(kPoles, springs.scale[k][0]);  // in all lanes: none of them is another's
+  }
   for (int first = 0; first < root.n_poles; first += static_cast<int>(hn::Lanes(kPoles))) {
     const PoleVec shift = hn::Load(kPoles, root.shift + first);
-    SetUp(springs, mobility, 0, hn::Mul(hn::Set(kPoles, top), shift), scale, a);
+    SetUp(scale, mobility, hn::Mul(hn::Set(kPoles, top), shift), a);
     for (int k = 0; k < 6; ++k) b[k] = hn::Mul(scale[k], hn::Set(kPoles, velocity[k]));
     Solve(a, b);
     const PoleVec weight = hn::Load(kPoles, root.weight + first);

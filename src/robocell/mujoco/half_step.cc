@@ -75,6 +75,7 @@ void HalfStep::Begin(const mjModel* model, mjData* data, std::string_view contex
 }
 
 void HalfStep::SolveContacts(const mjModel* model, mjData* data, std::string_view context) {
+  unsolved_ = unsolved_ && data == data_ && data->time == time_;
   if (!unsolved_) return;
   Begin(model, data, context);
   const std::array<std::span<mjtNum>, 5> others = {

@@ -8,13 +8,15 @@
 //   StepResult result = Step(model, data, 1, "scene 'pick'", &half);
 //
 // A step that goes on ends at the same bits as one that begins anew (mj_step1 and mj_step2 are
-// mj_step). It begins anew when anything was changed in between but ctrl and applied forces: the
-// state, the model's options, or what the first half wrote. And always where the engine's mj_step2
-// is not the rest of mj_step, or calls of others are part of it: other integrators than Euler's and
-// the implicit ones, sleeping bodies, plugins, callbacks.
+// mj_step). It begins anew when the state or the model's options were changed in between, or poses
+// or bias forces computed anew. (A mark tells of poses: until the step, xpos[0] is -0.0.) And
+// always where the engine's mj_step2 is not the rest of mj_step, or calls of others are part of it:
+// other integrators than Euler's and the implicit ones, sleeping bodies, plugins, callbacks.
 //
-// What is changed of the model in between (a body's mass) is not noticed: contacts, inertia and
-// bias forces of the step that goes on are those of before. Discard() makes it begin anew.
+// Not noticed is what is changed of the model in between (a body's mass), nor other parts of what
+// the first half wrote: contacts, inertia, actuator lengths, passive forces. Whoever computes such
+// parts of another state (mj_transmission, mj_collision) calls Discard(), after which the step
+// begins anew.
 //
 // Threads: as the data. No allocation but the first time, or for a larger model.
 #pragma once
@@ -34,9 +36,12 @@ class HalfStep {
   // state. Throws EngineError.
   void Begin(const mjModel* model, mjData* data, std::string_view context);
   void Discard() { begun_ = false; }
+  // By somebody else, of the present state.
+  void ContactsAreSolved() { unsolved_ = false; }
   // After Begin(), until the next step: contacts of the present state with their forces under the
   // present controls. Accelerations and forces of actuators stay those of the last step, and the
   // step that goes on is none the different. Throws EngineError.
+  // Where others stepped the data, contacts have their forces already.
   void SolveContacts(const mjModel* model, mjData* data, std::string_view context);
 
   // Whether a step may go on from here, and if so what was before the first half. Once.

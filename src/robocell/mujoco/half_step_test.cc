@@ -174,6 +174,16 @@ TEST_F(HalfSteps, SolveContactsOfThePresentState) {
   }
 }
 
+// Who steps the engine by hand has contacts of the last step, as ever.
+TEST_F(HalfSteps, LeaveContactsOfOthersStepsAlone) {
+  half_.Begin(model_.get(), data_.get(), "test");
+  for (mjData* data : {data_.get(), plain_.get()}) mj_step(model_.get(), data);
+  half_.SolveContacts(model_.get(), data_.get(), "test");
+  ASSERT_EQ(data_->nefc, plain_->nefc);
+  for (int i = 0; i < data_->nefc; ++i) EXPECT_EQ(data_->efc_force[i], plain_->efc_force[i]);
+  for (int k = 0; k < 3 * model_->nbody; ++k) EXPECT_EQ(data_->xpos[k], plain_->xpos[k]);
+}
+
 TEST_F(HalfSteps, LeaveWhatTheLastStepSaysOfForcesWhenTheySolveContacts) {
   const auto said = [&] {
     const mjData& d = *data_;

@@ -236,6 +236,7 @@ void GroupCore::NoopCtrl(std::span<double> out) const {
     mj_tendon(m, d);
     mj_transmission(m, d);
   });
+  scene_.DiscardFirstHalf();  // those of positions that may only be tried
   std::fill(out.begin(), out.end(), 0.0);
   size_t at = 0;
   for (const int id : actuator_ids_) {

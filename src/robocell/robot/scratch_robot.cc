@@ -45,6 +45,7 @@ struct ScratchRobot::State {
         data(MakeData(&model)) {}
 
   void RequireSameModel() const;
+  void CopyFilters();
   bool FindContacts();
   void PairBoxes();
   bool AreBoxes(int a, int b) const {
@@ -55,7 +56,8 @@ struct ScratchRobot::State {
   Robot robot;
   std::string remedy;
   std::shared_ptr<CompiledScene> compiled;
-  mjModel model;  // shares the arrays of the scene's; only the contact margin differs
+  mjModel model;  // shares the arrays of the scene's; contact margin and filters are its own
+  std::vector<int> contype, conaffinity;  // as objects of the pool were at the last update
   DataPtr data;
   std::vector<char> is_robot, counts;  // per geom; `counts`: it is not overlooked
   std::vector<int> arm;                // addresses in qpos
@@ -69,6 +71,14 @@ void ScratchRobot::State::RequireSameModel() const {
   throw Error("scene '" + robot.scene().name() +
               "': objects were added or removed since the robot's surroundings were looked at; " +
               remedy);
+}
+
+void ScratchRobot::State::CopyFilters() {
+  const mjModel* m = robot.scene().model();
+  contype.assign(m->geom_contype, m->geom_contype + m->ngeom);
+  conaffinity.assign(m->geom_conaffinity, m->geom_conaffinity + m->ngeom);
+  model.geom_contype = contype.data();
+  model.geom_conaffinity = conaffinity.data();
 }
 
 bool ScratchRobot::State::FindContacts() {
@@ -138,7 +148,8 @@ void ScratchRobot::Update() {
   mju_copy(s.data->qpos, from->qpos, s.model.nq);
   mju_copy(s.data->mocap_pos, from->mocap_pos, 3 * s.model.nmocap);
   mju_copy(s.data->mocap_quat, from->mocap_quat, 4 * s.model.nmocap);
-  s.PairBoxes();  // objects of the pool may collide now, or no longer
+  s.CopyFilters();  // objects of the pool may collide now, or no longer
+  s.PairBoxes();
   s.FindContacts();
   s.always_touching.clear();
   for (int c = 0; c < s.data->ncon; ++c) {

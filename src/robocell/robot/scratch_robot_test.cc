@@ -121,5 +121,37 @@ TEST(ScratchRobot, DistancesOfAnObjectOfThePoolAreRightOnceItIsThere) {
   for (const ScratchRobot::Touch& touch : scratch.touches()) EXPECT_NE(touch.other_geom, geom);
 }
 
+// Not where they were parked either, nor half of them.
+TEST(ScratchRobot, ObjectsOfThePoolAreAsTheyWereAtTheLastUpdate) {
+  SceneSpec spec = SceneWith({.name = "rc7", .config = Rc7()});
+  SceneObject box = BoxObject("box", {0.55, 0, 0.45});
+  box.parked = true;
+  spec.objects.push_back(box);
+  Scene scene = Scene::Build(spec);
+  const Robot robot = Robot::Of(scene, "rc7");
+  ScratchRobot scratch(robot, kHorizon, "look again");
+  const int geom =
+      scene.model()->body_geomadr[RequireId(scene.model(), mjOBJ_BODY, "box", "the scene")];
+  const auto finds_it = [&] {
+    int free = 0;  // the joints of the box
+    while (scene.model()->jnt_type[free] != mjJNT_FREE) ++free;
+    const int at = scene.model()->jnt_qposadr[free];
+    mju_copy3(&scratch.qpos()[at], scene.data()->geom_xpos + 3 * robot.collision_geom_ids().back());
+    EXPECT_TRUE(scratch.FindTouches());
+    const auto is_box = [&](const auto& touch) { return touch.other_geom == geom; };
+    return std::any_of(scratch.touches().begin(), scratch.touches().end(), is_box);
+  };
+  scene.Forward();
+  EXPECT_FALSE(finds_it());
+  scene.AddObject("box");
+  EXPECT_FALSE(finds_it());
+  scratch.Update();
+  EXPECT_TRUE(finds_it());
+  scene.RemoveObject("box");
+  EXPECT_TRUE(finds_it());
+  scratch.Update();
+  EXPECT_FALSE(finds_it());
+}
+
 }  // namespace
 }  // namespace robocell

@@ -65,6 +65,7 @@ StepResult Scene::StepN(int n) {
 void Scene::Forward() {
   State& s = open();
   robocell::Forward(s.model(), s.data.data, s.context);
+  s.half.ContactsAreSolved();
   s.poses_at = s.data.data->time;
 }
 
@@ -88,11 +89,12 @@ void Scene::ComputeFirstHalf() const {
 }
 
 void Scene::PosesChanged() {
-  State& s = open();
-  s.poses_at = -1;
+  open().poses_at = -1;
   // What follows from these positions may have been computed in part when others are back.
-  s.half.Discard();
+  DiscardFirstHalf();
 }
+
+void Scene::DiscardFirstHalf() const { open().half.Discard(); }
 
 Pose Scene::root_frame_to_world() const { return RootFrameToWorld(open().compiled->spec()); }
 

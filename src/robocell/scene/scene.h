@@ -125,6 +125,9 @@ class Scene {
   void ComputeFirstHalf() const;
   // To be called after writing qpos without Forward(): poses are computed anew when next asked for.
   void PosesChanged();
+  // To be called after computing some of what follows from the state but not all of it: the next
+  // step begins anew.
+  void DiscardFirstHalf() const;
 
   // Restores the keyframe (or default), puts robots at home plus noise and bodies where the options
   // say, calls the hooks, tells the observers, clears stale forces and warm starts, and runs
