@@ -37,10 +37,10 @@ def test_repair_is_advised_only_where_it_helps(tmp_path: Path):
 def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
-    def interrupted(self: object, longest_s: float = 0) -> None:
+    def interrupted(*of: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli.Job, "check", interrupted)
+    monkeypatch.setattr(sys.modules[cli.Job.__module__], "check_apart", interrupted)
     monkeypatch.setattr(sys, "argv", ["robocell", "generate", "run.yaml"])
     with pytest.raises(typer.Exit) as end:
         cli.generate(write_run(tmp_path))

@@ -237,7 +237,7 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       const Eigen::Map<VectorXd> felt(answer.felt, 6);
       const VectorXd moved = leaf.j * wanted;
       EXPECT_LT((leaf.Mobility() * felt - moved).norm(), 1e-11 * moved.norm()) << n;
-      // Fewer than six joints leave directions that hardly yield: there the forward error is larger.
+      // With fewer than six joints some directions hardly yield: there the forward error is larger.
       const VectorXd expected = SolvePositive(leaf.Mobility(), moved);
       EXPECT_LT((felt - expected).norm(), (n < 6 ? 1e-6 : 1e-8) * expected.norm()) << n;
       const VectorXd damping = Damping(stiffness, leaf.Mobility(), leaf.j * velocity);

@@ -1,5 +1,6 @@
 #include "robocell/mujoco/compile.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -119,7 +120,8 @@ SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
       Prefix(context) + (file.empty() ? "model text" : "model file '" + file + "'");
   const WarningCapture told;  // of a file that they do not name
   SpecPtr spec(Tried(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
-  for (const std::string& text : told.messages()) LogWarn(place + ": MuJoCo: " + text);
+  for (const std::string& text : told.messages())
+    LogWarn(fmt::format("{}: MuJoCo: {}", place, text));
   if (spec) return spec;
   throw SpecError((file.empty() ? place + ": " : Prefix(context)) +
                   ParseProblem(Trim(error.data()), file));

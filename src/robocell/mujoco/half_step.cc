@@ -119,6 +119,8 @@ bool HalfStep::IsAsLeft(const mjModel* model, const mjData* data) const {
     for (mjtSize i = 0; i < now.n; ++i, ++at)
       other |= std::bit_cast<uint64_t>(now.at[i]) ^ std::bit_cast<uint64_t>(*at);
   }
+  // Padding that differs would only begin the step anew.
+  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
   return other == 0 && std::memcmp(options_.data(), &model->opt, sizeof(mjOption)) == 0 &&
          std::equal(are_active_.begin(), are_active_.end(), data->eq_active,
                     data->eq_active + model->neq);
