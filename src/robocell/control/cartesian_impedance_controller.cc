@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "robocell/base/few_numbers.h"
 #include "robocell/control/joint_impedance_controller.h"
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/robot/joint_torque_controller.h"
@@ -19,6 +20,8 @@ namespace {
       CtrlMode::kTorque);
   return true;
 }();
+
+constexpr size_t kMaxTriangle = kMaxChainJoints * (kMaxChainJoints + 1) / 2;
 
 constexpr CartesianImpedanceController::Gains kDefaultStiffness = {400, 400, 400, 30, 30, 30};
 
@@ -95,17 +98,11 @@ void CartesianImpedanceController::Reset() {
 void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   arm_.GetJointPos(q_);
   arm_.GetJointVel(qd_);
-  arm_.chain().CheckJointValues("q", q_);
   const double w = posture_frequency_;
-  const size_t n = q_.size(), padded = (n + 3) / 4 * 4;
-  alignas(64) LinkTable::Row bias, wanted, mass[kMaxChainJoints];
+  const size_t n = q_.size();
+  double bias[kMaxChainJoints], wanted[kMaxChainJoints], room[kMaxTriangle];
   for (size_t i = 0; i < n; ++i) wanted[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd_[i];
-  std::fill(wanted + n, wanted + padded, 0.0);
-  for (size_t i = 0; i < n; ++i) std::fill(mass[i] + n, mass[i] + padded, 0.0);
-  const auto size = static_cast<Eigen::Index>(n);
-  arm_.GetBiasAndMass(
-      {bias, n},
-      Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<kMaxChainJoints>>(mass[0], size, size));
+  const double* mass = arm_.GetBiasAndMass({bias, n}, {room, n * (n + 1) / 2});
   const LeafView view = arm_.leaf_view();
   // Before what takes longer, beside which the processor does it.
   const PoseError error = ErrorTo(Goal(), LeafInBase(view));
@@ -122,6 +119,8 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
                .damping_ratio = damping_ratio_,
                .bias = bias},
               &leaf);
+  // What of the state is no number is in all of them.
+  if (!FewAreFinite(leaf.torques, n)) arm_.chain().CheckJointValues("q", q_);
   arm_.CtrlForJointTorque({leaf.torques, n}, ctrl);
 }
 

@@ -12,6 +12,7 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "robocell/kinematics/lane_eight-inl.h"
 #include "robocell/kinematics/lane_quad-inl.h"
 #include "robocell/kinematics/lane_six-inl.h"
 
@@ -22,12 +23,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // One number in a register, so that products and sums are fused as in the lanes.
 using One = hn::CappedTag<double, 1>;
 constexpr One kOne;
-using Poles = hn::CappedTag<double, LeafSprings::kLanes>;
-constexpr Poles kPoles;
-using PoleVec = hn::Vec<Poles>;
-
-// One copy of the code for all that solve.
-HWY_NOINLINE PoleVec Solve(PoleVec* a, PoleVec* b) { return SolveSix(kPoles, a, b); }
+static_assert(LeafSprings::kLanes == 8);  // those of Eight
 
 // A symmetric matrix while it is at work here: rows of the left and the right half, the lower
 // triangle good.
@@ -87,29 +83,38 @@ HWY_INLINE void LeafMotions(const Columns& columns, const LeafQuery& query, doub
 // With mass = L D L^T: (L^-1 J^T)^T, and 1 / D. For a number of joints that is known here, the mass
 // stays in registers.
 template <int N>
-HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, const Columns& columns,
-                          Columns* out, double* inverse) {
+HWY_INLINE void Eliminate(int joints, const double* mass, const Columns& columns, Columns* out,
+                          double* inverse) {
   const int n = N ? N : joints;
   constexpr int kMost = N ? N : kMaxChainJoints;
   hn::Vec<One> m[kMost][kMost];
 #pragma GCC unroll 7
   for (int i = 0; i < n; ++i) {
 #pragma GCC unroll 7
-    for (int k = 0; k <= i; ++k) m[i][k] = hn::Set(kOne, mass[i][k]);
+    for (int k = 0; k <= i; ++k) m[i][k] = hn::Set(kOne, mass[Entry(i, k)]);
   }
 #pragma GCC unroll 1
   for (int i = 0; i < n; ++i) {
     Put(QuadAt(columns.linear[i]), out->linear[i]);
     Put(QuadAt(columns.angular[i]), out->angular[i]);
   }
+  hn::Vec<One> reciprocal[kMost];  // negative ones
 #pragma GCC unroll 7
   for (int k = 0; k < n; ++k) {
-    const auto reciprocal = hn::Div(hn::Set(kOne, -1.0), m[k][k]);
-    inverse[k] = -hn::GetLane(reciprocal);
+    // Two at a time, as in SolveSix.
+    if (k % 2 == 0) {
+      const auto first = m[k][k];
+      reciprocal[k] = hn::Div(hn::Set(kOne, -1.0), first);
+      if (k + 1 < n) {
+        const auto minor = hn::NegMulAdd(m[k + 1][k], m[k + 1][k], hn::Mul(first, m[k + 1][k + 1]));
+        reciprocal[k + 1] = hn::Mul(first, hn::Div(hn::Set(kOne, -1.0), minor));
+      }
+    }
+    inverse[k] = -hn::GetLane(reciprocal[k]);
     const Quad linear = QuadAt(out->linear[k]), angular = QuadAt(out->angular[k]);
 #pragma GCC unroll 7
     for (int i = k + 1; i < n; ++i) {
-      const auto factor = hn::Mul(m[i][k], reciprocal);
+      const auto factor = hn::Mul(m[i][k], reciprocal[k]);
 #pragma GCC unroll 7
       for (int j = k + 1; j <= i; ++j) m[i][j] = hn::MulAdd(factor, m[j][k], m[i][j]);
       const double f = hn::GetLane(factor);
@@ -119,8 +124,8 @@ HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, const Columns&
   }
 }
 
-HWY_INLINE void MobilityOf(int n, const LinkTable::Row* mass, const Columns& columns,
-                           Columns* eliminated, Halves& mobility) {
+HWY_INLINE void MobilityOf(int n, const double* mass, const Columns& columns, Columns* eliminated,
+                           Halves& mobility) {
   double inverse[kMaxChainJoints];
   switch (n) {
     case 6:
@@ -161,15 +166,45 @@ HWY_INLINE void MobilityOf(int n, const LinkTable::Row* mass, const Columns& col
 }
 
 // The mobility in the coordinates of each lane, with a shift.
-HWY_INLINE void SetUp(const PoleVec* scale, Halves& mobility, PoleVec shift, PoleVec* a) {
+HWY_INLINE void SetUp(const Eight* scale, Halves& mobility, const Eight& shift, Eight* a) {
 #pragma GCC unroll 6
   for (int r = 0; r < 6; ++r) {
 #pragma GCC unroll 6
-    for (int c = 0; c <= r; ++c) {
-      const PoleVec entry = hn::Set(kPoles, At(mobility, r, c));
-      a[Entry(r, c)] = hn::Mul(hn::Mul(scale[r], scale[c]), entry);
+    for (int c = 0; c <= r; ++c)
+      a[Entry(r, c)] = Mul(Mul(scale[r], scale[c]), EightTimes(At(mobility, r, c)));
+    a[Entry(r, r)] = Add(a[Entry(r, r)], shift);
+  }
+}
+
+// A symmetric matrix times a vector, which do not wait for what is divided by.
+template <int N>
+HWY_INLINE void MassTimes(int joints, const double* mass, const double* vector, double* out) {
+  const int n = N ? N : joints;
+  constexpr int kMost = N ? N : kMaxChainJoints;
+  hn::Vec<One> v[kMost], sums[kMost];
+#pragma GCC unroll 7
+  for (int i = 0; i < n; ++i) {
+    v[i] = hn::Set(kOne, vector[i]);
+    sums[i] = hn::Mul(v[i], hn::Set(kOne, mass[Entry(i, i)]));
+#pragma GCC unroll 7
+    for (int k = 0; k < i; ++k) {
+      const auto m = hn::Set(kOne, mass[Entry(i, k)]);
+      sums[i] = hn::MulAdd(m, v[k], sums[i]);
+      sums[k] = hn::MulAdd(m, v[i], sums[k]);
     }
-    a[Entry(r, r)] = hn::Add(a[Entry(r, r)], shift);
+  }
+#pragma GCC unroll 7
+  for (int i = 0; i < n; ++i) out[i] = hn::GetLane(sums[i]);
+}
+
+HWY_INLINE void MassTimesAny(int n, const double* mass, const double* vector, double* out) {
+  switch (n) {
+    case 6:
+      return MassTimes<6>(n, mass, vector, out);
+    case 7:
+      return MassTimes<7>(n, mass, vector, out);
+    default:
+      return MassTimes<0>(n, mass, vector, out);
   }
 }
 
@@ -182,28 +217,21 @@ struct Damped {
 HWY_INLINE Damped DampAndFeel(const LeafSprings& springs, Halves& mobility, double top,
                               const double* velocity, const double* wanted) {
   const InverseRoot& root = InverseRoots()[0];
-  const int lanes = static_cast<int>(hn::Lanes(kPoles));
-  PoleVec sums[6], a[kEntries], b[6], scale[6], determinant;
-  for (PoleVec& sum : sums) sum = hn::Zero(kPoles);
-  for (int first = 0; first < LeafSprings::kLanes; first += lanes) {
-    const PoleVec shift = hn::Load(kPoles, root.shift + first);
-    const auto no_pole = hn::Eq(shift, hn::Zero(kPoles));
-    for (int k = 0; k < 6; ++k) scale[k] = hn::Load(kPoles, springs.scale[k] + first);
-    SetUp(scale, mobility, hn::Mul(hn::Set(kPoles, top), shift), a);
-    for (int k = 0; k < 6; ++k) {
-      b[k] = hn::Mul(scale[k], hn::IfThenElse(no_pole, hn::Set(kPoles, wanted[k]),
-                                              hn::Set(kPoles, velocity[k])));
-    }
-    determinant = Solve(a, b);
-    const PoleVec weight = hn::Load(kPoles, root.weight + first);
-    for (int k = 0; k < 6; ++k) sums[k] = hn::MulAdd(weight, b[k], sums[k]);
-  }
-  Damped out;
+  Eight a[kEntries], b[6], scale[6];
+#pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
-    out.along[k] = hn::GetLane(hn::SumOfLanes(kPoles, sums[k]));
-    out.felt[k] = hn::ExtractLane(b[k], lanes - 1);
+    scale[k] = EightAt(springs.scale[k]);
+    b[k] = Mul(scale[k], WithLast(EightTimes(velocity[k]), wanted[k]));
   }
-  out.determinant = hn::ExtractLane(determinant, lanes - 1);
+  SetUp(scale, mobility, Mul(EightTimes(top), EightAt(root.shift)), a);
+  Damped out;
+  out.determinant = LastOf(SolveSix(EightTimes(1), a, b));
+  const Eight weight = EightAt(root.weight);
+#pragma GCC unroll 6
+  for (int k = 0; k < 6; ++k) {
+    out.along[k] = SumOf(Mul(weight, b[k]));
+    out.felt[k] = LastOf(b[k]);
+  }
   return out;
 }
 
@@ -212,19 +240,20 @@ HWY_INLINE Damped DampAndFeel(const LeafSprings& springs, Halves& mobility, doub
 HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility) {
   alignas(64) constexpr double kUnit[6][LeafSprings::kLanes] = {
       {1}, {0, 1}, {0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
-  alignas(64) double inverse[6][LeafSprings::kLanes];
-  PoleVec a[kEntries], b[6];
-  for (int first = 0; first < LeafSprings::kLanes; first += static_cast<int>(hn::Lanes(kPoles))) {
-    for (int r = 0; r < 6; ++r) {
-      for (int c = 0; c <= r; ++c) a[Entry(r, c)] = hn::Set(kPoles, At(mobility, r, c));
-      b[r] = hn::Load(kPoles, kUnit[r] + first);
-    }
-    Solve(a, b);
-    for (int r = 0; r < 6; ++r) hn::Store(b[r], kPoles, inverse[r] + first);
+  Eight a[kEntries], b[6];
+#pragma GCC unroll 6
+  for (int r = 0; r < 6; ++r) {
+#pragma GCC unroll 6
+    for (int c = 0; c <= r; ++c) a[Entry(r, c)] = EightTimes(At(mobility, r, c));
+    b[r] = EightAt(kUnit[r]);
   }
+  SolveSix(EightTimes(1), a, b);
   double trace = 0;
+#pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
-    if (springs.stiffness[k] > 0) trace += inverse[k][k] / springs.stiffness[k];
+    alignas(64) double inverse[LeafSprings::kLanes];
+    Put(b[k], inverse);
+    if (springs.stiffness[k] > 0) trace += inverse[k] / springs.stiffness[k];
   }
   return 1 / trace;
 }
@@ -232,20 +261,23 @@ HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility
 // With one of the inverse roots of more poles.
 HWY_NOINLINE void DampWidely(const LeafSprings& springs, Halves& mobility, double top,
                              const double* velocity, const InverseRoot& root, double* along) {
-  PoleVec sums[6], a[kEntries], b[6], scale[6];
+  Eight sums[6], a[kEntries], b[6], scale[6];
+#pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
-    sums[k] = hn::Zero(kPoles);
-    scale[k] = hn::Set(kPoles, springs.scale[k][0]);  // in all lanes: none of them is another's
+    sums[k] = EightTimes(0);
+    scale[k] = EightTimes(springs.scale[k][0]);  // in all lanes: none of them is another's
   }
-  for (int first = 0; first < root.n_poles; first += static_cast<int>(hn::Lanes(kPoles))) {
-    const PoleVec shift = hn::Load(kPoles, root.shift + first);
-    SetUp(scale, mobility, hn::Mul(hn::Set(kPoles, top), shift), a);
-    for (int k = 0; k < 6; ++k) b[k] = hn::Mul(scale[k], hn::Set(kPoles, velocity[k]));
-    Solve(a, b);
-    const PoleVec weight = hn::Load(kPoles, root.weight + first);
-    for (int k = 0; k < 6; ++k) sums[k] = hn::MulAdd(weight, b[k], sums[k]);
+  for (int first = 0; first < root.n_poles; first += LeafSprings::kLanes) {
+    SetUp(scale, mobility, Mul(EightTimes(top), EightAt(root.shift + first)), a);
+#pragma GCC unroll 6
+    for (int k = 0; k < 6; ++k) b[k] = Mul(scale[k], EightTimes(velocity[k]));
+    SolveSix(EightTimes(1), a, b);
+    const Eight weight = EightAt(root.weight + first);
+#pragma GCC unroll 6
+    for (int k = 0; k < 6; ++k) sums[k] = MulAdd(weight, b[k], sums[k]);
   }
-  for (int k = 0; k < 6; ++k) along[k] = hn::GetLane(hn::SumOfLanes(kPoles, sums[k]));
+#pragma GCC unroll 6
+  for (int k = 0; k < 6; ++k) along[k] = SumOf(sums[k]);
 }
 
 HWY_INLINE const InverseRoot& RootFor(double range) {
@@ -281,7 +313,9 @@ HWY_INLINE void Damp(const LeafSprings& springs, Halves& mobility, const double*
   }
 }
 
-HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, LeafAnswer* out) {
+// `moving` is what the joints need to accelerate as wanted.
+HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, const double* moving,
+                          LeafAnswer* out) {
   alignas(32) double force[8] = {}, torque[8] = {};
   for (int k = 0; k < 6; ++k) {
     // What the joints to spare do is not to be felt.
@@ -290,13 +324,10 @@ HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, LeafAn
                                          query.feedforward[k] - out->felt[k];
   }
   const Quad linear = QuadAt(force), angular = QuadAt(torque);
-  const int n = query.view.n;
-  for (int i = 0; i < n; ++i) {
-    Quad sum = MulAdd(QuadAt(columns.linear[i]), linear,
-                      MulAdd(QuadAt(columns.angular[i]), angular, ZeroQuad()));
-    for (int k = 0; k < n; k += 4)
-      sum = MulAdd(QuadAt(query.mass[i] + k), QuadAt(query.wanted + k), sum);
-    out->torques[i] = query.bias[i] + SumOf(sum);
+  for (int i = 0; i < query.view.n; ++i) {
+    const Quad sum = MulAdd(QuadAt(columns.linear[i]), linear,
+                            MulAdd(QuadAt(columns.angular[i]), angular, ZeroQuad()));
+    out->torques[i] = query.bias[i] + moving[i] + SumOf(sum);
   }
 }
 
@@ -307,11 +338,13 @@ void Leaf(const LeafQuery& query, LeafAnswer* out) {
   LeafMotions(columns, query, velocity, wanted);
   alignas(32) Halves mobility;
   MobilityOf(query.view.n, query.mass, columns, &eliminated, mobility);
+  double moving[kMaxChainJoints];
+  MassTimesAny(query.view.n, query.mass, query.wanted, moving);
   Damp(*query.springs, mobility, velocity, wanted, out->damping, out->felt);
-  TorquesOf(query, columns, out);
+  TorquesOf(query, columns, moving, out);
 }
 
-void Mobility(const LeafView& view, const LinkTable::Row* mass, double* mobility) {
+void Mobility(const LeafView& view, const double* mass, double* mobility) {
   Columns columns, eliminated;
   MakeColumns(view, &columns);
   alignas(32) Halves halves;
@@ -355,7 +388,7 @@ LeafSprings MakeLeafSprings(const double* stiffness) {
 void ComputeLeaf(const LeafQuery& query, LeafAnswer* out) {
   HWY_DYNAMIC_DISPATCH(Leaf)(query, out);
 }
-void ComputeMobility(const LeafView& view, const LinkTable::Row* mass, double* mobility) {
+void ComputeMobility(const LeafView& view, const double* mass, double* mobility) {
   HWY_DYNAMIC_DISPATCH(Mobility)(view, mass, mobility);
 }
 void CriticalDamping(const double* stiffness, const double* mobility, const double* velocity,

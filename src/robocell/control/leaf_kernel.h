@@ -25,10 +25,8 @@ LeafSprings MakeLeafSprings(const double* stiffness);
 // The linear part before the angular part, in the axes of the base.
 struct LeafQuery {
   LeafView view;
-  // Inertia, a row for each joint, and accelerations that they shall have, both with zeros up to a
-  // multiple of four.
-  const LinkTable::Row* mass = nullptr;
-  const double* wanted = nullptr;
+  const double* mass = nullptr;      // inertia of the joints, the lower triangle row by row
+  const double* wanted = nullptr;    // accelerations that they shall have
   const double* velocity = nullptr;  // of the joints
   const LeafSprings* springs = nullptr;
   // For the torques: where the leaf is not, and what it is pushed with on top, 6 each; the share of
@@ -55,7 +53,7 @@ void ComputeLeaf(const LeafQuery& query, LeafAnswer* out);
 
 // The first part alone: what the leaf yields to a force (J M^-1 J^T), the lower triangle row by
 // row.
-void ComputeMobility(const LeafView& view, const LinkTable::Row* mass, double* mobility);
+void ComputeMobility(const LeafView& view, const double* mass, double* mobility);
 // The last part alone: the critical damping of a leaf of that mobility.
 void CriticalDamping(const double* stiffness, const double* mobility, const double* velocity,
                      double* out);

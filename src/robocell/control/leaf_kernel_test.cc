@@ -159,7 +159,7 @@ struct LeafCase {
   Eigen::Vector3d leaf;
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> base;
   MatrixXd j, m;
-  alignas(64) LinkTable::Row mass[kMaxChainJoints];
+  std::vector<double> mass;
 
   LeafCase(Rng* rng, int size)
       : n(size),
@@ -177,7 +177,7 @@ struct LeafCase {
       j.col(i).tail(3) = slides[i] ? VectorXd::Zero(3) : VectorXd(base.transpose() * axis);
     }
     for (int r = 0; r < n; ++r) {
-      for (int c = 0; c < kMaxChainJoints; ++c) mass[r][c] = c < n ? m(r, c) : c < n + 3 ? 0 : NAN;
+      for (int c = 0; c <= r; ++c) mass.push_back(m(r, c));
     }
   }
   LeafView view() const {
@@ -200,7 +200,7 @@ TEST(LeafKernel, KnowsWhatTheLeafYieldsForAnyNumberOfJoints) {
       Rng rng = Rng::Stream(n, "leaf");
       const LeafCase leaf(&rng, n);
       std::array<double, 21> mobility;
-      ComputeMobility(leaf.view(), leaf.mass, mobility.data());
+      ComputeMobility(leaf.view(), leaf.mass.data(), mobility.data());
       const auto expected = Triangle(leaf.Mobility());
       for (int k = 0; k < 21; ++k)
         EXPECT_NEAR(mobility[k], expected[k], 1e-11 * leaf.Mobility().norm()) << n;
@@ -218,21 +218,17 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       if (n % 2 == 0) stiffness[n / 2 % 6] = 0;
       const VectorXd deviation = RandomMatrix(&rng, 6, 1), push = RandomMatrix(&rng, 6, 1);
       const VectorXd anyway = RandomMatrix(&rng, n, 1);
-      alignas(64) LinkTable::Row bias = {};
-      std::copy_n(anyway.data(), n, bias);
-      alignas(64) LinkTable::Row padded = {};
-      std::copy_n(wanted.data(), n, padded);
       const LeafSprings springs = MakeLeafSprings(stiffness.data());
       LeafAnswer answer;
       ComputeLeaf({.view = leaf.view(),
-                   .mass = leaf.mass,
-                   .wanted = padded,
+                   .mass = leaf.mass.data(),
+                   .wanted = wanted.data(),
                    .velocity = velocity.data(),
                    .springs = &springs,
                    .deviation = deviation.data(),
                    .feedforward = push.data(),
                    .damping_ratio = 0.7,
-                   .bias = bias},
+                   .bias = anyway.data()},
                   &answer);
       const Eigen::Map<VectorXd> felt(answer.felt, 6);
       const VectorXd moved = leaf.j * wanted;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "robocell/base/error.h"
+#include "robocell/base/few_numbers.h"
 #include "robocell/base/names.h"
 #include "robocell/kinematics/chain_builder.h"
 #include "robocell/kinematics/lane_chain.h"
@@ -79,9 +80,7 @@ void Chain::CheckSize(std::string_view what, std::size_t size) const {
 
 void Chain::CheckJointValues(std::string_view what, std::span<const double> values) const {
   CheckSize(what, values.size());
-  double nothing = 0;
-  for (const double value : values) nothing += 0 * value;  // NaN for what is not finite
-  if (nothing == 0) return;
+  if (FewAreFinite(values.data(), values.size())) return;
   for (int i = 0; i < n_joints(); ++i) {
     if (std::isfinite(values[i])) continue;
     throw ArgumentError(fmt::format("{}: {}: joint '{}' is {}; joint values must be finite",

@@ -452,7 +452,7 @@ struct LaneStep {
     Equations e;
     Moves<N, kTask> joints;
     Assemble(chain, options, q, axes, tip, lane, task, way, &joints, &e);
-    SolveSix(d, e.a, e.b);
+    SolveSix(hn::Set(d, 1.0), e.a, e.b);
     Advance(chain, options, q, joints, e, stay, lane, state);
     uint8_t bits[8] = {};
     hn::StoreMaskBits(d, arrived, bits);

@@ -9,39 +9,40 @@ namespace hn = hwy::HWY_NAMESPACE;
 HWY_INLINE constexpr int Entry(int row, int column) { return row * (row + 1) / 2 + column; }
 constexpr int kEntries = 21;
 
-// Solves for b in place by L D L^T. Returns the product of D, the determinant.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V SolveSix(D d, V* a, V* b) {
+// Solves for b in place by L D L^T, in vectors of Highway's or Eight (lane_eight-inl.h), of which
+// `one` is full of ones. Returns the product of D, the determinant.
+template <class V>
+HWY_INLINE V SolveSix(V one, V* a, V* b) {
   V inverse[6], factor[6];
-  V determinant = hn::Set(d, 1.0);
+  V determinant = one;
 #pragma GCC unroll 6
   for (int j = 0; j < 6; ++j) {
-    determinant = hn::Mul(determinant, a[Entry(j, j)]);
+    determinant = Mul(determinant, a[Entry(j, j)]);
     // Of every second entry of D the inverse is known with the one before: from the minor of both,
     // so that two divisions are waited for as one.
     if (j % 2 == 0) {
-      const V one = hn::Set(d, 1.0), first = a[Entry(j, j)], between = a[Entry(j + 1, j)];
-      const V minor = hn::MulSub(first, a[Entry(j + 1, j + 1)], hn::Mul(between, between));
-      inverse[j] = hn::Div(one, first);
-      inverse[j + 1] = hn::Mul(first, hn::Div(one, minor));
+      const V first = a[Entry(j, j)], between = a[Entry(j + 1, j)];
+      const V minor = MulSub(first, a[Entry(j + 1, j + 1)], Mul(between, between));
+      inverse[j] = Div(one, first);
+      inverse[j + 1] = Mul(first, Div(one, minor));
     }
 #pragma GCC unroll 6
     for (int i = j + 1; i < 6; ++i) {
-      factor[i] = hn::Mul(a[Entry(i, j)], inverse[j]);
+      factor[i] = Mul(a[Entry(i, j)], inverse[j]);
 #pragma GCC unroll 6
       for (int k = j + 1; k <= i; ++k)
-        a[Entry(i, k)] = hn::NegMulAdd(factor[i], a[Entry(k, j)], a[Entry(i, k)]);
-      b[i] = hn::NegMulAdd(factor[i], b[j], b[i]);
+        a[Entry(i, k)] = NegMulAdd(factor[i], a[Entry(k, j)], a[Entry(i, k)]);
+      b[i] = NegMulAdd(factor[i], b[j], b[i]);
     }
 #pragma GCC unroll 6
     for (int i = j + 1; i < 6; ++i) a[Entry(i, j)] = factor[i];  // of L
   }
 #pragma GCC unroll 6
   for (int j = 5; j >= 0; --j) {
-    b[j] = hn::Mul(b[j], inverse[j]);
+    b[j] = Mul(b[j], inverse[j]);
     // What is known last comes last: one question at a time waits for every sum.
 #pragma GCC unroll 6
-    for (int i = 5; i > j; --i) b[j] = hn::NegMulAdd(a[Entry(i, j)], b[i], b[j]);
+    for (int i = 5; i > j; --i) b[j] = NegMulAdd(a[Entry(i, j)], b[i], b[j]);
   }
   return determinant;
 }

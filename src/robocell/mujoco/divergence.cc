@@ -5,20 +5,13 @@
 
 #include <cmath>
 
+#include "robocell/base/few_numbers.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
 namespace {
 
-bool AllGood(const mjtNum* x, int n) {
-  double squares = 0;
-  for (int i = 0; i < n; ++i) squares += x[i] * x[i];
-  // All of them together, nearly always; NaN and infinity are not less than anything.
-  if (squares <= mjMAXVAL * mjMAXVAL) return true;
-  bool good = true;
-  for (int i = 0; i < n; ++i) good &= std::abs(x[i]) <= mjMAXVAL;
-  return good;
-}
+bool AllGood(const mjtNum* x, int n) { return FewAreWithin(mjMAXVAL, x, static_cast<size_t>(n)); }
 
 int FirstBad(const mjtNum* x, int n) {
   for (int i = 0; i < n; ++i) {

@@ -4,12 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <span>
 
+#include "robocell/base/few_numbers.h"
 #include "robocell/mujoco/guard.h"
 
 namespace robocell {
@@ -19,14 +18,16 @@ namespace {
 // state, and the results that follow from all of it.
 struct StateNumbers {
   const mjtNum* at;
-  mjtSize n;
+  size_t n;
 };
 std::array<StateNumbers, 5> NumbersOf(const mjModel* m, const mjData* d) {
-  return {{{d->qpos, m->nq},
-           {d->qvel, m->nv},
-           {d->qfrc_bias, m->nv},
-           {d->mocap_pos, 3 * m->nmocap},
-           {d->mocap_quat, 4 * m->nmocap}}};
+  const auto nq = static_cast<size_t>(m->nq), nv = static_cast<size_t>(m->nv);
+  const auto nmocap = static_cast<size_t>(m->nmocap);
+  return {{{d->qpos, nq},
+           {d->qvel, nv},
+           {d->qfrc_bias, nv},
+           {d->mocap_pos, 3 * nmocap},
+           {d->mocap_quat, 4 * nmocap}}};
 }
 
 size_t NumberOfNumbers(const mjModel* m) {
@@ -108,7 +109,6 @@ bool HalfStep::Take(const mjModel* model, mjData* data, StepStart* start) {
   return true;
 }
 
-// In place: calls for so few numbers each would take longer than what they compare or copy.
 bool HalfStep::IsAsLeft(const mjModel* model, const mjData* data) const {
   // Another model may be where a smaller one was.
   if (model != model_ || data != data_ || numbers_.size() != NumberOfNumbers(model)) return false;
@@ -116,14 +116,12 @@ bool HalfStep::IsAsLeft(const mjModel* model, const mjData* data) const {
   uint64_t other = !IsMarked(data);
   const mjtNum* at = numbers_.data();
   for (const StateNumbers& now : NumbersOf(model, data)) {
-    for (mjtSize i = 0; i < now.n; ++i, ++at)
-      other |= std::bit_cast<uint64_t>(now.at[i]) ^ std::bit_cast<uint64_t>(*at);
+    other |= DifferenceOfFew(now.at, at, now.n * sizeof *at);
+    at += now.n;
   }
-  // Padding that differs would only begin the step anew.
-  // NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
-  return other == 0 && std::memcmp(options_.data(), &model->opt, sizeof(mjOption)) == 0 &&
-         std::equal(are_active_.begin(), are_active_.end(), data->eq_active,
-                    data->eq_active + model->neq);
+  other |= DifferenceOfFew(options_.data(), &model->opt, sizeof(mjOption));
+  other |= DifferenceOfFew(are_active_.data(), data->eq_active, are_active_.size());
+  return other == 0;
 }
 
 void HalfStep::Remember(const mjModel* model, mjData* data) {
@@ -135,11 +133,13 @@ void HalfStep::Remember(const mjModel* model, mjData* data) {
   numbers_.resize(NumberOfNumbers(model));
   mjtNum* at = numbers_.data();
   for (const StateNumbers& now : NumbersOf(model, data)) {
-    for (mjtSize i = 0; i < now.n; ++i) *at++ = now.at[i];
+    CopyFew(now.at, now.n * sizeof *at, at);
+    at += now.n;
   }
   options_.resize(sizeof(mjOption));
-  std::memcpy(options_.data(), &model->opt, sizeof(mjOption));
-  are_active_.assign(data->eq_active, data->eq_active + model->neq);
+  CopyFew(&model->opt, sizeof(mjOption), options_.data());
+  are_active_.resize(static_cast<size_t>(model->neq));
+  CopyFew(data->eq_active, are_active_.size(), are_active_.data());
   Mark(data);
 }
 

@@ -47,10 +47,11 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   // as it is now; in the present state of the scene.
   void GetBiasTorques(std::span<double> out) const { core().GetBias(out); }
 
-  // The same, and the inertia that the joints show, nv x nv, kg m^2 or kg.
-  // NOLINTNEXTLINE(performance-unnecessary-value-param): a view, written through
-  void GetBiasAndMass(std::span<double> bias, Eigen::Ref<Eigen::MatrixXd> mass) const {
-    core().GetBiasAndMass(bias, mass);
+  // The same, and the inertia that the joints show, kg m^2 or kg, the lower triangle row by row:
+  // the engine's own numbers where it has them so, good until it computes others, else written into
+  // `room`, which has nv (nv + 1) / 2.
+  const double* GetBiasAndMass(std::span<double> bias, std::span<double> room) const {
+    return core().GetBiasAndMass(bias, room);
   }
 
   // Where the leaf is and how the joints move it, in the present state of the scene.

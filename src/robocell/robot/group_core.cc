@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "robocell/base/error.h"
+#include "robocell/base/few_numbers.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
@@ -21,18 +22,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 int PositionsOf(int type) { return type == mjJNT_FREE ? 7 : type == mjJNT_BALL ? 4 : 1; }
 int VelocitiesOf(int type) { return type == mjJNT_FREE ? 6 : type == mjJNT_BALL ? 3 : 1; }
-
-void AddRange(std::vector<int>& list, int first, int count) {
-  for (int k = 0; k < count; ++k) list.push_back(first + k);
-}
-
-void Gather(const double* from, const std::vector<int>& addresses, std::span<double> out) {
-  for (size_t i = 0; i < addresses.size(); ++i) out[i] = from[addresses[i]];
-}
-
-void Scatter(std::span<const double> values, const std::vector<int>& addresses, double* to) {
-  for (size_t i = 0; i < addresses.size(); ++i) to[addresses[i]] = values[i];
-}
 
 // Where, among the group's positions, the hinge or slide is that an actuator drives; -1 when it
 // drives something else.
@@ -100,8 +89,8 @@ void GroupCore::ResolveJoints(const std::string& where) const {
     const int id = RequireId(m, mjOBJ_JOINT, joint, where);
     joint_ids_.push_back(id);
     slides_.push_back(m->jnt_type[id] == mjJNT_SLIDE);
-    AddRange(qpos_addresses_, m->jnt_qposadr[id], PositionsOf(m->jnt_type[id]));
-    AddRange(dof_addresses_, m->jnt_dofadr[id], VelocitiesOf(m->jnt_type[id]));
+    qpos_addresses_.Add(m->jnt_qposadr[id], PositionsOf(m->jnt_type[id]));
+    dof_addresses_.Add(m->jnt_dofadr[id], VelocitiesOf(m->jnt_type[id]));
   }
 }
 
@@ -109,7 +98,7 @@ void GroupCore::ResolveMass() const {
   mass_addresses_.clear();
   for (size_t r = 0; r < dof_addresses_.size(); ++r) {
     for (size_t c = 0; c <= r; ++c)
-      mass_addresses_.push_back(MassAddress(model(), dof_addresses_[r], dof_addresses_[c]));
+      mass_addresses_.Add(MassAddress(model(), dof_addresses_[r], dof_addresses_[c]));
   }
 }
 
@@ -121,8 +110,8 @@ void GroupCore::ResolveActuators(const std::string& where) const {
   for (const std::string& actuator : names_.actuators) {
     const int id = RequireId(m, mjOBJ_ACTUATOR, actuator, where);
     actuator_ids_.push_back(id);
-    AddRange(ctrl_addresses_, m->actuator_ctrladr[id], m->actuator_ctrlnum[id]);
-    driven_.push_back(DrivenPosition(m, id, qpos_addresses_));
+    ctrl_addresses_.Add(m->actuator_ctrladr[id], m->actuator_ctrlnum[id]);
+    driven_.push_back(DrivenPosition(m, id, qpos_addresses_.list()));
   }
 }
 
@@ -138,6 +127,7 @@ void GroupCore::ThrowWrongSize(size_t got, int expected, const char* what) const
 
 void GroupCore::CheckFinite(std::span<const double> values,
                             const std::vector<std::string>& element_names, const char* kind) const {
+  if (FewAreFinite(values.data(), values.size())) return;
   for (size_t i = 0; i < values.size(); ++i) {
     if (std::isfinite(values[i])) continue;
     const std::string name = values.size() == element_names.size()
@@ -151,25 +141,25 @@ void GroupCore::CheckFinite(std::span<const double> values,
 void GroupCore::GetJointPos(std::span<double> out) const {
   Bind();
   CheckSize(out.size(), nq(), "joint");
-  Gather(data()->qpos, qpos_addresses_, out);
+  qpos_addresses_.Gather(data()->qpos, out);
 }
 
 void GroupCore::GetJointVel(std::span<double> out) const {
   Bind();
   CheckSize(out.size(), nv(), "joint velocity");
-  Gather(data()->qvel, dof_addresses_, out);
+  dof_addresses_.Gather(data()->qvel, out);
 }
 
 void GroupCore::GetJointTorque(std::span<double> out) const {
   Bind();
   CheckSize(out.size(), nv(), "joint torque");
-  Gather(data()->qfrc_actuator, dof_addresses_, out);
+  dof_addresses_.Gather(data()->qfrc_actuator, out);
 }
 
 void GroupCore::GetCtrl(std::span<double> out) const {
   Bind();
   CheckSize(out.size(), nu(), "control");
-  Gather(data()->ctrl, ctrl_addresses_, out);
+  ctrl_addresses_.Gather(data()->ctrl, out);
 }
 
 void GroupCore::SetJointPos(std::span<const double> q) const {
@@ -181,7 +171,7 @@ void GroupCore::WriteJointPos(std::span<const double> q) const {
   Bind();
   CheckSize(q.size(), nq(), "joint");
   CheckFinite(q, names_.joints, "joint");
-  Scatter(q, qpos_addresses_, data()->qpos);
+  qpos_addresses_.Scatter(q, data()->qpos);
   Scene(scene_).PosesChanged();
 }
 
@@ -189,14 +179,14 @@ void GroupCore::SetJointVel(std::span<const double> v) const {
   Bind();
   CheckSize(v.size(), nv(), "joint velocity");
   CheckFinite(v, names_.joints, "joint");
-  Scatter(v, dof_addresses_, data()->qvel);
+  dof_addresses_.Scatter(v, data()->qvel);
 }
 
 void GroupCore::SetCtrl(std::span<const double> ctrl) const {
   Bind();
   CheckSize(ctrl.size(), nu(), "control");
   CheckFinite(ctrl, names_.actuators, "actuator");
-  Scatter(ctrl, ctrl_addresses_, data()->ctrl);
+  ctrl_addresses_.Scatter(ctrl, data()->ctrl);
 }
 
 std::vector<Interval> GroupCore::joint_pos_limits() const {
@@ -217,7 +207,7 @@ std::vector<Interval> GroupCore::ctrl_limits() const {
   Bind();
   const mjModel* m = model();
   std::vector<Interval> limits;
-  for (const int a : ctrl_addresses_) {
+  for (const int a : ctrl_addresses_.list()) {
     const mjtNum* range = m->actuator_ctrlrange + 2 * a;
     limits.push_back(m->actuator_ctrllimited[a] ? Interval{range[0], range[1]}
                                                 : Interval{-kInfinity, kInfinity});
@@ -326,22 +316,18 @@ void GroupCore::GetBias(std::span<double> out) const {
   CheckSize(out.size(), nv(), "joint torque");
   scene_.ComputeFirstHalf();
   const mjtNum *bias = data()->qfrc_bias, *compensated = data()->qfrc_gravcomp;
-  for (size_t i = 0; i < out.size(); ++i)
-    out[i] = bias[dof_addresses_[i]] - compensated[dof_addresses_[i]];
+  const int* address = dof_addresses_.list().data();
+  for (size_t i = 0; i < out.size(); ++i) out[i] = bias[address[i]] - compensated[address[i]];
 }
 
-void GroupCore::GetBiasAndMass(std::span<double> bias, Eigen::Ref<Eigen::MatrixXd> mass) const {
+const double* GroupCore::GetBiasAndMass(std::span<double> bias, std::span<double> room) const {
   GetBias(bias);
-  CheckSize(static_cast<size_t>(mass.rows()), nv(), "row");
-  CheckSize(static_cast<size_t>(mass.cols()), nv(), "column");
-  const mjtNum* values = data()->M;
-  const int* address = mass_addresses_.data();
-  double* const out = mass.data();
-  const Eigen::Index stride = mass.outerStride(), n = mass.rows();
-  for (Eigen::Index r = 0; r < n; ++r) {
-    for (Eigen::Index c = 0; c <= r; ++c, ++address)
-      out[r * stride + c] = out[c * stride + r] = *address < 0 ? 0 : values[*address];
-  }
+  CheckSize(room.size(), nv() * (nv() + 1) / 2, "inertia");
+  const mjtNum* all = data()->M;
+  if (const mjtNum* there = mass_addresses_.InARow(all)) return there;
+  const int* address = mass_addresses_.list().data();
+  for (size_t i = 0; i < room.size(); ++i) room[i] = address[i] < 0 ? 0 : all[address[i]];
+  return room.data();
 }
 
 LeafView GroupCore::leaf_view() const {

@@ -11,6 +11,7 @@
 #include <vector>
 #include <Eigen/Core>
 
+#include "robocell/robot/addresses.h"
 #include "robocell/robot/leaf_view.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/scene/scene.h"
@@ -63,7 +64,7 @@ class GroupCore {
   int nu() const { return static_cast<int>(ctrl_addresses_.size()); }
   const std::vector<int>& joint_ids() const { return joint_ids_; }
   const std::vector<int>& actuator_ids() const { return actuator_ids_; }
-  const std::vector<int>& ctrl_addresses() const { return ctrl_addresses_; }
+  const std::vector<int>& ctrl_addresses() const { return ctrl_addresses_.list(); }
 
   void GetJointPos(std::span<double> out) const;
   void GetJointVel(std::span<double> out) const;
@@ -93,8 +94,10 @@ class GroupCore {
   // centrifugal, and gravity that the model does not compensate itself. Brings the first half of
   // the step up to date.
   void GetBias(std::span<double> out) const;
-  // The same, and the inertia that the joints show, nv x nv, kg m^2 or kg.
-  void GetBiasAndMass(std::span<double> bias, Eigen::Ref<Eigen::MatrixXd> mass) const;
+  // The same, and the inertia that the joints show, kg m^2 or kg, the lower triangle row by row:
+  // the engine's own numbers where it has them so, good until it computes others, else written into
+  // `room`, which has nv (nv + 1) / 2.
+  const double* GetBiasAndMass(std::span<double> bias, std::span<double> room) const;
   // Of joints of one degree of freedom each. Brings poses up to date.
   LeafView leaf_view() const;
   // The world's gravity in the axes of the robot base frame, m/s^2. Poses are brought up to date
@@ -131,9 +134,9 @@ class GroupCore {
   mutable std::vector<int> joint_ids_, actuator_ids_;
   mutable std::vector<char> slides_;  // of the joints
   // One per number, in the order of joints and actuators.
-  mutable std::vector<int> qpos_addresses_, dof_addresses_, ctrl_addresses_;
+  mutable Addresses qpos_addresses_, dof_addresses_, ctrl_addresses_;
   // In the engine's M, the lower triangle row by row; -1 for 0.
-  mutable std::vector<int> mass_addresses_;
+  mutable Addresses mass_addresses_;
   mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
   mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;

@@ -1,0 +1,66 @@
+#include "robocell/base/few_numbers.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+namespace robocell {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kHuge = std::numeric_limits<double>::max();
+
+// Of every size, at every alignment, without touching what is beside.
+TEST(FewNumbers, AreCopiedToTheByte) {
+  for (size_t bytes = 0; bytes < 100; ++bytes) {
+    for (size_t shift = 0; shift < 8; ++shift) {
+      std::vector<char> from(bytes + 16), to(bytes + 16, 'x');
+      for (size_t i = 0; i < from.size(); ++i) from[i] = static_cast<char>(i * 7 + 1);
+      std::vector<char> expected = to;
+      std::memcpy(expected.data() + 3, from.data() + shift, bytes);
+      CopyFew(from.data() + shift, bytes, to.data() + 3);
+      EXPECT_EQ(to, expected) << bytes;
+    }
+  }
+}
+
+TEST(FewNumbers, DifferWhereAnyByteDoes) {
+  for (size_t bytes = 0; bytes < 100; ++bytes) {
+    std::vector<char> a(bytes + 1, 'a'), b = a;
+    b.back() = 'z';  // behind them
+    EXPECT_EQ(DifferenceOfFew(a.data(), b.data(), bytes), 0u) << bytes;
+    for (size_t i = 0; i < bytes; ++i) {
+      b[i] = 'b';
+      EXPECT_NE(DifferenceOfFew(a.data(), b.data(), bytes), 0u) << bytes << " at " << i;
+      b[i] = 'a';
+    }
+  }
+}
+
+TEST(FewNumbers, ZerosOfBothSignsDifferAndNansDoNot) {
+  const double plus[] = {1, 0, kNan}, minus[] = {1, -0.0, kNan};
+  EXPECT_NE(DifferenceOfFew(plus, minus, sizeof plus), 0u);
+  EXPECT_EQ(DifferenceOfFew(plus, plus, sizeof plus), 0u);
+}
+
+TEST(FewNumbers, AreWithinALimitWhenAllMagnitudesAre) {
+  for (size_t n = 0; n < 12; ++n) {
+    std::vector<double> x(n, -1e10);
+    EXPECT_TRUE(FewAreWithin(1e10, x.data(), n));
+    for (double& number : x) {
+      for (const double bad :
+           {std::nextafter(1e10, kHuge), -1.1e10, kHuge, HUGE_VAL, -HUGE_VAL, kNan, -kNan}) {
+        number = bad;
+        EXPECT_FALSE(FewAreWithin(1e10, x.data(), n)) << bad << " of " << n;
+        EXPECT_EQ(FewAreFinite(x.data(), n), std::isfinite(bad)) << bad;
+      }
+      number = 1e10;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,54 @@
+// Private to robot: where the numbers of a group are in one of the engine's arrays.
+//
+// Nearly always one after the other, which is found once; then they are copied without looking up
+// each.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "robocell/base/few_numbers.h"
+
+namespace robocell {
+
+class Addresses {
+ public:
+  void clear() {
+    list_.clear();
+    in_a_row_ = true;
+  }
+  // The next ones; a negative one says that the array has none.
+  void Add(int first, int count = 1) {
+    for (int k = 0; k < count; ++k) {
+      in_a_row_ &= first >= 0 && (list_.empty() || first + k == list_.back() + 1);
+      list_.push_back(first + k);
+    }
+  }
+
+  const std::vector<int>& list() const { return list_; }
+  size_t size() const { return list_.size(); }
+  int operator[](size_t i) const { return list_[i]; }
+  // Where the first is, when the others follow it one by one; else null.
+  const double* InARow(const double* array) const {
+    return in_a_row_ && !list_.empty() ? array + list_[0] : nullptr;
+  }
+
+  // `out` has as many.
+  void Gather(const double* array, std::span<double> out) const {
+    if (const double* from = InARow(array)) return CopyFew(from, out.size_bytes(), out.data());
+    for (size_t i = 0; i < out.size(); ++i) out[i] = array[list_[i]];
+  }
+  // `values` are as many.
+  void Scatter(std::span<const double> values, double* array) const {
+    if (in_a_row_ && !list_.empty())
+      return CopyFew(values.data(), values.size_bytes(), array + list_[0]);
+    for (size_t i = 0; i < values.size(); ++i) array[list_[i]] = values[i];
+  }
+
+ private:
+  std::vector<int> list_;
+  bool in_a_row_ = true;
+};
+
+}  // namespace robocell
