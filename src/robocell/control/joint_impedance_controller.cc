@@ -61,10 +61,7 @@ JointImpedanceController::JointImpedanceController(ArmGroup& arm)
     : arm_(arm),
       inertia_(MiddleInertia(arm.chain())),
       damping_(arm.nv()),
-      target_(arm.joint_pos()),
-      q_(arm.nq()),
-      qd_(arm.nv()),
-      torque_(arm.nv()) {
+      target_(arm.joint_pos()) {
   const double least = kLeastShare * *std::max_element(inertia_.begin(), inertia_.end());
   for (const double inertia : inertia_) {
     stiffness_.push_back(std::min(std::max(inertia, least) * kFrequency * kFrequency,
@@ -94,12 +91,14 @@ void JointImpedanceController::ComputeDamping() {
 }
 
 void JointImpedanceController::Compute(std::span<double> ctrl) {
-  arm_.GetJointPos(q_);
-  arm_.GetJointVel(qd_);
-  arm_.GetBiasTorques(torque_);  // gravity and Coriolis
-  for (size_t i = 0; i < torque_.size(); ++i)
-    torque_[i] += stiffness_[i] * (target_[i] - q_[i]) - damping_[i] * qd_[i];
-  arm_.CtrlForJointTorque(torque_, ctrl);
+  double q[kMaxChainJoints], qd[kMaxChainJoints], torque[kMaxChainJoints];
+  const size_t n = target_.size();
+  arm_.GetJointPos({q, n});
+  arm_.GetJointVel({qd, n});
+  arm_.GetBiasTorques({torque, n});  // gravity and Coriolis
+  for (size_t i = 0; i < n; ++i)
+    torque[i] += stiffness_[i] * (target_[i] - q[i]) - damping_[i] * qd[i];
+  arm_.CtrlForJointTorque({torque, n}, ctrl);
 }
 
 }  // namespace robocell

@@ -52,7 +52,6 @@ class JointImpedanceController : public Controller {
   std::vector<double> inertia_, stiffness_, damping_;
   double damping_ratio_ = 1;
   PortValues target_;
-  std::vector<double> q_, qd_, torque_;  // scratch
 };
 
 // The joint-space inertia of each joint alone in the middle of its limits, kg m^2 or kg.

@@ -23,8 +23,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 // One number in a register, so that products and sums are fused as in the lanes.
 using One = hn::CappedTag<double, 1>;
 constexpr One kOne;
-static_assert(LeafSprings::kLanes == 8);  // those of Eight
-
 // A symmetric matrix while it is at work here: rows of the left and the right half, the lower
 // triangle good.
 using Halves = double[6][8];
@@ -220,7 +218,7 @@ HWY_INLINE Damped DampAndFeel(const LeafSprings& springs, Halves& mobility, doub
   Eight a[kEntries], b[6], scale[6];
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
-    scale[k] = EightAt(springs.scale[k]);
+    scale[k] = WithLast(EightTimes(springs.root[k]), 1);  // in the last those of the base
     b[k] = Mul(scale[k], WithLast(EightTimes(velocity[k]), wanted[k]));
   }
   SetUp(scale, mobility, Mul(EightTimes(top), EightAt(root.shift)), a);
@@ -238,8 +236,8 @@ HWY_INLINE Damped DampAndFeel(const LeafSprings& springs, Halves& mobility, doub
 // What no eigenvalue is less than, of the mobility in coordinates in which all springs are alike:
 // the trace of its inverse is the sum of what is one over them. Of no axes but those with springs.
 HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility) {
-  alignas(64) constexpr double kUnit[6][LeafSprings::kLanes] = {
-      {1}, {0, 1}, {0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
+  alignas(64) constexpr double kUnit[6][8] = {{1},          {0, 1},          {0, 0, 1},
+                                              {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
   Eight a[kEntries], b[6];
 #pragma GCC unroll 6
   for (int r = 0; r < 6; ++r) {
@@ -251,7 +249,7 @@ HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility
   double trace = 0;
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
-    alignas(64) double inverse[LeafSprings::kLanes];
+    alignas(64) double inverse[8];
     Put(b[k], inverse);
     if (springs.stiffness[k] > 0) trace += inverse[k] / springs.stiffness[k];
   }
@@ -265,9 +263,9 @@ HWY_NOINLINE void DampWidely(const LeafSprings& springs, Halves& mobility, doubl
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
     sums[k] = EightTimes(0);
-    scale[k] = EightTimes(springs.scale[k][0]);  // in all lanes: none of them is another's
+    scale[k] = EightTimes(springs.root[k]);
   }
-  for (int first = 0; first < root.n_poles; first += LeafSprings::kLanes) {
+  for (int first = 0; first < root.n_poles; first += 8) {
     SetUp(scale, mobility, Mul(EightTimes(top), EightAt(root.shift + first)), a);
 #pragma GCC unroll 6
     for (int k = 0; k < 6; ++k) b[k] = Mul(scale[k], EightTimes(velocity[k]));
@@ -308,7 +306,7 @@ HWY_INLINE void Damp(const LeafSprings& springs, Halves& mobility, const double*
   }
   const double twice = 2 * std::sqrt(top);
   for (int k = 0; k < 6; ++k) {
-    damping[k] = twice * springs.scale[k][0] * damped.along[k];
+    damping[k] = twice * springs.root[k] * damped.along[k];
     felt[k] = damped.felt[k];
   }
 }
@@ -379,8 +377,7 @@ LeafSprings MakeLeafSprings(const double* stiffness) {
   LeafSprings springs;
   for (int k = 0; k < 6; ++k) {
     springs.stiffness[k] = stiffness[k];
-    for (double& scale : springs.scale[k]) scale = std::sqrt(stiffness[k]);
-    springs.scale[k][LeafSprings::kLanes - 1] = 1;
+    springs.root[k] = std::sqrt(stiffness[k]);
   }
   return springs;
 }

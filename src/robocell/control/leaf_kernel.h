@@ -12,12 +12,8 @@ namespace robocell {
 
 // What holds the leaf, along and about the axes of the base.
 struct LeafSprings {
-  static constexpr int kLanes = 8;
-
   double stiffness[6] = {};  // N/m, then Nm/rad
-  // The coordinates that each lane of a solution has: those in which all springs are alike, in the
-  // last lane those of the base.
-  alignas(64) double scale[6][kLanes] = {};
+  double root[6] = {};       // of it: the coordinates in which all springs are alike
 };
 
 LeafSprings MakeLeafSprings(const double* stiffness);

@@ -128,19 +128,20 @@ class GroupCore {
   void CheckFinite(std::span<const double> values, const std::vector<std::string>& element_names,
                    const char* kind) const;
 
+  // What every tick needs, side by side.
   Scene scene_;
-  GroupNames names_;
   mutable uint64_t generation_ = ~uint64_t{0};
-  mutable std::vector<int> joint_ids_, actuator_ids_;
-  mutable std::vector<char> slides_;  // of the joints
   // One per number, in the order of joints and actuators.
   mutable Addresses qpos_addresses_, dof_addresses_, ctrl_addresses_;
   // In the engine's M, the lower triangle row by row; -1 for 0.
   mutable Addresses mass_addresses_;
+  mutable std::vector<int> joint_ids_, actuator_ids_;
+  mutable std::vector<char> slides_;      // of the joints
   mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
   mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;
   mutable bool base_is_carried_ = false;  // by joints
+  GroupNames names_;
 };
 
 }  // namespace robocell

@@ -91,19 +91,22 @@ class Robot::State : public SceneObserver {
     return place() + " / group '" + slot.own->group->name() + "'";
   }
 
-  Scene scene;
-  RobotRecord record;
-  ChainOptions chain_options;
-  std::string tip_body;  // as given to FromScene(), full name; else ""
   bool is_of_chain() const { return !tip_body.empty(); }
+
+  // Of every tick, side by side.
+  Scene scene;
   std::vector<std::shared_ptr<GroupSlot>> slots;
   std::vector<double> pos, vel, trq;  // the arm's measurement ports
   std::vector<FtReading> ft_sensors;
+  std::string lost;  // why it could not follow when the scene was compiled anew
+  bool paused = false, told_beyond_limits = false;
+
+  RobotRecord record;
+  ChainOptions chain_options;
+  std::string tip_body;  // as given to FromScene(), full name; else ""
   int root_body = -1;
   std::vector<int> bodies, geoms, collision_geoms;
   std::optional<double> reach;
-  bool paused = false, told_beyond_limits = false;
-  std::string lost;  // why it could not follow when the scene was compiled anew
 
  private:
   // Slots that are replaced meanwhile are kept, as controllers are (GroupControl).

@@ -59,7 +59,7 @@ StepResult Scene::StepN(int n) {
     throw ArgumentError("scene '" + name() + "': cannot step " + std::to_string(n) +
                         " times; time only goes forward, reset() starts again");
   }
-  return robocell::Step(s.model(), s.data.data, n, s.context, &s.half);
+  return robocell::Step(s.now.model, s.now.data, n, s.context, &s.half);
 }
 
 void Scene::Forward() {
@@ -71,8 +71,8 @@ void Scene::Forward() {
 
 void Scene::SyncPoses() const {
   State& s = open();
-  const mjModel* model = s.model();
-  mjData* data = s.data.data;
+  const mjModel* model = s.now.model;
+  mjData* data = s.now.data;
   if (data->time == s.poses_at) return;
   Guarded(s.context, data, [&] {
     mj_kinematics(model, data);
@@ -84,8 +84,8 @@ void Scene::SyncPoses() const {
 
 void Scene::ComputeFirstHalf() const {
   State& s = open();
-  s.half.Begin(s.model(), s.data.data, s.context);
-  s.poses_at = s.data.data->time;
+  s.half.Begin(s.now.model, s.now.data, s.context);
+  s.poses_at = s.now.data->time;
 }
 
 void Scene::PosesChanged() {

@@ -13,10 +13,17 @@ namespace robocell {
 
 struct Scene::State {
   explicit State(const std::string& scene)
-      : name(scene), context("scene '" + scene + "'"), use(context) {}
+      : context("scene '" + scene + "'"), name(scene), use(context) {}
+
+  // Of every tick, side by side.
+  SceneNow now;
+  // Time of the data when poses last agreed with qpos. Time moves with every step, whoever makes
+  // it.
+  double poses_at = -1;
+  HalfStep half;
+  const std::string context;  // "scene 'pick'", for messages
 
   const std::string name;
-  const std::string context;  // "scene 'pick'", for messages
   SceneUse use;
   std::shared_ptr<CompiledScene> compiled;
   DataHandle data;
@@ -30,12 +37,7 @@ struct Scene::State {
   };
   std::vector<Watch> observers;
   std::shared_ptr<void> claim;  // on the compiled scene
-  // Time of the data when poses last agreed with qpos. Time moves with every step, whoever makes
-  // it.
-  double poses_at = -1;
-  HalfStep half;
   bool closed = false;
-  SceneNow now;
   std::vector<PooledObject> pool;
   std::vector<mjtNum> warm_start;  // scratch
 
