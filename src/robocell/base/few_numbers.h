@@ -4,6 +4,7 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -52,6 +53,7 @@ inline size_t LastPair(size_t bytes) { return bytes - sizeof(Pair); }
 [[gnu::always_inline]] inline void CopyFew(const void* from, size_t bytes, void* to) {
   namespace few = few_numbers_internal;
   if (bytes < sizeof(few::Pair)) return few::CopyLess(from, bytes, to);
+#pragma GCC unroll 2
   for (size_t at = 0; at < few::LastPair(bytes); at += sizeof(few::Pair))
     few::PutPair(few::PairAt(from, at), to, at);
   few::PutPair(few::PairAt(from, few::LastPair(bytes)), to, few::LastPair(bytes));
@@ -63,6 +65,7 @@ inline size_t LastPair(size_t bytes) { return bytes - sizeof(Pair); }
   if (bytes < sizeof(few::Pair)) return few::DifferenceOfLess(a, b, bytes);
   const size_t last = few::LastPair(bytes);
   few::Pair any = few::PairAt(a, last) ^ few::PairAt(b, last);
+#pragma GCC unroll 2
   for (size_t at = 0; at < last; at += sizeof(few::Pair))
     any |= few::PairAt(a, at) ^ few::PairAt(b, at);
   return any[0] | any[1];
@@ -71,11 +74,15 @@ inline size_t LastPair(size_t bytes) { return bytes - sizeof(Pair); }
 // Whether no magnitude is larger than `most`, and none NaN. As integers, which have the order of
 // magnitudes, those of infinity and NaN above all others: none waits for another.
 inline bool FewAreWithin(double most, const double* x, size_t n) {
+  namespace few = few_numbers_internal;
+  if (n < 2) return n == 0 || std::abs(*x) <= most;
   constexpr uint64_t kSign = uint64_t{1} << 63;
   const uint64_t limit = std::bit_cast<uint64_t>(most);
-  uint64_t beyond = 0;
-  for (size_t i = 0; i < n; ++i) beyond |= limit - (std::bit_cast<uint64_t>(x[i]) & ~kSign);
-  return !(beyond & kSign);
+  const size_t last = few::LastPair(n * sizeof *x);
+  few::Pair beyond = limit - (few::PairAt(x, last) & ~kSign);
+  for (size_t at = 0; at < last; at += sizeof(few::Pair))
+    beyond |= limit - (few::PairAt(x, at) & ~kSign);
+  return !((beyond[0] | beyond[1]) & kSign);
 }
 
 inline bool FewAreFinite(const double* x, size_t n) {
