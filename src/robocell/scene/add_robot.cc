@@ -14,6 +14,7 @@
 #include "robocell/scene/robot_base.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
+#include "robocell/spec/fields.h"
 
 namespace robocell {
 namespace {
@@ -120,6 +121,12 @@ class LentPart {
   Part &from_, &to_;
 };
 
+// Where it was described: in a scene's file and in one of its own, which has no place in a scene.
+void LocateRobot(const RobotRecord& record, const Locations& in_scene, Report& report) {
+  report.Locate(RobotPlace(record.name), in_scene);
+  report.Locate(RobotPlace(record.name), record.config.locations, FieldNames<RobotConfig>());
+}
+
 }  // namespace
 
 std::string RobotPlace(const std::string& name) { return "robot '" + name + "'"; }
@@ -161,8 +168,7 @@ std::optional<RobotPart> LoadRobot(const RobotSpec& robot, const std::string& na
   record = RecordOf(robot, name);
   const RobotConfig& config = record.config;
   const std::string& directory = config.source_dir.empty() ? scene.source_dir : config.source_dir;
-  report.Locate(place, locations);
-  report.Locate(place, config.locations);
+  LocateRobot(record, locations, report);
   auto part = LoadRobotModel(config.model, directory, place, robot.config ? "model" : "path",
                              scene.options, report);
   if (!part) return std::nullopt;
@@ -182,8 +188,7 @@ std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
   RobotPart out;
   out.record = RecordOf(robot, name);
   out.top = host.top;
-  report.Locate(RobotPlace(name), locations);
-  report.Locate(RobotPlace(name), out.record.config.locations);
+  LocateRobot(out.record, locations, report);
   if (!HasNamesOf(robot, host.part, name, report)) return std::nullopt;
   {
     const LentPart lent(host.part, out.part, RobotPlace(name));

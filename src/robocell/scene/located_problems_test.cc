@@ -88,6 +88,16 @@ TEST_F(Located, AttachmentsAndRootAndCameras) {
                          "root_body: no body 'world'. Its bodies: base, upper, fore.");
 }
 
+// The file of a robot does not say where it stands.
+TEST_F(Located, WhereARobotStandsIsNotInItsFile) {
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.name = "left", .config = RobotConfig::Load(RobotFile("home: {}\n"))});
+  spec.robots[0].attach_to = {AttachKind::kSite, "table_top"};
+  ExpectThrow<NotFoundError>(
+      [&] { Scene::Build(spec); },
+      "scene 'test' / robot 'left': attach_to: the scene: no site 'table_top'");
+}
+
 TEST_F(Located, ACameraThatIsThereTwice) {
   const std::string eye = "  - {name: eye, pos: [0, 0, 0], fovy: 45, attach_to: {body: base}}\n";
   const std::string twice = RobotFile("cameras:\n" + eye + eye);

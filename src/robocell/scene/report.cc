@@ -24,19 +24,27 @@ std::string FileOf(const std::string& source) {
 
 }  // namespace
 
-void Report::Locate(const std::string& place, Locations locations) {
-  locations_[place].push_back(std::move(locations));
+bool Report::Described::CouldHave(std::string_view field) const {
+  const std::string_view name = field.substr(0, field.find_first_of(".["));
+  return name.empty() || fields.empty() ||
+         std::find(fields.begin(), fields.end(), name) != fields.end();
+}
+
+void Report::Locate(const std::string& place, Locations locations,
+                    std::vector<std::string> fields) {
+  locations_[place].push_back({std::move(locations), std::move(fields)});
 }
 
 std::string Report::SourceOf(const std::string& place, std::string_view field) const {
   const auto found = locations_.find(place);
   if (found == locations_.end()) return "";
-  for (const Locations& locations : found->second) {
-    if (const auto source = locations.Exactly(field)) return *source;
+  for (const Described& in : found->second) {
+    if (const auto source = in.locations.Exactly(field)) return *source;
   }
   std::string source;
-  for (const Locations& locations : found->second) {
-    if (const std::string at = locations.At(field); !at.empty()) source = at;
+  for (const Described& in : found->second) {
+    const std::string at = in.CouldHave(field) ? in.locations.At(field) : "";
+    if (!at.empty()) source = at;
   }
   return source;
 }

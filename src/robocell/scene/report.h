@@ -19,8 +19,9 @@ namespace robocell {
 class Report {
  public:
   // Where the spec of `place` stood in its file. May be called again when the part is described in
-  // several: a field is looked up in all of them, and what is in none belongs to the last one.
-  void Locate(const std::string& place, Locations locations);
+  // several: a field is looked up in all of them, and what is in none belongs to the last one of
+  // those that could have it: with the names of `fields`, one whose path begins with such a name.
+  void Locate(const std::string& place, Locations locations, std::vector<std::string> fields = {});
 
   void Problem(const std::string& place, const std::string& message, std::string_view field = "");
   // What an exception says that was thrown while `place` was worked on; its text may begin with the
@@ -49,11 +50,16 @@ class Report {
   struct Entry {
     std::string place, message, source;
   };
+  struct Described {
+    bool CouldHave(std::string_view field) const;
+    Locations locations;
+    std::vector<std::string> fields;  // none: any
+  };
   std::string SourceOf(const std::string& place, std::string_view field) const;
   // "scene 'pick'", or the file that all problems are in.
   std::string Subject(const std::string& scene) const;
 
-  std::map<std::string, std::vector<Locations>> locations_;
+  std::map<std::string, std::vector<Described>> locations_;
   std::vector<Entry> problems_;
   bool only_missing_ = true;
   std::vector<std::string> warnings_, notes_;
