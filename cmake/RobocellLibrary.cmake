@@ -14,6 +14,14 @@ endforeach()
 if(ROBOCELL_SANITIZE)  # -O3 takes three times as long to compile the instrumented one, and gains nothing that is asked for
   set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/kinematics/pose_kernel.cc" PROPERTIES COMPILE_OPTIONS "")
 endif()
+# Each guarded call looks thread-local data up. By descriptors, where the compiler knows them, that is a call of two
+# instructions whenever the loader had room for the data beside the program's own.
+include(CheckCXXCompilerFlag)
+check_cxx_compiler_flag(-mtls-dialect=gnu2 ROBOCELL_HAS_TLS_DESCRIPTORS)
+if(ROBOCELL_HAS_TLS_DESCRIPTORS AND NOT ROBOCELL_SANITIZE)
+  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/mujoco/guard.cc" PROPERTIES
+    COMPILE_OPTIONS "-mtls-dialect=gnu2" SKIP_UNITY_BUILD_INCLUSION ON)
+endif()
 target_compile_features(robocell PUBLIC cxx_std_20)
 # Calls within the library go straight to what they call, not through a table that others could change.
 target_link_options(robocell PRIVATE "LINKER:-Bsymbolic-functions")

@@ -1,10 +1,11 @@
 #include "robocell/control/cartesian_impedance_controller.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "robocell/base/few_numbers.h"
 #include "robocell/control/joint_impedance_controller.h"
-#include "robocell/kinematics/pose_error.h"
+#include "robocell/math/rotation.h"
 #include "robocell/robot/joint_torque_controller.h"
 
 namespace robocell {
@@ -25,15 +26,8 @@ constexpr size_t kMaxTriangle = kMaxChainJoints * (kMaxChainJoints + 1) / 2;
 
 constexpr CartesianImpedanceController::Gains kDefaultStiffness = {400, 400, 400, 30, 30, 30};
 
-using Rotation = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
-using Position = Eigen::Map<const Eigen::Vector3d>;
-
-// Products entry by entry: those of matrices are calls.
-Transform LeafInBase(const LeafView& view) {
-  const Rotation base(view.base_rotation), leaf(view.leaf_rotation);
-  const Position from(view.base_position), to(view.leaf_position);
-  return {base.transpose().lazyProduct(leaf), base.transpose().lazyProduct(to - from)};
-}
+// Of the squared length of a quaternion: what rounding leaves.
+constexpr double kUnitLength = 1e-12;
 
 }  // namespace
 
@@ -41,8 +35,7 @@ CartesianImpedanceController::CartesianImpedanceController(ArmGroup& arm)
     : arm_(arm),
       springs_(MakeLeafSprings(kDefaultStiffness.data())),
       posture_(arm.nq()),
-      q_(arm.nq()),
-      qd_(arm.nv()) {
+      q_(arm.nq()) {
   Reset();
 }
 
@@ -53,13 +46,15 @@ void CartesianImpedanceController::SetTarget(std::span<const double> numbers) {
 Pose CartesianImpedanceController::pose() const { return PoseFromNumbers(target_, arm_); }
 
 void CartesianImpedanceController::SetPose(const Pose& leaf_in_robot) {
-  target_ = goal_numbers_ = ToNumbers(leaf_in_robot);
-  goal_ = ToTransform(leaf_in_robot);
+  target_ = ToNumbers(leaf_in_robot);
 }
 
-const Transform& CartesianImpedanceController::Goal() {
-  if (target_ != goal_numbers_) SetPose(pose());
-  return goal_;
+void CartesianImpedanceController::CheckTarget() {
+  const double length2 = target_[3] * target_[3] + target_[4] * target_[4] +
+                         target_[5] * target_[5] + target_[6] * target_[6];
+  const bool is_pose =
+      std::abs(length2 - 1) < kUnitLength && FewAreFinite(target_.data(), target_.size());
+  if (!is_pose) SetPose(pose());
 }
 
 CartesianImpedanceController::Gains CartesianImpedanceController::stiffness() const {
@@ -96,25 +91,24 @@ void CartesianImpedanceController::Reset() {
 }
 
 void CartesianImpedanceController::Compute(std::span<double> ctrl) {
+  double qd[kMaxChainJoints];
   arm_.GetJointPos(q_);
-  arm_.GetJointVel(qd_);
+  arm_.GetJointVel({qd, q_.size()});
+  CheckTarget();
+  const Eigen::Matrix3d goal =
+      MatrixFromQuaternion({target_[3], target_[4], target_[5], target_[6]});
   const double w = posture_frequency_;
   const size_t n = q_.size();
   double bias[kMaxChainJoints], wanted[kMaxChainJoints], room[kMaxTriangle];
-  for (size_t i = 0; i < n; ++i) wanted[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd_[i];
+  for (size_t i = 0; i < n; ++i) wanted[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd[i];
   const double* mass = arm_.GetBiasAndMass({bias, n}, {room, n * (n + 1) / 2});
-  const LeafView view = arm_.leaf_view();
-  // Before what takes longer, beside which the processor does it.
-  const PoseError error = ErrorTo(Goal(), LeafInBase(view));
-  const double deviation[6] = {error.linear[0],  error.linear[1],  error.linear[2],
-                               error.angular[0], error.angular[1], error.angular[2]};
   LeafAnswer leaf;
-  ComputeLeaf({.view = view,
+  ComputeLeaf({.view = arm_.leaf_view(),
                .mass = mass,
                .wanted = wanted,
-               .velocity = qd_.data(),
+               .velocity = qd,
                .springs = &springs_,
-               .deviation = deviation,
+               .goal = {target_.data(), goal.data()},
                .feedforward = feedforward_.data(),
                .damping_ratio = damping_ratio_,
                .bias = bias},

@@ -20,7 +20,6 @@
 
 #include "robocell/control/leaf_kernel.h"
 #include "robocell/control/pose_target.h"
-#include "robocell/kinematics/transform.h"
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/controller.h"
 
@@ -67,18 +66,16 @@ class CartesianImpedanceController : public Controller {
   void SetFeedforward(const Gains& wrench);
 
  private:
-  // What target_ says, which others write.
-  const Transform& Goal();
+  // Of target_, which others write: a pose or an error.
+  void CheckTarget();
 
   ArmGroup& arm_;
   PoseNumbers target_ = {};
-  PoseNumbers goal_numbers_ = {};
-  Transform goal_;  // of goal_numbers_
   LeafSprings springs_;
   Gains feedforward_ = {};
   double damping_ratio_ = 1, posture_frequency_ = 5;
   std::vector<double> posture_;
-  std::vector<double> q_, qd_;
+  std::vector<double> q_;
 };
 
 }  // namespace robocell

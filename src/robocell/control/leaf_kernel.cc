@@ -1,25 +1,38 @@
 #include "robocell/control/leaf_kernel.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "robocell/control/inverse_root.h"
+#include "robocell/kinematics/pose_error.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/control/leaf_kernel.cc"
-// As in link_kernel.cc.
+// As in lane_kernel.cc, but AVX-512 only in its later form (Ice Lake, Zen 4): processors that have
+// it in its first one lower their clock for it, and the engine's step beside this would be slower.
+#define HWY_WANT_AVX3_DL
 #define HWY_DISABLED_TARGETS \
-  (HWY_SSSE3 | HWY_SSE4 | (HWY_AVX2 - 1) | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+  (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
-#include "robocell/kinematics/lane_eight-inl.h"
 #include "robocell/kinematics/lane_quad-inl.h"
 #include "robocell/kinematics/lane_six-inl.h"
+
+namespace robocell {
+// Of turns that are no longer small. For all instruction sets.
+void FarTurn(const double (*from)[4], const double* to, double* out);
+}  // namespace robocell
 
 HWY_BEFORE_NAMESPACE();
 namespace robocell::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+// Numbers of poles in a register, eight or what it has room for.
+using Lanes = hn::CappedTag<double, 8>;
+constexpr Lanes kLanes;
+constexpr int kLaneCount = HWY_MIN(8, HWY_MAX_BYTES / 8);
+HWY_INLINE double LastOf(const hn::Vec<Lanes>& v) { return hn::ExtractLane(v, kLaneCount - 1); }
 // One number in a register, so that products and sums are fused as in the lanes.
 using One = hn::CappedTag<double, 1>;
 constexpr One kOne;
@@ -41,13 +54,13 @@ HWY_INLINE Quad InBase(const double* v, const Quad* axes) {
   return MulAdd(v[0], axes[0], MulAdd(v[1], axes[1], Times(v[2], axes[2])));
 }
 
-HWY_INLINE void MakeColumns(const LeafView& view, Columns* columns) {
-  alignas(32) double rows[3][4] = {};
-  Quad axes[3];
-  for (int k = 0; k < 3; ++k) {
-    for (int c = 0; c < 3; ++c) rows[k][c] = view.base_rotation[3 * k + c];
-    axes[k] = QuadAt(rows[k]);
-  }
+// The world's, in the axes of the base.
+HWY_INLINE void WorldAxes(const LeafView& view, Quad* axes) {
+#pragma GCC unroll 3
+  for (int k = 0; k < 3; ++k) axes[k] = ThreeAt(view.base_rotation + 3 * k);
+}
+
+HWY_INLINE void MakeColumns(const LeafView& view, const Quad* axes, Columns* columns) {
   const Quad leaf = InBase(view.leaf_position, axes);
   for (int i = 0; i < view.n; ++i) {
     const int at = 3 * view.joints[i];
@@ -57,6 +70,43 @@ HWY_INLINE void MakeColumns(const LeafView& view, Columns* columns) {
         columns->linear[i]);
     Put(slides ? ZeroQuad() : axis, columns->angular[i]);
   }
+}
+
+// The rotation vector that turns axes to where others are. Twice the sine of the angle, along the
+// axis, is the sum of the cross products; 1 + 2 cosine that of the scalar ones.
+HWY_INLINE void Turn(const Quad* from, const double* to, double* out) {
+  Quad crosses = ZeroQuad(), products = ZeroQuad();
+#pragma GCC unroll 3
+  for (int k = 0; k < 3; ++k) {
+    const Quad there = ThreeAt(to + 3 * k);
+    crosses = Add(crosses, UnturnedCross(from[k], there));
+    products = MulAdd(from[k], there, products);
+  }
+  const double trace = SumOf(products), half_sine2 = 0.25 * (3 - trace);
+  if (half_sine2 < 0.0625) {
+    const double half_cosine = std::sqrt(0.25 * (1 + trace));
+    PutAnywhere(Times(HalfAngleBySine(half_sine2) / half_cosine, Yzx(crosses)), out);
+    return;
+  }
+  alignas(32) double here[3][4];
+  for (int k = 0; k < 3; ++k) Put(from[k], here[k]);
+  FarTurn(here, to, out);
+}
+
+// Of the leaf from its goal; `out` has room for a seventh number.
+HWY_INLINE void MakeDeviation(const LeafView& view, const Quad* axes, const LeafGoal& goal,
+                              double* out) {
+  double way[3];
+  Quad from[3];
+#pragma GCC unroll 3
+  for (int k = 0; k < 3; ++k) {
+    const double* column = view.leaf_rotation + k;
+    const double axis[3] = {column[0], column[3], column[6]};
+    from[k] = InBase(axis, axes);
+    way[k] = view.leaf_position[k] - view.base_position[k];
+  }
+  PutAnywhere(Sub(ThreeAt(goal.position), InBase(way, axes)), out);
+  Turn(from, goal.axes, out + 3);
 }
 
 // Velocity and another motion of the leaf, with the joints'.
@@ -163,17 +213,6 @@ HWY_INLINE void MobilityOf(int n, const double* mass, const Columns& columns, Co
   }
 }
 
-// The mobility in the coordinates of each lane, with a shift.
-HWY_INLINE void SetUp(const Eight* scale, Halves& mobility, const Eight& shift, Eight* a) {
-#pragma GCC unroll 6
-  for (int r = 0; r < 6; ++r) {
-#pragma GCC unroll 6
-    for (int c = 0; c <= r; ++c)
-      a[Entry(r, c)] = Mul(Mul(scale[r], scale[c]), EightTimes(At(mobility, r, c)));
-    a[Entry(r, r)] = Add(a[Entry(r, r)], shift);
-  }
-}
-
 // A symmetric matrix times a vector, which do not wait for what is divided by.
 template <int N>
 HWY_INLINE void MassTimes(int joints, const double* mass, const double* vector, double* out) {
@@ -206,31 +245,59 @@ HWY_INLINE void MassTimesAny(int n, const double* mass, const double* vector, do
   }
 }
 
+// What the leaf is damped and pushed with, before it is put together.
 struct Damped {
   double determinant = 1;  // of the mobility
-  double along[6], felt[6];
+  double along[6] = {};
+  double felt[6] = {};
 };
 
-// With the first of the inverse roots, whose last lane, without a shift, solves for `wanted`.
-HWY_INLINE Damped DampAndFeel(const LeafSprings& springs, Halves& mobility, double top,
-                              const double* velocity, const double* wanted) {
-  const InverseRoot& root = InverseRoots()[0];
-  Eight a[kEntries], b[6], scale[6];
+// What damps and what is asked.
+struct Motion {
+  const LeafSprings& springs;
+  Halves& mobility;
+  double top;
+  const double* velocity;
+  const double* wanted;
+};
+
+// The share of as many poles as a register has lanes, from `first` on. A lane that is no pole's
+// solves for `wanted`, in the axes of the base. In a function of its own: what is done again finds
+// its instructions in the cache, which a control tick has to fetch for all that it does once.
+HWY_NOINLINE void DampByPoles(const Motion& motion, const InverseRoot& root, int first,
+                              Damped* out) {
+  using V = hn::Vec<Lanes>;
+  const auto is_pole = hn::FirstN(kLanes, static_cast<size_t>(root.n_poles - first));
+  V a[kEntries], b[6], scale[6];
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
-    scale[k] = WithLast(EightTimes(springs.root[k]), 1);  // in the last those of the base
-    b[k] = Mul(scale[k], WithLast(EightTimes(velocity[k]), wanted[k]));
+    const double spring = motion.springs.root[k];
+    scale[k] = hn::IfThenElse(is_pole, hn::Set(kLanes, spring), hn::Set(kLanes, 1.0));
+    b[k] = hn::IfThenElse(is_pole, hn::Set(kLanes, spring * motion.velocity[k]),
+                          hn::Set(kLanes, motion.wanted[k]));
   }
-  SetUp(scale, mobility, Mul(EightTimes(top), EightAt(root.shift)), a);
-  Damped out;
-  out.determinant = LastOf(SolveSix(EightTimes(1), a, b));
-  const Eight weight = EightAt(root.weight);
+  const V shift = hn::Mul(hn::Set(kLanes, motion.top), hn::Load(kLanes, root.shift + first));
+#pragma GCC unroll 6
+  for (int r = 0; r < 6; ++r) {
+#pragma GCC unroll 6
+    for (int c = 0; c <= r; ++c) {
+      a[Entry(r, c)] =
+          hn::Mul(hn::Mul(scale[r], scale[c]), hn::Set(kLanes, At(motion.mobility, r, c)));
+    }
+    a[Entry(r, r)] = hn::Add(a[Entry(r, r)], shift);
+  }
+  out->determinant = LastOf(SolveSix(hn::Set(kLanes, 1.0), a, b));
+  const V weight = hn::Load(kLanes, root.weight + first);
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
-    out.along[k] = SumOf(Mul(weight, b[k]));
-    out.felt[k] = LastOf(b[k]);
+    out->along[k] += hn::GetLane(hn::SumOfLanes(kLanes, hn::Mul(weight, b[k])));
+    out->felt[k] = LastOf(b[k]);
   }
-  return out;
+}
+
+HWY_INLINE void DampBy(const Motion& motion, const InverseRoot& root, Damped* out) {
+  const int padded = (root.n_poles + 7) / 8 * 8;
+  for (int first = 0; first < padded; first += kLaneCount) DampByPoles(motion, root, first, out);
 }
 
 // What no eigenvalue is less than, of the mobility in coordinates in which all springs are alike:
@@ -238,44 +305,25 @@ HWY_INLINE Damped DampAndFeel(const LeafSprings& springs, Halves& mobility, doub
 HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility) {
   alignas(64) constexpr double kUnit[6][8] = {{1},          {0, 1},          {0, 0, 1},
                                               {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
-  Eight a[kEntries], b[6];
-#pragma GCC unroll 6
-  for (int r = 0; r < 6; ++r) {
-#pragma GCC unroll 6
-    for (int c = 0; c <= r; ++c) a[Entry(r, c)] = EightTimes(At(mobility, r, c));
-    b[r] = EightAt(kUnit[r]);
-  }
-  SolveSix(EightTimes(1), a, b);
   double trace = 0;
+  for (int first = 0; first < 6; first += kLaneCount) {
+    hn::Vec<Lanes> a[kEntries], b[6];
 #pragma GCC unroll 6
-  for (int k = 0; k < 6; ++k) {
-    alignas(64) double inverse[8];
-    Put(b[k], inverse);
-    if (springs.stiffness[k] > 0) trace += inverse[k] / springs.stiffness[k];
+    for (int r = 0; r < 6; ++r) {
+#pragma GCC unroll 6
+      for (int c = 0; c <= r; ++c) a[Entry(r, c)] = hn::Set(kLanes, At(mobility, r, c));
+      b[r] = hn::Load(kLanes, kUnit[r] + first);
+    }
+    SolveSix(hn::Set(kLanes, 1.0), a, b);
+#pragma GCC unroll 6
+    for (int k = 0; k < 6; ++k) {
+      alignas(64) double inverse[kLaneCount];
+      hn::Store(b[k], kLanes, inverse);
+      const bool here = first <= k && k < first + kLaneCount;
+      if (here && springs.stiffness[k] > 0) trace += inverse[k - first] / springs.stiffness[k];
+    }
   }
   return 1 / trace;
-}
-
-// With one of the inverse roots of more poles.
-HWY_NOINLINE void DampWidely(const LeafSprings& springs, Halves& mobility, double top,
-                             const double* velocity, const InverseRoot& root, double* along) {
-  Eight sums[6], a[kEntries], b[6], scale[6];
-#pragma GCC unroll 6
-  for (int k = 0; k < 6; ++k) {
-    sums[k] = EightTimes(0);
-    scale[k] = EightTimes(springs.root[k]);
-  }
-  for (int first = 0; first < root.n_poles; first += 8) {
-    SetUp(scale, mobility, Mul(EightTimes(top), EightAt(root.shift + first)), a);
-#pragma GCC unroll 6
-    for (int k = 0; k < 6; ++k) b[k] = Mul(scale[k], EightTimes(velocity[k]));
-    SolveSix(EightTimes(1), a, b);
-    const Eight weight = EightAt(root.weight + first);
-#pragma GCC unroll 6
-    for (int k = 0; k < 6; ++k) sums[k] = MulAdd(weight, b[k], sums[k]);
-  }
-#pragma GCC unroll 6
-  for (int k = 0; k < 6; ++k) along[k] = SumOf(sums[k]);
 }
 
 HWY_INLINE const InverseRoot& RootFor(double range) {
@@ -295,14 +343,20 @@ HWY_INLINE void Damp(const LeafSprings& springs, Halves& mobility, const double*
     stiffnesses *= springs.stiffness[k];
   }
   const double top = trace > 0 ? trace : 1;  // no springs: nothing is damped
-  Damped damped = DampAndFeel(springs, mobility, top, velocity, wanted);
+  const Motion motion{springs, mobility, top, velocity, wanted};
+  Damped damped;
+  DampBy(motion, InverseRoots()[0], &damped);
   // No eigenvalue is less than what the others, as large as they can be together, leave of the
   // determinant. Where that says little, there is more to know.
   const double share = 5 / top, share2 = share * share;
   const double least = damped.determinant * stiffnesses * share2 * share2 * share;
   if (!(top <= InverseRoots()[0].range * least) && trace > 0) {
     const InverseRoot& root = RootFor(top / LeastEigenvalue(springs, mobility));
-    if (&root != InverseRoots()) DampWidely(springs, mobility, top, velocity, root, damped.along);
+    if (&root != InverseRoots()) {
+      Damped widely;
+      DampBy(motion, root, &widely);
+      std::copy_n(widely.along, 6, damped.along);
+    }
   }
   const double twice = 2 * std::sqrt(top);
   for (int k = 0; k < 6; ++k) {
@@ -312,39 +366,56 @@ HWY_INLINE void Damp(const LeafSprings& springs, Halves& mobility, const double*
 }
 
 // `moving` is what the joints need to accelerate as wanted.
-HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, const double* moving,
-                          LeafAnswer* out) {
-  alignas(32) double force[8] = {}, torque[8] = {};
+HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, const double* deviation,
+                          const double* moving, LeafAnswer* out) {
+  hn::Vec<One> force[6];
+#pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
     // What the joints to spare do is not to be felt.
-    (k < 3 ? force[k] : torque[k - 3]) = query.springs->stiffness[k] * query.deviation[k] -
-                                         query.damping_ratio * out->damping[k] +
-                                         query.feedforward[k] - out->felt[k];
+    force[k] = hn::Set(kOne, query.springs->stiffness[k] * deviation[k] -
+                                 query.damping_ratio * out->damping[k] + query.feedforward[k] -
+                                 out->felt[k]);
   }
-  const Quad linear = QuadAt(force), angular = QuadAt(torque);
   for (int i = 0; i < query.view.n; ++i) {
-    const Quad sum = MulAdd(QuadAt(columns.linear[i]), linear,
-                            MulAdd(QuadAt(columns.angular[i]), angular, ZeroQuad()));
-    out->torques[i] = query.bias[i] + moving[i] + SumOf(sum);
+    auto linear = hn::Set(kOne, query.bias[i]), angular = hn::Set(kOne, moving[i]);
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; ++k) {
+      linear = hn::MulAdd(force[k], hn::Set(kOne, columns.linear[i][k]), linear);
+      angular = hn::MulAdd(force[k + 3], hn::Set(kOne, columns.angular[i][k]), angular);
+    }
+    out->torques[i] = hn::GetLane(hn::Add(linear, angular));
   }
 }
 
 void Leaf(const LeafQuery& query, LeafAnswer* out) {
   Columns columns, eliminated;
-  MakeColumns(query.view, &columns);
-  double velocity[7], wanted[7];
+  Quad axes[3];
+  WorldAxes(query.view, axes);
+  MakeColumns(query.view, axes, &columns);
+  double velocity[7], wanted[7], deviation[7];
   LeafMotions(columns, query, velocity, wanted);
+  MakeDeviation(query.view, axes, query.goal, deviation);
   alignas(32) Halves mobility;
   MobilityOf(query.view.n, query.mass, columns, &eliminated, mobility);
   double moving[kMaxChainJoints];
   MassTimesAny(query.view.n, query.mass, query.wanted, moving);
   Damp(*query.springs, mobility, velocity, wanted, out->damping, out->felt);
-  TorquesOf(query, columns, moving, out);
+  TorquesOf(query, columns, deviation, moving, out);
+}
+
+void Deviation(const LeafView& view, const LeafGoal& goal, double* deviation) {
+  Quad axes[3];
+  WorldAxes(view, axes);
+  double room[7];
+  MakeDeviation(view, axes, goal, room);
+  for (int k = 0; k < 6; ++k) deviation[k] = room[k];
 }
 
 void Mobility(const LeafView& view, const double* mass, double* mobility) {
   Columns columns, eliminated;
-  MakeColumns(view, &columns);
+  Quad axes[3];
+  WorldAxes(view, axes);
+  MakeColumns(view, axes, &columns);
   alignas(32) Halves halves;
   MobilityOf(view.n, mass, columns, &eliminated, halves);
   for (int r = 0; r < 6; ++r) {
@@ -369,7 +440,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace robocell {
 
+void FarTurn(const double (*from)[4], const double* to, double* out) {
+  Eigen::Matrix3d here;
+  for (int k = 0; k < 3; ++k) here.col(k) = Eigen::Map<const Eigen::Vector3d>(from[k]);
+  Eigen::Map<Eigen::Vector3d>{out} =
+      RotationVector(Eigen::Map<const Eigen::Matrix3d>(to) * here.transpose());
+}
+
 HWY_EXPORT(Leaf);
+HWY_EXPORT(Deviation);
 HWY_EXPORT(Mobility);
 HWY_EXPORT(DampAlone);
 
@@ -384,6 +463,9 @@ LeafSprings MakeLeafSprings(const double* stiffness) {
 
 void ComputeLeaf(const LeafQuery& query, LeafAnswer* out) {
   HWY_DYNAMIC_DISPATCH(Leaf)(query, out);
+}
+void ComputeDeviation(const LeafView& view, const LeafGoal& goal, double* deviation) {
+  HWY_DYNAMIC_DISPATCH(Deviation)(view, goal, deviation);
 }
 void ComputeMobility(const LeafView& view, const double* mass, double* mobility) {
   HWY_DYNAMIC_DISPATCH(Mobility)(view, mass, mobility);

@@ -18,6 +18,12 @@ struct LeafSprings {
 
 LeafSprings MakeLeafSprings(const double* stiffness);
 
+// Where the leaf shall be, in the robot base frame.
+struct LeafGoal {
+  const double* position = nullptr;
+  const double* axes = nullptr;  // the leaf's, one after the other
+};
+
 // The linear part before the angular part, in the axes of the base.
 struct LeafQuery {
   LeafView view;
@@ -25,9 +31,9 @@ struct LeafQuery {
   const double* wanted = nullptr;    // accelerations that they shall have
   const double* velocity = nullptr;  // of the joints
   const LeafSprings* springs = nullptr;
-  // For the torques: where the leaf is not, and what it is pushed with on top, 6 each; the share of
-  // the damping; what the joints need for the motion that they are in.
-  const double* deviation = nullptr;
+  // For the torques: where the leaf shall be; what it is pushed with on top, 6; the share of the
+  // damping; what the joints need for the motion that they are in.
+  LeafGoal goal;
   const double* feedforward = nullptr;
   double damping_ratio = 1;
   const double* bias = nullptr;
@@ -41,13 +47,15 @@ struct LeafAnswer {
   // The force that would accelerate the leaf as the wanted accelerations do.
   double felt[6];
   // Of the joints: what they need to accelerate as wanted, and what pushes the leaf with
-  // stiffness * deviation - damping_ratio * damping + feedforward - felt.
+  // stiffness * way to the goal - damping_ratio * damping + feedforward - felt.
   alignas(64) LinkTable::Row torques;
 };
 
 void ComputeLeaf(const LeafQuery& query, LeafAnswer* out);
 
-// The first part alone: what the leaf yields to a force (J M^-1 J^T), the lower triangle row by
+// A part alone: how far the leaf is from its goal, the way and the rotation vector of the rest, 6.
+void ComputeDeviation(const LeafView& view, const LeafGoal& goal, double* deviation);
+// A part alone: what the leaf yields to a force (J M^-1 J^T), the lower triangle row by
 // row.
 void ComputeMobility(const LeafView& view, const double* mass, double* mobility);
 // The last part alone: the critical damping of a leaf of that mobility.

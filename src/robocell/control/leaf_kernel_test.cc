@@ -9,8 +9,10 @@
 
 #include "robocell/base/rng.h"
 #include "robocell/control/inverse_root.h"
+#include "robocell/kinematics/pose_error.h"
 #include "robocell/testing/decompositions.h"
 #include "robocell/testing/instruction_sets.h"
+#include "robocell/testing/random_values.h"
 
 namespace robocell {
 namespace {
@@ -156,8 +158,8 @@ struct LeafCase {
   std::vector<int> joints;
   std::vector<char> slides;
   MatrixXd axes, anchors;  // of all joints
-  Eigen::Vector3d leaf;
-  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> base;
+  Eigen::Vector3d leaf, from;
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turned, base;
   MatrixXd j, m;
   std::vector<double> mass;
 
@@ -166,7 +168,9 @@ struct LeafCase {
         axes(RandomMatrix(rng, 3, 2 * n + 1)),
         anchors(RandomMatrix(rng, 3, 2 * n + 1)),
         leaf(RandomMatrix(rng, 3, 1)),
-        base(OrthogonalPartOf(RandomMatrix(rng, 3, 3))),
+        from(RandomMatrix(rng, 3, 1)),
+        turned(RandomPose(*rng).rotation()),
+        base(RandomPose(*rng).rotation()),
         j(6, n),
         m(RandomPositive(rng, n, 1e3)) {
     for (int i = 0; i < n; ++i) {
@@ -187,12 +191,50 @@ struct LeafCase {
             .axes = axes.data(),
             .anchors = anchors.data(),
             .leaf_position = leaf.data(),
+            .leaf_rotation = turned.data(),
+            .base_position = from.data(),
             .base_rotation = base.data()};
+  }
+  Transform in_base() const {
+    return {base.transpose() * turned, base.transpose() * (leaf - from)};
   }
   MatrixXd Mobility() const {
     return j * SolvePositive(m, j.transpose()) + kLeastMobility * MatrixXd::Identity(6, 6);
   }
 };
+
+LeafGoal GoalAt(const Transform& place) {
+  return {place.translation.data(), place.rotation.data()};
+}
+
+VectorXd Numbers(const PoseError& error) {
+  VectorXd numbers(6);
+  numbers << error.linear, error.angular;
+  return numbers;
+}
+
+// From a turn that is hardly there to half a turn, where the axis has no direction.
+TEST(LeafKernel, KnowsHowFarTheLeafIsFromItsGoal) {
+  OnEveryInstructionSet([](const std::string&) {
+    Rng rng = Rng::Stream(5, "goal");
+    for (int k = 0; k < 400; ++k) {
+      const LeafCase leaf(&rng, 6);
+      const double angle = k % 4 == 0   ? M_PI - std::pow(10, rng.Uniform(-9, -1))
+                           : k % 4 == 1 ? std::pow(10, rng.Uniform(-12, 0))
+                                        : rng.Uniform(0, M_PI);
+      const Eigen::Vector3d axis = RandomMatrix(&rng, 3, 1).normalized();
+      Transform goal = leaf.in_base();
+      goal.rotation = Eigen::AngleAxisd(angle, axis) * goal.rotation;
+      goal.translation += RandomMatrix(&rng, 3, 1);
+      VectorXd deviation(6);
+      ComputeDeviation(leaf.view(), GoalAt(goal), deviation.data());
+      const VectorXd expected = Numbers(ErrorTo(goal, leaf.in_base()));
+      // Near half a turn rounding moves the axis.
+      EXPECT_LT((deviation - expected).norm(), M_PI - angle < 0.1 ? 1e-7 : 1e-14) << angle;
+      EXPECT_NEAR(deviation.tail(3).norm(), angle, M_PI - angle < 0.1 ? 1e-7 : 1e-14);
+    }
+  });
+}
 
 TEST(LeafKernel, KnowsWhatTheLeafYieldsForAnyNumberOfJoints) {
   OnEveryInstructionSet([](const std::string&) {
@@ -216,7 +258,9 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       const VectorXd velocity = RandomMatrix(&rng, n, 1), wanted = RandomMatrix(&rng, n, 1);
       VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
       if (n % 2 == 0) stiffness[n / 2 % 6] = 0;
-      const VectorXd deviation = RandomMatrix(&rng, 6, 1), push = RandomMatrix(&rng, 6, 1);
+      const Transform goal = ToTransform(RandomPose(rng));
+      const VectorXd deviation = Numbers(ErrorTo(goal, leaf.in_base()));
+      const VectorXd push = RandomMatrix(&rng, 6, 1);
       const VectorXd anyway = RandomMatrix(&rng, n, 1);
       const LeafSprings springs = MakeLeafSprings(stiffness.data());
       LeafAnswer answer;
@@ -225,14 +269,17 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
                    .wanted = wanted.data(),
                    .velocity = velocity.data(),
                    .springs = &springs,
-                   .deviation = deviation.data(),
+                   .goal = GoalAt(goal),
                    .feedforward = push.data(),
                    .damping_ratio = 0.7,
                    .bias = anyway.data()},
                   &answer);
       const Eigen::Map<VectorXd> felt(answer.felt, 6);
       const VectorXd moved = leaf.j * wanted;
-      EXPECT_LT((leaf.Mobility() * felt - moved).norm(), 1e-11 * moved.norm()) << n;
+      // As small as of a solution that is right for a mobility off by rounding.
+      EXPECT_LT((leaf.Mobility() * felt - moved).norm(),
+                1e-14 * leaf.Mobility().norm() * felt.norm())
+          << n;
       // With fewer than six joints some directions hardly yield: there the forward error is larger.
       const VectorXd expected = SolvePositive(leaf.Mobility(), moved);
       EXPECT_LT((felt - expected).norm(), (n < 6 ? 1e-6 : 1e-8) * expected.norm()) << n;

@@ -20,6 +20,15 @@ HWY_INLINE Quad QuadAt(const double* p) {
   for (int k = 0; k < kPartsOfFour; ++k) q.part[k] = hn::Load(kFours, p + k * kPartOfFour);
   return q;
 }
+// Of three numbers anywhere; the fourth is 0.
+HWY_INLINE Quad ThreeAt(const double* p) {
+  if constexpr (kPartsOfFour == 1) {
+    return {{hn::MaskedLoad(hn::FirstN(kFours, 3), kFours, p)}};
+  } else {
+    alignas(32) const double padded[4] = {p[0], p[1], p[2], 0};
+    return QuadAt(padded);
+  }
+}
 HWY_INLINE void Put(const Quad& q, double* p) {
   for (int k = 0; k < kPartsOfFour; ++k) hn::Store(q.part[k], kFours, p + k * kPartOfFour);
 }
@@ -49,7 +58,13 @@ HWY_INLINE Quad Sub(const Quad& a, const Quad& b) {
   for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::Sub(a.part[k], b.part[k]);
   return out;
 }
-// The products of numbers in the same place, plus c.
+// The products of numbers in the same place.
+HWY_INLINE Quad Mul(const Quad& a, const Quad& b) {
+  Quad out;
+  for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::Mul(a.part[k], b.part[k]);
+  return out;
+}
+// Those, plus c.
 HWY_INLINE Quad MulAdd(const Quad& a, const Quad& b, const Quad& c) {
   Quad out;
   for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::MulAdd(a.part[k], b.part[k], c.part[k]);
@@ -59,6 +74,11 @@ HWY_INLINE double SumOf(const Quad& q) {
   alignas(32) double p[4];
   Put(q, p);
   return (p[0] + p[1]) + (p[2] + p[3]);
+}
+HWY_INLINE Quad Add(const Quad& a, const Quad& b) {
+  Quad out;
+  for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::Add(a.part[k], b.part[k]);
+  return out;
 }
 // The second, third and first number; the fourth stays.
 HWY_INLINE Quad Yzx(const Quad& q) {
@@ -75,13 +95,15 @@ HWY_INLINE Quad Yzx(const Quad& q) {
     return QuadAt(p);
   }
 }
-HWY_INLINE Quad Cross(const Quad& a, const Quad& b) {
+// The cross product before its last turn, which a sum of them takes once.
+HWY_INLINE Quad UnturnedCross(const Quad& a, const Quad& b) {
   const Quad y = Yzx(b), ab = Yzx(a);
   Quad z;
   for (int k = 0; k < kPartsOfFour; ++k)
     z.part[k] = hn::MulSub(a.part[k], y.part[k], hn::Mul(ab.part[k], b.part[k]));
-  return Yzx(z);
+  return z;
 }
+HWY_INLINE Quad Cross(const Quad& a, const Quad& b) { return Yzx(UnturnedCross(a, b)); }
 
 }  // namespace robocell::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

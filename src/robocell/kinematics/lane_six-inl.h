@@ -9,8 +9,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 HWY_INLINE constexpr int Entry(int row, int column) { return row * (row + 1) / 2 + column; }
 constexpr int kEntries = 21;
 
-// Solves for b in place by L D L^T, in vectors of Highway's or Eight (lane_eight-inl.h), of which
-// `one` is full of ones. Returns the product of D, the determinant.
+// Solves for b in place by L D L^T; `one` is full of ones. Returns the product of D, the
+// determinant.
 template <class V>
 HWY_INLINE V SolveSix(V one, V* a, V* b) {
   V inverse[6], factor[6];

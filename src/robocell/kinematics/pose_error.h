@@ -14,9 +14,15 @@ inline double HalfAngleBySine(double sine2) {
       7.3655469927763283789e-3, 6.7873010341084569891e-3, 8.6889940985615293479e-3,
       1.1185608951832380554e-2, 1.5190982486694193298e-2, 2.2321428446032969688e-2,
       3.7500000000765836325e-2, 8.3333333333331535368e-2, 0.5};
-  double sum = 0;
-  for (const double term : kTerms) sum = sum * sine2 + term;
-  return sum;
+  // Even and odd powers, which do not wait for one another.
+  const double sine4 = sine2 * sine2;
+  double even = kTerms[0], odd = kTerms[1];
+#pragma GCC unroll 4
+  for (int k = 2; k < 8; k += 2) {
+    even = even * sine4 + kTerms[k];
+    odd = odd * sine4 + kTerms[k + 1];
+  }
+  return even * sine4 + kTerms[8] + odd * sine2;
 }
 
 // Rotation vector of a rotation matrix, angle in [0, pi]; exact to rounding for small angles and

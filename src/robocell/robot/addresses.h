@@ -21,6 +21,7 @@ class Addresses {
   // The next ones; a negative one says that the array has none.
   void Add(int first, int count = 1) {
     for (int k = 0; k < count; ++k) {
+      if (list_.empty()) first_ = first;
       in_a_row_ &= first >= 0 && (list_.empty() || first + k == list_.back() + 1);
       list_.push_back(first + k);
     }
@@ -31,7 +32,7 @@ class Addresses {
   int operator[](size_t i) const { return list_[i]; }
   // Where the first is, when the others follow it one by one; else null.
   const double* InARow(const double* array) const {
-    return in_a_row_ && !list_.empty() ? array + list_[0] : nullptr;
+    return in_a_row_ && !list_.empty() ? array + first_ : nullptr;
   }
 
   // `out` has as many.
@@ -42,12 +43,13 @@ class Addresses {
   // `values` are as many.
   void Scatter(std::span<const double> values, double* array) const {
     if (in_a_row_ && !list_.empty())
-      return CopyFew(values.data(), values.size_bytes(), array + list_[0]);
+      return CopyFew(values.data(), values.size_bytes(), array + first_);
     for (size_t i = 0; i < values.size(); ++i) array[list_[i]] = values[i];
   }
 
  private:
   std::vector<int> list_;
+  int first_ = -1;  // of the list: beside it, not behind a pointer
   bool in_a_row_ = true;
 };
 

@@ -315,9 +315,14 @@ void GroupCore::GetBias(std::span<double> out) const {
   Bind();
   CheckSize(out.size(), nv(), "joint torque");
   scene_.ComputeFirstHalf();
-  const mjtNum *bias = data()->qfrc_bias, *compensated = data()->qfrc_gravcomp;
+  const mjtNum *all = data()->qfrc_bias, *compensated = data()->qfrc_gravcomp;
+  if (const mjtNum* bias = dof_addresses_.InARow(all)) {
+    const mjtNum* there = dof_addresses_.InARow(compensated);
+    for (size_t i = 0; i < out.size(); ++i) out[i] = bias[i] - there[i];
+    return;
+  }
   const int* address = dof_addresses_.list().data();
-  for (size_t i = 0; i < out.size(); ++i) out[i] = bias[address[i]] - compensated[address[i]];
+  for (size_t i = 0; i < out.size(); ++i) out[i] = all[address[i]] - compensated[address[i]];
 }
 
 const double* GroupCore::GetBiasAndMass(std::span<double> bias, std::span<double> room) const {

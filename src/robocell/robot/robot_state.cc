@@ -338,15 +338,18 @@ GroupSlot* Robot::State::GripperOf(const GroupSlot& arm) const {
 
 void Robot::State::ListKinds() {
   first_ = {};
+  controls_.clear();
   for (const auto& slot : slots) {
+    controls_.push_back(slot->control.get());
     GroupSlot*& first = first_[static_cast<size_t>(slot->own->group->kind())];
     if (!first) first = slot.get();
   }
   const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
   if (arm) first_[static_cast<size_t>(MoveGroupKind::kGripper)] = GripperOf(*arm);
-  pos.resize(arm ? arm->own->group->nq() : 0);
-  vel.resize(arm ? arm->own->group->nv() : 0);
-  trq.resize(arm ? arm->own->group->nv() : 0);
+  arm_ = arm ? arm->own->group.get() : nullptr;
+  pos.resize(arm_ ? arm_->nq() : 0);
+  vel.resize(arm_ ? arm_->nv() : 0);
+  trq.resize(arm_ ? arm_->nv() : 0);
   ReadPorts();
 }
 
@@ -444,12 +447,11 @@ void Robot::State::ReadPorts() {
   RequireBodies();
   for (FtReading& reading : ft_sensors)
     reading.value = reading.sensor.Read(scene.model(), scene.data()) - reading.tare;
-  const GroupSlot* arm = FindKind(MoveGroupKind::kArm);
-  if (!arm || reading_) return;
+  if (!arm_ || reading_) return;
   const Reading reading(reading_);
-  arm->own->group->GetJointPos(pos);
-  arm->own->group->GetJointVel(vel);
-  arm->own->group->GetJointTorque(trq);
+  arm_->GetJointPos(pos);
+  arm_->GetJointVel(vel);
+  arm_->GetJointTorque(trq);
 }
 
 std::vector<std::string> Robot::State::group_names() const {

@@ -61,8 +61,8 @@ class Robot::State : public SceneObserver {
   template <class Run>
   void ForControlled(Run&& run) {
     const Running running(*this);
-    for (size_t i = 0; i < slots.size(); ++i) {
-      if (slots[i]->control->controller) slots[i]->control->Guarded(run);
+    for (size_t i = 0; i < controls_.size(); ++i) {
+      if (controls_[i]->controller) controls_[i]->Guarded(run);
     }
   }
   // Puts a controller of the slot's group in, and switches to what it drives without a jump of the
@@ -101,6 +101,12 @@ class Robot::State : public SceneObserver {
   std::string lost;  // why it could not follow when the scene was compiled anew
   bool paused = false, told_beyond_limits = false;
 
+ private:
+  // Of the slots, which hold them: what every tick would find by way of several pointers.
+  MoveGroup* arm_ = nullptr;
+  std::vector<GroupControl*> controls_;
+
+ public:
   RobotRecord record;
   ChainOptions chain_options;
   std::string tip_body;  // as given to FromScene(), full name; else ""
