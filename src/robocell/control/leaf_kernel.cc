@@ -8,8 +8,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/control/leaf_kernel.cc"
-// As in lane_kernel.cc, but AVX-512 only in its later form (Ice Lake, Zen 4): processors that have
-// it in its first one lower their clock for it, and the engine's step beside this would be slower.
+// As in lane_kernel.cc, but AVX-512 in its later form only (Zen 4, Ice Lake).
 #define HWY_WANT_AVX3_DL
 #define HWY_DISABLED_TARGETS \
   (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3 | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
@@ -22,17 +21,22 @@
 namespace robocell {
 // Of turns that are no longer small. For all instruction sets.
 void FarTurn(const double (*from)[4], const double* to, double* out);
+// Whether a few instructions on eight numbers leave the clock of the processor as it is, at which
+// the engine steps beside this. On Zen 4 a control tick takes 0.05 us less by them; on Intel's
+// processors they have cost a step more than they gained (link_kernel.cc).
+extern const bool kEightAtOnce;
 }  // namespace robocell
 
 HWY_BEFORE_NAMESPACE();
 namespace robocell::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Numbers of poles in a register, eight or what it has room for.
-using Lanes = hn::CappedTag<double, 8>;
-constexpr Lanes kLanes;
-constexpr int kLaneCount = HWY_MIN(8, HWY_MAX_BYTES / 8);
-HWY_INLINE double LastOf(const hn::Vec<Lanes>& v) { return hn::ExtractLane(v, kLaneCount - 1); }
+// Eight numbers in a register, or what it has room for; Fours has four.
+using Eights = hn::CappedTag<double, 8>;
+template <class D>
+HWY_INLINE double LastOf(D, const hn::Vec<D>& v) {
+  return hn::ExtractLane(v, hn::MaxLanes(D()) - 1);
+}
 // One number in a register, so that products and sums are fused as in the lanes.
 using One = hn::CappedTag<double, 1>;
 constexpr One kOne;
@@ -264,40 +268,49 @@ struct Motion {
 // The share of as many poles as a register has lanes, from `first` on. A lane that is no pole's
 // solves for `wanted`, in the axes of the base. In a function of its own: what is done again finds
 // its instructions in the cache, which a control tick has to fetch for all that it does once.
-HWY_NOINLINE void DampByPoles(const Motion& motion, const InverseRoot& root, int first,
+template <class D>
+HWY_NOINLINE void DampByPoles(D d, const Motion& motion, const InverseRoot& root, int first,
                               Damped* out) {
-  using V = hn::Vec<Lanes>;
-  const auto is_pole = hn::FirstN(kLanes, static_cast<size_t>(root.n_poles - first));
+  using V = hn::Vec<D>;
+  const auto is_pole = hn::FirstN(d, static_cast<size_t>(root.n_poles - first));
   V a[kEntries], b[6], scale[6];
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
     const double spring = motion.springs.root[k];
-    scale[k] = hn::IfThenElse(is_pole, hn::Set(kLanes, spring), hn::Set(kLanes, 1.0));
-    b[k] = hn::IfThenElse(is_pole, hn::Set(kLanes, spring * motion.velocity[k]),
-                          hn::Set(kLanes, motion.wanted[k]));
+    scale[k] = hn::IfThenElse(is_pole, hn::Set(d, spring), hn::Set(d, 1.0));
+    b[k] = hn::IfThenElse(is_pole, hn::Set(d, spring * motion.velocity[k]),
+                          hn::Set(d, motion.wanted[k]));
   }
-  const V shift = hn::Mul(hn::Set(kLanes, motion.top), hn::Load(kLanes, root.shift + first));
+  const V shift = hn::Mul(hn::Set(d, motion.top), hn::Load(d, root.shift + first));
 #pragma GCC unroll 6
   for (int r = 0; r < 6; ++r) {
 #pragma GCC unroll 6
     for (int c = 0; c <= r; ++c) {
-      a[Entry(r, c)] =
-          hn::Mul(hn::Mul(scale[r], scale[c]), hn::Set(kLanes, At(motion.mobility, r, c)));
+      a[Entry(r, c)] = hn::Mul(hn::Mul(scale[r], scale[c]), hn::Set(d, At(motion.mobility, r, c)));
     }
     a[Entry(r, r)] = hn::Add(a[Entry(r, r)], shift);
   }
-  out->determinant = LastOf(SolveSix(hn::Set(kLanes, 1.0), a, b));
-  const V weight = hn::Load(kLanes, root.weight + first);
+  out->determinant = LastOf(d, SolveSix(hn::Set(d, 1.0), a, b));
+  const V weight = hn::Load(d, root.weight + first);
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
-    out->along[k] += hn::GetLane(hn::SumOfLanes(kLanes, hn::Mul(weight, b[k])));
-    out->felt[k] = LastOf(b[k]);
+    out->along[k] += hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, b[k])));
+    out->felt[k] = LastOf(d, b[k]);
   }
 }
 
-HWY_INLINE void DampBy(const Motion& motion, const InverseRoot& root, Damped* out) {
+template <class D>
+HWY_INLINE void DampByRegisters(D d, const Motion& motion, const InverseRoot& root, Damped* out) {
   const int padded = (root.n_poles + 7) / 8 * 8;
-  for (int first = 0; first < padded; first += kLaneCount) DampByPoles(motion, root, first, out);
+  for (int first = 0; first < padded; first += hn::MaxLanes(d))
+    DampByPoles(d, motion, root, first, out);
+}
+
+HWY_INLINE void DampBy(const Motion& motion, const InverseRoot& root, Damped* out) {
+#if HWY_TARGET == HWY_AVX3_DL
+  if (kEightAtOnce) return DampByRegisters(Eights(), motion, root, out);
+#endif
+  DampByRegisters(kFours, motion, root, out);
 }
 
 // What no eigenvalue is less than, of the mobility in coordinates in which all springs are alike:
@@ -305,21 +318,22 @@ HWY_INLINE void DampBy(const Motion& motion, const InverseRoot& root, Damped* ou
 HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility) {
   alignas(64) constexpr double kUnit[6][8] = {{1},          {0, 1},          {0, 0, 1},
                                               {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
+  constexpr int kLanes = hn::MaxLanes(kFours);
   double trace = 0;
-  for (int first = 0; first < 6; first += kLaneCount) {
-    hn::Vec<Lanes> a[kEntries], b[6];
+  for (int first = 0; first < 6; first += kLanes) {
+    hn::Vec<Fours> a[kEntries], b[6];
 #pragma GCC unroll 6
     for (int r = 0; r < 6; ++r) {
 #pragma GCC unroll 6
-      for (int c = 0; c <= r; ++c) a[Entry(r, c)] = hn::Set(kLanes, At(mobility, r, c));
-      b[r] = hn::Load(kLanes, kUnit[r] + first);
+      for (int c = 0; c <= r; ++c) a[Entry(r, c)] = hn::Set(kFours, At(mobility, r, c));
+      b[r] = hn::Load(kFours, kUnit[r] + first);
     }
-    SolveSix(hn::Set(kLanes, 1.0), a, b);
+    SolveSix(hn::Set(kFours, 1.0), a, b);
 #pragma GCC unroll 6
     for (int k = 0; k < 6; ++k) {
-      alignas(64) double inverse[kLaneCount];
-      hn::Store(b[k], kLanes, inverse);
-      const bool here = first <= k && k < first + kLaneCount;
+      alignas(64) double inverse[kLanes];
+      hn::Store(b[k], kFours, inverse);
+      const bool here = first <= k && k < first + kLanes;
       if (here && springs.stiffness[k] > 0) trace += inverse[k - first] / springs.stiffness[k];
     }
   }
@@ -439,6 +453,10 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace robocell {
+
+#if HWY_ARCH_X86
+const bool kEightAtOnce = __builtin_cpu_is("amd");
+#endif
 
 void FarTurn(const double (*from)[4], const double* to, double* out) {
   Eigen::Matrix3d here;

@@ -23,7 +23,7 @@ void OnEveryInstructionSet(const std::function<void(const std::string& name)>& t
   for (const int64_t target : hwy::SupportedAndGeneratedTargets()) {
     const std::string name = hwy::TargetName(target);
     SCOPED_TRACE(name);
-    Allow(-target);  // and plainer ones, which have higher bits, for kernels that lack it
+    Allow(-target);  // and those of higher bits, the plainer ones, for kernels that lack it
     test(name);
     Allow(0);
   }
