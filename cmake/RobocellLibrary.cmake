@@ -16,6 +16,7 @@ if(ROBOCELL_SANITIZE)  # -O3 takes three times as long to compile the instrument
 endif()
 # Each guarded call looks thread-local data up. By descriptors, where the compiler knows them, that is a call of two
 # instructions whenever the loader had room for the data beside the program's own.
+# (The preset tidy answers for clang-tidy, which does not know them.)
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-mtls-dialect=gnu2 ROBOCELL_HAS_TLS_DESCRIPTORS)
 if(ROBOCELL_HAS_TLS_DESCRIPTORS AND NOT ROBOCELL_SANITIZE)
