@@ -32,10 +32,13 @@ STAND_INS = {
         done""",
     "python": f"""case "$*" in
         '-m pip --version') exit 0;;
+        '-m pip config'*) cat index 2>/dev/null; exit;;
         '-m pip install'*) echo "pip $*" >>calls; exit 0;;
         -c*get_path*) echo "$PWD/site"; exit 0;;
         esac
         exec {sys.executable} "$@" """,
+    "uv": """echo "uv $*" >>calls
+        [ ! -e uv-broken ] || exit 2""",
 }
 
 
@@ -62,8 +65,8 @@ class Machine:
         (self.state / "site").mkdir(parents=True)
         for name, body in STAND_INS.items():
             place = folder / "bin" / name
-            if name == "python":
-                place = self.root / ".venv/bin/python"
+            if name in ("python", "uv"):
+                place = self.root / ".venv/bin" / name
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_text(f"#!/bin/sh\ncd {self.state}\n{body}\n")
             place.chmod(0o755)
@@ -84,7 +87,7 @@ class Machine:
         self.has(*(name for name in [*REQUIRED, *OPTIONAL] if name not in packages))
 
     def calls(self) -> list[str]:
-        """Of apt-get and pip, since the last time."""
+        """Of apt-get, pip and uv, since the last time."""
         calls = (self.state / "calls").read_text().splitlines()
         self.write("calls", "")
         return calls
@@ -108,9 +111,11 @@ def test_python_packages_are_installed_once(machine: Machine):
     code, out, err = machine.setup()
     assert (code, err) == (0, "")
     assert "setup: ready" in out
-    [pip] = machine.calls()
-    assert pip.startswith("pip -m pip install")
-    assert "--requirement scripts/requirements.txt" in pip
+    pip, uv = machine.calls()
+    assert re.fullmatch(r"pip -m pip install .* uv==[0-9.]+", pip)
+    assert uv.startswith("uv pip install")
+    assert "--requirement scripts/requirements.txt --constraint scripts/constraints.txt" in uv
+    assert "index" not in uv
     in_place = machine.state / "site/robocell-in-place.pth"
     assert in_place.read_text().strip() == str(machine.root / "python")
     code, out, err = machine.setup()
@@ -119,7 +124,23 @@ def test_python_packages_are_installed_once(machine: Machine):
     requirements = machine.root / "scripts/requirements.txt"
     requirements.write_text(requirements.read_text() + "another\n")
     assert machine.setup()[0] == 0
-    assert len(machine.calls()) == 1, "until the list changes"
+    assert len(machine.calls()) == 2, "until the list changes"
+
+
+def test_uv_takes_the_index_that_pip_is_told(machine: Machine):
+    machine.write("index", "https://mirror.example/simple\n")
+    assert machine.setup()[0] == 0
+    assert " --default-index https://mirror.example/simple " in machine.calls()[1]
+
+
+def test_what_uv_cannot_do_pip_does(machine: Machine):
+    machine.write("uv-broken", "")
+    code, _out, err = machine.setup()
+    assert (code, err) == (0, "")
+    _, uv, pip = machine.calls()
+    assert uv.startswith("uv pip install")
+    assert pip.startswith("pip -m pip install")
+    assert "--requirement scripts/requirements.txt --constraint scripts/constraints.txt" in pip
 
 
 def test_without_permission_it_prints_the_command_and_stops(machine: Machine):
@@ -168,7 +189,7 @@ def test_with_permission_it_installs_what_is_missing(machine: Machine, who: str)
     code, out, err = machine.setup()
     assert (code, err) == (0, "")
     assert "setup: installing cmake libeigen3-dev\n" in out
-    update, required, optional, _ = machine.calls()
+    update, required, optional, *_ = machine.calls()
     assert update.endswith(" update")
     assert required.endswith(" install -y --no-install-recommends cmake libeigen3-dev")
     assert optional.endswith(" install -y --no-install-recommends libosmesa6")
