@@ -391,7 +391,8 @@ void BindRobotClass(nb::module_& m) {
           },
           "gravity_z"_a = nb::none(),
           "Torques (n,) that hold the arm where it is against the scene's gravity, or against "
-          "`gravity_z` along the world's z axis, m/s^2. Bodies with gravcomp count less.")
+          "`gravity_z` along the world's z axis, m/s^2. Bodies with gravcomp count less. The "
+          "scene's is zero where its options disable it.")
       .def(
           "gravity_in_base",
           [](const Robot& r, std::optional<double> gravity_z) {

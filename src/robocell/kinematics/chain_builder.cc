@@ -10,6 +10,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/math/rotation.h"
+#include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
@@ -236,7 +237,8 @@ class Builder {
 };
 
 void AddInertia(const mjModel* m, int body, const Transform& body_in_joint, LinkInertia* link) {
-  const double mass = m->body_mass[body], weight = mass * (1 - m->body_gravcomp[body]);
+  const double mass = m->body_mass[body];
+  const double weight = CompensatesGravity(m) ? mass * (1 - m->body_gravcomp[body]) : mass;
   const Transform principal =
       body_in_joint * Frame(m->body_ipos + 3 * body, m->body_iquat + 4 * body);
   const Eigen::Vector3d& com = principal.translation;

@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/few_numbers.h"
+#include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
@@ -363,7 +364,8 @@ Eigen::Vector3d GroupCore::gravity_in_base() const {
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> rotation(matrix +
                                                                                 9 * base_.id);
   // Not as a product of matrices, which is a call.
-  return rotation.transpose().lazyProduct(Eigen::Map<const Eigen::Vector3d>(model()->opt.gravity));
+  return rotation.transpose().lazyProduct(
+      Eigen::Map<const Eigen::Vector3d>(EffectiveGravity(model())));
 }
 
 void GroupCore::Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const {

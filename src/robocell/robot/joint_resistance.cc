@@ -42,14 +42,20 @@ static_assert(mjNPOLY == 2);
 
 void AddJointResistance(const mjModel* m, const std::vector<int>& joints, std::span<const double> q,
                         std::span<const double> velocity, std::span<double> torque) {
+  const int off = m->opt.disableflags;
+  const bool springs = !(off & mjDSBL_SPRING), dampers = !(off & mjDSBL_DAMPER);
+  // A constraint of the engine's.
+  const bool friction = !(off & (mjDSBL_FRICTIONLOSS | mjDSBL_CONSTRAINT));
   for (size_t i = 0; i < joints.size(); ++i) {
     const int dof = m->jnt_dofadr[joints[i]];
-    torque[i] +=
-        SpringTorque(m, joints[i], q[i]) +
-        DamperTorque(m->dof_damping[dof], m->dof_dampingpoly + mjNPOLY * dof, velocity[i]) +
-        FrictionTorque(m->dof_frictionloss[dof], velocity[i]);
+    if (springs) torque[i] += SpringTorque(m, joints[i], q[i]);
+    if (dampers) {
+      torque[i] +=
+          DamperTorque(m->dof_damping[dof], m->dof_dampingpoly + mjNPOLY * dof, velocity[i]);
+    }
+    if (friction) torque[i] += FrictionTorque(m->dof_frictionloss[dof], velocity[i]);
   }
-  AddActuatorDampers(m, joints, velocity, torque);
+  if (dampers) AddActuatorDampers(m, joints, velocity, torque);
 }
 
 }  // namespace robocell

@@ -10,6 +10,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/kinematics/reach.h"
+#include "robocell/mujoco/gravity.h"
 #include "robocell/robot/once_per_model.h"
 #include "robocell/robot/robot_state.h"
 
@@ -316,7 +317,7 @@ Eigen::Vector3d Robot::gravity_in_base(std::optional<double> gravity_z) const {
   if (gravity_z) return base_in_world().rotation().transpose() * Eigen::Vector3d(0, 0, *gravity_z);
   if (const ArmGroup* arm = open().RequireKind(MoveGroupKind::kArm).own->arm)
     return arm->gravity_in_base();
-  const Eigen::Map<const Eigen::Vector3d> gravity(open().scene.model()->opt.gravity);
+  const Eigen::Map<const Eigen::Vector3d> gravity(EffectiveGravity(open().scene.model()));
   return base_in_world().rotation().transpose() * gravity;
 }
 

@@ -184,7 +184,7 @@ class Robot {
   const std::string& tcp_site() const;
   Pose tip_to_tcp() const;
   // Torques that hold the arm against gravity: the scene's, or one along the world's z axis, m/s^2.
-  // Bodies with gravcomp count less.
+  // Bodies with gravcomp count less. The scene's is zero where its options disable it.
   void GravityTorques(std::span<double> out, std::optional<double> gravity_z = {}) const;
   // The scene's gravity (or one along the world's z axis) in the axes of the robot base frame, for
   // the dynamics of chain(), m/s^2.

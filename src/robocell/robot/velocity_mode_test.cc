@@ -50,7 +50,9 @@ class VelocityMode : public ::testing::Test {
     config.control["arm"] = ControlKind::kJointVelocity;
     RobotSpec spec{.name = "arm", .config = config};
     spec.control_modes = std::vector{native, kVelocity};
-    return Robot::Of(Scene::Build(SceneWith(spec)), "arm");
+    SceneSpec scene = SceneWith(spec);
+    scene.options = options;
+    return Robot::Of(Scene::Build(scene), "arm");
   }
 
   static void Run(Robot& robot, const std::vector<double>& velocity, int steps) {
@@ -68,6 +70,7 @@ class VelocityMode : public ::testing::Test {
   }
 
   ModelFolder folder;
+  SimOptions options;
 };
 
 TEST_F(VelocityMode, ReachesItAgainstDampersSpringsAndFriction) {
@@ -109,25 +112,53 @@ TEST_F(VelocityMode, MotorsPushNoHarderThanTheirControlAllows) {
   }
 }
 
-TEST_F(VelocityMode, ResistanceIsWhatTheEngineComputes) {
+// What the engine may rub a joint with, N m.
+double EngineFriction(const mjData* d, int dof) {
+  double friction = 0;
+  for (int i = 0; i < d->nefc; ++i) {
+    if (d->efc_type[i] == mjCNSTR_FRICTION_DOF && d->efc_id[i] == dof)
+      friction += d->efc_frictionloss[i];
+  }
+  return friction;
+}
+
+TEST_F(VelocityMode, ResistanceIsWhatTheEngineComputesWithEachPartOnAndOff) {
   const Robot robot = Build("damping='2 3 5' stiffness='20 5 3' springref='0.4' frictionloss='7'",
                             "position kp='500' damping='12 2 1' gear='2'", kPosition);
-  const Scene scene = robot.scene();
-  const mjModel* m = scene.model();
+  Scene scene = robot.scene();
+  mjModel* m = scene.mutable_model();
   mjData* d = scene.data();
   const std::vector<int> joints = {RequireId(m, mjOBJ_JOINT, "j1", ""),
                                    RequireId(m, mjOBJ_JOINT, "j2", "")};
-  for (const double x : {-1.3, -0.2, 0.0, 0.6, 2.1}) {
-    const std::vector<double> q = {x, 0.3 - x}, v = {0.5 - x, 1.1 * x};
-    std::copy_n(q.data(), 2, d->qpos);
-    std::copy_n(v.data(), 2, d->qvel);
-    mj_forward(m, d);
-    std::vector<double> torque = {10, 20};
-    AddJointResistance(m, joints, q, v, torque);
-    for (int i = 0; i < 2; ++i) {
-      const double friction = v[i] == 0 ? 0 : std::copysign(7, v[i]);
-      EXPECT_NEAR(torque[i], 10.0 * (i + 1) - d->qfrc_passive[i] + friction, 1e-9) << x;
+  const int on = m->opt.disableflags;
+  for (const int off : {0, int{mjDSBL_SPRING}, int{mjDSBL_DAMPER}, mjDSBL_SPRING | mjDSBL_DAMPER,
+                        int{mjDSBL_FRICTIONLOSS}, int{mjDSBL_CONSTRAINT}}) {
+    SCOPED_TRACE(off);
+    m->opt.disableflags = on | off;
+    for (const double x : {-1.3, -0.2, 0.0, 0.6, 2.1}) {
+      const std::vector<double> q = {x, 0.3 - x}, v = {0.5 - x, 1.1 * x};
+      std::copy_n(q.data(), 2, d->qpos);
+      std::copy_n(v.data(), 2, d->qvel);
+      mj_forward(m, d);
+      std::vector<double> torque = {10, 20};
+      AddJointResistance(m, joints, q, v, torque);
+      for (int i = 0; i < 2; ++i) {
+        const double friction = v[i] == 0 ? 0 : std::copysign(EngineFriction(d, i), v[i]);
+        EXPECT_NEAR(torque[i], 10.0 * (i + 1) - d->qfrc_passive[i] + friction, 1e-9) << x;
+      }
     }
+  }
+}
+
+// Or what nothing resists would be pushed.
+TEST_F(VelocityMode, ReachesItWithoutDampersSpringsOrFrictionWhereTheSceneDisablesThem) {
+  options.disable = {"spring", "damper", "frictionloss"};
+  for (const char* joint :
+       {"damping='60'", "frictionloss='5'", "stiffness='20 5 3' springref='0.4'"}) {
+    SCOPED_TRACE(joint);
+    Robot robot = Build(joint, "position kp='2000'", kPosition);
+    ExpectReached(robot, {0.1, 0.1});
+    ExpectReached(robot, {-0.1, 0});
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/element_lookup.h"
 
@@ -107,8 +108,7 @@ Wrench FtSensor::Read(const mjModel* model, const mjData* data) const {
 
 // At the site where it measures.
 Wrench FtSensor::ToolWeight(const mjModel* model, const mjData* data) const {
-  if (model->opt.disableflags & mjDSBL_GRAVITY) return {};
-  const Eigen::Vector3d force = model->body_subtreemass[body_] * Vector(model->opt.gravity);
+  const Eigen::Vector3d force = model->body_subtreemass[body_] * Vector(EffectiveGravity(model));
   const Eigen::Vector3d arm =
       Vector(data->subtree_com + 3 * body_) - Vector(data->site_xpos + 3 * site_);
   const auto site = SiteRotation(data, site_);
