@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import os
 import subprocess
 from pathlib import Path
@@ -13,6 +12,7 @@ import pytest
 
 import robocell
 from command_line import refused, robocell_command, write_run
+from made_once import made_once
 
 SIZE = (64, 48)
 CAMERAS = {
@@ -25,17 +25,15 @@ CAMERAS = {
 HALF_MM = 0.5e-3 + 1e-6  # and the rounding of a float
 
 
-def make(folder: Path, workers: int) -> Path:
-    folder.mkdir()
-    run = write_run(folder, cameras=CAMERAS)
-    result = robocell_command("generate", run, "--workers", workers)
-    assert result.returncode == 0, result.stderr
-    return folder / "out"
-
-
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return make(tmp_path_factory.mktemp("depth") / "one", 1)
+    """Two episodes."""
+
+    def make(folder: Path) -> None:
+        result = robocell_command("generate", write_run(folder, cameras=CAMERAS))
+        assert result.returncode == 0, result.stderr
+
+    return made_once(tmp_path_factory, "depth", make) / "out"
 
 
 def test_depth_is_the_renderers_in_every_row(dataset: Path):
@@ -70,15 +68,6 @@ def test_any_decoder_reads_the_same_and_the_file_says_what_it_is(dataset: Path):
     raw = subprocess.run([*command, "-pix_fmt", "gray16le", "-"], capture_output=True, check=True)
     pixels = np.frombuffer(raw.stdout, "<u2").reshape(-1, SIZE[1], SIZE[0])
     np.testing.assert_array_equal(pixels, episode.frames("wrist", kind="depth"))
-
-
-def test_the_same_run_gives_the_same_depth_on_three_workers(dataset: Path, tmp_path: Path):
-    other = make(tmp_path / "three", 3)
-    files = sorted(file.relative_to(dataset) for file in dataset.glob("s*/*.depth.mov"))
-    assert len(files) == 2
-    for file in files:
-        digests = {hashlib.sha256((root / file).read_bytes()).digest() for root in (dataset, other)}
-        assert len(digests) == 1, file
 
 
 def test_depth_is_counted_verified_and_missed_by_name(dataset: Path):

@@ -14,6 +14,7 @@ import pytest
 
 import robocell
 from command_line import refused, robocell_command, write_run
+from made_once import made_once
 from robocell import _core
 
 IDS = ["s0000_e0000", "s0000_e0001"]
@@ -23,10 +24,12 @@ QPOS = "robots/rc7/arm/qpos"
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two episodes without cameras."""
-    folder = tmp_path_factory.mktemp("replay")
-    result = robocell_command("generate", write_run(folder, cameras={"streams": []}))
-    assert result.returncode == 0, result.stderr
-    return folder / "out"
+
+    def make(folder: Path) -> None:
+        result = robocell_command("generate", write_run(folder, cameras={"streams": []}))
+        assert result.returncode == 0, result.stderr
+
+    return made_once(tmp_path_factory, "replay", make) / "out"
 
 
 @pytest.fixture
@@ -56,7 +59,7 @@ def test_the_first_difference_is_named_with_row_tick_and_joint(changed: Path):
     result = robocell_command("replay", changed)
     assert result.returncode == 1, result.stdout + result.stderr
     assert f"{IDS[0]}: " in result.stdout.splitlines()[0]
-    assert f"{IDS[1]}: differs first in row 9 (control tick 297, t = " in result.stdout
+    assert f"{IDS[1]}: differs first in row 9 (control tick 891, t = " in result.stdout
     assert "joint 'robot_0/joint2' of rc7/arm: " in result.stdout
     assert "1 of 2 episodes differ" in result.stdout
     assert robocell_command("replay", changed, "--tolerance", 1e-5).returncode == 0
@@ -66,7 +69,7 @@ def test_the_first_difference_is_named_with_row_tick_and_joint(changed: Path):
 def test_the_difference_is_a_value_in_python(changed: Path):
     report = robocell.check_replay(robocell.Dataset(changed)[IDS[1]])
     assert not report.ok
-    assert (report.first.row, report.first.tick, report.first.column) == (9, 297, QPOS)
+    assert (report.first.row, report.first.tick, report.first.column) == (9, 891, QPOS)
     assert report.first.recorded - report.first.replayed == pytest.approx(1e-6, rel=1e-3)
     assert report.first.units == "rad"
     assert report.first.others == 0

@@ -1,10 +1,8 @@
-"""The dataset that the tests of the main job share: made once, by the command that users type."""
+"""The datasets that the tests of the main job share: made once, by the command that users type."""
 
 from __future__ import annotations
 
-import fcntl
 import json
-import os
 from pathlib import Path
 
 import pytest
@@ -13,19 +11,37 @@ from generated_run import GeneratedRun
 from memory import all_resident_bytes
 
 import robocell
+from made_once import made_once
 from menagerie import require_menagerie
 from robocell.generate.procfs import MemoryWatch
 
 EXAMPLE = ROOT / "examples" / "xarm7_pick.yaml"
 DEMO = ROOT / "examples" / "demo.yaml"
+FILMED_EPISODES = 5  # one of each kind of object: what they show takes nearly all of the time
 DEMO_EPISODES = 5
 
 
 @pytest.fixture(scope="session")
-def xarm7_run(tmp_path_factory: pytest.TempPathFactory) -> GeneratedRun:
-    """Twenty picks with the Menagerie's xArm7, two cameras of 624x352, made by two workers."""
+def xarm7_blind_run(tmp_path_factory: pytest.TempPathFactory) -> GeneratedRun:
+    """Twenty picks with the Menagerie's xArm7, without the cameras, which change no episode."""
     require_menagerie("ufactory_xarm7")
-    return generated_once(tmp_path_factory, "xarm7_pick", EXAMPLE)
+    blind = ("--set", "cameras.streams=[]")
+    return generated_once(tmp_path_factory, "xarm7_blind", EXAMPLE, *blind)
+
+
+@pytest.fixture(scope="session")
+def xarm7_run(tmp_path_factory: pytest.TempPathFactory) -> GeneratedRun:
+    """The first of them, with two cameras of 624x352, made by two workers."""
+    require_menagerie("ufactory_xarm7")
+    few = ("--episodes", FILMED_EPISODES)
+    return generated_once(tmp_path_factory, "xarm7_pick", EXAMPLE, *few)
+
+
+@pytest.fixture(scope="session")
+def xarm7_whole_run(tmp_path_factory: pytest.TempPathFactory) -> GeneratedRun:
+    """All twenty with both cameras, as the example's file says."""
+    require_menagerie("ufactory_xarm7")
+    return generated_once(tmp_path_factory, "xarm7_whole", EXAMPLE)
 
 
 @pytest.fixture(scope="session")
@@ -34,9 +50,22 @@ def rc7_run(tmp_path_factory: pytest.TempPathFactory) -> GeneratedRun:
     return generated_once(tmp_path_factory, "demo", DEMO, "--episodes", DEMO_EPISODES)
 
 
-@pytest.fixture(scope="session", params=["xarm7_run", "rc7_run"])
+FILMED = ["xarm7_run", "rc7_run", pytest.param("xarm7_whole_run", marks=pytest.mark.soak)]
+
+
+@pytest.fixture(scope="session", params=FILMED)
 def any_run(request: pytest.FixtureRequest) -> GeneratedRun:
-    """Each of the two."""
+    """Each of those with cameras."""
+    run: GeneratedRun = request.getfixturevalue(request.param)
+    return run
+
+
+@pytest.fixture(
+    scope="session",
+    params=["xarm7_blind_run", pytest.param("xarm7_whole_run", marks=pytest.mark.soak)],
+)
+def twenty(request: pytest.FixtureRequest) -> GeneratedRun:
+    """All episodes of the xArm7's example."""
     run: GeneratedRun = request.getfixturevalue(request.param)
     return run
 
@@ -45,16 +74,13 @@ def generated_once(
     tmp_path_factory: pytest.TempPathFactory, name: str, run_file: Path, *options: object
 ) -> GeneratedRun:
     """The dataset of a run, made by the first process that asks."""
-    shared = tmp_path_factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:  # one dataset for all of pytest's processes
-        shared = shared.parent
-    folder, counts = shared / name, shared / f"{name}.json"
-    with (shared / f"{name}.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not counts.exists():
-            with MemoryWatch(all_resident_bytes) as watch:
-                events = generate(run_file, folder, "--workers", 2, *options)
-            made = {"totals": events[-1]["totals"], "peak_bytes": watch.bytes}
-            counts.write_text(json.dumps(made))
-    made = json.loads(counts.read_text())
-    return GeneratedRun(robocell.RunConfig.load(run_file), folder, **made)
+
+    def make(folder: Path) -> None:
+        with MemoryWatch(all_resident_bytes) as watch:
+            events = generate(run_file, folder / "out", "--workers", 2, *options)
+        made = {"totals": events[-1]["totals"], "peak_bytes": watch.bytes}
+        (folder / "counts.json").write_text(json.dumps(made))
+
+    folder = made_once(tmp_path_factory, name, make)
+    counts = json.loads((folder / "counts.json").read_text())
+    return GeneratedRun(robocell.RunConfig.load(run_file), folder / "out", **counts)

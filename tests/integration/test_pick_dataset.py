@@ -37,57 +37,57 @@ def base_placements(run: GeneratedRun) -> Array:
     return np.array(found)
 
 
-def test_twenty_picks_are_on_the_disk_and_intact(xarm7_run: GeneratedRun):
-    episodes = xarm7_run.episodes()
+def test_twenty_picks_are_on_the_disk_and_intact(twenty: GeneratedRun):
+    episodes = twenty.episodes()
     assert len(episodes) == EPISODES
     for episode in episodes:
         content = read_json(episode)
         assert content["success"] is True, episode.name
         assert content["warnings"] == [], episode.name
-    report = robocell.verify(xarm7_run.dataset)
+    report = robocell.verify(twenty.dataset)
     assert report.ok, str(report)
     assert report.leftovers == []
 
 
-def test_the_expert_lifts_nearly_every_accepted_start(xarm7_run: GeneratedRun):
-    totals = xarm7_run.totals
+def test_the_expert_lifts_nearly_every_accepted_start(twenty: GeneratedRun):
+    totals = twenty.totals
     assert totals["made"] == EPISODES
     assert totals["made"] / totals["accepted"] >= 0.85, totals["failures"]
     assert totals["accepted"] - totals["made"] == sum(totals["failures"].values())
 
 
-def test_the_sampler_accepts_enough_of_what_it_tries(xarm7_run: GeneratedRun):
-    totals = xarm7_run.totals
+def test_the_sampler_accepts_enough_of_what_it_tries(twenty: GeneratedRun):
+    totals = twenty.totals
     assert totals["accepted"] / totals["attempts"] >= 0.4, totals["refusals"]
     assert totals["attempts"] - totals["accepted"] == sum(totals["refusals"].values())
-    tried = sum(1 + read_json(e)["metadata"]["attempt"] for e in xarm7_run.episodes())
+    tried = sum(1 + read_json(e)["metadata"]["attempt"] for e in twenty.episodes())
     assert tried == totals["attempts"], "the counts agree with what the episodes say"
 
 
 @pytest.mark.parametrize(("column", "what"), [(0, "distance"), (1, "height")])
-def test_starts_cover_the_configured_ranges(xarm7_run: GeneratedRun, column: int, what: str):
-    task = xarm7_run.run.task
+def test_starts_cover_the_configured_ranges(twenty: GeneratedRun, column: int, what: str):
+    task = twenty.run.task
     configured = {
         "distance": np.array(task.base_distance),
         "height": task.base_height_offset + np.array(task.base_height_noise),
     }[what]
-    measured = base_placements(xarm7_run)[:, column]
+    measured = base_placements(twenty)[:, column]
     assert np.ptp(measured) >= 0.8 * np.ptp(configured), (what, measured)
     # Settling moves the object a little after the base was placed.
     assert measured.min() >= configured[0] - 0.02
     assert measured.max() <= configured[1] + 0.02
 
 
-def test_every_kind_of_object_is_lifted_at_least_three_times(xarm7_run: GeneratedRun):
-    kinds = Counter(target_kind(episode) for episode in xarm7_run.episodes())
-    assert set(kinds) == set(xarm7_run.run.task.objects)
+def test_every_kind_of_object_is_lifted_at_least_three_times(twenty: GeneratedRun):
+    kinds = Counter(target_kind(episode) for episode in twenty.episodes())
+    assert set(kinds) == set(twenty.run.task.objects)
     assert min(kinds.values()) >= 3, kinds
-    for episode in xarm7_run.episodes():
+    for episode in twenty.episodes():
         instruction = read_json(episode)["metadata"]["instruction"]
         assert instruction == f"pick up the {target_kind(episode)}"
 
 
-def test_all_starts_are_distinct(xarm7_run: GeneratedRun):
+def test_all_starts_are_distinct(twenty: GeneratedRun):
     starts = {
         episode.name: np.concatenate(
             [
@@ -95,7 +95,7 @@ def test_all_starts_are_distinct(xarm7_run: GeneratedRun):
                 first_row(episode, "objects/target/pose")[:3],
             ]
         )
-        for episode in xarm7_run.episodes()
+        for episode in twenty.episodes()
     }
     for (name, a), (other, b) in itertools.combinations(starts.items(), 2):
         assert np.abs(a[:2] - b[:2]).max() > 0.001, f"bases of {name} and {other}"

@@ -2,24 +2,13 @@
 
 from __future__ import annotations
 
-import fcntl
-import os
-
 import pytest
 from storm import Storm
+
+from made_once import made_once
 
 
 @pytest.fixture(scope="session")
 def calm(tmp_path_factory: pytest.TempPathFactory) -> Storm:
-    """Made by two workers, by the first process that asks. Nobody may change it."""
-    shared = tmp_path_factory.getbasetemp()
-    if "PYTEST_XDIST_WORKER" in os.environ:  # one dataset for all of pytest's processes
-        shared = shared.parent
-    with (shared / "calm.lock").open("w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        calm, done = Storm(shared / "calm"), shared / "calm.done"
-        if not done.exists():
-            calm.folder.mkdir(exist_ok=True)
-            calm.finish()
-            done.touch()
-    return calm
+    """Made by two workers. Nobody may change it."""
+    return Storm(made_once(tmp_path_factory, "calm", lambda folder: Storm(folder).finish()))

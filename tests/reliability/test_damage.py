@@ -18,7 +18,7 @@ OF_AN_EPISODE = ["steps.h5", "wrist.mp4", "wrist.depth.mov", "episode.json"]
 OF_THE_DATASET = ["dataset.json", "report.json"]
 OF_A_MODEL = ["models/rc7-*/rc7.xml", "models/rc7-*/SHA256SUMS"]
 MOVED_ALONE = [*OF_THE_DATASET, OF_A_MODEL[1]]  # a model's list is written again
-FEW = 3  # episodes are enough to damage one of them
+FEW = 2  # episodes are enough to damage one of them
 EVERY = [*OF_AN_EPISODE, *OF_THE_DATASET, *OF_A_MODEL]
 
 

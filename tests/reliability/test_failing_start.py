@@ -1,8 +1,8 @@
 """`robocell generate` before and after its workers: calls of prepare, lock and report may fail.
 
 Chosen ones in `make test`, every one in `make soak`.
-The episodes are there; manifest, models, lock and report are not. What workers do is for
-test_failing_disk.py.
+The episode is there, without cameras; manifest, models, lock and report are not. What workers do is
+for test_failing_disk.py.
 """
 
 from __future__ import annotations
@@ -18,12 +18,15 @@ from pathlib import Path
 
 import figures
 import pytest
+import yaml
 from disks import quick_folder
 from ledger import BUILD, HARMLESS, Ending
-from storm import Storm, marks
+from storm import RUN, Storm, marks
 
 import robocell
+from command_line import robocell_command
 from contents import contents
+from made_once import made_once
 
 FAR_TOO_MANY = 2000
 POINTS = [
@@ -50,10 +53,10 @@ class Command:
         whole: What it holds when nothing fails.
     """
 
-    def __init__(self, calm: Storm, folder: Path) -> None:
-        self._calm = calm
+    def __init__(self, blind: Storm, folder: Path) -> None:
+        self._blind = blind
         self.storm = Storm(folder)
-        shutil.copy(calm.folder / "run.yaml", folder)
+        shutil.copy(blind.folder / "run.yaml", folder)
         faults = {
             "LD_PRELOAD": str(BUILD / "libfault_io.so"),
             "FAULT_PROGRAM": Path(sys.executable).name,
@@ -73,14 +76,14 @@ class Command:
     def fresh(self) -> None:
         """Only the episode is there."""
         shutil.rmtree(self.storm.dataset, ignore_errors=True)
-        first = robocell.Dataset(self._calm.dataset).ids[0]
-        shutil.copytree(self._calm.dataset / first, self.storm.dataset / first)
+        [episode] = robocell.Dataset(self._blind.dataset).ids
+        shutil.copytree(self._blind.dataset / episode, self.storm.dataset / episode)
         self.episode = marks(self.storm)
 
     def run(self, at: int | str = 0, do: str = "") -> Ending:
         """Runs it; its call `at` in the dataset meets `do`."""
         arguments = ["generate", str(self.storm.folder / "run.yaml"), "--progress", "jsonl"]
-        arguments += ["--output", str(self.storm.dataset), "--episodes", "1"]
+        arguments += ["--output", str(self.storm.dataset)]
         assert self._forks.stdin is not None
         assert self._forks.stdout is not None
         request = {"arguments": arguments, "at": at, "do": do}
@@ -118,10 +121,24 @@ class Command:
         raise AssertionError("the sweep has no end")
 
 
+@pytest.fixture(scope="session")
+def blind(tmp_path_factory: pytest.TempPathFactory) -> Storm:
+    """One episode without cameras."""
+
+    def make(folder: Path) -> None:
+        run = {**RUN, "episodes_per_scene": 1, "cameras": {"streams": []}}
+        (folder / "run.yaml").write_text(yaml.safe_dump(run))
+        words = ("generate", folder / "run.yaml", "--output", Storm(folder).dataset)
+        result = robocell_command(*words)
+        assert result.returncode == 0, result.stderr
+
+    return Storm(made_once(tmp_path_factory, "blind", make))
+
+
 @pytest.fixture
-def command(calm: Storm, tmp_path: Path) -> Iterator[Command]:
+def command(blind: Storm, tmp_path: Path) -> Iterator[Command]:
     with quick_folder(tmp_path) as folder:
-        command = Command(calm, folder)
+        command = Command(blind, folder)
         yield command
         command.close()
 

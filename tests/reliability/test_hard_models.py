@@ -217,6 +217,6 @@ def test_all_that_crash_cost_workers_and_not_the_run(tmp_path: Path):
     ids=["one", "all"],
 )
 def test_all_that_stall_cost_their_time_and_not_the_run(tmp_path: Path, models: list[str]):
-    done = generate_with(tmp_path, models, "--item-timeout", 6)
-    assert "could not be looked through within 6 s" in done.stderr
-    require_quarantine(tmp_path, done, dict.fromkeys(models, "took more than 6 s"))
+    done = generate_with(tmp_path, models, "--item-timeout", 4)
+    assert "could not be looked through within 4 s" in done.stderr
+    require_quarantine(tmp_path, done, dict.fromkeys(models, "took more than 4 s"))

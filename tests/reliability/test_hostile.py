@@ -24,6 +24,7 @@ import yaml
 
 import robocell
 from command_line import robocell_command
+from made_once import made_once
 
 ID = "s0000_e0000"
 # No backslash: MuJoCo takes it for the separator of folders.
@@ -54,7 +55,11 @@ def write_run(folder: Path, **changes: object) -> Path:
 @pytest.fixture(scope="module")
 def curious(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A dataset in a folder with a curious name, made by the command that stood in it."""
-    folder = tmp_path_factory.mktemp("curious") / CURIOUS
+    return made_once(tmp_path_factory, "curious", make_curious) / CURIOUS / "out"
+
+
+def make_curious(parent: Path) -> None:
+    folder = parent / CURIOUS
     folder.mkdir()
     path = ":".join(sys.path)
     done = subprocess.run(
@@ -66,7 +71,6 @@ def curious(tmp_path_factory: pytest.TempPathFactory) -> Path:
         env={"PYTHONPATH": path, "PATH": "/usr/bin:/bin"},
     )
     assert done.returncode == 0, done.stderr
-    return folder / "out"
 
 
 @pytest.fixture
