@@ -62,6 +62,13 @@ void SumMasses(mjModel* m) {
     m->body_subtreemass[m->body_parentid[b]] += m->body_subtreemass[b];
 }
 
+// What the engine looks at before it looks at the numbers.
+void CarryFlags(const mjModel& from, mjModel* to) {
+  to->flg_gravcomp = to->flg_gravcomp || from.flg_gravcomp;
+  to->flg_surfacevel = to->flg_surfacevel || from.flg_surfacevel;
+  to->flg_adhesion = to->flg_adhesion || from.flg_adhesion;
+}
+
 // Groups may have other numbers in the new model.
 void CarryModes(const ElementMatch& match, mjModel* to) {
   const std::vector<int>& ids = match.of(mjOBJ_ACTUATOR);
@@ -133,6 +140,7 @@ void CarryModel(const ElementMatch& match, mjModel* to) {
 #undef XNV
   SumMasses(to);
   CountCompensatedBodies(to);
+  CarryFlags(*from, to);
 }
 
 }  // namespace robocell

@@ -299,6 +299,8 @@ class SceneCompiler {
       if (!spec().objects[i].parked) continue;
       ObjectRecord& object = out_->objects_[i];
       object.pool = ReadPoolRecord(model, object, *spec().objects[i].parked);
+      model->flg_gravcomp =
+          true;  // even if none is parked yet: weights count alike before and after
       if (!object.pool->parked) continue;
       PooledObject(model, object, i).Switch(model, true);
       const FreeJointPos place = ParkingPlace(i);

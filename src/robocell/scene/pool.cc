@@ -1,6 +1,7 @@
 #include "robocell/scene/pool.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -61,7 +62,7 @@ PooledObject::PooledObject(const mjModel* m, const ObjectRecord& record, size_t 
 }
 
 bool PooledObject::IsParkedAt(const mjtNum* qpos) const {
-  return qpos[qpos_.first + 2] > kParkingHeight / 2;
+  return std::abs(qpos[qpos_.first + 2] - place_[2]) < kParkingSpace / 2;
 }
 
 void PooledObject::Switch(mjModel* m, bool off) const {
@@ -80,6 +81,7 @@ void PooledObject::Switch(mjModel* m, bool off) const {
     }
   }
   CountCompensatedBodies(m);
+  m->flg_gravcomp = true;
 }
 
 void PooledObject::Put(const mjModel* m, mjData* d, int home_key, const mjtNum* pos) const {

@@ -32,7 +32,7 @@ class PooledObject {
   bool parked_after_reset() const { return record_->pool->parked; }
   const mjtNum* home(const mjModel* m) const { return m->qpos0 + qpos_.first; }
   const FreeJointPos& parking_place() const { return place_; }
-  // Whether `qpos` has it at its parking place.
+  // Whether `qpos` has it at its parking place: at that height, as a wind may have taken it aside.
   bool IsParkedAt(const mjtNum* qpos) const;
 
   // Takes contacts and weight away, or gives back those of its file.
