@@ -42,6 +42,13 @@ std::optional<CtrlMode> KindOf(const DriveLaw& law) {
   return std::nullopt;
 }
 
+std::string DescribeLaw(const DriveLaw& law) {
+  if (const auto kind = KindOf(law)) return std::string("a ") + ActuatorWord(*kind);
+  const bool servo = law.bias_type == mjBIAS_AFFINE && (law.bias[1] < 0 || law.bias[2] < 0);
+  if (servo && law.dynamics == mjDYN_INTEGRATOR) return "a servo that integrates its control";
+  return "no position servo, velocity servo or motor";
+}
+
 bool IsOnJoint(int transmission) {
   return transmission == mjTRN_JOINT || transmission == mjTRN_JOINTINPARENT;
 }
@@ -87,13 +94,10 @@ bool ActsOnJoint(const mjModel* model, int actuator) {
 bool ActsOnJoint(const mjsActuator* actuator) { return IsOnJoint(actuator->trntype); }
 
 std::string DescribeActuator(const mjModel* model, int actuator) {
-  if (const auto kind = ActuatorKind(model, actuator))
-    return std::string("a ") + ActuatorWord(*kind);
-  const DriveLaw law = LawOf(model, actuator);
-  const bool servo = law.bias_type == mjBIAS_AFFINE && (law.bias[1] < 0 || law.bias[2] < 0);
-  if (servo && law.dynamics == mjDYN_INTEGRATOR) return "a servo that integrates its control";
-  return "no position servo, velocity servo or motor";
+  return DescribeLaw(LawOf(model, actuator));
 }
+
+std::string DescribeActuator(const mjsActuator* actuator) { return DescribeLaw(LawOf(actuator)); }
 
 const char* ActuatorWord(CtrlMode kind) {
   switch (kind) {

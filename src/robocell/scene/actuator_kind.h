@@ -37,6 +37,7 @@ bool ActsOnJoint(const mjsActuator* actuator);
 
 // "a motor", "a servo that integrates its control"
 std::string DescribeActuator(const mjModel* model, int actuator);
+std::string DescribeActuator(const mjsActuator* actuator);
 // "position servo", "velocity servo", "motor"
 const char* ActuatorWord(CtrlMode kind);
 

@@ -2,13 +2,10 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <algorithm>
-
 #include "robocell/base/names.h"
-#include "robocell/base/units.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
-#include "robocell/scene/add_camera.h"
+#include "robocell/scene/edit_values.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
@@ -93,11 +90,16 @@ class Editor {
 
   void Delete() {
     const mjtObj kind = edit_.remove->kind ? EngineKind(*edit_.remove->kind) : mjOBJ_UNKNOWN;
-    if (kind == mjOBJ_KEY) return;  // keyframes of parts are never kept
+    if (kind == mjOBJ_KEY) return DeleteKey(edit_.remove->name);
     mjsElement* element = Find(*edit_.remove, kind);
     if (element && Guarded(place_, [&] { return mjs_delete(spec_, element); }) != 0) {
       report_.Problem(place_, mjs_getError(spec_));
     }
+  }
+
+  // Keyframes of parts are never kept; of `home` what it says was read.
+  void DeleteKey(const std::string& name) {
+    if (name == "home") part_.home = {};
   }
 
   void AddSite() {
@@ -154,109 +156,12 @@ class Editor {
   void Change(mjsElement* element) {
     if (!element) return;
     if (edit_.name) Rename(element, *edit_.name);
-    switch (element->elemtype) {
-      case mjOBJ_BODY:
-        return ChangeBody(mjs_asBody(element));
-      case mjOBJ_SITE:
-        return ChangeSite(mjs_asSite(element));
-      case mjOBJ_JOINT:
-        return ChangeJoint(mjs_asJoint(element));
-      case mjOBJ_GEOM:
-        return ChangeGeom(mjs_asGeom(element));
-      case mjOBJ_CAMERA:
-        return ChangeCamera(mjs_asCamera(element));
-      case mjOBJ_ACTUATOR:
-        return ChangeActuator(mjs_asActuator(element));
-      default:
-        return;
-    }
+    SetEdited(edit_, element, place_, report_);
   }
 
   void Rename(mjsElement* element, const std::string& name) {
     part_.home.Rename(element->elemtype, SpecName(element), name);
     SetSpecName(element, name, place_);
-  }
-
-  template <class Placed>
-  void ChangePose(Placed* element) {
-    if (edit_.pos) std::copy(edit_.pos->begin(), edit_.pos->end(), element->pos);
-    if (edit_.xyaxes) {
-      mjs_defaultOrientation(&element->alt);
-      element->alt.type = mjORIENTATION_XYAXES;
-      std::copy(edit_.xyaxes->begin(), edit_.xyaxes->end(), element->alt.xyaxes);
-    } else if (edit_.quat || edit_.euler) {
-      const Vec3 none{};
-      const Pose pose =
-          PlacementPose(none, edit_.euler.value_or(none), edit_.quat.value_or(kIdentityQuat));
-      double unmoved[3];
-      pose.ToWxyz(unmoved, element->quat);
-      mjs_defaultOrientation(&element->alt);
-    }
-  }
-
-  void ChangeBody(mjsBody* body) {
-    ChangePose(body);
-    if (edit_.mass) body->mass = *edit_.mass;
-  }
-
-  void ChangeSite(mjsSite* site) {
-    ChangePose(site);
-    ChangeLook(site);
-  }
-
-  void ChangeGeom(mjsGeom* geom) {
-    ChangePose(geom);
-    ChangeLook(geom);
-    if (edit_.mass) geom->mass = *edit_.mass;
-    if (edit_.friction) std::copy(edit_.friction->begin(), edit_.friction->end(), geom->friction);
-    if (edit_.condim) geom->condim = *edit_.condim;
-  }
-
-  template <class Shown>
-  void ChangeLook(Shown* element) {
-    if (edit_.size) std::copy(edit_.size->begin(), edit_.size->end(), element->size);
-    if (!edit_.rgba) return;
-    std::transform(edit_.rgba->begin(), edit_.rgba->end(), element->rgba,
-                   [](double c) { return static_cast<float>(c); });
-    mjs_setString(element->material, "");
-  }
-
-  void ChangeCamera(mjsCamera* camera) {
-    ChangePose(camera);
-    if (edit_.fovy) SetFovy(camera, *edit_.fovy, place_, report_);
-  }
-
-  void ChangeJoint(mjsJoint* joint) {
-    if (edit_.pos) std::copy(edit_.pos->begin(), edit_.pos->end(), joint->pos);
-    if (edit_.range) SetJointRange(joint);
-    if (edit_.damping) joint->damping[0] = *edit_.damping;
-    if (edit_.armature) joint->armature = *edit_.armature;
-    if (edit_.frictionloss) joint->frictionloss = *edit_.frictionloss;
-  }
-
-  // The model may be written in degrees; an edit is in radians.
-  void SetJointRange(mjsJoint* joint) {
-    const bool degrees = mjs_getCompiler(joint->element)->degree && joint->type != mjJNT_SLIDE;
-    for (int i = 0; i < 2; ++i)
-      joint->range[i] = degrees ? Degrees((*edit_.range)[i]) : (*edit_.range)[i];
-    joint->limited = mjLIMITED_TRUE;
-  }
-
-  void ChangeActuator(mjsActuator* actuator) {
-    if (edit_.ctrlrange) {
-      std::copy(edit_.ctrlrange->begin(), edit_.ctrlrange->end(), actuator->ctrlrange);
-      actuator->ctrllimited = mjLIMITED_TRUE;
-      actuator->inheritrange = 0;
-    }
-    if (edit_.forcerange) {
-      std::copy(edit_.forcerange->begin(), edit_.forcerange->end(), actuator->forcerange);
-      actuator->forcelimited = mjLIMITED_TRUE;
-    }
-    if (edit_.kp) {
-      actuator->gainprm[0] = *edit_.kp;
-      actuator->biasprm[1] = -*edit_.kp;
-    }
-    if (edit_.kv) actuator->biasprm[2] = -*edit_.kv;
   }
 
   const Edit& edit_;

@@ -6,21 +6,14 @@
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
 #include "robocell/scene/robot_parts.h"
+#include "robocell/scene/servo_gains.h"
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {
 namespace {
 
-// What the engine makes of a control stays: a servo whose controls are scaled goes on resting where
-// it did.
 void OverrideServo(const RobotConfig& config, mjsActuator* actuator) {
-  if (config.stiffness) {
-    const double authored = -actuator->biasprm[1];
-    actuator->gainprm[0] = *config.stiffness * (actuator->gainprm[0] / authored);
-    actuator->biasprm[0] = *config.stiffness * (actuator->biasprm[0] / authored);
-    actuator->biasprm[1] = -*config.stiffness;
-  }
-  if (config.damping) actuator->biasprm[2] = -*config.damping;
+  SetServoGains({.kp = config.stiffness, .kv = config.damping}, actuator);
   if (config.force_limit) {
     actuator->forcelimited = mjLIMITED_TRUE;
     actuator->forcerange[0] = -*config.force_limit;

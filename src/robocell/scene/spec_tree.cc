@@ -28,32 +28,6 @@ Pose ResolvedPose(const double pos[3], const double quat[4], const mjsOrientatio
   return Pose::FromWxyz(pos, q.data());
 }
 
-// The pose as written, without the frames around it.
-Pose OwnPose(mjsElement* element) {
-  switch (element->elemtype) {
-    case mjOBJ_BODY: {
-      const mjsBody* body = mjs_asBody(element);
-      return ResolvedPose(body->pos, body->quat, body->alt, element);
-    }
-    case mjOBJ_FRAME: {
-      const mjsFrame* frame = mjs_asFrame(element);
-      return ResolvedPose(frame->pos, frame->quat, frame->alt, element);
-    }
-    case mjOBJ_SITE: {
-      const mjsSite* site = mjs_asSite(element);
-      if (!std::isnan(site->fromto[0])) {
-        throw SpecError(
-            fmt::format("site '{}' is written with fromto, which gives it no unique orientation; "
-                        "attach to a site with pos and quat",
-                        SpecName(element)));
-      }
-      return ResolvedPose(site->pos, site->quat, site->alt, element);
-    }
-    default:
-      throw Error("PoseInParent: not a body, site or frame");
-  }
-}
-
 }  // namespace
 
 std::vector<mjsElement*> SpecElements(const mjSpec* spec, mjtObj kind) {
@@ -130,13 +104,48 @@ mjtObj TargetKind(mjtTrn transmission) {
 
 mjsBody* WorldBody(mjSpec* spec) { return mjs_findBody(spec, "world"); }
 
-Pose PoseInParent(mjsElement* element) {
-  Pose pose = OwnPose(element);
+Pose OwnPose(mjsElement* element) {
+  switch (element->elemtype) {
+    case mjOBJ_BODY: {
+      const mjsBody* body = mjs_asBody(element);
+      return ResolvedPose(body->pos, body->quat, body->alt, element);
+    }
+    case mjOBJ_FRAME: {
+      const mjsFrame* frame = mjs_asFrame(element);
+      return ResolvedPose(frame->pos, frame->quat, frame->alt, element);
+    }
+    case mjOBJ_SITE: {
+      const mjsSite* site = mjs_asSite(element);
+      if (!std::isnan(site->fromto[0])) {
+        throw SpecError(
+            fmt::format("site '{}' is written with fromto, which gives it no unique orientation; "
+                        "attach to a site with pos and quat",
+                        SpecName(element)));
+      }
+      return ResolvedPose(site->pos, site->quat, site->alt, element);
+    }
+    case mjOBJ_GEOM: {
+      const mjsGeom* geom = mjs_asGeom(element);
+      return ResolvedPose(geom->pos, geom->quat, geom->alt, element);
+    }
+    case mjOBJ_CAMERA: {
+      const mjsCamera* camera = mjs_asCamera(element);
+      return ResolvedPose(camera->pos, camera->quat, camera->alt, element);
+    }
+    default:
+      throw Error("OwnPose: not a body, frame, site, geom or camera");
+  }
+}
+
+Pose FramePoseInParent(mjsElement* element) {
+  Pose pose;
   for (mjsFrame* frame = mjs_getFrame(element); frame; frame = mjs_getFrame(frame->element)) {
     pose = OwnPose(frame->element) * pose;
   }
   return pose;
 }
+
+Pose PoseInParent(mjsElement* element) { return FramePoseInParent(element) * OwnPose(element); }
 
 Pose PoseInWorld(mjsElement* element) {
   Pose pose;

@@ -7,6 +7,8 @@
 
 #include <mujoco/mujoco.h>
 
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -34,7 +36,12 @@ mjtObj TargetKind(mjtTrn transmission);
 mjsElement* FindSpecElement(const mjSpec* spec, mjtObj kind, const std::string& name);
 mjsBody* WorldBody(mjSpec* spec);
 
-// Pose of a body, site or frame in its parent body, the frames around it included.
+// Pose of a body, site, geom, camera or frame as written, without the frames around it. SpecError
+// for a site with fromto.
+Pose OwnPose(mjsElement* element);
+// The frames around an element of a body in that body.
+Pose FramePoseInParent(mjsElement* element);
+// Pose in the parent body, the frames around it included.
 Pose PoseInParent(mjsElement* element);
 // The same in the world, with all joints at their reference.
 Pose PoseInWorld(mjsElement* element);
@@ -48,6 +55,25 @@ template <class Placed>
 void SetPose(Placed* element, const Pose& pose) {
   pose.ToWxyz(element->pos, element->quat);
   mjs_defaultOrientation(&element->alt);
+}
+
+// Replaces the ends (fromto) of a geom or site by the pose and size that the engine makes of them.
+template <class Stretched>
+void ResolveFromTo(Stretched* element) {
+  if (std::isnan(element->fromto[0])) return;
+  const double *from = element->fromto, *to = from + 3;
+  double along[3];
+  for (int i = 0; i < 3; ++i) {
+    along[i] = from[i] - to[i];
+    element->pos[i] = (from[i] + to[i]) / 2;
+  }
+  const double half_length = mju_normalize3(along) / 2;
+  mju_quatZ2Vec(element->quat, along);
+  mjs_defaultOrientation(&element->alt);
+  const bool across = element->type == mjGEOM_BOX || element->type == mjGEOM_ELLIPSOID;
+  if (across) element->size[1] = element->size[0];
+  element->size[across ? 2 : 1] = half_length;
+  element->fromto[0] = std::numeric_limits<double>::quiet_NaN();
 }
 
 // Attaches a body of another spec to a body, with its subtree and all that refers to it, as a copy.

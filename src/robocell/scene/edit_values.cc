@@ -1,0 +1,214 @@
+#include "robocell/scene/edit_values.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "robocell/base/units.h"
+#include "robocell/scene/actuator_kind.h"
+#include "robocell/scene/add_camera.h"
+#include "robocell/scene/body_mass.h"
+#include "robocell/scene/servo_gains.h"
+#include "robocell/scene/spec_tree.h"
+
+namespace robocell {
+namespace {
+
+class ValueEditor {
+ public:
+  ValueEditor(const Edit& edit, mjsElement* element, const std::string& place, Report& report)
+      : edit_(edit), element_(element), place_(place), report_(report) {}
+
+  void Apply() {
+    switch (element_->elemtype) {
+      case mjOBJ_BODY:
+        return ChangeBody(mjs_asBody(element_));
+      case mjOBJ_SITE:
+        return ChangeSite(mjs_asSite(element_));
+      case mjOBJ_JOINT:
+        return ChangeJoint(mjs_asJoint(element_));
+      case mjOBJ_GEOM:
+        return ChangeGeom(mjs_asGeom(element_));
+      case mjOBJ_CAMERA:
+        return ChangeCamera(mjs_asCamera(element_));
+      case mjOBJ_ACTUATOR:
+        return ChangeActuator(mjs_asActuator(element_));
+      default:
+        return;
+    }
+  }
+
+ private:
+  void Problem(std::string_view field, const std::string& message) {
+    report_.Problem(place_, message, field);
+  }
+  std::string Name() const { return DescribeSpecElement(element_); }
+
+  bool turns() const { return edit_.quat || edit_.euler || edit_.xyaxes; }
+  bool moves() const { return edit_.pos || turns(); }
+
+  void ChangeBody(mjsBody* body) {
+    ChangePose(body);
+    if (edit_.mass) SetMass(SetBodyMass(body, *edit_.mass));
+  }
+
+  void ChangeSite(mjsSite* site) {
+    if (moves() || edit_.size) ResolveFromTo(site);
+    ChangePose(site);
+    ChangeLook(site);
+  }
+
+  void ChangeGeom(mjsGeom* geom) {
+    if (edit_.size && HasSizeOfAsset(geom)) {
+      return Problem("size", fmt::format("the size of {} is that of its mesh or height field; "
+                                         "scale that in the file (<mesh scale=\"...\">)",
+                                         Name()));
+    }
+    if (moves() || edit_.size) ResolveFromTo(geom);
+    ChangePose(geom);
+    ChangeLook(geom);
+    if (edit_.mass) SetMass(SetGeomMass(geom, *edit_.mass));
+    if (edit_.friction) std::copy(edit_.friction->begin(), edit_.friction->end(), geom->friction);
+    if (edit_.condim) geom->condim = *edit_.condim;
+  }
+
+  // Primitives that are fitted to a mesh too.
+  static bool HasSizeOfAsset(const mjsGeom* geom) {
+    return geom->type == mjGEOM_MESH || geom->type == mjGEOM_SDF || geom->type == mjGEOM_HFIELD ||
+           !std::string_view(mjs_getString(geom->meshname)).empty();
+  }
+
+  void SetMass(const std::optional<std::string>& problem) {
+    if (problem) Problem("mass", *problem);
+  }
+
+  template <class Placed>
+  void ChangePose(Placed* element) {
+    if (!moves()) return;
+    const bool framed = mjs_getFrame(element_) != nullptr;
+    const Pose before = framed ? PoseInParent(element_) : Pose();
+    if (edit_.pos) std::copy(edit_.pos->begin(), edit_.pos->end(), element->pos);
+    if (edit_.xyaxes) {
+      mjs_defaultOrientation(&element->alt);
+      element->alt.type = mjORIENTATION_XYAXES;
+      std::copy(edit_.xyaxes->begin(), edit_.xyaxes->end(), element->alt.xyaxes);
+    } else if (turns()) {
+      const Vec3 none{};
+      SetPose(element,
+              Pose(Eigen::Vector3d(element->pos), PlacementPose(none, edit_.euler.value_or(none),
+                                                                edit_.quat.value_or(kIdentityQuat))
+                                                      .quaternion()));
+    }
+    if (framed) GoOutOfFrame(before, element);
+  }
+
+  // What the edit says is in the parent body; the file's frames around the element are not.
+  template <class Placed>
+  void GoOutOfFrame(const Pose& before, Placed* element) {
+    const Pose in_frame = OwnPose(element_);
+    const Pose frame = FramePoseInParent(element_);
+    const Pose& place = edit_.pos ? in_frame : before;
+    const Pose& rotation = turns() ? in_frame : before;
+    SetPose(element, frame.inverse() * Pose(place.translation(), rotation.quaternion()));
+  }
+
+  template <class Shown>
+  void ChangeLook(Shown* element) {
+    if (edit_.size) std::copy(edit_.size->begin(), edit_.size->end(), element->size);
+    if (!edit_.rgba) return;
+    std::transform(edit_.rgba->begin(), edit_.rgba->end(), element->rgba,
+                   [](double c) { return static_cast<float>(c); });
+    mjs_setString(element->material, "");
+  }
+
+  void ChangeCamera(mjsCamera* camera) {
+    const bool aims = camera->mode == mjCAMLIGHT_TARGETBODY ||  //
+                      camera->mode == mjCAMLIGHT_TARGETBODYCOM;
+    if (turns() && aims) {
+      return Problem(edit_.quat    ? "quat"
+                     : edit_.euler ? "euler"
+                                   : "xyaxes",
+                     fmt::format("{} always looks at body '{}', so it cannot be turned; add a "
+                                 "camera of its own with add_camera",
+                                 Name(), mjs_getString(camera->targetbody)));
+    }
+    if (edit_.fovy && camera->sensor_size[1] > 0) {
+      return Problem("fovy", fmt::format("the fovy of {} is that of its focal length and "
+                                         "sensorsize; change these in the file",
+                                         Name()));
+    }
+    ChangePose(camera);
+    if (edit_.fovy) SetFovy(camera, *edit_.fovy, place_, report_);
+  }
+
+  void ChangeJoint(mjsJoint* joint) {
+    if (joint->type == mjJNT_FREE && (edit_.pos || edit_.range)) {
+      return Problem(edit_.pos ? "pos" : "range",
+                     fmt::format("{} is a free joint, which has no {}; it moves its body anywhere",
+                                 Name(), edit_.pos ? "pos" : "range"));
+    }
+    if (edit_.pos) SetJointPos(joint);
+    if (edit_.range) SetJointRange(joint);
+    if (edit_.damping) SetJointDamping(joint);
+    if (edit_.armature) joint->armature = *edit_.armature;
+    if (edit_.frictionloss) joint->frictionloss = *edit_.frictionloss;
+  }
+
+  void SetJointPos(mjsJoint* joint) {
+    const Eigen::Vector3d pos(edit_.pos->data());
+    const Eigen::Vector3d in_frame =
+        (FramePoseInParent(element_).inverse() * Pose(pos)).translation();
+    std::copy_n(in_frame.data(), 3, joint->pos);
+  }
+
+  // The model may be written in degrees; an edit is in radians.
+  void SetJointRange(mjsJoint* joint) {
+    const bool degrees = mjs_getCompiler(joint->element)->degree && joint->type != mjJNT_SLIDE;
+    for (int i = 0; i < 2; ++i)
+      joint->range[i] = degrees ? Degrees((*edit_.range)[i]) : (*edit_.range)[i];
+    joint->limited = mjLIMITED_TRUE;
+  }
+
+  void SetJointDamping(mjsJoint* joint) {
+    if (joint->springdamper[0] > 0 && joint->springdamper[1] > 0) {
+      return Problem("damping", fmt::format("the engine works the damping of {} out from its "
+                                            "springdamper; change that in the file",
+                                            Name()));
+    }
+    joint->damping[0] = *edit_.damping;
+  }
+
+  void ChangeActuator(mjsActuator* actuator) {
+    if (edit_.ctrlrange) {
+      std::copy(edit_.ctrlrange->begin(), edit_.ctrlrange->end(), actuator->ctrlrange);
+      actuator->ctrllimited = mjLIMITED_TRUE;
+      if (actuator->dyntype != mjDYN_INTEGRATOR) actuator->inheritrange = 0;  // is of ctrlrange
+    }
+    if (edit_.forcerange) {
+      std::copy(edit_.forcerange->begin(), edit_.forcerange->end(), actuator->forcerange);
+      actuator->forcelimited = mjLIMITED_TRUE;
+    }
+    if ((edit_.kp || edit_.kv) && !SetServoGains({.kp = edit_.kp, .kv = edit_.kv}, actuator)) {
+      Problem(edit_.kp ? "kp" : "kv",
+              fmt::format("{} is {}: kp is a gain of position servos, kv of these and of velocity "
+                          "servos; leave it out, or write the actuator as <position> or <velocity> "
+                          "in the file",
+                          Name(), DescribeActuator(actuator)));
+    }
+  }
+
+  const Edit& edit_;
+  mjsElement* element_;
+  const std::string& place_;
+  Report& report_;
+};
+
+}  // namespace
+
+void SetEdited(const Edit& edit, mjsElement* element, const std::string& place, Report& report) {
+  ValueEditor(edit, element, place, report).Apply();
+}
+
+}  // namespace robocell
