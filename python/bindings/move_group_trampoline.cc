@@ -1,6 +1,6 @@
 #include "move_group_trampoline.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,12 +24,33 @@ nb::object Method(nb::handle self, const char* name) {
               ClassName(self) + " does not");
 }
 
-void CopyNumbers(nb::handle self, const char* name, nb::handle numbers, std::span<double> out) {
-  const std::vector<double> values = ToDoubles(numbers, name);
-  if (values.size() != out.size()) {
-    throw ArgumentError(ClassName(self) + "." + name + ": expected " + std::to_string(out.size()) +
-                        " values, got " + std::to_string(values.size()));
+using Shape = std::vector<size_t>;
+
+// "(6, 2)", as numpy writes it.
+std::string ShapeText(const Shape& shape) {
+  return fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+}
+
+// The numbers that a method returned. Of another shape they would mean something else, however many
+// they are; nothing is nothing in any shape.
+std::vector<double> NumbersOf(nb::handle self, const char* name, nb::handle numbers,
+                              const Shape& expected) {
+  Shape shape;
+  std::vector<double> values = ToDoubles(numbers, name, shape);
+  const bool none =
+      values.empty() && std::find(expected.begin(), expected.end(), 0U) != expected.end();
+  if (shape == expected || none) return values;
+  const std::string place = ClassName(self) + "." + name;
+  if (shape.size() == 1 && expected.size() == 1) {
+    throw ArgumentError(
+        fmt::format("{}: expected {} values, got {}", place, expected[0], shape[0]));
   }
+  throw ArgumentError(fmt::format("{}: expected an array of shape {}, got {}", place,
+                                  ShapeText(expected), ShapeText(shape)));
+}
+
+void CopyNumbers(nb::handle self, const char* name, nb::handle numbers, std::span<double> out) {
+  const std::vector<double> values = NumbersOf(self, name, numbers, {out.size()});
   std::copy(values.begin(), values.end(), out.begin());
 }
 
@@ -93,11 +114,13 @@ int Count(const WrittenInPython& group, const char* method) {
 
 double Number(const WrittenInPython& group, const char* method) { return AskNumber(group, method); }
 
-std::vector<Interval> Intervals(const WrittenInPython& group, const char* method) {
+std::vector<Interval> Intervals(const WrittenInPython& group, const char* method, int count) {
   const nb::gil_scoped_acquire gil;
-  const std::vector<double> flat = ToDoubles(Method(group.object(), method)(), method);
+  const nb::object self = group.object();
+  const std::vector<double> flat =
+      NumbersOf(self, method, Method(self, method)(), {static_cast<size_t>(count), 2});
   std::vector<Interval> intervals;
-  for (size_t i = 0; i + 1 < flat.size(); i += 2) intervals.push_back({flat[i], flat[i + 1]});
+  for (size_t i = 0; i < flat.size(); i += 2) intervals.push_back({flat[i], flat[i + 1]});
   return intervals;
 }
 
@@ -145,8 +168,11 @@ void Integrate(const WrittenInPython& group, std::span<double> q, std::span<cons
 
 void Jacobian(const WrittenInPython& group,
               Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> j) {
-  std::vector<double> flat(6 * static_cast<size_t>(j.cols()));
-  Get(group, "get_jacobian", flat);
+  const nb::gil_scoped_acquire gil;
+  const nb::object self = group.object();
+  const char* name = "get_jacobian";
+  const std::vector<double> flat =
+      NumbersOf(self, name, Method(self, name)(), {6, static_cast<size_t>(j.cols())});
   for (int r = 0; r < 6; ++r) {
     for (int c = 0; c < j.cols(); ++c) j(r, c) = flat[static_cast<size_t>(r * j.cols() + c)];
   }

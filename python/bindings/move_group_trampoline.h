@@ -31,13 +31,15 @@ class WrittenInPython {
 
 // Calls to methods of a group; they take the GIL.
 namespace group_call {
-// A method's result that is copied; "MyGroup.get_joint_pos: expected 7 values, got 3".
+// A method's result that is copied. ArgumentError for any other shape: "MyGroup.get_joint_pos:
+// expected 7 values, got 3", "MyGroup.get_jacobian: expected an array of shape (6, 7), got (7, 6)".
 void Get(const WrittenInPython& group, const char* method, std::span<double> out);
 void Set(const WrittenInPython& group, const char* method, std::span<const double> values);
 int Count(const WrittenInPython& group, const char* method);
 // ArgumentError unless it is finite.
 double Number(const WrittenInPython& group, const char* method);
-std::vector<Interval> Intervals(const WrittenInPython& group, const char* method);
+// What a method returns in `count` rows of two.
+std::vector<Interval> Intervals(const WrittenInPython& group, const char* method, int count);
 Pose Frame(const WrittenInPython& group, const char* method);
 std::string Text(const WrittenInPython& group, const char* method);
 std::vector<std::string> Texts(const WrittenInPython& group, const char* method);
@@ -75,10 +77,10 @@ class GroupCalls : public Base, public WrittenInPython {
   }
   void SetCtrl(std::span<const double> ctrl) override { group_call::Set(*this, "set_ctrl", ctrl); }
   std::vector<Interval> joint_pos_limits() const override {
-    return group_call::Intervals(*this, "get_joint_pos_limits");
+    return group_call::Intervals(*this, "get_joint_pos_limits", nq());
   }
   std::vector<Interval> ctrl_limits() const override {
-    return group_call::Intervals(*this, "get_ctrl_limits");
+    return group_call::Intervals(*this, "get_ctrl_limits", nu());
   }
   void NoopCtrl(std::span<double> out) const override { Get("get_noop_ctrl", out); }
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const override {

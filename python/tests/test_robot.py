@@ -184,6 +184,49 @@ class TestOwnGroups:
         with pytest.raises(rc.NotFoundError, match=message):
             robot.apply({"lamp": rc.GroupCommand.joints([0.5])})
 
+    @pytest.mark.parametrize(
+        ("limits", "shape"),
+        [
+            ([-1.0, 1.0, -1.0], r"\(3,\)"),
+            ([-1.0, 1.0, -1.0, 1.0], r"\(4,\)"),
+            ([(-1.0, 1.0)], r"\(1, 2\)"),
+            (np.zeros((2, 2, 1)), r"\(2, 2, 1\)"),
+        ],
+    )
+    def test_limits_are_a_row_of_two_for_each_joint(self, scene, limits, shape):
+        class Two(Lamp):
+            get_joint_names = lambda self: ["a", "b"]  # noqa: E731
+            get_joint_pos = get_joint_vel = lambda self: np.zeros(2)
+            get_joint_pos_limits = get_ctrl_limits = lambda self: limits
+            get_ctrl = lambda self: np.zeros(2)  # noqa: E731
+
+        robot = scene.robot("a")
+        robot.set_group(Two())
+        message = rf"Two.get_joint_pos_limits: expected an array of shape \(2, 2\), got {shape}"
+        with pytest.raises(rc.NotFoundError, match=f"'lamp' has no controller: {message}"):
+            robot.apply({"lamp": rc.GroupCommand.joints([0.5, 0.5])})
+        with pytest.raises(rc.ArgumentError, match=message):
+            _ = robot.group("lamp").joint_pos_limits
+        with pytest.raises(rc.ArgumentError, match=message.replace("joint_pos", "ctrl")):
+            _ = robot.group("lamp").ctrl_limits
+
+    def test_values_and_jacobians_of_another_shape_are_not_reordered(self):
+        class Turned(Lamp):
+            get_joint_pos = get_joint_vel = lambda self: np.zeros(2)
+            get_joint_torque = lambda self: np.zeros((2, 1))  # noqa: E731
+            get_jacobian = lambda self: self.given  # noqa: E731
+
+        group = Turned()
+        group.given = np.arange(12.0).reshape(6, 2)
+        assert np.array_equal(group.jacobian(), group.given)
+        group.given = group.given.T
+        message = r"Turned.get_jacobian: expected an array of shape \(6, 2\), got \(2, 6\)"
+        with pytest.raises(rc.ArgumentError, match=message):
+            group.jacobian()
+        message = r"Turned.get_joint_torque: expected an array of shape \(2,\), got \(2, 1\)"
+        with pytest.raises(rc.ArgumentError, match=message):
+            _ = group.joint_torque
+
     def test_a_gripper_that_measures_nan_is_told_by_name(self, scene):
         class Vague(rc.GripperGroup):
             get_name = lambda self: "vague"  # noqa: E731

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "robocell/robot/joint_limits.h"
+
 namespace robocell {
 namespace {
 
@@ -20,7 +22,7 @@ namespace {
 
 void RelativeJointController::SetTarget(std::span<const double> delta) {
   CheckValues([&] { return group_.place(); }, "joint", delta, target_size(), group_.joint_names());
-  const std::vector<Interval> limits = group_.joint_pos_limits();
+  const std::vector<Interval> limits = CheckedJointPosLimits(group_);
   const std::span<double> target = absolute_.command_port();
   for (size_t i = 0; i < target.size(); ++i) {
     target[i] = std::clamp(target[i] + delta[i], limits[i].lower, limits[i].upper);

@@ -5,6 +5,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_step.h"
+#include "robocell/robot/joint_limits.h"
 #include "robocell/robot/robot_state.h"
 
 namespace robocell {
@@ -55,7 +56,7 @@ Values JointTarget(const std::string& place, const GroupSlot& slot, const GroupC
       return relative ? command.values : Sum(command.values, now, -1);
     case TargetKind::kJointPositions:
       if (!relative) return command.values;
-      return Clamped(Sum(now, command.values, 1), slot.own->group->joint_pos_limits());
+      return Clamped(Sum(now, command.values, 1), CheckedJointPosLimits(*slot.own->group));
     case TargetKind::kPose:
       if (!slot.own->chain) break;
       return PoseTarget(

@@ -1,16 +1,11 @@
 #include "robocell/robot/joint_position_controller.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "robocell/robot/gripper_opening_controller.h"
+#include "robocell/robot/joint_limits.h"
 
 namespace robocell {
-namespace {
-
-constexpr double kUnlimited = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 std::unique_ptr<Controller> MakeJointPositionController(MoveGroup& group) {
   if (auto* gripper = dynamic_cast<GripperGroup*>(&group)) {
@@ -25,8 +20,7 @@ JointPositionController::JointPositionController(MoveGroup& group)
       target_(group.joint_pos()),
       held_(target_.begin(), target_.end()),
       within_(target_.size()),
-      limits_(group.joint_pos_limits()) {
-  limits_.resize(target_.size(), Interval{-kUnlimited, kUnlimited});
+      limits_(CheckedJointPosLimits(group)) {
   std::vector<double> ctrl(group.nu());
   group.CtrlForJointPos(target_.get(), ctrl);  // says at once when the group has no servos
 }

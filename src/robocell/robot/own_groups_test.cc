@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <utility>
 
@@ -264,6 +265,44 @@ TEST(OwnGroup, CannotBeReplacedWhileItIsRead) {
                      "'arm' outside of the arm's joint_pos");
   robot.Update();  // as before
   EXPECT_EQ(&robot.arm(), &arm);
+}
+
+// Of two joints, with these limits.
+class OddlyLimited : public JointGroup {
+ public:
+  OddlyLimited(const Scene& scene, std::vector<Interval> limits)
+      : JointGroup(scene, WristNames(), MoveGroupKind::kGeneric), limits_(std::move(limits)) {}
+  std::vector<Interval> joint_pos_limits() const override { return limits_; }
+
+ private:
+  std::vector<Interval> limits_;
+};
+
+TEST(OwnGroup, NeedsARisingLimitForEachJoint) {
+  Robot robot = RobotAlone(Rc7());
+  const auto make = [&](std::vector<Interval> limits) {
+    OddlyLimited group(robot.scene(), std::move(limits));
+    MakeJointPositionController(group);
+  };
+  make({{-1, 1}, {-HUGE_VAL, HUGE_VAL}});
+  const std::string place = "robot 'rc7' / group 'wrist': ";
+  ExpectThrow<ArgumentError>(
+      [&] {
+        make({{-1, 1}});
+      },
+      place +
+          "joint_pos_limits has 1 interval(s), expected 2, one for each joint position "
+          "(infinite where there is no limit)");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        make({{-1, 1}, {2, -2}});
+      },
+      place + "joint_pos_limits[1] is [2, -2], expected [smallest, largest]");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        make({{std::nan(""), 1}, {-1, 1}});
+      },
+      place + "joint_pos_limits[0] is [nan, 1]");
 }
 
 // Holds every joint where a sine has it, whatever the target.
