@@ -40,14 +40,23 @@ bool HasWord(std::string_view text, std::string_view word) {
 }  // namespace
 
 SceneClaims::~SceneClaims() {
+  for (auto use = more_.rbegin(); use != more_.rend(); ++use) (*use)->End();
   while (count_ > 0) claimed_[--count_]->End();
 }
 
 void SceneClaims::Add(SceneUse& use) {
-  const auto end = claimed_.begin() + count_;
-  if (count_ == claimed_.size() || std::find(claimed_.begin(), end, &use) != end) return;
+  if (Has(use)) return;
+  const bool is_one_of_many = count_ == claimed_.size();
+  if (is_one_of_many) more_.reserve(more_.size() + 1);  // what is begun is remembered
   use.Begin(function_);
+  if (is_one_of_many) return more_.push_back(&use);
   claimed_[count_++] = &use;
+}
+
+bool SceneClaims::Has(const SceneUse& use) const {
+  const auto end = claimed_.begin() + count_;
+  return std::find(claimed_.begin(), end, &use) != end ||
+         std::find(more_.begin(), more_.end(), &use) != more_.end();
 }
 
 void AddGuard(nb::handle type, HandleGuard guard, Excepted excepted) {
@@ -71,6 +80,14 @@ bool TakesHandles(std::string_view signature) {
 }
 
 void UseArgument(nb::handle argument, SceneClaims& claims) {
+  if (PyList_Check(argument.ptr()) || PyTuple_Check(argument.ptr())) {
+    for (const nb::handle item : nb::borrow<nb::sequence>(argument)) UseArgument(item, claims);
+    return;
+  }
+  if (PyDict_Check(argument.ptr())) {
+    for (const auto& [key, item] : nb::borrow<nb::dict>(argument)) UseArgument(item, claims);
+    return;
+  }
   for (PyTypeObject* type = Py_TYPE(argument.ptr()); type; type = type->tp_base) {
     const auto it = GuardedClasses().find(reinterpret_cast<PyObject*>(type));
     if (it != GuardedClasses().end()) return it->second.guard(argument, claims, false);

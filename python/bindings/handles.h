@@ -19,6 +19,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "bindings.h"
 #include "robocell/base/error.h"
@@ -45,8 +46,11 @@ class SceneClaims {
 
  private:
   const char* function_;
-  std::array<SceneUse*, 8> claimed_;  // more handles are no function's arguments
+  bool Has(const SceneUse& use) const;
+
+  std::array<SceneUse*, 8> claimed_;  // the first, without an allocation
   size_t count_ = 0;
+  std::vector<SceneUse*> more_;
 };
 
 // Claims the scene of an object, then requires that it is open, if it has to be.
@@ -72,7 +76,7 @@ struct Asked {
 Asked AskedOf(nb::handle type, std::string_view function);
 // Whether a signature in Python's words has a parameter of such a class.
 bool TakesHandles(std::string_view signature);
-// Claims the scenes of an argument, if it is a handle.
+// Claims the scenes of an argument that is a handle, or a list, tuple or dict of handles.
 void UseArgument(nb::handle argument, SceneClaims& claims);
 
 template <class T, class Use, class RequireOpen>

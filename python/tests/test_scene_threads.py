@@ -78,6 +78,20 @@ def resetting(scene: rc.Scene) -> Iterator[None]:
     scene.remove_reset_hook(hook)
 
 
+def test_handles_in_a_list_are_in_use_too():
+    scenes = [cell() for _ in range(12)]
+    robots = [scene.robot("a") for scene in scenes]
+    busy = IN_USE.format("Scene.reset")
+    for i in (1, 11):
+        with resetting(scenes[i]):
+            assert busy in refused(lambda: rc.Stepper(scenes[0], robots))
+            assert busy in refused(lambda: rc.Stepper(scenes[0], robots=tuple(robots)))
+    with pytest.raises(rc.ArgumentError, match="belongs to another scene"):
+        rc.Stepper(scenes[0], robots)
+    for scene in scenes:
+        scene.forward()  # all are let go of
+
+
 def refused(call: Callable[[], Any]) -> str:
     with pytest.raises(rc.Error) as caught:
         call()
