@@ -10,7 +10,6 @@
 #include "python_owner.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/log.h"
 #include "robocell/base/version.h"
 
 namespace nb = nanobind;
@@ -93,11 +92,6 @@ void BindBase(nb::module_& m) {
   nb::module_::import_("atexit").attr("register")(nb::cpp_function(&ReleaseHeld));
   m.attr("__version__") = std::string(Version());
   m.def(
-      "set_log_level", [](const std::string& level) { SetLogLevel(LogLevelFromName(level)); },
-      nb::arg("level"),
-      "Show messages of this level and everything more severe: 'debug', 'info', 'warn', 'error'; "
-      "with 'none' nothing.");
-  m.def(
       "atomic_write",
       [](const std::filesystem::path& path, const nb::bytes& content) {
         AtomicWrite(path, {content.c_str(), content.size()});
@@ -105,9 +99,6 @@ void BindBase(nb::module_& m) {
       nb::arg("path"), nb::arg("content"),
       "Replaces a file in one step: the old content or the new, never half, and on the disk. "
       "IoError names path and reason.");
-  m.def(
-      "log_level", [] { return std::string(LogLevelName(GetLogLevel())); },
-      "The level in force: 'debug', 'info', 'warn', 'error' or 'none'.");
 }
 
 }  // namespace robocell::python

@@ -19,7 +19,8 @@ namespace robocell::python {
 
 namespace nb = nanobind;
 
-void BindBase(nb::module_& m);        // errors, log, version
+void BindBase(nb::module_& m);        // errors, version
+void BindLog(nb::module_& m);         // the log
 void BindMath(nb::module_& m);        // Pose
 void BindSpec(nb::module_& m);        // SceneSpec, RobotConfig, ...
 void BindAssets(nb::module_& m);      // where models are found

@@ -10,6 +10,7 @@ NB_MODULE(_core, m) {
   using namespace robocell::python;
   m.doc() = "robocell's C++ core. Use it through the package `robocell`.";
   BindBase(m);
+  BindLog(m);
   robocell::CheckEngineVersion();
   m.attr("__mujoco_version__") = robocell::CompiledEngineVersion();
   m.def("mujoco_version", &robocell::LoadedEngineVersion,

@@ -17,9 +17,17 @@ nb::object Array(std::span<const double> values) {
   return NewArray<double>(values, {values.size()});
 }
 
+// Whether a method is the one that MoveGroup has for all groups, which would ask the group again.
+bool IsInherited(nb::handle method, const char* name) {
+  const nb::handle base = nb::type<MoveGroup>();
+  if (!nb::hasattr(base, name) || !nb::hasattr(method, "__self__")) return false;
+  return nb::object(method.attr("__self__").type().attr(name)).is(nb::object(base.attr(name)));
+}
+
 // The bound method; an Error names the class that does not define it.
 nb::object Method(nb::handle self, const char* name) {
-  if (nb::hasattr(self, name)) return self.attr(name);
+  const nb::object method = nb::getattr(self, name, nb::none());
+  if (!method.is_none() && !IsInherited(method, name)) return method;
   throw Error("a group written in Python must define " + std::string(name) + "(); " +
               ClassName(self) + " does not");
 }

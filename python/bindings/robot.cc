@@ -73,9 +73,11 @@ void BindGroups(nb::module_& m) {
       "get_joint_pos, get_joint_vel,\n"
       "get_joint_torque, get_ctrl, set_joint_pos, set_joint_vel, set_ctrl, get_noop_ctrl, "
       "ctrl_for_joint_pos,\n"
-      "get_joint_pos_limits, get_ctrl_limits, get_leaf_frame_to_world, get_root_frame_to_world, "
+      "get_joint_pos_limits (nq, 2), get_ctrl_limits (nu, 2), get_leaf_frame_to_world, "
+      "get_root_frame_to_world, "
       "get_leaf_frame_to_robot,\n"
-      "get_jacobian and integrate as needed; then robot.set_group(group). A gripper also "
+      "get_jacobian (6, nv) and integrate as needed, each returning arrays of its shape; then "
+      "robot.set_group(group). A gripper also "
       "defines get_opening, set_opening,\n"
       "ctrl_for_opening, get_inter_finger_dist, get_inter_finger_dist_range, get_is_open and "
       "get_is_grasping(body); a base\n"
@@ -125,6 +127,19 @@ void BindGroups(nb::module_& m) {
       .def_prop_ro("root_frame_to_world", &MoveGroup::root_frame_to_world)
       .def_prop_ro("leaf_frame_to_robot", &MoveGroup::leaf_frame_to_robot)
       .def_prop_ro("leaf_frame_to_root", &MoveGroup::leaf_frame_to_root)
+      .def(
+          "integrate",
+          [](const MoveGroup& g, nb::handle q, nb::handle v) {
+            std::vector<double> moved = ToRow(q, "q");
+            g.Integrate(moved, ToRow(v, "v"));
+            return NewArray(moved);
+          },
+          "q"_a, "v"_a,
+          nb::sig("def integrate(self, q: numpy.typing.ArrayLike, v: numpy.typing.ArrayLike) -> "
+                  "numpy.typing.NDArray[numpy.float64]"),
+          "The joint positions (nq,) that q (nq,) becomes when it moves with the velocities v "
+          "(nv,) for a unit of time: rad and rad/s, m and m/s; quaternions turn and stay unit. "
+          "Nothing moves in the scene. ArgumentError for another number of values.")
       .def("jacobian", &GroupJacobian, "(6, nv) at the leaf, world axes, linear rows first.");
   nb::class_<GripperGroup, MoveGroup, PyGripperGroup> gripper(
       m, "GripperGroup", "A gripper: opening 0 closed ... 1 open whatever the raw control means.");
@@ -334,6 +349,11 @@ void BindRobotClass(nb::module_& m) {
             return q.is_none() ? r.FkFrame() : r.FkFrame(ToRow(q, "q"));
           },
           "q"_a = nb::none(), "Pose of the TCP in the robot base frame.")
+      .def(
+          "copy_config", [](const Robot& r) { return RobotConfig(r.config()); },
+          "A copy of the robot's configuration: that of its file or spec, an empty one (name and "
+          "model at most) for a robot without. Changing it changes no robot; build a scene with "
+          "it.")
       .def_prop_ro("kinematics", [](const Robot& r) { return Kinematics{r}; })
       .def_prop_ro("base_in_world", &Robot::base_in_world)
       .def_prop_ro("tcp_in_world", &Robot::tcp_in_world)

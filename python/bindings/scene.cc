@@ -246,6 +246,47 @@ void BindContact(nb::module_& m) {
       });
 }
 
+void BindRecords(nb::module_& m) {
+  nb::class_<RobotRecord>(m, "RobotRecord",
+                          "What became of a robot of a SceneSpec. Names are full names in the "
+                          "model.")
+      .def_ro("name", &RobotRecord::name,
+              "As resolved: RobotSpec.name, else its prefix, else robot, robot_1, ...")
+      .def_ro("prefix", &RobotRecord::prefix, "What its names in the model begin with.")
+      .def(
+          "copy_config", [](const RobotRecord& r) { return RobotConfig(r.config); },
+          "A copy of its configuration, an empty one for a robot without.")
+      .def(
+          "copy_base", [](const RobotRecord& r) { return BaseConfig(r.base); },
+          "A copy of what it stands on: the spec's, else the configuration's.")
+      .def_ro("top_body", &RobotRecord::top_body, "Its highest body: its base, or its root.")
+      .def_ro("root_body", &RobotRecord::root_body, "Its frame is the robot base frame.")
+      .def_ro("base_body", &RobotRecord::base_body,
+              "What it stands on, pedestal included: its subtree is the robot.")
+      .def_ro("mocap_body", &RobotRecord::mocap_body,
+              "At the pedestal's bottom; None without a mocap base.")
+      .def_ro("pedestal_height", &RobotRecord::pedestal_height,
+              "From the mocap body to the root body's mount, m.")
+      .def_ro("attachment_site", &RobotRecord::attachment_site, "Where tools go; None for none.")
+      .def_ro("tcp_site", &RobotRecord::tcp_site,
+              "The site made for attachment_site * tcp_offset; None unless both are configured.")
+      .def("__repr__", [](const RobotRecord& r) { return "<RobotRecord '" + r.name + "'>"; });
+  nb::class_<ObjectRecord>(m, "ObjectRecord",
+                           "What became of an object of a SceneSpec. Names are full names in the "
+                           "model.")
+      .def_ro("name", &ObjectRecord::name)
+      .def_ro("root_body", &ObjectRecord::root_body)
+      .def_ro("free_joint", &ObjectRecord::free_joint, "None when it is fixed.")
+      .def_prop_ro(
+          "parked",
+          [](const ObjectRecord& o) {
+            return o.pool ? std::optional(o.pool->parked) : std::nullopt;
+          },
+          "Whether it is out of the scene after a reset; None for an object that is not of the "
+          "pool.")
+      .def("__repr__", [](const ObjectRecord& o) { return "<ObjectRecord '" + o.name + "'>"; });
+}
+
 void BindCompiled(nb::module_& m) {
   nb::class_<CompiledScene>(
       m, "CompiledScene",
@@ -260,6 +301,30 @@ void BindCompiled(nb::module_& m) {
                    "The mujoco.MjModel, shared without a copy.")
       .def_prop_ro("warnings", &CompiledScene::warnings,
                    "What the parts asked for and did not get, and the engine's own warnings.")
+      .def_prop_ro("notes", &CompiledScene::notes,
+                   "What is good to know and needs no change, such as lights that a part leaves "
+                   "behind.")
+      .def(
+          "copy_spec", [](const CompiledScene& c) { return SceneSpec(c.spec()); },
+          "A copy of the spec it was compiled from. Changing it changes nothing here; "
+          "compile_scene makes another of it.")
+      .def_prop_ro(
+          "robots", [](const CompiledScene& c) { return c.robots(); },
+          "What became of the robots, in the spec's order; copies.")
+      .def_prop_ro(
+          "objects", [](const CompiledScene& c) { return c.objects(); },
+          "What became of the objects, in the spec's order; copies.")
+      .def(
+          "robot", [](const CompiledScene& c, const std::string& name) { return c.robot(name); },
+          nb::arg("name"), "The record of one robot; NotFoundError tells the nearest names.")
+      .def(
+          "object", [](const CompiledScene& c, const std::string& name) { return c.object(name); },
+          nb::arg("name"), "The record of one object; NotFoundError tells the nearest names.")
+      .def("copy", &CompiledScene::Copy, Unlocked(),
+           "The same with a model of its own, copied and not compiled, and not frozen: for a scene "
+           "that writes to its model.")
+      .def_prop_ro("generation", &CompiledScene::generation,
+                   "A number that no other compiled scene of the process has.")
       .def_prop_ro("home_key", &CompiledScene::home_key, "Number of the home keyframe.");
   m.def("compile_scene", &Compile, nb::arg("spec"), nb::kw_only(), nb::arg("cache") = false,
         "Compile a scene once, for several Scene.from_compiled. SpecError, NotFoundError and "
@@ -299,7 +364,9 @@ void DefStepping(nb::class_<Scene>& c) {
                   "-> int"),
           "Call hook(ResetContext) in every reset, after the keyframe and before the robots take "
           "their targets from what it leaves. Returns an id for remove_reset_hook.")
-      .def("remove_reset_hook", &Scene::RemoveResetHook, nb::arg("id"));
+      .def("remove_reset_hook", &Scene::RemoveResetHook, nb::arg("id"),
+           "Call the hook of this id no more; nothing for an id that there is not.")
+      .def("clear_reset_hooks", &Scene::ClearResetHooks, "Call none of the hooks any more.");
 }
 
 using ObjectOrName = std::variant<std::string, const SceneObject*>;
@@ -472,6 +539,7 @@ void BindScene(nb::module_& m) {
   BindStepResult(m);
   BindReset(m);
   BindContact(m);
+  BindRecords(m);
   BindCompiled(m);
   m.def("import_mujoco", &ImportMujoco, nb::sig("def import_mujoco() -> types.ModuleType"),
         "The package mujoco; an Error says what keeps it from being imported.");

@@ -227,6 +227,27 @@ class TestOwnGroups:
         with pytest.raises(rc.ArgumentError, match=message):
             _ = group.joint_torque
 
+    def test_integrates_a_velocity(self, scene):
+        arm = scene.robot("a").arm
+        q, v = arm.joint_pos, np.linspace(-1, 1, arm.nv)
+        assert np.allclose(arm.integrate(q, v), q + v)
+        with pytest.raises(ValueError, match="expected"):
+            arm.integrate(q[1:], v)
+        with pytest.raises(ValueError, match="expected"):
+            arm.integrate(q, v[1:])
+
+        class Doubling(Lamp):
+            def integrate(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+                return q + 2 * v
+
+        robot = scene.robot("a")
+        robot.set_group(Doubling())
+        assert robot.group("lamp").integrate(np.ones(1), np.full(1, 0.25)) == [1.5]
+        assert rc.MoveGroup.integrate(Doubling(), [1.0], [0.25]) == [1.5]
+        message = r"must define integrate\(\); Lamp does not"
+        with pytest.raises(rc.Error, match=message):
+            Lamp().integrate([1.0], [0.25])
+
     def test_a_gripper_that_measures_nan_is_told_by_name(self, scene):
         class Vague(rc.GripperGroup):
             get_name = lambda self: "vague"  # noqa: E731

@@ -25,6 +25,13 @@ def small_spec(**fields) -> rc.SceneSpec:
     return spec
 
 
+def arm_spec() -> rc.SceneSpec:
+    spec = small_spec()
+    config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    spec.robots.append(rc.RobotSpec(name="a", config=config))
+    return spec
+
+
 @pytest.fixture
 def scene() -> rc.Scene:
     return rc.Scene.build(small_spec())
@@ -162,6 +169,49 @@ class TestSharing:
         scene.model.geom_rgba[:] = 0.5
         scene.model.opt.gravity[2] = -1
 
+    def test_a_copy_of_a_compiled_scene_has_a_model_of_its_own(self):
+        compiled = rc.compile_scene(small_spec())
+        compiled.freeze()
+        copy = compiled.copy()
+        assert not copy.frozen
+        assert copy.generation > compiled.generation
+        copy.model.body_mass[1] += 1
+        assert compiled.model.body_mass[1] != copy.model.body_mass[1]
+        scene = rc.Scene.from_compiled(copy)
+        del copy, compiled
+        gc.collect()
+        assert scene.step().ok
+        assert "<mujoco" in scene.to_xml()
+
+    def test_a_compiled_scene_tells_what_became_of_its_spec(self):
+        spec = arm_spec()
+        spec.objects[0].parked = True
+        compiled = rc.compile_scene(spec)
+        copy = compiled.copy_spec()
+        assert copy == spec
+        copy.name = "other"
+        assert compiled.copy_spec().name == spec.name
+        (robot,) = compiled.robots
+        assert (robot.name, robot.root_body) == ("a", "base_link")
+        assert robot.copy_config() == spec.robots[0].config
+        assert robot.copy_base() == spec.robots[0].config.base
+        assert (robot.mocap_body, robot.tcp_site) == ("mocap_base", None)
+        (cube,) = compiled.objects
+        assert (cube.name, cube.root_body, cube.parked) == ("cube", "cube", True)
+        assert compiled.model.joint(cube.free_joint).type == mujoco.mjtJoint.mjJNT_FREE
+        assert compiled.robot("a").name == compiled.object("cube").name.replace("cube", "a")
+        with pytest.raises(rc.NotFoundError, match="Did you mean 'cube'"):
+            compiled.object("cub")
+        assert compiled.notes == rc.Scene.from_compiled(compiled).notes
+
+    def test_the_configuration_of_a_robot_is_a_copy(self):
+        spec = arm_spec()
+        robot = rc.Scene.build(spec).robot("a")
+        config = robot.copy_config()
+        assert config == spec.robots[0].config
+        config.name = "other"
+        assert robot.copy_config() == spec.robots[0].config
+
     def test_threads_that_ask_for_the_model_at_once_get_the_same_one(self, monkeypatch):
         """Python may change threads at any line of the hand-over."""
         version = mujoco.mj_versionString
@@ -258,6 +308,15 @@ class TestReset:
         scene.reset(rc.ResetOptions(seed=6))
         assert scene.body_pose("cube").translation.tolist() == [0, 0, 0.5]
         assert seen == [(5, True)]
+
+    def test_hooks_can_all_be_taken_away(self, scene):
+        called = []
+        for i in range(3):
+            scene.on_reset(lambda reset, i=i: called.append(i))
+        scene.reset()
+        scene.clear_reset_hooks()
+        scene.reset()
+        assert called == [0, 1, 2]
 
     def test_bodies_start_where_a_reset_puts_them(self, scene):
         there = rc.Pose(translation=[0.1, 0, 1], rpy=[0, 0, 1])

@@ -1,0 +1,126 @@
+"""The log in Python: a function of one's own instead of stderr."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import textwrap
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+import robocell as rc
+from test_scene_threads import cell
+
+Lines = list[tuple[str, str]]
+
+
+@pytest.fixture
+def lines() -> Iterator[Lines]:
+    kept: Lines = []
+    before = rc.set_log_sink(lambda level, text: kept.append((level, text)))
+    yield kept
+    rc.set_log_sink(before)
+
+
+def command_beyond_limits(scene: rc.Scene) -> None:
+    """Which the log is told of, once in a scene."""
+    robot = scene.robot("a")
+    robot.jnt_pos_cmd[0] = 100
+    robot.update()
+
+
+def test_a_sink_gets_level_and_message(lines: Lines):
+    command_beyond_limits(cell())
+    assert [level for level, _ in lines] == ["warn"]
+    assert "joint 'joint1'" in lines[0][1]
+
+
+def test_a_sink_gets_only_what_passes_the_level(lines: Lines):
+    before = rc.log_level()
+    rc.set_log_level("error")
+    try:
+        command_beyond_limits(cell())
+    finally:
+        rc.set_log_level(before)
+    assert lines == []
+
+
+def test_the_sink_before_is_returned(lines: Lines):
+    def first(level: str, text: str) -> None:
+        """Take it and keep nothing."""
+
+    ours = rc.set_log_sink(first)
+    ours("warn", "through the former one")
+    assert lines == [("warn", "through the former one")]
+    assert rc.set_log_sink(None) is first
+    assert rc.set_log_sink(ours) is None
+
+
+def test_what_cannot_be_called_is_refused(lines: Lines):
+    message = r"set_log_sink\(\): `sink` must be a function \(level, message\) or None, got 7"
+    with pytest.raises(TypeError, match=message):
+        rc.set_log_sink(7)
+    command_beyond_limits(cell())
+    assert len(lines) == 1
+
+
+def test_what_a_sink_raises_is_told_and_the_call_goes_on(monkeypatch: pytest.MonkeyPatch):
+    told = []
+    monkeypatch.setattr(
+        sys, "unraisablehook", lambda each: told.append((each.object, str(each.exc_value)))
+    )
+
+    def broken(level: str, text: str) -> None:
+        raise ValueError(f"no {level} wanted")
+
+    before = rc.set_log_sink(broken)
+    try:
+        command_beyond_limits(cell())
+    finally:
+        rc.set_log_sink(before)
+    assert told == [(broken, "no warn wanted")]
+
+
+def test_ctrl_c_in_a_sink_is_heard():
+    def interrupted(level: str, text: str) -> None:
+        raise KeyboardInterrupt
+
+    def log_and_go_on() -> None:
+        command_beyond_limits(cell())
+        cell()  # heard at the next look
+
+    before = rc.set_log_sink(interrupted)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            log_and_go_on()
+    finally:
+        rc.set_log_sink(before)
+
+
+def test_threads_that_log_at_once_all_reach_it(lines: Lines):
+    scenes = [cell() for _ in range(4)]
+    threads = [threading.Thread(target=command_beyond_limits, args=[s]) for s in scenes]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(lines) == len(scenes)
+
+
+def test_a_process_ends_with_a_sink_of_its_own_set():
+    code = """
+        import robocell as rc
+        class Sink:
+            def __call__(self, level, text):
+                raise AssertionError
+            def __del__(self):
+                print("let go of")
+        rc.set_log_sink(Sink())
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code)], capture_output=True, text=True, check=True
+    )
+    assert done.stdout == "let go of\n"
+    assert done.stderr == ""
