@@ -201,8 +201,7 @@ void EpisodeWriter::Impl::CloseFiles() {
 // From the rename on the episode is there, whatever comes: a failed flush of the dataset's folder
 // is told as what it is and takes nothing back.
 void EpisodeWriter::Impl::Rename() {
-  std::error_code ignored;
-  fs::remove(final, ignored);  // only an empty folder: it is in nobody's way
+  ::rmdir(final.c_str());  // an empty folder is in nobody's way; all else stays, and is told
   try {
     work->Commit(final);
   } catch (...) {

@@ -187,6 +187,32 @@ TEST(EpisodeWriter, AnEpisodeIsNeverReplaced) {
   EXPECT_TRUE(Verify(folder.path()).ok());
 }
 
+TEST(EpisodeWriter, WhatTakesTheEpisodesNameMeanwhileStays) {
+  TempDir folder;
+  const SampleEpisode sample(0, false);
+  const auto refused = [&](const std::string& id, const auto& appear) {
+    EpisodeWriter writer(folder.path(), id, sample.schema);
+    sample.PutRows(writer, 2);
+    appear(folder / id);
+    ExpectThrow<IoError>([&] { writer.Commit({}); }, "File exists");
+  };
+  refused("file", [](const fs::path& path) { AtomicWrite(path, "somebody's notes"); });
+  EXPECT_EQ(ReadFile(folder / "file"), "somebody's notes");
+  refused("link", [](const fs::path& path) { fs::create_symlink("elsewhere", path); });
+  EXPECT_EQ(fs::read_symlink(folder / "link"), "elsewhere");
+  refused("full", [](const fs::path& path) {
+    fs::create_directory(path);
+    AtomicWrite(path / "mine", "");
+  });
+  EXPECT_TRUE(fs::exists(folder / "full/mine"));
+
+  EpisodeWriter writer(folder.path(), "empty", sample.schema);
+  sample.PutRows(writer, 2);
+  fs::create_directory(folder / "empty");
+  EXPECT_EQ(writer.Commit({}), folder / "empty") << "an empty folder is in nobody's way";
+  EXPECT_EQ(Episode(folder / "empty").rows(), 2);
+}
+
 // A folder that may be written but not read: the rename works, flushing it does not.
 TEST(EpisodeWriter, AnEpisodeThatIsInPlaceIsNotCalledLost) {
   TempDir folder;
