@@ -33,8 +33,9 @@ constexpr int kBearings = 72;              // directions that a base pose is loo
 constexpr const char* kTarget = "target";  // its name in the scene
 const Eigen::Vector3d kParked(20, 0, 1);   // where the robot waits while the objects settle
 
-// Where an episode stands in the run's order of turns.
-uint64_t Turn(const SampleRequest& request) {
+// Where the base's placement of an episode stands in a sequence that is even over any stretch, and
+// over the first episodes of any number of scenes: the factor is prime.
+uint64_t PlacementTurn(const SampleRequest& request) {
   return static_cast<uint64_t>(request.scene) * 7919 + static_cast<uint64_t>(request.episode);
 }
 
@@ -88,20 +89,27 @@ Support PickTaskSampler::SupportOf(const SceneSpec& base) {
   return supports_[key] = FindSupport(base);
 }
 
-// Every kind once in each cycle, in an order drawn anew: base placements take turns too, and with
-// one order for all cycles each kind would only ever be seen from its own part of the range.
-std::string PickTaskSampler::KindOfTurn(std::vector<std::string> kinds, uint64_t turn) const {
-  const uint64_t cycle = turn / kinds.size();
-  Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "kinds of a cycle", cycle);
+// Of K kinds every one comes once in any K episodes of a scene that follow each other from a
+// multiple of K on, and once in the same episode of K such scenes: a Latin square of scenes and
+// episodes, however many of both a run has. Its order is drawn anew for each square: base
+// placements take turns too, and with one order for all each kind would only ever be seen from its
+// own part of the range.
+std::string PickTaskSampler::KindOfTurn(std::vector<std::string> kinds,
+                                        const SampleRequest& request) const {
+  const size_t count = kinds.size();
+  const auto scene = static_cast<size_t>(request.scene);
+  const auto episode = static_cast<size_t>(request.episode);
+  Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "kinds of a square", scene / count,
+                        episode / count);
   rng.Shuffle(kinds);
-  return kinds[turn % kinds.size()];
+  return kinds[(scene % count + episode % count) % count];
 }
 
 std::vector<std::string> PickTaskSampler::ChooseKinds(const SampleRequest& request, Rng& rng) {
   const std::vector<std::string> all = ObjectKinds();
   const std::vector<std::string>& allowed =
       run_.task.objects.empty() ? all : run_.task.objects.names;
-  std::vector<std::string> kinds = {KindOfTurn(allowed, Turn(request))};
+  std::vector<std::string> kinds = {KindOfTurn(allowed, request)};
   // Other kinds only: "pick up the mug" has to mean one object.
   std::vector<std::string> others = allowed;
   std::erase(others, kinds.front());
@@ -113,7 +121,7 @@ std::vector<std::string> PickTaskSampler::ChooseKinds(const SampleRequest& reque
 }
 
 BasePlacement PickTaskSampler::ChooseBasePlacement(const SampleRequest& request, Rng& rng) {
-  return SpreadBasePlacement(run_.task, static_cast<uint64_t>(run_.seed), Turn(request),
+  return SpreadBasePlacement(run_.task, static_cast<uint64_t>(run_.seed), PlacementTurn(request),
                              request.attempt, rng);
 }
 

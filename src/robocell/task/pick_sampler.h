@@ -33,7 +33,8 @@ class PickTaskSampler : public TaskSampler {
 
   // The stages, in their order.
   virtual SceneSpec MakeBaseScene(int scene_index);
-  // The target's kind first. Kinds take turns over the episodes of a run, in an order that changes.
+  // The target's kind first. Kinds take turns over the episodes of a scene and over the scenes, in
+  // an order that changes.
   virtual std::vector<std::string> ChooseKinds(const SampleRequest& request, Rng& rng);
   // Puts the objects on the support without overlap; false when there is no room.
   virtual bool PlaceObjects(const Support& support, std::vector<SceneObject>& objects, Rng& rng);
@@ -56,7 +57,7 @@ class PickTaskSampler : public TaskSampler {
  private:
   struct Setup;  // the scene being made
   struct Measured;
-  std::string KindOfTurn(std::vector<std::string> kinds, uint64_t turn) const;
+  std::string KindOfTurn(std::vector<std::string> kinds, const SampleRequest& request) const;
   Support SupportOf(const SceneSpec& base);
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);

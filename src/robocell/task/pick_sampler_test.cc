@@ -102,6 +102,39 @@ TEST(PickTaskSampler, EveryKindTakesItsTurnAndNoOtherObjectIsOfTheTargetsKind) {
   for (const std::string& kind : ObjectKinds()) EXPECT_GE(counts[kind], 2) << kind;
 }
 
+TEST(PickTaskSampler, KindsTakeTurnsOverScenesAsOverEpisodes) {
+  const size_t kinds = ObjectKinds().size();
+  struct Shape {
+    int scenes, episodes_of_each;
+  };
+  for (const auto& [scenes, episodes] :
+       {Shape{20, 1}, {20, 2}, {40, 3}, {1, 20}, {3, 7}, {3, 16}}) {
+    // Whole squares of scenes and episodes have all alike; what is over adds one each at most.
+    const int rest_of_scenes = scenes % static_cast<int>(kinds);
+    const int rest_of_episodes = episodes % static_cast<int>(kinds);
+    const int uneven = std::min(rest_of_scenes, rest_of_episodes);
+    for (int seed = 0; seed < 30; ++seed) {
+      RunConfig run = Demo();
+      run.seed = seed;
+      PickTaskSampler sampler(run);
+      std::map<std::string, int> counts;
+      for (const std::string& kind : ObjectKinds()) counts[kind] = 0;
+      for (int scene = 0; scene < scenes; ++scene) {
+        for (int episode = 0; episode < episodes; ++episode) {
+          Rng rng = StreamOf(episode);
+          ++counts[sampler.ChooseKinds({.scene = scene, .episode = episode}, rng).front()];
+        }
+      }
+      const auto [least, most] = std::minmax_element(
+          counts.begin(), counts.end(), [](auto& a, auto& b) { return a.second < b.second; });
+      EXPECT_LE(most->second - least->second, uneven)
+          << scenes << " scenes of " << episodes << ", seed " << seed << ": " << least->first << ' '
+          << least->second << ", " << most->first << ' ' << most->second;
+      EXPECT_EQ(counts.size(), kinds);
+    }
+  }
+}
+
 // A policy must not be able to read the distance off the kind.
 TEST(PickTaskSampler, EachKindIsSeenFromTheWholeRange) {
   RunConfig run = Demo();
