@@ -99,6 +99,14 @@ void BindBase(nb::module_& m) {
       nb::arg("path"), nb::arg("content"),
       "Replaces a file in one step: the old content or the new, never half, and on the disk. "
       "IoError names path and reason.");
+  m.def(
+      "temporary_path",
+      [](const std::filesystem::path& parent, const std::string& name) {
+        return TemporaryPath(parent, name);
+      },
+      nb::arg("parent"), nb::arg("name"),
+      "A hidden name for what is being made, another one with each call; whoever finds it taken, "
+      "by a process elsewhere, asks for the next. What is left of it is swept by its name.");
 }
 
 }  // namespace robocell::python

@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import fcntl
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -13,11 +14,12 @@ from pathlib import Path
 import pytest
 
 from command_line import write_run
-from robocell import DatasetLock, IoError, RunConfig, make_plan, remove_leftovers
+from robocell import DatasetLock, IoError, RunConfig, _core, make_plan, remove_leftovers
 from robocell.generate import job as jobs
 from robocell.generate import report as reports
 from robocell.generate import resume
-from robocell.generate.disk import disk_trouble, flush
+from robocell.generate.check import Found
+from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
 from robocell.generate.resume import DamagedEpisodesError, made_items, report_of
@@ -75,7 +77,21 @@ def test_what_is_written_to_try_the_disk_is_known_as_unfinished(
     removed: list[str] = []
     monkeypatch.setattr(os, "fsync", lambda file: removed.extend(remove_leftovers(tmp_path)))
     assert disk_trouble(tmp_path) is None
-    assert removed == [f".probe.{os.getpid()}.0.partial"]
+    (name,) = removed
+    assert re.fullmatch(rf"\.probe\.{os.getpid()}\.\d+\.partial", name)
+
+
+def test_what_a_process_of_the_same_number_tries_is_in_nobodys_way(tmp_path: Path):
+    """Containers that share a disk begin to count alike; one of them may have been killed."""
+    number = int(_core.temporary_path(tmp_path, "probe").name.split(".")[3])
+    taken = {f".probe.{os.getpid()}.{number + n}.partial" for n in range(1, 20)}
+    for name in sorted(taken)[::2]:
+        (tmp_path / name).touch()
+    for name in sorted(taken)[1::2]:
+        (tmp_path / name).mkdir()
+    assert disk_trouble(tmp_path) is None
+    require_writable(tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == taken
 
 
 @pytest.mark.parametrize("number", [errno.EINVAL, errno.ENOTSUP, errno.EIO])
@@ -143,7 +159,7 @@ def test_what_comes_in_the_way_while_a_run_goes_on_does_not_take_its_report(
             raise answer
         return answer
 
-    monkeypatch.setattr(Job, "check", lambda self, longest_s=0: [])
+    monkeypatch.setattr(Job, "_look_through", lambda self, longest_s: Found([]))
     monkeypatch.setattr(Job, "made", made)
     with pytest.raises(DamagedEpisodesError, match="half an episode"):
         job.do(Told())

@@ -6,9 +6,13 @@ import contextlib
 import errno
 import os
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import TypeVar
 
-from robocell import IoError
+from robocell import IoError, _core
+
+Made = TypeVar("Made")
 
 # Less than this is as good as full: an episode with videos is a few megabytes.
 FREE_BYTES_NEEDED = 16 << 20
@@ -48,9 +52,8 @@ def require_writable(folder: Path, place: str = "") -> None:
     """
     require_no_file(folder, place)
     there = _nearest(folder)
-    probe = _probe(there)
     try:
-        probe.mkdir()
+        probe, _ = _probe(there, Path.mkdir)
         with contextlib.suppress(FileNotFoundError):  # another run has tidied up
             probe.rmdir()
     except OSError as error:
@@ -63,9 +66,15 @@ def require_writable(folder: Path, place: str = "") -> None:
         ) from error
 
 
-def _probe(folder: Path) -> Path:
-    """What is written to try it; named as what writers have not finished, which is cleaned up."""
-    return folder / f".probe.{os.getpid()}.0.partial"
+def _probe(folder: Path, make: Callable[[Path], Made]) -> tuple[Path, Made]:
+    """What is made to try it; named as what writers have not finished, which is cleaned up.
+
+    A process of the same number in another container may be at it, or have left something.
+    """
+    while True:
+        path = _core.temporary_path(folder, "probe")
+        with contextlib.suppress(FileExistsError):
+            return path, make(path)
 
 
 def flush(folder: Path) -> None:
@@ -92,18 +101,19 @@ def with_trouble(message: str, trouble: str) -> str:
 
 def disk_trouble(folder: Path) -> str | None:
     """Why nothing can be written into the folder, or None. Tries it with a small file."""
-    probe = _probe(folder)
     try:
         free = shutil.disk_usage(folder).free
         if free < FREE_BYTES_NEEDED:
             return f"the disk of '{folder}' {FULL}: {free >> 10} kB are free"
-        with probe.open("xb") as file:
-            file.write(bytes(PROBE_BYTES))
-            file.flush()
-            os.fsync(file.fileno())
+        probe, file = _probe(folder, lambda path: path.open("xb"))
+        try:
+            with file:
+                file.write(bytes(PROBE_BYTES))
+                file.flush()
+                os.fsync(file.fileno())
+        finally:
+            with contextlib.suppress(OSError):
+                probe.unlink()
     except OSError as error:
         return f"cannot write into '{folder}': {error.strerror or error}"
-    finally:
-        with contextlib.suppress(OSError):
-            probe.unlink()
     return None

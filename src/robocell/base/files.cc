@@ -67,12 +67,6 @@ class File {
   fs::path path_;
 };
 
-// A name that no other call of this process has; the caller retries when another process has it.
-fs::path TemporaryPath(const fs::path& parent, std::string_view name) {
-  static std::atomic<uint64_t> count = 0;
-  return parent / TemporaryName{std::string(name), ::getpid(), ++count}.Text();
-}
-
 fs::path ParentOf(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
@@ -135,6 +129,11 @@ void RenameToNew(const fs::path& from, const fs::path& to) {
 
 }  // namespace
 
+fs::path TemporaryPath(const fs::path& parent, std::string_view name) {
+  static std::atomic<uint64_t> count = 0;
+  return parent / TemporaryName{std::string(name), ::getpid(), ++count}.Text();
+}
+
 std::string ReadFile(const fs::path& path) {
   File file(path, O_RDONLY, "read");
   struct stat status = {};
@@ -188,6 +187,12 @@ fs::path MakeTempDirectory(const fs::path& parent, std::string_view name) {
     if (::mkdir(path.c_str(), 0777) == 0) return path;
     if (errno != EEXIST) ThrowIoError("create a folder in", parent, errno);
   }
+}
+
+fs::path MakeTempFile(const fs::path& target) {
+  auto [file, path] = CreateTemporaryFile(target, 0);
+  file.Close();
+  return path;
 }
 
 bool IsTemporaryName(std::string_view file_name) {

@@ -37,11 +37,19 @@ void WriteAll(int descriptor, std::string_view bytes, const std::filesystem::pat
 void FsyncFile(const std::filesystem::path& path);
 void FsyncDirectory(const std::filesystem::path& path);
 
+// A hidden temporary name in `parent` made from `name`, another one with each call of this process.
+// A process of the same number on another machine or in another container may have it: whoever
+// finds it taken asks for the next one.
+std::filesystem::path TemporaryPath(const std::filesystem::path& parent, std::string_view name);
+
 // Creates an empty folder with a hidden temporary name made from `name` in `parent`, which must
 // exist.
 std::filesystem::path MakeTempDirectory(const std::filesystem::path& parent, std::string_view name);
 
-// True for the names that AtomicWrite and MakeTempDirectory give: what a crash left behind, or
+// Creates an empty file with a hidden temporary name beside `target`, made from its name.
+std::filesystem::path MakeTempFile(const std::filesystem::path& target);
+
+// True for the names that these functions and AtomicWrite give: what a crash left behind, or
 // another process is writing now.
 bool IsTemporaryName(std::string_view file_name);
 

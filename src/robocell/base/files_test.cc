@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <fstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,6 +18,7 @@
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/temporary_name.h"
 #include "robocell/testing/as_nobody.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -222,6 +224,21 @@ TEST_F(FilesTest, TempDirectoriesAreHiddenDifferentAndRecognised) {
   EXPECT_FALSE(IsTemporaryName(".hidden"));
   ExpectThrow<IoError>([&] { MakeTempDirectory(root() / "no", "x"); },
                        "cannot create a folder in '" + (root() / "no").native() + "'");
+}
+
+// On a shared disk processes of several machines have the same number.
+TEST_F(FilesTest, TemporaryNamesThatOthersHaveArePassedBy) {
+  const auto number = [](const fs::path& path) {
+    return TemporaryName::Parse(path.filename().native())->number;
+  };
+  const uint64_t next = number(TemporaryPath(root(), "a")) + 1;
+  const auto taken = [](uint64_t n) { return TemporaryName{"a", getpid(), n}.Text(); };
+  for (uint64_t n : {next, next + 1}) std::ofstream(root() / taken(n));
+  EXPECT_EQ(number(MakeTempDirectory(root(), "a")), next + 2);
+  for (uint64_t n : {next + 3, next + 4}) std::ofstream(root() / taken(n));
+  const fs::path file = MakeTempFile(root() / "a");
+  EXPECT_EQ(number(file), next + 5);
+  EXPECT_EQ(ReadFile(file), "");
 }
 
 TEST_F(FilesTest, CommitMakesTheWholeFolderAppear) {

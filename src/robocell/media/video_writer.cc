@@ -1,20 +1,16 @@
 #include "robocell/media/video_writer.h"
 
-#include <fcntl.h>
-#include <unistd.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
-#include <cerrno>
-#include <cstring>
 #include <numeric>
 #include <system_error>
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/base/names.h"
 #include "robocell/media/child_process.h"
 #include "robocell/media/ffmpeg.h"
@@ -73,24 +69,6 @@ std::vector<std::string> Arguments(const std::string& ffmpeg, const std::string&
   add({"-flags", "+bitexact", "-fflags", "+bitexact"});
   add({"-f", options.kind == VideoKind::kDepth ? "mov" : "mp4", "file:" + output});
   return arguments;
-}
-
-// A hidden name in the same folder, unique on this machine.
-std::filesystem::path PartialPath(const std::filesystem::path& path) {
-  static std::atomic<int> counter{0};
-  return path.parent_path() /
-         fmt::format(".{}.{}-{}.partial", path.filename().string(), getpid(), counter.fetch_add(1));
-}
-
-void CreateEmpty(const std::string& name, const std::filesystem::path& path) {
-  const int fd = open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0644);
-  if (fd < 0) {
-    const std::string reason = std::strerror(errno);
-    const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-    throw IoError(
-        fmt::format("{}: cannot create a file in folder '{}': {}", name, folder.string(), reason));
-  }
-  close(fd);
 }
 
 std::string OddSize(const std::string& name, int width, int height) {
@@ -233,11 +211,9 @@ VideoWriter::VideoWriter(std::filesystem::path path, const VideoOptions& options
   impl_->path = std::move(path);
   impl_->options = options;
   const std::string ffmpeg = FindFfmpeg();
-  const std::filesystem::path partial = PartialPath(impl_->path);
-  CreateEmpty(impl_->name, partial);
-  impl_->partial = partial;
+  impl_->Guarded([&] { impl_->partial = MakeTempFile(impl_->path); });
   impl_->encoder = std::make_unique<ChildProcess>(
-      Arguments(ffmpeg, partial.string(), options),
+      Arguments(ffmpeg, impl_->partial.string(), options),
       ChildProcessOptions{.pipe_stdin = true, .stall_timeout_s = options.stall_timeout_s});
 }
 

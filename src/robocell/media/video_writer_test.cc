@@ -16,6 +16,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/temporary_name.h"
 #include "robocell/media/ffmpeg.h"
 #include "robocell/media/testing/frames.h"
 #include "robocell/media/testing/videos.h"
@@ -182,6 +183,17 @@ TEST(VideoWriter, WithoutFinishThereIsNoFileAndNoZombie) {
   }
   ExpectEmpty(folder);
   ExpectNoChildLeft();
+}
+
+// What a killed process leaves is found and swept by its name.
+TEST(VideoWriter, WhileItIsWrittenItHasATemporaryName) {
+  TempDir folder;
+  const VideoWriter video(folder / "a.mp4", kSmall);
+  const auto name =
+      TemporaryName::Parse(fs::directory_iterator(folder.path())->path().filename().string());
+  ASSERT_TRUE(name);
+  EXPECT_EQ(name->name, "a.mp4");
+  EXPECT_EQ(name->process, getpid());
 }
 
 TEST(VideoWriter, ADyingEncoderIsAnErrorAndLeavesNothing) {
