@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import fcntl
 import hashlib
 import json
 import os
@@ -21,7 +22,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from robocell._core import ArgumentError, IoError, NotFoundError
+from robocell._core import ArgumentError, IoError, NotFoundError, atomic_write
 
 RECORD = "menagerie.json"
 # Those that the examples use.
@@ -91,9 +92,24 @@ def write_record(path: Path, record: dict[str, Pin]) -> None:
     """Atomically, robots in the order of their names."""
     robots = {robot: dataclasses.asdict(pin) for robot, pin in sorted(record.items())}
     path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.{uuid.uuid4().hex}")
-    part.write_text(json.dumps({"robots": robots}, indent=1) + "\n")
-    part.replace(path)
+    atomic_write(path, (json.dumps({"robots": robots}, indent=1) + "\n").encode())
+
+
+@contextlib.contextmanager
+def _changing(path: Path) -> Iterator[None]:
+    """Keeps other processes from changing a record, and what it is the record of, meanwhile."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.with_name(f".{path.name}.lock").open("ab") as lock:
+        with contextlib.suppress(OSError):  # a file system without locks: as well as it goes
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _pin(path: Path, robot: str, pin: Pin) -> None:
+    """Adds to the record as it is now: others may have been added to it. For whoever changes it."""
+    record = read_record(path)
+    if record.get(robot) != pin:
+        write_record(path, {**record, robot: pin})
 
 
 def main_file(robot: str) -> str:
@@ -131,15 +147,14 @@ def fetch(robot: str, *, update: bool = False, progress: Progress | None = None)
         raise NotFoundError(
             f"{error}{_with_in_name(robot)} `robocell fetch --list` lists all robots."
         ) from None
-    record = read_record(record_path())
-    pin = record.get(robot)
+    pin = read_record(record_path()).get(robot)
     if pin and pin.tree != entry.oid and not update:
         return _as_recorded(robot, pin)
     folder = _download(entry, progress)
     pin = Pin(_package().commit(), entry.oid, _package().__version__, _hashes(folder))
     require_unchanged(robot, folder, _published(folder))
-    if record.get(robot) != pin:
-        write_record(record_path(), {**record, robot: pin})
+    with _changing(record_path()):
+        _pin(record_path(), robot, pin)
     return Fetched(robot, folder, pin)
 
 
@@ -149,20 +164,39 @@ def copy_to(fetched: Fetched, root: Path, *, update: bool = False) -> Path:
     What is there already stays when it is the same. ArgumentError when it is not, unless `update`.
     """
     target = root / fetched.robot
-    if target.exists() and not update and _hashes(target) != fetched.pin.files:
+    with _changing(root / RECORD):
+        if not _is_same(fetched, target, update=update):
+            _replace(target, fetched.folder)
+        _pin(root / RECORD, fetched.robot, fetched.pin)
+    return target
+
+
+def _is_same(fetched: Fetched, target: Path, *, update: bool) -> bool:
+    """Whether there is nothing to copy; ArgumentError, see above."""
+    if not target.exists():
+        return False
+    same = _hashes(target) == fetched.pin.files
+    if not same and not update:
         raise ArgumentError(
             f"{target} is there already and holds other files; fetch with --update to replace it"
         )
-    if not target.exists() or _hashes(target) != fetched.pin.files:
-        root.mkdir(parents=True, exist_ok=True)
-        part = root / f".{fetched.robot}.{uuid.uuid4().hex}"
-        shutil.copytree(fetched.folder, part, ignore=shutil.ignore_patterns(".complete"))
+    return same
+
+
+def _replace(target: Path, source: Path) -> None:
+    """Puts a copy of a folder there. What is there is moved aside first, and goes last."""
+    part, old = (target.with_name(f".{target.name}.{uuid.uuid4().hex}") for _ in range(2))
+    try:
+        shutil.copytree(source, part, ignore=shutil.ignore_patterns(".complete"))
         if target.exists():
-            shutil.rmtree(target)
-        part.replace(target)
-    record = read_record(root / RECORD)
-    write_record(root / RECORD, {**record, fetched.robot: fetched.pin})
-    return target
+            target.rename(old)
+        part.rename(target)
+    except BaseException:
+        shutil.rmtree(part, ignore_errors=True)
+        if old.exists() and not target.exists():
+            old.rename(target)
+        raise
+    shutil.rmtree(old, ignore_errors=True)
 
 
 def require_unchanged(robot: str, folder: Path, files: dict[str, str]) -> None:

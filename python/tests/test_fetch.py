@@ -8,6 +8,9 @@ import os
 import subprocess
 import sys
 import tarfile
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import mujoco_menagerie
@@ -142,6 +145,52 @@ def test_a_folder_filled_with_robots_is_a_root(shop, tmp_path, monkeypatch):
         fetching.copy_to(new, root)
     fetching.copy_to(new, root, update=True)
     assert version_of(root / "toy_arm" / "arm.xml") == "two"
+
+
+def test_robots_that_are_fetched_at_the_same_time_are_all_recorded(shop, tmp_path, monkeypatch):
+    names = [f"arm_{n}" for n in range(6)]
+    for name in names:
+        shop("one_of_" + name, name)
+    read = fetching.read_record
+    together = threading.Barrier(len(names), timeout=30)
+
+    def slow(path: Path) -> dict[str, fetching.Pin]:
+        record = read(path)
+        time.sleep(0.02)  # what another one writes now must not be lost
+        return record
+
+    monkeypatch.setattr(fetching, "read_record", slow)
+
+    def fetch(name: str) -> None:
+        together.wait()
+        fetching.copy_to(fetching.fetch(name), tmp_path / "root")
+
+    with ThreadPoolExecutor(len(names)) as pool:
+        list(pool.map(fetch, names))
+    assert sorted(read(fetching.record_path())) == names
+    assert sorted(read(tmp_path / "root" / fetching.RECORD)) == names
+    lock = f".{fetching.RECORD}.lock"
+    assert sorted(os.listdir(tmp_path / "root")) == sorted([*names, fetching.RECORD, lock])
+
+
+def test_a_copy_that_fails_keeps_the_former_one(shop, tmp_path, monkeypatch):
+    root = tmp_path / "root"
+    fetching.copy_to(fetching.fetch("toy_arm"), root)
+    shop("two")
+    new = fetching.fetch("toy_arm", update=True)
+    before = sorted(os.listdir(root))
+    rename = Path.rename
+
+    def fail(self: Path, target: Path) -> Path:
+        if target == root / "toy_arm" and "one" not in (self / "arm.xml").read_text():
+            raise OSError("the disk is gone")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", fail)
+    with pytest.raises(OSError, match="the disk is gone"):
+        fetching.copy_to(new, root, update=True)
+    assert version_of(root / "toy_arm" / "arm.xml") == "one"
+    assert sorted(os.listdir(root)) == before
 
 
 @pytest.mark.usefixtures("shop")
