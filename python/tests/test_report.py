@@ -15,6 +15,7 @@ import pytest
 import robocell
 from command_line import refused, robocell_command, write_run
 from robocell.generate import report as reports
+from robocell.generate.check import Found
 from robocell.generate.items import Report
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
@@ -255,7 +256,26 @@ def test_what_cannot_be_reported_is_told(dataset: Path, tmp_path: Path):
     assert "no dataset" in refused("report", tmp_path / "none")
     copy = shutil.copytree(dataset, tmp_path / "copy")
     (copy / "report.json").write_text("{")
+    result = robocell_command("report", copy)
+    assert result.returncode == 3
+    assert "report.json' is damaged: " in result.stderr
+    assert "The next `robocell generate` writes a new one" in result.stderr
+    assert "no report.json" not in result.stderr
+    assert "2 episodes, " in result.stdout, "what is there is counted all the same"
+    for name in IDS:
+        shutil.rmtree(copy / name)
     assert "report.json' is damaged: " in refused("report", copy, code=3)
+
+
+def test_reports_beside_a_damaged_one_count(dataset: Path, tmp_path: Path):
+    copy = shutil.copytree(dataset, tmp_path / "copy")
+    (copy / "report-0-of-2.json").write_text("{")
+    result = robocell_command("report", "--json", copy)
+    assert result.returncode == 3
+    assert "report-0-of-2.json' is damaged: " in result.stderr
+    content = json.loads(result.stdout)
+    assert [report["run"] for report in content["reports"]] == ["tiny"]
+    assert content["totals"]["counts"]["made"] == 2
 
 
 def test_what_was_copied_into_a_dataset_is_told_and_does_not_count(dataset: Path, tmp_path: Path):
@@ -354,7 +374,7 @@ def test_a_signal_after_the_last_worker_does_not_take_the_report(
         os.kill(os.getpid(), signal.SIGINT)
         write(*arguments)
 
-    monkeypatch.setattr(Job, "check", lambda self, longest_s=0: [])
+    monkeypatch.setattr(Job, "_look_through", lambda self, longest_s: Found([]))
     monkeypatch.setattr(Job, "_report", signalled)
     # A test run in the background may have it ignored.
     before = signal.signal(signal.SIGINT, signal.default_int_handler)

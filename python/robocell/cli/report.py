@@ -70,7 +70,9 @@ def report(
     require_folder(dataset, "dataset")
     _core.require_dataset(dataset)
     found, damaged, misnamed = _read(dataset)
-    reports = _load_all(dataset)
+    reports, unreadable = _load_all(dataset)
+    if unreadable and not (found or reports or damaged):
+        fail("\n".join(unreadable), ExitCode.OUTPUT)
     if not found and not reports and not damaged:
         fail(f"'{dataset}' holds no episodes and no report")
     if as_json:
@@ -80,9 +82,9 @@ def report(
         print_wide(_summary(dataset, found, reports).table())
         if episodes:
             print_wide(_episode_table(found, reports))
-    for problem in damaged.values():
+    for problem in (*damaged.values(), *unreadable):
         print_error(problem)
-    if damaged:
+    if damaged or unreadable:
         raise typer.Exit(ExitCode.OUTPUT)
 
 
@@ -101,11 +103,16 @@ def _read(dataset: Path) -> tuple[list[OnDisk], dict[str, str], dict[str, str]]:
     return found, damaged, dict(episodes.misnamed)
 
 
-def _load_all(dataset: Path) -> list[RunReport]:
-    try:
-        return [load(path) for path in report_paths(dataset) if _is_its_own(dataset, path)]
-    except DamagedReportError as error:
-        fail(f"{error}\nThe next `robocell generate` writes a new one", ExitCode.OUTPUT)
+def _load_all(dataset: Path) -> tuple[list[RunReport], list[str]]:
+    """The reports, and what is wrong with those that are damaged."""
+    reports, damaged = [], []
+    for path in report_paths(dataset):
+        try:
+            if _is_its_own(dataset, path):
+                reports.append(load(path))
+        except DamagedReportError as error:
+            damaged.append(f"{error}\nThe next `robocell generate` writes a new one")
+    return reports, damaged
 
 
 def _is_its_own(dataset: Path, report: Path) -> bool:
@@ -127,11 +134,12 @@ def _totals(reports: Sequence[RunReport]) -> Totals | None:
 def _summary(dataset: Path, found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Summary:
     good = sum(episode.success for episode in found)
     totals = _totals(reports)
-    if totals is None:
+    if totals is None and not report_paths(dataset):
         print_warning(
             "no report.json, so only what is on the disk is told: `robocell generate` writes one "
             "when it ends; a Runner writes none, nor does a command that still runs or was killed"
         )
+    if totals is None:
         totals = Totals(planned=0)  # nobody knows
     more = {
         "commands": ", ".join(command.end for report in reports for command in report.commands),
