@@ -435,14 +435,34 @@ def test_an_error_in_the_observer_leaves_no_worker_behind(tmp_path: Path):
     recorder = Recorder()
 
     def broken() -> None:
-        raise BrokenPipeError
+        raise ZeroDivisionError
 
     recorder.on_episode = broken
     script = {"e1": ["patient"]}
-    with pytest.raises(BrokenPipeError):
+    with pytest.raises(ZeroDivisionError):
         supervise(tmp_path, script, observer=recorder).run()
     pids = [int(line.split()[1]) for line in (tmp_path / "tries").read_text().splitlines()]
     assert all(gone(pid) for pid in pids)
+
+
+# rich ends the process where a pipe was closed.
+@pytest.mark.parametrize("error", [BrokenPipeError("nobody reads"), SystemExit(1)])
+@pytest.mark.parametrize("event", ["on_episode", "on_tick"])
+def test_an_observer_that_cannot_be_told_any_more_does_not_end_the_run(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], error: BaseException, event: str
+):
+    recorder, calls = Recorder(), []
+
+    def broken() -> None:
+        calls.append(event)
+        raise error
+
+    setattr(recorder, event, broken)
+    outcome = supervise(tmp_path, {}, observer=recorder).run()
+    assert outcome.totals.made == 4
+    assert episodes(tmp_path) == ids(4)
+    assert calls == [event], "it is not told again"
+    assert capsys.readouterr().err == f"progress cannot be shown any more ({error}); going on\n"
 
 
 # A test run in the background may have SIGINT ignored, which children inherit.

@@ -11,6 +11,7 @@ import typer
 
 from robocell import Error, __version__
 from robocell.cli.common import ExitCode, print_error
+from robocell.generate.streams import forgive_readers
 
 # Each is a function in a module of its name.
 COMMANDS = (
@@ -72,8 +73,13 @@ def main(app: typer.Typer | None = None) -> None:
     Args:
         app: What `load` returned; it is loaded here unless given.
     """
+    forgive_readers()
     try:
-        (app or load(sys.argv[1:]))(prog_name="robocell")
+        try:
+            (app or load(sys.argv[1:]))(prog_name="robocell")
+        finally:
+            if sys.stdout is not None:
+                sys.stdout.flush()  # here a full disk is still told
     except OSError as error:
         print_error(str(error))
         sys.exit(ExitCode.OUTPUT)

@@ -26,7 +26,7 @@ from robocell.generate import work
 from robocell.generate.check import Found, check_apart
 from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.items import Item
-from robocell.generate.observer import Observer
+from robocell.generate.observer import Observer, Unfailing
 from robocell.generate.report import (
     Command,
     DamagedReportError,
@@ -137,6 +137,7 @@ class Job:
         and SIGTERM stop it; see `Supervisor`.
         """
         limits = limits or Limits()
+        observer = Unfailing(observer)
         found = self._look_through(limits.item_timeout_s)
         for warning in found.warnings:
             observer.warning(warning)

@@ -6,9 +6,7 @@ standard output. Events and their keys: docs/generate.md.
 
 from __future__ import annotations
 
-import contextlib
 import json
-import os
 import sys
 import time
 from typing import Any, Literal, TextIO
@@ -19,6 +17,7 @@ from rich.text import Text
 
 from robocell.generate.items import Report, counts_text
 from robocell.generate.observer import Observer
+from robocell.generate.streams import leave, unforgiving
 from robocell.generate.totals import Totals, Unmade, counted, duration, percent
 
 ProgressStyle = Literal["auto", "bar", "plain", "jsonl"]
@@ -30,7 +29,7 @@ PLAIN_INTERVAL_S = 5.0
 def make_progress(style: ProgressStyle) -> Observer:
     """`auto`: a bar on a terminal, else plain lines."""
     if style == "jsonl":
-        return JsonLines(sys.stdout)
+        return JsonLines(unforgiving(sys.stdout))  # so that it is told when nobody reads them
     if style == "bar" or (style == "auto" and sys.stderr.isatty()):
         return Bar(Console(stderr=True))
     return PlainLines(sys.stderr)
@@ -62,29 +61,13 @@ def unmade_text(unmade: Unmade) -> str:
     return f"{unmade.id} could not be made: {unmade.reason}{remedy}"
 
 
-class Printer:
-    """Prints lines until nobody reads them any more; the run matters more than its progress."""
-
-    def __init__(self, file: TextIO) -> None:
-        self._file: TextIO | None = file
-
-    def __call__(self, text: str) -> None:
-        """Prints the line, at once."""
-        if self._file is None:
-            return
-        try:
-            print(text, file=self._file, flush=True)
-        except OSError as error:  # a pipe that was closed, a log on a full disk
-            self._leave(error)
-
-    def _leave(self, error: OSError) -> None:
-        assert self._file is not None
-        with contextlib.suppress(OSError, ValueError):  # what is buffered must not fail at exit
-            os.dup2(os.open(os.devnull, os.O_WRONLY), self._file.fileno())
-        if self._file is not sys.stderr:
-            with contextlib.suppress(OSError):
-                print(f"progress cannot be shown any more ({error}); going on", file=sys.stderr)
-        self._file = None
+def print_line(text: str, file: TextIO) -> None:
+    """Prints the line, at once. OSError when nobody reads it any more, or the disk is full."""
+    try:
+        print(text, file=file, flush=True)
+    except OSError:
+        leave(file)  # what is buffered must not fail at exit
+        raise
 
 
 class Lines(Observer):
@@ -119,13 +102,13 @@ class PlainLines(Lines):
     """A line every few seconds, for logs."""
 
     def __init__(self, file: TextIO, interval_s: float = PLAIN_INTERVAL_S) -> None:
-        self._print_line = Printer(file)
+        self._file = file
         self._interval_s = interval_s
         self._next = 0.0
 
     def say(self, text: str, style: str = "") -> None:
         """Prints the line."""
-        self._print_line(text)
+        print_line(text, self._file)
 
     def episode(self, report: Report, totals: Totals) -> None:
         """Prints the state unless it was printed just now, or the final one is about to be."""
@@ -182,7 +165,7 @@ class JsonLines(Observer):
     """One JSON object per event, with the key `event`."""
 
     def __init__(self, file: TextIO) -> None:
-        self._print_line = Printer(file)
+        self._file = file
 
     def started(self, totals: Totals) -> None:
         """Event `started`."""
@@ -213,4 +196,4 @@ class JsonLines(Observer):
         self._write("finished", totals=totals.to_json())
 
     def _write(self, event: str, **values: Any) -> None:
-        self._print_line(json.dumps({"event": event, **values}))
+        print_line(json.dumps({"event": event, **values}), self._file)

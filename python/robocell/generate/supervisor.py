@@ -27,7 +27,7 @@ from typing import Any
 
 from robocell.generate.disk import with_trouble
 from robocell.generate.items import Item, Report
-from robocell.generate.observer import Observer
+from robocell.generate.observer import Observer, Unfailing
 from robocell.generate.protocol import Failure, FailureKind, ProtocolError
 from robocell.generate.scouts import Scouts
 from robocell.generate.totals import Again, Death, Totals, Unmade
@@ -87,7 +87,7 @@ class Supervisor:
         logs: Folder for the workers' standard error, a file each.
         on_disk: What the disk says of an item: its report when its episode is there, else None.
         flush: Makes what is there survive a power cut; OSError when that fails.
-        observer: Who is told.
+        observer: Who is told; one that cannot be told any more (OSError) does not end the run.
         already: Items of the plan that were made before, for the totals.
         reproduce: The command that tries one item alone.
         clean_up: Called with an item's id and the process that died while making it.
@@ -122,7 +122,7 @@ class Supervisor:
         self._logs = logs
         self._on_disk = on_disk
         self._flush = flush
-        self._observer = observer or Observer()
+        self._observer = Unfailing(observer or Observer())
         self._reproduce = reproduce
         self._clean_up = clean_up
         self._disk_trouble = disk_trouble
