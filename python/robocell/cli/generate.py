@@ -21,6 +21,7 @@ from robocell.generate.job import Job, Result
 from robocell.generate.procfs import age_s
 from robocell.generate.progress import make_progress
 from robocell.generate.resume import DamagedEpisodesError
+from robocell.generate.signals import interrupted_by_signals
 from robocell.generate.summary import Summary
 from robocell.generate.supervisor import Limits
 from robocell.generate.totals import size
@@ -75,19 +76,15 @@ def generate(
     """
     require_spec_file(run_file, RunConfig)
     named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
-    replaced = [*(set_ or []), *overrides(named)]
-    job = Job(run_file, replaced, shard)
-    if too_many := many_workers(job.run.workers):
-        print_warning(too_many)
-    if job.run.workers > most_workers():
-        job = Job(run_file, [*replaced, f"workers={most_workers()}"], shard)
     try:
-        if dry_run:
-            for warning in job.check():
-                print_warning(warning)
-            _say_plan(job, as_json=progress is ProgressChoice.JSONL)
-            return
-        result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
+        with interrupted_by_signals():
+            job = _open_job(run_file, [*(set_ or []), *overrides(named)], shard)
+            if dry_run:
+                for warning in job.check():
+                    print_warning(warning)
+                _say_plan(job, as_json=progress is ProgressChoice.JSONL)
+                return
+            result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
     except KeyboardInterrupt:
         end_early()
     except DamagedEpisodesError as error:
@@ -99,8 +96,18 @@ def generate(
     _end(result)
 
 
+def _open_job(run_file: Path, replaced: list[str], shard: str | None) -> Job:
+    """With no more workers than this machine bears."""
+    job = Job(run_file, replaced, shard)
+    if too_many := many_workers(job.run.workers):
+        print_warning(too_many)
+    if job.run.workers > most_workers():
+        return Job(run_file, [*replaced, f"workers={most_workers()}"], shard)
+    return job
+
+
 def end_early() -> NoReturn:
-    """Ctrl-C before there are workers, who would be asked to stop."""
+    """Ctrl-C, or what counts as that, before there are workers, who would be asked to stop."""
     again = resume_command(sys.argv[1:])
     print_warning(f"interrupted before an episode was begun.\nThis begins again: {again}")
     raise typer.Exit(ExitCode.INTERRUPTED)

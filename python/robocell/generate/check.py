@@ -20,7 +20,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from robocell import Error, IoError, RunConfig, _core, check_run
-from robocell.generate.own_process import own_process
+from robocell.generate.own_process import ask_process, end_with_asker
 from robocell.generate.protocol import Failure
 from robocell.generate.supervisor import Limits
 from robocell.generate.worker_process import describe_exit
@@ -54,11 +54,8 @@ def check_apart(
     when it ended in another way.
     """
     sets = [f"--set={override}" for override in overrides]
-    command = [*own_process("robocell.generate.check"), *sets, "--", run_file]
     try:
-        done = subprocess.run(
-            command, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=longest_s
-        )
+        done = ask_process("robocell.generate.check", [*sets, "--", run_file], longest_s)
     except subprocess.TimeoutExpired:
         slow = f"the run could not be looked through within {longest_s:g} s: a model takes too long"
         return Found([slow])
@@ -101,6 +98,7 @@ def main() -> int:
     parser.add_argument("--set", action="append", default=[])
     parser.add_argument("run_file")
     arguments = parser.parse_args()
+    end_with_asker()
     try:
         warnings = check_run(RunConfig.load(arguments.run_file, arguments.set))
     except Exception as error:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import subprocess
-import tempfile
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -13,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from robocell.generate.items import counts_text
-from robocell.generate.own_process import own_process
-from robocell.generate.probe import Probe, Sample
+from robocell.generate.own_process import ask_process
+from robocell.generate.probe import MOST_BLIND, Probe, Sample, spread
+from robocell.generate.probe_folder import probe_folder
 from robocell.generate.procfs import peak_bytes
 from robocell.generate.protocol import Failure
 from robocell.generate.totals import counted, duration, size, time_hint
@@ -96,8 +96,9 @@ def estimate(
     `before_s` is what the command takes before it starts its workers. ProbeError when they cannot
     be made.
     """
-    with tempfile.TemporaryDirectory(prefix="robocell-probe-") as folder:
-        probe = _probe(run_file, overrides, indices, folder)
+    tried = [indices[place] for place in spread(len(indices), MOST_BLIND)]
+    with probe_folder() as folder:
+        probe = _probe(run_file, overrides, tried, folder)
     return scaled(probe, len(indices), workers, before_s=before_s, own_bytes=peak_bytes())
 
 
@@ -161,18 +162,12 @@ def _sum(samples: Sequence[Sample], name: str) -> float:
     return sum(getattr(sample, name) for sample in samples)
 
 
-def _probe(run_file: Path, overrides: Sequence[str], indices: Sequence[int], folder: str) -> Probe:
-    sets = [f"--set={override}" for override in overrides]
-    command = [*own_process("robocell.generate.probe"), *sets, "--", str(run_file), folder]
+def _probe(run_file: Path, overrides: Sequence[str], tried: Sequence[int], folder: Path) -> Probe:
+    options = [f"--set={override}" for override in overrides]
+    options += [f"--item={index}" for index in tried]
+    arguments = [*options, "--", str(run_file), str(folder)]
     try:
-        done = subprocess.run(
-            command,
-            input=json.dumps(list(indices)),
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=LONGEST_S,
-        )
+        done = ask_process("robocell.generate.probe", arguments, LONGEST_S)
     except subprocess.TimeoutExpired:
         message = f"{LONGEST_S:g} s were not enough for the first episodes"
         raise ProbeError(Failure("other", message)) from None

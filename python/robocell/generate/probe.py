@@ -21,6 +21,7 @@ from typing import Any
 
 from robocell import Dataset, PlanItem, RunConfig, Runner, make_plan, prepare_dataset
 from robocell.generate.items import recorded_frames
+from robocell.generate.own_process import end_with_asker
 from robocell.generate.procfs import MemoryWatch, age_s, children_peak_bytes, peak_bytes
 from robocell.generate.protocol import Failure
 
@@ -94,10 +95,10 @@ def spread(count: int, most: int) -> list[int]:
 
 
 def measure(run_file: str, overrides: Sequence[str], indices: Sequence[int], folder: Path) -> Probe:
-    """Makes items of the plan: blind ones first, then some of the same with their cameras."""
+    """Makes these items of the plan: blind first, then some of them again with their cameras."""
     blind_run = _load(run_file, [*overrides, "cameras.streams=[]"], folder / "blind")
     plan = make_plan(blind_run)
-    items = [plan[indices[place]] for place in spread(len(indices), MOST_BLIND)]
+    items = [plan[index] for index in indices]
     start_s = age_s()
     blind = _make(blind_run, items, BLIND_S)
     seeing_run = _load(run_file, overrides, folder / "seeing")
@@ -113,7 +114,7 @@ def _load(run_file: str, overrides: Sequence[str], folder: Path) -> RunConfig:
 
 def _make(run: RunConfig, items: Sequence[PlanItem], budget_s: float) -> list[Sample]:
     """As many of the items as the time allows, at least one."""
-    prepare_dataset(run)
+    prepare_dataset(run, check_run=False)  # who asks has done that
     runner, folder = Runner(run), Path(run.output)
     samples: list[Sample] = []
     began = time.monotonic()
@@ -157,12 +158,13 @@ def main() -> int:
     """The process."""
     parser = argparse.ArgumentParser(prog="robocell.generate.probe", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
+    parser.add_argument("--item", action="append", type=int, required=True)
     parser.add_argument("run_file")
     parser.add_argument("folder", type=Path)
     arguments = parser.parse_args()
-    indices = json.load(sys.stdin)
+    end_with_asker()
     try:
-        probe = measure(arguments.run_file, arguments.set, indices, arguments.folder)
+        probe = measure(arguments.run_file, arguments.set, arguments.item, arguments.folder)
     except Exception as error:
         print(json.dumps({"failed": Failure.of(error).to_json()}))
         return 1

@@ -1,12 +1,13 @@
-"""Ctrl-C, SIGTERM and a closed terminal become stop requests."""
+"""Ctrl-C, SIGTERM and a closed terminal become stop requests, or all of them what Ctrl-C is."""
 
 from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
+from typing import NoReturn
 
 STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
@@ -17,14 +18,34 @@ def stop_on_signals(request_stop: Callable[[str], None]) -> Iterator[None]:
 
     A signal that is ignored stays ignored: `nohup` and background jobs ask for that.
     """
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        request_stop("Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name)
+
+    with _handled(STOP_SIGNALS, stop):
+        yield
+
+
+@contextmanager
+def interrupted_by_signals() -> Iterator[None]:
+    """Inside, SIGTERM and a closed terminal are KeyboardInterrupts, as Ctrl-C is; see above."""
+
+    def interrupt(number: int, frame: FrameType | None) -> NoReturn:
+        raise KeyboardInterrupt(signal.Signals(number).name)
+
+    with _handled((signal.SIGTERM, signal.SIGHUP), interrupt):
+        yield
+
+
+@contextmanager
+def _handled(
+    numbers: Sequence[signal.Signals], handle: Callable[[int, FrameType | None], None]
+) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
 
-    def handle(number: int, frame: FrameType | None) -> None:
-        request_stop("Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name)
-
-    obeyed = [number for number in STOP_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    obeyed = [number for number in numbers if signal.getsignal(number) is not signal.SIG_IGN]
     before = {number: signal.signal(number, handle) for number in obeyed}
     try:
         yield
