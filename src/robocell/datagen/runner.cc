@@ -55,8 +55,11 @@ struct Runner::State {
 
 // The right to write into the dataset, as long as it is the one that the run was checked against.
 DatasetLock Runner::State::Enter() {
-  if (!checked_manifest)
-    models = ModelWatch(RequireSameRun(run));  // before anything is written, a lock included
+  if (!checked_manifest) {  // before anything is written, a lock included
+    const std::optional<std::string> before = ReadManifest(run.output);
+    models = ModelWatch(RequireSameRun(run));
+    checked_manifest = before;
+  }
   DatasetLock lock = DatasetLock::Writing(run.output);
   const std::optional<std::string> manifest = ReadManifest(run.output);
   if (!manifest || manifest != checked_manifest) models = ModelWatch(RequireSameRun(run));
