@@ -11,8 +11,9 @@
 namespace robocell {
 namespace {
 
-constexpr int kEntries = 8192;
-constexpr int kCellsAlongTheLongestSide = 7;
+// More are nearer and save steps, but what is read to rank them comes from farther memory.
+constexpr int kEntries = 4096;
+constexpr int kCellsAlongTheLongestSide = 8;
 // Solutions found from near a limit end up pressed on it more often than others.
 constexpr double kPartOfTheRange = 0.8;
 // A cell with fewer entries has no choice to offer.
