@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/kinematics/ik_solutions.h"
@@ -123,6 +124,45 @@ TEST_P(IkMore, AConeIsReachedWithinItsAngle) {
   });
   EXPECT_GE(solved, 0.99);
   EXPECT_GT(away, 0) << "the whole cone is used";
+}
+
+TEST_P(IkMore, WhatAnAxisReachesEveryConeReaches) {
+  const Vector3d axis = RandomDirection();
+  std::vector<Pose> targets;
+  for (int b = 0; b < 1500; ++b) targets.push_back(Reached());
+  const auto solve = [&](double cone) {
+    return IkBatch(chain_, targets, {}, {.ik = {.axis = axis, .cone = cone}});
+  };
+  const IkBatchResult exact = solve(0);
+  const auto steps = [](const IkBatchResult& result) {
+    return std::accumulate(result.iterations.begin(), result.iterations.end(), 0);
+  };
+  for (const double cone : {1e-9, 1e-7, 1e-5, 1e-3, 0.02, 0.05, 0.1, 0.3, 1.0}) {
+    const IkBatchResult found = solve(cone);
+    for (int b = 0; b < found.size; ++b) {
+      EXPECT_GE(found.success[b], exact.success[b]) << cone << ", target " << b;
+      if (!found.success[b]) continue;
+      const Transform tip = TipSeenFrom(targets[b], found.row(b));
+      EXPECT_LE(tip.translation.norm(), kNear);
+      EXPECT_LE(AngleBetween(tip.rotation * axis, axis), cone + kNear);
+    }
+    EXPECT_LE(steps(found), 1.5 * steps(exact)) << cone;
+  }
+}
+
+TEST_P(IkMore, NarrowConesAreReachedAtTheirBorder) {
+  const Vector3d axis = RandomDirection(), across = axis.unitOrthogonal();
+  for (const double cone : {1e-4, 1e-2, 0.04}) {
+    std::vector<Pose> targets;
+    for (int b = 0; b < 200; ++b)
+      targets.push_back(Reached() *
+                        Pose(Vector3d::Zero(), Eigen::AngleAxisd(cone, across).toRotationMatrix()));
+    const double solved = Solved(targets, {.axis = axis, .cone = cone}, [&](const Transform& tip) {
+      return tip.translation.norm() <= kNear &&
+             AngleBetween(tip.rotation * axis, axis) <= cone + kNear;
+    });
+    EXPECT_GE(solved, 0.99) << cone;
+  }
 }
 
 TEST_P(IkMore, AnAxisThatPointsTheOtherWayIsTurnedAround) {

@@ -227,8 +227,8 @@ struct LaneStep {
 
   // The same when only one axis has to point somewhere: 2 tan(angle / 2) about `about`, which is
   // zero where nothing is left.
-  static HWY_INLINE void SwingLeft(const LaneTask& task, const Frame& f, const V3& x, const V3& y,
-                                   const V3& z, V3* angular, V* turn2, V3* about) {
+  static HWY_INLINE void SwingLeft(const LaneTask& task, int lane, const Frame& f, const V3& x,
+                                   const V3& y, const V3& z, V3* angular, V* turn2, V3* about) {
     const V3 now = Times(f, task.axis);
     const V3 then = MulAdd(Number(task.axis[0]), x,
                            MulAdd(Number(task.axis[1]), y, Times(Number(task.axis[2]), z)));
@@ -245,7 +245,12 @@ struct LaneStep {
     const V left = hn::Div(hn::Sub(tangent, cone), hn::MulAdd(tangent, cone, Number(1)));
     const V twice = hn::Max(hn::Add(left, left), hn::Zero(d));
     *turn2 = hn::Mul(twice, twice);
-    *angular = Times(hn::Min(twice, Number(3)), *about);
+    V asked = twice;
+    if (task.cone > 0) {
+      const auto to_axis = hn::Gt(Load(task.to_axis + lane), hn::Zero(d));
+      asked = hn::IfThenElse(to_axis, hn::Add(tangent, tangent), twice);
+    }
+    *angular = Times(hn::Min(asked, Number(3)), *about);
     if (task.cone > 0) {
       const auto inside = hn::Le(left, hn::Zero(d));
       about->x = hn::IfThenZeroElse(inside, about->x);
@@ -279,7 +284,7 @@ struct LaneStep {
     const V3 x = Load3(state.axes, lane), y = Load3(state.axes + 3, lane),
              z = Load3(state.axes + 6, lane);
     if (kTask && task->swing) {
-      SwingLeft(*task, f, x, y, z, &way.angular, &way.turn2, &way.about);
+      SwingLeft(*task, lane, f, x, y, z, &way.angular, &way.turn2, &way.about);
     } else {
       TurnLeft(f, x, y, z, &way.angular, &way.turn2);
     }
@@ -342,7 +347,13 @@ struct LaneStep {
     if constexpr (kTask) {
       moves = TimesRows(task->linear, lane, moves);
       // Along the border of a cone nothing is asked for.
-      if (task->cone > 0) turns = Times(Dot(way.about, turns), way.about);
+      if (task->cone > 0) {
+        const auto to_axis = hn::Gt(Load(task->to_axis + lane), hn::Zero(d));
+        const V3 across = Times(Dot(way.about, turns), way.about);
+        turns = {hn::IfThenElse(to_axis, turns.x, across.x),
+                 hn::IfThenElse(to_axis, turns.y, across.y),
+                 hn::IfThenElse(to_axis, turns.z, across.z)};
+      }
       turns = TimesRows(task->angular, lane, turns);
       const V to_goal = hn::Sub(Load(task->goal[i] + lane), q);
       joints->spare[i] = options.locked[i]

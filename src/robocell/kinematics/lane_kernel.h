@@ -47,6 +47,9 @@ struct LaneTask {
   bool swing = false;
   double axis[3] = {};
   double cone = 0;
+  // 1 where the step is to the axis itself, so that a narrow cone is met as an axis is; 0 where it
+  // is to the border of the cone and no farther. Either way the lane arrives in the cone.
+  alignas(64) double to_axis[kMaxLanes] = {};
   // What a joint to spare moves in a step: this part of the way to its goal. Where joints to spare
   // move, the others make up for it in proportion to `ease`.
   double part[kMaxChainJoints] = {}, ease[kMaxChainJoints] = {};

@@ -52,6 +52,7 @@ class LaneStarts {
     const int number = next_;
     next_ += stride_;
     ++begun_;
+    work->AskFor(lane, number);
     if (around_) return BeginAround(lane, number, work);
     if (number == 0 && seeded_) return work->Put(lane, seed_.data());
     if (PutNearby(lane, number - (seeded_ ? 1 : 0), number, work)) return;

@@ -17,6 +17,9 @@ constexpr int StepsOf(int start) { return start < 4 ? 12 : start < 12 ? 20 : 40;
 // after the first few, whose targets lie in corners.
 constexpr int kFirstLook = 5, kSecondLook = 8, kStartsLookedAt = 8;
 constexpr double kFirstCost = 0.1, kSecondCost = 1e-4;
+// A cone with at most this angle, rad, is looked for at its axis first: to its border, which bends
+// as sharply as it is narrow, steps are many.
+constexpr double kNarrowCone = 0.05;
 // Targets are pulled in to this many reaches from the root: the way to the nearest point is the
 // same.
 constexpr double kMostReaches = 1.5;
@@ -110,7 +113,15 @@ void LaneWork::AimTask(int lane, const Eigen::Matrix3d& target_axes) {
   lane_task_->pull[lane] = 0;
 }
 
+void LaneWork::AskFor(int lane, int start) {
+  if (task_.cone == 0) return;
+  // By turns, so that a cone is met wherever its axis is, and at its border too.
+  const bool to_axis = (task_.cone <= kNarrowCone) == (start % 2 == 0);
+  lane_task_->to_axis[lane] = to_axis ? 1 : 0;
+}
+
 void LaneWork::Pull(int lane, const JointVector& goal) {
+  lane_task_->to_axis[lane] = 0;  // joints to spare may use the whole cone
   for (int i = 0; i < chain_.n; ++i) lane_task_->goal[i][lane] = goal[i];
   lane_task_->pull[lane] = 1;
 }
@@ -151,9 +162,7 @@ const StartTable* LaneWork::table() const {
 }
 
 int LaneWork::RestartsFor(const Transform& tip_in_base) const {
-  const bool too_far =
-      task_.whole_position && IsOutOfReach(chain_, tip_in_base, options_.tolerance);
-  return too_far ? std::min(options_.max_restarts, kRestartsWhenTooFar) : options_.max_restarts;
+  return robocell::RestartsFor(chain_, task_, options_, tip_in_base);
 }
 
 }  // namespace robocell

@@ -31,6 +31,8 @@ class LaneWork {
   // Where the lane starts; the best there is until something better is met.
   template <class Number>  // double or float
   void Put(int lane, const Number* q);
+  // What the start with this number (0, 1, ...) steps to where a cone is asked for.
+  void AskFor(int lane, int start);
   // Measures the busy lanes (bits) and moves them on; the bits of those that have arrived.
   uint32_t Step(uint32_t busy) {
     return StepLanes(folded_, limits_, busy, &state_, lane_task_ ? &*lane_task_ : nullptr) & busy;
