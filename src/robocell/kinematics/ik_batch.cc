@@ -57,9 +57,13 @@ class Batch {
   }
 
   void Run() {
-    const int threads = std::clamp(options_.threads, 1, std::max(1, out_.size));
+    const bool chosen = IsChosen(options_.ik);
+    // More threads would find nothing to take.
+    const int shares = chosen ? std::min(out_.size, kChosenTogether)
+                              : (out_.size + kTakenTogether - 1) / kTakenTogether;
+    const int threads = std::clamp(options_.threads, 1, std::max(1, shares));
     if (threads > 1) chain_.lanes().starts(chain_.model());  // what throws, throws here
-    if (IsChosen(options_.ik)) return ChooseAll(threads);
+    if (chosen) return ChooseAll(threads);
     OnThreads(threads, [&](int t) { SolveShare(t == 0 ? options_.poll : kNoPoll); });
   }
 

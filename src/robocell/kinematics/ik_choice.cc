@@ -88,13 +88,8 @@ IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
   }
 }
 
-bool IkChoice::IsTooFar(const LaneQuestion& question) const {
-  return task_.whole_position && IsOutOfReach(chain_.model(), question.target, options_.tolerance);
-}
-
 int IkChoice::StartsFor(const LaneQuestion& question) const {
-  const int restarts = IsTooFar(question) ? std::min(options_.max_restarts, kRestartsWhenTooFar)
-                                          : options_.max_restarts;
+  const int restarts = RestartsFor(chain_.model(), task_, options_, question.target);
   return std::min(restarts, std::numeric_limits<int>::max() - kSearches) + 1;
 }
 

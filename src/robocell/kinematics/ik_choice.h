@@ -54,7 +54,6 @@ class IkChoice {
   // Which of the solutions found, in their order, the filter keeps; empty without one.
   std::span<const uint8_t> Filter();
   double Miss(const IkResult& result) const;
-  bool IsTooFar(const LaneQuestion& question) const;
   int StartsFor(const LaneQuestion& question) const;
 
   const Chain& chain_;

@@ -15,6 +15,21 @@ namespace {
 constexpr double kMostTurns = 1e5;
 constexpr double kLessThanHalfATurn = 3;  // rad
 
+constexpr int kRestartsWhenTooFar = 8;
+
+bool IsOutOfReach(const ChainModel& chain, const Transform& target, double tolerance) {
+  const Eigen::Vector3d& root = chain.joints[0].fixed.translation;
+  return (target.translation - root).norm() > chain.reach_bound + tolerance;
+}
+
+// A locked slide may be beyond its limits; wherever a hinge is, the chain is as long.
+bool MayExceedReach(const ChainModel& chain, const LockedJoints& locked) {
+  for (int i = 0; i < chain.n; ++i) {
+    if (locked[i] && chain.joints[i].slide) return true;
+  }
+  return false;
+}
+
 // Of a vector whose square may be too large for a number.
 double Length(const Eigen::Vector3d& v) {
   const double square = v.squaredNorm();
@@ -56,9 +71,11 @@ JointVector SpreadStart(const ChainModel& chain, const JointVector& seed,
   return q;
 }
 
-bool IsOutOfReach(const ChainModel& chain, const Transform& target, double tolerance) {
-  const Eigen::Vector3d& root = chain.joints[0].fixed.translation;
-  return (target.translation - root).norm() > chain.reach_bound + tolerance;
+int RestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& options,
+                const Transform& target) {
+  const bool too_far = task.whole_position && !MayExceedReach(chain, options.locked) &&
+                       IsOutOfReach(chain, target, options.tolerance);
+  return too_far ? std::min(options.max_restarts, kRestartsWhenTooFar) : options.max_restarts;
 }
 
 void UnwindTowards(const ChainModel& chain, const JointVector& seed, const LockedJoints& locked,

@@ -20,10 +20,10 @@ JointVector SeedOf(const ChainModel& chain, std::span<const double> seed,
 JointVector SpreadStart(const ChainModel& chain, const JointVector& seed,
                         const LockedJoints& locked, int k, double part = 1);
 
-// Whether no stretched chain can touch the target.
-bool IsOutOfReach(const ChainModel& chain, const Transform& target, double tolerance);
-// A target out of reach is tried from a few starts only, for the best approach.
-inline constexpr int kRestartsWhenTooFar = 8;
+// How often a search for the target may start again: a few times only, for the best approach, when
+// no stretched chain touches it.
+int RestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& options,
+                const Transform& target);
 
 // Whole turns do not move the tip: takes as many as bring a hinge nearest to the seed, within its
 // limits.

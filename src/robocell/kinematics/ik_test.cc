@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "robocell/kinematics/differential_ik.h"
+#include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/start_range.h"
 #include "robocell/kinematics/testing/ik_judge.h"
@@ -470,6 +471,33 @@ TEST(StartRange, IsOneTurnForHingesAndTheLimitsForSlides) {
   joint.upper = INFINITY;
   joint.reference = 3;
   EXPECT_EQ(StartRangeOf(joint, 0.5).lower, 2.5);
+}
+
+TEST(StartRange, OfOneLimitIsAsLargeAsOfNoneAndInsideOfIt) {
+  for (const bool slide : {false, true}) {
+    for (const double limit : {-20.0, -4.0, -1.0, 0.0, 1.0, 4.0, 20.0}) {
+      const JointModel low{.slide = slide, .lower = limit, .upper = INFINITY};
+      const JointModel high{.slide = slide, .lower = -INFINITY, .upper = limit};
+      for (const JointModel& joint : {low, high}) {
+        const StartRange range = StartRangeOf(joint, 0.5);
+        EXPECT_GE(range.lower, joint.lower);
+        EXPECT_LE(range.upper, joint.upper);
+        EXPECT_NEAR(range.upper - range.lower, slide ? 1 : 2 * kPi, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(RestartsFor, AreFewWhereNoStretchedChainTouchesTheTarget) {
+  const AnyArm arm(7, {.joints = 7, .slide_share = 1});
+  const ChainModel& chain = arm.chain->model();
+  const Transform far{Eigen::Matrix3d::Identity(), {3 * chain.reach_bound, 0, 0}};
+  IkOptions options;
+  const auto restarts = [&] { return RestartsFor(chain, IkTask(options), options, far); };
+  EXPECT_EQ(restarts(), 8);
+  // Beyond its limits a slide may carry the tip there.
+  options.locked[2] = true;
+  EXPECT_EQ(restarts(), 100);
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ struct StartRange {
 };
 
 // Hinges start within one turn, as more of them repeat themselves; slides without limits within
-// `length` of their reference position.
+// `length` of their reference position. What has a limit at one end only starts in a range of the
+// same size, moved to where the limit allows it.
 inline StartRange StartRangeOf(const JointModel& joint, double length) {
   const bool limited = std::isfinite(joint.lower) && std::isfinite(joint.upper);
   const double middle = limited       ? 0.5 * (joint.lower + joint.upper)
@@ -28,7 +29,11 @@ inline StartRange StartRangeOf(const JointModel& joint, double length) {
                 : joint.slide ? length
                               : std::numbers::pi;
   if (!joint.slide) half = std::min(half, std::numbers::pi);
-  return {middle - half, middle + half};
+  const StartRange range{middle - half, middle + half};
+  if (limited) return range;
+  const double moved =
+      std::max(0.0, joint.lower - range.lower) + std::min(0.0, joint.upper - range.upper);
+  return {range.lower + moved, range.upper + moved};
 }
 
 }  // namespace robocell
