@@ -66,6 +66,16 @@ void CartesianPoseController::SetPosture(std::span<const double> q) {
 
 void CartesianPoseController::Reset() {
   servos_.Reset();
+  HoldServos();
+}
+
+void CartesianPoseController::ResetTo(std::span<const double> servos) {
+  servos_.ResetTo(servos);
+  HoldServos();
+}
+
+// The target is where the servos are being sent.
+void CartesianPoseController::HoldServos() {
   const std::span<const double> q = servos_.target();
   std::copy(q.begin(), q.end(), posture_.begin());
   const Pose here = arm_.chain().Fk(q);

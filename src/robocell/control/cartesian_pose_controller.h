@@ -36,6 +36,7 @@ class CartesianPoseController : public Controller {
   std::span<const double> commanded_joint_pos() const override { return servos_.target(); }
   std::span<double> command_port() override { return target_; }
   void Reset() override;
+  void ResetTo(std::span<const double> servos) override;
   void Compute(std::span<double> ctrl) override;
 
   void SetPose(const Pose& leaf_in_robot) { target_ = ToNumbers(leaf_in_robot); }
@@ -50,6 +51,7 @@ class CartesianPoseController : public Controller {
   void SetPosture(std::span<const double> q);
 
  private:
+  void HoldServos();
   void MoveReference(double seconds);
   void FollowReference(double seconds);
   void HoldReferenceBack();

@@ -70,6 +70,15 @@ void DifferentialIkController::SetPostureRate(double per_second) {
 
 void DifferentialIkController::Reset() {
   servos_.Reset();
+  HoldServos();
+}
+
+void DifferentialIkController::ResetTo(std::span<const double> servos) {
+  servos_.ResetTo(servos);
+  HoldServos();
+}
+
+void DifferentialIkController::HoldServos() {
   options_.posture = JointVector(servos_.target());
   target_.fill(0);
   slower_ = false;

@@ -37,6 +37,7 @@ class DifferentialIkController : public Controller {
   std::span<const double> commanded_joint_pos() const override { return servos_.target(); }
   std::span<double> command_port() override { return target_; }
   void Reset() override;
+  void ResetTo(std::span<const double> servos) override;
   void Compute(std::span<double> ctrl) override;
 
   void SetTwist(const Twist& twist);
@@ -57,6 +58,8 @@ class DifferentialIkController : public Controller {
   bool slower() const { return slower_; }
 
  private:
+  void HoldServos();
+
   ArmGroup& arm_;
   JointPositionController servos_;
   std::array<double, 6> target_{};

@@ -35,4 +35,9 @@ void RelativeJointController::Reset() {
   std::fill(delta_.begin(), delta_.end(), 0.0);
 }
 
+void RelativeJointController::ResetTo(std::span<const double> servos) {
+  absolute_.ResetTo(servos);
+  std::fill(delta_.begin(), delta_.end(), 0.0);
+}
+
 }  // namespace robocell

@@ -28,6 +28,7 @@ class RelativeJointController : public Controller {
   std::span<double> command_port() override { return absolute_.command_port(); }
   bool UsePort(std::span<double> port) override { return absolute_.UsePort(port); }
   void Reset() override;
+  void ResetTo(std::span<const double> servos) override;
   void Compute(std::span<double> ctrl) override { absolute_.Compute(ctrl); }
 
  private:

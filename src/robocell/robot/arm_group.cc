@@ -138,14 +138,15 @@ void ArmGroup::CtrlForJointVel(std::span<const double> velocity, std::span<const
   }
 }
 
-void ArmGroup::JointPosForTorque(std::span<const double> q, std::span<const double> torque,
-                                 std::span<double> out) const {
+void ArmGroup::JointPosForTorque(std::span<const double> q, std::span<const double> v,
+                                 std::span<const double> torque, std::span<double> out) const {
   core().Bind();
   const mjModel* m = core().model();
   const std::vector<int>& ids = core().actuator_ids();
   for (size_t i = 0; i < ids.size(); ++i) {
     const double gear = m->actuator_gear[6 * m->actuator_outadr[ids[i]]];
-    out[i] = q[i] - torque[i] / (gear * gear * m->actuator_biasprm[mjNBIAS * ids[i] + 1]);
+    const mjtNum* bias = m->actuator_biasprm + mjNBIAS * ids[i];
+    out[i] = q[i] + (bias[2] * v[i] - torque[i] / (gear * gear)) / bias[1];
   }
 }
 

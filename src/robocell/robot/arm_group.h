@@ -74,9 +74,9 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   // a switch, which stiff ones of light joints would go on throwing at every step.
   void CtrlForJointVel(std::span<const double> velocity, std::span<const double> now,
                        std::span<const double> torque, std::span<double> ctrl) const;
-  // Where position servos have to be sent to push with `torque` at `q`.
-  void JointPosForTorque(std::span<const double> q, std::span<const double> torque,
-                         std::span<double> out) const;
+  // Where position servos have to be sent to push with `torque` on joints at `q` that move at `v`.
+  void JointPosForTorque(std::span<const double> q, std::span<const double> v,
+                         std::span<const double> torque, std::span<double> out) const;
 
  private:
   Interval TorqueLimit(const mjModel* m, size_t joint) const;

@@ -74,6 +74,12 @@ class Controller {
   }
   // Forget the target and hold: the present joint positions, or what a gripper is commanded to.
   virtual void Reset() = 0;
+  // The same of what drives position servos, where they go on from `servos`, nq() joint positions:
+  // those at which they push as what they take over from, which are not where the joints are.
+  virtual void ResetTo(std::span<const double> servos) {
+    (void)servos;
+    Reset();
+  }
   // The control for this tick, nu() values. No allocation.
   virtual void Compute(std::span<double> ctrl) = 0;
 };

@@ -203,6 +203,41 @@ TEST(CtrlMode, ForcesDoNotJumpWhenSwitched) {
   }
 }
 
+TEST(CtrlMode, ForcesOfAMovingArmDoNotJumpWhenSwitched) {
+  Robot robot = RobotAlone(Rc7());
+  Scene scene = robot.scene();
+  for (const CtrlMode mode : {kPosition, kTorque}) {
+    robot.set_ctrl_mode(kTorque);
+    robot.arm().SetJointVel(std::vector<double>{0.3, -0.2, 0.3, 0.2, -0.3, 0.2, 0.3});
+    scene.Forward();
+    const std::vector<double> before = robot.arm().joint_torque();
+    robot.set_ctrl_mode(mode);
+    scene.Forward();
+    for (int i = 0; i < 7; ++i)
+      EXPECT_NEAR(robot.arm().joint_torque()[i], before[i], 1e-6) << ToString(mode);
+  }
+}
+
+// A servo holds against gravity because it is sent somewhere else than where its joint is.
+TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
+  RobotConfig config = Rc7();
+  config.gravcomp = false;
+  Robot robot = RobotAlone(config);
+  Drift(robot, 2000);
+  const Eigen::Vector3d start = robot.tcp_in_world().translation();
+  const std::vector<double> held = robot.arm().joint_torque();
+  for (const char* kind : {"cartesian_pose", "differential_ik", "relative_joint_position",
+                           "joint_position", "cartesian_pose", "joint_position"}) {
+    robot.SetController("arm", kind);
+    robot.Update();
+    ASSERT_TRUE(robot.Step().ok());
+    for (int i = 0; i < 7; ++i)
+      EXPECT_NEAR(robot.arm().joint_torque()[i], held[i], 1e-3) << kind << ", joint " << i;
+    Drift(robot, 200);
+    EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-5) << kind;
+  }
+}
+
 TEST(CtrlMode, ATeleportWithoutForwardIsSeenWhenAskedFor) {
   Robot robot = RobotAlone(Rc7());
   const std::vector<double> q{0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1};

@@ -32,8 +32,13 @@ void JointPositionController::SetTarget(std::span<const double> target) {
 }
 
 void JointPositionController::Reset() {
-  group_.GetJointPos(target_.get());
-  std::copy(target_.begin(), target_.end(), held_.begin());
+  group_.GetJointPos(held_);
+  ResetTo(held_);
+}
+
+void JointPositionController::ResetTo(std::span<const double> servos) {
+  std::copy(servos.begin(), servos.end(), held_.begin());
+  std::copy(servos.begin(), servos.end(), target_.begin());
   commanded_ = false;
 }
 

@@ -32,6 +32,7 @@ class JointPositionController : public Controller {
   std::span<double> command_port() override { return target_.get(); }
   bool UsePort(std::span<double> port) override { return target_.MoveTo(port); }
   void Reset() override;
+  void ResetTo(std::span<const double> servos) override;
   // What is beyond a joint's limits drives the joint to its limit, or the servo to the end of its
   // ctrlrange, and is told once. What nobody commanded is not told.
   void Compute(std::span<double> ctrl) override;

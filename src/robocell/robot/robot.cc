@@ -129,7 +129,7 @@ std::unique_ptr<Controller> Robot::NewController(const std::string& group,
                                                  const std::string& kind) const {
   GroupSlot& slot = open().Require(group);
   const CtrlMode mode = ControllerMode(kind, open().place(slot));
-  return MakeController(kind, open().RequireDrive(slot, mode));
+  return open().Successor(slot, kind, mode);
 }
 
 void Robot::ThrowOtherClass(const std::string& group, const Controller& made) const {

@@ -32,14 +32,14 @@ class Reading {
   bool& flag_;
 };
 
-// Position targets at which the servos go on pushing as what they take over from.
+// The servos go on pushing as what they take over from.
 void SeedServos(const ControlledGroup& group, Controller& controller) {
   const auto* servos = dynamic_cast<const ArmGroup*>(group.drives.of(CtrlMode::kPosition));
-  if (!servos || controller.mode() != CtrlMode::kPosition ||
-      controller.port_kind() != TargetKind::kJointPositions)
-    return;
-  servos->JointPosForTorque(group.group->joint_pos(), group.group->joint_torque(),
-                            controller.command_port());
+  if (!servos || controller.mode() != CtrlMode::kPosition) return;
+  const MoveGroup& arm = *group.group;
+  std::vector<double> targets(static_cast<size_t>(servos->nq()));
+  servos->JointPosForTorque(arm.joint_pos(), arm.joint_vel(), arm.joint_torque(), targets);
+  controller.ResetTo(targets);
 }
 
 // What the model of an arm that is to be driven in a mode may have.
@@ -276,12 +276,19 @@ void Robot::State::RequireUndriven(const GroupSlot& slot) const {
   }
 }
 
+std::unique_ptr<Controller> Robot::State::Successor(GroupSlot& slot, const std::string& kind,
+                                                    CtrlMode mode) {
+  std::unique_ptr<Controller> controller = MakeController(kind, RequireDrive(slot, mode));
+  if (slot.control->controller) SeedServos(*slot.own, *controller);
+  return controller;
+}
+
 void Robot::State::PutInstead(GroupSlot& slot, const std::string& controller) {
   Controller& known = *slot.control->controller;
   const std::span<const double> port = known.command_port();
   const std::vector<double> told(port.begin(), port.end());
   const TargetKind kind = known.port_kind();
-  Use(slot, MakeController(controller, RequireDrive(slot, known.mode())));
+  Use(slot, Successor(slot, controller, known.mode()));
   Controller& put = *slot.control->controller;
   if (put.port_kind() == kind) std::copy(told.begin(), told.end(), put.command_port().begin());
 }

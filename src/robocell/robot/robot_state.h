@@ -65,6 +65,9 @@ class Robot::State : public SceneObserver {
       if (controls_[i]->controller) controls_[i]->Guarded(run);
     }
   }
+  // A controller of that kind and mode that goes on as the one that it is to replace: servos that
+  // hold the arm against gravity go on holding it.
+  std::unique_ptr<Controller> Successor(GroupSlot& slot, const std::string& kind, CtrlMode mode);
   // Puts a controller of the slot's group in, and switches to what it drives without a jump of the
   // forces.
   void Use(GroupSlot& slot, std::shared_ptr<Controller> controller);
