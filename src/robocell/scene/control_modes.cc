@@ -119,8 +119,11 @@ void LimitForce(const mjsActuator* authored, mjsActuator* actuator) {
       std::minmax({scale * authored->ctrlrange[0], scale * authored->ctrlrange[1]});
   const bool also = IsLimited(authored->forcelimited, authored->forcerange);
   const double* range = authored->forcerange;
-  actuator->forcerange[0] = also ? std::clamp(low, range[0], range[1]) : low;
-  actuator->forcerange[1] = also ? std::clamp(high, range[0], range[1]) : high;
+  const auto within = [&](double force) {  // no std::clamp: the engine has not looked at it yet
+    return also ? std::min(std::max(force, range[0]), range[1]) : force;
+  };
+  actuator->forcerange[0] = within(low);
+  actuator->forcerange[1] = within(high);
   actuator->forcelimited = mjLIMITED_TRUE;
 }
 

@@ -152,6 +152,16 @@ TEST_F(ControlModes, VelocityServosBesideMotorsBrakeTheInertiaAtHomeAndPushNoHar
   }
 }
 
+TEST_F(ControlModes, AForceRangeTheWrongWayRoundIsTheEnginesToRefuse) {
+  arm = folder.Write("turned", R"(<compiler autolimits="true"/><worldbody><body name="base">
+    <geom size="0.1"/><body><joint name="hinge"/><geom size="0.1"/></body></body></worldbody>
+    <actuator><motor name="motor" joint="hinge" ctrlrange="-1 1" forcelimited="true"
+    forcerange="5 -5"/></actuator>)");
+  const SceneSpec spec = Arms(1, Modes{kVelocity, kTorque});
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                         "turned.xml:3: actuator 'motor': invalid force range for actuator");
+}
+
 TEST_F(ControlModes, VelocityServosBesideServosWithoutDampingAreCriticallyDamped) {
   SceneSpec spec = Arms(1, Modes{kPosition, kVelocity});
   spec.robots[0].path = folder.Write(
