@@ -8,6 +8,7 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/names.h"
 
 namespace robocell::assets {
@@ -48,7 +49,7 @@ fs::path FindModelsRoot() {
 std::vector<std::string> ModelsWithFolder(const char* kind) {
   std::vector<std::string> names;
   const fs::path root = fs::path(ModelsRoot()) / kind;
-  for (const std::string& name : ListFolder(root)) {
+  for (const std::string& name : FolderNamesIfAny(root)) {
     std::error_code error;  // of a circle of links
     if (fs::exists(root / name / (name + ".xml"), error)) names.push_back(name);
   }
@@ -62,7 +63,7 @@ fs::path CellsFolder() {
 // Names N of folder/N<ending>.
 std::vector<std::string> FilesWith(const char* ending, const fs::path& folder) {
   std::vector<std::string> names;
-  for (const std::string& file : ListFolder(folder)) {
+  for (const std::string& file : FolderNamesIfAny(folder)) {
     if (fs::path(file).extension() == ending) names.push_back(fs::path(file).stem().string());
   }
   return names;

@@ -14,6 +14,7 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
@@ -73,7 +74,7 @@ void WarnOfOtherVersion(const std::string& robot, const fs::path& recorded, cons
 fs::path NewestFolder(const std::string& robot) {
   fs::path newest;
   fs::file_time_type newest_time{};
-  for (const std::string& folder : assets::ListFolder(CacheModels())) {
+  for (const std::string& folder : FolderNamesIfAny(CacheModels())) {
     std::error_code error;
     const fs::path path = CacheModels() / folder;
     const auto time = fs::last_write_time(path / ".complete", error);
@@ -94,7 +95,7 @@ fs::path CachedFolder(const std::string& robot) {
 // The robot models in a folder: neither scenes nor the variants for MJX.
 std::vector<std::string> ModelStems(const fs::path& folder) {
   std::vector<std::string> stems;
-  for (const std::string& file : assets::ListFolder(folder)) {
+  for (const std::string& file : FolderNamesIfAny(folder)) {
     const std::string stem = fs::path(file).stem().string();
     if (fs::path(file).extension() != ".xml") continue;
     if (stem.rfind("scene", 0) == 0 || stem.rfind("mjx_", 0) == 0) continue;
@@ -170,14 +171,14 @@ std::string RobotFolder(const std::string& robot) {
 
 std::map<std::string, std::string> RobotFolders() {
   std::map<std::string, std::string> robots;
-  for (const std::string& folder : assets::ListFolder(CacheModels())) {
+  for (const std::string& folder : FolderNamesIfAny(CacheModels())) {
     const std::string robot = RobotOfVersion(folder);
     const fs::path newest = robot.empty() ? fs::path() : CachedFolder(robot);
     if (!newest.empty()) robots[robot] = newest.string();
   }
   const std::string root = Environment("MENAGERIE_ROOT");
   if (root.empty()) return robots;
-  for (const std::string& robot : assets::ListFolder(root)) {
+  for (const std::string& robot : FolderNamesIfAny(root)) {
     const fs::path folder = fs::path(root) / robot;
     if (!ModelStems(folder).empty()) robots[robot] = folder.string();
   }

@@ -6,6 +6,7 @@
 #include "robocell/assets/override.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
 
@@ -69,11 +70,8 @@ std::string BuiltinHint(const std::string& name) {
 // "Did you mean 'models/stork.xml'?" for `name`, whose file is missing at `path`, when its folder
 // has a model of nearly that name.
 std::string NeighbourHint(const std::string& name, const fs::path& path) {
-  std::error_code error;
-  std::vector<std::string> models;
-  for (const fs::directory_entry& entry : fs::directory_iterator(path.parent_path(), error)) {
-    if (entry.path().extension() == ".xml") models.push_back(entry.path().filename().string());
-  }
+  std::vector<std::string> models = FolderNamesIfAny(path.parent_path());
+  std::erase_if(models, [](const fs::path& name) { return name.extension() != ".xml"; });
   const std::vector<std::string> near = NearestNames(path.filename().string(), models, 1);
   if (near.empty()) return "";
   return "Did you mean '" + (fs::path(name).parent_path() / near[0]).string() + "'?";

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cstdlib>
 
 #include "robocell/base/error.h"
@@ -23,16 +22,6 @@ std::optional<fs::path> FindBelow(const fs::path& root, const std::string& name)
   const fs::path path = fs::absolute(ConfinedPath(root, name), error).lexically_normal();
   if (!fs::is_regular_file(path, error)) return std::nullopt;
   return path;
-}
-
-std::vector<std::string> ListFolder(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    names.push_back(entry.path().filename().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
 }
 
 void ThrowNotFound(const std::string& what, const std::vector<std::string>& looked,

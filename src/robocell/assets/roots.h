@@ -16,9 +16,6 @@ std::string Environment(const char* variable);
 std::optional<std::filesystem::path> FindBelow(const std::filesystem::path& root,
                                                const std::string& name);
 
-// Names of the folder's entries, sorted; empty when the folder cannot be read.
-std::vector<std::string> ListFolder(const std::filesystem::path& folder);
-
 // NotFoundError: "<what> not found. Looked for: a, b. <next step>"
 [[noreturn]] void ThrowNotFound(const std::string& what, const std::vector<std::string>& looked,
                                 const std::string& next_step);

@@ -8,13 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/data/apart.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
-#include "robocell/data/folder_names.h"
 #include "robocell/data/json_count.h"
 #include "robocell/data/signed_json.h"
 #include "robocell/media/video_info.h"

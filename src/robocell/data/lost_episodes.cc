@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
-#include "robocell/data/folder_names.h"
 #include "robocell/data/report_origin.h"
 #include "robocell/data/signed_json.h"
 

@@ -6,12 +6,12 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
-#include "robocell/data/folder_names.h"
 #include "robocell/data/work_folder.h"
 
 namespace robocell {

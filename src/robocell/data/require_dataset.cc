@@ -9,12 +9,12 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/names.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
-#include "robocell/data/folder_names.h"
 #include "robocell/data/model_store.h"
 #include "robocell/data/quarantine.h"
 

@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
@@ -21,7 +22,6 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
-#include "robocell/data/folder_names.h"
 #include "robocell/data/leftovers.h"
 #include "robocell/data/lost_episodes.h"
 #include "robocell/data/model_store.h"

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "robocell/base/folder_names.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
 #include "robocell/scene/part.h"
@@ -60,16 +61,13 @@ class AssetPaths {
 };
 
 std::string InFolder(const MissingFile& file) {
-  std::vector<std::string> names;
   std::error_code error;
   const fs::path folder = file.path.parent_path();
   if (!fs::is_directory(folder, error))
     return fmt::format("there is no folder {}", folder.string());
   if (fs::exists(file.path, error))
     return fmt::format("{} is {}", file.path.string(), WhatIsAt(file.path));
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error))
-    names.push_back(entry.path().filename());
-  const std::string near = DidYouMean(file.path.filename().string(), names);
+  const std::string near = DidYouMean(file.path.filename().string(), FolderNamesIfAny(folder));
   return fmt::format("there is no {}{}{}", file.path.string(), near.empty() ? "" : ".", near);
 }
 

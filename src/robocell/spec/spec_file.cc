@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
 #include "robocell/spec/yaml_hints.h"
@@ -30,15 +31,12 @@ bool IsOtherKind(const fs::path& file, const std::string& type) {
 
 // Those that may be of the `type`, not those that are of another one.
 std::vector<std::string> SpecFilesIn(const fs::path& folder, const std::string& type) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    const std::string name = entry.path().filename(), ending = entry.path().extension();
+  std::vector<std::string> names = FolderNamesIfAny(folder);
+  std::erase_if(names, [&](const std::string& name) {
+    const fs::path file = folder / name, ending = file.extension();
     const bool is_yaml = name.front() != '.' && (ending == ".yaml" || ending == ".yml");
-    if (is_yaml && CanReadFile(entry.path()) && !IsOtherKind(entry.path(), type))
-      names.push_back(name);
-  }
-  std::sort(names.begin(), names.end());
+    return !is_yaml || !CanReadFile(file) || IsOtherKind(file, type);
+  });
   return names;
 }
 
