@@ -12,6 +12,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/folder_names.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
@@ -42,15 +43,10 @@ std::string Joined(const std::vector<std::string>& lines) {
 
 // ". Models in 'cells': a.xml, b.xml. Did you mean 'a.xml'?" for a file that is not there.
 std::string ModelsBeside(const Path& path) {
-  std::error_code error;
   const Path folder = path.has_parent_path() ? path.parent_path() : Path(".");
-  std::vector<std::string> names;
-  std::filesystem::directory_iterator entry(folder, error);
-  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
-    if (entry->path().extension() == ".xml") names.push_back(entry->path().filename().string());
-  }
+  std::vector<std::string> names = FolderNamesIfAny(folder);
+  std::erase_if(names, [](const Path& name) { return name.extension() != ".xml"; });
   if (names.empty()) return "";
-  std::sort(names.begin(), names.end());
   return ". Models in '" + folder.string() + "': " + ListNames(names) + "." +
          DidYouMean(path.filename().string(), names);
 }
@@ -89,27 +85,6 @@ void Report(const std::vector<std::string>& found, std::string_view context,
       LogWarn(Prefix(context) + "MuJoCo: " + text);
     }
   }
-}
-
-// What fn() returns, a pointer; its errors and exceptions are EngineErrors. Models with sizes
-// beyond all memory make the engine throw.
-template <class Function>
-auto Tried(std::string_view place, Function fn) {
-  struct Call {
-    Function* fn;
-    std::invoke_result_t<Function&> result;
-    static void Run(void* self) {
-      auto* call = static_cast<Call*>(self);
-      call->result = (*call->fn)();
-    }
-  } call{&fn, nullptr};
-  EngineExceptions exceptions;
-  if (Guarded(place, [&] { return exceptions.Catch(&Call::Run, &call); })) return call.result;
-  throw EngineError(
-      std::string(place) +
-      ": the engine threw a C++ exception, as it does when a size is too large for the memory: "
-      "look at the sizes of its hfield, texture, mesh, skin, flexcomp, replicate and size "
-      "elements");
 }
 
 // `file` is "" for a text.
@@ -159,7 +134,7 @@ std::string SaveXmlString(const mjSpec* spec, std::string_view context) {
   std::array<char, 2048> error{};
   std::string xml(1 << 16, '\0');
   for (;;) {
-    const int rc = Guarded(place, [&] {
+    const int rc = Tried(place, [&] {
       return mj_saveXMLString(spec, xml.data(), static_cast<int>(xml.size()), error.data(),
                               static_cast<int>(error.size()));
     });
@@ -176,8 +151,8 @@ void SaveXml(const mjSpec* spec, const Path& path, std::string_view context) {
 
 std::string SaveBinaryString(const mjModel* model) {
   std::string bytes(static_cast<size_t>(mj_sizeModel(model)), '\0');
-  Guarded("saving a model as binary",
-          [&] { mj_saveModel(model, nullptr, bytes.data(), static_cast<mjtSize>(bytes.size())); });
+  Tried("saving a model as binary",
+        [&] { mj_saveModel(model, nullptr, bytes.data(), static_cast<mjtSize>(bytes.size())); });
   return bytes;
 }
 
@@ -189,7 +164,7 @@ void SaveBinary(const mjModel* model, const Path& path, std::string_view context
 ModelPtr LoadBinaryString(std::string_view bytes, std::string_view context) {
   const std::string place = Prefix(context) + "loading a binary model";
   WarningCapture reasons;
-  ModelPtr model(Guarded(
+  ModelPtr model(Tried(
       place, [&] { return mj_loadModelBuffer(bytes.data(), static_cast<mjtSize>(bytes.size())); }));
   if (!model) throw SpecError(place + ": " + Joined(reasons.messages()));
   model->opt.disableflags |= mjDSBL_AUTORESET;

@@ -3,6 +3,9 @@
 #include <unwind.h>
 
 #include <cstdint>
+#include <string>
+
+#include "robocell/base/error.h"
 
 namespace robocell {
 namespace {
@@ -48,6 +51,14 @@ extern "C" __attribute__((visibility("hidden"), noinline)) void RobocellCallEngi
 }
 
 namespace robocell {
+
+void ThrowEngineThrew(std::string_view place) {
+  throw EngineError(
+      std::string(place) +
+      ": the engine threw a C++ exception, as it does when a size is too large for the memory: "
+      "look at the sizes of its hfield, texture, mesh, skin, flexcomp, replicate and size "
+      "elements");
+}
 
 bool EngineExceptions::Catch(void (*call)(void*), void* argument) {
   if (setjmp(environment_) != 0) return false;

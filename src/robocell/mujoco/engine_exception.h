@@ -1,8 +1,10 @@
 // C++ exceptions that the engine throws, such as for want of memory while it compiles a model.
 //
-//   EngineExceptions exceptions;                 // outside of the guard
-//   bool threw = false;
-//   Guarded(place, [&] { threw = !exceptions.Catch(&Compile, &arguments); });
+//   mjSpec* copy = Tried("copying", [&] { return mj_copySpec(spec); });
+//
+// Specs, files and what is made of them (mjs_..., mj_parse..., mj_compile, mj_copySpec,
+// mj_copyBack, mj_save..., virtual file systems) are the engine's C++ part: call these through
+// Tried. The rest is C, for which Guarded (guard.h) is enough and takes half the time.
 //
 // The engine's library has a C++ runtime of its own. A frame of ours with a destructor or a `catch`
 // that such an exception reaches ends the process: the two runtimes read each other's data wrongly.
@@ -14,6 +16,10 @@
 #pragma once
 
 #include <csetjmp>
+#include <string_view>
+#include <type_traits>
+
+#include "robocell/mujoco/guard.h"
 
 namespace robocell {
 
@@ -33,5 +39,33 @@ class EngineExceptions {
   std::jmp_buf environment_;
   EngineExceptions* outer_;
 };
+
+[[noreturn]] void ThrowEngineThrew(std::string_view place);
+
+// As Guarded, and the engine's C++ exceptions are EngineErrors too. Models with sizes beyond all
+// memory make the engine throw.
+template <class Function>
+auto Tried(std::string_view place, Function&& fn) {
+  using Result = std::invoke_result_t<Function&>;
+  EngineExceptions exceptions;
+  if constexpr (std::is_void_v<Result>) {
+    const auto call = [](void* self) {
+      (*static_cast<std::remove_reference_t<Function>*>(self))();
+    };
+    if (!Guarded(place, [&] { return exceptions.Catch(call, &fn); })) ThrowEngineThrew(place);
+  } else {
+    struct Call {
+      std::remove_reference_t<Function>* fn;
+      Result result;
+      static void Run(void* self) {
+        auto* call = static_cast<Call*>(self);
+        call->result = (*call->fn)();
+      }
+    } call{&fn, {}};
+    if (!Guarded(place, [&] { return exceptions.Catch(&Call::Run, &call); }))
+      ThrowEngineThrew(place);
+    return call.result;
+  }
+}
 
 }  // namespace robocell

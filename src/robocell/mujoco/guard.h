@@ -1,5 +1,5 @@
 // The one way to call an engine function that can fail: the engine's error becomes an EngineError
-// with our context.
+// with our context. (The engine's C++ part may throw besides: Tried, in engine_exception.h.)
 //
 //   const int n = Guarded("scene 'pick': stepping", data, [&] { mj_step(model, data); return
 //   data->ncon; });

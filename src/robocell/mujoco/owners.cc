@@ -5,6 +5,7 @@
 #include <string>
 
 #include "robocell/base/error.h"
+#include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/model_watch.h"
 
@@ -23,14 +24,14 @@ void VfsDeleter::operator()(mjVFS* vfs) const {
 }
 
 SpecPtr MakeSpec() {
-  SpecPtr spec(Guarded("making an empty model", [] { return mj_makeSpec(); }));
+  SpecPtr spec(Tried("making an empty model", [] { return mj_makeSpec(); }));
   if (!spec) throw EngineError("making an empty model: out of memory");
   spec->compiler.degree = 0;
   return spec;
 }
 
 SpecPtr CopySpec(const mjSpec* spec) {
-  SpecPtr copy(Guarded("copying a model's spec", [&] { return mj_copySpec(spec); }));
+  SpecPtr copy(Tried("copying a model's spec", [&] { return mj_copySpec(spec); }));
   if (!copy) throw EngineError("copying a model's spec: the engine refused");
   return copy;
 }
@@ -62,7 +63,7 @@ VfsPtr MakeVfs() {
 
 void AddBuffer(mjVFS* vfs, std::string_view name, std::string_view content) {
   const std::string file(name);
-  const int rc = Guarded("adding '" + file + "' to the virtual file system", [&] {
+  const int rc = Tried("adding '" + file + "' to the virtual file system", [&] {
     return mj_addBufferVFS(vfs, file.c_str(), content.data(), static_cast<int>(content.size()));
   });
   if (rc == 2) throw ArgumentError("virtual file system: there is already a file '" + file + "'");

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
-#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/engine_exception.h"
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {
@@ -60,7 +60,7 @@ void SettleFreeJoint(const SceneObject& object, ObjectPart& out) {
   mjsElement* joint = FreeJoint(out.root);
   const bool has_joints = !BodyElements(out.root, mjOBJ_JOINT).empty();
   if (object.fixed == true && joint) {
-    Guarded(out.part.place, [&] { mjs_delete(out.part.spec.get(), joint); });
+    Tried(out.part.place, [&] { mjs_delete(out.part.spec.get(), joint); });
     joint = nullptr;
   } else if (object.fixed == false && !has_joints) {
     joint = mjs_addFreeJoint(out.root)->element;

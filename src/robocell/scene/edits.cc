@@ -3,7 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/names.h"
-#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/edit_values.h"
 #include "robocell/scene/element_lookup.h"
@@ -92,7 +92,7 @@ class Editor {
     const mjtObj kind = edit_.remove->kind ? EngineKind(*edit_.remove->kind) : mjOBJ_UNKNOWN;
     if (kind == mjOBJ_KEY) return DeleteKey(edit_.remove->name);
     mjsElement* element = Find(*edit_.remove, kind);
-    if (element && Guarded(place_, [&] { return mjs_delete(spec_, element); }) != 0) {
+    if (element && Tried(place_, [&] { return mjs_delete(spec_, element); }) != 0) {
       report_.Problem(place_, mjs_getError(spec_));
     }
   }
@@ -145,7 +145,7 @@ class Editor {
   void Named(mjsElement* element, const std::string& name) {
     const mjtObj kind = element->elemtype;
     if (FindSpecElement(spec_, kind, name)) {
-      Guarded(place_, [&] { mjs_delete(spec_, element); });
+      Tried(place_, [&] { mjs_delete(spec_, element); });
       report_.Problem(place_, fmt::format("the model already has a {} '{}'", KindName(kind), name));
       return;
     }

@@ -2,7 +2,7 @@
 // keeps the other parts at their reference, and blocks deleting joints).
 #include <mujoco/mujoco.h>
 
-#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/engine_exception.h"
 #include "robocell/scene/part.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -92,7 +92,7 @@ PartHome ReadHomeKey(mjSpec* spec, const std::string& place, const std::string& 
 
 void DropKeys(mjSpec* spec) {
   for (mjsElement* key : SpecElements(spec, mjOBJ_KEY)) {
-    Guarded("dropping a keyframe", [&] { mjs_delete(spec, key); });
+    Tried("dropping a keyframe", [&] { mjs_delete(spec, key); });
   }
   spec->nkey = 0;
 }

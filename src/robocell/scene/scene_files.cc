@@ -8,7 +8,7 @@
 #include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/mujoco/compile.h"
-#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/engine_exception.h"
 #include "robocell/scene/carry_over.h"
 #include "robocell/scene/scene_state.h"
 
@@ -22,7 +22,7 @@ std::mutex saving;
 mjSpec* UpToDateSpec(CompiledScene& compiled, const std::string& context) {
   mjSpec* spec = compiled.mutable_spec();
   const mjModel* model = compiled.model();
-  if (!Guarded(context, [&] { return mj_copyBack(spec, model); })) {
+  if (!Tried(context, [&] { return mj_copyBack(spec, model); })) {
     throw EngineError(context +
                       ": the model was changed in a way that XML cannot hold; save it with " +
                       InBothLanguages("SaveBinary") + ". MuJoCo: " + mjs_getError(spec));

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
-#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
@@ -60,7 +60,7 @@ std::string DescribeSpecElement(mjsElement* element) {
 }
 
 void SetSpecName(mjsElement* element, const std::string& name, const std::string& context) {
-  if (Guarded(context, [&] { return mjs_setName(element, name.c_str()); }) != 0) {
+  if (Tried(context, [&] { return mjs_setName(element, name.c_str()); }) != 0) {
     throw SpecError(
         fmt::format("{}: there is already a {} '{}'", context, KindName(element->elemtype), name));
   }
@@ -179,8 +179,8 @@ void AttachBody(mjsBody* parent, mjsBody* child, const Pose& pose, const std::st
   SetPose(child, pose);
   mjsFrame* frame = mjs_addFrame(parent, nullptr);
   const WarningCapture kept_in_spec;  // read after compiling
-  if (!Guarded(context,
-               [&] { return mjs_attach(frame->element, child->element, prefix.c_str(), ""); })) {
+  if (!Tried(context,
+             [&] { return mjs_attach(frame->element, child->element, prefix.c_str(), ""); })) {
     throw SpecError(context + ": " + mjs_getError(spec));
   }
 }
