@@ -1,4 +1,4 @@
-"""Check house rules that a compiler does not: engine strings, quaternion order, chance, paths.
+"""Check house rules that a compiler does not: engine strings, actuators, quaternions, chance.
 
 Prints each finding as ``file:line: reason`` and exits with 1 when there is any. A line that must
 break a rule says so itself: a comment with ``rule-ok:`` and the reason.
@@ -8,6 +8,8 @@ break a rule says so itself: a comment with ``rule-ok:`` and the reason.
 - Quaternions are xyzw; wxyz lives in mujoco/ and in the conversions that everybody calls.
 - Chance comes from base/rng.h: ``std::*_distribution`` differs between standard libraries, and
   global generators make results depend on history.
+- An actuator may have several inputs and outputs: its id counts neither, so what is per output is
+  read by mujoco/actuators.h, and nothing but tests loops to ``nu``.
 - Nothing in the repository names a path of somebody's machine.
 """
 
@@ -49,6 +51,11 @@ PYTHON_CHANCE = re.compile(
     r"\b(?:np|numpy)\.random\.(?!Generator|default_rng|SeedSequence|PCG64|Philox)\w+"
     r"|^\s*(?:import random\b|from random import)"
 )
+BY_ACTUATOR = re.compile(
+    r"->actuator_(?:gear|acc0|length0|lengthrange)\b|mjModel::nu\b"
+    r"|\bfor\s*\([^;]*;[^;]*<\s*[\w.>()-]*->nu\s*;"
+)
+BY_ACTUATOR_FILES = re.compile(r"^src/robocell/mujoco/actuators\.h$|_test\.cc$")
 MACHINE_PATH = re.compile(r"(?<![\w.~])/(?:home|root|work|Users|mnt|media)/\w")
 MARKER = "rule-ok:"
 
@@ -85,6 +92,15 @@ def quaternion_order(path: str, line: str) -> str | None:
     return f"'{words[0]}': quaternions are xyzw outside mujoco/" if words else None
 
 
+def actuator_counts(path: str, line: str) -> str | None:
+    """What is per input or output, read as if it were per actuator."""
+    match = None if BY_ACTUATOR_FILES.search(path) else BY_ACTUATOR.search(line)
+    return match and (
+        f"'{match.group().strip()}': an actuator's id counts no inputs (nu) or outputs (nout); "
+        "see mujoco/actuators.h"
+    )
+
+
 def cpp_chance(path: str, line: str) -> str | None:
     """A source of chance other than base/rng.h."""
     match = CPP_CHANCE.search(line)
@@ -114,7 +130,7 @@ def check_text(path: str, text: str) -> Iterator[Finding]:
     if path.endswith((".cc", ".h")):
         stripped = without_comments(text)
         code = stripped.splitlines()
-        rules = [quaternion_order, cpp_chance]
+        rules = [quaternion_order, actuator_counts, cpp_chance]
         if USES_SPEC.search(stripped):
             rules.append(engine_strings)
     elif path.endswith(".py") and path.startswith("python/robocell/"):

@@ -61,6 +61,36 @@ def test_other_uses_of_names_are_not(line):
     assert reasons("src/robocell/scene/a.cc", SPEC + line) == []
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        "for (int a = 0; a < m->nu; ++a) names.push_back(a);",
+        "for (int a = 0; a < model()->nu; ++a) {",
+        "const double gear = m->actuator_gear[6 * actuator];",
+        "return m_->actuator_lengthrange[2 * a];",
+        '{mjOBJ_ACTUATOR, "actuator", &mjModel::nu},',
+    ],
+)
+def test_counting_actuators_by_their_inputs_or_outputs_is_found(line):
+    found = reasons("src/robocell/robot/a.cc", line)
+    assert len(found) == 1
+    assert "mujoco/actuators.h" in found[0]
+    assert reasons("src/robocell/robot/a_test.cc", line) == []
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "for (int a = 0; a < m->nactuator; ++a) {",
+        "std::copy_n(m->key_ctrl + key * m->nu, m->nu, data->ctrl);",
+        "const double gear = Gear(m, a);",
+        "std::copy_n(authored->gear, 6, actuator->gear);",
+    ],
+)
+def test_other_uses_of_actuators_are_not(line):
+    assert reasons("src/robocell/robot/a.cc", line) == []
+
+
 def test_files_that_do_not_touch_the_engines_spec_may_have_optional_names():
     assert reasons("src/robocell/spec/a.cc", "use(*robot->name);") == []
 

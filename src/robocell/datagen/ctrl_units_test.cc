@@ -44,6 +44,15 @@ TEST(CtrlUnits, OfServosAndMotors) {
               ElementsAre("rad", "m", "rad/s", "m/s", "rad/s", "N m", "N", "N", "m"));
 }
 
+TEST(CtrlUnits, AreOnePerInputOfAnActuator) {
+  EXPECT_THAT(UnitsOf(R"(
+    <orientation joint="ball" kp="1"/> <pid joint="hinge" kp="1" kv="1" input="pos vel ff"/>
+    <motor joint="slide" gear="2"/> <position joint="slide" kp="50"/>
+    <general joint="hinge" dyntype="filter" dynprm="0.1"/>)"),
+              ElementsAre("actuator", "actuator", "actuator", "actuator", "actuator", "actuator",
+                          "actuator", "m", "N m"));
+}
+
 TEST(CtrlUnits, OfWhatHasAScaleOfItsOwn) {
   EXPECT_THAT(UnitsOf(R"(
     <general joint="slide" gainprm="0.3" biastype="affine" biasprm="0 -100 -10"/>

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 
@@ -18,9 +19,7 @@ std::string JointUnit(const mjModel* m, int joint, const char* per) {
 
 // An actuator's length is that of its joint times the gear; elsewhere metres.
 std::string ActuatorUnit(const mjModel* m, int actuator, const char* per) {
-  const int type = m->actuator_trntype[actuator];
-  if (type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT)
-    return JointUnit(m, m->actuator_trnid[2 * actuator], per);
+  if (ActsOnJoint(m, actuator)) return JointUnit(m, m->actuator_trnid[2 * actuator], per);
   return "m" + std::string(per);
 }
 

@@ -62,7 +62,7 @@ double HashOfNames(const EnvConfig& config, const mjModel* m) {
   for (int b = 0; b < m->nbody; ++b) {
     if (m->body_mocapid[b] >= 0) add(mjOBJ_BODY, b);
   }
-  for (int a = 0; a < m->nu; ++a) add(mjOBJ_ACTUATOR, a);
+  for (int a = 0; a < m->nactuator; ++a) add(mjOBJ_ACTUATOR, a);
   return hash.value();
 }
 

@@ -10,6 +10,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/math/rotation.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -60,10 +61,8 @@ Transform JointInBody(const mjModel* m, int joint) {
 double Armature(const mjModel* m, int joint) {
   double sum = m->dof_armature[m->jnt_dofadr[joint]];
   for (int a = 0; a < m->nactuator; ++a) {
-    const int type = m->actuator_trntype[a];
-    const bool acts = type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT;
-    if (!acts || m->actuator_trnid[2 * a] != joint) continue;
-    const double gear = m->actuator_gear[6 * m->actuator_outadr[a]];
+    if (!ActsOnJoint(m, a) || m->actuator_trnid[2 * a] != joint) continue;
+    const double gear = Gear(m, a);
     sum += gear * gear * m->actuator_armature[a];
   }
   return sum;

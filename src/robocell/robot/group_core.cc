@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/few_numbers.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
@@ -27,8 +28,8 @@ int VelocitiesOf(int type) { return type == mjJNT_FREE ? 6 : type == mjJNT_BALL 
 // Where, among the group's positions, the hinge or slide is that an actuator drives; -1 when it
 // drives something else.
 int DrivenPosition(const mjModel* m, int actuator, const std::vector<int>& qpos_addresses) {
-  const int type = m->actuator_trntype[actuator], joint = m->actuator_trnid[2 * actuator];
-  if (type != mjTRN_JOINT && type != mjTRN_JOINTINPARENT) return -1;
+  if (!ActsOnJoint(m, actuator)) return -1;
+  const int joint = m->actuator_trnid[2 * actuator];
   if (PositionsOf(m->jnt_type[joint]) != 1) return -1;
   const auto at = std::find(qpos_addresses.begin(), qpos_addresses.end(), m->jnt_qposadr[joint]);
   return at == qpos_addresses.end() ? -1 : static_cast<int>(at - qpos_addresses.begin());
@@ -241,7 +242,7 @@ std::optional<double> GroupCore::RestingCtrlFor(size_t actuator, std::span<const
   const mjModel* m = model();
   const int id = actuator_ids_[actuator], joint = driven_[actuator];
   if (joint < 0) return std::nullopt;
-  return FreeRestingCtrl(m, id, m->actuator_gear[6 * m->actuator_outadr[id]] * q[joint]);
+  return FreeRestingCtrl(m, id, Gear(m, id) * q[joint]);
 }
 
 void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const {

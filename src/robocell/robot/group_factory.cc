@@ -6,6 +6,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/base_group.h"
 #include "robocell/robot/gripper_group.h"

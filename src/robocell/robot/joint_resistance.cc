@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/mujoco/actuators.h"
+
 namespace robocell {
 namespace {
 
@@ -26,12 +28,11 @@ void AddActuatorDampers(const mjModel* m, const std::vector<int>& joints,
   for (int a = 0; a < m->nactuator; ++a) {
     const mjtNum* high = m->actuator_dampingpoly + mjNPOLY * a;
     if (m->actuator_damping[a] == 0 && high[0] == 0 && high[1] == 0) continue;
-    const int type = m->actuator_trntype[a];
-    if (type != mjTRN_JOINT && type != mjTRN_JOINTINPARENT) continue;
+    if (!ActsOnJoint(m, a)) continue;
     const auto joint = std::find(joints.begin(), joints.end(), m->actuator_trnid[2 * a]);
     if (joint == joints.end()) continue;
     const auto i = joint - joints.begin();
-    const double gear = m->actuator_gear[6 * m->actuator_outadr[a]];
+    const double gear = Gear(m, a);
     torque[i] += gear * gear * DamperTorque(m->actuator_damping[a], high, velocity[i]);
   }
 }

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <cmath>
+
 #include "robocell/base/error.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
@@ -23,6 +25,8 @@ constexpr const char* kVelocities =
 constexpr const char* kIntegrating =
     R"(<intvelocity name="i1" joint="shoulder" kp="100" actrange="-2 2"/>
        <intvelocity name="i2" joint="elbow" kp="100" actrange="-2 2"/>)";
+constexpr const char* kWithoutGear =
+    R"(<motor name="m1" joint="shoulder" gear="0"/><motor name="m2" joint="elbow"/>)";
 constexpr const char* kHalf =
     R"(<position name="s1" joint="shoulder" kp="100"/><motor name="m2" joint="elbow"/>)";
 
@@ -217,6 +221,37 @@ TEST_F(MotorArms, OfServosThatIntegrateAreRefusedInEveryMode) {
                              "control, and others are added");
   listed.stiffness = 10;
   ExpectThrow<SpecError>([&] { RobotAlone(listed); }, "actuator 'i1' is none");
+}
+
+TEST_F(MotorArms, WithAGearOfZeroAreRefusedByName) {
+  const auto all = std::vector{CtrlMode::kVelocity, CtrlMode::kTorque};
+  for (const CtrlMode mode : {CtrlMode::kPosition, CtrlMode::kVelocity, CtrlMode::kTorque}) {
+    Robot robot = Bare(kWithoutGear, all);
+    ExpectThrow<ArgumentError>([&] { robot.set_ctrl_mode(mode); },
+                               "1 of its joints has no motor: shoulder ('m1' on it is without "
+                               "effect, as its gear is 0)");
+  }
+  RobotConfig config = Config(kWithoutGear);
+  config.move_groups.at("arm").actuators = {"m1", "m2"};
+  const Scene scene =
+      Scene::Build(SceneWith({.name = "r", .config = config, .control_modes = all}));
+  const mjModel* m = scene.model();
+  for (int a = 0; a < m->nactuator; ++a) {
+    EXPECT_TRUE(std::isfinite(m->actuator_gainprm[mjNGAIN * a]));
+    EXPECT_TRUE(std::isfinite(m->actuator_biasprm[mjNBIAS * a + 2]));
+  }
+  Robot robot = Robot::Of(scene, "r");
+  ExpectThrow<ArgumentError>([&] { robot.set_ctrl_mode(CtrlMode::kTorque); },
+                             "cannot be switched to torque: 'm1' is without effect, as its gear is "
+                             "0, and others are added to actuators of one kind only. Give the "
+                             "model motors");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        std::vector<double> ctrl(2);
+        robot.arm().CtrlForJointPos(std::vector<double>(2), ctrl);
+      },
+      "actuator 'm1' is no position servo of one of its joints but without effect, as its gear is "
+      "0");
 }
 
 // The list of actuators says nothing that the model does not.

@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/arm_group.h"
@@ -218,9 +219,8 @@ class ArmTrial {
   int ServoOf(size_t i) const {
     for (const std::string& name : arm_.actuator_names()) {
       const int a = FindId(model(), mjOBJ_ACTUATOR, name);
-      const int type = model()->actuator_trntype[a];
-      const bool of_joint = type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT;
-      if (of_joint && model()->actuator_trnid[2 * a] == joints_[i] && IsPositionServo(model(), a))
+      if (ActsOnJoint(model(), a) && model()->actuator_trnid[2 * a] == joints_[i] &&
+          IsPositionServo(model(), a))
         return a;
     }
     return -1;
@@ -233,7 +233,7 @@ class ArmTrial {
       const double larger = std::max(std::abs(range[0]), std::abs(range[1]));
       most = std::min(most.value_or(larger), larger);
     };
-    const double gear = std::abs(model()->actuator_gear[6 * model()->actuator_outadr[servo]]);
+    const double gear = std::abs(Gear(model(), servo));
     if (model()->actuator_forcelimited[servo]) limit(model()->actuator_forcerange + 2 * servo);
     if (most) *most *= gear;
     if (model()->jnt_actfrclimited[joints_[i]]) limit(model()->jnt_actfrcrange + 2 * joints_[i]);
@@ -269,7 +269,7 @@ class ArmTrial {
   std::optional<Cause> CutOff(size_t i, int servo, double wanted, double off) const {
     const int input = model()->actuator_ctrladr[servo];
     if (!model()->actuator_ctrllimited[input]) return std::nullopt;
-    const double gear = model()->actuator_gear[6 * model()->actuator_outadr[servo]];
+    const double gear = Gear(model(), servo);
     const std::optional<double> ctrl = FreeRestingCtrl(model(), servo, gear * wanted);
     if (!ctrl) return std::nullopt;
     const mjtNum* range = model()->actuator_ctrlrange + 2 * input;
@@ -319,7 +319,7 @@ class ArmTrial {
   Cause TooSoft(size_t i, int servo, double gravity, double off) const {
     const int dof = model()->jnt_dofadr[joints_[i]];
     const mjtNum* bias = model()->actuator_biasprm + mjNBIAS * servo;
-    const double gear = model()->actuator_gear[6 * model()->actuator_outadr[servo]];
+    const double gear = Gear(model(), servo);
     const double stiffness = -bias[1] * gear * gear;
     const double damping = -bias[2] * gear * gear + model()->dof_damping[dof];
     Cause cause{

@@ -78,6 +78,16 @@ TEST_F(RobotTrial, ActuatorsOfNoGroupAreNamed) {
               Not(Contains(HasSubstr("no move group"))));
 }
 
+TEST_F(RobotTrial, ActuatorsOfSeveralInputsAreNamedOnce) {
+  const std::string more =
+      "kp='2000' kv='100'/><pid name='spare' joint='spin' kp='1' kv='1' input='pos vel ff'/>"
+      "<pid name='other' joint='spin' kp='1' kv='1' input='pos vel ff'";
+  EXPECT_THAT(
+      Doubts(more, "",
+             "<body name='fan' pos='0 0 -0.9'><joint name='spin'/><geom size='0.01'/></body>"),
+      ElementsAre(HasSubstr("no move group has the actuators spare, other: nothing")));
+}
+
 TEST_F(RobotTrial, AServoThatSagsUnderGravityIsToldHowMuchItNeeds) {
   EXPECT_THAT(
       Doubts("kp='50' kv='5'"),

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/control_modes.h"
 #include "robocell/scene/spec_tree.h"
@@ -18,39 +19,69 @@ struct DriveLaw {
   int gain_type, bias_type, dynamics, inputs;
   double gain;
   const double* bias;
+  bool moves;  // has a gear
 };
 
+// Frames and ball joints are turned about any of their axes, all else has one.
+bool HasGear(const double* gears, bool several_axes) {
+  return std::any_of(gears, gears + (several_axes ? 6 : 1), [](double g) { return g != 0; });
+}
+
+bool HasGear(const mjsActuator* a) {
+  bool several_axes = a->trntype == mjTRN_SITE;
+  if (IsOnJoint(a->trntype)) {
+    mjsElement* joint =
+        FindSpecElement(mjs_getSpec(a->element), mjOBJ_JOINT, mjs_getString(a->target));
+    const int type = joint ? mjs_asJoint(joint)->type : mjJNT_HINGE;
+    several_axes = type == mjJNT_BALL || type == mjJNT_FREE;
+  }
+  return HasGear(a->gear, several_axes);
+}
+
+bool HasGear(const mjModel* m, int a) {
+  const int target = m->actuator_trnid[2 * a];
+  const int type = ActsOnJoint(m, a) ? m->jnt_type[target] : mjJNT_HINGE;
+  return HasGear(Gears(m, a),
+                 m->actuator_trntype[a] == mjTRN_SITE || type == mjJNT_BALL || type == mjJNT_FREE);
+}
+
 DriveLaw LawOf(const mjsActuator* a) {
-  return {a->gaintype, a->biastype, a->dyntype, 1, a->gainprm[0], a->biasprm};
+  return {a->gaintype, a->biastype, a->dyntype, 1, a->gainprm[0], a->biasprm, HasGear(a)};
 }
 
 DriveLaw LawOf(const mjModel* m, int a) {
-  return {m->actuator_gaintype[a],          m->actuator_biastype[a],
-          m->actuator_dyntype[a],           m->actuator_ctrlnum[a],
-          m->actuator_gainprm[mjNGAIN * a], m->actuator_biasprm + mjNBIAS * a};
+  return {m->actuator_gaintype[a],
+          m->actuator_biastype[a],
+          m->actuator_dyntype[a],
+          m->actuator_ctrlnum[a],
+          m->actuator_gainprm[mjNGAIN * a],
+          m->actuator_biasprm + mjNBIAS * a,
+          HasGear(m, a)};
+}
+
+std::optional<CtrlMode> KindOfForce(const DriveLaw& law) {
+  if (!law.moves || law.gain_type != mjGAIN_FIXED || law.gain == 0 || law.inputs != 1)
+    return std::nullopt;
+  if (law.bias_type == mjBIAS_NONE) return CtrlMode::kTorque;
+  if (law.bias_type != mjBIAS_AFFINE) return std::nullopt;
+  if (law.bias[1] < 0) return CtrlMode::kPosition;
+  const bool of_velocity = law.bias[0] == 0 && law.bias[1] == 0 && law.bias[2] == -law.gain;
+  return of_velocity && law.gain > 0 ? std::optional(CtrlMode::kVelocity) : std::nullopt;
 }
 
 std::optional<CtrlMode> KindOf(const DriveLaw& law) {
-  if (law.gain_type != mjGAIN_FIXED || law.gain == 0 || law.inputs != 1) return std::nullopt;
-  const bool direct = law.dynamics == mjDYN_NONE;
+  const std::optional<CtrlMode> kind = KindOfForce(law);
   const bool filtered = law.dynamics == mjDYN_FILTER || law.dynamics == mjDYN_FILTEREXACT;
-  if (law.bias_type == mjBIAS_NONE && direct) return CtrlMode::kTorque;
-  if (law.bias_type != mjBIAS_AFFINE) return std::nullopt;
-  if (law.bias[1] < 0 && (direct || filtered)) return CtrlMode::kPosition;
-  const bool of_velocity = law.bias[0] == 0 && law.bias[1] == 0 && law.bias[2] == -law.gain;
-  if (of_velocity && law.gain > 0 && direct) return CtrlMode::kVelocity;
-  return std::nullopt;
+  const bool may = law.dynamics == mjDYN_NONE || (filtered && kind == CtrlMode::kPosition);
+  return may ? kind : std::nullopt;
 }
 
 std::string DescribeLaw(const DriveLaw& law) {
   if (const auto kind = KindOf(law)) return std::string("a ") + ActuatorWord(*kind);
+  if (!law.moves) return "without effect, as its gear is 0";
   const bool servo = law.bias_type == mjBIAS_AFFINE && (law.bias[1] < 0 || law.bias[2] < 0);
   if (servo && law.dynamics == mjDYN_INTEGRATOR) return "a servo that integrates its control";
   return "no position servo, velocity servo or motor";
-}
-
-bool IsOnJoint(int transmission) {
-  return transmission == mjTRN_JOINT || transmission == mjTRN_JOINTINPARENT;
 }
 
 // Whether it was added for another mode of an arm (control_modes.h), which is switched off: it is
@@ -87,8 +118,8 @@ std::optional<CtrlMode> ActuatorKind(const mjsActuator* actuator) {
   return KindOf(LawOf(actuator));
 }
 
-bool ActsOnJoint(const mjModel* model, int actuator) {
-  return IsOnJoint(model->actuator_trntype[actuator]);
+std::optional<CtrlMode> ActuatorForceKind(const mjModel* model, int actuator) {
+  return KindOfForce(LawOf(model, actuator));
 }
 
 bool ActsOnJoint(const mjsActuator* actuator) { return IsOnJoint(actuator->trntype); }

@@ -6,7 +6,8 @@
 //   kPosition  position servo: b < 0; its control may be filtered, and scaled (grippers, 0..255)
 //   kVelocity  velocity servo: gain = -c > 0, a = b = 0
 //   kTorque    motor: no a, b, c
-// All others have no kind: servos that integrate their control, dampers, muscles, several inputs.
+// All others have no kind: servos that integrate their control, dampers, muscles, several inputs,
+// and those whose gear is 0, which push nothing.
 #pragma once
 
 #include <optional>
@@ -24,6 +25,9 @@ namespace robocell {
 std::optional<CtrlMode> ActuatorKind(const mjModel* model, int actuator);
 std::optional<CtrlMode> ActuatorKind(const mjsActuator* actuator);
 
+// What it would be if its control were its activation: whatever filter or integrator is before it.
+std::optional<CtrlMode> ActuatorForceKind(const mjModel* model, int actuator);
+
 inline bool IsPositionServo(const mjModel* model, int actuator) {
   return ActuatorKind(model, actuator) == CtrlMode::kPosition;
 }
@@ -31,11 +35,10 @@ inline bool IsPositionServo(const mjsActuator* actuator) {
   return ActuatorKind(actuator) == CtrlMode::kPosition;
 }
 
-// Whether it acts on one joint, not through a tendon or at a site.
-bool ActsOnJoint(const mjModel* model, int actuator);
+// Whether it acts on one joint, not through a tendon or at a site (as in mujoco/actuators.h).
 bool ActsOnJoint(const mjsActuator* actuator);
 
-// "a motor", "a servo that integrates its control"
+// "a motor", "a servo that integrates its control", "without effect, as its gear is 0"
 std::string DescribeActuator(const mjModel* model, int actuator);
 std::string DescribeActuator(const mjsActuator* actuator);
 // "position servo", "velocity servo", "motor"

@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
@@ -20,7 +21,8 @@ namespace {
 using ::testing::ElementsAre;
 
 constexpr const char* kAllKinds = R"(
-  <worldbody><body><joint name="j"/><geom size="0.1"/><site name="s"/></body></worldbody>
+  <worldbody><body><joint name="j"/><geom size="0.1"/><site name="s"/>
+    <body><joint name="ball" type="ball"/><geom size="0.1"/></body></body></worldbody>
   <actuator>
     <position name="position" joint="j" kp="7" kv="2"/>
     <position name="filtered" joint="j" kp="7" timeconst="0.1"/>
@@ -35,6 +37,10 @@ constexpr const char* kAllKinds = R"(
     <general name="offset" joint="j" gainprm="4" biastype="affine" biasprm="1 0 -4"/>
     <damper name="damper" joint="j" kv="3" ctrlrange="0 1"/>
     <motor name="at_a_site" site="s" gear="0 0 1 0 0 0"/>
+    <motor name="on_a_ball" joint="ball" gear="0 0 1"/>
+    <motor name="without_gear" joint="j" gear="0"/>
+    <position name="beside_the_axis" joint="j" kp="7" gear="0 1"/>
+    <motor name="site_without_gear" site="s" gear="0"/>
   </actuator>)";
 
 class Kinds : public ::testing::Test {
@@ -65,7 +71,7 @@ TEST_F(Kinds, AreTheSameInASpecAndInItsModel) {
     EXPECT_EQ(ActsOnJoint(actuator), ActsOnJoint(model.get(), id)) << SpecName(element);
     motors += ActuatorKind(actuator) == CtrlMode::kTorque ? 1 : 0;
   }
-  EXPECT_EQ(motors, 3);
+  EXPECT_EQ(motors, 4);
   EXPECT_FALSE(ActsOnJoint(model.get(), Id("at_a_site")));
 }
 
@@ -84,6 +90,20 @@ TEST_F(Kinds, AreWhatTheEnginePushesWith) {
       EXPECT_EQ(Force(a, 1, 1, 0.5), Force(a, 0, 0, 0.5)) << name;
     }
   }
+}
+
+TEST_F(Kinds, AreNoneForWhatHasNoGearAndPushesNothing) {
+  for (const char* name : {"without_gear", "beside_the_axis", "site_without_gear"}) {
+    const int id = Id(name);
+    EXPECT_EQ(ActuatorKind(model.get(), id), std::nullopt) << name;
+    EXPECT_EQ(DescribeActuator(model.get(), id), "without effect, as its gear is 0");
+    Force(id, 1, 1, 1);
+    const int output = model->actuator_outadr[id], first = data->moment_rowadr[output];
+    for (int i = first; i < first + data->moment_rownnz[output]; ++i)
+      EXPECT_EQ(data->actuator_moment[i], 0) << name;
+  }
+  Force(Id("on_a_ball"), 0, 0, 1);
+  EXPECT_EQ(data->qfrc_actuator[3], 1);
 }
 
 TEST_F(Kinds, AreNoneForWhatIsNoServoAndNoMotor) {

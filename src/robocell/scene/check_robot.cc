@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/check_home.h"
 #include "robocell/scene/element_lookup.h"
@@ -104,9 +105,8 @@ class RobotCheck {
 
   void CheckDrives(const std::string& field, const MoveGroupConfig& group, size_t i, int joint,
                    int actuator) {
-    const int type = model_->actuator_trntype[actuator];
     const int driven = model_->actuator_trnid[2 * actuator];
-    const bool on_joint = type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT;
+    const bool on_joint = ActsOnJoint(model_, actuator);
     if (on_joint && driven == joint) return;
     const std::string what =
         on_joint ? "joint '" +

@@ -10,6 +10,7 @@
 
 #include "robocell/base/names.h"
 #include "robocell/base/units.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/check_robot.h"
@@ -93,8 +94,7 @@ class ServoCheck {
 
 // The hinge with a range that a position servo drives; -1 without.
 int HingeOf(const mjModel* m, int actuator) {
-  if (actuator < 0 || m->actuator_trntype[actuator] != mjTRN_JOINT || !IsPositionServo(m, actuator))
-    return -1;
+  if (actuator < 0 || !ActsOnJoint(m, actuator) || !IsPositionServo(m, actuator)) return -1;
   const int joint = m->actuator_trnid[2 * actuator];
   return m->jnt_type[joint] == mjJNT_HINGE && m->jnt_limited[joint] ? joint : -1;
 }

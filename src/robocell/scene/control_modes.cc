@@ -11,6 +11,7 @@
 #include <set>
 
 #include "robocell/base/names.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
@@ -262,7 +263,7 @@ class VelocityGains {
     const double braking = -m_->actuator_biasprm[mjNBIAS * authored + 2];
     if (braking > 0) return braking;
     const int dof = m_->jnt_dofadr[m_->actuator_trnid[2 * authored]];
-    const double gear = std::abs(m_->actuator_gear[6 * m_->actuator_outadr[authored]]);
+    const double gear = std::abs(Gear(m_, authored));
     if (stiffness > 0) return 2 * std::sqrt(stiffness / m_->dof_invweight0[dof]) / gear;
     return InertiaAtHome(dof) / (kVelocityTime * gear * gear);
   }

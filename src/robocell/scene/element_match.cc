@@ -4,6 +4,7 @@
 
 #include <unordered_map>
 
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
@@ -19,20 +20,6 @@ constexpr mjtObj kMatched[] = {mjOBJ_BODY,     mjOBJ_JOINT,  mjOBJ_GEOM,   mjOBJ
 
 mjtObj WrapKind(int type) {
   return type == mjWRAP_JOINT ? mjOBJ_JOINT : type == mjWRAP_SITE ? mjOBJ_SITE : mjOBJ_GEOM;
-}
-
-mjtObj TransmissionKind(int type) {
-  switch (type) {
-    case mjTRN_JOINT:
-    case mjTRN_JOINTINPARENT:
-      return mjOBJ_JOINT;
-    case mjTRN_TENDON:
-      return mjOBJ_TENDON;
-    case mjTRN_BODY:
-      return mjOBJ_BODY;
-    default:
-      return mjOBJ_SITE;
-  }
 }
 
 // The first of a model's elements that refers to a plugin's instance.
@@ -111,8 +98,10 @@ class KeyMaker {
         return Key(mjOBJ_BODY, m_->light_bodyid[id]);
       case mjOBJ_TENDON:
         return Key(WrapKind(m_->wrap_type[m_->tendon_adr[id]]), m_->wrap_objid[m_->tendon_adr[id]]);
-      case mjOBJ_ACTUATOR:
-        return Key(TransmissionKind(m_->actuator_trntype[id]), m_->actuator_trnid[2 * id]);
+      case mjOBJ_ACTUATOR: {
+        const ActuatorTarget target = TargetOf(m_, id);
+        return Key(target.kind, target.id);
+      }
       case mjOBJ_SENSOR:
         return Key(m_->sensor_objtype[id], m_->sensor_objid[id]);
       case mjOBJ_EQUALITY:

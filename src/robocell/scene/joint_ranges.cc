@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
@@ -31,7 +32,7 @@ int JointRanges::ServoOf(const MoveGroupConfig& arm, int joint) const {
 }
 
 std::optional<Reach> JointRanges::ServoSpan(int servo) const {
-  if (servo < 0 || Gear(servo) == 0) return std::nullopt;
+  if (servo < 0 || Gear(m_, servo) == 0) return std::nullopt;
   const int input = m_->actuator_ctrladr[servo];
   if (!m_->actuator_ctrllimited[input]) return std::nullopt;
   const mjtNum* range = m_->actuator_ctrlrange + 2 * input;
@@ -42,27 +43,22 @@ std::optional<Reach> JointRanges::ServoSpan(int servo) const {
 double JointRanges::Ctrl(int servo, double joint_pos) const {
   const mjtNum* bias = m_->actuator_biasprm + mjNBIAS * servo;
   const mjtNum gain = m_->actuator_gainprm[mjNGAIN * servo];
-  return (-bias[1] * Gear(servo) * joint_pos - bias[0]) / gain;
+  return (-bias[1] * Gear(m_, servo) * joint_pos - bias[0]) / gain;
 }
 
 std::string JointRanges::Name(mjtObj kind, int id) const {
   return ElementName(m_, kind, id).substr(robot_.prefix.size());
 }
 
-double JointRanges::Gear(int actuator) const {
-  return m_->actuator_gear[6 * m_->actuator_outadr[actuator]];
-}
-
 double JointRanges::JointPos(int actuator, double ctrl) const {
   const mjtNum* bias = m_->actuator_biasprm + mjNBIAS * actuator;
   const mjtNum gain = m_->actuator_gainprm[mjNGAIN * actuator];
-  return -(gain * ctrl + bias[0]) / bias[1] / Gear(actuator);
+  return -(gain * ctrl + bias[0]) / bias[1] / Gear(m_, actuator);
 }
 
 bool JointRanges::Drives(int actuator, int joint) const {
-  const int type = m_->actuator_trntype[actuator];
-  return (type == mjTRN_JOINT || type == mjTRN_JOINTINPARENT) &&
-         m_->actuator_trnid[2 * actuator] == joint && IsPositionServo(m_, actuator);
+  return ActsOnJoint(m_, actuator) && m_->actuator_trnid[2 * actuator] == joint &&
+         IsPositionServo(m_, actuator);
 }
 
 }  // namespace robocell

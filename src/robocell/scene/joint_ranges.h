@@ -46,7 +46,6 @@ class JointRanges {
   std::string Name(mjtObj kind, int id) const;
 
  private:
-  double Gear(int actuator) const;
   double JointPos(int actuator, double ctrl) const;
   bool Drives(int actuator, int joint) const;
 

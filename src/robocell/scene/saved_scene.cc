@@ -17,12 +17,13 @@ struct LookedUpKind {
 };
 
 // Geoms may be fewer or more: nothing is looked up by their names.
-constexpr std::array<LookedUpKind, 6> kLookedUp = {{{mjOBJ_BODY, "body", &mjModel::nbody},
-                                                    {mjOBJ_JOINT, "joint", &mjModel::njnt},
-                                                    {mjOBJ_SITE, "site", &mjModel::nsite},
-                                                    {mjOBJ_CAMERA, "camera", &mjModel::ncam},
-                                                    {mjOBJ_ACTUATOR, "actuator", &mjModel::nu},
-                                                    {mjOBJ_KEY, "keyframe", &mjModel::nkey}}};
+constexpr std::array<LookedUpKind, 6> kLookedUp = {
+    {{mjOBJ_BODY, "body", &mjModel::nbody},
+     {mjOBJ_JOINT, "joint", &mjModel::njnt},
+     {mjOBJ_SITE, "site", &mjModel::nsite},
+     {mjOBJ_CAMERA, "camera", &mjModel::ncam},
+     {mjOBJ_ACTUATOR, "actuator", &mjModel::nactuator},
+     {mjOBJ_KEY, "keyframe", &mjModel::nkey}}};
 
 }  // namespace
 

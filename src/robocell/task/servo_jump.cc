@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/task/timed_path.h"
@@ -24,7 +25,7 @@ double LargestForce(const mjModel* m, int actuator, int joint) {
   }
   if (m->jnt_actfrclimited[joint]) {
     const double* range = m->jnt_actfrcrange + 2 * joint;
-    const double gear = std::abs(m->actuator_gear[6 * actuator]);
+    const double gear = std::abs(Gear(m, actuator));
     most = std::min({most, std::abs(range[0]) / gear, std::abs(range[1]) / gear});
   }
   return most;
@@ -50,7 +51,7 @@ std::vector<double> ServoJumps(const mjModel* m, const MoveGroup& arm) {
   arm.CtrlForJointPos(q, there);
   for (size_t a = 0; a < actuators.size(); ++a) {
     const int actuator = FindId(m, mjOBJ_ACTUATOR, actuators[a]);
-    if (actuator < 0 || m->actuator_trntype[actuator] != mjTRN_JOINT) continue;
+    if (actuator < 0 || !ActsOnJoint(m, actuator)) continue;
     const int joint = m->actuator_trnid[2 * actuator];
     const auto at = std::find(joints.begin(), joints.end(), ElementName(m, mjOBJ_JOINT, joint));
     const double force_per_jump =

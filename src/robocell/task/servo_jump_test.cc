@@ -51,6 +51,24 @@ TEST(ServoJumps, OfAServoWithoutLimitIsInfinite) {
   for (const double jump : ServoJumps(m, robot.arm())) EXPECT_TRUE(std::isinf(jump));
 }
 
+TEST(ServoJumps, AreTheSameBesideAnActuatorOfSeveralInputs) {
+  const auto jumps_of = [](std::string model) {
+    ModelFolder folder;
+    for (const char* joint : {"shoulder", "elbow"}) {
+      const std::string name = std::string("name=\"") + joint + "\"";
+      model.insert(model.find(name), "actuatorfrcrange=\"-5 5\" ");
+      const std::string on = std::string("joint=\"") + joint + "\" kp";
+      model.insert(model.find(on), joint[0] == 's' ? "gear=\"2\" " : "gear=\"-3\" ");
+    }
+    const Robot robot = RobotAlone(ArmConfig(folder.Write("arm", model)));
+    return ServoJumps(robot.scene().model(), robot.arm());
+  };
+  const std::vector<double> jumps = jumps_of(TwoJointArmWithABall());
+  EXPECT_EQ(jumps, jumps_of(kTwoJointArm));
+  EXPECT_NEAR(jumps[0], 5.0 / (2 * 2 * 100), 1e-12);
+  EXPECT_NEAR(jumps[1], 5.0 / (3 * 3 * 50), 1e-12);
+}
+
 TEST(ServoJumps, OfMotorsAreInfinite) {
   ModelFolder folder;
   std::string model = kTwoJointArm;

@@ -62,6 +62,22 @@ inline const char* kTwoJointArm = R"(
   <sensor><jointpos name="elbow_position" joint="elbow"/></sensor>
   <keyframe><key name="home" qpos="0.3 -0.4" ctrl="0.31 -0.41"/></keyframe>)";
 
+// The same, with a ball on the flange whose actuator comes first and has three inputs and three
+// outputs: the servos' inputs and outputs are not where their ids say.
+inline std::string TwoJointArmWithABall() {
+  std::string model = kTwoJointArm;
+  const auto put_before = [&](const std::string& what, const std::string& place) {
+    model.insert(model.find(place), what);
+  };
+  put_before(R"(<body name="ball" pos="0 0 0.2"><joint name="ball" type="ball" range="0 3"/>
+    <geom size="0.01" fromto="0 0 0 0 0 0.01"/></body>)",
+             "<site");
+  put_before(R"(<orientation name="turn" joint="ball" kp="0.01"/>)", "<position");
+  model.replace(model.find("0.3 -0.4"), 8, "0.3 -0.4 1 0 0 0");
+  model.replace(model.find("0.31 -0.41"), 10, "0 0 0 0.31 -0.41");
+  return model;
+}
+
 // A parallel gripper of two slides with one actuator, driven by a tendon.
 inline const char* kTwoFingerGripper = R"(
   <compiler angle="radian" autolimits="true"/>

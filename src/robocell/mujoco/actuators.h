@@ -1,0 +1,39 @@
+// Actuators of a compiled model: what they act on, and by which gear.
+//
+// An actuator has one or more inputs (nu controls in all, from actuator_ctrladr on) and one or more
+// outputs (nout, from actuator_outadr on; six on a body or site frame, three on a ball joint), so
+// that only what is (nactuator x ...) may be read by its id. Loops over actuators end at nactuator.
+// Ids are not checked.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include "robocell/mujoco/forward.h"
+
+namespace robocell {
+
+// The six numbers of its first output; all but the first are 0 on a hinge, slide or tendon.
+inline const mjtNum* Gears(const mjModel* model, int actuator) {
+  return model->actuator_gear + 6 * model->actuator_outadr[actuator];
+}
+inline mjtNum Gear(const mjModel* model, int actuator) { return *Gears(model, actuator); }
+
+// Whether it acts on one joint, not through a tendon or at a site.
+inline bool IsOnJoint(int transmission) {
+  return transmission == mjTRN_JOINT || transmission == mjTRN_JOINTINPARENT;
+}
+inline bool ActsOnJoint(const mjModel* model, int actuator) {
+  return IsOnJoint(model->actuator_trntype[actuator]);
+}
+
+// The joint, tendon, site or body that it acts on; the site of the slider's crank.
+struct ActuatorTarget {
+  mjtObj kind;
+  int id;
+};
+ActuatorTarget TargetOf(const mjModel* model, int actuator);
+
+// One body that an actuator acts on; of those of a tendon the first. -1 when that is not known.
+int BodyOfActuator(const mjModel* model, int actuator);
+
+}  // namespace robocell
