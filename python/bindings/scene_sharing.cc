@@ -48,7 +48,7 @@ void HandOver(CompiledScene& compiled) {
     model = take_over(AddressOf(compiled.model()));
   } catch (...) {
     present = nullptr;
-    compiled.AdoptModelKeeper(std::make_shared<int>());  // it frees the model when it fails
+    compiled.LoseModel();  // it frees the model when it fails
     throw;
   }
   present = nullptr;

@@ -132,6 +132,27 @@ class TestSharing:
         second = rc.Scene.from_compiled(compiled)
         assert second.timestep() == 0.001
 
+    def test_the_next_scene_on_a_model_has_the_pool_as_the_spec_says(self):
+        spec = small_spec()
+        for name, parked in (("outside", True), ("inside", False)):
+            spec.objects.append(
+                rc.SceneObject(name=name, mjcf_path="mug", fixed=False, parked=parked)
+            )
+        compiled = rc.compile_scene(spec)
+        first = rc.Scene.from_compiled(compiled)
+        masks = first.model.geom_contype.copy()
+        first.add_object("outside")
+        first.remove_object("inside")
+        changed = r"frozen.*: object 'outside' was added, object 'inside' was removed"
+        with pytest.raises(rc.Error, match=changed):
+            compiled.freeze()
+        first.close()
+        second = rc.Scene.from_compiled(compiled)
+        np.testing.assert_array_equal(second.model.geom_contype, masks)
+        assert second.parked_objects == ["outside"]
+        second.close()
+        compiled.freeze()
+
     def test_a_scene_holds_no_python_object_for_what_it_was_made_from(self):
         """Letting go of one would need the interpreter, on whatever thread the scene dies."""
         compiled = rc.compile_scene(small_spec())

@@ -1,5 +1,6 @@
 #include "robocell/scene/compiled_scene.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <atomic>
@@ -8,6 +9,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/model_watch.h"
+#include "robocell/scene/pool.h"
 
 namespace robocell {
 namespace {
@@ -26,7 +28,8 @@ const Record& Find(const std::vector<Record>& records, const std::string& name, 
 }  // namespace
 
 CompiledScene::~CompiledScene() {
-  if (keeper_) ModelEnds(model_);  // Python may keep the model longer: nobody else may count on it
+  if (keeper_ && model_)
+    ModelEnds(model_);  // Python may keep the model longer: nobody else may count on it
 }
 
 uint64_t CompiledScene::NextGeneration() {
@@ -41,6 +44,7 @@ mjSpec* CompiledScene::mutable_spec() {
 }
 
 std::shared_ptr<CompiledScene> CompiledScene::Copy() {
+  RequireModel();
   std::shared_ptr<CompiledScene> copy(new CompiledScene);
   copy->scene_spec_ = scene_spec_;
   copy->model_owner_ = CopyModel(model_);
@@ -51,11 +55,19 @@ std::shared_ptr<CompiledScene> CompiledScene::Copy() {
   copy->notes_ = notes_;
   copy->generation_ = NextGeneration();
   copy->home_key_ = home_key_;
+  copy->modes_ = modes_;
   copy->origin_ = origin_ ? origin_ : shared_from_this();
   return copy;
 }
 
+void CompiledScene::RequireModel() const {
+  if (model_) return;
+  throw Error("scene '" + scene_spec_.name +
+              "': its model was lost when it was to be handed over to Python; compile it again");
+}
+
 mjModel* CompiledScene::mutable_model() {
+  RequireModel();
   if (frozen_) {
     throw Error("scene '" + scene_spec_.name +
                 "': its compiled scene is frozen because it is shared between scenes; "
@@ -66,6 +78,7 @@ mjModel* CompiledScene::mutable_model() {
 }
 
 std::shared_ptr<void> CompiledScene::Claim() {
+  RequireModel();
   if (!frozen_ && !claim_.expired()) {
     throw Error("scene '" + scene_spec_.name +
                 "': its compiled scene is used by another scene already, and what one of them "
@@ -74,8 +87,45 @@ std::shared_ptr<void> CompiledScene::Claim() {
                 InBothLanguages("Freeze") + ", or compile the spec again");
   }
   auto claim = std::make_shared<char>();
-  if (!frozen_) claim_ = claim;  // frozen ones may be claimed by several threads at once
+  if (frozen_) return claim;  // frozen ones may be claimed by several threads at once
+  RestoreStart();
+  claim_ = claim;
   return claim;
+}
+
+std::vector<std::string> CompiledScene::DifferencesFromStart() const {
+  std::vector<std::string> differences;
+  for (const PooledObject& object : PoolOf(*this)) {
+    if (object.IsAsAfterReset(model_)) continue;
+    differences.push_back(fmt::format("object '{}' was {}", object.name(),
+                                      object.parked_after_reset() ? "added" : "removed"));
+  }
+  if (modes_ && *modes_ != model_->opt.disableactuator)
+    differences.emplace_back("robots were switched to other control modes");
+  return differences;
+}
+
+void CompiledScene::RestoreStart() {
+  for (const PooledObject& object : PoolOf(*this)) {
+    if (!object.IsAsAfterReset(model_)) object.Switch(model_, object.parked_after_reset());
+  }
+  if (!modes_) modes_ = model_->opt.disableactuator;
+  model_->opt.disableactuator = *modes_;
+}
+
+void CompiledScene::Freeze() {
+  RequireModel();
+  if (frozen_) return;
+  if (claim_.expired()) {
+    RestoreStart();
+  } else if (const auto differences = DifferencesFromStart(); !differences.empty()) {
+    throw Error(fmt::format(
+        "scene '{}': its compiled scene cannot be frozen as its present scene has it, as other "
+        "scenes would begin so: {}. Reset that scene and switch the modes back, or close it; or "
+        "freeze before",
+        scene_spec_.name, fmt::join(differences, ", ")));
+  }
+  frozen_ = true;
 }
 
 const RobotRecord& CompiledScene::robot(const std::string& name) const {
@@ -90,6 +140,12 @@ void CompiledScene::AdoptModelKeeper(std::shared_ptr<void> keeper) {
   if (keeper_) throw Error("scene '" + scene_spec_.name + "': its model was handed over already");
   keeper_ = std::move(keeper);
   static_cast<void>(model_owner_.release());
+}
+
+void CompiledScene::LoseModel() {
+  ModelEnds(model_);
+  AdoptModelKeeper(std::make_shared<char>());
+  model_ = nullptr;
 }
 
 }  // namespace robocell

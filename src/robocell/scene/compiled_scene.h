@@ -5,6 +5,9 @@
 //   std::shared_ptr<CompiledScene> compiled = CompileScene(spec);
 //   compiled->Freeze();
 //   Scene a = Scene::FromCompiled(compiled), b = Scene::FromCompiled(compiled);
+//
+// Without Freeze() scenes may follow each other on one model. What the user writes to it stays; the
+// pool (SceneObject::parked) and the control modes begin anew with each.
 #pragma once
 
 #include <cstdint>
@@ -76,13 +79,16 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // Grows with every rebuild of a scene; handles compare it to know that they must look their names
   // up again.
   uint64_t generation() const { return generation_; }
-  void Freeze() { frozen_ = true; }
+  // What a scene that is gone left in the model (objects of the pool that came or went, control
+  // modes) is undone before. Error while a scene lives whose model differs so.
+  void Freeze();
   // The same with a model of its own, copied and not compiled: for scenes that write to theirs. It
   // has a generation of its own and is not frozen. The spec, for saving, is this one's.
   std::shared_ptr<CompiledScene> Copy();
   bool frozen() const { return frozen_; }
   // A scene's right to use the model, given up by destroying it. Error when another scene has it
-  // and the model is not frozen: what one writes to the model the other would feel.
+  // and the model is not frozen: what one writes to the model the other would feel. The pool and
+  // the control modes are as the first scene found them, whatever those before left.
   std::shared_ptr<void> Claim();
   // What the parts asked for and did not get, and the engine's own warnings from compiling.
   const std::vector<std::string>& warnings() const { return warnings_; }
@@ -96,6 +102,8 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // Used by the Python bindings, where mujoco.MjModel takes the pointer over. Calling it twice is
   // an Error.
   void AdoptModelKeeper(std::shared_ptr<void> keeper);
+  // After a hand-over that failed and freed the model: what needs it from now on is an Error.
+  void LoseModel();
   bool model_is_external() const { return keeper_ != nullptr; }
   const std::shared_ptr<void>& model_keeper() const { return keeper_; }
 
@@ -105,6 +113,10 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // A number that no compiled scene of this process had.
   static uint64_t NextGeneration();
   CompiledScene() = default;
+  void RequireModel() const;
+  // Of what scenes write to the model by themselves, not its users: the pool and the modes.
+  std::vector<std::string> DifferencesFromStart() const;
+  void RestoreStart();
 
   SceneSpec scene_spec_;
   SpecPtr spec_owner_;
@@ -119,6 +131,7 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   bool frozen_ = false;
   std::shared_ptr<CompiledScene> origin_;  // of a copy
   std::weak_ptr<void> claim_;
+  std::optional<int> modes_;  // opt.disableactuator as the first scene found it
 };
 
 // Builds the model. SpecError for what is wrong in the spec (all problems together), NotFoundError

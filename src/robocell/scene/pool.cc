@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
@@ -19,19 +21,13 @@ int LastOfSubtree(const mjModel* m, int root) {
   return last;
 }
 
-int BodyOfActuator(const mjModel* m, int actuator) {
-  const int target = m->actuator_trnid[2 * actuator];
-  switch (m->actuator_trntype[actuator]) {
-    case mjTRN_JOINT:
-    case mjTRN_JOINTINPARENT:
-      return m->jnt_bodyid[target];
-    case mjTRN_SITE:
-      return m->site_bodyid[target];
-    case mjTRN_BODY:
-      return target;
-    default:
-      return -1;
-  }
+// As what is parked is.
+bool IsSwitchedOff(std::span<const int> contype, std::span<const int> conaffinity,
+                   std::span<const mjtNum> gravcomp) {
+  const auto none = [](int mask) { return mask == 0; };
+  return std::all_of(contype.begin(), contype.end(), none) &&
+         std::all_of(conaffinity.begin(), conaffinity.end(), none) &&
+         std::all_of(gravcomp.begin(), gravcomp.end(), [](mjtNum share) { return share == 1; });
 }
 
 }  // namespace
@@ -82,6 +78,16 @@ void PooledObject::Switch(mjModel* m, bool off) const {
   }
   CountCompensatedBodies(m);
   m->flg_gravcomp = true;
+}
+
+bool PooledObject::IsAsAfterReset(const mjModel* m) const {
+  const PoolRecord& inside = *record_->pool;
+  if (IsSwitchedOff(inside.contype, inside.conaffinity, inside.gravcomp)) return true;
+  const auto geoms = static_cast<size_t>(geoms_.count);
+  const bool off = IsSwitchedOff({m->geom_contype + geoms_.first, geoms},
+                                 {m->geom_conaffinity + geoms_.first, geoms},
+                                 {m->body_gravcomp + bodies_.first, inside.gravcomp.size()});
+  return off == inside.parked;
 }
 
 void PooledObject::Put(const mjModel* m, mjData* d, int home_key, const mjtNum* pos) const {

@@ -37,6 +37,8 @@ class PooledObject {
 
   // Takes contacts and weight away, or gives back those of its file.
   void Switch(mjModel* m, bool parked) const;
+  // Whether the model has contacts and weight as a reset leaves them, whatever `parked` is.
+  bool IsAsAfterReset(const mjModel* m) const;
   // At rest, with the joints and controls that key `home` has, and the free joint at `pos`.
   void Put(const mjModel* m, mjData* d, int home_key, const mjtNum* pos) const;
 

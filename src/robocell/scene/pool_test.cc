@@ -55,6 +55,14 @@ class Pool : public ::testing::Test {
         Pooled({.name = "mug", .mjcf_path = "mug", .pos = {0.6, 0.3, 0}, .fixed = false})};
     spec.root_frame_to_world = Pose::FromRpy({0.1, 0.2, 0}, {0, 0, 0.3});
   }
+  // A scene that changed the pool and is gone.
+  void UseAndClose(const std::shared_ptr<CompiledScene>& compiled) {
+    Scene scene = Scene::FromCompiled(compiled);
+    scene.AddObject("a");
+    scene.AddObject("jar");
+    scene.RemoveObject("b");
+    scene.Close();
+  }
   ModelFolder folder;
   SceneSpec spec;
 };
@@ -338,6 +346,88 @@ TEST_F(Pool, OfAFrozenModelStaysAsItIs) {
   ExpectThrow<Error>([&] { other.SetState(own.state()); },
                      "object 'a' cannot be added by this state: the compiled scene is frozen");
   EXPECT_TRUE(other.state() == before);
+}
+
+// Masks and weight of the whole pool, and where it goes in half a second.
+std::vector<double> PoolAndFall(Scene& scene) {
+  std::vector<double> out;
+  for (const char* body : {"a", "b", "jar_jar", "jar_lid"}) {
+    for (const double value : Masks(scene, body)) out.push_back(value);
+  }
+  EXPECT_TRUE(scene.StepN(250).ok());
+  const std::vector<double> state = scene.state();
+  out.insert(out.end(), state.begin(), state.end());
+  out.push_back(scene.model()->ngravcomp);
+  return out;
+}
+
+TEST_F(Pool, IsForEachSceneOnAModelAsForTheFirst) {
+  Scene fresh = Scene::Build(spec);
+  const std::vector<double> as_new = PoolAndFall(fresh);
+  const auto compiled = CompileScene(spec);
+  UseAndClose(compiled);
+  Scene next = Scene::FromCompiled(compiled);
+  EXPECT_EQ(next.object_names(), fresh.object_names());
+  EXPECT_EQ(PoolAndFall(next), as_new);
+  next.Close();
+  UseAndClose(compiled);
+  Scene copy = Scene::FromCompiled(compiled->Copy());
+  EXPECT_EQ(PoolAndFall(copy), as_new);
+  compiled->Freeze();
+  Scene frozen = Scene::FromCompiled(compiled);
+  EXPECT_EQ(frozen.object_names(), fresh.object_names());
+  EXPECT_EQ(PoolAndFall(frozen), as_new);
+}
+
+TEST_F(Pool, IsNotFrozenAsALivingSceneChangedIt) {
+  const auto compiled = CompileScene(spec);
+  Scene scene = Scene::FromCompiled(compiled);
+  scene.AddObject("a");
+  scene.RemoveObject("b");
+  ExpectThrow<Error>(
+      [&] { compiled->Freeze(); },
+      "scene 'test': its compiled scene cannot be frozen as its present scene has it, as other "
+      "scenes would begin so: object 'a' was added, object 'b' was removed. Reset that scene and "
+      "switch the modes back, or close it; or freeze before");
+  EXPECT_FALSE(compiled->frozen());
+  scene.RemoveObject("a");
+  scene.Reset();
+  compiled->Freeze();
+  scene.Reset();
+  EXPECT_THAT(scene.object_names(), ElementsAre("table", "b", "cube"));
+}
+
+TEST_F(Pool, LeavesTheUsersOwnWritesToTheModel) {
+  const auto compiled = CompileScene(spec);
+  Scene first = Scene::FromCompiled(compiled);
+  const int b = RequireId(first.model(), mjOBJ_BODY, "b", "");
+  first.mutable_model()->body_mass[b] = 3;
+  first.mutable_model()->geom_contype[first.model()->body_geomadr[b]] = 2;
+  first.Close();
+  const Scene next = Scene::FromCompiled(compiled);
+  EXPECT_EQ(next.model()->body_mass[b], 3);
+  EXPECT_EQ(next.model()->geom_contype[next.model()->body_geomadr[b]], 2);
+}
+
+TEST_F(Pool, PutsTheControlsOfAllItsActuatorsBack) {
+  spec.objects = {Pooled({.name = "o", .mjcf_path = folder.Write("o", R"(
+    <worldbody><body><freejoint/><geom size="0.05" mass="1"/><site name="hook" pos="0 0 0.1"/>
+      <site name="crank" pos="0.1 0 0" euler="0 90 0"/>
+      <body pos="0.2 0 0"><joint name="s" type="slide" axis="1 0 0"/><geom size="0.02" mass="0.1"/>
+        <site name="rod"/></body>
+    </body></worldbody>
+    <tendon><fixed name="coupled"><joint joint="s" coef="1"/></fixed>
+      <spatial name="rope"><site site="hook"/><site site="rod"/></spatial></tendon>
+    <actuator><position joint="s" kp="10"/><position tendon="coupled" kp="10"/>
+      <motor tendon="rope"/><motor site="rod" gear="0 0 1"/>
+      <motor cranksite="rod" slidersite="crank" cranklength="0.3"/></actuator>)")},
+                         false)};
+  spec.robots = {};
+  Scene scene = Scene::Build(spec);
+  for (int i = 0; i < scene.model()->nu; ++i) scene.data()->ctrl[i] = 0.5;
+  scene.RemoveObject("o");
+  scene.AddObject("o");
+  for (int i = 0; i < scene.model()->nu; ++i) EXPECT_EQ(scene.data()->ctrl[i], 0) << i;
 }
 
 }  // namespace
