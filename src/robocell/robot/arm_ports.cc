@@ -56,6 +56,17 @@ void ArmPorts::Connect(Controller& controller) {
   in_use_ = next;
 }
 
+void ArmPorts::PutBack(const ArmPorts& before, Controller* controller) {
+  in_use_ = before.in_use_;
+  if (in_use_ != kNone) controller->UsePort(ports_[static_cast<size_t>(in_use_)].values);
+  for (size_t i = 0; i < ports_.size(); ++i) {
+    const Port& was = before.ports_[i];
+    std::copy(was.values.begin(), was.values.end(), ports_[i].values.begin());  // where it is
+    ports_[i].seen = was.seen;
+    ports_[i].commanded = was.commanded;
+  }
+}
+
 void ArmPorts::Reseed(const MoveGroup& arm) {
   for (size_t i = 0; i < ports_.size(); ++i) {
     Port& port = ports_[i];

@@ -21,6 +21,8 @@ class ArmPorts {
   // Gives the controller its port, which takes over the controller's numbers; but where something
   // was written while the port was not in use, the controller is driven to that.
   void Connect(Controller& controller);
+  // As in a copy that was made earlier, when `controller` used its port, if any did.
+  void PutBack(const ArmPorts& before, Controller* controller);
   // Forgets what was written into ports that are not in use: the positions are where the arm is,
   // velocities and torques 0.
   void Reseed(const MoveGroup& arm);

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <optional>
+
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/testing/robots.h"
@@ -324,6 +326,86 @@ TEST(CtrlMode, AFrozenModelIsNotSwitchedButMayStartInAnyMode) {
   second.Update();
   ExpectThrow<Error>([&] { first.set_ctrl_mode(kPosition); }, "frozen");
   EXPECT_EQ(first.ctrl_mode(), kTorque);
+}
+
+SceneSpec SwitchableRc7() {
+  return SceneWith({.name = "rc7",
+                    .config = Rc7(),
+                    .control_modes = std::vector{kPosition, kVelocity, kTorque}});
+}
+
+TEST(CtrlMode, OfASceneThatIsGoneIsNotThatOfTheNextOnItsModel) {
+  const auto compiled = CompileScene(SwitchableRc7());
+  const int as_compiled = compiled->model()->opt.disableactuator;
+  std::optional<Scene> scene = Scene::FromCompiled(compiled);
+  Robot::Of(*scene, "rc7").set_ctrl_mode(kTorque);
+  ExpectThrow<Error>([&] { compiled->Freeze(); },
+                     "other scenes would begin so: robots were switched to other control modes");
+  scene->Close();
+  scene = Scene::FromCompiled(compiled);
+  EXPECT_EQ(Robot::Of(*scene, "rc7").ctrl_mode(), kPosition);
+  EXPECT_EQ(scene->model()->opt.disableactuator, as_compiled);
+  Robot::Of(*scene, "rc7").set_ctrl_mode(kVelocity);
+  scene.reset();
+  compiled->Freeze();
+  EXPECT_EQ(Robot::Of(Scene::FromCompiled(compiled), "rc7").ctrl_mode(), kPosition);
+}
+
+// Of motors; throws when it is to compute.
+class CannotCompute : public Controller {
+ public:
+  explicit CannotCompute(const MoveGroup& group) : torque_(static_cast<size_t>(group.nv())) {}
+  std::string_view kind() const override { return "cannot_compute"; }
+  CtrlMode mode() const override { return kTorque; }
+  TargetKind target_kind() const override { return TargetKind::kJointTorques; }
+  int target_size() const override { return static_cast<int>(torque_.size()); }
+  void SetTarget(std::span<const double>) override {}
+  std::span<const double> target() const override { return port_; }
+  std::span<const double> commanded_joint_pos() const override { return port_; }
+  std::span<double> command_port() override { return port_; }
+  bool UsePort(std::span<double> port) override {
+    const std::span<double> to = port.empty() ? std::span<double>(torque_) : port;
+    if (to.data() != port_.data()) std::copy(port_.begin(), port_.end(), to.begin());
+    port_ = to;
+    return true;
+  }
+  void Reset() override {}
+  void Compute(std::span<double>) override { throw ArgumentError("no torque for this"); }
+
+ private:
+  std::vector<double> torque_;
+  std::span<double> port_ = torque_;
+};
+
+TEST(CtrlMode, ThatCannotBeSwitchedToChangesNothing) {
+  Scene scene = Scene::Build(SwitchableRc7()), twin = Scene::Build(SwitchableRc7());
+  Robot robot = Robot::Of(scene, "rc7"), other = Robot::Of(twin, "rc7");
+  for (Robot* r : {&robot, &other}) {
+    r->jnt_pos_cmd()[1] += 0.3;
+    r->jnt_vel_cmd()[0] = 0.2;  // for when it is switched there
+  }
+  Drift(robot, 20);
+  Drift(other, 20);
+  const Controller* before = &robot.controller("arm");
+  ExpectThrow<ArgumentError>(
+      [&] { robot.SetController("arm", std::make_unique<CannotCompute>(robot.arm())); },
+      "no torque for this");
+  EXPECT_EQ(&robot.controller("arm"), before);
+  EXPECT_EQ(robot.ctrl_mode(), kPosition);
+  EXPECT_EQ(scene.model()->opt.disableactuator, twin.model()->opt.disableactuator);
+  const auto goes_on_as_its_twin = [&] {
+    Drift(robot, 50);
+    Drift(other, 50);
+    EXPECT_EQ(scene.state(), twin.state());
+  };
+  goes_on_as_its_twin();
+  robot.set_ctrl_mode(kVelocity);
+  other.set_ctrl_mode(kVelocity);
+  EXPECT_EQ(robot.jnt_vel_cmd()[0], 0.2);
+  goes_on_as_its_twin();
+  scene.Reset();
+  twin.Reset();
+  goes_on_as_its_twin();
 }
 
 TEST(CtrlMode, ThatNoActuatorGroupIsLeftForIsTold) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/actuator_kind.h"
@@ -184,6 +185,15 @@ bool SwitchTo(CtrlMode mode, const Drives& drives, const Scene& scene) {
   if (wanted == m->opt.disableactuator) return false;
   Scene(scene).mutable_model()->opt.disableactuator = wanted;
   return true;
+}
+
+ModeSwitches::ModeSwitches(const Scene& scene)
+    : generation_(scene.generation()), off_(scene.model()->opt.disableactuator) {}
+
+void ModeSwitches::PutBack(const Scene& scene) const {
+  if (scene.closed() || scene.generation() != generation_) return;
+  if (scene.model()->opt.disableactuator == off_) return;
+  Scene(scene).mutable_model()->opt.disableactuator = off_;
 }
 
 std::optional<CtrlMode> ModeNow(const Drives& drives, const Scene& scene) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,6 +36,17 @@ Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, Grou
 // that is so already, which returns false, so that it may be done on a frozen model; else that is
 // an Error.
 bool SwitchTo(CtrlMode mode, const Drives& drives, const Scene& scene);
+// Which of a scene's actuators are switched on, to be put back.
+class ModeSwitches {
+ public:
+  explicit ModeSwitches(const Scene& scene);
+  // Nothing to do for a scene that was closed or whose model is another one now.
+  void PutBack(const Scene& scene) const;
+
+ private:
+  uint64_t generation_;
+  int off_;
+};
 // The mode whose actuators are on. Nothing for a group that has those of one mode only, or when
 // somebody switched on more than one, or none.
 std::optional<CtrlMode> ModeNow(const Drives& drives, const Scene& scene);

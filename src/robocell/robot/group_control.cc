@@ -61,11 +61,22 @@ void GroupControl::Put(std::shared_ptr<Controller> next, std::shared_ptr<Control
                        MoveGroup& its_drive) {
   if (controller) controller->UsePort({});
   ports.Connect(*next);
+  Replace(std::move(group), std::move(next), &its_drive);
+}
+
+void GroupControl::Replace(std::shared_ptr<ControlledGroup> group, std::shared_ptr<Controller> next,
+                           MoveGroup* its_drive) {
   Replaced replaced{std::exchange(of, std::move(group)),
                     std::exchange(controller, std::move(next))};
-  drive = &its_drive;
-  ctrl.resize(static_cast<size_t>(its_drive.nu()));
+  drive = its_drive;
+  ctrl.resize(drive ? static_cast<size_t>(drive->nu()) : 0);
   if (running_ > 0) replaced_.push_back(std::move(replaced));
+}
+
+void GroupControl::PutBack(Driven before) {
+  if (controller) controller->UsePort({});
+  ports.PutBack(before.ports, before.controller.get());
+  Replace(std::move(before.of), std::move(before.controller), before.drive);
 }
 
 }  // namespace robocell

@@ -73,7 +73,19 @@ struct GroupControl : SceneObserver {
   void Put(std::shared_ptr<Controller> next, std::shared_ptr<ControlledGroup> group,
            MoveGroup& its_drive);
 
+  // What drives the group, to be put back when something else cannot.
+  struct Driven {
+    ArmPorts ports;
+    std::shared_ptr<ControlledGroup> of;
+    std::shared_ptr<Controller> controller;
+    MoveGroup* drive = nullptr;
+  };
+  Driven now() const { return {ports, of, controller, drive}; }
+  void PutBack(Driven before);
+
  private:
+  void Replace(std::shared_ptr<ControlledGroup> group, std::shared_ptr<Controller> next,
+               MoveGroup* its_drive);
   // Counting references of each controller in every tick would cost more than the rest of the loop;
   // what is replaced meanwhile is kept instead.
   struct Replaced {

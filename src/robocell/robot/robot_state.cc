@@ -435,13 +435,21 @@ void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) 
   }
   GroupControl& control = *slot.control;
   MoveGroup& drive = RequireDrive(slot, controller->mode());
-  const bool other_mode = control.controller && control.controller->mode() != controller->mode();
-  const bool switched = SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
-  if (switched) SeedServos(*slot.own, *controller);
-  control.Put(std::move(controller), slot.own, drive);
+  const GroupControl::Driven before = control.now();
+  const ModeSwitches switches(scene);
+  try {
+    const bool other_mode = control.controller && control.controller->mode() != controller->mode();
+    const bool switched = SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
+    if (switched) SeedServos(*slot.own, *controller);
+    control.Put(std::move(controller), slot.own, drive);
+    // At once, so that nothing falls in a step before the next Update().
+    if (switched) control.Guarded([](GroupControl& c) { c.Run(); });
+  } catch (...) {
+    control.PutBack(before);
+    switches.PutBack(scene);
+    throw;
+  }
   if (!key.empty() && !FindControl(key)) scene.AddObserver(slot.control, key);
-  // At once, so that nothing falls in a step before the next Update().
-  if (switched) control.Guarded([](GroupControl& c) { c.Run(); });
 }
 
 const Chain& Robot::State::RequireChain(GroupSlot& slot) {

@@ -69,7 +69,7 @@ class Robot::State : public SceneObserver {
   // hold the arm against gravity go on holding it.
   std::unique_ptr<Controller> Successor(GroupSlot& slot, const std::string& kind, CtrlMode mode);
   // Puts a controller of the slot's group in, and switches to what it drives without a jump of the
-  // forces.
+  // forces. Where that fails, all is as it was.
   void Use(GroupSlot& slot, std::shared_ptr<Controller> controller);
   const Chain& RequireChain(GroupSlot& slot);
 
