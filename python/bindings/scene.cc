@@ -294,7 +294,10 @@ void BindCompiled(nb::module_& m) {
       "Scene.from_compiled gives scenes that step independently on one model.")
       .def("freeze", &Freeze,
            "Share the model between scenes and refuse writes to it from now on: its arrays become "
-           "read-only.\n\nmujoco's single numbers (model.opt.timestep) and access by name "
+           "read-only. What a scene before left in its pool and control modes is undone; Error "
+           "while "
+           "a scene lives that changed these.\n\nmujoco's single numbers (model.opt.timestep) and "
+           "access by name "
            "(model.geom('g').rgba) cannot be locked; do not write to them.")
       .def_prop_ro("frozen", &CompiledScene::frozen)
       .def_prop_ro("model", &ModelOf, nb::sig("def model(self, /) -> mujoco.MjModel"),
@@ -457,9 +460,12 @@ void DefFrames(nb::class_<Scene>& c) {
 
 void DefActuation(nb::class_<Scene>& c) {
   c.def("has_actuator", &Scene::has_actuator, nb::arg("name"))
-      .def("actuator_ctrl", &Scene::actuator_ctrl, nb::arg("name"), "Raw control value.")
+      .def("actuator_ctrl", &Scene::actuator_ctrl, nb::arg("name"),
+           "Raw control value; an ArgumentError for an actuator of several inputs, which says "
+           "where its "
+           "controls stand in `data.ctrl`.")
       .def("set_actuator_ctrl", &Scene::SetActuatorCtrl, nb::arg("name"), nb::arg("value"),
-           "Set a raw control value; NaN is refused.")
+           "Set a raw control value; NaN is refused, and so is an actuator of several inputs.")
       .def("set_body_wrench", &SetBodyWrench, nb::arg("body"), nb::arg("force"),
            nb::arg("torque") = nb::none(),
            nb::sig("def set_body_wrench(self, body: str, force: numpy.typing.ArrayLike | "

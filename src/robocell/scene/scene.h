@@ -184,6 +184,7 @@ class Scene {
   double joint_pos(const std::string& name) const;
 
   bool has_actuator(const std::string& name) const;
+  // An ArgumentError for an actuator of several inputs, which says where its controls stand.
   double actuator_ctrl(const std::string& name) const;
   // Refuses NaN by name before the engine sees it.
   void SetActuatorCtrl(const std::string& name, double value);

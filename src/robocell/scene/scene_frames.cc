@@ -43,6 +43,20 @@ void RequireFinite(double value, const std::string& what) {
     throw ArgumentError(fmt::format("{} must be a finite number, got {}", what, value));
 }
 
+// Where an actuator's control stands.
+int RequireOneInput(const mjModel* m, const std::string& actuator, const std::string& context) {
+  const int id = RequireId(m, mjOBJ_ACTUATOR, actuator, context);
+  const int first = m->actuator_ctrladr[id], count = m->actuator_ctrlnum[id];
+  if (count == 1) return first;
+  if (count == 0)
+    throw ArgumentError(fmt::format("{}: actuator '{}' has no control", context, actuator));
+  throw ArgumentError(
+      fmt::format("{}: actuator '{}' has {} controls, not one: ctrl[{}] to ctrl[{}], in the order "
+                  "of its inputs. Read and write them as data()->ctrl (in Python "
+                  "scene.data.ctrl[{}:{}])",
+                  context, actuator, count, first, first + count - 1, first, first + count));
+}
+
 }  // namespace
 
 Pose Scene::body_pose(const std::string& name) const {
@@ -137,15 +151,14 @@ bool Scene::has_actuator(const std::string& name) const {
 
 double Scene::actuator_ctrl(const std::string& name) const {
   const State& s = open();
-  return s.data.data
-      ->ctrl[s.model()->actuator_ctrladr[RequireId(s.model(), mjOBJ_ACTUATOR, name, s.context)]];
+  return s.data.data->ctrl[RequireOneInput(s.model(), name, s.context)];
 }
 
 void Scene::SetActuatorCtrl(const std::string& name, double value) {
   State& s = open();
-  const int id = RequireId(s.model(), mjOBJ_ACTUATOR, name, s.context);
+  const int input = RequireOneInput(s.model(), name, s.context);
   RequireFinite(value, fmt::format("{}: control of actuator '{}'", s.context, name));
-  s.data.data->ctrl[s.model()->actuator_ctrladr[id]] = value;
+  s.data.data->ctrl[input] = value;
 }
 
 void Scene::SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,

@@ -368,6 +368,21 @@ TEST(Scene, TellsKeptObserversThatItIsClosedAndLetsThemGo) {
   EXPECT_EQ(watch.use_count(), 1);
 }
 
+TEST(Scene, TellsWhereTheControlsOfAnActuatorOfSeveralInputsStand) {
+  ModelFolder folder;
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.path = folder.Write("arm", TwoJointArmWithABall())});
+  Scene scene = Scene::Build(spec);
+  const std::string why =
+      "scene 'test': actuator 'turn' has 3 controls, not one: ctrl[0] to ctrl[2], in the order of "
+      "its inputs. Read and write them as data()->ctrl (in Python scene.data.ctrl[0:3])";
+  ExpectThrow<ArgumentError>([&] { scene.SetActuatorCtrl("turn", 0.3); }, why);
+  ExpectThrow<ArgumentError>([&] { scene.actuator_ctrl("turn"); }, why);
+  scene.SetActuatorCtrl("servo1", 0.3);
+  EXPECT_EQ(scene.data()->ctrl[3], 0.3);
+  EXPECT_EQ(scene.actuator_ctrl("servo1"), 0.3);
+}
+
 TEST(CompiledScene, ThatIsNotFrozenServesOneSceneAtATime) {
   const auto compiled = CompileScene(Workplace());
   std::optional<Scene> scene = Scene::FromCompiled(compiled);
