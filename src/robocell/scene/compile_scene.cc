@@ -28,6 +28,8 @@
 namespace robocell {
 namespace {
 
+constexpr const char* kBase = "base";  // its place in messages, and the field that names it
+
 using ElementSet = std::set<std::pair<AttachKind, std::string>>;
 
 void CollectNames(const mjSpec* spec, const std::string& prefix, ElementSet& out) {
@@ -87,15 +89,10 @@ class SceneCompiler {
   // The base, or an empty world, with the decorations.
   void StartSpec() {
     if (spec().base) {
-      report_.Locate("base", spec().locations);
-      const auto file = FindModel(*spec().base, spec().source_dir, "base", "base", report_);
-      if (file) Collect("base", [&] { RequireOnlyFiles(*file); });
-      report_.Throw(spec().name);
-      spec_ = ParseXmlFile(*file, context_ + " / base");
-      LabelUnnamed(spec_.get(), "body");
-      home_ = ReadHomeKey(spec_.get(), "base", "base", *file);
-      DropKeys(spec_.get());
-      MakeAssetPathsAbsolute(spec_.get(), *file, "base", "base", report_);
+      report_.Locate(kBase, spec().locations);
+      Part base = LoadBase(report_);
+      spec_ = std::move(base.spec);
+      home_ = std::move(base.home);
       WarnReplacedOptions(spec_->option, spec(), report_);
     } else {
       spec_ = MakeSpec();
@@ -104,6 +101,24 @@ class SceneCompiler {
     CheckDecorations();
     report_.Throw(spec().name);
     AddDecorations(spec(), spec_.get());
+  }
+
+  Part LoadBase(Report& report) const {
+    const auto file = FindModel(*spec().base, spec().source_dir, kBase, kBase, report);
+    report.Throw(spec().name);
+    Part base{kBase, kBase, *file, nullptr, {}};
+    try {
+      RequireOnlyFiles(*file);
+    } catch (const SpecError& error) {
+      report.Thrown(kBase, error.what());
+    }
+    report.Throw(spec().name);
+    base.spec = ParseXmlFile(*file, context_ + " / base");
+    LabelUnnamed(base.spec.get(), "body");
+    base.home = ReadHomeKey(base.spec.get(), kBase, kBase, *file);
+    DropKeys(base.spec.get());
+    MakeAssetPathsAbsolute(base.spec.get(), *file, kBase, kBase, report);
+    return base;
   }
 
   void CheckDecorations() {
@@ -309,13 +324,14 @@ class SceneCompiler {
   }
 
   // Robots among themselves are told before; an object's name is what can be changed here.
-  void TellRepeatedName(const std::string& text) {
+  void TellRepeatedName(const std::string& text, const Part* base) {
     const std::optional<Repeated> repeated = RepeatedName(text);
     if (!repeated) return;
     std::vector<const Part*> owners;
     const auto look = [&](const Part& part, const std::string& prefix) {
       if (HasElement(part, prefix, *repeated)) owners.push_back(&part);
     };
+    if (base) look(*base, "");
     for (const auto& robot : robots_) {
       if (robot->part.spec) look(robot->part, robot->record.prefix);
     }
@@ -330,11 +346,18 @@ class SceneCompiler {
 
   // The engine's text about an element of a part becomes a problem of that part's file.
   void TellWhose(const std::string& text) {
-    TellRepeatedName(text);
+    // As its file has it, without what has been attached since.
+    std::optional<Part> base;
+    if (spec().base) {
+      Report told;  // when it was loaded
+      base = LoadBase(told);
+    }
+    TellRepeatedName(text, base ? &*base : nullptr);
     const auto tell = [&](const Part& part, const std::string& prefix) {
       if (const auto problem = CompileProblem(text, part, prefix))
         report_.Problem(part.place, *problem, part.field);
     };
+    if (base) tell(*base, "");
     for (const auto& robot : robots_) {
       if (robot->part.spec) tell(robot->part, robot->record.prefix);
     }

@@ -228,6 +228,34 @@ TEST_F(Located, WhatTheEngineDislikesHasTheModelsLine) {
                              ":1: geom 't_ball': size 0 must be positive in geom");
 }
 
+// The same words as of a robot or an object.
+TEST_F(Located, WhatTheEngineDislikesInTheBaseOfAScene) {
+  const auto message = [&](const std::string& model) {
+    SceneSpec spec = EmptyScene();
+    spec.base = folder.Write("room", model);
+    spec.objects.push_back(BoxObject("cube", {0.5, 0, 0.1}));
+    return ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                                  "scene 'test' / base: " + *spec.base + ":");
+  };
+  EXPECT_THAT(message("<worldbody><body name=\"table\">\n<geom size=\".1\"/>\n"
+                      "<geom type=\"mesh\" mesh=\"top\"/></body></worldbody>"),
+              HasSubstr(":3: geom 1 (unnamed, of body 'table'): no mesh 'top', and the model has "
+                        "none: put <mesh name=\"top\" .../> into its <asset>"));
+  EXPECT_THAT(message("<worldbody><body>\n<geom type=\"sphere\" size=\"-1\"/></body></worldbody>"),
+              HasSubstr(":2: size 0 must be positive in geom"));
+  EXPECT_THAT(message("<worldbody><body name=\"leaf\"><joint/></body></worldbody>"),
+              HasSubstr(":1: body 'leaf': mass and inertia of moving bodies must be larger than"));
+}
+
+TEST_F(Located, ANameThatTheBaseHasAlready) {
+  SceneSpec spec = EmptyScene();
+  spec.base = folder.Write("room", R"(<worldbody><body name="cube"/></worldbody>)");
+  spec.objects.push_back(BoxObject("cube", {0.5, 0, 0.1}));
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                         "scene 'test' / object 'cube': body 'cube' is in base already, and the "
+                         "object would bring another one; give the object another name");
+}
+
 TEST_F(Located, AnAssetThatTheModelLacks) {
   const auto message = [&](const std::string& model) {
     const std::string path = folder.Write("lacking", model);
