@@ -54,10 +54,8 @@ std::string_view CutLine(std::string_view& text) {
   return line;
 }
 
-}  // namespace
-
 // "r.yaml:7:73" -> "r.yaml".
-fs::path FileOf(const Locations& locations) {
+fs::path FileAt(const Locations& locations) {
   std::string place = locations.At();
   for (int i = 0; i < 2; ++i) place.resize(std::min(place.size(), place.rfind(':')));
   return place;
@@ -71,7 +69,7 @@ std::string PlacesOf(SceneSpec spec) {
     places += assets::Resolve(name, directory) + "\n";
   });
   const auto add = [&](const Locations& locations) {
-    const fs::path file = FileOf(locations);
+    const fs::path file = FileAt(locations);
     std::error_code error;
     places += fs::absolute(file, error).string() + "\n";
     if (fs::is_regular_file(file, error)) places += FingerprintFile(file) + "\n";
@@ -82,6 +80,8 @@ std::string PlacesOf(SceneSpec spec) {
   }
   return Fingerprint(places);
 }
+
+}  // namespace
 
 // Takes a CompiledScene apart into an entry, and puts it together again.
 class SceneCacheEntry {
@@ -164,7 +164,7 @@ std::shared_ptr<CompiledScene> CompileSceneCached(const SceneSpec& spec, const f
   std::optional<fs::path> file;
   try {
     file = folder / (SceneKey(spec) + kSuffix);
-  } catch (const NotFoundError&) {  // the compiler reports it among all that is wrong
+  } catch (const Error&) {  // the compiler reports it among all that is wrong
     return CompileScene(spec);
   }
   if (const auto entry = ReadEntry(*file)) {

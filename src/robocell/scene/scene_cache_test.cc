@@ -8,6 +8,7 @@
 #include <fstream>
 #include <map>
 #include <string>
+#include <typeinfo>
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/files.h"
@@ -164,6 +165,27 @@ TEST(SceneCache, WarningsAreAboutTheFilesThatAreThere) {
   EXPECT_EQ(compile(here, ""), warnings);
   EXPECT_THAT(compile(here, "# a line more\n")[0], HasSubstr("/arm.yaml:6:"));
   EXPECT_THAT(compile(there, "")[0], HasSubstr(there.path().string() + "/arm.yaml:5:"));
+}
+
+TEST(SceneCache, WhatIsWrongIsToldAsWithoutIt) {
+  const TempDir cache;
+  for (const char* name : {"menagerie:../x.xml", "no_such_model", "/no/such/file.xml"}) {
+    SceneSpec spec = EmptyScene();
+    spec.objects.push_back({.name = "thing", .mjcf_path = name, .fixed = true});
+    std::string without, with;
+    try {
+      CompileScene(spec);
+    } catch (const std::exception& error) {
+      without = std::string(typeid(error).name()) + error.what();
+    }
+    try {
+      CompileSceneCached(spec, cache.path());
+    } catch (const std::exception& error) {
+      with = std::string(typeid(error).name()) + error.what();
+    }
+    EXPECT_NE(without, "");
+    EXPECT_EQ(with, without);
+  }
 }
 
 TEST(SceneCache, NoFileOfAModelChangesUnnoticed) {
