@@ -38,6 +38,25 @@ TEST_P(ArmsWithout, NeedTheTorquesThatTheEngineSays) {
   }
 }
 
+// The engine looks at what was written to a model that had none only once the flag is raised.
+TEST(CompensationWrittenToTheModel, CountsWhereTheEngineCountsIt) {
+  Scene scene = Without({}).scene();
+  mjModel* m = scene.mutable_model();
+  mju_fill(m->body_gravcomp, 1, static_cast<int>(m->nbody));
+  for (const bool raised : {false, true}) {
+    m->flg_gravcomp = raised;
+    scene.Forward();
+    const Robot robot = Robot::FromScene(scene, "base_link", "link7");
+    std::vector<double> torques(7);
+    robot.GravityTorques(torques);
+    const mjData* d = scene.data();
+    for (int i = 0; i < 7; ++i) {
+      const int dof = robot.chain().joints()[i].dof_address;
+      EXPECT_NEAR(torques[i], d->qfrc_bias[dof] - d->qfrc_gravcomp[dof], 1e-9) << raised << i;
+    }
+  }
+}
+
 double DriftInASecond(Robot& robot, CtrlMode mode) {
   robot.set_ctrl_mode(mode);
   robot.scene().Reset();

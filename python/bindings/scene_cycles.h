@@ -1,0 +1,75 @@
+// Scenes in reference cycles, as Python's collector sees them.
+//
+// A scene keeps reset hooks and groups that are written in Python, and these may refer to any
+// handle to it: the scene, its robots, their groups, controllers, kinematics, its renderers ... All
+// handles share one C++ object, which the collector does not see. So a scene that keeps anything of
+// Python's gets a node, a Python object that stands for it: the node visits what the scene keeps,
+// and each handle visits the node once for every Scene that it has in C++. When a collection
+// starts, the node is given as many references as there are such Scenes. Then it is garbage exactly
+// when all of them are in garbage; those that C++ alone has (an environment's, a port's) are never
+// visited, so that what they use stays.
+//
+//   nb::class_<Robot> robot(m, "Robot", "...", nb::type_slots(kHandleSlots<Robot>));
+//   TrackScene(scene);  // whenever it is given something of Python's to keep
+//
+// All with the GIL.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "python_owner.h"
+#include "robocell/robot/move_group.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell::python {
+
+// What a Python hook gets; copies, so that keeping it is harmless.
+struct HookContext {
+  Scene scene;
+  ResetOptions options;
+  ResetInfo info;
+};
+
+struct PythonHook {
+  Callback callback;
+
+  void operator()(ResetContext& reset) const;
+};
+
+// Gives the scene a node, if it has none.
+void TrackScene(const Scene& scene);
+
+// For tp_traverse of a handle, once for each Scene that it alone has.
+int VisitScene(const Scene& scene, visitproc visit, void* arg);
+
+// `groups` are copies of the pointers that one owner keeps alive; a group that anybody else keeps
+// too is passed over.
+int VisitGroups(const std::vector<std::shared_ptr<MoveGroup>>& groups, visitproc visit, void* arg);
+
+// What a handle visits: its scene, for those that have one and no more.
+template <class T>
+int VisitHandle(const T& handle, visitproc visit, void* arg) {
+  return VisitScene(handle.scene(), visit, arg);
+}
+inline int VisitHandle(const Scene& scene, visitproc visit, void* arg) {
+  return VisitScene(scene, visit, arg);
+}
+inline int VisitHandle(const HookContext& context, visitproc visit, void* arg) {
+  return VisitScene(context.scene, visit, arg);
+}
+
+template <class T>
+int TraverseHandle(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  return nb::inst_ready(self) ? VisitHandle(*nb::inst_ptr<T>(self), visit, arg) : 0;
+}
+
+// Nothing is cleared: a cycle ends where its node lets go of what the scene keeps.
+template <class T>
+inline PyType_Slot kHandleSlots[] = {
+    {Py_tp_traverse, reinterpret_cast<void*>(&TraverseHandle<T>)}, {0, nullptr}};
+
+void BindSceneNodes(nb::module_& m);
+
+}  // namespace robocell::python
