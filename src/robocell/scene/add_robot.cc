@@ -86,7 +86,7 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   AddAttachments(robot.attachments, locations, scene.source_dir, out.part, scene, report);
   AddRobotCameras(config, directory, out.part, scene, report);
   ApplyOverrides(config, out.part, report);
-  if (robot.config && record.base.kind == BaseKind::kFixed)
+  if (record.base.kind == BaseKind::kFixed)
     ExcludeFirstJoints(out.top, scene.options, out.part.spec.get());
   if (configured) out.limbs = ConfiguredLimbs(config, out.part.spec.get());
   out.limbs =

@@ -2,9 +2,9 @@
 //
 // The engine lets a body pass through its parent, but not where the parent is fixed to the world:
 // there the first link of an arm rubs on the base that its model has it overlap (by 12 mm in the
-// Gen3 of the Menagerie, whose first joint hardly turns then). For robots with a configuration,
-// which may stand on any kind of base, they are excluded there too. What else is fixed to the base
-// goes on touching: it may be meant to be in the way.
+// Gen3 of the Menagerie, whose first joint hardly turns then). For robots they are excluded there
+// too, so that one moves alike on every kind of base and with and without a configuration. What
+// else is fixed to the base goes on touching: it may be meant to be in the way.
 #include <mujoco/mujoco.h>
 
 #include <algorithm>

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/robots.h"
@@ -76,18 +77,29 @@ TEST_F(FirstJoints, TouchWhereContactsOfNeighboursAreAskedFor) {
   EXPECT_EQ(Build(BaseKind::kFixed, "", {.disable = {"filterparent"}}).model()->nexclude, 0);
 }
 
-TEST_F(FirstJoints, AreAsTheModelHasThemWithoutAConfiguration) {
+TEST_F(FirstJoints, TurnAlikeWithAndWithoutAConfiguration) {
   SceneSpec spec = EmptyScene();
+  spec.add_floor = false;
   spec.robots.push_back({.path = folder_.Write("turret", fmt::format(kTurret, ""))});
-  EXPECT_EQ(Scene::Build(spec).model()->nexclude, 0);
+  EXPECT_EQ(Pushed(Scene::Build(spec)), Pushed(Build(BaseKind::kFixed)));
+}
+
+TEST_F(FirstJoints, AreInSavedFilesAsTheyAreInTheScene) {
+  Scene scene = Build(BaseKind::kFixed);
+  const ModelPtr loaded = Compile(ParseXmlString(scene.ToXml()).get());
+  ASSERT_EQ(loaded->nexclude, 1);
+  EXPECT_EQ(loaded->exclude_signature[0], scene.model()->exclude_signature[0]);
 }
 
 TEST_F(FirstJoints, OfTheGen3Turn) {
   REQUIRE_MENAGERIE("kinova_gen3");
-  SceneSpec spec = EmptyScene();
-  spec.robots.push_back(
-      {.config = RobotConfig{.name = "gen3", .model = MenagerieModel("kinova_gen3", "gen3.xml")}});
-  EXPECT_EQ(Scene::Build(spec).data()->ncon, 0);
+  const std::string file = MenagerieModel("kinova_gen3", "gen3.xml");
+  for (const RobotSpec& robot :
+       {RobotSpec{.config = RobotConfig{.name = "gen3", .model = file}}, RobotSpec{.path = file}}) {
+    SceneSpec spec = EmptyScene();
+    spec.robots.push_back(robot);
+    EXPECT_EQ(Scene::Build(spec).data()->ncon, 0);
+  }
 }
 
 }  // namespace

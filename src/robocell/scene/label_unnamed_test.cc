@@ -82,7 +82,7 @@ TEST_F(LabelUnnamed, ChangeNothingElse) {
   EXPECT_EQ(ModelDifferences(alone, scene.model(), 1e-12,
                              {"nnames", "names", "name_", "npaths", "paths", "nkey", "key_", "stat",
                               "nbuffer", "vis", "text", "ntext", "nmap",
-                              // as robots with a configuration have it (first_joints.cc)
+                              // as all robots have it (first_joints.cc)
                               "nexclude", "exclude_"}),
             "");
   mj_deleteModel(alone);
