@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "handles.h"
 #include "kinematics.h"
+#include "scene_cycles.h"
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -18,6 +19,11 @@ namespace robocell::python {
 namespace {
 
 using namespace nb::literals;
+
+// Robot::shared_controller gives it a handle to its robot.
+int VisitController(const Controller& controller, visitproc visit, void* arg) {
+  return controller.scene() ? VisitScene(*controller.scene(), visit, arg) : 0;
+}
 
 nb::object Copy(std::span<const double> values) { return NumberCopy(values); }
 
@@ -193,7 +199,8 @@ void BindDifferentialIk(nb::module_& m) {
 void BindControllers(nb::module_& m) {
   nb::class_<Controller> controller(
       m, "Controller",
-      "Turns the state and a target into the controls of one move group. robot.update() runs it.");
+      "Turns the state and a target into the controls of one move group. robot.update() runs it.",
+      nb::type_slots(kHandleSlots<Controller, &VisitController, HandleIs::kShared>));
   controller.def_prop_ro("kind", [](const Controller& c) { return std::string(c.kind()); })
       .def_prop_ro("mode", &Controller::mode, "The CtrlMode that it drives.")
       .def_prop_rw(

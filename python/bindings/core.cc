@@ -3,6 +3,7 @@
 #include "argument_errors.h"
 #include "bindings.h"
 #include "ik_wishes.h"
+#include "scene_cycles.h"
 #include "robocell/mujoco/version.h"
 
 // NOLINTNEXTLINE(clang-diagnostic-reserved-identifier): Python's and nanobind's names
@@ -19,6 +20,7 @@ NB_MODULE(_core, m) {
   BindMath(m);
   BindSpec(m);
   BindAssets(m);
+  BindSceneNodes(m);
   BindScene(m);
   BindKinematics(m);
   BindRobot(m);

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "arrays.h"
+#include "scene_cycles.h"
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -25,6 +26,11 @@ void ApplyWeights(nb::handle value, const char* name, std::array<double, 3>* wei
   const FieldPath path(name);
   const Numbers three(value, path, 3);
   std::copy(three.span().begin(), three.span().end(), weights->begin());
+}
+
+int VisitFilter(const CollisionFilter& filter, visitproc visit, void* arg) {
+  const std::optional<Scene> scene = filter.scene_of_sole_handle();
+  return scene ? VisitScene(*scene, visit, arg) : 0;
 }
 
 void ApplyPreference(nb::handle value, IkOptions* options) {
@@ -153,7 +159,8 @@ void BindCollisionFilter(nb::module_& m) {
       "For `filter` of inverse kinematics, or called with q (k, n) for a mask (k,). Judged in a "
       "copy of the scene's state as it was when the filter was made or at the last update(). "
       "Threads may share one: they take turns. RuntimeError after objects were added to the scene "
-      "or removed: make the filter again.")
+      "or removed: make the filter again.",
+      nb::type_slots(kHandleSlots<CollisionFilter, &VisitFilter>))
       .def(
           "__init__",
           [](CollisionFilter* self, const Robot& robot, double clearance,

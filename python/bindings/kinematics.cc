@@ -14,6 +14,7 @@
 #include "handles.h"
 #include "ik_calls.h"
 #include "ik_wishes.h"
+#include "scene_cycles.h"
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -29,6 +30,10 @@ namespace {
 constexpr std::array kTwistFrames = {std::pair{TwistFrame::kBase, "base"},
                                      std::pair{TwistFrame::kTip, "tip"},
                                      std::pair{TwistFrame::kWorld, "world"}};
+
+int VisitKinematics(const Kinematics& k, visitproc visit, void* arg) {
+  return VisitScene(k.robot.scene(), visit, arg);
+}
 
 const Robot& RobotOf(const Robot& robot) { return robot; }
 const Robot& RobotOf(const Kinematics& k) { return k.robot; }
@@ -282,7 +287,8 @@ void BindKinematics(nb::module_& m) {
       "arguments with one row are for all. Arrays that are contiguous and of float64 are read "
       "where they are, and the answer is written into `out` when it is given. No result depends "
       "on the batch that it is in. (The Pose that fk returns for one q is computed on its own, and "
-      "rounded otherwise than the matrix in a batch or in `out`.)");
+      "rounded otherwise than the matrix in a batch or in `out`.)",
+      nb::type_slots(kHandleSlots<Kinematics, &VisitKinematics>));
   GuardHandle<Kinematics>(
       kinematics, [](const Kinematics& k, SceneClaims&) { RequireRest(k); },
       [](const Kinematics& k) { k.robot.RequireOpen(); });

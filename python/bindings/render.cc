@@ -7,6 +7,7 @@
 #include "cameras.h"
 #include "handles.h"
 #include "returned.h"
+#include "scene_cycles.h"
 #include "robocell/media/png.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/markers.h"
@@ -104,7 +105,8 @@ void BindRender(nb::module_& m) {
   nb::class_<SceneRenderer> renderer(
       m, "Renderer",
       "Images of a scene: colour, depth in metres, body ids; with the camera that they were drawn "
-      "with.");
+      "with.",
+      nb::type_slots(kHandleSlots<SceneRenderer>));
   GuardHandle<SceneRenderer>(
       renderer, [](const SceneRenderer& r, SceneClaims& claims) { claims.Add(r.scene()); },
       [](const SceneRenderer& r) { RequireOpen(r.scene(), "renderer"); });

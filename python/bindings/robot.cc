@@ -8,7 +8,7 @@
 #include "kinematics.h"
 #include "move_group_trampoline.h"
 #include "python_owner.h"
-#include "robot_cycles.h"
+#include "scene_cycles.h"
 #include "signals.h"
 #include "values.h"
 #include "robocell/env/stepper.h"
@@ -42,21 +42,23 @@ nb::object GroupJacobian(const MoveGroup& group) {
   return NewArray<double>(flat, {6, static_cast<size_t>(j.cols())});
 }
 
-// Groups written in Python may refer to the robot or its scene.
-int TraverseRobot(PyObject* self, visitproc visit, void* arg) {
-  Py_VISIT(Py_TYPE(self));
-  if (!nb::inst_ready(self)) return 0;
-  return VisitGroups(nb::inst_ptr<Robot>(self)->groups_of_sole_handle(), visit, arg);
+// Those that Python gets of C++'s (Robot::shared_group) have a handle to their robot.
+int VisitMoveGroup(const MoveGroup& group, visitproc visit, void* arg) {
+  const bool own = dynamic_cast<const WrittenInPython*>(&group) != nullptr;
+  return own || !group.scene() ? 0 : VisitScene(*group.scene(), visit, arg);
 }
 
-int ClearRobot(PyObject* self) {
-  if (nb::inst_ready(self)) nb::inst_ptr<Robot>(self)->scene().ForgetKeptObservers();
-  return 0;
+int VisitRobot(const Robot& robot, visitproc visit, void* arg) {
+  if (const int stop = VisitGroups(robot.groups_of_sole_handle(), visit, arg)) return stop;
+  return VisitScene(robot.scene(), visit, arg);
 }
 
-PyType_Slot robot_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseRobot)},
-                             {Py_tp_clear, reinterpret_cast<void*>(&ClearRobot)},
-                             {0, nullptr}};
+int VisitStepper(const Stepper& stepper, visitproc visit, void* arg) {
+  for (const Robot& robot : stepper.robots()) {
+    if (const int stop = VisitScene(robot.scene(), visit, arg)) return stop;
+  }
+  return VisitScene(stepper.scene(), visit, arg);
+}
 
 void GuardGroup(nb::handle type) {
   GuardHandle<MoveGroup>(
@@ -81,7 +83,8 @@ void BindGroups(nb::module_& m) {
       "defines get_opening, set_opening,\n"
       "ctrl_for_opening, get_inter_finger_dist, get_inter_finger_dist_range, get_is_open and "
       "get_is_grasping(body); a base\n"
-      "get_pose, set_pose and get_is_mobile.");
+      "get_pose, set_pose and get_is_mobile.",
+      nb::type_slots(kHandleSlots<MoveGroup, &VisitMoveGroup, HandleIs::kShared>));
   group.def(nb::init<>())
       .def_prop_ro("name", [](const MoveGroup& g) { return g.name(); })
       .def_prop_ro("kind", [](const MoveGroup& g) { return std::string(ToString(g.kind())); })
@@ -239,7 +242,7 @@ void BindRobotClass(nb::module_& m) {
       m, "Robot",
       "A robot of a scene: its move groups, kinematics and controllers.\n\nAll "
       "handles to one robot of one scene share their state, which the scene keeps.",
-      nb::type_slots(robot_slots));
+      nb::type_slots(kHandleSlots<Robot, &VisitRobot>));
   GuardHandle<Robot>(
       robot, [](const Robot& r, SceneClaims& claims) { claims.Add(r.use()); },
       [](const Robot& r) { r.RequireOpen(); }, {.always = {"name", "prefix", "scene"}});
@@ -304,7 +307,10 @@ void BindRobotClass(nb::module_& m) {
           nb::sig("def base(self, /) -> BaseGroup"))
       .def(
           "set_group",
-          [](Robot& r, nb::handle_t<MoveGroup> group) { r.SetGroup(KeepGroup(nb::borrow(group))); },
+          [](Robot& r, nb::handle_t<MoveGroup> group) {
+            TrackScene(r.scene());
+            r.SetGroup(KeepGroup(nb::borrow(group)));
+          },
           "group"_a, "Adds or replaces a group by one written in Python, which the robot keeps.")
       .def(
           "apply",
@@ -478,7 +484,8 @@ void BindStepper(nb::module_& m) {
       .def_prop_ro("ok", &StepOutcome::ok);
   nb::class_<Stepper> stepper(
       m, "Stepper",
-      "Drives robots and engine: per control tick every robot's update, then the engine's steps.");
+      "Drives robots and engine: per control tick every robot's update, then the engine's steps.",
+      nb::type_slots(kHandleSlots<Stepper, &VisitStepper>));
   GuardHandle<Stepper>(
       stepper, [](const Stepper& s, SceneClaims& claims) { claims.Add(s.scene()); },
       [](const Stepper& s) { RequireOpen(s.scene(), "stepper"); });

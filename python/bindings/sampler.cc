@@ -6,6 +6,7 @@
 
 #include "python_owner.h"
 #include "rng.h"
+#include "scene_cycles.h"
 #include "signals.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
@@ -21,10 +22,11 @@ namespace {
 // A task written in Python refers to its class, and that to its script's variables.
 int TraverseStart(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
-  if (!nb::inst_ready(self)) return 0;
+  const auto [ready, is_own] = nb::inst_state(self);
+  if (!ready) return 0;
   const std::shared_ptr<Task>& task = nb::inst_ptr<EpisodeStart>(self)->task;
   if (task.use_count() == 1) Py_VISIT(TargetOf(task));  // else a copy of this start holds it too
-  return 0;
+  return is_own ? VisitScene(nb::inst_ptr<EpisodeStart>(self)->scene, visit, arg) : 0;
 }
 int ClearStart(PyObject* self) {
   if (nb::inst_ready(self)) nb::inst_ptr<EpisodeStart>(self)->task.reset();

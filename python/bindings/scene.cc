@@ -14,7 +14,7 @@
 #include "handles.h"
 #include "kinematics.h"
 #include "python_owner.h"
-#include "robot_cycles.h"
+#include "scene_cycles.h"
 #include "scene_sharing.h"
 #include "signals.h"
 #include "values.h"
@@ -28,49 +28,9 @@ namespace {
 using Path = std::filesystem::path;
 using Unlocked = nb::call_guard<nb::gil_scoped_release>;
 
-// --- Reset hooks ---------------------------------------------------------------------------------
-
-// What a Python hook gets; copies, so that keeping it is harmless.
-struct HookContext {
-  Scene scene;
-  ResetOptions options;
-  ResetInfo info;
-};
-
-struct PythonHook {
-  Callback callback;
-
-  void operator()(ResetContext& reset) const {
-    callback([&] { return nb::cast(HookContext{reset.scene, reset.options, reset.info}); });
-  }
-};
-
-// A hook, or a robot's group that is written in Python, may refer to its scene. The cycle is
-// visible to Python's collector while one object holds the scene; robots and renderers hold it too,
-// then close() or RemoveResetHook breaks it.
-int TraverseScene(PyObject* self, visitproc visit, void* arg) {
-  Py_VISIT(Py_TYPE(self));
-  if (!nb::inst_ready(self)) return 0;
-  const Scene& scene = *nb::inst_ptr<Scene>(self);
-  if (!scene.sole_handle()) return 0;
-  if (const int stop = VisitGroups(GroupsOfSoleHandle(scene), visit, arg)) return stop;
-  for (const auto& [id, hook] : scene.reset_hooks()) {
-    const auto* python = hook.target<PythonHook>();
-    if (python) Py_VISIT(python->callback.target());
-  }
-  return 0;
+int VisitContext(const HookContext& context, visitproc visit, void* arg) {
+  return VisitScene(context.scene, visit, arg);
 }
-
-int ClearScene(PyObject* self) {
-  if (!nb::inst_ready(self)) return 0;
-  nb::inst_ptr<Scene>(self)->ClearResetHooks();
-  nb::inst_ptr<Scene>(self)->ForgetKeptObservers();
-  return 0;
-}
-
-PyType_Slot scene_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseScene)},
-                             {Py_tp_clear, reinterpret_cast<void*>(&ClearScene)},
-                             {0, nullptr}};
 
 // --- Calls ---------------------------------------------------------------------------------------
 
@@ -216,7 +176,8 @@ void BindReset(nb::module_& m) {
                            info.used_keyframe ? "True" : "False", info.keyframe);
       });
   nb::class_<HookContext>(
-      m, "ResetContext", "What a reset hook gets: it may change the scene's state through `scene`.")
+      m, "ResetContext", "What a reset hook gets: it may change the scene's state through `scene`.",
+      nb::type_slots(kHandleSlots<HookContext, &VisitContext>))
       .def_ro("scene", &HookContext::scene, "The scene that is being reset.")
       .def_ro("options", &HookContext::options, "What was asked for.")
       .def_ro("info", &HookContext::info, "What was restored.");
@@ -360,6 +321,7 @@ void DefStepping(nb::class_<Scene>& c) {
       .def(
           "on_reset",
           [](Scene& s, nb::callable hook) {
+            TrackScene(s);
             return s.AddResetHook(PythonHook{Callback(std::move(hook))});
           },
           nb::arg("hook"),
@@ -556,7 +518,7 @@ void BindScene(nb::module_& m) {
       "scene, with its robots, renderers and all else that belongs to it, is used by one thread at "
       "a time: what a second thread asks of it during a call is an Error. Raises NotFoundError for "
       "unknown names and ClosedError after close().",
-      nb::type_slots(scene_slots), nb::is_weak_referenceable());
+      nb::type_slots(kHandleSlots<Scene, &VisitScene>), nb::is_weak_referenceable());
   // By a call that every scene that is open answers.
   GuardHandle<Scene>(
       c, [](const Scene& s, SceneClaims& claims) { claims.Add(s); },

@@ -33,11 +33,8 @@ void CountHandles(Tracked& tracked, size_t handles) {
 
 void OnCollection(const std::string& phase, nb::handle) {
   if (phase != "start") return;
-  std::erase_if(TrackedScenes(), [](auto& entry) {
-    Tracked& tracked = entry.second;
-    CountHandles(tracked, tracked.scene.handles());
-    return tracked.references == 0;
-  });
+  for (auto& [id, tracked] : TrackedScenes()) CountHandles(tracked, tracked.scene.handles());
+  std::erase_if(TrackedScenes(), [](const auto& entry) { return entry.second.references == 0; });
 }
 
 void StopTracking() {

@@ -47,28 +47,29 @@ int VisitScene(const Scene& scene, visitproc visit, void* arg);
 // too is passed over.
 int VisitGroups(const std::vector<std::shared_ptr<MoveGroup>>& groups, visitproc visit, void* arg);
 
-// What a handle visits: its scene, for those that have one and no more.
+// What a handle with one Scene visits.
 template <class T>
 int VisitHandle(const T& handle, visitproc visit, void* arg) {
   return VisitScene(handle.scene(), visit, arg);
 }
-inline int VisitHandle(const Scene& scene, visitproc visit, void* arg) {
-  return VisitScene(scene, visit, arg);
-}
-inline int VisitHandle(const HookContext& context, visitproc visit, void* arg) {
-  return VisitScene(context.scene, visit, arg);
-}
 
-template <class T>
+// How Python has a handle: as a value of its own (or it refers to one inside of another object,
+// which is then the one that has a Scene), or by a shared_ptr that holds one Scene.
+enum class HandleIs { kValue, kShared };
+
+template <class T, int (*kVisit)(const T&, visitproc, void*), HandleIs kIs>
 int TraverseHandle(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
-  return nb::inst_ready(self) ? VisitHandle(*nb::inst_ptr<T>(self), visit, arg) : 0;
+  const auto [ready, is_own] = nb::inst_state(self);
+  if (!ready || (kIs == HandleIs::kValue && !is_own)) return 0;
+  return kVisit(*nb::inst_ptr<T>(self), visit, arg);
 }
 
 // Nothing is cleared: a cycle ends where its node lets go of what the scene keeps.
-template <class T>
+template <class T, int (*kVisit)(const T&, visitproc, void*) = &VisitHandle<T>,
+          HandleIs kIs = HandleIs::kValue>
 inline PyType_Slot kHandleSlots[] = {
-    {Py_tp_traverse, reinterpret_cast<void*>(&TraverseHandle<T>)}, {0, nullptr}};
+    {Py_tp_traverse, reinterpret_cast<void*>(&TraverseHandle<T, kVisit, kIs>)}, {0, nullptr}};
 
 void BindSceneNodes(nb::module_& m);
 

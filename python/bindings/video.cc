@@ -5,6 +5,7 @@
 
 #include "cameras.h"
 #include "handles.h"
+#include "scene_cycles.h"
 #include "robocell/media/ffmpeg.h"
 #include "robocell/render/scene_recorder.h"
 
@@ -49,7 +50,8 @@ void BindVideo(nb::module_& m) {
       "record_frame(). The camera is free\n"
       "until another one is chosen, and shows the whole model until it is set. Cameras, and the "
       "bodies that they track, are\n"
-      "found again by name when objects were added or removed.");
+      "found again by name when objects were added or removed.",
+      nb::type_slots(kHandleSlots<SceneRecorder>));
   GuardHandle<SceneRecorder>(
       recorder, [](const SceneRecorder& r, SceneClaims& claims) { claims.Add(r.scene()); },
       [](const SceneRecorder& r) { RequireOpen(r.scene(), "video recorder"); },

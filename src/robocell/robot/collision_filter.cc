@@ -56,6 +56,11 @@ void CollisionFilter::Update() {
   state_->scratch.Update();
 }
 
+std::optional<Scene> CollisionFilter::scene_of_sole_handle() const {
+  if (state_.use_count() != 1) return std::nullopt;
+  return state_->scratch.robot().scene();
+}
+
 int CollisionFilter::n_joints() const { return state_->scratch.robot().chain().n_joints(); }
 
 bool CollisionFilter::State::IsFree(std::span<const double> q) {

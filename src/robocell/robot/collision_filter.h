@@ -14,6 +14,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,6 +42,8 @@ class CollisionFilter {
   // As IkFilter: `count` configurations row by row.
   void operator()(std::span<const double> q, int count, std::span<uint8_t> keep);
   int n_joints() const;
+  // For garbage collectors of other languages: its scene, unless copies of this filter share it.
+  std::optional<Scene> scene_of_sole_handle() const;
 
  private:
   struct State;

@@ -424,5 +424,12 @@ TEST(CtrlMode, ThatNoActuatorGroupIsLeftForIsTold) {
       "that the engine can switch; set control_modes of robots that need no torque to [position]");
 }
 
+TEST(CtrlModes, ThatAreNoneAreRefused) {
+  Robot robot = RobotAlone(Rc7());
+  ExpectThrow<ArgumentError>([&] { robot.set_ctrl_mode(static_cast<CtrlMode>(9)); },
+                             "there is no control mode 9; expected one of position, velocity, "
+                             "torque");
+}
+
 }  // namespace
 }  // namespace robocell

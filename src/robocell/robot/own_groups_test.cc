@@ -184,7 +184,7 @@ TEST(OwnController, GoesWhenReplacedAndBeforeItsGroup) {
   robot.SetGroup(std::make_unique<DiaryGroup>(robot.scene(), &diary));
   EXPECT_THAT(diary.entries,
               ::testing::ElementsAre("controller of wrist", "controller of wrist", "group"));
-  EXPECT_EQ(robot.groups_of_sole_handle().size(), 4u);
+  EXPECT_EQ(GroupsKeptBy(robot.scene()).size(), 4u);
 }
 
 // Puts another controller and another group in their places while it computes.
@@ -235,9 +235,12 @@ TEST(OwnGroup, ThatIsSharedKeepsTheRobotAlive) {
   std::shared_ptr<MoveGroup> arm;
   {
     Robot robot = RobotAlone(Rc7());
-    EXPECT_EQ(robot.groups_of_sole_handle().size(), 3u);
+    EXPECT_EQ(GroupsKeptBy(robot.scene()).size(), 3u);
+    EXPECT_TRUE(robot.groups_of_sole_handle().empty()) << "the scene keeps them";
+    const Scene::Weak scene(robot.scene());
+    const size_t handles = scene.handles();
     arm = robot.shared_group("arm");
-    EXPECT_TRUE(robot.groups_of_sole_handle().empty()) << "the arm counts as a handle";
+    EXPECT_EQ(scene.handles(), handles + 1) << "the arm counts as a handle";
   }
   EXPECT_EQ(arm->joint_pos(), Rc7().home.at("arm"));
 }

@@ -146,6 +146,11 @@ CtrlMode Robot::ctrl_mode() const {
 }
 
 void Robot::set_ctrl_mode(CtrlMode mode) {
+  if (!IsNamed(mode)) {
+    throw ArgumentError(fmt::format("{}: there is no control mode {}; expected one of {}",
+                                    open().place(), static_cast<int>(mode),
+                                    ListNames(ValueNames<CtrlMode>())));
+  }
   GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   const bool there = slot.control->controller &&
                      slot.control->controller->kind() == PortController(mode) &&
@@ -159,14 +164,13 @@ MoveGroup& Robot::drive(const std::string& group, CtrlMode mode) const {
 }
 
 std::vector<std::shared_ptr<MoveGroup>> Robot::groups_of_sole_handle() const {
-  std::vector<std::shared_ptr<MoveGroup>> groups = GroupsOfSoleHandle(scene_);
+  std::vector<std::shared_ptr<MoveGroup>> groups;
   if (state_.use_count() == 1) state_->AppendGroups(groups);  // not kept by the scene
   return groups;
 }
 
-std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene) {
+std::vector<std::shared_ptr<MoveGroup>> GroupsKeptBy(const Scene& scene) {
   std::vector<std::shared_ptr<MoveGroup>> groups;
-  if (!scene.sole_handle()) return groups;
   for (const auto& kept : scene.kept_observers()) {
     const auto state = std::dynamic_pointer_cast<Robot::State>(kept);
     if (state) state->AppendGroups(groups);

@@ -120,8 +120,8 @@ class Robot {
   void set_ctrl_mode(CtrlMode mode);
   // A group's actuators of a mode, for making a controller for them; ArgumentError without.
   MoveGroup& drive(const std::string& group, CtrlMode mode) const;
-  // For garbage collectors of other languages: all groups of this and the scene's other robots when
-  // this handle alone keeps them alive; none when other handles to the scene or its robots live.
+  // For garbage collectors of other languages: the groups of this robot when this handle alone
+  // keeps them alive, as of a robot whose scene was closed; else they are the scene's.
   std::vector<std::shared_ptr<MoveGroup>> groups_of_sole_handle() const;
 
   // Sets targets of the groups named; the others hold. An action that is refused changes nothing.
@@ -213,7 +213,7 @@ class Robot {
   const std::vector<int>& collision_geom_ids() const;
 
  private:
-  friend std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene);
+  friend std::vector<std::shared_ptr<MoveGroup>> GroupsKeptBy(const Scene& scene);
   class State;
   State& open() const;
   std::unique_ptr<Controller> NewController(const std::string& group,
@@ -227,8 +227,8 @@ class Robot {
   std::shared_ptr<State> state_;
 };
 
-// What Robot::groups_of_sole_handle() is for a handle to a scene.
-std::vector<std::shared_ptr<MoveGroup>> GroupsOfSoleHandle(const Scene& scene);
+// The groups of all robots that a scene keeps, for garbage collectors too.
+std::vector<std::shared_ptr<MoveGroup>> GroupsKeptBy(const Scene& scene);
 
 // All robots of a scene that have a configuration, in order.
 std::vector<Robot> RobotsOf(const Scene& scene);

@@ -131,6 +131,12 @@ void Scene::KeepObserver(std::shared_ptr<SceneObserver> observer, const std::str
 
 Scene Scene::inner() const { return Scene(state_, nullptr); }
 
+std::optional<Scene> Scene::Weak::lock() const {
+  auto kept = kept_.lock();
+  if (!kept) return std::nullopt;
+  return Scene(state_.lock(), std::move(kept));
+}
+
 const std::vector<std::shared_ptr<SceneObserver>>& Scene::kept_observers() const {
   static const Kept none;
   return kept_ ? *kept_ : none;

@@ -226,9 +226,9 @@ class Scene {
 
   void Close();
   bool closed() const { return now_->data == nullptr; }
-  // For garbage collectors of other languages: whether this is the only handle that is no inner()
-  // one, what it holds of theirs, and a number that handles to the same simulation share.
-  bool sole_handle() const { return kept_.use_count() == 1; }
+  // For garbage collectors of other languages: how many handles there are, what the scene holds of
+  // theirs, and a number that handles to the same simulation share.
+  class Weak;
   const std::map<int, ResetHook>& reset_hooks() const;
   const std::vector<std::shared_ptr<SceneObserver>>& kept_observers() const;
   void ForgetKeptObservers();
@@ -251,6 +251,20 @@ class Scene {
   std::shared_ptr<State> state_;
   const SceneNow* now_;         // the state's
   std::shared_ptr<Kept> kept_;  // null in an inner handle
+};
+
+// Knows a simulation without keeping it alive. The id of the scene is no other's while this lives.
+class Scene::Weak {
+ public:
+  explicit Weak(const Scene& scene) : state_(scene.state_), kept_(scene.kept_) {}
+
+  // That are no inner() ones; of a scene that is gone none.
+  size_t handles() const { return static_cast<size_t>(kept_.use_count()); }
+  std::optional<Scene> lock() const;
+
+ private:
+  std::weak_ptr<State> state_;
+  std::weak_ptr<Kept> kept_;
 };
 
 }  // namespace robocell

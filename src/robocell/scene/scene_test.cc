@@ -345,17 +345,21 @@ TEST(Scene, KeepsObserversWhileAnyHandleLives) {
     watch = made;
     scene.KeepObserver(made, "robot left");
     last = scene;
-    EXPECT_FALSE(scene.sole_handle());
+    EXPECT_EQ(Scene::Weak(scene).handles(), 2u);
   }
-  EXPECT_TRUE(last->sole_handle());
+  const Scene::Weak weak(*last);
+  EXPECT_EQ(weak.handles(), 1u);
+  EXPECT_EQ(*weak.lock(), *last);
   EXPECT_EQ(last->FindObserver("robot left"), watch.lock());
   const Scene inner = last->inner();
   EXPECT_EQ(inner, *last);
-  EXPECT_TRUE(last->sole_handle()) << "an inner handle does not count";
+  EXPECT_EQ(weak.handles(), 1u) << "an inner handle does not count";
   ExpectThrow<Error>([&] { Scene(inner).KeepObserver(std::make_shared<CloseWatch>(), "x"); },
                      "through no inner handle");
   last.reset();
   EXPECT_TRUE(watch.expired());
+  EXPECT_EQ(weak.handles(), 0u);
+  EXPECT_EQ(weak.lock(), std::nullopt);
   EXPECT_EQ(inner.time(), 0) << "the simulation lives";
 }
 

@@ -77,6 +77,15 @@ concept HasEnumNames = requires {
   EnumNames<E>::kNames.size();
 };
 
+// False for a number that is none of the enum's values, as only a cast makes one.
+template <HasEnumNames E>
+bool IsNamed(E value) {
+  for (const auto& [v, name] : EnumNames<E>::kNames) {
+    if (v == value) return true;
+  }
+  return false;
+}
+
 template <HasEnumNames E>
 const char* ToString(E value) {
   for (const auto& [v, name] : EnumNames<E>::kNames) {
