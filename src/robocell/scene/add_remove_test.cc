@@ -1,4 +1,5 @@
 // Objects that come and go while a scene runs: what is new, what stays to the bit, what is refused.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -383,6 +384,38 @@ TEST(AddRemove, WhatIsAttachedToAFrameOfAnotherObjectDoesNotHoldIt) {
               HasSubstr("attached to it is object 'lid' (to frame 'cup_big_lid')"));
   scene.RemoveObject("cup_big");
   EXPECT_THAT(scene.object_names(), ElementsAre("cup", "lid"));
+}
+
+// Objects are added by compiling the spec again, and its files may be others by then.
+TEST(AddRemove, AFileThatChangedIsToldAndTheSceneStays) {
+  ModelFolder folder;
+  const auto cup = [](const char* mass) {
+    return fmt::format(R"(<worldbody><body name="b"><freejoint/><geom size="0.1" mass="{}"/></body>
+                       </worldbody>)",
+                       mass);
+  };
+  SceneSpec spec = EmptyScene();
+  const std::string file = folder.Write("cup", cup("1"));
+  spec.objects = {{.name = "cup", .mjcf_path = file, .pos = {0, 0, 1}},
+                  BoxObject("cube", {1, 0, 0.02})};
+  Scene scene = Scene::Build(spec);
+  const mjModel* model = scene.model();
+  const std::string bytes = SaveBinaryString(model);
+  folder.Write("cup", cup("1.25"));
+  const std::string changed =
+      "scene 'test': '" + file +
+      "' has changed since the scene was compiled, and objects are added and removed by compiling "
+      "it again, which would change what is there. Build the scene anew, or put the file back";
+  ExpectThrow<Error>([&] { scene.AddObject(BoxObject("late", {1, 1, 0.02})); }, changed);
+  ExpectThrow<Error>([&] { scene.RemoveObject("cube"); }, changed);
+  EXPECT_EQ(scene.model(), model);
+  EXPECT_TRUE(SaveBinaryString(scene.model()) == bytes);
+  EXPECT_THAT(scene.object_names(), ElementsAre("cup", "cube"));
+  scene.RemoveObject("cup");  // nothing else is made of it
+  SceneObject again = spec.objects[0];
+  again.name = "again";
+  scene.AddObject(again);
+  scene.RemoveObject("cube");
 }
 
 TEST(AddRemove, AFrozenModelKeepsItsObjects) {

@@ -56,6 +56,7 @@ class SceneCompiler {
 
   std::shared_ptr<CompiledScene> Run() {
     RequireValid(spec(), context_);
+    out_->sources_ = SourceFiles(spec());
     StartSpec();
     LoadParts();
     AddEntities();

@@ -56,6 +56,7 @@ std::shared_ptr<CompiledScene> CompiledScene::Copy() {
   copy->generation_ = NextGeneration();
   copy->home_key_ = home_key_;
   copy->modes_ = modes_;
+  copy->sources_ = sources_;
   copy->origin_ = origin_ ? origin_ : shared_from_this();
   return copy;
 }
@@ -64,6 +65,15 @@ void CompiledScene::RequireModel() const {
   if (model_) return;
   throw Error("scene '" + scene_spec_.name +
               "': its model was lost when it was to be handed over to Python; compile it again");
+}
+
+void CompiledScene::RequireSameFiles(const CompiledScene& next) const {
+  const std::string changed = sources_.Difference(next.sources_);
+  if (changed.empty()) return;
+  throw Error("scene '" + scene_spec_.name + "': '" + changed +
+              "' has changed since the scene was compiled, and objects are added and removed by "
+              "compiling it again, which would change what is there. Build the scene anew, or put "
+              "the file back");
 }
 
 mjModel* CompiledScene::mutable_model() {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "robocell/mujoco/owners.h"
+#include "robocell/scene/source_files.h"
 #include "robocell/spec/scene_spec.h"
 
 namespace robocell {
@@ -105,6 +106,9 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // After a hand-over that failed and freed the model: what needs it from now on is an Error.
   void LoseModel();
   bool model_is_external() const { return keeper_ != nullptr; }
+  // An Error that names a file from which this and `next`, the scene with an object more or less,
+  // were compiled, and which was changed in between: what is there already would be another.
+  void RequireSameFiles(const CompiledScene& next) const;
   const std::shared_ptr<void>& model_keeper() const { return keeper_; }
 
  private:
@@ -129,6 +133,7 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   uint64_t generation_ = 0;
   int home_key_ = -1;
   bool frozen_ = false;
+  SourceFiles sources_;
   std::shared_ptr<CompiledScene> origin_;  // of a copy
   std::weak_ptr<void> claim_;
   std::optional<int> modes_;  // opt.disableactuator as the first scene found it

@@ -120,6 +120,7 @@ class SceneCacheEntry {
     // The engine saves a model without it, and asks for it where a spec and a model meet.
     head.at("signature").get_to(scene->model_->signature);
     scene->generation_ = CompiledScene::NextGeneration();
+    scene->sources_ = SourceFiles(spec);
     return scene;
   }
 };

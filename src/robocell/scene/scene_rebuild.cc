@@ -118,6 +118,7 @@ void Scene::RemoveObject(const std::string& name) {
 void Scene::Rebuild(const SceneSpec& spec) {
   State& s = open();
   std::shared_ptr<CompiledScene> compiled = CompileScene(spec);
+  s.compiled->RequireSameFiles(*compiled);
   std::shared_ptr<void> claim = compiled->Claim();
   const ElementMatch match(s.model(), compiled->model());
   CarryModel(match, compiled->mutable_model());
