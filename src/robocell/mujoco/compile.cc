@@ -17,6 +17,7 @@
 #include "robocell/base/names.h"
 #include "robocell/base/real_file.h"
 #include "robocell/mujoco/engine_exception.h"
+#include "robocell/mujoco/finite.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/parse_problem.h"
 #include "robocell/mujoco/warnings.h"
@@ -95,11 +96,13 @@ SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
       Prefix(context) + (file.empty() ? "model text" : "model file '" + file + "'");
   const WarningCapture told;  // of a file that they do not name
   SpecPtr spec(Tried(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
-  for (const std::string& text : told.messages())
+  const std::string begin = file.empty() ? place + ": " : Prefix(context);
+  if (!spec) throw SpecError(begin + ParseProblem(Trim(error.data()), file));
+  for (const std::string& text : told.messages()) {
+    if (IsAboutNan(text)) throw SpecError(begin + NanProblem(file));
     LogWarn(fmt::format("{}: MuJoCo: {}", place, text));
-  if (spec) return spec;
-  throw SpecError((file.empty() ? place + ": " : Prefix(context)) +
-                  ParseProblem(Trim(error.data()), file));
+  }
+  return spec;
 }
 
 }  // namespace
@@ -125,6 +128,8 @@ ModelPtr Compile(mjSpec* spec, mjVFS* vfs, std::string_view context,
       replayed;  // the engine repeats the spec's warnings through the log; they are read below
   ModelPtr model(Tried(place, [&] { return mj_compile(spec, vfs); }));
   if (!model) throw SpecError(place + ": " + Trim(mjs_getError(spec)));
+  const std::string problem = NonFiniteElement(model.get());
+  if (!problem.empty()) throw SpecError(place + ": " + problem);
   Report(SpecWarnings(spec), context, warnings);
   return model;
 }

@@ -143,16 +143,41 @@ TEST_F(Compiling, WarningsOfTheBuildAreReturnedOrLoggedOnce) {
   EXPECT_EQ(lines[0], "scene 'pick': MuJoCo: " + warnings[0]);
 }
 
-TEST_F(Compiling, WarningsOfReadingAreLoggedWithTheModelsFile) {
+TEST_F(Compiling, ANanInAModelIsRefusedWithItsPlace) {
   const std::filesystem::path file = folder_ / "arm.xml";
-  std::ofstream(file) << R"(<mujoco><worldbody><body pos="0 nan 1"/></worldbody></mujoco>)";
-  std::vector<std::string> told;
-  const ScopedLogSink sink([&](LogLevel, std::string_view text) { told.emplace_back(text); });
-  (void)ParseXmlFile(file, "robot 'left'");
-  ASSERT_EQ(told.size(), 1u);
-  EXPECT_TRUE(told[0].starts_with("robot 'left': model file '" + file.string() + "': MuJoCo: "))
-      << told[0];
-  EXPECT_NE(told[0].find("NaN"), std::string::npos) << told[0];
+  std::ofstream(file) << "<mujoco><!-- pos='nan' -->\n<worldbody>\n"
+                         "<body name='nan'><geom size='.1' mass='NaN'/></body>"
+                         "</worldbody></mujoco>";
+  EXPECT_EQ(MessageOf<SpecError>([&] { (void)ParseXmlFile(file, "robot 'left'"); }),
+            "robot 'left': " + file.string() +
+                ":3: mass=\"NaN\" is no number. Correct it there, or leave the attribute out to "
+                "have what MuJoCo takes without it");
+  const std::filesystem::path around = folder_ / "cell.xml";
+  std::ofstream(around) << "<mujoco><include file='arm.xml'/></mujoco>";
+  EXPECT_THAT(MessageOf<SpecError>([&] { (void)ParseXmlFile(around); }),
+              AllOf(HasSubstr("cell.xml: a number of the model, or of a file that it includes"),
+                    HasSubstr("is NaN. Correct it there")));
+  EXPECT_THAT(MessageOf<SpecError>([&] {
+                (void)ParseXmlString(
+                    "<mujoco><worldbody><body pos='0 nan 0'/></worldbody></mujoco>", "scene 'x'");
+              }),
+              HasSubstr("scene 'x': model text: a number of the model"));
+  std::ofstream(file) << "<mujoco><worldbody><body name='nan'/></worldbody></mujoco>";
+  EXPECT_NE(ParseXmlFile(file), nullptr) << "a name";
+}
+
+TEST_F(Compiling, WhatIsInfiniteIsRefusedByElement) {
+  const auto message = [](const std::string& body) {
+    const SpecPtr spec = ParseXmlString("<mujoco><worldbody>" + body + "</worldbody></mujoco>");
+    return MessageOf<SpecError>([&] { Compile(spec.get(), nullptr, "scene 'x'"); });
+  };
+  EXPECT_EQ(message("<body name='b' pos='0 inf 1'/>"),
+            "scene 'x': building the model: Error: pos is 0 inf 1; it must be finite. Correct it "
+            "there\nElement name 'b', id 1");
+  EXPECT_THAT(message("<body><joint name='j' damping='inf'/><geom size='.1'/></body>"),
+              HasSubstr("damping is inf; it must be finite. Correct it there\nElement name 'j'"));
+  EXPECT_EQ(message("<body><joint range='-inf inf' limited='false'/><geom size='.1'/></body>"),
+            "no error");
 }
 
 TEST_F(Compiling, FilesInMemoryAreFoundWhenTheirFileSystemIsGiven) {

@@ -4,6 +4,10 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <sstream>
@@ -79,7 +83,47 @@ std::string NotWellFormed(const std::string& complaint, const std::string& file)
       Place(file, line.empty() ? "" : line[1].str()), element, what);
 }
 
+// Spaces in the place of comments; lines stay.
+std::string WithoutComments(std::string xml) {
+  for (size_t begin = xml.find("<!--"); begin != xml.npos; begin = xml.find("<!--", begin)) {
+    const size_t end = std::min(xml.find("-->", begin), xml.size());
+    std::replace_if(
+        xml.begin() + begin, xml.begin() + end, [](char c) { return c != '\n'; }, ' ');
+  }
+  return xml;
+}
+
+// Whether a text is a list of numbers, not all of them numbers.
+bool HasNan(const std::string& text) {
+  bool found = false;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    char* end = nullptr;
+    found |= std::isnan(std::strtod(word.c_str(), &end));
+    if (*end != '\0') return false;
+  }
+  return found;
+}
+
 }  // namespace
+
+bool IsAboutNan(const std::string& warning) { return warning.find("NaN") != warning.npos; }
+
+std::string NanProblem(const std::string& file) {
+  std::ifstream stream(file);
+  const std::string xml = WithoutComments({std::istreambuf_iterator<char>(stream), {}});
+  const std::regex attribute(R"re((\w+)\s*=\s*["']([^"']*)["'])re");
+  const std::string next =
+      "Correct it there, or leave the attribute out to have what MuJoCo takes without it";
+  for (std::sregex_iterator at(xml.begin(), xml.end(), attribute), end; at != end; ++at) {
+    if (!HasNan((*at)[2])) continue;
+    const auto line = 1 + std::count(xml.begin(), xml.begin() + at->position(), '\n');
+    return fmt::format("{}{}=\"{}\" is no number. {}", Place(file, std::to_string(line)),
+                       (*at)[1].str(), (*at)[2].str(), next);
+  }
+  return fmt::format("{}a number of the model, or of a file that it includes, is NaN. {}",
+                     Place(file, ""), next);
+}
 
 std::string ParseProblem(const std::string& complaint, const std::string& file) {
   if (complaint.starts_with("XML parse error")) return NotWellFormed(complaint, file);

@@ -12,4 +12,11 @@ namespace robocell {
 // does not tell the line, the place is the file alone.
 std::string ParseProblem(const std::string& complaint, const std::string& file);
 
+// Whether a warning of the engine's says that a model has a NaN. What has one is refused: the
+// engine reads a mass of NaN as none given, and takes a place of NaN as it is.
+bool IsAboutNan(const std::string& warning);
+// The same for a NaN: "arm.xml:5: mass="nan" is no number. ...". Without a line where it is in a
+// file that the model includes.
+std::string NanProblem(const std::string& file);
+
 }  // namespace robocell
