@@ -175,6 +175,32 @@ def test_misspelt_names_and_wrong_values_are_refused(scene: mjk.Scene, robot: mj
         mjk.scene_object_site_name("table", "table_top")
 
 
+def test_what_is_of_another_kind_is_told_by_its_name(scene: mjk.Scene, robot: mjk.Robot):
+    with pytest.raises(TypeError, match=r"model_path: expected a robot's name, .*; got 3"):
+        mjk.menagerie.model_path(3)
+    with pytest.raises(TypeError, match=r"VideoRecorder\.open\(\): width: expected .*, got 'a'"):
+        mjk.VideoRecorder.open(scene, "a.mp4", width="a")
+    with pytest.raises(RuntimeError, match="1x1"):
+        mjk.VideoRecorder.open(scene, "a.mp4", 1, 1)
+    with pytest.raises(TypeError, match=r"a Scene that is built, got SceneSpec\. .*Env\.build\("):
+        mjk.Env(mjk.SceneSpec())
+    with pytest.raises(
+        AttributeError, match=r"a Robot has no 'jnt_pos_cdm'\. Did you mean 'jnt_pos_cmd'\?"
+    ):
+        robot.jnt_pos_cdm = [0.0] * 7
+    with pytest.raises(RuntimeError, match="the object has no name"):
+        mjk.scene_object_site_name(mjk.SceneObject(), "top")
+    with pytest.raises(RuntimeError, match="site is empty"):
+        mjk.scene_object_site_name(mjk.SceneObject(name="table"), "")
+
+
+def test_an_env_is_closed_at_the_end_of_its_block():
+    with mjk.Env.build(base_spec()) as env:
+        env.step()
+    with pytest.raises(RuntimeError, match="is closed"):
+        env.step()
+
+
 def test_misspelt_arguments_are_told_with_what_was_meant(scene: mjk.Scene):
     for call, message in (
         (

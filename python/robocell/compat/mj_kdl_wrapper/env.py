@@ -28,6 +28,11 @@ class Env(Forwarding):
 
     def __init__(self, scene: Scene) -> None:
         """Of a scene that is built already."""
+        if not isinstance(scene, Scene):
+            raise TypeError(
+                f"Env takes a Scene that is built, got {type(scene).__name__}. "
+                "To build one from a SceneSpec: Env.build(spec)"
+            )
         self.scene = scene
         self._hook = None
         self._hook_id = None
@@ -37,6 +42,14 @@ class Env(Forwarding):
     def build(cls, spec: SceneSpec) -> Env:
         """Compiles the scene."""
         return cls(Scene.build(spec))
+
+    def __enter__(self) -> Env:
+        """Itself; the scene is closed at the end of the block."""
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        """Closes the scene."""
+        self.scene.close()
 
     @told
     def create_robot(

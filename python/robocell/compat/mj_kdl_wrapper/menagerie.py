@@ -39,6 +39,8 @@ def model_path(name: str, *, env_var: str | None = None) -> str:
             error also where ``MJ_KDL_MODEL`` names the file.
         env_var: A variable of one's own that names the file, before all others.
     """
+    if not isinstance(name, str):
+        raise TypeError(f"model_path: expected a robot's name, such as '{ARM}'; got {name!r}")
     _require_robot(name)
     return (
         (env_var and _override(env_var))

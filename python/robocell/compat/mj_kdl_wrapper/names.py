@@ -22,4 +22,9 @@ def scene_object_site_name(scene_object: robocell.SceneObject, site: str) -> str
             f"scene_object_site_name: expected a SceneObject, got {scene_object!r}; for a name "
             f"there is robocell.scene_object_element_name"
         )
+    for what, name in (("the object has no name", scene_object.name), ("site is empty", site)):
+        if not name:
+            raise robocell.ArgumentError(
+                f"scene_object_site_name: {what}, and names are made of both"
+            )
     return robocell.scene_object_element_name(scene_object.name, site)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import robocell
+from robocell._arguments import no_attribute
 from robocell.compat.mj_kdl_wrapper.calls import told
 
 
@@ -15,6 +16,12 @@ class Robot(robocell.Robot):
     """
 
     __slots__ = ()
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Of what there is; AttributeError with the nearest name for what there is not."""
+        if not hasattr(type(self), name):
+            raise AttributeError(no_attribute(type(self), name))
+        super().__setattr__(name, value)
 
     @staticmethod
     @told

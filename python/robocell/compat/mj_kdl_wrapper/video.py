@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from numbers import Integral
 from pathlib import Path
 
 import robocell
@@ -41,7 +42,7 @@ class VideoRecorder(Forwarding):
         fps: int = 60,
     ) -> VideoRecorder:
         """With a size of one's own, in pixels; odd ones are rounded down to even ones."""
-        size = width - width % 2, height - height % 2
+        size = _even("width", width), _even("height", height)
         return cls(robocell.VideoRecorder(_scene(target), path, *size, fps))
 
     @classmethod
@@ -78,6 +79,13 @@ class VideoRecorder(Forwarding):
         """The scene as it is now becomes a frame; never False, what goes wrong is raised."""
         self.recorder.record_frame()
         return True
+
+
+def _even(name: str, size: int) -> int:
+    """The even size below; one without such a number stays, to be refused as it is."""
+    if not isinstance(size, Integral):
+        raise TypeError(f"VideoRecorder.open(): {name}: expected a whole number, got {size!r}")
+    return int(size) - size % 2 if size > 1 else int(size)
 
 
 def _scene(target: robocell.Scene | Env) -> robocell.Scene:
