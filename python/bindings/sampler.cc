@@ -60,7 +60,7 @@ void BindStart(nb::module_& m) {
                   "None"),
           "`target_object`: its name in the scene; `object_kinds`: names in the catalogue, the "
           "target's first.")
-      .def_ro("scene", &EpisodeStart::scene)
+      .def_ro("scene", &EpisodeStart::scene, nb::rv_policy::copy)
       .def_ro("task", &EpisodeStart::task)
       .def_ro("target_object", &EpisodeStart::target_object)
       .def_ro("object_kinds", &EpisodeStart::object_kinds)

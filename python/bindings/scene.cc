@@ -178,9 +178,9 @@ void BindReset(nb::module_& m) {
   nb::class_<HookContext>(
       m, "ResetContext", "What a reset hook gets: it may change the scene's state through `scene`.",
       nb::type_slots(kHandleSlots<HookContext, &VisitContext>))
-      .def_ro("scene", &HookContext::scene, "The scene that is being reset.")
-      .def_ro("options", &HookContext::options, "What was asked for.")
-      .def_ro("info", &HookContext::info, "What was restored.");
+      .def_ro("scene", &HookContext::scene, "The scene that is being reset.", nb::rv_policy::copy)
+      .def_ro("options", &HookContext::options, "What was asked for.", nb::rv_policy::copy)
+      .def_ro("info", &HookContext::info, "What was restored.", nb::rv_policy::copy);
 }
 
 void BindContact(nb::module_& m) {
@@ -330,7 +330,7 @@ void DefStepping(nb::class_<Scene>& c) {
           "Call hook(ResetContext) in every reset, after the keyframe and before the robots take "
           "their targets from what it leaves. Returns an id for remove_reset_hook.")
       .def("remove_reset_hook", &Scene::RemoveResetHook, nb::arg("id"),
-           "Call the hook of this id no more; nothing for an id that there is not.")
+           "Call the hook of this id no more; NotFoundError for an id that there is not.")
       .def("clear_reset_hooks", &Scene::ClearResetHooks, "Call none of the hooks any more.");
 }
 

@@ -80,6 +80,17 @@ TEST_P(Impedance, TheLeafGivesWayAsASpringAlongTheAxesOfTheBase) {
   EXPECT_LT((start.inverse() * robot.FkFrame()).angle(), 0.01);
 }
 
+TEST_P(Impedance, AFeedforwardThatIsNoneIsToldByItsName) {
+  REQUIRE_ROBOT(GetParam());
+  Robot robot = In(Build());
+  auto& soft = robot.SetController<CartesianImpedanceController>("arm");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        soft.SetFeedforward({0, 0, std::nan(""), 0, 0, 0});
+      },
+      "value 2 of the feedforward is nan; all of it must be finite");
+}
+
 TEST_P(Impedance, TheLeafGoesToItsTargetWithoutOvershoot) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();

@@ -139,6 +139,9 @@ void VideoRecorder::RequireFinite(const std::string& what, double value) const {
 
 void VideoRecorder::RequireDirection(double distance, double azimuth, double elevation) const {
   RequireFinite("distance", distance);
+  if (distance < 0) {
+    throw ArgumentError(fmt::format("{}: distance is {}; it must be 0 or more", Place(), distance));
+  }
   RequireFinite("azimuth", azimuth);
   RequireFinite("elevation", elevation);
 }

@@ -189,6 +189,8 @@ TEST_F(Recording, AModelThatWasFreedIsToldAndNotRead) {
         video.SetFreeCamera(3, HUGE_VAL, 0, {0, 0, 0});
       },
       "freed.mp4': azimuth is inf; it must be finite");
+  ExpectThrow<ArgumentError>([&] { video.SetTrackingCamera("ball", -1, 90, 0); },
+                             "freed.mp4': distance is -1; it must be 0 or more");
   ExpectThrow<ArgumentError>([&] { video.SetTrackingCamera("ball", nan, 90, 0); },
                              "freed.mp4': distance is nan; it must be finite");
   video.RecordFrame(data_.get());

@@ -77,9 +77,12 @@ void ThrowBadValues(std::string_view place, std::string_view what, std::span<con
   }
   size_t bad = 0;
   while (bad + 1 < values.size() && std::isfinite(values[bad])) ++bad;
-  const std::string name = names.size() == values.size() ? "'" + names[bad] + "'"
-                           : values.size() == 1          ? fmt::format("'{}'", what)
-                                                         : fmt::format("value {}", bad);
+  const bool named = names.size() == values.size();
+  if (!named && values.size() > 1) {
+    throw ArgumentError(fmt::format("{}: value {} of the {} is {}; all of it must be finite", place,
+                                    bad, what, values[bad]));
+  }
+  const std::string name = "'" + (named ? names[bad] : std::string(what)) + "'";
   throw ArgumentError(
       fmt::format("{}: the target of {} is {}; targets must be finite", place, name, values[bad]));
 }

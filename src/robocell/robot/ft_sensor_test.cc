@@ -223,7 +223,8 @@ TEST_F(FtSensorTest, APairThatIsNoneIsToldWithWhatThereIs) {
   EXPECT_THAT(Refused(), ::testing::HasSubstr("sensor 'wrist_ft_force' is no torque sensor. Its "
                                               "torque sensors: wrist_ft_torque"));
   config.ft_sensors[0] = {.name = "wrist_ft", .frame_site = "wrist_site"};
-  EXPECT_THAT(Refused(), ::testing::HasSubstr("no site 'wrist_site'. Its sites: "));
+  EXPECT_THAT(Refused(), ::testing::HasSubstr("ft sensor 'wrist_ft': frame_site: no site "
+                                              "'wrist_site'. Its sites: "));
   config.ft_sensors[0] = {.name = "wrist_ft"};
   config.edits = ParseYaml<RobotConfig>(
                      "{name: a, model: a, edits: [{add_sensor: other_torque, site: w_end, type: "

@@ -50,6 +50,7 @@ std::string FileOf(const Part& part, const std::string& name) {
 
 // "arm.xml:12: "; lines count where the file is known.
 std::string PlaceOf(const Part& part, const std::string& file, const std::string& line) {
+  if (part.file.empty()) return "";  // a box, which no file describes
   if (file.empty()) return part.file + " or a tool of it: ";
   return line.empty() || line == "0" ? file + ": " : file + ":" + line + ": ";
 }
@@ -154,8 +155,9 @@ std::optional<std::string> MissingAssetProblem(const std::string& text, const Pa
 
 // What to do about the engine's complaint; "" when nothing more can be said.
 std::string NextStep(const std::string& complaint, mjtObj kind, const std::string& name,
-                     bool is_robot) {
+                     bool is_robot, bool has_file) {
   if (kind != mjOBJ_BODY || complaint.find("mass and inertia") == std::string::npos) return "";
+  if (!has_file) return "; give the object a greater `mass`";
   const std::string edit = fmt::format(
       " (in the robot's file, for example: edits: [{{geom: {{body: {}, index: 0}}, mass: 0.05}}])",
       name);
@@ -189,7 +191,7 @@ std::optional<std::string> CompileProblem(const std::string& text, const Part& p
   const bool editable = part.place.starts_with("robot ") && file == part.file;
   return fmt::format("{}{} '{}': {}{}", PlaceOf(part, file, line),
                      is_certain ? KindName(kinds[0]) : "element", name, complaint,
-                     NextStep(complaint, kinds[0], name, editable));
+                     NextStep(complaint, kinds[0], name, editable, !part.file.empty()));
 }
 
 std::optional<Repeated> RepeatedName(const std::string& text) {

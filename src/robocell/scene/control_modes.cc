@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/guard.h"
@@ -131,8 +132,15 @@ void LimitForce(const mjsActuator* authored, mjsActuator* actuator) {
 // On the joint of `authored`, with its gear and force limit.
 void AddActuator(const mjsActuator* authored, const std::string& joint, CtrlMode mode, mjSpec* spec,
                  const std::string& place) {
+  const std::string name = ModeActuatorName(joint, mode);
+  if (FindSpecElement(spec, mjOBJ_ACTUATOR, name)) {
+    throw SpecError(fmt::format(
+        "{}: the control mode {} brings an actuator '{}' for joint '{}', and the model has one of "
+        "that name. Rename it in the model, or set control_modes without {}",
+        place, ToString(mode), name, joint, ToString(mode)));
+  }
   mjsActuator* actuator = mjs_addActuator(spec, nullptr);
-  SetSpecName(actuator->element, ModeActuatorName(joint, mode), place);
+  SetSpecName(actuator->element, name, place);
   if (mode == CtrlMode::kTorque) {
     mjs_setToMotor(actuator);
   } else {

@@ -109,6 +109,21 @@ TEST_F(ControlModes, AddedActuatorsHaveGearAndForceLimitOfTheServo) {
   EXPECT_FALSE(m->actuator_forcelimited[Actuator(m, "a0_elbow_torque")]);
 }
 
+TEST_F(ControlModes, ActuatorsOfTheirNamesAreToldWithWhatToDo) {
+  std::string model = kTwoJointArm;
+  model.replace(model.find("</actuator>"), 0,
+                R"(<motor name="elbow_torque" joint="elbow" gear="2"/>)");
+  SceneSpec spec = Arms(1, Modes{kPosition, kTorque});
+  spec.robots[0].path = folder.Write("named", model);
+  ExpectThrow<SpecError>(
+      [&] { Scene::Build(spec); },
+      "robot 'a0': the control mode torque brings an actuator 'elbow_torque' for joint 'elbow', "
+      "and the model has one of that name. Rename it in the model, or set control_modes without "
+      "torque");
+  spec.robots[0].control_modes = Modes{kPosition};
+  Scene::Build(spec);
+}
+
 // The arm with motors, the one at the shoulder geared and limited in its control.
 constexpr const char* kServos[] = {R"(<position name="servo1" joint="shoulder" kp="100" kv="10"/>)",
                                    R"(<position name="servo2" joint="elbow" kp="50" kv="5"/>)"};

@@ -55,6 +55,16 @@ class PairSearch {
     throw NotFoundError(NoSuchName(place_, std::string(kind) + " sensor", name, there) + next);
   }
 
+  // The site whose axes the reading is in.
+  int FrameSite(const std::string& name) const {
+    try {
+      return FindElement(model_, robot_, mjOBJ_SITE, name);
+    } catch (const NotFoundError& error) {
+      const std::string text = error.what();  // "robot 'left': no site ..."
+      throw NotFoundError(place_ + ": frame_site" + text.substr(text.find("': ") + 1));
+    }
+  }
+
   int RequireSameSite(int force, int torque) const {
     const int site = model_->sensor_objid[force];
     if (model_->sensor_objid[torque] == site) return site;
@@ -87,7 +97,7 @@ FtSensor::FtSensor(const mjModel* model, const RobotRecord& robot,
   force_address_ = model->sensor_adr[force];
   torque_address_ = model->sensor_adr[torque];
   site_ = search.RequireSameSite(force, torque);
-  frame_ = spec.frame_site.empty() ? site_ : FindElement(model, robot, mjOBJ_SITE, spec.frame_site);
+  frame_ = spec.frame_site.empty() ? site_ : search.FrameSite(spec.frame_site);
   frame_site_ = ElementName(model, mjOBJ_SITE, frame_);
   body_ = model->site_bodyid[site_];
 }

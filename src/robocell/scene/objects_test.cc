@@ -170,5 +170,14 @@ TEST_F(Objects, OfEveryBuiltInKindFallAndComeToRest) {
   }
 }
 
+TEST_F(Objects, TooLightForTheEngineAreToldByTheirField) {
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(BoxObject("c", {0, 0, 1}));
+  spec.objects[0].mass = 1e-20;
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                         "scene 'test' / object 'c': body 'c': mass and inertia of moving bodies "
+                         "must be larger than mjMINVAL; give the object a greater `mass`");
+}
+
 }  // namespace
 }  // namespace robocell

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/scenes.h"
+#include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
@@ -62,6 +64,18 @@ TEST(PoolRest, DoesNotSwitchOnCompensationThatWasOff) {
   scene.RemoveObject("a");
   EXPECT_EQ(carried(), before);
   EXPECT_NEAR(before, 0.5 * 0.1 * 9.81, 1e-12);
+}
+
+TEST(PoolRest, IsDisturbedByNoWrench) {
+  Scene scene = Scene::Build(OneParked());
+  ExpectThrow<ArgumentError>(
+      [&] {
+        scene.SetBodyWrench("a", {1, 0, 0});
+      },
+      "scene 'test': object 'a' is parked, so nothing can push it; put it "
+      "into the scene first, with AddObject (in Python add_object)");
+  scene.AddObject("a");
+  scene.SetBodyWrench("a", {1, 0, 0});
 }
 
 TEST(PoolRest, IsNotTakenForAHighPlaceInTheScene) {

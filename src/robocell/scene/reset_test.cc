@@ -373,6 +373,20 @@ TEST(Reset, IsRefusedInAHook) {
   EXPECT_TRUE(scene.Reset().used_keyframe) << "the next one is none in a hook";
 }
 
+TEST(Reset, RefusesHooksThatAreNone) {
+  Scene scene = Scene::Build(Busy());
+  ExpectThrow<ArgumentError>([&] { scene.AddResetHook(nullptr); },
+                             "scene 'test': a reset hook cannot be empty; to take one away: "
+                             "RemoveResetHook (in Python remove_reset_hook)");
+  ExpectThrow<NotFoundError>([&] { scene.RemoveResetHook(7); },
+                             "scene 'test': there is no reset hook 7. Ids of those there are, as "
+                             "AddResetHook (in Python on_reset) returned them: none");
+  const int id = scene.AddResetHook([](ResetContext&) {});
+  ExpectThrow<NotFoundError>([&] { scene.RemoveResetHook(id + 1); },
+                             "returned them: " + std::to_string(id));
+  scene.RemoveResetHook(id);
+}
+
 TEST(Reset, AHookMayRemoveItself) {
   Scene scene = Scene::Build(Busy());
   int calls = 0, id = -1;

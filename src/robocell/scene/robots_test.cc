@@ -106,6 +106,17 @@ TEST_F(Robots, CarryToolsOnToolsWithAllTheirElements) {
   EXPECT_THAT(scene.compiled()->warnings(), IsEmpty());
 }
 
+TEST_F(Robots, SayWhatToDoAboutAToolWithNamesOfTheirs) {
+  const std::string twin = folder.Write(
+      "twin", R"(<worldbody><body name="upper"><geom size="0.005"/></body></worldbody>)");
+  SceneSpec spec = ArmScene();
+  spec.robots[0].attachments.push_back({.mjcf_path = twin, .attach_to = Body("fore")});
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); },
+                         "scene 'test' / robot 'left': body 'upper' is in it twice, and " + twin +
+                             " is attached without a prefix; set the attachment's `prefix`, which "
+                             "its names begin with then");
+}
+
 TEST_F(Robots, CarryChainsOfTools) {
   const std::string link = folder.Write("link", R"(
   <worldbody><body name="bar" pos="0.01 0 0" euler="0 20 30">
@@ -350,7 +361,7 @@ TEST(MenagerieRobots, KeepAllActuatorsAndNamesWhenAGripperIsMounted) {
   Scene scene = Scene::Build(spec);
   EXPECT_EQ(scene.model()->nu, 8 + 8 + 8 + 3 * 7) << "and motors of the arms";
   EXPECT_EQ(scene.model()->njnt, (7 + 8) + (7 + 8) + 13);
-  EXPECT_EQ(scene.model()->nexclude, 6 + 6 + 4);
+  EXPECT_EQ(scene.model()->nexclude, 6 + 6 + 3 + 3) << "and the first joint of each";
   EXPECT_THAT(scene.camera_names(), ElementsAre("k_wrist", "t_exo_camera", "t_wrist_camera"));
   EXPECT_THAT(scene.compiled()->warnings(), IsEmpty());
   const StepResult result = scene.StepN(300);

@@ -9,6 +9,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
 #include "robocell/scene/scene_state.h"
 #include "robocell/scene/state_number.h"
 
@@ -165,6 +166,13 @@ void Scene::SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
                           const Eigen::Vector3d& torque) {
   State& s = open();
   const int id = RequireId(s.model(), mjOBJ_BODY, body, s.context);
+  for (const PooledObject& object : s.pool) {
+    if (!object.parked || !IsInSubtree(s.model(), id, object.body())) continue;
+    throw ArgumentError(
+        fmt::format("{}: object '{}' is parked, so nothing can push it; put it into the scene "
+                    "first, with {}",
+                    s.context, object.name(), InBothLanguages("AddObject")));
+  }
   for (int i = 0; i < 3; ++i) {
     RequireFinite(force[i], fmt::format("{}: force on body '{}'", s.context, body));
     RequireFinite(torque[i], fmt::format("{}: torque on body '{}'", s.context, body));

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <exception>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
+#include "robocell/base/names.h"
 #include "robocell/base/rng.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
@@ -192,10 +194,23 @@ void Scene::ClearResetHooks() { state_->hooks.clear(); }
 
 int Scene::AddResetHook(ResetHook hook) {
   State& s = open();
+  if (!hook) {
+    throw ArgumentError(s.context + ": a reset hook cannot be empty; to take one away: " +
+                        InBothLanguages("RemoveResetHook"));
+  }
   s.hooks.emplace(s.next_hook, std::move(hook));
   return s.next_hook++;
 }
 
-void Scene::RemoveResetHook(int id) { open().hooks.erase(id); }
+void Scene::RemoveResetHook(int id) {
+  State& s = open();
+  if (s.hooks.erase(id) == 1) return;
+  std::vector<std::string> ids;
+  for (const auto& [known, hook] : s.hooks) ids.push_back(std::to_string(known));
+  throw NotFoundError(
+      fmt::format("{}: there is no reset hook {}. Ids of those there are, as AddResetHook (in "
+                  "Python on_reset) returned them: {}",
+                  s.context, id, ids.empty() ? "none" : ListNames(ids)));
+}
 
 }  // namespace robocell

@@ -62,7 +62,7 @@ std::string DescribeSpecElement(mjsElement* element) {
 void SetSpecName(mjsElement* element, const std::string& name, const std::string& context) {
   if (Tried(context, [&] { return mjs_setName(element, name.c_str()); }) != 0) {
     throw SpecError(
-        fmt::format("{}: there is already a {} '{}'", context, KindName(element->elemtype), name));
+        fmt::format("{}: there is a {} '{}' already", context, KindName(element->elemtype), name));
   }
 }
 

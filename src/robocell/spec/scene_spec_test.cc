@@ -109,6 +109,17 @@ TEST(SceneObject, IsEitherAModelOrAPrimitive) {
               HasSubstr("describe a primitive; a model file has its own"));
 }
 
+TEST(SceneObject, ValuesThatNoEnumHasAreRefused) {
+  SceneObject object = Cube("a");
+  object.shape = static_cast<Shape>(77);
+  EXPECT_THAT(ValidationError(object),
+              HasSubstr("shape: there is no value 77; expected one of box, sphere, cylinder"));
+  object = Cube("a");
+  object.attach_to = {static_cast<AttachKind>(55), "x"};
+  EXPECT_THAT(ValidationError(object),
+              HasSubstr("attach_to: there is no value 55; expected one of world, root"));
+}
+
 TEST(SceneObject, ElementNamesNeedNoScene) {
   EXPECT_EQ(SceneObjectElementName("table", "table_top"), "table_table_top");
 }

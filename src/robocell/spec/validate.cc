@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 
 namespace robocell {
@@ -58,7 +59,12 @@ void CheckPlacement(const Vec3& euler, const Vec4& quat, Problems& problems) {
   }
 }
 
+void ReportEnumNumber(int number, const std::vector<std::string>& names, Problems& problems) {
+  problems.Add(fmt::format("there is no value {}; expected one of {}", number, ListNames(names)));
+}
+
 void CheckAttachTarget(const AttachTarget& target, Problems& problems) {
+  if (!IsNamed(target.kind)) return CheckEnum(target.kind, problems);
   const std::string kind = ToString(target.kind);
   const bool named = target.kind != AttachKind::kWorld && target.kind != AttachKind::kRoot &&
                      target.kind != AttachKind::kSharedBase;

@@ -20,6 +20,13 @@ namespace robocell {
 
 void CheckNumber(double value, Check check, Problems& problems);
 
+// Reports a value that is no IsNamed one.
+void ReportEnumNumber(int number, const std::vector<std::string>& names, Problems& problems);
+template <HasEnumNames E>
+void CheckEnum(E value, Problems& problems) {
+  if (!IsNamed(value)) ReportEnumNumber(static_cast<int>(value), ValueNames<E>(), problems);
+}
+
 void CheckAttachTarget(const AttachTarget& target, Problems& problems);
 void CheckElementRef(const ElementRef& ref, Problems& problems);
 // A name that becomes part of columns' names and of files': without '/' and control characters.
@@ -58,6 +65,8 @@ void ValidateValue(const T& value, Check check, Problems& problems) {
   if constexpr (std::is_floating_point_v<T> ||
                 (std::is_integral_v<T> && !std::is_same_v<T, bool>)) {
     CheckNumber(static_cast<double>(value), check, problems);
+  } else if constexpr (HasEnumNames<T>) {
+    CheckEnum(value, problems);
   } else if constexpr (IsOptional<T>::value) {
     if (value) ValidateValue(*value, check, problems);
   } else if constexpr (IsList<T>::value || IsArray<T>::value || IsVector<T>::value) {

@@ -19,9 +19,12 @@ class Robot(robocell.Robot):
 
     def __setattr__(self, name: str, value: object) -> None:
         """Of what there is; AttributeError with the nearest name for what there is not."""
-        if not hasattr(type(self), name):
+        attribute = getattr(type(self), name, None)
+        if attribute is None:
             raise AttributeError(no_attribute(type(self), name))
-        super().__setattr__(name, value)
+        if not hasattr(attribute, "__set__"):
+            raise AttributeError(f"'{name}' of a {type(self).__name__} cannot be set")
+        attribute.__set__(self, value)  # as Python itself does; C++'s own refuses subclasses
 
     @staticmethod
     @told
