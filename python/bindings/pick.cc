@@ -121,7 +121,10 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
 
 void BindPickTask(nb::module_& m) {
   nb::class_<PickTask, Task, PyTaskOf<PickTask>>(
-      m, "PickTask", "Lift an object off its support: reward is the height gained (m).")
+      m, "PickTask",
+      "Lift an object off its support: reward is the height gained (m), success is lift_height (m) "
+      "while robots hold it:\nno other thing touches it, and a gripper has it between its fingers "
+      "or several robots between them.")
       .def(nb::init<std::string, std::string, std::vector<std::string>, double>(), "object"_a,
            "kind"_a, "all_objects"_a, "lift_height"_a = 0.01)
       .def(

@@ -69,7 +69,10 @@ void BindTask(nb::module_& m) {
           "act", [](Expert& e, const Scene& s, PythonRng& rng) { return e.Act(s, rng.get()); },
           "scene"_a, "rng"_a, "{robot: {group: GroupCommand}} until the next policy tick.")
       .def("done", &Expert::done)
-      .def("failure", &Expert::failure)
+      .def("failure", &Expert::failure,
+           "Why it gave up, \"\" otherwise. A rollout that ends with one is no success, whatever "
+           "its "
+           "task says.")
       .def("phase", &Expert::phase)
       .def("phase_names", &Expert::phase_names);
   m.def("object_kinds", &ObjectKinds, "Kinds of objects that tasks can use.");

@@ -166,8 +166,10 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     const StageClock::Stage stage(recording.clock(), result.times.acting);
     const StepOutcome outcome = stepper.Advance(expert.Act(start.scene, rng));
     ++result.rows;
-    result.success = outcome.ok() && start.task->Success(start.scene);
     terminated = expert.done() || !outcome.ok();
+    // What an expert calls a failure is no demonstration, whatever the task sees in it.
+    const bool gave_up = terminated && !expert.failure().empty();
+    result.success = outcome.ok() && start.task->Success(start.scene) && !gave_up;
     truncated = !terminated && result.rows >= run.rates.max_steps;
     if (!outcome.ok()) NoteDivergence(outcome.step, options.episode_id, result);
     const bool ik_failed = !outcome.failed_robot.empty();

@@ -85,6 +85,36 @@ TEST_F(RolloutTest, CommandsThatAreFollowedAreNoFailures) {
   EXPECT_THAT(Episode(folder / "e").Read<uint8_t>("ik_failed"), Each(0));
 }
 
+// A task that is content with anything.
+class Content : public Task {
+ public:
+  void Begin(const Scene&) override {}
+  double Reward(const Scene&) override { return 1; }
+  bool Success(const Scene&) override { return true; }
+  std::string instruction() const override { return "do as you like"; }
+  std::vector<std::string> objects() const override { return {}; }
+};
+
+TEST_F(RolloutTest, WhatItsExpertCallsAFailureIsNoSuccess) {
+  class GivingUp : public Commanding {
+   public:
+    GivingUp() : Commanding(Pose(), 4) {}
+    std::string failure() const override { return done() ? "the hand closed on nothing" : ""; }
+    Action Act(const Scene& scene, Rng& rng) override {
+      Commanding::Act(scene, rng);
+      return {};
+    }
+  } expert;
+  start->task = std::make_shared<Content>();
+  const RolloutResult result = Rollout(expert);
+  EXPECT_FALSE(result.success);
+  EXPECT_EQ(result.failure, "the hand closed on nothing");
+  const Episode episode(folder / "e");
+  EXPECT_FALSE(episode.success());
+  EXPECT_EQ(episode.end_reason(), "the hand closed on nothing");
+  EXPECT_THAT(episode.Read<uint8_t>("success"), ElementsAre(1, 1, 1, 0));
+}
+
 // Adds an object in the middle of an episode.
 class Adding : public Commanding {
  public:

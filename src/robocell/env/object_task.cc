@@ -70,7 +70,7 @@ double ObjectTask::Nearness() const {
 double ObjectTask::Lift() const { return ObjectInWorld().z() - (root_ * start_).z(); }
 
 bool ObjectTask::IsLifted(const Scene& scene) const {
-  return Lift() >= task_.lift_height && OnlyRobotsTouch(scene, object_.name());
+  return Lift() >= task_.lift_height && IsHeld(scene, object_.name());
 }
 
 }  // namespace robocell

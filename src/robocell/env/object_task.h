@@ -42,7 +42,7 @@ class ObjectTask : public EnvTask {
   double Nearness() const;
   // Above where the episode began, along the world's z, m.
   double Lift() const;
-  // Lifted far enough, and held by robots only.
+  // Lifted far enough, and held (task/pick_task.h).
   bool IsLifted(const Scene& scene) const;
 
  private:

@@ -3,9 +3,12 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <optional>
+#include <vector>
 
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/robot.h"
 
 namespace robocell {
 namespace {
@@ -18,31 +21,74 @@ std::vector<int> RobotRoots(const Scene& scene) {
   return roots;
 }
 
-}  // namespace
+// The root of the robot that a body is a part of, of the outermost where robots carry robots; -1
+// for none.
+int RobotOf(const mjModel* m, const std::vector<int>& roots, int body) {
+  int robot = -1;
+  for (const int root : roots) {
+    if (IsInSubtree(m, body, root) && (robot < 0 || IsInSubtree(m, robot, root))) robot = root;
+  }
+  return robot;
+}
 
-Touching TouchingBody(const Scene& scene, const std::string& body) {
+struct Partners {
+  int robot = -1;  // the root of one that touches
+  bool several_robots = false;
+  bool other = false;
+};
+
+Partners PartnersOf(const Scene& scene, const std::vector<int>& roots, const std::string& body) {
   const mjModel* m = scene.model();
   const mjData* d = scene.data();
   const int object = RequireId(m, mjOBJ_BODY, body, "scene '" + scene.name() + "'");
-  const std::vector<int> robots = RobotRoots(scene);
-  Touching touching;
+  Partners partners;
   for (int c = 0; c < d->ncon; ++c) {
     if (d->contact[c].exclude != 0 || d->contact[c].geom[0] < 0 || d->contact[c].geom[1] < 0)
       continue;
     const int a = m->geom_bodyid[d->contact[c].geom[0]], b = m->geom_bodyid[d->contact[c].geom[1]];
     const bool a_inside = IsInSubtree(m, a, object), b_inside = IsInSubtree(m, b, object);
     if (a_inside == b_inside) continue;  // neither, or the object with itself
-    const int partner = a_inside ? b : a;
-    const bool is_robot = std::any_of(robots.begin(), robots.end(),
-                                      [&](int root) { return IsInSubtree(m, partner, root); });
-    (is_robot ? touching.robot : touching.other) = true;
+    const int robot = RobotOf(m, roots, a_inside ? b : a);
+    partners.other |= robot < 0;
+    if (robot < 0) continue;
+    partners.several_robots |= partners.robot >= 0 && robot != partners.robot;
+    partners.robot = robot;
   }
-  return touching;
+  return partners;
+}
+
+// Whether a gripper of this robot grasps it; unset when it has none.
+std::optional<bool> IsGrasped(const Scene& scene, const std::vector<int>& roots, int by,
+                              const std::string& body) {
+  std::optional<bool> grasped;
+  for (const Robot& robot : RobotsOf(scene)) {
+    const std::string& base = scene.compiled()->robot(robot.name()).base_body;
+    if (RobotOf(scene.model(), roots, FindId(scene.model(), mjOBJ_BODY, base)) != by) continue;
+    for (const std::string& name : robot.group_names()) {
+      const auto* gripper = dynamic_cast<const GripperGroup*>(&robot.group(name));
+      if (gripper) grasped = grasped.value_or(false) || gripper->is_grasping(body);
+    }
+  }
+  return grasped;
+}
+
+}  // namespace
+
+Touching TouchingBody(const Scene& scene, const std::string& body) {
+  const Partners partners = PartnersOf(scene, RobotRoots(scene), body);
+  return {partners.robot >= 0, partners.other};
 }
 
 bool OnlyRobotsTouch(const Scene& scene, const std::string& body) {
   const Touching touching = TouchingBody(scene, body);
   return touching.robot && !touching.other;
+}
+
+bool IsHeld(const Scene& scene, const std::string& body) {
+  const std::vector<int> roots = RobotRoots(scene);
+  const Partners partners = PartnersOf(scene, roots, body);
+  if (partners.robot < 0 || partners.other) return false;
+  return partners.several_robots || IsGrasped(scene, roots, partners.robot, body).value_or(true);
 }
 
 PickTask::PickTask(std::string object, std::string kind, std::vector<std::string> all_objects,
@@ -65,7 +111,7 @@ double PickTask::Reward(const Scene& scene) { return std::max(0.0, Lift(scene));
 
 bool PickTask::Success(const Scene& scene) {
   if (Lift(scene) < lift_height_) return false;
-  return OnlyRobotsTouch(scene, body_);
+  return IsHeld(scene, body_);
 }
 
 }  // namespace robocell

@@ -1,5 +1,5 @@
 // PickTask: lift an object off its support. Reward is the height gained (m); success is at least
-// `lift_height` above the object's own start while only robots touch it.
+// `lift_height` above the object's own start while robots hold it.
 #pragma once
 
 #include <string>
@@ -37,7 +37,12 @@ struct Touching {
   bool other = false;
 };
 Touching TouchingBody(const Scene& scene, const std::string& body);
-// Whether it is held: robots touch it, and nothing else does.
+// Whether robots touch it and nothing else does.
 bool OnlyRobotsTouch(const Scene& scene, const std::string& body);
+// Whether robots hold it: nothing else touches it, and a gripper has it between its fingers
+// (GripperGroup::is_grasping) or several robots have it between them. A robot without a gripper
+// holds what it touches: whether with a hook or a cup is its own affair. What hangs on one finger
+// is not held.
+bool IsHeld(const Scene& scene, const std::string& body);
 
 }  // namespace robocell

@@ -2,20 +2,25 @@
 #include "robocell/task/pick_task.h"
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/units.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/spec/run_config.h"
+#include "robocell/spec/yaml.h"
 
 namespace robocell {
 namespace {
 
 constexpr double kTop = 0.5;       // of the table, m
 constexpr double kPress = 0.0001;  // how far things that touch are pressed into each other, m
+constexpr double kJaws = 5;        // where the gripper is, m
 constexpr double kLying = kTop + 0.02 - kPress;
 
 // A bar on a table, between the walls of a robot that hold it at any height; a second robot's stop
-// is at its end where it is 1 m high. Beside it lies a box, and far away a pan with a lid above it.
+// is at its end where it is 1 m high. Beside it lies a box, and far away a pan with a lid above it
+// and a robot with a gripper, whose fingers are as open as the box is wide, and 1 cm more.
 // Nothing is simulated: contacts are those of where things are put.
 class PickTaskTest : public ::testing::Test {
  protected:
@@ -26,6 +31,13 @@ class PickTaskTest : public ::testing::Test {
 
   void Put(const std::string& body, const Eigen::Vector3d& at, double pitch = 0) {
     scene_.SetBodyPose(body, Pose::FromRpy(at, {0, pitch, 0}));
+    scene_.Forward();
+  }
+
+  void PutBetweenFingers(double sideways) { Put("box", {kJaws, sideways, 1}); }
+  void Move(const std::string& joint, double q) {
+    const mjModel* m = scene_.model();
+    scene_.data()->qpos[m->jnt_qposadr[RequireId(m, mjOBJ_JOINT, joint, "test")]] = q;
     scene_.Forward();
   }
 
@@ -49,6 +61,20 @@ class PickTaskTest : public ::testing::Test {
       <geom type="box" size=".01 .1 .1" pos=".0599 0 1"/></body></worldbody>)");
     spec.robots.push_back({.name = "holding", .path = walls, .prefix = "holding_"});
     spec.robots.push_back({.name = "helping", .path = stop, .prefix = "helping_"});
+    folder_.Write("jaws", R"(<compiler autolimits="true"/><worldbody><body name="hand">
+      <body name="left" pos="0 .03 0"><joint name="left" type="slide" axis="0 -1 0" range="0 .03"
+      damping="5"/>
+      <geom type="box" size=".02 .005 .1"/></body>
+      <body name="right" pos="0 -.03 0"><joint name="right" type="slide" axis="0 1 0"
+      range="0 .03" damping="5"/><geom type="box" size=".02 .005 .1"/></body></body></worldbody>
+      <actuator><position name="l" joint="left" kp="100" ctrlrange="0 .03"/>
+      <position name="r" joint="right" kp="100" ctrlrange="0 .03"/></actuator>)");
+    RobotConfig jaws = ParseYaml<RobotConfig>(R"({name: jaws, model: jaws.xml, move_groups: {
+      gripper: {kind: gripper, joints: [left, right], actuators: [l, r]}}})",
+                                              "jaws.yaml");
+    jaws.source_dir = folder_.path().string();
+    spec.robots.push_back(
+        {.name = "jaws", .config = jaws, .prefix = "jaws_", .pos = {kJaws, 0, 1}});
     SceneObject table = BoxObject("table", {0, 0, kTop / 2});
     table.size = Vec3{0.3, 0.3, kTop / 2};
     table.fixed = true;
@@ -136,6 +162,23 @@ TEST_F(PickTaskTest, SeveralRobotsMayHoldIt) {
   Put("bar", {0, 0, 1});
   EXPECT_GT(scene_.contacts("bar").size(), one) << "the other robot's too";
   EXPECT_TRUE(task.Success(scene_));
+}
+
+TEST_F(PickTaskTest, WhatHangsOnOneFingerIsNotPicked) {
+  PickTask task = Begun("box");
+  PutBetweenFingers(0);
+  EXPECT_FALSE(TouchingBody(scene_, "box").robot);
+  for (const double side : {1.0, -1.0}) {
+    PutBetweenFingers(side * (0.005 + kPress));
+    EXPECT_TRUE(OnlyRobotsTouch(scene_, "box"));
+    EXPECT_GT(task.Reward(scene_), 0.4);
+    EXPECT_FALSE(task.Success(scene_)) << side;
+  }
+  PutBetweenFingers(0);
+  for (const char* joint : {"jaws_left", "jaws_right"}) Move(joint, 0.005 + kPress);
+  EXPECT_TRUE(task.Success(scene_)) << "both fingers have it";
+  Put("bar", {kJaws, 0, 1 + 0.04 - kPress});
+  EXPECT_FALSE(task.Success(scene_)) << "and the bar lies on it";
 }
 
 TEST_F(PickTaskTest, AllPartsOfAnObjectCount) {

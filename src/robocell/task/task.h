@@ -77,9 +77,11 @@ class Expert {
   virtual void Begin(const Scene& scene, Rng& rng) = 0;
   // Called once per policy tick with the state before the action.
   virtual Action Act(const Scene& scene, Rng& rng) = 0;
-  virtual bool done() const = 0;            // finished or given up
-  virtual std::string failure() const = 0;  // why it gave up, "" otherwise
-  virtual int phase() const = 0;            // index into phase_names(), for the record
+  virtual bool done() const = 0;  // finished or given up
+  // Why it gave up, "" otherwise. A rollout that ends with one is no success, whatever its task
+  // says.
+  virtual std::string failure() const = 0;
+  virtual int phase() const = 0;  // index into phase_names(), for the record
   virtual std::vector<std::string> phase_names() const = 0;
 };
 
