@@ -16,7 +16,12 @@ constexpr double kSettleSeconds = 0.1;      // after a motion ...
 constexpr double kMostSettleSeconds = 0.5;  // ... and while the arm is still on its way
 constexpr double kCloseSeconds = 0.5;       // weak servos take this long to build up their force
 constexpr double kMostCloseSeconds = 1.0;
-constexpr double kHoldSeconds = 0.33;  // at the top
+// Of the distance between the fingers while they close, m/s. A contact as MuJoCo has it by default
+// stops a finger within 20 ms: at half of this each it goes 1 mm deep, and walls are some thick.
+// One command to close would let a light finger go through them.
+constexpr double kCloseSpeed = 0.2;
+constexpr double kSqueezeSeconds = 0.2;  // of the full force, at least
+constexpr double kHoldSeconds = 0.33;    // at the top
 constexpr double kLeastFreeSeconds = 0.15, kLeastDownSeconds = 0.5, kLeastUpSeconds = 0.6;
 constexpr double kMostUpSeconds = 2.5;
 constexpr double kSteadyGap = 3e-4;     // metres per tick
@@ -73,6 +78,7 @@ void PickPlanner::Begin(const Scene& scene, Rng& rng) {
 
 bool PickPlanner::Plan(Rng& rng) {
   planning_->Update();
+  planned_for_ = TargetPose();
   const PickPlanRequest request{.start = target_,
                                 .home = home_,
                                 .tcp_now = robot_->tcp_in_world(),
@@ -86,7 +92,7 @@ bool PickPlanner::Plan(Rng& rng) {
 
 void PickPlanner::Enter(Phase phase) {
   phase_ = phase;
-  ticks_ = waited_ = 0;
+  ticks_ = waited_ = squeezed_ = 0;
   path_.emplace(target_, options_.tick);
   switch (phase) {
     case Phase::kOpen:
@@ -108,7 +114,6 @@ void PickPlanner::Enter(Phase phase) {
                     kLeastDownSeconds);
       break;
     case Phase::kClose:
-      opening_ = 0;
       last_gap_ = Gap();
       break;
     case Phase::kLift:
@@ -132,6 +137,7 @@ Action PickPlanner::Act(const Scene&, Rng& rng) {
   if (!finished_) Advance(rng);
   if (!finished_) {
     target_ = path_->Next();
+    if (phase_ == Phase::kClose) CloseFurther();
     ++ticks_;
   }
   return Command();
@@ -175,11 +181,18 @@ void PickPlanner::Follow(Phase next) {
   Enter(next);
 }
 
+void PickPlanner::CloseFurther() {
+  const double range = shape_->open_gap() - shape_->closed_gap();
+  opening_ = std::max(0.0, opening_ - kCloseSpeed * options_.tick / range);
+}
+
 void PickPlanner::LeaveClose() {
   const double gap = Gap();
   const bool steady = std::abs(gap - last_gap_) < kSteadyGap;
   last_gap_ = gap;
-  if (ticks_ < Ticks(kCloseSeconds) || (!steady && ticks_ < Ticks(kMostCloseSeconds))) return;
+  squeezed_ = opening_ > 0 ? 0 : squeezed_ + 1;
+  const int least = std::max(Ticks(kCloseSeconds) - ticks_, Ticks(kSqueezeSeconds) - squeezed_);
+  if (least > 0 || (!steady && squeezed_ < Ticks(kMostCloseSeconds))) return;
   if (HandIsEmpty()) return Fail("the hand closed on nothing");
   if (gap > plan_->motion.grasp.width + kWideGap)
     return Fail("the fingers stopped on something else");
@@ -199,9 +212,8 @@ void PickPlanner::Fail(const std::string& why) {
   setback_ = why;
   // Blocked while backing off: there is no other grasp to back off to.
   if (!plan_ || attempts_ >= options_.attempts) return GiveUp(why);
-  const Pose object_in_world =
-      robot_->scene().body_pose(robot_->scene().compiled()->object(target_object_).root_body);
-  failed_.push_back(object_in_world.inverse() * plan_->motion.grasp.tcp_in_world);
+  // Where it has been pushed to meanwhile tells nothing of the grasp.
+  failed_.push_back(planned_for_.inverse() * plan_->motion.grasp.tcp_in_world);
   plan_.reset();
   lagging_ = 0;
   target_ = JointVector(std::span<const double>(robot_->arm().joint_pos()));
@@ -251,9 +263,9 @@ bool PickPlanner::Arrived() const {
 double PickPlanner::Gap() const { return robot_->gripper().inter_finger_dist(); }
 bool PickPlanner::HandIsEmpty() const { return Gap() < shape_->closed_gap() + kEmptyGap; }
 
-double PickPlanner::TargetHeight() const {
+Pose PickPlanner::TargetPose() const {
   const Scene scene = robot_->scene();
-  return scene.body_pose(scene.compiled()->object(target_object_).root_body).translation().z();
+  return scene.body_pose(scene.compiled()->object(target_object_).root_body);
 }
 
 std::unique_ptr<Expert> MakePickPlanner(const RunConfig& run, const EpisodeStart& start) {

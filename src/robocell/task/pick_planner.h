@@ -59,6 +59,7 @@ class PickPlanner : public Expert {
   void Advance(Rng& rng);
   void LeaveOpen(Rng& rng);
   void Follow(Phase next);
+  void CloseFurther();
   void LeaveClose();
   void Watch();
   void Fail(const std::string& why);
@@ -68,7 +69,8 @@ class PickPlanner : public Expert {
   double LiftSeconds() const;
   double Lag() const;
   double Gap() const;
-  double TargetHeight() const;
+  Pose TargetPose() const;
+  double TargetHeight() const { return TargetPose().translation().z(); }
   bool HandIsEmpty() const;
   bool Arrived() const;
 
@@ -84,12 +86,14 @@ class PickPlanner : public Expert {
   double opening_ = 1;
   std::optional<TimedPath> path_;
   JointVector retreat_;       // where to back off to; empty: stay
+  Pose planned_for_;          // where the object was then, in the world
   std::vector<Pose> failed_;  // grasps, TCP in the object's frame
 
   Phase phase_ = Phase::kOpen;
-  int ticks_ = 0;    // in this phase
-  int waited_ = 0;   // since the path of this phase ended
-  int lagging_ = 0;  // ticks in a row that the arm did not follow
+  int ticks_ = 0;     // in this phase
+  int waited_ = 0;    // since the path of this phase ended
+  int squeezed_ = 0;  // ticks since the hand is told to be closed
+  int lagging_ = 0;   // ticks in a row that the arm did not follow
   int attempts_ = 0;
   double last_gap_ = 0, grasp_height_ = 0;
   bool finished_ = false;

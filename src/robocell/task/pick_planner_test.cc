@@ -24,6 +24,7 @@ struct Outcome {
   int rows = 0;
   std::vector<std::string> phases;  // in their order, repetitions left out
   double fastest = 0;               // step of a joint target between two actions, rad
+  double closing = 0;               // step of the opening between two actions, at most
   std::vector<double> end;          // state of the scene
 };
 
@@ -38,6 +39,7 @@ Outcome RollOut(Scene scene, Task& task, PickPlanner& planner, Rng& rng,
   task.Begin(scene);
   planner.Begin(scene, rng);
   std::vector<double> before = robot.arm().joint_pos();
+  double opening = 1;
   while (!planner.done() && outcome.rows < 500) {
     if (meddle) meddle(scene, planner);
     const Action action = planner.Act(scene, rng);
@@ -47,6 +49,8 @@ Outcome RollOut(Scene scene, Task& task, PickPlanner& planner, Rng& rng,
       outcome.fastest = std::max(outcome.fastest, std::abs(target[i] - before[i]));
     }
     before = target;
+    outcome.closing = std::max(outcome.closing, opening - commands.at("gripper").values.at(0));
+    opening = commands.at("gripper").values.at(0);
     const std::string phase = planner.phase_names()[planner.phase()];
     if (outcome.phases.empty() || outcome.phases.back() != phase) outcome.phases.push_back(phase);
     EXPECT_TRUE(robot.Apply(commands).ok);
@@ -138,6 +142,36 @@ TEST(PickPlanner, NoticesAnEmptyHandAndTriesAgainWhereTheObjectIsNow) {
   EXPECT_EQ(bench.planner.attempts(), 2);
   EXPECT_THAT(outcome.phases, ElementsAre("open", "pregrasp", "grasp", "close", "open", "pregrasp",
                                           "grasp", "close", "lift", "done"));
+}
+
+// One finger may have pushed the object aside: the grasp is known by where the object was when it
+// was planned.
+TEST(PickPlanner, AfterAnEmptyHandAnotherGraspIsTried) {
+  Bench bench("box");
+  std::vector<Pose> grasps;  // TCP in the object's frame
+  bool closing = false;
+  const Meddle snatch = Snatch(2);
+  bench.Run([&](Scene& scene, const PickPlanner& planner) {
+    const bool closes = planner.phase_names()[planner.phase()] == "close";
+    if (closes && !closing)
+      grasps.push_back(scene.body_pose("target").inverse() * bench.pick.robot.tcp_in_world());
+    closing = closes;
+    snatch(scene, planner);
+  });
+  ASSERT_EQ(grasps.size(), 3u);
+  for (size_t i = 1; i < grasps.size(); ++i) {
+    for (size_t k = 0; k < i; ++k)
+      EXPECT_FALSE(grasps[i].is_close(grasps[k], 0.2, 0.004)) << i << " is " << k << " again";
+  }
+}
+
+TEST(PickPlanner, TheHandClosesNoFasterThanContactsCanStopIt) {
+  Bench bench("mug");
+  const Outcome outcome = bench.Run();
+  const Interval gap = bench.pick.robot.gripper().inter_finger_dist_range();
+  EXPECT_TRUE(outcome.success) << outcome.failure;
+  EXPECT_GT(outcome.closing, 0);
+  EXPECT_LE(outcome.closing * (gap.upper - gap.lower), 0.2 * 0.066 + 1e-4);
 }
 
 TEST(PickPlanner, GivesUpAfterThreeAttemptsAndSaysWhy) {
