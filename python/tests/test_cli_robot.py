@@ -248,8 +248,9 @@ def test_an_arm_of_motors_is_refused_by_check_and_by_runs(tmp_path: Path, contro
     result = robocell_command("check", robot)
     assert result.returncode == 2
     why = (
-        "drive' is a motor, no position servo: write `control: {arm: joint_torque}` or "
-        "joint_impedance at the top level of the robot file, or give the model position servos"
+        "drive' is a motor, no position servo: write `control: {arm: joint_impedance}` at the top "
+        "level of the robot file, or joint_torque there to command torques, or give the model "
+        "position servos"
     )
     assert why in result.stderr
     assert "robot 'bob' / group 'arm'" in result.stderr

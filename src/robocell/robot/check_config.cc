@@ -7,7 +7,9 @@
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/reach.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/robot/gripper_group.h"
+#include "robocell/scene/actuator_kind.h"
 
 namespace robocell {
 namespace {
@@ -74,15 +76,8 @@ void CheckReachField(const Robot& robot, Problems& problems) {
                                       measured, *said));
 }
 
-}  // namespace
-
-void CheckConfig(const Robot& robot, Problems& problems) {
-  CheckReachField(robot, problems);
-  CheckGrippers(robot, problems);
-  CheckBaseSize(robot, problems);
-}
-
-void CheckDriven(const Robot& robot, Problems& problems) {
+// Whether each arm and gripper has one.
+void CheckHaveControllers(const Robot& robot, Problems& problems) {
   Problems::Scope groups(problems, "move_groups");
   for (const auto& [name, config] : robot.config().move_groups.entries()) {
     if (config->kind != MoveGroupKind::kArm && config->kind != MoveGroupKind::kGripper) continue;
@@ -92,6 +87,42 @@ void CheckDriven(const Robot& robot, Problems& problems) {
       problems.AddAt(name, error.what());
     }
   }
+}
+
+// The controllers that drive this arm to joint positions.
+std::string PositionControls(const Robot& robot, const std::string& arm) {
+  const mjModel* m = robot.scene().model();
+  bool servos = true;
+  for (const std::string& name : robot.group(arm).actuator_names())
+    servos &= IsPositionServo(m, FindId(m, mjOBJ_ACTUATOR, name));
+  return servos ? "joint_position, relative_joint_position or joint_impedance" : "joint_impedance";
+}
+
+// Of an arm that has one. Pose controllers go their own way to where a joint target puts the leaf.
+void CheckTakesJointPositions(const Robot& robot, const std::string& arm, Problems& problems) {
+  const Controller& controller = robot.controller(arm);
+  const TargetKind kind = controller.target_kind();
+  if (kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps) return;
+  problems.AddAt(
+      "control." + arm,
+      fmt::format("the scripted expert sends the arm joint positions, and '{}' takes {}; choose {} "
+                  "(an expert of your own may command other things)",
+                  controller.kind(), Describe(kind), PositionControls(robot, arm)));
+}
+
+}  // namespace
+
+void CheckConfig(const Robot& robot, Problems& problems) {
+  CheckReachField(robot, problems);
+  CheckGrippers(robot, problems);
+  CheckBaseSize(robot, problems);
+}
+
+void CheckDriven(const Robot& robot, Problems& problems) {
+  const size_t before = problems.list().size();
+  CheckHaveControllers(robot, problems);
+  if (problems.list().size() == before && HasArm(robot))
+    CheckTakesJointPositions(robot, robot.arm().name(), problems);
 }
 
 }  // namespace robocell

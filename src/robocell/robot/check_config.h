@@ -16,7 +16,8 @@ namespace robocell {
 void CheckConfig(const Robot& robot, Problems& problems);
 
 // Adds each arm and gripper that no controller can drive: motors, where a run sends joint positions
-// and openings. A run whose expert is its caller's own may bring its own controllers.
+// and openings; and the first arm when its controller takes something else than joint positions. A
+// run whose expert is its caller's own may bring its own controllers.
 void CheckDriven(const Robot& robot, Problems& problems);
 
 }  // namespace robocell

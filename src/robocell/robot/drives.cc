@@ -96,9 +96,10 @@ std::string HowToGet(const std::string& group, CtrlMode mode, CtrlMode native, O
   const bool torque = native == CtrlMode::kTorque;
   if (mode == CtrlMode::kPosition && origin == Origin::kConfigured) {
     return fmt::format(
-        "write `control: {{{}: {}}}`{} at the top level of the robot file, or give the model {}s",
-        group, torque ? "joint_torque" : "joint_velocity", torque ? " or joint_impedance" : "",
-        word);
+        "write `control: {{{}: joint_impedance}}` at the top level of the robot file, or {} there "
+        "to "
+        "command {}, or give the model {}s",
+        group, torque ? "joint_torque" : "joint_velocity", torque ? "torques" : "velocities", word);
   }
   if (mode == CtrlMode::kPosition) {
     return fmt::format("drive it in ctrl_mode {0} by jnt_{1}_cmd, or give the model {2}s",

@@ -257,8 +257,8 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
           "{}: actuator '{}' is no position servo of one of its joints{}, so it cannot be driven "
           "to "
           "a joint position; give the group another controller (for an arm of motors: `control: "
-          "{{{}: joint_torque}}` or joint_impedance at the top level of the robot file), or the "
-          "model a servo",
+          "{{{}: joint_impedance}}` at the top level of the robot file, or joint_torque there to "
+          "command torques), or the model a servo",
           place(), names_.actuators[i],
           driven_[i] < 0 ? "" : " but " + DescribeActuator(m, actuator_ids_[i]), names_.group));
     }

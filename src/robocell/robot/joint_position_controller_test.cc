@@ -106,8 +106,9 @@ TEST(JointPosition, NeedsServos) {
   }
   RobotConfig config = ArmConfig(folder.Write("motors", motors));
   const std::string why =
-      "'servo1' is a motor, no position servo: write `control: {arm: joint_torque}` or "
-      "joint_impedance at the top level of the robot file, or give the model position servos";
+      "'servo1' is a motor, no position servo: write `control: {arm: joint_impedance}` at the top "
+      "level of the robot file, or joint_torque there to command torques, or give the model "
+      "position servos";
   Robot robot = RobotAlone(config);
   robot.Update();
   ExpectThrow<NotFoundError>([&] { robot.controller("arm"); },

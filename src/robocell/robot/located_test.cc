@@ -82,8 +82,8 @@ TEST_F(LocatedRobot, AControllerThatTheArmCannotHave) {
       [&] { Make("move_groups:\n" + arm_ + "control: {arm: joint_position}\n"); },
       file_ +
           ":6:16: scene 'test' / robot 'arm' / group 'arm' cannot be driven to positions: 'servo1' "
-          "is a motor, no position servo: write `control: {arm: joint_torque}` or joint_impedance "
-          "at the top level of the robot file");
+          "is a motor, no position servo: write `control: {arm: joint_impedance}` at the top level "
+          "of the robot file");
 }
 
 }  // namespace

@@ -118,8 +118,9 @@ TEST_F(MotorArms, OfMotorsCannotBeSentToPositionsAndSayWhatTheyHave) {
       [&] { robot.arm().CtrlForJointPos(q, ctrl); },
       "actuator 'm1' is no position servo of one of its joints but a motor, so it cannot be driven "
       "to a joint position; give the group another controller (for an arm of motors: `control: "
-      "{arm: joint_torque}` or joint_impedance at the top level of the robot file), or the model a "
-      "servo");
+      "{arm: joint_impedance}` at the top level of the robot file, or joint_torque there to "
+      "command "
+      "torques), or the model a servo");
 }
 
 TEST_F(MotorArms, OfMotorsGetTheModesThatAreDeclared) {
@@ -278,14 +279,15 @@ TEST_F(MotorArms, OfAConfigurationNameTheFieldsToChange) {
   const std::string what = ExpectThrow<NotFoundError>(
       [&] { robot.controller("arm"); },
       "group 'arm' has no controller: 'm1' is a motor, no position "
-      "servo: write `control: {arm: joint_torque}` or "
-      "joint_impedance at the top level of the robot file, or give the model position servos");
+      "servo: write `control: {arm: joint_impedance}` at the top level of the robot file, or "
+      "joint_torque there to command torques, or give the model position servos");
   EXPECT_THAT(what, Not(HasSubstr("RobotSpec")));
   ExpectThrow<ArgumentError>(
       [&] { RobotAlone(Config(kVelocities, ControlKind::kJointPosition)); },
       "cannot be driven to positions: 'v1' is a velocity servo, no position servo: write "
-      "`control: {arm: joint_velocity}` at the top level of the robot file, or give the model "
-      "position servos");
+      "`control: {arm: joint_impedance}` at the top level of the robot file, or joint_velocity "
+      "there "
+      "to command velocities, or give the model position servos");
   ExpectThrow<ArgumentError>([&] { RobotAlone(Config("", ControlKind::kJointTorque)); },
                              "remove it there, or give the model motors or position servos");
   robot.set_ctrl_mode(CtrlMode::kTorque);
