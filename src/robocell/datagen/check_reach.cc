@@ -9,6 +9,14 @@
 #include "robocell/task/pick_sampler.h"
 
 namespace robocell {
+namespace {
+
+// As a text, to the millimetre: never more than it is, so that what is written there is accepted.
+std::string AtMost(double metres) {
+  return fmt::format("{:.3f}", std::floor(1000 * metres) / 1000);
+}
+
+}  // namespace
 
 void CheckReach(const RunConfig& run, const Robot& robot, Problems& problems) {
   const TaskConfig& task = run.task;
@@ -19,9 +27,9 @@ void CheckReach(const RunConfig& run, const Robot& robot, Problems& problems) {
                high = task.base_height_offset + task.base_height_noise[1] + up.z();
   const double height = low > 0 ? low : high < 0 ? -high : 0;  // the least there is
   const std::string reach = fmt::format(
-      "the robot reaches {:.2f} m from its base frame, of which "
+      "the robot reaches {} m from its base frame, of which "
       "{:.0f} % is used",
-      robot.reach(), 100 * PickTaskSampler::kReachShare);
+      AtMost(robot.reach()), 100 * PickTaskSampler::kReachShare);
   Problems::Scope scope(problems, "task");
   if (height > most) {
     problems.AddAt("base_height_offset",
@@ -41,17 +49,18 @@ void CheckReach(const RunConfig& run, const Robot& robot, Problems& problems) {
           "lift_height",
           fmt::format("{:g} m is more than the arm can lift: it reaches {:.2f} m from "
                       "its base frame, at most {:.2f} m above the object, and lifts "
-                      "{:.2f} m more than is asked for; give at most {:.2f}",
+                      "{:.2f} m more than is asked for; give at most {}",
                       task.lift_height, robot.reach(), std::max(top, 0.0), lift - task.lift_height,
-                      std::max(top - (lift - task.lift_height), 0.0)));
+                      AtMost(std::max(top - (lift - task.lift_height), 0.0))));
     }
   }
   const double farthest = std::sqrt(most * most - height * height) + up.head<2>().norm();
   if (task.base_distance[1] <= farthest) return;
-  problems.AddAt("base_distance",
-                 fmt::format("[{:g}, {:g}] m goes beyond {:.2f} m, from where the object is out of "
-                             "reach: {}; give [smallest, largest] within that",
-                             task.base_distance[0], task.base_distance[1], farthest, reach));
+  problems.AddAt(
+      "base_distance",
+      fmt::format("[{:g}, {:g}] m goes beyond {} m, from where the object is out of "
+                  "reach: {}; give [smallest, largest] within that",
+                  task.base_distance[0], task.base_distance[1], AtMost(farthest), reach));
 }
 
 }  // namespace robocell

@@ -75,11 +75,12 @@ class SceneCheck {
     CheckCameras(*scene);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
+    const bool placed = !demands_.scripted_expert || CheckBase();
     // What follows asks the controllers, and would say the same of them again.
     const bool driven = !demands_.scripted_expert || CheckControllers(*robot);
     if (driven) Try("robot", [&] { CheckColumns(*scene, *robot); });
     Try("robot", [&] { CheckRobot(*robot); });
-    if (demands_.scripted_expert && driven) CheckForExpert(*scene, *robot);
+    if (demands_.scripted_expert && driven && placed) CheckForExpert(*scene, *robot);
     if (demands_.scripted_expert) TellUnused(*robot);
     if (demands_.scripted_expert && problems_.empty()) Try("robot", [&] { TryAlone(); });
     if (demands_.on_this_machine && problems_.empty()) CheckStreamsHere(run_, *scene, problems_);
@@ -100,13 +101,13 @@ class SceneCheck {
     }
   }
 
-  // Every scene has to have a place for objects; all that have none are told.
+  // Every scene has to have a place for objects, and one that stays; all that have none are told.
   bool CheckSupports(const std::vector<SceneSpec>& bases) {
     bool good = true;
     std::set<std::string> checked;
     for (const SceneSpec& base : bases) {
       if (!checked.insert(base.base.value_or("")).second) continue;
-      good &= Try("scenes", [&] { FindSupport(base); });
+      good &= Try("scenes", [&] { RequireSteady(base, FindSupport(base)); });
     }
     return good;
   }
@@ -147,6 +148,31 @@ class SceneCheck {
   void CheckRobot(const Robot& robot) {
     Problems::Scope scope(problems_, "robot");
     CheckConfig(robot, problems_);
+  }
+
+  // Each episode puts the robot at another height; the scripted expert knows no other starts.
+  bool CheckBase() {
+    const auto why = [](BaseKind kind) {
+      switch (kind) {
+        case BaseKind::kFixed:
+          return "a fixed base cannot be moved";
+        case BaseKind::kPlanar:
+          return "a planar base moves in its plane only";
+        case BaseKind::kFree:
+          return "a free base falls from there";
+        case BaseKind::kMocap:
+          break;
+      }
+      return "";
+    };
+    const std::string no = why(run_.robot.config.base.kind);
+    if (no.empty()) return true;
+    Problems::Scope robot(problems_, "robot");
+    problems_.AddAt("base.kind", fmt::format("pick tasks put the robot where the object is in "
+                                             "reach, at heights of their own, and {}; give it "
+                                             "`base: {{kind: mocap}}`",
+                                             no));
+    return false;
   }
 
   // PickPlanner: an arm, a gripper that can be measured, a base that can be put where it reaches.
@@ -211,7 +237,6 @@ class SceneCheck {
 
   void CheckParts(const Scene& scene, Robot& robot) const {
     robot.arm();
-    robot.base().SetPose(robot.base().pose());
     if (!GripperShape::Supports(robot.gripper())) {
       throw SpecError(
           "the scripted expert needs a gripper with two fingers that actuators move; bring an "

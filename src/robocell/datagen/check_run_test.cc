@@ -1,8 +1,10 @@
 #include "robocell/datagen/check_run.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "robocell/base/error.h"
@@ -133,6 +135,28 @@ TEST(CheckRun, EverySceneNeedsATable) {
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "bare.xml': site 'table_top' needs a box geom");
 }
 
+TEST(CheckRun, ATableThatFallsIsTold) {
+  RunConfig run = Demo();
+  TempDir folder;
+  const auto table = [&](const std::string& name, double height) {
+    AtomicWrite(folder / name,
+                fmt::format("<mujoco><worldbody><geom type='plane' size='5 5 1'/><body name='desk' "
+                            "pos='0 0 {}'><freejoint/><geom type='box' size='.4 .4 .2'/><site "
+                            "name='table_top' pos='0 0 .2'/></body></worldbody></mujoco>",
+                            height));
+    run.scenes.files = {(folder / name).string()};
+  };
+  run.scenes.source = SceneSourceKind::kFiles;
+  table("stands.xml", 0.2);
+  EXPECT_NO_THROW(CheckRun(run));
+  table("falls.xml", 1);
+  const std::string text = ExpectThrow<SpecError>(
+      [&] { CheckRun(run); },
+      "site 'table_top' does not stay where objects are to be put: its body 'desk' has a joint, "
+      "and moves by 0.8");
+  EXPECT_THAT(text, HasSubstr("Take the joint out, or have the body stand on something"));
+}
+
 TEST(CheckRun, StreamsThatNoFileCanHoldAreToldWithoutAModel) {
   RunConfig run = Demo();
   run.cameras.streams[0].name = "left/wrist";
@@ -164,6 +188,12 @@ TEST(CheckRun, DistancesOutOfReachAreToldWithTheReach) {
   EXPECT_THAT(text, HasSubstr("of which 95 % is used"));
   EXPECT_NO_THROW(CheckRun(run, {.scripted_expert = false, .on_this_machine = false}))
       << "a sampler of the user's own may mean something else by it";
+  // What is told as the most there is, is accepted: it is not rounded up.
+  const size_t at = text.find("goes beyond ") + 12;
+  run.task.base_distance[1] = std::stod(text.substr(at));
+  EXPECT_NO_THROW(CheckRun(run)) << run.task.base_distance[1];
+  run.task.base_distance[1] += 0.001;
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "] m goes beyond " + text.substr(at, 5));
   run = Demo();
   run.task.base_height_offset = -25;
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.base_height_offset: -25 m puts the base");
@@ -190,15 +220,68 @@ TEST(CheckRun, AnArmThatDoesNotFollowIsTold) {
   EXPECT_THAT(CheckRun(run, {.scripted_expert = false}), IsEmpty());
 }
 
-// As `check` does, on a floor: in free fall no servo is too weak.
-TEST(CheckRun, AnArmOnAFreeBaseIsTriedUnderGravity) {
+TEST(CheckRun, AnArmThatItsWeightPullsDownIsTold) {
   RunConfig run = Demo();
-  run.robot.config.base.kind = BaseKind::kFree;
   run.robot.config.gravcomp = false;
   EXPECT_THAT(CheckRun(run), Not(Contains(HasSubstr("touch at home"))));
   run.robot.config.force_limit = 3;
   EXPECT_THAT(CheckRun(run), Contains(AllOf(HasSubstr("pushes with all it may, 3 N m"),
                                             HasSubstr("gravity asks for"))));
+}
+
+// A run file beside a robot file: rc7's with other lines.
+class CheckRobotFile : public ::testing::Test {
+ protected:
+  RunConfig WithRobot(const std::string& from, const std::string& to) {
+    std::string text = ReadFile(kRc7 + "/rc7.yaml");
+    for (const auto& [what, with] :
+         {std::pair{from, to}, {std::string("model: rc7.xml"), "model: " + kRc7 + "/rc7.xml"}}) {
+      EXPECT_NE(text.find(what), std::string::npos) << what;
+      text.replace(text.find(what), what.size(), with);
+    }
+    AtomicWrite(folder_ / "robot.yaml", text);
+    AtomicWrite(folder_ / "run.yaml", "run: r\nrobot: robot.yaml\noutput: out\n");
+    return RunConfig::Load((folder_ / "run.yaml").string());
+  }
+  // Where the text stands in the robot's file: "robot.yaml:7:15".
+  std::string PlaceOf(const std::string& text) const {
+    const std::string file = ReadFile((folder_ / "robot.yaml").string());
+    const size_t at = file.find(text), line = file.rfind('\n', at) + 1;
+    return fmt::format("robot.yaml:{}:{}: ", 1 + std::count(file.begin(), file.begin() + at, '\n'),
+                       at - line + 1);
+  }
+
+  const std::string kRc7 = std::string(ROBOCELL_SOURCE_DIR) + "/models/robots/rc7";
+  TempDir folder_;
+};
+
+TEST_F(CheckRobotFile, BasesThatCannotBePlacedAreToldWithTheirLine) {
+  for (const auto& [kind, why] : {std::pair{"fixed", "a fixed base cannot be moved"},
+                                  {"planar", "a planar base moves in its plane only"},
+                                  {"free", "a free base falls from there"}}) {
+    const RunConfig run = WithRobot("kind: mocap", fmt::format("kind: {}", kind));
+    const std::string text = ExpectThrow<SpecError>([&] { CheckRun(run); }, why);
+    EXPECT_THAT(text, AllOf(HasSubstr(PlaceOf(kind) + "robot.base.kind: pick tasks put the robot"),
+                            HasSubstr("give it `base: {kind: mocap}`")));
+  }
+}
+
+TEST_F(CheckRobotFile, ControllersThatTakeNoJointPositionsAreToldWithThoseThatDo) {
+  for (const auto& [control, takes] : {std::pair{"joint_torque", "joint torques"},
+                                       {"joint_velocity", "joint velocities"},
+                                       {"cartesian_pose", "a pose"},
+                                       {"cartesian_impedance", "a pose"}}) {
+    const RunConfig run = WithRobot("arm: joint_position", fmt::format("arm: {}", control));
+    ExpectThrow<SpecError>(
+        [&] { CheckRun(run); },
+        fmt::format("{}robot.control.arm: the scripted expert sends the arm joint positions, and "
+                    "'{}' takes {}; choose joint_position, relative_joint_position or "
+                    "joint_impedance (an expert of your own may command other things)",
+                    PlaceOf(control), control, takes));
+    EXPECT_NO_THROW(CheckRun(run, {.scripted_expert = false}));
+  }
+  for (const char* control : {"relative_joint_position", "joint_impedance"})
+    EXPECT_NO_THROW(CheckRun(WithRobot("arm: joint_position", fmt::format("arm: {}", control))));
 }
 
 TEST(CheckRun, AKindThatTheGripperCannotHoldIsTold) {

@@ -95,10 +95,19 @@ std::vector<std::string> Changes(const std::string& manifest, const RunInputs& i
   }
 }
 
+// Where a value was given; of a list the option of the command line that replaced one of its
+// numbers, if any did. "" for one that was not.
+std::string PlaceOf(const RunConfig& run, const std::string& field) {
+  for (int i = 0;; ++i) {
+    const auto number = run.locations.Exactly(fmt::format("{}[{}]", field, i));
+    if (!number) return run.locations.Exactly(field).value_or("");
+    if (number->starts_with("--set ")) return *number;
+  }
+}
+
 // "run.yaml:4:30: task.base_distance: ..." for a difference of a field that stands in the file.
 std::string InFile(const RunConfig& run, const std::string& difference) {
-  const std::string field = difference.substr(0, difference.find(": "));
-  return WithPlace(run.locations.Exactly(field).value_or(""), difference);
+  return WithPlace(PlaceOf(run, difference.substr(0, difference.find(": "))), difference);
 }
 
 // The folder of the dataset is where it says in the file.

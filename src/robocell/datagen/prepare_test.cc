@@ -18,6 +18,7 @@
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/data/verify.h"
 #include "robocell/datagen/run_inputs.h"
+#include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -127,6 +128,21 @@ TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
                               "now\nChange these back"));
   EXPECT_THAT(text, HasSubstr(run.output));
   EXPECT_THAT(text, Not(HasSubstr("base_height")));
+}
+
+TEST(PrepareDataset, NamesTheOptionThatReplacedANumberOfAList) {
+  TempDir folder;
+  const std::string file = std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml";
+  const auto with = [&](const std::string& option) {
+    return LoadYaml<RunConfig>(file, {"output=" + (folder / "out").string(), option});
+  };
+  const RunConfig run = with("seed=0");
+  PrepareDataset(run);
+  Occupy(run);
+  ExpectThrow<SpecError>([&] { PrepareDataset(with("robot.home.arm[1]=0.3")); },
+                         "\n  --set robot.home.arm[1]=0.3: robot.home.arm: [");
+  ExpectThrow<SpecError>([&] { PrepareDataset(with("task.base_distance=[0.2, 0.5]")); },
+                         "\n  --set task.base_distance=[0.2, 0.5]: task.base_distance: [");
 }
 
 TEST(PrepareDataset, LeavesOtherFoldersAlone) {

@@ -20,6 +20,8 @@ namespace {
 const std::string kSite = "table_top";
 constexpr double kLevel = 0.9998;     // cosine of one degree
 constexpr double kOnSurface = 0.005;  // metres between the site and the face it is on
+// A support that can move may so much, m, in so many seconds.
+constexpr double kSteady = 0.01, kSteadySeconds = 0.5;
 
 std::string Place(const SceneSpec& base) {
   return "scene '" + base.name + "'" + (base.base ? " from '" + *base.base + "'" : "");
@@ -115,6 +117,12 @@ class Face {
   double half_x_ = 0, half_y_ = 0, height_ = 0, thickness_ = 0, yaw_ = 0, alignment_ = 0;
 };
 
+// The name of the body with a joint, this one or one that carries it; "" for none.
+std::string MovedBody(const mjModel* m, int body) {
+  while (body > 0 && m->body_jntnum[body] == 0) body = m->body_parentid[body];
+  return body > 0 ? ElementName(m, mjOBJ_BODY, body) : "";
+}
+
 }  // namespace
 
 Support FindSupport(const SceneSpec& base) {
@@ -135,7 +143,24 @@ Support FindSupport(const SceneSpec& base) {
                     "that face, z up",
                     place, Describe(m, mjOBJ_GEOM, box), why));
   }
-  return {site_to_world * face.to_site(), face.half_x(), face.half_y(), face.thickness()};
+  return {site_to_world * face.to_site(), face.half_x(), face.half_y(), face.thickness(),
+          MovedBody(m, m->geom_bodyid[box])};
+}
+
+void RequireSteady(const SceneSpec& base, const Support& support) {
+  if (support.moved_body.empty()) return;
+  Scene scene = Scene::Build(base);
+  const std::string site = FindSite(scene, Place(base));
+  const Eigen::Vector3d before = scene.site_pose(site).translation();
+  const StepResult result = scene.StepN(static_cast<int>(kSteadySeconds / scene.timestep()));
+  const double way = (scene.site_pose(site).translation() - before).norm();
+  if (result.ok() && way <= kSteady) return;
+  throw SpecError(fmt::format(
+      "{}: site '{}' does not stay where objects are to be put: its body '{}' has a joint, and {}. "
+      "Take the joint out, or have the body stand on something",
+      Place(base), site, support.moved_body,
+      result.ok() ? fmt::format("moves by {:.3f} m in {:g} s", way, kSteadySeconds)
+                  : result.message));
 }
 
 }  // namespace robocell

@@ -4,6 +4,8 @@
 //   Pose on_top = support.frame_to_world * Pose(Eigen::Vector3d(x, y, 0));   // |x| < half_x ...
 #pragma once
 
+#include <string>
+
 #include "robocell/math/pose.h"
 #include "robocell/spec/scene_spec.h"
 
@@ -15,6 +17,7 @@ struct Support {
   Pose frame_to_world;
   double half_x = 0, half_y = 0;
   double thickness = 0;
+  std::string moved_body = {};  // the body with a joint that it moves with; "" for a fixed support
 };
 
 // The support of a base scene: the site `table_top` marks it (or the only one with that name behind
@@ -24,5 +27,9 @@ struct Support {
 // NotFoundError without a site, SpecError with several that could be meant, without a box or when
 // the site is not on the box's upper face or the face is not level.
 Support FindSupport(const SceneSpec& base);
+
+// SpecError when the support of this scene does not stay where it is: a table with a free joint
+// that stands on nothing takes along what is put on it.
+void RequireSteady(const SceneSpec& base, const Support& support);
 
 }  // namespace robocell
