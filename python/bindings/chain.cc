@@ -134,7 +134,7 @@ constexpr const char* kManipulability =
 
 void DefDynamics(nb::class_<Chain>& c) {
   c.def("mass_matrix", &MassMatrixOf, "q"_a, "out"_a = nb::none(), nb::sig(kMassMatrix),
-        "(n, n) joint-space inertia with armature.")
+        "(n, n) joint-space inertia with armature, that of fixed tendons included.")
       .def("gravity_torques", &GravityTorquesOf, "q"_a,
            "gravity"_a = nb::make_tuple(0.0, 0.0, -9.81), "out"_a = nb::none(),
            nb::sig("def gravity_torques(self, q: object, gravity: numpy.typing.ArrayLike = (0.0, "

@@ -193,7 +193,7 @@ void DefDynamics(nb::class_<Kinematics>& c) {
           "q"_a, "out"_a = nb::none(),
           nb::sig("def mass_matrix(self, q: object, out: numpy.typing.NDArray[numpy.float64] | "
                   "None = None) -> numpy.typing.NDArray[numpy.float64]"),
-          "(n, n) joint-space inertia with armature.")
+          "(n, n) joint-space inertia with armature, that of fixed tendons included.")
       .def(
           "coriolis_torques",
           [](const Kinematics& k, nb::handle q, nb::handle qd, nb::handle out) {

@@ -43,6 +43,7 @@ Chain::Chain(const mjModel* model, std::string_view base_body, const ChainTip& t
         BuiltChain built = BuildChain(model, parts.base_body, parts.tip, options);
         parts.model = built.model;
         parts.joints = std::move(built.joints);
+        parts.couplings = std::move(built.couplings);
         return parts;
       }()) {}
 

@@ -37,6 +37,7 @@
 #include <vector>
 
 #include "robocell/kinematics/chain_model.h"
+#include "robocell/kinematics/joint_coupling.h"
 #include "robocell/kinematics/joint_vector.h"
 #include "robocell/math/pose.h"
 #include "robocell/mujoco/forward.h"
@@ -118,7 +119,8 @@ class Chain {
   // compensation is never done twice.
   void GravityTorques(std::span<const double> q, const Eigen::Vector3d& gravity_in_base,
                       std::span<double> out) const;
-  // n x n joint-space inertia with armature, base held still.
+  // n x n joint-space inertia with armature, that of fixed tendons included, base held still. That
+  // of spatial tendons, which changes with the pose, is left out.
   void MassMatrix(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> out) const;
   // The part of the torques that comes from moving at `qd` (Coriolis and centrifugal), N m or N.
   void CoriolisTorques(std::span<const double> q, std::span<const double> qd,
@@ -139,6 +141,8 @@ class Chain {
   // The folded numbers, for solvers.
   const ChainModel& model() const { return parts_->model; }
   const LinkTable& links() const { return *links_; }
+  // What their inertia, and model(), say nothing of.
+  std::span<const JointCoupling> couplings() const { return parts_->couplings; }
   const LaneChain& lanes() const;
   // What somebody keeps with this chain, all copies alike: its form in another library, which lives
   // as long as one of them. Null until it is set; not for several threads at once.
@@ -153,6 +157,7 @@ class Chain {
   struct Parts {
     ChainModel model;
     std::vector<ChainJoint> joints;
+    std::vector<JointCoupling> couplings{};
     std::string base_body;
     ChainTip tip;
     std::shared_ptr<const LinkTable> links{};

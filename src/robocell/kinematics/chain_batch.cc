@@ -114,6 +114,13 @@ void MassMatrixBatch(const Chain& chain, std::span<const double> q, std::span<do
   const auto n = static_cast<size_t>(chain.n_joints());
   const BatchRows batch(chain, masses, n * n);
   Run(chain, PosePart::kMass, {.count = batch.count(), .q = batch.Joints("q", q)}, masses);
+  for (const JointCoupling& c : chain.couplings()) {
+    const auto first = static_cast<size_t>(c.first), second = static_cast<size_t>(c.second);
+    for (double* mass = masses.data(); mass < masses.data() + masses.size(); mass += n * n) {
+      mass[first * n + second] += c.inertia;
+      mass[second * n + first] += c.inertia;
+    }
+  }
 }
 
 void CoriolisTorquesBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
@@ -133,14 +140,22 @@ void ManipulabilityBatch(const Chain& chain, std::span<const double> q, std::spa
 void InverseDynamicsBatch(const Chain& chain, std::span<const double> q, std::span<const double> qd,
                           std::span<const double> qdd, std::span<const double> gravity_in_base,
                           std::span<double> torques) {
-  const BatchRows batch(chain, torques, static_cast<size_t>(chain.n_joints()));
-  Run(chain, PosePart::kMotion,
-      {.count = batch.count(),
-       .q = batch.Joints("q", q),
-       .qd = batch.Joints("qd", qd),
-       .qdd = batch.Joints("qdd", qdd),
-       .gravity = batch.Gravity(gravity_in_base)},
-      torques);
+  const auto n = static_cast<size_t>(chain.n_joints());
+  const BatchRows batch(chain, torques, n);
+  const PoseQuery query{.count = batch.count(),
+                        .q = batch.Joints("q", q),
+                        .qd = batch.Joints("qd", qd),
+                        .qdd = batch.Joints("qdd", qdd),
+                        .gravity = batch.Gravity(gravity_in_base)};
+  Run(chain, PosePart::kMotion, query, torques);
+  for (const JointCoupling& c : chain.couplings()) {
+    for (size_t row = 0; row < batch.count(); ++row) {
+      const double* change = query.qdd.data + row * query.qdd.stride;
+      double* torque = torques.data() + row * n;
+      torque[c.first] += c.inertia * change[c.second];
+      torque[c.second] += c.inertia * change[c.first];
+    }
+  }
 }
 
 }  // namespace robocell

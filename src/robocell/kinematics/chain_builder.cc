@@ -34,8 +34,12 @@ std::string JointName(const mjModel* m, int joint) {
 
 Eigen::Vector3d Vector(const mjtNum* v) { return {v[0], v[1], v[2]}; }
 
+// Whatever length somebody gave it in the model: the engine does not mind either.
 Eigen::Matrix3d Rotation(const mjtNum* engine_quat) {
-  return MatrixFromQuaternion(QuaternionFromWxyz(engine_quat));
+  mjtNum unit[4];
+  mju_copy4(unit, engine_quat);
+  mju_normalize4(unit);
+  return MatrixFromQuaternion(QuaternionFromWxyz(unit));
 }
 
 Transform Frame(const mjtNum* position, const mjtNum* engine_quat) {
@@ -66,6 +70,45 @@ double Armature(const mjModel* m, int joint) {
     sum += gear * gear * m->actuator_armature[a];
   }
   return sum;
+}
+
+// What rotors add to the inertia of a tendon: its own, and those of actuators that pull it.
+double TendonArmature(const mjModel* m, int tendon) {
+  double sum = m->tendon_armature[tendon];
+  for (int a = 0; a < m->nactuator; ++a) {
+    if (m->actuator_trntype[a] != mjTRN_TENDON || m->actuator_trnid[2 * a] != tendon) continue;
+    const double gear = m->actuator_gear[6 * m->actuator_outadr[a]];
+    sum += gear * gear * m->actuator_armature[a];
+  }
+  return sum;
+}
+
+// How a fixed tendon's length changes with each joint of the chain; others stand still.
+std::vector<double> TendonCoefficients(const mjModel* m, int tendon, const BuiltChain& chain) {
+  std::vector<double> coefficients(chain.joints.size());
+  const int first = m->tendon_adr[tendon];
+  for (int w = first; w < first + m->tendon_num[tendon]; ++w) {
+    if (m->wrap_type[w] != mjWRAP_JOINT) continue;  // a spatial one's changes with the pose
+    for (size_t i = 0; i < coefficients.size(); ++i) {
+      if (chain.joints[i].id == m->wrap_objid[w]) coefficients[i] += m->wrap_prm[w];
+    }
+  }
+  return coefficients;
+}
+
+void AddTendons(const mjModel* m, BuiltChain* chain) {
+  for (int tendon = 0; tendon < m->ntendon; ++tendon) {
+    const double armature = TendonArmature(m, tendon);
+    if (armature == 0) continue;
+    const std::vector<double> coefficients = TendonCoefficients(m, tendon, *chain);
+    for (int i = 0; i < chain->model.n; ++i) {
+      chain->model.joints[i].armature += armature * coefficients[i] * coefficients[i];
+      for (int k = i + 1; k < chain->model.n; ++k) {
+        const double inertia = armature * coefficients[i] * coefficients[k];
+        if (inertia != 0) chain->couplings.push_back({i, k, inertia});
+      }
+    }
+  }
 }
 
 bool IsScalar(const mjModel* m, int joint) {
@@ -322,6 +365,7 @@ BuiltChain BuildChain(const mjModel* m, std::string_view base_body, const ChainT
   Builder builder(m, place);
   BuiltChain chain = builder.Build(base, tip_body, tip_in_body);
   MeasureLength(&chain.model);
+  AddTendons(m, &chain);
   const std::vector<int> link_of_body = builder.LinkOfBodies();
   CheckTool(m, options, chain, link_of_body, place);
   AddInertias(m, link_of_body, options.qpos.empty() ? m->qpos0 : options.qpos.data(), &chain);

@@ -13,6 +13,7 @@ namespace robocell {
 struct BuiltChain {
   ChainModel model;
   std::vector<ChainJoint> joints;
+  std::vector<JointCoupling> couplings;
 };
 
 // Names in full, without the options' prefix.

@@ -59,6 +59,10 @@ void Chain::MassMatrix(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> ou
   for (int j = 0; j < n_joints(); ++j) {
     for (int i = 0; i < n_joints(); ++i) out(i, j) = answer.mass[j][i];
   }
+  for (const JointCoupling& c : couplings()) {
+    out(c.first, c.second) += c.inertia;
+    out(c.second, c.first) += c.inertia;
+  }
 }
 
 void Chain::CoriolisTorques(std::span<const double> q, std::span<const double> qd,
@@ -79,6 +83,10 @@ void Chain::InverseDynamics(std::span<const double> q, std::span<const double> q
       .q = q.data(), .qd = qd.data(), .qdd = qdd.data(), .gravity = gravity_in_base.data()};
   ComputeLinks(*links_, LinkPart::kMotion, query, &answer);
   CopyTorques(answer, out);
+  for (const JointCoupling& c : couplings()) {
+    out[c.first] += c.inertia * qdd[c.second];
+    out[c.second] += c.inertia * qdd[c.first];
+  }
 }
 
 }  // namespace robocell

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "robocell/kinematics/chain.h"
+#include "robocell/kinematics/chain_batch.h"
 #include "robocell/kinematics/testing/engine_says.h"
 #include "robocell/testing/instruction_sets.h"
 
@@ -83,6 +84,64 @@ TEST(ChainDynamics, RotorsOfActuatorsCountBehindTheirGears) {
     EXPECT_NEAR(chain.model().joints[1].armature, 0.3, 1e-12);
     ExpectMassMatrixOfTheEngine(t, chain);
     ExpectInverseDynamicsOfTheEngine(t, chain, &rng);
+  }
+}
+
+// Side branches stand still, so that a tendon to one of them is a rotor of the joint in the chain.
+constexpr const char* kTendons =
+    R"(<mujoco><compiler angle="radian"/><worldbody><body name="base">
+      <geom size=".1"/><body><joint name="a" axis="0 1 0" armature=".1"/><geom size=".1" pos=".3 0 0"/>
+      <body pos=".5 0 0"><joint name="b" axis="0 1 0"/><geom size=".1" pos=".2 0 0"/>
+      <body pos=".1 0 0"><joint name="side" axis="1 0 0"/><geom size=".1"/></body>
+      <body pos=".2 0 0"><joint name="c" type="slide" axis="1 0 0"/><geom size=".1" pos=".2 0 0"/>
+      <site name="tip" pos=".4 0 0"/></body></body></body></body></worldbody>
+      <tendon><fixed name="all" armature="3"><joint joint="a" coef="1"/><joint joint="b" coef="-2"/>
+      <joint joint="c" coef=".5"/></fixed>
+      <fixed name="pulled"><joint joint="b" coef="1.5"/><joint joint="c" coef="1"/></fixed>
+      <fixed name="beside" armature=".7"><joint joint="side" coef="1"/><joint joint="a" coef="2"/>
+      </fixed></tendon>
+      <actuator><motor tendon="pulled" armature=".2" gear="3"/></actuator></mujoco>)";
+
+TEST(ChainDynamics, RotorsBehindFixedTendonsCoupleTheJoints) {
+  TestModel t = TestModel::FromXml(kTendons);
+  Rng rng = Rng::Stream(5, "tendons");
+  for (int k = 0; k < 10; ++k) {
+    t.Randomise(&rng);
+    const Chain chain = ChainAsItStands(t, "base", ChainTip::Site("tip"));
+    ASSERT_EQ(chain.couplings().size(), 4u);
+    ExpectGravityOfTheEngine(t, chain);
+    ExpectMassMatrixOfTheEngine(t, chain);
+    ExpectInverseDynamicsOfTheEngine(t, chain, &rng);
+  }
+}
+
+TEST(ChainDynamics, RotorsBehindFixedTendonsAreInBatchesToo) {
+  const TestModel t = TestModel::FromXml(kTendons);
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  constexpr int kRows = 5, n = 3;
+  Rng rng = Rng::Stream(6, "tendons");
+  std::vector<double> q(kRows * n), qd(kRows * n), qdd(kRows * n), torques(kRows * n),
+      masses(kRows * n * n);
+  for (auto* values : {&q, &qd, &qdd}) {
+    for (double& value : *values) value = rng.Normal();
+  }
+  const Vector3d gravity(1, 2, -9);
+  const std::span<const double> g(gravity.data(), 3);
+  MassMatrixBatch(chain, q, masses);
+  for (const bool one : {false, true}) {  // acceleration for all rows
+    const std::span<const double> change = std::span(qdd).first(one ? n : kRows * n);
+    InverseDynamicsBatch(chain, q, qd, change, g, torques);
+    for (int row = 0; row < kRows; ++row) {
+      const auto of = [&](std::span<const double> values) {
+        return values.subspan(values.size() > n ? row * n : 0, n);
+      };
+      VectorXd single(n);
+      chain.InverseDynamics(of(q), of(qd), of(change), gravity, {single.data(), n});
+      for (int i = 0; i < n; ++i) EXPECT_NEAR(of(torques)[i], single[i], 1e-10) << row;
+      MatrixXd mass(n, n);
+      chain.MassMatrix(of(q), mass);
+      EXPECT_LT((Eigen::Map<const MatrixXd>(&masses[row * n * n], n, n) - mass).norm(), 1e-10);
+    }
   }
 }
 
