@@ -305,7 +305,8 @@ void DefStepping(nb::class_<Scene>& c) {
            "n engine steps; ends early when the state diverges, and at Ctrl-C. ArgumentError for "
            "a negative n.")
       .def("forward", &Scene::Forward, Unlocked(),
-           "Recompute what follows from qpos, qvel and ctrl. Call it after writing to `data`.")
+           "Recompute what follows from qpos, qvel and ctrl. Call it after writing to `data`, and "
+           "after writing to `model` for poses and `robot.chain` to have it.")
       .def("reset", &Reset, nb::arg("options") = nb::none(), nb::kw_only(),
            nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
            nb::arg("seed") = nb::none(), nb::arg("body_poses") = nb::none(),
@@ -452,7 +453,7 @@ void DefSharing(nb::class_<Scene>& c) {
   c.def_prop_ro(
        "model", [](const Scene& s) { return ModelOf(*s.compiled()); },
        nb::sig("def model(self, /) -> mujoco.MjModel"),
-       "The mujoco.MjModel that is simulated, no copy.")
+       "The mujoco.MjModel that is simulated, no copy. After writing to it call forward().")
       .def_prop_ro(
           "data", &DataOf, nb::sig("def data(self, /) -> mujoco.MjData"),
           "The mujoco.MjData that is simulated, no copy. One that you keep after the scene "

@@ -497,3 +497,30 @@ def test_groups_and_controllers_that_were_replaced_are_released():
     del lamp
     gc.collect()
     assert [ref() is not None for ref in alive] == [False] * 19 + [True]
+
+
+class TestWrittenModel:
+    def test_what_is_written_to_the_model_is_in_the_chain_after_forward_or_a_reset(self, scene):
+        robot = scene.robot("a")
+        dofs = [scene.model.joint(name).dofadr[0] for name in robot.joint_names]
+        last = scene.model.jnt_bodyid[scene.model.joint(robot.joint_names[-1]).id]
+        for announce in (scene.forward, scene.reset):
+            before = robot.gravity_torques()
+            scene.model.body_mass[last] += 2
+            announce()
+            needed = (scene.data.qfrc_bias - scene.data.qfrc_gravcomp)[dofs]
+            np.testing.assert_allclose(robot.gravity_torques(), needed, atol=1e-9)
+            assert not np.allclose(before, needed)
+
+    def test_limits_that_are_written_to_the_model_hold_for_commands_and_kinematics(self, scene):
+        robot = scene.robot("a")
+        joint = scene.model.joint(robot.joint_names[1])
+        lower, upper = joint.range
+        joint.range[1] = upper - 0.5
+        scene.forward()
+        assert list(robot.chain.joint_limits[1]) == [lower, upper - 0.5]
+        target = robot.jnt_pos_msr.copy()
+        target[1] = upper
+        robot.jnt_pos_cmd = target
+        robot.update()
+        assert robot.arm.ctrl[1] == upper - 0.5

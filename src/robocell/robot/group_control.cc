@@ -54,6 +54,7 @@ void ControlledGroup::RemakeChain(const mjModel* model, std::span<const double> 
     }
   }
   chain.emplace(std::move(made));
+  source_ = ChainSource(model, *chain);
   refreshed_ = !qpos.empty();
 }
 

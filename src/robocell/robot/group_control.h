@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "robocell/kinematics/chain_source.h"
 #include "robocell/robot/arm_ports.h"
 #include "robocell/robot/group_factory.h"
 
@@ -29,6 +30,8 @@ class ControlledGroup {
 
   // Reads the chain anew, with what hangs on it at `qpos` or, without, at the reference.
   void RemakeChain(const mjModel* model, std::span<const double> qpos = {});
+  // Whether the model was written to since the chain was read from it.
+  bool is_stale(const mjModel* model) const { return source_.IsStale(model); }
   bool refreshed() const { return refreshed_; }  // the chain is not that of the reference
   // Names the actuators; "" for those of a group that shares no control.
   const std::string& control_key() const { return control_key_; }
@@ -42,6 +45,7 @@ class ControlledGroup {
  private:
   std::string root_body_, tool_body_;
   std::string control_key_;
+  ChainSource source_;  // of `chain`
   bool refreshed_ = false;
   std::vector<std::shared_ptr<void>> companions_;  // of chains that were, see Chain::companion()
 };

@@ -193,16 +193,23 @@ void GroupCore::SetCtrl(std::span<const double> ctrl) const {
 
 std::vector<Interval> GroupCore::joint_pos_limits() const {
   Bind();
+  std::vector<Interval> limits(qpos_addresses_.size());
+  GetJointPosLimits(limits);
+  return limits;
+}
+
+void GroupCore::GetJointPosLimits(std::span<Interval> out) const {
+  Bind();
+  CheckSize(out.size(), nq(), "joint");
   const mjModel* m = model();
-  std::vector<Interval> limits;
+  Interval* limits = out.data();
   for (const int id : joint_ids_) {
     const int count = PositionsOf(m->jnt_type[id]);
     const bool limited = m->jnt_limited[id] && count == 1;
     const mjtNum* range = m->jnt_range + 2 * id;
-    limits.insert(limits.end(), count,
-                  limited ? Interval{range[0], range[1]} : Interval{-kInfinity, kInfinity});
+    limits = std::fill_n(limits, count,
+                         limited ? Interval{range[0], range[1]} : Interval{-kInfinity, kInfinity});
   }
-  return limits;
 }
 
 std::vector<Interval> GroupCore::ctrl_limits() const {

@@ -77,6 +77,7 @@ class GroupCore {
   void SetCtrl(std::span<const double> ctrl) const;
 
   std::vector<Interval> joint_pos_limits() const;
+  void GetJointPosLimits(std::span<Interval> out) const;
   std::vector<Interval> ctrl_limits() const;
   void NoopCtrl(std::span<double> out) const;
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const;

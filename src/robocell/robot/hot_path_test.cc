@@ -37,6 +37,14 @@ TEST(HotPath, OfTheBuiltInRobotAllocatesNothing) {
   ExpectNoAllocation(robot);
 }
 
+// Which looks for what was written to the model.
+TEST(HotPath, OfForwardAllocatesNothing) {
+  const Robot robot = RobotAlone(Rc7());
+  const AllocationCount count;
+  for (int i = 0; i < 10; ++i) robot.scene().Forward();
+  EXPECT_EQ(count.allocations(), 0);
+}
+
 TEST(HotPath, OfEveryControlModeAllocatesNothing) {
   RobotSpec spec{.name = "rc7", .config = Rc7()};
   spec.control_modes = std::vector{CtrlMode::kVelocity, CtrlMode::kTorque};

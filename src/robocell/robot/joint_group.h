@@ -14,9 +14,11 @@
 
 namespace robocell {
 
-// What such groups say of the controls that they made; see GroupCore.
+// What such groups say of their limits and of the controls that they made; see GroupCore.
 class ServoGroup {
  public:
+  // joint_pos_limits(), without allocation.
+  virtual void GetJointPosLimits(std::span<Interval> out) const = 0;
   virtual std::optional<CutCtrl> FindCutCtrl(std::span<const double> q,
                                              std::span<const double> ctrl, size_t from) const = 0;
 
@@ -50,6 +52,7 @@ class JointGroupOf : public Interface, public ServoGroup {
   void SetJointVel(std::span<const double> v) override { core_.SetJointVel(v); }
   void SetCtrl(std::span<const double> ctrl) override { core_.SetCtrl(ctrl); }
   std::vector<Interval> joint_pos_limits() const override { return core_.joint_pos_limits(); }
+  void GetJointPosLimits(std::span<Interval> out) const override { core_.GetJointPosLimits(out); }
   std::vector<Interval> ctrl_limits() const override { return core_.ctrl_limits(); }
   void NoopCtrl(std::span<double> out) const override { core_.NoopCtrl(out); }
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const override {

@@ -47,8 +47,8 @@ class JointPositionController : public Controller {
   PortValues target_;
   std::vector<double> held_;  // the target without a command
   bool commanded_ = false;
-  std::vector<double> within_;  // the target inside the limits, scratch
-  std::vector<Interval> limits_;
+  std::vector<double> within_;    // the target inside the limits, scratch
+  std::vector<Interval> limits_;  // of servos those of the last Compute(), else of the last reset
   BeyondLimits beyond_;
 };
 

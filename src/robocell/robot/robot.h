@@ -165,7 +165,8 @@ class Robot {
   // `call_forward` poses are updated when they are asked for, and all else by the next step.
   void SetJointPos(std::span<const double> q, bool call_forward = true);
 
-  // Kinematics of the arm: from the root body (robot base frame) to the TCP.
+  // Kinematics of the arm: from the root body (robot base frame) to the TCP. Made anew by a reset
+  // or Scene::Forward() that finds the model written to; a copy stays what it is.
   const Chain& chain() const;
   const Chain& chain(const std::string& group) const;  // of another arm
   Pose FkFrame() const;                                // TCP in the robot base frame, present state

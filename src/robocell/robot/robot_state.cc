@@ -68,10 +68,9 @@ void Robot::State::ThrowClosed() const {
 
 void Robot::State::OnReset() {
   if (!lost.empty()) return;
-  const auto refreshed = [](const auto& slot) {
-    return slot->own->refreshed() || (slot->control->of && slot->control->of->refreshed());
-  };
-  if (std::any_of(slots.begin(), slots.end(), refreshed)) RemakeChains();
+  ForChains([this](ControlledGroup& group) {
+    if (group.refreshed() || group.is_stale(scene.model())) group.RemakeChain(scene.model());
+  });
   for (FtReading& reading : ft_sensors) reading.tare = {};
   std::exception_ptr failed;
   ForControlled([&](GroupControl& control) {
@@ -91,6 +90,15 @@ void Robot::State::OnResetDone() {
   if (lost.empty()) ReadPorts();
 }
 
+// As they were read: at the reference, or as refreshed.
+void Robot::State::OnForward() {
+  if (!lost.empty()) return;
+  ForChains([this](ControlledGroup& group) {
+    if (!group.is_stale(scene.model())) return;
+    group.RemakeChain(scene.model(), group.refreshed() ? positions() : std::span<const double>());
+  });
+}
+
 // A robot made of an object's bodies is lost when that object is removed, until one with the same
 // names is there again.
 void Robot::State::OnRebuild() {
@@ -98,7 +106,7 @@ void Robot::State::OnRebuild() {
   try {
     FindBodies();
     FindFtSensors();
-    RemakeChains();
+    ForChains([this](ControlledGroup& group) { group.RemakeChain(scene.model()); });
     ReadPorts();
   } catch (const NotFoundError& error) {
     lost = error.what();
@@ -116,20 +124,25 @@ void Robot::State::ThrowLost() const {
 }
 
 void Robot::State::RefreshChains() {
-  RemakeChains({scene.data()->qpos, static_cast<size_t>(scene.model()->nq)});
+  ForChains([this](ControlledGroup& group) { group.RemakeChain(scene.model(), positions()); });
 }
 
-void Robot::State::RemakeChains(std::span<const double> qpos) {
+template <class Visit>
+void Robot::State::ForChains(Visit&& visit) {
   for (const auto& slot : slots) {
-    slot->own->RemakeChain(scene.model(), qpos);
+    visit(*slot->own);
     GroupControl& control = *slot->control;
     if (!control.controller || control.of == slot->own) continue;
     try {
-      control.of->RemakeChain(scene.model(), qpos);
+      visit(*control.of);
     } catch (const NotFoundError&) {  // its robot is gone, or lost its tool
       PutInstead(*slot, PortController(control.controller->mode()));
     }
   }
+}
+
+std::span<const double> Robot::State::positions() const {
+  return {scene.data()->qpos, static_cast<size_t>(scene.model()->nq)};
 }
 
 void Robot::State::FindBodies() {

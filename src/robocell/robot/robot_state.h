@@ -33,6 +33,7 @@ class Robot::State : public SceneObserver {
 
   void OnReset() override;
   void OnResetDone() override;
+  void OnForward() override;
   void OnRebuild() override;
   // ClosedError after the scene was closed.
   void RequireOpen() const {
@@ -144,7 +145,11 @@ class Robot::State : public SceneObserver {
   // A controller of the slot's group in the place of one of the same mode, driven to the same.
   void PutInstead(GroupSlot& slot, const std::string& controller);
   // Anew from the model, with what hangs on them at `qpos` or, without, at the reference.
-  void RemakeChains(std::span<const double> qpos = {});
+  // Calls `visit` with each group whose chain is asked: the slots' own, and those that drive their
+  // actuators.
+  template <class Visit>
+  void ForChains(Visit&& visit);
+  std::span<const double> positions() const;  // of the whole model
   void FindBodies();
   void FindCollisionGeoms();
   void FindFtSensors();

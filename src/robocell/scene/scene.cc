@@ -67,6 +67,9 @@ void Scene::Forward() {
   robocell::Forward(s.model(), s.data.data, s.context);
   s.half.ContactsAreSolved();
   s.poses_at = s.data.data->time;
+  for (size_t i = 0; i < s.observers.size(); ++i) {  // no copy, which would be an allocation
+    if (const auto observer = s.observers[i].observer.lock()) observer->OnForward();
+  }
 }
 
 void Scene::SyncPoses() const {

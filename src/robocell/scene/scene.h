@@ -72,6 +72,9 @@ class SceneObserver {
   virtual void OnReset() {}  // after the reset hook; poses agree with qpos
   // After the Forward() that ends a reset: forces and sensors agree with the state too.
   virtual void OnResetDone() {}
+  // After each Forward(), that of a reset too: the time to look for what somebody wrote into the
+  // model. It is called often, and adds no observers.
+  virtual void OnForward() {}
   // After objects were added or removed: model and data are new, look names up again. What it
   // throws undoes the change; those that were told already are told of the old model again.
   virtual void OnRebuild() {}
@@ -112,7 +115,8 @@ class Scene {
   double timestep() const;
   StepResult Step() { return StepN(1); }
   StepResult StepN(int n);
-  // Recomputes everything that follows from qpos, qvel and ctrl.
+  // Recomputes everything that follows from qpos, qvel and ctrl, and from what was written to the
+  // model: robots' chains too.
   void Forward();
 
   // An engine step leaves poses (xpos, site_xpos, cameras) one step behind qpos.

@@ -1,0 +1,45 @@
+// ChainSource: the numbers of a model that a chain was read from, to tell whether they were written
+// to since: masses, where bodies, joints and sites are, limits, armature.
+//
+//   const Chain chain(model, "base", tip);
+//   const ChainSource source(model, chain);
+//   model->body_mass[hand] *= 2;
+//   if (source.IsStale(model)) ... make the chain anew
+//
+// It knows nothing of what a chain may not survive: names and the tree, which a compiled model
+// keeps. Asking compares what the chain moves, 160 bytes a body; no allocation.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "robocell/kinematics/chain.h"
+#include "robocell/mujoco/forward.h"
+
+namespace robocell {
+
+class ChainSource {
+ public:
+  ChainSource() = default;  // of none, which is never stale
+  ChainSource(const mjModel* model, const Chain& chain);
+
+  // Whether the chain, read anew, may be another. False for any other model.
+  bool IsStale(const mjModel* model) const;
+
+ private:
+  // Calls `visit(values, bytes)` with each part of the model that is read, until it returns false.
+  template <class Visit>
+  bool VisitParts(const mjModel* model, Visit&& visit) const;
+
+  const mjModel* model_ = nullptr;
+  // What the first joint moves stands in a row in the model: its bodies, their joints, and so on.
+  struct Range {
+    int first = 0, count = 0;
+  };
+  std::vector<int> fixed_;  // bodies before that
+  Range bodies_, joints_, dofs_, positions_;
+  int site_ = -1;  // the tip, if it is one
+  std::vector<std::byte> numbers_;
+};
+
+}  // namespace robocell
