@@ -65,6 +65,7 @@ class PlanarBase : public JointGroupOf<BaseGroup> {
                       "{:.4g} m above it and tilted by {:.4g} rad",
                       core().place(), at.z(), std::hypot(rpy[0], rpy[1])));
     }
+    SetJointVel(std::array{0.0, 0.0, 0.0});
     SetJointPos(std::array{at.x(), at.y(), rpy[2]});
   }
   bool is_mobile() const override { return true; }

@@ -89,6 +89,19 @@ TEST(PlanarBase, DrivesInItsPlaneOnly) {
   EXPECT_EQ(base.pose(), before);
 }
 
+TEST(AnyMovableBase, IsAtRestWhereItIsPut) {
+  for (const BaseKind kind : {BaseKind::kPlanar, BaseKind::kFree}) {
+    Robot robot = OnBase({.kind = kind, .size = Vec3{0.4, 0.4, 0.3}});
+    BaseGroup& base = robot.base();
+    base.SetJointVel(std::vector<double>(base.nv(), 0.5));
+    Pose aside = base.pose();
+    aside = Pose(Eigen::Vector3d(1, 0, 0)) * aside;
+    base.SetPose(aside);
+    EXPECT_EQ(base.joint_vel(), std::vector<double>(base.nv(), 0.0)) << ToString(kind);
+    EXPECT_TRUE(base.pose().is_close(aside, 1e-9, 1e-9)) << ToString(kind);
+  }
+}
+
 TEST(PlanarBase, ThatIsConfiguredNeedsThreeJoints) {
   RobotConfig config = Rc7();
   config.base = {.kind = BaseKind::kPlanar};

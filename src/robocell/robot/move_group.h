@@ -119,7 +119,8 @@ class BaseGroup : public MoveGroup {
  public:
   // Of the pedestal's bottom, of the mocap, free or planar body, or else of the robot's root.
   virtual Pose pose() const = 0;
-  // An ArgumentError for a fixed base, and for a pose outside a planar base's plane.
+  // Moves the base there and stops it. An ArgumentError for a fixed base, and for a pose outside a
+  // planar base's plane.
   virtual void SetPose(const Pose& pose_in_world) = 0;
   // Whether it can drive, or fly, by itself: free and planar bases.
   virtual bool is_mobile() const = 0;
