@@ -7,6 +7,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/robot/arrival.h"
 
 namespace robocell {
 namespace {
@@ -42,17 +43,6 @@ void RequireJointPositions(const EnvConfig& config, const Robot& robot) {
       "joint_position}}`, joint_impedance or relative_joint_position at the top level of the robot "
       "file, or leave it out",
       config.name, robot.name(), controller.kind(), Describe(kind), robot.arm().name()));
-}
-
-// Of each joint, rad or m.
-std::vector<double> ArrivalTolerances(const Robot& robot) {
-  std::vector<double> tolerances;
-  for (const ChainJoint& joint : robot.chain().joints()) {
-    tolerances.push_back(joint.type == ChainJointType::kSlide
-                             ? robot.config().slide_arrival_tolerance()
-                             : robot.config().arrival_tolerance);
-  }
-  return tolerances;
 }
 
 std::vector<bool> TurnFreely(const Robot& robot) {
@@ -106,7 +96,7 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       limit_(config.step_limit()),
       binary_gripper_(config.wrappers.binary_gripper),
       robot_(std::move(robot)),
-      tolerances_(ArrivalTolerances(robot_)),
+      tolerances_(ArrivalTolerances(robot_, robot_.arm().name())),
       pos_(tolerances_.size()),
       vel_(tolerances_.size()),
       gripper_(RobotWithGripper(config, robot_)),
@@ -243,8 +233,8 @@ bool ArmDriver::HasArrived(double time) {
   // Not the ports, which are of before the tick: in the first of a step nothing would move yet.
   robot_.arm().GetJointPos(pos_);
   robot_.arm().GetJointVel(vel_);
-  for (size_t i = 0; i < wanted.size(); ++i) {
-    if (std::abs(pos_[i] - wanted[i]) > tolerances_[i]) return false;
+  if (!AreWithin(pos_, wanted, tolerances_)) return false;
+  for (size_t i = 0; i < vel_.size(); ++i) {
     if (std::abs(vel_[i]) * kSettling > tolerances_[i]) return false;
   }
   return !gripper_ || GripperIsStill(time);

@@ -14,6 +14,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/arm_group.h"
+#include "robocell/robot/arrival.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/idle_actuators.h"
 #include "robocell/scene/actuator_kind.h"
@@ -56,6 +57,7 @@ class ArmTrial {
         doubts_(doubts) {
     for (const std::string& name : arm.joint_names())
       joints_.push_back(FindId(model(), mjOBJ_JOINT, name));
+    tolerances_ = ArrivalTolerances(robot, arm.name());
   }
 
   void Run() {
@@ -70,10 +72,6 @@ class ArmTrial {
   const RobotConfig& config() const { return robot_.config(); }
   std::string Field() const { return "move_groups." + arm_.name(); }
   bool IsSlide(size_t i) const { return *Unit(i) == 'm'; }
-  // Within which it has arrived, rad or m.
-  double Tolerance(size_t i) const {
-    return IsSlide(i) ? config().slide_arrival_tolerance() : config().arrival_tolerance;
-  }
   const char* Unit(size_t i) const {
     return model()->jnt_type[joints_[i]] == mjJNT_SLIDE ? "m" : "rad";
   }
@@ -110,7 +108,7 @@ class ArmTrial {
     const std::vector<double> now = arm_.joint_pos();
     for (size_t i = 0; i < home_.size(); ++i) {
       const double drift = std::abs(now[i] - home_[i]);
-      if (drift <= Tolerance(i)) continue;
+      if (drift <= tolerances_[i]) continue;
       slides = slides || IsSlide(i);
       misses.push_back({JointName(i), fmt::format("drifts by {:.3g} {}", drift, Unit(i)), drift,
                         Why(i, home_[i], touching_[i])});
@@ -164,7 +162,7 @@ class ArmTrial {
   std::optional<Miss> TryStep(size_t i, double step) {
     scene_.Reset();
     const double size = std::abs(step);
-    const double enough = std::max(std::min(Tolerance(i), size / 2), kShareMissing * size);
+    const double enough = std::max(std::min(tolerances_[i], size / 2), kShareMissing * size);
     std::vector<double> q = home_, now = home_;
     const int steps = static_cast<int>(std::ceil(kFollowSeconds / scene_.timestep()));
     for (int k = 0; k < steps; ++k) {
@@ -328,7 +326,7 @@ class ArmTrial {
     if (gravity >= kExplains * off * stiffness) {
       cause.why +=
           fmt::format(", and gravity pulls with {:.3g} {} at home ({:g} would do)", gravity,
-                      ForceUnit(i), Rounded(2 * std::max(stiffness, gravity / Tolerance(i))));
+                      ForceUnit(i), Rounded(2 * std::max(stiffness, gravity / tolerances_[i])));
       if (!compensated()) cause.remedy = "Set `gravcomp: true` or ";
     } else if (damping > kSlow * stiffness &&
                damping * std::abs(data()->qvel[dof]) >= kExplains * off * stiffness) {
@@ -364,6 +362,7 @@ class ArmTrial {
   bool beside_warnings_;
   Problems& doubts_;
   std::vector<int> joints_;
+  std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
   std::vector<double> home_;
   std::vector<std::string> touching_;
   std::string diverged_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/robot/arrival.h"
 #include "robocell/task/geom_extent.h"
 #include "robocell/task/servo_jump.h"
 
@@ -14,6 +15,7 @@ constexpr double kReopenSeconds = 0.4;  // after a failure: the object may fall
 constexpr double kMostOpenSeconds = 1.0;
 constexpr double kSettleSeconds = 0.1;      // after a motion ...
 constexpr double kMostSettleSeconds = 0.5;  // ... and while the arm is still on its way
+constexpr double kNearlyArrived = 2;        // arrival tolerances
 constexpr double kCloseSeconds = 0.5;       // weak servos take this long to build up their force
 constexpr double kMostCloseSeconds = 1.0;
 // Of the distance between the fingers while they close, m/s. A contact as MuJoCo has it by default
@@ -61,6 +63,7 @@ void PickPlanner::Begin(const Scene& scene, Rng& rng) {
   shape_ = GripperShape::Of(robot_->config(), sim_, scene.timestep());
   planning_ = std::make_unique<PlanningScene>(
       scene, *robot_, scene.compiled()->object(target_object_).root_body, shape_);
+  arrival_tolerances_ = ArrivalTolerances(*robot_, robot_->arm().name());
   home_ = JointVector(std::span<const double>(robot_->arm().joint_pos()));
   target_ = JointVector(robot_->controller(robot_->arm().name()).commanded_joint_pos());
   plan_.reset();
@@ -256,8 +259,7 @@ double PickPlanner::Lag() const {
 }
 
 bool PickPlanner::Arrived() const {
-  const JointVector q{std::span<const double>(robot_->arm().joint_pos())};
-  return JointDistance(q, target_) < 2 * robot_->config().arrival_tolerance;
+  return AreWithin(robot_->arm().joint_pos(), target_, arrival_tolerances_, kNearlyArrived);
 }
 
 double PickPlanner::Gap() const { return robot_->gripper().inter_finger_dist(); }

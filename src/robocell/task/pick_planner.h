@@ -83,6 +83,7 @@ class PickPlanner : public Expert {
   std::unique_ptr<PlanningScene> planning_;
   std::optional<PickPlan> plan_;
   JointVector home_, target_;  // target_: of the arm, as commanded
+  std::vector<double> arrival_tolerances_;
   double opening_ = 1;
   std::optional<TimedPath> path_;
   JointVector retreat_;       // where to back off to; empty: stay
