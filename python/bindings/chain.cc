@@ -10,6 +10,7 @@
 #include "ik_calls.h"
 #include "ik_wishes.h"
 #include "kinematics.h"
+#include "signals.h"
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik.h"
@@ -75,7 +76,8 @@ IkResult IkOf(const Chain& chain, const PoseOrFrame& target, nb::handle seed, do
   options.max_iterations = max_iterations;
   const Pose pose = target.get();
   const nb::gil_scoped_release release;
-  return Ik(chain, pose, options);
+  SignalPoll poll;
+  return Ik(chain, pose, options, [&] { poll(); });
 }
 
 nb::object IkBatchOf(const Chain& chain, nb::handle targets, nb::handle seeds, double tolerance,

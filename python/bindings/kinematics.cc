@@ -15,6 +15,7 @@
 #include "ik_calls.h"
 #include "ik_wishes.h"
 #include "scene_cycles.h"
+#include "signals.h"
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
@@ -47,6 +48,11 @@ IkOptions OptionsFor(const Robot& robot, nb::handle seed,
   return options;
 }
 
+// Where no seed is given, the arm's own position is one.
+void StartAtTheArm(const Robot& robot, IkOptions* options) {
+  if (options->seed.empty()) options->seed = JointVector(robot.arm().joint_pos());
+}
+
 // The chain as it is now, for work without Python's lock: another thread may reset the scene or add
 // objects meanwhile, which makes the robot's anew.
 Chain SteadyChain(const Robot& robot) { return robot.chain(); }
@@ -65,11 +71,12 @@ IkResult SolveIk(const Self& self, const PoseOrFrame& target, nb::handle seed,
   options.position_only = position_only;
   options.max_restarts = max_restarts;
   options.max_iterations = max_iterations;
-  if (options.seed.empty()) options.seed = JointVector(robot.arm().joint_pos());
+  StartAtTheArm(robot, &options);
   const Pose pose = target.get();
   const Chain chain = SteadyChain(robot);
   const nb::gil_scoped_release release;
-  return Ik(chain, pose, options);
+  SignalPoll poll;
+  return Ik(chain, pose, options, [&] { poll(); });
 }
 
 nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
@@ -79,7 +86,7 @@ nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle s
                     nb::handle filter) {
   IkOptions options = OptionsFor(k.robot, seed, locked_groups,
                                  {position_weights, rotation_weights, axis, cone, prefer, filter});
-  if (options.seed.empty()) options.seed = JointVector(k.robot.arm().joint_pos());
+  StartAtTheArm(k.robot, &options);
   options.tolerance = tolerance;
   options.position_only = position_only;
   options.max_restarts = RestartsOf(starts);

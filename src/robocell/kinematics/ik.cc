@@ -12,14 +12,15 @@
 namespace robocell {
 namespace {
 
-IkResult ChooseOne(const Chain& chain, const Transform& target, const IkOptions& options) {
+IkResult ChooseOne(const Chain& chain, const Transform& target, const IkOptions& options,
+                   const std::function<void()>& poll) {
   const LaneQuestion question{.target = target, .seed = options.seed};
   std::array<IkChoice::Search, IkChoice::kSearches> searches;
   IkResult answer;
   IkChoice choice(chain, options, {&question, 1}, searches, {&answer, 1});
   const std::atomic<bool> ended = false;
   do {
-    choice.Run(0, 1, ended);
+    choice.Run(0, 1, ended, poll);
   } while (choice.Choose());
   return answer;
 }
@@ -91,12 +92,13 @@ void CheckIkOptions(const Chain& chain, const IkOptions& options) {
   CheckCount("max_iterations", options.max_iterations);
 }
 
-IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& options) {
+IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& options,
+            const std::function<void()>& poll) {
   CheckIkTarget(tip_in_base, "target");
   CheckIkOptions(chain, options);
   const Transform target = ToTransform(tip_in_base);
-  return IsChosen(options) ? ChooseOne(chain, target, options)
-                           : SearchInLanes(chain, target, options);
+  return IsChosen(options) ? ChooseOne(chain, target, options, poll)
+                           : SearchInLanes(chain, target, options, poll);
 }
 
 }  // namespace robocell

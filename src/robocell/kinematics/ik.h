@@ -98,7 +98,10 @@ struct IkResult {
 // Locks the named joints; NotFoundError lists the chain's.
 LockedJoints LockJoints(const Chain& chain, std::span<const std::string> names);
 
-IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& options = {});
+// `poll` is called now and then where many starts are needed; what it throws ends the search and
+// comes out of it.
+IkResult Ik(const Chain& chain, const Pose& tip_in_base, const IkOptions& options = {},
+            const std::function<void()>& poll = {});
 
 // What Ik refuses with ArgumentError, for callers that check many questions before the work. `name`
 // begins the message.

@@ -9,15 +9,13 @@
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_choice.h"
+#include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/lane_solver.h"
 #include "robocell/kinematics/on_threads.h"
 
 namespace robocell {
 namespace {
-
-// Questions between two polls of a thread.
-constexpr int kPollEvery = 64;
 
 // Questions that a thread takes at a time: neighbours, so that threads hardly ever write to the
 // same line of memory, and few, so that none waits long for the last.
@@ -124,7 +122,7 @@ class Batch {
     Share(Batch* batch, const std::function<void()>& poll) : batch_(*batch), poll_(poll) {}
 
     bool Next(LaneQuestion* question) override {
-      if (poll_ && ++asked_ % kPollEvery == 1) poll_();
+      PollNowAndThen();
       if (next_ == end_) TakeMore();
       if (next_ == end_ || batch_.ended_) return false;
       *question = {next_, batch_.targets_[next_], batch_.SeedOf(next_)};
@@ -132,8 +130,15 @@ class Batch {
       return true;
     }
     void Take(int number, const IkResult& answer) override { batch_.Keep(number, answer); }
+    bool GoesOn() override {
+      PollNowAndThen();
+      return !batch_.ended_;
+    }
 
    private:
+    void PollNowAndThen() {
+      if (poll_ && ++asked_ % kPollEvery == 1) poll_();
+    }
     void TakeMore() {
       const int64_t first = batch_.taken_.fetch_add(kTakenTogether, std::memory_order_relaxed);
       const int64_t size = batch_.out_.size;
@@ -142,7 +147,8 @@ class Batch {
     }
 
     Batch& batch_;
-    int next_ = 0, end_ = 0, asked_ = 0;
+    int next_ = 0, end_ = 0;
+    unsigned asked_ = 0;
     const std::function<void()>& poll_;
   };
 
@@ -165,7 +171,10 @@ class Batch {
                       std::span(searches).first(std::size_t(count) * IkChoice::kSearches), answers);
       do {
         if (options_.poll) options_.poll();
-        OnThreads(threads, [&](int t) { choice.Run(t, threads, ended_); });
+        OnThreads(threads, [&](int t) {
+          const Ending ending{ended_};
+          choice.Run(t, threads, ended_, t == 0 ? options_.poll : kNoPoll);
+        });
       } while (choice.Choose());
       for (int k = 0; k < count; ++k) Keep(first + k, answers[k]);
     }

@@ -106,6 +106,31 @@ TEST_F(IkBatchTest, EndsWithTheExceptionOfItsPoll) {
   }
 }
 
+// Where position errors count less than they are no target is too far: each takes all starts.
+TEST_F(IkBatchTest, OneHardQuestionEndsWithTheExceptionOfItsPoll) {
+  const IkOptions hard{.position_weights = {0.5, 0.5, 0.5}, .max_restarts = 1'000'000'000};
+  const Pose far(Eigen::Vector3d(0, 0, 50));
+  for (const bool filtered : {false, true}) {
+    IkOptions ik = hard;
+    if (filtered) ik.filter = [](std::span<const double>, int, std::span<uint8_t>) {};
+    const auto interrupted = [&](const auto& ask) {
+      int polls = 0;
+      const std::function<void()> poll = [&] {
+        if (++polls == 3) throw Error("interrupted");
+      };
+      ExpectThrow<Error>([&] { ask(poll); }, "interrupted");
+      EXPECT_EQ(polls, 3);
+    };
+    interrupted([&](const auto& poll) { Ik(chain_, far, ik, poll); });
+    for (const int threads : {1, 3}) {
+      const std::vector<Pose> targets(200, far);
+      interrupted([&](const auto& poll) {
+        IkBatch(chain_, targets, {}, {.ik = ik, .threads = threads, .poll = poll});
+      });
+    }
+  }
+}
+
 TEST_F(IkBatchTest, AnswersNothingToNothing) {
   const IkBatchResult result = IkBatch(chain_, {});
   EXPECT_EQ(result.size, 0);

@@ -28,8 +28,9 @@ bool IsChosen(const IkOptions& options) {
 // One thread's share of the open searches: those of every so-manieth question.
 class IkChoice::Queue : public LaneQueue {
  public:
-  Queue(IkChoice* choice, int first, int stride, const std::atomic<bool>& ended)
-      : choice_(*choice), question_(first), stride_(stride), ended_(ended) {}
+  Queue(IkChoice* choice, int first, int stride, const std::atomic<bool>& ended,
+        const std::function<void()>& poll)
+      : choice_(*choice), question_(first), stride_(stride), ended_(ended), poll_(poll) {}
 
   bool Next(LaneQuestion* question) override {
     const int count = static_cast<int>(choice_.questions_.size());
@@ -50,6 +51,10 @@ class IkChoice::Queue : public LaneQueue {
     }
     return false;
   }
+  bool GoesOn() override {
+    if (poll_ && ++starts_ % kPollEvery == 0) poll_();
+    return !ended_;
+  }
   void TakeUnmoved(int number, const IkResult& answer) override {
     Search& search = choice_.searches_[number];
     search.unmoved = answer;
@@ -68,6 +73,8 @@ class IkChoice::Queue : public LaneQueue {
   IkChoice& choice_;
   int question_, stride_, way_ = 0;
   const std::atomic<bool>& ended_;
+  const std::function<void()>& poll_;
+  unsigned starts_ = 0;
 };
 
 IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
@@ -119,8 +126,9 @@ void IkChoice::Open(int question, int searches) {
   }
 }
 
-void IkChoice::Run(int first, int stride, const std::atomic<bool>& ended) {
-  Queue queue(this, first, stride, ended);
+void IkChoice::Run(int first, int stride, const std::atomic<bool>& ended,
+                   const std::function<void()>& poll) {
+  Queue queue(this, first, stride, ended, poll);
   SolveLanes(chain_, options_, &queue);
 }
 

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <span>
 
 #include "robocell/kinematics/filter_call.h"
@@ -39,8 +40,9 @@ class IkChoice {
            std::span<Search> searches, std::span<IkResult> answers);
 
   // Runs the open searches of every `stride`-th question from `first` on, until `ended`; several
-  // threads may do so.
-  void Run(int first, int stride, const std::atomic<bool>& ended);
+  // threads may do so. `poll` may be empty; it is called now and then.
+  void Run(int first, int stride, const std::atomic<bool>& ended,
+           const std::function<void()>& poll);
   // Filters and chooses, when all have run. False when every question has its answer.
   bool Choose();
 

@@ -10,6 +10,8 @@
 namespace robocell {
 
 inline constexpr double kTurn = 2 * std::numbers::pi;  // rad
+// Questions, and starts, between two polls of a thread.
+inline constexpr unsigned kPollEvery = 64;
 
 // The seed, or the middle of the limits without one; inside the limits but for locked joints.
 JointVector SeedOf(const ChainModel& chain, std::span<const double> seed,

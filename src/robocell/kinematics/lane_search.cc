@@ -5,6 +5,7 @@
 #include <bit>
 #include <cstdint>
 
+#include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/lane_starts.h"
 
 namespace robocell {
@@ -17,9 +18,11 @@ constexpr int kStepsAlone = 8;
 
 class LaneSearch {
  public:
-  LaneSearch(const Chain& chain, const Transform& target, const IkOptions& options)
+  LaneSearch(const Chain& chain, const Transform& target, const IkOptions& options,
+             const std::function<void()>& poll)
       : work_(chain, options),
         target_(target),
+        poll_(poll),
         starts_(work_, target, options.seed),
         seed_searches_(!options.seed.empty()) {}
 
@@ -106,6 +109,7 @@ class LaneSearch {
   void GiveUp(int lane) {
     if (number_[lane] == 0) seed_searches_ = false;
     if (answer_.success) return;
+    if (poll_ && starts_.begun() % static_cast<int>(kPollEvery) == 0) poll_();
     if (joined_) return Begin(lane);
     busy_ = 0;
     Join();
@@ -121,6 +125,7 @@ class LaneSearch {
 
   LaneWork work_;
   const Transform& target_;
+  const std::function<void()>& poll_;
   LaneStarts starts_;
   int64_t starts_left_ = 1;  // until others join
   int steps_ = 0;
@@ -135,8 +140,9 @@ class LaneSearch {
 
 }  // namespace
 
-IkResult SearchInLanes(const Chain& chain, const Transform& tip_in_base, const IkOptions& options) {
-  return LaneSearch(chain, tip_in_base, options).Run();
+IkResult SearchInLanes(const Chain& chain, const Transform& tip_in_base, const IkOptions& options,
+                       const std::function<void()>& poll) {
+  return LaneSearch(chain, tip_in_base, options, poll).Run();
 }
 
 }  // namespace robocell

@@ -12,7 +12,8 @@
 namespace robocell {
 
 // options.prefer and options.filter have no meaning here. iterations: steps, each of all lanes at
-// once.
-IkResult SearchInLanes(const Chain& chain, const Transform& tip_in_base, const IkOptions& options);
+// once. `poll` may be empty; it is called every so many starts.
+IkResult SearchInLanes(const Chain& chain, const Transform& tip_in_base, const IkOptions& options,
+                       const std::function<void()>& poll);
 
 }  // namespace robocell

@@ -87,7 +87,7 @@ class LaneSolver {
 
   void StartAgain(int k) {
     Lane& lane = lanes_[k];
-    if (lane.restarts_left-- == 0) {
+    if (lane.restarts_left-- == 0 || !queue_.GoesOn()) {
       const JointVector best = work_.Best(k, lane.starts.seed());
       return Answer(k, work_.Judge(lane.question.target, best));
     }

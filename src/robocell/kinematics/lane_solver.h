@@ -31,6 +31,8 @@ class LaneQueue {
   // False when there are no more.
   virtual bool Next(LaneQuestion* question) = 0;
   virtual void Take(int number, const IkResult& answer) = 0;
+  // Asked before a search starts again; false when no more answers are wanted.
+  virtual bool GoesOn() { return true; }
   // Before Take, where joints to spare were moved: the solution before that.
   virtual void TakeUnmoved(int /*number*/, const IkResult& /*answer*/) {}
 };
