@@ -152,7 +152,7 @@ class Arm:
     def judge(self, answers: Array) -> tuple[float, float]:
         """Shares of answers to the first targets that reach them, and that do so in the limits."""
         reached = np.array([self.is_reached(b, q) for b, q in enumerate(answers)])
-        low, high = self.limits.T
+        low, high = np.array(self.robot.joint_limits).T
         inside = ((answers >= low - 1e-9) & (answers <= high + 1e-9)).all(axis=1)
         return float(reached.mean()), float((reached & inside).mean())
 
