@@ -10,6 +10,7 @@
 
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/kinematics/ik_solutions.h"
+#include "robocell/kinematics/ik_task.h"
 #include "robocell/kinematics/manipulability.h"
 #include "robocell/kinematics/testing/ik_judge.h"
 #include "robocell/testing/decompositions.h"
@@ -518,6 +519,11 @@ TEST(IkSolutionsOfThreeLinks, AreNotTheSameOnesATurnOn) {
       EXPECT_GT(apart, 0.3);
     }
   }
+}
+
+TEST(IkMoreOptions, AnAxisMayHaveAnyLength) {
+  for (const double length : {1e-8, 1.0, 1e155, 1e300})
+    EXPECT_NEAR(IkTask({.axis = length * Vector3d::UnitY()}).axis.y(), 1, 1e-15) << length;
 }
 
 TEST(IkMoreOptions, MakeSense) {

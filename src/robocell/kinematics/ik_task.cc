@@ -68,7 +68,7 @@ IkTask::IkTask(const IkOptions& options) : plain(IsPlain(options)), cone(options
     angular.setZero();
   } else if (options.axis) {
     swing = true;
-    axis = options.axis->normalized();
+    axis = options.axis->stableNormalized();  // squares may be too large
     angular = RowsAcross(axis);
   } else if (CountZeros(options.rotation_weights) == 1) {
     swing = true;
