@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <vector>
 
@@ -93,6 +94,15 @@ std::string WithoutComments(std::string xml) {
   return xml;
 }
 
+// Attributes whose text is a name, which may be "nan".
+bool IsName(const std::string& attribute) {
+  static const std::set<std::string> kNames = {
+      "name",   "class",  "childclass", "model",   "body",   "body1",    "body2",   "joint",
+      "joint1", "joint2", "geom",       "geom1",   "geom2",  "site",     "site1",   "site2",
+      "mesh",   "target", "material",   "texture", "tendon", "actuator", "objname", "refname"};
+  return kNames.contains(attribute);
+}
+
 // Whether a text is a list of numbers, not all of them numbers.
 bool HasNan(const std::string& text) {
   bool found = false;
@@ -116,7 +126,7 @@ std::string NanProblem(const std::string& file) {
   const std::string next =
       "Correct it there, or leave the attribute out to have what MuJoCo takes without it";
   for (std::sregex_iterator at(xml.begin(), xml.end(), attribute), end; at != end; ++at) {
-    if (!HasNan((*at)[2])) continue;
+    if (IsName((*at)[1]) || !HasNan((*at)[2])) continue;
     const auto line = 1 + std::count(xml.begin(), xml.begin() + at->position(), '\n');
     return fmt::format("{}{}=\"{}\" is no number. {}", Place(file, std::to_string(line)),
                        (*at)[1].str(), (*at)[2].str(), next);
