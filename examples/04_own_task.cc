@@ -97,7 +97,8 @@ class Pusher : public rc::Expert {
          {{"arm", rc::GroupCommand::LeafPose(goal_)}, {"gripper", rc::GroupCommand::Opening(0)}}}};
   }
   bool done() const override { return at_ == path_.size(); }
-  std::string failure() const override { return "the cube was not pushed far enough"; }
+  // It never gives up; whether the cube was pushed far enough is the task's to say.
+  std::string failure() const override { return ""; }
   int phase() const override { return std::min(static_cast<int>(at_), 2); }
   std::vector<std::string> phase_names() const override { return {"over", "behind", "push"}; }
 

@@ -88,7 +88,7 @@ class Pusher(rc.Expert):
         return self.at == len(self.path)
 
     def failure(self) -> str:
-        return "the cube was not pushed far enough"
+        return ""  # it never gives up; whether the cube was pushed far enough is the task's to say
 
     def phase(self) -> int:
         return min(self.at, 2)

@@ -35,6 +35,13 @@ class Wait(rc.Task):
         return ["cube"]
 
 
+class Patient(Idle):
+    """Does nothing either, and does not call that a failure."""
+
+    def failure(self) -> str:
+        return ""
+
+
 class Waiting(rc.TaskSampler):
     """The robot beside a cube; refuses the first attempts."""
 
@@ -67,7 +74,7 @@ def runner(run: rc.RunConfig, samplers: list[Waiting], refused: int = 0) -> rc.R
         samplers.append(Waiting(run, refused))
         return samplers[-1]
 
-    return rc.Runner(run, expert=lambda run, start: Idle(3), sampler=sampler)
+    return rc.Runner(run, expert=lambda run, start: Patient(3), sampler=sampler)
 
 
 def test_a_sampler_and_a_task_in_python_make_episodes(tmp_path: Path):
@@ -84,7 +91,7 @@ def test_a_sampler_and_a_task_in_python_make_episodes(tmp_path: Path):
     assert episode.metadata["task"] == "custom"
     assert episode.metadata["target_object"] == "cube"
     assert episode["objects/cube/pose"][0, 0] == pytest.approx(asked[2][3], abs=1e-9)
-    assert episode["reward"][-1] == pytest.approx(3 * 0.066, abs=1e-9)
+    assert episode["reward"][-1] == pytest.approx(3 * run.rates.policy_ms / 1000, abs=1e-9)
     assert not episode["success"][0]
     assert episode["success"][-1]
 

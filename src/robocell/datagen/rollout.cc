@@ -16,6 +16,7 @@
 #include "robocell/env/stepper.h"
 #include "robocell/mujoco/warnings.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/task/pick_task.h"
 
 namespace robocell {
 namespace {
@@ -121,10 +122,12 @@ std::string Metadata(const RunConfig& run, const EpisodeStart& start, const Port
 
 // Why a rollout that ended without success did so. Commands that could not be followed say more
 // than the time that ran out over them.
-std::string WhyFailed(const RolloutResult& result, const Expert& expert, bool truncated) {
+std::string WhyFailed(const RolloutResult& result, const Task& task, const Expert& expert,
+                      bool truncated) {
   if (!expert.failure().empty() && !truncated) return expert.failure();
   if (!result.ik_failures.empty()) return "no IK solution for " + result.ik_failures.begin()->first;
-  return truncated ? "timeout" : "not lifted";
+  if (truncated) return "timeout";
+  return dynamic_cast<const PickTask*>(&task) ? "not lifted" : "the task was not done";
 }
 
 // Also for the log: a failure that is not kept leaves no record.
@@ -181,7 +184,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                           .ik_failed = ik_failed});
   }
   if (!result.success && result.failure.empty())
-    result.failure = WhyFailed(result, expert, truncated);
+    result.failure = WhyFailed(result, *start.task, expert, truncated);
   if (!result.success && !options.keep_failures) return result;
   if (options.before_commit) options.before_commit();
   recording.Commit({.success = result.success,

@@ -115,6 +115,16 @@ TEST_F(RolloutTest, WhatItsExpertCallsAFailureIsNoSuccess) {
   EXPECT_THAT(episode.Read<uint8_t>("success"), ElementsAre(1, 1, 1, 0));
 }
 
+TEST_F(RolloutTest, ATaskThatWasNotDoneIsAFailureWithoutAWordOfItsExpert) {
+  class Demanding : public Content {
+   public:
+    bool Success(const Scene&) override { return false; }
+  };
+  start->task = std::make_shared<Demanding>();
+  Commanding expert(Robot::Of(start->scene, "rc7").FkFrame(), 4);
+  EXPECT_EQ(Rollout(expert).failure, "the task was not done");
+}
+
 // Adds an object in the middle of an episode.
 class Adding : public Commanding {
  public:
