@@ -26,7 +26,7 @@ class Wait(rc.Task):
         return scene.time() - self.began
 
     def success(self, scene: rc.Scene) -> bool:
-        return self.reward(scene) >= 0.15
+        return self.reward(scene) >= 0.5
 
     def instruction(self) -> str:
         return "wait"
