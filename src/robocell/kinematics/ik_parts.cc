@@ -46,6 +46,19 @@ Transform TipAt(const Chain& chain, const JointVector& q) {
   return tip;
 }
 
+// How many whole turns bring a hinge nearest to the seed without leaving the limits.
+double TurnsTowards(double seed, double q, const JointModel& joint) {
+  double turns = std::round((seed - q) / kTurn);
+  const auto is_inside = [&] {
+    const double moved = q + turns * kTurn;
+    return moved >= joint.lower && moved <= joint.upper;
+  };
+  if (turns == 0 || is_inside()) return turns;
+  const double one = std::copysign(1, turns);
+  turns = std::trunc(((turns > 0 ? joint.upper : joint.lower) - q) / kTurn);
+  return turns == 0 || is_inside() ? turns : turns - one;  // rounding
+}
+
 }  // namespace
 
 JointVector SeedOf(const ChainModel& chain, std::span<const double> seed,
@@ -84,10 +97,8 @@ void UnwindTowards(const ChainModel& chain, const JointVector& seed, const Locke
     if (std::abs(seed[i] - (*q)[i]) < kLessThanHalfATurn) continue;
     const JointModel& joint = chain.joints[i];
     if (joint.slide || locked[i]) continue;
-    const double turns = std::round((seed[i] - (*q)[i]) / kTurn);
-    if (turns == 0 || std::abs(turns) > kMostTurns) continue;
-    const double moved = (*q)[i] + turns * kTurn;
-    if (moved >= joint.lower && moved <= joint.upper) (*q)[i] = moved;
+    const double turns = TurnsTowards(seed[i], (*q)[i], joint);
+    if (std::abs(turns) <= kMostTurns) (*q)[i] += turns * kTurn;
   }
 }
 
