@@ -67,7 +67,7 @@ class LaneStarts {
 
   // The table is asked for a start near the pose for the first time.
   void AimOnce(const LaneWork& work) {
-    if (!near_) near_.emplace(Near{.aim = StartTable::At(*tip_, work.position_only())});
+    if (!near_) near_.emplace(Near{.aim = work.AimOfStarts(*tip_)});
   }
 
   // The table's entry with this place in the order of nearness; false when there is none.
@@ -77,7 +77,8 @@ class LaneStarts {
     AimOnce(*work);
     for (; known_ <= entry; ++known_) {
       StartTable::Place place = known_ > 0 ? near_->places[known_ - 1] : StartTable::Place();
-      if (!table->Next(near_->aim, &place)) return false;
+      const std::span tried = std::span(near_->places).first(known_);
+      if (!table->Next(near_->aim, &place, tried)) return false;
       near_->places[known_] = place;
     }
     work->Put(lane, table->Values(near_->places[entry]));

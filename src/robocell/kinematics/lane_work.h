@@ -18,7 +18,6 @@ class LaneWork {
   const ChainModel& chain() const { return chain_; }
   const IkOptions& options() const { return options_; }
   const IkPreference& preference() const { return preference_; }
-  bool position_only() const { return task_.position_only; }
   // Whether arrived lanes have joints to spare that go somewhere.
   bool settles() const { return preference_.any() && free_joints_ > task_.rows; }
 
@@ -62,6 +61,10 @@ class LaneWork {
   bool IsHopeless(int lane, int start, int age) const;
   // Starts that the table has for a target; null when it has none, as it knows no locked joints.
   const StartTable* table() const;
+  // What these are to be near to: of the target what is asked for.
+  StartTable::Aim AimOfStarts(const Transform& tip_in_base) const {
+    return StartTable::At(tip_in_base, task_.position_only, task_.swing ? &task_.axis : nullptr);
+  }
   // How often a search may start again.
   int RestartsFor(const Transform& tip_in_base) const;
 

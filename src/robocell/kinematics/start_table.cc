@@ -14,17 +14,23 @@ namespace {
 // More are nearer and save steps, but what is read to rank them comes from farther memory.
 constexpr int kEntries = 4096;
 constexpr int kCellsAlongTheLongestSide = 8;
-// Solutions found from near a limit end up pressed on it more often than others.
+// Solutions found from near a limit end up pressed on it more often than others. A chain of few
+// joints reaches a pose in one way or two: what its starts leave out, as a wedge behind the base,
+// is not found from elsewhere.
 constexpr double kPartOfTheRange = 0.8;
+constexpr int kFewJoints = 5;
 // A cell with fewer entries has no choice to offer.
 constexpr int kFewestEntries = 8;
 // This part of the chain's length is as far as one radian.
 constexpr double kLengthPerRadian = 0.4;
+// Starts whose joints are all nearer than this lead to the same place (rad).
+constexpr double kApart = 1.5;
 
 JointVector StartNumber(const ChainModel& chain, int k) {
+  const double range = chain.n > kFewJoints ? kPartOfTheRange : 1;
   JointVector q(chain.n);
   for (int i = 0; i < chain.n; ++i) {
-    const double part = 0.5 + kPartOfTheRange * (LowDiscrepancy(k, i) - 0.5);
+    const double part = 0.5 + range * (LowDiscrepancy(k, i) - 0.5);
     q[i] = StartRangeOf(chain.joints[i], chain.length).at(part);
   }
   return q;
@@ -32,16 +38,27 @@ JointVector StartNumber(const ChainModel& chain, int k) {
 
 }  // namespace
 
-StartTable::Aim StartTable::At(const Transform& tip, bool position_only) {
+StartTable::Aim StartTable::At(const Transform& tip, bool position_only,
+                               const Eigen::Vector3d* axis) {
   const Eigen::Vector3f p = tip.translation.cast<float>();
   const Eigen::Quaterniond turn(tip.rotation);
   const Eigen::Vector4f q = turn.coeffs().cast<float>();  // xyzw
-  return {{p.x(), p.y(), p.z()}, {q.w(), q.x(), q.y(), q.z()}, position_only ? 0.F : 8.F};
+  Aim aim{{p.x(), p.y(), p.z()}, {q.w(), q.x(), q.y(), q.z()}, position_only ? 0.F : 8.F};
+  if (!axis) return aim;
+  aim.any_turn = true;
+  const Eigen::Vector4f half =
+      (turn * Eigen::Quaterniond(0, axis->x(), axis->y(), axis->z())).coeffs().cast<float>();
+  aim.half_turned = {half.w(), half.x(), half.y(), half.z()};
+  return aim;
 }
 
 StartTable::StartTable(const ChainModel& chain)
     : n_(chain.n),
       per_distance2_(static_cast<float>(1 / std::pow(kLengthPerRadian * chain.length, 2))) {
+  for (int i = 0; i < n_; ++i) {
+    const double radian = chain.joints[i].slide ? kLengthPerRadian * chain.length : 1;
+    apart_[i] = static_cast<float>(kApart * radian);
+  }
   std::vector<std::array<float, kColumns>> poses(kEntries);
   std::vector<JointVector> starts(kEntries);
   for (int k = 0; k < kEntries; ++k) {
@@ -123,16 +140,23 @@ void StartTable::MakeDetours() {
 
 // Plain loops over columns: the compiler turns them into four lanes on every x86-64, with the same
 // result on all.
+template <bool kAnyTurn>
 void StartTable::Score(const Aim& aim, int first, int count, float* scores) const {
   const auto at = [&](Column column) { return poses_[column].data() + first; };
   const float *x = at(kX), *y = at(kY), *z = at(kZ);
   const float *qw = at(kQw), *qx = at(kQx), *qy = at(kQy), *qz = at(kQz);
   const auto [px, py, pz] = aim.position;
   const auto [w, i, j, k] = aim.quaternion;
+  const auto [hw, hi, hj, hk] = aim.half_turned;
   const float per_distance2 = per_distance2_, turn_weight = aim.turn_weight;
   for (int e = 0; e < count; ++e) {
     const float dx = x[e] - px, dy = y[e] - py, dz = z[e] - pz;
-    const float cosine = qw[e] * w + qx[e] * i + qy[e] * j + qz[e] * k;  // of half the angle
+    float cosine = qw[e] * w + qx[e] * i + qy[e] * j + qz[e] * k;  // of half the angle
+    if constexpr (kAnyTurn) {
+      // That of the nearest of all turns about the axis.
+      const float other = qw[e] * hw + qx[e] * hi + qy[e] * hj + qz[e] * hk;
+      cosine = std::sqrt(cosine * cosine + other * other);
+    }
     // angle^2 is about 8 (1 - cos(angle / 2))
     scores[e] =
         per_distance2 * (dx * dx + dy * dy + dz * dz) + turn_weight * (1 - std::abs(cosine));
@@ -147,18 +171,30 @@ void StartTable::ForNearby(const Aim& aim, const Visit& visit) const {
     const int end = begin_[detours_[d] + 1];
     for (int first = begin_[detours_[d]]; first < end; first += static_cast<int>(scores.size())) {
       const int count = std::min(end - first, static_cast<int>(scores.size()));
-      Score(aim, first, count, scores.data());
+      aim.any_turn ? Score<true>(aim, first, count, scores.data())
+                   : Score<false>(aim, first, count, scores.data());
       for (int e = 0; e < count; ++e) visit(Place{scores[e], first + e});
     }
   }
 }
 
-const float* StartTable::Next(const Aim& aim, Place* place) const {
+bool StartTable::IsApart(const Place& place, std::span<const Place> others) const {
+  const float* q = Values(place);
+  return std::all_of(others.begin(), others.end(), [&](const Place& other) {
+    const float* near = Values(other);
+    for (int i = 0; i < n_; ++i) {
+      if (std::abs(q[i] - near[i]) >= apart_[i]) return true;
+    }
+    return false;
+  });
+}
+
+const float* StartTable::Next(const Aim& aim, Place* place, std::span<const Place> tried) const {
   Place best{std::numeric_limits<float>::infinity(), -1};
   ForNearby(aim, [&](const Place& entry) {
     if (entry.score >= best.score || entry.score < place->score) return;
     if (entry.score == place->score && entry.entry <= place->entry) return;
-    best = entry;
+    if (IsApart(entry, tried)) best = entry;
   });
   if (best.entry < 0) return nullptr;
   *place = best;

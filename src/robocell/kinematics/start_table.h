@@ -24,16 +24,22 @@ class StartTable {
     std::array<float, 3> position;    // m, in the base frame
     std::array<float, 4> quaternion;  // wxyz
     float turn_weight;                // 0: any rotation will do
+    // Any turn about an axis will do; the quaternion after half a turn about it.
+    bool any_turn = false;
+    std::array<float, 4> half_turned{};
   };
-  static Aim At(const Transform& tip_in_base, bool position_only);
+  // Of the rotation only where this axis, in the tip's frame, points counts; null: all of it.
+  static Aim At(const Transform& tip_in_base, bool position_only,
+                const Eigen::Vector3d* axis = nullptr);
 
   // How far a walk through the starts near an aim has come.
   struct Place {
     float score = -1;
     int entry = -1;
   };
-  // The next start in order of nearness: n values, or null when there are no more nearby.
-  const float* Next(const Aim& aim, Place* place) const;
+  // The next start in order of nearness: n values, or null when there are no more nearby. Those
+  // that are much like one that was tried are passed over: they lead to the same place.
+  const float* Next(const Aim& aim, Place* place, std::span<const Place> tried = {}) const;
   // The first of them at once, as many as `places` holds: for less than two walks. How many there
   // are.
   int First(const Aim& aim, std::span<Place> places) const;
@@ -50,12 +56,16 @@ class StartTable {
   void MakeDetours();
   int CellOf(const float* position) const;
   // Of entries in a row: how far each is from the aim.
+  template <bool kAnyTurn>
   void Score(const Aim& aim, int first, int count, float* scores) const;
+  // Whether some joint is far from where it is in each of the others.
+  bool IsApart(const Place& place, std::span<const Place> others) const;
   // Calls visit(place) for each entry of the cells to look in for the aim, in their order.
   template <class Visit>
   void ForNearby(const Aim& aim, const Visit& visit) const;
 
   int n_ = 0;
+  std::array<float, kMaxChainJoints> apart_{};  // of each joint, rad or m
   float per_distance2_ = 0;        // weight of a squared distance against a squared angle
   std::array<float, 3> corner_{};  // of the first cell, m
   float per_edge_ = 0;             // 1 / edge of a cell, 1/m

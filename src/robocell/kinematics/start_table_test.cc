@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "robocell/kinematics/testing/models.h"
 
 namespace robocell {
@@ -64,6 +67,51 @@ TEST_F(StartTableTest, AreTheSameAtOnceAndOneByOne) {
       EXPECT_EQ(one, count);
     }
   }
+}
+
+// Starts whose joints are all alike fail alike.
+TEST_F(StartTableTest, ArePassedOverWhereTheyAreLikeOneThatWasTried) {
+  const StartTable::Aim aim = StartTable::At(TipAt(std::vector<float>(7).data()), false);
+  std::vector<StartTable::Place> tried;
+  StartTable::Place place;
+  int all = 0;
+  for (StartTable::Place any; table_.Next(aim, &any) != nullptr;) ++all;
+  while (table_.Next(aim, &place, tried) != nullptr) {
+    const float* q = table_.Values(place);
+    for (const StartTable::Place& other : tried) {
+      float most = 0;
+      for (int i = 0; i < 7; ++i) most = std::max(most, std::abs(q[i] - table_.Values(other)[i]));
+      EXPECT_GE(most, 1.5F);
+    }
+    if (!tried.empty()) {
+      EXPECT_GE(place.score, tried.back().score);
+    }
+    tried.push_back(place);
+  }
+  EXPECT_GT(tried.size(), 1u);
+  EXPECT_LT(static_cast<int>(tried.size()), all);
+}
+
+// A tip that may turn about an axis is as near however it is turned about it.
+TEST_F(StartTableTest, AreAsNearHoweverTheTargetIsTurnedAboutItsFreeAxis) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 0.5).normalized();
+  Transform target = TipAt(std::vector<float>(7, 0.3F).data());
+  StartTable::Place first, turned;
+  const float* start = table_.Next(StartTable::At(target, false, &axis), &first);
+  const Eigen::Vector3d there = target.rotation * axis;
+  for (const double angle : {0.7, 2.0, 3.1}) {
+    target.rotation *= Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+    turned = {};
+    EXPECT_EQ(table_.Next(StartTable::At(target, false, &axis), &turned), start);
+    EXPECT_NEAR(turned.score, first.score, 1e-4);
+  }
+  // What counts is how far the axis itself is off: 8 (1 - cos(angle / 2)) of that.
+  const Transform tip = TipAt(start);
+  const double off = std::acos(std::clamp((tip.rotation * axis).dot(there), -1.0, 1.0));
+  target.translation = tip.translation;
+  StartTable::Place here;
+  table_.Next(StartTable::At(target, false, &axis), &here);
+  EXPECT_LE(here.score, 8 * (1 - std::cos(off / 2)) + 1e-4);
 }
 
 TEST_F(StartTableTest, AreNearerThanTheMiddle) {
