@@ -352,7 +352,9 @@ void BindKinematics(nb::module_& m) {
            "All solutions (S, n) that `starts` searches find and that are more than `separation` "
            "rad apart in some joint, nearest to the seed first (or best first, by `prefer`).\n\n"
            "Of an arm with joints to spare these are samples of endlessly many; with `prefer` each "
-           "is the best of its kind. The other arguments are those of ik.")
+           "is the best of its kind. Of others all are wanted: searches go on until 600 in a row "
+           "have found nothing new (not where `starts` is below 48). The other arguments are "
+           "those of ik.")
       .def("differential_ik", &SolveTwist, "q"_a, "twist"_a, "frame"_a = "base", "seconds"_a = 0.0,
            "max_speed"_a = nb::none(), "posture"_a = nb::none(), "posture_rate"_a = 1.0,
            "locked_groups"_a = std::vector<std::string>{},

@@ -77,7 +77,7 @@ double TendonArmature(const mjModel* m, int tendon) {
   double sum = m->tendon_armature[tendon];
   for (int a = 0; a < m->nactuator; ++a) {
     if (m->actuator_trntype[a] != mjTRN_TENDON || m->actuator_trnid[2 * a] != tendon) continue;
-    const double gear = m->actuator_gear[6 * m->actuator_outadr[a]];
+    const double gear = Gear(m, a);
     sum += gear * gear * m->actuator_armature[a];
   }
   return sum;

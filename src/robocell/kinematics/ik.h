@@ -44,7 +44,9 @@ namespace robocell {
 using LockedJoints = std::array<bool, kMaxChainJoints>;
 
 // Which of the solutions is wanted. What is not kFirst compares sixteen, and moves joints to spare:
-// some tens of microseconds, kManipulability, which climbs, about twice as many.
+// some tens of microseconds, kManipulability, which climbs, about twice as many. Without joints to
+// spare it compares them until 256 starts have led to no better one: some tenths of a millisecond;
+// not where max_restarts is below 47.
 enum class IkPrefer {
   kFirst,           // the first that is found
   kSeed,            // near the seed, which has to be given

@@ -10,14 +10,8 @@ namespace {
 
 // Who allows fewer starts wants to know soon: they are tried once.
 constexpr int kManyStarts = 3 * IkChoice::kSearches;
-
-// Calls use(result) for each solution of a search.
-template <class Use>
-void ForSolutions(IkChoice::Search& search, const Use& use) {
-  if (!search.open || !search.found.success) return;
-  use(search.found);
-  if (search.unmoved_too) use(search.unmoved);
-}
+// After so many starts that led to nothing better the best is most likely known.
+constexpr int kNothingBetter = 256;
 
 }  // namespace
 
@@ -84,6 +78,8 @@ IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
       options_(options),
       task_(options),
       preference_(chain.model(), options),
+      compares_all_(preference_.any() && options.max_restarts + 1 >= kManyStarts &&
+                    !task_.leaves_joints(chain.n_joints(), options.locked)),
       questions_(questions),
       searches_(searches),
       answers_(answers) {
@@ -132,10 +128,48 @@ void IkChoice::Run(int first, int stride, const std::atomic<bool>& ended,
   SolveLanes(chain_, options_, &queue);
 }
 
+bool IkChoice::GoesOn(int question) const {
+  const Search& first = searches_[std::size_t(question) * kSearches];
+  return compares_all_ && first.next_start <= answers_[question].restarts + kNothingBetter;
+}
+
+void IkChoice::LookFurther(int question) {
+  for (Search& search : searches_.subspan(std::size_t(question) * kSearches, kSearches))
+    search.starts_left = 1;
+}
+
+JointVector IkChoice::GoalOf(int question) const {
+  return preference_.GoalFor(SeedOf(chain_.model(), questions_[question].seed, options_.locked));
+}
+
+double IkChoice::CostOf(int question) const {
+  const IkResult& answer = answers_[question];
+  if (!answer.success) return std::numeric_limits<double>::infinity();
+  return preference_.Cost(answer.q, GoalOf(question));
+}
+
+template <class Use>
+void IkChoice::ForBetter(Search& search, const JointVector& goal, double least, const Use& use) {
+  if (!search.open || !search.found.success) return;
+  const auto look = [&](const IkResult& result) {
+    const double cost =
+        preference_.any() ? preference_.Cost(result.q, goal) : static_cast<double>(search.began);
+    if (cost < least) use(result, cost);
+  };
+  look(search.found);
+  if (search.unmoved_too) look(search.unmoved);
+}
+
 std::span<const uint8_t> IkChoice::Filter() {
   if (!options_.filter) return {};
-  for (Search& search : searches_)
-    ForSolutions(search, [&](const IkResult& result) { filtered_.Add(result.q); });
+  for (int k = 0; k < static_cast<int>(questions_.size()); ++k) {
+    const JointVector goal = GoalOf(k);
+    const double least = CostOf(k);
+    for (Search& search : searches_.subspan(std::size_t(k) * kSearches, kSearches)) {
+      ForBetter(search, goal, least,
+                [&](const IkResult& result, double) { filtered_.Add(result.q); });
+    }
+  }
   return filtered_.Ask(options_.filter);
 }
 
@@ -148,9 +182,9 @@ double IkChoice::Miss(const IkResult& result) const {
 
 void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row) {
   IkResult& answer = answers_[question];
-  const JointVector seed = SeedOf(chain_.model(), questions_[question].seed, options_.locked);
-  const JointVector goal = preference_.GoalFor(seed);
-  double least = std::numeric_limits<double>::infinity();
+  const JointVector goal = GoalOf(question);
+  const double before = CostOf(question);
+  double least = before;
   IkResult best = answer;
   int steps = answer.iterations;
   const std::span<Search> ways = searches_.subspan(std::size_t(question) * kSearches, kSearches);
@@ -164,11 +198,9 @@ void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_
     };
     // The best approach, for when there is no solution.
     if (!best.success && Miss(search.found) < Miss(best)) take(search.found, false);
-    ForSolutions(search, [&](const IkResult& result) {
+    ForBetter(search, goal, before, [&](const IkResult& result, double cost) {
       const bool kept = keep.empty() || keep[*row] != 0;
       ++*row;
-      const double cost =
-          preference_.any() ? preference_.Cost(result.q, goal) : static_cast<double>(search.began);
       if (!kept || cost >= least) return;
       least = cost;
       take(result, true);
@@ -188,8 +220,12 @@ bool IkChoice::Choose() {
     if (std::none_of(ways.begin(), ways.end(), is_open)) continue;
     ChooseFor(k, keep, &row);
     for (Search& search : ways) search.open = false;
-    if (answers_[k].success) continue;
-    if (MayBeginAgain(k)) Begin(k, /*patient=*/true);
+    if (answers_[k].success) {
+      if (!GoesOn(k)) continue;
+      LookFurther(k);
+    } else if (MayBeginAgain(k)) {
+      Begin(k, /*patient=*/true);
+    }
     Open(k, kSearches);
     open = open || std::any_of(ways.begin(), ways.end(), is_open);
   }

@@ -6,6 +6,9 @@
 // starts, and when there are no more, begin once more with more time for each: what a search alone
 // finds after many starts is not missed by many that have a few each. What a question is answered
 // depends on the question alone.
+//
+// Where no joints are to spare, so that the best is one of a few, starts go on after a solution was
+// found until many of them have led to no better one.
 #pragma once
 
 #include <atomic>
@@ -52,6 +55,16 @@ class IkChoice {
   void Begin(int question, bool patient);
   void Open(int question, int searches);
   bool MayBeginAgain(int question) const;
+  // Whether a better solution than the present one may still come.
+  bool GoesOn(int question) const;
+  // One more start for each search.
+  void LookFurther(int question);
+  // Of the answer so far; infinite where there is none.
+  double CostOf(int question) const;
+  JointVector GoalOf(int question) const;
+  // Calls use(result, cost) for each solution of a search that is better than `least`.
+  template <class Use>
+  void ForBetter(Search& search, const JointVector& goal, double least, const Use& use);
   void ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row);
   // Which of the solutions found, in their order, the filter keeps; empty without one.
   std::span<const uint8_t> Filter();
@@ -62,6 +75,7 @@ class IkChoice {
   const IkOptions& options_;
   IkTask task_;
   IkPreference preference_;
+  bool compares_all_ = false;  // no joints are to spare
   std::span<const LaneQuestion> questions_;
   std::span<Search> searches_;
   std::span<IkResult> answers_;

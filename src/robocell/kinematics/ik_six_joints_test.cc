@@ -137,7 +137,7 @@ TEST_P(ArmOfSixJoints, AnswersSingleQuestionsToo) {
 
 // Who asks for the best solution, or for one that a filter keeps, gets an answer no less often.
 TEST_P(ArmOfSixJoints, SolvesAsManyWhereASolutionIsChosen) {
-  const std::vector<Pose> targets = Reached(2000);
+  const std::vector<Pose> targets = Reached(1000);
   const IkFilter all = [](std::span<const double>, int, std::span<uint8_t> keep) {
     std::fill(keep.begin(), keep.end(), uint8_t{1});
   };
@@ -146,7 +146,7 @@ TEST_P(ArmOfSixJoints, SolvesAsManyWhereASolutionIsChosen) {
         IkOptions{.prefer = IkPrefer::kManipulability},
         IkOptions{.prefer = IkPrefer::kPosture, .posture = RandomJoints(chain_, &rng_)},
         IkOptions{.filter = all}})
-    EXPECT_GE(CountSolved(targets, options), 1998);
+    EXPECT_GE(CountSolved(targets, options), 999);
 }
 
 // The configuration that a pose was made from is among all solutions of it.
@@ -165,6 +165,55 @@ TEST_P(ArmOfSixJoints, FindsTheSolutionThatIsKnownAmongAll) {
     });
   }
   EXPECT_GE(known, 95);
+}
+
+// Whole turns of hinges are no difference.
+bool AreTheSame(const Chain& chain, const JointVector& a, const JointVector& b) {
+  for (int i = 0; i < a.size(); ++i) {
+    const double off = a[i] - b[i];
+    const bool slide = chain.joints()[i].type == ChainJointType::kSlide;
+    if (std::abs(slide ? off : std::remainder(off, 2 * std::numbers::pi)) > 0.1) return false;
+  }
+  return true;
+}
+
+TEST_P(ArmOfSixJoints, FindsAsManySolutionsAsAMuchLongerSearch) {
+  int missed = 0, count = 0;
+  for (const Pose& target : Reached(60)) {
+    const std::vector<IkResult> found = IkSolutions(chain_, target, {.max_restarts = 199});
+    for (const IkResult& one : IkSolutions(chain_, target, {.max_restarts = 4000})) {
+      ++count;
+      missed += std::none_of(found.begin(), found.end(), [&](const IkResult& other) {
+        return AreTheSame(chain_, one.q, other.q);
+      });
+    }
+  }
+  EXPECT_GT(count, 60);
+  EXPECT_EQ(missed, 0) << count;
+}
+
+// Without joints to spare the best is one of a few, and all of them are looked at.
+TEST_P(ArmOfSixJoints, PrefersTheVeryNearestToTheSeedOrPosture) {
+  int farther = 0;
+  for (const Pose& target : Reached(100)) {
+    const JointVector seed = RandomJoints(chain_, &rng_);
+    const auto distance = [&](const IkResult& found) {
+      double sum = 0;
+      for (int i = 0; i < seed.size(); ++i) {
+        const bool slide = chain_.joints()[i].type == ChainJointType::kSlide;
+        const double unit = slide ? chain_.model().length : 1;
+        sum += std::pow((found.q[i] - seed[i]) / unit, 2);
+      }
+      return std::sqrt(sum);
+    };
+    const double nearest =
+        distance(IkSolutions(chain_, target, {.seed = seed, .max_restarts = 2000}).front());
+    const IkOptions near_seed{.seed = seed, .prefer = IkPrefer::kSeed};
+    const IkOptions near_posture{.prefer = IkPrefer::kPosture, .posture = seed};
+    for (const IkOptions& options : {near_seed, near_posture})
+      farther += distance(Ik(chain_, target, options)) > nearest + 1e-2;
+  }
+  EXPECT_LE(farther, 2);
 }
 
 }  // namespace

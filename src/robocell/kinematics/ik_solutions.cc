@@ -9,6 +9,7 @@
 #include "robocell/kinematics/filter_call.h"
 #include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/ik_preference.h"
+#include "robocell/kinematics/ik_task.h"
 #include "robocell/kinematics/lane_solver.h"
 
 namespace robocell {
@@ -17,15 +18,24 @@ namespace {
 // Far beyond what finds anything new; their answers have to fit into memory.
 constexpr int kMostStarts = 1'000'000;
 constexpr int kStartsBetweenPolls = 16;
+// Where solutions can be counted, starts go on until so many in a row have led to nothing new, and
+// at most so many times: arms of six joints have solutions that one start in two hundred leads to.
+constexpr int kQuietStarts = 600, kMoreAtATime = 100, kMostTimesMore = 20;
+// Who allows fewer starts wants to know soon.
+constexpr int kManyStartsForAll = 48;
+// Nearer ones are one and the same, as near as the tolerance of the tip tells; rad.
+constexpr double kNew = 0.05;
 
 // Every start is a question of its own.
 class EveryStart : public LaneQueue {
  public:
   EveryStart(const Transform& target, const IkOptions& options, const std::function<void()>& poll)
-      : target_(target),
-        options_(options),
-        poll_(poll),
-        answers_(std::size_t(options.max_restarts) + 1) {}
+      : target_(target), options_(options), poll_(poll) {}
+
+  void Run(const Chain& chain, int starts) {
+    answers_.resize(answers_.size() + starts);
+    SolveLanes(chain, options_, this);
+  }
 
   bool Next(LaneQuestion* question) override {
     if (poll_ && next_ % kStartsBetweenPolls == 0) poll_();
@@ -44,6 +54,7 @@ class EveryStart : public LaneQueue {
     answers_[number].restarts = number;
   }
 
+  const std::vector<IkResult>& answers() const { return answers_; }
   std::vector<IkResult> Solutions() {
     std::erase_if(answers_, [](const IkResult& answer) { return !answer.success; });
     return std::move(answers_);
@@ -89,6 +100,30 @@ bool AreApart(const ChainModel& chain, const JointVector& a, const JointVector& 
   return false;
 }
 
+bool IsNew(const ChainModel& chain, const IkResult& found, std::span<const JointVector> known,
+           double least) {
+  return found.success && std::all_of(known.begin(), known.end(), [&](const JointVector& other) {
+           return AreApart(chain, found.q, other, least);
+         });
+}
+
+// Starts on, after those that were asked for, until nothing new has come for long.
+void GoOn(const Chain& chain, double separation, EveryStart* every) {
+  const double least = std::max(separation, kNew);
+  std::vector<JointVector> known;
+  std::size_t looked_at = 0, newest = 0;
+  for (int times = 0; times <= kMostTimesMore; ++times) {
+    for (; looked_at < every->answers().size(); ++looked_at) {
+      const IkResult& found = every->answers()[looked_at];
+      if (!IsNew(chain.model(), found, known, least)) continue;
+      known.push_back(found.q);
+      newest = looked_at;
+    }
+    if (known.empty() || looked_at > newest + kQuietStarts) return;
+    every->Run(chain, kMoreAtATime);
+  }
+}
+
 }  // namespace
 
 std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
@@ -109,7 +144,10 @@ std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
   const ChainModel& model = chain.model();
   const Transform target = ToTransform(tip_in_base);
   EveryStart every(target, options, poll);
-  SolveLanes(chain, options, &every);
+  every.Run(chain, options.max_restarts + 1);
+  if (options.max_restarts + 1 >= kManyStartsForAll &&
+      !IkTask(options).leaves_joints(chain.n_joints(), options.locked))
+    GoOn(chain, separation, &every);
   std::vector<IkResult> solutions = every.Solutions();
   Filter(options.filter, &solutions);
 

@@ -2,6 +2,8 @@
 // solvers of this folder.
 #pragma once
 
+#include <algorithm>
+
 #include "robocell/kinematics/ik.h"
 #include "robocell/kinematics/transform.h"
 
@@ -25,6 +27,10 @@ struct IkTask {
   bool whole_position = true;
   // How many of the six numbers of a pose count.
   int rows = 6;
+  // Whether solutions are endlessly many, as a chain with these joints locked has some to spare.
+  bool leaves_joints(int joints, const LockedJoints& locked) const {
+    return joints - std::count(locked.begin(), locked.begin() + joints, true) > rows;
+  }
   // Only `axis`, in the tip's frame, has to point where the target's points, or within `cone` rad.
   bool swing = false;
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();

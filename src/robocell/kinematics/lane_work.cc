@@ -43,8 +43,8 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
   for (int i = 0; i < chain_.n; ++i) {
     limits_.locked[i] = options.locked[i];
     any_locked_ |= options.locked[i];
-    free_joints_ += options.locked[i] ? 0 : 1;
   }
+  settles_ = preference_.any() && task_.leaves_joints(chain_.n, options.locked);
   if (task_.plain && !settles()) return;
   Clear(0, LanesOfOneQuestion());  // lanes with a task are stepped with others always
   lane_task_.emplace();

@@ -19,7 +19,7 @@ class LaneWork {
   const IkOptions& options() const { return options_; }
   const IkPreference& preference() const { return preference_; }
   // Whether arrived lanes have joints to spare that go somewhere.
-  bool settles() const { return preference_.any() && free_joints_ > task_.rows; }
+  bool settles() const { return settles_; }
 
   // The seed, or the middle of the limits without one; inside the limits but for locked joints.
   JointVector SeedOf(std::span<const double> seed) const;
@@ -81,7 +81,7 @@ class LaneWork {
   IkTask task_;
   IkPreference preference_;
   bool any_locked_ = false;
-  int free_joints_ = 0;
+  bool settles_ = false;
   LaneOptions limits_;
   double likely_cost_ = 0;
   LaneState state_;
