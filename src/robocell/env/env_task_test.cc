@@ -322,7 +322,8 @@ TEST_F(EnvTaskTest, PickingItUpIsSuccessWhereverTheRootIs) {
   }
 }
 
-// Asks after things were put somewhere: nothing is simulated. The cube is held where a finger is.
+// Asks after things were put somewhere: nothing is simulated. The cube is held between the
+// fingers, which are closed upon it.
 class EnvPickTest : public EnvTaskTest {
  protected:
   void Make(const Pose& root, const std::string& kind) {
@@ -334,10 +335,15 @@ class EnvPickTest : public EnvTaskTest {
                                           .mass = 0.1};
     env_ = std::make_unique<Env>(config);
     env_->Reset({.seed = 1});
-    const auto& gripper =
-        dynamic_cast<const ActuatedGripper&>(Robot::Of(env_->scene(), "robot").gripper());
-    const mjtNum* finger = env_->scene().data()->geom_xpos + 3 * gripper.finger(0).geoms[0];
-    held_ = {finger[0], finger[1], finger[2]};
+    Robot robot = Robot::Of(env_->scene(), "robot");
+    auto& gripper = dynamic_cast<ActuatedGripper&>(robot.gripper());
+    gripper.SetJointPos(std::vector{0.018, 0.018});  // 38 mm apart, and the cube has 40
+    Scene(env_->scene()).Forward();
+    held_.setZero();
+    for (const int finger : {0, 1}) {
+      const mjtNum* at = env_->scene().data()->geom_xpos + 3 * gripper.finger(finger).geoms[0];
+      held_ += 0.5 * Eigen::Vector3d(at[0], at[1], at[2]);
+    }
     // High above the ground, as on a stack: an object counts from where it starts.
     Put("cube_cube", 0);
     env_->task()->Begin(env_->scene());

@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
@@ -56,7 +57,8 @@ bool ChainSource::VisitParts(const mjModel* m, Visit&& visit) const {
          part(m->jnt_axis, 3, joints_) && part(m->jnt_limited, 1, joints_) &&
          part(m->jnt_range, 2, joints_) && part(m->dof_armature, 1, dofs_) &&
          part(m->qpos0, 1, positions_) && part(m->site_pos, 3, site) &&
-         part(m->site_quat, 4, site) && part(m->actuator_gear, 6, Range{0, m->nout}) &&
+         part(m->site_quat, 4, site) &&
+         part(m->nactuator > 0 ? Gears(m, 0) : nullptr, 6, Range{0, m->nout}) &&
          part(m->actuator_armature, 1, Range{0, m->nactuator}) &&
          part(m->tendon_armature, 1, Range{0, m->ntendon}) &&
          part(m->wrap_prm, 1, Range{0, m->nwrap}) &&

@@ -115,8 +115,9 @@ void LaneWork::AimTask(int lane, const Eigen::Matrix3d& target_axes) {
 
 void LaneWork::AskFor(int lane, int start) {
   if (task_.cone == 0) return;
-  // By turns, so that a cone is met wherever its axis is, and at its border too.
-  const bool to_axis = (task_.cone <= kNarrowCone) == (start % 2 == 0);
+  // By turns, so that a cone is met wherever its axis is, and at its border too; that of a narrow
+  // one is hardly ever where it is met.
+  const bool to_axis = task_.cone <= kNarrowCone ? start % 4 != 3 : start % 2 == 1;
   lane_task_->to_axis[lane] = to_axis ? 1 : 0;
 }
 

@@ -11,9 +11,14 @@
 namespace robocell {
 namespace {
 
-// More are nearer and save steps, but what is read to rank them comes from farther memory.
-constexpr int kEntries = 4096;
-constexpr int kCellsAlongTheLongestSide = 8;
+// More are nearer and save steps, but what is read to rank them comes from farther memory. Without
+// joints to spare a pose has few solutions, and it takes more to have a start near each.
+struct TableSize {
+  int entries, cells_along_the_longest_side;
+};
+constexpr TableSize SizeFor(int joints) {
+  return joints > 6 ? TableSize{4096, 8} : TableSize{8192, 7};
+}
 // Solutions found from near a limit end up pressed on it more often than others. A chain of few
 // joints reaches a pose in one way or two: what its starts leave out, as a wedge behind the base,
 // is not found from elsewhere.
@@ -59,9 +64,10 @@ StartTable::StartTable(const ChainModel& chain)
     const double radian = chain.joints[i].slide ? kLengthPerRadian * chain.length : 1;
     apart_[i] = static_cast<float>(kApart * radian);
   }
-  std::vector<std::array<float, kColumns>> poses(kEntries);
-  std::vector<JointVector> starts(kEntries);
-  for (int k = 0; k < kEntries; ++k) {
+  const int entries = SizeFor(n_).entries;
+  std::vector<std::array<float, kColumns>> poses(entries);
+  std::vector<JointVector> starts(entries);
+  for (int k = 0; k < entries; ++k) {
     starts[k] = StartNumber(chain, k);
     const Aim at = At(WalkChain(chain, starts[k].data(), [](int, const Transform&) {}), false);
     std::copy(at.position.begin(), at.position.end(), poses[k].begin());
@@ -70,9 +76,9 @@ StartTable::StartTable(const ChainModel& chain)
   MakeCells(poses);
 
   std::vector<int> next = begin_;
-  for (std::vector<float>& column : poses_) column.resize(kEntries);
-  q_.resize(static_cast<std::size_t>(kEntries) * n_);
-  for (int k = 0; k < kEntries; ++k) {
+  for (std::vector<float>& column : poses_) column.resize(entries);
+  q_.resize(static_cast<std::size_t>(entries) * n_);
+  for (int k = 0; k < entries; ++k) {
     const int entry = next[CellOf(poses[k].data())]++;
     for (int c = 0; c < kColumns; ++c) poses_[c][entry] = poses[k][c];
     std::copy(starts[k].begin(), starts[k].end(), q_.begin() + std::ptrdiff_t(entry) * n_);
@@ -91,7 +97,8 @@ void StartTable::MakeCells(const std::vector<std::array<float, kColumns>>& poses
   }
   const float longest = *std::max_element(sides.begin(), sides.end());
   // Rounding is no space.
-  per_edge_ = longest * std::sqrt(per_distance2_) > 1e-5F ? kCellsAlongTheLongestSide / longest : 0;
+  const auto cells = static_cast<float>(SizeFor(n_).cells_along_the_longest_side);
+  per_edge_ = longest * std::sqrt(per_distance2_) > 1e-5F ? cells / longest : 0;
   for (int axis = 0; axis < 3; ++axis)
     cells_[axis] = std::max(1, static_cast<int>(std::ceil(sides[axis] * per_edge_)));
 
