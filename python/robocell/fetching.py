@@ -16,6 +16,7 @@ import json
 import os
 import shutil
 import tarfile
+import threading
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -269,6 +270,9 @@ def _download(entry: Any, progress: Progress | None) -> Path:
         ) from error
 
 
+_EXTRACTING = threading.Lock()
+
+
 @contextlib.contextmanager
 def _extraction() -> Iterator[None]:
     """Lets archives be unpacked where Python has no filters for that (before 3.11.4).
@@ -279,6 +283,11 @@ def _extraction() -> Iterator[None]:
     if hasattr(tarfile, "data_filter"):
         yield
         return
+    with _EXTRACTING:  # threads share what is put in its place
+        yield from _extraction_without_filters()
+
+
+def _extraction_without_filters() -> Iterator[None]:
     plain = tarfile.TarFile.extractall
 
     def extractall(tar: tarfile.TarFile, path: str | Path = ".", **_: Any) -> None:
