@@ -50,6 +50,7 @@ bool ChainSource::VisitParts(const mjModel* m, Visit&& visit) const {
       return false;
   }
   const Range site{site_ < 0 ? 0 : site_, site_ < 0 ? 0 : 1};
+  const auto all = [](mjtSize count) { return Range{0, static_cast<int>(count)}; };
   return part(m->body_pos, 3, bodies_) && part(m->body_quat, 4, bodies_) &&
          part(m->body_ipos, 3, bodies_) && part(m->body_iquat, 4, bodies_) &&
          part(m->body_mass, 1, bodies_) && part(m->body_inertia, 3, bodies_) &&
@@ -58,10 +59,9 @@ bool ChainSource::VisitParts(const mjModel* m, Visit&& visit) const {
          part(m->jnt_range, 2, joints_) && part(m->dof_armature, 1, dofs_) &&
          part(m->qpos0, 1, positions_) && part(m->site_pos, 3, site) &&
          part(m->site_quat, 4, site) &&
-         part(m->nactuator > 0 ? Gears(m, 0) : nullptr, 6, Range{0, m->nout}) &&
-         part(m->actuator_armature, 1, Range{0, m->nactuator}) &&
-         part(m->tendon_armature, 1, Range{0, m->ntendon}) &&
-         part(m->wrap_prm, 1, Range{0, m->nwrap}) &&
+         part(m->nactuator > 0 ? Gears(m, 0) : nullptr, 6, all(m->nout)) &&
+         part(m->actuator_armature, 1, all(m->nactuator)) &&
+         part(m->tendon_armature, 1, all(m->ntendon)) && part(m->wrap_prm, 1, all(m->nwrap)) &&
          visit(&m->opt.disableflags, sizeof m->opt.disableflags);
 }
 
