@@ -21,7 +21,27 @@ double DamperTorque(double linear, const mjtNum* high, double v) {
   return v * (linear + speed * (high[0] + speed * high[1]));
 }
 
-double FrictionTorque(double loss, double v) { return v == 0 ? 0 : std::copysign(loss, v); }
+// Of a friction constraint of the engine per rad/s, while the joint keeps its speed: stiffness of
+// the constraint times how fast it brakes (mj_makeImpedance, mj_referenceConstraint).
+double FrictionSlope(const mjModel* m, int dof) {
+  const mjtNum *solref = m->dof_solref + mjNREF * dof, *solimp = m->dof_solimp + mjNIMP * dof;
+  const auto impedance = [](double x) { return std::clamp<double>(x, mjMINIMP, mjMAXIMP); };
+  const double least = impedance(solimp[0]), most = impedance(solimp[1]);
+  const double compliance =
+      std::max<double>((1 - least) / least * m->dof_invweight0[dof], mjMINVAL);
+  if (solref[0] <= 0) return -solref[1] / (most * compliance);
+  const bool is_safe = !(m->opt.disableflags & mjDSBL_REFSAFE);
+  const double time_constant =
+      is_safe ? std::max<double>(solref[0], 2 * m->opt.timestep) : solref[0];
+  return 2 / (std::max<double>(most * time_constant, mjMINVAL) * compliance);
+}
+
+// The engine's friction grows with the speed until it is the loss: all of the loss would drive a
+// joint that creeps up to the speed at which friction is that large.
+double FrictionTorque(const mjModel* m, int dof, double v) {
+  const double loss = m->dof_frictionloss[dof];
+  return loss == 0 ? 0 : std::clamp(v * FrictionSlope(m, dof), -loss, loss);
+}
 
 void AddActuatorDampers(const mjModel* m, const std::vector<int>& joints,
                         std::span<const double> velocity, std::span<double> torque) {
@@ -54,7 +74,7 @@ void AddJointResistance(const mjModel* m, const std::vector<int>& joints, std::s
       torque[i] +=
           DamperTorque(m->dof_damping[dof], m->dof_dampingpoly + mjNPOLY * dof, velocity[i]);
     }
-    if (friction) torque[i] += FrictionTorque(m->dof_frictionloss[dof], velocity[i]);
+    if (friction) torque[i] += FrictionTorque(m, dof, velocity[i]);
   }
   if (dampers) AddActuatorDampers(m, joints, velocity, torque);
 }

@@ -16,6 +16,7 @@ namespace robocell {
 //
 // The polynomials are the engine's: springs push with x (k0 + k1 x + k2 x^2), dampers with
 // v (d0 + d1 |v| + d2 v^2), those of actuators with the joint's velocity and the gear squared.
+// Friction is the engine's soft one: proportional to the velocity up to the loss.
 void AddJointResistance(const mjModel* model, const std::vector<int>& joint_ids,
                         std::span<const double> q, std::span<const double> velocity,
                         std::span<double> torque);

@@ -14,6 +14,7 @@
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 namespace {
@@ -155,10 +156,9 @@ TEST(Robot, SetJointPosTeleportsAndHolds) {
 }
 
 TEST(Robot, WithoutAConfigurationIsMadeFromTwoBodies) {
-  const Scene scene = Scene::Build(
-      SceneWith({.path = std::string(ROBOCELL_SOURCE_DIR) + "/models/robots/rc7/rc7.xml",
-                 .prefix = "r_",
-                 .base = BaseConfig{.kind = BaseKind::kMocap}}));
+  const Scene scene = Scene::Build(SceneWith({.path = SourceDir() + "/models/robots/rc7/rc7.xml",
+                                              .prefix = "r_",
+                                              .base = BaseConfig{.kind = BaseKind::kMocap}}));
   Robot robot =
       Robot::FromScene(scene, "base_link", "link7",
                        {.prefix = "r_", .tool = {.tool_body = "hand", .tcp_site = "tcp"}});

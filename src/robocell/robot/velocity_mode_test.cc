@@ -84,6 +84,19 @@ TEST_F(VelocityMode, ReachesItAgainstDampersSpringsAndFriction) {
   }
 }
 
+TEST_F(VelocityMode, CreepsAsSlowlyAsToldAgainstFriction) {
+  for (const char* joint : {"frictionloss='3'", "frictionloss='3' solreffriction='0.2 1'",
+                            "frictionloss='3' solreffriction='-50 -20'",
+                            "frictionloss='3' solimpfriction='0.3 0.8 0.01'"}) {
+    SCOPED_TRACE(joint);
+    for (const double speed : {1e-6, -1e-3, 0.02}) {
+      Robot robot = Build(joint, "position kp='400' kv='20'", kPosition);
+      Run(robot, {0, speed}, 1500);
+      EXPECT_NEAR(robot.jnt_vel_msr()[1], speed, 0.1 * std::abs(speed)) << speed;
+    }
+  }
+}
+
 TEST_F(VelocityMode, MotorsReachItAndTheirOtherJointsKeepStill) {
   Robot robot = Build("damping='0.4'", "motor ctrlrange='-90 90'", kTorque);
   ExpectReached(robot, {0.1, 0.1});
@@ -112,14 +125,11 @@ TEST_F(VelocityMode, MotorsPushNoHarderThanTheirControlAllows) {
   }
 }
 
-// What the engine may rub a joint with, N m.
-double EngineFriction(const mjData* d, int dof) {
-  double friction = 0;
-  for (int i = 0; i < d->nefc; ++i) {
-    if (d->efc_type[i] == mjCNSTR_FRICTION_DOF && d->efc_id[i] == dof)
-      friction += d->efc_frictionloss[i];
-  }
-  return friction;
+// Of the constraints of joints that keep their speeds, of which friction alone touches these.
+std::vector<double> EngineFriction(const mjModel* m, mjData* d) {
+  std::fill_n(d->qacc, m->nv, 0.0);
+  mj_inverse(m, d);
+  return {d->qfrc_constraint, d->qfrc_constraint + m->nv};
 }
 
 TEST_F(VelocityMode, ResistanceIsWhatTheEngineComputesWithEachPartOnAndOff) {
@@ -135,16 +145,17 @@ TEST_F(VelocityMode, ResistanceIsWhatTheEngineComputesWithEachPartOnAndOff) {
                         int{mjDSBL_FRICTIONLOSS}, int{mjDSBL_CONSTRAINT}}) {
     SCOPED_TRACE(off);
     m->opt.disableflags = on | off;
-    for (const double x : {-1.3, -0.2, 0.0, 0.6, 2.1}) {
+    for (const double x : {-1.3, -0.2, -1e-3, 1e-6, 0.0, 0.6, 2.1}) {
       const std::vector<double> q = {x, 0.3 - x}, v = {0.5 - x, 1.1 * x};
       std::copy_n(q.data(), 2, d->qpos);
       std::copy_n(v.data(), 2, d->qvel);
       mj_forward(m, d);
+      const std::vector<double> passive(d->qfrc_passive, d->qfrc_passive + 2);
+      const std::vector<double> friction = EngineFriction(m, d);
       std::vector<double> torque = {10, 20};
       AddJointResistance(m, joints, q, v, torque);
       for (int i = 0; i < 2; ++i) {
-        const double friction = v[i] == 0 ? 0 : std::copysign(EngineFriction(d, i), v[i]);
-        EXPECT_NEAR(torque[i], 10.0 * (i + 1) - d->qfrc_passive[i] + friction, 1e-9) << x;
+        EXPECT_NEAR(torque[i], 10.0 * (i + 1) - passive[i] - friction[i], 1e-9) << x;
       }
     }
   }

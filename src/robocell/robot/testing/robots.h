@@ -11,11 +11,12 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/testing/menagerie.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 
 inline RobotConfig LoadShipped(const std::string& path) {
-  return RobotConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/" + path);
+  return RobotConfig::Load(SourceDir() + "/" + path);
 }
 
 // The built-in robot: servos, two finger slides on one tendon, 0..100 percent.
