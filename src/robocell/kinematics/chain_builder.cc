@@ -351,6 +351,7 @@ BuiltChain BuildChain(const mjModel* m, std::string_view base_body, const ChainT
   const bool site = tip.kind == ChainTip::Kind::kSite;
   const std::string place =
       fmt::format("kinematic chain '{}' -> {} '{}'", base_body, site ? "site" : "body", tip.name);
+  if (!m) throw ArgumentError(place + ": there is no model (a null pointer)");
   if (!options.qpos.empty() && static_cast<int>(options.qpos.size()) != m->nq) {
     throw ArgumentError(fmt::format("{}: qpos has {} values, the model's has {}.", place,
                                     options.qpos.size(), m->nq));

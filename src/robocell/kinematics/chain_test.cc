@@ -134,6 +134,11 @@ TEST_F(ChainTest, RefusesALinkOfItselfAsTheTool) {
   }
 }
 
+TEST_F(ChainTest, RefusesNoModel) {
+  ExpectThrow<ArgumentError>([] { Chain(nullptr, "base", ChainTip::Site("tip")); },
+                             "kinematic chain 'base' -> site 'tip': there is no model");
+}
+
 TEST_F(ChainTest, RefusesAChainWithoutJoints) {
   ExpectThrow<ArgumentError>([&] { Make("left_base", ChainTip::Body("left_base")); },
                              "kinematic chain 'left_base' -> body 'left_base': there is no joint "

@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "robocell/base/error.h"
+#include "robocell/math/rotation.h"
 
 namespace robocell {
 namespace {
@@ -153,6 +154,15 @@ void SolveDamped(const Jacobian6& jacobian, BoundedLeastSquares* squares, double
   }
 }
 
+void CheckBase(const Eigen::Matrix3d& base_in_world) {
+  try {
+    QuaternionFromMatrix(base_in_world);
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(
+        fmt::format("differential inverse kinematics: base_in_world: {}", error.what()));
+  }
+}
+
 void CheckDifferentialIk(const Chain& chain, const Twist& twist,
                          const DifferentialIkOptions& options) {
   const auto refuse = [](const std::string& what) {
@@ -166,6 +176,7 @@ void CheckDifferentialIk(const Chain& chain, const Twist& twist,
     refuse(fmt::format("posture_rate is {}; it must be 0 or more", options.posture_rate));
   if (!options.posture.empty())
     chain.CheckJointValues("differential inverse kinematics: posture", options.posture);
+  if (options.frame == TwistFrame::kWorld) CheckBase(options.base_in_world);
   if (options.max_speed.empty()) return;
   chain.CheckJointValues("differential inverse kinematics: max_speed", options.max_speed);
   for (int i = 0; i < chain.n_joints(); ++i) {
@@ -221,7 +232,7 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
 
   Vector6 moved = Vector6::Zero();
   for (int i = 0; i < n; ++i) moved += jacobian.col(i) * result.velocity[i];
-  result.slower = (moved - task).norm() > kNoticed * task.norm() + kStill;
+  result.slower = (moved - task).stableNorm() > kNoticed * task.stableNorm() + kStill;
   result.twist.linear = axes.transpose() * moved.head<3>() / per_metre;
   result.twist.angular = axes.transpose() * moved.tail<3>();
   return result;

@@ -356,6 +356,18 @@ TEST(DifferentialIk, BringsJointsBackAndKeepsLockedOnes) {
   EXPECT_EQ(DifferentialIk(chain, q, {}).velocity, JointVector(7));
 }
 
+TEST(DifferentialIk, OfATwistWhoseSquareIsTooLargeForANumberIsSlower) {
+  Rng rng = Rng::Stream(5, "differential ik");
+  const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 7}).Write());
+  const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+  const JointVector speed(std::vector<double>(7, 1.0));
+  const DifferentialIkResult now =
+      DifferentialIk(chain, JointVector(7), {.linear = {1e155, 0, 0}, .angular = {0, 1e155, 0}},
+                     {.max_speed = speed});
+  EXPECT_TRUE(now.slower);
+  for (const double v : now.velocity) EXPECT_LE(std::abs(v), 1);
+}
+
 TEST(DifferentialIk, RefusesWhatMakesNoSense) {
   Rng rng = Rng::Stream(4, "differential ik");
   const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 3}).Write());
@@ -369,6 +381,10 @@ TEST(DifferentialIk, RefusesWhatMakesNoSense) {
   refused({.max_speed = {1, 0, 1}}, "is 0; it must be more than 0");
   refused({.posture = {1}}, "posture");
   refused({.posture_rate = NAN}, "posture_rate is nan");
+  refused({.frame = TwistFrame::kWorld, .base_in_world = 2 * Eigen::Matrix3d::Identity()},
+          "differential inverse kinematics: base_in_world: ");
+  refused({.frame = TwistFrame::kWorld, .base_in_world = NAN * Eigen::Matrix3d::Identity()},
+          "differential inverse kinematics: base_in_world: ");
   ExpectThrow<ArgumentError>(
       [&] {
         DifferentialIk(chain, q, {.linear = {NAN, 0, 0}});

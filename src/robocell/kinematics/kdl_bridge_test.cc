@@ -216,6 +216,16 @@ TEST(KdlChain, SaysWhatItCannotTake) {
                              "KDL chain: 1 limits for 4 moving joints");
   ExpectThrow<ArgumentError>([&] { FromKdl(HandMadeChain(), swapped); },
                              "the limits of joint 'turn_x' are 1 and -1; give the lower one first");
+  const std::vector<std::array<double, 2>> nowhere(4, {INFINITY, INFINITY});
+  ExpectThrow<ArgumentError>(
+      [&] { FromKdl(HandMadeChain(), nowhere); },
+      "the limits of joint 'turn_x' are both inf; a joint without limits has -inf and inf");
+  KDL::Chain twins;
+  twins.addSegment(KDL::Segment("a", KDL::Joint("j", KDL::Joint::RotZ)));
+  twins.addSegment(KDL::Segment("b", KDL::Joint("j", KDL::Joint::RotX)));
+  ExpectThrow<ArgumentError>(
+      [&] { FromKdl(twins); },
+      "KDL chain: two of its joints are named 'j'; give each a name of its own");
 }
 
 }  // namespace

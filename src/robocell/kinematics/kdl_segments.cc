@@ -113,6 +113,7 @@ class SegmentReader {
                                       kMaxChainJoints));
     }
     const ChainJoint described = Describe(segment);
+    RefuseTheSameName(described.name);
     const Transform at_reference = OnAxis(segment);
     JointModel& joint = model.joints[model.n++];
     joint.fixed = frame_ * at_reference;
@@ -124,6 +125,15 @@ class SegmentReader {
     joint.upper = described.upper;
     joint.armature = segment.armature;
     joints.push_back(described);
+  }
+
+  // Or joints could not be found by name.
+  void RefuseTheSameName(const std::string& name) const {
+    for (const ChainJoint& joint : joints) {
+      if (joint.name != name) continue;
+      throw ArgumentError(fmt::format(
+          "KDL chain: two of its joints are named '{}'; give each a name of its own", name));
+    }
   }
 
   ChainJoint Describe(const KdlSegment& segment) const {
@@ -139,6 +149,12 @@ class SegmentReader {
     joint.lower = limits_[i][0];
     joint.upper = limits_[i][1];
     joint.limited = std::isfinite(joint.lower) || std::isfinite(joint.upper);
+    if (std::isinf(joint.lower) && joint.lower == joint.upper) {
+      throw ArgumentError(
+          fmt::format("KDL chain: the limits of joint '{}' are both {}; a joint without limits has "
+                      "-inf and inf",
+                      joint.name, joint.lower));
+    }
     if (joint.lower <= joint.upper) return joint;
     throw ArgumentError(
         fmt::format("KDL chain: the limits of joint '{}' are {} and {}; give the "
