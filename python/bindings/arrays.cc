@@ -11,6 +11,9 @@
 #include <numpy/arrayobject.h>
 
 namespace robocell::python {
+
+using namespace nb::literals;
+
 namespace {
 
 // PyKDL.JntArray has rows() and indexing, but numpy does not know it.
@@ -89,6 +92,11 @@ std::optional<std::span<const double>> RowOf(nb::handle value) {
   return IsNumpyArray(value) ? RowOfArray(AsArray(value)) : RowOfView(value);
 }
 
+bool HasRealNumbers(nb::handle array) {
+  const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
+  return kind == "f" || kind == "i" || kind == "u";
+}
+
 Doubles::Doubles(nb::handle value, const char* what) {
   if (nb::try_cast(value, array_, /*convert=*/false) && array_.ndim() > 0) return;
   const nb::module_ numpy = nb::module_::import_("numpy");
@@ -96,15 +104,16 @@ Doubles::Doubles(nb::handle value, const char* what) {
     throw ArgumentError(std::string(what) + " must be a list of numbers, got " +
                         nb::cast<std::string>(nb::repr(value)));
   };
-  if (value.is_none()) refuse();  // numpy makes NaN of it
   nb::object array;
   try {
-    array = numpy.attr("asarray")(AsSequence(value), "float64", "C");
+    array = numpy.attr("asarray")(AsSequence(value));
   } catch (nb::python_error& e) {
     if (!e.matches(PyExc_TypeError) && !e.matches(PyExc_ValueError)) throw;
     refuse();
   }
-  array_ = nb::cast<decltype(array_)>(array);
+  // Numpy would make NaN of None, numbers of text, and leave out what is imaginary.
+  if (!HasRealNumbers(array)) refuse();
+  array_ = nb::cast<decltype(array_)>(array.attr("astype")("float64", "order"_a = "C"));
   if (array_.ndim() == 0) refuse();
 }
 

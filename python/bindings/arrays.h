@@ -22,9 +22,13 @@ namespace nb = nanobind;
 // long as the object given is. Nothing of anything else.
 std::optional<std::span<const double>> RowOf(nb::handle value);
 
-// Float64 numbers of anything array-like, flat; read where they are when they are contiguous
-// float64. ArgumentError: "<what> must be a list of numbers, got None". The object given must live
-// as long, and not be written to meanwhile.
+// Whether a numpy array holds floating-point numbers or integers: no truth values, no text, no
+// objects, nothing complex.
+bool HasRealNumbers(nb::handle array);
+
+// Float64 numbers of anything array-like of real numbers, flat; read where they are when they are
+// contiguous float64. ArgumentError: "<what> must be a list of numbers, got None". The object given
+// must live as long, and not be written to meanwhile.
 class Doubles {
  public:
   Doubles(nb::handle value, const char* what);

@@ -79,8 +79,7 @@ class RowsArgument {
     } catch (nb::python_error&) {  // rows of different lengths
       ThrowType(path_, Expected(), value);
     }
-    const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
-    if (kind != "f" && kind != "i" && kind != "u") {
+    if (!HasRealNumbers(array)) {
       throw nb::type_error(fmt::format("{} must be {}, got {}", path_.text(), Expected(),
                                        TextOf(array.attr("dtype")))
                                .c_str());

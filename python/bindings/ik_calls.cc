@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "arrays.h"
+#include "ik_wishes.h"
 #include "kinematics.h"
 #include "signals.h"
 #include "values.h"
@@ -28,7 +29,7 @@ using namespace nb::literals;
 JointVector JointsOf(nb::handle values, const char* name) {
   if (values.is_none()) return {};
   const FieldPath path(name);
-  return JointVector(Numbers(values, path).span());
+  return ToJointVector(Numbers(values, path), name);
 }
 
 nb::object Three(const Eigen::Vector3d& v) {

@@ -138,11 +138,21 @@ void IkWishes::Apply(IkOptions* options) const {
   ApplyFilter(filter, options);
 }
 
+JointVector ToJointVector(std::span<const double> values, const char* name) {
+  if (values.size() > kMaxChainJoints) {
+    throw ArgumentError(
+        fmt::format("{}: expected one value for each joint, of which a chain has "
+                    "at most {}, got {}",
+                    name, kMaxChainJoints, values.size()));
+  }
+  return JointVector(values);
+}
+
 JointVector IkSeed(nb::handle seed, const Chain& chain) {
   if (seed.is_none()) return {};
   const auto there = RowOf(seed);
   const JointVector read =
-      there ? JointVector(*there) : JointVector(std::span<const double>(ToRow(seed, "seed")));
+      there ? ToJointVector(*there, "seed") : ToJointVector(ToRow(seed, "seed"), "seed");
   if (read.empty()) {
     throw ArgumentError(
         fmt::format("inverse kinematics of {}: seed: expected {} joint values, got 0; without one "

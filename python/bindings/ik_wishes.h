@@ -16,6 +16,9 @@ struct IkWishes {
   void Apply(IkOptions* options) const;
 };
 
+// Values of as many joints as a chain may have; an ArgumentError names them otherwise.
+JointVector ToJointVector(std::span<const double> values, const char* name);
+
 // The seed of one query: empty for None. ArgumentError for no numbers at all, which would be none
 // as well; how many they are, `ik` says.
 JointVector IkSeed(nb::handle seed, const Chain& chain);

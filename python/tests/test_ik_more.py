@@ -576,6 +576,16 @@ class TestBatches:
                     rc.ArgumentError, match=r"seeds must be \(7,\), or .*, has shape " + shape
                 ):
                     ik_batch(targets, seeds=seeds)
+        for seed in (np.zeros(17), [0.0] * 17):
+            with pytest.raises(
+                rc.ArgumentError, match="seed: expected one value for each joint, .* got 17"
+            ):
+                robot.kinematics.ik(targets[0], seed)
+        for odd in (["0"] * 7, [0j] * 7, [True] * 7, [None] * 7, np.zeros(7, complex)):
+            with pytest.raises(rc.ArgumentError, match="seeds must be a list of numbers, got "):
+                robot.kinematics.ik_batch(targets, seeds=odd)
+            with pytest.raises(rc.ArgumentError, match="jnt_pos_cmd must be a list of numbers"):
+                robot.jnt_pos_cmd = odd
         seeds = np.zeros((3, 7))
         seeds[2, 4] = np.nan
         with pytest.raises(rc.ArgumentError, match=r"seeds\[2\]\[4\] is nan"):
