@@ -9,7 +9,8 @@ if(ROBOCELL_SANITIZE OR NOT CMAKE_BUILD_TYPE STREQUAL "Release")
   set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/testing/ratio_of_times.cc"
     PROPERTIES COMPILE_DEFINITIONS ROBOCELL_SLOW_BUILD)
 endif()
-target_compile_definitions(robocell_testing PUBLIC ROBOCELL_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
+set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/testing/source_dir.cc"
+  PROPERTIES COMPILE_DEFINITIONS "ROBOCELL_SOURCE_DIR=\"${CMAKE_SOURCE_DIR}\"")
 target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
   PRIVATE robocell_flags PkgConfig::HWY)
 

@@ -16,6 +16,7 @@
 #include "robocell/render/renderer.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 namespace {
@@ -125,7 +126,7 @@ TEST(Threads, GetTheirOwnEngineErrors) {
 
 TEST(Threads, MakeEpisodesOfOneDataset) {
   TempDir folder;
-  RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.cameras.streams = {};
   run.output = (folder / "out").string();
   PrepareDataset(run);

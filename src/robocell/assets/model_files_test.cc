@@ -12,6 +12,7 @@
 #include "robocell/base/files.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -226,7 +227,7 @@ size_t ExpectTheSpecsAssets(const fs::path& folder) {
 }
 
 TEST(ModelFiles, AreWhatTheSpecsOfShippedModelsReferTo) {
-  ExpectTheSpecsAssets(fs::path(ROBOCELL_SOURCE_DIR) / "models");
+  ExpectTheSpecsAssets(fs::path(SourceDir()) / "models");
 }
 
 TEST(ModelFiles, AreWhatTheSpecsOfTheMenagerieReferTo) {

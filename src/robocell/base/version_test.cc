@@ -7,12 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "robocell/base/files.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 namespace {
 
 TEST(Version, IsThatOfTheBuildFile) {
-  const std::string build = ReadFile(ROBOCELL_SOURCE_DIR "/CMakeLists.txt");
+  const std::string build = ReadFile(SourceDir() + "/CMakeLists.txt");
   std::smatch match;
   ASSERT_TRUE(std::regex_search(build, match, std::regex("project\\(robocell VERSION ([0-9.]+)")));
   EXPECT_EQ(Version(), match[1].str());

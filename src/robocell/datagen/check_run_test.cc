@@ -11,6 +11,7 @@
 #include "robocell/base/files.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -24,7 +25,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 RunConfig Demo() {
-  RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.locations = {};
   return run;
 }
@@ -32,8 +33,7 @@ RunConfig Demo() {
 TEST(CheckRun, TheExamplesPass) {
   EXPECT_NO_THROW(CheckRun(Demo()));
   REQUIRE_MENAGERIE("ufactory_xarm7");
-  EXPECT_NO_THROW(
-      CheckRun(RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/xarm7_pick.yaml")));
+  EXPECT_NO_THROW(CheckRun(RunConfig::Load(SourceDir() + "/examples/xarm7_pick.yaml")));
 }
 
 TEST(CheckRun, StreamsThatCannotBeRecordedAreToldAllAtOnce) {
@@ -86,15 +86,16 @@ TEST(CheckRun, TheFilesLinesAreNamed) {
   TempDir folder;
   AtomicWrite(folder / "run.yaml",
               "run: lines\n"
-              "robot: " ROBOCELL_SOURCE_DIR
-              "/models/robots/rc7/rc7.yaml\n"
-              "output: out\n"
-              "task:\n"
-              "  objects: [box]\n"
-              "cameras:\n"
-              "  streams:\n"
-              "    - {name: a, camera: wrist_camera}\n"
-              "    - {name: b, camera: nowhere}\n");
+              "robot: " +
+                  SourceDir() +
+                  "/models/robots/rc7/rc7.yaml\n"
+                  "output: out\n"
+                  "task:\n"
+                  "  objects: [box]\n"
+                  "cameras:\n"
+                  "  streams:\n"
+                  "    - {name: a, camera: wrist_camera}\n"
+                  "    - {name: b, camera: nowhere}\n");
   const std::string file = (folder / "run.yaml").string();
   ExpectThrow<SpecError>([&] { CheckRun(RunConfig::Load(file)); },
                          file + ":9:25: cameras.streams[1].camera: ");
@@ -251,7 +252,7 @@ class CheckRobotFile : public ::testing::Test {
                        at - line + 1);
   }
 
-  const std::string kRc7 = std::string(ROBOCELL_SOURCE_DIR) + "/models/robots/rc7";
+  const std::string kRc7 = SourceDir() + "/models/robots/rc7";
   TempDir folder_;
 };
 

@@ -19,6 +19,7 @@
 #include "robocell/task/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 namespace {
@@ -94,7 +95,7 @@ class UnstableAtFirst : public TaskSampler {
 class DivergenceTest : public ::testing::Test {
  protected:
   RunConfig Run(const std::string& name, Keep keep = Keep::kSuccesses) {
-    RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+    RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
     run.cameras.streams = {};
     run.keep = keep;
     run.output = (folder / name).string();

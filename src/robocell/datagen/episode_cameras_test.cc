@@ -9,6 +9,7 @@
 #include "robocell/render/stream_camera.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/pick_sampler.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -20,7 +21,7 @@ constexpr double kHalfMillimetre = 0.5e-3 + 1e-6;  // and the rounding of a floa
 class EpisodeCamerasTest : public ::testing::Test {
  protected:
   EpisodeCamerasTest() {
-    run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+    run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
     run.cameras.resolution = {64, 48};
     run.cameras.streams[0].depth = true;
     Rng rng = Rng::Stream(1, "start");

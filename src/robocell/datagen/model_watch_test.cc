@@ -16,6 +16,7 @@
 #include "robocell/datagen/runner.h"
 #include "robocell/task/pick_planner.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -33,8 +34,8 @@ class ModelWatchTest : public ::testing::Test {
   ModelWatchTest() : run_(OwnRun(temp_ / "cell")) {}
 
   static RunConfig OwnRun(const fs::path& folder) {
-    if (!fs::exists(folder)) fs::copy(fs::path(ROBOCELL_SOURCE_DIR) / "models/robots/rc7", folder);
-    RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+    if (!fs::exists(folder)) fs::copy(fs::path(SourceDir()) / "models/robots/rc7", folder);
+    RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
     run.cameras.streams = {};
     run.robot.config.source_dir = folder.string();
     run.output = (folder / "out").string();

@@ -20,6 +20,7 @@
 #include "robocell/datagen/run_inputs.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -31,7 +32,7 @@ using ::testing::IsEmpty;
 using ::testing::Not;
 
 RunConfig Demo(const std::filesystem::path& output) {
-  RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.output = output.string();
   return run;
 }
@@ -132,7 +133,7 @@ TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
 
 TEST(PrepareDataset, NamesTheOptionThatReplacedANumberOfAList) {
   TempDir folder;
-  const std::string file = std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml";
+  const std::string file = SourceDir() + "/examples/demo.yaml";
   const auto with = [&](const std::string& option) {
     return LoadYaml<RunConfig>(file, {"output=" + (folder / "out").string(), option});
   };

@@ -15,6 +15,7 @@
 #include "robocell/datagen/runner.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -26,14 +27,14 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
 
-const fs::path kModels = fs::path(ROBOCELL_SOURCE_DIR) / "models";
+const fs::path kModels = fs::path(SourceDir()) / "models";
 
 // The built-in robot as a user's own, on a user's own table.
 RunConfig OwnRun(const fs::path& folder) {
   fs::create_directories(folder);
   fs::copy(kModels / "robots/rc7", folder / "robot", fs::copy_options::recursive);
   fs::copy(kModels / "scenes/tabletop.xml", folder / "table.xml");
-  RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.cameras.streams = {};
   run.robot.config.source_dir = (folder / "robot").string();
   run.scenes.source = SceneSourceKind::kFiles;

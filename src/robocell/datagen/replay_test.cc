@@ -14,6 +14,7 @@
 #include "robocell/task/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -49,7 +50,7 @@ class Meddling : public Expert {
 class ReplayTest : public ::testing::Test {
  protected:
   ReplayTest() {
-    run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+    run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
     run.cameras.streams = {};
     Rng rng = Rng::Stream(1, "start");
     for (int attempt = 0; !start; ++attempt)

@@ -10,6 +10,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -45,7 +46,7 @@ class Commanding : public Expert {
 class RolloutTest : public ::testing::Test {
  protected:
   RolloutTest() {
-    run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+    run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
     run.cameras.streams = {};
     Rng rng = Rng::Stream(1, "start");
     for (int attempt = 0; !start; ++attempt)

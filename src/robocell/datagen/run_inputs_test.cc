@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "robocell/base/files.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -19,9 +20,7 @@ using ::testing::Key;
 using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
-RunConfig DemoRun() {
-  return RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
-}
+RunConfig DemoRun() { return RunConfig::Load(SourceDir() + "/examples/demo.yaml"); }
 
 TEST(RunInputs, AreTheModelsOfRobotSceneAndObjects) {
   RunConfig run = DemoRun();
@@ -62,8 +61,7 @@ TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
   TempDir temp;
   fs::create_directory(temp / "rc7");
   RunConfig run = DemoRun();
-  fs::copy(fs::path(ROBOCELL_SOURCE_DIR) / "models/robots/rc7", temp / "rc7",
-           fs::copy_options::recursive);
+  fs::copy(fs::path(SourceDir()) / "models/robots/rc7", temp / "rc7", fs::copy_options::recursive);
   run.robot.config.source_dir = (temp / "rc7").string();
   RunInputs before = InputsOf(run);
   const fs::path model = temp / "rc7/rc7.xml";
@@ -84,7 +82,7 @@ TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
 TEST(RunInputs, AreTheSameInAFolderOfAnotherName) {
   TempDir temp;
   RunConfig run = DemoRun();
-  fs::copy(fs::path(ROBOCELL_SOURCE_DIR) / "models/robots/rc7", temp / "cell");
+  fs::copy(fs::path(SourceDir()) / "models/robots/rc7", temp / "cell");
   run.robot.config.source_dir = (temp / "cell").string();
   const RunInputs before = InputsOf(run);
   EXPECT_THAT(before.files, Contains(Key("cell/rc7.xml")));
@@ -114,7 +112,7 @@ TEST(RunInputs, ModelsOfTheSameNameInFoldersOfTheSameNameAreTwo) {
   TempDir temp;
   RunConfig run = DemoRun();
   run.scenes.source = SceneSourceKind::kFiles;
-  const std::string table = ReadFile(fs::path(ROBOCELL_SOURCE_DIR) / "models/scenes/tabletop.xml");
+  const std::string table = ReadFile(fs::path(SourceDir()) / "models/scenes/tabletop.xml");
   for (const char* folder : {"a/room", "b/room"}) {
     fs::create_directories(temp / folder);
     AtomicWrite(temp / folder / "table.xml", table);

@@ -14,6 +14,7 @@
 #include "robocell/task/pick_planner.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -25,7 +26,7 @@ using ::testing::Pair;
 
 // A run file of the examples without cameras: what they cost is not what is tested here.
 RunConfig Blind(const std::string& file, const std::filesystem::path& output) {
-  RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/" + file);
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/" + file);
   run.cameras.streams = {};
   run.output = output.string();
   PrepareDataset(run);
@@ -280,7 +281,7 @@ TEST(Runner, AnExceptionFromTheStopCheckComesOutAndLeavesNothingHalfDone) {
 
 TEST(Runner, RefusesStreamsThatCannotBeRecordedAllAtOnce) {
   TempDir folder;
-  RunConfig run = RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.output = folder.path().string();
   run.cameras.streams[0].segmentation = true;
   run.cameras.streams[1].rate = 5;

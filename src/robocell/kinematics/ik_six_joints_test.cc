@@ -11,6 +11,7 @@
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/kinematics/ik_solutions.h"
 #include "robocell/kinematics/testing/ik_judge.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 namespace {
@@ -84,7 +85,7 @@ class ArmOfSixJoints : public testing::TestWithParam<SixJoints> {
  protected:
   static TestModel Load() {
     if (!GetParam().rows.empty()) return TestModel::FromXml(ArmXml(GetParam().rows));
-    std::ifstream file(std::string(ROBOCELL_SOURCE_DIR) + "/examples/desk6/desk6.xml");
+    std::ifstream file(SourceDir() + "/examples/desk6/desk6.xml");
     return TestModel::FromXml({std::istreambuf_iterator<char>(file), {}});
   }
   std::vector<Pose> Reached(int count) {

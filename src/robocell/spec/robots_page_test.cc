@@ -6,13 +6,14 @@
 
 #include "robocell/base/files.h"
 #include "robocell/spec/robot_config.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 namespace {
 
 // The first cells of the table below "### <heading>", without their backticks.
 std::vector<std::string> FieldsOnPage(const std::string& heading) {
-  std::istringstream page(ReadFile(std::string(ROBOCELL_SOURCE_DIR) + "/docs/robots.md"));
+  std::istringstream page(ReadFile(SourceDir() + "/docs/robots.md"));
   std::vector<std::string> fields;
   bool inside = false;
   for (std::string line; std::getline(page, line);) {

@@ -13,6 +13,7 @@
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 namespace {
@@ -116,8 +117,7 @@ void ExpectEveryMisspellingIsNoticed(const std::string& text, const std::string&
 std::vector<fs::path> ShippedFiles() {
   std::vector<fs::path> files;
   for (const char* folder : {"examples", "models"}) {
-    for (const auto& entry :
-         fs::recursive_directory_iterator(fs::path(ROBOCELL_SOURCE_DIR) / folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(fs::path(SourceDir()) / folder)) {
       if (entry.path().extension() == ".yaml") files.push_back(entry.path());
     }
   }
@@ -178,7 +178,7 @@ seed: 0
 output: experiment_output/datagen/xarm7_pick_v1
 )";
 
-std::string ExamplesFolder() { return std::string(ROBOCELL_SOURCE_DIR) + "/examples"; }
+std::string ExamplesFolder() { return SourceDir() + "/examples"; }
 
 std::string RunWithScenes(const std::string& scenes) {
   return std::regex_replace(kRun, std::regex(R"(\{source: procedural, houses: 0\.\.3\})"), scenes);

@@ -15,14 +15,13 @@
 #include "robocell/task/clearance.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/testing/menagerie.h"
+#include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
 
-RunConfig Demo() {
-  return RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
-}
+RunConfig Demo() { return RunConfig::Load(SourceDir() + "/examples/demo.yaml"); }
 
 Rng StreamOf(int i) { return Rng::Stream(7, "sampler test", i); }
 
@@ -68,8 +67,7 @@ TEST(PickTaskSampler, AcceptsMostOfWhatItTries) {
 
 TEST(PickTaskSampler, AcceptsMostOfWhatItTriesWithAnArmThatReachesOutAtHome) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
-  const Samples samples =
-      SamplesOf(RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/xarm7_pick.yaml"));
+  const Samples samples = SamplesOf(RunConfig::Load(SourceDir() + "/examples/xarm7_pick.yaml"));
   EXPECT_EQ(samples.starts.size(), 20u);
   EXPECT_LE(samples.tries, 50);  // 40 %
 }

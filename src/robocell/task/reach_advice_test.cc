@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "robocell/task/pick_sampler.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 namespace {
@@ -14,9 +15,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-RunConfig DemoRun() {
-  return RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/demo.yaml");
-}
+RunConfig DemoRun() { return RunConfig::Load(SourceDir() + "/examples/demo.yaml"); }
 
 // The number behind a text.
 double After(const std::string& text, const std::string& before) {

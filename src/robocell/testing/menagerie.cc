@@ -10,6 +10,7 @@
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 namespace {
@@ -21,9 +22,7 @@ std::string Environment(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-fs::path SharedRoot() {
-  return fs::path(ROBOCELL_SOURCE_DIR).parent_path() / "shared" / "menagerie";
-}
+fs::path SharedRoot() { return fs::path(SourceDir()).parent_path() / "shared" / "menagerie"; }
 
 // Makes ../shared/menagerie the root of this process when nothing else was said.
 void AdoptSharedRoot() {

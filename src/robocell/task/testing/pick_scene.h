@@ -9,11 +9,12 @@
 #include "robocell/spec/run_config.h"
 #include "robocell/task/catalogue.h"
 #include "robocell/task/planning_scene.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell {
 
 inline RunConfig ExampleRun(const std::string& file) {
-  return RunConfig::Load(std::string(ROBOCELL_SOURCE_DIR) + "/examples/" + file);
+  return RunConfig::Load(SourceDir() + "/examples/" + file);
 }
 
 // An object of a kind of the catalogue, "target", in the middle of the table, not settled.
