@@ -578,7 +578,7 @@ class TestBatches:
                     ik_batch(targets, seeds=seeds)
         for seed in (np.zeros(17), [0.0] * 17):
             with pytest.raises(
-                rc.ArgumentError, match="seed: expected one value for each joint, .* got 17"
+                rc.ArgumentError, match=r"seed: expected one value for each joint, .* got 17"
             ):
                 robot.kinematics.ik(targets[0], seed)
         for odd in (["0"] * 7, [0j] * 7, [True] * 7, [None] * 7, np.zeros(7, complex)):
