@@ -1,9 +1,11 @@
 // Position, velocity and torque mode: what holds, what moves, what is left of the servos, and
 // switching.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
 #include <optional>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
@@ -406,6 +408,78 @@ TEST(CtrlMode, ThatCannotBeSwitchedToChangesNothing) {
   scene.Reset();
   twin.Reset();
   goes_on_as_its_twin();
+}
+
+// An arm of three joints whose hand has fingers `left` and `right` with servos or without.
+std::string ArmWithFingers(bool right, bool right_servo) {
+  const auto link = [](int i, const std::string& inside) {
+    return fmt::format(
+        R"(<body name="link{0}" pos="0 0 0.2"><joint name="joint{0}" axis="0 {1} {2}"/>
+           <geom type="capsule" fromto="0 0 0 0 0 0.2" size="0.03" mass="1"/>{3}</body>)",
+        i, i > 1 ? 1 : 0, i > 1 ? 0 : 1, inside);
+  };
+  const auto finger = [](const std::string& name, double y) {
+    return fmt::format(
+        R"(<body name="{0}" pos="0 {1} 0.25"><joint name="{0}" type="slide" axis="0 1 0"/>
+           <geom type="box" size="0.01 0.005 0.03" mass="0.05"/></body>)",
+        name, y);
+  };
+  const auto servo = [](const std::string& joint, int kp) {
+    return fmt::format(R"(<position joint="{0}" name="{0}" kp="{1}" kv="5"/>)", joint, kp);
+  };
+  const std::string fingers = finger("left", 0.03) + (right ? finger("right", -0.03) : "");
+  return R"(<worldbody><body name="base">)" + link(1, link(2, link(3, fingers))) +
+         "</body></worldbody><actuator>" + servo("joint1", 200) + servo("joint2", 200) +
+         servo("joint3", 200) + servo("left", 400) + (right_servo ? servo("right", 400) : "") +
+         "</actuator><equality>" +
+         (right && !right_servo ? R"(<joint joint1="right" joint2="left" polycoef="0 -1 0 0 0"/>)"
+                                : "") +
+         "</equality>";
+}
+
+TEST(CtrlMode, AnArmGivenByPathIsSwitchedAndTheFingersOfItsHandGoOn) {
+  ModelFolder folder;
+  for (const auto& [right, right_servo] : {std::pair{false, false}, {true, false}, {true, true}}) {
+    const std::string model = folder.Write("hand", ArmWithFingers(right, right_servo));
+    Scene scene = Scene::Build(SceneWith({.path = model}));
+    Robot robot = Robot::FromScene(scene, "base", "link3");
+    for (const CtrlMode mode : {kTorque, kPosition, kTorque}) {
+      robot.set_ctrl_mode(mode);
+      ASSERT_EQ(robot.ctrl_mode(), mode);
+    }
+    robot.SetJntTrqCmd(std::vector<double>(3));
+    scene.SetActuatorCtrl("left", 0.02);
+    if (right_servo) scene.SetActuatorCtrl("right", -0.02);
+    robot.Update();
+    scene.Forward();
+    for (const double torque : robot.arm().joint_torque()) EXPECT_EQ(torque, 0) << "no servo's";
+    const int left = RequireId(scene.model(), mjOBJ_JOINT, "left", "");
+    EXPECT_NEAR(scene.data()->qfrc_actuator[scene.model()->jnt_dofadr[left]], 400 * 0.02, 1e-9);
+    // With the finger it is an arm too.
+    Scene other = Scene::Build(SceneWith({.path = model}));
+    Robot whole = Robot::FromScene(other, "base", "left");
+    if (right_servo) continue;  // fingers side by side are limbs of their own
+    whole.set_ctrl_mode(kTorque);
+    whole.SetJntTrqCmd(std::vector<double>(4));
+    whole.Update();
+    other.Forward();
+    for (const double torque : whole.arm().joint_torque()) EXPECT_EQ(torque, 0);
+  }
+}
+
+TEST(CtrlMode, WhereGroupsAreFewWhatMayBeAFingerIsSwitchedWithItsArm) {
+  ModelFolder folder;
+  const std::string model = folder.Write("hand", ArmWithFingers(false, false));
+  SceneSpec spec = EmptyScene();
+  for (int i = 0; i < 14; ++i)  // 28 groups of 30: one to spare for two modes of the first
+    spec.robots.push_back({.path = model, .prefix = "r" + std::to_string(i) + "_"});
+  const Scene scene = Scene::Build(spec);
+  Robot::FromScene(scene, "base", "link3", {.prefix = "r0_"}).set_ctrl_mode(kTorque);
+  Robot::FromScene(scene, "base", "left", {.prefix = "r13_"}).set_ctrl_mode(kTorque);
+  Robot last = Robot::FromScene(scene, "base", "link3", {.prefix = "r12_"});
+  ExpectThrow<ArgumentError>([&] { last.set_ctrl_mode(kTorque); },
+                             "its actuators are switched together with others ('r12_left_torque'); "
+                             "give the robot a configuration with this arm as a move group");
 }
 
 TEST(CtrlMode, ThatNoActuatorGroupIsLeftForIsTold) {

@@ -37,13 +37,15 @@ bool AllGroupsAreTaken(const mjModel* m) {
   return taken.size() >= static_cast<size_t>(kLastActuatorGroup);
 }
 
-// Whether one of the engine's groups holds these actuators and no others; why not, else "".
+// Whether groups that the engine can switch hold these actuators and no others; why not, else "".
+// They are several where the last joint is apart from the others (Limb::may_end_in_finger).
 std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
   if (ids.empty()) return "it has no actuators";
-  const int group = m->actuator_group[ids[0]];
+  std::set<int> groups;
+  for (const int id : ids) groups.insert(m->actuator_group[id]);
   for (int a = 0; a < m->nactuator; ++a) {
-    if ((m->actuator_group[a] == group) == Contains(ids, a)) continue;
-    if (group == 0 && AllGroupsAreTaken(m)) {
+    if (!groups.contains(m->actuator_group[a]) || Contains(ids, a)) continue;
+    if (groups.contains(0) && AllGroupsAreTaken(m)) {
       return fmt::format(
           "the arms before it took all {} actuator groups that the engine can switch; set "
           "control_modes of robots that need no torque to [position]",
@@ -52,16 +54,22 @@ std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
     return fmt::format(
         "its actuators are switched together with others ('{}'); give the robot a "
         "configuration with this arm as a move group",
-        ElementName(m, mjOBJ_ACTUATOR, Contains(ids, a) ? ids[0] : a));
+        ElementName(m, mjOBJ_ACTUATOR, a));
   }
-  return group >= 0 && group <= kLastActuatorGroup ? "" : "no actuator group is left for its modes";
+  const bool has_numbers = *groups.begin() >= 0 && *groups.rbegin() <= kLastActuatorGroup;
+  return has_numbers ? "" : "no actuator group is left for its modes";
 }
 
-// 0 for a group of somebody's own that names no actuators.
-int GroupBit(const mjModel* m, const MoveGroup& drive) {
-  const std::vector<std::string>& names = drive.actuator_names();
-  const int id = names.empty() ? -1 : FindId(m, mjOBJ_ACTUATOR, names.front());
-  return id < 0 ? 0 : 1 << m->actuator_group[id];
+// The groups of its actuators that can be switched; 0 for a group of somebody's own that names
+// none.
+int GroupBits(const mjModel* m, const MoveGroup& drive) {
+  int bits = 0;
+  for (const std::string& name : drive.actuator_names()) {
+    const int id = FindId(m, mjOBJ_ACTUATOR, name);
+    const int group = id < 0 ? -1 : m->actuator_group[id];
+    if (group >= 0 && group <= kLastActuatorGroup) bits |= 1 << group;
+  }
+  return bits;
 }
 
 // Who could have added actuators for an arm to the scene.
@@ -179,10 +187,10 @@ bool SwitchTo(CtrlMode mode, const Drives& drives, const Scene& scene) {
   const mjModel* m = scene.model();
   int others = 0;
   for (int i = 0; i < kCtrlModes; ++i) {
-    if (drives.groups[i] && i != static_cast<int>(mode)) others |= GroupBit(m, *drives.groups[i]);
+    if (drives.groups[i] && i != static_cast<int>(mode)) others |= GroupBits(m, *drives.groups[i]);
   }
   if (others == 0) return false;  // one mode only, whose actuators are as authored
-  const int wanted = (m->opt.disableactuator | others) & ~GroupBit(m, *drives.of(mode));
+  const int wanted = (m->opt.disableactuator | others) & ~GroupBits(m, *drives.of(mode));
   if (wanted == m->opt.disableactuator) return false;
   Scene(scene).mutable_model()->opt.disableactuator = wanted;
   return true;
@@ -204,7 +212,7 @@ std::optional<CtrlMode> ModeNow(const Drives& drives, const Scene& scene) {
   for (int i = 0; i < kCtrlModes; ++i) {
     if (!drives.groups[i]) continue;
     ++sets;
-    if (m->opt.disableactuator & GroupBit(m, *drives.groups[i])) continue;
+    if (m->opt.disableactuator & GroupBits(m, *drives.groups[i])) continue;
     ++on;
     mode = static_cast<CtrlMode>(i);
   }

@@ -213,6 +213,12 @@ std::vector<std::string> ActuatorsOf(const RobotLimbs& robot, const Limb& limb, 
   return names;
 }
 
+int GroupsNeeded(const RobotLimbs& robot) {
+  size_t needed = 0;
+  for (const Limb& limb : robot.limbs) needed += limb.modes.size();
+  return static_cast<int>(needed);
+}
+
 class GroupNumbers {
  public:
   GroupNumbers(mjSpec* spec, const std::vector<RobotLimbs>& robots) : spec_(spec) {
@@ -350,8 +356,10 @@ std::vector<Limb> SerialLimbs(mjSpec* spec, bool declared) {
     ByJoint actuators = ActuatorsByJoint(spec, kind);
     std::erase_if(actuators, [&](const auto& entry) { return driven.contains(entry.first); });
     for (const auto& [joint, name] : actuators) driven.insert(joint);
-    for (Limb& limb : SerialStretches(kind, std::move(actuators)).Find(WorldBody(spec)))
+    for (Limb& limb : SerialStretches(kind, std::move(actuators)).Find(WorldBody(spec))) {
+      limb.may_end_in_finger = limb.joints.size() > 2;  // an arm of one joint would be none
       limbs.push_back(std::move(limb));
+    }
   }
   return limbs;
 }
@@ -375,16 +383,27 @@ std::vector<Limb> AddModeActuators(const RobotSpec& robot, std::vector<Limb> lim
 
 void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, Report& report) {
   GroupNumbers groups(spec, robots);
+  int spare = groups.left();
+  for (const RobotLimbs& robot : robots) spare -= GroupsNeeded(robot);
   for (const RobotLimbs& robot : robots) {
-    int needed = 0;
-    for (const Limb& limb : robot.limbs) needed += static_cast<int>(limb.modes.size());
+    const int needed = GroupsNeeded(robot);
     if (needed > groups.left()) {
       ReportTooMany(robot, needed, groups.left(), report);
       continue;
     }
     for (const Limb& limb : robot.limbs) {
-      for (const CtrlMode mode : limb.modes)
-        groups.Assign(ActuatorsOf(robot, limb, mode), mode == limb.initial);
+      const auto more = static_cast<int>(limb.modes.size());
+      const bool last_apart = limb.may_end_in_finger && more <= spare;
+      if (last_apart) spare -= more;
+      for (const CtrlMode mode : limb.modes) {
+        std::vector<std::string> actuators = ActuatorsOf(robot, limb, mode);
+        const bool enabled = mode == limb.initial;
+        if (last_apart) {
+          groups.Assign({actuators.back()}, enabled);
+          actuators.pop_back();
+        }
+        groups.Assign(actuators, enabled);
+      }
     }
   }
 }

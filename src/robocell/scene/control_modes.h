@@ -3,9 +3,10 @@
 //
 // An arm whose joints have actuators of one kind gets motors `<joint>_torque` and velocity servos
 // `<joint>_velocity` for the modes that its robot declares, after all that its model has. Each mode
-// of each arm is an actuator group of its own; the engine switches groups off by their numbers
-// 0 ... 30. All other actuators, grippers' too, stay in groups that are never switched off. An arm
-// that declares position only is left as authored.
+// of each arm is an actuator group of its own (two, where nobody said which joints are the arm's:
+// Limb::may_end_in_finger); the engine switches groups off by their numbers 0 ... 30. All other
+// actuators, grippers' too, stay in groups that are never switched off. An arm that declares
+// position only is left as authored.
 #pragma once
 
 #include <optional>
@@ -28,6 +29,9 @@ struct Limb {
   CtrlMode native = CtrlMode::kPosition;   // what the model's actuators are
   CtrlMode initial = CtrlMode::kPosition;  // what the configuration asks for
   std::vector<CtrlMode> modes = {};        // all that it can be switched to, the native one first
+  // Nobody said which joints are the arm's: the last may be a finger of its hand, and then stays as
+  // it is where the others are switched.
+  bool may_end_in_finger = false;
 };
 
 // The groups that the engine can switch are 0 ... this.
@@ -66,7 +70,8 @@ struct RobotLimbs {
 };
 
 // Gives every limb's modes their groups and switches on the initial ones. A problem when the groups
-// do not suffice for what was declared; a note when they do not for what was not.
+// do not suffice for what was declared; a note when they do not for what was not. What may be a
+// finger gets groups of its own as long as there are any to spare.
 void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, Report& report);
 
 // Velocity servos brake as the position servos of their joints do; where these do not say, so that
