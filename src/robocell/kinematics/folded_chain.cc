@@ -1,6 +1,7 @@
 #include "robocell/kinematics/folded_chain.h"
 
 #include <cmath>
+#include <numbers>
 
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/common_normal.h"
@@ -29,6 +30,8 @@ FoldedChain Fold(const ChainModel& chain) {
     out.slide = joint.slide;
     out.lower = joint.lower;
     out.upper = joint.upper;
+    out.has_whole_turn = !joint.slide && joint.upper - joint.lower >= 2 * std::numbers::pi;
+    folded.has_whole_turns |= out.has_whole_turn;
     (joint.slide ? out.shift : out.angle) -= joint.reference * (joint.slide ? folded.per_metre : 1);
     if (i == 0) continue;
     const std::optional<CommonNormal> normal = CommonNormalOf(joint.fixed);

@@ -33,11 +33,14 @@ struct FoldedJoint {
   double angle = 0, shift = 0;
   double cos_angle = 1, sin_angle = 0;  // of `angle`, for slides
   double lower = 0, upper = 0;          // rad or m; +-infinity without limits
+  // A hinge whose limits leave out no direction: what is beyond them is whole turns from inside.
+  bool has_whole_turn = false;
 };
 
 struct FoldedChain {
   int n = 0;
-  double per_metre = 1;  // 1 / length
+  bool has_whole_turns = false;  // some joint
+  double per_metre = 1;          // 1 / length
   FoldedJoint joints[kMaxChainJoints];
   PlainTransform base;  // base body -> first screw
   PlainTransform tip;   // last screw -> tip

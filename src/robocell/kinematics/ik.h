@@ -12,7 +12,8 @@
 // finite, a wrong number of seed values, locked joints without a seed, options out of range.
 //
 // Joints without limits: hinges start anywhere in a turn, slides within the chain's length; nothing
-// is clipped. Of positions that are whole turns apart and in the limits, the one nearest to the
+// is clipped. Nor are hinges with limits that are a whole turn apart or more, but in the search
+// from the seed. Of positions that are whole turns apart and in the limits, the one nearest to the
 // seed is returned.
 //
 // Nothing is allocated (but by a filter), but for a table of starts that a chain makes once, when a

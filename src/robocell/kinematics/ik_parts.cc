@@ -46,17 +46,19 @@ Transform TipAt(const Chain& chain, const JointVector& q) {
   return tip;
 }
 
-// How many whole turns bring a hinge nearest to the seed without leaving the limits.
-double TurnsTowards(double seed, double q, const JointModel& joint) {
+bool IsInside(const FoldedJoint& joint, double q) { return q >= joint.lower && q <= joint.upper; }
+
+// Of where a hinge can be whole turns away, in the limits, the nearest to the seed.
+double TurnedTowards(double seed, double q, const FoldedJoint& joint) {
   double turns = std::round((seed - q) / kTurn);
-  const auto is_inside = [&] {
-    const double moved = q + turns * kTurn;
-    return moved >= joint.lower && moved <= joint.upper;
-  };
-  if (turns == 0 || is_inside()) return turns;
-  const double one = std::copysign(1, turns);
-  turns = std::trunc(((turns > 0 ? joint.upper : joint.lower) - q) / kTurn);
-  return turns == 0 || is_inside() ? turns : turns - one;  // rounding
+  if (!(std::abs(turns) <= kMostTurns)) turns = 0;
+  // As the seed is in the limits, what is nearest of all is at most half a turn beyond.
+  const double nearest = q + turns * kTurn;
+  if (nearest > joint.upper) turns -= 1;
+  if (nearest < joint.lower) turns += 1;
+  // Limits that are just a turn apart are passed by rounding.
+  const double turned = q + turns * kTurn;
+  return turned >= joint.lower ? std::min(turned, joint.upper) : joint.lower;  // no NaN
 }
 
 }  // namespace
@@ -91,14 +93,14 @@ int RestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& op
   return too_far ? std::min(options.max_restarts, kRestartsWhenTooFar) : options.max_restarts;
 }
 
-void UnwindTowards(const ChainModel& chain, const JointVector& seed, const LockedJoints& locked,
+void UnwindTowards(const FoldedChain& chain, const JointVector& seed, const LockedJoints& locked,
                    JointVector* q) {
   for (int i = 0; i < chain.n; ++i) {
-    if (std::abs(seed[i] - (*q)[i]) < kLessThanHalfATurn) continue;
-    const JointModel& joint = chain.joints[i];
+    const FoldedJoint& joint = chain.joints[i];
     if (joint.slide || locked[i]) continue;
-    const double turns = TurnsTowards(seed[i], (*q)[i], joint);
-    if (std::abs(turns) <= kMostTurns) (*q)[i] += turns * kTurn;
+    double& value = (*q)[i];
+    const bool near = std::abs(seed[i] - value) < kLessThanHalfATurn;
+    if (!near || !IsInside(joint, value)) value = TurnedTowards(seed[i], value, joint);
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "robocell/kinematics/folded_chain.h"
 #include "robocell/kinematics/ik_task.h"
 #include "robocell/kinematics/transform.h"
 
@@ -27,9 +28,9 @@ JointVector SpreadStart(const ChainModel& chain, const JointVector& seed,
 int RestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& options,
                 const Transform& target);
 
-// Whole turns do not move the tip: takes as many as bring a hinge nearest to the seed, within its
-// limits.
-void UnwindTowards(const ChainModel& chain, const JointVector& seed, const LockedJoints& locked,
+// Whole turns do not move the tip: takes as many as bring a hinge nearest to the seed, which is in
+// the limits, within its limits. A hinge beyond them must have limits that hold a whole turn.
+void UnwindTowards(const FoldedChain& chain, const JointVector& seed, const LockedJoints& locked,
                    JointVector* q);
 
 // Judges q by a fresh forward kinematics, that of Chain::Fk, in double precision and one pose at a

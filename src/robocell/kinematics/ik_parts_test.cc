@@ -12,7 +12,7 @@ namespace robocell {
 namespace {
 
 // Of all whole turns that stay in the limits, by trying them.
-double NearestByTrying(const JointModel& joint, double seed, double q) {
+double NearestByTrying(const FoldedJoint& joint, double seed, double q) {
   double nearest = q;
   for (int turns = -12; turns <= 12; ++turns) {
     const double moved = q + turns * kTurn;
@@ -25,9 +25,9 @@ double NearestByTrying(const JointModel& joint, double seed, double q) {
 TEST(UnwindTowards, TakesTheNearestTurnThatTheLimitsAllow) {
   Rng rng = Rng::Stream(1, "unwind");
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  ChainModel chain;
+  FoldedChain chain;
   chain.n = 1;
-  JointModel& joint = chain.joints[0];
+  FoldedJoint& joint = chain.joints[0];
   int moved = 0;
   for (int k = 0; k < 20000; ++k) {
     joint.lower = k % 7 == 0 ? -kInfinity : rng.Uniform(-20, 5);
@@ -48,9 +48,9 @@ TEST(UnwindTowards, TakesTheNearestTurnThatTheLimitsAllow) {
 }
 
 TEST(UnwindTowards, LeavesSlidesAndLockedJoints) {
-  ChainModel chain;
+  FoldedChain chain;
   chain.n = 2;
-  for (JointModel& joint : chain.joints) joint.lower = -20, joint.upper = 20;
+  for (FoldedJoint& joint : chain.joints) joint.lower = -20, joint.upper = 20;
   chain.joints[0].slide = true;
   JointVector q{1, 1};
   UnwindTowards(chain, JointVector{9, 9}, {false, true}, &q);

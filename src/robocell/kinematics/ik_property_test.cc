@@ -1,6 +1,6 @@
 // What holds for every question about every chain, asked alone and in batches: random chains of 1
-// to 12 joints with slides, tiny limits and joints without, questions of every kind. The judge is
-// the engine.
+// to 12 joints with slides, tiny limits, limits of a turn and more, and without limits; questions
+// of every kind. The judge is the engine.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ struct ManyQuestions {
   }
 };
 
-enum class Sort { kPlain, kWithSlides, kTinyLimits, kLocked };
+enum class Sort { kPlain, kWithSlides, kTinyLimits, kLocked, kWholeTurns };
 
 class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
  protected:
@@ -46,7 +46,8 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
     const auto [joints, sort] = GetParam();
     return {.joints = joints,
             .slide_share = sort == Sort::kPlain ? 0 : 0.35,
-            .tiny_share = sort == Sort::kTinyLimits ? 0.4 : 0};
+            .tiny_share = sort == Sort::kTinyLimits ? 0.4 : 0,
+            .whole_turn_share = sort == Sort::kWholeTurns ? 0.7 : 0};
   }
 
   void Add(const Pose& target, const JointVector& truth, const std::string& kind, bool reachable) {
@@ -125,7 +126,8 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
 INSTANTIATE_TEST_SUITE_P(Joints, IkProperties,
                          testing::Combine(testing::Range(1, 13),
                                           testing::Values(Sort::kPlain, Sort::kWithSlides,
-                                                          Sort::kTinyLimits, Sort::kLocked)));
+                                                          Sort::kTinyLimits, Sort::kLocked,
+                                                          Sort::kWholeTurns)));
 
 TEST_P(IkProperties, HoldForAllKindsOfQuestions) {
   MakeQuestions();

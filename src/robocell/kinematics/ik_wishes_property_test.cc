@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kWished = 1e-5;
 
-enum class Joints { kWithSlides, kTinyLimits, kLocked };
+enum class Joints { kWithSlides, kTinyLimits, kLocked, kWholeTurns };
 
 struct Wish {
   std::string name;
@@ -40,8 +40,10 @@ class IkWishes : public testing::TestWithParam<std::tuple<int, Joints>> {
 
   static RandomChainOptions Options() {
     const auto [joints, sort] = GetParam();
-    return {
-        .joints = joints, .slide_share = 0.3, .tiny_share = sort == Joints::kTinyLimits ? 0.3 : 0};
+    return {.joints = joints,
+            .slide_share = 0.3,
+            .tiny_share = sort == Joints::kTinyLimits ? 0.3 : 0,
+            .whole_turn_share = sort == Joints::kWholeTurns ? 0.7 : 0};
   }
   Vector3d RandomDirection() {
     return Vector3d(rng_.Normal(), rng_.Normal(), rng_.Normal()).normalized();
@@ -149,7 +151,7 @@ class IkWishes : public testing::TestWithParam<std::tuple<int, Joints>> {
 INSTANTIATE_TEST_SUITE_P(Joints, IkWishes,
                          testing::Combine(testing::Range(2, 13),
                                           testing::Values(Joints::kWithSlides, Joints::kTinyLimits,
-                                                          Joints::kLocked)));
+                                                          Joints::kLocked, Joints::kWholeTurns)));
 
 TEST_P(IkWishes, AreMetAloneAndInBatches) {
   constexpr int kCount = 12;

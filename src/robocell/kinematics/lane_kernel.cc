@@ -319,6 +319,16 @@ struct LaneStep {
     }
   }
 
+  struct Limits {
+    V lower, upper;
+  };
+  template <bool kRoams>
+  static HWY_INLINE Limits LimitsOf(const FoldedJoint& joint, V roam) {
+    const Limits own = {Number(joint.lower), Number(joint.upper)};
+    if (!kRoams || !joint.has_whole_turn) return own;
+    return {hn::Sub(own.lower, roam), hn::Add(own.upper, roam)};
+  }
+
   // The equations of a step: the lower triangle of a symmetric matrix, and what it is solved for.
   struct Equations {
     V a[kEntries], b[6];
@@ -331,10 +341,11 @@ struct LaneStep {
     V column[kMost][6], spare[kTask ? kMost : 1], ease[kTask ? kMost : 1];
   };
 
-  template <bool kFirst, int N, bool kTask>
+  template <bool kFirst, bool kRoams, int N, bool kTask>
   static HWY_INLINE void AddJoint(const FoldedChain& chain, const LaneOptions& options, int i, V q,
-                                  const Axis& axis, const V3& tip, int lane, const LaneTask* task,
-                                  const Way& way, Moves<N, kTask>* joints, Equations* e) {
+                                  V roam, const Axis& axis, const V3& tip, int lane,
+                                  const LaneTask* task, const Way& way, Moves<N, kTask>* joints,
+                                  Equations* e) {
     V* c = joints->column[i];
     const FoldedJoint& joint = chain.joints[i];
     V3 moves, turns = axis.direction;
@@ -364,8 +375,10 @@ struct LaneStep {
     c[3] = turns.x, c[4] = turns.y, c[5] = turns.z;
     // A joint that presses on its limit takes no part (projected gradient: D. P. Bertsekas,
     // "Projected Newton Methods for Optimization Problems with Simple Constraints", 1982).
-    const auto above = hn::Ge(q, Number(joint.upper)), below = hn::Le(q, Number(joint.lower));
-    if (!kAlone || HWY_UNLIKELY(!hn::AllFalse(d, hn::Or(above, below)))) {
+    const Limits limits = LimitsOf<kRoams>(joint, roam);
+    const auto above = hn::Ge(q, limits.upper), below = hn::Le(q, limits.lower);
+    const bool seldom = kAlone || (kRoams && joint.has_whole_turn);
+    if (!seldom || HWY_UNLIKELY(!hn::AllFalse(d, hn::Or(above, below)))) {
       V push = hn::Add(Dot(moves, way.linear), Dot(turns, way.angular));
       if constexpr (kTask) push = hn::Add(push, joints->spare[i]);
       const auto up = hn::Gt(push, hn::Zero(d));
@@ -394,25 +407,27 @@ struct LaneStep {
   }
 
   // The step that takes the tip along its way, damped.
-  template <int N, bool kTask>
+  template <bool kRoams, int N, bool kTask>
   static HWY_INLINE void Assemble(const FoldedChain& chain, const LaneOptions& options, const V* q,
-                                  const Axis* axes, const V3& tip, int lane, const LaneTask* task,
-                                  const Way& way, Moves<N, kTask>* joints, Equations* e) {
+                                  V roam, const Axis* axes, const V3& tip, int lane,
+                                  const LaneTask* task, const Way& way, Moves<N, kTask>* joints,
+                                  Equations* e) {
     const int n = N ? N : chain.n;
     e->b[0] = way.linear.x, e->b[1] = way.linear.y, e->b[2] = way.linear.z;
     e->b[3] = way.angular.x, e->b[4] = way.angular.y, e->b[5] = way.angular.z;
-    AddJoint<true>(chain, options, 0, q[0], axes[0], tip, lane, task, way, joints, e);
+    AddJoint<true, kRoams>(chain, options, 0, q[0], roam, axes[0], tip, lane, task, way, joints, e);
     for (int i = 1; i < n; ++i)
-      AddJoint<false>(chain, options, i, q[i], axes[i], tip, lane, task, way, joints, e);
+      AddJoint<false, kRoams>(chain, options, i, q[i], roam, axes[i], tip, lane, task, way, joints,
+                              e);
     const V damping =  // which is known last
         hn::MulAdd(hn::Min(way.cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
     for (int i = 0; i < 6; ++i) e->a[Entry(i, i)] = hn::Add(e->a[Entry(i, i)], damping);
   }
 
   // Moves the lanes that do not stay, by what the solved equations say.
-  template <int N, bool kTask>
+  template <bool kRoams, int N, bool kTask>
   static HWY_INLINE void Advance(const FoldedChain& chain, const LaneOptions& options, const V* q,
-                                 const Moves<N, kTask>& joints, const Equations& e,
+                                 V roam, const Moves<N, kTask>& joints, const Equations& e,
                                  hn::Mask<D> stay, int lane, LaneState* state) {
     const int n = N ? N : chain.n;
     V step[Moves<N, kTask>::kMost];
@@ -436,12 +451,12 @@ struct LaneStep {
       const FoldedJoint& joint = chain.joints[i];
       const V part = joint.slide ? go : shorten;
       const V moved = hn::MulAdd(part, step[i], q[i]);
-      hn::Store(hn::Min(hn::Max(moved, Number(joint.lower)), Number(joint.upper)), d,
-                state->q[i] + lane);
+      const Limits limits = LimitsOf<kRoams>(joint, roam);
+      hn::Store(hn::Min(hn::Max(moved, limits.lower), limits.upper), d, state->q[i] + lane);
     }
   }
 
-  template <int N, bool kTask>
+  template <int N, bool kTask, bool kRoams>
   static HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& options,
                                        int lane, LaneState* state, const LaneTask* task) {
     constexpr int kMost = Moves<N, kTask>::kMost;
@@ -462,9 +477,10 @@ struct LaneStep {
 
     Equations e;
     Moves<N, kTask> joints;
-    Assemble(chain, options, q, axes, tip, lane, task, way, &joints, &e);
+    const V roam = Load(state->roam + lane);
+    Assemble<kRoams>(chain, options, q, roam, axes, tip, lane, task, way, &joints, &e);
     SolveSix(hn::Set(d, 1.0), e.a, e.b);
-    Advance(chain, options, q, joints, e, stay, lane, state);
+    Advance<kRoams>(chain, options, q, roam, joints, e, stay, lane, state);
     uint8_t bits[8] = {};
     hn::StoreMaskBits(d, arrived, bits);
     return bits[0];
@@ -480,41 +496,43 @@ using One = LaneStep<hn::CappedTag<double, 1>>;
 int Count() { return kGroups * hn::Lanes(Wide::d); }
 int CountOfOneQuestion() { return hn::Lanes(Few::d); }
 
-template <int N, bool kTask>
+template <int N, bool kTask, bool kRoams>
 uint32_t Step(const FoldedChain& chain, const LaneOptions& options, uint32_t busy, LaneState* state,
               const LaneTask* task) {
   if constexpr (!kTask) {
-    if (busy == 1) return One::template StepGroup<N, kTask>(chain, options, 0, state, task);
+    if (busy == 1) return One::template StepGroup<N, kTask, kRoams>(chain, options, 0, state, task);
   }
   if (busy >> hn::Lanes(Few::d) == 0)
-    return Few::template StepGroup<N, kTask>(chain, options, 0, state, task);
+    return Few::template StepGroup<N, kTask, kRoams>(chain, options, 0, state, task);
   const int width = hn::Lanes(Wide::d);
   uint32_t arrived = 0;
   for (int first = 0; first < kGroups * width; first += width) {
     if ((busy >> first & ((1U << width) - 1)) != 0)
-      arrived |= Wide::StepGroup<N, kTask>(chain, options, first, state, task) << first;
+      arrived |= Wide::StepGroup<N, kTask, kRoams>(chain, options, first, state, task) << first;
   }
   return arrived;
 }
 
-// The common numbers of joints have code of their own, whose arrays the compiler can lay out.
-template <bool kTask>
+// The common numbers of joints have code of their own, whose arrays the compiler can lay out; poses
+// of chains in which no hinge has a whole turn, that does not ask for it.
+template <bool kTask, bool kRoams>
 uint32_t StepFor(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
                  LaneState* state, const LaneTask* task) {
   switch (chain.n) {
     case 6:
-      return Step<6, kTask>(chain, options, busy, state, task);
+      return Step<6, kTask, kRoams>(chain, options, busy, state, task);
     case 7:
-      return Step<7, kTask>(chain, options, busy, state, task);
+      return Step<7, kTask, kRoams>(chain, options, busy, state, task);
     default:
-      return Step<0, kTask>(chain, options, busy, state, task);
+      return Step<0, kTask, true>(chain, options, busy, state, task);
   }
 }
 
 uint32_t StepAny(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
                  LaneState* state, const LaneTask* task) {
-  return task ? StepFor<true>(chain, options, busy, state, task)
-              : StepFor<false>(chain, options, busy, state, nullptr);
+  if (task) return StepFor<true, true>(chain, options, busy, state, task);
+  return chain.has_whole_turns ? StepFor<false, true>(chain, options, busy, state, nullptr)
+                               : StepFor<false, false>(chain, options, busy, state, nullptr);
 }
 
 }  // namespace robocell::HWY_NAMESPACE

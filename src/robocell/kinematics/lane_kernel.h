@@ -21,6 +21,9 @@ inline constexpr int kMaxLanes = 16;
 // take a tenth of the time of an easy question. What lanes are stepped beside is to have some.
 struct LaneState {
   alignas(64) double q[kMaxChainJoints][kMaxLanes];
+  // By so much hinges whose limits hold a whole turn may pass them: 0 or infinity. What is found
+  // beyond is as many turns off.
+  alignas(64) double roam[kMaxLanes];
   // Where the last screw's frame shall be, in the frame of the first: x, y and z axis; and where
   // the tip shall be.
   alignas(64) double axes[9][kMaxLanes];

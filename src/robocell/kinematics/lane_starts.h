@@ -55,8 +55,9 @@ class LaneStarts {
     work->AskFor(lane, number);
     if (around_) return BeginAround(lane, number, work);
     if (number == 0 && seeded_) return work->Put(lane, seed_.data());
-    if (PutNearby(lane, number - (seeded_ ? 1 : 0), number, work)) return;
-    work->Put(lane, SpreadStart(work->chain(), seed_, work->options().locked, number).data());
+    if (!PutNearby(lane, number - (seeded_ ? 1 : 0), number, work))
+      work->Put(lane, SpreadStart(work->chain(), seed_, work->options().locked, number).data());
+    work->LetRoam(lane);
   }
 
  private:
@@ -89,9 +90,12 @@ class LaneStarts {
   void BeginAround(int lane, int number, LaneWork* work) {
     if (number == 0) return work->Put(lane, seed_.data());
     if (number == 1 && seeded_) return work->Put(lane, work->SeedOf(own_seed_).data());
-    if (number % 2 == 1 && PutNearby(lane, number / 2, number, work)) return;
-    const double part = std::min(1.0, kGrowth * number);
-    work->Put(lane, SpreadStart(work->chain(), seed_, work->options().locked, number, part).data());
+    if (number % 2 == 0 || !PutNearby(lane, number / 2, number, work)) {
+      const double part = std::min(1.0, kGrowth * number);
+      work->Put(lane,
+                SpreadStart(work->chain(), seed_, work->options().locked, number, part).data());
+    }
+    work->LetRoam(lane);
   }
 
   const Transform* tip_ = nullptr;

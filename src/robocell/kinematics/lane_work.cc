@@ -73,6 +73,7 @@ void LaneWork::Clear(int first, int end) {
   for (int i = 0; i < chain_.n; ++i) clear(state_.q[i]), clear(state_.best_q[i]);
   for (auto& row : state_.axes) clear(row);
   for (auto& row : state_.position) clear(row);
+  clear(state_.roam);
   clear(state_.distance2);
   clear(state_.turn2);
   clear(state_.best_cost);
@@ -130,6 +131,7 @@ void LaneWork::Pull(int lane, const JointVector& goal) {
 template <class Number>
 void LaneWork::Put(int lane, const Number* q) {
   const bool is_best = std::isinf(state_.best_cost[lane]);
+  state_.roam[lane] = 0;
   for (int i = 0; i < chain_.n; ++i) {
     const FoldedJoint& joint = folded_.joints[i];  // which the kernel reads too
     double value = q[i];
@@ -141,13 +143,15 @@ void LaneWork::Put(int lane, const Number* q) {
 template void LaneWork::Put(int lane, const double* q);
 template void LaneWork::Put(int lane, const float* q);
 
+void LaneWork::LetRoam(int lane) { state_.roam[lane] = std::numeric_limits<double>::infinity(); }
+
 JointVector LaneWork::Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
                             const JointVector& seed) const {
   JointVector q = seed;
   for (int i = 0; i < chain_.n; ++i) {
     if (!options_.locked[i]) q[i] = rows[i][lane];
   }
-  UnwindTowards(chain_, seed, options_.locked, &q);
+  UnwindTowards(folded_, seed, options_.locked, &q);
   return q;
 }
 

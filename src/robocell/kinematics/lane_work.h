@@ -27,9 +27,12 @@ class LaneWork {
   void Clear(int first, int end);
   // A new question for a lane; forgets the best of the last one.
   void Aim(int lane, const Transform& tip_in_base);
-  // Where the lane starts; the best there is until something better is met.
+  // Where the lane starts, in the limits; the best there is until something better is met.
   template <class Number>  // double or float
   void Put(int lane, const Number* q);
+  // From now on until something is put into the lane again, hinges whose limits hold a whole turn
+  // are not held by them: the solution found is as many turns away.
+  void LetRoam(int lane);
   // What the start with this number (0, 1, ...) steps to where a cone is asked for.
   void AskFor(int lane, int start);
   // Measures the busy lanes (bits) and moves them on; the bits of those that have arrived.

@@ -6,6 +6,7 @@
 #include <mujoco/mujoco.h>
 
 #include <array>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -135,6 +136,7 @@ struct RandomChainOptions {
       true;  // anchors, reference positions, two joints on a body, fixed bodies, side branches
   double limited_share = 0.7;  // of the hinges
   double tiny_share = 0;       // of the joints: with limits a thousandth of a radian or metre apart
+  double whole_turn_share = 0;  // of the other hinges: with limits one to two turns apart
 };
 
 // Writes the MJCF of a random chain "base" -> site "tip", on a base that itself moves.
@@ -189,6 +191,10 @@ class RandomChainXml {
     if (options_.tiny_share > 0 && rng_->Uniform() < options_.tiny_share) {
       const double lower = slide ? U(-0.4, 0.4) : U(-1.5, 1.5);
       text += fmt::format(" range='{} {}'", lower, lower + 1e-3);
+    } else if (!slide && options_.whole_turn_share > 0 &&
+               rng_->Uniform() < options_.whole_turn_share) {
+      const double lower = U(-6, 1), turns = rng_->Uniform() < 0.5 ? 1 : U(1, 2);
+      text += fmt::format(" range='{} {}'", lower, lower + turns * 2 * std::numbers::pi);
     } else if (slide) {
       text += fmt::format(" range='{} {}'", U(-0.4, -0.1), U(0.1, 0.4));
     } else if (rng_->Uniform() < options_.limited_share) {
