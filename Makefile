@@ -31,7 +31,7 @@ headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
   check-rules check-docs check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc check-tsan-python bench soak \
-  soak-reliability soak-tests soak-fuzz clean format docs
+  soak-reliability soak-tests soak-debug soak-fuzz clean format docs
 
 setup:
 	@scripts/setup
@@ -127,7 +127,7 @@ bench: setup
 # races. Then `scripts/soak_figures.py` writes the figures into docs/reliability.md. An hour or more, on
 # a machine that does nothing else (times are compared); `make --keep-going soak` goes on after a failure.
 SOAK_FUZZ_SECONDS ?= 600
-soak: soak-reliability soak-tests check-tsan soak-fuzz
+soak: soak-reliability soak-tests soak-debug check-tsan soak-fuzz
 
 soak-reliability: build
 	@$(call headline,soak: whatever dies)
@@ -140,6 +140,13 @@ soak-tests: build
 	@$(call headline,soak: long tests)
 	@scripts/fetch_test_robots
 	@$(PYTHON) -m pytest -m soak --ignore tests/reliability
+
+# What optimisation hides: nothing is inlined, so that two things of one name meet in the linker.
+soak-debug: setup
+	@$(call headline,soak: C++ tests without optimisation)
+	@$(call configure,debug)
+	@cmake --build --preset debug -j $(JOBS)
+	@ctest --preset debug -j $(JOBS) --no-tests=error --progress
 
 soak-fuzz:
 	@$(MAKE) check-fuzz FUZZ_SECONDS=$(SOAK_FUZZ_SECONDS)

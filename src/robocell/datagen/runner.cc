@@ -12,8 +12,8 @@
 #include "robocell/data/dataset_lock.h"
 #include "robocell/datagen/check_run.h"
 #include "robocell/datagen/earlier_attempts.h"
-#include "robocell/datagen/model_watch.h"
 #include "robocell/datagen/rollout.h"
+#include "robocell/datagen/run_files_watch.h"
 #include "robocell/task/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/task/reach_advice.h"
@@ -34,7 +34,7 @@ struct Runner::State {
   std::shared_ptr<TaskSampler> sampler;
   std::unique_ptr<Renderer> renderer;
   std::optional<std::string> checked_manifest;
-  ModelWatch models;
+  RunFilesWatch models;
   bool stale_sampler = false;  // it may remember scenes of models that were changed
 
   Renderer* EnsureRenderer() {
@@ -57,12 +57,12 @@ struct Runner::State {
 DatasetLock Runner::State::Enter() {
   if (!checked_manifest) {  // before anything is written, a lock included
     const std::optional<std::string> before = ReadManifest(run.output);
-    models = ModelWatch(RequireSameRun(run));
+    models = RunFilesWatch(RequireSameRun(run));
     checked_manifest = before;
   }
   DatasetLock lock = DatasetLock::Writing(run.output);
   const std::optional<std::string> manifest = ReadManifest(run.output);
-  if (!manifest || manifest != checked_manifest) models = ModelWatch(RequireSameRun(run));
+  if (!manifest || manifest != checked_manifest) models = RunFilesWatch(RequireSameRun(run));
   checked_manifest = manifest;
   RequireUnchangedModels();
   if (std::exchange(stale_sampler, false)) sampler = parts.sampler(run);

@@ -2,7 +2,7 @@
 // Whoever compiles them afterwards asks, so that editing a robot while a run goes on makes no
 // dataset of two robots.
 //
-//   const ModelWatch watch(RequireSameRun(run));
+//   const RunFilesWatch watch(RequireSameRun(run));
 //   ... sample, compile, act ...
 //   watch.RequireUnchanged(run);   // before anything is kept
 //
@@ -14,10 +14,10 @@
 
 namespace robocell {
 
-class ModelWatch {
+class RunFilesWatch {
  public:
-  ModelWatch() = default;
-  explicit ModelWatch(RunInputs inputs) : inputs_(std::move(inputs)) {}
+  RunFilesWatch() = default;
+  explicit RunFilesWatch(RunInputs inputs) : inputs_(std::move(inputs)) {}
   // IoError that names the files that are others now, or gone, and what to do.
   void RequireUnchanged(const RunConfig& run) const;
 

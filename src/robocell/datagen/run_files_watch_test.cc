@@ -1,4 +1,4 @@
-#include "robocell/datagen/model_watch.h"
+#include "robocell/datagen/run_files_watch.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -29,9 +29,9 @@ using ::testing::IsEmpty;
 
 // A run whose robot is the user's own: a copy that a test may edit or move, with the dataset beside
 // it.
-class ModelWatchTest : public ::testing::Test {
+class RunFilesWatchTest : public ::testing::Test {
  protected:
-  ModelWatchTest() : run_(OwnRun(temp_ / "cell")) {}
+  RunFilesWatchTest() : run_(OwnRun(temp_ / "cell")) {}
 
   static RunConfig OwnRun(const fs::path& folder) {
     if (!fs::exists(folder)) fs::copy(fs::path(SourceDir()) / "models/robots/rc7", folder);
@@ -51,8 +51,8 @@ class ModelWatchTest : public ::testing::Test {
   std::string original_ = ReadFile(temp_ / "cell/rc7.xml");
 };
 
-TEST_F(ModelWatchTest, AChangedOrRemovedFileIsNamedWithTheNextStep) {
-  const ModelWatch watch(RequireSameRun(run_));
+TEST_F(RunFilesWatchTest, AChangedOrRemovedFileIsNamedWithTheNextStep) {
+  const RunFilesWatch watch(RequireSameRun(run_));
   EXPECT_NO_THROW(watch.RequireUnchanged(run_));
   Edit();
   EXPECT_EQ(ExpectThrow<IoError>([&] { watch.RequireUnchanged(run_); }, "rc7.xml"),
@@ -66,7 +66,7 @@ TEST_F(ModelWatchTest, AChangedOrRemovedFileIsNamedWithTheNextStep) {
 }
 
 // At any time: before an item, while its start is sampled and compiled, and while it is acted.
-TEST_F(ModelWatchTest, ARunnerKeepsNothingOfAModelThatChanged) {
+TEST_F(RunFilesWatchTest, ARunnerKeepsNothingOfAModelThatChanged) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   bool edits = false;
   Runner runner(run_, {.sampler = {}, .expert = [&](const RunConfig& run, const EpisodeStart& at) {
@@ -88,7 +88,7 @@ TEST_F(ModelWatchTest, ARunnerKeepsNothingOfAModelThatChanged) {
 }
 
 // What earlier versions made of it.
-TEST_F(ModelWatchTest, VerifyNamesEpisodesOfAModelThatChanged) {
+TEST_F(RunFilesWatchTest, VerifyNamesEpisodesOfAModelThatChanged) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   Runner(run_).Run(plan[0]);
   const std::string manifest = *ReadManifest(run_.output);
@@ -114,7 +114,7 @@ TEST_F(ModelWatchTest, VerifyNamesEpisodesOfAModelThatChanged) {
 }
 
 // With what the dataset keeps of its model or without.
-TEST_F(ModelWatchTest, AnEpisodeThatWasCopiedFromARunOfAnotherModelDoesNotCount) {
+TEST_F(RunFilesWatchTest, AnEpisodeThatWasCopiedFromARunOfAnotherModelDoesNotCount) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   Runner(run_).Run(plan[0]);
   fs::create_directory(temp_ / "other");
@@ -147,7 +147,7 @@ nlohmann::json WithoutRun(const fs::path& episode) {
   return description;
 }
 
-TEST_F(ModelWatchTest, AFolderThatWasMovedGoesOnWithTheSameBytes) {
+TEST_F(RunFilesWatchTest, AFolderThatWasMovedGoesOnWithTheSameBytes) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   Runner(run_).Run(plan[0]);
   fs::copy(temp_ / "cell", temp_ / "moved", fs::copy_options::recursive);

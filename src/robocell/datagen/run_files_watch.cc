@@ -1,4 +1,4 @@
-#include "robocell/datagen/model_watch.h"
+#include "robocell/datagen/run_files_watch.h"
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ bool IsUnchanged(const std::filesystem::path& path, const std::string& hash) {
 
 }  // namespace
 
-void ModelWatch::RequireUnchanged(const RunConfig& run) const {
+void RunFilesWatch::RequireUnchanged(const RunConfig& run) const {
   std::vector<std::string> changed;
   for (const auto& [name, path] : inputs_.paths) {
     if (!IsUnchanged(path, inputs_.files.at(name))) changed.push_back("'" + path.string() + "'");
