@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -62,6 +63,7 @@ class Machine:
         (self.root / "scripts").mkdir(parents=True)
         for file in ("setup", "packages.txt", "requirements.txt", "constraints.txt"):
             shutil.copy(ROOT / "scripts" / file, self.root / "scripts" / file)
+        shutil.copy(ROOT / "pyproject.toml", self.root)
         (self.state / "site").mkdir(parents=True)
         for name, body in STAND_INS.items():
             place = folder / "bin" / name
@@ -125,6 +127,20 @@ def test_python_packages_are_installed_once(machine: Machine):
     requirements.write_text(requirements.read_text() + "another\n")
     assert machine.setup()[0] == 0
     assert len(machine.calls()) == 2, "until the list changes"
+
+
+def test_each_command_of_the_package_can_be_called(machine: Machine):
+    machine.setup()
+    commands = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["scripts"]
+    assert set(commands) >= {"robocell", "mj-kdl-fetch-menagerie"}
+    for command in commands:
+        mine = machine.root / ".venv/bin" / command
+        said = subprocess.run(
+            [mine, "--help"], env={"PATH": machine.path, "PYTHONPATH": str(ROOT / "python")},
+            capture_output=True, text=True, check=False, timeout=60,
+        )  # fmt: skip
+        assert said.returncode == 0, said.stderr
+        assert "--dest" in said.stdout or "generate" in said.stdout
 
 
 def test_uv_takes_the_index_that_pip_is_told(machine: Machine):
