@@ -94,7 +94,12 @@ std::optional<std::span<const double>> RowOf(nb::handle value) {
 
 bool HasRealNumbers(nb::handle array) {
   const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
-  return kind == "f" || kind == "i" || kind == "u";
+  if (kind != "O") return kind == "f" || kind == "i" || kind == "u";
+  const nb::object real = nb::module_::import_("numbers").attr("Real");
+  for (const nb::handle each : nb::object(array.attr("flat"))) {
+    if (PyBool_Check(each.ptr()) || !nb::isinstance(each, real)) return false;
+  }
+  return true;
 }
 
 Doubles::Doubles(nb::handle value, const char* what) {

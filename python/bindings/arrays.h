@@ -22,8 +22,8 @@ namespace nb = nanobind;
 // long as the object given is. Nothing of anything else.
 std::optional<std::span<const double>> RowOf(nb::handle value);
 
-// Whether a numpy array holds floating-point numbers or integers: no truth values, no text, no
-// objects, nothing complex.
+// Whether a numpy array holds floating-point numbers or integers, be they objects: no truth values,
+// no text, no None, nothing complex.
 bool HasRealNumbers(nb::handle array);
 
 // Float64 numbers of anything array-like of real numbers, flat; read where they are when they are
