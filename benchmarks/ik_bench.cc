@@ -6,8 +6,8 @@
 // ASKED: doubles: the numbers of targets and joints, a 4x4 matrix for each target, a seed for each.
 // `one`: one by one, from the seeds. `batch`: all targets in one call, without seeds.
 // ANSWERED: doubles: the number of turns; joint values for each target in the fastest of them, NaN
-// where there are none; the mean of each turn; the seconds of each call in the fastest (for each
-// target, or per target).
+// where there are none; the mean of each turn's calls in seconds (or seconds per target), then
+// their median in each turn, then their 99th percentile.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -60,6 +60,11 @@ struct Answered {
     return std::accumulate(seconds.begin(), seconds.end(), 0.0) /
            static_cast<double>(seconds.size());
   }
+  double percentile(double part) const {
+    std::vector<double> sorted = seconds;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[static_cast<std::size_t>(part * static_cast<double>(sorted.size() - 1))];
+  }
 };
 
 using OnePass = std::function<Answered()>;
@@ -77,15 +82,17 @@ Answered TurnOf(const OnePass& one_pass) {
 
 // What there is to write down after the last turn.
 std::vector<double> ByTurns(const OnePass& one_pass) {
-  Answered fastest;
-  std::vector<double> means;
+  std::vector<double> of_fastest, means, p50s, p99s;
   while (WaitForTurn()) {
     Answered turn = TurnOf(one_pass);
     means.push_back(turn.mean());
-    if (means.back() <= *std::min_element(means.begin(), means.end())) fastest = std::move(turn);
+    p50s.push_back(turn.percentile(0.5));
+    p99s.push_back(turn.percentile(0.99));
+    if (means.back() <= *std::min_element(means.begin(), means.end()))
+      of_fastest = std::move(turn.q);
   }
   std::vector<double> written{static_cast<double>(means.size())};
-  for (const std::vector<double>& part : {fastest.q, means, fastest.seconds})
+  for (const std::vector<double>& part : {of_fastest, means, p50s, p99s})
     written.insert(written.end(), part.begin(), part.end());
   return written;
 }

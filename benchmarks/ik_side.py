@@ -6,8 +6,9 @@ tip at the first target, `urdf` and `robot` (files).
 
 Sides take turns: each waits, having said so, for a line on stdin, then answers all questions, again
 and again for TURN seconds. Where there are no more lines it writes down its answers: q (B, n) of
-its fastest turn, NaN where it found nothing; `seconds` of each call (or per target) in that turn,
-and `means`, the mean of each turn. A side that cannot solve this arm ends before its first turn.
+its fastest turn, NaN where it found nothing; and of each turn the mean of its calls' seconds (or
+seconds per target), their median and their 99th percentile. A side that cannot solve this arm ends
+before its first turn.
 """
 
 from __future__ import annotations
@@ -32,8 +33,9 @@ class Answers(NamedTuple):
     """What a side writes down."""
 
     q: Array
-    seconds: Array
     means: Array
+    p50s: Array
+    p99s: Array
 
 
 Side = Callable[[Questions], Answers | None]
@@ -58,8 +60,9 @@ def turns() -> Iterator[None]:
 
 def by_turns(one_pass: Callable[[], Pass], read: Callable[[Any], Array]) -> Answers:
     """What the fastest turn answered, as `read` reads it, and what all of them took."""
-    fastest: Pass = np.empty(0), np.array([np.inf])
-    means = []
+    fastest: Array = np.empty(0)
+    means: list[float] = []
+    percentiles: list[Array] = []
     for _ in turns():
         end = time.perf_counter() + TURN
         answered, first = one_pass()
@@ -68,10 +71,11 @@ def by_turns(one_pass: Callable[[], Pass], read: Callable[[Any], Array]) -> Answ
             answered, one = one_pass()  # in the place of those before, as in a loop of anybody's
             passes.append(one)
         seconds = np.concatenate(passes)
-        means.append(seconds.mean())
-        if means[-1] < fastest[1].mean():
-            fastest = read(answered), seconds
-    return Answers(*fastest, np.array(means))
+        means.append(float(seconds.mean()))
+        percentiles.append(np.percentile(seconds, (50, 99)))
+        if means[-1] == min(means):
+            fastest = read(answered)
+    return Answers(fastest, np.array(means), *np.transpose(percentiles))
 
 
 def one_by_one(
@@ -157,8 +161,8 @@ def in_cpp(how: str) -> Side:
             subprocess.run([program, str(questions["robot"]), how, asked, answered], check=True)
             numbers = np.fromfile(answered)
         turns = int(numbers[0])
-        q, means, seconds = np.split(numbers[1:], np.cumsum([seeds.size, turns]))
-        return Answers(q.reshape(seeds.shape), seconds, means)
+        q, *of_turns = np.split(numbers[1:], seeds.size + turns * np.arange(3))
+        return Answers(q.reshape(seeds.shape), *of_turns)
 
     return run
 

@@ -54,12 +54,16 @@ def _times(value: float) -> str:
     return f"{value:,.0f}×" if value >= 100 else f"{value:.3g}×"
 
 
+def _percent(value: float) -> str:
+    return f"{value:.3f}".removesuffix("0") + " %"  # 19 999 of 20 000 are no 100.00 %
+
+
 # Ours are the first of "solved ... / ..." and "p50, p99 ..., ... / ..., ...".
 TIMES_AS_FAST = Measure(lambda row: row.speed, _times)
 TIMES_AS_LONG = Measure(_longer, lambda value: f"{value:.5g} times", higher_is_better=False)
 MORE_TIME = Measure(_longer, lambda value: f"{100 * (value - 1):+.1f} %", higher_is_better=False)
 RATE = Measure(lambda row: row.ours, lambda value: f"{value:,.0f}")
-SOLVED = Measure(_found(r"solved ([\d.]+)%"), lambda value: f"{value:.2f} %")
+SOLVED = Measure(_found(r"solved ([\d.]+)%"), _percent)
 P50 = Measure(_found(r"p50, p99 ([\d.]+),"), lambda value: f"{value:g} µs", higher_is_better=False)
 P99 = Measure(
     _found(r"p50, p99 [\d.]+, ([\d.]+)"), lambda value: f"{value:g} µs", higher_is_better=False

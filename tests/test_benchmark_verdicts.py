@@ -12,6 +12,7 @@ sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 import recorded
 from floor import Floor
 from floors import FLOORS
+from ik import BATCH, Side
 from instruction_set import KERNELS, instruction_set
 from measures import MORE_TIME, P50, P99, RATE, SOLVED, TIMES_AS_LONG
 from record import sections
@@ -109,6 +110,21 @@ def test_more_is_better_only_where_it_is():
 def test_the_aim_is_that_of_the_instruction_set(where: str, says: str):
     floor = floor_of(floor=10, aims={"AVX2": 25, "AVX-512": 80})
     assert judge(floor, section(tick("a", 1, 30), on=where)).says == says
+
+
+@pytest.mark.parametrize(
+    ("unsolved", "says", "text"),
+    [(0, "aim met", "100.00 %"), (2, "aim met", "99.99 %"), (3, "**floor missed**", "99.985 %")],
+)
+def test_what_is_solved_is_judged_to_the_last_target(unsolved: int, says: str, text: str):
+    share = 1 - unsolved / BATCH
+    note = f"peer: KDL-LMA; solved {Side('robocell batch', BATCH, solved=share).shares()} / 90.000%"
+    verdict = judge(
+        floor_of(measure=SOLVED, floor=99.99, aim=99.99),
+        section(Row("tick, a", "1/s", [1], [1], note=note)),
+    )
+    assert verdict.says == says
+    assert SOLVED.text(verdict.worst) == text
 
 
 def test_robots_that_are_not_meant_are_left_out():
