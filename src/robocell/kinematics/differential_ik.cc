@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/joint_unit.h"
 #include "robocell/math/rotation.h"
 
 namespace robocell {
@@ -186,9 +187,12 @@ void CheckDifferentialIk(const Chain& chain, const Twist& twist,
   }
 }
 
+struct Bounds {
+  double lower = 0, upper = 0;
+};
+
 // How fast joint i may be.
-std::array<double, 2> BoundsOf(const ChainModel& chain, int i, double q,
-                               const DifferentialIkOptions& options) {
+Bounds BoundsOf(const ChainModel& chain, int i, double q, const DifferentialIkOptions& options) {
   if (options.locked[i]) return {0, 0};
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const double most = options.max_speed.empty() ? kInfinity : options.max_speed[i];
@@ -218,14 +222,18 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
   Vector6 task;
   task << axes * twist.linear * per_metre, axes * twist.angular;
   jacobian.topRows<3>() *= per_metre;
+  // Speeds of slides in lengths too: neither damping nor how near a singularity is knows metres.
+  for (int i = 0; i < n; ++i) jacobian.col(i) *= UnitOf(chain.model(), i);
 
   BoundedLeastSquares squares(jacobian, task);
+  std::array<Bounds, kMaxChainJoints> bounds;
   for (int i = 0; i < n; ++i) {
-    const auto [lower, upper] = BoundsOf(chain.model(), i, q[i], options);
-    squares.lower[i] = lower;
-    squares.upper[i] = upper;
+    const double unit = UnitOf(chain.model(), i);
+    bounds[i] = BoundsOf(chain.model(), i, q[i], options);
+    squares.lower[i] = bounds[i].lower / unit;
+    squares.upper[i] = bounds[i].upper / unit;
     if (!options.posture.empty())
-      squares.wish[i] = options.posture_rate * (options.posture[i] - q[i]);
+      squares.wish[i] = options.posture_rate * (options.posture[i] - q[i]) / unit;
   }
   DifferentialIkResult result{.velocity = JointVector(n)};
   SolveDamped(jacobian, &squares, result.velocity.data());
@@ -235,6 +243,15 @@ DifferentialIkResult DifferentialIk(const Chain& chain, std::span<const double> 
   result.slower = (moved - task).stableNorm() > kNoticed * task.stableNorm() + kStill;
   result.twist.linear = axes.transpose() * moved.head<3>() / per_metre;
   result.twist.angular = axes.transpose() * moved.tail<3>();
+
+  for (int i = 0; i < n; ++i) {
+    double& v = result.velocity[i];
+    // What is at a bound is there to the bit.
+    v = v == squares.lower[i] ? bounds[i].lower
+        : v == squares.upper[i]
+            ? bounds[i].upper
+            : std::clamp(UnitOf(chain.model(), i) * v, bounds[i].lower, bounds[i].upper);
+  }
   return result;
 }
 

@@ -6,11 +6,11 @@
 // The velocity v minimises (J v - twist)^T D^-1 (J v - twist) + |v - v_posture|^2 between its
 // bounds, exactly: a joint that is at its bound leaves its share to the others (P. B. Stark and R.
 // L. Parker, "Bounded-Variable Least-Squares", 1995). Lengths are weighed against angles by the
-// chain's length. The damping D is next to nothing, but along directions in which the joints that
-// are not at a bound have come near a singularity, where it grows (A. A. Maciejewski and C. A.
-// Klein, "Numerical Filtering for the Operation of Robotic Manipulators through Kinematically
-// Singular Configurations", 1988): there speeds stay bounded, and the tip stays behind; in all
-// other directions it moves as asked.
+// chain's length, those that slides move too. The damping D is next to nothing, but along
+// directions in which the joints that are not at a bound have come near a singularity, where it
+// grows (A. A. Maciejewski and C. A. Klein, "Numerical Filtering for the Operation of Robotic
+// Manipulators through Kinematically Singular Configurations", 1988): there speeds stay bounded,
+// and the tip stays behind; in all other directions it moves as asked.
 //
 // No allocation; some microseconds. Errors: ArgumentError for wrong numbers of values and for what
 // is not finite or out of range, naming it.

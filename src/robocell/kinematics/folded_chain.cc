@@ -23,6 +23,7 @@ PlainTransform Plain(const Transform& transform, double per_metre) {
 FoldedChain Fold(const ChainModel& chain) {
   FoldedChain folded;
   folded.n = chain.n;
+  folded.length = chain.length;
   folded.per_metre = 1 / chain.length;
   for (int i = 0; i < chain.n; ++i) {
     const JointModel& joint = chain.joints[i];

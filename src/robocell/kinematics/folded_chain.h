@@ -40,6 +40,7 @@ struct FoldedJoint {
 struct FoldedChain {
   int n = 0;
   bool has_whole_turns = false;  // some joint
+  double length = 1;             // m
   double per_metre = 1;          // 1 / length
   FoldedJoint joints[kMaxChainJoints];
   PlainTransform base;  // base body -> first screw

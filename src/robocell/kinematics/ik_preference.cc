@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "robocell/kinematics/joint_unit.h"
 #include "robocell/kinematics/manipulability.h"
 #include "robocell/kinematics/start_range.h"
 
@@ -11,7 +12,8 @@ namespace robocell {
 namespace {
 
 constexpr double kPart = 0.3;
-// Of the gradient of the logarithm of manipulability: how far uphill a goal is set, rad at most.
+// Of the gradient of the logarithm of manipulability: how far uphill a goal is set, and at most,
+// rad or lengths of the chain.
 constexpr double kUphill = 0.3, kFarthestUphill = 0.5;
 
 bool IsLimited(const JointModel& joint) {
@@ -43,16 +45,15 @@ JointVector IkPreference::GoalFor(const JointVector& seed) const {
   return goal;
 }
 
-// What a radian is to slides and, away from limits, to joints of different ranges: there a joint
-// counts by the square of its share of the half range (A. Liegeois, "Automatic Supervisory Control
+// How much joints of different ranges count. Away from limits a joint counts by the square of its
+// share of the half range (A. Liegeois, "Automatic Supervisory Control
 // of the Configuration and Behavior of Multibody Mechanisms", 1977).
 double IkPreference::squared_scale(int i) const {
   const JointModel& joint = chain_.joints[i];
   const bool by_range = prefer_ == IkPrefer::kAwayFromLimits && IsLimited(joint);
-  const double scale = by_range                               ? 0.5 * (joint.upper - joint.lower)
-                       : joint.slide                          ? chain_.length
-                       : prefer_ == IkPrefer::kAwayFromLimits ? std::numbers::pi
-                                                              : 1;
+  const double scale = by_range ? 0.5 * (joint.upper - joint.lower) / UnitOf(chain_, i)
+                       : prefer_ == IkPrefer::kAwayFromLimits && !joint.slide ? std::numbers::pi
+                                                                              : 1;
   return scale * scale;
 }
 
@@ -74,9 +75,10 @@ JointVector IkPreference::Uphill(const JointVector& q) const {
   JointVector goal = q;
   for (int i = 0; i < chain_.n; ++i) {
     if (options_.locked[i]) continue;
-    const double most = chain_.joints[i].slide ? kFarthestUphill * chain_.length : kFarthestUphill;
-    goal[i] = std::clamp(q[i] + std::clamp(kUphill * slope[i], -most, most), chain_.joints[i].lower,
-                         chain_.joints[i].upper);
+    const JointModel& joint = chain_.joints[i];
+    const double unit = UnitOf(chain_, i);
+    const double way = std::clamp(kUphill * unit * slope[i], -kFarthestUphill, kFarthestUphill);
+    goal[i] = std::clamp(q[i] + unit * way, joint.lower, joint.upper);
   }
   return goal;
 }
@@ -85,7 +87,7 @@ double IkPreference::Cost(const JointVector& q, const JointVector& goal) const {
   if (prefer_ == IkPrefer::kManipulability) return -ManipulabilityOf(chain_, q.data());
   double sum = 0;
   for (int i = 0; i < chain_.n; ++i) {
-    const double off = counts(i) ? q[i] - goal[i] : 0;
+    const double off = counts(i) ? (q[i] - goal[i]) / UnitOf(chain_, i) : 0;
     sum += off * off / squared_scale(i);
   }
   return sum;

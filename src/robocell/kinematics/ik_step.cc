@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "robocell/kinematics/joint_unit.h"
+
 namespace robocell {
 namespace {
 
@@ -12,8 +14,7 @@ constexpr int kOtherStarts = 32;
 bool IsNear(const ChainModel& chain, std::span<const double> q, std::span<const double> from,
             double most) {
   for (int i = 0; i < chain.n; ++i) {
-    const double unit = chain.joints[i].slide ? chain.length : 1;
-    if (std::abs(q[i] - from[i]) > most * unit) return false;
+    if (std::abs(q[i] - from[i]) > most * UnitOf(chain, i)) return false;
   }
   return true;
 }

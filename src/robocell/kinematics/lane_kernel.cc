@@ -335,6 +335,7 @@ struct LaneStep {
   };
 
   // What the joints do: columns of the Jacobian, a wish of their own, how easily they are moved.
+  // Slides move by lengths of the chain, as damping knows no metres.
   template <int N, bool kTask>
   struct Moves {
     static constexpr int kMost = kMostJoints<N>;
@@ -350,7 +351,7 @@ struct LaneStep {
     const FoldedJoint& joint = chain.joints[i];
     V3 moves, turns = axis.direction;
     if (HWY_UNLIKELY(joint.slide)) {
-      moves = Times(Number(chain.per_metre), turns);
+      moves = turns;
       turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     } else {
       moves = Cross(turns, Sub(tip, axis.point));
@@ -366,7 +367,8 @@ struct LaneStep {
                  hn::IfThenElse(to_axis, turns.z, across.z)};
       }
       turns = TimesRows(task->angular, lane, turns);
-      const V to_goal = hn::Sub(Load(task->goal[i] + lane), q);
+      V to_goal = hn::Sub(Load(task->goal[i] + lane), q);
+      if (HWY_UNLIKELY(joint.slide)) to_goal = hn::Mul(Number(chain.per_metre), to_goal);
       joints->spare[i] = options.locked[i]
                              ? hn::Zero(d)
                              : hn::Mul(hn::Mul(way.pull, Number(task->part[i])), to_goal);
@@ -440,16 +442,16 @@ struct LaneStep {
       step[i] = sum;
       if (!chain.joints[i].slide) most = hn::Max(most, hn::Abs(sum));
     }
+    V shorten = hn::IfThenZeroElse(stay, Number(1));
     // Slides are linear however far they go.
-    const V go = hn::IfThenZeroElse(stay, Number(1));
-    V shorten = go;
+    const V slide = hn::IfThenZeroElse(stay, Number(chain.length));
     if (!kAlone || HWY_UNLIKELY(!hn::AllFalse(d, hn::Gt(most, Number(kLargestTurn)))))
       shorten = hn::IfThenZeroElse(
           stay, hn::Div(Number(kLargestTurn), hn::Max(most, Number(kLargestTurn))));
     for (int i = 0; i < n; ++i) {
       if (HWY_UNLIKELY(options.locked[i])) continue;
       const FoldedJoint& joint = chain.joints[i];
-      const V part = joint.slide ? go : shorten;
+      const V part = joint.slide ? slide : shorten;
       const V moved = hn::MulAdd(part, step[i], q[i]);
       const Limits limits = LimitsOf<kRoams>(joint, roam);
       hn::Store(hn::Min(hn::Max(moved, limits.lower), limits.upper), d, state->q[i] + lane);

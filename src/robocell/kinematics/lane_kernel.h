@@ -54,7 +54,7 @@ struct LaneTask {
   // is to the border of the cone and no farther. Either way the lane arrives in the cone.
   alignas(64) double to_axis[kMaxLanes] = {};
   // What a joint to spare moves in a step: this part of the way to its goal. Where joints to spare
-  // move, the others make up for it in proportion to `ease`.
+  // move, the others make up for it in proportion to `ease`, which compares a radian with a length.
   double part[kMaxChainJoints] = {}, ease[kMaxChainJoints] = {};
 
   // Three rows each, of what is left to move and to turn; one column per lane.

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "robocell/kinematics/joint_unit.h"
 #include "robocell/kinematics/lane_starts.h"
 
 namespace robocell {
@@ -16,7 +17,7 @@ namespace {
 constexpr int kStepsToGoal = 40, kStepsBack = 12;
 // So often they are told where it is: what goes uphill finds it anew, which costs more than a step.
 constexpr int kStepsAGoal = 8;
-// Joints that move less in the first step to it rest, rad or m.
+// Joints that move less in the first step to it rest, rad or lengths of the chain.
 constexpr double kRest = 2e-4;
 
 struct Lane {
@@ -28,9 +29,10 @@ struct Lane {
   JointVector before;      // the last step of that
 };
 
-double FarthestMove(const JointVector& from, const JointVector& to) {
+double FarthestMove(const ChainModel& chain, const JointVector& from, const JointVector& to) {
   double most = 0;
-  for (int i = 0; i < from.size(); ++i) most = std::max(most, std::abs(to[i] - from[i]));
+  for (int i = 0; i < chain.n; ++i)
+    most = std::max(most, std::abs(to[i] - from[i]) / UnitOf(chain, i));
   return most;
 }
 
@@ -122,7 +124,8 @@ class LaneSolver {
     ++lane.steps;
     ++lane.age;
     const JointVector q = work_.Now(k, lane.starts.seed());
-    const bool at_rest = lane.age % kStepsAGoal == 1 && FarthestMove(lane.before, q) < kRest;
+    const bool at_rest =
+        lane.age % kStepsAGoal == 1 && FarthestMove(work_.chain(), lane.before, q) < kRest;
     if (at_rest && lane.age < kStepsToGoal) lane.age = kStepsToGoal;
     if (lane.age < kStepsToGoal) {
       lane.before = q;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "robocell/kinematics/joint_unit.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/start_range.h"
 
@@ -61,8 +62,8 @@ StartTable::StartTable(const ChainModel& chain)
     : n_(chain.n),
       per_distance2_(static_cast<float>(1 / std::pow(kLengthPerRadian * chain.length, 2))) {
   for (int i = 0; i < n_; ++i) {
-    const double radian = chain.joints[i].slide ? kLengthPerRadian * chain.length : 1;
-    apart_[i] = static_cast<float>(kApart * radian);
+    const double part = chain.joints[i].slide ? kLengthPerRadian : 1;
+    apart_[i] = static_cast<float>(kApart * (part * UnitOf(chain, i)));
   }
   const int entries = SizeFor(n_).entries;
   std::vector<std::array<float, kColumns>> poses(entries);

@@ -137,6 +137,7 @@ struct RandomChainOptions {
   double limited_share = 0.7;  // of the hinges
   double tiny_share = 0;       // of the joints: with limits a thousandth of a radian or metre apart
   double whole_turn_share = 0;  // of the other hinges: with limits one to two turns apart
+  double size = 1;              // multiplies all lengths of the chain, those of slides too
 };
 
 // Writes the MJCF of a random chain "base" -> site "tip", on a base that itself moves.
@@ -151,13 +152,13 @@ class RandomChainXml {
     while (joints < options_.joints) {
       const bool two = options_.awkward && joints + 1 < options_.joints && rng_->Uniform() < 0.2;
       const bool none = options_.awkward && rng_->Uniform() < 0.15;
-      links += fmt::format("<body name='link{}' {} gravcomp='{}'>{}", bodies++, Place(0.3),
+      links += fmt::format("<body name='link{}' {} gravcomp='{}'>{}", bodies++, ChainPlace(0.3),
                            Gravcomp(), Inertial());
       for (int k = 0; k < (none ? 0 : two ? 2 : 1); ++k)
         links += Joint(fmt::format("j{}", joints++));
       if (options_.awkward && rng_->Uniform() < 0.3) links += Branch(bodies);
     }
-    links += fmt::format("<site name='tip' {}/>", Place(0.2));
+    links += fmt::format("<site name='tip' {}/>", ChainPlace(0.2));
     for (int k = 0; k < bodies; ++k) links += "</body>";
     return fmt::format(
         "<mujoco><compiler angle='radian'/><option gravity='{} {} {}'/><worldbody><body "
@@ -174,6 +175,7 @@ class RandomChainXml {
                        U(-reach, reach), rng_->Normal(), rng_->Normal(), rng_->Normal(),
                        rng_->Normal());
   }
+  std::string ChainPlace(double reach) { return Place(options_.size * reach); }
   double Gravcomp() { return options_.awkward && rng_->Uniform() < 0.4 ? U(0, 1.2) : 0; }
   std::string Inertial() {
     return fmt::format("<inertial mass='{}' {} diaginertia='{} {} {}'/>", U(0.1, 3), Place(0.1),
@@ -181,22 +183,24 @@ class RandomChainXml {
   }
   std::string Joint(const std::string& name) {
     const bool slide = rng_->Uniform() < options_.slide_share;
-    const double ref = options_.awkward && rng_->Uniform() < 0.5 ? U(-0.5, 0.5) : 0;
+    const double size = options_.size, unit = slide ? size : 1;
+    const double ref = options_.awkward && rng_->Uniform() < 0.5 ? unit * U(-0.5, 0.5) : 0;
     std::string text = fmt::format(
         "<joint name='{}' type='{}' axis='{} {} {}' armature='{}' ref='{}'", name,
         slide ? "slide" : "hinge", rng_->Normal(), rng_->Normal(), rng_->Normal(), U(0, 0.2), ref);
     if (options_.awkward && rng_->Uniform() < 0.5) {
-      text += fmt::format(" pos='{} {} {}'", U(-.2, .2), U(-.2, .2), U(-.2, .2));
+      text +=
+          fmt::format(" pos='{} {} {}'", size * U(-.2, .2), size * U(-.2, .2), size * U(-.2, .2));
     }
     if (options_.tiny_share > 0 && rng_->Uniform() < options_.tiny_share) {
       const double lower = slide ? U(-0.4, 0.4) : U(-1.5, 1.5);
-      text += fmt::format(" range='{} {}'", lower, lower + 1e-3);
+      text += fmt::format(" range='{} {}'", unit * lower, unit * (lower + 1e-3));
     } else if (!slide && options_.whole_turn_share > 0 &&
                rng_->Uniform() < options_.whole_turn_share) {
       const double lower = U(-6, 1), turns = rng_->Uniform() < 0.5 ? 1 : U(1, 2);
       text += fmt::format(" range='{} {}'", lower, lower + turns * 2 * std::numbers::pi);
     } else if (slide) {
-      text += fmt::format(" range='{} {}'", U(-0.4, -0.1), U(0.1, 0.4));
+      text += fmt::format(" range='{} {}'", size * U(-0.4, -0.1), size * U(0.1, 0.4));
     } else if (rng_->Uniform() < options_.limited_share) {
       text += fmt::format(" range='{} {}'", U(-3, -1.5), U(1.5, 3));
     }
