@@ -122,6 +122,16 @@ class TestOwnGroups:
         scene.robot("a").update()
         assert lamp.commands == [0.5]
 
+    def test_limits_that_change_hold_from_the_next_update_on_as_those_of_the_model(self, scene):
+        lamp = Lamp()
+        robot = scene.robot("a")
+        robot.set_group(lamp)
+        for brightest in (1.0, 0.25, 0.5):
+            lamp.get_joint_pos_limits = lambda most=brightest: [(0.0, most)]
+            robot.apply({"lamp": rc.GroupCommand.joints([2.0])})
+            robot.update()
+            assert lamp.commands[-1] == brightest
+
     def test_the_robot_keeps_it_alive_with_its_state(self, scene):
         scene.robot("a").set_group(Lamp())
         scene.robot("a").group("lamp").note = "mine"

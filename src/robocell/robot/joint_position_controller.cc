@@ -32,7 +32,6 @@ void JointPositionController::SetTarget(std::span<const double> target) {
 }
 
 void JointPositionController::Reset() {
-  if (!servos_) limits_ = CheckedJointPosLimits(group_);
   group_.GetJointPos(held_);
   ResetTo(held_);
 }
@@ -47,7 +46,12 @@ void JointPositionController::Compute(std::span<double> ctrl) {
   // The port is written to without a check.
   CheckValues([&] { return group_.place(); }, "joint", target_.get(), target_size(),
               group_.joint_names());
-  if (servos_) servos_->GetJointPosLimits(limits_);  // somebody may have written to the model
+  // Somebody may have written to the model.
+  if (servos_) {
+    servos_->GetJointPosLimits(limits_);
+  } else {
+    limits_ = CheckedJointPosLimits(group_);
+  }
   for (size_t i = 0; i < target_.size(); ++i) {
     within_[i] = std::clamp(target_[i], limits_[i].lower, limits_[i].upper);
     if (within_[i] == target_[i] || !IsCommanded(i)) continue;
