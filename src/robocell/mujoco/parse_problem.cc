@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <regex>
 #include <set>
 #include <sstream>
+#include <system_error>
 #include <vector>
 
 #include "robocell/base/names.h"
@@ -43,13 +45,35 @@ Schema ReadSchema() {
   return schema;
 }
 
-std::string Suggestion(const std::string& what, const std::string& element) {
+// What may have been meant instead of a file that is not there, beside it: " Did you mean
+// 'assets.xml'?"
+std::string FilesBeside(const std::string& model, const std::string& missing) {
+  namespace fs = std::filesystem;
+  const fs::path wanted = fs::path(model).parent_path() / missing;
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator it(wanted.parent_path(), error), end; !error && it != end;
+       it.increment(error)) {
+    const fs::path& path = it->path();
+    if (path.extension() == wanted.extension() && path != fs::path(model))
+      names.push_back((fs::path(missing).parent_path() / path.filename()).string());
+  }
+  if (names.empty()) return "";
+  std::sort(names.begin(), names.end());
+  const std::string nearest = DidYouMean(missing, names);
+  return nearest.empty() ? " There: " + ListNames(names) + "." : nearest;
+}
+
+std::string Suggestion(const std::string& what, const std::string& element,
+                       const std::string& file) {
   const Schema schema = ReadSchema();
   std::smatch found;
   if (std::regex_search(what, found, std::regex("unrecognized attribute: '(.*)'"))) {
     const auto known = schema.find(element);
     return known == schema.end() ? "" : DidYouMean(found[1].str(), known->second);
   }
+  if (std::regex_search(what, found, std::regex("opening file '(.*)'")))
+    return FilesBeside(file, found[1].str());
   if (!what.starts_with("unrecognized element")) return "";
   std::vector<std::string> elements;
   for (const auto& [name, attributes] : schema) elements.push_back(name);
@@ -115,6 +139,16 @@ bool HasNan(const std::string& text) {
   return found;
 }
 
+// The file that line `line` of a model includes; "" when that is not to be seen there.
+std::string IncludedAt(const std::string& file, const std::string& line) {
+  std::ifstream stream(file);
+  std::string text;
+  for (int left = std::atoi(line.c_str()); left > 0 && std::getline(stream, text);) --left;
+  std::smatch found;
+  const std::regex include(R"re(<include\s[^>]*file\s*=\s*["']([^"']+)["'])re");
+  return std::regex_search(text, found, include) ? found[1].str() : "";
+}
+
 }  // namespace
 
 bool IsAboutNan(const std::string& warning) { return warning.find("NaN") != warning.npos; }
@@ -142,13 +176,20 @@ std::string ParseProblem(const std::string& complaint, const std::string& file) 
   const bool placed =
       std::regex_search(complaint, found, std::regex("\\s*\nElement '([^']*)', line (\\d+)"));
   std::string what = placed ? found.prefix().str() : complaint;
+  // "Include error: 'XML parse error 6:\nError=XML_ERROR_PARSING_ELEMENT ... Line number=3\n'"
+  if (placed && what.find("Include error: 'XML parse error") != what.npos) {
+    const std::string included = IncludedAt(file, found[2].str());
+    return NotWellFormed(
+        what, included.empty() ? file + " or a file that it includes"
+                               : (std::filesystem::path(file).parent_path() / included).string());
+  }
   for (const char* word : {"XML Error: ", "Schema violation: ", "ParseXML: ", "Error: "})
     what = Without(what, word);
   const std::string element = placed ? found[1].str() : "";
   const std::string tag = placed ? fmt::format("<{}>: ", element) : "";
   return fmt::format("{}{}{}.{} Correct it there; MJCF's elements and attributes: {}",
                      Place(file, placed ? found[2].str() : ""), tag, what,
-                     Suggestion(what, element), kReference);
+                     Suggestion(what, element, file), kReference);
 }
 
 }  // namespace robocell

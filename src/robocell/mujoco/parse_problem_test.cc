@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <filesystem>
+
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/mujoco/compile.h"
@@ -55,6 +57,31 @@ TEST(ParseProblem, WhatIsNoXmlIsTold) {
             "name=\"value\"");
   EXPECT_THAT(Told("<geom size=1/>"), HasSubstr("arm.xml:3: <geom>: not well-formed XML: parsing "
                                                 "attribute. "));
+}
+
+TEST(ParseProblem, AnIncludedFileThatIsMissingHasTheNearest) {
+  const auto told = [](const std::string& include, const std::string& there) {
+    const TempDir folder;
+    std::filesystem::create_directory(folder.path() / "parts");
+    AtomicWrite(folder.path() / there, "<mujoco/>");
+    const std::string file = (folder.path() / "arm.xml").string();
+    AtomicWrite(file, "<mujoco>\n<include file='" + include + "'/>\n</mujoco>");
+    return ExpectThrow<SpecError>([&] { ParseXmlFile(file); }, file + ":2: <include>: ");
+  };
+  EXPECT_THAT(told("asets.xml", "assets.xml"),
+              HasSubstr("Error opening file 'asets.xml'. Did you mean 'assets.xml'? Correct it"));
+  EXPECT_THAT(told("parts/lnk.xml", "parts/link.xml"), HasSubstr("Did you mean 'parts/link.xml'?"));
+  EXPECT_THAT(told("hand.xml", "gripper.xml"),
+              HasSubstr("'hand.xml'. There: gripper.xml. Correct"));
+}
+
+TEST(ParseProblem, AnIncludedFileThatIsNoXmlIsToldWithItsLine) {
+  const TempDir folder;
+  const std::string part = (folder.path() / "part.xml").string();
+  AtomicWrite(part, "<mujoco>\n<asset>\n</mujoco>");
+  AtomicWrite(folder.path() / "arm.xml", "<mujoco>\n<include file='part.xml'/>\n</mujoco>");
+  ExpectThrow<SpecError>([&] { ParseXmlFile(folder.path() / "arm.xml"); },
+                         part + ":2: <asset>: not well-formed XML: mismatched element. Each");
 }
 
 TEST(ParseProblem, FilesThatAreNoModels) {
