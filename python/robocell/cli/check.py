@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from robocell import SpecError, check_config
+from robocell import ArgumentError, SpecError, check_config
 from robocell.cli.common import fail, print_warning, print_wide, require_png
 from robocell.cli.robot_scene import RobotScene, load_robot
 
@@ -32,9 +32,15 @@ def check(
     if picture:
         require_png(picture)
     loaded = load_robot(robot_file)
-    loaded.scene.reset()
+    try:
+        loaded.scene.reset()
+        summary = list(summary_lines(loaded))  # measures the grippers
+    except ArgumentError:  # what was found before may be why
+        for warning in loaded.scene.warnings:
+            print_warning(warning)
+        raise
     console = Console(soft_wrap=True)
-    for line in summary_lines(loaded):
+    for line in summary:
         console.print(line, markup=False, highlight=False)
     for table in (joints_table(loaded), actuators_table(loaded), frames_table(loaded)):
         console.print()

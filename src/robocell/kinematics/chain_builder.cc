@@ -72,17 +72,6 @@ double Armature(const mjModel* m, int joint) {
   return sum;
 }
 
-// What rotors add to the inertia of a tendon: its own, and those of actuators that pull it.
-double TendonArmature(const mjModel* m, int tendon) {
-  double sum = m->tendon_armature[tendon];
-  for (int a = 0; a < m->nactuator; ++a) {
-    if (m->actuator_trntype[a] != mjTRN_TENDON || m->actuator_trnid[2 * a] != tendon) continue;
-    const double gear = Gear(m, a);
-    sum += gear * gear * m->actuator_armature[a];
-  }
-  return sum;
-}
-
 // How a fixed tendon's length changes with each joint of the chain; others stand still.
 std::vector<double> TendonCoefficients(const mjModel* m, int tendon, const BuiltChain& chain) {
   std::vector<double> coefficients(chain.joints.size());

@@ -5,6 +5,26 @@
 namespace robocell {
 namespace {
 
+int BodyOfTendon(const mjModel* m, int tendon) {
+  const int first = m->tendon_adr[tendon];
+  for (int wrap = first; wrap < first + m->tendon_num[tendon]; ++wrap) {
+    if (const int body = BodyOfWrap(m, wrap); body >= 0) return body;
+  }
+  return -1;
+}
+
+}  // namespace
+
+double TendonArmature(const mjModel* m, int tendon) {
+  double sum = m->tendon_armature[tendon];
+  for (int a = 0; a < m->nactuator; ++a) {
+    if (m->actuator_trntype[a] != mjTRN_TENDON || m->actuator_trnid[2 * a] != tendon) continue;
+    const double gear = Gear(m, a);
+    sum += gear * gear * m->actuator_armature[a];
+  }
+  return sum;
+}
+
 int BodyOfWrap(const mjModel* m, int wrap) {
   const int id = m->wrap_objid[wrap];
   switch (m->wrap_type[wrap]) {
@@ -19,16 +39,6 @@ int BodyOfWrap(const mjModel* m, int wrap) {
       return -1;
   }
 }
-
-int BodyOfTendon(const mjModel* m, int tendon) {
-  const int first = m->tendon_adr[tendon];
-  for (int wrap = first; wrap < first + m->tendon_num[tendon]; ++wrap) {
-    if (const int body = BodyOfWrap(m, wrap); body >= 0) return body;
-  }
-  return -1;
-}
-
-}  // namespace
 
 ActuatorTarget TargetOf(const mjModel* m, int actuator) {
   const int *ids = m->actuator_trnid + 2 * actuator, id = *ids;

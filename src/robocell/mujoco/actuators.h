@@ -33,6 +33,14 @@ struct ActuatorTarget {
 };
 ActuatorTarget TargetOf(const mjModel* model, int actuator);
 
+// What rotors add to the inertia of a tendon: its own armature, and those of actuators that pull
+// it, behind their gears.
+double TendonArmature(const mjModel* model, int tendon);
+
+// The body of what a tendon is led by (wrap_type, wrap_objid), a joint, site or geom; -1 of a
+// pulley.
+int BodyOfWrap(const mjModel* model, int wrap);
+
 // One body that an actuator acts on; of those of a tendon the first. -1 when that is not known.
 int BodyOfActuator(const mjModel* model, int actuator);
 

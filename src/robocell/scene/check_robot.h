@@ -45,6 +45,13 @@ void CheckRanges(const mjModel* model, int home_key, const RobotRecord& robot, c
 void CheckServos(const mjModel* model, int home_key, const RobotRecord& robot, const Part& part,
                  Report& report);
 
+// check_tendons.cc: a note for each spatial tendon with an armature that is led across a joint of
+// an arm, for chains leave it out.
+void CheckTendons(const mjModel* model, const RobotRecord& robot, Report& report);
+
+// check_scale.cc: a warning for a robot that moves parts as large as houses: in other units.
+void CheckScale(const mjModel* model, const RobotRecord& robot, Report& report);
+
 // check_camera_places.cc: a warning for each camera that a robot's configuration adds or moves and
 // that is far away from the robot at home.
 void CheckCameraPlaces(const mjModel* model, int home_key, const std::vector<RobotRecord>& robots,

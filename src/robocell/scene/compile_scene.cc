@@ -303,6 +303,8 @@ class SceneCompiler {
     for (size_t i = 0; i < robots_.size(); ++i) {
       CheckRanges(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);
       CheckServos(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);
+      CheckTendons(model, out_->robots_[i], report_);
+      CheckScale(model, out_->robots_[i], report_);
     }
     CheckCameraPlaces(model, out_->home_key_, out_->robots_, report_);
     FixVisibleRange(spec_.get(), model);
