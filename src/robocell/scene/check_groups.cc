@@ -114,12 +114,42 @@ class GroupCheck {
                                  "hinges in its place in the model",
                                  ball, WithoutPrefix(robot_.root_body)));
     }
+    if (const std::string finger = JointOfAnotherGroup(*joints, group); !finger.empty()) {
+      return Problem(
+          field + ".leaf",
+          fmt::format("{} hangs on '{}' too, a joint of group '{}', and the arm lists "
+                      "{}; {}",
+                      Describe(*group.leaf), finger, GroupWith(finger),
+                      ListNames(group.joints.names), HowToNameALeaf(group.joints.names.back())));
+    }
     Problem(field + ".joints",
             fmt::format("lists {}, but the joints from '{}' to the arm's leaf are {}; list "
                         "those, in this order{}{}{}",
                         ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
                         ListNames(*joints), group.leaf ? "" : ", or name its `leaf`",
                         HowToNameFirst(*joints), HowToBeginBehind(*joints, group.joints.names)));
+  }
+
+  // The group that lists a joint; "" without.
+  std::string GroupWith(const std::string& joint) const {
+    for (const auto& [name, group] : robot_.config.move_groups.entries()) {
+      const std::vector<std::string>& names = group->joints.names;
+      if (std::find(names.begin(), names.end(), joint) != names.end()) return name;
+    }
+    return "";
+  }
+
+  // Of an arm whose leaf is farther out than its joints, on a finger: the first joint on the way
+  // from there that another group has.
+  std::string JointOfAnotherGroup(const std::vector<std::string>& joints,
+                                  const MoveGroupConfig& group) const {
+    const std::vector<std::string>& listed = group.joints.names;
+    if (!group.leaf || listed.empty() || listed.size() >= joints.size()) return "";
+    if (!std::equal(listed.begin(), listed.end(), joints.begin())) return "";
+    for (size_t i = listed.size(); i < joints.size(); ++i) {
+      if (!GroupWith(joints[i]).empty()) return joints[i];
+    }
+    return "";
   }
 
   // Of an arm that hangs on a waist, which has a group of its own: "" unless it lists the rest.
@@ -139,7 +169,7 @@ class GroupCheck {
         last, name);
   }
 
-  // What the last joint of an arm carries, sites first.
+  // What the last joint of an arm carries and no other joint moves, sites first.
   std::string HowToNameALeaf(const std::string& last) const {
     const int carrier = BodyOfJoint(last).value();
     const std::vector<std::string> sites = CarriedBy(carrier, mjOBJ_SITE);
@@ -155,7 +185,7 @@ class GroupCheck {
     std::vector<std::string> names;
     for (const std::string& name : RobotElementNames(m_, robot_, kind)) {
       const int id = FindId(m_, kind, robot_.prefix + name);
-      if (IsInSubtree(m_, BodyOf(m_, kind, id), carrier)) names.push_back(name);
+      if (m_->body_weldid[BodyOf(m_, kind, id)] == m_->body_weldid[carrier]) names.push_back(name);
     }
     return names;
   }

@@ -116,6 +116,22 @@ TEST_F(Located, ACameraThatIsThereTwice) {
           "another one. The model's cameras: eye");
 }
 
+TEST_F(Located, ALeafOnAFinger) {
+  folder.Write("gripper", kTwoFingerGripper);
+  const std::string file = RobotFile(
+      "attachments: [{mjcf_path: gripper.xml, attach_to: {site: flange}}]\n"
+      "move_groups:\n"
+      "  arm: {kind: arm, joints: [shoulder, elbow], leaf: {body: left}}\n"
+      "  gripper: {kind: gripper, joints: [left_slide, right_slide], actuators: grip}\n");
+  ExpectThrow<SpecError>(
+      [&] { BuildRobot(file); },
+      file +
+          ":5:53: robot 'left': move_groups.arm.leaf: body 'left' hangs on 'left_slide' too, a "
+          "joint of group 'gripper', and the arm lists shoulder, elbow; name as `leaf` what the "
+          "last joint, 'elbow', carries, for example {site: pinch}. Sites there: flange, pinch. "
+          "Bodies there: fore, palm");
+}
+
 TEST_F(Located, JointsThatAreNotThoseToTheLeaf) {
   const std::string swapped = RobotFile(
       "move_groups:\n"
