@@ -37,6 +37,25 @@ def test_check_of_a_file_that_only_names_a_model_says_what_the_model_has(tmp_pat
     assert "Robot::FromScene" not in text
 
 
+def test_a_gripper_that_cannot_be_measured_does_not_hide_what_was_found_before(tmp_path: Path):
+    (tmp_path / "arm.xml").write_text("""<mujoco><worldbody><body name="base"><body name="hand">
+        <joint name="roll" axis="0 0 1"/><geom name="palm" type="box" size="40 40 130" mass="1"/>
+        <body name="jaw"><joint name="jaw" axis="0 1 0" range="-60 0"/>
+        <geom type="box" size="5 5 30" mass="1"/></body></body></body></worldbody>
+        <actuator><position joint="roll" kp="9"/>
+        <position name="grip" joint="jaw" kp="9" ctrlrange="-1 0"/></actuator></mujoco>""")
+    path = tmp_path / "arm.yaml"
+    path.write_text("""name: arm
+model: arm.xml
+move_groups:
+  arm: {kind: arm, joints: [roll], leaf: {body: hand}}
+  gripper: {kind: gripper, joints: jaw, actuators: grip, fingers: [{body: hand}, {body: jaw}]}
+""")
+    text = refused("check", path)
+    assert "geom 'palm' is 284 m large, and models are in metres. Is it in millimetres?" in text
+    assert "'jaw' turns about a hinge in 'hand', and the two are nearest at the hinge" in text
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [

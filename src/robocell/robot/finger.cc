@@ -14,7 +14,9 @@
 namespace robocell {
 namespace {
 
-constexpr double kFarthest = 1.0;  // metres; no gripper opens wider
+constexpr double kFarthest = 1.0;   // metres; no gripper opens wider
+constexpr int kLooksAtAJaw = 16;    // over its range
+constexpr double kNearHinge = 0.4;  // of the jaw's length
 
 bool Collides(const mjModel* m, int geom) {
   return m->geom_contype[geom] != 0 || m->geom_conaffinity[geom] != 0;
@@ -54,6 +56,7 @@ Finger MakeFinger(const mjModel* m, ElementId element) {
       break;
     default:
       finger.body = element.id;
+      finger.is_body = true;
   }
   finger.geoms = MeasuredGeoms(m, finger.body);
   return finger;
@@ -117,6 +120,36 @@ std::vector<int> SideOf(const mjModel* m, int hand, int body) {
   return geoms;
 }
 
+// Of a finger, to another.
+struct NearestPoint {
+  double distance = kFarthest;
+  mjtNum point[3] = {};
+};
+
+NearestPoint NearestOf(const mjModel* m, mjData* d, const Finger& of, const Finger& to) {
+  NearestPoint nearest;
+  Guarded("distance of the fingers", d, [&] {
+    for (const int g : of.geoms) {
+      for (const int h : to.geoms) {
+        mjtNum points[6];
+        const double distance = mj_geomDistance(m, d, g, h, nearest.distance, points);
+        if (distance >= nearest.distance) continue;
+        nearest.distance = distance;
+        std::copy_n(points, 3, nearest.point);
+      }
+    }
+  });
+  return nearest;
+}
+
+// Metres from a hinge's axis.
+double FromAxis(const mjData* d, int joint, const mjtNum* point) {
+  mjtNum arm[3], across[3];
+  mju_sub3(arm, point, d->xanchor + 3 * joint);
+  mju_cross(across, d->xaxis + 3 * joint, arm);
+  return mju_norm3(across);
+}
+
 }  // namespace
 
 FingerPair MakeFingers(const mjModel* m, ElementId first, ElementId second,
@@ -143,19 +176,57 @@ std::array<int, 2> FingertipBodies(const mjModel* m, int first, int second) {
           FarthestBody(m, data.get(), hand, Linkage(m, hand, second, first), second)};
 }
 
+std::optional<Jaw> FindJaw(const mjModel* m, const FingerPair& pair) {
+  if (!pair.fingers[0].is_body && !pair.fingers[1].is_body) return std::nullopt;
+  for (const int i : {0, 1}) {
+    if (m->body_weldid[pair.fingers[1 - i].body] != m->body_weldid[pair.hand]) continue;
+    std::vector<int> joints;
+    for (int b = pair.fingers[i].body; b != pair.hand; b = m->body_parentid[b]) {
+      for (int k = 0; k < m->body_jntnum[b]; ++k) joints.push_back(m->body_jntadr[b] + k);
+    }
+    if (joints.size() == 1 && m->jnt_type[joints[0]] == mjJNT_HINGE) return Jaw{i, joints[0]};
+  }
+  return std::nullopt;
+}
+
+bool IsMeasuredAtItsHinge(const mjModel* m, std::span<const double> qpos, const FingerPair& pair,
+                          const Jaw& jaw) {
+  const Finger &moving = pair.fingers[jaw.index], &fixed = pair.fingers[1 - jaw.index];
+  const DataPtr data = MakeData(m);
+  mjData* d = data.get();
+  std::copy(qpos.begin(), qpos.end(), d->qpos);
+  mjtNum& angle = d->qpos[m->jnt_qposadr[jaw.joint]];
+  const double from = m->jnt_limited[jaw.joint] ? m->jnt_range[2 * jaw.joint] : angle;
+  const double to = m->jnt_limited[jaw.joint] ? m->jnt_range[2 * jaw.joint + 1] : angle;
+  double widest = -1, lever = 0;
+  for (int i = 0; i <= kLooksAtAJaw; ++i) {
+    angle = from + (to - from) * i / kLooksAtAJaw;
+    Guarded("finding where a jaw is measured", d, [&] { mj_kinematics(m, d); });
+    const NearestPoint nearest = NearestOf(m, d, moving, fixed);
+    if (nearest.distance <= widest) continue;
+    widest = nearest.distance;
+    lever = FromAxis(d, jaw.joint, nearest.point);
+  }
+  double length = 0;
+  for (const int g : moving.geoms)
+    length = std::max(length, FromAxis(d, jaw.joint, d->geom_xpos + 3 * g) + m->geom_rbound[g]);
+  return lever < kNearHinge * length;
+}
+
+std::string HowToNameTips(const mjModel* m, const FingerPair& pair, const Jaw& jaw) {
+  const std::string name = ElementName(m, mjOBJ_BODY, pair.fingers[jaw.index].body);
+  return fmt::format(
+      "'{0}' turns about a hinge in '{1}', and the two are nearest at the hinge, however far their "
+      "tips are apart: name the tips of both as `fingers`, geoms or sites (edits: "
+      "[{{add_site: tip, body: {0}, pos: [...]}}] adds one)",
+      name, ElementName(m, mjOBJ_BODY, pair.fingers[1 - jaw.index].body));
+}
+
 double FingerDistance(const mjModel* m, mjData* d, const Finger& a, const Finger& b) {
   if (a.site >= 0 && b.site >= 0) {
     return mju_dist3(d->site_xpos + 3 * a.site, d->site_xpos + 3 * b.site);
   }
-  double least = kFarthest;
-  Guarded("distance of the fingers", d, [&] {
-    for (const int g : a.geoms) {
-      for (const int h : b.geoms) {
-        least = std::min<double>(least, mj_geomDistance(m, d, g, h, least, nullptr));
-      }
-    }
-  });
-  return std::max(0.0, least);
+  return std::max(0.0, NearestOf(m, d, a, b).distance);
 }
 
 }  // namespace robocell

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,7 @@ namespace robocell {
 struct Finger {
   int site = -1;           // set when the finger is named by a site
   int body = -1;           // the body that carries it
+  bool is_body = false;    // named by that body, not by a geom or site of it
   std::vector<int> geoms;  // what the distance is measured between: the geom named, or the body's
                            // colliding geoms
   std::vector<int> side;   // all geoms between hand and fingertip: what touches for this finger
@@ -33,6 +36,23 @@ FingerPair MakeFingers(const mjModel* model, ElementId first, ElementId second,
 // `connect` and `weld` constraints tie to that; its end is the body with the colliding geom
 // farthest from the hand while all joints are at their reference positions.
 std::array<int, 2> FingertipBodies(const mjModel* model, int first, int second);
+
+// A finger that turns about one hinge in the other: as the moving jaw of two, the other being part
+// of the hand. None where both are named by geoms or sites: somebody chose what is measured.
+struct Jaw {
+  int index;  // which of the two it is
+  int joint;
+};
+std::optional<Jaw> FindJaw(const mjModel* model, const FingerPair& pair);
+
+// Whether the distance of the two, where it is greatest within the jaw's range, is that of points
+// near the hinge, so that it says little of how far the tips open. Other joints are where `qpos`
+// (nq) has them. EngineError when the model is too large for another mjData.
+bool IsMeasuredAtItsHinge(const mjModel* model, std::span<const double> qpos,
+                          const FingerPair& pair, const Jaw& jaw);
+
+// What to do about that: "'jaw' turns about a hinge in 'hand', ...: name the tips of both ...".
+std::string HowToNameTips(const mjModel* model, const FingerPair& pair, const Jaw& jaw);
 
 // Metres; 0 when they overlap. Needs data at position stage. No allocation.
 double FingerDistance(const mjModel* model, mjData* data, const Finger& a, const Finger& b);

@@ -86,6 +86,11 @@ std::string MillimetresHint(const mjModel* m, const FingerPair& pair) {
   return "";
 }
 
+std::string JawHint(const mjModel* m, const FingerPair& pair) {
+  const std::optional<Jaw> jaw = FindJaw(m, pair);
+  return jaw ? " " + HowToNameTips(m, pair, *jaw) : "";
+}
+
 void Swap(GripperCtrl& ctrl) { std::swap(ctrl.open, ctrl.closed); }
 
 double At(const GripperCtrl& ctrl, double opening) {
@@ -223,9 +228,10 @@ GripperRange ActuatedGripper::Measure() const {
   const double travel = ends_of_travel.second - ends_of_travel.first;
   if (travel < kLeastTravel) {
     Fail("fingers", fmt::format("the finger distance stays at {:.4f} m between control {} and {}; "
-                                "are `fingers` and `ctrl` right?{}",
+                                "are `fingers` and `ctrl` right?{}{}",
                                 at_open, CtrlText(open), CtrlText(closed),
-                                MillimetresHint(core().model(), Parts().pair)));
+                                MillimetresHint(core().model(), Parts().pair),
+                                JawHint(core().model(), Parts().pair)));
   }
   const auto jams = [&](const std::vector<double>& ctrl, double from_home, double later,
                         const std::vector<double>& other) {

@@ -424,6 +424,21 @@ void TellContacts(const Robot& robot, Problems& doubts) {
   }
 }
 
+// A gripper's opening is the distance of its fingers.
+void TellJaws(const Robot& robot, Problems& doubts) {
+  const mjModel* m = robot.scene().model();
+  const std::span<const double> qpos(robot.scene().data()->qpos, static_cast<size_t>(m->nq));
+  for (const std::string& name : robot.group_names()) {
+    const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
+    if (!gripper) continue;
+    const FingerPair pair{.hand = gripper->hand_body(),
+                          .fingers = {gripper->finger(0), gripper->finger(1)}};
+    const std::optional<Jaw> jaw = FindJaw(m, pair);
+    if (!jaw || !IsMeasuredAtItsHinge(m, qpos, pair, *jaw)) continue;
+    doubts.AddAt("move_groups." + name + ".fingers", HowToNameTips(m, pair, *jaw));
+  }
+}
+
 void TellIdle(const Robot& robot, Problems& doubts) {
   const std::vector<std::string> idle = IdleActuators(robot);
   if (idle.empty()) return;
@@ -436,6 +451,7 @@ std::vector<std::string> TryOut(Robot robot, bool beside_warnings) {
   Problems doubts(robot.config().locations);
   robot.scene().Reset();
   TellContacts(robot, doubts);
+  TellJaws(robot, doubts);
   for (const std::string& name : robot.group_names()) {
     auto* arm = dynamic_cast<ArmGroup*>(&robot.group(name));
     if (!arm) continue;
