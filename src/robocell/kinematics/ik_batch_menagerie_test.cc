@@ -82,6 +82,23 @@ TEST(IkBatchOfRandomChains, SolvesFiveToTwelveJointsWithSlidesAndWithoutLimits) 
   }
 }
 
+// What a step expects of joints that hardly move is not missing at the tip.
+TEST(IkBatchOfRandomChains, SolvesEightToTwelveJointsOfWhichSomeAreNearlyFixed) {
+  int solved = 0, asked = 0;
+  for (int k = 0; k < 30; ++k) {
+    Rng rng = Rng::Stream(9, "nearly fixed", k);
+    const TestModel t = TestModel::FromXml(
+        RandomChainXml(&rng,
+                       {.joints = 8 + k % 5, .slide_share = 0.1 * (k % 3), .tiny_share = 0.35})
+            .Write());
+    const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+    const std::vector<Pose> targets = ReachableTargets(chain, 1000, &rng);
+    solved += CountSolvedTogether(t, chain, targets);
+    asked += 1000;
+  }
+  EXPECT_GE(solved, asked - 20);
+}
+
 // Every way to hold two joints at values of their own is a chain that no table knows.
 TEST(IkBatchOfRandomChains, KeepsLockedJointsExactly) {
   Rng rng = Rng::Stream(5, "locked batch");

@@ -393,7 +393,7 @@ struct LaneStep {
     }
     if constexpr (kTask) {
       const auto at_ease = hn::Gt(way.pull, hn::Zero(d));
-      joints->ease[i] = hn::IfThenElse(at_ease, Number(task->ease[i]), Number(1));
+      joints->ease[i] = hn::IfThenElse(at_ease, Number(task->ease[i]), Number(task->share[i]));
       for (int r = 0; r < 6; ++r) e->b[r] = hn::NegMulAdd(c[r], joints->spare[i], e->b[r]);
     }
 #pragma GCC unroll 6

@@ -53,6 +53,8 @@ struct LaneTask {
   // 1 where the step is to the axis itself, so that a narrow cone is met as an axis is; 0 where it
   // is to the border of the cone and no farther. Either way the lane arrives in the cone.
   alignas(64) double to_axis[kMaxLanes] = {};
+  // Joints take part in a step in proportion to this.
+  double share[kMaxChainJoints] = {};
   // What a joint to spare moves in a step: this part of the way to its goal. Where joints to spare
   // move, the others make up for it in proportion to `ease`, which compares a radian with a length.
   double part[kMaxChainJoints] = {}, ease[kMaxChainJoints] = {};

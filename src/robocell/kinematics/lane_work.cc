@@ -20,6 +20,9 @@ constexpr double kFirstCost = 0.1, kSecondCost = 1e-4;
 // A cone with at most this angle, rad, is looked for at its axis first: to its border, which bends
 // as sharply as it is narrow, steps are many.
 constexpr double kNarrowCone = 0.05;
+// Joints with less room than this (rad, lengths of the chain) take part in a step by the square of
+// what they have of it. They are at a limit at once, and what the step expected of them is missing.
+constexpr double kNarrow = 0.1;
 // Targets are pulled in to this many reaches from the root: the way to the nearest point is the
 // same.
 constexpr double kMostReaches = 1.5;
@@ -44,8 +47,10 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
     limits_.locked[i] = options.locked[i];
     any_locked_ |= options.locked[i];
   }
+  bool any_narrow = false;
+  for (int i = 0; i < chain_.n; ++i) any_narrow |= ShareOf(i) < 1;
   settles_ = preference_.any() && task_.leaves_joints(chain_.n, options.locked);
-  if (task_.plain && !settles()) return;
+  if (task_.plain && !settles() && !any_narrow) return;
   Clear(0, LanesOfOneQuestion());  // lanes with a task are stepped with others always
   lane_task_.emplace();
   lane_task_->swing = task_.swing;
@@ -54,8 +59,15 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
   lane_task_->cone = std::tan(0.5 * task_.cone);
   for (int i = 0; i < chain_.n; ++i) {
     lane_task_->part[i] = preference_.part(i);
-    lane_task_->ease[i] = preference_.ease(i);
+    lane_task_->share[i] = ShareOf(i);
+    lane_task_->ease[i] = preference_.ease(i) * lane_task_->share[i];
   }
+}
+
+double LaneWork::ShareOf(int joint) const {
+  const FoldedJoint& limits = folded_.joints[joint];
+  const double room = (limits.upper - limits.lower) * (limits.slide ? folded_.per_metre : 1);
+  return room < kNarrow ? std::pow(room / kNarrow, 2) : 1;
 }
 
 JointVector LaneWork::SeedOf(std::span<const double> seed) const {

@@ -72,6 +72,8 @@ class LaneWork {
   int RestartsFor(const Transform& tip_in_base) const;
 
  private:
+  // Of a step, what the joint takes of it: 1, or less where its limits are close together.
+  double ShareOf(int joint) const;
   void AimTask(int lane, const Eigen::Matrix3d& target_axes);
   JointVector Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
                     const JointVector& seed) const;
