@@ -10,6 +10,9 @@ import pytest
 import typer
 
 from command_line import write_run
+from robocell.generate.job import Result
+from robocell.generate.supervisor import Fatal, Outcome
+from robocell.generate.totals import Totals
 
 # The package has the command under the module's name.
 cli = importlib.import_module("robocell.cli.generate")
@@ -49,3 +52,24 @@ def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
         "warning: interrupted before an episode was begun.\n"
         "This begins again: robocell generate run.yaml\n"
     )
+
+
+@pytest.mark.parametrize(("on_disk", "kept"), [(0, ""), (1, "1 episode is"), (2, "2 episodes are")])
+def test_a_run_that_cannot_go_on_says_how_many_episodes_are_kept(
+    on_disk: int, kept: str, capsys: pytest.CaptureFixture[str]
+):
+    full = Fatal("io", "the disk is full")
+    with pytest.raises(typer.Exit):
+        cli._end(Result(Outcome(Totals(planned=6), False, full), on_disk))
+    told = f"\n{kept} on the disk." if kept else ""
+    assert capsys.readouterr().err == f"error: the disk is full{told}\n"
+
+
+@pytest.mark.parametrize(("on_disk", "verb"), [(1, "is"), (2, "are")])
+def test_an_interrupted_run_says_how_many_episodes_are_kept(
+    on_disk: int, verb: str, capsys: pytest.CaptureFixture[str]
+):
+    with pytest.raises(typer.Exit):
+        cli._end(Result(Outcome(Totals(planned=6), True, None), on_disk))
+    told = capsys.readouterr().err
+    assert told.startswith(f"warning: interrupted: {on_disk} of 6 episodes {verb} on the disk.\n")

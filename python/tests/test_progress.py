@@ -40,7 +40,9 @@ def test_what_an_interruption_ended_is_no_failure():
     assert (totals.attempts, totals.success_rate, totals.acceptance_rate) == before
     assert totals.to_json()["undecided"] == 1
     rows = Summary("demo", Path("out"), 6, totals).rows()
-    assert rows["dropped"] == "1 attempt when the run was interrupted; made again"
+    assert rows["dropped"] == (
+        "1 attempt under way when the run stopped; made again by the next command"
+    )
     assert "dropped" not in Summary("demo", Path("out"), 6, totals_after_one()).rows()
 
 

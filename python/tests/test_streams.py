@@ -112,7 +112,7 @@ def test_a_reader_that_has_gone_changes_no_exit_code(dataset: Path, tmp_path: Pa
     run = dataset.parent / "run.yaml"
     assert without_reader("generate", run) == (
         0,
-        "1 episode (1 are there), 0 workers\n1/1 episodes, 0/h, - left, success -\n",
+        "1 episode (1 is there), 0 workers\n1/1 episodes, 0/h, - left, success -\n",
     )
     for command in ("report", "verify"):
         assert without_reader(command, dataset) == (0, ""), command

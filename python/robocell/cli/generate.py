@@ -24,7 +24,7 @@ from robocell.generate.resume import DamagedEpisodesError
 from robocell.generate.signals import interrupted_by_signals
 from robocell.generate.summary import Summary
 from robocell.generate.supervisor import Limits
-from robocell.generate.totals import size
+from robocell.generate.totals import agreeing, counted, size
 
 EXIT_CODES = {"spec": ExitCode.USAGE, "io": ExitCode.OUTPUT, "other": ExitCode.INCOMPLETE}
 
@@ -194,13 +194,15 @@ def too_little_room(needed: int, dataset: Path) -> str:
 def _end(result: Result) -> None:
     """The last words and the exit code."""
     outcome, planned = result.outcome, result.outcome.totals.planned
+    verb = agreeing(result.on_disk, "is", "are")
     if outcome.fatal:
-        kept = f"\n{result.on_disk} episodes are on the disk." if result.on_disk else ""
+        there = counted(result.on_disk, "episode")
+        kept = f"\n{there} {verb} on the disk." if result.on_disk else ""
         fail(outcome.fatal.message + kept, EXIT_CODES[outcome.fatal.kind])
     if outcome.interrupted:
         again = resume_command(sys.argv[1:])
         print_warning(
-            f"interrupted: {result.on_disk} of {planned} episodes are on the disk.\n"
+            f"interrupted: {result.on_disk} of {planned} episodes {verb} on the disk.\n"
             f"This goes on from there: {again}"
         )
         raise typer.Exit(ExitCode.INTERRUPTED)

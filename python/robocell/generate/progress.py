@@ -18,7 +18,7 @@ from rich.text import Text
 from robocell.generate.items import Report, counts_text
 from robocell.generate.observer import Observer
 from robocell.generate.streams import leave, unforgiving
-from robocell.generate.totals import Totals, Unmade, counted, duration, percent
+from robocell.generate.totals import Totals, Unmade, agreeing, counted, duration, percent
 
 ProgressStyle = Literal["auto", "bar", "plain", "jsonl"]
 
@@ -51,7 +51,8 @@ def status(totals: Totals) -> str:
 
 def beginning(totals: Totals) -> str:
     """What a run is about to do."""
-    before = f" ({totals.already} are there)" if totals.already else ""
+    verb = agreeing(totals.already, "is", "are")
+    before = f" ({totals.already} {verb} there)" if totals.already else ""
     return f"{counted(totals.planned, 'episode')}{before}, {counted(totals.workers, 'worker')}"
 
 

@@ -12,7 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from robocell.generate.items import STAGES, counts_text
-from robocell.generate.totals import Totals, counted, duration, percent, time_hint
+from robocell.generate.totals import Totals, agreeing, counted, duration, percent, time_hint
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,8 @@ class Summary:
         totals = self.totals
         if self.on_disk > totals.planned:
             return f"{self.on_disk}, the last command asked for {totals.planned}"
-        before = f" ({totals.already} were there before)" if totals.already else ""
+        verb = agreeing(totals.already, "was", "were")
+        before = f" ({totals.already} {verb} there before)" if totals.already else ""
         return f"{self.on_disk} of {totals.planned}{before}"
 
     def _tried(self) -> dict[str, str]:
@@ -97,10 +98,11 @@ def _by_kind(totals: Totals) -> str:
 
 
 def _dropped(totals: Totals) -> str:
-    """What an interruption ended before it was decided."""
+    """What the end of a run, by a stop request or a failure, left undecided."""
     if not totals.undecided:
         return ""
-    return f"{counted(totals.undecided, 'attempt')} when the run was interrupted; made again"
+    attempts = counted(totals.undecided, "attempt")
+    return f"{attempts} under way when the run stopped; made again by the next command"
 
 
 def stages_text(seconds: Mapping[str, float]) -> str:

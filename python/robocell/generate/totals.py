@@ -266,6 +266,11 @@ def counted(number: int, noun: str) -> str:
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 
+def agreeing(number: int, one: str, several: str) -> str:
+    """The verb for so many: with 'is' and 'are' it is 'is' for 1."""
+    return one if number == 1 else several
+
+
 def percent(share: float | None) -> str:
     """'95 %', or '-' when there is nothing to divide by."""
     return "-" if share is None else f"{100 * share:.0f} %"
