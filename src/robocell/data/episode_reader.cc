@@ -37,7 +37,7 @@ CameraInfo ReadCamera(const std::string& name, const Json& json) {
 }
 
 ColumnInfo ReadColumn(const hdf5::File& file, const std::string& name) {
-  const hdf5::Dataset dataset = file.Open(name);
+  const hdf5::H5Dataset dataset = file.Open(name);
   ColumnInfo info;
   info.spec = {.name = name,
                .type = dataset.type(),
@@ -280,7 +280,7 @@ void Episode::ReadBytes(const std::string& name, const RowRange& range, ColumnTy
     throw ArgumentError(
         fmt::format("{}: '{}' needs {} bytes, got {}", impl_->Name(), name, needed, bytes.size()));
   }
-  const hdf5::Dataset dataset = impl_->Steps().Open(name);
+  const hdf5::H5Dataset dataset = impl_->Steps().Open(name);
   if (info.table.empty()) return dataset.ReadAll(bytes);
   const auto [first, count] = impl_->Rows(info, range);
   dataset.ReadRows(first, count, bytes);

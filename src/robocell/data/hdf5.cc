@@ -197,18 +197,18 @@ bool Id::Close() {
   return true;
 }
 
-// ---- Dataset
+// ---- H5Dataset
 
-void Dataset::Fail(const std::string& what) const {
+void H5Dataset::Fail(const std::string& what) const {
   throw IoError(fmt::format("'{}': cannot {} '{}': {}", file_, what, name_, Reason()));
 }
 
-size_t Dataset::row_bytes() const {
+size_t H5Dataset::row_bytes() const {
   const std::vector<int64_t> row(shape_.begin() + 1, shape_.end());
   return SizeOf(type_) * static_cast<size_t>(RowValues(row));
 }
 
-Id Dataset::SelectRows(int64_t first, int64_t count) const {
+Id H5Dataset::SelectRows(int64_t first, int64_t count) const {
   Id space = Own(H5Dget_space(id_.get()), H5Sclose);
   std::vector<hsize_t> start(shape_.size(), 0);
   std::vector<hsize_t> sizes = Sizes(shape_);
@@ -222,7 +222,7 @@ Id Dataset::SelectRows(int64_t first, int64_t count) const {
 }
 
 // Written past the library's chunk cache, which leaks its buffer when a write fails.
-void Dataset::AppendChunk(int64_t count, std::span<const std::byte> bytes) {
+void H5Dataset::AppendChunk(int64_t count, std::span<const std::byte> bytes) {
   const Lock lock;
   std::vector<hsize_t> offset(shape_.size(), 0);
   offset[0] = static_cast<hsize_t>(shape_[0]);
@@ -232,7 +232,7 @@ void Dataset::AppendChunk(int64_t count, std::span<const std::byte> bytes) {
     Fail("write");
 }
 
-void Dataset::ReadRows(int64_t first, int64_t count, std::span<std::byte> bytes) const {
+void H5Dataset::ReadRows(int64_t first, int64_t count, std::span<std::byte> bytes) const {
   const Lock lock;
   if (bytes.size() != static_cast<size_t>(count) * row_bytes())
     throw Error("ReadRows: wrong number of bytes");
@@ -247,39 +247,39 @@ void Dataset::ReadRows(int64_t first, int64_t count, std::span<std::byte> bytes)
     Fail("read");
 }
 
-void Dataset::ReadAll(std::span<std::byte> bytes) const {
+void H5Dataset::ReadAll(std::span<std::byte> bytes) const {
   const Lock lock;
   if (H5Dread(id_.get(), TypeId(type_).get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0)
     Fail("read");
 }
 
-void Dataset::WriteAll(std::span<const std::byte> bytes) {
+void H5Dataset::WriteAll(std::span<const std::byte> bytes) {
   const Lock lock;
   if (H5Dwrite(id_.get(), TypeId(type_).get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0)
     Fail("write");
 }
 
-void Dataset::SetText(const std::string& key, const std::string& value) {
+void H5Dataset::SetText(const std::string& key, const std::string& value) {
   const Lock lock;
   if (!WriteText(id_.get(), key, value)) Fail("set attribute " + key + " of");
 }
 
-void Dataset::SetTexts(const std::string& key, const std::vector<std::string>& values) {
+void H5Dataset::SetTexts(const std::string& key, const std::vector<std::string>& values) {
   const Lock lock;
   if (!WriteTexts(id_.get(), key, values)) Fail("set attribute " + key + " of");
 }
 
-std::string Dataset::Text(const std::string& key) const {
+std::string H5Dataset::Text(const std::string& key) const {
   const Lock lock;
   return FirstText(id_.get(), key);
 }
 
-std::vector<std::string> Dataset::Texts(const std::string& key) const {
+std::vector<std::string> H5Dataset::Texts(const std::string& key) const {
   const Lock lock;
   return ReadTexts(id_.get(), key);
 }
 
-void Dataset::Close() {
+void H5Dataset::Close() {
   const Lock lock;
   if (!id_.Close()) Fail("close");
 }
@@ -327,10 +327,10 @@ void File::MakeParents(const std::string& name) {
   }
 }
 
-Dataset File::Created(Id id, const std::string& name, ColumnType type,
-                      std::vector<int64_t> shape) const {
+H5Dataset File::Created(Id id, const std::string& name, ColumnType type,
+                        std::vector<int64_t> shape) const {
   if (Bad(id)) Fail("create array " + name);
-  Dataset dataset;
+  H5Dataset dataset;
   dataset.id_ = std::move(id);
   dataset.file_ = path_;
   dataset.name_ = name;
@@ -339,8 +339,8 @@ Dataset File::Created(Id id, const std::string& name, ColumnType type,
   return dataset;
 }
 
-Dataset File::CreateExtendible(const std::string& name, ColumnType type,
-                               const std::vector<int64_t>& shape, int64_t chunk_rows) {
+H5Dataset File::CreateExtendible(const std::string& name, ColumnType type,
+                                 const std::vector<int64_t>& shape, int64_t chunk_rows) {
   const Lock lock;
   MakeParents(name);
   std::vector<int64_t> full = shape;
@@ -359,8 +359,8 @@ Dataset File::CreateExtendible(const std::string& name, ColumnType type,
                  name, type, full);
 }
 
-Dataset File::CreateFixed(const std::string& name, ColumnType type,
-                          const std::vector<int64_t>& shape) {
+H5Dataset File::CreateFixed(const std::string& name, ColumnType type,
+                            const std::vector<int64_t>& shape) {
   const Lock lock;
   MakeParents(name);
   const Id space =
@@ -372,7 +372,7 @@ Dataset File::CreateFixed(const std::string& name, ColumnType type,
                  name, type, shape);
 }
 
-Dataset File::Open(const std::string& name) const {
+H5Dataset File::Open(const std::string& name) const {
   const Lock lock;
   Id id = Own(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Dclose);
   if (Bad(id)) Fail("open array " + name);

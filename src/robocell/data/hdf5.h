@@ -46,9 +46,9 @@ class Id {
 };
 
 // An array in a file. The first axis of an extendible one counts rows.
-class Dataset {
+class H5Dataset {
  public:
-  Dataset() = default;
+  H5Dataset() = default;
 
   const std::string& name() const { return name_; }
   ColumnType type() const { return type_; }
@@ -96,10 +96,11 @@ class File {
 
   // Creates the groups on the way. `shape` is of one row; memory and file grow by `chunk_rows` at a
   // time.
-  Dataset CreateExtendible(const std::string& name, ColumnType type,
-                           const std::vector<int64_t>& shape, int64_t chunk_rows);
-  Dataset CreateFixed(const std::string& name, ColumnType type, const std::vector<int64_t>& shape);
-  Dataset Open(const std::string& name) const;
+  H5Dataset CreateExtendible(const std::string& name, ColumnType type,
+                             const std::vector<int64_t>& shape, int64_t chunk_rows);
+  H5Dataset CreateFixed(const std::string& name, ColumnType type,
+                        const std::vector<int64_t>& shape);
+  H5Dataset Open(const std::string& name) const;
   // All arrays, by name.
   std::vector<std::string> DatasetNames() const;
 
@@ -119,8 +120,8 @@ class File {
   [[noreturn]] void Fail(const std::string& what) const;
   Id Group(const std::string& name);
   void MakeParents(const std::string& name);
-  Dataset Created(Id id, const std::string& name, ColumnType type,
-                  std::vector<int64_t> shape) const;
+  H5Dataset Created(Id id, const std::string& name, ColumnType type,
+                    std::vector<int64_t> shape) const;
 
   File(Id id, std::string path) : id_(std::move(id)), path_(std::move(path)) {}
 

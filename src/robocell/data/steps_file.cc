@@ -17,16 +17,16 @@ std::string_view AsText(std::span<const std::byte> bytes) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void SetIfAny(hdf5::Dataset& dataset, const std::string& key, const std::string& text) {
+void SetIfAny(hdf5::H5Dataset& dataset, const std::string& key, const std::string& text) {
   if (!text.empty()) dataset.SetText(key, text);
 }
 
-void SetIfAny(hdf5::Dataset& dataset, const std::string& key,
+void SetIfAny(hdf5::H5Dataset& dataset, const std::string& key,
               const std::vector<std::string>& texts) {
   if (!texts.empty()) dataset.SetTexts(key, texts);
 }
 
-void Describe(hdf5::Dataset& dataset, const ColumnSpec& spec) {
+void Describe(hdf5::H5Dataset& dataset, const ColumnSpec& spec) {
   SetIfAny(dataset, "units", spec.units);
   SetIfAny(dataset, "frame", spec.frame);
   SetIfAny(dataset, "names", spec.names);
@@ -35,7 +35,7 @@ void Describe(hdf5::Dataset& dataset, const ColumnSpec& spec) {
 }
 
 void WriteConstant(hdf5::File& file, const ConstantSpec& constant) {
-  hdf5::Dataset dataset =
+  hdf5::H5Dataset dataset =
       file.CreateFixed(constant.column.name, constant.column.type, constant.column.shape);
   Describe(dataset, constant.column);
   dataset.WriteAll(std::as_bytes(std::span(constant.values)));
@@ -179,7 +179,7 @@ void StepsFile::VerifyContent() const {
   std::vector<std::byte> rows;
   for (const Table& table : tables_) {
     for (const Column& column : table.columns) {
-      const hdf5::Dataset dataset = file.Open(column.spec->name);
+      const hdf5::H5Dataset dataset = file.Open(column.spec->name);
       Sha256Stream content;
       const int64_t stored = dataset.shape().empty() ? -1 : dataset.shape()[0];
       for (int64_t row = 0; stored == table.rows && row < stored; row += table.spec->chunk_rows) {

@@ -46,7 +46,7 @@ class StepsFile {
     size_t row_bytes;
     std::vector<std::byte> chunk;
     int64_t rows_put = 0;
-    hdf5::Dataset dataset;
+    hdf5::H5Dataset dataset;
     Sha256Stream content;
   };
   struct Table {
