@@ -1,6 +1,7 @@
 """Robots from Python: one state per robot, lifetimes, groups of one's own, grippers."""
 
 import gc
+import re
 import weakref
 
 import numpy as np
@@ -415,6 +416,18 @@ class TestLockedGroups:
         )
         assert batch.success.all()
         np.testing.assert_array_equal(batch.q[:, 5:], [seed[5:]] * 2)
+
+    def test_a_group_that_is_commanded_shares_nothing_with_another(self):
+        config = rc.RobotConfig.load(robot_file("rc7"))
+        config.move_groups["wrist"] = rc.MoveGroupConfig(joints=["joint7"], actuators=["servo7"])
+        spec = rc.SceneSpec(name="s", timestep=0.002)
+        spec.robots.append(rc.RobotSpec(name="a", config=config))
+        said = (
+            "move_groups.wrist.actuators[0]: actuator 'servo7' is commanded by move_groups.arm "
+            "and move_groups.wrist; leave it out of one"
+        )
+        with pytest.raises(rc.SpecError, match=re.escape(said)):
+            rc.Scene.build(spec)
 
     def test_batches_take_the_options_of_single_poses(self, robot):
         target = robot.kinematics.fk(robot.arm.joint_pos + 0.1)

@@ -15,6 +15,7 @@
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
 #include "robocell/spec/fields.h"
+#include "robocell/spec/shared_parts.h"
 
 namespace robocell {
 namespace {
@@ -72,6 +73,24 @@ std::string RootOf(const RobotSpec& robot, const RobotPart& part) {
   return SpecName(part.top->element);
 }
 
+// Arms that name no actuators have those that the model has on their joints.
+bool AreGroupsApart(const RobotConfig& config, const Part& robot, Report& report) {
+  std::vector<GroupParts> groups;
+  for (const auto& [name, group] : config.move_groups.entries()) {
+    GroupParts parts{
+        .name = name, .joints = group->joints.names, .actuators = group->actuators.names};
+    if (group->kind == MoveGroupKind::kArm && parts.actuators.empty()) {
+      parts.actuators = ArmActuators(*group, robot.spec.get());
+      parts.names_actuators = false;
+    }
+    groups.push_back(std::move(parts));
+  }
+  const std::vector<SharedParts> found = FindSharedParts(groups);
+  for (const SharedParts& shared : found)
+    report.Problem(robot.place, shared.field + ": " + shared.message, shared.field);
+  return found.empty();
+}
+
 // What the robot's configuration adds to its model, which is in `out`.
 void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSpec& scene,
                RobotPart& out, Report& report) {
@@ -88,7 +107,9 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   ApplyOverrides(config, out.part, report);
   if (record.base.kind == BaseKind::kFixed)
     ExcludeFirstJoints(out.top, scene.options, out.part.spec.get());
-  if (configured) out.limbs = ConfiguredLimbs(config, out.part.spec.get());
+  // Actuators for other modes of a joint that is shared would be added twice.
+  if (configured && AreGroupsApart(config, out.part, report))
+    out.limbs = ConfiguredLimbs(config, out.part.spec.get());
   out.limbs =
       AddModeActuators(robot, std::move(out.limbs), out.part.place, out.part.spec.get(), report);
   if (const auto tcp = AddTcpSite(config, out.part, report)) record.tcp_site = robot.prefix + *tcp;

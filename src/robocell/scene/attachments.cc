@@ -6,12 +6,56 @@
 
 #include "robocell/base/names.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/compile_problem.h"
 #include "robocell/scene/placement.h"
 #include "robocell/scene/robot_parts.h"
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {
 namespace {
+
+// Of these the tool brings those of the body that is mounted; of the others all.
+constexpr mjtObj kInBodies[] = {mjOBJ_BODY, mjOBJ_JOINT,  mjOBJ_GEOM,
+                                mjOBJ_SITE, mjOBJ_CAMERA, mjOBJ_LIGHT};
+constexpr mjtObj kInModels[] = {mjOBJ_MESH,     mjOBJ_HFIELD,   mjOBJ_SKIN,
+                                mjOBJ_TEXTURE,  mjOBJ_MATERIAL, mjOBJ_TENDON,
+                                mjOBJ_EQUALITY, mjOBJ_ACTUATOR, mjOBJ_SENSOR};
+
+std::vector<mjsElement*> Mounted(mjsBody* root) {
+  std::vector<mjsElement*> elements = {root->element};
+  const auto add = [&](const std::vector<mjsElement*>& more) {
+    elements.insert(elements.end(), more.begin(), more.end());
+  };
+  for (const mjtObj kind : kInBodies) add(BodyElements(root, kind, true));
+  for (const mjtObj kind : kInModels) add(SpecElements(mjs_getSpec(root->element), kind));
+  return elements;
+}
+
+// The engine has each name once. Its own complaint names the first and no file, and comes only when
+// all is compiled for some kinds. False when there was something to tell.
+bool CheckNamesAreNew(const AttachmentSpec& attachment, const Part& tool, mjsBody* root,
+                      const Part& robot, Report& report) {
+  std::vector<std::string> both;
+  std::string first;
+  for (mjsElement* element : Mounted(root)) {
+    const std::string own = SpecName(element), name = attachment.prefix + own;
+    if (own.empty() || !FindSpecElement(robot.spec.get(), element->elemtype, name)) continue;
+    if (both.empty()) first = name;
+    both.push_back(fmt::format("{} '{}'", KindName(element->elemtype), name));
+  }
+  if (both.empty()) return true;
+  const std::string advice =
+      attachment.prefix.empty()
+          ? "set the attachment's `prefix`, which its names begin with then"
+          : fmt::format("give the attachment another `prefix` than '{}'", attachment.prefix);
+  report.Problem(
+      tool.place,
+      fmt::format("{} would come from {} and {} in {} already; {}", ListNames(both, 3), tool.file,
+                  both.size() == 1 ? "is" : "are", FileWith(robot, first), advice),
+      "prefix");
+  return false;
+}
 
 void AddExclusions(const AttachmentSpec& attachment, const std::string& place, Part& robot,
                    Report& report) {
@@ -45,6 +89,7 @@ void AddAttachment(const AttachmentSpec& attachment, const std::string& director
   const auto at =
       Place(attachment.attach_to, attachment.pose(), robot.spec.get(), scene, {}, place, report);
   if (!at) return;
+  if (!CheckNamesAreNew(attachment, tool, root, robot, report)) return;
   const Pose authored = attachment.reset_root_pose ? Pose() : PoseInParent(root->element);
   AttachPart(at->parent, tool, root, at->pose * authored, attachment.prefix, report);
   robot.home.Merge(tool.home, attachment.prefix);

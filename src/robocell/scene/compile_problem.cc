@@ -48,10 +48,15 @@ std::string FileOf(const Part& part, const std::string& name) {
   return of ? of->file : part.file;
 }
 
+// A file of the part; it is one of several where FileOf said "".
+std::string Shown(const Part& part, const std::string& file) {
+  return file.empty() ? part.file + " or a tool of it" : file;
+}
+
 // "arm.xml:12: "; lines count where the file is known.
 std::string PlaceOf(const Part& part, const std::string& file, const std::string& line) {
   if (part.file.empty()) return "";  // a box, which no file describes
-  if (file.empty()) return part.file + " or a tool of it: ";
+  if (file.empty()) return Shown(part, file) + ": ";
   return line.empty() || line == "0" ? file + ": " : file + ":" + line + ": ";
 }
 
@@ -208,6 +213,10 @@ bool HasElement(const Part& part, const std::string& prefix, const Repeated& ele
   return std::any_of(std::begin(kKinds), std::end(kKinds), [&](mjtObj kind) {
     return KindName(kind) == element.kind && FindSpecElement(part.spec.get(), kind, name);
   });
+}
+
+std::string FileWith(const Part& part, const std::string& name) {
+  return Shown(part, FileOf(part, name));
 }
 
 std::string PlaceInModel(const Part& part, mjtObj kind, const std::string& name) {

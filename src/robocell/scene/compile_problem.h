@@ -23,6 +23,10 @@ std::optional<Repeated> RepeatedName(const std::string& text);
 // Whether the part, with its prefix in the scene, brings such an element.
 bool HasElement(const Part& part, const std::string& prefix, const Repeated& element);
 
+// The file of the part's element of that name: "arm.xml", or "arm.xml or a tool of it" where that
+// is not known.
+std::string FileWith(const Part& part, const std::string& name);
+
 // Where the part's joint or actuator of that name stands: "arm.xml:12", or the file alone when the
 // line is not known.
 std::string PlaceInModel(const Part& part, mjtObj kind, const std::string& name);

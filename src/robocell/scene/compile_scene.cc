@@ -326,23 +326,6 @@ class SceneCompiler {
     }
   }
 
-  // A tool without a prefix may bring what its robot has.
-  void TellRepeatedByTool(const Repeated& repeated) {
-    for (const auto& robot : robots_) {
-      const Part& part = robot->part;
-      const std::string& prefix = robot->record.prefix;
-      if (!part.spec || !HasElement(part, prefix, repeated)) continue;
-      const auto tool = std::find_if(part.tools.begin(), part.tools.end(),
-                                     [](const auto& each) { return each.prefix.empty(); });
-      if (tool == part.tools.end()) continue;
-      report_.Problem(part.place,
-                      fmt::format("{} '{}' is in it twice, and {} is attached without a prefix; "
-                                  "set the attachment's `prefix`, which its names begin with then",
-                                  repeated.kind, repeated.name.substr(prefix.size()), tool->file),
-                      "attachments");
-    }
-  }
-
   // Robots among themselves are told before; an object's name is what can be changed here.
   void TellRepeatedName(const std::string& text, const Part* base) {
     const std::optional<Repeated> repeated = RepeatedName(text);
@@ -356,8 +339,7 @@ class SceneCompiler {
       if (robot->part.spec) look(robot->part, robot->record.prefix);
     }
     for (const auto& object : objects_) look(object->part, object->prefix);
-    if (owners.size() < 2) return TellRepeatedByTool(*repeated);
-    if (!owners.back()->place.starts_with("object ")) return;
+    if (owners.size() < 2 || !owners.back()->place.starts_with("object ")) return;
     report_.Problem(owners.back()->place,
                     fmt::format("{0} '{1}' is in {2} already, and the object would bring another "
                                 "one; give the object another name",

@@ -78,6 +78,7 @@ TEST_F(HomeKey, OpensAGripperThatSaysNothingAboutHome) {
 }
 
 TEST_F(HomeKey, KeepsTheOwnHomeOfWhatTheConfigurationLeavesOut) {
+  config.move_groups.clear();
   config.move_groups["upper"] = {
       .kind = MoveGroupKind::kGeneric, .joints = {"shoulder"}, .actuators = {"servo1"}};
   config.home["upper"] = {-1};

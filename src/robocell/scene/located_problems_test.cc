@@ -47,6 +47,41 @@ TEST_F(Located, AJointThatDoesNotExist) {
                          file + ":5:24: robot 'left': no joint 'elbw'. Its joints: ");
 }
 
+TEST_F(Located, AnActuatorThatTwoGroupsName) {
+  const std::string file = RobotFile(
+      "move_groups:\n"
+      "  arm: {kind: arm, joints: [shoulder, elbow], actuators: [servo1, servo2]}\n"
+      "  tip: {joints: [elbow], actuators: [servo2]}\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(file); },
+                         file +
+                             ":5:38: move_groups.tip.actuators[0]: actuator 'servo2' is commanded "
+                             "by move_groups.arm and move_groups.tip; leave it out of one");
+}
+
+TEST_F(Located, AnActuatorThatOneGroupNamesAndAnArmFinds) {
+  const std::string file = RobotFile(
+      "move_groups:\n"
+      "  tip: {actuators: [servo2]}\n"
+      "  arm: {kind: arm, joints: [shoulder, elbow]}\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(file); },
+                         file +
+                             ":4:21: robot 'left': move_groups.tip.actuators[0]: actuator 'servo2' "
+                             "is commanded by move_groups.tip and move_groups.arm (it drives its "
+                             "joints); leave it out of one");
+}
+
+TEST_F(Located, AJointThatTwoDrivenArmsList) {
+  const std::string file = RobotFile(
+      "move_groups:\n"
+      "  one: {kind: arm, joints: [shoulder, elbow]}\n"
+      "  two: {kind: arm, joints: [shoulder]}\n");
+  ExpectThrow<SpecError>([&] { BuildRobot(file); },
+                         file +
+                             ":5:29: robot 'left': move_groups.two.joints[0]: joint 'shoulder' is "
+                             "listed by move_groups.one and move_groups.two, which both have "
+                             "actuators; leave it out of one");
+}
+
 TEST_F(Located, AllProblemsOfOneFileAreUnderItsName) {
   const std::string file = RobotFile(
       "move_groups:\n"
@@ -196,7 +231,7 @@ TEST_F(Located, AnActuatorThatMovesTheWholeHand) {
   const std::string fields =
       "attachments: [{mjcf_path: gripper.xml, prefix: g_, attach_to: {site: flange}}]\n"
       "move_groups:\n"
-      "  arm: {kind: arm, joints: [shoulder, elbow], leaf: {site: flange}}\n"
+      "  carrier: {joints: [shoulder, elbow]}\n"
       "  gripper: {kind: gripper, joints: [g_left_slide, g_right_slide], actuators: [";
   BuildRobot(RobotFile(fields + "g_grip]}\n"));
   const std::string wrong = RobotFile(fields + "servo2]}\n");

@@ -112,9 +112,39 @@ TEST_F(Robots, SayWhatToDoAboutAToolWithNamesOfTheirs) {
   SceneSpec spec = ArmScene();
   spec.robots[0].attachments.push_back({.mjcf_path = twin, .attach_to = Body("fore")});
   ExpectThrow<SpecError>([&] { Scene::Build(spec); },
-                         "scene 'test' / robot 'left': body 'upper' is in it twice, and " + twin +
-                             " is attached without a prefix; set the attachment's `prefix`, which "
-                             "its names begin with then");
+                         "scene 'test' / robot 'left' / attachment '" + twin +
+                             "': body 'upper' would come from " + twin + " and is in " +
+                             config.model +
+                             " already; set the attachment's `prefix`, which its names begin with "
+                             "then");
+}
+
+// The engine refuses meshes and materials when they are attached, joints when it compiles.
+constexpr const char* kRing = R"(
+  <asset><mesh name="ring" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><material name="red"/></asset>
+  <worldbody><body name="{0}base"><geom type="mesh" mesh="ring" material="red"/>
+    <body name="{0}tip"><joint name="turn"/><geom name="{0}geom" size="0.1"/></body></body>
+    <geom name="floor" size="0.1"/></worldbody>
+  <actuator><motor name="{0}push" joint="turn"/></actuator>)";
+
+TEST_F(Robots, TellAllNamesThatAToolHasInCommonWithThem) {
+  config = {.name = "arm", .model = folder.Write("ringed", fmt::format(kRing, "a_"))};
+  const std::string tool = folder.Write("tool", fmt::format(kRing, "t_"));
+  config.attachments.push_back({.mjcf_path = tool, .attach_to = Body("a_tip")});
+  ExpectThrow<SpecError>([&] { BuildArm(); },
+                         "joint 'turn', mesh 'ring', material 'red' would come from " + tool +
+                             " and are in " + config.model + " already; set the attachment's");
+  config.attachments[0].prefix = "t_";
+  EXPECT_EQ(BuildArm().model()->nmesh, 2);
+}
+
+TEST_F(Robots, TellAPrefixThatMakesNamesOfTheirs) {
+  const std::string tool = folder.Write(
+      "tool", R"(<worldbody><body name="per"><geom size="0.005"/></body></worldbody>)");
+  config.attachments.push_back({.mjcf_path = tool, .attach_to = Body("fore"), .prefix = "up"});
+  ExpectThrow<SpecError>([&] { BuildArm(); },
+                         "body 'upper' would come from " + tool + " and is in " + config.model +
+                             " already; give the attachment another `prefix` than 'up'");
 }
 
 TEST_F(Robots, CarryChainsOfTools) {

@@ -1,11 +1,14 @@
 #include "robocell/spec/robot_config.h"
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "robocell/base/names.h"
 #include "robocell/spec/check_attachments.h"
+#include "robocell/spec/shared_parts.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -64,6 +67,36 @@ void CheckLengths(const Map<std::vector<double>>& map, std::string_view field,
   }
 }
 
+// As the configuration has them; what arms find in their model is checked where it is known.
+void CheckGroupsApart(const RobotConfig& robot, Problems& problems) {
+  std::vector<GroupParts> groups;
+  for (const auto& [name, group] : robot.move_groups.entries()) {
+    groups.push_back(
+        {.name = name, .joints = group->joints.names, .actuators = group->actuators.names});
+  }
+  for (const SharedParts& shared : FindSharedParts(groups))
+    problems.AddAt(shared.field, shared.message);
+}
+
+// Groups may share joints, which start in one place.
+void CheckHomesAgree(const RobotConfig& robot, Problems& problems) {
+  std::map<std::string, std::pair<std::string, double>> said;  // joint: group, value
+  for (const auto& [name, values] : robot.home.entries()) {
+    const MoveGroupConfig* group = robot.move_groups.find(name);
+    if (!group || group->joints.size() != values->size()) continue;
+    for (size_t i = 0; i < values->size(); ++i) {
+      const std::string& joint = group->joints[i];
+      const auto [first, is_new] = said.try_emplace(joint, name, (*values)[i]);
+      const auto& [other, value] = first->second;
+      if (is_new || value == (*values)[i]) continue;
+      problems.AddAt(fmt::format("home.{}[{}]", name, i),
+                     fmt::format("is {:g} for joint '{}', which is {:g} in home.{}; give both the "
+                                 "same, or leave the one group out of `home`",
+                                 (*values)[i], joint, value, other));
+    }
+  }
+}
+
 }  // namespace
 
 void MoveGroupConfig::Validate(Problems& problems) const {
@@ -109,6 +142,8 @@ void RobotConfig::Validate(Problems& problems) const {
   CheckGroupKeys(control, "control", move_groups, problems);
   CheckLengths(home, "home", *this, false, problems);
   CheckLengths(home_noise, "home_noise", *this, true, problems);
+  CheckGroupsApart(*this, problems);
+  CheckHomesAgree(*this, problems);
   CheckAttachments(attachments, problems);
   std::vector<std::string> camera_names;
   for (const CameraSpec& camera : cameras) camera_names.push_back(camera.name);

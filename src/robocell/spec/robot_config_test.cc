@@ -67,6 +67,41 @@ TEST(RobotConfig, GroupsThatDoNotExistAreNamedWithTheNearest) {
                                                 "groups: arm, hand. Did you mean 'hand'?"));
 }
 
+TEST(RobotConfig, AnActuatorIsCommandedByOneGroup) {
+  RobotConfig robot = ArmFile();
+  robot.move_groups["arm"].actuators = {"x", "y"};
+  robot.move_groups["wrist"] = {.joints = {"b"}, .actuators = {"z", "y"}};
+  EXPECT_EQ(ValidationError(robot),
+            "it is not valid: move_groups.wrist.actuators[1]: actuator 'y' is commanded by "
+            "move_groups.arm and move_groups.wrist; leave it out of one");
+  robot.move_groups["wrist"].actuators = {"y", "x"};
+  EXPECT_THAT(ValidationError(robot),
+              HasSubstr("move_groups.wrist.actuators[0]: actuators y, x are commanded by "
+                        "move_groups.arm and move_groups.wrist; leave them out of one"));
+}
+
+TEST(RobotConfig, GroupsThatAreCommandedShareNoJoints) {
+  RobotConfig robot = ArmFile();
+  robot.move_groups["arm"].actuators = {"x", "y"};
+  robot.move_groups["hand"].joints = {"b", "r"};
+  EXPECT_EQ(ValidationError(robot),
+            "it is not valid: move_groups.hand.joints[0]: joint 'b' is listed by move_groups.arm "
+            "and move_groups.hand, which both have actuators; leave it out of one");
+}
+
+TEST(RobotConfig, AGroupWithoutActuatorsSharesJointsAndStartsWhereTheOtherDoes) {
+  RobotConfig robot = ArmFile();
+  robot.move_groups["arm"].actuators = {"x", "y"};
+  robot.move_groups["wrist"] = {.joints = {"b"}};
+  EXPECT_EQ(ValidationError(robot), "");
+  robot.home["wrist"] = {1};
+  EXPECT_EQ(ValidationError(robot), "");
+  robot.home["wrist"] = {0.5};
+  EXPECT_EQ(ValidationError(robot),
+            "it is not valid: home.wrist[0]: is 0.5 for joint 'b', which is 1 in home.arm; give "
+            "both the same, or leave the one group out of `home`");
+}
+
 TEST(RobotConfig, AnArmHasOneActuatorPerJoint) {
   RobotConfig robot = ArmFile();
   robot.move_groups["arm"].actuators = {"x"};
