@@ -77,7 +77,7 @@ std::string MillimetresHint(const mjModel* m, const FingerPair& pair) {
       const double size = 2 * *std::max_element(half, half + 3);
       if (m->geom_type[g] != mjGEOM_MESH || size <= kLargestMesh) continue;
       return fmt::format(
-          " The mesh '{}' of '{}' is {:.3g} m large. Is it drawn in millimetres? Then give its "
+          "The mesh '{}' of '{}' is {:.3g} m large. Is it drawn in millimetres? Then give its "
           "<mesh> scale=\"0.001 0.001 0.001\"",
           ElementName(m, mjOBJ_MESH, m->geom_dataid[g]),
           ElementName(m, mjOBJ_BODY, m->geom_bodyid[g]), size);
@@ -86,9 +86,11 @@ std::string MillimetresHint(const mjModel* m, const FingerPair& pair) {
   return "";
 }
 
-std::string JawHint(const mjModel* m, const FingerPair& pair) {
-  const std::optional<Jaw> jaw = FindJaw(m, pair);
-  return jaw ? " " + HowToNameTips(m, pair, *jaw) : "";
+// "geom 'pad' of 'left_finger'".
+std::string GeomOfBody(const mjModel* m, int geom) {
+  const std::string text = Describe(m, mjOBJ_GEOM, geom);
+  if (ElementName(m, mjOBJ_GEOM, geom).empty()) return text;  // has its body
+  return fmt::format("{} of '{}'", text, ElementName(m, mjOBJ_BODY, m->geom_bodyid[geom]));
 }
 
 void Swap(GripperCtrl& ctrl) { std::swap(ctrl.open, ctrl.closed); }
@@ -207,6 +209,21 @@ void ActuatedGripper::Orient(std::vector<GripperCtrl>& ends) const {
   for (const size_t i : idle) Swap(ends[i]);
 }
 
+// At this distance, at both controls.
+std::string ActuatedGripper::WhyTheyStay(const std::array<std::vector<double>, 2>& ctrl,
+                                         double distance) const {
+  const mjModel* m = core().model();
+  const FingerPair& pair = Parts().pair;
+  if (std::string hint = MillimetresHint(m, pair); !hint.empty()) return hint;
+  if (const auto jaw = FindJaw(m, pair)) return HowToNameTips(m, pair, *jaw);
+  const auto geoms = distance > 0 ? std::nullopt : OverlapOfFingers(core().scene(), Parts(), ctrl);
+  if (!geoms) return WhyTheyJam(ctrl);
+  return fmt::format(
+      "{} and {} overlap open and closed: name as `fingers` one geom of each finger that does not, "
+      "of those that grasp",
+      GeomOfBody(m, (*geoms)[0]), GeomOfBody(m, (*geoms)[1]));
+}
+
 std::string ActuatedGripper::WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const {
   const std::vector<std::string> touching = TouchingFingers(core().scene(), Parts(), ctrl);
   if (touching.empty()) return "Nothing touches them: is the actuator too weak to move them?";
@@ -228,10 +245,9 @@ GripperRange ActuatedGripper::Measure() const {
   const double travel = ends_of_travel.second - ends_of_travel.first;
   if (travel < kLeastTravel) {
     Fail("fingers", fmt::format("the finger distance stays at {:.4f} m between control {} and {}; "
-                                "are `fingers` and `ctrl` right?{}{}",
+                                "are `fingers` and `ctrl` right? {}",
                                 at_open, CtrlText(open), CtrlText(closed),
-                                MillimetresHint(core().model(), Parts().pair),
-                                JawHint(core().model(), Parts().pair)));
+                                WhyTheyStay({open, closed}, at_open)));
   }
   const auto jams = [&](const std::vector<double>& ctrl, double from_home, double later,
                         const std::vector<double>& other) {

@@ -45,6 +45,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   // the configured open and closed are swapped.
   GripperRange Measure() const;
   // What to do about fingers that do not come back from the first controls to the second.
+  std::string WhyTheyStay(const std::array<std::vector<double>, 2>& ctrl, double distance) const;
   std::string WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const;
 
  private:

@@ -450,7 +450,32 @@ TEST(Gripper, SaysWhenItsFingersDoNotMove) {
   ExpectThrow<ArgumentError>(
       [&] { robot.gripper().opening(); },
       "the finger distance stays at 0.0900 m between control 100 and 99.999; "
-      "are `fingers` and `ctrl` right?");
+      "are `fingers` and `ctrl` right? Nothing touches them: is the actuator too weak to move "
+      "them?");
+}
+
+// Two hooks that cross at their roots, whatever their tips do.
+TEST(Gripper, NamesTheGeomsOfItsFingersThatOverlapOpenAndClosed) {
+  ModelFolder folder;
+  RobotConfig config = WithTwoServos(folder, "0 1 0", "0 .04", "0 1 0", "-.04 0");
+  config.attachments[0].mjcf_path = folder.Write("hooks", R"(
+      <worldbody><body name="palm"><geom size=".01" mass=".1"/>
+      <body name="left" pos="0 .01 0"><joint name="l" type="slide" axis="0 1 0" range="0 .04"
+        damping="5"/><geom name="l_root" type="box" size=".01 .06 .01"/>
+      <geom name="l_tip" type="box" size=".01 .005 .01" pos="0 0 .05"/></body>
+      <body name="right" pos="0 -.01 0"><joint name="r" type="slide" axis="0 1 0" range="-.04 0"
+        damping="5"/><geom type="box" size=".01 .06 .01"/>
+      <geom name="r_tip" type="box" size=".01 .005 .01" pos="0 0 .05"/></body>
+      </body></worldbody><contact><exclude body1="left" body2="right"/></contact>
+      <actuator><position name="left" joint="l" ctrlrange="0 .04" kp="500" kv="10"/>
+      <position name="right" joint="r" ctrlrange="-.04 0" kp="500" kv="10"/></actuator>)");
+  GripperConfig(config).actuators = {"g_left", "g_right"};
+  ExpectThrow<ArgumentError>(
+      [&] { RobotAlone(config).gripper().opening(); },
+      "the finger distance stays at 0.0000 m between control [0.04, 0] and [0, -0.04]; are "
+      "`fingers` and `ctrl` right? geom 'g_l_root' of 'g_left' and geom");
+  GripperConfig(config).fingers = {{.name = "g_l_tip"}, {.name = "g_r_tip"}};
+  EXPECT_NEAR(RobotAlone(config).gripper().inter_finger_dist_range().upper, 0.09, 1e-3);
 }
 
 // Fingers of sixty metres overlap wherever they are.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
@@ -100,13 +101,29 @@ double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
   }
 }
 
-std::array<double, 2> MeasuredDistances(const Scene& scene, const GripperParts& parts,
-                                        const std::array<std::vector<double>, 2>& ctrl) {
+// Calls look(model, data, distance) when the fingers have settled at the one end and at the other.
+template <class Look>
+void LookAtEnds(const Scene& scene, const GripperParts& parts,
+                const std::array<std::vector<double>, 2>& ctrl, const Look& look) {
   const ModelPtr model = AloneWithoutGravity(scene.model(), parts.robot_body);
   const DataPtr data = DataAtHome(model.get(), scene.compiled()->home_key());
-  std::array<double, 2> distances;
-  for (int i = 0; i < 2; ++i) {
-    distances[i] = SettledDistance(model.get(), data.get(), parts, ctrl[i]);
+  for (const std::vector<double>& values : ctrl) {
+    const double distance = SettledDistance(model.get(), data.get(), parts, values);
+    look(model.get(), data.get(), distance);
+  }
+}
+
+// The pairs of geoms of two fingers, with the distance of each, which overlaps make negative.
+using GeomDistances = std::map<std::array<int, 2>, double>;
+
+GeomDistances DistancesOfGeoms(const mjModel* m, mjData* d, const FingerPair& pair) {
+  GeomDistances distances;
+  for (const int g : pair.fingers[0].geoms) {
+    for (const int h : pair.fingers[1].geoms) {
+      double distance = 0;
+      Guarded(kContext, d, [&] { distance = mj_geomDistance(m, d, g, h, 1, nullptr); });
+      distances[{g, h}] = distance;
+    }
   }
   return distances;
 }
@@ -135,14 +152,27 @@ std::string FingerName(const Finger& finger) {
 
 std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts& parts,
                                          const std::array<std::vector<double>, 2>& ctrl) {
-  const ModelPtr model = AloneWithoutGravity(scene.model(), parts.robot_body);
-  const DataPtr data = DataAtHome(model.get(), scene.compiled()->home_key());
   std::vector<std::string> pairs;
-  for (const std::vector<double>& values : ctrl) {
-    SettledDistance(model.get(), data.get(), parts, values);
-    AddTouching(model.get(), data.get(), parts.pair.hand, pairs);
-  }
+  LookAtEnds(scene, parts, ctrl, [&](const mjModel* m, const mjData* d, double) {
+    AddTouching(m, d, parts.pair.hand, pairs);
+  });
   return pairs;
+}
+
+std::optional<std::array<int, 2>> OverlapOfFingers(const Scene& scene, const GripperParts& parts,
+                                                   const std::array<std::vector<double>, 2>& ctrl) {
+  GeomDistances farthest;  // of the two ends
+  LookAtEnds(scene, parts, ctrl, [&](const mjModel* m, mjData* d, double) {
+    for (const auto& [geoms, distance] : DistancesOfGeoms(m, d, parts.pair)) {
+      const auto [at, is_new] = farthest.try_emplace(geoms, distance);
+      if (!is_new) at->second = std::max(at->second, distance);
+    }
+  });
+  const auto deepest =
+      std::min_element(farthest.begin(), farthest.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  if (deepest == farthest.end() || deepest->second > 0) return std::nullopt;
+  return deepest->first;
 }
 
 std::string CtrlText(const std::vector<double>& ctrl) {
@@ -157,8 +187,10 @@ std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperPa
       FingerName(parts.pair.fingers[0]), FingerName(parts.pair.fingers[1]),
       fmt::join(parts.ctrl_addresses, " "), fmt::join(ctrl[0], " "), fmt::join(ctrl[1], " "));
   const std::vector<double> distances = OncePerModel(*scene.compiled(), what, [&] {
-    const auto [first, second] = MeasuredDistances(scene, parts, ctrl);
-    return std::vector<double>{first, second};
+    std::vector<double> ends;
+    LookAtEnds(scene, parts, ctrl,
+               [&](const mjModel*, const mjData*, double distance) { ends.push_back(distance); });
+    return ends;
   });
   return {distances[0], distances[1]};
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,11 @@ std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperPa
 // each pair once. Measures anew, for messages.
 std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts& parts,
                                          const std::array<std::vector<double>, 2>& ctrl);
+
+// The geoms of the two fingers that overlap at both ends of that, the deepest where several do, so
+// that their distance is 0 whatever else opens. Measures anew, for messages.
+std::optional<std::array<int, 2>> OverlapOfFingers(const Scene& scene, const GripperParts& parts,
+                                                   const std::array<std::vector<double>, 2>& ctrl);
 
 // "0.7", of several actuators "[0.7, -0.7]".
 std::string CtrlText(const std::vector<double>& ctrl);
