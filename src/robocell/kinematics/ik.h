@@ -8,8 +8,11 @@
 //
 // Not finding a solution is a value (success = false, with the best joint values met), never an
 // exception; it takes bounded time (at most max_iterations steps for the seed and each restart, and
-// twice that to choose; a step is below a microsecond). ArgumentError: a target or seed that is not
-// finite, a wrong number of seed values, locked joints without a seed, options out of range.
+// twice that to choose; a step is below a microsecond). Where 100 restarts or more are allowed, and
+// all of them failed but one came near (a tenth of a radian or of the chain's length), 400 more are
+// made: most of such targets lie in corners of the limits. A chain of too few joints makes none.
+// ArgumentError: a target or seed that is not finite, a wrong number of seed values, locked joints
+// without a seed, options out of range.
 //
 // Joints without limits: hinges start anywhere in a turn, slides within the chain's length; nothing
 // is clipped. Nor are hinges with limits that are a whole turn apart or more, but in the search
@@ -83,7 +86,7 @@ struct IkOptions {
   // Solutions that it does not keep are none. When it keeps none, the answer is one of them with
   // success = false. Starts are tried until one is kept.
   IkFilter filter{};
-  // Starts after the one from the seed.
+  // Starts after the one from the seed. From 100 on there are 400 more where the best came near.
   int max_restarts = 100;
   // Most steps of one start; starts that get nowhere end earlier.
   int max_iterations = 40;

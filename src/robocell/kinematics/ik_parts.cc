@@ -16,6 +16,10 @@ constexpr double kMostTurns = 1e5;
 constexpr double kLessThanHalfATurn = 3;  // rad
 
 constexpr int kRestartsWhenTooFar = 8;
+// Of targets that can be reached, nine in ten of those that all restarts miss are missed by less;
+// of those inside the reach that cannot be, one in eleven.
+constexpr double kNearMiss = 0.01;
+constexpr int kRestartsAfterANearMiss = 400;
 
 bool IsOutOfReach(const ChainModel& chain, const Transform& target, double tolerance) {
   const Eigen::Vector3d& root = chain.joints[0].fixed.translation;
@@ -91,6 +95,14 @@ int RestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& op
   const bool too_far = task.whole_position && !MayExceedReach(chain, options.locked) &&
                        IsOutOfReach(chain, target, options.tolerance);
   return too_far ? std::min(options.max_restarts, kRestartsWhenTooFar) : options.max_restarts;
+}
+
+int MoreRestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& options,
+                    const Transform& target, double best_cost) {
+  if (best_cost > kNearMiss || options.max_restarts < IkOptions().max_restarts) return 0;
+  if (task.joints_to_spare(chain.n, options.locked) < 0) return 0;
+  const bool too_far = RestartsFor(chain, task, options, target) < options.max_restarts;
+  return too_far ? 0 : kRestartsAfterANearMiss;
 }
 
 void UnwindTowards(const FoldedChain& chain, const JointVector& seed, const LockedJoints& locked,

@@ -27,6 +27,10 @@ JointVector SpreadStart(const ChainModel& chain, const JointVector& seed,
 // no stretched chain touches it.
 int RestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& options,
                 const Transform& target);
+// How often more, when all of these failed and the best of them had this cost (squared error, rad
+// and lengths of the chain): where it came near, in a corner of the limits there mostly is a way.
+int MoreRestartsFor(const ChainModel& chain, const IkTask& task, const IkOptions& options,
+                    const Transform& target, double best_cost);
 
 // Whole turns do not move the tip: takes as many as bring a hinge nearest to the seed, which is in
 // the limits, within its limits. A hinge beyond them must have limits that hold a whole turn.

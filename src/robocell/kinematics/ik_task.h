@@ -27,9 +27,15 @@ struct IkTask {
   bool whole_position = true;
   // How many of the six numbers of a pose count.
   int rows = 6;
-  // Whether solutions are endlessly many, as a chain with these joints locked has some to spare.
+  // How many joints of so many are to spare with these locked; less than 0: most poses are not to
+  // be reached at all.
+  int joints_to_spare(int joints, const LockedJoints& locked) const {
+    return joints - static_cast<int>(std::count(locked.begin(), locked.begin() + joints, true)) -
+           rows;
+  }
+  // Whether solutions are endlessly many.
   bool leaves_joints(int joints, const LockedJoints& locked) const {
-    return joints - std::count(locked.begin(), locked.begin() + joints, true) > rows;
+    return joints_to_spare(joints, locked) > 0;
   }
   // Only `axis`, in the tip's frame, has to point where the target's points, or within `cone` rad.
   bool swing = false;

@@ -69,13 +69,13 @@ INSTANTIATE_TEST_SUITE_P(Arms, MenagerieIk, testing::ValuesIn(MenagerieArms()), 
 TEST_P(MenagerieIk, SolvesAThousandReachableTargetsWithinTheLimits) {
   const Arm arm(GetParam());
   Rng rng = Rng::Stream(1, "ik targets", GetParam().folder);
-  EXPECT_GE(CountSolved(arm.model, arm.chain, 1000, &rng), 999);
+  EXPECT_GE(CountSolved(arm.model, arm.chain, 1000, &rng), 1000);
 }
 
 TEST_P(MenagerieIk, SolvesToTighterTolerancesToo) {
   const Arm arm(GetParam());
   Rng rng = Rng::Stream(2, "tight ik targets", GetParam().folder);
-  EXPECT_GE(CountSolved(arm.model, arm.chain, 200, &rng, {.tolerance = 1e-9}), 199);
+  EXPECT_GE(CountSolved(arm.model, arm.chain, 200, &rng, {.tolerance = 1e-9}), 200);
 }
 
 TEST_P(MenagerieIk, SolvesTargetsAtTheCornersOfTheLimits) {
@@ -93,7 +93,7 @@ TEST_P(MenagerieIk, SolvesTargetsAtTheCornersOfTheLimits) {
     solved += result.success;
     EXPECT_TRUE(InLimits(arm.chain, result.q));
   }
-  EXPECT_GE(solved, 196);
+  EXPECT_GE(solved, 200);
 }
 
 TEST_P(MenagerieIk, StaysOnTheSeedsBranchWhenTheTargetIsNearIt) {

@@ -29,13 +29,12 @@ class LaneSearch {
   IkResult Run() {
     Begin(0);
     if (!seed_searches_) Join();
-    while (busy_ != 0 && !Step()) {
-      if (!joined_ && (steps_ == kStepsAlone || work_.cost(0) > kNearSeed)) Join();
-    }
+    Search();
+    if (!answer_.success) GoOnWhereNear();
     if (answer_.success) {
       answer_.restarts = winner_;
     } else {
-      answer_ = work_.Judge(target_, Best());
+      answer_ = work_.Judge(target_, work_.Best(BestLane(), starts_.seed()));
       answer_.restarts = starts_.begun() - 1;
     }
     answer_.iterations = steps_ - (only_measured_ ? 1 : 0);
@@ -43,6 +42,19 @@ class LaneSearch {
   }
 
  private:
+  void Search() {
+    while (busy_ != 0 && !Step()) {
+      if (!joined_ && (steps_ == kStepsAlone || work_.cost(0) > kNearSeed)) Join();
+    }
+  }
+
+  // All starts have failed.
+  void GoOnWhereNear() {
+    starts_left_ = work_.MoreRestartsFor(target_, work_.best_cost(BestLane()));
+    for (int lane = 0; lane < LanesOfOneQuestion(); ++lane) Begin(lane);
+    Search();
+  }
+
   // Starts in all lanes that have none. All cost as much as two.
   void Join() {
     joined_ = true;
@@ -115,12 +127,12 @@ class LaneSearch {
     Join();
   }
 
-  JointVector Best() const {
+  int BestLane() const {
     int best = 0;
     for (int lane = 1; lane < kMaxLanes; ++lane) {
       if (IsAimed(lane) && work_.best_cost(lane) < work_.best_cost(best)) best = lane;
     }
-    return work_.Best(best, starts_.seed());
+    return best;
   }
 
   LaneWork work_;

@@ -24,6 +24,7 @@ struct Lane {
   LaneQuestion question;
   LaneStarts starts;
   int restarts_left = 0;
+  bool goes_on = false;    // with more restarts than are allowed at first
   int age = 0, steps = 0;  // of this start, of all
   bool settles = false;    // has arrived; its joints to spare are on their way
   JointVector before;      // the last step of that
@@ -89,12 +90,20 @@ class LaneSolver {
 
   void StartAgain(int k) {
     Lane& lane = lanes_[k];
+    if (lane.restarts_left == 0) GoOnWhereNear(k);
     if (lane.restarts_left-- == 0 || !queue_.GoesOn()) {
       const JointVector best = work_.Best(k, lane.starts.seed());
       return Answer(k, work_.Judge(lane.question.target, best));
     }
     lane.age = 0;
     lane.starts.Begin(k, &work_);
+  }
+
+  void GoOnWhereNear(int k) {
+    Lane& lane = lanes_[k];
+    if (lane.goes_on || lane.question.most >= 0) return;
+    lane.goes_on = true;
+    lane.restarts_left = work_.MoreRestartsFor(lane.question.target, work_.best_cost(k));
   }
 
   void Arrive(int k) {

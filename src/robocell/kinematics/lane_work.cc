@@ -182,4 +182,8 @@ int LaneWork::RestartsFor(const Transform& tip_in_base) const {
   return robocell::RestartsFor(chain_, task_, options_, tip_in_base);
 }
 
+int LaneWork::MoreRestartsFor(const Transform& tip_in_base, double best_cost) const {
+  return robocell::MoreRestartsFor(chain_, task_, options_, tip_in_base, best_cost);
+}
+
 }  // namespace robocell

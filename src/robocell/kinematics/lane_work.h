@@ -70,6 +70,8 @@ class LaneWork {
   }
   // How often a search may start again.
   int RestartsFor(const Transform& tip_in_base) const;
+  // And how often more, when all of these failed, with this cost at best.
+  int MoreRestartsFor(const Transform& tip_in_base, double best_cost) const;
 
  private:
   // Of a step, what the joint takes of it: 1, or less where its limits are close together.

@@ -135,6 +135,7 @@ struct RandomChainOptions {
   bool awkward =
       true;  // anchors, reference positions, two joints on a body, fixed bodies, side branches
   double limited_share = 0.7;  // of the hinges
+  bool narrow = false;         // limits of hinges are 0.8 to 3 rad from 0, not 1.5 to 3
   double tiny_share = 0;       // of the joints: with limits a thousandth of a radian or metre apart
   double whole_turn_share = 0;  // of the other hinges: with limits one to two turns apart
   double size = 1;              // multiplies all lengths of the chain, those of slides too
@@ -202,7 +203,8 @@ class RandomChainXml {
     } else if (slide) {
       text += fmt::format(" range='{} {}'", size * U(-0.4, -0.1), size * U(0.1, 0.4));
     } else if (rng_->Uniform() < options_.limited_share) {
-      text += fmt::format(" range='{} {}'", U(-3, -1.5), U(1.5, 3));
+      const double least = options_.narrow ? 0.8 : 1.5;
+      text += fmt::format(" range='{} {}'", U(-3, -least), U(least, 3));
     }
     return text + "/>";
   }

@@ -1,0 +1,119 @@
+// Poses that all restarts missed, but one came near: those in corners of the limits are found, what
+// cannot be reached costs little more, and who allows few starts gets no more of them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "robocell/kinematics/ik_batch.h"
+#include "robocell/kinematics/testing/ik_judge.h"
+
+namespace robocell {
+namespace {
+
+// Seven hinges between limits.
+struct LimitedChain {
+  explicit LimitedChain(int seed)
+      : rng(Rng::Stream(seed, "near misses")),
+        model(TestModel::FromXml(RandomChainXml(&rng, {.joints = 7,
+                                                       .slide_share = 0,
+                                                       .awkward = false,
+                                                       .limited_share = 1,
+                                                       .narrow = true})
+                                     .Write())),
+        chain(model.model(), "base", ChainTip::Site("tip")) {}
+
+  // A part of the joints at one of their limits.
+  Pose Reachable(double at_limits) {
+    JointVector q = RandomJoints(chain, &rng);
+    for (int i = 0; i < q.size(); ++i) {
+      const ChainJoint& joint = chain.joints()[i];
+      if (rng.Uniform() < at_limits) q[i] = rng.Uniform() < 0.5 ? joint.lower : joint.upper;
+    }
+    return chain.Fk(q);
+  }
+  // Anywhere in a ball around the root, turned anyhow: nothing reaches most of them.
+  Pose InTheReach() {
+    Eigen::Vector3d place;
+    do {
+      for (double& x : place) x = rng.Uniform(-1, 1);
+    } while (place.norm() > 1);
+    const Transform& root = chain.model().joints[0].fixed;
+    Eigen::Vector4d turn;
+    for (double& x : turn) x = rng.Normal();
+    return Pose(root.translation + chain.model().reach_bound * place,
+                Eigen::Quaterniond(turn.normalized()).toRotationMatrix());
+  }
+
+  Rng rng;
+  TestModel model;
+  Chain chain;
+};
+
+TEST(IkNearMiss, SolvesTenThousandPosesOfLimitedChainsButOne) {
+  constexpr int kTargets = 5000, kChains = 12;
+  int solved = 0;
+  for (int k = 0; k < kChains; ++k) {
+    LimitedChain c(k);
+    std::vector<Pose> targets;
+    for (int b = 0; b < kTargets; ++b) targets.push_back(c.Reachable(0));
+    const IkBatchResult found = IkBatch(c.chain, targets);
+    solved += found.solved();
+    for (int b = 0; b < kTargets; ++b) {
+      if (!found.success[b]) continue;
+      EXPECT_TRUE(EngineAgrees(c.model, c.chain, targets[b], found.row(b), 1.0001e-5));
+    }
+  }
+  EXPECT_GE(solved, 0.9999 * kTargets * kChains);
+}
+
+TEST(IkNearMiss, SolvesPosesInCornersOfTheLimitsAloneAndTogether) {
+  constexpr int kTargets = 200, kChains = 12;
+  int together = 0, alone = 0;
+  for (int k = 0; k < kChains; ++k) {
+    LimitedChain c(k);
+    std::vector<Pose> targets;
+    for (int b = 0; b < kTargets; ++b) targets.push_back(c.Reachable(0.5));
+    together += IkBatch(c.chain, targets).solved();
+    for (const Pose& target : targets) alone += Ik(c.chain, target).success;
+  }
+  EXPECT_GE(together, 0.995 * kTargets * kChains);
+  EXPECT_GE(alone, 0.995 * kTargets * kChains);
+}
+
+// Steps of a question, on the mean.
+double StepsOf(const Chain& chain, const std::vector<Pose>& targets, int max_restarts) {
+  const IkBatchResult found = IkBatch(chain, targets, {}, {.ik = {.max_restarts = max_restarts}});
+  return std::accumulate(found.iterations.begin(), found.iterations.end(), 0.0) / found.size;
+}
+
+TEST(IkNearMiss, WhatCannotBeReachedTakesHalfAsLongAgainAtMost) {
+  double before = 0, now = 0;
+  for (int k = 0; k < 12; ++k) {
+    LimitedChain c(k);
+    std::vector<Pose> targets;
+    for (int b = 0; b < 200; ++b) targets.push_back(c.InTheReach());
+    before += StepsOf(c.chain, targets, 99);
+    now += StepsOf(c.chain, targets, 100);
+  }
+  EXPECT_LT(now, 1.5 * before);
+}
+
+TEST(IkNearMiss, FewRestartsAndTooFewJointsGetNoMore) {
+  LimitedChain c(3);
+  for (int k = 0; k < 100; ++k)
+    EXPECT_LE(Ik(c.chain, c.Reachable(0.5), {.max_restarts = 99}).restarts, 99);
+
+  Rng rng = Rng::Stream(1, "five joints");
+  const TestModel five = TestModel::FromXml(
+      RandomChainXml(&rng, {.joints = 5, .slide_share = 0, .limited_share = 1}).Write());
+  const Chain chain(five.model(), "base", ChainTip::Site("tip"));
+  for (int k = 0; k < 20; ++k) {
+    const Pose off(Eigen::Vector3d(0.03 * rng.Normal(), 0, 0), Eigen::Matrix3d::Identity().eval());
+    const IkResult found = Ik(chain, chain.Fk(RandomJoints(chain, &rng)) * off);
+    EXPECT_LE(found.restarts, 100);
+  }
+}
+
+}  // namespace
+}  // namespace robocell
