@@ -1,6 +1,7 @@
 #include "robocell/kinematics/ik_choice.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 
 #include "robocell/kinematics/ik_parts.h"
@@ -96,12 +97,21 @@ int IkChoice::StartsFor(const LaneQuestion& question) const {
   return std::min(restarts, std::numeric_limits<int>::max() - kSearches) + 1;
 }
 
+int IkChoice::MoreStartsFor(int question) const {
+  const IkResult& best = answers_[question];
+  const bool is_refused = best.position_error <= options_.tolerance &&
+                          (task_.position_only || best.rotation_error <= options_.tolerance);
+  if (is_refused) return 0;  // by the filter
+  return MoreRestartsFor(chain_.model(), task_, options_, questions_[question].target, Miss(best));
+}
+
 void IkChoice::Begin(int question, bool patient) {
-  const int starts = StartsFor(questions_[question]);
+  const int64_t starts =
+      int64_t{StartsFor(questions_[question])} + (patient ? MoreStartsFor(question) : 0);
   for (int way = 0; way < kSearches; ++way) {
     searches_[question * kSearches + way] = {
         .next_start = way,
-        .starts_left = (starts - way + kSearches - 1) / kSearches,
+        .starts_left = static_cast<int>((starts - way + kSearches - 1) / kSearches),
         .patient = patient};
   }
 }

@@ -70,6 +70,8 @@ class IkChoice {
   std::span<const uint8_t> Filter();
   double Miss(const IkResult& result) const;
   int StartsFor(const LaneQuestion& question) const;
+  // Where nothing was found, but an approach came near, as for questions without a preference.
+  int MoreStartsFor(int question) const;
 
   const Chain& chain_;
   const IkOptions& options_;

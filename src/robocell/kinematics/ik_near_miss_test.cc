@@ -81,6 +81,19 @@ TEST(IkNearMiss, SolvesPosesInCornersOfTheLimitsAloneAndTogether) {
   EXPECT_GE(alone, 0.995 * kTargets * kChains);
 }
 
+TEST(IkNearMiss, SolvesAsManyPosesInCornersWithAPreference) {
+  constexpr int kTargets = 50, kChains = 12;
+  int solved = 0;
+  for (int k = 0; k < kChains; ++k) {
+    LimitedChain c(k);
+    std::vector<Pose> targets;
+    for (int b = 0; b < kTargets; ++b) targets.push_back(c.Reachable(0.5));
+    const IkOptions options{.prefer = IkPrefer::kAwayFromLimits};
+    solved += IkBatch(c.chain, targets, {}, {.ik = options}).solved();
+  }
+  EXPECT_GE(solved, 0.995 * kTargets * kChains);
+}
+
 // Steps of a question, on the mean.
 double StepsOf(const Chain& chain, const std::vector<Pose>& targets, int max_restarts) {
   const IkBatchResult found = IkBatch(chain, targets, {}, {.ik = {.max_restarts = max_restarts}});
