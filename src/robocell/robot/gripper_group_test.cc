@@ -16,6 +16,7 @@ namespace robocell {
 namespace {
 
 using ::testing::Contains;
+using ::testing::HasSubstr;
 using ::testing::Not;
 
 ActuatedGripper& GripperOf(const Robot& robot) {
