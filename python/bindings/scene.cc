@@ -434,7 +434,8 @@ void DefActuation(nb::class_<Scene>& c) {
            nb::sig("def set_body_wrench(self, body: str, force: numpy.typing.ArrayLike | "
                    "typing.Any, torque: numpy.typing.ArrayLike | None = None) -> None"),
            "Force (3,) N and torque (3,) N m (0 unless given) in the world at the body's centre of "
-           "mass, or a PyKDL.Wrench alone; kept until changed or reset.")
+           "mass, or a PyKDL.Wrench alone; kept until changed or reset. An ArgumentError for the "
+           "world and for parked objects.")
       .def("contacts", &Scene::contacts, nb::arg("of") = "",
            "Active contacts, or those of one body's subtree, as the last step or forward() found "
            "them: the poses that other functions return are one step newer.")

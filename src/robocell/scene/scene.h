@@ -193,7 +193,7 @@ class Scene {
   // Refuses NaN by name before the engine sees it.
   void SetActuatorCtrl(const std::string& name, double value);
   // Force (N) and torque (Nm) on a body in the world, at its centre of mass, kept until changed or
-  // reset.
+  // reset. An ArgumentError for the world and for parked objects.
   void SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
                      const Eigen::Vector3d& torque = Eigen::Vector3d::Zero());
 

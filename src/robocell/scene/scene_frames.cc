@@ -166,6 +166,12 @@ void Scene::SetBodyWrench(const std::string& body, const Eigen::Vector3d& force,
                           const Eigen::Vector3d& torque) {
   State& s = open();
   const int id = RequireId(s.model(), mjOBJ_BODY, body, s.context);
+  if (id == 0) {
+    throw ArgumentError(
+        fmt::format("{}: body '{}' cannot be pushed: nothing moves it. Name the body that is to "
+                    "feel the force. Its bodies: {}",
+                    s.context, body, ListNames(body_names())));
+  }
   for (const PooledObject& object : s.pool) {
     if (!object.parked || !IsInSubtree(s.model(), id, object.body())) continue;
     throw ArgumentError(

@@ -219,6 +219,16 @@ TEST(Scene, RefusesNumbersThatAreNotFinite) {
       "force on body 'cube' must be a finite number");
 }
 
+TEST(Scene, TheWorldCannotBePushed) {
+  Scene scene = Scene::Build(Workplace());
+  ExpectThrow<ArgumentError>(
+      [&] {
+        scene.SetBodyWrench("world", {1, 0, 0});
+      },
+      "scene 'test': body 'world' cannot be pushed: nothing moves it. Name the body that is to "
+      "feel the force. Its bodies: ");
+}
+
 TEST(Scene, ContactsSayWhoTouchesWhomAndHowHard) {
   Scene scene = Scene::Build(Workplace());
   EXPECT_TRUE(scene.StepN(200).ok());
