@@ -54,8 +54,10 @@ double LargestDifference(const Poses& a, const Poses& b) {
   return largest;
 }
 
-Poses PosesAfter(const SceneSpec& spec, int steps) {
+// Begun with velocities that are so much off, to either side.
+Poses PosesAfter(const SceneSpec& spec, int steps, double off = 0) {
   Scene scene = Scene::Build(spec);
+  for (int i = 0; i < scene.model()->nv; ++i) scene.data()->qvel[i] += i % 2 == 0 ? off : -off;
   EXPECT_TRUE(scene.StepN(steps).ok());
   Poses poses;
   for (const std::string& body : scene.body_names()) {
@@ -69,13 +71,21 @@ void Shuffle(Rng& rng, List<T>& list) {
   rng.Shuffle(list.boxes());
 }
 
-// Beyond rounding. In about one cell of a hundred any rounding error, the order's or another's,
-// grows to 1e-6 in these steps, by stiff contacts; none of these is one.
+// What rounding grows to in these steps: in about one cell of a hundred to 1e-6 and more, by stiff
+// contacts.
+double GrownRounding(const SceneSpec& spec, const Poses& poses, int steps) {
+  double largest = 0;
+  for (const double off : {1e-15, -1e-15, 3e-15})
+    largest = std::max(largest, LargestDifference(poses, PosesAfter(spec, steps, off)));
+  return largest;
+}
+
 TEST_P(RandomCells, TheOrderOfIndependentEntitiesChangesNothing) {
   // To the end: else the order decides where the solver stops.
   spec_.options.tolerance = 0;
   spec_.options.iterations = 500;
-  const Poses before = PosesAfter(spec_, 50);
+  const SceneSpec in_order = spec_;
+  const Poses before = PosesAfter(in_order, 50);
   Shuffle(rng_, spec_.robots);
   Shuffle(rng_, spec_.objects);
   // What others stand on is declared before them.
@@ -85,7 +95,9 @@ TEST_P(RandomCells, TheOrderOfIndependentEntitiesChangesNothing) {
   Shuffle(rng_, spec_.cameras);
   const Poses after = PosesAfter(spec_, 50);
   ASSERT_EQ(after.size(), before.size());
-  EXPECT_LT(LargestDifference(before, after), 1e-9);
+  const double difference = LargestDifference(before, after);
+  if (difference < 1e-9) return;
+  EXPECT_LT(difference, 10 * GrownRounding(in_order, before, 50)) << "more than rounding";
 }
 
 TEST_P(RandomCells, SavedAndLoadedTheyAreTheSame) {
@@ -242,6 +254,8 @@ TEST(RandomCellsOnTheWhole, HaveEveryKindOfRobotAndManyTools) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomCells, ::testing::Range(uint64_t{0}, kAll));
+// One in which rounding grows.
+INSTANTIATE_TEST_SUITE_P(Chaotic, RandomCells, ::testing::Values(uint64_t{113}));
 
 }  // namespace
 }  // namespace robocell
