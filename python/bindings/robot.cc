@@ -430,7 +430,7 @@ void BindRobotClass(nb::module_& m) {
           "`chain`.")
       .def("refresh_tool_inertia", &Robot::RefreshToolInertia,
            "Weigh what hangs on the arm (gripper, tool) where it is now instead of where it is at "
-           "the model's reference, until the next reset or rebuild.")
+           "the model's reference, until the next reset.")
       .def_prop_ro("has_tcp_frame", &Robot::has_tcp_frame,
                    "Whether the arm ends in a site, not in a body's frame.")
       .def_prop_ro("tcp_site", &Robot::tcp_site, "That site's full name, else ''.")

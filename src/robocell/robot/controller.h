@@ -74,10 +74,11 @@ class Controller {
   }
   // Forget the target and hold: the present joint positions, or what a gripper is commanded to.
   virtual void Reset() = 0;
-  // The same of what drives position servos, where they go on from `servos`, nq() joint positions:
-  // those at which they push as what they take over from, which are not where the joints are.
-  virtual void ResetTo(std::span<const double> servos) {
-    (void)servos;
+  // The same where it takes over an arm from something else. `start` is for position servos nq()
+  // joint positions: those at which they push as what drove the arm, which are not where the joints
+  // are; for velocity servos the nv() velocities that the joints have.
+  virtual void ResetTo(std::span<const double> start) {
+    (void)start;
     Reset();
   }
   // The control for this tick, nu() values. No allocation.

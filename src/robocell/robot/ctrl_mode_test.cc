@@ -62,15 +62,16 @@ void CommandGravityTorques(Robot& robot) { robot.GravityTorques(robot.jnt_trq_cm
 
 class Modes : public ::testing::TestWithParam<RobotCase> {
  protected:
-  Scene Build() {
+  static RobotSpec Spec() {
     RobotSpec spec = GetParam().spec();
     spec.name = GetParam().name;
     spec.prefix = "r_";
     spec.control_modes = std::vector{kPosition, kVelocity, kTorque};
     if (spec.config) spec.config->gravcomp = false;
-    return Scene::Build(SceneWith(spec));
+    return spec;
   }
-  Robot In(const Scene& scene) {
+  static Scene Build() { return Scene::Build(SceneWith(Spec())); }
+  static Robot In(const Scene& scene) {
     Robot robot = GetParam().robot(scene, GetParam().name);
     if (GetParam().name != "fr3") return robot;
     robot.SetJointPos(InTheLimits());  // which its reference is not
@@ -130,38 +131,90 @@ TEST_P(Modes, EveryJointReachesItsVelocityAndTheOthersStandStill) {
   }
 }
 
-TEST(CtrlMode, GravityTorquesHoldTwoArmsWithGrippers) {
-  REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
-  SceneSpec spec = SceneWith(Gen3With2F85("l_", {0, 0.6, 0}));
-  spec.robots.push_back(Gen3With2F85("r_", {0, -0.6, 0}));
-  const Scene scene = Scene::Build(spec);
-  Robot left = Gen3In(scene, "l_"), right = Gen3In(scene, "r_");
-  left.set_ctrl_mode(kTorque);
-  EXPECT_EQ(right.ctrl_mode(), kPosition) << "each arm has its own mode";
-  right.set_ctrl_mode(kTorque);
-  EXPECT_LT(Drift({&left, &right}, 500, CommandGravityTorques), 1e-3);
+// What the arm's actuators have to push with so that its joints keep the velocities that they have.
+std::vector<double> EngineTorques(const Robot& robot) {
+  const Scene scene = robot.scene();
+  mjData* d = scene.data();
+  std::fill_n(d->qacc, scene.model()->nv, 0.0);
+  mj_inverse(scene.model(), d);
+  std::vector<double> torques;
+  for (const ChainJoint& joint : robot.chain().joints())
+    torques.push_back(d->qfrc_inverse[joint.dof_address]);
+  return torques;
 }
 
-// The built-in robot without its servos.
-RobotConfig WithoutServos() {
-  RobotConfig config = Rc7();
-  for (int i = 1; i <= 7; ++i) {
-    config.edits.push_back({.remove = ElementRef{.kind = ElementKind::kActuator,
-                                                 .name = "servo" + std::to_string(i)}});
+void ExpectTorques(const Robot& robot, const std::vector<double>& expected) {
+  robot.scene().Forward();
+  const std::vector<double> torques = robot.arm().joint_torque();
+  for (size_t i = 0; i < torques.size(); ++i) EXPECT_NEAR(torques[i], expected[i], 1e-6) << i;
+}
+
+TEST_P(Modes, ForcesOfASteadyMotionDoNotJumpWhenSwitched) {
+  REQUIRE_ROBOT(GetParam());
+  const Scene scene = Build();
+  Robot robot = In(scene);
+  robot.RefreshToolInertia();
+  robot.set_ctrl_mode(kTorque);
+  robot.arm().SetJointVel(std::vector<double>{0.3, -0.2, 0.3, 0.2, -0.3, 0.2, 0.3});
+  robot.SetJntTrqCmd(EngineTorques(robot));
+  robot.Update();
+  robot.scene().Forward();
+  const std::vector<double> steady = robot.arm().joint_torque();
+  for (const CtrlMode mode : {kVelocity, kPosition, kVelocity}) {
+    SCOPED_TRACE(ToString(mode));
+    robot.set_ctrl_mode(mode);
+    ExpectTorques(robot, steady);
   }
-  config.move_groups.at("arm").actuators = {};
-  config.control = {};
-  return config;
 }
 
-TEST(CtrlMode, NothingOfTheServosIsLeftInTorqueMode) {
-  Robot with = RobotAlone(Rc7()), without = RobotAlone(WithoutServos());
-  EXPECT_LT(without.scene().model()->nu, with.scene().model()->nu);
+TEST_P(Modes, AMovingArmSwitchedToVelocitiesBrakesWhereItIsNotTold) {
+  REQUIRE_ROBOT(GetParam());
+  Scene scene = Build();
+  Robot robot = In(scene);
+  robot.RefreshToolInertia();
+  robot.set_ctrl_mode(kTorque);
+  const std::vector<double> moving{0.3, -0.2, 0.3, 0.2, -0.3, 0.2, 0.3};
+  robot.arm().SetJointVel(moving);
+  scene.Forward();
+  robot.set_ctrl_mode(kVelocity);
+  robot.jnt_vel_cmd()[0] = moving[0];
+  robot.Update();
+  ExpectTorques(robot, EngineTorques(robot));
+  const std::vector<double> start = robot.arm().joint_pos();
+  Drift(robot, 1000);
+  robot.Update();
+  EXPECT_NEAR(robot.jnt_vel_msr()[0], moving[0], 3e-3);
+  for (size_t i = 1; i < moving.size(); ++i) {
+    EXPECT_NEAR(robot.jnt_vel_msr()[i], 0, 1e-3) << i;
+    EXPECT_NEAR(robot.jnt_pos_msr()[i], start[i] + 0.1 * moving[i], 0.03) << i;
+  }
+}
+
+// The same robot whose model never had the arm's servos.
+RobotSpec WithoutServos(RobotSpec spec, const std::vector<std::string>& servos) {
+  if (!spec.config) spec.config = RobotConfig{.name = *spec.name, .model = spec.path};
+  spec.path = "";
+  spec.control_modes = std::nullopt;
+  for (const std::string& servo : servos) {
+    spec.config->edits.push_back(
+        {.remove = ElementRef{.kind = ElementKind::kActuator, .name = servo}});
+  }
+  if (MoveGroupConfig* arm = spec.config->move_groups.find("arm")) arm->actuators = {};
+  spec.config->control = {};
+  return spec;
+}
+
+TEST_P(Modes, NothingOfTheServosIsLeftInTorqueMode) {
+  REQUIRE_ROBOT(GetParam());
+  Robot with = In(Build());
+  std::vector<std::string> servos = with.arm().actuator_names();
+  for (std::string& servo : servos) servo.erase(0, with.prefix().size());
+  RobotSpec spec = WithoutServos(Spec(), servos);
+  Robot without = In(Scene::Build(SceneWith(spec)));
+  EXPECT_EQ(without.arm().nu(), 0);
   with.set_ctrl_mode(kTorque);
-  for (Robot* robot : {&with, &without}) {
-    const std::vector<double> moving{0.5, -0.4, 0.3, 0.6, -0.7, 0.8, 2};
-    robot->arm().SetJointVel(moving);
-  }
+  for (Robot* robot : {&with, &without})
+    robot->arm().SetJointVel(std::vector<double>{0.5, -0.4, 0.3, 0.6, -0.7, 0.8, 2});
   with.SetJntTrqCmd(std::vector<double>(7, 0.0));
   for (int i = 0; i < 300; ++i) {
     with.Update();
@@ -172,6 +225,18 @@ TEST(CtrlMode, NothingOfTheServosIsLeftInTorqueMode) {
           << "joint " << j << ", step " << i;
     }
   }
+}
+
+TEST(CtrlMode, GravityTorquesHoldTwoArmsWithGrippers) {
+  REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
+  SceneSpec spec = SceneWith(Gen3With2F85("l_", {0, 0.6, 0}));
+  spec.robots.push_back(Gen3With2F85("r_", {0, -0.6, 0}));
+  const Scene scene = Scene::Build(spec);
+  Robot left = Gen3In(scene, "l_"), right = Gen3In(scene, "r_");
+  left.set_ctrl_mode(kTorque);
+  EXPECT_EQ(right.ctrl_mode(), kPosition) << "each arm has its own mode";
+  right.set_ctrl_mode(kTorque);
+  EXPECT_LT(Drift({&left, &right}, 500, CommandGravityTorques), 1e-3);
 }
 
 TEST(CtrlMode, TheMeasuredTorqueIsThatOfTheMotors) {

@@ -58,6 +58,23 @@ void ControlledGroup::RemakeChain(const mjModel* model, std::span<const double> 
   refreshed_ = !qpos.empty();
 }
 
+// Grippers go on to what they were commanded to, wherever they are.
+ServoGroup* GroupControl::PositionServos() const {
+  if (controller->mode() != CtrlMode::kPosition || drive->kind() == MoveGroupKind::kGripper)
+    return nullptr;
+  return dynamic_cast<ServoGroup*>(drive);
+}
+
+void GroupControl::SettleFilters(std::span<const double> q) {
+  if (ServoGroup* servos = PositionServos()) servos->SettleFilters(q);
+}
+
+void GroupControl::Reset() {
+  controller->Reset();
+  ports.Reseed(*of->group);
+  if (ServoGroup* servos = PositionServos()) servos->SettleFilters(drive->joint_pos());
+}
+
 void GroupControl::Put(std::shared_ptr<Controller> next, std::shared_ptr<ControlledGroup> group,
                        MoveGroup& its_drive) {
   if (controller) controller->UsePort({});

@@ -66,6 +66,11 @@ struct GroupControl : SceneObserver {
     controller->Compute(ctrl);
     drive->SetCtrl(ctrl);
   }
+  // Position servos that are filtered begin as if they had been sent to `q` for long: without it
+  // they would begin where they were last, in another mode or at another place.
+  void SettleFilters(std::span<const double> q);
+  // Forgets what was commanded, and holds the group where it was put.
+  void Reset();
   // Calls `run` with this. A controller may replace itself meanwhile.
   template <class Call>
   void Guarded(Call&& run) {
@@ -88,6 +93,8 @@ struct GroupControl : SceneObserver {
   void PutBack(Driven before);
 
  private:
+  // The group that is driven, where its servos can be told where they begin.
+  ServoGroup* PositionServos() const;
   void Replace(std::shared_ptr<ControlledGroup> group, std::shared_ptr<Controller> next,
                MoveGroup* its_drive);
   // Counting references of each controller in every tick would cost more than the rest of the loop;

@@ -277,6 +277,18 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
   }
 }
 
+void GroupCore::SettleFilters(std::span<const double> q) const {
+  Bind();
+  CheckSize(q.size(), nq(), "joint");
+  const mjModel* m = model();
+  for (size_t i = 0; i < actuator_ids_.size(); ++i) {
+    const int id = actuator_ids_[i], joint = driven_[i];
+    if (joint < 0) continue;
+    if (const auto ctrl = RestingCtrl(m, id, Gear(m, id) * q[joint]))
+      SettleFilter(m, data(), id, *ctrl);
+  }
+}
+
 std::optional<CutCtrl> GroupCore::FindCutCtrl(std::span<const double> q,
                                               std::span<const double> ctrl, size_t from) const {
   Bind();

@@ -81,6 +81,8 @@ class GroupCore {
   std::vector<Interval> ctrl_limits() const;
   void NoopCtrl(std::span<double> out) const;
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const;
+  // Servos with a filter before them begin where they have been sent to `q` for long.
+  void SettleFilters(std::span<const double> q) const;
   // The first one, from the actuator `from` on, that CtrlForJointPos cut off when it made `ctrl`
   // for `q`. No allocation.
   std::optional<CutCtrl> FindCutCtrl(std::span<const double> q, std::span<const double> ctrl,

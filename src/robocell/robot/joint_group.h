@@ -14,13 +14,15 @@
 
 namespace robocell {
 
-// What such groups say of their limits and of the controls that they made; see GroupCore.
+// What such groups say of their limits and of the controls that they made, and where their servos
+// begin; see GroupCore.
 class ServoGroup {
  public:
   // joint_pos_limits(), without allocation.
   virtual void GetJointPosLimits(std::span<Interval> out) const = 0;
   virtual std::optional<CutCtrl> FindCutCtrl(std::span<const double> q,
                                              std::span<const double> ctrl, size_t from) const = 0;
+  virtual void SettleFilters(std::span<const double> q) = 0;
 
  protected:
   ~ServoGroup() = default;
@@ -62,6 +64,7 @@ class JointGroupOf : public Interface, public ServoGroup {
                                      size_t from) const override {
     return core_.FindCutCtrl(q, ctrl, from);
   }
+  void SettleFilters(std::span<const double> q) override { core_.SettleFilters(q); }
   void Integrate(std::span<double> q, std::span<const double> v) const override {
     core_.Integrate(q, v);
   }

@@ -2,6 +2,10 @@
 // fed what the arm takes to move so without them: gravity and Coriolis torques where it is and as
 // it moves, and what its joints' springs, dampers and friction resist the commanded velocity with.
 // So they have only errors to push against; no error is summed up.
+//
+// An arm that moves when it is taken over brakes from the velocity that it has, which falls to 1/e
+// in 0.1 s, so that the force does not jump; a joint that is told a velocity is driven at that from
+// then on.
 #pragma once
 
 #include <memory>
@@ -33,13 +37,20 @@ class JointVelocityController : public Controller {
   std::span<double> command_port() override { return velocity_.get(); }
   bool UsePort(std::span<double> port) override { return velocity_.MoveTo(port); }
   void Reset() override;
+  void ResetTo(std::span<const double> start) override;
   void Compute(std::span<double> ctrl) override;
 
  private:
+  // What the joints are driven at now.
+  std::span<const double> Driven();
+
   ArmGroup& arm_;
   PortValues velocity_;
   std::vector<double> still_, feedforward_;
   std::vector<double> q_, qd_;  // as last measured
+  std::vector<double> start_, driven_;
+  double started_ = 0;    // simulated s
+  bool braking_ = false;  // from `start_`
 };
 
 }  // namespace robocell

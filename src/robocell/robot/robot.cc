@@ -251,10 +251,7 @@ void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
     slot.own->group->SetJointPos(q);
   }
   if (arm) open().TellBeyondLimits(*arm, q);
-  if (slot.control->controller) {
-    slot.control->controller->Reset();
-    slot.control->ports.Reseed(*slot.own->group);
-  }
+  if (slot.control->controller) slot.control->Reset();
   open().ReadPorts();
 }
 

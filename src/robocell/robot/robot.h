@@ -191,7 +191,7 @@ class Robot {
   // the dynamics of chain(), m/s^2.
   Eigen::Vector3d gravity_in_base(std::optional<double> gravity_z = {}) const;
   // The chains weigh what hangs on them (gripper, tool) where it is at the model's reference. This
-  // takes it where it is now, as of a gripper that has closed, until the next reset or rebuild.
+  // takes it where it is now, as of a gripper that has closed, until the next reset.
   void RefreshToolInertia();
   // Force-torque sensors: those of the configuration, or of the ToolFrameSpec. The reading is what
   // Update() or the end of a reset read: the load on the sensor (ft_sensor.h says which way it

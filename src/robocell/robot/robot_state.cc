@@ -32,14 +32,20 @@ class Reading {
   bool& flag_;
 };
 
-// The servos go on pushing as what they take over from.
-void SeedServos(const ControlledGroup& group, Controller& controller) {
-  const auto* servos = dynamic_cast<const ArmGroup*>(group.drives.of(CtrlMode::kPosition));
-  if (!servos || controller.mode() != CtrlMode::kPosition) return;
+// The controller goes on as what it takes over from. Returns where it sends position servos for
+// that, so that they push as before; nothing for other modes, and groups that are no arms.
+std::vector<double> TakeOver(const ControlledGroup& group, Controller& controller) {
+  const auto* drive = dynamic_cast<const ArmGroup*>(group.drives.of(controller.mode()));
   const MoveGroup& arm = *group.group;
-  std::vector<double> targets(static_cast<size_t>(servos->nq()));
-  servos->JointPosForTorque(arm.joint_pos(), arm.joint_vel(), arm.joint_torque(), targets);
-  controller.ResetTo(targets);
+  if (!drive || controller.mode() == CtrlMode::kTorque) return {};
+  if (controller.mode() == CtrlMode::kVelocity) {
+    controller.ResetTo(arm.joint_vel());
+    return {};
+  }
+  std::vector<double> servos(static_cast<size_t>(drive->nq()));
+  drive->JointPosForTorque(arm.joint_pos(), arm.joint_vel(), arm.joint_torque(), servos);
+  controller.ResetTo(servos);
+  return servos;
 }
 
 // What the model of an arm that is to be driven in a mode may have.
@@ -75,8 +81,7 @@ void Robot::State::OnReset() {
   std::exception_ptr failed;
   ForControlled([&](GroupControl& control) {
     try {
-      control.controller->Reset();
-      control.ports.Reseed(*control.of->group);
+      control.Reset();
       // The key that was restored holds servos only.
       if (control.controller->mode() != CtrlMode::kPosition) control.Run();
     } catch (...) {  // no reason not to reset the other groups
@@ -90,12 +95,14 @@ void Robot::State::OnResetDone() {
   if (lost.empty()) ReadPorts();
 }
 
-// As they were read: at the reference, or as refreshed.
+void Robot::State::ReadChainAgain(ControlledGroup& group) const {
+  group.RemakeChain(scene.model(), group.refreshed() ? positions() : std::span<const double>());
+}
+
 void Robot::State::OnForward() {
   if (!lost.empty()) return;
   ForChains([this](ControlledGroup& group) {
-    if (!group.is_stale(scene.model())) return;
-    group.RemakeChain(scene.model(), group.refreshed() ? positions() : std::span<const double>());
+    if (group.is_stale(scene.model())) ReadChainAgain(group);
   });
 }
 
@@ -106,7 +113,7 @@ void Robot::State::OnRebuild() {
   try {
     FindBodies();
     FindFtSensors();
-    ForChains([this](ControlledGroup& group) { group.RemakeChain(scene.model()); });
+    ForChains([this](ControlledGroup& group) { ReadChainAgain(group); });
     ReadPorts();
   } catch (const NotFoundError& error) {
     lost = error.what();
@@ -292,7 +299,7 @@ void Robot::State::RequireUndriven(const GroupSlot& slot) const {
 std::unique_ptr<Controller> Robot::State::Successor(GroupSlot& slot, const std::string& kind,
                                                     CtrlMode mode) {
   std::unique_ptr<Controller> controller = MakeController(kind, RequireDrive(slot, mode));
-  if (slot.control->controller) SeedServos(*slot.own, *controller);
+  if (slot.control->controller) TakeOver(*slot.own, *controller);
   return controller;
 }
 
@@ -453,10 +460,12 @@ void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) 
   try {
     const bool other_mode = control.controller && control.controller->mode() != controller->mode();
     const bool switched = SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
-    if (switched) SeedServos(*slot.own, *controller);
+    std::vector<double> servos;
+    if (switched) servos = TakeOver(*slot.own, *controller);
     control.Put(std::move(controller), slot.own, drive);
     // At once, so that nothing falls in a step before the next Update().
     if (switched) control.Guarded([](GroupControl& c) { c.Run(); });
+    if (!servos.empty()) control.SettleFilters(servos);
   } catch (...) {
     control.PutBack(before);
     switches.PutBack(scene);

@@ -144,7 +144,9 @@ class Robot::State : public SceneObserver {
   void RequireUndriven(const GroupSlot& slot) const;
   // A controller of the slot's group in the place of one of the same mode, driven to the same.
   void PutInstead(GroupSlot& slot, const std::string& controller);
-  // Anew from the model, with what hangs on them at `qpos` or, without, at the reference.
+  // With what hangs on it where it is weighed: where it is now if it was refreshed, else at the
+  // reference.
+  void ReadChainAgain(ControlledGroup& group) const;
   // Calls `visit` with each group whose chain is asked: the slots' own, and those that drive their
   // actuators.
   template <class Visit>

@@ -11,6 +11,7 @@ namespace robocell {
 namespace {
 
 using ::testing::DoubleNear;
+using ::testing::Not;
 using ::testing::Pointwise;
 
 class WrittenModel : public ::testing::Test {
@@ -109,6 +110,23 @@ TEST_F(WrittenModel, IsWeighedWithTheGripperWhereItWasRefreshed) {
   MakeTheLastLinkHeavier();
   scene.Forward();
   EXPECT_THAT(Torques(), Pointwise(DoubleNear(1e-9), Needed()));
+}
+
+TEST_F(WrittenModel, IsWeighedAsRefreshedWhileObjectsComeAndGo) {
+  const std::vector<double> at_the_reference = Torques();
+  std::vector<double> fingers(robot.gripper().nq());
+  fingers[0] = 0.03;  // one of them: together they keep their centre of mass
+  robot.gripper().SetJointPos(fingers);
+  robot.RefreshToolInertia();
+  const std::vector<double> refreshed = Torques();
+  ASSERT_THAT(refreshed, Pointwise(DoubleNear(1e-9), Needed()));
+  ASSERT_THAT(refreshed, Not(Pointwise(DoubleNear(1e-4), at_the_reference)));
+  scene.AddObject(BoxObject("box", {3, 0, 0.1}));
+  EXPECT_THAT(Torques(), Pointwise(DoubleNear(1e-9), refreshed));
+  scene.RemoveObject("box");
+  EXPECT_THAT(Torques(), Pointwise(DoubleNear(1e-9), refreshed));
+  scene.Reset();
+  EXPECT_THAT(Torques(), Pointwise(DoubleNear(1e-9), at_the_reference)) << "until a reset";
 }
 
 TEST_F(WrittenModel, MayHaveQuaternionsOfAnyLength) {

@@ -35,12 +35,17 @@ bool IsFiltered(const mjModel* model, int actuator) {
          model->actuator_dyntype[actuator] == mjDYN_FILTEREXACT;
 }
 
+void SettleFilter(const mjModel* model, mjData* data, int actuator, double ctrl) {
+  if (!IsFiltered(model, actuator) || !IsPositionServo(model, actuator)) return;
+  const int activation = model->actuator_actadr[actuator];
+  if (activation >= 0) data->act[activation] = ctrl;
+}
+
 void Hold(const mjModel* model, mjData* data, int actuator) {
   const auto ctrl = HoldingCtrl(model, data, actuator);
   if (!ctrl) return;
   data->ctrl[model->actuator_ctrladr[actuator]] = *ctrl;
-  const int activation = model->actuator_actadr[actuator];
-  if (activation >= 0 && IsFiltered(model, actuator)) data->act[activation] = *ctrl;
+  SettleFilter(model, data, actuator, *ctrl);
 }
 
 void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,

@@ -26,6 +26,10 @@ std::optional<double> RestingCtrl(const mjModel* model, int actuator, double len
 // The same for where `data` is: its length must be up to date (position stage).
 std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int actuator);
 
+// Puts a position servo where `ctrl` has had its effect: the activation of one that is filtered.
+// Leaves other actuators alone.
+void SettleFilter(const mjModel* model, mjData* data, int actuator, double ctrl);
+
 // Sets it, with the activation of a filtered servo. Leaves other actuators alone.
 void Hold(const mjModel* model, mjData* data, int actuator);
 
