@@ -49,8 +49,9 @@ using LockedJoints = std::array<bool, kMaxChainJoints>;
 
 // Which of the solutions is wanted. What is not kFirst compares sixteen, and moves joints to spare:
 // some tens of microseconds, kManipulability, which climbs, about twice as many. Without joints to
-// spare it compares them until 256 starts have led to no better one: some tenths of a millisecond;
-// not where max_restarts is below 47.
+// spare the best is one of a few: starts go on beyond max_restarts until 256 in a row have led to
+// no better one (2000 more at most), which takes some tenths of a millisecond. Not where
+// max_restarts is below 47, which gives a near one in a seventh of that.
 enum class IkPrefer {
   kFirst,           // the first that is found
   kSeed,            // near the seed, which has to be given
@@ -83,10 +84,12 @@ struct IkOptions {
   double cone = 0;
   IkPrefer prefer = IkPrefer::kFirst;
   JointVector posture{};  // of IkPrefer::kPosture; values outside the limits are moved to them
-  // Solutions that it does not keep are none. When it keeps none, the answer is one of them with
+  // Solutions that it does not keep are none; of positions that are whole turns apart it sees the
+  // one nearest to the seed. When it keeps none, the answer is one of them with
   // success = false. Starts are tried until one is kept.
   IkFilter filter{};
-  // Starts after the one from the seed. From 100 on there are 400 more where the best came near.
+  // Starts after the one from the seed, to find a solution. From 100 on there are 400 more where
+  // the best came near; some preferences go on to look for a better solution (IkPrefer).
   int max_restarts = 100;
   // Most steps of one start; starts that get nowhere end earlier.
   int max_iterations = 40;
@@ -98,7 +101,7 @@ struct IkResult {
   double position_error = 0;  // m, of q; of what is asked for, weights taken into account
   double rotation_error = 0;  // rad; the whole one, not judged, when only the position is asked for
   int iterations = 0;         // steps; those that lanes take at once count as one
-  int restarts = 0;           // starts before the one that led to q
+  int restarts = 0;           // starts before the first that led to this solution
 };
 
 // Locks the named joints; NotFoundError lists the chain's.

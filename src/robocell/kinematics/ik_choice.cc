@@ -4,13 +4,12 @@
 #include <cstdint>
 #include <limits>
 
+#include "robocell/kinematics/ik_counted.h"
 #include "robocell/kinematics/ik_parts.h"
 
 namespace robocell {
 namespace {
 
-// Who allows fewer starts wants to know soon: they are tried once.
-constexpr int kManyStarts = 3 * IkChoice::kSearches;
 // After so many starts that led to nothing better the best is most likely known.
 constexpr int kNothingBetter = 256;
 
@@ -79,8 +78,7 @@ IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
       options_(options),
       task_(options),
       preference_(chain.model(), options),
-      compares_all_(preference_.any() && options.max_restarts + 1 >= kManyStarts &&
-                    !task_.leaves_joints(chain.n_joints(), options.locked)),
+      compares_all_(preference_.any() && LooksForAll(chain, task_, options)),
       questions_(questions),
       searches_(searches),
       answers_(answers) {
@@ -121,7 +119,7 @@ bool IkChoice::MayBeginAgain(int question) const {
       searches_.subspan(std::size_t(question) * kSearches, kSearches);
   const auto is_used_up = [](const Search& search) { return search.starts_left <= 0; };
   return !ways.front().patient && std::all_of(ways.begin(), ways.end(), is_used_up) &&
-         StartsFor(questions_[question]) >= kManyStarts;
+         StartsFor(questions_[question]) >= kFewStarts;
 }
 
 void IkChoice::Open(int question, int searches) {
@@ -140,7 +138,8 @@ void IkChoice::Run(int first, int stride, const std::atomic<bool>& ended,
 
 bool IkChoice::GoesOn(int question) const {
   const Search& first = searches_[std::size_t(question) * kSearches];
-  return compares_all_ && first.next_start <= answers_[question].restarts + kNothingBetter;
+  return compares_all_ &&
+         MayFindAnother(options_, answers_[question].restarts, first.next_start, kNothingBetter);
 }
 
 void IkChoice::LookFurther(int question) {
@@ -211,9 +210,17 @@ void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_
     ForBetter(search, goal, before, [&](const IkResult& result, double cost) {
       const bool kept = keep.empty() || keep[*row] != 0;
       ++*row;
-      if (!kept || cost >= least) return;
-      least = cost;
-      take(result, true);
+      if (!kept) return;
+      // What is found again and again is each time a little better or worse, by rounding.
+      const bool again = best.success && !AreApart(chain_.model(), result.q, best.q, kAnother);
+      const int first = again ? std::min(best.restarts, search.began) : search.began;
+      if (cost < least) {
+        least = cost;
+        take(result, true);
+        best.restarts = first;
+      } else if (again) {
+        best.restarts = first;
+      }
     });
   }
   answer = best;

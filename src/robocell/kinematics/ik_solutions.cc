@@ -7,6 +7,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/filter_call.h"
+#include "robocell/kinematics/ik_counted.h"
 #include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/ik_preference.h"
 #include "robocell/kinematics/ik_task.h"
@@ -18,13 +19,8 @@ namespace {
 // Far beyond what finds anything new; their answers have to fit into memory.
 constexpr int kMostStarts = 1'000'000;
 constexpr int kStartsBetweenPolls = 16;
-// Where solutions can be counted, starts go on until so many in a row have led to nothing new, and
-// at most so many times: arms of six joints have solutions that one start in two hundred leads to.
-constexpr int kQuietStarts = 600, kMoreAtATime = 100, kMostTimesMore = 20;
-// Who allows fewer starts wants to know soon.
-constexpr int kManyStartsForAll = 48;
-// Nearer ones are one and the same, as near as the tolerance of the tip tells; rad.
-constexpr double kNew = 0.05;
+// Arms of six joints have solutions that one start in two hundred leads to.
+constexpr int kQuietStarts = 600, kMoreAtATime = 100;
 
 // Every start is a question of its own.
 class EveryStart : public LaneQueue {
@@ -91,15 +87,6 @@ std::vector<IkResult> BestFirst(const ChainModel& chain, const IkOptions& option
   return sorted;
 }
 
-bool AreApart(const ChainModel& chain, const JointVector& a, const JointVector& b, double least) {
-  for (int i = 0; i < chain.n; ++i) {
-    const double way = a[i] - b[i];
-    const double apart = chain.joints[i].slide ? way / chain.length : std::remainder(way, kTurn);
-    if (std::abs(apart) > least) return true;
-  }
-  return false;
-}
-
 bool IsNew(const ChainModel& chain, const IkResult& found, std::span<const JointVector> known,
            double least) {
   return found.success && std::all_of(known.begin(), known.end(), [&](const JointVector& other) {
@@ -108,18 +95,18 @@ bool IsNew(const ChainModel& chain, const IkResult& found, std::span<const Joint
 }
 
 // Starts on, after those that were asked for, until nothing new has come for long.
-void GoOn(const Chain& chain, double separation, EveryStart* every) {
-  const double least = std::max(separation, kNew);
+void GoOn(const Chain& chain, const IkOptions& options, double separation, EveryStart* every) {
+  const double least = std::max(separation, kAnother);
   std::vector<JointVector> known;
-  std::size_t looked_at = 0, newest = 0;
-  for (int times = 0; times <= kMostTimesMore; ++times) {
-    for (; looked_at < every->answers().size(); ++looked_at) {
-      const IkResult& found = every->answers()[looked_at];
+  int begun = 0, newest = 0;
+  while (true) {
+    for (; begun < static_cast<int>(every->answers().size()); ++begun) {
+      const IkResult& found = every->answers()[begun];
       if (!IsNew(chain.model(), found, known, least)) continue;
       known.push_back(found.q);
-      newest = looked_at;
+      newest = begun;
     }
-    if (known.empty() || looked_at > newest + kQuietStarts) return;
+    if (known.empty() || !MayFindAnother(options, newest, begun, kQuietStarts)) return;
     every->Run(chain, kMoreAtATime);
   }
 }
@@ -145,9 +132,7 @@ std::vector<IkResult> IkSolutions(const Chain& chain, const Pose& tip_in_base,
   const Transform target = ToTransform(tip_in_base);
   EveryStart every(target, options, poll);
   every.Run(chain, options.max_restarts + 1);
-  if (options.max_restarts + 1 >= kManyStartsForAll &&
-      !IkTask(options).leaves_joints(chain.n_joints(), options.locked))
-    GoOn(chain, separation, &every);
+  if (LooksForAll(chain, IkTask(options), options)) GoOn(chain, options, separation, &every);
   std::vector<IkResult> solutions = every.Solutions();
   Filter(options.filter, &solutions);
 

@@ -13,7 +13,10 @@ namespace {
 
 constexpr size_t kBatch = 8;  // candidates solved at once: mostly the first or second is taken
 constexpr double kIkTolerance = 1e-4;  // m and rad
-constexpr int kLinePoints = 4;         // of a vertical line besides its start
+// Near home, so that the way there is short, but it need not be proven that nothing is nearer: that
+// takes ten times as long.
+constexpr int kRestarts = 40;
+constexpr int kLinePoints = 4;  // of a vertical line besides its start
 constexpr double kMostTurn =
     1.2;  // of any joint along a vertical line, rad: else it is another branch
 constexpr double kJustBefore =
@@ -53,6 +56,7 @@ void GraspMotions::SolveMore() {
   IkBatchOptions options;
   options.ik.tolerance = kIkTolerance;
   options.ik.prefer = IkPrefer::kSeed;
+  options.ik.max_restarts = kRestarts;
   const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, home_, options);
   for (int b = 0; b < result.size; ++b) {
     solved_.push_back(result.success[b] ? JointVector(result.row(b)) : JointVector());
