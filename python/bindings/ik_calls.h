@@ -43,12 +43,12 @@ nb::object ReachBoxOf(const Chain& chain);
 
 #define ROBOCELL_REACH_MAP_ARGS                                                    \
   "lower"_a, "upper"_a, "cell"_a = 0.05, "rotations"_a = 64, "tolerance"_a = 1e-3, \
-                        "max_restarts"_a = 8, "threads"_a = 1, nb::kw_only(),      \
+                        "max_restarts"_a = 4, "threads"_a = 1, nb::kw_only(),      \
                         "position_only"_a = false, "axis"_a = nb::none()
 // For nb::sig: what follows the first arguments.
 #define ROBOCELL_REACH_MAP_SIG                                                                     \
   "lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, cell: float = "                   \
-  "0.05, rotations: int = 64, tolerance: float = 0.001, max_restarts: int = 8, "                   \
+  "0.05, rotations: int = 64, tolerance: float = 0.001, max_restarts: int = 4, "                   \
   "threads: int = 1, *, position_only: bool = False, axis: numpy.typing.ArrayLike | None = None) " \
   "-> types.SimpleNamespace"
 #define ROBOCELL_REACH_BOX_SIG                                         \

@@ -8,16 +8,11 @@
 #include <numbers>
 
 #include "robocell/base/error.h"
-#include "robocell/kinematics/chain_batch.h"
-#include "robocell/kinematics/ik_batch.h"
-#include "robocell/kinematics/on_threads.h"
+#include "robocell/kinematics/reach_mapper.h"
 
 namespace robocell {
 namespace {
 
-// Poses that are solved together: enough for all threads, few enough for the caches.
-constexpr int kPosesTogether = 1 << 15;
-// Of a cell, whose poses are solved together.
 constexpr int kMostRotations = 100'000;
 
 void Refuse(const std::string& what) { throw ArgumentError("reach map: " + what); }
@@ -42,80 +37,6 @@ void CheckReachMap(const ReachGrid& grid, const ReachMapOptions& options) {
   if (options.rotations < 1 || options.rotations > kMostRotations)
     Refuse(fmt::format("rotations is {}; it must be 1 to {}", options.rotations, kMostRotations));
 }
-
-class Mapper {
- public:
-  Mapper(const Chain& chain, const ReachMapOptions& options, ReachMap* map)
-      : chain_(chain), map_(*map) {
-    batch_.ik.position_only = options.position_only;
-    batch_.ik.axis = options.axis;
-    batch_.ik.tolerance = options.tolerance;
-    batch_.ik.max_restarts = options.max_restarts;
-    batch_.threads = options.threads;
-    batch_.poll = options.poll;
-    for (int k = 0; k < map->rotations; ++k)
-      rotations_.push_back(SpreadRotation(k, map->rotations));
-  }
-
-  void Run() {
-    const std::size_t together = std::max<std::size_t>(1, kPosesTogether / rotations_.size());
-    for (int x = 0; x < map_.cells[0]; ++x) {
-      for (int y = 0; y < map_.cells[1]; ++y) {
-        for (int z = 0; z < map_.cells[2]; ++z) {
-          Add(map_.index(x, y, z), map_.centre(x, y, z));
-          if (asked_.size() >= together) Solve();
-        }
-      }
-    }
-    Solve();
-  }
-
- private:
-  void Add(std::size_t cell, const Eigen::Vector3d& centre) {
-    const ChainModel& model = chain_.model();
-    const double away = (centre - model.joints[0].fixed.translation).norm();
-    if (away > model.reach_bound + batch_.ik.tolerance) return;
-    asked_.push_back(cell);
-    for (const Quaternion& turn : rotations_) targets_.emplace_back(centre, turn);
-  }
-
-  void Solve() {
-    IkBatch(chain_, targets_, {}, batch_, &found_);
-    const int cells = static_cast<int>(asked_.size());
-    const int threads = std::clamp(batch_.threads, 1, std::max(1, cells));
-    manipulability_.resize(targets_.size());
-    OnThreads(threads, [&](int t) {
-      for (int k = t; k < cells; k += threads) Fill(k);
-    });
-    asked_.clear();
-    targets_.clear();
-  }
-
-  // The k-th of the cells that were asked for.
-  void Fill(int k) {
-    const int count = static_cast<int>(rotations_.size());
-    const std::size_t first = static_cast<std::size_t>(k) * count, n = chain_.n_joints();
-    const auto solved = std::span(found_.success).subspan(first, count);
-    const auto reached = std::count(solved.begin(), solved.end(), uint8_t{1});
-    map_.fraction[asked_[k]] = static_cast<float>(reached) / static_cast<float>(count);
-    if (reached == 0) return;
-    // Of all, for the lanes; those of approaches are not looked at.
-    const auto values = std::span(manipulability_).subspan(first, count);
-    ManipulabilityBatch(chain_, std::span(found_.q).subspan(first * n, count * n), values);
-    double sum = 0;
-    for (int b = 0; b < count; ++b) sum += solved[b] ? values[b] : 0;
-    map_.manipulability[asked_[k]] = static_cast<float>(sum / static_cast<double>(reached));
-  }
-
-  const Chain& chain_;
-  ReachMap& map_;
-  IkBatchOptions batch_;
-  std::vector<Quaternion> rotations_;
-  std::vector<std::size_t> asked_;
-  std::vector<Pose> targets_;
-  IkBatchResult found_;
-  std::vector<double> manipulability_;
-};
 
 }  // namespace
 
@@ -157,7 +78,7 @@ ReachMap MapReach(const Chain& chain, const ReachGrid& grid, const ReachMapOptio
   const std::size_t cells = map.index(map.cells[0] - 1, map.cells[1] - 1, map.cells[2] - 1) + 1;
   map.fraction.assign(cells, 0);
   map.manipulability.assign(cells, 0);
-  Mapper(chain, options, &map).Run();
+  ReachMapper(chain, options, &map).Run();
   return map;
 }
 

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -32,8 +34,9 @@ struct ReachMapOptions {
   bool position_only = false;
   std::optional<Eigen::Vector3d> axis{};  // in the tip's frame
   double tolerance = 1e-3;                // m and rad
-  // Starts after the first for each. What is reached from few starts only counts as not reached.
-  int max_restarts = 8;
+  // Starts after the first for each. What these miss is found where the same rotation was reached
+  // in a cell beside, from whose joint values each is asked for again.
+  int max_restarts = 4;
   int threads = 1;
   // Called now and then on the caller's thread; what it throws ends the map.
   std::function<void()> poll = {};
@@ -50,6 +53,13 @@ struct ReachMap {
 
   std::size_t index(int x, int y, int z) const {
     return (static_cast<std::size_t>(x) * cells[1] + y) * cells[2] + z;
+  }
+  // The place of the cell with this index.
+  std::array<int, 3> cell_at(std::size_t index) const {
+    const auto at = static_cast<int64_t>(index);
+    const int64_t column = at / cells[2];
+    return {static_cast<int>(column / cells[1]), static_cast<int>(column % cells[1]),
+            static_cast<int>(at % cells[2])};
   }
   Eigen::Vector3d centre(int x, int y, int z) const {
     return first + cell * Eigen::Vector3d(x, y, z);

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "robocell/kinematics/manipulability.h"
+#include "robocell/kinematics/testing/arm_tables.h"
 #include "robocell/kinematics/testing/models.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -121,6 +122,23 @@ TEST(ReachMap, KnowsWhatIsReachedOnBothSidesOfAShouldersLimits) {
   }
 }
 
+// Few starts miss whole regions amid what is reached; what cells beside them know leads inside.
+TEST(ReachMap, HasNoHolesThatManyStartsFill) {
+  for (const std::vector<TableRow>& rows : {Puma560(), OffsetSevenJoints()}) {
+    const TestModel t = TestModel::FromXml(ArmXml(rows));
+    const Chain chain(t.model(), "base", ChainTip::Site("tip"));
+    const ReachGrid grid{.lower = {-0.6, -0.6, 0.3}, .upper = {0.6, 0.6, 0.3}};
+    const ReachMap map = MapReach(chain, grid);
+    const ReachMap all = MapReach(chain, grid, {.max_restarts = 99});
+    float most = 0;
+    for (std::size_t cell = 0; cell < all.fraction.size(); ++cell) {
+      EXPECT_GE(map.fraction[cell], all.fraction[cell] - 0.05F) << rows.size() << " " << cell;
+      most = std::max(most, all.fraction[cell]);
+    }
+    EXPECT_GT(most, 0.5F);
+  }
+}
+
 // Where a configuration puts the tip, the map may not say that nothing reaches.
 TEST(ReachMap, KnowsThePlacesThatRandomConfigurationsReach) {
   Rng rng = Rng::Stream(1, "reach map");
@@ -148,6 +166,10 @@ TEST(ReachMap, IsTheSameOnThreadsAndHasRoomForTheWholeChain) {
                  two = MapReach(chain, grid, {.rotations = 8, .threads = 2});
   EXPECT_EQ(one.fraction, two.fraction);
   EXPECT_EQ(one.manipulability, two.manipulability);
+  for (std::size_t cell = 0; cell < one.fraction.size(); ++cell) {
+    const auto [x, y, z] = one.cell_at(cell);
+    EXPECT_EQ(one.index(x, y, z), cell);
+  }
   EXPECT_EQ(one.fraction.front(), 0) << "corners are out of reach";
   EXPECT_EQ(one.fraction.back(), 0);
   EXPECT_GT(*std::max_element(one.fraction.begin(), one.fraction.end()), 0.5F);
