@@ -201,7 +201,8 @@ void DefIk(nb::class_<Chain>& c) {
            "the seed first.")
       .def("manipulability", &ManipulabilityOf, "q"_a, "out"_a = nb::none(),
            nb::sig(kManipulability),
-           "The root of det(J J^T) at q (n,) (Yoshikawa 1985); of a batch, (B,).");
+           "The root of det(J J^T), with fewer than six joints of det(J^T J), at q (n,) (Yoshikawa "
+           "1985); of a batch, (B,).");
 }
 
 void DefMotion(nb::class_<Chain>& c) {

@@ -278,7 +278,7 @@ void BindKinematics(nb::module_& m) {
       .def_ro("rotation_error", &IkResult::rotation_error, "Radians.")
       .def_ro("iterations", &IkResult::iterations,
               "Steps; those that lanes take at once count as one.")
-      .def_ro("restarts", &IkResult::restarts, "Starts before the one that led to q.")
+      .def_ro("restarts", &IkResult::restarts, "Starts before the first that led to this solution.")
       .def("__bool__", [](const IkResult& r) { return r.success; })
       .def("__repr__", [](const IkResult& r) {
         return "<IkResult " + std::string(r.success ? "success" : "no solution") + ", " +
@@ -314,7 +314,11 @@ void BindKinematics(nb::module_& m) {
            "the target counts; 0: any value will do. axis (3,): of the rotation only this "
            "direction in the TCP's frame has to point where the target's points, or off by at most "
            "`cone` rad. prefer: 'seed', 'limits' (away from them), 'manipulability' or a posture "
-           "(n,) that the solution is to be near to; joints to spare are moved there. filter: a "
+           "(n,) that the solution is to be near to; joints to spare are moved there. Where there "
+           "are "
+           "none, starts go on beyond max_restarts until 256 in a row have led to no better "
+           "solution; "
+           "with less than 47 a near one is found in a seventh of the time. filter: a "
            "CollisionFilter, or a function of joint values (k, n) that returns (k,) booleans; "
            "what it does not keep is no solution.")
       .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(),
@@ -378,8 +382,9 @@ void BindKinematics(nb::module_& m) {
           "q"_a, "out"_a = nb::none(),
           nb::sig("def manipulability(self, q: object, out: numpy.typing.NDArray[numpy.float64] | "
                   "None = None) -> typing.Any"),
-          "How well the TCP can move in all directions at q (n,): the root of det(J J^T) "
-          "(Yoshikawa 1985), 0 where a direction is lost; of a batch (B, n), (B,).")
+          "How well the TCP can move in all directions at q (n,): the root of det(J J^T), "
+          "with fewer than six joints of det(J^T J) (Yoshikawa 1985), 0 where a direction is lost; "
+          "of a batch (B, n), (B,).")
       .def(
           "reach_map", &MapReachOf, ROBOCELL_REACH_MAP_ARGS,
           nb::sig("def reach_map(self, " ROBOCELL_REACH_MAP_SIG),

@@ -537,7 +537,7 @@ class TestBatches:
             wrong = target.copy()
             wrong[row, column] = spoiled
             for ik in (robot.ik, robot.kinematics.ik, robot.chain.ik, robot.chain.ik_solutions):
-                with pytest.raises(rc.ArgumentError, match=r"not finite|not orthonormal"):
+                with pytest.raises(rc.ArgumentError, match="not finite"):
                     ik(wrong)
         for wrong in (target * [2, 1, 1, 1], target * [1, 1, -1, 1], target[:3], target.ravel()):
             for ik in (robot.ik, robot.chain.ik):

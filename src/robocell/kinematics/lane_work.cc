@@ -71,13 +71,7 @@ double LaneWork::ShareOf(int joint) const {
 }
 
 JointVector LaneWork::SeedOf(std::span<const double> seed) const {
-  JointVector q = lane_chain_.middle();
-  if (seed.empty()) return q;
-  for (int i = 0; i < chain_.n; ++i) {
-    const FoldedJoint& joint = folded_.joints[i];
-    q[i] = options_.locked[i] ? seed[i] : std::clamp(seed[i], joint.lower, joint.upper);
-  }
-  return q;
+  return seed.empty() ? lane_chain_.middle() : robocell::SeedOf(chain_, seed, options_.locked);
 }
 
 void LaneWork::Clear(int first, int end) {

@@ -85,6 +85,8 @@ Quaternion QuaternionFromMatrix(const Eigen::Matrix3d& rotation) {
                 std::abs(x.dot(y)), std::abs(x.dot(z)), std::abs(y.dot(z))}) +
       0 * rotation.sum();  // NaN for what is not finite
   if (!(error <= kTolerance)) {
+    if (!rotation.allFinite())
+      throw ArgumentError("rotation matrix is not finite: it has a number that is NaN or infinite");
     throw ArgumentError(fmt::format(
         "rotation matrix is not orthonormal: R^T * R differs from the identity by {}", error));
   }

@@ -121,7 +121,7 @@ TEST(Rotation, MatricesThatAreNoRotationAreRefused) {
                              "determinant -1: it mirrors. Flip one of its axes.");
   Matrix3d nan = Matrix3d::Identity();
   nan(1, 1) = NAN;
-  ExpectThrow<ArgumentError>([&] { QuaternionFromMatrix(nan); }, "not orthonormal");
+  ExpectThrow<ArgumentError>([&] { QuaternionFromMatrix(nan); }, "rotation matrix is not finite");
   const Matrix3d nearly = Matrix3d::Identity() * (1 + 4e-7);
   EXPECT_EQ(QuaternionFromMatrix(nearly), (Quaternion{0, 0, 0, 1}));
 }
