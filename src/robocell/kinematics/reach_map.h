@@ -70,7 +70,7 @@ struct ReachMap {
 // Alexa, "Super-Fibonacci Spirals: Fast, Low-Discrepancy Sampling of SO(3)", 2022).
 Quaternion SpreadRotation(int k, int count);
 
-// Inverse kinematics of rotations times cells poses, about a million in a few seconds on one core;
+// Inverse kinematics of rotations times cells poses, about a million in some seconds on one core;
 // limits obeyed, collisions not looked at. The same map on any number of threads. ArgumentError for
 // corners that are not finite or in the wrong order, for a cell, tolerance or counts that make no
 // sense, and for more than 2^31 poses.
