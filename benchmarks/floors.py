@@ -6,6 +6,8 @@ what RESULTS.md has of them.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from floor import Floor
 from kinematics_floors import KINEMATICS
 from measures import MORE_TIME, RATE, TIMES_AS_LONG
@@ -155,8 +157,14 @@ EPISODES = (
     Floor("P14", "dataset writer, beside LeRobot 0.4.4", floor=8, aim=18),
     Floor("P14", "dataset writer, beside LeRobot's streaming", floor=2, aim=4.5),
 )
+# Of kinematics with the kernels of processors without AVX-512.
+NARROWED = tuple(
+    replace(floor, section=f"{floor.section}_avx2") for floor in KINEMATICS if floor.section
+)
 FLOORS = tuple(
-    sorted((*KINEMATICS, *LOOPS, *SCENES, *EPISODES), key=lambda floor: int(floor.row[1:]))
+    sorted(
+        (*KINEMATICS, *NARROWED, *LOOPS, *SCENES, *EPISODES), key=lambda floor: int(floor.row[1:])
+    )
 )
 
 # Peers that do a part of our work and nothing else: nobody is faster than they are.

@@ -2,9 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import platform
+from collections.abc import Callable
 from pathlib import Path
+from unittest import mock
 
+from table import Row
+
+# Of cmake/RobocellBenchmarks.cmake.
+_ONLY_AVX2 = Path(__file__).resolve().parents[1] / "build" / "release" / "libonly_avx2.so"
 _SSE4 = ("ssse3", "sse4_1", "sse4_2", "pclmulqdq", "aes")
 _AVX2 = (*_SSE4, "avx", "avx2", "fma", "f16c", "bmi1", "bmi2", "abm")
 _AVX512 = (*_AVX2, "avx512f", "avx512vl", "avx512dq", "avx512bw", "avx512cd")
@@ -28,3 +35,18 @@ def instruction_set(cpuinfo: str | None = None) -> str:
     flags = next((line for line in text.splitlines() if line.startswith("flags")), "").split()
     fitting = (name for name, needed in KERNELS.items() if set(needed) <= set(flags))
     return next(fitting, "plain x86-64")
+
+
+def with_avx2(rows: Callable[[Path], list[Row]]) -> Callable[[Path], list[Row]]:
+    """A benchmark with the kernels that a processor without AVX-512 has.
+
+    It has no rows where there is nothing wider that could be left alone.
+    """
+
+    def narrowed(folder: Path) -> list[Row]:
+        if instruction_set() != "AVX-512":
+            return []
+        with mock.patch.dict(os.environ, LD_PRELOAD=str(_ONLY_AVX2)):
+            return rows(folder)
+
+    return narrowed

@@ -25,7 +25,7 @@ import ik
 import overlap
 import reset
 import scene_again
-from instruction_set import instruction_set
+from instruction_set import instruction_set, with_avx2
 from record import record
 from table import Row, markdown
 from verdicts import summary
@@ -37,7 +37,9 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "dynamics": dynamics.rows,
     "reset": reset.rows,
     "env_step": env_step.rows,
+    "dynamics_avx2": with_avx2(dynamics.rows),
     "ik": ik.rows,
+    "ik_avx2": with_avx2(ik.rows),
     "add_remove": add_remove.rows,
     "scene_again": scene_again.rows,
     "dataset_writer": dataset_writer.rows,
@@ -60,15 +62,20 @@ def cpu_name() -> str:
     return platform.processor()
 
 
-def circumstances() -> str:
+def has_changes() -> bool:
+    """Whether the files are others than those of the commit."""
+    return bool(command_output("git", "status", "--porcelain"))
+
+
+def circumstances(name: str, commit: str) -> str:
     """Machine, instruction set of the kernels, compiler and commit, one per line."""
-    changed = " with changes" if command_output("git", "status", "--porcelain") else ""
+    kernels = "AVX2" if name.endswith("_avx2") else instruction_set()
     return "\n".join(
         [
             f"- machine: {cpu_name()}, {os.cpu_count()} cores seen, {platform.system()}",
-            f"- instruction set: {instruction_set()}",
+            f"- instruction set: {kernels}",
             f"- compiler: {command_output('c++', '--version').splitlines()[0]}",
-            f"- commit: {command_output('git', 'rev-parse', '--short', 'HEAD')}{changed}",
+            f"- commit: {commit}",
             f"- date: {datetime.now(UTC):%Y-%m-%d}",
         ]
     )
@@ -87,18 +94,25 @@ def main() -> None:
         record(RESULTS, {}, BENCHMARKS, summary)
         return
 
+    commit = command_output("git", "rev-parse", "--short", "HEAD")
+    if has_changes():
+        if options.record:
+            parser.error("files differ from the commit that would be recorded: commit them first")
+        commit += " with changes"
     folder = ROOT / "build" / "bench"
     folder.mkdir(parents=True, exist_ok=True)
-    conditions = circumstances()
     values: list[dict[str, Any]] = []
     for name, run in BENCHMARKS.items():
         if options.only and name not in options.only:
             continue
         print(f"running {name} ...", flush=True)
         rows = run(folder)
+        if not rows:
+            print(f"left out: {name}: nothing can be measured on this machine")
+            continue
         values += [row.to_json() for row in rows]
         (folder / "results.json").write_text(json.dumps(values, indent=1))
-        text = f"{conditions}\n\n{markdown(rows)}"
+        text = f"{circumstances(name, commit)}\n\n{markdown(rows)}"
         print(f"\n{text}", flush=True)
         if options.record:  # at once: what comes later may fail
             record(RESULTS, {name: text}, BENCHMARKS, summary)

@@ -8,3 +8,8 @@ foreach(source ${benches})
   target_link_libraries(${name} PRIVATE robocell robocell_flags benchmark::benchmark orocos-kdl)
   set_target_properties(${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
 endforeach()
+# The same kernels as on a processor without AVX-512.
+if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
+  add_library(only_avx2 MODULE "${CMAKE_SOURCE_DIR}/benchmarks/only_avx2.cc")
+  target_link_libraries(only_avx2 PRIVATE PkgConfig::HWY)
+endif()
