@@ -98,7 +98,7 @@ CASES = {
         "servo1..servo7, leaf: ",
         "robot 'rc7': move_groups.arm.leaf: there is no joint between 'base_link' and the arm's "
         "leaf, so nothing moves",
-        "Sites there: attachment_site, tcp. Bodies there: link7, hand, left_finger, right_finger",
+        "Sites there: attachment_site, tcp. Bodies there: link7, hand",
         "name as `leaf` what the last joint, 'joint7', carries, for example {site: tcp}",
     ),
     "base size of two numbers": Case(

@@ -22,10 +22,10 @@ JointVelocityController::JointVelocityController(ArmGroup& arm)
       velocity_(std::vector<double>(arm.nv())),
       still_(arm.nv()),
       feedforward_(arm.nv()),
-      start_(arm.nv()),
-      driven_(arm.nv()),
       q_(arm.nq()),
-      qd_(arm.nv()) {
+      qd_(arm.nv()),
+      start_(arm.nv()),
+      driven_(arm.nv()) {
   Reset();
 }
 
