@@ -156,15 +156,17 @@ def test_being_faster_than_a_part_of_the_work_is_suspicious():
 
 def test_every_floor_finds_its_rows():
     known = sections(RESULTS)
-    unmeasured = {
-        floor.what for floor in FLOORS if floor.section and not judge(floor, known).values
+    assert {floor.section for floor in FLOORS if not floor.section.endswith("_avx2")} <= {
+        "",
+        *known,
     }
+    recorded_floors = [floor for floor in FLOORS if floor.section in known]
+    unmeasured = {floor.what for floor in recorded_floors if not judge(floor, known).values}
     assert all("beside Pinocchio in C++" in what for what in unmeasured)
-    for floor in FLOORS:
-        if floor.section:
-            before, _, after = floor.name.partition("{robot}")
-            names = [row.name for row in recorded.rows(known[floor.section])]
-            assert any(n.startswith(before) and n.endswith(after) for n in names), floor.what
+    for floor in recorded_floors:
+        before, _, after = floor.name.partition("{robot}")
+        names = [row.name for row in recorded.rows(known[floor.section])]
+        assert any(n.startswith(before) and n.endswith(after) for n in names), floor.what
 
 
 def test_the_recorded_verdicts_are_those_of_the_recorded_sections():
