@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import json
+import os
+import statistics
 import subprocess
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, Self
 
 ROOT = Path(__file__).resolve().parents[1]
+PROGRAMS = ROOT / "build" / "release"
+CORE = min(os.sched_getaffinity(0))  # where all run that have one only
 
 
 def seconds(
@@ -17,31 +23,112 @@ def seconds(
     folder: Path,
     *,
     repetitions: int = 9,
-    processes: int = 1,
     one_core: bool = True,
 ) -> dict[str, dict[str, list[float]]]:
     """Row -> side -> seconds of each repetition, of one of what the program counts.
 
-    A program is one of build/release, or has a path of its own. In several processes, one after
-    the other, stacks and heaps lie elsewhere each time, which moves what takes a few microseconds
-    by a few percent.
+    A program is one of build/release, or has a path of its own.
     """
     values: defaultdict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
-    for _ in range(processes):
-        for row, side, each in _run(program, files, folder, repetitions, one_core):
-            values[row][side].append(each)
+    for measured in _run(program, files, folder, repetitions, one_core):
+        row, side = measured["run_name"].split("/")[:2]
+        values[row][side].append(measured["each_s"])
     return values
+
+
+@dataclass
+class Turns:
+    """What the sides of a pair took that took turns (turns.h): one value of each process.
+
+    Attributes:
+        ours: Median of the turns, in seconds, of one of what the program counts.
+        peer: The same of the peer's.
+        ratios: Median of what neighbouring turns make, ours to the peer's.
+    """
+
+    ours: list[float] = field(default_factory=list)
+    peer: list[float] = field(default_factory=list)
+    ratios: list[float] = field(default_factory=list)
+
+    def take(self, ours: Callable[[], float], peer: Callable[[], float], rounds: int) -> None:
+        """Lets two sides take turns as those of a program's pair do; the value of one process."""
+        pairs: list[tuple[float, float]] = []
+        for _ in range(rounds):
+            before, after = (ours(), peer()), (peer(), ours())
+            pairs += [before, after[::-1]]
+        self.ours.append(statistics.median(one for one, _ in pairs))
+        self.peer.append(statistics.median(other for _, other in pairs))
+        self.ratios.append(statistics.median(one / other for one, other in pairs))
+
+
+def turns(
+    program: str | Path, files: Sequence[Path], folder: Path, *, processes: int = 9
+) -> dict[str, Turns]:
+    """Row -> what both of its sides took, by a program of pairs.
+
+    In several processes, one after the other, stacks and heaps lie elsewhere each time, which moves
+    what takes a few microseconds by a percent or two.
+    """
+    values: defaultdict[str, Turns] = defaultdict(Turns)
+    for _ in range(processes):
+        for measured in _run(program, files, folder, repetitions=1, one_core=True):
+            row = values[measured["run_name"].split("/")[0]]
+            row.ours.append(measured["ours_s"])
+            row.peer.append(measured["peer_s"])
+            row.ratios.append(measured["ratio"])
+    return values
+
+
+class OtherProcess:
+    """Ours of a pair in a process of its own, which takes a turn when it is told to."""
+
+    def __init__(self, program: str, row: str, file: Path) -> None:
+        """Starts it and waits until it is ready."""
+        self.row = row
+        self.process = subprocess.Popen(
+            [*on_one_core(), PROGRAMS / program, "--turns", row, file],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self._said()
+
+    def __enter__(self) -> Self:
+        """For turns until the end of a `with`."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Ends it."""
+        self.process.communicate()
+
+    def turn(self) -> float:
+        """The seconds of its next turn, of one of what the program counts."""
+        assert self.process.stdin is not None
+        print(file=self.process.stdin, flush=True)
+        return 1e-9 * float(self._said())
+
+    def _said(self) -> str:
+        assert self.process.stdout is not None
+        if line := self.process.stdout.readline():
+            return line
+        raise RuntimeError(f"{self.row} failed:\n{self.process.communicate()[1]}")
+
+
+def on_one_core() -> tuple[str, ...]:
+    """Begins a command."""
+    return "taskset", "--cpu-list", str(CORE)
 
 
 def _run(
     program: str | Path, files: Sequence[Path], folder: Path, repetitions: int, one_core: bool
-) -> Iterator[tuple[str, str, float]]:
-    """Row, side and seconds of each repetition in one process."""
+) -> Iterator[dict[str, Any]]:
+    """What each repetition in one process says."""
     result = folder / f"{Path(program).name}.json"
     run = subprocess.run(
         [
-            *(("taskset", "--cpu-list", "0") if one_core else ()),
-            ROOT / "build" / "release" / program,
+            *(on_one_core() if one_core else ()),
+            PROGRAMS / program,
             f"--benchmark_repetitions={repetitions}",
             "--benchmark_enable_random_interleaving=true",
             f"--benchmark_out={result}",
@@ -59,8 +146,7 @@ def _run(
         if measured.get("error_occurred"):
             raise RuntimeError(f"{measured['name']}: {measured['error_message']}")
         if measured["run_type"] == "iteration":
-            row, side = measured["run_name"].split("/")[:2]
-            yield row, side, measured["each_s"]
+            yield measured
 
 
 def scaled(values: Sequence[float], factor: float) -> list[float]:

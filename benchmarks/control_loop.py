@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import statistics
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -10,16 +11,16 @@ from pathlib import Path
 import numpy as np
 
 import robocell
-from bench_program import scaled, seconds
+from bench_program import CORE, OtherProcess, Turns, scaled, turns
 from robots import arm_files, robot_files
 from table import Row
 
-AMPLITUDE, TIMESTEP = 0.2, 0.002  # as in control_loop_bench.cc
-# A repetition takes about as long as one of control_loop_bench: short ones find quieter moments.
-REPETITIONS, ROUNDS = 5, 20
+AMPLITUDE, TIMESTEP, PARTS = 0.2, 0.002, 10  # as in control_loop_bench.cc
+# Of Python and C++: each repetition in a scene and a process of C++ of its own.
+REPETITIONS, ROUNDS = 9, 100
 
 
-Second = Callable[[robocell.Scene, robocell.Robot, list[np.ndarray]], None]
+Part = Callable[[robocell.Scene, robocell.Robot, list[np.ndarray]], None]
 
 
 def _follow(scene: robocell.Scene, robot: robocell.Robot, targets: list[np.ndarray]) -> None:
@@ -39,7 +40,7 @@ def _float(scene: robocell.Scene, robot: robocell.Robot, targets: list[np.ndarra
 
 
 # As control_loop_bench.cc names them.
-LOOPS: dict[str, tuple[str, Second]] = {
+LOOPS: dict[str, tuple[str, Part]] = {
     "joint position": ("position", _follow),
     "gravity torques": ("torque", _float),
 }
@@ -47,68 +48,71 @@ LOOPS: dict[str, tuple[str, Second]] = {
 
 def rows(folder: Path) -> list[Row]:
     """One row per robot and kind of control, and some per robot for the same loops in Python."""
-    configs = [robocell.RobotConfig.load(file) for file in robot_files()]
-    loops = [(control, config) for control in LOOPS for config in configs]
-    before = [_python_loop(*loop) for loop in loops]
-    timed = seconds("control_loop_bench", arm_files(), folder, repetitions=1, processes=7)
-    after = [_python_loop(*loop) for loop in loops]
+    timed = turns("control_loop_bench", arm_files(), folder)
     beside_engine = [
-        Row(
-            f"control tick, {control}",
-            "µs",
-            scaled(sides["update+step"], 1e6),
-            scaled(sides["mj_step"], 1e6),
-            note="peer: `mj_step` with the same controls",
-        )
-        for control, sides in timed.items()
+        _row(f"control tick, {what}", timed[what], "peer: `mj_step` with the same controls")
+        for what in sorted(timed)
     ]
     return beside_engine + [
-        _from_python(f"{control}, {config.name}", one + other, timed)
-        for (control, config), one, other in zip(loops, before, after, strict=True)
+        _from_python(control, file) for control in LOOPS for file in robot_files()
     ]
 
 
-def _from_python(name: str, times: list[float], timed: dict[str, dict[str, list[float]]]) -> Row:
-    ours = scaled(times, 1e6)
-    in_cxx = scaled(timed[name]["update+step"], 1e6)
-    more = min(ours) - min(in_cxx)
-    return Row(
-        f"control tick from Python, {name}",
-        "µs",
-        ours,
-        in_cxx,
-        note=f"peer: the same in C++, run in between; Python takes {more:.2f} µs a step more",
-    )
+def _row(name: str, timed: Turns, note: str) -> Row:
+    ours, peer = scaled(timed.ours, 1e6), scaled(timed.peer, 1e6)
+    return Row(name, "µs", ours, peer, note=note, ratios=timed.ratios)
 
 
-def _python_loop(control: str, config: robocell.RobotConfig) -> list[float]:
-    """Seconds of a tick in each repetition: a command, update and a step of the engine."""
-    mode, second = LOOPS[control]
-    config.gravcomp = mode == "position"  # else there is nothing to compensate
-    spec = robocell.SceneSpec(name="bench", timestep=TIMESTEP, add_floor=True, add_skybox=False)
-    spec.robots.append(robocell.RobotSpec(name="robot", config=config))
-    scene = robocell.Scene.build(spec)
-    scene.reset()
-    robot = scene.robot("robot")
-    ticks = round(1 / TIMESTEP)
-    swing = AMPLITUDE * np.sin(2 * np.pi * np.arange(ticks) / ticks)
-    targets = list(np.array(robot.jnt_pos_cmd) + swing[:, np.newaxis])
-    robot.ctrl_mode = mode
-    start, ends, times = scene.state(), [], []
+def _from_python(control: str, file: Path) -> Row:
+    timed, what = Turns(), f"{control}, {robocell.RobotConfig.load(file).name}"
     cores = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {min(cores)})
+    os.sched_setaffinity(0, {CORE})
     try:
         for _ in range(REPETITIONS):
-            fastest = float("inf")
-            for _ in range(ROUNDS):
-                scene.set_state(start)
-                begin = time.perf_counter()
-                second(scene, robot, targets)
-                fastest = min(fastest, time.perf_counter() - begin)
-                ends.append(scene.state())
-            times.append(fastest / ticks)
+            with OtherProcess("control_loop_bench", what, file) as in_cxx:
+                timed.take(_InPython(control, file).turn, in_cxx.turn, ROUNDS)
     finally:
         os.sched_setaffinity(0, cores)
-    if any((end != ends[0]).any() for end in ends):
-        raise RuntimeError("the loop from Python ends elsewhere each time")
-    return times
+    more = 1e6 * (statistics.median(timed.ratios) - 1) * statistics.median(timed.peer)
+    note = f"peer: the same in C++; Python takes {more:.2f} µs a step more"
+    return _row(f"control tick from Python, {what}", timed, note)
+
+
+class _InPython:
+    """A command, update and a step of the engine, as control_loop_bench.cc has it."""
+
+    def __init__(self, control: str, file: Path) -> None:
+        """In a scene of its own."""
+        mode, self.part = LOOPS[control]
+        config = robocell.RobotConfig.load(file)
+        config.gravcomp = mode == "position"  # else there is nothing to compensate
+        spec = robocell.SceneSpec(name="bench", timestep=TIMESTEP, add_floor=True, add_skybox=False)
+        spec.robots.append(robocell.RobotSpec(name="robot", config=config))
+        self.scene = robocell.Scene.build(spec)
+        self.scene.reset()
+        self.robot = self.scene.robot("robot")
+        ticks = round(1 / TIMESTEP)
+        swing = AMPLITUDE * np.sin(2 * np.pi * np.arange(ticks) / ticks)
+        targets = np.array(self.robot.jnt_pos_cmd) + swing[:, np.newaxis]
+        self.parts = [list(part) for part in np.split(targets, PARTS)]
+        self.robot.ctrl_mode = mode
+        self.states = [self.scene.state()]  # where parts begin, and the last one ends
+        for part in self.parts:
+            self.part(self.scene, self.robot, part)
+            self.states.append(self.scene.state())
+        self.at = 0
+
+    def turn(self) -> float:
+        """Seconds of a tick; the first run finds the caches full of the other process."""
+        self.at = (self.at + 1) % PARTS
+        self._seconds()
+        return self._seconds() / len(self.parts[self.at])
+
+    def _seconds(self) -> float:
+        self.scene.set_state(self.states[self.at])
+        begin = time.perf_counter()
+        self.part(self.scene, self.robot, self.parts[self.at])
+        seconds = time.perf_counter() - begin
+        if (self.scene.state() != self.states[self.at + 1]).any():
+            raise RuntimeError("the loop from Python ends elsewhere each time")
+        return seconds

@@ -2,8 +2,8 @@
 // and one engine step, beside the bare engine stepping with the very controls that loop produced.
 // Row P7 of RESULTS.md, for each kind of control that has one there.
 //
-// Each iteration is one simulated second from the same start, the arm swinging around its home. The
-// replay must end at the same bits, or the row is an error.
+// The arm swings around its home for a simulated second. Loop and replay take turns with each tenth
+// of it, from the same state, and must end at the same bits, or the row is an error.
 //
 //   build/release/control_loop_bench [ROBOT.yaml ...]   default: the built-in rc7
 #include <mujoco/mujoco.h>
@@ -15,12 +15,14 @@
 #include <vector>
 
 #include "bench.h"
+#include "turns.h"
 
 namespace robocell {
 namespace {
 
 constexpr double kAmplitude = 0.2;  // rad around home
 constexpr double kSeconds = 1;
+constexpr size_t kParts = 10;  // half a millisecond each: most turns are not disturbed
 
 // What a program commands in a tick; where it has that from is not part of the loop.
 struct Control {
@@ -45,31 +47,31 @@ class Swing {
     MakeTargets({home.begin(), home.end()});
     if (control.mode != CtrlMode::kPosition) robot_.set_ctrl_mode(control.mode);
     if (!control.controller.empty()) UseController();
-    start_ = scene_.state();
     Record();
   }
 
-  // One second of the loop that a control program has.
+  // A part by the loop that a control program has.
   void Loop() {
-    for (int tick = 0; tick < ticks(); ++tick) {
-      Command(static_cast<size_t>(tick));
+    for (size_t tick = begin(); tick < end(); ++tick) {
+      Command(tick);
       robot_.Update();
       (void)robot_.Step();  // where it ends is checked
     }
   }
-  // The same second by the engine alone.
+  // The same part by the engine alone.
   void Replay() {
     const mjModel* m = scene_.model();
-    for (int tick = 0; tick < ticks(); ++tick) {
-      mju_copy(scene_.data()->ctrl, controls_.data() + tick * m->nu, m->nu);
+    for (size_t tick = begin(); tick < end(); ++tick) {
+      mju_copy(scene_.data()->ctrl, controls_.data() + tick * static_cast<size_t>(m->nu), m->nu);
       mj_step(m, scene_.data());
     }
   }
-  void Rewind() { scene_.SetState(start_); }
+  void NextPart() { part_ = (part_ + 1) % kParts; }
+  void Rewind() { scene_.SetState(states_[part_]); }
   std::string Problem() const {
-    return scene_.state() == end_ ? "" : "ends elsewhere than recorded";
+    return scene_.state() == states_[part_ + 1] ? "" : "ends elsewhere than recorded";
   }
-  int ticks() const { return static_cast<int>(targets_.size()); }
+  double ticks_of_part() const { return static_cast<double>(targets_.size()) / kParts; }
 
  private:
   // Else the engine carries the arm, and there is nothing to compensate.
@@ -78,6 +80,8 @@ class Swing {
     config.gravcomp = control.mode == CtrlMode::kPosition;
     return config;
   }
+  size_t begin() const { return part_ * targets_.size() / kParts; }
+  size_t end() const { return (part_ + 1) * targets_.size() / kParts; }
   void UseController() {
     const std::string arm = robot_.arm().name();
     robot_.SetController(arm, control_.controller);
@@ -103,14 +107,17 @@ class Swing {
   }
   void Record() {
     const mjModel* m = scene_.model();
-    for (size_t tick = 0; tick < targets_.size(); ++tick) {
-      Command(tick);
-      robot_.Update();
-      controls_.insert(controls_.end(), scene_.data()->ctrl, scene_.data()->ctrl + m->nu);
-      (void)robot_.Step();
+    states_.push_back(scene_.state());
+    for (part_ = 0; part_ < kParts; ++part_) {
+      for (size_t tick = begin(); tick < end(); ++tick) {
+        Command(tick);
+        robot_.Update();
+        controls_.insert(controls_.end(), scene_.data()->ctrl, scene_.data()->ctrl + m->nu);
+        (void)robot_.Step();
+      }
+      states_.push_back(scene_.state());
     }
-    end_ = scene_.state();
-    Rewind();
+    part_ = 0;
   }
 
   Control control_;
@@ -119,23 +126,23 @@ class Swing {
   CartesianImpedanceController* cartesian_ = nullptr;
   std::vector<std::vector<double>> targets_;  // of each tick
   std::vector<Pose> poses_;
-  std::vector<double> start_, end_, controls_;
+  std::vector<double> controls_;
+  std::vector<std::vector<double>> states_;  // where parts begin, and the last one ends
+  size_t part_ = 0;
 };
 
 void Register(const std::string& file) {
   for (const Control& control : kControls) {
     const auto swing = std::make_shared<Swing>(file, control);
-    const auto add = [&](const std::string& side, auto second) {
-      bench::Add({.row = control.name + ", " + RobotConfig::Load(file).name,
-                  .side = side,
-                  .count = static_cast<double>(swing->ticks()),
-                  .fastest = true,
-                  .prepare = [=] { swing->Rewind(); },
-                  .run = [=] { second(*swing); },
-                  .problem = [=] { return swing->Problem(); }});
+    const auto side = [&](void (Swing::*run)()) {
+      return bench::Side{.row = control.name + ", " + RobotConfig::Load(file).name,
+                         .count = swing->ticks_of_part(),
+                         .prepare = [=] { swing->Rewind(); },
+                         .run = [=] { ((*swing).*run)(); },
+                         .problem = [=] { return swing->Problem(); }};
     };
-    add("update+step", [](Swing& s) { s.Loop(); });
-    add("mj_step", [](Swing& s) { s.Replay(); });
+    const auto next = [=] { swing->NextPart(); };
+    bench::AddPair({.ours = side(&Swing::Loop), .peer = side(&Swing::Replay), .next = next});
   }
 }
 
@@ -143,6 +150,6 @@ void Register(const std::string& file) {
 }  // namespace robocell
 
 int main(int argc, char** argv) {
-  return robocell::bench::Main(argc, argv, robocell::Register,
-                               robocell::assets::BuiltinRobotFile("rc7"));
+  return robocell::bench::MainOfPairs(argc, argv, robocell::Register,
+                                      robocell::assets::BuiltinRobotFile("rc7"));
 }

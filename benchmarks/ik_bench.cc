@@ -14,7 +14,6 @@
 #include <cstdio>
 #include <exception>
 #include <functional>
-#include <iostream>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -23,6 +22,7 @@
 
 #include "bench.h"
 #include "numbers.h"
+#include "turns.h"
 #include "robocell/kinematics/ik_batch.h"
 
 namespace robocell {
@@ -44,13 +44,6 @@ class Stopwatch {
 void Append(std::span<const double> q, bool success, std::vector<double>* answers) {
   for (const double v : q)
     answers->push_back(success ? v : std::numeric_limits<double>::quiet_NaN());
-}
-
-// Whether there is another turn, after those of others.
-bool WaitForTurn() {
-  std::string line;
-  std::cout << "ready" << std::endl;
-  return static_cast<bool>(std::getline(std::cin, line));
 }
 
 // Of one pass over all questions, or of the passes of a turn.
@@ -83,7 +76,7 @@ Answered TurnOf(const OnePass& one_pass) {
 // What there is to write down after the last turn.
 std::vector<double> ByTurns(const OnePass& one_pass) {
   std::vector<double> of_fastest, means, p50s, p99s;
-  while (WaitForTurn()) {
+  while (bench::WaitForTurn()) {
     Answered turn = TurnOf(one_pass);
     means.push_back(turn.mean());
     p50s.push_back(turn.percentile(0.5));

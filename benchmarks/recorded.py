@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+from table import OF_TURNS
+
 
 @dataclass(frozen=True)
 class Recorded:
@@ -16,6 +18,7 @@ class Recorded:
         ours: robocell's best.
         peer: The peer's best; None without a peer.
         note: Peer and what else a reader must know.
+        ratio_of_turns: Ours to the peer's where that is not best to best.
     """
 
     name: str
@@ -23,13 +26,21 @@ class Recorded:
     ours: float
     peer: float | None
     note: str
+    ratio_of_turns: float | None = None
+
+    @property
+    def ratio(self) -> float | None:
+        """Ours to the peer's."""
+        if self.ratio_of_turns is not None or self.peer is None:
+            return self.ratio_of_turns
+        return self.ours / self.peer
 
     @property
     def speed(self) -> float | None:
         """How many times as fast as the peer."""
-        if self.peer is None:
+        if self.ratio is None:
             return None
-        return self.ours / self.peer if self.unit.startswith("1/") else self.peer / self.ours
+        return self.ratio if self.unit.startswith("1/") else 1 / self.ratio
 
     def has_peer(self, name: str) -> bool:
         """Whether the peer is called this, or this and more after a comma or semicolon."""
@@ -42,8 +53,9 @@ def rows(section: str) -> list[Recorded]:
     for line in section.splitlines():
         cells = [cell.strip() for cell in line.strip().strip("|").split("|")]
         if line.startswith("|") and len(cells) == 6 and cells[0] not in ("what", "---"):
-            name, unit, ours, peer, _, note = cells
-            found.append(Recorded(name, unit, _best(ours), _best(peer) if peer else None, note))
+            name, unit, ours, peer, ratio, note = cells
+            bests = _best(ours), _best(peer) if peer else None
+            found.append(Recorded(name, unit, *bests, note, _of_turns(ratio)))
     return found
 
 
@@ -55,3 +67,8 @@ def circumstance(section: str, what: str) -> str | None:
 
 def _best(cell: str) -> float:
     return float(cell.split("/")[0])
+
+
+def _of_turns(cell: str) -> float | None:
+    ratio, _, of = cell.partition(" ")
+    return float(ratio) if of == OF_TURNS else None

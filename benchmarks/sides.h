@@ -8,14 +8,13 @@
 //   }
 //   int main(int argc, char** argv) { return robocell::bench::Main(argc, argv, Register); }
 //
-// bench_program.py runs such a program and reads the counter `each_s`.
+// bench_program.py runs such a program and reads the counter `each_s`. Where a part of a percent
+// counts: turns.h.
 #pragma once
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <functional>
@@ -28,31 +27,32 @@ namespace robocell::bench {
 struct Side {
   std::string row, side;  // registered as "row/side"
   double count = 1;       // of what `each_s` is the time of one: ticks, resets, frames
-  // Of a repetition's runs the fastest counts and not their mean: where all do the same, and take
-  // so little that a machine that slows down for a tenth of a second would be in every mean.
-  bool fastest = false;
   std::function<void()> prepare = [] {};  // before each run, not timed
   std::function<void()> run;
   // After each run, not timed: what is wrong with its result, or "". An error instead of a row.
   std::function<std::string()> problem = [] { return ""; };
 };
 
+// Of a run. What is wrong with its result is in `problem`, unless something was before.
+inline double Seconds(const Side& side, std::string* problem) {
+  side.prepare();
+  const auto begin = std::chrono::steady_clock::now();
+  side.run();
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - begin;
+  if (problem->empty()) *problem = side.problem();
+  return passed.count();
+}
+
 inline void Time(benchmark::State& state, const Side& side) {
-  double total = 0, fastest = HUGE_VAL;
+  double total = 0;
+  std::string problem;
   for (auto _ : state) {
-    side.prepare();
-    const auto begin = std::chrono::steady_clock::now();
-    side.run();
-    const double s =
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    const double s = Seconds(side, &problem);
     state.SetIterationTime(s);
     total += s;
-    fastest = std::min(fastest, s);
-    if (const std::string problem = side.problem(); !problem.empty())
-      return state.SkipWithError(problem.c_str());
+    if (!problem.empty()) return state.SkipWithError(problem.c_str());
   }
-  const double run = side.fastest ? fastest : total / static_cast<double>(state.iterations());
-  state.counters["each_s"] = run / side.count;
+  state.counters["each_s"] = total / static_cast<double>(state.iterations()) / side.count;
 }
 
 inline void Add(Side side) {

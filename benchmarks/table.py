@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+OF_TURNS = "turns"  # stands in a table beside ratios that are not those of the best
+
 
 @dataclass(frozen=True)
 class Row:
@@ -19,6 +21,8 @@ class Row:
         peer: The peer's in the same run; empty without a peer.
         better: "lower" or "higher" values are better.
         note: Anything that a reader must know to compare.
+        ratios: Ours to the peer's, of neighbouring turns, one value per repetition; empty where the
+            sides take no turns that are short enough.
     """
 
     name: str
@@ -27,11 +31,19 @@ class Row:
     peer: Sequence[float] = field(default_factory=list)
     better: str = "lower"
     note: str = ""
+    ratios: Sequence[float] = field(default_factory=list)
 
     @property
     def ratio(self) -> float | None:
-        """Best of ours over best of the peer's."""
+        """Ours to the peer's: the median of neighbouring turns, else best to best."""
+        if self.ratios:
+            return statistics.median(self.ratios)
         return self.best(self.ours) / self.best(self.peer) if self.peer else None
+
+    @property
+    def ratio_of(self) -> str:
+        """What the ratio is of."""
+        return OF_TURNS if self.ratios else "best" if self.peer else ""
 
     def best(self, values: Sequence[float]) -> float:
         """The value that was disturbed least."""
@@ -39,20 +51,32 @@ class Row:
 
     def to_json(self) -> dict[str, Any]:
         """All values."""
-        return {**asdict(self), "ratio": self.ratio}
+        return {**asdict(self), "ratio": self.ratio, "ratio of": self.ratio_of}
 
 
 def markdown(rows: Sequence[Row]) -> str:
-    """A Markdown table: best / median of both sides, and the ratio of the best."""
+    """A Markdown table: best / median of both sides, and the ratio of the best or of turns."""
     lines = [
         "| what | unit | robocell best / median | peer best / median | ratio | note |",
         "|---|---|---|---|---|---|",
     ]
     for row in rows:
-        ratio = "" if row.ratio is None else f"{row.ratio:.3f}"
-        cells = [row.name, row.unit, _pair(row, row.ours), _pair(row, row.peer), ratio, row.note]
+        cells = [
+            row.name,
+            row.unit,
+            _pair(row, row.ours),
+            _pair(row, row.peer),
+            _ratio(row),
+            row.note,
+        ]
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
+
+
+def _ratio(row: Row) -> str:
+    if row.ratio is None:
+        return ""
+    return f"{row.ratio:.3f} {OF_TURNS}" if row.ratios else f"{row.ratio:.3f}"
 
 
 def _pair(row: Row, values: Sequence[float]) -> str:

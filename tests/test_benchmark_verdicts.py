@@ -1,8 +1,10 @@
 """benchmarks/verdicts.py: floors and aims are judged by what is recorded, and by all of it."""
 
 import ctypes
+import itertools
 import math
 import platform
+import random
 import sys
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import pytest
 
 sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 import recorded
+from bench_program import Turns
 from floor import Floor
 from floors import FLOORS
 from ik import BATCH, Side
@@ -45,6 +48,58 @@ def test_a_row_is_read_as_it_was_written():
     assert recorded.rows(markdown([alone]))[0].speed is None
 
 
+def of_turns(robot: str, *ratios: float) -> Row:
+    return Row(f"tick, {robot}", "µs", [9, 12], [10, 10], note="peer: `mj_step`", ratios=ratios)
+
+
+def test_a_ratio_of_turns_is_that_of_the_row():
+    row = of_turns("a", 1.09, 1.06, 1.02)
+    assert row.ratio == 1.06
+    assert row.to_json()["ratio of"] == "turns"
+    assert "| 9 / 10.5 | 10 / 10 | 1.060 turns |" in markdown([row])
+    (read,) = recorded.rows(markdown([row]))
+    assert (read.ours, read.peer, read.ratio, read.speed) == (9, 10, 1.06, 1 / 1.06)
+    rate = Row("r", "1/s", [8], [3], better="higher", ratios=[0.9])
+    assert recorded.rows(markdown([rate]))[0].speed == 0.9
+    (best,) = recorded.rows(section(tick("a", 12, 10))["s"])
+    assert best.ratio_of_turns is None
+    assert tick("a", 12, 10).to_json()["ratio of"] == "best"
+
+
+def test_ratios_of_turns_are_judged_where_they_are():
+    found = section(of_turns("a", 1.06), of_turns("b", 1.04))
+    verdict = judge(floor_of(measure=MORE_TIME, floor=1.05), found)
+    assert verdict.values == {"a": pytest.approx(1.06), "b": pytest.approx(1.04)}
+    assert verdict.says == "**floor missed**"
+    assert not warnings(found)
+    assert len(warnings(section(of_turns("a", 0.99)))) == 1
+
+
+def test_turns_find_a_ratio_on_a_machine_that_is_disturbed():
+    rng, turn = random.Random(1), itertools.count()
+
+    def seconds(alone: float) -> float:
+        """With a clock that goes up and down, and a process that often takes the core."""
+        clock = 1 + 0.3 * math.sin(next(turn) / 40)
+        return alone * clock * rng.uniform(0.99, 1.01) + (0.004 if rng.random() < 0.2 else 0)
+
+    turns = Turns()
+    turns.take(lambda: seconds(1.05e-3), lambda: seconds(1e-3), rounds=400)
+    assert turns.ratios == [pytest.approx(1.05, abs=2e-3)]
+    assert 1 < 1e3 * turns.peer[0] < 1.3
+
+
+def test_the_order_of_turns_is_even():
+    asked: list[str] = []
+
+    def slower(name: str) -> float:
+        asked.append(name)
+        return float(len(asked))
+
+    Turns().take(lambda: slower("ours"), lambda: slower("peer"), rounds=2)
+    assert asked == ["ours", "peer", "peer", "ours"] * 2
+
+
 def could_be(printed: float) -> tuple[float, float]:
     """Between which values lies what was printed with four digits."""
     half = 0.5 * 10.0 ** (math.floor(math.log10(printed)) - 3)
@@ -61,7 +116,7 @@ def test_ratios_agree_with_the_recorded_ones():
     checked = 0
     for line in RESULTS[RESULTS.index(END) :].splitlines():
         for row in recorded.rows(line):
-            if row.speed is None:
+            if row.speed is None or row.ratio_of_turns is not None:
                 continue
             ratio = float(line.split("|")[5])  # of the values before they were rounded
             (least, most), (peer_least, peer_most) = could_be(row.ours), could_be(row.peer)

@@ -1,0 +1,153 @@
+// Pairs: two sides (sides.h) that take turns, for rows in which a part of a percent counts. Why:
+// README.md, "Turns of a pair".
+//
+//   void Register(const std::string& file) {
+//     const auto arm = std::make_shared<Arm>(file);
+//     AddPair({.ours = {.row = arm->name, .run = [=] { arm->Loop(); }},
+//              .peer = {.run = [=] { arm->Replay(); }}});
+//   }
+//   int main(int argc, char** argv) { return robocell::bench::MainOfPairs(argc, argv, Register); }
+//
+// bench_program.py runs such a program and reads the counters `ours_s`, `peer_s` and `ratio`.
+// `PROGRAM --turns ROW FILE` is ours of a pair alone, for a peer in another process (Python).
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "sides.h"
+
+namespace robocell::bench {
+
+// Two sides with about the same work. They take turns: ours, the peer, the peer, ours, and so on.
+// Neighbours, once in each order, make a ratio, and the median of all ratios counts: a clock that
+// goes up and down is in both of them, what disturbs one of them is in few where turns are short
+// (less than a millisecond), and who comes after whom is even. Times are medians of turns too.
+struct Pair {
+  Side ours, peer;                     // of the row of ours
+  std::function<void()> next = [] {};  // before the turns of a round, if it is about something else
+};
+
+inline double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+class Turns {
+ public:
+  explicit Turns(const Pair& pair) : pair_(pair) {}
+
+  // Of both sides two turns; their seconds.
+  double Round() {
+    pair_.next();
+    const size_t lower = random_() % 256 * 16;
+    const double ours = Turn(lower, pair_.ours), peer = Turn(lower, pair_.peer);
+    const double peer_again = Turn(lower, pair_.peer), ours_again = Turn(lower, pair_.ours);
+    Take(ours, peer);
+    Take(ours_again, peer_again);
+    return ours + peer + peer_again + ours_again;
+  }
+  void Tell(benchmark::State& state) const {
+    state.counters["ours_s"] = Median(ours_);
+    state.counters["peer_s"] = Median(peer_);
+    state.counters["ratio"] = Median(ratios_);
+  }
+  const std::string& problem() const { return problem_; }
+
+ private:
+  // Where the stack lies beside the data, modulo a page, moves what takes microseconds by a percent
+  // or two, and not both sides alike: a process would have one of the possible places only. Each
+  // round has another, the same for both.
+  [[gnu::noinline]] double Turn(size_t lower, const Side& side) {
+    volatile char* room = static_cast<char*>(__builtin_alloca(lower + 1));
+    *room = 0;
+    const double s = Seconds(side, &problem_);
+    *room = 0;
+    return s;
+  }
+  void Take(double ours, double peer) {
+    ours_.push_back(ours / pair_.ours.count);
+    peer_.push_back(peer / pair_.peer.count);
+    ratios_.push_back(ours_.back() / peer_.back());
+  }
+
+  const Pair& pair_;
+  std::minstd_rand random_;
+  std::vector<double> ours_, peer_, ratios_;
+  std::string problem_;
+};
+
+inline void TimePair(benchmark::State& state, const Pair& pair) {
+  Turns warm_up(pair), turns(pair);
+  warm_up.Round();  // finds the caches full of another row
+  for (auto _ : state) {
+    state.SetIterationTime(turns.Round());
+    if (!turns.problem().empty()) return state.SkipWithError(turns.problem().c_str());
+  }
+  turns.Tell(state);
+}
+
+inline std::vector<Pair>& Pairs() {
+  static std::vector<Pair> pairs;
+  return pairs;
+}
+
+inline void AddPair(const Pair& pair) {
+  Pairs().push_back(pair);
+  const std::string name = pair.ours.row + "/turns";
+  benchmark::RegisterBenchmark(name.c_str(),
+                               [pair](benchmark::State& state) { return TimePair(state, pair); })
+      ->UseManualTime()
+      ->Unit(benchmark::kMillisecond);
+}
+
+// Whether somebody in another process wants one more turn. `said` is for them.
+inline bool WaitForTurn(const std::string& said = "ready") {
+  std::string line;
+  std::cout << said << std::endl;
+  return static_cast<bool>(std::getline(std::cin, line));
+}
+
+// Ours of a pair by turns, each of which is said in nanoseconds. The first run of a turn finds the
+// caches full of what the other process did, and does not count.
+inline void TakeTurns(const std::string& row) {
+  for (const Pair& pair : Pairs()) {
+    if (pair.ours.row != row) continue;
+    std::string problem, said = "ready";
+    while (problem.empty() && WaitForTurn(said)) {
+      pair.next();
+      Seconds(pair.ours, &problem);
+      said = std::to_string(1e9 * Seconds(pair.ours, &problem) / pair.ours.count);
+    }
+    if (!problem.empty()) throw std::runtime_error(row + ": " + problem);
+    return;
+  }
+  throw std::runtime_error("there is no pair '" + row + "'");
+}
+
+// As Main(), of a program with pairs.
+inline int MainOfPairs(int argc, char** argv, void (*add)(const std::string&),
+                       const std::string& file) {
+  if (argc != 4 || argv[1] != std::string("--turns")) return Main(argc, argv, add, file);
+  try {
+    add(argv[3]);
+    TakeTurns(argv[2]);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 2;
+  }
+}
+
+}  // namespace robocell::bench
