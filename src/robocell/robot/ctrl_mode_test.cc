@@ -307,6 +307,21 @@ TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
   }
 }
 
+// What the servos push before the first update after it is of the place before.
+TEST(CtrlMode, ATeleportedArmStaysWhereItIsWhateverControllerItGetsThen) {
+  Robot robot = RobotAlone(Rc7());
+  for (const char* kind : {"cartesian_pose", "joint_position", "joint_impedance"}) {
+    for (const bool forward : {true, false}) {
+      robot.scene().Reset();
+      std::vector<double> q = robot.arm().joint_pos();
+      for (double& joint : q) joint += 0.05;
+      robot.SetJointPos(q, forward);
+      robot.SetController("arm", kind);
+      EXPECT_LT(Drift(robot, 200), 1e-6) << kind << ", forward: " << forward;
+    }
+  }
+}
+
 TEST(CtrlMode, ATeleportWithoutForwardIsSeenWhenAskedFor) {
   Robot robot = RobotAlone(Rc7());
   const std::vector<double> q{0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1};

@@ -70,6 +70,7 @@ void GroupControl::SettleFilters(std::span<const double> q) {
 }
 
 void GroupControl::Reset() {
+  just_placed = true;
   controller->Reset();
   ports.Reseed(*of->group);
   if (ServoGroup* servos = PositionServos()) servos->SettleFilters(drive->joint_pos());

@@ -60,11 +60,14 @@ struct GroupControl : SceneObserver {
   std::string why_no_controller;
   std::vector<double> ctrl;
   bool chosen = false;  // by somebody, not by the configuration or for want of one
+  // By a reset or a teleport, and not run since: what actuators apply is of the place before.
+  bool just_placed = false;
 
   // One tick.
   void Run() {
     controller->Compute(ctrl);
     drive->SetCtrl(ctrl);
+    just_placed = false;
   }
   // Position servos that are filtered begin as if they had been sent to `q` for long: without it
   // they would begin where they were last, in another mode or at another place.

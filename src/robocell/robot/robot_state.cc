@@ -33,8 +33,10 @@ class Reading {
 };
 
 // The controller goes on as what it takes over from. Returns where it sends position servos for
-// that, so that they push as before; nothing for other modes, and groups that are no arms.
-std::vector<double> TakeOver(const ControlledGroup& group, Controller& controller) {
+// that, so that they push as before, or hold the arm where it was just placed; nothing for other
+// modes, and groups that are no arms.
+std::vector<double> TakeOver(const ControlledGroup& group, bool just_placed,
+                             Controller& controller) {
   const auto* drive = dynamic_cast<const ArmGroup*>(group.drives.of(controller.mode()));
   const MoveGroup& arm = *group.group;
   if (!drive || controller.mode() == CtrlMode::kTorque) return {};
@@ -42,8 +44,9 @@ std::vector<double> TakeOver(const ControlledGroup& group, Controller& controlle
     controller.ResetTo(arm.joint_vel());
     return {};
   }
-  std::vector<double> servos(static_cast<size_t>(drive->nq()));
-  drive->JointPosForTorque(arm.joint_pos(), arm.joint_vel(), arm.joint_torque(), servos);
+  std::vector<double> servos = arm.joint_pos();
+  if (!just_placed)
+    drive->JointPosForTorque(arm.joint_pos(), arm.joint_vel(), arm.joint_torque(), servos);
   controller.ResetTo(servos);
   return servos;
 }
@@ -299,7 +302,7 @@ void Robot::State::RequireUndriven(const GroupSlot& slot) const {
 std::unique_ptr<Controller> Robot::State::Successor(GroupSlot& slot, const std::string& kind,
                                                     CtrlMode mode) {
   std::unique_ptr<Controller> controller = MakeController(kind, RequireDrive(slot, mode));
-  if (slot.control->controller) TakeOver(*slot.own, *controller);
+  if (slot.control->controller) TakeOver(*slot.own, slot.control->just_placed, *controller);
   return controller;
 }
 
@@ -461,7 +464,7 @@ void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) 
     const bool other_mode = control.controller && control.controller->mode() != controller->mode();
     const bool switched = SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
     std::vector<double> servos;
-    if (switched) servos = TakeOver(*slot.own, *controller);
+    if (switched) servos = TakeOver(*slot.own, control.just_placed, *controller);
     control.Put(std::move(controller), slot.own, drive);
     // At once, so that nothing falls in a step before the next Update().
     if (switched) control.Guarded([](GroupControl& c) { c.Run(); });
