@@ -146,6 +146,7 @@ soak-debug: setup
 	@$(call headline,soak: C++ tests without optimisation)
 	@$(call configure,debug)
 	@cmake --build --preset debug -j $(JOBS)
+	@scripts/fetch_test_robots
 	@ctest --preset debug -j $(JOBS) --no-tests=error --progress
 
 soak-fuzz:
