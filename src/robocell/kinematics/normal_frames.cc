@@ -3,12 +3,15 @@
 #include <cmath>
 
 #include "robocell/kinematics/common_normal.h"
+#include "robocell/kinematics/link_inertia.h"
 
 namespace robocell {
 namespace {
 
 // A cosine that is nothing but rounding.
 constexpr double kPerpendicular = 1e-14;
+// The same for a length, as a share of the chain's.
+constexpr double kNoLength = 1e-15;
 
 // About and along z.
 Transform Screw(double angle, double shift) {
@@ -16,29 +19,19 @@ Transform Screw(double angle, double shift) {
           Eigen::Vector3d(0, 0, shift)};
 }
 
+// Without a length that is nothing but rounding.
+double Length(double length, const ChainModel& chain) {
+  return std::abs(length) <= kNoLength * chain.length ? 0 : length;
+}
+
 // About and along x.
-Transform Twist(const CommonNormal& normal) {
+Transform Twist(const CommonNormal& normal, const ChainModel& chain) {
   const bool square = std::abs(normal.cos_twist) <= kPerpendicular;
   const double c = square ? 0 : normal.cos_twist, s = square ? 1 : normal.sin_twist;
   Transform twist;
   twist.rotation << 1, 0, 0, 0, c, -s, 0, s, c;
-  twist.translation.x() = normal.length;
+  twist.translation.x() = Length(normal.length, chain);
   return twist;
-}
-
-// What is known in a frame, in another one that stands in it like this.
-LinkInertia In(const Transform& frame, const LinkInertia& link) {
-  const Eigen::Matrix3d to_frame = frame.rotation.transpose();
-  const Eigen::Vector3d& d = frame.translation;
-  const Eigen::Vector3d& h = link.moment;
-  const Eigen::Matrix3d about_origin =
-      link.inertia + (link.mass * d.squaredNorm() - 2 * h.dot(d)) * Eigen::Matrix3d::Identity() +
-      h * d.transpose() + d * h.transpose() - link.mass * d * d.transpose();
-  LinkInertia out = link;
-  out.moment = to_frame * (h - link.mass * d);
-  out.weight_moment = to_frame * (link.weight_moment - link.weight_mass * d);
-  out.inertia = to_frame * about_origin * frame.rotation;
-  return out;
 }
 
 }  // namespace
@@ -61,7 +54,8 @@ ChainModel InNormalFrames(const ChainModel& chain) {
     const auto normal = i > 0 ? CommonNormalOf(joint.fixed) : std::nullopt;
     if (normal) {
       turn += normal->angle_after;
-      joint.fixed = Screw(0, normal->shift_before - shifts[i - 1]) * Twist(*normal);
+      const double shift = Length(normal->shift_before - shifts[i - 1], chain);
+      joint.fixed = Screw(0, shift) * Twist(*normal, chain);
     } else {
       joint.fixed = before.inverse() * joint.fixed;
     }
@@ -70,7 +64,7 @@ ChainModel InNormalFrames(const ChainModel& chain) {
     } else {
       joint.reference -= turn;
     }
-    joint.link = In(moved, joint.link);
+    joint.link = InFrame(moved, joint.link);
     joint.joint_to_body = moved.inverse() * joint.joint_to_body;
     before = moved;
   }

@@ -74,5 +74,22 @@ TEST(NormalFrames, StepAlongTheNormalAndTwistAboutIt) {
   }
 }
 
+// Axes that meet, but for rounding, three times over.
+TEST(NormalFrames, HaveNoLengthsThatAreNothingButRounding) {
+  ChainModel chain;
+  chain.n = 4;
+  const double third = std::acos(-1.0) / 3;
+  for (int i = 1; i < chain.n; ++i) {
+    const Eigen::AngleAxisd turn(third * i, Eigen::Vector3d(0.6, 0, 0.8));
+    chain.joints[i].fixed.rotation = turn.toRotationMatrix();
+    chain.joints[i].fixed.translation = Eigen::Vector3d(0.1 + 0.2 - 0.3, 0, 0.3 * (i == 2));
+  }
+  const ChainModel normal = InNormalFrames(chain);
+  for (int i = 1; i < chain.n; ++i) {
+    for (const double length : normal.joints[i].fixed.translation)
+      EXPECT_TRUE(length == 0 || std::abs(length) > 1e-3) << i << ": " << length;
+  }
+}
+
 }  // namespace
 }  // namespace robocell
