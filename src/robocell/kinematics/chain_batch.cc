@@ -77,7 +77,7 @@ class BatchRows {
 };
 
 void Run(const Chain& chain, PosePart part, const PoseQuery& query, std::span<double> out) {
-  ComputePoses(chain.lanes().links(), part, query, out.data());
+  ComputePoses(chain.lanes().poses(), part, query, out.data());
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ void JacobianBatch(const Chain& chain, std::span<const double> q, std::span<doub
                    std::span<double> tips) {
   const BatchRows batch(chain, jacobians, 6 * static_cast<size_t>(chain.n_joints()));
   batch.CheckTips(tips);
-  ComputePoses(chain.lanes().links(), PosePart::kJacobian,
+  ComputePoses(chain.lanes().poses(), PosePart::kJacobian,
                {.count = batch.count(), .q = batch.Joints("q", q)}, jacobians.data(), tips.data());
 }
 

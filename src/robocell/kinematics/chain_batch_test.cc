@@ -126,17 +126,32 @@ TEST_P(MenagerieBatch, AgreesWithTheEngineOnTiltedMounts) {
   });
 }
 
+void ExpectWhatTheEngineSays(Rng* rng, const RandomChainOptions& options) {
+  TestModel t = TestModel::FromXml(RandomChainXml(rng, options).Write());
+  t.Randomise(rng);
+  const Chain chain = ChainAsItStands(t, "base", ChainTip::Site("tip"));
+  const EngineBatch engine(t, chain, rng, 11);
+  OnEveryInstructionSet([&](const std::string&) {
+    engine.ExpectSame(chain, Compute(chain, engine.motions, engine.motions.count));
+  });
+  ASSERT_FALSE(testing::Test::HasFailure()) << options.joints << " joints";
+}
+
 TEST(ChainBatch, AgreesWithTheEngineOnRandomChains) {
   for (int joints = 1; joints <= 16; ++joints) {
     Rng rng = Rng::Stream(2, "chain batch", joints);
-    TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = joints}).Write());
-    t.Randomise(&rng);
-    const Chain chain = ChainAsItStands(t, "base", ChainTip::Site("tip"));
-    const EngineBatch engine(t, chain, &rng, 11);
-    OnEveryInstructionSet([&](const std::string&) {
-      engine.ExpectSame(chain, Compute(chain, engine.motions, engine.motions.count));
-    });
-    ASSERT_FALSE(HasFailure()) << joints << " joints";
+    ExpectWhatTheEngineSays(&rng, {.joints = joints});
+  }
+}
+
+TEST(ChainBatch, AgreesWithTheEngineWhereAxesAreParallelOrSquare) {
+  for (int joints = 1; joints <= 9; ++joints) {
+    for (const double slides : {0.0, 0.3}) {
+      for (int draw = 0; draw < 3; ++draw) {
+        Rng rng = Rng::Stream(3, "chain batch", 10 * joints + draw);
+        ExpectWhatTheEngineSays(&rng, {.joints = joints, .slide_share = slides, .square = true});
+      }
+    }
   }
 }
 
@@ -146,18 +161,29 @@ struct RandomCase {
   Chain chain;
   Motions motions;
 
-  explicit RandomCase(int joints, int count)
-      : rng(Rng::Stream(joints, "batch case")),
-        model(TestModel::FromXml(RandomChainXml(&rng, {.joints = joints}).Write())),
+  explicit RandomCase(int joints, int count) : RandomCase({.joints = joints}, count) {}
+  RandomCase(const RandomChainOptions& options, int count)
+      : rng(Rng::Stream(options.joints, "batch case")),
+        model(TestModel::FromXml(RandomChainXml(&rng, options).Write())),
         chain(model.model(), "base", ChainTip::Site("tip")) {
     for (int k = 0; k < count; ++k) {
       model.Randomise(&rng);
       const Eigen::Vector3d gravity(rng.Normal(), rng.Normal(), -9);
-      motions.Add(model.ChainPositions(chain), RandomRates(&rng, joints), RandomRates(&rng, joints),
-                  gravity);
+      motions.Add(model.ChainPositions(chain), RandomRates(&rng, options.joints),
+                  RandomRates(&rng, options.joints), gravity);
     }
   }
 };
+
+// Of all that kernels tell apart.
+std::vector<RandomChainOptions> Chains() {
+  std::vector<RandomChainOptions> chains;
+  for (const int joints : {2, 6, 7, 10}) {
+    chains.push_back({.joints = joints});
+    chains.push_back({.joints = joints, .slide_share = 0, .square = true});
+  }
+  return chains;
+}
 
 TEST(ChainBatch, JacobiansAreTheDifferencesOfTips) {
   RandomCase c(7, 1);
@@ -183,8 +209,8 @@ TEST(ChainBatch, JacobiansAreTheDifferencesOfTips) {
 
 TEST(ChainBatch, JacobiansComeWithTheTipsOfForwardKinematics) {
   OnEveryInstructionSet([](const std::string&) {
-    for (const int joints : {2, 6, 7, 10}) {
-      const RandomCase c(joints, 19);
+    for (const RandomChainOptions& options : Chains()) {
+      const RandomCase c(options, 19);
       const Results expected = Compute(c.chain, c.motions, 19);
       std::vector<double> jacobians(expected.jacobians.size()), tips(expected.tips.size());
       JacobianBatch(c.chain, c.motions.q, jacobians, tips);
@@ -197,8 +223,9 @@ TEST(ChainBatch, JacobiansComeWithTheTipsOfForwardKinematics) {
 // Bit for bit: whole, one by one, and shifted by some lanes.
 TEST(ChainBatch, ResultsDoNotDependOnTheBatch) {
   OnEveryInstructionSet([](const std::string&) {
-    for (const int joints : {6, 7, 10}) {
-      const RandomCase c(joints, 19);
+    for (const RandomChainOptions& options : Chains()) {
+      const RandomCase c(options, 19);
+      const int joints = options.joints;
       const Results whole = Compute(c.chain, c.motions, 19);
       for (const int first : {0, 1, 5, 18}) {
         for (const int count : {1, 3, 19 - first}) {

@@ -8,8 +8,7 @@
 
 #include "robocell/kinematics/folded_chain.h"
 #include "robocell/kinematics/ik_parts.h"
-#include "robocell/kinematics/link_table.h"
-#include "robocell/kinematics/normal_frames.h"
+#include "robocell/kinematics/pose_table.h"
 #include "robocell/kinematics/start_table.h"
 
 namespace robocell {
@@ -17,13 +16,10 @@ namespace robocell {
 class LaneChain {
  public:
   explicit LaneChain(const ChainModel& chain)
-      : folded_(Fold(chain)),
-        links_(Tabulate(InNormalFrames(chain))),
-        middle_(SeedOf(chain, {}, {})) {}
+      : folded_(Fold(chain)), poses_(TabulatePoses(chain)), middle_(SeedOf(chain, {}, {})) {}
 
   const FoldedChain& folded() const { return folded_; }
-  // In normal frames.
-  const LinkTable& links() const { return links_; }
+  const PoseTable& poses() const { return poses_; }
   // Where searches without a seed begin.
   const JointVector& middle() const { return middle_; }
   const StartTable& starts(const ChainModel& chain) const {
@@ -35,7 +31,7 @@ class LaneChain {
 
  private:
   FoldedChain folded_;
-  LinkTable links_;
+  PoseTable poses_;
   JointVector middle_;
   mutable std::once_flag made_;
   mutable std::optional<StartTable> starts_;

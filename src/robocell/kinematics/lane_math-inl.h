@@ -39,14 +39,13 @@ HWY_INLINE void SinCos(D d, V x, V* sine, V* cosine) {
 
   // Odd quarters swap; the second and third of the four negate the sine, the first and second the
   // cosine's.
-  // A number with that sign, and not -0, which is not negative where there is one lane.
-  const auto swap =
-      hn::BitCast(d, hn::Or(hn::ShiftLeft<63>(quarter), hn::BitCast(du, hn::Set(d, 1.0))));
+  const auto one = hn::Set(du, 1);
+  const auto swap = hn::RebindMask(d, hn::TestBit(quarter, one));
   const auto top = hn::Set(du, uint64_t{1} << 63);
   const auto sine_sign = hn::And(hn::ShiftLeft<62>(quarter), top);
-  const auto cosine_sign = hn::And(hn::ShiftLeft<62>(hn::Add(quarter, hn::Set(du, 1))), top);
-  *sine = hn::Xor(hn::IfNegativeThenElse(swap, c, s), hn::BitCast(d, sine_sign));
-  *cosine = hn::Xor(hn::IfNegativeThenElse(swap, s, c), hn::BitCast(d, cosine_sign));
+  const auto cosine_sign = hn::And(hn::ShiftLeft<62>(hn::Add(quarter, one)), top);
+  *sine = hn::Xor(hn::IfThenElse(swap, c, s), hn::BitCast(d, sine_sign));
+  *cosine = hn::Xor(hn::IfThenElse(swap, s, c), hn::BitCast(d, cosine_sign));
 }
 
 // Angles beyond what SinCos is for, in the middle turn.

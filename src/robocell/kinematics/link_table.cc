@@ -12,7 +12,6 @@ LinkTable Tabulate(const ChainModel& chain) {
     const LinkInertia& link = joint.link;
     const Eigen::Matrix3d& inertia = link.inertia;
     for (int k = 0; k < 9; ++k) table.rotation[k][i] = joint.fixed.rotation.data()[k];
-    table.twist[i] = joint.fixed.rotation.col(0) == Eigen::Vector3d::UnitX();
     table.reference[i] = joint.reference;
     (joint.slide ? table.slides : table.turns)[i] = 1;
     table.mass[i] = link.mass;

@@ -16,8 +16,6 @@ struct LinkTable {
   // kernels count from there, so that a far base costs no digits.
   alignas(64) Row rotation[9] = {};
   alignas(64) Row translation[3] = {};
-  // Whether that rotation is one about x.
-  bool twist[kMaxChainJoints] = {};
   alignas(64) Row reference = {};
   alignas(64) Row turns = {};   // 1 for a hinge
   alignas(64) Row slides = {};  // 1 for a slide

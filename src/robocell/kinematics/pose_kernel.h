@@ -9,7 +9,7 @@
 
 #include <cstddef>
 
-#include "robocell/kinematics/link_table.h"
+#include "robocell/kinematics/pose_table.h"
 
 namespace robocell {
 
@@ -36,7 +36,7 @@ struct PoseQuery {
 };
 
 // With Jacobians, tips too where they are wanted.
-void ComputePoses(const LinkTable& table, PosePart part, const PoseQuery& query, double* out,
+void ComputePoses(const PoseTable& table, PosePart part, const PoseQuery& query, double* out,
                   double* tips = nullptr);
 
 }  // namespace robocell

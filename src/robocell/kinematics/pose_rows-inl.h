@@ -16,14 +16,29 @@ constexpr Configurations kPoses;
 constexpr int kWidth = hn::MaxLanes(kPoses);
 static_assert(kMaxChainJoints % kWidth == 0);
 
+#if HWY_MAX_BYTES >= 64
+// a0 b0 a2 b2 and a1 b1 a3 b3 of what are blocks of two numbers.
+HWY_INLINE void ExchangeBlocks(P a, P b, P* low, P* high) {
+#if HWY_ARCH_X86
+  // One instruction each, which this release of Highway has no name for.
+  const __m512i evens = _mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13);
+  const __m512i odds = _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15);
+  *low = P{_mm512_permutex2var_pd(a.raw, evens, b.raw)};
+  *high = P{_mm512_permutex2var_pd(a.raw, odds, b.raw)};
+#else
+  *low = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a);
+  *high = hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a));
+#endif
+}
+#endif
+
 // Two rows of a square, so far apart, exchange what each holds of the other's columns.
 template <int kApart>
 HWY_INLINE void Exchange(P* low, P* high) {
   const P a = *low, b = *high;
 #if HWY_MAX_BYTES >= 64
   if (kApart == 2) {
-    *low = hn::OddEvenBlocks(hn::SwapAdjacentBlocks(b), a);
-    *high = hn::OddEvenBlocks(b, hn::SwapAdjacentBlocks(a));
+    ExchangeBlocks(a, b, low, high);
     return;
   }
 #endif
@@ -54,25 +69,44 @@ HWY_INLINE void Transpose(P* rows) {
 class Inputs {
  public:
   HWY_INLINE Inputs(const PoseRows& rows, std::size_t first, std::size_t last, int numbers) {
+    if (rows.stride == 0) {
+      for (int k = 0; k < numbers; ++k)
+        hn::Store(hn::Set(kPoses, rows.data[k]), kPoses, values_[k]);
+      return;
+    }
     const double* from[kWidth];
+#pragma GCC unroll 8
     for (int lane = 0; lane < kWidth; ++lane)
       from[lane] = rows.data + std::min(first + lane, last) * rows.stride;
-    for (int k = 0; k < numbers; k += kWidth) {
-      P square[kWidth];
-#pragma GCC unroll 8
-      for (int lane = 0; lane < kWidth; ++lane)
-        square[lane] = Read(from[lane] + k, HWY_MIN(numbers - k, kWidth));
-      Transpose(square);
-#pragma GCC unroll 8
-      for (int i = 0; i < kWidth; ++i) hn::Store(square[i], kPoses, values_[k + i]);
+    if (numbers < kWidth) {
+      ReadSquare<true>(from, 0, numbers);
+      return;
     }
+    int k = 0;
+    for (; k + kWidth <= numbers; k += kWidth) ReadSquare<false>(from, k, kWidth);
+    // Some of these once more.
+    if (k < numbers) ReadSquare<false>(from, numbers - kWidth, kWidth);
   }
   HWY_INLINE P operator[](int k) const { return hn::Load(kPoses, values_[k]); }
 
  private:
-  // The first of a register's numbers, and 0; does not touch what is behind them.
-  static HWY_INLINE P Read(const double* from, int numbers) {
-#if HWY_MEM_OPS_MIGHT_FAULT
+  // Does not touch what is behind the numbers.
+  template <bool kPart>
+  HWY_INLINE void ReadSquare(const double* const* from, int first, int some) {
+    P square[kWidth];
+#pragma GCC unroll 8
+    for (int lane = 0; lane < kWidth; ++lane) {
+      const double* numbers = from[lane] + first;
+      square[lane] = kPart ? ReadPart(numbers, some) : hn::LoadU(kPoses, numbers);
+    }
+    Transpose(square);
+#pragma GCC unroll 8
+    for (int i = 0; i < kWidth; ++i) hn::Store(square[i], kPoses, values_[first + i]);
+  }
+  // The first of a register's numbers, and 0.
+  static HWY_INLINE P ReadPart(const double* from, int numbers) {
+// With AVX2 only reading numbers that are shorter than these might fault.
+#if HWY_MEM_OPS_MIGHT_FAULT && HWY_TARGET != HWY_AVX2
     alignas(64) double values[kWidth] = {};
     std::copy_n(from, numbers, values);
     return hn::Load(kPoses, values);
@@ -92,14 +126,25 @@ class Outputs {
   HWY_INLINE void Write(int numbers, double* out) const {
     if (numbers == 1) return hn::StoreU(At(0), kPoses, out);
     if (numbers < kWidth) return WriteSquare<true>(0, numbers, numbers, out);
-    int k = 0;
-    for (; k + kWidth <= numbers; k += kWidth) WriteSquare<false>(k, kWidth, numbers, out);
-    // Some of these once more.
-    if (k < numbers) WriteSquare<false>(numbers - kWidth, kWidth, numbers, out);
+    const int rest = numbers % kWidth, whole = numbers - rest;
+    for (int k = 0; k < whole; k += kWidth) WriteSquare<false>(k, kWidth, numbers, out);
+    if (rest > kFew) {
+      // Some numbers once more.
+      WriteSquare<false>(numbers - kWidth, kWidth, numbers, out);
+    } else {
+      for (int k = whole; k < numbers; ++k) WriteNumber(k, numbers, out);
+    }
   }
 
  private:
+  // So many are written faster one by one than as a square.
+  static constexpr int kFew = 2;
+
   HWY_INLINE P At(int k) const { return hn::Load(kPoses, values_[k]); }
+  HWY_INLINE void WriteNumber(int k, int numbers, double* out) const {
+#pragma GCC unroll 8
+    for (int lane = 0; lane < kWidth; ++lane) out[lane * numbers + k] = values_[k][lane];
+  }
   template <bool kPart>
   HWY_INLINE void WriteSquare(int first, int some, int numbers, double* out) const {
     P square[kWidth];

@@ -1,228 +1,209 @@
 // From the frame of one joint to those of its neighbours, for as many configurations of a chain as
-// there are lanes. Included once for each instruction set, after lane_math-inl.h, link_math-inl.h
-// and pose_rows-inl.h.
+// there are lanes. Included once for each instruction set, after pose_chain-inl.h.
 //
-// Steps are short for a table in normal frames (normal_frames.h), and right for any. What is 0 for
-// a chain is so in all lanes and all batches: leaving it out changes no result.
+// In the left-handed frames of pose_table.h, where cross products have the other sign. What is 0
+// for a chain is so in all lanes and all batches: leaving it out changes no result.
 #include <hwy/highway.h>
-
-#include "robocell/kinematics/link_table.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace robocell::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-HWY_INLINE P All(double value) { return hn::Set(kPoses, value); }
-HWY_INLINE Vec3<P> All(const double* v) { return {All(v[0]), All(v[1]), All(v[2])}; }
-HWY_INLINE Vec3<P> All(const LinkTable::Row* rows, int i) {
-  return {All(rows[0][i]), All(rows[1][i]), All(rows[2][i])};
-}
-HWY_INLINE Vec3<P> ZeroVector() { return {hn::Zero(kPoses), hn::Zero(kPoses), hn::Zero(kPoses)}; }
-
-// What joint values do to the frames of joints.
-class JointMoves {
- public:
-  HWY_INLINE JointMoves(const LinkTable& t, const Inputs& q) {
-    for (int i = 0; i < t.n; ++i) {
-      const P off = hn::Sub(q[i], All(t.reference[i]));
-      if (t.slides[i] != 0) {
-        hn::Store(off, kPoses, shift_or_sine_[i]);
-        continue;
-      }
-      P sine, cosine;
-      SinCosOfAny(kPoses, off, &sine, &cosine);
-      hn::Store(sine, kPoses, shift_or_sine_[i]);
-      hn::Store(cosine, kPoses, cosine_[i]);
-    }
-  }
-
-  HWY_INLINE P sine(int i) const { return hn::Load(kPoses, shift_or_sine_[i]); }
-  HWY_INLINE P shift(int i) const { return hn::Load(kPoses, shift_or_sine_[i]); }
-  HWY_INLINE P cosine(int i) const { return hn::Load(kPoses, cosine_[i]); }
-
- private:
-  alignas(64) double shift_or_sine_[kMaxChainJoints][kWidth];
-  alignas(64) double cosine_[kMaxChainJoints][kWidth];
-};
-
-// Numbers along two axes, seen from axes that are turned from the first towards the second.
-HWY_INLINE void Turn(P cosine, P sine, P* a, P* b) {
+// Numbers along two axes: at half the angle between the first and where it comes to stands the
+// mirror.
+HWY_INLINE void Reflect(P cosine, P sine, P* a, P* b) {
   const P old = *a;
   *a = hn::MulAdd(cosine, old, hn::Mul(sine, *b));
-  *b = hn::NegMulAdd(sine, old, hn::Mul(cosine, *b));
-}
-// By the twist of a step, which mostly is a quarter or nothing.
-HWY_INLINE void Turn(double cosine, double sine, P* a, P* b) {
-  if (cosine == 0 && sine == 1) {
-    const P old = *a;
-    *a = *b;
-    *b = hn::Neg(old);
-  } else if (cosine != 1) {
-    Turn(All(cosine), All(sine), a, b);
-  }
+  *b = hn::MulSub(sine, old, hn::Mul(cosine, *b));
 }
 // The axes themselves.
-template <class Number>
-HWY_INLINE void Turn(Number cosine, Number sine, Vec3<P>* a, Vec3<P>* b) {
-  Turn(cosine, sine, &a->x, &b->x);
-  Turn(cosine, sine, &a->y, &b->y);
-  Turn(cosine, sine, &a->z, &b->z);
+HWY_INLINE void Reflect(P cosine, P sine, Vec3<P>* a, Vec3<P>* b) {
+  Reflect(cosine, sine, &a->x, &b->x);
+  Reflect(cosine, sine, &a->y, &b->y);
+  Reflect(cosine, sine, &a->z, &b->z);
 }
-// Back again.
-HWY_INLINE void TurnBack(P cosine, P sine, P* a, P* b) { Turn(cosine, sine, b, a); }
-HWY_INLINE void TurnBack(double cosine, double sine, P* a, P* b) { Turn(cosine, sine, b, a); }
-
-// s * a + b
-HWY_INLINE Vec3<P> Along(double s, const Vec3<P>& a, const Vec3<P>& b) {
-  return s == 0 ? b : MulAdd(All(s), a, b);
+// An inertia's numbers for two axes.
+HWY_INLINE void Reflect(P cosine, P sine, P* aa, P* bb, P* ab) {
+  const P more = hn::MulAdd(cosine, hn::Sub(*aa, *bb), hn::Mul(sine, hn::Add(*ab, *ab)));
+  const P old = *aa;
+  *aa = hn::MulAdd(cosine, more, *bb);
+  *bb = hn::NegMulAdd(cosine, more, old);
+  *ab = hn::MulSub(sine, more, *ab);
 }
 
-// To the frame of joint i, from that before.
-HWY_INLINE void StepTo(const LinkTable& t, int i, const JointMoves& moves, Frame3<P>* f) {
-  if (i == 0) {
-    *f = {All(t.rotation, 0), All(t.rotation + 3, 0), All(t.rotation + 6, 0), ZeroVector()};
+HWY_INLINE P Negated(P a) { return hn::Neg(a); }
+HWY_INLINE Vec3<P> Negated(const Vec3<P>& a) { return {hn::Neg(a.x), hn::Neg(a.y), hn::Neg(a.z)}; }
+HWY_INLINE void Swap(P* a, P* b) {
+  const P old = *a;
+  *a = *b;
+  *b = old;
+}
+HWY_INLINE void Swap(Vec3<P>* a, Vec3<P>* b) {
+  Swap(&a->x, &b->x);
+  Swap(&a->y, &b->y);
+  Swap(&a->z, &b->z);
+}
+
+// There and back again. Not for twists of any kind.
+template <class Step, class Number>
+HWY_INLINE void Twist(const Step& step, Number* y, Number* z) {
+  if (step.twist() == PoseJoint::Twist::kQuarter) {
+    Swap(y, z);
+  } else if (step.twist() == PoseJoint::Twist::kNone) {
+    *y = Negated(*y);
   } else {
-    f->p = Along(t.translation[0][i], f->x, f->p);
-    f->p = Along(t.translation[1][i], f->y, f->p);
-    f->p = Along(t.translation[2][i], f->z, f->p);
-    if (t.twist[i]) {
-      Turn(t.rotation[4][i], t.rotation[5][i], &f->y, &f->z);
-    } else {
-      const Frame3<P> before = *f;
-      f->x = Turned(before, All(t.rotation, i));
-      f->y = Turned(before, All(t.rotation + 3, i));
-      f->z = Turned(before, All(t.rotation + 6, i));
-    }
+    Reflect(All(step.joint.twist_cosine), All(step.joint.twist_sine), z, y);
   }
-  if (t.slides[i] != 0) {
-    f->p = MulAdd(moves.shift(i), f->z, f->p);
+}
+template <class Step>
+HWY_INLINE void Twist(const Step& step, Symmetric3<P>* m) {
+  Twist(step, &m->xy, &m->xz);
+  if (step.twist() == PoseJoint::Twist::kQuarter) {
+    Swap(&m->yy, &m->zz);
+  } else if (step.twist() == PoseJoint::Twist::kNone) {
+    m->yz = hn::Neg(m->yz);
   } else {
-    Turn(moves.cosine(i), moves.sine(i), &f->x, &f->y);
+    Reflect(All(step.joint.twist_cosine), All(step.joint.twist_sine), &m->zz, &m->yy, &m->yz);
   }
+}
+template <class Step>
+HWY_INLINE bool IsAny(const Step& step) {
+  return step.twist() == PoseJoint::Twist::kAny;
+}
+// The twisted axes, and no translation.
+HWY_INLINE Frame3<P> AnyTwist(const PoseJoint& joint) {
+  return {All(joint.rotation), All(joint.rotation + 3), All(joint.rotation + 6), ZeroVector()};
+}
+
+// By what the joint itself does.
+template <class Step>
+HWY_INLINE void MoveBy(const Step& step, const Move& move, Frame3<P>* f) {
+  Reflect(move.cosine, move.sine, &f->x, &f->y);
+  if (step.slide()) f->p = MulAdd(move.shift, f->z, f->p);
+}
+
+// To the frame of a joint, from that before.
+template <class Step>
+HWY_INLINE void StepTo(const Step& step, const Move& move, Frame3<P>* f) {
+  const PoseJoint& joint = step.joint;
+  if (step.shifted(0)) f->p = MulAdd(All(joint.translation[0]), f->x, f->p);
+  if (step.shifted(1)) f->p = MulAdd(All(joint.translation[1]), f->y, f->p);
+  if (step.shifted(2)) f->p = MulAdd(All(joint.translation[2]), f->z, f->p);
+  if (IsAny(step)) {
+    const Frame3<P> before = *f, twisted = AnyTwist(joint);
+    f->x = Turned(before, twisted.x);
+    f->y = Turned(before, twisted.y);
+    f->z = Turned(before, twisted.z);
+  } else {
+    Twist(step, &f->y, &f->z);
+  }
+  MoveBy(step, move, f);
 }
 
 // Calls visit(i, frame) for each joint, the frames counted from the table's origin; the last one.
-template <class Visit>
-HWY_INLINE Frame3<P> WalkPoses(const LinkTable& t, const JointMoves& moves, Visit&& visit) {
-  Frame3<P> f;
-  for (int i = 0; i < t.n; ++i) {
-    StepTo(t, i, moves, &f);
+template <class Chain, class Visit>
+HWY_INLINE Frame3<P> WalkPoses(const Chain& chain, const JointMoves& moves, Visit&& visit) {
+  Frame3<P> f = AnyTwist(chain[0].joint);
+  MoveBy(chain[0], moves[0], &f);
+  visit(0, f);
+  chain.Up(1, chain.n() - 1, [&](int i) POSE_INLINE {
+    StepTo(chain[i], moves[i], &f);
     visit(i, f);
-  }
+  });
   return f;
 }
 
-// A vector in the frame of joint i, from that before.
-HWY_INLINE Vec3<P> SeenFrom(const LinkTable& t, int i, const JointMoves& moves, Vec3<P> v) {
-  if (t.twist[i]) {
-    Turn(t.rotation[4][i], t.rotation[5][i], &v.y, &v.z);
+// A vector in the frame of a joint, from that before.
+template <class Step>
+HWY_INLINE void SeenFrom(const Step& step, const Move& move, Vec3<P>* v) {
+  if (IsAny(step)) {
+    const Frame3<P> twisted = AnyTwist(step.joint);
+    *v = {Dot(twisted.x, *v), Dot(twisted.y, *v), Dot(twisted.z, *v)};
   } else {
-    v = {Dot(All(t.rotation, i), v), Dot(All(t.rotation + 3, i), v),
-         Dot(All(t.rotation + 6, i), v)};
+    Twist(step, &v->y, &v->z);
   }
-  if (t.slides[i] == 0) Turn(moves.cosine(i), moves.sine(i), &v.x, &v.y);
-  return v;
+  Reflect(move.cosine, move.sine, &v->x, &v->y);
 }
 
-// What is known in the frame of joint i, in that before.
-HWY_INLINE Vec3<P> Back(const LinkTable& t, int i, const JointMoves& moves, Vec3<P> v) {
-  if (t.slides[i] == 0) TurnBack(moves.cosine(i), moves.sine(i), &v.x, &v.y);
-  if (t.twist[i]) {
-    TurnBack(t.rotation[4][i], t.rotation[5][i], &v.y, &v.z);
-    return v;
+// What is known in the frame of a joint, in that before.
+template <class Step>
+HWY_INLINE void Back(const Step& step, const Move& move, Vec3<P>* v) {
+  Reflect(move.cosine, move.sine, &v->x, &v->y);
+  if (IsAny(step)) {
+    *v = Turned(AnyTwist(step.joint), *v);
+  } else {
+    Twist(step, &v->y, &v->z);
   }
-  return MulAdd(v.x, All(t.rotation, i),
-                MulAdd(v.y, All(t.rotation + 3, i), Times(v.z, All(t.rotation + 6, i))));
 }
 
 // The torque of a force that is `s` away along an axis, a and b being the axes after it.
 HWY_INLINE void AddLever(P s, P force_a, P force_b, P* torque_a, P* torque_b) {
-  *torque_a = hn::NegMulAdd(s, force_b, *torque_a);
-  *torque_b = hn::MulAdd(s, force_a, *torque_b);
+  *torque_a = hn::MulAdd(s, force_b, *torque_a);
+  *torque_b = hn::NegMulAdd(s, force_a, *torque_b);
 }
-HWY_INLINE void AddLever(double s, P force_a, P force_b, P* torque_a, P* torque_b) {
-  if (s != 0) AddLever(All(s), force_a, force_b, torque_a, torque_b);
-}
-HWY_INLINE Six<P> Back(const LinkTable& t, int i, const JointMoves& moves, Six<P> v) {
-  Vec3<P>&force = v.linear, &torque = v.angular;
-  if (t.slides[i] != 0) AddLever(moves.shift(i), force.x, force.y, &torque.x, &torque.y);
-  force = Back(t, i, moves, force);
-  torque = Back(t, i, moves, torque);
-  AddLever(t.translation[0][i], force.y, force.z, &torque.y, &torque.z);
-  AddLever(t.translation[1][i], force.z, force.x, &torque.z, &torque.x);
-  AddLever(t.translation[2][i], force.x, force.y, &torque.x, &torque.y);
-  return v;
+template <class Step>
+HWY_INLINE void Back(const Step& step, const Move& move, Six<P>* v) {
+  Vec3<P>&force = v->linear, &torque = v->angular;
+  if (step.slide()) AddLever(move.shift, force.x, force.y, &torque.x, &torque.y);
+  Back(step, move, &force);
+  Back(step, move, &torque);
+  const double* s = step.joint.translation;
+  if (step.shifted(0)) AddLever(All(s[0]), force.y, force.z, &torque.y, &torque.z);
+  if (step.shifted(1)) AddLever(All(s[1]), force.z, force.x, &torque.z, &torque.x);
+  if (step.shifted(2)) AddLever(All(s[2]), force.x, force.y, &torque.x, &torque.y);
 }
 
 // A body about an origin that is moved against an axis, k, by s; a and b are the other two.
-HWY_INLINE void Shift(P mass, P s, P* moment_k, P moment_a, P moment_b, P* aa, P* bb, P* ka,
-                      P* kb) {
-  const P moved = hn::MulAdd(mass, s, *moment_k);
-  const P more = hn::Mul(s, hn::Add(*moment_k, moved));
-  *moment_k = moved;
+template <class Step>
+HWY_INLINE void Shift(const Step& step, P s, P* moment_k, P moment_a, P moment_b, P* aa, P* bb,
+                      P* ka, P* kb) {
+  P more = hn::Mul(s, hn::Add(*moment_k, *moment_k));
+  if (step.heavy()) {
+    const P moved = hn::Mul(s, All(step.joint.mass_behind));
+    more = hn::MulAdd(s, moved, more);
+    *moment_k = hn::Add(*moment_k, moved);
+  }
   *aa = hn::Add(*aa, more);
   *bb = hn::Add(*bb, more);
   *ka = hn::NegMulAdd(s, moment_a, *ka);
   *kb = hn::NegMulAdd(s, moment_b, *kb);
 }
-HWY_INLINE void ShiftX(P s, RigidBody<P>* body) {
+template <class Step>
+HWY_INLINE void ShiftX(const Step& step, P s, RigidBody<P>* body) {
   Vec3<P>& h = body->moment;
   Symmetric3<P>& m = body->inertia;
-  Shift(body->mass, s, &h.x, h.y, h.z, &m.yy, &m.zz, &m.xy, &m.xz);
+  Shift(step, s, &h.x, h.y, h.z, &m.yy, &m.zz, &m.xy, &m.xz);
 }
-HWY_INLINE void ShiftY(P s, RigidBody<P>* body) {
+template <class Step>
+HWY_INLINE void ShiftY(const Step& step, P s, RigidBody<P>* body) {
   Vec3<P>& h = body->moment;
   Symmetric3<P>& m = body->inertia;
-  Shift(body->mass, s, &h.y, h.x, h.z, &m.xx, &m.zz, &m.xy, &m.yz);
+  Shift(step, s, &h.y, h.x, h.z, &m.xx, &m.zz, &m.xy, &m.yz);
 }
-HWY_INLINE void ShiftZ(P s, RigidBody<P>* body) {
+template <class Step>
+HWY_INLINE void ShiftZ(const Step& step, P s, RigidBody<P>* body) {
   Vec3<P>& h = body->moment;
   Symmetric3<P>& m = body->inertia;
-  Shift(body->mass, s, &h.z, h.x, h.y, &m.xx, &m.yy, &m.xz, &m.yz);
+  Shift(step, s, &h.z, h.x, h.y, &m.xx, &m.yy, &m.xz, &m.yz);
 }
 
-// An inertia's numbers for two axes, as TurnBack does it with a vector's.
-HWY_INLINE void TurnBack(P cosine, P sine, P* aa, P* bb, P* ab) {
-  const P apart = hn::Sub(*aa, *bb), twice = hn::Add(*ab, *ab);
-  const P more = hn::MulAdd(sine, apart, hn::Mul(cosine, twice));
-  const P turned = hn::NegMulAdd(sine, twice, hn::Mul(cosine, apart));
-  *aa = hn::NegMulAdd(sine, more, *aa);
-  *bb = hn::MulAdd(sine, more, *bb);
-  *ab = hn::MulAdd(sine, turned, *ab);
-}
-HWY_INLINE void TurnBack(double cosine, double sine, P* aa, P* bb, P* ab) {
-  if (cosine == 0 && sine == 1) {
-    const P old = *aa;
-    *aa = *bb;
-    *bb = old;
-    *ab = hn::Neg(*ab);
-  } else if (cosine != 1) {
-    TurnBack(All(cosine), All(sine), aa, bb, ab);
-  }
-}
-
-HWY_INLINE RigidBody<P> Back(const LinkTable& t, int i, const JointMoves& moves,
-                             RigidBody<P> body) {
-  Symmetric3<P>& m = body.inertia;
-  if (t.slides[i] != 0) {
-    ShiftZ(moves.shift(i), &body);
+// What moves with a joint and behind it. The mass stays what it is.
+template <class Step>
+HWY_INLINE void Back(const Step& step, const Move& move, RigidBody<P>* body) {
+  Symmetric3<P>& m = body->inertia;
+  if (step.slide()) ShiftZ(step, move.shift, body);
+  Reflect(move.cosine, move.sine, &m.xz, &m.yz);
+  Reflect(move.cosine, move.sine, &m.xx, &m.yy, &m.xy);
+  if (IsAny(step)) {
+    m = Turned(AnyTwist(step.joint), m);
   } else {
-    TurnBack(moves.cosine(i), moves.sine(i), &m.xz, &m.yz);
-    TurnBack(moves.cosine(i), moves.sine(i), &m.xx, &m.yy, &m.xy);
+    Twist(step, &m);
   }
-  if (t.twist[i]) {
-    const double cosine = t.rotation[4][i], sine = t.rotation[5][i];
-    TurnBack(cosine, sine, &m.xy, &m.xz);
-    TurnBack(cosine, sine, &m.yy, &m.zz, &m.yz);
-  } else {
-    m = Turned(Frame3<P>{All(t.rotation, i), All(t.rotation + 3, i), All(t.rotation + 6, i), {}},
-               m);
-  }
-  body.moment = Back(t, i, moves, body.moment);
-  if (t.translation[0][i] != 0) ShiftX(All(t.translation[0][i]), &body);
-  if (t.translation[1][i] != 0) ShiftY(All(t.translation[1][i]), &body);
-  if (t.translation[2][i] != 0) ShiftZ(All(t.translation[2][i]), &body);
-  return body;
+  Back(step, move, &body->moment);
+  const double* s = step.joint.translation;
+  if (step.shifted(0)) ShiftX(step, All(s[0]), body);
+  if (step.shifted(1)) ShiftY(step, All(s[1]), body);
+  if (step.shifted(2)) ShiftZ(step, All(s[2]), body);
 }
 
 }  // namespace robocell::HWY_NAMESPACE

@@ -139,6 +139,7 @@ struct RandomChainOptions {
   double tiny_share = 0;       // of the joints: with limits a thousandth of a radian or metre apart
   double whole_turn_share = 0;  // of the other hinges: with limits one to two turns apart
   double size = 1;              // multiplies all lengths of the chain, those of slides too
+  bool square = false;          // axes are along x, y or z of the base for joint values 0
 };
 
 // Writes the MJCF of a random chain "base" -> site "tip", on a base that itself moves.
@@ -176,7 +177,15 @@ class RandomChainXml {
                        U(-reach, reach), rng_->Normal(), rng_->Normal(), rng_->Normal(),
                        rng_->Normal());
   }
-  std::string ChainPlace(double reach) { return Place(options_.size * reach); }
+  std::string ChainPlace(double reach) {
+    const double size = options_.size * reach;
+    if (!options_.square) return Place(size);
+    return fmt::format("pos='{} {} {}'", U(-size, size), U(-size, size), U(-size, size));
+  }
+  std::string Axis() {
+    if (options_.square) return std::array{"1 0 0", "0 1 0", "0 0 1"}[static_cast<size_t>(U(0, 3))];
+    return fmt::format("{} {} {}", rng_->Normal(), rng_->Normal(), rng_->Normal());
+  }
   double Gravcomp() { return options_.awkward && rng_->Uniform() < 0.4 ? U(0, 1.2) : 0; }
   std::string Inertial() {
     return fmt::format("<inertial mass='{}' {} diaginertia='{} {} {}'/>", U(0.1, 3), Place(0.1),
@@ -186,9 +195,8 @@ class RandomChainXml {
     const bool slide = rng_->Uniform() < options_.slide_share;
     const double size = options_.size, unit = slide ? size : 1;
     const double ref = options_.awkward && rng_->Uniform() < 0.5 ? unit * U(-0.5, 0.5) : 0;
-    std::string text = fmt::format(
-        "<joint name='{}' type='{}' axis='{} {} {}' armature='{}' ref='{}'", name,
-        slide ? "slide" : "hinge", rng_->Normal(), rng_->Normal(), rng_->Normal(), U(0, 0.2), ref);
+    std::string text = fmt::format("<joint name='{}' type='{}' axis='{}' armature='{}' ref='{}'",
+                                   name, slide ? "slide" : "hinge", Axis(), U(0, 0.2), ref);
     if (options_.awkward && rng_->Uniform() < 0.5) {
       text +=
           fmt::format(" pos='{} {} {}'", size * U(-.2, .2), size * U(-.2, .2), size * U(-.2, .2));

@@ -1,0 +1,58 @@
+// PoseTable: a chain's numbers joint by joint, for the kernel that works on many configurations at
+// once (pose_kernel.h). What can be done once for a chain is done here.
+//
+// Frames are normal ones (normal_frames.h), but left-handed: y points the other way. So a step from
+// one to the next is a reflection in x and y, by the hinge, after one in y and z, by the twist,
+// which mostly swaps these two. A reflection is its own inverse, and no number changes its sign on
+// the way. The first joint's step comes from the base, whose axes are as ever; all others have the
+// second axis turned round at both ends.
+//
+// Plain numbers only; this header is included by code for every instruction set.
+#pragma once
+
+#include "robocell/kinematics/joint_count.h"
+
+namespace robocell {
+
+struct PoseJoint {
+  enum class Twist : unsigned char { kQuarter, kNone, kAboutX, kAny };
+
+  Twist twist = Twist::kAny;
+  bool slide = false;
+  // Whether these are not 0: the parts of the translation, and the sums behind the joint.
+  bool shifted[3] = {};
+  bool heavy = false, weighs = false;
+  double twist_cosine = 1, twist_sine = 0;  // not for kAny
+  // The twisted axes, right-handed, column by column, and the origin, from the joint before. Of the
+  // first joint PoseTable::origin is the origin.
+  double rotation[9] = {};
+  double translation[3] = {};
+  double reference = 0;
+  double turns = 1;  // 0 for a slide
+  // What is felt of the link (felt_inertia.h): of hinges 0 but for moment x and y, and all of the
+  // inertia but yy. The inertia as xx, yy, zz, xy, xz, yz.
+  double mass = 0;
+  double moment[3] = {};
+  double inertia[6] = {};
+  double weight_mass = 0;
+  double weight_moment[3] = {};
+  double armature = 0;
+  // Sums over the link and those behind it.
+  double mass_behind = 0;
+  double weight_behind = 0;
+};
+
+struct PoseTable {
+  int n = 0;
+  // Only hinges; behind the first one twists are a quarter or none, and nothing is shifted along y.
+  bool plain = false;
+  PoseJoint joints[kMaxChainJoints];
+  double origin[3] = {};        // far bases cost no digits: kernels count from here
+  double tip_rotation[9] = {};  // column by column
+  double tip_translation[3] = {};
+};
+
+struct ChainModel;
+PoseTable TabulatePoses(const ChainModel& chain);
+
+}  // namespace robocell

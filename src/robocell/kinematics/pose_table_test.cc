@@ -1,0 +1,49 @@
+// Which chains are plain; what the table's numbers do is tested with the kernel that reads them
+// (chain_batch_test.cc).
+#include "robocell/kinematics/pose_table.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/kinematics/testing/models.h"
+
+namespace robocell {
+namespace {
+
+// Three hinges, each about an axis of the one before, the last one turned by some more.
+ChainModel ThreeHinges(const Eigen::Vector3d& second, const Eigen::Vector3d& third) {
+  ChainModel chain;
+  chain.n = 3;
+  const auto to = [](const Eigen::Vector3d& axis) {
+    return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+  };
+  chain.joints[1].fixed = {to(second), Eigen::Vector3d(0.1, 0.2, 0.3)};
+  chain.joints[2].fixed = {to(third), Eigen::Vector3d(0.3, -0.2, 0.1)};
+  return chain;
+}
+
+bool IsPlain(const ChainModel& chain) { return TabulatePoses(chain).plain; }
+
+TEST(PoseTable, IsPlainForHingesWhoseAxesAreParallelOrSquare) {
+  const Eigen::Vector3d x(1, 0, 0), z(0, 0, 1), tilted(0.6, 0, 0.8);
+  EXPECT_TRUE(IsPlain(ThreeHinges(x, z)));
+  EXPECT_TRUE(IsPlain(ThreeHinges(z, -x)));
+  EXPECT_FALSE(IsPlain(ThreeHinges(x, tilted)));
+  EXPECT_FALSE(IsPlain(ThreeHinges(-z, x))) << "antiparallel";
+  for (const int slide : {0, 1, 2}) {
+    ChainModel chain = ThreeHinges(x, z);
+    chain.joints[slide].slide = true;
+    EXPECT_FALSE(IsPlain(chain)) << slide;
+  }
+}
+
+TEST(PoseTable, IsPlainForRandomChainsOfSuchHinges) {
+  for (int joints = 1; joints <= 9; ++joints) {
+    Rng rng = Rng::Stream(joints, "pose table");
+    const RandomChainOptions options{.joints = joints, .slide_share = 0, .square = true};
+    const TestModel t = TestModel::FromXml(RandomChainXml(&rng, options).Write());
+    EXPECT_TRUE(IsPlain(Chain(t.model(), "base", ChainTip::Site("tip")).model())) << joints;
+  }
+}
+
+}  // namespace
+}  // namespace robocell
