@@ -90,7 +90,7 @@ class Swing {
   void Command(size_t tick) {
     if (cartesian_) {
       cartesian_->SetPose(poses_[tick]);
-    } else if (control_.name == "gravity torques") {
+    } else if (floats_) {
       robot_.GravityTorques(robot_.jnt_trq_cmd());
     } else {
       std::copy(targets_[tick].begin(), targets_[tick].end(), robot_.jnt_pos_cmd().begin());
@@ -121,6 +121,7 @@ class Swing {
   }
 
   Control control_;
+  bool floats_ = control_.controller.empty() && control_.mode == CtrlMode::kTorque;
   Scene scene_;
   Robot robot_;
   CartesianImpedanceController* cartesian_ = nullptr;
