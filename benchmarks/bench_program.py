@@ -50,15 +50,23 @@ class Turns:
     peer: list[float] = field(default_factory=list)
     ratios: list[float] = field(default_factory=list)
 
+    def add(self, ours: float, peer: float, ratio: float) -> None:
+        """What one process says."""
+        self.ours.append(ours)
+        self.peer.append(peer)
+        self.ratios.append(ratio)
+
     def take(self, ours: Callable[[], float], peer: Callable[[], float], rounds: int) -> None:
         """Lets two sides take turns as those of a program's pair do; the value of one process."""
         pairs: list[tuple[float, float]] = []
         for _ in range(rounds):
             before, after = (ours(), peer()), (peer(), ours())
             pairs += [before, after[::-1]]
-        self.ours.append(statistics.median(one for one, _ in pairs))
-        self.peer.append(statistics.median(other for _, other in pairs))
-        self.ratios.append(statistics.median(one / other for one, other in pairs))
+        self.add(
+            statistics.median(one for one, _ in pairs),
+            statistics.median(other for _, other in pairs),
+            statistics.median(one / other for one, other in pairs),
+        )
 
 
 def turns(
@@ -73,9 +81,7 @@ def turns(
     for _ in range(processes):
         for measured in _run(program, files, folder, repetitions=1, one_core=True):
             row = values[measured["run_name"].split("/")[0]]
-            row.ours.append(measured["ours_s"])
-            row.peer.append(measured["peer_s"])
-            row.ratios.append(measured["ratio"])
+            row.add(measured["ours_s"], measured["peer_s"], measured["ratio"])
     return values
 
 

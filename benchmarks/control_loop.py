@@ -1,9 +1,15 @@
-"""P7: the control loop beside the bare engine (timed by control_loop_bench.cc), and from Python."""
+"""P7: the control loop beside the bare engine (timed by control_loop_bench.cc), and from Python.
+
+`control_loop.py CONTROL ROBOT.yaml` is one process of the latter: what it says are the seconds of
+Python, those of C++ and their ratio.
+"""
 
 from __future__ import annotations
 
 import os
 import statistics
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -11,13 +17,12 @@ from pathlib import Path
 import numpy as np
 
 import robocell
-from bench_program import CORE, OtherProcess, Turns, scaled, turns
+from bench_program import ROOT, OtherProcess, Turns, on_one_core, scaled, turns
 from robots import arm_files, robot_files
 from table import Row
 
 AMPLITUDE, TIMESTEP, PARTS = 0.2, 0.002, 10  # as in control_loop_bench.cc
-# Of Python and C++: each repetition in a scene and a process of C++ of its own.
-REPETITIONS, ROUNDS = 9, 100
+PROCESSES, ROUNDS = 9, 100  # of Python and C++
 
 
 Part = Callable[[robocell.Scene, robocell.Robot, list[np.ndarray]], None]
@@ -64,18 +69,30 @@ def _row(name: str, timed: Turns, note: str) -> Row:
 
 
 def _from_python(control: str, file: Path) -> Row:
-    timed, what = Turns(), f"{control}, {robocell.RobotConfig.load(file).name}"
-    cores = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {CORE})
-    try:
-        for _ in range(REPETITIONS):
-            with OtherProcess("control_loop_bench", what, file) as in_cxx:
-                timed.take(_InPython(control, file).turn, in_cxx.turn, ROUNDS)
-    finally:
-        os.sched_setaffinity(0, cores)
+    timed = Turns()
+    for _ in range(PROCESSES):
+        timed.add(*_one_process(control, file))
     more = 1e6 * (statistics.median(timed.ratios) - 1) * statistics.median(timed.peer)
     note = f"peer: the same in C++; Python takes {more:.2f} µs a step more"
-    return _row(f"control tick from Python, {what}", timed, note)
+    return _row(f"control tick from Python, {_name(control, file)}", timed, note)
+
+
+def _one_process(control: str, file: Path) -> tuple[float, float, float]:
+    run = subprocess.run(
+        [*on_one_core(), sys.executable, __file__, control, file],
+        env=os.environ | {"PYTHONPATH": str(ROOT / "python")},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if run.returncode:
+        raise RuntimeError(f"{control} from Python failed:\n{run.stdout}{run.stderr}")
+    ours, peer, ratio = map(float, run.stdout.splitlines()[-1].split())
+    return ours, peer, ratio
+
+
+def _name(control: str, file: Path) -> str:
+    return f"{control}, {robocell.RobotConfig.load(file).name}"
 
 
 class _InPython:
@@ -116,3 +133,16 @@ class _InPython:
         if (self.scene.state() != self.states[self.at + 1]).any():
             raise RuntimeError("the loop from Python ends elsewhere each time")
         return seconds
+
+
+def main() -> None:
+    """Lets Python and C++ take turns, each in a scene of its own."""
+    control, file = sys.argv[1], Path(sys.argv[2])
+    timed = Turns()
+    with OtherProcess("control_loop_bench", _name(control, file), file) as in_cxx:
+        timed.take(_InPython(control, file).turn, in_cxx.turn, ROUNDS)
+    print(*timed.ours, *timed.peer, *timed.ratios)
+
+
+if __name__ == "__main__":
+    main()
