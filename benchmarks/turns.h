@@ -122,18 +122,16 @@ inline bool WaitForTurn(const std::string& said = "ready") {
 // Ours of a pair by turns, each of which is said in nanoseconds. The first run of a turn finds the
 // caches full of what the other process did, and does not count.
 inline void TakeTurns(const std::string& row) {
-  for (const Pair& pair : Pairs()) {
-    if (pair.ours.row != row) continue;
-    std::string problem, said = "ready";
-    while (problem.empty() && WaitForTurn(said)) {
-      pair.next();
-      Seconds(pair.ours, &problem);
-      said = std::to_string(1e9 * Seconds(pair.ours, &problem) / pair.ours.count);
-    }
-    if (!problem.empty()) throw std::runtime_error(row + ": " + problem);
-    return;
+  const auto pair = std::find_if(Pairs().begin(), Pairs().end(),
+                                 [&](const Pair& each) { return each.ours.row == row; });
+  if (pair == Pairs().end()) throw std::runtime_error("there is no pair '" + row + "'");
+  std::string problem, said = "ready";
+  while (problem.empty() && WaitForTurn(said)) {
+    pair->next();
+    Seconds(pair->ours, &problem);
+    said = std::to_string(1e9 * Seconds(pair->ours, &problem) / pair->ours.count);
   }
-  throw std::runtime_error("there is no pair '" + row + "'");
+  if (!problem.empty()) throw std::runtime_error(row + ": " + problem);
 }
 
 // As Main(), of a program with pairs.
