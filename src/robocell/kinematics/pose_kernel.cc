@@ -48,24 +48,26 @@ int NumbersOf(PosePart part, int n) {
 constexpr int kMostNumbers = kMaxChainJoints * kMaxChainJoints;
 static_assert(kMaxChainJoints >= 6);
 
-// Brings near, part by part, the cache lines that rows of answers will be written to. Such rows
-// begin anywhere in a line, and a write to one that is far away would hold up those after it.
+// Brings near, part by part, the cache lines that rows of answers will be written to, and some of
+// the next ones. Such rows begin anywhere in a line, and a write to one that is far away would hold
+// up those after it.
 class LinesToWrite {
  public:
   HWY_INLINE LinesToWrite(const double* rows, int numbers, int parts)
-      : next_(rows), end_(rows + numbers), part_((numbers / kLine / parts + 1) * kLine) {}
+      : next_(rows), runs_((numbers + parts * kRun - 1) / (parts * kRun)) {}
 
   HWY_INLINE void BringPart() {
-    const double* until = std::min(next_ + part_, end_);
-    for (; next_ < until; next_ += kLine) hwy::Prefetch(next_);
+    for (const double* end = next_ + runs_ * kRun; next_ != end; next_ += kRun) {
+#pragma GCC unroll 4
+      for (int k = 0; k < kRun; k += kLine) hwy::Prefetch(next_ + k);
+    }
   }
 
  private:
-  static constexpr int kLine = 8;
+  static constexpr int kLine = 8, kRun = 4 * kLine;  // numbers
 
   const double* next_;
-  const double* end_;
-  std::ptrdiff_t part_;
+  int runs_;  // of a part
 };
 // Few numbers are not held up for long.
 constexpr int kFewNumbers = 16;
