@@ -13,13 +13,13 @@ from pathlib import Path
 
 from bench_program import ROOT, scaled, seconds
 from ik import PACKAGES, interpreter
+from instruction_set import compiler_flags
 from robots import robot_files
 from table import Row
 
 ROUNDS, REPETITIONS = 3, 3  # of both programs in turn, and in each of their runs
 # The program of the peer, and what it includes.
 SOURCES = [Path(__file__).with_name(name) for name in ("pinocchio_peer.cc", "sides.h", "numbers.h")]
-FLAGS = ("-O3", "-march=native", "-DNDEBUG")
 # Those of the package's CMake target pinocchio::pinocchio_headers.
 DEFINITIONS = (
     "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
@@ -29,12 +29,18 @@ DEFINITIONS = (
 )
 
 
+def flags() -> tuple[str, ...]:
+    """What that program is compiled with."""
+    return ("-O3", *compiler_flags(), "-DNDEBUG")
+
+
 def pinocchio_peer(folder: Path) -> Path | None:
     """Pinocchio's program, compiled unless it is there; None, having said why, if it cannot be."""
     python = interpreter("Pinocchio")
     if python is None:
         return None
-    environment, program = python.parents[1], folder / "pinocchio_peer"
+    environment = python.parents[1]
+    program = folder / "".join(["pinocchio_peer", *compiler_flags()])
     made_from = (*SOURCES, Path(__file__), environment / "ready")
     newest = max(file.stat().st_mtime for file in made_from)
     if program.exists() and program.stat().st_mtime > newest:
@@ -51,9 +57,9 @@ def compile_peer(environment: Path, program: Path) -> None:
     """Against the headers of the wheel that is installed there, and the system's Eigen."""
     [headers] = environment.glob("lib/python3*/site-packages/cmeel.prefix/include")
     eigen = command("pkg-config", "--cflags-only-I", "eigen3").split()
-    flags = ["-std=c++20", "-w", *FLAGS, *DEFINITIONS, *eigen]
+    words = ["-std=c++20", "-w", *flags(), *DEFINITIONS, *eigen]
     libraries = ["-lbenchmark", "-pthread"]
-    command("c++", *flags, "-isystem", headers, SOURCES[0], "-o", program, *libraries)
+    command("c++", *words, "-isystem", headers, SOURCES[0], "-o", program, *libraries)
 
 
 def command(*words: str | Path) -> str:
@@ -90,7 +96,7 @@ def note(peer: str) -> str:
     text = f"a configuration; peer: {peer}, one at a time"
     if peer == "Pinocchio":
         version = PACKAGES[peer].partition("==")[2]
-        text += f"; {version} in C++, {' '.join(FLAGS)}, Eigen of the system"
+        text += f"; {version} in C++, {' '.join(flags())}, Eigen of the system"
     return text
 
 

@@ -37,6 +37,13 @@ def instruction_set(cpuinfo: str | None = None) -> str:
     return next(fitting, "plain x86-64")
 
 
+def compiler_flags() -> tuple[str, ...]:
+    """For programs that shall have the instructions that our kernels have here, and no others."""
+    if os.environ.get("LD_PRELOAD") != str(_ONLY_AVX2):
+        return ("-march=native",)
+    return ("-march=native", "-mno-avx512f")  # the rest of AVX-512 needs that
+
+
 def with_avx2(rows: Callable[[Path], list[Row]]) -> Callable[[Path], list[Row]]:
     """A benchmark with the kernels that a processor without AVX-512 has.
 

@@ -2,7 +2,7 @@
 // of the arms that dynamics_bench writes, at its configurations, one at a time. All answers must
 // agree with ours to 1e-9, or the row is an error.
 //
-//   build/bench/pinocchio_peer ARM ...
+//   build/bench/pinocchio_peer-march=native ARM ...
 //
 // dynamics.py compiles it against the headers of PyPI's `pin`. Only the headers: the wheel's
 // libraries are for any x86-64, and with -march=native Eigen's types are laid out in another way.

@@ -7,6 +7,7 @@ import platform
 import random
 import sys
 from pathlib import Path
+from unittest import mock
 
 import pytest
 
@@ -16,7 +17,7 @@ from bench_program import Turns
 from floor import Floor
 from floors import FLOORS
 from ik import BATCH, Side
-from instruction_set import KERNELS, instruction_set
+from instruction_set import KERNELS, compiler_flags, instruction_set, with_avx2
 from measures import MORE_TIME, P50, P99, RATE, SOLVED, TIMES_AS_LONG
 from record import sections
 from table import Row, markdown
@@ -249,3 +250,10 @@ class TestInstructionSet:
         targets = supported()
         best = "AVX-512" if targets & avx3 else "AVX2" if targets & avx2 else "plain x86-64"
         assert instruction_set() == best
+
+    def test_peers_are_compiled_for_what_the_kernels_have(self, tmp_path):
+        asked = []
+        with mock.patch("instruction_set.instruction_set", return_value="AVX-512"):
+            with_avx2(lambda folder: asked.append(compiler_flags()) or [])(tmp_path)
+        assert asked == [("-march=native", "-mno-avx512f")]
+        assert compiler_flags() == ("-march=native",)
