@@ -81,7 +81,7 @@ void Some(const Chain& chain, PosePart part, const PoseQuery& query, std::size_t
   const int parts = JointMoves::PairsOf(n);
   LinesToWrite lines(out, numbers > kFewNumbers ? kWidth * numbers : 0, parts);
   LinesToWrite tip_lines(tips, tips ? kWidth * 16 : 0, parts);
-  const JointMoves moves(chain.t, Inputs(query.q, first, last, n), [&] POSE_INLINE {
+  const JointMoves moves(chain.t, Inputs(query.q, first, last, n), [&]() POSE_INLINE {
     lines.BringPart();
     tip_lines.BringPart();
   });
