@@ -2,6 +2,7 @@
 // instruction set; no result depends on its neighbours.
 #include "robocell/kinematics/chain_batch.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,6 +14,8 @@
 
 namespace robocell {
 namespace {
+
+using namespace std::string_literals;
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using MatrixMap = Eigen::Map<const Matrix>;
@@ -152,6 +155,29 @@ TEST(ChainBatch, AgreesWithTheEngineWhereAxesAreParallelOrSquare) {
         ExpectWhatTheEngineSays(&rng, {.joints = joints, .slide_share = slides, .square = true});
       }
     }
+  }
+}
+
+// Of hinges that are parallel but for so little that a cosine does not show it.
+TEST(ChainBatch, AgreesWithTheEngineWhereAxesAreNearlyParallel) {
+  for (const double twist : {1e-9, 1e-8, 1e-6, 1e-3}) {
+    std::string bodies;
+    for (int i = 0; i < 4; ++i) {
+      bodies += fmt::format(
+          "<body pos='0.1 0.2 0.3' quat='1 0 {:.17g} 0'><joint name='j{}' axis='0 0 1'/>"
+          "<geom size='0.1' pos='0.1 0 0' contype='0' conaffinity='0'/>",
+          i == 0 ? 0 : twist / 2, i);
+    }
+    bodies += "<site name='tip' pos='0.3 0 0.4'/>" + "</body></body></body></body>"s;
+    TestModel t = TestModel::FromXml("<mujoco><worldbody><body name='base'>" + bodies +
+                                     "</body></worldbody></mujoco>");
+    Rng rng = Rng::Stream(4, "chain batch");
+    const Chain chain = ChainAsItStands(t, "base", ChainTip::Site("tip"));
+    const EngineBatch engine(t, chain, &rng, 11);
+    OnEveryInstructionSet([&](const std::string&) {
+      engine.ExpectSame(chain, Compute(chain, engine.motions, engine.motions.count));
+    });
+    ASSERT_FALSE(HasFailure()) << twist;
   }
 }
 

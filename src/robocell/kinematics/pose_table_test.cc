@@ -36,6 +36,17 @@ TEST(PoseTable, IsPlainForHingesWhoseAxesAreParallelOrSquare) {
   }
 }
 
+// Their frames stay as they are (common_normal.h), and the cosine of such a twist may be 1.
+TEST(PoseTable, KeepsTwistsThatAreNextToNothing) {
+  for (const double twist : {1e-13, 1e-9, 1e-8, 1e-3}) {
+    ChainModel chain = ThreeHinges({0, 0, 1}, {1, 0, 0});
+    chain.joints[1].fixed.rotation =
+        Eigen::AngleAxisd(twist, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    EXPECT_FALSE(IsPlain(chain)) << twist;
+    EXPECT_EQ(TabulatePoses(chain).joints[1].twist, PoseJoint::Twist::kAboutX) << twist;
+  }
+}
+
 TEST(PoseTable, IsPlainForRandomChainsOfSuchHinges) {
   for (int joints = 1; joints <= 9; ++joints) {
     Rng rng = Rng::Stream(joints, "pose table");
