@@ -307,19 +307,39 @@ TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
   }
 }
 
-// What the servos push before the first update after it is of the place before.
-TEST(CtrlMode, ATeleportedArmStaysWhereItIsWhateverControllerItGetsThen) {
+// What the servos push before the first step after it is of the place before.
+class Teleported : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(Updated, Teleported, testing::Bool());
+
+TEST_P(Teleported, ArmsStayWhereTheyAreWhateverControllerTheyGetThen) {
+  const bool updated = GetParam();
   Robot robot = RobotAlone(Rc7());
-  for (const char* kind : {"cartesian_pose", "joint_position", "joint_impedance"}) {
+  Scene scene = robot.scene();
+  for (const char* kind : {"cartesian_pose", "differential_ik", "relative_joint_position",
+                           "joint_position", "joint_impedance"}) {
     for (const bool forward : {true, false}) {
-      robot.scene().Reset();
+      scene.Reset();
       std::vector<double> q = robot.arm().joint_pos();
       for (double& joint : q) joint += 0.05;
       robot.SetJointPos(q, forward);
+      if (updated) robot.Update();
       robot.SetController("arm", kind);
-      EXPECT_LT(Drift(robot, 200), 1e-6) << kind << ", forward: " << forward;
+      EXPECT_LT(Drift(robot, 200), 1e-6) << kind << (forward ? ", forward" : "");
     }
   }
+}
+
+// After a reset they do, updated or not.
+TEST(CtrlMode, ServosThatHoldSinceAResetGoOnHoldingWhenTheyGetAController) {
+  RobotConfig config = Rc7();
+  config.gravcomp = false;
+  Robot robot = RobotAlone(config);
+  robot.scene().Reset();
+  ASSERT_TRUE(robot.StepN(2000).ok());
+  const Eigen::Vector3d start = robot.tcp_in_world().translation();
+  robot.SetController("arm", "cartesian_pose");
+  Drift(robot, 200);
+  EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-5);
 }
 
 TEST(CtrlMode, ATeleportWithoutForwardIsSeenWhenAskedFor) {

@@ -70,10 +70,16 @@ void GroupControl::SettleFilters(std::span<const double> q) {
 }
 
 void GroupControl::Reset() {
-  just_placed = true;
+  placed_at_.reset();
   controller->Reset();
   ports.Reseed(*of->group);
   if (ServoGroup* servos = PositionServos()) servos->SettleFilters(drive->joint_pos());
+}
+
+void GroupControl::PlaceAt(double time) {
+  Reset();
+  placed_at_ = time;
+  ran_ = false;
 }
 
 void GroupControl::Put(std::shared_ptr<Controller> next, std::shared_ptr<ControlledGroup> group,

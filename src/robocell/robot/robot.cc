@@ -251,7 +251,7 @@ void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
     slot.own->group->SetJointPos(q);
   }
   if (arm) open().TellBeyondLimits(*arm, q);
-  if (slot.control->controller) slot.control->Reset();
+  if (slot.control->controller) slot.control->PlaceAt(scene_.time());
   open().ReadPorts();
 }
 

@@ -33,10 +33,10 @@ class Reading {
 };
 
 // The controller goes on as what it takes over from. Returns where it sends position servos for
-// that, so that they push as before, or hold the arm where it was just placed; nothing for other
+// that, so that they push as before, or hold the arm where it was just put; nothing for other
 // modes, and groups that are no arms.
-std::vector<double> TakeOver(const ControlledGroup& group, bool just_placed,
-                             Controller& controller) {
+std::vector<double> TakeOver(const Scene& scene, const ControlledGroup& group,
+                             const GroupControl& control, Controller& controller) {
   const auto* drive = dynamic_cast<const ArmGroup*>(group.drives.of(controller.mode()));
   const MoveGroup& arm = *group.group;
   if (!drive || controller.mode() == CtrlMode::kTorque) return {};
@@ -45,10 +45,16 @@ std::vector<double> TakeOver(const ControlledGroup& group, bool just_placed,
     return {};
   }
   std::vector<double> servos = arm.joint_pos();
-  if (!just_placed)
+  if (!control.has_ctrl_of_before(scene.time())) {
     drive->JointPosForTorque(arm.joint_pos(), arm.joint_vel(), arm.joint_torque(), servos);
+  }
   controller.ResetTo(servos);
   return servos;
+}
+
+// Before what is now told is told no more.
+void BringForces(Scene scene, const GroupControl& control) {
+  if (control.has_forces_of_before(scene.time())) scene.Forward();
 }
 
 // What the model of an arm that is to be driven in a mode may have.
@@ -302,7 +308,8 @@ void Robot::State::RequireUndriven(const GroupSlot& slot) const {
 std::unique_ptr<Controller> Robot::State::Successor(GroupSlot& slot, const std::string& kind,
                                                     CtrlMode mode) {
   std::unique_ptr<Controller> controller = MakeController(kind, RequireDrive(slot, mode));
-  if (slot.control->controller) TakeOver(*slot.own, slot.control->just_placed, *controller);
+  BringForces(scene, *slot.control);
+  if (slot.control->controller) TakeOver(scene, *slot.own, *slot.control, *controller);
   return controller;
 }
 
@@ -462,9 +469,10 @@ void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) 
   const ModeSwitches switches(scene);
   try {
     const bool other_mode = control.controller && control.controller->mode() != controller->mode();
+    BringForces(scene, control);
     const bool switched = SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
     std::vector<double> servos;
-    if (switched) servos = TakeOver(*slot.own, control.just_placed, *controller);
+    if (switched) servos = TakeOver(scene, *slot.own, control, *controller);
     control.Put(std::move(controller), slot.own, drive);
     // At once, so that nothing falls in a step before the next Update().
     if (switched) control.Guarded([](GroupControl& c) { c.Run(); });
