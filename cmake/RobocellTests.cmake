@@ -59,6 +59,10 @@ foreach(layer ${layers})
   endif()
 endforeach()
 
+if(ROBOCELL_SANITIZE MATCHES "thread")
+  target_compile_options(mujoco_test PRIVATE "${ROBOCELL_EXCEPTIONS_PASS}")
+endif()
+
 # Across layers: what may happen in several threads at once (make check-tsan).
 robocell_test(threads_test "${CMAKE_SOURCE_DIR}/tests/threads/threads_test.cc")
 
