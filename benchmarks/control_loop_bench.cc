@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kAmplitude = 0.2;  // rad around home
 constexpr double kSeconds = 1;
-constexpr size_t kParts = 10;  // half a millisecond each: most turns are not disturbed
+constexpr size_t kParts = 10;  // up to a millisecond each: most turns are not disturbed
 
 // What a program commands in a tick; where it has that from is not part of the loop.
 struct Control {
