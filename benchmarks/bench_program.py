@@ -7,7 +7,7 @@ import os
 import statistics
 import subprocess
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
@@ -41,7 +41,8 @@ class Turns:
     """What the sides of a pair took that took turns (turns.h): one value of each process.
 
     Attributes:
-        ours: Median of the turns, in seconds, of one of what the program counts.
+        ours: Median of the turns, in seconds, of one of what the program counts, or how many a
+            second.
         peer: The same of the peer's.
         ratios: Median of what neighbouring turns make, ours to the peer's.
     """
@@ -62,11 +63,20 @@ class Turns:
         for _ in range(rounds):
             before, after = (ours(), peer()), (peer(), ours())
             pairs += [before, after[::-1]]
+        self.add_turns(pairs)
+
+    def add_turns(self, pairs: Iterable[tuple[float, float]]) -> None:
+        """What the sides took in neighbouring turns of one process, or how many a second."""
+        all_pairs = list(pairs)
         self.add(
-            statistics.median(one for one, _ in pairs),
-            statistics.median(other for _, other in pairs),
-            statistics.median(one / other for one, other in pairs),
+            statistics.median(one for one, _ in all_pairs),
+            statistics.median(other for _, other in all_pairs),
+            statistics.median(one / other for one, other in all_pairs),
         )
+
+    def spread(self) -> str:
+        """For notes: how far apart the processes are."""
+        return f"processes said {min(self.ratios):.3f} to {max(self.ratios):.3f}"
 
 
 def turns(

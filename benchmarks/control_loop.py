@@ -65,8 +65,7 @@ def rows(folder: Path) -> list[Row]:
 
 def _row(name: str, timed: Turns, note: str) -> Row:
     ours, peer = scaled(timed.ours, 1e6), scaled(timed.peer, 1e6)
-    note += f"; processes said {min(timed.ratios):.3f} to {max(timed.ratios):.3f}"
-    return Row(name, "µs", ours, peer, note=note, ratios=timed.ratios)
+    return Row(name, "µs", ours, peer, note=f"{note}; {timed.spread()}", ratios=timed.ratios)
 
 
 def _from_python(control: str, file: Path) -> Row:
