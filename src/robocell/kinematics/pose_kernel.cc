@@ -72,10 +72,10 @@ class LinesToWrite {
 // Few numbers are not held up for long.
 constexpr int kFewNumbers = 16;
 
-// Answers of all lanes.
+// Answers to as many questions as there are lanes.
 template <class Chain>
-void Some(const Chain& chain, PosePart part, const PoseQuery& query, std::size_t first, double* out,
-          double* tips) {
+void ComputeLanes(const Chain& chain, PosePart part, const PoseQuery& query, std::size_t first,
+                  double* out, double* tips) {
   const std::size_t last = query.count - 1;
   const int n = chain.n(), numbers = NumbersOf(part, n);
   const int parts = JointMoves::PairsOf(n);
@@ -109,10 +109,11 @@ void ComputeAll(const Chain& chain, PosePart part, const PoseQuery& query, doubl
   const std::size_t numbers = NumbersOf(part, chain.n());
   const std::size_t rest = query.count % kWidth, whole = query.count - rest;
   for (std::size_t first = 0; first < whole; first += kWidth)
-    Some(chain, part, query, first, out + first * numbers, tips ? tips + first * 16 : nullptr);
+    ComputeLanes(chain, part, query, first, out + first * numbers,
+                 tips ? tips + first * 16 : nullptr);
   if (rest == 0) return;
   alignas(64) double last[kWidth * kMostNumbers], last_tips[kWidth * 16];
-  Some(chain, part, query, whole, last, tips ? last_tips : nullptr);
+  ComputeLanes(chain, part, query, whole, last, tips ? last_tips : nullptr);
   std::copy_n(last, rest * numbers, out + whole * numbers);
   if (tips) std::copy_n(last_tips, rest * 16, tips + whole * 16);
 }
