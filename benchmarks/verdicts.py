@@ -12,6 +12,10 @@ from recorded import Recorded, circumstance, rows
 
 BEGIN, END = "<!-- verdicts: begin -->", "<!-- verdicts: end -->"
 NONE = "–"
+LIMITS = """\
+What limits the rest, against the core's peak of fused multiply-adds: of inverse kinematics
+[docs/kinematics.md](../docs/kinematics.md#many-poses), of dynamics
+[decision 012](../docs/decisions/012-dynamics-in-lanes.md#consequences)."""
 
 
 @dataclass(frozen=True)
@@ -92,6 +96,8 @@ def summary(sections: Mapping[str, str], floors: Sequence[Floor] = FLOORS) -> st
         "## Floors and aims",
         "",
         _counts(verdicts),
+        "",
+        LIMITS,
         "",
         "| row | what | floor | aim | worst robot | best robot | verdict | section |",
         "|---|---|---|---|---|---|---|---|",
