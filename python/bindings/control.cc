@@ -255,7 +255,8 @@ void DefControl(nb::class_<Robot>& robot) {
           nb::for_setter(nb::arg("mode").none()),
           nb::for_setter(nb::sig("def ctrl_mode(self, mode: CtrlMode | str, /) -> None")),
           "What the arm is driven by, in the scene: all robots made of this arm see it. Setting it "
-          "switches at once, without a jump of the forces, "
+          "switches at once, without a jump of the forces of an arm at rest that carries only "
+          "itself, "
           "and puts in the controller of that port: joint_position, joint_velocity, joint_torque.")
       .def("controller", &ControllerObject, "group"_a = "arm",
            nb::sig("def controller(self, group: str = 'arm') -> Controller"),

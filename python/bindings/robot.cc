@@ -346,7 +346,9 @@ void BindRobotClass(nb::module_& m) {
             r.SetJointPos(ToRow(q, "q"), call_forward);
           },
           "q"_a, "call_forward"_a = true,
-          "Teleports the arm and re-seeds its port. Positions beyond the limits are taken, and the "
+          "Teleports the arm, re-seeds its port and tells its actuators to hold it there; "
+          "velocities "
+          "stay. Positions beyond the limits are taken, and the "
           "limits push back: the log says so once. Without `call_forward` poses are updated when "
           "they are asked for, and all else by the next step.")
       .def(

@@ -447,7 +447,9 @@ void DefActuation(nb::class_<Scene>& c) {
           "set_state",
           [](Scene& s, nb::handle state) { s.SetState(Numbers(state, FieldPath("state"))); },
           nb::arg("state"), nb::sig("def set_state(self, state: numpy.typing.ArrayLike) -> None"),
-          "Go on from what state() returned.");
+          "Go on from what state() returned. What robots were told (their ports, their "
+          "controllers' "
+          "targets) is no part of it: the next update drives them there.");
 }
 
 void DefSharing(nb::class_<Scene>& c) {

@@ -307,7 +307,6 @@ TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
   }
 }
 
-// What the servos push before the first step after it is of the place before.
 class Teleported : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Updated, Teleported, testing::Bool());
 
@@ -327,6 +326,20 @@ TEST_P(Teleported, ArmsStayWhereTheyAreWhateverControllerTheyGetThen) {
       EXPECT_LT(Drift(robot, 200), 1e-6) << kind << (forward ? ", forward" : "");
     }
   }
+}
+
+TEST(CtrlMode, ATeleportedArmIsHeldBeforeItIsUpdated) {
+  Robot robot = RobotAlone(Rc7());
+  Drift(robot, 50);
+  std::vector<double> q = robot.arm().joint_pos();
+  for (double& joint : q) joint += 0.05;
+  robot.SetJointPos(q);
+  for (const double torque : robot.arm().joint_torque()) EXPECT_NEAR(torque, 0, 1e-9);
+  const Eigen::Vector3d start = robot.tcp_in_world().translation();
+  ASSERT_TRUE(robot.StepN(200).ok());
+  robot.SetController("arm", "cartesian_pose");
+  Drift(robot, 200);
+  EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-6);
 }
 
 // After a reset they do, updated or not.

@@ -78,8 +78,8 @@ void GroupControl::Reset() {
 
 void GroupControl::PlaceAt(double time) {
   Reset();
+  Guarded([](GroupControl& control) { control.Run(); });
   placed_at_ = time;
-  ran_ = false;
 }
 
 void GroupControl::Put(std::shared_ptr<Controller> next, std::shared_ptr<ControlledGroup> group,

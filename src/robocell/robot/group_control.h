@@ -65,18 +65,16 @@ struct GroupControl : SceneObserver {
   void Run() {
     controller->Compute(ctrl);
     drive->SetCtrl(ctrl);
-    ran_ = true;
   }
   // Position servos that are filtered begin as if they had been sent to `q` for long: without it
   // they would begin where they were last, in another mode or at another place.
   void SettleFilters(std::span<const double> q);
   // Forgets what was commanded, and holds the group where it was put.
   void Reset();
-  // The group was teleported at this time of the scene. What its actuators apply is of the place
-  // before until a step has been made; what they are told, until a tick has.
+  // The group was teleported at this time of the scene: its actuators are told at once to hold it.
+  // What they apply is of the place before until the engine computes it anew.
   void PlaceAt(double time);
-  bool has_forces_of_before(double time) const { return placed_at_ == time; }
-  bool has_ctrl_of_before(double time) const { return placed_at_ == time && !ran_; }
+  bool may_have_forces_of_before(double time) const { return placed_at_ == time; }
   // Calls `run` with this. A controller may replace itself meanwhile.
   template <class Call>
   void Guarded(Call&& run) {
@@ -122,7 +120,6 @@ struct GroupControl : SceneObserver {
 
   int running_ = 0;
   std::optional<double> placed_at_;
-  bool ran_ = false;  // since
   std::vector<Replaced> replaced_;
 };
 

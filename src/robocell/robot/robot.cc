@@ -245,13 +245,14 @@ void Robot::SetJntTrqCmd(std::span<const double> torque) {
 void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
   GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
   auto* arm = dynamic_cast<ArmGroup*>(slot.own->group.get());
-  if (arm && !call_forward) {
+  if (arm) {
     arm->WriteJointPos(q);
+    open().TellBeyondLimits(*arm, q);
   } else {
     slot.own->group->SetJointPos(q);
   }
-  if (arm) open().TellBeyondLimits(*arm, q);
   if (slot.control->controller) slot.control->PlaceAt(scene_.time());
+  if (call_forward) scene_.Forward();
   open().ReadPorts();
 }
 

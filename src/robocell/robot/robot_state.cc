@@ -33,10 +33,8 @@ class Reading {
 };
 
 // The controller goes on as what it takes over from. Returns where it sends position servos for
-// that, so that they push as before, or hold the arm where it was just put; nothing for other
-// modes, and groups that are no arms.
-std::vector<double> TakeOver(const Scene& scene, const ControlledGroup& group,
-                             const GroupControl& control, Controller& controller) {
+// that, so that they push as before; nothing for other modes, and groups that are no arms.
+std::vector<double> TakeOver(const ControlledGroup& group, Controller& controller) {
   const auto* drive = dynamic_cast<const ArmGroup*>(group.drives.of(controller.mode()));
   const MoveGroup& arm = *group.group;
   if (!drive || controller.mode() == CtrlMode::kTorque) return {};
@@ -44,17 +42,15 @@ std::vector<double> TakeOver(const Scene& scene, const ControlledGroup& group,
     controller.ResetTo(arm.joint_vel());
     return {};
   }
-  std::vector<double> servos = arm.joint_pos();
-  if (!control.has_ctrl_of_before(scene.time())) {
-    drive->JointPosForTorque(arm.joint_pos(), arm.joint_vel(), arm.joint_torque(), servos);
-  }
+  std::vector<double> servos(static_cast<size_t>(drive->nq()));
+  drive->JointPosForTorque(arm.joint_pos(), arm.joint_vel(), arm.joint_torque(), servos);
   controller.ResetTo(servos);
   return servos;
 }
 
 // Before what is now told is told no more.
 void BringForces(Scene scene, const GroupControl& control) {
-  if (control.has_forces_of_before(scene.time())) scene.Forward();
+  if (control.may_have_forces_of_before(scene.time())) scene.Forward();
 }
 
 // What the model of an arm that is to be driven in a mode may have.
@@ -309,7 +305,7 @@ std::unique_ptr<Controller> Robot::State::Successor(GroupSlot& slot, const std::
                                                     CtrlMode mode) {
   std::unique_ptr<Controller> controller = MakeController(kind, RequireDrive(slot, mode));
   BringForces(scene, *slot.control);
-  if (slot.control->controller) TakeOver(scene, *slot.own, *slot.control, *controller);
+  if (slot.control->controller) TakeOver(*slot.own, *controller);
   return controller;
 }
 
@@ -472,7 +468,7 @@ void Robot::State::Use(GroupSlot& slot, std::shared_ptr<Controller> controller) 
     BringForces(scene, control);
     const bool switched = SwitchTo(controller->mode(), slot.own->drives, scene) || other_mode;
     std::vector<double> servos;
-    if (switched) servos = TakeOver(scene, *slot.own, control, *controller);
+    if (switched) servos = TakeOver(*slot.own, *controller);
     control.Put(std::move(controller), slot.own, drive);
     // At once, so that nothing falls in a step before the next Update().
     if (switched) control.Guarded([](GroupControl& c) { c.Run(); });
