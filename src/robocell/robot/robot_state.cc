@@ -48,7 +48,8 @@ std::vector<double> TakeOver(const ControlledGroup& group, Controller& controlle
   return servos;
 }
 
-// Before what is now told is told no more.
+// What is taken over are the forces at the present place: after a teleport without a step they may
+// still be those of the place before.
 void BringForces(Scene scene, const GroupControl& control) {
   if (control.may_have_forces_of_before(scene.time())) scene.Forward();
 }
