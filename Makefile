@@ -21,7 +21,9 @@ PYTHON := .venv/bin/python
 
 export PATH := $(ROOT)/.venv/bin:$(PATH)
 export PYTHONPATH := $(ROOT)/python
-export PYTHONDONTWRITEBYTECODE := 1
+# What Python compiled is kept, for the hundreds of processes that tests start, but not among the sources.
+export PYTHONDONTWRITEBYTECODE :=
+export PYTHONPYCACHEPREFIX := $(ROOT)/build/pycache
 # Two checkouts share compiler results.
 export CCACHE_BASEDIR := $(ROOT)
 export CCACHE_NOHASHDIR := 1

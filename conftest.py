@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+
+# Two processes test at once and start hundreds more. NumPy's own threads would take turns with
+# them, and starting them takes as long as all else of its import.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 sys.path.insert(0, str(Path(__file__).parent / "python" / "tests"))
 

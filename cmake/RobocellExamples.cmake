@@ -3,7 +3,7 @@
 # Python twin; ctest runs it where there is no Python.
 file(GLOB examples CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/examples/*.cc")
 # They wait for the library, which is optimised. ccache wants the second.
-set(example_options "$<$<CONFIG:Release>:-O0>" "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>")
+set(example_options "$<$<CONFIG:Release>:-O0>" "${ROBOCELL_FOLD_CASTS}" "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>")
 # All include the same header, which is most of their time: it is read once. This program exists for that alone.
 set(example_headers "${CMAKE_BINARY_DIR}/example_headers.cc")
 file(CONFIGURE OUTPUT "${example_headers}" CONTENT "int main() {}\n")

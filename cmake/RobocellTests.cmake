@@ -13,6 +13,9 @@ set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/testing/source_dir
   PROPERTIES COMPILE_DEFINITIONS "ROBOCELL_SOURCE_DIR=\"${CMAKE_SOURCE_DIR}\"")
 target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
   PRIVATE robocell_flags PkgConfig::HWY)
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  target_compile_options(robocell_testing PRIVATE -O1)
+endif()
 
 # Scene after scene takes and frees megabytes: malloc keeps them instead of giving them back, which takes a fifth of
 # the time. What is in use is the same.
@@ -28,7 +31,7 @@ function(robocell_test name)
     nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
   # Tests wait for the library, which is optimised; optimising them costs more than it brings, but for
   # those that compute much themselves.
-  set(level -O0)
+  set(level -O0 ${ROBOCELL_FOLD_CASTS})
   if(name MATCHES "^(math|kinematics|control|render|threads)_test$")
     set(level -O1)
   endif()

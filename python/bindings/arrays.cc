@@ -148,6 +148,10 @@ std::vector<double> ToRow(nb::handle value, const char* what) {
                                   fmt::join(shape, ", ")));
 }
 
+std::string ShapeText(std::span<const size_t> shape) {
+  return fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
+}
+
 Unwritten NewUnwritten(nb::dlpack::dtype type, std::span<const size_t> shape) {
   Unwritten made{MakeArray(nullptr, type, shape)};
   made.numbers = PyArray_DATA(AsArray(made.array));

@@ -48,6 +48,9 @@ std::vector<double> ToRow(nb::handle value, const char* what);
 // The same with the shape, as numpy sees it.
 std::vector<double> ToDoubles(nb::handle value, const char* what, std::vector<size_t>& shape);
 
+// "(6, 2)", as numpy writes it.
+std::string ShapeText(std::span<const size_t> shape);
+
 // A new array, C-contiguous, whose numbers are still to be written where they belong. Made by numpy
 // itself, in a quarter of the time of an nb::ndarray: calls of a microsecond return some.
 struct Unwritten {

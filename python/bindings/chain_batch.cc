@@ -22,12 +22,6 @@ namespace {
 using namespace nb::literals;
 using Sizes = std::vector<size_t>;
 
-std::string InBrackets(const Sizes& shape) {
-  std::string text;
-  for (const size_t size : shape) text += fmt::format("{}{}", text.empty() ? "" : ", ", size);
-  return "(" + text + (shape.size() == 1 ? ",)" : ")");
-}
-
 template <class Array>
 Sizes SizesOf(const Array& array) {
   Sizes shape;
@@ -90,7 +84,7 @@ class RowsArgument {
   }
   void Use(const Sizes& shape, std::span<const double> values) {
     if (shape.empty() || shape.size() > 2 || shape.back() != width_)
-      ThrowValue(path_, fmt::format("must be {}, has shape {}", Expected(), InBrackets(shape)));
+      ThrowValue(path_, fmt::format("must be {}, has shape {}", Expected(), ShapeText(shape)));
     if (shape.size() == 2) rows_ = shape[0];
     values_ = values;
   }
@@ -178,7 +172,7 @@ class BatchCall {
 
   double* NumbersIn(const FieldPath& path, nb::handle out, const Sizes& shape) const {
     const std::string expected =
-        fmt::format("a writable, C-contiguous float64 array of shape {}", InBrackets(shape));
+        fmt::format("a writable, C-contiguous float64 array of shape {}", ShapeText(shape));
     nb::ndarray<double, nb::c_contig, nb::device::cpu> array;
     if (!nb::try_cast(out, array, /*convert=*/false)) {
       if (!nb::hasattr(out, "dtype")) ThrowType(path, expected, out);
@@ -186,8 +180,8 @@ class BatchCall {
                                    TextOf(out.attr("dtype")), TextOf(out.attr("shape"))));
     }
     if (SizesOf(array) != shape)
-      ThrowValue(path, fmt::format("must have shape {}, has {}", InBrackets(shape),
-                                   InBrackets(SizesOf(array))));
+      ThrowValue(path, fmt::format("must have shape {}, has {}", ShapeText(shape),
+                                   ShapeText(SizesOf(array))));
     const std::span<const double> numbers(array.data(), array.size());
     for (const RowsArgument& argument : arguments_)
       CheckApart(path, numbers, argument.path().text(), argument.values());

@@ -55,7 +55,7 @@ using View = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
 
 // A writable view of a command port; it keeps the robot alive, and the port when its controller is
 // replaced.
-View ViewOf(const Robot& robot, std::span<double> port) {
+View PortView(const Robot& robot, std::span<double> port) {
   using Keeper = std::shared_ptr<Controller>;
   const nb::capsule owner(new Keeper(robot.shared_controller(robot.arm().name())),
                           [](void* keeper) noexcept { delete static_cast<Keeper*>(keeper); });
@@ -226,7 +226,7 @@ void BindControllers(nb::module_& m) {
 void DefControl(nb::class_<Robot>& robot) {
   robot
       .def_prop_rw(
-          "jnt_pos_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_pos_cmd()); },
+          "jnt_pos_cmd", [](const Robot& r) { return PortView(r, r.jnt_pos_cmd()); },
           [](Robot& r, nb::handle q) { r.SetJntPosCmd(ToRow(q, "jnt_pos_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("q").none()),
           nb::for_setter(nb::sig("def jnt_pos_cmd(self, q: object, /) -> None")),
@@ -236,7 +236,7 @@ void DefControl(nb::class_<Robot>& robot) {
           "Values beyond a joint's limits "
           "drive it to the limit, and the log says so once.")
       .def_prop_rw(
-          "jnt_vel_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_vel_cmd()); },
+          "jnt_vel_cmd", [](const Robot& r) { return PortView(r, r.jnt_vel_cmd()); },
           [](Robot& r, nb::handle v) { r.SetJntVelCmd(ToRow(v, "jnt_vel_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("v").none()),
           nb::for_setter(nb::sig("def jnt_vel_cmd(self, v: object, /) -> None")),
@@ -244,7 +244,7 @@ void DefControl(nb::class_<Robot>& robot) {
           "velocity "
           "mode.")
       .def_prop_rw(
-          "jnt_trq_cmd", [](const Robot& r) { return ViewOf(r, r.jnt_trq_cmd()); },
+          "jnt_trq_cmd", [](const Robot& r) { return PortView(r, r.jnt_trq_cmd()); },
           [](Robot& r, nb::handle t) { r.SetJntTrqCmd(ToRow(t, "jnt_trq_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("t").none()),
           nb::for_setter(nb::sig("def jnt_trq_cmd(self, t: object, /) -> None")),

@@ -1,6 +1,6 @@
 #include "move_group_trampoline.h"
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -32,18 +32,11 @@ nb::object Method(nb::handle self, const char* name) {
               ClassName(self) + " does not");
 }
 
-using Shape = std::vector<size_t>;
-
-// "(6, 2)", as numpy writes it.
-std::string ShapeText(const Shape& shape) {
-  return fmt::format("({}{})", fmt::join(shape, ", "), shape.size() == 1 ? "," : "");
-}
-
 // The numbers that a method returned. Of another shape they would mean something else, however many
 // they are; nothing is nothing in any shape.
 std::vector<double> NumbersOf(nb::handle self, const char* name, nb::handle numbers,
-                              const Shape& expected) {
-  Shape shape;
+                              const std::vector<size_t>& expected) {
+  std::vector<size_t> shape;
   std::vector<double> values = ToDoubles(numbers, name, shape);
   const bool none =
       values.empty() && std::find(expected.begin(), expected.end(), 0U) != expected.end();

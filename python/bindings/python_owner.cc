@@ -25,7 +25,7 @@ bool HoldsGil() {
   return running != nullptr && PyGILState_Check() == 1;
 }
 
-struct Release {
+struct DropObject {
   PyObject* object;  // also found through a pointer that refers to something in it
 
   void operator()(void*) const noexcept {
@@ -50,7 +50,7 @@ auto& Slots() {
 
 Held::Held(nb::object object) : slot_(std::make_shared<Slot>()) {
   PyObject* held = object.release().ptr();
-  slot_->object = {held, Release{held}};
+  slot_->object = {held, DropObject{held}};
   std::erase_if(Slots(), [](const auto& slot) { return slot.expired(); });
   Slots().push_back(slot_);
 }
@@ -69,11 +69,11 @@ void ReleaseHeld() {
 
 std::shared_ptr<void> KeepAlive(nb::object object) {
   PyObject* held = object.release().ptr();
-  return {static_cast<void*>(held), Release{held}};
+  return {static_cast<void*>(held), DropObject{held}};
 }
 
 PyObject* TargetOf(const std::shared_ptr<void>& keeper) {
-  const Release* release = keeper ? std::get_deleter<Release>(keeper) : nullptr;
+  const DropObject* release = keeper ? std::get_deleter<DropObject>(keeper) : nullptr;
   return release ? release->object : nullptr;
 }
 

@@ -19,14 +19,14 @@ EXAMPLE = ROOT / "examples" / "xarm7_pick.yaml"
 DEMO = ROOT / "examples" / "demo.yaml"
 FILMED_EPISODES = 5  # one of each kind of object: what they show takes nearly all of the time
 DEMO_EPISODES = 5
+BLIND = ("--set", "cameras.streams=[]")
 
 
 @pytest.fixture(scope="session")
 def xarm7_blind_run(tmp_path_factory: pytest.TempPathFactory) -> GeneratedRun:
     """Twenty picks with the Menagerie's xArm7, without the cameras, which change no episode."""
     require_menagerie("ufactory_xarm7")
-    blind = ("--set", "cameras.streams=[]")
-    return generated_once(tmp_path_factory, "xarm7_blind", EXAMPLE, *blind)
+    return generated_once(tmp_path_factory, "xarm7_blind", EXAMPLE, *BLIND)
 
 
 @pytest.fixture(scope="session")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 from commands import generate, robocell_command
-from conftest import DEMO, EXAMPLE, FILMED_EPISODES
+from conftest import BLIND, DEMO, DEMO_EPISODES, EXAMPLE
 from generated_run import GeneratedRun
 from memory import all_resident_bytes
 
@@ -33,11 +34,26 @@ def expect_what_came(run: Path, dataset: Path, scratch: Path, *options: object) 
     return expected
 
 
-def test_a_real_arm_comes_as_expected(xarm7_run: GeneratedRun, tmp_path: Path):
-    words = ("--workers", 2, "--episodes", FILMED_EPISODES)
-    expected = expect_what_came(EXAMPLE, xarm7_run.dataset, tmp_path / "none", *words)
-    assert expected["episodes"] == FILMED_EPISODES
-    assert expected["memory_bytes"] == pytest.approx(xarm7_run.peak_bytes, rel=WITHIN)
+@pytest.mark.parametrize(
+    ("run", "made", "options"),
+    [
+        (DEMO, "rc7_run", ("--episodes", DEMO_EPISODES)),
+        (EXAMPLE, "xarm7_blind_run", BLIND),
+        pytest.param(EXAMPLE, "xarm7_whole_run", (), marks=pytest.mark.soak),
+    ],
+    ids=["rc7", "xarm7 without cameras", "xarm7"],
+)
+def test_a_dataset_comes_as_expected(
+    run: Path,
+    made: str,
+    options: Sequence[object],
+    tmp_path: Path,
+    request: pytest.FixtureRequest,
+):
+    came: GeneratedRun = request.getfixturevalue(made)
+    words = ("--workers", 2, *options)
+    expected = expect_what_came(run, came.dataset, tmp_path / "none", *words)
+    assert expected["memory_bytes"] == pytest.approx(came.peak_bytes, rel=WITHIN)
 
 
 @pytest.mark.soak

@@ -25,7 +25,7 @@ double Length(double length, const ChainModel& chain) {
 }
 
 // About and along x.
-Transform Twist(const CommonNormal& normal, const ChainModel& chain) {
+Transform TwistOnNormal(const CommonNormal& normal, const ChainModel& chain) {
   const bool square = std::abs(normal.cos_twist) <= kPerpendicular;
   const double c = square ? 0 : normal.cos_twist, s = square ? 1 : normal.sin_twist;
   Transform twist;
@@ -55,7 +55,7 @@ ChainModel InNormalFrames(const ChainModel& chain) {
     if (normal) {
       turn += normal->angle_after;
       const double shift = Length(normal->shift_before - shifts[i - 1], chain);
-      joint.fixed = Screw(0, shift) * Twist(*normal, chain);
+      joint.fixed = Screw(0, shift) * TwistOnNormal(*normal, chain);
     } else {
       joint.fixed = before.inverse() * joint.fixed;
     }

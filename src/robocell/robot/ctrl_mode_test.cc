@@ -15,9 +15,6 @@
 namespace robocell {
 namespace {
 
-constexpr CtrlMode kPosition = CtrlMode::kPosition, kVelocity = CtrlMode::kVelocity,
-                   kTorque = CtrlMode::kTorque;
-
 RobotSpec Gen3With2F85(const std::string& prefix, const Vec3& pos) {
   return {.path = "menagerie:kinova_gen3/gen3.xml",
           .prefix = prefix,
@@ -32,30 +29,6 @@ Robot Gen3In(const Scene& scene, const std::string& prefix) {
   return Robot::FromScene(
       scene, "base_link", "bracelet_link",
       {.prefix = prefix, .tool = {.tool_body = "g_base", .tcp_site = "g_pinch"}});
-}
-
-// Updates, commands and steps robots of one scene; the farthest that a TCP gets from where it was.
-template <class Command>
-double Drift(const std::vector<Robot*>& robots, int steps, const Command& command) {
-  std::vector<Eigen::Vector3d> starts;
-  for (const Robot* robot : robots) starts.push_back(robot->tcp_in_world().translation());
-  double farthest = 0;
-  for (int i = 0; i < steps; ++i) {
-    for (Robot* robot : robots) {
-      robot->Update();
-      command(*robot);
-    }
-    EXPECT_TRUE(robots[0]->Step().ok());
-    for (size_t k = 0; k < robots.size(); ++k) {
-      const Eigen::Vector3d now = robots[k]->tcp_in_world().translation();
-      farthest = std::max(farthest, (now - starts[k]).norm());
-    }
-  }
-  return farthest;
-}
-
-double Drift(Robot& robot, int steps) {
-  return Drift({&robot}, steps, [](Robot&) {});
 }
 
 void CommandGravityTorques(Robot& robot) { robot.GravityTorques(robot.jnt_trq_cmd()); }
@@ -305,62 +278,6 @@ TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
     Drift(robot, 200);
     EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-5) << kind;
   }
-}
-
-class Teleported : public testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(Updated, Teleported, testing::Bool());
-
-TEST_P(Teleported, ArmsStayWhereTheyAreWhateverControllerTheyGetThen) {
-  const bool updated = GetParam();
-  Robot robot = RobotAlone(Rc7());
-  Scene scene = robot.scene();
-  for (const char* kind : {"cartesian_pose", "differential_ik", "relative_joint_position",
-                           "joint_position", "joint_impedance"}) {
-    for (const bool forward : {true, false}) {
-      scene.Reset();
-      std::vector<double> q = robot.arm().joint_pos();
-      for (double& joint : q) joint += 0.05;
-      robot.SetJointPos(q, forward);
-      if (updated) robot.Update();
-      robot.SetController("arm", kind);
-      EXPECT_LT(Drift(robot, 200), 1e-6) << kind << (forward ? ", forward" : "");
-    }
-  }
-}
-
-TEST(CtrlMode, ATeleportedArmIsHeldBeforeItIsUpdated) {
-  Robot robot = RobotAlone(Rc7());
-  Drift(robot, 50);
-  std::vector<double> q = robot.arm().joint_pos();
-  for (double& joint : q) joint += 0.05;
-  robot.SetJointPos(q);
-  for (const double torque : robot.arm().joint_torque()) EXPECT_NEAR(torque, 0, 1e-9);
-  const Eigen::Vector3d start = robot.tcp_in_world().translation();
-  ASSERT_TRUE(robot.StepN(200).ok());
-  robot.SetController("arm", "cartesian_pose");
-  Drift(robot, 200);
-  EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-6);
-}
-
-// After a reset they do, updated or not.
-TEST(CtrlMode, ServosThatHoldSinceAResetGoOnHoldingWhenTheyGetAController) {
-  RobotConfig config = Rc7();
-  config.gravcomp = false;
-  Robot robot = RobotAlone(config);
-  robot.scene().Reset();
-  ASSERT_TRUE(robot.StepN(2000).ok());
-  const Eigen::Vector3d start = robot.tcp_in_world().translation();
-  robot.SetController("arm", "cartesian_pose");
-  Drift(robot, 200);
-  EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-5);
-}
-
-TEST(CtrlMode, ATeleportWithoutForwardIsSeenWhenAskedFor) {
-  Robot robot = RobotAlone(Rc7());
-  const std::vector<double> q{0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1};
-  robot.SetJointPos(q, false);
-  EXPECT_EQ(robot.arm().joint_pos(), q);
-  EXPECT_TRUE(robot.arm().leaf_frame_to_robot().is_close(robot.FkFrame(q), 1e-12, 1e-12));
 }
 
 TEST(CtrlMode, CommandsAreThoseOfTheController) {

@@ -37,7 +37,7 @@ bool Touches(const mjModel* m, const mjData* d, const Finger& finger, const Acce
   return false;
 }
 
-std::vector<double> Values(const std::vector<GripperCtrl>& ends, double GripperCtrl::*end) {
+std::vector<double> ValuesOf(const std::vector<GripperCtrl>& ends, double GripperCtrl::*end) {
   std::vector<double> values;
   for (const GripperCtrl& ctrl : ends) values.push_back(ctrl.*end);
   return values;
@@ -236,8 +236,8 @@ std::string ActuatedGripper::WhyTheyJam(const std::array<std::vector<double>, 2>
 
 GripperRange ActuatedGripper::Measure() const {
   std::vector<GripperCtrl> ends = Ends();
-  const std::vector<double> open = Values(ends, &GripperCtrl::open);
-  const std::vector<double> closed = Values(ends, &GripperCtrl::closed);
+  const std::vector<double> open = ValuesOf(ends, &GripperCtrl::open);
+  const std::vector<double> closed = ValuesOf(ends, &GripperCtrl::closed);
   const auto [at_open, at_closed] = Settled({open, closed});
   // The other way round: the one is from home then, and the other after it.
   const auto [closed_first, open_after] = Settled({closed, open});

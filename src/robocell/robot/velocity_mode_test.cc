@@ -12,9 +12,6 @@
 namespace robocell {
 namespace {
 
-constexpr CtrlMode kPosition = CtrlMode::kPosition, kVelocity = CtrlMode::kVelocity,
-                   kTorque = CtrlMode::kTorque;
-
 // An arm that turns about the vertical, then about a level axis, so that gravity pulls.
 std::string Arm(const std::string& joint, const std::string& actuator) {
   return R"(

@@ -16,7 +16,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // A file that is not there.
-struct MissingFile {
+struct MissingPath {
   std::string element;  // "mesh 'link1'"
   std::string written;  // as in the model
   std::string line;     // "line 12", may be empty
@@ -36,7 +36,7 @@ class AssetPaths {
       Visit(e, "texture", *mjs_asTexture(e), mjs_getCompiler(e)->texturedir);
   }
 
-  const std::vector<MissingFile>& missing() const { return missing_; }
+  const std::vector<MissingPath>& missing() const { return missing_; }
 
  private:
   // Makes the element's file absolute, or notes that it does not exist.
@@ -57,10 +57,10 @@ class AssetPaths {
                         mjs_getString(asset.info), absolute});
   }
 
-  std::vector<MissingFile> missing_;
+  std::vector<MissingPath> missing_;
 };
 
-std::string InFolder(const MissingFile& file) {
+std::string InFolder(const MissingPath& file) {
   std::error_code error;
   const fs::path folder = file.path.parent_path();
   if (!fs::is_directory(folder, error))
@@ -73,8 +73,8 @@ std::string InFolder(const MissingFile& file) {
 
 std::string Sentence(const std::string& text) { return text.ends_with('?') ? text : text + "."; }
 
-std::string Text(const std::string& model, const std::vector<MissingFile>& missing) {
-  const MissingFile& first = missing.front();
+std::string Text(const std::string& model, const std::vector<MissingPath>& missing) {
+  const MissingPath& first = missing.front();
   const std::string line = first.line.empty() ? "" : ", " + first.line;
   std::string text = fmt::format("{} refers to the file '{}' ({}{}), but {}", model, first.written,
                                  first.element, line, InFolder(first));

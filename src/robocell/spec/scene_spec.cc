@@ -20,7 +20,7 @@ void CheckRobotNames(const List<RobotSpec>& robots, Problems& problems) {
 }
 
 template <class T>
-std::vector<std::string> Names(const List<T>& list) {
+std::vector<std::string> NamesOf(const List<T>& list) {
   std::vector<std::string> names;
   for (const T& item : list) names.push_back(item.name);
   return names;
@@ -46,8 +46,8 @@ void SceneSpec::Validate(Problems& problems) const {
   }
   CheckUnique(prefixes, "robots", "prefix", problems);
   CheckRobotNames(robots, problems);
-  CheckUnique(Names(objects), "objects", "name", problems);
-  CheckUnique(Names(cameras), "cameras", "name", problems);
+  CheckUnique(NamesOf(objects), "objects", "name", problems);
+  CheckUnique(NamesOf(cameras), "cameras", "name", problems);
 }
 
 }  // namespace robocell

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -14,6 +15,9 @@
 #include "robocell/testing/source_dir.h"
 
 namespace robocell {
+
+inline constexpr CtrlMode kPosition = CtrlMode::kPosition, kVelocity = CtrlMode::kVelocity,
+                          kTorque = CtrlMode::kTorque;
 
 inline RobotConfig LoadShipped(const std::string& path) {
   return RobotConfig::Load(SourceDir() + "/" + path);
@@ -104,6 +108,30 @@ inline std::vector<RobotCase> AllRobots() {
 
 inline std::string CaseName(const ::testing::TestParamInfo<RobotCase>& info) {
   return info.param.name;
+}
+
+// Updates, commands and steps robots of one scene; the farthest that a TCP gets from where it was.
+template <class Command>
+double Drift(const std::vector<Robot*>& robots, int steps, const Command& command) {
+  std::vector<Eigen::Vector3d> starts;
+  for (const Robot* robot : robots) starts.push_back(robot->tcp_in_world().translation());
+  double farthest = 0;
+  for (int i = 0; i < steps; ++i) {
+    for (Robot* robot : robots) {
+      robot->Update();
+      command(*robot);
+    }
+    EXPECT_TRUE(robots[0]->Step().ok());
+    for (size_t k = 0; k < robots.size(); ++k) {
+      const Eigen::Vector3d now = robots[k]->tcp_in_world().translation();
+      farthest = std::max(farthest, (now - starts[k]).norm());
+    }
+  }
+  return farthest;
+}
+
+inline double Drift(Robot& robot, int steps) {
+  return Drift({&robot}, steps, [](Robot&) {});
 }
 
 // Skips without the Menagerie models that the robot needs.
