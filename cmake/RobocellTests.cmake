@@ -33,7 +33,7 @@ function(robocell_test name)
   # those that compute much themselves.
   set(level -O0 ${ROBOCELL_FOLD_CASTS})
   if(name MATCHES "^(math|kinematics|control|render|threads)_test$")
-    set(level -O1)
+    set(level -Og)
   endif()
   if(CMAKE_BUILD_TYPE STREQUAL "Release" OR ROBOCELL_SANITIZE)
     target_compile_options(${name} PRIVATE ${level})
