@@ -21,7 +21,7 @@ PYTHON := .venv/bin/python
 
 export PATH := $(ROOT)/.venv/bin:$(PATH)
 export PYTHONPATH := $(ROOT)/python
-# What Python compiled is kept, for the hundreds of processes that tests start, but not among the sources.
+# What Python compiled, of packages too, is kept for the hundreds of processes that tests start, but not among the sources.
 export PYTHONDONTWRITEBYTECODE :=
 export PYTHONPYCACHEPREFIX := $(ROOT)/build/pycache
 # Two checkouts share compiler results.

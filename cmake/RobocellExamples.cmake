@@ -2,7 +2,7 @@
 # when something is not as it says. tests/integration/test_examples.py runs it and compares what it prints with its
 # Python twin; ctest runs it where there is no Python.
 file(GLOB examples CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/examples/*.cc")
-# They wait for the library, which is optimised. ccache wants the second.
+# They wait for the library, which is optimised. ccache wants the last.
 set(example_options "$<$<CONFIG:Release>:-O0>" "${ROBOCELL_FOLD_CASTS}" "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-fpch-preprocess>")
 # All include the same header, which is most of their time: it is read once. This program exists for that alone.
 set(example_headers "${CMAKE_BINARY_DIR}/example_headers.cc")

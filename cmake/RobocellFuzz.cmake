@@ -14,7 +14,7 @@ list(FILTER fuzzed_sources EXCLUDE REGEX "_test\\.cc$")
 set(fuzz_flags -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1 -O1
   -Wno-unknown-warning-option)
 add_library(robocell_fuzzed STATIC ${fuzzed_sources})
-robocell_unity(robocell_fuzzed ${ROBOCELL_UNITY_FILES} ${fuzzed_sources})
+robocell_unity(robocell_fuzzed ${ROBOCELL_UNITY_WAITING} ${fuzzed_sources})
 target_compile_options(robocell_fuzzed PUBLIC ${fuzz_flags} PRIVATE -fsanitize=fuzzer-no-link)
 target_include_directories(robocell_fuzzed PUBLIC "${CMAKE_SOURCE_DIR}/src" SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS}
   ${XXHASH_INCLUDE_DIR})

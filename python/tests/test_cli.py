@@ -150,6 +150,20 @@ def test_an_unwritable_output_is_refused_with_its_path(tmp_path: Path):
         assert f"'{output}'" in text
 
 
+def test_an_empty_output_is_not_the_working_folder(tmp_path: Path):
+    # What a shell makes of --output "$OUT" without OUT.
+    text = refused("generate", write_run(tmp_path), "--output", "", code=2)
+    assert "--output '': output: is required: the folder the dataset goes to" in text
+
+
+def test_an_option_is_told_as_it_was_typed(tmp_path: Path):
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "a.txt").write_text("")
+    text = refused("generate", write_run(tmp_path), "--output", tmp_path / "full", code=2)
+    assert f"error: --output {tmp_path}/full: run " in text
+    assert "--set" not in text
+
+
 def tree(folder: Path) -> set[Path]:
     """All that is in a folder."""
     return set(folder.rglob("*"))

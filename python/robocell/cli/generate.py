@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import shlex
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, NoReturn
 
 import typer
 
-from robocell import RunConfig
+from robocell import Error, RunConfig
 from robocell.cli.common import ExitCode, fail, print_warning, print_wide, require_spec_file
 from robocell.generate.disk import free_bytes
 from robocell.generate.estimate import ProbeError, estimate
@@ -27,6 +28,9 @@ from robocell.generate.supervisor import Limits
 from robocell.generate.totals import agreeing, counted, size
 
 EXIT_CODES = {"spec": ExitCode.USAGE, "io": ExitCode.OUTPUT, "other": ExitCode.INCOMPLETE}
+
+
+Options = dict[str, str | int | None]
 
 
 class ProgressChoice(StrEnum):
@@ -44,8 +48,10 @@ WORKERS_PER_CORE = 8
 def generate(
     run_file: Annotated[Path, typer.Argument(metavar="RUN.yaml", help="The run file.")],
     workers: Annotated[int | None, typer.Option(min=1, help="Worker processes.")] = None,
+    # Text: an empty one would be the working folder as a path, and is nobody's wish.
     output: Annotated[
-        Path | None, typer.Option(help="Folder of the dataset, from the working folder on.")
+        str | None,
+        typer.Option(metavar="PATH", help="Folder of the dataset, from the working folder on."),
     ] = None,
     episodes: Annotated[int | None, typer.Option(min=1, help="How many in all.")] = None,
     seed: Annotated[
@@ -77,7 +83,7 @@ def generate(
     require_spec_file(run_file, RunConfig)
     named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
     try:
-        with interrupted_by_signals():
+        with interrupted_by_signals(), told_as_options(named):
             job = _open_job(run_file, [*(set_ or []), *overrides(named)], shard)
             if dry_run:
                 for warning in job.check():
@@ -141,14 +147,29 @@ def most_workers() -> int:
     return WORKERS_PER_CORE * len(os.sched_getaffinity(0))
 
 
-def overrides(named: dict[str, Path | int | None]) -> list[str]:
+def overrides(named: Options) -> list[str]:
     """The options that were given, as `--set` texts: {'workers': 2} -> ['workers=2']."""
     # A quoted JSON string is also a YAML string, whatever is in the path.
     return [
-        f"{field}={json.dumps(str(value)) if isinstance(value, Path) else value}"
+        f"{field}={json.dumps(value) if isinstance(value, str) else value}"
         for field, value in named.items()
         if value is not None
     ]
+
+
+@contextlib.contextmanager
+def told_as_options(named: Options) -> Iterator[None]:
+    """Errors name the options as they were typed: `--output 'x'`, not `--set output="x"`."""
+    try:
+        yield
+    except Error as error:
+        said = str(error)
+        given = [(field, value) for field, value in named.items() if value is not None]
+        for (field, value), override in zip(given, overrides(named), strict=True):
+            said = said.replace(f"--set {override}", f"--{field} {shlex.quote(str(value))}")
+        if said == str(error):
+            raise
+        raise type(error)(said) from None
 
 
 def _say_plan(job: Job, *, as_json: bool) -> None:

@@ -280,6 +280,19 @@ TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
   }
 }
 
+// After a reset they do, updated or not.
+TEST(CtrlMode, ServosThatHoldSinceAResetGoOnHoldingWhenTheyGetAController) {
+  RobotConfig config = Rc7();
+  config.gravcomp = false;
+  Robot robot = RobotAlone(config);
+  robot.scene().Reset();
+  ASSERT_TRUE(robot.StepN(2000).ok());
+  const Eigen::Vector3d start = robot.tcp_in_world().translation();
+  robot.SetController("arm", "cartesian_pose");
+  Drift(robot, 200);
+  EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-5);
+}
+
 TEST(CtrlMode, CommandsAreThoseOfTheController) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>([&] { robot.jnt_vel_cmd(); },

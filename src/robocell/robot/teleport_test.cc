@@ -43,19 +43,6 @@ TEST(Teleport, AnArmIsHeldBeforeItIsUpdated) {
   EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-6);
 }
 
-// After a reset they do, updated or not.
-TEST(Teleport, ServosThatHoldSinceAResetGoOnHoldingWhenTheyGetAController) {
-  RobotConfig config = Rc7();
-  config.gravcomp = false;
-  Robot robot = RobotAlone(config);
-  robot.scene().Reset();
-  ASSERT_TRUE(robot.StepN(2000).ok());
-  const Eigen::Vector3d start = robot.tcp_in_world().translation();
-  robot.SetController("arm", "cartesian_pose");
-  Drift(robot, 200);
-  EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-5);
-}
-
 TEST(Teleport, WithoutForwardItIsSeenWhenAskedFor) {
   Robot robot = RobotAlone(Rc7());
   const std::vector<double> q{0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1};

@@ -88,14 +88,15 @@ class RangeCheck {
     if (farthest <= kMostTurn + kLimitSlack || farthest > kWholeTurns + kLimitSlack) return;
     if (ServoTurnsAsFar(group, joint)) return;
     const std::string meant =
-        EditOf(name) ? fmt::format("an edit's `range` is in radians: [{:.4f}, {:.4f}]",
-                                   Radians(range.lower), Radians(range.upper))
-                     : fmt::format(
-                           "the model says <compiler angle=\"radian\"/>; {:.4g} degrees "
-                           "are {:.4f}",
-                           farthest, Radians(farthest));
+        EditOf(name)
+            ? fmt::format("Then: an edit's `range` is in radians: [{:.4f}, {:.4f}]",
+                          Radians(range.lower), Radians(range.upper))
+            : fmt::format(
+                  "Then write radians ({:.4g} degrees are {:.4f}), or leave angle=\"radian\" "
+                  "out of the model's <compiler>",
+                  farthest, Radians(farthest));
     WarnOfJoint(name, fmt::format("joint '{}' may turn from {} rad, {:.0f} times around. Are these "
-                                  "degrees? Then: {}",
+                                  "degrees? {}",
                                   name, range.text(), range.width() / (2 * kPi), meant));
   }
 

@@ -200,11 +200,11 @@ TEST_F(Ranges, AGripperTooWeakToHoldAnything) {
 }
 
 TEST_F(Ranges, DegreesThatWereReadAsRadians) {
-  EXPECT_THAT(
-      Warnings({.hip = "-170 170"}),
-      ElementsAre(model_ + ":3: robot 'arm': joint 'hip' may turn from -170 to 170 rad, 54 times "
-                           "around. Are these degrees? Then: the model says <compiler "
-                           "angle=\"radian\"/>; 170 degrees are 2.9671"));
+  EXPECT_THAT(Warnings({.hip = "-170 170"}),
+              ElementsAre(model_ +
+                          ":3: robot 'arm': joint 'hip' may turn from -170 to 170 rad, 54 times "
+                          "around. Are these degrees? Then write radians (170 degrees are 2.9671), "
+                          "or leave angle=\"radian\" out of the model's <compiler>"));
   const auto edited = Warnings({}, "edits: [{joint: hip, range: [-170, 170]}]\n");
   EXPECT_THAT(edited, ElementsAre(AllOf(StartsWith(file_ + ":6:29: robot 'arm': joint 'hip' may"),
                                         HasSubstr("in radians: [-2.9671, 2.9671]"))));
