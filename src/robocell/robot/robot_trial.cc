@@ -17,6 +17,7 @@
 #include "robocell/robot/arrival.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/idle_actuators.h"
+#include "robocell/robot/tcp_place.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/spec/problem_lines.h"
@@ -439,6 +440,15 @@ void TellJaws(const Robot& robot, Problems& doubts) {
   }
 }
 
+void TellTcps(const Robot& robot, Problems& doubts) {
+  for (const std::string& name : robot.group_names()) {
+    const MoveGroup& group = robot.group(name);
+    if (group.kind() != MoveGroupKind::kArm) continue;
+    const std::optional<std::string> far = TellTcpFarFromFingers(robot, group);
+    if (far) doubts.AddAt("move_groups." + name + ".leaf", *far);
+  }
+}
+
 void TellIdle(const Robot& robot, Problems& doubts) {
   const std::vector<std::string> idle = IdleActuators(robot);
   if (idle.empty()) return;
@@ -452,6 +462,7 @@ std::vector<std::string> TryOut(Robot robot, bool beside_warnings) {
   robot.scene().Reset();
   TellContacts(robot, doubts);
   TellJaws(robot, doubts);
+  TellTcps(robot, doubts);
   for (const std::string& name : robot.group_names()) {
     auto* arm = dynamic_cast<ArmGroup*>(&robot.group(name));
     if (!arm) continue;

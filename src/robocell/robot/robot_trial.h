@@ -1,7 +1,7 @@
-// Tries a robot out: what touches at home, whether its arms, with the controllers that runs use,
-// stay there and follow a small step of each joint, and which actuators no group has. What a file
-// and its model say can be right and the servos still be too weak, too slow or blocked. Asked by
-// `robocell check` and before every run.
+// Tries a robot out: what touches at home, whether TCPs are at grippers, whether its arms, with the
+// controllers that runs use, stay there and follow a small step of each joint, and which actuators
+// no group has. What a file and its model say can be right and the servos still be too weak, too
+// slow or blocked. Asked by `robocell check` and before every run.
 //
 //   for (const std::string& doubt : TryRobot(robot)) ...
 //   // "arm.yaml:9:14: force_limit: joint 'hip' drifts by 0.4 rad in 1 s while it should hold home
