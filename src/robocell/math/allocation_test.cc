@@ -31,7 +31,8 @@ TEST(Allocation, TwistsAndInterpolationDoNotAllocate) {
   const AllocationCount count;
   Rng rng = Rng::Stream(2, "allocation");
   const Pose X_AB = RandomPose(rng);
-  Twist twist = Twist::FromVector(AdjointMatrix(X_AB) * Twist{RandomVector(rng), {}}.vector());
+  Twist twist = Twist::FromVector(AdjointMatrix(X_AB) *
+                                  Twist{RandomVector(rng), Eigen::Vector3d::Zero()}.vector());
   twist = Shifted(Transformed(X_AB, twist), X_AB.translation());
   std::array<double, 3> from = {0, 1, 2}, to = {1, 1, -1}, ones = {1, 1, 1}, out = {};
   InterpolateJoints(from, to, MinimumJerk(0.3, JointMoveDuration(from, to, ones, ones)).position,
