@@ -159,14 +159,15 @@ def overrides(named: Options) -> list[str]:
 
 @contextlib.contextmanager
 def told_as_options(named: Options) -> Iterator[None]:
-    """Errors name the options as they were typed: `--output 'x'`, not `--set output="x"`."""
+    """Errors name the options as they were typed: `--output x`, not `--set output="x"`."""
     try:
         yield
     except Error as error:
         said = str(error)
         given = [(field, value) for field, value in named.items() if value is not None]
         for (field, value), override in zip(given, overrides(named), strict=True):
-            said = said.replace(f"--set {override}", f"--{field} {shlex.quote(str(value))}")
+            typed = f"--{field} {shlex.quote(str(value))}"
+            said = said.replace(f"--set {override}:", f"{typed}:")
         if said == str(error):
             raise
         raise type(error)(said) from None

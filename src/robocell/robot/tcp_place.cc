@@ -72,7 +72,7 @@ std::optional<std::string> TellTcpFarFromFingers(const Robot& robot, const MoveG
   const Vector3d tcp = arm.leaf_frame_to_world().translation();
   const double distance = std::min(DistanceTo(m, d, gripper->finger(0), tcp),
                                    DistanceTo(m, d, gripper->finger(1), tcp));
-  if (distance <= kFar || distance <= gripper->inter_finger_dist_range().upper) return std::nullopt;
+  if (distance <= kFar || distance <= gripper->inter_finger_dist()) return std::nullopt;
 
   const int hand = gripper->hand_body();
   const Vector3d origin = Eigen::Map<const Vector3d>(d->xpos + 3 * hand);

@@ -10,8 +10,8 @@
 
 namespace robocell {
 
-// What to tell of a TCP farther than 0.15 m, and than the fingers are apart when open, from both
-// fingers of the arm's gripper in the present state; nothing of arms without such a gripper.
+// What to tell of a TCP farther than 0.15 m, and than the fingers are apart, from both fingers of
+// the arm's gripper in the present state; nothing of arms without such a gripper.
 // ArgumentError when the group is no arm.
 std::optional<std::string> TellTcpFarFromFingers(const Robot& robot, const MoveGroup& arm);
 
