@@ -45,6 +45,7 @@ struct CameraSpec {
   }
   // Pose in the parent. Requires a valid spec.
   Pose pose() const;
+  std::string Label() const { return LabelOf("camera", name); }
   void Validate(Problems& problems) const;
 };
 
@@ -75,6 +76,7 @@ struct CameraConfig {
     v("depth", &CameraConfig::depth, "Take depth images.");
     v("segmentation", &CameraConfig::segmentation, "Take body-id images.");
   }
+  std::string Label() const { return LabelOf("stream", name); }
   void Validate(Problems& problems) const;
 };
 

@@ -55,6 +55,8 @@ struct RobotSpec {
   Pose pose() const { return PlacementPose(pos, euler, quat); }
   const BaseConfig& EffectiveBase() const;
   bool can_switch_to(CtrlMode mode) const;
+  // Without a name it is called by its prefix.
+  std::string Label() const { return LabelOf("robot", name.value_or(prefix)); }
   void Validate(Problems& problems) const;
 };
 

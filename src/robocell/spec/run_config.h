@@ -156,7 +156,7 @@ struct RunConfig {
     v("robot", &RunConfig::robot,
       "Robot file (relative to this file), or the robot's fields in place.");
     v("task", &RunConfig::task, "What the robot does.");
-    v("scenes", &RunConfig::scenes, "Where.");
+    v("scenes", &RunConfig::scenes, "Where the task takes place.");
     v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",
       Check::kPositive);
     v("cameras", &RunConfig::cameras, "Image size and streams.");
@@ -169,7 +169,8 @@ struct RunConfig {
       "How many in all; the scenes take turns. Default: episodes_per_scene for each.",
       Check::kPositive);
     v("workers", &RunConfig::workers, "Worker processes.", Check::kPositive);
-    v("seed", &RunConfig::seed, "Everything random follows from it.", Check::kNonNegative);
+    v("seed", &RunConfig::seed, "Seed of the run: all its random numbers follow from this one.",
+      Check::kNonNegative);
     v("output", &RunConfig::output,
       "Folder of the dataset; a relative one starts at the working folder.");
   }

@@ -75,6 +75,7 @@ struct SceneObject {
       "reset leaves it outside of the scene, false when inside. They can move freely.");
   }
   Pose pose() const { return PlacementPose(pos, euler, quat); }
+  std::string Label() const { return LabelOf("object", name); }
   void Validate(Problems& problems) const;
 };
 
