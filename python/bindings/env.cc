@@ -286,11 +286,11 @@ void InitEnv(Env* self, const EnvConfig& config) {
   new (self) Env(copy, PythonData());
 }
 
-nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed) {
+nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed, std::optional<KeyframeChoice> keyframe) {
   const InUse use(env, &Place, "reset");
   {
     const nb::gil_scoped_release release;
-    env.Reset({.seed = seed});
+    env.Reset({.seed = seed, .keyframe = std::move(keyframe)});
   }
   nb::dict info;
   if (env.config().task) info["instruction"] = env.instruction();
@@ -355,11 +355,12 @@ void BindEnv(nb::module_& m) {
       {.always = {"config"}, .closed = {"close"}});
   DefEnvState(env);
   env.def("__init__", &InitEnv, "config"_a)
-      .def("reset", &ResetEnv, "seed"_a = nb::none(),
-           nb::sig("def reset(self, seed: int | None = None) -> tuple[dict[str, typing.Any], "
-                   "dict[str, typing.Any]]"),
+      .def("reset", &ResetEnv, "seed"_a = nb::none(), "keyframe"_a = nb::none(),
+           nb::sig("def reset(self, seed: int | None = None, keyframe: int | str | "
+                   "collections.abc.Mapping[str, str] | None = None) -> tuple[dict[str, "
+                   "typing.Any], dict[str, typing.Any]]"),
            "To the start: (observation, info). Without a seed the next start of those that the "
-           "last seed began.")
+           "last seed began. With a keyframe (see Scene.reset) robots start there, not at home.")
       .def("step", &StepEnv, "action"_a,
            nb::sig("def step(self, action: collections.abc.Mapping[str, typing.Any]) -> "
                    "tuple[dict[str, typing.Any], float, bool, bool, dict[str, typing.Any]]"),

@@ -129,7 +129,7 @@ void Env::Reset(const EnvResetOptions& options) {
   const SceneUse::Claim claim(scene_.use(), "Env::Reset");
   if (options.seed) seeds_ = Rng::Stream(*options.seed, kSeedPurpose);
   std::vector<std::vector<double>> kept;
-  if (!config_.wrappers.home_on_reset && phase_ == Phase::kReady) {
+  if (!config_.wrappers.home_on_reset && !options.keyframe && phase_ == Phase::kReady) {
     for (const ArmDriver& arm : arms_) kept.push_back(arm.robot().arm().joint_pos());
   }
   phase_ = Phase::kBroken;  // until all is done
@@ -139,7 +139,7 @@ void Env::Reset(const EnvResetOptions& options) {
   Rng of_task = Rng::Stream(seed, "env task");
   // Asked before the reset, which puts bodies there and is one evaluation of the scene.
   const BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
-  scene_.Reset({.seed = seed, .body_poses = starts});
+  scene_.Reset({.keyframe = options.keyframe, .seed = seed, .body_poses = starts});
   for (size_t i = 0; i < kept.size(); ++i) Robot(arms_[i].robot()).SetJointPos(kept[i]);
   for (ArmDriver& arm : arms_) arm.Reset();
   if (task_) {

@@ -66,6 +66,8 @@ struct EnvResetOptions {
   // Unset: the next of the stream that the last seed began; 0 at first, and for copies of one
   // environment another one for each.
   std::optional<uint64_t> seed = {};
+  // What robots start at in place of their homes (scene.h).
+  std::optional<KeyframeChoice> keyframe = {};
 };
 
 class Env {

@@ -92,7 +92,7 @@ void AddAttachment(const AttachmentSpec& attachment, const std::string& director
   if (!CheckNamesAreNew(attachment, tool, root, robot, report)) return;
   const Pose authored = attachment.reset_root_pose ? Pose() : PoseInParent(root->element);
   AttachPart(at->parent, tool, root, at->pose * authored, attachment.prefix, report);
-  robot.home.Merge(tool.home, attachment.prefix);
+  robot.keys.Merge(tool.keys, attachment.prefix);
   robot.tools.push_back({attachment.prefix, tool.file});
   AddExclusions(attachment, place, robot, report);
 }

@@ -17,11 +17,11 @@
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/decorations.h"
 #include "robocell/scene/entity_order.h"
-#include "robocell/scene/home_key.h"
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
 #include "robocell/scene/pool.h"
 #include "robocell/scene/saved_scene.h"
+#include "robocell/scene/scene_keys.h"
 #include "robocell/scene/spec_tree.h"
 #include "robocell/spec/validate.h"
 
@@ -93,7 +93,7 @@ class SceneCompiler {
       report_.Locate(kBase, spec().locations);
       Part base = LoadBase(report_);
       spec_ = std::move(base.spec);
-      home_ = std::move(base.home);
+      keys_ = std::move(base.keys);
       WarnReplacedOptions(spec_->option, spec(), report_);
     } else {
       spec_ = MakeSpec();
@@ -116,7 +116,7 @@ class SceneCompiler {
     report.Throw(spec().name);
     base.spec = ParseXmlFile(*file, context_ + " / base");
     LabelUnnamed(base.spec.get(), "body");
-    base.home = ReadHomeKey(base.spec.get(), kBase, kBase, *file);
+    base.keys = ReadKeys(base.spec.get(), kBase, kBase, *file);
     DropKeys(base.spec.get());
     MakeAssetPathsAbsolute(base.spec.get(), *file, kBase, kBase, report);
     return base;
@@ -251,7 +251,7 @@ class SceneCompiler {
     const auto at = PlaceIt(object.attach_to, object.pose(), loaded.part.place);
     if (!at) return;
     AttachObject(object, loaded, *at, report_);
-    home_.Merge(loaded.part.home, loaded.prefix);
+    keys_.Merge(loaded.part.keys, loaded.prefix);
   }
 
   void AddRobot(const RobotSpec& robot, const RobotPart& loaded) {
@@ -259,7 +259,7 @@ class SceneCompiler {
     const auto at = PlaceIt(robot.attach_to, robot.pose(), loaded.part.place);
     if (!at) return;
     AttachRobot(robot, loaded, *at, report_);
-    home_.Merge(loaded.part.home, robot.prefix);
+    keys_.Merge(loaded.part.keys, robot.prefix);
   }
 
   void AddSceneCamera(const CameraSpec& camera) {
@@ -282,7 +282,7 @@ class SceneCompiler {
     const std::vector<RobotLimbs> limbs = Limbs();
     AssignActuatorGroups(spec_.get(), limbs, report_);
     report_.Throw(spec().name);
-    mjsKey* key = AddHomeKey(spec_.get());
+    const std::vector<mjsKey*> keys = AddSceneKeys(spec_.get(), keys_.PresetNames());
     try {
       out_->model_owner_ = Compile(spec_.get(), nullptr, context_, &out_->warnings_);
     } catch (const SpecError& error) {
@@ -294,10 +294,10 @@ class SceneCompiler {
     mjModel* model = out_->model_ = out_->model_owner_.get();
     for (const RobotRecord& robot : out_->robots_) CheckRobot(model, robot, report_);
     CheckGroups(model, out_->robots_, report_);
-    CheckKeyframes(model, home_, out_->robots_, report_);
+    CheckKeyframes(model, keys_, out_->robots_, report_);
     CheckToolPoints(model, out_->robots_, report_);
     FillPool(model);
-    FillHomeKey(model, key, home_, out_->robots_);
+    FillSceneKeys(model, keys, keys_, out_->robots_, report_);
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
     FillVelocityGains(model, out_->home_key_, limbs);
     for (size_t i = 0; i < robots_.size(); ++i) {
@@ -322,7 +322,11 @@ class SceneCompiler {
       if (!object.pool->parked) continue;
       PooledObject(model, object, i).Switch(model, true);
       const FreeJointPos place = ParkingPlace(i);
-      home_.qpos[*object.free_joint] = {place.begin(), place.end()};
+      keys_.home.qpos[*object.free_joint] = {place.begin(), place.end()};
+      for (auto& [name, key] : keys_.presets) {
+        key.qpos.erase(*object.free_joint);
+        key.joint_sources.erase(*object.free_joint);
+      }
     }
   }
 
@@ -372,7 +376,7 @@ class SceneCompiler {
   std::shared_ptr<CompiledScene> out_;
   SpecPtr spec_;
   Report report_;
-  PartHome home_;
+  PartKeys keys_;
   std::vector<std::string> robot_names_;
   std::vector<std::optional<ObjectPart>> objects_;
   std::vector<std::optional<RobotPart>> robots_;
