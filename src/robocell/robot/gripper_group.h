@@ -5,6 +5,12 @@
 // group's joints, when these are two, or what grips at the ends of their linkages. Control: the
 // actuator's range, open being the end at which the fingers are farther apart; of several actuators
 // each has its own range and its own open end. Distance: measured (gripper_range.h).
+//
+// An opening is a share of the measured distance. Controls in between are interpolated between open
+// and closed, or, for fingers that meet long before their actuators are at the closed end, between
+// open and where they meet; the last twentieth of the opening then is the way from there to closed,
+// which squeezes. Where the configuration says `ctrl`, it says where closed is: no meeting is looked
+// for.
 #pragma once
 
 #include <array>
@@ -60,6 +66,9 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   // One that moves neither finger goes the way of the first that does.
   void Orient(std::vector<GripperCtrl>& ends) const;
   double CheckedOpening(double opening) const;
+  // How far the controls are from closed (0) to open (1) at an opening.
+  double ShareFor(double opening) const;
+  double MeetingShare(const std::vector<GripperCtrl>& ends, const GripperDistance& distance) const;
   // Measured once.
   const GripperRange& Measured() const;
   const std::vector<GripperCtrl>& CtrlEnds() const {

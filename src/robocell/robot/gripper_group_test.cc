@@ -391,6 +391,31 @@ RobotConfig WithTwoServos(ModelFolder& folder, const char* first_axis, const cha
   return config;
 }
 
+// The actuators go on for long after the fingers have met.
+TEST(Gripper, AnOpeningIsOfTheMeasuredRangeWhereFingersMeetHalfWay) {
+  ModelFolder folder;
+  const RobotConfig config = WithTwoServos(folder, "0 1 0", "-.02 .02", "0 -1 0", "-.02 .02");
+  Robot robot = RobotAlone(config);
+  GripperGroup& gripper = robot.gripper();
+  EXPECT_EQ(gripper.ctrl_for_opening(1), 0.02);
+  EXPECT_EQ(gripper.ctrl_for_opening(0), -0.02) << "closes with all its force";
+  double before = -1;
+  for (const double opening : {0.0, 0.02, 0.05, 0.25, 0.5, 0.75, 1.0}) {
+    EXPECT_GT(gripper.ctrl_for_opening(opening), before);
+    before = gripper.ctrl_for_opening(opening);
+    robot.Apply({{"gripper", GroupCommand::Opening(opening)}});
+    Simulate(robot, 1);
+    EXPECT_NEAR(gripper.opening(), opening, 0.05);
+    // What is read back from a control is the opening that it was sent for.
+    robot.controller("gripper").Reset();
+    EXPECT_NEAR(robot.controller("gripper").target()[0], opening, 1e-6);
+  }
+  RobotConfig said = config;
+  GripperConfig(said).ctrl = GripperCtrl{.open = 0.02, .closed = -0.02};
+  EXPECT_DOUBLE_EQ(RobotAlone(said).gripper().ctrl_for_opening(0.5), 0)
+      << "of the controls, which the file says";
+}
+
 TEST(Gripper, EachOfSeveralServosOpensByItsOwnRange) {
   struct Hand {
     const char *first_axis, *first, *second_axis, *second;
