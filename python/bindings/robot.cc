@@ -11,6 +11,7 @@
 #include "scene_cycles.h"
 #include "signals.h"
 #include "values.h"
+#include "robocell/datagen/check_robot.h"
 #include "robocell/env/stepper.h"
 #include "robocell/robot/check_config.h"
 #include "robocell/robot/robot.h"
@@ -439,32 +440,26 @@ void BindRobotClass(nb::module_& m) {
       .def_prop_ro("tip_to_tcp", &Robot::tip_to_tcp,
                    "Pose of the TCP in the tip body: the last one that the arm moves, or the one "
                    "given to from_scene.")
-      .def(
-          "is_driven",
-          [](const Robot& r, const std::string& group) {
-            r.group(group);  // NotFoundError for another name
-            try {
-              r.controller(group);
-              return true;
-            } catch (const NotFoundError&) {
-              return false;
-            }
-          },
-          "group"_a, "Whether the group has a controller, which `update` runs.")
+      .def("is_driven", &Robot::is_driven, "group"_a,
+           "Whether the group has a controller, which `update` runs.")
       .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
   DefControl(robot);
   m.def(
       "check_config",
       [](const Robot& robot) {
         Problems problems(robot.config().locations);
-        CheckConfig(robot, problems);
-        CheckDriven(robot, problems);
+        CheckRobot(robot, problems);
         problems.Throw("robot '" + robot.name() + "'");
       },
       "robot"_a, Unlocked(),
       "SpecError when the robot's file says what its model does not do: a gripper's `distance` "
       "that measuring contradicts, a base wider than the robot reaches; or when no controller can "
-      "drive its arm or gripper.");
+      "drive its arm or gripper, or a name cannot stand in a record. `generate` asks the same.");
+  m.def(
+      "why_no_picks", &WhyNoPicks, "robot"_a, Unlocked(),
+      "What the scripted expert of pick tasks misses of a robot: a base that can be put anywhere, "
+      "an arm and a gripper with controllers. Empty when pick tasks can use it. `generate` refuses "
+      "a robot for each of these reasons.");
   m.def(
       "try_robot",
       [](const Robot& robot, bool beside_warnings) {

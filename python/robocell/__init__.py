@@ -166,6 +166,7 @@ from robocell._core import (
     shard_plan,
     try_robot,
     verify,
+    why_no_picks,
     write_png,
 )
 
@@ -331,5 +332,6 @@ __all__ = [
     "shard_plan",
     "try_robot",
     "verify",
+    "why_no_picks",
     "write_png",
 ]

@@ -130,7 +130,7 @@ def test_what_the_robot_or_the_catalogue_lacks_is_told_before_anything_is_made(
     text = refused("generate", path, option)
     line = next(n for n, line in enumerate(path.read_text().splitlines(), 1) if "wirst" in line)
     assert f"{path}:{line}:" in text
-    assert "cameras.streams[0].camera: stream 'wrist': no camera 'wirst_camera'" in text
+    assert "(cameras.streams[0]).camera: stream 'wrist': no camera 'wirst_camera'" in text
     assert "Did you mean 'wrist_camera'?" in text
     assert "robot_0/" not in text
     task = {"kind": "pick", "objects": ["box", "mgu"]}

@@ -287,8 +287,8 @@ TEST(Runner, RefusesStreamsThatCannotBeRecordedAllAtOnce) {
   run.cameras.streams[1].rate = 5;
   const std::string text =
       ExpectThrow<SpecError>([&] { Runner runner(run); }, "segmentation cannot be recorded yet");
-  EXPECT_THAT(text, testing::HasSubstr("cameras.streams[0].segmentation"));
-  EXPECT_THAT(text, testing::HasSubstr("cameras.streams[1].rate"));
+  EXPECT_THAT(text, testing::HasSubstr("(cameras.streams[0]).segmentation"));
+  EXPECT_THAT(text, testing::HasSubstr("(cameras.streams[1]).rate"));
 }
 
 }  // namespace

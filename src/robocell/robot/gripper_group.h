@@ -6,11 +6,10 @@
 // actuator's range, open being the end at which the fingers are farther apart; of several actuators
 // each has its own range and its own open end. Distance: measured (gripper_range.h).
 //
-// An opening is a share of the measured distance. Controls in between are interpolated between open
-// and closed, or, for fingers that meet long before their actuators are at the closed end, between
-// open and where they meet; the last twentieth of the opening then is the way from there to closed,
-// which squeezes. Where the configuration says `ctrl`, it says where closed is: no meeting is looked
-// for.
+// An opening is a share of the measured distance. Its control is interpolated between the open and
+// the closed end. Fingers may meet long before their actuators are at the closed end: then it is
+// interpolated between the open end and the control at which they meet, and openings below 0.05 go
+// on from there to the closed end, which squeezes. A configured `ctrl` is taken as it is.
 #pragma once
 
 #include <array>

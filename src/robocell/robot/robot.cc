@@ -96,6 +96,10 @@ void Robot::SetGroup(std::shared_ptr<MoveGroup> group) {
   open().AddGroup(std::move(made), "joint_position", false);
 }
 
+bool Robot::is_driven(const std::string& group) const {
+  return open().Require(group).control->controller != nullptr;
+}
+
 Controller& Robot::controller(const std::string& group) const {
   return open().RequireController(open().Require(group));
 }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/actuators.h"
@@ -440,12 +441,55 @@ void TellJaws(const Robot& robot, Problems& doubts) {
   }
 }
 
+// Where the file says the controls, it says which of them are openings.
+void TellEarlyMeeting(const Robot& robot, Problems& doubts) {
+  for (const auto& [name, config] : robot.config().move_groups.entries()) {
+    if (!config->ctrl || !robot.has_group(name)) continue;
+    const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
+    if (!gripper) continue;
+    double meets = 0;
+    try {
+      meets = gripper->Measure().meets;
+    } catch (const Error&) {
+      continue;  // told by whoever needs the distances
+    }
+    if (meets == 0) continue;
+    const auto [open, closed] = *config->ctrl;
+    const double at = closed + meets * (open - closed);
+    doubts.AddAt(
+        "move_groups." + name + ".ctrl",
+        fmt::format("the fingers meet at control {:.3g}, {:.0f} % of the way from closed to "
+                    "open: smaller openings all look closed. Leave `ctrl` out, so that "
+                    "openings are shares of the measured distance, or write {{open: {}, "
+                    "closed: {:.3g}}}",
+                    at, 100 * meets, open, at));
+  }
+}
+
 void TellTcps(const Robot& robot, Problems& doubts) {
   for (const std::string& name : robot.group_names()) {
     const MoveGroup& group = robot.group(name);
     if (group.kind() != MoveGroupKind::kArm) continue;
     const std::optional<std::string> far = TellTcpFarFromFingers(robot, group);
     if (far) doubts.AddAt("move_groups." + name + ".leaf", *far);
+  }
+}
+
+// Arms and grippers that nothing drives are errors (check_config.h).
+void TellUndriven(const Robot& robot, Problems& doubts) {
+  for (const std::string& name : robot.group_names()) {
+    const MoveGroup& group = robot.group(name);
+    if (group.kind() != MoveGroupKind::kGeneric || group.nu() == 0 || robot.is_driven(name))
+      continue;
+    try {
+      robot.controller(name);
+    } catch (const NotFoundError& error) {
+      doubts.AddAt("move_groups." + name,
+                   fmt::format("{}. Without one nothing commands it: environments, experts and "
+                               "records leave it out, and its controls stay as at home unless you "
+                               "write them ({})",
+                               error.what(), InBothLanguages("Scene::SetActuatorCtrl")));
+    }
   }
 }
 
@@ -462,6 +506,7 @@ std::vector<std::string> TryOut(Robot robot, bool beside_warnings) {
   robot.scene().Reset();
   TellContacts(robot, doubts);
   TellJaws(robot, doubts);
+  TellEarlyMeeting(robot, doubts);
   TellTcps(robot, doubts);
   for (const std::string& name : robot.group_names()) {
     auto* arm = dynamic_cast<ArmGroup*>(&robot.group(name));
@@ -473,6 +518,7 @@ std::vector<std::string> TryOut(Robot robot, bool beside_warnings) {
     }
     ArmTrial(robot, *arm, beside_warnings, doubts).Run();
   }
+  TellUndriven(robot, doubts);
   TellIdle(robot, doubts);
   return LinesOf(doubts);
 }

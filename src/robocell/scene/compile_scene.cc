@@ -305,6 +305,7 @@ class SceneCompiler {
       CheckServos(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);
       CheckTendons(model, out_->robots_[i], report_);
       CheckScale(model, out_->robots_[i], report_);
+      CheckInertia(model, out_->robots_[i], PartOf(i), report_);
     }
     CheckCameraPlaces(model, out_->home_key_, out_->robots_, report_);
     FixVisibleRange(spec_.get(), model);

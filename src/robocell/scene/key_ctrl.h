@@ -1,5 +1,5 @@
-// Private to scene: the controls and activations of a keyframe. What a part's own keyframe says is
-// kept where it holds the positions, or is not meant to; else what holds them is put in its place.
+// Private to scene: the controls and activations of a keyframe. A part's own numbers are kept where
+// they hold the positions or are not meant to. Otherwise those that hold replace them.
 //
 //   KeyCtrl ctrl(model, data, part_key, "home", robots);
 //   ctrl.Set(actuator, true, key_ctrl, key_act);
@@ -20,7 +20,7 @@
 
 namespace robocell {
 
-// So far a hinge (rad) or another joint (m) may be sent from where its keyframe has it.
+// A control holds a hinge (rad) or another joint (m) when it rests this close to the keyframe.
 inline constexpr double kKeySlackTurn = 0.05;
 inline constexpr double kKeySlackSlide = 0.005;
 
@@ -32,10 +32,10 @@ class KeyCtrl {
 
   // Whether the actuator is one of the part that the keyframe is of.
   bool IsOfPart(int actuator) const;
-  // Writes into the key's controls (nu) and activations (na). `own`: what the part says counts, also
-  // where it says nothing: 0.
+  // Writes the actuator's numbers into the key's controls (nu) and activations (na). With `own` the
+  // part's keyframe decides; numbers that it leaves out are 0, as for the engine.
   void Set(int actuator, bool own, mjtNum* ctrl, mjtNum* act);
-  // A warning for each file of which controls were replaced or do not reach the positions.
+  // Reports a warning for each file whose controls were replaced or cannot reach the positions.
   void Tell(Report& report) const;
 
  private:

@@ -58,10 +58,11 @@ class Problems {
   // Takes over what was found about the value at the current path.
   void AppendBelow(const Problems& other);
 
-  // How the entry of a list at `index` of the current path is called in messages: "objects[1].mass"
-  // becomes "object 'red_cube' (objects[1]).mass". May be told after its problems; "" tells nothing.
+  // Gives the entry at `index` of the list at the current path a label: messages then say
+  // "object 'red_cube' (objects[1]).mass", not "objects[1].mass". It may come after the entry's
+  // problems. An empty label changes nothing.
   void NameEntry(size_t index, const std::string& label);
-  // The path of a problem as messages have it.
+  // The path of a problem as messages show it, with the labels of the entries on it.
   std::string Shown(const std::string& path) const;
 
   // Calls f(Problem&) for the problems from number `first` on.

@@ -29,8 +29,8 @@ struct GraspCandidate {
 std::vector<GraspCandidate> FindGrasps(const mjModel* model, const mjData* data, int object_body,
                                        const GripperShape& shape, const Pose& tcp_now);
 
-// The widths of objects that a gripper with these distances of its fingers (metres, closed and open)
-// can hold: wider than the closed gripper, and with clearance on both sides of the open one.
+// The widths of objects that a gripper can hold, from the distances of its fingers (metres): wider
+// than the closed gripper, and with clearance on both sides in the open one.
 struct HeldWidths {
   double least, most;
 };
