@@ -21,6 +21,7 @@ namespace nb = nanobind;
 
 void BindBase(nb::module_& m);        // errors, version
 void BindLog(nb::module_& m);         // the log
+void BindMujoco(nb::module_& m);      // known defects of the engine
 void BindMath(nb::module_& m);        // Pose
 void BindSpec(nb::module_& m);        // SceneSpec, RobotConfig, ...
 void BindAssets(nb::module_& m);      // where models are found

@@ -265,6 +265,8 @@ void BindCompiled(nb::module_& m) {
                    "The mujoco.MjModel, shared without a copy.")
       .def_prop_ro("warnings", &CompiledScene::warnings,
                    "What the parts asked for and did not get, and the engine's own warnings.")
+      .def_prop_ro("engine_guards", &CompiledScene::engine_guards,
+                   "Names of the known_engine_defects() that the model was guarded against.")
       .def_prop_ro("notes", &CompiledScene::notes,
                    "What is good to know and needs no change, such as lights that a part leaves "
                    "behind.")
@@ -480,6 +482,9 @@ void DefSharing(nb::class_<Scene>& c) {
       .def_prop_ro(
           "warnings", [](const Scene& s) { return s.compiled()->warnings(); },
           "What the parts asked for and did not get, and the engine's own warnings.")
+      .def_prop_ro(
+          "engine_guards", [](const Scene& s) { return s.compiled()->engine_guards(); },
+          "Names of the known_engine_defects() that the model was guarded against.")
       .def_prop_ro(
           "notes", [](const Scene& s) { return s.compiled()->notes(); },
           "What is good to know and needs no change, such as lights that a part leaves behind.")

@@ -331,6 +331,16 @@ def test_the_doctor_names_versions_graphics_and_encoder():
     assert "everything that is needed to generate datasets is here" in result.stdout
 
 
+def test_the_doctor_names_known_defects_of_the_engine_and_the_guards_against_them():
+    defects = robocell.known_engine_defects()
+    assert (robocell.mujoco_version() == "4.0.0") == bool(defects)
+    words = " ".join(robocell_command("doctor").stdout.split())
+    for defect in defects:
+        assert f"known mujoco: {defect.name} {defect.what}." in words
+        assert f"Guard: {defect.guard or 'none'}." in words
+        assert f"Fixed in MuJoCo {defect.fixed_in}." in words
+
+
 def test_the_doctor_tells_what_to_do_about_what_is_missing(tmp_path: Path):
     found = {
         finding.what: finding

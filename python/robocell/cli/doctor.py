@@ -9,7 +9,12 @@ from rich.text import Text
 from robocell.cli.common import ExitCode, print_wide
 from robocell.cli.probes import PROBES, PURPOSES, Finding, State
 
-STYLES = {State.OK: "green", State.MISSING: "yellow", State.BROKEN: "bold red"}
+STYLES = {
+    State.OK: "green",
+    State.MISSING: "yellow",
+    State.KNOWN: "yellow",
+    State.BROKEN: "bold red",
+}
 
 
 def doctor() -> None:

@@ -37,6 +37,7 @@ class State(StrEnum):
 
     OK = "ok"
     MISSING = "missing"  # something optional
+    KNOWN = "known"  # a defect of another program that robocell knows about
     BROKEN = "broken"  # a part of robocell will fail
 
 
@@ -60,6 +61,7 @@ def versions() -> list[Finding]:
         ),
         Finding("python", State.OK, f"{platform.python_version()} ({sys.executable})"),
         engine(),
+        *engine_defects(),
         packages(),
     ]
 
@@ -77,6 +79,20 @@ def engine() -> Finding:
         return Finding("mujoco", State.BROKEN, str(error), remedy)
     built, loaded = mujoco.__version__, mujoco.mj_versionString()
     return Finding("mujoco", State.OK, loaded if built == loaded else f"{loaded}, package {built}")
+
+
+def engine_defects() -> list[Finding]:
+    """What this version of the engine is known to do wrong, and what robocell does about it."""
+    import robocell
+
+    return [
+        Finding(
+            f"mujoco: {defect.name}",
+            State.KNOWN,
+            f"{defect.what}. Guard: {defect.guard or 'none'}. Fixed in MuJoCo {defect.fixed_in}.",
+        )
+        for defect in robocell.known_engine_defects()
+    ]
 
 
 def packages() -> Finding:

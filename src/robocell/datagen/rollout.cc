@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/log.h"
+#include "robocell/datagen/engine_record.h"
 #include "robocell/datagen/episode_cameras.h"
 #include "robocell/datagen/episode_columns.h"
 #include "robocell/datagen/recorded_scene.h"
@@ -112,6 +113,7 @@ std::string Metadata(const RunConfig& run, const EpisodeStart& start, const Port
   meta["target_object"] = start.target_object;
   meta["object_kinds"] = start.object_kinds;
   meta["scene_spec"] = ToYaml(portable.spec);
+  meta["engine"] = EngineRecord(start.scene);
   meta["timestep"] = start.scene.timestep();
   meta["rates"] = {{"policy_ms", run.rates.policy_ms},
                    {"control_ms", run.rates.control_ms},

@@ -44,6 +44,12 @@ bool IsAboutEmptyPrefix(const std::string& warning) {
   return warning.find("empty prefix may prevent") != std::string::npos;
 }
 
+// The guards that compiling put in force: `written` is the Jacobian that the spec had before.
+std::vector<std::string> GuardsSince(int written, const mjSpec* spec) {
+  if (spec->option.jacobian == written) return {};
+  return {std::string(kSparseNewton)};
+}
+
 }  // namespace
 
 // Builds one CompiledScene; lives for one call.
@@ -75,11 +81,14 @@ class SceneCompiler {
     std::shared_ptr<CompiledScene> scene = SceneCompiler(spec).Run();
     const std::string place = "scene '" + spec.name + "' / " + path;
     SpecPtr saved = ParseXmlFile(path, place);
-    ModelPtr model = Compile(saved.get(), nullptr, place);
+    const int written = saved->option.jacobian;
+    ModelPtr model = Compile(saved.get(), nullptr, place, nullptr, GuardOf(spec));
     CheckSavedNames(scene->model(), model.get(), place);
+    if (scene->engine_guards_.empty()) scene->engine_guards_ = GuardsSince(written, saved.get());
     scene->spec_owner_ = std::move(saved);
     scene->model_owner_ = std::move(model);
     scene->model_ = scene->model_owner_.get();
+    scene->jacobian_ = scene->model_->opt.jacobian;
     scene->home_key_ = mj_name2id(scene->model_, mjOBJ_KEY, "home");
     return scene;
   }
@@ -283,8 +292,10 @@ class SceneCompiler {
     AssignActuatorGroups(spec_.get(), limbs, report_);
     report_.Throw(spec().name);
     mjsKey* key = AddHomeKey(spec_.get());
+    const int written = spec_->option.jacobian;
     try {
-      out_->model_owner_ = Compile(spec_.get(), nullptr, context_, &out_->warnings_);
+      out_->model_owner_ =
+          Compile(spec_.get(), nullptr, context_, &out_->warnings_, GuardOf(spec()));
     } catch (const SpecError& error) {
       report_.Throw(spec().name);  // what is wrong with the options
       TellWhose(error.what());
@@ -292,6 +303,9 @@ class SceneCompiler {
     }
     std::erase_if(out_->warnings_, IsAboutEmptyPrefix);
     mjModel* model = out_->model_ = out_->model_owner_.get();
+    out_->engine_guards_ = GuardsSince(written, spec_.get());
+    out_->jacobian_ = model->opt.jacobian;
+    WarnWrongSolver(spec(), model, report_);
     for (const RobotRecord& robot : out_->robots_) CheckRobot(model, robot, report_);
     CheckGroups(model, out_->robots_, report_);
     CheckKeyframes(model, home_, out_->robots_, report_);

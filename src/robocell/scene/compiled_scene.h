@@ -95,6 +95,12 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   const std::vector<std::string>& warnings() const { return warnings_; }
   // What is good to know and needs no change, such as lights of a robot's file that stay behind.
   const std::vector<std::string>& notes() const { return notes_; }
+  // Guards against defects of the engine that the model was compiled with, by their names in
+  // KnownEngineDefects: {"sparse_newton"} when its Jacobian was made dense.
+  const std::vector<std::string>& engine_guards() const { return engine_guards_; }
+  // After the options of another scene's model were copied to this one's: puts the Jacobian back
+  // that was compiled here, unless somebody wrote another one to that model.
+  void KeepJacobian(const CompiledScene& from);
   // Model key with the robots' home positions: qpos0 with each robot's home and the controls that
   // hold it.
   int home_key() const { return home_key_; }
@@ -129,13 +135,14 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   mjModel* model_ = nullptr;
   std::vector<RobotRecord> robots_;
   std::vector<ObjectRecord> objects_;
-  std::vector<std::string> warnings_, notes_;
+  std::vector<std::string> warnings_, notes_, engine_guards_;
   uint64_t generation_ = 0;
   int home_key_ = -1;
   bool frozen_ = false;
   SourceFiles sources_;
   std::shared_ptr<CompiledScene> origin_;  // of a copy
   std::weak_ptr<void> claim_;
+  int jacobian_ = 0;          // opt.jacobian as compiled
   std::optional<int> modes_;  // opt.disableactuator as the first scene found it
 };
 
