@@ -8,6 +8,7 @@ from robocell import _startup as _startup  # the first: Ctrl-C while the command
 from robocell import menagerie, models
 from robocell._cmake import cmake_dir
 from robocell._core import (
+    NO_SEGMENT,
     ArgumentError,
     AttachKind,
     AttachmentSpec,
@@ -108,6 +109,7 @@ from robocell._core import (
     SceneSource,
     SceneSourceKind,
     SceneSpec,
+    SegmentLabel,
     Shape,
     SimOptions,
     SimSettings,
@@ -173,6 +175,7 @@ from robocell._core import (
 )
 
 __all__ = [
+    "NO_SEGMENT",
     "ArgumentError",
     "AttachKind",
     "AttachTarget",
@@ -273,6 +276,7 @@ __all__ = [
     "SceneSource",
     "SceneSourceKind",
     "SceneSpec",
+    "SegmentLabel",
     "Shape",
     "SimOptions",
     "SimSettings",

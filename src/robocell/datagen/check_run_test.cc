@@ -38,11 +38,12 @@ TEST(CheckRun, TheExamplesPass) {
 
 TEST(CheckRun, StreamsThatCannotBeRecordedAreToldAllAtOnce) {
   RunConfig run = Demo();
-  run.cameras.streams[0].segmentation = true;
+  run.cameras.streams[0].rgb = false;
+  run.cameras.streams[0].depth = true;
   run.cameras.streams[1].rate = 5;
   const std::string text =
-      ExpectThrow<SpecError>([&] { CheckRun(run); }, "segmentation cannot be recorded yet");
-  EXPECT_THAT(text, HasSubstr("cameras.streams[0].segmentation"));
+      ExpectThrow<SpecError>([&] { CheckRun(run); }, "a recorded stream needs rgb: true");
+  EXPECT_THAT(text, HasSubstr("cameras.streams[0].rgb"));
   EXPECT_THAT(text, HasSubstr("cameras.streams[1].rate"));
 }
 

@@ -29,11 +29,17 @@ class EpisodeCameras {
     CameraId video;
     ColumnId extrinsics;
     std::vector<uint8_t> rgb;
-    std::vector<uint16_t> depth_mm;  // empty unless wanted
+    std::vector<uint16_t> depth_mm;  // empty unless wanted, as the two below
+    std::vector<int32_t> bodies;
+    std::vector<uint16_t> labels;  // the same as they are recorded
   };
   Scene scene_;
   Renderer* renderer_;
   std::vector<Stream> streams_;
 };
+
+// What body ids of the scene's segmentation show: the name of each body, and the object or robot
+// that it belongs to.
+std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene);
 
 }  // namespace robocell
