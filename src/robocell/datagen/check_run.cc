@@ -216,7 +216,7 @@ class SceneCheck {
   // What it does, in a scene of its own. On a floor: a free base that falls carries nothing.
   void TryAlone() {
     SceneSpec spec{.name = run_.run,
-                   .timestep = run_.rates.sim_ms / 1000,
+                   .timestep = run_.rates.timestep().value(),
                    .add_floor = true,
                    .add_skybox = false,
                    .options = run_.options};

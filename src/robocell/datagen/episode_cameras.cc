@@ -34,8 +34,8 @@ std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene) {
 }
 
 EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
-                               const CameraSystemConfig& config, Renderer* renderer, int fps_num,
-                               int fps_den)
+                               const CameraSystemConfig& config, Renderer* renderer,
+                               const Ratio& rate)
     : scene_(scene), renderer_(renderer) {
   if (config.streams.empty()) return;
   renderer_->SetModel(scene.model());
@@ -51,8 +51,8 @@ EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
         {.name = stream.name,
          .width = s.width,
          .height = s.height,
-         .fps_num = fps_num,
-         .fps_den = fps_den,
+         .fps_num = static_cast<int>(rate.num),
+         .fps_den = static_cast<int>(rate.den),
          .intrinsics = std::array<double, 9>{k(0, 0), k(0, 1), k(0, 2), k(1, 0), k(1, 1), k(1, 2),
                                              k(2, 0), k(2, 1), k(2, 2)},
          .depth = stream.depth,

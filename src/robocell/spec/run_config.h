@@ -17,6 +17,7 @@
 
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/locations.h"
+#include "robocell/spec/rates.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/sim_options.h"
 
@@ -105,28 +106,6 @@ struct SceneSource {
   SceneSourceKind kind() const;
   // Number of scenes that episodes are made in.
   size_t count() const;
-  void Validate(Problems& problems) const;
-};
-
-struct Rates {
-  double policy_ms = 66;
-  double control_ms = 2;
-  double sim_ms = 2;
-  int max_steps = 500;
-
-  static constexpr const char* kTypeName = "Rates";
-  template <class V>
-  static void Fields(V&& v) {
-    v("policy_ms", &Rates::policy_ms, "One action and one recorded row per this time, ms.",
-      Check::kPositive);
-    v("control_ms", &Rates::control_ms, "Controllers run once per this time, ms.",
-      Check::kPositive);
-    v("sim_ms", &Rates::sim_ms, "The engine's timestep, ms.", Check::kPositive);
-    v("max_steps", &Rates::max_steps, "An episode ends after this many actions.", Check::kPositive);
-  }
-  // Whole numbers of control ticks per action and of engine steps per control tick.
-  int control_ticks() const;
-  int sim_steps() const;
   void Validate(Problems& problems) const;
 };
 

@@ -37,7 +37,7 @@ constexpr double kRisenShare = 0.5;  // of the lift that the object must have ma
 
 PickPlannerOptions OptionsOf(const RunConfig& run) {
   const GraspMotionOptions motion = GraspMotionOptionsOf(run.task);
-  return {.tick = run.rates.policy_ms / 1000, .above = motion.above, .lift = motion.lift};
+  return {.tick = run.rates.policy_period(), .above = motion.above, .lift = motion.lift};
 }
 
 }  // namespace
