@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
 
@@ -36,6 +36,7 @@ class State(StrEnum):
     """How a finding is meant."""
 
     OK = "ok"
+    SLOW = "slow"  # works, and there is something better that is not used
     MISSING = "missing"  # something optional
     BROKEN = "broken"  # a part of robocell will fail
 
@@ -96,10 +97,23 @@ def packages() -> Finding:
 def graphics() -> list[Finding]:
     """Every GL back end, each in a process of its own: one process can use one only."""
     found = [_graphics(backend) for backend in GL_BACKENDS]
-    if any(finding.state is State.OK for finding in found):
-        return found
+    for place, finding in enumerate(found):
+        if finding.state is State.OK:  # the one that is used
+            found[place] = judged(finding)
+            return found
     remedy = "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6"
     return [Finding(f.what, State.BROKEN, f.detail, remedy) for f in found]
+
+
+def judged(graphics: Finding, root: str = "/") -> Finding:
+    """Slow instead of ok where software draws although the machine has a graphics card.
+
+    `root` is the folder that the machine's files are looked up in.
+    """
+    from robocell import _core
+
+    advice = _core.graphics_advice(graphics.detail, root)
+    return replace(graphics, state=State.SLOW, remedy=advice) if advice else graphics
 
 
 def _graphics(backend: str) -> Finding:
