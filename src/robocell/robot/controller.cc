@@ -12,6 +12,7 @@
 #include "robocell/robot/joint_torque_controller.h"
 #include "robocell/robot/joint_velocity_controller.h"
 
+#include "robocell/spec/group_controls.h"
 namespace robocell {
 namespace {
 
@@ -100,7 +101,14 @@ std::unique_ptr<Controller> MakeController(const std::string& kind, MoveGroup& g
   return FindKind(kind, group.place()).factory(group);
 }
 
+void RequireControllable(const MoveGroup& group, const std::string& kind,
+                         const std::string& place) {
+  const std::string why = WhyNotControlledBy(group.kind(), kind);
+  if (!why.empty()) throw ArgumentError(place + ": " + why);
+}
+
 CtrlMode ControllerMode(const std::string& kind, const std::string& place) {
+  RequireControllable(group, kind, group.place());
   return FindKind(kind, place).mode;
 }
 

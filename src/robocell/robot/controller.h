@@ -107,7 +107,10 @@ using ControllerFactory = std::function<std::unique_ptr<Controller>(MoveGroup&)>
 // that of the controllers made.
 void RegisterController(const std::string& kind, ControllerFactory factory,
                         CtrlMode mode = CtrlMode::kPosition);
-// NotFoundError lists the kinds; else what the factory throws.
+// ArgumentError, which begins with `place`, for a built-in kind that groups like this one cannot
+// have: a gripper is driven by joint_position alone. It lists those that the group can have.
+void RequireControllable(const MoveGroup& group, const std::string& kind, const std::string& place);
+// NotFoundError lists the kinds; else what RequireControllable and the factory throw.
 std::unique_ptr<Controller> MakeController(const std::string& kind, MoveGroup& group);
 // The mode of a kind. `place` begins the message of a NotFoundError.
 CtrlMode ControllerMode(const std::string& kind, const std::string& place);

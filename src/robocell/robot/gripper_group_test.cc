@@ -511,5 +511,17 @@ TEST(Gripper, RefusesOpeningsThatAreNoNumbersAndClampsOthers) {
                              "robot 'rc7' / group 'gripper': no body 'cub'");
 }
 
+TEST(GripperRoot, IsItsLeafUnlessTheFileNamesAnother) {
+  RobotConfig config = Rc7();
+  const Robot robot = RobotAlone(config);
+  const MoveGroup& gripper = robot.gripper();
+  EXPECT_TRUE(gripper.root_frame_to_world().is_close(gripper.leaf_frame_to_world(), 1e-12, 1e-12));
+  EXPECT_TRUE(gripper.leaf_frame_to_root().is_close(Pose(), 1e-12, 1e-12));
+  EXPECT_TRUE(gripper.leaf_frame_to_world().is_close(robot.tcp_in_world(), 1e-12, 1e-12));
+  GripperConfig(config).root = ElementRef{.name = config.root_body};
+  const Robot other = RobotAlone(config);
+  EXPECT_TRUE(other.gripper().root_frame_to_world().is_close(other.base_in_world(), 1e-12, 1e-12));
+}
+
 }  // namespace
 }  // namespace robocell

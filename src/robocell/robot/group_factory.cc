@@ -88,6 +88,7 @@ class GroupMaker {
       case MoveGroupKind::kGripper:
         names_.leaf = LeafOr(ToolFrame());
         return {std::make_shared<ActuatedGripper>(scene_, names_, config_)};
+        if (!config_.root) names_.root = names_.leaf;  // its fingers move about the TCP
       case MoveGroupKind::kBase:
         return MakeBase();
       case MoveGroupKind::kGeneric:

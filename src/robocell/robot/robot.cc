@@ -129,6 +129,7 @@ std::unique_ptr<Controller> Robot::NewController(const std::string& group,
                                                  const std::string& kind) const {
   GroupSlot& slot = open().Require(group);
   const CtrlMode mode = ControllerMode(kind, open().place(slot));
+  RequireControllable(*slot.own->group, kind, open().place(slot));
   return open().Successor(slot, kind, mode);
 }
 

@@ -8,6 +8,7 @@
 
 #include "robocell/base/names.h"
 #include "robocell/spec/check_attachments.h"
+#include "robocell/spec/group_controls.h"
 #include "robocell/spec/shared_parts.h"
 #include "robocell/spec/validate.h"
 
@@ -49,6 +50,17 @@ void CheckGroupKeys(const Map<T>& map, std::string_view field, const Map<MoveGro
   for (const auto& [key, box] : map.entries()) {
     if (!groups.contains(key))
       problems.AddAt(key, NoSuchName("", "move group", key, groups.keys()));
+  }
+}
+
+// Each group has a controller that groups of its kind can have.
+void CheckControls(const RobotConfig& robot, Problems& problems) {
+  Problems::Scope scope(problems, "control");
+  for (const auto& [key, kind] : robot.control.entries()) {
+    const MoveGroupConfig* group = robot.move_groups.find(key);
+    if (!group || !IsNamed(group->kind) || !IsNamed(*kind)) continue;
+    const std::string why = WhyNotControlledBy(group->kind, ToString(*kind));
+    if (!why.empty()) problems.AddAt(key, why);
   }
 }
 
@@ -147,6 +159,7 @@ void RobotConfig::Validate(Problems& problems) const {
   CheckAttachments(attachments, problems);
   std::vector<std::string> camera_names;
   for (const CameraSpec& camera : cameras) camera_names.push_back(camera.name);
+  CheckControls(*this, problems);
   CheckUnique(camera_names, "cameras", "name", problems);
   CheckFtSensors(ft_sensors, problems);
   if (tcp_offset && !attachment_site) {

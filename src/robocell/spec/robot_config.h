@@ -128,7 +128,8 @@ struct MoveGroupConfig {
     v("actuators", &MoveGroupConfig::actuators,
       "Actuator names; for an arm one per joint in the same order.");
     v("root", &MoveGroupConfig::root,
-      "Frame the group's poses are relative to (body or site); the root body unless set.");
+      "Frame the group's poses are relative to (body or site). Unless set, it is the robot's root "
+      "body; of a gripper it is the leaf.");
     v("leaf", &MoveGroupConfig::leaf, "Frame the group moves (body or site): an arm's TCP.");
     v("fingers", &MoveGroupConfig::fingers, "Gripper: the two finger geoms, bodies or sites.");
     v("ctrl", &MoveGroupConfig::ctrl,
