@@ -191,8 +191,26 @@ void BindGroups(nb::module_& m) {
   nb::class_<BaseGroup, MoveGroup, PyBaseGroup> base(m, "BaseGroup", "What a robot stands on.");
   base.def(nb::init<>())
       .def_prop_rw("pose", &BaseGroup::pose, &BaseGroup::SetPose,
-                   "Pose in the world; only a mocap, free or planar base can be set.")
-      .def_prop_ro("is_mobile", &BaseGroup::is_mobile);
+                   "Pose in the world. Setting it teleports a mocap, free, planar or driven base, "
+                   "and leaves behind what the robot holds; a fixed base raises ArgumentError.")
+      .def_prop_ro("is_mobile", &BaseGroup::is_mobile)
+      .def_prop_ro("is_driven", &BaseGroup::is_driven,
+                   "Whether `update` moves it to `target`, as a driven base.")
+      .def_prop_rw("target", &BaseGroup::target, &BaseGroup::SetTarget,
+                   "Pose in the world that a driven base moves to, within its largest speeds and "
+                   "with what the robot holds. ArgumentError for other bases.")
+      .def_prop_rw(
+          "max_linear_speed", [](const BaseGroup& b) { return b.max_speeds().linear; },
+          [](BaseGroup& b, double speed) {
+            b.SetMaxSpeeds({.linear = speed, .angular = b.max_speeds().angular});
+          },
+          "m/s, of a driven base.")
+      .def_prop_rw(
+          "max_angular_speed", [](const BaseGroup& b) { return b.max_speeds().angular; },
+          [](BaseGroup& b, double speed) {
+            b.SetMaxSpeeds({.linear = b.max_speeds().linear, .angular = speed});
+          },
+          "rad/s, of a driven base.");
   for (const nb::handle type : {nb::handle(group), nb::handle(gripper), nb::handle(base)})
     GuardGroup(type);
 }
@@ -210,6 +228,8 @@ void BindAction(nb::module_& m) {
       .def_static(
           "leaf_pose", [](const PoseOrFrame& p) { return GroupCommand::LeafPose(p.get()); },
           "leaf_in_robot"_a, "Pose of the leaf in the robot base frame, through IK.")
+      .def_static("base_pose", &GroupCommand::BasePose, "base_in_world"_a,
+                  "Pose of a driven base in the world, to which `update` moves it.")
       .def_static("opening", &GroupCommand::Opening, "opening"_a,
                   "Of a gripper: 0 closed ... 1 open.")
       .def_static(

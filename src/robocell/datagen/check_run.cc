@@ -161,6 +161,7 @@ class SceneCheck {
         case BaseKind::kFree:
           return "a free base falls from there";
         case BaseKind::kMocap:
+        case BaseKind::kDriven:
           break;
       }
       return "";

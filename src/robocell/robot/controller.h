@@ -35,8 +35,9 @@ enum class TargetKind {
   kOpening,     // of a gripper
   kJointVelocities,
   kJointTorques,
-  kPose,   // of the leaf in the robot base frame: x y z, quaternion xyzw
-  kTwist,  // of the leaf: linear, then angular velocity
+  kPose,      // of the leaf in the robot base frame: x y z, quaternion xyzw
+  kTwist,     // of the leaf: linear, then angular velocity
+  kBasePose,  // of a base in the world: x y z, quaternion xyzw
 };
 // "joint positions", "a pose" ... for messages.
 const char* Describe(TargetKind kind);

@@ -35,9 +35,13 @@ struct RobotRecord {
   std::optional<std::string> attachment_site;
   std::optional<std::string>
       tcp_site;  // site made for attachment_site * tcp_offset, when both are configured
-  // What the robot stands on, pedestal included: the body made for a mocap, free or planar base or
+  // What the robot stands on, pedestal included: the body made for a base that is not fixed or
   // for a pedestal, else the topmost body of the robot's model. Its subtree is the robot.
   std::string base_body = {};
+
+  // Of a driven base: the mocap body that base_body is welded to, and the weld.
+  std::string base_target() const { return prefix + "base_target"; }
+  std::string base_weld() const { return prefix + "base_weld"; }
 };
 
 // An object of the pool as it is inside of the scene; what is parked has none of it.

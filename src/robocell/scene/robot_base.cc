@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {
@@ -40,6 +42,40 @@ void AddPlanarJoints(mjsBody* body, const std::string& prefix, const std::string
     joint->type = type;
     for (int i = 0; i < 3; ++i) joint->axis[i] = i == axis ? 1 : 0;
   }
+}
+
+// The weld is so stiff that a base sags by less than 0.1 mm under a hand and its load: at rest the
+// engine lets it give way by (1 - d) / d of the load over the stiffness 1 / (d t)^2.
+constexpr double kWeldTime = 0.01;        // t, seconds
+constexpr double kWeldImpedance = 0.999;  // d
+
+// For a weld the engine weighs the body that it holds. A body that has no mass itself counts as if
+// it had next to none, whatever hangs on it, and would sag by centimetres.
+void AddMass(mjsBody* body) {
+  body->explicitinertial = 1;
+  std::fill_n(body->ipos, 3, 0.0);  // without a place the engine takes none of this
+  body->mass = 1e-3;
+  std::fill_n(body->inertia, 3, 1e-6);
+}
+
+// What moves the base body: a mocap body at the same place.
+void AddTarget(mjsBody* world, const std::string& base, const Pose& pose, const RobotRecord& robot,
+               const std::string& place) {
+  mjsBody* target = mjs_addBody(world, nullptr);
+  SetSpecName(target->element, robot.base_target(), place);
+  SetPose(target, pose);
+  target->mocap = true;
+  mjsEquality* weld = mjs_addEquality(mjs_getSpec(world->element), nullptr);
+  SetSpecName(weld->element, robot.base_weld(), place);
+  weld->type = mjEQ_WELD;
+  weld->objtype = mjOBJ_BODY;
+  mjs_setString(weld->name1, robot.base_target().c_str());
+  mjs_setString(weld->name2, base.c_str());
+  std::fill_n(weld->data, mjNEQDATA, 0.0);  // anchored at the origin
+  weld->data[6] = 1;                        // the relative pose is the identity
+  weld->data[10] = 1;                       // angles count like metres
+  weld->solref[0] = kWeldTime;
+  weld->solimp[0] = weld->solimp[1] = kWeldImpedance;
 }
 
 }  // namespace
@@ -84,9 +120,11 @@ std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded
   SetSpecName(body->element, *name, place);
   SetPose(body, at->pose);
   body->mocap = base.kind == BaseKind::kMocap;
-  if (base.kind == BaseKind::kFree)
+  if (base.kind == BaseKind::kDriven) AddTarget(at->parent, *name, at->pose, loaded.record, place);
+  if (base.kind == BaseKind::kFree || base.kind == BaseKind::kDriven)
     SetSpecName(mjs_addFreeJoint(body)->element, robot.prefix + "base_free", place);
   if (base.kind == BaseKind::kPlanar) AddPlanarJoints(body, robot.prefix, place);
+  if (base.kind == BaseKind::kDriven && !base.size) AddMass(body);
   if (base.size) AddPedestal(body, *base.size, robot.prefix, place);
   return Placement{body, Pose(Eigen::Vector3d(0, 0, loaded.record.pedestal_height))};
 }

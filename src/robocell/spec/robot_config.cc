@@ -111,6 +111,13 @@ void CheckHomesAgree(const RobotConfig& robot, Problems& problems) {
 
 }  // namespace
 
+void BaseConfig::Validate(Problems& problems) const {
+  if (kind == BaseKind::kDriven || (!max_linear_speed && !max_angular_speed)) return;
+  problems.AddAt(max_linear_speed ? "max_linear_speed" : "max_angular_speed",
+                 fmt::format("belongs to a driven base; this one's kind is {}",
+                             IsNamed(kind) ? ToString(kind) : "none"));
+}
+
 void MoveGroupConfig::Validate(Problems& problems) const {
   if (kind == MoveGroupKind::kArm) CheckArm(*this, problems);
   if (kind == MoveGroupKind::kGripper) {
@@ -152,6 +159,7 @@ void RobotConfig::Validate(Problems& problems) const {
   CheckGroupKeys(home, "home", move_groups, problems);
   CheckGroupKeys(home_noise, "home_noise", move_groups, problems);
   CheckGroupKeys(control, "control", move_groups, problems);
+  CheckControls(*this, problems);
   CheckLengths(home, "home", *this, false, problems);
   CheckLengths(home_noise, "home_noise", *this, true, problems);
   CheckGroupsApart(*this, problems);
@@ -159,7 +167,6 @@ void RobotConfig::Validate(Problems& problems) const {
   CheckAttachments(attachments, problems);
   std::vector<std::string> camera_names;
   for (const CameraSpec& camera : cameras) camera_names.push_back(camera.name);
-  CheckControls(*this, problems);
   CheckUnique(camera_names, "cameras", "name", problems);
   CheckFtSensors(ft_sensors, problems);
   if (tcp_offset && !attachment_site) {

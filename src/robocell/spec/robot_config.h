@@ -29,12 +29,13 @@
 
 namespace robocell {
 
-enum class BaseKind { kFixed, kMocap, kFree, kPlanar };
+enum class BaseKind { kFixed, kMocap, kFree, kPlanar, kDriven };
 template <>
 struct EnumNames<BaseKind> {
   static constexpr std::array kNames = {
       std::pair{BaseKind::kFixed, "fixed"}, std::pair{BaseKind::kMocap, "mocap"},
-      std::pair{BaseKind::kFree, "free"}, std::pair{BaseKind::kPlanar, "planar"}};
+      std::pair{BaseKind::kFree, "free"}, std::pair{BaseKind::kPlanar, "planar"},
+      std::pair{BaseKind::kDriven, "driven"}};
 };
 
 enum class MoveGroupKind { kArm, kGripper, kBase, kGeneric };
@@ -73,14 +74,24 @@ CtrlMode ModeOf(ControlKind kind);
 struct BaseConfig {
   BaseKind kind = BaseKind::kFixed;
   std::optional<Vec3> size = {};
+  std::optional<double> max_linear_speed = {};
+  std::optional<double> max_angular_speed = {};
 
   static constexpr const char* kTypeName = "BaseConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("kind", &BaseConfig::kind, "fixed, mocap (can be teleported), free or planar.");
+    v("kind", &BaseConfig::kind,
+      "fixed, mocap (can be teleported), free, planar, or driven (follows a target and carries "
+      "what "
+      "the gripper holds).");
     v("size", &BaseConfig::size, "Length, width and height of a box under the robot, metres.",
       Check::kPositive);
+    v("max_linear_speed", &BaseConfig::max_linear_speed,
+      "Driven: how fast the base moves at most, m/s; 0.5 unless set.", Check::kPositive);
+    v("max_angular_speed", &BaseConfig::max_angular_speed,
+      "Driven: how fast the base turns at most, rad/s; 2 unless set.", Check::kPositive);
   }
+  void Validate(Problems& problems) const;
 };
 
 // The raw control values of a gripper's actuator.
