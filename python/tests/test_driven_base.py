@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import robocell as rc
 
+TIMESTEP = 0.002
 HAND = """<mujoco model="hand">
   <worldbody>
     <body name="palm">
@@ -50,16 +52,17 @@ def robot_file(tmp_path: Path) -> Path:
 @pytest.fixture
 def hand(robot_file: Path) -> rc.Robot:
     config = rc.RobotConfig.load(str(robot_file))
-    cube = rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[0.02, 0.02, 0.02], mass=0.1)
-    cube.pos = [0, 0, 0.02]
-    spec = rc.SceneSpec(name="carry", timestep=0.002, add_floor=True)
+    cube = rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[0.02] * 3, mass=0.1)
+    cube.pos, cube.rgba = [0, 0, 0.02], [1, 0.5, 0, 1]
+    cube.friction = [0.8, 0.02, 0.001]
+    spec = rc.SceneSpec(name="carry", timestep=TIMESTEP, add_floor=True, add_skybox=False)
     spec.robots.append(rc.RobotSpec(name="hand", config=config, pos=[0, 0, 0.115]))
     spec.objects.append(cube)
     return rc.Scene.build(spec).robot("hand")
 
 
 def run(robot: rc.Robot, seconds: float) -> None:
-    for _ in range(round(seconds / robot.scene.timestep)):
+    for _ in range(round(seconds / TIMESTEP)):
         robot.update()
         robot.step()
 
@@ -87,7 +90,7 @@ def test_it_carries_what_its_gripper_holds(hand: rc.Robot):
 
 
 def test_other_bases_have_no_target():
-    spec = rc.SceneSpec(name="s", timestep=0.002)
+    spec = rc.SceneSpec(name="s", timestep=TIMESTEP, add_floor=True, add_skybox=False)
     config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
     spec.robots.append(rc.RobotSpec(name="rc7", config=config))
     base = rc.Scene.build(spec).robot("rc7").base
@@ -117,7 +120,7 @@ def test_a_gripper_takes_no_relative_steps(robot_file: Path, hand: rc.Robot):
     robot_file.write_text(ROBOT + "control: {gripper: relative_joint_position}\n")
     with pytest.raises(rc.SpecError) as caught_in_file:
         rc.RobotConfig.load(str(robot_file))
-    assert f"hand.yaml:7:21: control.gripper: {message}" in str(caught_in_file.value)
+    assert re.search(rf"hand\.yaml:7:\d+: control\.gripper: {message}", str(caught_in_file.value))
 
 
 def test_a_grippers_root_is_its_leaf(hand: rc.Robot):
