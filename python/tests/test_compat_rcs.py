@@ -235,9 +235,14 @@ def test_two_arms_in_one_frame(fr3):
     mount = left * DEFAULT_TRANSFORMS["FR3_ROBOTIQ_WRIST_D405_MOUNT"]
     assert scene.body_pose("left_d405_mount_robotiq_d405_mount").is_close(mount, *EXACT)
     assert scene.body_pose("cube_green_cube").is_close(rc.Pose(translation=[0.5, 0, 0.2]), *EXACT)
-    for side in ("left", "right"):  # the arms stand on the mount's plates
-        plate = scene.site_pose(f"duo_mount_{side}_base")
+    plates = {side: scene.site_pose(f"duo_mount_{side}_base") for side in ("left", "right")}
+    for side, plate in plates.items():  # the arms stand on them
         assert scene.body_pose(f"robot{side}_base").is_close(plate, 1e-5, 1e-5)
+    scene.reset()
+    scene.step_n(1000)
+    assert scene.body_pose("cube_green_cube").translation[2] == pytest.approx(0.02, abs=1e-3)
+    assert scene.site_pose("duo_mount_left_base").is_close(plates["left"], *EXACT)
+    scene.reset()
     moved = rcs.common.Pose(translation=[1, 2, 0.5], rpy=[0.2, 0, 1])
     cfg.root_frame_to_world = moved
     after = built(cfg)

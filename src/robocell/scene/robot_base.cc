@@ -10,13 +10,6 @@ namespace {
 
 constexpr float kPedestalColour[4] = {0.32f, 0.33f, 0.36f, 1.0f};
 
-bool HasFreeJoint(mjsBody* body) {
-  for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT)) {
-    if (mjs_asJoint(joint)->type == mjJNT_FREE) return true;
-  }
-  return false;
-}
-
 void AddPedestal(mjsBody* body, const Vec3& size, const std::string& prefix,
                  const std::string& place) {
   mjsGeom* geom = mjs_addGeom(body, nullptr);
@@ -56,7 +49,7 @@ void SettleBase(RobotPart& robot, Report& report) {
   if (record.base.kind == BaseKind::kMocap) record.mocap_body = made;
   const std::string top = SpecName(robot.top->element);
   record.base_body = made ? *made : top.empty() ? record.root_body : record.prefix + top;
-  if (!HasFreeJoint(robot.top)) return;
+  if (!FreeJointOf(robot.top)) return;
   if (made) {
     report.Problem(
         robot.part.place,
@@ -72,7 +65,7 @@ std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded
                                  const Placement& placement, Report& report) {
   const BaseConfig& base = loaded.record.base;
   const std::string& place = loaded.part.place;
-  const bool free_root = HasFreeJoint(loaded.top);
+  const bool free_root = FreeJointOf(loaded.top) != nullptr;
   const auto name = free_root ? std::nullopt : BaseBodyName(base, robot.prefix);
   std::optional<Placement> at = placement;
   if (base.kind != BaseKind::kFixed) {

@@ -38,7 +38,9 @@ struct EnvObject {
     v("offset", &EnvObject::offset,
       "Pose of the model's root body in that frame; what the file says of it is dropped.");
     v("fixed", &EnvObject::fixed,
-      "Unset: as authored, and free for primitives. A robot's frame carries fixed ones only.");
+      "true: it stays where it is. false: it moves freely, and falls. Unset: a model does what its "
+      "file says (a free joint at the root lets it fall), a primitive falls, and what stands in a "
+      "robot's frame is mounted there.");
     v("shape", &EnvObject::shape, "Primitive, in the place of a model: box, sphere or cylinder.");
     v("size", &EnvObject::size,
       "Of a primitive, half sizes in metres: box x y z; sphere radius 0 0; cylinder radius, half "
