@@ -307,6 +307,7 @@ class SceneCompiler {
       CheckScale(model, out_->robots_[i], report_);
     }
     CheckCameraPlaces(model, out_->home_key_, out_->robots_, report_);
+    CheckPedestals(model, out_->robots_, report_);
     FixVisibleRange(spec_.get(), model);
     out_->spec_owner_ = std::move(spec_);
   }

@@ -146,6 +146,7 @@ struct RobotConfig {
   List<AttachmentSpec> attachments = {};
   std::string root_body = {};
   BaseConfig base = {};
+  std::optional<bool> reset_root_pose = {};
   Map<MoveGroupConfig> move_groups = {};
   std::optional<std::string> attachment_site = {};
   std::optional<Pose> tcp_offset = {};
@@ -179,6 +180,10 @@ struct RobotConfig {
     v("root_body", &RobotConfig::root_body,
       "The arm's root body; its frame is the robot base frame. Default: the model's only root.");
     v("base", &RobotConfig::base, "What the robot stands on.");
+    v("reset_root_pose", &RobotConfig::reset_root_pose,
+      "What becomes of the pose that the model's file gives its root. true: it is dropped; false: "
+      "it is kept. Unset: environments drop it; elsewhere it is kept, but on a pedestal only its "
+      "height and rotation, so that the robot stands in the middle.");
     v("move_groups", &RobotConfig::move_groups, "Named groups of joints.");
     v("attachment_site", &RobotConfig::attachment_site, "Site where tools go.");
     v("tcp_offset", &RobotConfig::tcp_offset, "TCP relative to the attachment site.");
