@@ -110,8 +110,15 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       seeds_(copy ? Rng::Stream(0, kSeedPurpose, *copy) : Rng::Stream(0, kSeedPurpose)),
       observation_(layout_.observation.size()),
       draws_(!drawing) {
-  if (copy.value_or(0) > 0) return;  // said of the first
-  for (const ArmDriver& arm : arms_) TellUndriven(arm.robot());
+  if (task_) {
+    const std::vector<std::string> resting = task_->resting_objects();
+    if (!resting.empty()) start_check_.emplace(scene_, resting);
+  }
+  const bool is_first = copy.value_or(0) == 0;  // what is to be said is said of the first
+  if (is_first) {
+    for (const ArmDriver& arm : arms_) TellUndriven(arm.robot());
+  }
+  TryStart(is_first);
 }
 
 void Env::TellUndriven(const Robot& robot) const {
@@ -136,16 +143,9 @@ void Env::Reset(const EnvResetOptions& options) {
   const uint64_t seed = seeds_.NextBits();
   Rng variation = Rng::Stream(seed, "env variation");
   variations_.Draw(variation);
-  Rng of_task = Rng::Stream(seed, "env task");
-  // Asked before the reset, which puts bodies there and is one evaluation of the scene.
-  const BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
-  scene_.Reset({.seed = seed, .body_poses = starts});
-  for (size_t i = 0; i < kept.size(); ++i) Robot(arms_[i].robot()).SetJointPos(kept[i]);
-  for (ArmDriver& arm : arms_) arm.Reset();
-  if (task_) {
-    task_->Arrange(scene_, of_task);
-    task_->Begin(scene_);
-  }
+  if (const std::string why = MakeStart(seed, kept); !why.empty())
+    throw ArgumentError(NoStart(why));
+  if (task_) task_->Begin(scene_);
   collisions_.Forget();
   record_.reset();
   ticks_ = 0;

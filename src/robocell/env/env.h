@@ -13,7 +13,8 @@
 // 1/frequency. It says which. A pose without a solution leaves that arm where it was sent before,
 // and is tried again with the next command.
 //
-// Errors: SpecError for what is wrong with the configuration; ArgumentError for actions of a wrong
+// Errors: SpecError for what is wrong with the configuration, objects of the task included that do
+// not come to rest where they start; ArgumentError for actions of a wrong
 // size or with numbers that are not finite, before anything moves, and for rewards and signals of a
 // task that are not finite; numbers beyond their range are cut to it. Divergence is a value: after
 // it, as after an error on the way, only Reset and Restore go on. With on_collision guard a step is
@@ -45,6 +46,7 @@
 #include "robocell/env/stepper.h"
 #include "robocell/scene/body_handle.h"
 #include "robocell/spec/env_config.h"
+#include "robocell/task/start_check.h"
 
 namespace robocell {
 
@@ -139,6 +141,11 @@ class Env {
     EnvState state;
   };
 
+  void TryStart(bool is_first);
+  std::string MakeStart(uint64_t seed, const std::vector<std::vector<double>>& kept_joints);
+  std::string NoStart(const std::string& why) const;
+  void RequireRest(const std::string& doubt);
+  void WarnOfStart();
   void RequireReady() const;
   Snapshot& RequireSnapshot(const std::string& name);
   std::vector<std::string> Send(std::span<const double> action);
@@ -170,6 +177,7 @@ class Env {
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects
   std::vector<ArmDriver> arms_;
+  std::optional<StartCheck> start_check_;  // with a task whose objects have to rest
   Stepper stepper_;
   CollisionMonitor collisions_;
   EnvCameras cameras_;

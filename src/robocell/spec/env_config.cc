@@ -202,6 +202,8 @@ bool EnvConfig::has_mounted_gripper(const std::string& robot) const {
   return config && grippers.contains(robot) && !HasGroup(*config, MoveGroupKind::kGripper);
 }
 
+bool EnvConfig::has_added_floor() const { return add_floor.value_or(scene == "empty_world"); }
+
 Pose EnvConfig::robot_in_shared_base(const std::string& robot) const {
   const Pose* pose = robot_to_shared_base_frame.find(robot);
   return pose ? *pose : Pose();

@@ -14,6 +14,7 @@
 // begin with `{id}_`; cameras keep their name.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ struct EnvConfig {
   Map<RobotConfig> grippers = {};
   Map<Pose> gripper_offsets = {};
   std::string scene = "empty_world";
-  bool add_floor = false;
+  std::optional<bool> add_floor = {};
   Pose root_frame_to_world = {};
   Pose shared_base_frame_to_root_frame = {};
   Map<Pose> robot_to_shared_base_frame = {};
@@ -71,7 +72,9 @@ struct EnvConfig {
     v("gripper_offsets", &EnvConfig::gripper_offsets,
       "Robot to the pose of its gripper in the attachment site; the identity unless set.");
     v("scene", &EnvConfig::scene, "Base scene: an MJCF file or a built-in name.");
-    v("add_floor", &EnvConfig::add_floor, "Add a floor plane at z = 0 of the world.");
+    v("add_floor", &EnvConfig::add_floor,
+      "Add a floor plane at z = 0 of the world. Unset: yes with the scene empty_world, which has "
+      "none; no with others.");
     v("root_frame_to_world", &EnvConfig::root_frame_to_world,
       "The rig: pose of the root frame in the world. Moves robots, root objects and cameras.");
     v("shared_base_frame_to_root_frame", &EnvConfig::shared_base_frame_to_root_frame,
@@ -123,6 +126,8 @@ struct EnvConfig {
   StepLimit step_limit() const;
   // Whether the robot's gripper is one of `grippers`, and not its own.
   bool has_mounted_gripper(const std::string& robot) const;
+  // What add_floor says, or its default.
+  bool has_added_floor() const;
   // The pose of the robot's base in the shared base frame.
   Pose robot_in_shared_base(const std::string& robot) const;
 

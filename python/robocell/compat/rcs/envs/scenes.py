@@ -123,8 +123,6 @@ class SimEnvCreatorConfig(NamedFields):
             "grippers": {robot: g.to_robot() for robot, g in (self.gripper_cfgs or {}).items()},
             "gripper_offsets": dict(self.gripper_offsets or {}),
             "scene": str(self.scene),
-            # RCS's empty world has one, on which things lie; robocell's has not.
-            "add_floor": str(self.scene) == SCENE_PATHS["empty_world"],
             "root_frame_to_world": self.root_frame_to_world,
             "shared_base_frame_to_root_frame": self.shared_base_frame_to_root_frame,
             "robot_to_shared_base_frame": dict(self.robot_to_shared_base_frame or {}),
