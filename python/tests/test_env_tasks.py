@@ -153,7 +153,7 @@ class RestBesideTheArm(FindTheCube):
 
     def starts(self, rng):
         RestBesideTheArm.asked += 1
-        self.point = np.array([rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 0.02])
+        self.point = np.array([rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 0.0195])
         return {"cube_green_cube": rc.Pose(translation=self.point)}
 
     def resting_objects(self):

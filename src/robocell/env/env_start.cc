@@ -101,7 +101,8 @@ void Env::RequireRest(const std::string& doubt) {
 
 void Env::WarnOfStart() {
   std::vector<std::string> inside = RobotsInTheFloor(scene_);
-  for (std::string& robot : StartCheck(scene_, {}).RobotsInside()) inside.push_back(robot);
+  StartCheck check = start_check_ ? *start_check_ : StartCheck(scene_, {});
+  for (const std::string& robot : check.RobotsInside()) inside.push_back(robot);
   for (const std::string& robot : inside) {
     LogWarn(fmt::format(
         "{}: at the start {}. Move the robot (robot_to_shared_base_frame), or write "

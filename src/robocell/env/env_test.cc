@@ -406,7 +406,7 @@ TEST(EnvSteps, LinksThatAJointConnectsDoNotCollide) {
           <site name="flange" pos="0 0 0.4"/></body></body></body></worldbody>
     <actuator><position name="servo1" joint="shoulder" kp="100" kv="10"/>
       <position name="servo2" joint="elbow" kp="100" kv="10"/></actuator>)"));
-  EnvConfig config{.relative_to = RelativeTo::kNone};
+  EnvConfig config{.add_floor = false, .relative_to = RelativeTo::kNone};
   config.robots["robot"] = arm;
   Env env = Ready(config);
   EXPECT_THAT(env.Step(Numbers{0.1, 0.1}).collisions, IsEmpty());

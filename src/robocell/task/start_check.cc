@@ -147,7 +147,8 @@ std::string StartCheck::RobotText(int body) const {
   return fmt::format("robot '{}' ({})", robots_[robot_of_[body]], BodyText(scene_.model(), body));
 }
 
-// The bodies, when one is a robot's and the other is not of the same, and they are too deep.
+// The bodies, when one is a robot's and the other neither of the same nor an object that is to lie
+// still, and they are too deep.
 std::optional<StartCheck::Pair> StartCheck::RobotPair(int contact) const {
   const mjContact& c = scene_.data()->contact[contact];
   if (c.exclude != 0 || c.geom[0] < 0 || c.geom[1] < 0 || c.dist > -kInside) return std::nullopt;
@@ -155,6 +156,7 @@ std::optional<StartCheck::Pair> StartCheck::RobotPair(int contact) const {
   Pair bodies(m->geom_bodyid[c.geom[0]], m->geom_bodyid[c.geom[1]]);
   if (robot_of_[bodies.first] == robot_of_[bodies.second]) return std::nullopt;
   if (robot_of_[bodies.first] < 0) std::swap(bodies.first, bodies.second);
+  if (object_of_[bodies.second] >= 0) return std::nullopt;
   return bodies;
 }
 
