@@ -168,8 +168,8 @@ TEST(Hints, AModelFile) {
 TEST(Misspelt, ARequiredFieldIsOneProblem) {
   EXPECT_EQ(ParseError<RobotConfig>("name: arm\nmodle: arm.xml\n"),
             "f.yaml is not valid: f.yaml:2:1: modle: a RobotConfig: no field 'modle'. Its fields: "
-            "name, model, edits, attachments, root_body, base, move_groups, attachment_site, "
-            "tcp_offset, home, home_noise, control and 9 more. Did you mean 'model'?");
+            "name, model, edits, attachments, root_body, base, reset_root_pose, move_groups, "
+            "attachment_site, tcp_offset, home, home_noise and 10 more. Did you mean 'model'?");
 }
 
 TEST(Misspelt, WhatFollowsFromItIsNotReported) {
