@@ -7,14 +7,21 @@
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/kinematics/ik_towards.h"
+#include "robocell/math/rotation.h"
+#include "robocell/robot/arm_group.h"
 #include "robocell/robot/arrival.h"
+#include "robocell/robot/controller.h"
 
 namespace robocell {
 namespace {
 
-// s. Joints that have arrived are so slow that they would take this long to go as far as their
-// tolerance. Much longer, and servos that chatter about their target, to 0.1 rad/s, never arrive.
-constexpr double kSettling = 0.05;
+// s. Joints at rest are so slow that they would take this long to go as far as their tolerance; and
+// the window over which an arm that is not near its target is watched.
+constexpr double kSettling = 0.1;
+constexpr double kRestShare = 0.1;  // of its tolerance, which a resting joint moves in a window
+// An absolute pose without a solution nearby is out of reach, unless it is within these, m and rad.
+constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
 constexpr double kWindow = 0.05;  // s, over which a gripper is watched
 constexpr double kStill = 1e-3;   // of its opening, within a window
 
@@ -31,6 +38,21 @@ std::span<const double> PartOf(std::span<const double> vector, const VectorPart&
 std::vector<double> PositionsOf(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
+
+bool IsSmallStep(const Pose& from, const Pose& to) {
+  return (to.translation() - from.translation()).norm() <= kSmallShift &&
+         AngleBetween(from.quaternion(), to.quaternion()) <= kSmallTurn;
+}
+
+bool AreFinite(std::span<const double> values) {
+  return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+}
+
+bool IsSame(const Pose& a, const Pose& b) {
+  return a.translation() == b.translation() && a.quaternion() == b.quaternion();
+}
+
+bool IsNoMotion(const Pose& delta) { return delta.translation().isZero(0) && delta.angle() == 0; }
 
 // Steps are known to be without solution, and to be over, by the joint positions that are sent.
 void RequireJointPositions(const EnvConfig& config, const Robot& robot) {
@@ -94,18 +116,28 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
     : mode_(config.control_mode),
       relative_to_(config.relative_to),
       limit_(config.step_limit()),
+      lead_(config.target_lead()),
       binary_gripper_(config.wrappers.binary_gripper),
       robot_(std::move(robot)),
       tolerances_(ArrivalTolerances(robot_, robot_.arm().name())),
+      still_(tolerances_.size()),
       pos_(tolerances_.size()),
       vel_(tolerances_.size()),
+      gravity_(tolerances_.size()),
+      resistance_(tolerances_.size()),
+      steady_(tolerances_.size()),
       gripper_(RobotWithGripper(config, robot_)),
       layout_(std::move(layout)),
       joint_limits_(CommandLimits(robot_)),
       turns_freely_(TurnFreely(robot_)),
       base_in_shared_(robot_.scene().shared_base_frame_to_world().inverse() *
-                      robot_.base_in_world()) {
+                      robot_.base_in_world()),
+      watched_pos_(tolerances_.size()) {
   RequireJointPositions(config, robot_);
+  for (const ChainJoint& joint : robot_.chain().joints()) {
+    const bool own_default = config.max_target_lead.empty() && joint.type == ChainJointType::kSlide;
+    joint_lead_.push_back(own_default ? lead_.translation : lead_.rotation);
+  }
 }
 
 std::vector<Robot> ArmDriver::robots() const {
@@ -115,7 +147,8 @@ std::vector<Robot> ArmDriver::robots() const {
 }
 
 void ArmDriver::Reset() {
-  memory_.sent_joints = PositionsOf(robot_.controller(robot_.arm().name()).commanded_joint_pos());
+  controller_ = robot_.shared_controller(robot_.arm().name());
+  memory_.sent_joints = PositionsOf(controller_->commanded_joint_pos());
   memory_.sent = base_in_shared_ * robot_.FkFrame(memory_.sent_joints);
   if (gripper_) memory_.sent_opening = Opening(gripper_->controller(gripper()->name()).target()[0]);
   memory_.gripper_still = false;
@@ -138,6 +171,9 @@ ArmDriver::Memory ArmDriver::memory() const {
 
 void ArmDriver::Recall(const Memory& memory) {
   memory_ = memory;
+  controller_ = robot_.shared_controller(robot_.arm().name());
+  position_shortfall_ = rotation_shortfall_ = 0;
+  WatchFromNow();
   robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(memory.commanded)}});
   if (gripper_)
     gripper_->Apply({{gripper()->name(), GroupCommand::Opening(memory.commanded_opening)}});
@@ -163,19 +199,24 @@ void ArmDriver::Check(std::span<const double> action, const std::string& place) 
 
 Pose ArmDriver::NextPose(std::span<const double> command) const {
   const Pose given = PoseOfAction(mode_, command);
-  if (relative_to_ == RelativeTo::kNone) return LimitedStep(memory_.sent, given, limit_);
-  const Pose& from = relative_to_ == RelativeTo::kLastStep ? memory_.sent : memory_.origin;
-  return LimitedStep(memory_.sent, MovedBy(from, given), limit_);
+  if (relative_to_ == RelativeTo::kLastStep && IsNoMotion(given)) return memory_.sent;
+  const Pose last = LastPose();
+  if (relative_to_ == RelativeTo::kNone) return LimitedStep(last, given, limit_);
+  const Pose& from = relative_to_ == RelativeTo::kLastStep ? last : memory_.origin;
+  return LimitedStep(last, MovedBy(from, given), limit_);
 }
 
 std::vector<double> ArmDriver::NextJoints(std::span<const double> command) const {
-  std::vector<double> q = PositionsOf(command);
-  if (relative_to_ != RelativeTo::kNone) {
-    const auto& from =
-        relative_to_ == RelativeTo::kLastStep ? memory_.sent_joints : memory_.origin_joints;
-    for (size_t i = 0; i < q.size(); ++i) q[i] += from[i];
+  std::vector<double> q = PositionsOf(command), last = LastJoints();
+  for (size_t i = 0; i < q.size(); ++i) {
+    if (relative_to_ == RelativeTo::kLastStep) {
+      if (q[i] == 0) last[i] = memory_.sent_joints[i];  // keeps its target
+      q[i] += last[i];
+    } else if (relative_to_ == RelativeTo::kConfiguredOrigin) {
+      q[i] += memory_.origin_joints[i];
+    }
   }
-  LimitJointStep(memory_.sent_joints, limit_.rotation, q);
+  LimitJointStep(last, limit_.rotation, q);
   for (size_t i = 0; i < q.size(); ++i)
     q[i] = std::clamp(q[i], joint_limits_[i].lower, joint_limits_[i].upper);
   return q;
@@ -201,22 +242,82 @@ void ArmDriver::SendGripper(double value, RobotAction& own) {
   }
 }
 
+bool ArmDriver::GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                                std::span<double> out) const {
+  const auto* arm = dynamic_cast<const ArmGroup*>(&robot_.arm());
+  if (!controller_ || !arm || !arm->has_chain()) return false;
+  arm->GravityTorques(q, gravity_);
+  std::fill(resistance_.begin(), resistance_.end(), 0);
+  arm->AddResistance(q, v, resistance_);
+  return controller_->GetSteadyTarget(q, v, gravity_, resistance_, out);
+}
+
+bool ArmDriver::GetPresentTargets() const {
+  robot_.arm().GetJointPos(pos_);
+  robot_.arm().GetJointVel(vel_);
+  if (!AreFinite(pos_)) return false;
+  if (!GetSteadyTarget(pos_, vel_, steady_)) steady_ = pos_;
+  return true;
+}
+
+Pose ArmDriver::LastPose() const {
+  if (!GetPresentTargets()) return memory_.sent;
+  const Pose& sent = memory_.sent;
+  const Pose steady = LimitedStep(base_in_shared_ * robot_.FkFrame(steady_), sent, lead_);
+  if (IsSame(steady, sent)) return sent;
+  const Pose present = LimitedStep(base_in_shared_ * robot_.FkFrame(pos_), sent, lead_);
+  const auto distance = [&](const Pose& pose) {
+    return (pose.translation() - sent.translation()).norm() / lead_.translation +
+           AngleBetween(pose.quaternion(), sent.quaternion()) / lead_.rotation;
+  };
+  return distance(steady) <= distance(present) ? steady : present;
+}
+
+std::vector<double> ArmDriver::LastJoints() const {
+  std::vector<double> last = memory_.sent_joints;
+  if (!GetPresentTargets()) return last;
+  for (size_t i = 0; i < last.size(); ++i) {
+    const auto [lower, upper] = std::minmax(pos_[i], steady_[i]);
+    last[i] = std::clamp(last[i], lower - joint_lead_[i], upper + joint_lead_[i]);
+  }
+  return last;
+}
+
+bool ArmDriver::SendPose(const Pose& next, RobotAction& commands) {
+  const std::string& arm = robot_.arm().name();
+  const Pose target = base_in_shared_.inverse() * next;
+  commands[arm] = GroupCommand::LeafPose(target);
+  if (robot_.Apply(commands).ok) {
+    memory_.sent = next;
+    return true;
+  }
+  const std::span<const double> from = controller_->commanded_joint_pos();
+  const bool small =
+      IsSmallStep(robot_.FkFrame(from), target) || relative_to_ == RelativeTo::kLastStep;
+  if (!small) return false;
+  const IkResult near = IkTowards(robot_.chain(), target, from);
+  if (!near.success) return false;
+  position_shortfall_ = near.position_error;
+  rotation_shortfall_ = near.rotation_error;
+  memory_.sent = base_in_shared_ * robot_.FkFrame(near.q);
+  robot_.Apply({{arm, GroupCommand::Joints(PositionsOf(near.q))}});
+  return true;
+}
+
 bool ArmDriver::Send(std::span<const double> action) {
   RobotAction commands;
   const std::span<const double> own = PartOf(action, layout_.action);
   const std::string& arm = robot_.arm().name();
   controller_ = robot_.shared_controller(arm);
+  position_shortfall_ = rotation_shortfall_ = 0;
+  WatchFromNow();
   if (gripper_) SendGripper(action[layout_.gripper_action], commands);
   if (mode_ == ControlMode::kJoints) {
     memory_.sent_joints = NextJoints(own);
     commands[arm] = GroupCommand::Joints(memory_.sent_joints);
     return robot_.Apply(commands).ok;
   }
-  const Pose next = NextPose(own);
-  commands[arm] = GroupCommand::LeafPose(base_in_shared_.inverse() * next);
-  if (!robot_.Apply(commands).ok) return false;
-  memory_.sent = next;
-  return true;
+  return SendPose(NextPose(own), commands);
 }
 
 bool ArmDriver::GripperIsStill(double time) {
@@ -228,16 +329,68 @@ bool ArmDriver::GripperIsStill(double time) {
   return memory_.gripper_still;
 }
 
-bool ArmDriver::HasArrived(double time) {
+void ArmDriver::WatchFromNow() {
+  robot_.arm().GetJointPos(watched_pos_);
+  watched_since_ = robot_.scene().time();
+  at_rest_ = false;
+}
+
+bool ArmDriver::IsSlow() const {
+  for (size_t i = 0; i < vel_.size(); ++i) {
+    if (std::abs(vel_[i]) * kSettling > tolerances_[i]) return false;
+  }
+  return true;
+}
+
+// Whether no joint has moved noticeably over the last window.
+bool ArmDriver::IsAtRest(double time) {
+  if (time - watched_since_ < kSettling) return at_rest_;
+  at_rest_ = AreWithin(pos_, watched_pos_, tolerances_, kRestShare);
+  watched_pos_ = pos_;
+  watched_since_ = time;
+  return at_rest_;
+}
+
+ArmStatus ArmDriver::Status(double time) {
   const std::span<const double> wanted = controller_->commanded_joint_pos();
   // Not the ports, which are of before the tick: in the first of a step nothing would move yet.
   robot_.arm().GetJointPos(pos_);
   robot_.arm().GetJointVel(vel_);
-  if (!AreWithin(pos_, wanted, tolerances_)) return false;
-  for (size_t i = 0; i < vel_.size(); ++i) {
-    if (std::abs(vel_[i]) * kSettling > tolerances_[i]) return false;
+  const bool near = AreWithin(pos_, wanted, tolerances_), slow = IsSlow();
+  ArmStatus status = ArmStatus::kMoving;
+  if (near && slow) {
+    status = ArmStatus::kArrived;
+  } else if (slow && GetSteadyTarget(pos_, still_, steady_) &&
+             AreWithin(steady_, wanted, tolerances_)) {
+    // Gravity is all that keeps the servos from their targets: the arm gets no nearer.
+    status = ArmStatus::kSettled;
+  } else if (IsAtRest(time)) {
+    status = near ? ArmStatus::kArrived : ArmStatus::kSettled;
   }
-  return !gripper_ || GripperIsStill(time);
+  return !gripper_ || GripperIsStill(time) ? status : ArmStatus::kMoving;
+}
+
+ArmMotion ArmDriver::motion() const {
+  ArmMotion motion{.position_shortfall = position_shortfall_,
+                   .rotation_shortfall = rotation_shortfall_};
+  const std::span<const double> wanted = controller_->commanded_joint_pos();
+  robot_.arm().GetJointPos(pos_);
+  robot_.arm().GetJointVel(vel_);
+  for (size_t i = 0; i < pos_.size(); ++i) {
+    motion.joint_error = std::max(motion.joint_error, std::abs(pos_[i] - wanted[i]));
+    motion.joint_speed = std::max(motion.joint_speed, std::abs(vel_[i]));
+  }
+  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxChainJoints> jacobian(
+      6, static_cast<Eigen::Index>(pos_.size()));
+  const Pose tcp = robot_.chain().Jacobian(pos_, jacobian), sent = robot_.FkFrame(wanted);
+  motion.position_error = (sent.translation() - tcp.translation()).norm();
+  motion.rotation_error = AngleBetween(sent.quaternion(), tcp.quaternion());
+  Eigen::Vector<double, 6> twist = Eigen::Vector<double, 6>::Zero();
+  for (size_t i = 0; i < vel_.size(); ++i)
+    twist += jacobian.col(static_cast<Eigen::Index>(i)) * vel_[i];
+  motion.linear_speed = twist.head<3>().norm();
+  motion.angular_speed = twist.tail<3>().norm();
+  return motion;
 }
 
 void ArmDriver::Observe(std::span<double> observation) const {

@@ -13,6 +13,25 @@
 
 namespace robocell {
 
+// What is left of an arm's motion when a step ends.
+struct ArmMotion {
+  // The largest of any joint: distance to its target, rad or m, and speed, per second.
+  double joint_error = 0, joint_speed = 0;
+  // The TCP's distance to where the joint targets put it, m and rad, and its speed, m/s and rad/s.
+  double position_error = 0, rotation_error = 0;
+  double linear_speed = 0, angular_speed = 0;
+  // By how much the target falls short of the pose that was commanded, m and rad: not zero when
+  // the pose had no solution nearby and the arm went towards it in damped steps.
+  double position_shortfall = 0, rotation_shortfall = 0;
+};
+
+// How an arm and its gripper stand to where they were sent.
+enum class ArmStatus {
+  kMoving,
+  kSettled,  // at rest, and some joint is farther from its target than its tolerance
+  kArrived,  // near and at rest
+};
+
 class ArmDriver {
  public:
   // What it knows of the past: where arm and gripper were sent, what relative actions start from,
@@ -47,11 +66,14 @@ class ArmDriver {
   // ArgumentError for numbers that are not finite and a quaternion without direction, in the words
   // of `place`. `action` is the whole vector, here and below.
   void Check(std::span<const double> action, const std::string& place) const;
-  // Sends the command; false when its pose has no solution: then the arm keeps its target.
+  // Sends the command; false when its pose has no solution and no motion leads towards it: then the
+  // arm keeps its target. A small step to a pose without a solution nearby, as beside a
+  // singularity, goes there in damped steps as far as these get.
   bool Send(std::span<const double> action);
-  // Whether arm and gripper are where they were sent, or can go no further. Asked at every control
-  // tick.
-  bool HasArrived(double time);
+  // How far the arm is from where it was sent now, and how fast. No allocation.
+  ArmMotion motion() const;
+  // Asked at every control tick. No allocation.
+  ArmStatus Status(double time);
   // For going back to a state of the scene: what it knows with it, and knowing it again after the
   // scene's state was set.
   Memory memory() const;
@@ -63,6 +85,21 @@ class ArmDriver {
   // What a number of an action says of the gripper.
   double Opening(double value) const;
   void SendGripper(double value, RobotAction& own);
+  bool SendPose(const Pose& next, RobotAction& commands);
+  // The last target, but no farther from the arm than max_target_lead: a blocked arm does not pile
+  // up targets behind what blocks it. What the arm lags behind as it moves and sags under gravity
+  // does not count, so that fast motions and slow ramps go all the way.
+  Pose LastPose() const;
+  std::vector<double> LastJoints() const;
+  // Writes the target under which the arm at `q` goes on moving at `v`. False where it is unknown.
+  bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                       std::span<double> out) const;
+  // Reads the present joint positions into pos_ and their steady target into steady_; the positions
+  // where that is unknown. False when they are not finite.
+  bool GetPresentTargets() const;
+  bool IsSlow() const;
+  bool IsAtRest(double time);
+  void WatchFromNow();
   Pose NextPose(std::span<const double> command) const;
   std::vector<double> NextJoints(std::span<const double> command) const;
   bool GripperIsStill(double time);
@@ -70,18 +107,25 @@ class ArmDriver {
 
   ControlMode mode_;
   RelativeTo relative_to_;
-  StepLimit limit_;
+  StepLimit limit_, lead_;
+  std::vector<double> joint_lead_;  // rad or m
   bool binary_gripper_;
   Robot robot_;
   std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
-  std::vector<double> pos_, vel_;   // read by HasArrived()
-  std::optional<Robot> gripper_;    // the robot that has the gripper
+  std::vector<double> still_;       // zeros
+  mutable std::vector<double> pos_, vel_, gravity_, resistance_, steady_;  // scratch
+  std::optional<Robot> gripper_;  // the robot that has the gripper
   RobotLayout layout_;
   std::vector<Interval> joint_limits_;
   std::vector<bool> turns_freely_;  // a joint without limits
   Pose base_in_shared_;
 
   Memory memory_;
+  double position_shortfall_ = 0, rotation_shortfall_ = 0;  // of the last Send, m and rad
+  // Joint positions at the beginning of a window of time, over which a resting arm hardly moves.
+  std::vector<double> watched_pos_;
+  double watched_since_ = 0;
+  bool at_rest_ = false;                    // in the last window
   std::shared_ptr<Controller> controller_;  // of the arm, as the last Send found it
 };
 

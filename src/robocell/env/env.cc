@@ -86,6 +86,8 @@ const char* ToString(EndReason reason) {
       return "ik_failed";
     case EndReason::kArrived:
       return "arrived";
+    case EndReason::kSettled:
+      return "settled";
     case EndReason::kTimeout:
       break;
   }
@@ -109,6 +111,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       cameras_(scene_, StreamsOf(config_), drawing),
       seeds_(copy ? Rng::Stream(0, kSeedPurpose, *copy) : Rng::Stream(0, kSeedPurpose)),
       observation_(layout_.observation.size()),
+      motions_(arms_.size()),
       draws_(!drawing) {
   if (copy.value_or(0) > 0) return;  // said of the first
   for (const ArmDriver& arm : arms_) TellUndriven(arm.robot());
@@ -151,6 +154,7 @@ void Env::Reset(const EnvResetOptions& options) {
   ticks_ = 0;
   pacer_.Start(0);
   cameras_.Reset();
+  motions_.assign(arms_.size(), {});
   Observe();
   phase_ = Phase::kReady;
 }
@@ -195,10 +199,11 @@ int64_t Env::TicksOfStep() const {
   return std::max<int64_t>(1, TicksUntil(end, scene_.timestep()) - ticks_);
 }
 
-bool Env::HaveArrived() {
-  bool arrived = true;
-  for (ArmDriver& arm : arms_) arrived = arm.HasArrived(scene_.time()) && arrived;
-  return arrived;
+// That of the arm that is farthest from having arrived.
+ArmStatus Env::StatusOfAll() {
+  ArmStatus status = ArmStatus::kArrived;
+  for (ArmDriver& arm : arms_) status = std::min(status, arm.Status(scene_.time()));
+  return status;
 }
 
 double Env::TimeSinceReset() const { return static_cast<double>(ticks_) * scene_.timestep(); }
@@ -209,7 +214,7 @@ bool Env::ShouldEnd() {
   cameras_.Tick(TimeSinceReset());
   collided_ = collisions_.FindNew() || collided_;
   if (collided_ && EndsAtCollision()) return true;
-  return !config_.sim.async_control && HaveArrived();
+  return !config_.sim.async_control && StatusOfAll() != ArmStatus::kMoving;
 }
 
 bool Env::EndsAtCollision() const {
@@ -220,7 +225,15 @@ EndReason Env::ReasonOf(const StepResult& step, const EnvStep& out) {
   if (!step.ok()) return EndReason::kDiverged;
   if (held_ || (collided_ && EndsAtCollision())) return EndReason::kCollision;
   if (!out.ik_failed.empty()) return EndReason::kIkFailed;
-  return HaveArrived() ? EndReason::kArrived : EndReason::kTimeout;
+  switch (StatusOfAll()) {
+    case ArmStatus::kArrived:
+      return EndReason::kArrived;
+    case ArmStatus::kSettled:
+      return EndReason::kSettled;
+    case ArmStatus::kMoving:
+      break;
+  }
+  return EndReason::kTimeout;
 }
 
 StepResult Env::Advance(const Poll& poll) {
@@ -271,6 +284,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
     phase_ = Phase::kDiverged;
     return out;
   }
+  for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
   Observe();
   if (task_) Judge(out);
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);

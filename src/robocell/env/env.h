@@ -8,10 +8,11 @@
 //   if (step.reason == EndReason::kIkFailed) ...
 //   std::span<const double> seen = env.observation();
 //
-// A step sends the command of every arm, whatever was sent before, and ends when all have arrived,
-// when a robot runs into something, or when its time is up; with async_control always after
-// 1/frequency. It says which. A pose without a solution leaves that arm where it was sent before,
-// and is tried again with the next command.
+// A step sends the command of every arm, whatever was sent before, and ends when all have arrived
+// or come to rest, when a robot runs into something, or when its time is up; with async_control
+// always after 1/frequency. It says which; motions() says how far each arm is from its target. A
+// small step to a pose without a solution nearby is made in damped steps as far as these get; where
+// they get nowhere the arm keeps its target, and the next command is tried anew.
 //
 // Errors: SpecError for what is wrong with the configuration; ArgumentError for actions of a wrong
 // size or with numbers that are not finite, before anything moves, and for rewards and signals of a
@@ -49,7 +50,7 @@
 namespace robocell {
 
 // Why a step ended: the first of these that is so.
-enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kTimeout };
+enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kSettled, kTimeout };
 const char* ToString(EndReason reason);
 
 struct EnvStep {
@@ -93,6 +94,10 @@ class Env {
   // What the last Reset or Step left, layout().observation.size() numbers; a step that diverged
   // leaves what was before it.
   std::span<const double> observation() const { return observation_; }
+
+  // What was left of each robot's motion when the last step ended, in the order of layout().robots;
+  // zeros after a reset.
+  const std::vector<ArmMotion>& motions() const { return motions_; }
 
   // The last frame of each image stream.
   const std::vector<EnvFrame>& frames() const { return cameras_.frames(); }
@@ -154,7 +159,7 @@ class Env {
   int64_t TicksOfStep() const;
   double TimeSinceReset() const;
   bool ShouldEnd();
-  bool HaveArrived();
+  ArmStatus StatusOfAll();
   EndReason ReasonOf(const StepResult& step, const EnvStep& out);
   bool EndsAtCollision() const;
   void Observe();
@@ -179,6 +184,7 @@ class Env {
   Phase phase_ = Phase::kUnready;
   Rng seeds_;
   std::vector<double> observation_;
+  std::vector<ArmMotion> motions_;
   int64_t ticks_ = 0;      // engine steps since the reset
   bool collided_ = false;  // in this step
   bool draws_ = true;

@@ -81,6 +81,16 @@ class Controller {
     (void)start;
     Reset();
   }
+  // Writes the joint-position target under which joints at `q` go on moving at `v`: ahead of the
+  // joints by what they lag and sag. `gravity` holds the joints against gravity, `resistance`
+  // overcomes their springs, dampers and friction, N m or N. False where the target is unknown or
+  // not finite. No allocation.
+  virtual bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                               std::span<const double> gravity, std::span<const double> resistance,
+                               std::span<double> out) const {
+    (void)q, (void)v, (void)gravity, (void)resistance, (void)out;
+    return false;
+  }
   // The control for this tick, nu() values. No allocation.
   virtual void Compute(std::span<double> ctrl) = 0;
 };

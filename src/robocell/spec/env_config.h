@@ -53,6 +53,7 @@ struct EnvConfig {
   ControlMode control_mode = ControlMode::kJoints;
   RelativeTo relative_to = RelativeTo::kLastStep;
   std::vector<double> max_relative_movement = {};
+  std::vector<double> max_target_lead = {};
   SimSettings sim = {};
   WrapperConfig wrappers = {};
   SimOptions options = {};
@@ -113,6 +114,11 @@ struct EnvConfig {
       "number for joints. Unset: 0.5 m and 90 degrees, joints 5 degrees; absolute actions without "
       "limit.",
       Check::kPositive);
+    v("max_target_lead", &EnvConfig::max_target_lead,
+      "How far the target that an action starts from may lead the arm: [metres, radians], or one "
+      "number for joints. When something blocks the arm, the excess is dropped with the next "
+      "action. Unset: 0.02 m and 0.1 rad.",
+      Check::kPositive);
     v("sim", &EnvConfig::sim, "How the simulation runs, and when a step ends.");
     v("wrappers", &EnvConfig::wrappers, "Grippers, resets and depth.");
     v("options", &EnvConfig::options, "Solver options.");
@@ -121,6 +127,9 @@ struct EnvConfig {
 
   // What max_relative_movement says, or its default; infinite without a limit.
   StepLimit step_limit() const;
+  // The value of max_target_lead, or its default. In joint mode the rotation applies to hinges and
+  // the translation to slides.
+  StepLimit target_lead() const;
   // Whether the robot's gripper is one of `grippers`, and not its own.
   bool has_mounted_gripper(const std::string& robot) const;
   // The pose of the robot's base in the shared base frame.

@@ -129,7 +129,8 @@ struct SimSettings {
       "Without async_control a step ends after this time at the latest, simulated seconds.",
       Check::kPositive);
     v("realtime", &SimSettings::realtime,
-      "Steps take at least as long as the time that they simulate.");
+      "Simulated time passes no faster than the clock: a step waits for what is left of its "
+      "simulated time. Time that the caller spent since the last step counts.");
     v("on_collision", &SimSettings::on_collision,
       "When a robot runs into something: stop (the step ends), report (it goes on) or guard (the "
       "step is looked at ahead; an action that leads into something is not carried out).");

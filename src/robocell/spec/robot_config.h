@@ -153,7 +153,7 @@ struct RobotConfig {
   Map<std::vector<double>> home_noise = {};
   Map<ControlKind> control = {};
   std::vector<ElementRef> collision_geoms = {};
-  double arrival_tolerance = 0.01;  // rad; of slides see slide_arrival_tolerance()
+  double arrival_tolerance = 0.002;  // rad; of slides see slide_arrival_tolerance()
   // m. What a hinge turns by 1 rad 0.1 m away moves as far.
   double slide_arrival_tolerance() const { return 0.1 * arrival_tolerance; }
   std::optional<double> reach = {};
@@ -189,7 +189,8 @@ struct RobotConfig {
     v("collision_geoms", &RobotConfig::collision_geoms,
       "Geoms that stand for the robot where it is placed and planned for; all unless set.");
     v("arrival_tolerance", &RobotConfig::arrival_tolerance,
-      "A motion has arrived within this, rad; slides within a tenth of it in m (0.01: 1 mm).",
+      "A motion has arrived within this and at rest, rad; slides within a tenth of it in m (0.002: "
+      "0.2 mm).",
       Check::kPositive);
     v("reach", &RobotConfig::reach,
       "Farthest the TCP gets from the root body, metres; measured unless set.", Check::kPositive);

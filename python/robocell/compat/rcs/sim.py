@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 import os
 import warnings
 from collections.abc import Mapping, Sequence
@@ -65,7 +66,8 @@ class SimRobotConfig(NamedFields):
 
     ``dof``, when it is set, must be the number of joints. ``seconds_between_callbacks`` does
     nothing, and a warning says so when it is set: robocell looks at every step of the engine
-    whether an arm has arrived.
+    whether an arm has arrived. Without gravity compensation servos may come to rest farther from
+    their targets than ``joint_rotational_tolerance``; the step's reason is then ``settled``.
     """
 
     robot_type: str = "FR3"
@@ -78,7 +80,7 @@ class SimRobotConfig(NamedFields):
     dof: int | None = None
     joint_limits: Any = None  # (2, dof): lower, upper; those of the model unless set
     q_home: Sequence[float] | None = field(default_factory=lambda: list(HOME_POSITIONS["FR3"]))
-    joint_rotational_tolerance: float = 0.01
+    joint_rotational_tolerance: float = math.radians(0.05)
     arm_collision_geoms: Sequence[str] = ()
     seconds_between_callbacks: float = 0.1
 
