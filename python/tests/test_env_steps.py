@@ -90,6 +90,34 @@ def test_a_pose_without_solution_is_told_and_the_next_one_tried():
     assert info["robots"]["robot"]["ik_success"]
 
 
+def test_infos_say_what_is_left_of_a_motion():
+    env = make()
+    _, info = move(env, [0, 0, 0.02])
+    left = info["robots"]["robot"]
+    assert info["reason"] == "arrived"
+    assert left["joint_error"] <= 0.002
+    assert left["joint_speed"] <= 0.02
+    assert left["position_error"] < 2e-3
+    assert left["linear_speed"] < 0.02
+    assert left["position_shortfall"] == left["rotation_shortfall"] == 0
+    _, info = move(make(sim={"max_convergence_time": 0.01}), [0, 0, 0.05])
+    assert info["robots"]["robot"]["position_error"] == pytest.approx(0.05, abs=0.01)
+
+
+def test_a_blocked_arm_leaves_at_once():
+    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "report"})
+    for _ in range(30):
+        seen, info = move(env, [0, -0.03, 0])
+    assert info["reason"] == "settled"
+    assert info["robots"]["robot"]["position_error"] < 0.06, "one action and the lead"
+    blocked = seen["tquat"][1]
+    for _ in range(2):
+        seen, _ = move(env, [0, 0.03, 0])
+    assert seen["tquat"][1] > blocked + 5e-3
+    with pytest.raises(rc.SpecError, match="max_target_lead"):
+        make(max_target_lead=(0.02,))
+
+
 def test_the_slowest_ramp_arrives():
     env = make()
     begin = env.reset(seed=1)[0]["robot"]["tquat"]

@@ -153,9 +153,11 @@ def test_it_is_made_by_its_registered_name():
     assert info["_is_success"].all()
     assert set(info["reason"]) <= {"timeout", "arrived", "settled", "ik_failed"}
     left = info["robots"]["robot"]
-    assert left["joint_error"].shape == (2,) and (left["joint_error"] < 0.2).all()
+    assert left["joint_error"].shape == (2,)
+    assert (left["joint_error"] < 0.2).all()
     assert left["ik_success"].dtype == bool
-    assert left["_joint_error"].all() and info["_robots"].all()
+    assert left["_joint_error"].all()
+    assert info["_robots"].all()
     assert info["instruction"].tolist() == ["pick up the cube"] * 2
     vector.close()
     vector.close()
