@@ -48,10 +48,6 @@ bool AreFinite(std::span<const double> values) {
   return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
 }
 
-bool IsSame(const Pose& a, const Pose& b) {
-  return a.translation() == b.translation() && a.quaternion() == b.quaternion();
-}
-
 bool IsNoMotion(const Pose& delta) { return delta.translation().isZero(0) && delta.angle() == 0; }
 
 // Steps are known to be without solution, and to be over, by the joint positions that are sent.
@@ -80,10 +76,12 @@ std::vector<double> ArmDriver::Memory::numbers() const {
   std::vector<double> out(2 * 7);
   PutTquat(sent, std::span(out).first(7));
   PutTquat(origin, std::span(out).last(7));
-  for (const std::vector<double>* q : {&sent_joints, &origin_joints, &commanded})
+  for (const std::vector<double>* q : {&sent_joints, &origin_joints, &commanded, &pending_joints})
     out.insert(out.end(), q->begin(), q->end());
   out.insert(out.end(), {sent_opening, commanded_opening, gripper_still ? 1.0 : 0.0, window_start,
                          window_opening});
+  for (const std::array<double, 3>* move : {&pending.shift, &pending.turn})
+    out.insert(out.end(), move->begin(), move->end());
   return out;
 }
 
@@ -103,12 +101,15 @@ ArmDriver::Memory ArmDriver::Memory::FromNumbers(size_t joints, std::span<const 
   memory.sent_joints = PositionsOf(take(joints));
   memory.origin_joints = PositionsOf(take(joints));
   memory.commanded = PositionsOf(take(joints));
+  memory.pending_joints = PositionsOf(take(joints));
   const std::span<const double> rest = take(5);
   memory.sent_opening = rest[0];
   memory.commanded_opening = rest[1];
   memory.gripper_still = rest[2] != 0;
   memory.window_start = rest[3];
   memory.window_opening = rest[4];
+  for (std::array<double, 3>* move : {&memory.pending.shift, &memory.pending.turn})
+    std::ranges::copy(take(3), move->begin());
   return memory;
 }
 
@@ -154,6 +155,8 @@ void ArmDriver::Reset() {
   memory_.gripper_still = false;
   memory_.window_start = robot_.scene().time();
   memory_.window_opening = gripper_ ? gripper()->opening() : 0;
+  memory_.pending = {};
+  memory_.pending_joints.assign(memory_.sent_joints.size(), 0);
   SetOriginToCurrent();
 }
 
@@ -197,29 +200,10 @@ void ArmDriver::Check(std::span<const double> action, const std::string& place) 
         "nothing");
 }
 
-Pose ArmDriver::NextPose(std::span<const double> command) const {
-  const Pose given = PoseOfAction(mode_, command);
-  if (relative_to_ == RelativeTo::kLastStep && IsNoMotion(given)) return memory_.sent;
-  const Pose last = LastPose();
+Pose ArmDriver::NextPose(const Pose& last, const Pose& given) const {
   if (relative_to_ == RelativeTo::kNone) return LimitedStep(last, given, limit_);
   const Pose& from = relative_to_ == RelativeTo::kLastStep ? last : memory_.origin;
   return LimitedStep(last, MovedBy(from, given), limit_);
-}
-
-std::vector<double> ArmDriver::NextJoints(std::span<const double> command) const {
-  std::vector<double> q = PositionsOf(command), last = LastJoints();
-  for (size_t i = 0; i < q.size(); ++i) {
-    if (relative_to_ == RelativeTo::kLastStep) {
-      if (q[i] == 0) last[i] = memory_.sent_joints[i];  // keeps its target
-      q[i] += last[i];
-    } else if (relative_to_ == RelativeTo::kConfiguredOrigin) {
-      q[i] += memory_.origin_joints[i];
-    }
-  }
-  LimitJointStep(last, limit_.rotation, q);
-  for (size_t i = 0; i < q.size(); ++i)
-    q[i] = std::clamp(q[i], joint_limits_[i].lower, joint_limits_[i].upper);
-  return q;
 }
 
 double ArmDriver::Opening(double value) const {
@@ -260,64 +244,80 @@ bool ArmDriver::GetPresentTargets() const {
   return true;
 }
 
-Pose ArmDriver::LastPose() const {
+Pose ArmDriver::LastPose(PendingMove& pending) const {
   if (!GetPresentTargets()) return memory_.sent;
-  const Pose& sent = memory_.sent;
-  const Pose steady = LimitedStep(base_in_shared_ * robot_.FkFrame(steady_), sent, lead_);
-  if (IsSame(steady, sent)) return sent;
-  const Pose present = LimitedStep(base_in_shared_ * robot_.FkFrame(pos_), sent, lead_);
-  const auto distance = [&](const Pose& pose) {
-    return (pose.translation() - sent.translation()).norm() / lead_.translation +
-           AngleBetween(pose.quaternion(), sent.quaternion()) / lead_.rotation;
-  };
-  return distance(steady) <= distance(present) ? steady : present;
+  return WithinLead(memory_.sent, base_in_shared_ * robot_.FkFrame(steady_),
+                    base_in_shared_ * robot_.FkFrame(pos_), lead_, pending);
 }
 
-std::vector<double> ArmDriver::LastJoints() const {
+std::vector<double> ArmDriver::LastJoints(std::vector<double>& pending) const {
   std::vector<double> last = memory_.sent_joints;
   if (!GetPresentTargets()) return last;
-  for (size_t i = 0; i < last.size(); ++i) {
-    const auto [lower, upper] = std::minmax(pos_[i], steady_[i]);
-    last[i] = std::clamp(last[i], lower - joint_lead_[i], upper + joint_lead_[i]);
-  }
+  for (size_t i = 0; i < last.size(); ++i)
+    last[i] = WithinJointLead(last[i], steady_[i], pos_[i], joint_lead_[i], pending[i]);
   return last;
 }
 
-bool ArmDriver::SendPose(const Pose& next, RobotAction& commands) {
+bool ArmDriver::SendJoints(std::span<const double> command, RobotAction& commands) {
+  std::vector<double> q = PositionsOf(command), pending = memory_.pending_joints;
+  std::vector<double> last = LastJoints(pending);
+  for (size_t i = 0; i < q.size(); ++i) {
+    if (relative_to_ == RelativeTo::kLastStep) {
+      if (q[i] == 0) {  // keeps its target
+        last[i] = memory_.sent_joints[i];
+        pending[i] = memory_.pending_joints[i];
+      }
+      q[i] += last[i];
+    } else if (relative_to_ == RelativeTo::kConfiguredOrigin) {
+      q[i] += memory_.origin_joints[i];
+    }
+  }
+  LimitJointStep(last, limit_.rotation, q);
+  for (size_t i = 0; i < q.size(); ++i) {
+    q[i] = std::clamp(q[i], joint_limits_[i].lower, joint_limits_[i].upper);
+    pending[i] += q[i] - last[i];
+  }
+  memory_.pending_joints = std::move(pending);
+  memory_.sent_joints = q;
+  commands[robot_.arm().name()] = GroupCommand::Joints(std::move(q));
+  return robot_.Apply(commands).ok;
+}
+
+bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands) {
   const std::string& arm = robot_.arm().name();
+  const Pose given = PoseOfAction(mode_, command);
+  const bool keeps = relative_to_ == RelativeTo::kLastStep && IsNoMotion(given);
+  PendingMove pending = memory_.pending;
+  const Pose last = keeps ? memory_.sent : LastPose(pending);
+  Pose next = keeps ? last : NextPose(last, given);
   const Pose target = base_in_shared_.inverse() * next;
   commands[arm] = GroupCommand::LeafPose(target);
-  if (robot_.Apply(commands).ok) {
-    memory_.sent = next;
-    return true;
+  if (!robot_.Apply(commands).ok) {
+    const std::span<const double> from = controller_->commanded_joint_pos();
+    const bool small =
+        relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(from), target);
+    if (!small) return false;
+    const IkResult near = IkTowards(robot_.chain(), target, from);
+    if (!near.success) return false;
+    position_shortfall_ = near.position_error;
+    rotation_shortfall_ = near.rotation_error;
+    next = base_in_shared_ * robot_.FkFrame(near.q);
+    robot_.Apply({{arm, GroupCommand::Joints(PositionsOf(near.q))}});
   }
-  const std::span<const double> from = controller_->commanded_joint_pos();
-  const bool small =
-      IsSmallStep(robot_.FkFrame(from), target) || relative_to_ == RelativeTo::kLastStep;
-  if (!small) return false;
-  const IkResult near = IkTowards(robot_.chain(), target, from);
-  if (!near.success) return false;
-  position_shortfall_ = near.position_error;
-  rotation_shortfall_ = near.rotation_error;
-  memory_.sent = base_in_shared_ * robot_.FkFrame(near.q);
-  robot_.Apply({{arm, GroupCommand::Joints(PositionsOf(near.q))}});
+  pending.Add(last, next);
+  memory_.pending = pending;
+  memory_.sent = next;
   return true;
 }
 
 bool ArmDriver::Send(std::span<const double> action) {
   RobotAction commands;
   const std::span<const double> own = PartOf(action, layout_.action);
-  const std::string& arm = robot_.arm().name();
-  controller_ = robot_.shared_controller(arm);
+  controller_ = robot_.shared_controller(robot_.arm().name());
   position_shortfall_ = rotation_shortfall_ = 0;
   WatchFromNow();
   if (gripper_) SendGripper(action[layout_.gripper_action], commands);
-  if (mode_ == ControlMode::kJoints) {
-    memory_.sent_joints = NextJoints(own);
-    commands[arm] = GroupCommand::Joints(memory_.sent_joints);
-    return robot_.Apply(commands).ok;
-  }
-  return SendPose(NextPose(own), commands);
+  return mode_ == ControlMode::kJoints ? SendJoints(own, commands) : SendPose(own, commands);
 }
 
 bool ArmDriver::GripperIsStill(double time) {

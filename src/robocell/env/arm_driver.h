@@ -9,6 +9,7 @@
 
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env_layout.h"
+#include "robocell/env/target_lead.h"
 #include "robocell/robot/robot.h"
 
 namespace robocell {
@@ -43,11 +44,14 @@ class ArmDriver {
     double sent_opening = 1, commanded_opening = 1;
     bool gripper_still = false;  // at the end of the last window
     double window_start = 0, window_opening = 0;
+    // What was added to the target since the arm was last within max_target_lead of it.
+    PendingMove pending = {};
+    std::vector<double> pending_joints = {};
 
     std::vector<double> numbers() const;
     // Of an arm with as many joints; takes its numbers from the front of what is given.
     static Memory FromNumbers(size_t joints, std::span<const double>& numbers);
-    static size_t CountOfNumbers(size_t joints) { return 2 * 7 + 3 * joints + 5; }
+    static size_t CountOfNumbers(size_t joints) { return 2 * 7 + 4 * joints + 5 + 6; }
   };
 
   // `robot` is one of the configuration's, `layout` its part of the vectors.
@@ -85,12 +89,13 @@ class ArmDriver {
   // What a number of an action says of the gripper.
   double Opening(double value) const;
   void SendGripper(double value, RobotAction& own);
-  bool SendPose(const Pose& next, RobotAction& commands);
-  // The last target, but no farther from the arm than max_target_lead: a blocked arm does not pile
-  // up targets behind what blocks it. What the arm lags behind as it moves and sags under gravity
-  // does not count, so that fast motions and slow ramps go all the way.
-  Pose LastPose() const;
-  std::vector<double> LastJoints() const;
+  bool SendJoints(std::span<const double> command, RobotAction& commands);
+  bool SendPose(std::span<const double> command, RobotAction& commands);
+  // The last target, without what is pending and leads the arm by more than max_target_lead: a
+  // blocked arm does not pile up targets behind what blocks it. What the arm lags behind as it
+  // moves and sags under gravity does not count, so that ramps go all the way.
+  Pose LastPose(PendingMove& pending) const;
+  std::vector<double> LastJoints(std::vector<double>& pending) const;
   // Writes the target under which the arm at `q` goes on moving at `v`. False where it is unknown.
   bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
                        std::span<double> out) const;
@@ -100,8 +105,7 @@ class ArmDriver {
   bool IsSlow() const;
   bool IsAtRest(double time);
   void WatchFromNow();
-  Pose NextPose(std::span<const double> command) const;
-  std::vector<double> NextJoints(std::span<const double> command) const;
+  Pose NextPose(const Pose& last, const Pose& given) const;
   bool GripperIsStill(double time);
   const GripperGroup* gripper() const { return gripper_ ? &gripper_->gripper() : nullptr; }
 

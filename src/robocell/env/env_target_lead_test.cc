@@ -10,6 +10,7 @@
 #include "robocell/env/env_batch.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/env/testing/one_hinge.h"
+#include "robocell/math/rotation.h"
 #include "robocell/testing/menagerie.h"
 
 namespace robocell {
@@ -69,6 +70,27 @@ TEST(EnvTargetLead, ZerosKeepTheTargetOfAnArmThatIsHeldAway) {
   const double target = TargetOf(env);
   for (int i = 0; i < 10; ++i) env.Step(Numbers{0});
   EXPECT_EQ(TargetOf(env), target);
+}
+
+// Nothing but what is pushed is taken back: the tool keeps its direction and its place.
+TEST(EnvTargetLead, AToolThatIsPressedOntoSomethingIsNotTurnedAway) {
+  EnvConfig config = Rc7Env(ControlMode::kCartesianTrpy);
+  config.add_floor = true;
+  config.sim.on_collision = OnCollision::kReport;
+  Env env(config);
+  env.Reset({.seed = 1});
+  const Robot robot = Robot::Of(env.scene(), "robot");
+  const auto target = [&] { return robot.FkFrame(robot.controller("arm").commanded_joint_pos()); };
+  const Pose before = target();
+  Numbers down(7, 0);
+  down[2] = -0.02;
+  for (int i = 0; i < 60; ++i) {
+    if (!env.Step(down).ik_failed.empty()) break;
+    if (env.motions()[0].position_shortfall > 0) break;
+    EXPECT_NEAR(target().translation().x(), before.translation().x(), 1e-3) << i;
+    EXPECT_NEAR(target().translation().y(), before.translation().y(), 1e-3) << i;
+    EXPECT_LT(AngleBetween(target().quaternion(), before.quaternion()), 1e-3) << i;
+  }
 }
 
 // What a blocked arm was sent before does not make it slow to leave, whatever actions are
