@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
@@ -19,7 +20,8 @@ namespace {
 // s. Joints at rest are so slow that they would take this long to go as far as their tolerance; and
 // the window over which an arm that is not near its target is watched.
 constexpr double kSettling = 0.1;
-constexpr double kRestShare = 0.1;  // of its tolerance, which a resting joint moves in a window
+// What a resting joint moves in a window: a share of its tolerance, or of the way that is left.
+constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
 // An absolute pose without a solution nearby is out of reach, unless it is within these, m and rad.
 constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
 constexpr double kWindow = 0.05;  // s, over which a gripper is watched
@@ -133,7 +135,8 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       turns_freely_(TurnFreely(robot_)),
       base_in_shared_(robot_.scene().shared_base_frame_to_world().inverse() *
                       robot_.base_in_world()),
-      watched_pos_(tolerances_.size()) {
+      window_pos_(tolerances_.size()) {
+  watched_.fill(window_pos_);
   RequireJointPositions(config, robot_);
   for (const ChainJoint& joint : robot_.chain().joints()) {
     const bool own_default = config.max_target_lead.empty() && joint.type == ChainJointType::kSlide;
@@ -157,6 +160,7 @@ void ArmDriver::Reset() {
   memory_.window_opening = gripper_ ? gripper()->opening() : 0;
   memory_.pending = {};
   memory_.pending_joints.assign(memory_.sent_joints.size(), 0);
+  WatchFromNow();
   SetOriginToCurrent();
 }
 
@@ -330,42 +334,66 @@ bool ArmDriver::GripperIsStill(double time) {
 }
 
 void ArmDriver::WatchFromNow() {
-  robot_.arm().GetJointPos(watched_pos_);
-  watched_since_ = robot_.scene().time();
+  robot_.arm().GetJointPos(watched_[0]);
+  watched_ticks_ = 0;
+  StartWindow(robot_.scene().time());
   at_rest_ = false;
 }
 
+void ArmDriver::StartWindow(double time) {
+  window_pos_ = watched_[0];
+  window_since_ = time;
+}
+
+void ArmDriver::Watch(double time) {
+  std::rotate(watched_.begin(), watched_.end() - 1, watched_.end());
+  robot_.arm().GetJointPos(watched_[0]);
+  ++watched_ticks_;
+  const bool slow = IsSlow();
+  if (slow && time - window_since_ < kSettling) return;
+  at_rest_ = slow && HasHardlyMoved();
+  StartWindow(time);
+}
+
+double ArmDriver::SpeedOf(size_t joint) const {
+  if (watched_ticks_ < 2) return std::numeric_limits<double>::infinity();
+  return std::abs(watched_[0][joint] - watched_[2][joint]) / (2 * robot_.scene().timestep());
+}
+
 bool ArmDriver::IsSlow() const {
-  for (size_t i = 0; i < vel_.size(); ++i) {
-    if (std::abs(vel_[i]) * kSettling > tolerances_[i]) return false;
+  for (size_t i = 0; i < tolerances_.size(); ++i) {
+    if (SpeedOf(i) * kSettling > tolerances_[i]) return false;
   }
   return true;
 }
 
-// Whether no joint has moved noticeably over the last window.
-bool ArmDriver::IsAtRest(double time) {
-  if (time - watched_since_ < kSettling) return at_rest_;
-  at_rest_ = AreWithin(pos_, watched_pos_, tolerances_, kRestShare);
-  watched_pos_ = pos_;
-  watched_since_ = time;
-  return at_rest_;
+// In the window, by little of the tolerance, or by too little of the way that is left to get there.
+bool ArmDriver::HasHardlyMoved() const {
+  const std::span<const double> wanted = controller_->commanded_joint_pos();
+  for (size_t i = 0; i < tolerances_.size(); ++i) {
+    const double left = std::abs(watched_[0][i] - wanted[i]);
+    const double most = std::max(kRestShare * tolerances_[i], kRestShareOfWay * left);
+    if (std::abs(watched_[0][i] - window_pos_[i]) > most) return false;
+  }
+  return true;
+}
+
+// Whether some joint cannot get within its tolerance, because its servo gives way to gravity, and
+// all are where they come to rest.
+bool ArmDriver::IsHeldAwayByGravity() {
+  if (!GetSteadyTarget(watched_[0], still_, steady_)) return false;
+  if (!AreWithin(steady_, controller_->commanded_joint_pos(), tolerances_)) return false;
+  return !AreWithin(steady_, watched_[0], tolerances_);
 }
 
 ArmStatus ArmDriver::Status(double time) {
-  const std::span<const double> wanted = controller_->commanded_joint_pos();
-  // Not the ports, which are of before the tick: in the first of a step nothing would move yet.
-  robot_.arm().GetJointPos(pos_);
-  robot_.arm().GetJointVel(vel_);
-  const bool near = AreWithin(pos_, wanted, tolerances_), slow = IsSlow();
+  const bool near = AreWithin(watched_[0], controller_->commanded_joint_pos(), tolerances_);
+  const bool slow = IsSlow();
   ArmStatus status = ArmStatus::kMoving;
   if (near && slow) {
     status = ArmStatus::kArrived;
-  } else if (slow && GetSteadyTarget(pos_, still_, steady_) &&
-             AreWithin(steady_, wanted, tolerances_)) {
-    // Gravity is all that keeps the servos from their targets: the arm gets no nearer.
+  } else if (at_rest_ || (slow && IsHeldAwayByGravity())) {
     status = ArmStatus::kSettled;
-  } else if (IsAtRest(time)) {
-    status = near ? ArmStatus::kArrived : ArmStatus::kSettled;
   }
   return !gripper_ || GripperIsStill(time) ? status : ArmStatus::kMoving;
 }
@@ -373,21 +401,22 @@ ArmStatus ArmDriver::Status(double time) {
 ArmMotion ArmDriver::motion() const {
   ArmMotion motion{.position_shortfall = position_shortfall_,
                    .rotation_shortfall = rotation_shortfall_};
+  const std::vector<double>& pos = watched_[0];
   const std::span<const double> wanted = controller_->commanded_joint_pos();
-  robot_.arm().GetJointPos(pos_);
-  robot_.arm().GetJointVel(vel_);
-  for (size_t i = 0; i < pos_.size(); ++i) {
-    motion.joint_error = std::max(motion.joint_error, std::abs(pos_[i] - wanted[i]));
-    motion.joint_speed = std::max(motion.joint_speed, std::abs(vel_[i]));
-  }
   Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxChainJoints> jacobian(
-      6, static_cast<Eigen::Index>(pos_.size()));
-  const Pose tcp = robot_.chain().Jacobian(pos_, jacobian), sent = robot_.FkFrame(wanted);
+      6, static_cast<Eigen::Index>(pos.size()));
+  const Pose tcp = robot_.chain().Jacobian(pos, jacobian), sent = robot_.FkFrame(wanted);
   motion.position_error = (sent.translation() - tcp.translation()).norm();
   motion.rotation_error = AngleBetween(sent.quaternion(), tcp.quaternion());
+  const size_t ago = std::min<size_t>(watched_ticks_, 2);
+  const double seconds = std::max<double>(1, ago) * robot_.scene().timestep();
   Eigen::Vector<double, 6> twist = Eigen::Vector<double, 6>::Zero();
-  for (size_t i = 0; i < vel_.size(); ++i)
-    twist += jacobian.col(static_cast<Eigen::Index>(i)) * vel_[i];
+  for (size_t i = 0; i < pos.size(); ++i) {
+    const double speed = (pos[i] - watched_[ago][i]) / seconds;
+    twist += jacobian.col(static_cast<Eigen::Index>(i)) * speed;
+    motion.joint_error = std::max(motion.joint_error, std::abs(pos[i] - wanted[i]));
+    motion.joint_speed = std::max(motion.joint_speed, std::abs(speed));
+  }
   motion.linear_speed = twist.head<3>().norm();
   motion.angular_speed = twist.tail<3>().norm();
   return motion;

@@ -2,6 +2,7 @@
 // and from the state to its part of the observation. Private to env; the Env steps.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -17,6 +18,7 @@ namespace robocell {
 // What is left of an arm's motion when a step ends.
 struct ArmMotion {
   // The largest of any joint: distance to its target, rad or m, and speed, per second.
+  // Speeds are means over the last two engine steps: servos at their force limit may chatter.
   double joint_error = 0, joint_speed = 0;
   // The TCP's distance to where the joint targets put it, m and rad, and its speed, m/s and rad/s.
   double position_error = 0, rotation_error = 0;
@@ -74,10 +76,11 @@ class ArmDriver {
   // arm keeps its target. A small step to a pose without a solution nearby, as beside a
   // singularity, goes there in damped steps as far as these get.
   bool Send(std::span<const double> action);
-  // How far the arm is from where it was sent now, and how fast. No allocation.
-  ArmMotion motion() const;
-  // Asked at every control tick. No allocation.
+  // Looks at the arm after every engine step, at simulated `time`. No allocation.
+  void Watch(double time);
+  // How the arm stood to where it was sent when it was last watched. No allocation.
   ArmStatus Status(double time);
+  ArmMotion motion() const;
   // For going back to a state of the scene: what it knows with it, and knowing it again after the
   // scene's state was set.
   Memory memory() const;
@@ -102,9 +105,13 @@ class ArmDriver {
   // Reads the present joint positions into pos_ and their steady target into steady_; the positions
   // where that is unknown. False when they are not finite.
   bool GetPresentTargets() const;
+  // Of a joint over the last two watched engine steps, per second; infinite before that.
+  double SpeedOf(size_t joint) const;
   bool IsSlow() const;
-  bool IsAtRest(double time);
+  bool HasHardlyMoved() const;
+  bool IsHeldAwayByGravity();
   void WatchFromNow();
+  void StartWindow(double time);
   Pose NextPose(const Pose& last, const Pose& given) const;
   bool GripperIsStill(double time);
   const GripperGroup* gripper() const { return gripper_ ? &gripper_->gripper() : nullptr; }
@@ -126,9 +133,12 @@ class ArmDriver {
 
   Memory memory_;
   double position_shortfall_ = 0, rotation_shortfall_ = 0;  // of the last Send, m and rad
-  // Joint positions at the beginning of a window of time, over which a resting arm hardly moves.
-  std::vector<double> watched_pos_;
-  double watched_since_ = 0;
+  // Joint positions now and one and two engine steps ago, as far as they were watched since the
+  // step began; and at the beginning of a window of time, over which a resting arm hardly moves.
+  std::array<std::vector<double>, 3> watched_;
+  size_t watched_ticks_ = 0;
+  std::vector<double> window_pos_;
+  double window_since_ = 0;
   bool at_rest_ = false;                    // in the last window
   std::shared_ptr<Controller> controller_;  // of the arm, as the last Send found it
 };

@@ -212,6 +212,7 @@ double Env::TimeSinceReset() const { return static_cast<double>(ticks_) * scene_
 bool Env::ShouldEnd() {
   ++ticks_;
   cameras_.Tick(TimeSinceReset());
+  for (ArmDriver& arm : arms_) arm.Watch(scene_.time());
   collided_ = collisions_.FindNew() || collided_;
   if (collided_ && EndsAtCollision()) return true;
   return !config_.sim.async_control && StatusOfAll() != ArmStatus::kMoving;

@@ -101,6 +101,7 @@ TEST(EnvSettling, LookingAtAMotionAllocatesNothing) {
     env.Step(Numbers(static_cast<size_t>(env.layout().action.size()), 0.02));
     const AllocationCount count;
     for (int i = 0; i < 100; ++i) {
+      driver.Watch(env.scene().time() + 0.01 * i);
       (void)driver.Status(env.scene().time() + 0.01 * i);
       (void)driver.motion();
     }

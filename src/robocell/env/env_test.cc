@@ -80,6 +80,7 @@ TEST(EnvFrames, TheSamePoseSendsAllArmsToTheSamePlaceInTheWorld) {
     const Pose down = Pose::FromRpy({0.35, 0, 0.3}, {kPi, 0, 0});
     const Pose pose = MovedBy(down, Pose::FromRpy(RandomVector(rng, 0.1), RandomVector(rng, 0.5)));
     if (!env.Step(ForAll(env, Tquat(pose))).ik_failed.empty()) continue;  // out of reach of one
+    if (env.motions()[0].position_shortfall + env.motions()[1].position_shortfall > 0) continue;
     ++reached;
     const Pose wanted = SharedToWorld(env) * pose;
     EXPECT_TRUE(SentInWorld(env, "left").is_close(wanted, kIk, kIk));
