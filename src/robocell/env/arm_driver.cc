@@ -409,7 +409,7 @@ ArmMotion ArmDriver::motion() const {
   motion.position_error = (sent.translation() - tcp.translation()).norm();
   motion.rotation_error = AngleBetween(sent.quaternion(), tcp.quaternion());
   const size_t ago = std::min<size_t>(watched_ticks_, 2);
-  const double seconds = std::max<double>(1, ago) * robot_.scene().timestep();
+  const double seconds = static_cast<double>(std::max<size_t>(1, ago)) * robot_.scene().timestep();
   Eigen::Vector<double, 6> twist = Eigen::Vector<double, 6>::Zero();
   for (size_t i = 0; i < pos.size(); ++i) {
     const double speed = (pos[i] - watched_[ago][i]) / seconds;
