@@ -205,17 +205,21 @@ class SimCameraConfig(NamedFields):
 
     def to_stream(self, name: str) -> rc.CameraConfig:
         """As an image stream of this name."""
-        if self.type != CameraType.fixed:
+        if self.type not in (CameraType.fixed, CameraType.free):
             raise rc.ArgumentError(
                 f"camera_cfgs.{name}: its type is {self.type.name}; images are taken of fixed "
-                "cameras, those of camera_adds, of robots and of the scene"
+                "cameras, those of camera_adds, of robots and of the scene, and of free ones"
             )
         stream = rc.CameraConfig(
             name=name,
-            camera=self.identifier,
+            camera=self.camera_of(name),
             width=self.resolution_width,
             height=self.resolution_height,
         )
         if self.frame_rate:
             stream.rate = float(self.frame_rate)
         return stream
+
+    def camera_of(self, name: str) -> str:
+        """The scene's camera that the stream `name` shows; a free one is added for it."""
+        return f"{name}_free" if self.type == CameraType.free else self.identifier
