@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
+from robocell import _pykdl
+
 PROBE_TIMEOUT_S = 60
 GL_BACKENDS = ("egl", "osmesa")
 GB = 1 << 30
@@ -27,7 +29,6 @@ PURPOSES = {
     "menagerie": "for robots named `menagerie:...`; the built-in ones need it not",
     "PyKDL": "for functions that return KDL objects",
 }
-KDL_REMEDY = "sudo apt install python3-pykdl, then scripts/setup"
 GL_REMEDY = "unset MUJOCO_GL, or export MUJOCO_GL=egl"
 DISK_REMEDY = "make room, or write elsewhere with `--output`"
 
@@ -184,7 +185,7 @@ def kdl() -> list[Finding]:
     try:
         module = importlib.import_module("PyKDL")
     except ImportError as error:
-        return [Finding("PyKDL", State.MISSING, str(error), KDL_REMEDY)]
+        return [Finding("PyKDL", State.MISSING, str(error), _pykdl.remedy())]
     return [Finding("PyKDL", State.OK, getattr(module, "__file__", "") or "")]
 
 
