@@ -12,7 +12,13 @@ import robocell.compat.rcs as rcs
 from rcs_cells import SMALL, built, fr3, minimal
 from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
 from robocell.compat.rcs.envs.configs import EmptyWorldFR3, EmptyWorldFR3Duo
-from robocell.compat.rcs.sim import CameraType, SimCameraConfig, SimConfig
+from robocell.compat.rcs.envs.scenes import SimEnvCreator
+from robocell.compat.rcs.sim import (
+    CameraType,
+    SimCameraConfig,
+    SimConfig,
+    SimGripperConfig,
+)
 
 __all__ = ["fr3"]  # a fixture
 
@@ -50,3 +56,38 @@ def test_a_free_camera_is_mujocos(fr3):
     assert np.allclose(pose.matrix[:3, 1], there.camera[0].up, atol=1e-6)
     assert scene.model.camera("eye_free").fovy == scene.model.vis.global_.fovy
     assert cfg.to_env_config().cameras.streams[0].camera == "eye_free"
+
+
+@pytest.mark.parametrize("kind", ["free", "default_free", "tracking"])
+def test_cameras_of_every_type_take_images(fr3, kind: str):
+    eye = SimCameraConfig(identifier="robotrobot_fr3_link7", type=CameraType[kind], **SMALL)
+    env = SimEnvCreator()(minimal(fr3, camera_cfgs={"eye": eye}, headless=True))
+    observation, _ = env.reset(seed=0)
+    image = observation["frames"]["eye"]["rgb"]["data"]
+    assert image.shape == (24, 32, 3)
+    assert image.std() > 0, "it sees more than one colour"
+    env.close()
+
+
+def test_widths_and_collision_geoms_of_grippers_become_robocells():
+    gripper = SimGripperConfig(
+        min_joint_width=1.0, max_joint_width=0.005, collision_geoms=["hand_c"],
+        ignored_collision_geoms=["cube_geom"],
+    ).to_robot()  # fmt: skip
+    group = gripper.move_groups["gripper"]
+    assert (group.joint_range.open, group.joint_range.closed) == (0.005, 1.0)
+    assert [geom.name for geom in gripper.collision_geoms] == ["hand_c"]
+    assert list(gripper.ignored_collision_geoms) == ["cube_geom"]
+    assert SimGripperConfig().to_robot().move_groups["gripper"].joint_range is None
+
+
+def test_the_width_is_read_between_the_joint_widths(fr3):
+    seen = []
+    for widest in (0.04, 0.08):
+        cfg = minimal(fr3, gripper_cfgs={"robot": SimGripperConfig(max_joint_width=widest)})
+        cfg.wrapper_cfg.binary_gripper = False
+        cfg.headless = True
+        env = SimEnvCreator()(cfg)
+        seen.append(env.reset(seed=0)[0]["robot"]["gripper"][0])
+        env.close()
+    assert seen == pytest.approx([1, 0.5], abs=0.02)

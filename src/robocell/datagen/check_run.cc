@@ -132,7 +132,8 @@ class SceneCheck {
     for (size_t i = 0; i < run_.cameras.streams.size(); ++i) {
       Problems::Scope streams(problems_, "cameras.streams");
       Problems::Scope item(problems_, i);
-      Try("camera", [&] { FindCameraName(scene, run_.cameras.streams[i]); });
+      const CameraConfig& stream = run_.cameras.streams[i];
+      Try(stream.follow.empty() ? "camera" : "follow", [&] { ViewOfStream(scene, stream); });
     }
   }
 

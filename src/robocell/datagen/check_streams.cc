@@ -110,8 +110,7 @@ void CheckStreamsHere(const RunConfig& run, const Scene& scene, Problems& proble
     Problems::Scope cameras(problems, "cameras.streams");
     Problems::Scope item(problems, i);
     Try(problems, nullptr, [&] {
-      const CameraView view =
-          NamedCamera(scene.model(), FindCameraName(scene, stream), "stream '" + stream.name + "'");
+      const CameraView view = ViewOfStream(scene, stream);
       const int width = run.cameras.width(stream), height = run.cameras.height(stream);
       rgb.resize(3 * static_cast<size_t>(width) * static_cast<size_t>(height));
       renderer->Render(scene.data(), {.camera = view, .width = width, .height = height},

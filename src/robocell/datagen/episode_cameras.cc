@@ -12,8 +12,7 @@ EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
   renderer_->SetModel(scene.model());
   for (const CameraConfig& stream : config.streams) {
     Stream s;
-    s.view =
-        NamedCamera(scene.model(), FindCameraName(scene, stream), "stream '" + stream.name + "'");
+    s.view = ViewOfStream(scene, stream);
     s.width = config.width(stream);
     s.height = config.height(stream);
     const Eigen::Matrix3d k =

@@ -60,7 +60,7 @@ void EnvCameras::Bind() {
   const mjModel* m = scene_.model();
   for (Stream& stream : streams_) {
     const CameraConfig& config = stream.config;
-    stream.view = NamedCamera(m, FindCameraName(scene_, config), "stream '" + config.name + "'");
+    stream.view = ViewOfStream(scene_, config);
     stream.qpos.resize(m->nq);
     stream.mocap_pos.resize(3 * m->nmocap);
     stream.mocap_quat.resize(4 * m->nmocap);

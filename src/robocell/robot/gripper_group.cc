@@ -281,6 +281,10 @@ Interval ActuatedGripper::inter_finger_dist_range() const {
 }
 
 double ActuatedGripper::opening() const {
+  if (config_.joint_range) {
+    const auto& [open, closed] = *config_.joint_range;
+    return std::clamp((joint_pos()[0] - closed) / (open - closed), 0.0, 1.0);
+  }
   const GripperDistance& d = Distances();
   return std::clamp((inter_finger_dist() - d.closed) / (d.open - d.closed), 0.0, 1.0);
 }

@@ -511,5 +511,18 @@ TEST(Gripper, RefusesOpeningsThatAreNoNumbersAndClampsOthers) {
                              "robot 'rc7' / group 'gripper': no body 'cub'");
 }
 
+TEST_P(AnyGripper, ReadsItsOpeningFromItsJointWhereItsRangeIsGiven) {
+  RobotConfig config = *GetParam().robot.spec().config;
+  if (GripperConfig(config).joints.empty()) return;
+  GripperConfig(config).joint_range = GripperJointRange{.open = -0.3, .closed = 0.9};
+  Robot robot = RobotAlone(config);
+  for (const double target : {0.0, 0.5, 1.0}) {
+    GripperOf(robot).SetOpening(target);
+    Simulate(robot, 0.3);
+    const double q = robot.gripper().joint_pos()[0];
+    EXPECT_NEAR(robot.gripper().opening(), std::clamp((q - 0.9) / -1.2, 0.0, 1.0), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace robocell

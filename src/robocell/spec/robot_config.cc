@@ -36,6 +36,14 @@ void CheckGripper(const MoveGroupConfig& group, Problems& problems) {
     problems.AddAt("distance", fmt::format("closed ({} m) must be smaller than open ({} m)",
                                            group.distance->closed, group.distance->open));
   }
+  if (group.joint_range) {
+    if (group.joints.empty())
+      problems.AddAt("joint_range", "is of the group's first joint; name it in `joints`");
+    if (group.joint_range->open == group.joint_range->closed) {
+      problems.AddAt("joint_range",
+                     fmt::format("open and closed are both {}", group.joint_range->open));
+    }
+  }
   if (group.ctrl && group.ctrl->open == group.ctrl->closed) {
     problems.AddAt("ctrl", fmt::format("open and closed are both {}", group.ctrl->open));
   }
@@ -103,10 +111,10 @@ void MoveGroupConfig::Validate(Problems& problems) const {
   if (kind == MoveGroupKind::kArm) CheckArm(*this, problems);
   if (kind == MoveGroupKind::kGripper) {
     CheckGripper(*this, problems);
-  } else if (!fingers.empty() || ctrl || distance) {
-    problems.Add(
-        std::string("fingers, ctrl and distance belong to a gripper; this group's kind is ") +
-        ToString(kind));
+  } else if (!fingers.empty() || ctrl || distance || joint_range) {
+    problems.Add(std::string("fingers, ctrl, distance and joint_range belong to a gripper; this "
+                             "group's kind is ") +
+                 ToString(kind));
   }
 }
 

@@ -96,6 +96,19 @@ struct GripperCtrl {
   }
 };
 
+// Where a gripper's first joint stands at the ends of its travel, metres or radians.
+struct GripperJointRange {
+  double open = 0;
+  double closed = 0;
+
+  static constexpr const char* kTypeName = "GripperJointRange";
+  template <class V>
+  static void Fields(V&& v) {
+    v("open", &GripperJointRange::open, "Its value when the gripper is open, m or rad.");
+    v("closed", &GripperJointRange::closed, "Its value when the gripper is closed, m or rad.");
+  }
+};
+
 // The free distance between the fingers, metres.
 struct GripperDistance {
   double closed = 0;
@@ -118,6 +131,7 @@ struct MoveGroupConfig {
   std::vector<ElementRef> fingers = {};
   Maybe<GripperCtrl> ctrl = {};
   Maybe<GripperDistance> distance = {};
+  Maybe<GripperJointRange> joint_range = {};
 
   static constexpr const char* kTypeName = "MoveGroupConfig";
   template <class V>
@@ -135,6 +149,9 @@ struct MoveGroupConfig {
       "Gripper: raw control values when open and closed; the actuator's range unless set.");
     v("distance", &MoveGroupConfig::distance,
       "Gripper: finger distance when closed and open; measured unless set.");
+    v("joint_range", &MoveGroupConfig::joint_range,
+      "Gripper: values of its first joint when open and closed. The opening is then read from "
+      "this joint; unless set, from the distance between the fingers.");
   }
   void Validate(Problems& problems) const;
 };
@@ -153,6 +170,7 @@ struct RobotConfig {
   Map<std::vector<double>> home_noise = {};
   Map<ControlKind> control = {};
   std::vector<ElementRef> collision_geoms = {};
+  std::vector<std::string> ignored_collision_geoms = {};
   double arrival_tolerance = 0.01;  // rad; of slides see slide_arrival_tolerance()
   // m. What a hinge turns by 1 rad 0.1 m away moves as far.
   double slide_arrival_tolerance() const { return 0.1 * arrival_tolerance; }
@@ -187,7 +205,11 @@ struct RobotConfig {
       "Uniform +- noise on home per group, one number or one per joint.", Check::kNonNegative);
     v("control", &RobotConfig::control, "Default controller per group.");
     v("collision_geoms", &RobotConfig::collision_geoms,
-      "Geoms that stand for the robot where it is placed and planned for; all unless set.");
+      "Geoms that stand for the robot where it is placed and planned for; all unless set. Of a "
+      "gripper in an environment: those whose contacts are collisions; none unless set.");
+    v("ignored_collision_geoms", &RobotConfig::ignored_collision_geoms,
+      "Environments: geoms of the scene, by their full names, that this robot or gripper may "
+      "touch without a collision.");
     v("arrival_tolerance", &RobotConfig::arrival_tolerance,
       "A motion has arrived within this, rad; slides within a tenth of it in m (0.01: 1 mm).",
       Check::kPositive);
