@@ -118,7 +118,7 @@ def measure(run_file: Path) -> Row | None:
         robot_file,
         run_file,
         events[-1]["totals"],
-        sum(rows) / len(rows) * run.rates.policy_ms / 1000,
+        sum(rows) / len(rows) * run.rates.policy_period(),
         load_robot(robot_file).robot.gripper.inter_finger_dist_range,
     )
 

@@ -2,7 +2,7 @@
 
 What is seen is a mesh made here by turning a profile or extruding a polygon. What collides is a
 hand-made convex decomposition: primitives where they fit, else one small convex mesh, reused.
-Every object has one root body without a joint (the scene adds a free joint), its origin in the
+Every object has one root body with a free joint, its origin in the
 middle of its bounding box, its mass on the collision geoms, and a width below 70 mm that a
 two-finger gripper can take from above. Not for scenes or robots, and not needed to use robocell:
 the results are in the repository.
@@ -309,6 +309,7 @@ TEMPLATE = """<!-- {about} Written by scripts/{script}.
   </asset>
   <worldbody>
     <body name="{name}">
+      <freejoint/>
       <geom name="{name}_visual" type="mesh" mesh="{name}" material="{name}" group="2" mass="0"
             contype="0" conaffinity="0"/>
       <frame childclass="{name}_collision">

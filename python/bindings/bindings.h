@@ -13,6 +13,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/string_view.h>
 #include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/variant.h>
 #include <nanobind/stl/vector.h>
 
 namespace robocell::python {
@@ -21,6 +22,7 @@ namespace nb = nanobind;
 
 void BindBase(nb::module_& m);        // errors, version
 void BindLog(nb::module_& m);         // the log
+void BindMujoco(nb::module_& m);      // known defects of the engine
 void BindMath(nb::module_& m);        // Pose
 void BindSpec(nb::module_& m);        // SceneSpec, RobotConfig, ...
 void BindAssets(nb::module_& m);      // where models are found

@@ -17,6 +17,7 @@ NB_MODULE(_core, m) {
   m.def("mujoco_version", &robocell::LoadedEngineVersion,
         "Version of the MuJoCo that is loaded; __mujoco_version__ is the one robocell was built "
         "for.");
+  BindMujoco(m);
   BindMath(m);
   BindSpec(m);
   BindAssets(m);

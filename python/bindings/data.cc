@@ -78,9 +78,11 @@ nb::object ReadFrames(const Episode& episode, const std::string& camera, const s
   std::vector<size_t> shape = {static_cast<size_t>(info.frames), static_cast<size_t>(info.height),
                                static_cast<size_t>(info.width)};
   if (kind == "depth") return Array(AllFrames<uint16_t>(episode.DepthVideo(camera)), shape);
+  if (kind == "segmentation")
+    return Array(AllFrames<uint16_t>(episode.SegmentationVideo(camera)), shape);
   if (kind != "rgb") {
-    throw NotFoundError(
-        NoSuchName("camera '" + camera + "'", "kind of image", kind, {"rgb", "depth"}));
+    throw NotFoundError(NoSuchName("camera '" + camera + "'", "kind of image", kind,
+                                   {"rgb", "depth", "segmentation"}));
   }
   shape.push_back(3);
   return Array(AllFrames<uint8_t>(episode.Video(camera)), shape);
@@ -112,6 +114,14 @@ nb::dict ColumnDict(const ColumnInfo& info) {
 }
 
 void BindEpisode(nb::module_& m) {
+  nb::class_<SegmentLabel>(m, "SegmentLabel", "What the pixels of one number in segmentation show.")
+      .def_ro("name", &SegmentLabel::name, "The body.")
+      .def_ro("owner", &SegmentLabel::owner,
+              "What it belongs to, as columns name it: 'robots/rc7', 'objects/mug'; or ''.")
+      .def("__repr__", [](const SegmentLabel& label) {
+        return "SegmentLabel(name='" + label.name + "', owner='" + label.owner + "')";
+      });
+  m.attr("NO_SEGMENT") = kNoSegment;
   nb::class_<Episode>(
       m, "Episode",
       "One committed episode: a folder with steps.h5, one mp4 per camera and episode.json.")
@@ -169,12 +179,27 @@ void BindEpisode(nb::module_& m) {
             return names;
           },
           "The cameras that also have depth.")
+      .def_prop_ro(
+          "segmentation_cameras",
+          [](const Episode& e) {
+            std::vector<std::string> names;
+            for (const CameraInfo& info : e.cameras()) {
+              if (!info.segmentation_file.empty()) names.push_back(info.name);
+            }
+            return names;
+          },
+          "The cameras that also have segmentation.")
+      .def_prop_ro("segment_labels", &Episode::segment_labels,
+                   "What 0, 1, ... in frames(..., kind='segmentation') show.")
       .def("frames", &ReadFrames, "camera"_a, "kind"_a = "rgb",
            nb::sig("def frames(self, camera: str, kind: str = 'rgb') -> "
                    "numpy.typing.NDArray[typing.Any]"),
            "All frames of a camera. 'rgb': uint8 (frames, height, width, 3). 'depth': uint16 "
            "(frames, height, width), millimetres along the camera's axis, 0 for no hit, 65535 for "
-           "that and more; exactly as rendered. NotFoundError when the camera has no depth.")
+           "that and more; exactly as rendered. 'segmentation': uint16 (frames, height, width), "
+           "numbers of "
+           "segment_labels, NO_SEGMENT where none of them is seen. NotFoundError when the camera "
+           "has no such images.")
       .def_prop_ro("files", &Episode::files)
       .def_prop_ro("models", &Episode::models,
                    "The models it was made in: their names in the metadata -> where the dataset "

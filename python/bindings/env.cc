@@ -256,9 +256,11 @@ nb::dict Info(const Env& env, const EnvStep& step) {
   nb::dict out, robots;
   nb::list collisions;
   for (const Collision& collision : step.collisions) collisions.append(CollisionDict(collision));
-  for (const RobotLayout& layout : env.layout().robots) {
-    const std::string& name = layout.robot;
+  for (size_t i = 0; i < env.layout().robots.size(); ++i) {
+    const std::string& name = env.layout().robots[i].robot;
     nb::dict robot;
+    for (const MotionField& field : kMotionFields)
+      robot[field.name] = env.motions()[i].*field.value;
     robot["ik_success"] =
         std::find(step.ik_failed.begin(), step.ik_failed.end(), name) == step.ik_failed.end();
     robot["collision"] =
@@ -286,11 +288,11 @@ void InitEnv(Env* self, const EnvConfig& config) {
   new (self) Env(copy, PythonData());
 }
 
-nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed) {
+nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed, std::optional<KeyframeChoice> keyframe) {
   const InUse use(env, &Place, "reset");
   {
     const nb::gil_scoped_release release;
-    env.Reset({.seed = seed});
+    env.Reset({.seed = seed, .keyframe = std::move(keyframe)});
   }
   nb::dict info;
   if (env.config().task) info["instruction"] = env.instruction();
@@ -355,19 +357,25 @@ void BindEnv(nb::module_& m) {
       {.always = {"config"}, .closed = {"close"}});
   DefEnvState(env);
   env.def("__init__", &InitEnv, "config"_a)
-      .def("reset", &ResetEnv, "seed"_a = nb::none(),
-           nb::sig("def reset(self, seed: int | None = None) -> tuple[dict[str, typing.Any], "
-                   "dict[str, typing.Any]]"),
+      .def("reset", &ResetEnv, "seed"_a = nb::none(), "keyframe"_a = nb::none(),
+           nb::sig("def reset(self, seed: int | None = None, keyframe: int | str | "
+                   "collections.abc.Mapping[str, str] | None = None) -> tuple[dict[str, "
+                   "typing.Any], dict[str, typing.Any]]"),
            "To the start: (observation, info). Without a seed the next start of those that the "
-           "last seed began.")
+           "last seed began. With a keyframe (see Scene.reset) robots start there, not at home.")
       .def("step", &StepEnv, "action"_a,
            nb::sig("def step(self, action: collections.abc.Mapping[str, typing.Any]) -> "
                    "tuple[dict[str, typing.Any], float, bool, bool, dict[str, typing.Any]]"),
            "Sends the commands and simulates until the step ends: (observation, reward, "
            "terminated, truncated, info).\n\n"
-           "info['reason'] says why it ended: arrived, collision, ik_failed, timeout or diverged "
-           "(then truncated is true, and only reset goes on); info['robots'][name] has ik_success "
-           "and collision; info['collisions'] lists what touched, by robot and body. Wrong keys, "
+           "info['reason'] says why it ended: arrived, settled (at rest, but not within "
+           "arrival_tolerance), collision, ik_failed, timeout or diverged "
+           "(then truncated is true, and only reset goes on); info['robots'][name] has ik_success, "
+           "collision, and what was left of the motion: joint_error and joint_speed, the largest "
+           "of any joint, and of the TCP position_error, rotation_error, linear_speed, "
+           "angular_speed, and position_shortfall and rotation_shortfall, by which the target "
+           "falls short of the commanded pose; info['collisions'] lists what touched, by robot and "
+           "body. Wrong keys, "
            "sizes and numbers that are not finite are an ArgumentError before anything moves; "
            "numbers beyond their range are cut to it. While another thread steps it, all functions "
            "are an Error. Ctrl-C ends it halfway; then only reset goes on. With a task there are "

@@ -1,6 +1,8 @@
 // What the bindings of environments share.
 #pragma once
 
+#include <array>
+
 #include "bindings.h"
 #include "robocell/env/env.h"
 
@@ -8,6 +10,21 @@ namespace robocell::python {
 
 // "environment 'duo'".
 std::string Place(const Env& env);
+
+// The numbers of an ArmMotion by their keys in infos.
+struct MotionField {
+  const char* name;
+  double ArmMotion::*value;
+};
+inline constexpr std::array kMotionFields = {
+    MotionField{"joint_error", &ArmMotion::joint_error},
+    MotionField{"joint_speed", &ArmMotion::joint_speed},
+    MotionField{"position_error", &ArmMotion::position_error},
+    MotionField{"rotation_error", &ArmMotion::rotation_error},
+    MotionField{"linear_speed", &ArmMotion::linear_speed},
+    MotionField{"angular_speed", &ArmMotion::angular_speed},
+    MotionField{"position_shortfall", &ArmMotion::position_shortfall},
+    MotionField{"rotation_shortfall", &ArmMotion::rotation_shortfall}};
 
 // The last observation, as dictionaries of copies.
 nb::dict Observation(const Env& env);

@@ -119,6 +119,26 @@ nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>
                         reasons);
 }
 
+// {robot: {key: (count,) array}} of what was left of each robot's motion in the last step.
+nb::dict BatchMotions(EnvBatch& batch) {
+  nb::dict robots;
+  std::vector<double> numbers(CopyCount(batch));
+  const std::vector<RobotLayout>& layouts = batch.layout().robots;
+  for (size_t robot = 0; robot < layouts.size(); ++robot) {
+    nb::dict motion;
+    for (const MotionField& field : kMotionFields) {
+      for (int i = 0; i < batch.size(); ++i)
+        numbers[static_cast<size_t>(i)] = batch.env(i).motions()[robot].*field.value;
+      motion[field.name] = NewArray<double>(numbers, {numbers.size()});
+    }
+    for (int i = 0; i < batch.size(); ++i)
+      numbers[static_cast<size_t>(i)] = batch.ik_success(i, robot);
+    motion["ik_success"] = NewArray<double>(numbers, {numbers.size()}).attr("astype")("bool");
+    robots[layouts[robot].robot.c_str()] = motion;
+  }
+  return robots;
+}
+
 // As of one environment.
 int TraverseBatch(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
@@ -205,6 +225,12 @@ void BindEnvBatch(nb::module_& m) {
            "Renderer.render.")
       .def_prop_ro("frames", &BatchFrames, nb::sig("def frames(self, /) -> dict[str, typing.Any]"),
                    "The last frames of all copies by stream, as of Env with the copies in front.")
+      .def_prop_ro("motions", &BatchMotions,
+                   nb::sig("def motions(self, /) -> dict[str, dict[str, "
+                           "numpy.typing.NDArray[typing.Any]]]"),
+                   "What was left of each robot's motion when the last step ended, as "
+                   "info['robots'] of Env.step with an array (count,) for each number; zeros after "
+                   "a reset.")
       .def(
           "reset",
           [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which) {

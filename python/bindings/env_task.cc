@@ -78,6 +78,10 @@ class PyEnvTask : public EnvTask {
     return CallOr<std::vector<std::string>>(nb_trampoline, "objects", {});
   }
 
+  std::vector<std::string> resting_objects() const override {
+    return CallOr<std::vector<std::string>>(nb_trampoline, "resting_objects", {});
+  }
+
   std::vector<TaskSignal> signals() const override {
     const nb::detail::ticket call(nb_trampoline, "signals", nb::detail::str_hash("signals"), false);
     if (!call.key.is_valid()) return {};
@@ -194,6 +198,13 @@ void BindEnvTask(nb::module_& m) {
       .def(
           "arrange", [](EnvTask&, const Scene&, PythonRng&) {}, "scene"_a, "rng"_a,
           "What else an episode starts with; `rng` goes on from starts.")
+      .def(
+          "resting_objects", [](const EnvTask&) { return std::vector<std::string>(); },
+          nb::sig("def resting_objects(self) -> collections.abc.Sequence[str]"),
+          "Ids of objects that have to lie still when an episode begins: touching no robot, inside "
+          "of nothing and with something under them. starts and arrange are called again, with the "
+          "numbers that follow, until they do. When the environment is made one start is tried, "
+          "and simulated until they rest.")
       .def(
           "signals", [](const EnvTask&) { return nb::dict(); },
           nb::sig("def signals(self) -> dict[str, tuple[numpy.typing.ArrayLike, "

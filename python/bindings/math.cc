@@ -245,10 +245,9 @@ nb::object ImportPyKdl() {
     return nb::module_::import_("PyKDL");
   } catch (nb::python_error& e) {
     if (!e.matches(PyExc_ImportError)) throw;
-    nb::raise_from(e, PyExc_ImportError,
-                   "this needs PyKDL, which is not importable here. Install it for the system's "
-                   "Python (Debian, Ubuntu: apt-get install python3-pykdl) and run scripts/setup, "
-                   "which links it into .venv (same Python minor version)");
+    const nb::object remedy = nb::module_::import_("robocell._pykdl").attr("remedy")();
+    nb::raise_from(e, PyExc_ImportError, "this needs PyKDL, which is not importable here. %s",
+                   nb::cast<std::string>(remedy).c_str());
   }
 }
 

@@ -82,7 +82,7 @@ template <class Calls>
 class KeptGroup : public Calls {
  public:
   explicit KeptGroup(nb::object object) : object_(std::move(object)) {}
-  PyObject* target() const override { return object_.target(); }
+  PyObject* python_object() const override { return object_.target(); }
 
  private:
   Held object_;
@@ -91,7 +91,7 @@ class KeptGroup : public Calls {
 }  // namespace
 
 nb::object WrittenInPython::object() const {
-  if (PyObject* object = target()) return nb::borrow(object);
+  if (PyObject* object = python_object()) return nb::borrow(object);
   throw ClosedError("a move group written in Python is gone: Python is shutting down");
 }
 

@@ -24,7 +24,7 @@ class WrittenInPython {
  public:
   virtual ~WrittenInPython() = default;
   // Null when it was let go of. With the GIL.
-  virtual PyObject* target() const = 0;
+  virtual PyObject* python_object() const = 0;
   // The same as a reference, with the GIL; ClosedError when it was let go of.
   nb::object object() const;
 };
@@ -133,7 +133,7 @@ template <class Calls>
 class PyGroup : public Calls {
  public:
   NB_TRAMPOLINE(Calls);
-  PyObject* target() const override { return nb_trampoline.base().ptr(); }
+  PyObject* python_object() const override { return nb_trampoline.base().ptr(); }
 };
 
 using PyMoveGroup = PyGroup<MoveGroupCalls>;

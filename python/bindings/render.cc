@@ -10,6 +10,7 @@
 #include "scene_cycles.h"
 #include "robocell/media/png.h"
 #include "robocell/render/gl_context.h"
+#include "robocell/render/graphics_advice.h"
 #include "robocell/render/markers.h"
 #include "robocell/render/scene_renderer.h"
 
@@ -154,6 +155,15 @@ void BindRender(nb::module_& m) {
       "What draws on this machine. Raises an Error that names everything that was tried when "
       "nothing "
       "does.");
+  m.def(
+      "graphics_advice",
+      [](const std::string& description, const std::string& root) {
+        return GraphicsAdvice(description, ReadGraphicsFacts(root));
+      },
+      "description"_a, "root"_a = "/",
+      "What to do when this machine has a graphics card and `description` (of describe_gl) is of "
+      "software all the same;\n"
+      "'' otherwise. `root` is the folder that the machine's files are looked up in.");
   BindVideo(m);
 }
 

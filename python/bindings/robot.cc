@@ -11,6 +11,7 @@
 #include "scene_cycles.h"
 #include "signals.h"
 #include "values.h"
+#include "robocell/datagen/check_robot.h"
 #include "robocell/env/stepper.h"
 #include "robocell/robot/check_config.h"
 #include "robocell/robot/robot.h"
@@ -191,8 +192,26 @@ void BindGroups(nb::module_& m) {
   nb::class_<BaseGroup, MoveGroup, PyBaseGroup> base(m, "BaseGroup", "What a robot stands on.");
   base.def(nb::init<>())
       .def_prop_rw("pose", &BaseGroup::pose, &BaseGroup::SetPose,
-                   "Pose in the world; only a mocap, free or planar base can be set.")
-      .def_prop_ro("is_mobile", &BaseGroup::is_mobile);
+                   "Pose in the world. Setting it teleports a mocap, free, planar or driven base, "
+                   "and leaves behind what the robot holds; a fixed base raises ArgumentError.")
+      .def_prop_ro("is_mobile", &BaseGroup::is_mobile)
+      .def_prop_ro("is_driven", &BaseGroup::is_driven,
+                   "Whether `update` moves it to `target`, as a driven base.")
+      .def_prop_rw("target", &BaseGroup::target, &BaseGroup::SetTarget,
+                   "Pose in the world that a driven base moves to, within its largest speeds and "
+                   "with what the robot holds. ArgumentError for other bases.")
+      .def_prop_rw(
+          "max_linear_speed", [](const BaseGroup& b) { return b.max_speeds().linear; },
+          [](BaseGroup& b, double speed) {
+            b.SetMaxSpeeds({.linear = speed, .angular = b.max_speeds().angular});
+          },
+          "m/s, of a driven base.")
+      .def_prop_rw(
+          "max_angular_speed", [](const BaseGroup& b) { return b.max_speeds().angular; },
+          [](BaseGroup& b, double speed) {
+            b.SetMaxSpeeds({.linear = b.max_speeds().linear, .angular = speed});
+          },
+          "rad/s, of a driven base.");
   for (const nb::handle type : {nb::handle(group), nb::handle(gripper), nb::handle(base)})
     GuardGroup(type);
 }
@@ -210,6 +229,8 @@ void BindAction(nb::module_& m) {
       .def_static(
           "leaf_pose", [](const PoseOrFrame& p) { return GroupCommand::LeafPose(p.get()); },
           "leaf_in_robot"_a, "Pose of the leaf in the robot base frame, through IK.")
+      .def_static("base_pose", &GroupCommand::BasePose, "base_in_world"_a,
+                  "Pose of a driven base in the world, to which `update` moves it.")
       .def_static("opening", &GroupCommand::Opening, "opening"_a,
                   "Of a gripper: 0 closed ... 1 open.")
       .def_static(
@@ -439,32 +460,26 @@ void BindRobotClass(nb::module_& m) {
       .def_prop_ro("tip_to_tcp", &Robot::tip_to_tcp,
                    "Pose of the TCP in the tip body: the last one that the arm moves, or the one "
                    "given to from_scene.")
-      .def(
-          "is_driven",
-          [](const Robot& r, const std::string& group) {
-            r.group(group);  // NotFoundError for another name
-            try {
-              r.controller(group);
-              return true;
-            } catch (const NotFoundError&) {
-              return false;
-            }
-          },
-          "group"_a, "Whether the group has a controller, which `update` runs.")
+      .def("is_driven", &Robot::is_driven, "group"_a,
+           "Whether the group has a controller, which `update` runs.")
       .def("__repr__", [](const Robot& r) { return "<Robot '" + r.name() + "'>"; });
   DefControl(robot);
   m.def(
       "check_config",
       [](const Robot& robot) {
         Problems problems(robot.config().locations);
-        CheckConfig(robot, problems);
-        CheckDriven(robot, problems);
+        CheckRobot(robot, problems);
         problems.Throw("robot '" + robot.name() + "'");
       },
       "robot"_a, Unlocked(),
       "SpecError when the robot's file says what its model does not do: a gripper's `distance` "
       "that measuring contradicts, a base wider than the robot reaches; or when no controller can "
-      "drive its arm or gripper.");
+      "drive its arm or gripper, or a name cannot stand in a record. `generate` asks the same.");
+  m.def(
+      "why_no_picks", &WhyNoPicks, "robot"_a, Unlocked(),
+      "What the scripted expert of pick tasks misses of a robot: a base that can be put anywhere, "
+      "an arm and a gripper with controllers. Empty when pick tasks can use it. `generate` refuses "
+      "a robot for each of these reasons.");
   m.def(
       "try_robot",
       [](const Robot& robot, bool beside_warnings) {

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 #include <nanobind/operators.h>
-#include <nanobind/stl/variant.h>
 
 #include "bindings.h"
 #include "body_poses.h"
@@ -63,14 +62,15 @@ BodyPoses GivenBodyPoses(nb::handle given) {
   return given.is_none() ? BodyPoses() : ToBodyPoses(given, FieldPath("body_poses"));
 }
 
-ResetInfo Reset(Scene& scene, const ResetOptions* options, std::optional<int> keyframe,
+ResetInfo Reset(Scene& scene, const ResetOptions* options, std::optional<KeyframeChoice> keyframe,
                 bool use_keyframe, std::optional<uint64_t> seed, nb::handle body_poses) {
   if (options && (keyframe || seed || !use_keyframe || !body_poses.is_none())) {
     throw ArgumentError(
         "reset: give either options or keyframe, use_keyframe, seed and body_poses");
   }
   const ResetOptions given =
-      options ? *options : ResetOptions{keyframe, use_keyframe, seed, GivenBodyPoses(body_poses)};
+      options ? *options
+              : ResetOptions{std::move(keyframe), use_keyframe, seed, GivenBodyPoses(body_poses)};
   const nb::gil_scoped_release release;
   return scene.Reset(given);
 }
@@ -136,17 +136,22 @@ void BindReset(nb::module_& m) {
   nb::class_<ResetOptions>(m, "ResetOptions", "How a scene is reset.")
       .def(
           "__init__",
-          [](ResetOptions* self, std::optional<int> keyframe, bool use_keyframe,
+          [](ResetOptions* self, std::optional<KeyframeChoice> keyframe, bool use_keyframe,
              std::optional<uint64_t> seed, nb::handle body_poses) {
-            new (self) ResetOptions{keyframe, use_keyframe, seed, GivenBodyPoses(body_poses)};
+            new (self)
+                ResetOptions{std::move(keyframe), use_keyframe, seed, GivenBodyPoses(body_poses)};
           },
           nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
           nb::arg("seed") = nb::none(), nb::arg("body_poses") = nb::none(),
-          nb::sig("def __init__(self, keyframe: int | None = None, use_keyframe: bool = True, "
-                  "seed: int | None = None, body_poses: collections.abc.Mapping[str, Pose] | None "
+          nb::sig("def __init__(self, keyframe: int | str | collections.abc.Mapping[str, str] | "
+                  "None = None, use_keyframe: bool = True, seed: int | None = None, body_poses: "
+                  "collections.abc.Mapping[str, Pose] | None "
                   "= None) -> None"))
-      .def_rw("keyframe", &ResetOptions::keyframe, nb::arg("value").none(),
-              "Number of the keyframe; None: the scene's home.")
+      .def_rw(
+          "keyframe", &ResetOptions::keyframe, nb::arg("value").none(),
+          "The keyframe: its number (0 is home) or its full name ('left_retract', with the "
+          "prefix of its part), or {robot or object: the keyframe of its own model}; what is not "
+          "named there is at home. None: the scene's home.")
       .def_rw("use_keyframe", &ResetOptions::use_keyframe,
               "False: the model's default configuration.")
       .def_rw("seed", &ResetOptions::seed, nb::arg("value").none(),
@@ -170,7 +175,9 @@ void BindReset(nb::module_& m) {
       });
   nb::class_<ResetInfo>(m, "ResetInfo", "What a reset started from.")
       .def_ro("used_keyframe", &ResetInfo::used_keyframe, "Whether it was a keyframe.")
-      .def_ro("keyframe", &ResetInfo::keyframe, "Its number, else -1.")
+      .def_ro("keyframe", &ResetInfo::keyframe,
+              "Its number, else -1; home's when parts "
+              "were given keyframes of their own.")
       .def("__repr__", [](const ResetInfo& info) {
         return fmt::format("ResetInfo(used_keyframe={}, keyframe={})",
                            info.used_keyframe ? "True" : "False", info.keyframe);
@@ -265,6 +272,8 @@ void BindCompiled(nb::module_& m) {
                    "The mujoco.MjModel, shared without a copy.")
       .def_prop_ro("warnings", &CompiledScene::warnings,
                    "What the parts asked for and did not get, and the engine's own warnings.")
+      .def_prop_ro("engine_guards", &CompiledScene::engine_guards,
+                   "Names of the known_engine_defects() that the model was guarded against.")
       .def_prop_ro("notes", &CompiledScene::notes,
                    "What is good to know and needs no change, such as lights that a part leaves "
                    "behind.")
@@ -300,6 +309,9 @@ void BindCompiled(nb::module_& m) {
 void DefStepping(nb::class_<Scene>& c) {
   c.def("time", &Scene::time, "Simulated seconds.")
       .def("timestep", &Scene::timestep, "Seconds per engine step.")
+      .def("keyframes", &Scene::keyframes,
+           "Names of the scene's keyframes by their numbers: 'home', then those of the parts' own "
+           "models, each with its part's prefix.")
       .def("step", &Scene::Step, Unlocked(), "One engine step.")
       .def("step_n", &StepN, nb::arg("n"), Unlocked(),
            "n engine steps; ends early when the state diverges, and at Ctrl-C. ArgumentError for "
@@ -310,12 +322,15 @@ void DefStepping(nb::class_<Scene>& c) {
       .def("reset", &Reset, nb::arg("options") = nb::none(), nb::kw_only(),
            nb::arg("keyframe") = nb::none(), nb::arg("use_keyframe") = true,
            nb::arg("seed") = nb::none(), nb::arg("body_poses") = nb::none(),
-           nb::sig("def reset(self, options: ResetOptions | None = None, *, keyframe: int | None = "
-                   "None, use_keyframe: bool = True, seed: int | None = None, body_poses: "
+           nb::sig("def reset(self, options: ResetOptions | None = None, *, keyframe: int | str | "
+                   "collections.abc.Mapping[str, str] | None = None, use_keyframe: bool = True, "
+                   "seed: int | None = None, body_poses: "
                    "collections.abc.Mapping[str, Pose] | None = None) -> ResetInfo"),
            "Restore the keyframe (home unless given) or the default configuration, add the robots' "
            "home noise (with a seed), put free and mocap bodies at their `body_poses`, call the "
            "hooks, clear stale forces.\n\n"
+           "keyframe: a number, a full name, or {robot or object: keyframe of its own model} (see "
+           "`keyframes()`). "
            "The trajectory after a reset does not depend on what was before. What a hook raises is "
            "raised after the reset was ended as if there were no hooks; reset() in a hook is an "
            "Error.")
@@ -480,6 +495,9 @@ void DefSharing(nb::class_<Scene>& c) {
       .def_prop_ro(
           "warnings", [](const Scene& s) { return s.compiled()->warnings(); },
           "What the parts asked for and did not get, and the engine's own warnings.")
+      .def_prop_ro(
+          "engine_guards", [](const Scene& s) { return s.compiled()->engine_guards(); },
+          "Names of the known_engine_defects() that the model was guarded against.")
       .def_prop_ro(
           "notes", [](const Scene& s) { return s.compiled()->notes(); },
           "What is good to know and needs no change, such as lights that a part leaves behind.")

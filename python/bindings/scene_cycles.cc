@@ -104,7 +104,7 @@ int VisitGroups(const std::vector<std::shared_ptr<MoveGroup>>& groups, visitproc
   for (const auto& group : groups) {
     if (group.use_count() != 2) continue;
     const auto* own = dynamic_cast<const WrittenInPython*>(group.get());
-    Py_VISIT(own ? own->target() : TargetOf(group));
+    Py_VISIT(own ? own->python_object() : TargetOf(group));
   }
   return 0;
 }

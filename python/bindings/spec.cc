@@ -45,6 +45,7 @@ void BindEnums(nb::module_& m) {
   BindEnum<Integrator>(m, "MuJoCo's integrators.");
   BindEnum<FrictionCone>(m, "Shapes of friction cones.");
   BindEnum<Solver>(m, "MuJoCo's constraint solvers.");
+  BindEnum<JacobianKind>(m, "How the constraint Jacobian is stored and factorised.");
   BindEnum<BaseKind>(m, "What a robot's base can do.");
   BindEnum<MoveGroupKind>(m, "Kinds of move groups.");
   BindEnum<ControlKind>(m, "Default controllers of move groups.");

@@ -27,6 +27,8 @@ inline constexpr const char* kEnumName<FrictionCone> = "FrictionCone";
 template <>
 inline constexpr const char* kEnumName<Solver> = "Solver";
 template <>
+inline constexpr const char* kEnumName<JacobianKind> = "JacobianKind";
+template <>
 inline constexpr const char* kEnumName<BaseKind> = "BaseKind";
 template <>
 inline constexpr const char* kEnumName<MoveGroupKind> = "MoveGroupKind";

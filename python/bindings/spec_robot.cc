@@ -8,6 +8,8 @@ namespace robocell::python {
 void BindRobotSpecs(nb::module_& m) {
   BindSpecClass<BaseConfig>(m, "What a robot stands on.");
   BindSpecClass<GripperCtrl>(m, "Raw control values of a gripper's actuator, open and closed.");
+  BindSpecClass<GripperJointRange>(
+      m, "Values of a gripper's first joint when it is open and closed, metres or radians.");
   BindSpecClass<GripperDistance>(m, "Free distance between the fingers, closed and open, metres.");
   BindSpecClass<MoveGroupConfig>(m, "A named group of joints and actuators of a robot.");
   BindSpecClass<Edit>(m,

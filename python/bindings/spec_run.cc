@@ -12,7 +12,21 @@ void BindRunSpecs(nb::module_& m) {
   DefYamlFile(cameras);
   BindSpecClass<TaskConfig>(m, "What the robot does.");
   BindSpecClass<SceneSource>(m, "Where a run's scenes come from.");
-  BindSpecClass<Rates>(m, "Times of engine, control and policy, ms.");
+  BindSpecClass<Rates>(m,
+                       "How often the engine steps, controllers run and actions are taken, in ms "
+                       "or in Hz.")
+      .def(
+          "timestep", [](const Rates& r) { return r.timestep().value(); },
+          "The engine's timestep, seconds.")
+      .def("policy_period", &Rates::policy_period, "Seconds per action and row.")
+      .def(
+          "policy_rate",
+          [](const Rates& r) {
+            const Ratio rate = r.policy_rate();
+            return nb::make_tuple(rate.num, rate.den);
+          },
+          nb::sig("def policy_rate(self) -> tuple[int, int]"),
+          "Actions and rows per second, exact: numerator and denominator.");
   auto run = BindSpecClass<RunConfig>(m, "What to generate: robot, task, scenes, cameras, rates.");
   DefYamlFile(run);
 }

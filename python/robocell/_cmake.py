@@ -8,9 +8,10 @@ from pathlib import Path
 def cmake_dir() -> str:
     """The folder with robocellConfig.cmake.
 
-    In a wheel it lies in the package; in a checkout it is ``build/release``. Use it like this::
+    In a wheel it lies in the package; in a checkout it is ``build/release``. CMake's
+    ``find_package(robocell)`` looks there when it is told so::
 
-        cmake -Drobocell_DIR=$(python -c "import robocell; print(robocell.cmake_dir())") ...
+        cmake -B build -Drobocell_DIR="$(python -c 'import robocell; print(robocell.cmake_dir())')"
 
     Raises:
         FileNotFoundError: the package was installed without them, or the checkout is not built.

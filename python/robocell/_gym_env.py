@@ -95,14 +95,17 @@ class GymEnv(gymnasium.Env[Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """To a start: that of the seed, or the next one of the last seed; by chance at first."""
+        """To a start: that of the seed, or the next one of the last seed; by chance at first.
+
+        ``options={"keyframe": ...}`` starts the robots at a keyframe of the scene (see
+        ``Scene.reset``) in place of their homes.
+        """
         if seed is not None:
             self._seed(seed)
-        if options is not None:
-            options_of(options)
+        given = options_of(options, "keyframe")
         if seed is None and not self._seeded:
             seed = int(self.np_random.integers(2**63))
-        observation, info = self.core.reset(seed)
+        observation, info = self.core.reset(seed, given.get("keyframe"))
         self._seeded = True
         if self._window:
             self._window.show()

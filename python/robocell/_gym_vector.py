@@ -31,10 +31,11 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
     """Copies of one environment on one model, on C++ threads: one call of Python for a step of all.
 
     Observations, rewards and ends are those of as many ``GymEnv``; all three autoreset modes of
-    Gymnasium are there. Infos have ``reason``, ``time`` and, with a task, ``is_success`` and
-    ``instruction``, each with a mask (``_reason`` ...) of the copies that made a step; with
-    SAME_STEP those that ended have theirs in ``final_info``, beside ``final_obs``. Images are drawn
-    by one renderer, one copy after the other.
+    Gymnasium are there. Infos have ``reason``, ``time``, ``robots`` (what was left of
+    each robot's motion, arrays under the keys that ``Env.step`` documents) and, with a task,
+    ``is_success`` and ``instruction``, each with a mask (``_reason`` ...) of the copies that made a
+    step; with SAME_STEP those that ended have theirs in ``final_info``, beside ``final_obs``.
+    Images are drawn by one renderer, one copy after the other.
 
     Args:
         config: what all copies are.
@@ -250,12 +251,13 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
     ) -> dict[str, Any]:
         """Of the copies that ``which`` is true for; the others have no values."""
         infos: dict[str, Any] = {
-            "time": np.where(which, times, 0),
+            "time": times,
             "reason": _texts(reasons, which),
         }
         if self._has_task:
-            infos["is_success"] = success & which
-        return infos | {f"_{key}": which.copy() for key in infos}
+            infos["is_success"] = success
+        infos["robots"] = self.core.motions
+        return _masked(infos, which)
 
     def _instructions(self, which: NDArray[np.bool_]) -> dict[str, Any]:
         if not self._has_task:
@@ -264,6 +266,20 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
             "instruction": _texts(self.core.instructions, which),
             "_instruction": which.copy(),
         }
+
+
+def _masked(infos: dict[str, Any], which: NDArray[np.bool_]) -> dict[str, Any]:
+    """Infos with the mask of each, at every level, as Gymnasium has them; zeros for the others."""
+    out: dict[str, Any] = {}
+    for key, value in infos.items():
+        if isinstance(value, dict):
+            out[key] = _masked(value, which)
+        elif value.dtype == object:
+            out[key] = value
+        else:
+            out[key] = np.where(which, value, np.zeros_like(value))
+        out[f"_{key}"] = which.copy()
+    return out
 
 
 def _of_copy(value: Any, i: int) -> Any:

@@ -127,7 +127,7 @@ class VecEnv(vec_env.VecEnv):
 def _of_copy(infos: dict[str, Any], i: int) -> dict[str, Any]:
     """What infos with masks say of copy i."""
     return {
-        key: infos[key][i]
+        key: _of_copy(infos[key], i) if isinstance(infos[key], dict) else infos[key][i]
         for key in infos
         if not key.startswith(("_", "final_")) and infos[f"_{key}"][i]
     }

@@ -96,7 +96,8 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
             lambda s: s.robot("a").apply({"arm": rc.GroupCommand.joints([0] * 7), "gripper": 1}),
             "Robot.apply(): `action['gripper']` must be a GroupCommand, got 1 (int); make it with "
             "GroupCommand.joints(...) or GroupCommand.relative_joints(...) or "
-            "GroupCommand.leaf_pose(...) or GroupCommand.opening(...) or ",
+            "GroupCommand.leaf_pose(...) or GroupCommand.base_pose(...) or "
+            "GroupCommand.opening(...) or ",
         ),
         (
             lambda s: rc.Stepper(s, s.robots).advance({"a": {"arm": [0] * 7}}),

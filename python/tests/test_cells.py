@@ -390,6 +390,39 @@ class TestReset:
         with pytest.raises(rc.ArgumentError, match="there is no keyframe 3; the scene has 1"):
             scene.reset(keyframe=3)
 
+    def test_keyframes_are_chosen_by_number_by_name_and_by_robot(self, tmp_path):
+        path = tmp_path / "arm.xml"
+        path.write_text(
+            """<mujoco><compiler angle="radian"/><worldbody><body name="base"><geom size="0.05"/>
+            <body name="a" pos="0 0 0.2"><joint name="j" axis="0 1 0"/><geom size="0.02"/></body>
+            </body></worldbody><actuator><position name="m" joint="j" kp="10" kv="1"/></actuator>
+            <keyframe><key name="home" qpos="0.1" ctrl="0.1"/><key name="up" qpos="1" ctrl="1"/>
+            </keyframe></mujoco>"""
+        )
+        spec = empty()
+        for name, y in (("left", 0), ("right", 1)):
+            spec.robots.append(rc.RobotSpec(path=str(path), prefix=f"{name}_", pos=[0, y, 0]))
+        scene = rc.Scene.build(spec)
+        assert scene.keyframes() == ["home", "left_up", "right_up"]
+
+        def joints(keyframe: object) -> list[float]:
+            scene.reset(keyframe=keyframe)
+            return [scene.joint_pos("left_j"), scene.joint_pos("right_j")]
+
+        assert joints(None) == [0.1, 0.1]
+        assert joints(1) == [1, 0.1]
+        assert joints("right_up") == [0.1, 1]
+        assert joints({"left": "up", "right": "up"}) == [1, 1]
+        assert scene.model.key("left_up").qpos.tolist() == [1, 0.1]
+        options = rc.ResetOptions(keyframe={"right": "up"})
+        assert options.keyframe == {"right": "up"}
+        scene.reset(options)
+        assert scene.joint_pos("right_j") == 1
+        with pytest.raises(rc.NotFoundError, match="no keyframe 'u'"):
+            scene.reset(keyframe={"left": "u"})
+        with pytest.raises(rc.NotFoundError, match="no keyframe 'up'"):
+            scene.reset(keyframe="up")
+
     def test_two_scenes_are_independent(self, tmp_path):
         spec = empty(robots=[rc7(name="a")])
         first, second = rc.Scene.build(spec), rc.Scene.build(spec)

@@ -130,7 +130,7 @@ def test_what_the_robot_or_the_catalogue_lacks_is_told_before_anything_is_made(
     text = refused("generate", path, option)
     line = next(n for n, line in enumerate(path.read_text().splitlines(), 1) if "wirst" in line)
     assert f"{path}:{line}:" in text
-    assert "cameras.streams[0].camera: stream 'wrist': no camera 'wirst_camera'" in text
+    assert "(cameras.streams[0]).camera: stream 'wrist': no camera 'wirst_camera'" in text
     assert "Did you mean 'wrist_camera'?" in text
     assert "robot_0/" not in text
     task = {"kind": "pick", "objects": ["box", "mgu"]}
@@ -278,7 +278,7 @@ def test_images_beyond_all_size_are_refused_before_anything_is_done(
 ):
     run = write_run(tmp_path)
     text = refused(*command, run, "--set", "cameras.resolution=[100000,100000]")
-    assert "cameras.streams[0]: size 100000x100000 is too large" in text
+    assert "stream 'wrist' (cameras.streams[0]): size 100000x100000 is too large" in text
     assert "at most 16384 pixels; correct the stream's width and height" in text
     assert not (tmp_path / "out").exists()
 
@@ -329,6 +329,16 @@ def test_the_doctor_names_versions_graphics_and_encoder():
     for text in ("mujoco", "graphics: egl", "video", "libx264", "disk"):
         assert text in result.stdout
     assert "everything that is needed to generate datasets is here" in result.stdout
+
+
+def test_the_doctor_names_known_defects_of_the_engine_and_the_guards_against_them():
+    defects = robocell.known_engine_defects()
+    assert (robocell.mujoco_version() == "4.0.0") == bool(defects)
+    words = " ".join(robocell_command("doctor").stdout.split())
+    for defect in defects:
+        assert f"known mujoco: {defect.name} {defect.what}." in words
+        assert f"Guard: {defect.guard or 'none'}." in words
+        assert f"Fixed in MuJoCo {defect.fixed_in}." in words
 
 
 def test_the_doctor_tells_what_to_do_about_what_is_missing(tmp_path: Path):

@@ -115,7 +115,7 @@ CASES = {
         run_text,
         ("camera: wrist_camera", "camera: wirst_camera"),
         "wrist, camera: ",
-        "cameras.streams[0].camera: stream 'wrist': no camera 'wirst_camera'",
+        "stream 'wrist' (cameras.streams[0]).camera: stream 'wrist': no camera 'wirst_camera'",
         "exo_camera, wrist_camera",
         "Did you mean 'wrist_camera'?",
     ),
@@ -133,7 +133,8 @@ CASES = {
         run_text,
         ("[64, 48]", "[65, 48]"),
         "    - ",
-        "cameras.streams[0]: size 65x48 cannot be encoded as video, which needs even numbers",
+        "stream 'wrist' (cameras.streams[0]): size 65x48 cannot be encoded as video, which needs "
+        "even numbers",
         "the nearest size is 66x48",
         "correct the stream's width and height, or `cameras.resolution`",
     ),

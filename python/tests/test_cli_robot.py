@@ -225,6 +225,54 @@ def test_check_warns_of_what_is_valid_but_looks_wrong(tmp_path: Path):
     assert "nothing found wrong" not in result.stdout
 
 
+SUCTION = """<mujoco><compiler angle="radian"/><worldbody><body name="base" mocap="false">
+<geom size="0.05"/><body name="l" pos="0 0 0.1"><joint name="j" axis="0 1 0" range="-2 2"
+damping="2"/><geom type="capsule" size="0.02" fromto="0 0 0 0 0 0.3"/><body name="cup"
+pos="0 0 0.32"><geom name="cup" size="0.01"/><site name="tip"/></body></body></body></worldbody>
+<actuator><position name="m" joint="j" kp="500" kv="50"/><adhesion name="suck" body="cup"
+ctrlrange="0 1" gain="40"/></actuator></mujoco>"""
+
+
+def write_suction(folder: Path) -> Path:
+    (folder / "bob.xml").write_text(SUCTION)
+    robot = folder / "bob.yaml"
+    robot.write_text(
+        "name: bob\nmodel: bob.xml\nbase: {kind: mocap}\ngravcomp: true\nmove_groups:\n"
+        "  arm: {kind: arm, joints: [j], leaf: {site: tip}}\n"
+        "  cup: {kind: generic, actuators: [suck]}\n"
+    )
+    return robot
+
+
+def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: Path):
+    robot = write_suction(tmp_path)
+    checked = robocell_command("check", robot)
+    assert checked.returncode == 0, checked.stderr
+    undriven = "move_groups.cup: scene 'bob' / robot 'bob' / group 'cup' has no controller"
+    assert undriven in checked.stderr
+    assert "Without one nothing commands it" in checked.stderr
+    assert "nothing found wrong" not in checked.stdout
+    unfit = "has no gripper group"
+    assert "note: no robot for pick tasks: " in checked.stdout
+    assert unfit in checked.stdout
+    run = write_run(tmp_path, robot=str(robot))
+    assert unfit in refused("generate", run)
+    loaded = load_robot(robot)
+    reasons = robocell.why_no_picks(loaded.robot)
+    assert len(reasons) == 1
+    assert unfit in reasons[0]
+    config = robocell.RunConfig.load(run)
+    config.cameras.streams = []  # which are of rc7's cameras
+    robocell.check_run(config, scripted_expert=False, on_this_machine=False)  # is recorded without
+
+
+def test_check_lists_keyframes(tmp_path: Path):
+    robot = write_suction(tmp_path)
+    key = '<keyframe><key name="home" qpos="0.5"/><key name="up" qpos="0"/></keyframe></mujoco>'
+    (tmp_path / "bob.xml").write_text(SUCTION.replace("</mujoco>", key))
+    assert "keyframes: home, up\n" in robocell_command("check", robot).stdout
+
+
 def test_a_distance_that_the_gripper_does_not_have_is_refused_by_check_and_by_runs(tmp_path: Path):
     distance = {"closed": 0.0, "open": 0.9}
     robot = write_robot(tmp_path, set_in("move_groups", "gripper", "distance", value=distance))

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import robocell
-from command_line import refused, robocell_command, write_run
+from command_line import robocell_command, write_run
 from made_once import made_once
 
 SIZE = (64, 48)
@@ -81,10 +81,3 @@ def test_depth_is_counted_verified_and_missed_by_name(dataset: Path):
         episode.frames("exo", kind="depth")
     with pytest.raises(robocell.NotFoundError, match="Did you mean 'depth'"):
         episode.frames("wrist", kind="dept")
-
-
-def test_what_cannot_be_recorded_yet_is_still_refused(tmp_path: Path):
-    streams = [{"name": "wrist", "camera": "wrist_camera", "segmentation": True}]
-    run = write_run(tmp_path, cameras={"resolution": list(SIZE), "streams": streams})
-    text = refused("generate", run)
-    assert "segmentation cannot be recorded yet, only rgb and depth" in text

@@ -43,7 +43,8 @@ def test_a_step_moves_the_arm_that_is_told_to(env):
     assert np.allclose(after["right"]["tquat"], before["right"]["tquat"], atol=1e-3)
     assert (after["left"]["gripper"], after["right"]["gripper"]) == ([0], [1])
     assert (reward, terminated, truncated) == (0, False, False)
-    assert info["robots"]["left"] == {"ik_success": True, "collision": False}
+    left = info["robots"]["left"]
+    assert (left["ik_success"], left["collision"]) == (True, False)
 
 
 def test_observations_are_poses_in_the_shared_frame(env):
@@ -71,6 +72,8 @@ def test_the_same_pose_sends_both_arms_to_the_same_place_in_the_world():
         own = {"tquat": np.concatenate([pose.translation, pose.quaternion]), "gripper": 1}
         *_, info = env.step({"left": own, "right": own})
         if info["reason"] == "ik_failed":  # out of reach of one
+            continue
+        if any(robot["position_shortfall"] for robot in info["robots"].values()):
             continue
         reached += 1
         wanted = env.scene.shared_base_frame_to_world * pose

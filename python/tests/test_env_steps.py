@@ -41,8 +41,12 @@ WALL = {
 }
 
 
+PUSHED_ON = {"max_target_lead": (1, 3)}
+
+
 def test_a_step_ends_where_a_robot_runs_into_something():
-    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "stop"})
+    # The gripper, which may touch things, meets the wall first: the arm is pushed on.
+    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "stop"}, **PUSHED_ON)
     reasons = []
     while len(reasons) < 30 and reasons[-1:] != ["collision"]:
         _, info = move(env, [0, -0.05, 0])
@@ -53,12 +57,12 @@ def test_a_step_ends_where_a_robot_runs_into_something():
 
 
 def test_collisions_are_reported_or_looked_at_ahead():
-    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "report"})
+    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "report"}, **PUSHED_ON)
     reasons = [move(env, [0, -0.05, 0])[1]["reason"] for _ in range(12)]
     assert "collision" not in reasons
     assert env.step({"robot": {"tquat": [0, -0.05, 0, 0, 0, 0, 1], "gripper": 1}})[4]["collisions"]
 
-    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "guard"})
+    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "guard"}, **PUSHED_ON)
     arm = env.scene.robot("robot")
     _, info = move(env, [0, 0, 0])
     while info["reason"] != "collision":
@@ -88,6 +92,33 @@ def test_a_pose_without_solution_is_told_and_the_next_one_tried():
     _, info = move(env, np.add(begin[:3], [0, 0, 0.02]), begin[3:])
     assert info["reason"] == "arrived"
     assert info["robots"]["robot"]["ik_success"]
+
+
+def test_infos_say_what_is_left_of_a_motion():
+    env = make()
+    _, info = move(env, [0, 0, 0.02])
+    left = info["robots"]["robot"]
+    assert info["reason"] == "arrived"
+    assert left["joint_error"] <= 0.002
+    assert left["joint_speed"] <= 0.02
+    assert left["position_error"] < 2e-3
+    assert left["linear_speed"] < 0.02
+    assert left["position_shortfall"] == left["rotation_shortfall"] == 0
+    _, info = move(make(sim={"max_convergence_time": 0.01}), [0, 0, 0.05])
+    assert info["robots"]["robot"]["position_error"] == pytest.approx(0.05, abs=0.01)
+
+
+def test_a_blocked_arm_leaves_at_once():
+    env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "report"})
+    for _ in range(30):
+        seen, info = move(env, [0, -0.03, 0])
+    assert info["robots"]["robot"]["position_error"] < 0.06, "one action and the lead"
+    blocked = seen["tquat"][1]
+    for _ in range(2):
+        seen, _ = move(env, [0, 0.03, 0])
+    assert seen["tquat"][1] > blocked + 5e-3
+    with pytest.raises(rc.SpecError, match="max_target_lead"):
+        make(max_target_lead=(0.02,))
 
 
 def test_the_slowest_ramp_arrives():
@@ -184,7 +215,12 @@ def test_about_a_configured_origin_arms_turn_about_the_tcp_with_the_axes_of_the_
 
 
 def test_joints_are_limited_from_where_they_were_sent_and_by_the_robot():
-    env = make(control_mode="joints", relative_to="none", max_relative_movement=0.1)
+    env = make(
+        control_mode="joints",
+        relative_to="none",
+        max_relative_movement=0.1,
+        max_target_lead=10,  # something may be in the way
+    )
     begin = env.reset(seed=1)[0]["robot"]["joints"]
     for step in range(1, 4):
         env.step({"robot": {"joints": begin + 1, "gripper": 1}})

@@ -146,6 +146,33 @@ class FindTheCube(Reach):
         return ["cube"]
 
 
+class RestBesideTheArm(FindTheCube):
+    """Draws places all around the arm; the reset takes those where the cube rests."""
+
+    asked = 0
+
+    def starts(self, rng):
+        RestBesideTheArm.asked += 1
+        self.point = np.array([rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 0.0195])
+        return {"cube_green_cube": rc.Pose(translation=self.point)}
+
+    def resting_objects(self):
+        return ["cube"]
+
+
+def test_starts_are_drawn_until_objects_rest():
+    rc.register_env_task("rest_beside_the_arm", RestBesideTheArm)
+    env = rc.Env(pick_cube_config(task={"kind": "rest_beside_the_arm"}))
+    RestBesideTheArm.asked = 0
+    for seed in range(40):
+        env.reset(seed)
+        touched = {c.body1 for c in env.scene.contacts("cube_green_cube")}
+        touched |= {c.body2 for c in env.scene.contacts("cube_green_cube")}
+        assert touched == {"world", "cube_green_cube"}
+    assert RestBesideTheArm.asked > 40
+    env.close()
+
+
 def test_bodies_start_where_a_task_says():
     rc.register_env_task("find_the_cube", FindTheCube)
     config = pick_cube_config(task={"kind": "find_the_cube"})

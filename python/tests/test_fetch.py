@@ -251,7 +251,7 @@ class TestTheGuidesCommand:
         assert all(Path(path).is_file() for path in paths.values())
         for robot in ("kinova_gen3", "robotiq_2f85"):
             assert version_of(paths[robot]) == "one"
-            assert (tmp_path / "cache") in Path(paths[robot]).parents
+            assert (tmp_path / "user" / "mj_kdl_wrapper") in Path(paths[robot]).parents
             assert guide.model_path(robot) == paths[robot]
         record = fetching.read_record(fetching.record_path())
         assert set(record) == {"kinova_gen3", "robotiq_2f85"}

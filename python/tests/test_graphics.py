@@ -11,10 +11,14 @@ import pytest
 
 import robocell as rc
 from robocell.cli import probes
+from robocell.cli.doctor import advice
 from robocell.cli.probes import State
 from robocell.cli.robot_picture import SIZE_PX, robot_points, view_of
 from robocell.cli.robot_scene import load_robot
 from robocell.cli.robot_table import frames
+from robocell.generate.check import graphics_warnings
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
 
 
 def describe(**environment: str) -> subprocess.CompletedProcess[str]:
@@ -47,6 +51,41 @@ def test_the_doctor_does_not_take_an_error_for_a_description(monkeypatch: pytest
     egl = next(finding for finding in probes.graphics() if finding.what == "graphics: egl")
     assert egl.state is not State.OK
     assert egl.detail.startswith("egl: ")
+
+
+def machine_with_a_card(root: Path) -> str:
+    """A machine's files: a card, and a driver without its graphics libraries."""
+    (root / "dev").mkdir()
+    (root / "dev" / "nvidia0").touch()
+    return str(root)
+
+
+def test_software_on_a_machine_with_a_card_is_not_ok(tmp_path: Path):
+    llvmpipe = probes.Finding("graphics: egl", State.OK, "egl: llvmpipe (LLVM 15.0.6), OpenGL 4.5")
+    card = probes.Finding("graphics: egl", State.OK, "egl: NVIDIA H100 PCIe/PCIe/SSE2, OpenGL 4.6")
+    assert probes.judged(llvmpipe, str(tmp_path)) == llvmpipe
+    root = machine_with_a_card(tmp_path)
+    assert probes.judged(card, root) == card
+    found = probes.judged(llvmpipe, root)
+    assert found.state is State.SLOW
+    assert found.detail == llvmpipe.detail
+    lines = advice([found])
+    assert lines[1].startswith("graphics: egl is slow: images are drawn on the processor (egl: llv")
+    assert "(/dev/nvidia0). The driver's EGL library libEGL_nvidia.so.0 is missing." in lines[1]
+    assert lines[-1] == "everything that is needed to generate datasets is here"
+
+
+def test_a_run_with_cameras_says_once_that_a_card_is_idle(tmp_path: Path):
+    run = rc.RunConfig.load(str(EXAMPLES / "demo.yaml"))
+    assert run.cameras.streams
+    assert graphics_warnings(run, str(tmp_path)) == []
+    root = machine_with_a_card(tmp_path)
+    drawing = describe().stdout.removeprefix("draws: ").strip()
+    if "llvmpipe" in drawing:
+        (warning,) = graphics_warnings(run, root)
+        assert warning.startswith(f"images are drawn on the processor ({drawing}), although this")
+    run.cameras.streams.clear()
+    assert graphics_warnings(run, root) == []
 
 
 def test_a_misspelt_back_end_is_named():

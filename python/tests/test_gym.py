@@ -327,7 +327,10 @@ def test_zeros_stand_still_and_grippers_are_any_number():
 
 
 def test_centimetres_never_swing_the_arm():
-    env = GymEnv(pick_cube_config(sim={"async_control": True, "frequency": 250}))
+    # No arm follows that fast: nothing is taken back of what leads it.
+    env = GymEnv(
+        pick_cube_config(sim={"async_control": True, "frequency": 250}, max_target_lead=(100, 100))
+    )
     env.reset(seed=0)
     arm = env.core.scene.robot("robot")
     rng = np.random.default_rng(1)
@@ -440,11 +443,37 @@ def test_gymnasiums_own_video_recorder(tmp_path, monkeypatch):
     assert len(np.unique(frames)) > 10, "they show something"
 
 
+def test_a_reset_starts_at_a_keyframe_when_asked(tmp_path):
+    robot = tmp_path / "robot.yaml"
+    source = rc.models.robot_file("rc7")
+    model = Path(source).parent / "rc7.xml"
+    text = model.read_text()
+    key = "<keyframe>" if "<keyframe>" in text else ""
+    bent = '<key name="bent" qpos="0 0.7 0 1.3 0 0.6 0 0.045 0.045"/>'
+    if key:
+        text = text.replace(key, key + bent)
+    else:
+        text = text.replace("</mujoco>", f"<keyframe>{bent}</keyframe></mujoco>")
+    (model_copy := tmp_path / "bent.xml").write_text(text)
+    robot.write_text(Path(source).read_text().replace("rc7.xml", model_copy.name))
+    given = config()
+    (name,) = list(given.robots)
+    given.robots[name] = rc.RobotConfig.load(robot)
+    env = GymEnv(given)
+    scene = env.core.scene
+    bent_key = next(k for k in scene.keyframes() if k.endswith("bent"))
+    env.reset(seed=1, options={"keyframe": bent_key})
+    joint = scene.robot(name).group(scene.robot(name).arm.name).joint_names[1]
+    assert scene.joint_pos(joint) == pytest.approx(0.7, abs=0.2), "home_noise is added"
+    with pytest.raises(rc.NotFoundError, match="no keyframe 'bnt'"):
+        env.reset(options={"keyframe": "bnt"})
+
+
 def test_unknown_render_modes_and_options_are_refused():
     with pytest.raises(rc.ArgumentError, match="must be None, 'human' or 'rgb_array', got 'ansi'"):
         GymEnv(config(), render_mode="ansi")
     env = GymEnv(config())
-    with pytest.raises(rc.ArgumentError, match="reset takes no options here, got pose"):
+    with pytest.raises(rc.ArgumentError, match="reset takes the option 'keyframe' here, got pose"):
         env.reset(options={"pose": 1})
     with pytest.raises(rc.ArgumentError, match="options of reset must be a dict or None, got list"):
         env.reset(options=[1])

@@ -151,7 +151,13 @@ def test_it_is_made_by_its_registered_name():
     *_, info = vector.step(vector.action_space.sample())
     assert info["is_success"].tolist() == [False, False]
     assert info["_is_success"].all()
-    assert set(info["reason"]) <= {"timeout", "arrived", "ik_failed"}
+    assert set(info["reason"]) <= {"timeout", "arrived", "settled", "ik_failed"}
+    left = info["robots"]["robot"]
+    assert left["joint_error"].shape == (2,)
+    assert (left["joint_error"] < 0.2).all()
+    assert left["ik_success"].dtype == bool
+    assert left["_joint_error"].all()
+    assert info["_robots"].all()
     assert info["instruction"].tolist() == ["pick up the cube"] * 2
     vector.close()
     vector.close()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
+from robocell import _pykdl
 from test_robot import cell
 
 try:
@@ -85,4 +86,4 @@ def test_without_pykdl_the_message_says_how_to_install_it():
     )
     assert result.returncode == 1
     assert "ImportError: this needs PyKDL" in result.stderr
-    assert "apt-get install python3-pykdl" in result.stderr
+    assert _pykdl.remedy() in result.stderr

@@ -26,6 +26,16 @@ def generate(run: Path, output: Path, *options: object) -> list[dict[str, Any]]:
     return [json.loads(line) for line in result.stdout.splitlines()]
 
 
+def warnings_of(stderr: str) -> str:
+    """What a script says on standard error, but for the note of a large model's guarded solver.
+
+    The note is said once per process and asks nothing of the person who reads it.
+    """
+    return "".join(
+        line for line in stderr.splitlines(keepends=True) if "gets a dense Jacobian" not in line
+    )
+
+
 def refusal(*arguments: object) -> str:
     """What a command says on standard error that must be refused, in one piece of text."""
     result = robocell_command(*arguments)

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from commands import warnings_of
 from test_packaging import BUILD, ROOT
 
 EXAMPLES = ROOT / "examples"
@@ -24,7 +25,7 @@ def start(*command: Path | str, **variables: str) -> subprocess.CompletedProcess
 def run(*command: Path | str, **variables: str) -> str:
     done = start(*command, **variables)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stderr == ""
+    assert warnings_of(done.stderr) == ""
     return done.stdout
 
 

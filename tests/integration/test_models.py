@@ -67,9 +67,10 @@ def test_the_generator_writes_the_vessels_that_are_in_the_repository(tmp_path, m
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_an_object_has_one_root_named_after_it_and_no_joint(name):
+def test_an_object_has_one_root_named_after_it_that_is_free(name):
     model = mujoco.MjModel.from_xml_path(str(object_file(name)))
-    assert (model.nbody, model.njnt) == (2, 0)
+    assert (model.nbody, model.njnt) == (2, 1)
+    assert model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
     assert model.body(1).name == name
     assert 0.05 < model.body_mass[1] < 0.3
 
@@ -95,7 +96,6 @@ def test_an_object_that_is_put_on_the_table_stays_there(name):
     spec = mujoco.MjSpec.from_file(str(MODELS / "scenes" / "tabletop.xml"))
     child = mujoco.MjSpec.from_file(str(object_file(name)))
     body = spec.worldbody.add_frame().attach_body(child.body(name), "object_", "")
-    body.add_freejoint()
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

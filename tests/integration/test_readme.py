@@ -79,6 +79,33 @@ def test_the_c_plus_plus_compiles_and_runs_against_an_install(tmp_path: Path):
     assert re.search(r"-?\d+\.\d+", printed), printed
 
 
+def test_the_commands_of_the_c_plus_plus_build_and_run_it(tmp_path: Path):
+    if not (BUILD / "librobocell.so").exists():
+        pytest.skip("build/release holds no library; run make build")
+    (tmp_path / "main.cc").write_text(blocks(README, "cpp")[0])
+    (tmp_path / "CMakeLists.txt").write_text(blocks(README, "cmake")[0])
+    python = tmp_path / "bin" / "python"
+    python.parent.mkdir()
+    python.symlink_to(sys.executable)
+    command = f'cd "{tmp_path}" && PATH="{python.parent}:$PATH" && set -e\n'
+    printed = run("bash", "-c", command + blocks(README, "sh")[0])
+    assert re.search(r"-?\d+\.\d+", printed.splitlines()[-1]), printed
+
+
+def test_an_install_is_found_by_its_prefix(tmp_path: Path):
+    if not (BUILD / "librobocell.so").exists():
+        pytest.skip("build/release holds no library; run make build")
+    prefix = tmp_path / "prefix"
+    run("cmake", "--install", BUILD, "--prefix", prefix)
+    (tmp_path / "main.cc").write_text("int main() {}")
+    (tmp_path / "CMakeLists.txt").write_text(blocks(README, "cmake")[0])
+    build = tmp_path / "build"
+    run("cmake", "-S", tmp_path, "-B", build, f"-DCMAKE_PREFIX_PATH={prefix}")
+    found = re.search(r"robocell_DIR:PATH=(.*)", (build / "CMakeCache.txt").read_text())
+    assert found
+    assert Path(found[1]) == prefix / "lib/cmake/robocell"
+
+
 def test_the_ten_lines_of_python_run(tmp_path: Path):
     script = tmp_path / "ten_lines.py"
     script.write_text(blocks(README, "python")[0])

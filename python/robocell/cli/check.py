@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from robocell import ArgumentError, SpecError, check_config
+from robocell import ArgumentError, SpecError, check_config, why_no_picks
 from robocell.cli.common import fail, print_warning, print_wide, require_png
 from robocell.cli.robot_scene import RobotScene, load_robot
 
@@ -22,7 +22,8 @@ def check(
     """Load a robot file, print joints, actuators, frames, reach and gripper, and try it out.
 
     A wrong file is an error (exit code 2); what looks wrong but works is a warning. Notes are good
-    to know and need no change.
+    to know and need no change. `generate` asks the same of its robot, and refuses one that its
+    pick tasks cannot use.
     """
     # With MuJoCo and numpy, which take longer to load than all that the other commands need.
     from robocell.cli.robot_checks import CHECKS, several_of_a_kind
@@ -49,9 +50,11 @@ def check(
         draw_robot(loaded, picture)
         print(f"\npicture: {picture}")
     wrong = _wrong(loaded)
+    no_picks = [] if wrong else why_no_picks(loaded.robot)
     warnings = [warning for find in CHECKS for warning in find(loaded)]
     console.print()
-    for note in [*loaded.scene.notes, *several_of_a_kind(loaded)]:
+    unfit = [f"no robot for pick tasks: {reason}" for reason in no_picks]
+    for note in [*loaded.scene.notes, *several_of_a_kind(loaded), *unfit]:
         console.print(f"note: {note}", markup=False, highlight=False)
     for warning in warnings:
         print_warning(warning)

@@ -9,7 +9,13 @@ from rich.text import Text
 from robocell.cli.common import ExitCode, print_wide
 from robocell.cli.probes import PROBES, PURPOSES, Finding, State
 
-STYLES = {State.OK: "green", State.MISSING: "yellow", State.BROKEN: "bold red"}
+STYLES = {
+    State.OK: "green",
+    State.SLOW: "yellow",
+    State.MISSING: "yellow",
+    State.KNOWN: "yellow",
+    State.BROKEN: "bold red",
+}
 
 
 def doctor() -> None:
@@ -25,10 +31,13 @@ def doctor() -> None:
 def advice(findings: list[Finding]) -> list[str]:
     """What has to be mended, what can be added, each with its command; then the verdict."""
     broken = [finding for finding in findings if finding.state is State.BROKEN]
+    slow = [finding for finding in findings if finding.state is State.SLOW]
     missing = [finding for finding in findings if finding.state is State.MISSING]
     lines = [""]
     for finding in broken:
         lines.append(f"{finding.what} must be mended: {finding.remedy}")
+    for finding in slow:
+        lines.append(f"{finding.what} is slow: {finding.remedy}")
     for finding in missing:
         purpose = PURPOSES.get(finding.what)
         what = f"{finding.what} ({purpose})" if purpose else finding.what

@@ -55,7 +55,7 @@ def generate(
     ] = None,
     episodes: Annotated[int | None, typer.Option(min=1, help="How many in all.")] = None,
     seed: Annotated[
-        int | None, typer.Option(min=0, help="Everything random follows from it.")
+        int | None, typer.Option(min=0, help="All random numbers of the run follow from it.")
     ] = None,
     shard: Annotated[
         str | None, typer.Option(metavar="i/N", help="Only every N-th episode, from the i-th on.")

@@ -11,9 +11,11 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
+
+from robocell import _pykdl
 
 PROBE_TIMEOUT_S = 60
 GL_BACKENDS = ("egl", "osmesa")
@@ -27,7 +29,6 @@ PURPOSES = {
     "menagerie": "for robots named `menagerie:...`; the built-in ones need it not",
     "PyKDL": "for functions that return KDL objects",
 }
-KDL_REMEDY = "sudo apt install python3-pykdl, then scripts/setup"
 GL_REMEDY = "unset MUJOCO_GL, or export MUJOCO_GL=egl"
 DISK_REMEDY = "make room, or write elsewhere with `--output`"
 
@@ -36,7 +37,9 @@ class State(StrEnum):
     """How a finding is meant."""
 
     OK = "ok"
+    SLOW = "slow"  # works, and there is something better that is not used
     MISSING = "missing"  # something optional
+    KNOWN = "known"  # a defect of another program that robocell knows about
     BROKEN = "broken"  # a part of robocell will fail
 
 
@@ -60,6 +63,7 @@ def versions() -> list[Finding]:
         ),
         Finding("python", State.OK, f"{platform.python_version()} ({sys.executable})"),
         engine(),
+        *engine_defects(),
         packages(),
     ]
 
@@ -79,6 +83,20 @@ def engine() -> Finding:
     return Finding("mujoco", State.OK, loaded if built == loaded else f"{loaded}, package {built}")
 
 
+def engine_defects() -> list[Finding]:
+    """What this version of the engine is known to do wrong, and what robocell does about it."""
+    import robocell
+
+    return [
+        Finding(
+            f"mujoco: {defect.name}",
+            State.KNOWN,
+            f"{defect.what}. Guard: {defect.guard or 'none'}. Fixed in MuJoCo {defect.fixed_in}.",
+        )
+        for defect in robocell.known_engine_defects()
+    ]
+
+
 def packages() -> Finding:
     """The Python packages that robocell works with."""
     installed, missing = [], []
@@ -96,10 +114,23 @@ def packages() -> Finding:
 def graphics() -> list[Finding]:
     """Every GL back end, each in a process of its own: one process can use one only."""
     found = [_graphics(backend) for backend in GL_BACKENDS]
-    if any(finding.state is State.OK for finding in found):
-        return found
+    for place, finding in enumerate(found):
+        if finding.state is State.OK:  # the one that is used
+            found[place] = judged(finding)
+            return found
     remedy = "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6"
     return [Finding(f.what, State.BROKEN, f.detail, remedy) for f in found]
+
+
+def judged(graphics: Finding, root: str = "/") -> Finding:
+    """Slow instead of ok where software draws although the machine has a graphics card.
+
+    `root` is the folder that the machine's files are looked up in.
+    """
+    from robocell import _core
+
+    advice = _core.graphics_advice(graphics.detail, root)
+    return replace(graphics, state=State.SLOW, remedy=advice) if advice else graphics
 
 
 def _graphics(backend: str) -> Finding:
@@ -184,7 +215,7 @@ def kdl() -> list[Finding]:
     try:
         module = importlib.import_module("PyKDL")
     except ImportError as error:
-        return [Finding("PyKDL", State.MISSING, str(error), KDL_REMEDY)]
+        return [Finding("PyKDL", State.MISSING, str(error), _pykdl.remedy())]
     return [Finding("PyKDL", State.OK, getattr(module, "__file__", "") or "")]
 
 

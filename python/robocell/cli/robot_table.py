@@ -82,7 +82,7 @@ def frames_table(loaded: RobotScene) -> Table:
 
 
 def summary_lines(loaded: RobotScene) -> list[str]:
-    """Name, model, base, groups, reach, gripper range."""
+    """Name, model, base, groups, reach, keyframes, gripper range."""
     config, robot = loaded.config, loaded.robot
     groups = (f"{name} ({robot.group(name).kind})" for name in robot.group_names)
     lines = [
@@ -90,6 +90,7 @@ def summary_lines(loaded: RobotScene) -> list[str]:
         f"base: {base_text(config)}",
         f"move groups: {', '.join(groups)}",
         f"reach: {robot.reach:.3f} m from the base to the TCP",
+        f"keyframes: {', '.join(loaded.scene.keyframes())}",
     ]
     ranges = range_lines(robot)
     return [*lines, "Gripper finger ranges:", *ranges, *ctrl_lines(robot)] if ranges else lines

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from robocell import Error, IoError, RunConfig, _core, check_run
+from robocell import Error, IoError, RunConfig, _core, check_run, describe_gl
 from robocell.generate.own_process import ask_process, end_with_asker
 from robocell.generate.protocol import Failure
 from robocell.generate.supervisor import Limits
@@ -29,6 +29,8 @@ CRASHES = {
     -number
     for number in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL)
 }
+
+SOFTWARE = "llvmpipe"  # what draws where there is no graphics card
 
 
 @dataclass(frozen=True)
@@ -92,6 +94,21 @@ def _failure(said: dict[str, Any]) -> Failure | None:
         return None
 
 
+def graphics_warnings(run: RunConfig, root: str = "/") -> list[str]:
+    """What to do where a run with cameras would leave a graphics card idle.
+
+    `root` is the folder that the machine's files are looked up in. Without a card nothing is drawn.
+    """
+    if not run.cameras.streams or not _core.graphics_advice(SOFTWARE, root):
+        return []
+    try:
+        drawing = describe_gl()
+    except Error:  # workers say what was tried
+        return []
+    advice = _core.graphics_advice(drawing, root)
+    return [advice] if advice else []
+
+
 def main() -> int:
     """The process."""
     parser = argparse.ArgumentParser(prog="robocell.generate.check", description=__doc__)
@@ -100,7 +117,8 @@ def main() -> int:
     arguments = parser.parse_args()
     end_with_asker()
     try:
-        warnings = check_run(RunConfig.load(arguments.run_file, arguments.set))
+        run = RunConfig.load(arguments.run_file, arguments.set)
+        warnings = check_run(run) + graphics_warnings(run)
     except Exception as error:
         if not isinstance(error, Error | OSError):
             traceback.print_exc()  # a defect: the message alone does not say where

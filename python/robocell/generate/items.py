@@ -120,10 +120,12 @@ class Report:
 
 
 def recorded_frames(described: Mapping[str, Any]) -> int:
-    """Frames of all videos of an episode, colour and depth, from its episode.json."""
-    cameras = described["cameras"].values()
+    """Frames of all videos of an episode, of every kind of image, from its episode.json."""
+    nothing = {"frames": 0}
     return sum(
-        camera["frames"] + camera.get("depth", {"frames": 0})["frames"] for camera in cameras
+        images["frames"]
+        for camera in described["cameras"].values()
+        for images in (camera, camera.get("depth", nothing), camera.get("segmentation", nothing))
     )
 
 

@@ -104,7 +104,7 @@ TEST(CartesianPoseLimits, RefusesBadNumbers) {
   ExpectThrow<ArgumentError>([&] { cartesian.SetPosture(std::vector<double>(2)); },
                              "group 'arm': expected 7 joint values, got 2");
   ExpectThrow<ArgumentError>([&] { robot.SetController("gripper", "cartesian_pose"); },
-                             "controller 'cartesian_pose' drives arms that have a chain");
+                             "a gripper cannot have the controller 'cartesian_pose'");
 }
 
 }  // namespace

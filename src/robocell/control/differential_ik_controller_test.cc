@@ -106,7 +106,7 @@ TEST(DifferentialIkController, RefusesBadNumbers) {
   ExpectThrow<ArgumentError>([&] { jog.SetPostureRate(-1); },
                              "the rate of the posture cannot be -1; it must be 0 or more");
   ExpectThrow<ArgumentError>([&] { robot.SetController("gripper", "differential_ik"); },
-                             "controller 'differential_ik' drives arms that have a chain");
+                             "a gripper cannot have the controller 'differential_ik'");
   jog.command_port()[2] = NAN;
   robot.Update();
   EXPECT_TRUE(robot.Step().ok());

@@ -179,7 +179,7 @@ TEST(ImpedanceGains, AreChecked) {
       },
       "group 'arm': the target pose: ");
   ExpectThrow<ArgumentError>([&] { robot.SetController("gripper", "joint_impedance"); },
-                             "group 'gripper' cannot be switched to torque");
+                             "a gripper cannot have the controller 'joint_impedance'");
 }
 
 TEST(ImpedanceConfig, IsChosenInTheRobotsFile) {

@@ -90,6 +90,16 @@ void JointImpedanceController::ComputeDamping() {
     damping_[i] = 2 * damping_ratio_ * std::sqrt(stiffness_[i] * inertia_[i]);
 }
 
+// The controller compensates gravity itself.
+bool JointImpedanceController::GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                                               std::span<const double> /*gravity*/,
+                                               std::span<const double> resistance,
+                                               std::span<double> out) const {
+  for (size_t i = 0; i < out.size(); ++i)
+    out[i] = q[i] + (damping_[i] * v[i] + resistance[i]) / stiffness_[i];
+  return std::all_of(out.begin(), out.end(), [](double x) { return std::isfinite(x); });
+}
+
 void JointImpedanceController::Compute(std::span<double> ctrl) {
   double q[kMaxChainJoints], qd[kMaxChainJoints], torque[kMaxChainJoints];
   const size_t n = target_.size();

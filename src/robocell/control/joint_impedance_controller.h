@@ -37,6 +37,9 @@ class JointImpedanceController : public Controller {
   std::span<double> command_port() override { return target_.get(); }
   bool UsePort(std::span<double> port) override { return target_.MoveTo(port); }
   void Reset() override { arm_.GetJointPos(target_.get()); }
+  bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                       std::span<const double> gravity, std::span<const double> resistance,
+                       std::span<double> out) const override;
   void Compute(std::span<double> ctrl) override;
 
   // Of each joint, Nm/rad or N/m. ArgumentError for a wrong number, negative or not finite values.

@@ -7,12 +7,9 @@
 namespace robocell {
 namespace {
 
-// A gripper's opening is never relative: it has two ends, and a few steps between them.
 [[maybe_unused]] const bool kRegistered = [] {
   RegisterController("relative_joint_position",
                      [](MoveGroup& group) -> std::unique_ptr<Controller> {
-                       if (dynamic_cast<GripperGroup*>(&group))
-                         return MakeJointPositionController(group);
                        return std::make_unique<RelativeJointController>(group);
                      });
   return true;

@@ -29,6 +29,11 @@ class RelativeJointController : public Controller {
   bool UsePort(std::span<double> port) override { return absolute_.UsePort(port); }
   void Reset() override;
   void ResetTo(std::span<const double> servos) override;
+  bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                       std::span<const double> gravity, std::span<const double> resistance,
+                       std::span<double> out) const override {
+    return absolute_.GetSteadyTarget(q, v, gravity, resistance, out);
+  }
   void Compute(std::span<double> ctrl) override { absolute_.Compute(ctrl); }
 
  private:

@@ -72,16 +72,12 @@ TEST_F(RelativeJoint, RefusesBadTargetsAndKeepsItsOwn) {
   EXPECT_EQ(controller().commanded_joint_pos()[3], home[3]);
 }
 
-TEST(RelativeJointConfig, ChoosesItByNameAndLeavesGrippersTheirOpening) {
+TEST(RelativeJointConfig, ChoosesItForAnArm) {
   RobotConfig config = Rc7();
   config.control["arm"] = ControlKind::kRelativeJointPosition;
-  config.control["gripper"] = ControlKind::kRelativeJointPosition;
   Robot robot = RobotAlone(config);
   EXPECT_EQ(robot.controller("arm").kind(), "relative_joint_position");
-  EXPECT_EQ(robot.controller("gripper").target_size(), 1);
-  robot.controller("gripper").SetTarget(std::vector<double>{0.5});
-  robot.controller("gripper").SetTarget(std::vector<double>{0.5});
-  EXPECT_EQ(robot.controller("gripper").target()[0], 0.5);
+  EXPECT_EQ(robot.controller("gripper").kind(), "joint_position");
 }
 
 }  // namespace

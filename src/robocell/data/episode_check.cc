@@ -36,18 +36,29 @@ std::vector<std::string> ColumnsOfWrongLength(const fs::path& folder) {
   return found;
 }
 
-template <class Pixel>
-void DecodeAs(VideoReader& video) {
+// Calls `look` with every frame.
+template <class Pixel, class Look>
+void ForEachFrame(VideoReader& video, Look&& look) {
   std::vector<Pixel> frame(video.frame_bytes() / sizeof(Pixel));
-  while (video.Next(frame)) {
-  }
+  while (video.Next(frame)) look(frame);
 }
 
 void Decode(VideoReader video) {
-  if (video.info().kind == VideoKind::kDepth)
-    DecodeAs<uint16_t>(video);
+  if (video.info().kind == VideoKind::kGray16)
+    ForEachFrame<uint16_t>(video, [](const auto&) {});
   else
-    DecodeAs<uint8_t>(video);
+    ForEachFrame<uint8_t>(video, [](const auto&) {});
+}
+
+// The first number of a segmentation video that has no label.
+std::optional<uint16_t> StrayLabel(VideoReader video, size_t labels) {
+  std::optional<uint16_t> stray;
+  ForEachFrame<uint16_t>(video, [&](const std::vector<uint16_t>& frame) {
+    for (const uint16_t label : frame) {
+      if (label >= labels && label != kNoSegment && !stray) stray = label;
+    }
+  });
+  return stray;
 }
 
 class EpisodeCheck {
@@ -176,14 +187,14 @@ class EpisodeCheck {
     } catch (const IoError& error) {
       return Report(file, error.what(), KindOf(error));
     }
-    if (decode_) TryToDecode(file, open);
+    if (decode_) TryToDecode(file, [&] { Decode(open()); });
   }
 
   // Its bytes are what the encoder wrote, so it is this machine's decoder that cannot.
-  template <class Open>
-  void TryToDecode(const std::string& file, Open&& open) {
+  template <class F>
+  void TryToDecode(const std::string& file, F&& decode) {
     try {
-      Decode(open());
+      decode();
     } catch (const IoError& error) {
       Report(file, error.what(), ProblemKind::kUnreadable);
     }
@@ -192,9 +203,25 @@ class EpisodeCheck {
   void CheckCamera(const Episode& episode, const CameraInfo& camera) {
     CheckVideo(episode, camera, camera.file, VideoKind::kColour,
                [&] { return episode.Video(camera.name); });
-    if (camera.depth_file.empty()) return;
-    CheckVideo(episode, camera, camera.depth_file, VideoKind::kDepth,
-               [&] { return episode.DepthVideo(camera.name); });
+    if (!camera.depth_file.empty()) {
+      CheckVideo(episode, camera, camera.depth_file, VideoKind::kGray16,
+                 [&] { return episode.DepthVideo(camera.name); });
+    }
+    if (!camera.segmentation_file.empty()) CheckSegmentation(episode, camera);
+  }
+
+  void CheckSegmentation(const Episode& episode, const CameraInfo& camera) {
+    const std::string& file = camera.segmentation_file;
+    const size_t before = problems_.size();
+    CheckVideo(episode, camera, file, VideoKind::kGray16,
+               [&] { return episode.SegmentationVideo(camera.name); });
+    if (!decode_ || problems_.size() != before) return;
+    TryToDecode(file, [&] {
+      const size_t labels = episode.segment_labels().size();
+      if (const auto stray = StrayLabel(episode.SegmentationVideo(camera.name), labels))
+        Report(file,
+               fmt::format("a pixel of it is {}, and episode.json has {} labels", *stray, labels));
+    });
   }
 
   fs::path folder_;

@@ -25,5 +25,8 @@ inline bool IsReportFile(std::string_view name) {
 
 inline std::string VideoFile(std::string_view camera) { return std::string(camera) + ".mp4"; }
 inline std::string DepthFile(std::string_view camera) { return std::string(camera) + ".depth.mov"; }
+inline std::string SegmentationFile(std::string_view camera) {
+  return std::string(camera) + ".segmentation.mov";
+}
 
 }  // namespace robocell

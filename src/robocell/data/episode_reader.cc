@@ -24,16 +24,30 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+// The file of a further kind of images; "" when the camera has none.
+std::string FileOfKind(const Json& camera, const char* kind) {
+  return camera.contains(kind) ? camera[kind].at("file").get<std::string>() : "";
+}
+
 CameraInfo ReadCamera(const std::string& name, const Json& json) {
   return {.name = name,
           .file = json.at("file"),
-          .depth_file = json.contains("depth") ? json["depth"].at("file").get<std::string>() : "",
+          .depth_file = FileOfKind(json, "depth"),
+          .segmentation_file = FileOfKind(json, "segmentation"),
           .table = json.at("table"),
           .frames = JsonCount<int64_t>(json.at("frames")),
           .width = JsonCount<int>(json.at("width")),
           .height = JsonCount<int>(json.at("height")),
           .fps_num = JsonCount<int>(json.at("fps").at(0)),
           .fps_den = JsonCount<int>(json.at("fps").at(1))};
+}
+
+std::vector<SegmentLabel> ReadLabels(const Json& episode) {
+  std::vector<SegmentLabel> labels;
+  if (!episode.contains("segmentation")) return labels;
+  for (const Json& label : episode["segmentation"].at("labels"))
+    labels.push_back({.name = label.at("name"), .owner = label.at("owner")});
+  return labels;
 }
 
 ColumnInfo ReadColumn(const hdf5::File& file, const std::string& name) {
@@ -79,6 +93,7 @@ struct Episode::Impl {
   std::string end_reason;
   std::vector<std::string> warnings;
   std::vector<CameraInfo> cameras;
+  std::vector<SegmentLabel> labels;
 
   mutable std::once_flag opened;
   mutable std::optional<hdf5::File> steps;
@@ -102,6 +117,7 @@ struct Episode::Impl {
       warnings = json.at("warnings").get<std::vector<std::string>>();
       for (const auto& [name, camera] : json.at("cameras").items())
         cameras.push_back(ReadCamera(name, camera));
+      labels = ReadLabels(json);
       for (const char* key : {"success", "terminated", "truncated", "metadata", "results", "tables",
                               "versions", "run"}) {
         json.at(key);  // asked for later, without a check
@@ -162,6 +178,19 @@ struct Episode::Impl {
       throw IoError(fmt::format(
           "{}: episode.json names a file '{}', which is not one of its folder", Name(), name));
     return RequireReadable(folder / name);
+  }
+
+  // The video of a kind that not every camera has.
+  VideoReader FurtherVideo(const CameraInfo& camera, std::string CameraInfo::*file,
+                           const char* kind) const {
+    if (!(camera.*file).empty()) return VideoReader(FileOf(camera.*file));
+    std::vector<std::string> others;
+    for (const CameraInfo& each : cameras) {
+      if (!(each.*file).empty()) others.push_back(each.name);
+    }
+    throw NotFoundError(fmt::format("{}: camera '{}' has no {}. Cameras with {}: {}", Name(),
+                                    camera.name, kind, kind,
+                                    others.empty() ? "none" : ListNames(others)));
   }
 
   // The HDF5 library ends the process on some files that a single bit was flipped in.
@@ -301,15 +330,13 @@ VideoReader Episode::Video(const std::string& name) const {
 }
 
 VideoReader Episode::DepthVideo(const std::string& name) const {
-  const CameraInfo& info = camera(name);
-  if (!info.depth_file.empty()) return VideoReader(impl_->FileOf(info.depth_file));
-  std::vector<std::string> with_depth;
-  for (const CameraInfo& each : cameras()) {
-    if (!each.depth_file.empty()) with_depth.push_back(each.name);
-  }
-  throw NotFoundError(fmt::format("{}: camera '{}' has no depth. Cameras with depth: {}",
-                                  impl_->Name(), name,
-                                  with_depth.empty() ? "none" : ListNames(with_depth)));
+  return impl_->FurtherVideo(camera(name), &CameraInfo::depth_file, "depth");
 }
+
+VideoReader Episode::SegmentationVideo(const std::string& name) const {
+  return impl_->FurtherVideo(camera(name), &CameraInfo::segmentation_file, "segmentation");
+}
+
+const std::vector<SegmentLabel>& Episode::segment_labels() const { return impl_->labels; }
 
 }  // namespace robocell

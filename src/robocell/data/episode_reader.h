@@ -22,6 +22,7 @@
 #include <vector>
 
 #include "robocell/data/column.h"
+#include "robocell/data/episode_schema.h"
 #include "robocell/media/video_reader.h"
 
 namespace robocell {
@@ -35,7 +36,8 @@ struct ColumnInfo {
 struct CameraInfo {
   std::string name;
   std::string file;
-  std::string depth_file;  // "" when the camera has no depth
+  std::string depth_file;         // "" when the camera has no depth
+  std::string segmentation_file;  // "" when the camera has no segmentation
   std::string table;
   int64_t frames = 0;
   int width = 0;
@@ -99,6 +101,11 @@ class Episode {
   VideoReader Video(const std::string& camera) const;
   // The depth of a camera, uint16 millimetres. NotFoundError when it has none.
   VideoReader DepthVideo(const std::string& camera) const;
+  // What each pixel of a camera shows, uint16: a number of segment_labels(), or kNoSegment.
+  // NotFoundError when the camera has no segmentation.
+  VideoReader SegmentationVideo(const std::string& camera) const;
+  // The labels of 0, 1, ... in the segmentation of all cameras; none when no camera has it.
+  const std::vector<SegmentLabel>& segment_labels() const;
   // The models it was made in: their names in the metadata -> where the dataset keeps them
   // ("models/rc7-0123456789abcdef/rc7.xml").
   std::map<std::string, std::string> models() const;

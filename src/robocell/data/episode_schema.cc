@@ -155,9 +155,9 @@ CameraId EpisodeSchema::AddCamera(CameraStream stream, TableId table) {
                            .height = stream.height,
                            .fps_num = stream.fps_num,
                            .fps_den = stream.fps_den});
-  if (stream.depth) {
+  if (stream.depth || stream.segmentation) {
     CheckVideoOptions(name,
-                      {.kind = VideoKind::kDepth, .width = stream.width, .height = stream.height});
+                      {.kind = VideoKind::kGray16, .width = stream.width, .height = stream.height});
   }
   for (const CameraEntry& camera : cameras_) {
     if (camera.stream.name == stream.name) throw ArgumentError(name + " is declared twice");
@@ -171,6 +171,15 @@ CameraId EpisodeSchema::AddCamera(CameraStream stream, TableId table) {
   }
   cameras_.push_back({std::move(stream), table});
   return {static_cast<int>(cameras_.size()) - 1};
+}
+
+void EpisodeSchema::SetSegmentLabels(std::vector<SegmentLabel> labels) {
+  if (labels.empty() || labels.size() > kNoSegment) {
+    throw ArgumentError(
+        fmt::format("segmentation: {} labels are declared; its images hold 1 to {} of them",
+                    labels.size(), kNoSegment));
+  }
+  segment_labels_ = std::move(labels);
 }
 
 const ColumnSpec& EpisodeSchema::column(ColumnId id) const {

@@ -18,6 +18,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -60,7 +61,20 @@ struct CameraStream {
   // Also a lossless video <name>.depth.mov: uint16, millimetres along the camera's axis, 0 where
   // nothing was hit, 65535 for everything farther.
   bool depth = false;
+  // Also a lossless video <name>.segmentation.mov: uint16, what each pixel shows, as a number of
+  // the schema's segment labels, or kNoSegment. The schema then needs labels.
+  bool segmentation = false;
 };
+
+// What the pixels of one number show in the segmentation of all cameras.
+struct SegmentLabel {
+  std::string name;   // "robot_0/link3": a body
+  std::string owner;  // what it belongs to, as columns name it: "robots/rc7", "objects/mug"; or ""
+  bool operator==(const SegmentLabel&) const = default;
+};
+
+// A pixel of segmentation that shows nothing of the labels.
+inline constexpr uint16_t kNoSegment = 65535;
 
 // A value without time axis.
 struct ConstantSpec {
@@ -89,10 +103,13 @@ class EpisodeSchema {
   // Numbers that do not change in the episode; column.type must be kFloat64.
   void AddConstant(ColumnSpec column, std::span<const double> values);
   CameraId AddCamera(CameraStream stream, TableId table = kStepsTable);
+  // The labels of 0, 1, ... in segmentation images: at least one, at most kNoSegment of them.
+  void SetSegmentLabels(std::vector<SegmentLabel> labels);
 
   const std::vector<TableSpec>& tables() const { return tables_; }
   const std::vector<ConstantSpec>& constants() const { return constants_; }
   const std::vector<CameraEntry>& cameras() const { return cameras_; }
+  const std::vector<SegmentLabel>& segment_labels() const { return segment_labels_; }
   const ColumnSpec& column(ColumnId id) const;
 
   // By full name; NotFoundError with the nearest names.
@@ -108,6 +125,7 @@ class EpisodeSchema {
   std::vector<TableSpec> tables_;
   std::vector<ConstantSpec> constants_;
   std::vector<CameraEntry> cameras_;
+  std::vector<SegmentLabel> segment_labels_;
 };
 
 }  // namespace robocell

@@ -5,6 +5,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <ctime>
 #include <optional>
@@ -41,6 +42,7 @@ using Json = nlohmann::ordered_json;
 struct CameraFiles {
   VideoWriter colour;
   std::optional<VideoWriter> depth = {};
+  std::optional<VideoWriter> segmentation = {};
 };
 
 enum class State { kOpen, kFailed, kCommitted, kAborted };
@@ -137,6 +139,12 @@ struct EpisodeWriter::Impl {
     return bytes;
   }
 
+  bool has_segmentation() const {
+    const auto& all = schema.cameras();
+    return std::any_of(all.begin(), all.end(),
+                       [](const CameraEntry& camera) { return camera.stream.segmentation; });
+  }
+  void RequireLabels(std::span<const uint16_t> labels) const;
   void Open(const EpisodeOptions& options);
   void RequireFramesMatchRows() const;
   void RequireOnePerRow(const CameraEntry& camera, const char* what,
@@ -146,6 +154,7 @@ struct EpisodeWriter::Impl {
   void Rename();
   Json Tables() const;
   Json Cameras() const;
+  Json Segmentation() const;
   Json Files() const;
   Json Versions() const;
   Json Run(const Json& given) const;
@@ -166,9 +175,10 @@ void EpisodeWriter::Impl::Open(const EpisodeOptions& options) {
                        .crf = options.video_crf,
                        .keyframe_interval = options.video_keyframe_interval};
     videos.push_back({.colour = VideoWriter(work->path() / VideoFile(stream.name), video)});
-    if (!stream.depth) continue;
-    video.kind = VideoKind::kDepth;
-    videos.back().depth.emplace(work->path() / DepthFile(stream.name), video);
+    video.kind = VideoKind::kGray16;
+    if (stream.depth) videos.back().depth.emplace(work->path() / DepthFile(stream.name), video);
+    if (stream.segmentation)
+      videos.back().segmentation.emplace(work->path() / SegmentationFile(stream.name), video);
   }
 }
 
@@ -177,6 +187,8 @@ void EpisodeWriter::Impl::RequireFramesMatchRows() const {
   for (size_t i = 0; i < videos.size(); ++i) {
     RequireOnePerRow(schema.cameras()[i], "frames", videos[i].colour);
     if (videos[i].depth) RequireOnePerRow(schema.cameras()[i], "depth frames", *videos[i].depth);
+    if (videos[i].segmentation)
+      RequireOnePerRow(schema.cameras()[i], "segmentation frames", *videos[i].segmentation);
   }
 }
 
@@ -194,6 +206,7 @@ void EpisodeWriter::Impl::CloseFiles() {
   for (CameraFiles& camera : videos) {
     camera.colour.Finish();
     if (camera.depth) camera.depth->Finish();
+    if (camera.segmentation) camera.segmentation->Finish();
   }
   steps->VerifyContent();
 }
@@ -230,11 +243,24 @@ Json EpisodeWriter::Impl::Cameras() const {
                             {"width", stream.width},
                             {"height", stream.height},
                             {"fps", {stream.fps_num, stream.fps_den}}};
-    if (!videos[i].depth) continue;
-    cameras[stream.name]["depth"] = {
-        {"file", DepthFile(stream.name)}, {"frames", videos[i].depth->frames()}, {"units", "mm"}};
+    if (videos[i].depth) {
+      cameras[stream.name]["depth"] = {
+          {"file", DepthFile(stream.name)}, {"frames", videos[i].depth->frames()}, {"units", "mm"}};
+    }
+    if (videos[i].segmentation) {
+      cameras[stream.name]["segmentation"] = {{"file", SegmentationFile(stream.name)},
+                                              {"frames", videos[i].segmentation->frames()}};
+    }
   }
   return cameras;
+}
+
+// The labels of 0, 1, ...
+Json EpisodeWriter::Impl::Segmentation() const {
+  Json labels = Json::array();
+  for (const SegmentLabel& label : schema.segment_labels())
+    labels.push_back({{"name", label.name}, {"owner", label.owner}});
+  return {{"none", kNoSegment}, {"labels", labels}};
 }
 
 Json EpisodeWriter::Impl::Files() const {
@@ -242,6 +268,7 @@ Json EpisodeWriter::Impl::Files() const {
   for (const CameraEntry& camera : schema.cameras()) {
     names.push_back(VideoFile(camera.stream.name));
     if (camera.stream.depth) names.push_back(DepthFile(camera.stream.name));
+    if (camera.stream.segmentation) names.push_back(SegmentationFile(camera.stream.name));
   }
   names.insert(names.end(), extra_files.begin(), extra_files.end());
   Json files = Json::object();
@@ -278,22 +305,23 @@ Json EpisodeWriter::Impl::Run(const Json& given) const {
 
 std::string EpisodeWriter::Impl::Description(const EpisodeSummary& summary, const Json& results,
                                              const Json& run) const {
-  const Json description = {{"format", kEpisodeFormat},
-                            {"format_version", kEpisodeFormatVersion},
-                            {"id", id},
-                            {"success", summary.success},
-                            {"terminated", summary.terminated},
-                            {"truncated", summary.truncated},
-                            {"end_reason", summary.end_reason},
-                            {"warnings", summary.warnings},
-                            {"results", results},
-                            {"tables", Tables()},
-                            {"cameras", Cameras()},
-                            {"metadata", metadata},
-                            {"versions", Versions()},
-                            {"models", models},
-                            {"files", Files()},
-                            {"run", run}};
+  Json description = {{"format", kEpisodeFormat},
+                      {"format_version", kEpisodeFormatVersion},
+                      {"id", id},
+                      {"success", summary.success},
+                      {"terminated", summary.terminated},
+                      {"truncated", summary.truncated},
+                      {"end_reason", summary.end_reason},
+                      {"warnings", summary.warnings},
+                      {"results", results},
+                      {"tables", Tables()},
+                      {"cameras", Cameras()},
+                      {"metadata", metadata},
+                      {"versions", Versions()},
+                      {"models", models},
+                      {"files", Files()},
+                      {"run", run}};
+  if (has_segmentation()) description["segmentation"] = Segmentation();
   return SignJson(description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
@@ -309,6 +337,11 @@ EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
   impl_->dataset = dataset;
   impl_->final = dataset / id;
   impl_->schema = schema;
+  if (impl_->has_segmentation() && schema.segment_labels().empty()) {
+    throw ArgumentError(impl_->name +
+                        ": a camera has segmentation, so the schema needs labels of "
+                        "what its numbers mean (SetSegmentLabels)");
+  }
   impl_->metadata = ParseObject(impl_->name, "metadata_json", options.metadata_json);
   impl_->versions = ParseObject(impl_->name, "versions_json", options.versions_json);
   impl_->Do("opening", [&] {
@@ -373,6 +406,31 @@ void EpisodeWriter::WriteDepth(CameraId camera, std::span<const uint16_t> millim
   });
 }
 
+void EpisodeWriter::Impl::RequireLabels(std::span<const uint16_t> labels) const {
+  const size_t known = schema.segment_labels().size();
+  const auto stray = std::find_if(labels.begin(), labels.end(), [&](uint16_t label) {
+    return label >= known && label != kNoSegment;
+  });
+  if (stray == labels.end()) return;
+  throw ArgumentError(
+      fmt::format("{}: a pixel of segmentation is {}, of the {} labels 0 ... {}; "
+                  "{} is for what has none",
+                  name, *stray, known, known - 1, kNoSegment));
+}
+
+void EpisodeWriter::WriteSegmentation(CameraId camera, std::span<const uint16_t> labels) {
+  impl_->Do("WriteSegmentation()", [&] {
+    std::optional<VideoWriter>& video = impl_->VideosOf(camera).segmentation;
+    if (!video) {
+      throw ArgumentError(fmt::format("{}: camera '{}' was declared without segmentation",
+                                      impl_->name,
+                                      impl_->schema.cameras()[camera.index].stream.name));
+    }
+    impl_->RequireLabels(labels);
+    video->Write(labels);
+  });
+}
+
 void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
   impl_->Do("AddFile()", [&] {
     RequireFileName("file", name);
@@ -381,9 +439,11 @@ void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
           fmt::format("{}: '{}' cannot be added, the name is taken", impl_->name, name));
     }
     for (const CameraEntry& camera : impl_->schema.cameras()) {
-      if (name == VideoFile(camera.stream.name) || name == DepthFile(camera.stream.name)) {
-        throw ArgumentError(fmt::format("{}: '{}' is the video of camera '{}'", impl_->name, name,
-                                        camera.stream.name));
+      const std::string& stream = camera.stream.name;
+      if (name == VideoFile(stream) || name == DepthFile(stream) ||
+          name == SegmentationFile(stream)) {
+        throw ArgumentError(
+            fmt::format("{}: '{}' is the video of camera '{}'", impl_->name, name, stream));
       }
     }
     AtomicWrite(impl_->work->path() / name, bytes);
@@ -428,6 +488,11 @@ int64_t EpisodeWriter::frames(CameraId camera) const {
 int64_t EpisodeWriter::depth_frames(CameraId camera) const {
   if (impl_->videos.empty()) return 0;
   const std::optional<VideoWriter>& video = impl_->videos.at(camera.index).depth;
+  return video ? video->frames() : 0;
+}
+int64_t EpisodeWriter::segmentation_frames(CameraId camera) const {
+  if (impl_->videos.empty()) return 0;
+  const std::optional<VideoWriter>& video = impl_->videos.at(camera.index).segmentation;
   return video ? video->frames() : 0;
 }
 const std::string& EpisodeWriter::id() const { return impl_->id; }

@@ -90,6 +90,9 @@ class EpisodeWriter {
   void WriteFrame(CameraId camera, std::span<const uint8_t> rgb);
   // The same of a camera with depth: row-major millimetres. Needed once per row too.
   void WriteDepth(CameraId camera, std::span<const uint16_t> millimetres);
+  // The same of a camera with segmentation: numbers of the schema's labels, or kNoSegment.
+  // ArgumentError for a number without a label.
+  void WriteSegmentation(CameraId camera, std::span<const uint16_t> labels);
 
   // Another file of the episode, such as "notes.txt".
   void AddFile(const std::string& name, std::string_view bytes);
@@ -108,6 +111,7 @@ class EpisodeWriter {
   int64_t rows(TableId table = kStepsTable) const;
   int64_t frames(CameraId camera) const;
   int64_t depth_frames(CameraId camera) const;
+  int64_t segmentation_frames(CameraId camera) const;
   const std::string& id() const;
   bool is_open() const;
 

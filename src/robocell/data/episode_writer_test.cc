@@ -306,7 +306,7 @@ TEST(EpisodeWriter, EveryRowNeedsItsDepthToo) {
                              "camera 'wrist' has 3 depth frames for the 4 rows of table 'steps'");
   EXPECT_EQ(episode.depth_frames(sample.wrist), 3);
   ExpectThrow<ArgumentError>([&] { episode.WriteDepth(sample.wrist, std::vector<uint16_t>(5)); },
-                             "expected a depth frame of 48x64x2 = 6144 bytes, got 10");
+                             "expected a 16-bit frame of 48x64x2 = 6144 bytes, got 10");
   episode.WriteDepth(sample.wrist, TestDepth(64, 48, 3));
   episode.Commit({});
   EXPECT_EQ(Episode(folder / "pick-000").rows(), 4);

@@ -49,6 +49,8 @@ void WriteCamera(hdf5::File& file, const CameraEntry& camera, const std::string&
     file.SetText(group, "depth", DepthFile(camera.stream.name));
     file.SetText(group, "depth_units", "mm");
   }
+  if (camera.stream.segmentation)
+    file.SetText(group, "segmentation", SegmentationFile(camera.stream.name));
   file.SetText(group, "table", table);
   file.SetInteger(group, "width", camera.stream.width);
   file.SetInteger(group, "height", camera.stream.height);

@@ -9,15 +9,13 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/datagen/check_reach.h"
+#include "robocell/datagen/check_robot.h"
 #include "robocell/datagen/check_streams.h"
 #include "robocell/datagen/episode_cameras.h"
-#include "robocell/datagen/episode_columns.h"
 #include "robocell/datagen/plan.h"
 #include "robocell/datagen/run_inputs.h"
-#include "robocell/datagen/sensor_columns.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/render/stream_camera.h"
-#include "robocell/robot/check_config.h"
 #include "robocell/robot/robot_trial.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/spec/problem_lines.h"
@@ -75,12 +73,8 @@ class SceneCheck {
     CheckCameras(*scene);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
-    const bool placed = !demands_.scripted_expert || CheckBase();
-    // What follows asks the controllers, and would say the same of them again.
-    const bool driven = !demands_.scripted_expert || CheckControllers(*robot);
-    if (driven) Try("robot", [&] { CheckColumns(*scene, *robot); });
-    Try("robot", [&] { CheckRobot(*robot); });
-    if (demands_.scripted_expert && driven && placed) CheckForExpert(*scene, *robot);
+    // What cannot be measured is reported once.
+    if (CheckRobotItself(*robot) && demands_.scripted_expert) CheckForExpert(*scene, *robot);
     if (demands_.scripted_expert) TellUnused(*robot);
     if (demands_.scripted_expert && problems_.empty()) Try("robot", [&] { TryAlone(); });
     if (demands_.on_this_machine && problems_.empty()) CheckStreamsHere(run_, *scene, problems_);
@@ -132,52 +126,21 @@ class SceneCheck {
     for (size_t i = 0; i < run_.cameras.streams.size(); ++i) {
       Problems::Scope streams(problems_, "cameras.streams");
       Problems::Scope item(problems_, i);
-      Try("camera", [&] { FindCameraName(scene, run_.cameras.streams[i]); });
+      const CameraConfig& stream = run_.cameras.streams[i];
+      Try(stream.follow.empty() ? "camera" : "follow", [&] { ViewOfStream(scene, stream); });
     }
   }
 
-  // Names of joints and sensors become paths in steps.h5: not every name can.
-  void CheckColumns(const Scene& scene, const Robot& robot) const {
-    EpisodeSchema schema;
-    SceneColumns columns(schema, scene, {}, {});
-    SensorColumns sensors(schema, scene);
-    RobotColumns of_robot(schema, robot);
-  }
-
-  // Its file against its model.
-  void CheckRobot(const Robot& robot) {
+  bool CheckRobotItself(const Robot& robot) {
     Problems::Scope scope(problems_, "robot");
-    CheckConfig(robot, problems_);
+    return CheckRobot(robot, problems_);
   }
 
-  // Each episode puts the robot at another height; the scripted expert knows no other starts.
-  bool CheckBase() {
-    const auto why = [](BaseKind kind) {
-      switch (kind) {
-        case BaseKind::kFixed:
-          return "a fixed base cannot be moved";
-        case BaseKind::kPlanar:
-          return "a planar base moves in its plane only";
-        case BaseKind::kFree:
-          return "a free base falls from there";
-        case BaseKind::kMocap:
-          break;
-      }
-      return "";
-    };
-    const std::string no = why(run_.robot.config.base.kind);
-    if (no.empty()) return true;
-    Problems::Scope robot(problems_, "robot");
-    problems_.AddAt("base.kind", fmt::format("pick tasks put the robot where the object is in "
-                                             "reach, at heights of their own, and {}; give it "
-                                             "`base: {{kind: mocap}}`",
-                                             no));
-    return false;
-  }
-
-  // PickPlanner: an arm, a gripper that can be measured, a base that can be put where it reaches.
   void CheckForExpert(const Scene& scene, Robot& robot) {
-    if (!Try("robot", [&] { CheckParts(scene, robot); })) return;
+    {
+      Problems::Scope scope(problems_, "robot");
+      if (!CheckScriptedExpert(robot, run_.options, scene.timestep(), problems_)) return;
+    }
     CheckReach(run_, robot, problems_);
     Try("task", [&] { CheckGraspable(scene, robot); });
   }
@@ -216,7 +179,7 @@ class SceneCheck {
   // What it does, in a scene of its own. On a floor: a free base that falls carries nothing.
   void TryAlone() {
     SceneSpec spec{.name = run_.run,
-                   .timestep = run_.rates.sim_ms / 1000,
+                   .timestep = run_.rates.timestep().value(),
                    .add_floor = true,
                    .add_skybox = false,
                    .options = run_.options};
@@ -226,24 +189,6 @@ class SceneCheck {
     const std::vector<std::string> doubts =
         TryRobotBesideWarnings(Robot::Of(Scene::Build(spec), config.name));
     warnings_.insert(warnings_.end(), doubts.begin(), doubts.end());
-  }
-
-  bool CheckControllers(const Robot& robot) {
-    Problems::Scope scope(problems_, "robot");
-    const size_t before = problems_.list().size();
-    CheckDriven(robot, problems_);
-    return problems_.list().size() == before;
-  }
-
-  void CheckParts(const Scene& scene, Robot& robot) const {
-    robot.arm();
-    if (!GripperShape::Supports(robot.gripper())) {
-      throw SpecError(
-          "the scripted expert needs a gripper with two fingers that actuators move; bring an "
-          "expert of your own for this one");
-    }
-    robot.gripper().inter_finger_dist_range();  // measured for the records, which may fail
-    GripperShape::Of(robot.config(), run_.options, scene.timestep());
   }
 
   const RunConfig& run_;

@@ -38,12 +38,13 @@ TEST(CheckRun, TheExamplesPass) {
 
 TEST(CheckRun, StreamsThatCannotBeRecordedAreToldAllAtOnce) {
   RunConfig run = Demo();
-  run.cameras.streams[0].segmentation = true;
+  run.cameras.streams[0].rgb = false;
+  run.cameras.streams[0].depth = true;
   run.cameras.streams[1].rate = 5;
   const std::string text =
-      ExpectThrow<SpecError>([&] { CheckRun(run); }, "segmentation cannot be recorded yet");
-  EXPECT_THAT(text, HasSubstr("cameras.streams[0].segmentation"));
-  EXPECT_THAT(text, HasSubstr("cameras.streams[1].rate"));
+      ExpectThrow<SpecError>([&] { CheckRun(run); }, "a recorded stream needs rgb: true");
+  EXPECT_THAT(text, HasSubstr("(cameras.streams[0]).rgb"));
+  EXPECT_THAT(text, HasSubstr("(cameras.streams[1]).rate"));
 }
 
 TEST(CheckRun, AnUnknownKindIsToldWithTheNearest) {
@@ -58,7 +59,7 @@ TEST(CheckRun, AnUnknownCameraIsToldWithNamesAsTheyAreWritten) {
   RunConfig run = Demo();
   run.cameras.streams[0].camera = "wirst_camera";
   const std::string text =
-      ExpectThrow<SpecError>([&] { CheckRun(run); }, "cameras.streams[0].camera: ");
+      ExpectThrow<SpecError>([&] { CheckRun(run); }, "(cameras.streams[0]).camera: ");
   EXPECT_THAT(text, HasSubstr("no camera 'wirst_camera'"));
   EXPECT_THAT(text, HasSubstr("Did you mean 'wrist_camera'?"));
   EXPECT_THAT(text, Not(HasSubstr("robot_0/")));
@@ -98,7 +99,7 @@ TEST(CheckRun, TheFilesLinesAreNamed) {
                   "    - {name: b, camera: nowhere}\n");
   const std::string file = (folder / "run.yaml").string();
   ExpectThrow<SpecError>([&] { CheckRun(RunConfig::Load(file)); },
-                         file + ":9:25: cameras.streams[1].camera: ");
+                         file + ":9:25: stream 'b' (cameras.streams[1]).camera: ");
   RunConfig wrong = RunConfig::Load(file);
   wrong.task.objects.names = {"bix"};
   ExpectThrow<SpecError>([&] { CheckRun(wrong); }, file + ":5:");
@@ -163,10 +164,11 @@ TEST(CheckRun, StreamsThatNoFileCanHoldAreToldWithoutAModel) {
   run.cameras.streams[0].name = "left/wrist";
   run.cameras.streams[1].width = 20000;
   const std::string text = ExpectThrow<SpecError>([&] { CheckRunFields(run); },
-                                                  "cameras.streams[0].name: stream name "
+                                                  "(cameras.streams[0]).name: stream name "
                                                   "'left/wrist' contains '/'");
-  EXPECT_THAT(text, HasSubstr("cameras.streams[1]: camera 'exo': size 20000x240 px is not between "
-                              "2x2 and 16384x16384"));
+  EXPECT_THAT(text,
+              HasSubstr("(cameras.streams[1]): camera 'exo': size 20000x240 px is not between "
+                        "2x2 and 16384x16384"));
   run = Demo();
   run.cameras.resolution = {3, 0};  // told once
   EXPECT_THAT(ExpectThrow<SpecError>([&] { CheckRunFields(run); }, "must be greater than 0"),
@@ -292,7 +294,7 @@ TEST(CheckRun, AKindThatTheGripperCannotHoldIsTold) {
   run.task.objects.names = {"mug"};
   EXPECT_THAT(CheckRun(run),
               Contains(AllOf(HasSubstr("task.objects: gripper 'gripper' cannot hold 'mug' (it is "),
-                             HasSubstr(" m high, and the gripper holds from "),
+                             HasSubstr(" m high, and the gripper holds "),
                              HasSubstr("Leave the kind out of task.objects"))));
 }
 
@@ -344,6 +346,24 @@ TEST(CheckRun, WhatTheScriptedExpertNeedsIsAskedOfItsRunsOnly) {
   run.robot.config.base.kind = BaseKind::kFixed;
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "a fixed base cannot be moved");
   EXPECT_NO_THROW(CheckRun(run, {.scripted_expert = false}));
+}
+
+// A group that nothing drives has no actions, and is no reason to refuse a run.
+TEST(CheckRun, AGroupWithoutAControllerIsToldAndRecordedWithoutActions) {
+  TempDir folder;
+  RunConfig run = Demo();
+  std::string model = ReadFile(run.robot.config.source_dir + "/rc7.xml");
+  const std::string end = "</actuator>";
+  model.insert(model.find(end), "<motor name=\"fan\" joint=\"joint1\" gear=\"0.001\"/>");
+  // The keyframe has a number for each actuator.
+  const size_t ctrl = model.find(" 100\"", model.find("<keyframe>"));
+  model.insert(ctrl + 4, " 0");
+  AtomicWrite(folder / "rc7.xml", model);
+  run.robot.config.source_dir = folder.path().string();
+  run.robot.config.move_groups["fan"] = {.kind = MoveGroupKind::kGeneric, .actuators = {"fan"}};
+  EXPECT_THAT(CheckRun(run, {.on_this_machine = false}),
+              Contains(AllOf(HasSubstr("group 'fan' has no controller"),
+                             HasSubstr("Without one nothing commands it"))));
 }
 
 }  // namespace

@@ -39,8 +39,11 @@ void CheckVideo(const CameraSystemConfig& cameras, const CameraConfig& stream, P
   const int width = cameras.width(stream), height = cameras.height(stream);
   if (stream.name.empty() || width < 1 || height < 1 || width % 2 != 0 || height % 2 != 0) return;
   Try(problems, nullptr, [&] {
-    EpisodeSchema().AddCamera(
-        {.name = stream.name, .width = width, .height = height, .depth = stream.depth});
+    EpisodeSchema().AddCamera({.name = stream.name,
+                               .width = width,
+                               .height = height,
+                               .depth = stream.depth,
+                               .segmentation = stream.segmentation});
   });
 }
 
@@ -74,9 +77,6 @@ void CheckStreams(const RunConfig& run, Problems& problems) {
     CheckVideo(run.cameras, stream, problems);
     if (stream.rate != 0)
       problems.AddAt("rate", "records take one frame per action; leave rate at 0");
-    if (stream.segmentation)
-      problems.AddAt("segmentation",
-                     "segmentation cannot be recorded yet, only rgb and depth; remove it");
     if (!stream.rgb) problems.AddAt("rgb", "a recorded stream needs rgb: true");
   }
 }
@@ -110,8 +110,7 @@ void CheckStreamsHere(const RunConfig& run, const Scene& scene, Problems& proble
     Problems::Scope cameras(problems, "cameras.streams");
     Problems::Scope item(problems, i);
     Try(problems, nullptr, [&] {
-      const CameraView view =
-          NamedCamera(scene.model(), FindCameraName(scene, stream), "stream '" + stream.name + "'");
+      const CameraView view = ViewOfStream(scene, stream);
       const int width = run.cameras.width(stream), height = run.cameras.height(stream);
       rgb.resize(3 * static_cast<size_t>(width) * static_cast<size_t>(height));
       renderer->Render(scene.data(), {.camera = view, .width = width, .height = height},

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/base/ratio.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/render/renderer.h"
 #include "robocell/robot/robot.h"
@@ -15,10 +16,10 @@ namespace robocell {
 
 class EpisodeCameras {
  public:
-  // `renderer` is shared by all episodes of a process; it must outlive this object. `fps` as a
-  // fraction.
+  // `renderer` is shared by all episodes of a process; it must outlive this object. `rate` is how
+  // many rows there are per second.
   EpisodeCameras(EpisodeSchema& schema, const Scene& scene, const CameraSystemConfig& config,
-                 Renderer* renderer, int fps_num, int fps_den);
+                 Renderer* renderer, const Ratio& rate);
   // One frame per kind of image and one extrinsics row per stream, of the present state.
   void PutFrames(EpisodeWriter& writer);
 
@@ -29,11 +30,17 @@ class EpisodeCameras {
     CameraId video;
     ColumnId extrinsics;
     std::vector<uint8_t> rgb;
-    std::vector<uint16_t> depth_mm;  // empty unless wanted
+    std::vector<uint16_t> depth_mm;  // empty unless wanted, as the two below
+    std::vector<int32_t> bodies;
+    std::vector<uint16_t> labels;  // the same as they are recorded
   };
   Scene scene_;
   Renderer* renderer_;
   std::vector<Stream> streams_;
 };
+
+// What body ids of the scene's segmentation show: the name of each body, and the object or robot
+// that it belongs to.
+std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene);
 
 }  // namespace robocell

@@ -34,7 +34,7 @@ class EpisodeCamerasTest : public ::testing::Test {
   Episode Record() {
     EpisodeSchema schema;
     const ColumnId time = schema.AddColumn({.name = "time", .units = "s"});
-    EpisodeCameras cameras(schema, start->scene, run.cameras, renderer.get(), 500, 33);
+    EpisodeCameras cameras(schema, start->scene, run.cameras, renderer.get(), {500, 33});
     EpisodeWriter writer(folder.path(), "e", schema);
     for (int row = 0; row < 2; ++row) {
       writer.Put(time, start->scene.time());

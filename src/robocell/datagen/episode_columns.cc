@@ -132,7 +132,9 @@ void RobotColumns::AddGroup(EpisodeSchema& schema, const std::string& name) {
                                      .units = JointUnits(m, joints, true),
                                      .names = v_names});
   }
-  if (group.nu() > 0) {
+  // What nothing drives is not acted on; arms and grippers that nothing drives are refused.
+  const bool may_be_undriven = group.kind() == MoveGroupKind::kGeneric && !robot_.is_driven(name);
+  if (group.nu() > 0 && !may_be_undriven) {
     const Controller& port = robot_.controller(name);
     const bool gripper = group.kind() == MoveGroupKind::kGripper;
     const int64_t n = static_cast<int64_t>(port.commanded_joint_pos().size());
@@ -185,7 +187,7 @@ void RobotColumns::PutState(EpisodeWriter& writer) {
       writer.Put(columns.qpos, std::span<const double>(columns.q));
       writer.Put(columns.qvel, std::span<const double>(columns.v));
     }
-    if (group.nu() > 0) {
+    if (!columns.before.empty()) {
       const std::span<const double> target = robot_.controller(columns.name).commanded_joint_pos();
       std::copy(target.begin(), target.end(), columns.before.begin());
       writer.Put(columns.target, target);

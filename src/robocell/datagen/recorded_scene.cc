@@ -15,6 +15,7 @@
 #include "robocell/base/file_set.h"
 #include "robocell/base/shell_word.h"
 #include "robocell/data/model_store.h"
+#include "robocell/datagen/engine_record.h"
 #include "robocell/spec/yaml.h"
 
 namespace robocell {
@@ -132,6 +133,7 @@ SceneSpec RecordedScene(const Episode& episode) {
         episode.folder().string()));
   }
   SceneSpec scene = FromYamlUnchecked<SceneSpec>(metadata["scene_spec"].get<std::string>());
+  RestoreEngine(metadata, scene);
   const Models models(episode);
   assets::ForEachModel(scene,
                        [&](std::string& name, const std::string&) { name = models.Find(name); });

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <cmath>
-#include <numeric>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/log.h"
+#include "robocell/datagen/engine_record.h"
 #include "robocell/datagen/episode_cameras.h"
 #include "robocell/datagen/episode_columns.h"
 #include "robocell/datagen/recorded_scene.h"
@@ -21,17 +20,6 @@
 namespace robocell {
 namespace {
 
-struct Fraction {
-  int num, den;
-};
-
-// Rows per second: 66 ms -> 500/33.
-Fraction RowRate(double policy_ms) {
-  const int64_t microseconds = std::llround(policy_ms * 1000);
-  const int64_t divisor = std::gcd<int64_t, int64_t>(1'000'000, microseconds);
-  return {static_cast<int>(1'000'000 / divisor), static_cast<int>(microseconds / divisor)};
-}
-
 // Everything that is recorded of one rollout.
 class Recording {
  public:
@@ -43,8 +31,7 @@ class Recording {
         generation_(start.scene.generation()),
         scene_(schema_, start.scene, start.task->objects(), expert.phase_names()),
         sensors_(schema_, start.scene),
-        cameras_(schema_, start.scene, run.cameras, options.renderer,
-                 RowRate(run.rates.policy_ms).num, RowRate(run.rates.policy_ms).den) {
+        cameras_(schema_, start.scene, run.cameras, options.renderer, run.rates.policy_rate()) {
     for (const Robot& robot : robots) robots_.emplace_back(schema_, robot);
     const std::vector<double> state = start.scene.state();
     schema_.AddConstant(
@@ -112,10 +99,15 @@ std::string Metadata(const RunConfig& run, const EpisodeStart& start, const Port
   meta["target_object"] = start.target_object;
   meta["object_kinds"] = start.object_kinds;
   meta["scene_spec"] = ToYaml(portable.spec);
+  meta["engine"] = EngineRecord(start.scene);
   meta["timestep"] = start.scene.timestep();
-  meta["rates"] = {{"policy_ms", run.rates.policy_ms},
-                   {"control_ms", run.rates.control_ms},
-                   {"sim_ms", run.rates.sim_ms}};
+  const Ratio rows = run.rates.policy_rate();
+  const Ratio step_ms = run.rates.timestep() * 1000;
+  const Ratio tick_ms = step_ms * run.rates.sim_steps();
+  meta["rates"] = {{"policy_ms", (tick_ms * run.rates.control_ticks()).value()},
+                   {"control_ms", tick_ms.value()},
+                   {"sim_ms", step_ms.value()},
+                   {"policy_hz", {rows.num, rows.den}}};
   if (options.renderer) meta["renderer"] = options.renderer->description();
   return meta.dump();
 }

@@ -283,12 +283,13 @@ TEST(Runner, RefusesStreamsThatCannotBeRecordedAllAtOnce) {
   TempDir folder;
   RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.output = folder.path().string();
-  run.cameras.streams[0].segmentation = true;
+  run.cameras.streams[0].rgb = false;
+  run.cameras.streams[0].depth = true;
   run.cameras.streams[1].rate = 5;
   const std::string text =
-      ExpectThrow<SpecError>([&] { Runner runner(run); }, "segmentation cannot be recorded yet");
-  EXPECT_THAT(text, testing::HasSubstr("cameras.streams[0].segmentation"));
-  EXPECT_THAT(text, testing::HasSubstr("cameras.streams[1].rate"));
+      ExpectThrow<SpecError>([&] { Runner runner(run); }, "a recorded stream needs rgb: true");
+  EXPECT_THAT(text, testing::HasSubstr("(cameras.streams[0]).rgb"));
+  EXPECT_THAT(text, testing::HasSubstr("(cameras.streams[1]).rate"));
 }
 
 }  // namespace

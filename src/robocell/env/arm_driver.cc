@@ -4,17 +4,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "robocell/base/error.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/kinematics/ik_towards.h"
+#include "robocell/math/rotation.h"
+#include "robocell/robot/arm_group.h"
 #include "robocell/robot/arrival.h"
+#include "robocell/robot/controller.h"
 
 namespace robocell {
 namespace {
 
-// s. Joints that have arrived are so slow that they would take this long to go as far as their
-// tolerance. Much longer, and servos that chatter about their target, to 0.1 rad/s, never arrive.
-constexpr double kSettling = 0.05;
+// s. Joints at rest are so slow that they would take this long to go as far as their tolerance; and
+// the window over which an arm that is not near its target is watched.
+constexpr double kSettling = 0.1;
+// What a resting joint moves in a window: a share of its tolerance, or of the way that is left.
+constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
+// An absolute pose without a solution nearby is out of reach, unless it is within these, m and rad.
+constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
 constexpr double kWindow = 0.05;  // s, over which a gripper is watched
 constexpr double kStill = 1e-3;   // of its opening, within a window
 
@@ -31,6 +40,17 @@ std::span<const double> PartOf(std::span<const double> vector, const VectorPart&
 std::vector<double> PositionsOf(std::span<const double> values) {
   return {values.begin(), values.end()};
 }
+
+bool IsSmallStep(const Pose& from, const Pose& to) {
+  return (to.translation() - from.translation()).norm() <= kSmallShift &&
+         AngleBetween(from.quaternion(), to.quaternion()) <= kSmallTurn;
+}
+
+bool AreFinite(std::span<const double> values) {
+  return std::all_of(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+}
+
+bool IsNoMotion(const Pose& delta) { return delta.translation().isZero(0) && delta.angle() == 0; }
 
 // Steps are known to be without solution, and to be over, by the joint positions that are sent.
 void RequireJointPositions(const EnvConfig& config, const Robot& robot) {
@@ -58,10 +78,12 @@ std::vector<double> ArmDriver::Memory::numbers() const {
   std::vector<double> out(2 * 7);
   PutTquat(sent, std::span(out).first(7));
   PutTquat(origin, std::span(out).last(7));
-  for (const std::vector<double>* q : {&sent_joints, &origin_joints, &commanded})
+  for (const std::vector<double>* q : {&sent_joints, &origin_joints, &commanded, &pending_joints})
     out.insert(out.end(), q->begin(), q->end());
   out.insert(out.end(), {sent_opening, commanded_opening, gripper_still ? 1.0 : 0.0, window_start,
                          window_opening});
+  for (const std::array<double, 3>* move : {&pending.shift, &pending.turn})
+    out.insert(out.end(), move->begin(), move->end());
   return out;
 }
 
@@ -81,12 +103,15 @@ ArmDriver::Memory ArmDriver::Memory::FromNumbers(size_t joints, std::span<const 
   memory.sent_joints = PositionsOf(take(joints));
   memory.origin_joints = PositionsOf(take(joints));
   memory.commanded = PositionsOf(take(joints));
+  memory.pending_joints = PositionsOf(take(joints));
   const std::span<const double> rest = take(5);
   memory.sent_opening = rest[0];
   memory.commanded_opening = rest[1];
   memory.gripper_still = rest[2] != 0;
   memory.window_start = rest[3];
   memory.window_opening = rest[4];
+  for (std::array<double, 3>* move : {&memory.pending.shift, &memory.pending.turn})
+    std::ranges::copy(take(3), move->begin());
   return memory;
 }
 
@@ -94,18 +119,29 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
     : mode_(config.control_mode),
       relative_to_(config.relative_to),
       limit_(config.step_limit()),
+      lead_(config.target_lead()),
       binary_gripper_(config.wrappers.binary_gripper),
       robot_(std::move(robot)),
       tolerances_(ArrivalTolerances(robot_, robot_.arm().name())),
+      still_(tolerances_.size()),
       pos_(tolerances_.size()),
       vel_(tolerances_.size()),
+      gravity_(tolerances_.size()),
+      resistance_(tolerances_.size()),
+      steady_(tolerances_.size()),
       gripper_(RobotWithGripper(config, robot_)),
       layout_(std::move(layout)),
       joint_limits_(CommandLimits(robot_)),
       turns_freely_(TurnFreely(robot_)),
       base_in_shared_(robot_.scene().shared_base_frame_to_world().inverse() *
-                      robot_.base_in_world()) {
+                      robot_.base_in_world()),
+      window_pos_(tolerances_.size()) {
+  watched_.fill(window_pos_);
   RequireJointPositions(config, robot_);
+  for (const ChainJoint& joint : robot_.chain().joints()) {
+    const bool own_default = config.max_target_lead.empty() && joint.type == ChainJointType::kSlide;
+    joint_lead_.push_back(own_default ? lead_.translation : lead_.rotation);
+  }
 }
 
 std::vector<Robot> ArmDriver::robots() const {
@@ -115,12 +151,16 @@ std::vector<Robot> ArmDriver::robots() const {
 }
 
 void ArmDriver::Reset() {
-  memory_.sent_joints = PositionsOf(robot_.controller(robot_.arm().name()).commanded_joint_pos());
+  controller_ = robot_.shared_controller(robot_.arm().name());
+  memory_.sent_joints = PositionsOf(controller_->commanded_joint_pos());
   memory_.sent = base_in_shared_ * robot_.FkFrame(memory_.sent_joints);
   if (gripper_) memory_.sent_opening = Opening(gripper_->controller(gripper()->name()).target()[0]);
   memory_.gripper_still = false;
   memory_.window_start = robot_.scene().time();
   memory_.window_opening = gripper_ ? gripper()->opening() : 0;
+  memory_.pending = {};
+  memory_.pending_joints.assign(memory_.sent_joints.size(), 0);
+  WatchFromNow();
   SetOriginToCurrent();
 }
 
@@ -138,6 +178,9 @@ ArmDriver::Memory ArmDriver::memory() const {
 
 void ArmDriver::Recall(const Memory& memory) {
   memory_ = memory;
+  controller_ = robot_.shared_controller(robot_.arm().name());
+  position_shortfall_ = rotation_shortfall_ = 0;
+  WatchFromNow();
   robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(memory.commanded)}});
   if (gripper_)
     gripper_->Apply({{gripper()->name(), GroupCommand::Opening(memory.commanded_opening)}});
@@ -161,24 +204,10 @@ void ArmDriver::Check(std::span<const double> action, const std::string& place) 
         "nothing");
 }
 
-Pose ArmDriver::NextPose(std::span<const double> command) const {
-  const Pose given = PoseOfAction(mode_, command);
-  if (relative_to_ == RelativeTo::kNone) return LimitedStep(memory_.sent, given, limit_);
-  const Pose& from = relative_to_ == RelativeTo::kLastStep ? memory_.sent : memory_.origin;
-  return LimitedStep(memory_.sent, MovedBy(from, given), limit_);
-}
-
-std::vector<double> ArmDriver::NextJoints(std::span<const double> command) const {
-  std::vector<double> q = PositionsOf(command);
-  if (relative_to_ != RelativeTo::kNone) {
-    const auto& from =
-        relative_to_ == RelativeTo::kLastStep ? memory_.sent_joints : memory_.origin_joints;
-    for (size_t i = 0; i < q.size(); ++i) q[i] += from[i];
-  }
-  LimitJointStep(memory_.sent_joints, limit_.rotation, q);
-  for (size_t i = 0; i < q.size(); ++i)
-    q[i] = std::clamp(q[i], joint_limits_[i].lower, joint_limits_[i].upper);
-  return q;
+Pose ArmDriver::NextPose(const Pose& last, const Pose& given) const {
+  if (relative_to_ == RelativeTo::kNone) return LimitedStep(last, given, limit_);
+  const Pose& from = relative_to_ == RelativeTo::kLastStep ? last : memory_.origin;
+  return LimitedStep(last, MovedBy(from, given), limit_);
 }
 
 double ArmDriver::Opening(double value) const {
@@ -201,22 +230,98 @@ void ArmDriver::SendGripper(double value, RobotAction& own) {
   }
 }
 
+bool ArmDriver::GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                                std::span<double> out) const {
+  const auto* arm = dynamic_cast<const ArmGroup*>(&robot_.arm());
+  if (!controller_ || !arm || !arm->has_chain()) return false;
+  arm->GravityTorques(q, gravity_);
+  std::fill(resistance_.begin(), resistance_.end(), 0);
+  arm->AddResistance(q, v, resistance_);
+  return controller_->GetSteadyTarget(q, v, gravity_, resistance_, out);
+}
+
+bool ArmDriver::GetPresentTargets() const {
+  robot_.arm().GetJointPos(pos_);
+  robot_.arm().GetJointVel(vel_);
+  if (!AreFinite(pos_)) return false;
+  if (!GetSteadyTarget(pos_, vel_, steady_)) steady_ = pos_;
+  return true;
+}
+
+Pose ArmDriver::LastPose(PendingMove& pending) const {
+  if (!GetPresentTargets()) return memory_.sent;
+  return WithinLead(memory_.sent, base_in_shared_ * robot_.FkFrame(steady_),
+                    base_in_shared_ * robot_.FkFrame(pos_), lead_, pending);
+}
+
+std::vector<double> ArmDriver::LastJoints(std::vector<double>& pending) const {
+  std::vector<double> last = memory_.sent_joints;
+  if (!GetPresentTargets()) return last;
+  for (size_t i = 0; i < last.size(); ++i)
+    last[i] = WithinJointLead(last[i], steady_[i], pos_[i], joint_lead_[i], pending[i]);
+  return last;
+}
+
+bool ArmDriver::SendJoints(std::span<const double> command, RobotAction& commands) {
+  std::vector<double> q = PositionsOf(command), pending = memory_.pending_joints;
+  std::vector<double> last = LastJoints(pending);
+  for (size_t i = 0; i < q.size(); ++i) {
+    if (relative_to_ == RelativeTo::kLastStep) {
+      if (q[i] == 0) {  // keeps its target
+        last[i] = memory_.sent_joints[i];
+        pending[i] = memory_.pending_joints[i];
+      }
+      q[i] += last[i];
+    } else if (relative_to_ == RelativeTo::kConfiguredOrigin) {
+      q[i] += memory_.origin_joints[i];
+    }
+  }
+  LimitJointStep(last, limit_.rotation, q);
+  for (size_t i = 0; i < q.size(); ++i) {
+    q[i] = std::clamp(q[i], joint_limits_[i].lower, joint_limits_[i].upper);
+    pending[i] += q[i] - last[i];
+  }
+  memory_.pending_joints = std::move(pending);
+  memory_.sent_joints = q;
+  commands[robot_.arm().name()] = GroupCommand::Joints(std::move(q));
+  return robot_.Apply(commands).ok;
+}
+
+bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands) {
+  const std::string& arm = robot_.arm().name();
+  const Pose given = PoseOfAction(mode_, command);
+  const bool keeps = relative_to_ == RelativeTo::kLastStep && IsNoMotion(given);
+  PendingMove pending = memory_.pending;
+  const Pose last = keeps ? memory_.sent : LastPose(pending);
+  Pose next = keeps ? last : NextPose(last, given);
+  const Pose target = base_in_shared_.inverse() * next;
+  commands[arm] = GroupCommand::LeafPose(target);
+  if (!robot_.Apply(commands).ok) {
+    const std::span<const double> from = controller_->commanded_joint_pos();
+    const bool small =
+        relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(from), target);
+    if (!small) return false;
+    const IkResult near = IkTowards(robot_.chain(), target, from);
+    if (!near.success) return false;
+    position_shortfall_ = near.position_error;
+    rotation_shortfall_ = near.rotation_error;
+    next = base_in_shared_ * robot_.FkFrame(near.q);
+    robot_.Apply({{arm, GroupCommand::Joints(PositionsOf(near.q))}});
+  }
+  pending.Add(last, next);
+  memory_.pending = pending;
+  memory_.sent = next;
+  return true;
+}
+
 bool ArmDriver::Send(std::span<const double> action) {
   RobotAction commands;
   const std::span<const double> own = PartOf(action, layout_.action);
-  const std::string& arm = robot_.arm().name();
-  controller_ = robot_.shared_controller(arm);
+  controller_ = robot_.shared_controller(robot_.arm().name());
+  position_shortfall_ = rotation_shortfall_ = 0;
+  WatchFromNow();
   if (gripper_) SendGripper(action[layout_.gripper_action], commands);
-  if (mode_ == ControlMode::kJoints) {
-    memory_.sent_joints = NextJoints(own);
-    commands[arm] = GroupCommand::Joints(memory_.sent_joints);
-    return robot_.Apply(commands).ok;
-  }
-  const Pose next = NextPose(own);
-  commands[arm] = GroupCommand::LeafPose(base_in_shared_.inverse() * next);
-  if (!robot_.Apply(commands).ok) return false;
-  memory_.sent = next;
-  return true;
+  return mode_ == ControlMode::kJoints ? SendJoints(own, commands) : SendPose(own, commands);
 }
 
 bool ArmDriver::GripperIsStill(double time) {
@@ -228,16 +333,93 @@ bool ArmDriver::GripperIsStill(double time) {
   return memory_.gripper_still;
 }
 
-bool ArmDriver::HasArrived(double time) {
-  const std::span<const double> wanted = controller_->commanded_joint_pos();
-  // Not the ports, which are of before the tick: in the first of a step nothing would move yet.
-  robot_.arm().GetJointPos(pos_);
-  robot_.arm().GetJointVel(vel_);
-  if (!AreWithin(pos_, wanted, tolerances_)) return false;
-  for (size_t i = 0; i < vel_.size(); ++i) {
-    if (std::abs(vel_[i]) * kSettling > tolerances_[i]) return false;
+void ArmDriver::WatchFromNow() {
+  robot_.arm().GetJointPos(watched_[0]);
+  watched_ticks_ = 0;
+  StartWindow(robot_.scene().time());
+  at_rest_ = false;
+}
+
+void ArmDriver::StartWindow(double time) {
+  window_pos_ = watched_[0];
+  window_since_ = time;
+}
+
+void ArmDriver::Watch(double time) {
+  std::rotate(watched_.begin(), watched_.end() - 1, watched_.end());
+  robot_.arm().GetJointPos(watched_[0]);
+  ++watched_ticks_;
+  const bool slow = IsSlow();
+  if (slow && time - window_since_ < kSettling) return;
+  at_rest_ = slow && HasHardlyMoved();
+  StartWindow(time);
+}
+
+double ArmDriver::SpeedOf(size_t joint) const {
+  if (watched_ticks_ < 2) return std::numeric_limits<double>::infinity();
+  return std::abs(watched_[0][joint] - watched_[2][joint]) / (2 * robot_.scene().timestep());
+}
+
+bool ArmDriver::IsSlow() const {
+  for (size_t i = 0; i < tolerances_.size(); ++i) {
+    if (SpeedOf(i) * kSettling > tolerances_[i]) return false;
   }
-  return !gripper_ || GripperIsStill(time);
+  return true;
+}
+
+// In the window, by little of the tolerance, or by too little of the way that is left to get there.
+bool ArmDriver::HasHardlyMoved() const {
+  const std::span<const double> wanted = controller_->commanded_joint_pos();
+  for (size_t i = 0; i < tolerances_.size(); ++i) {
+    const double left = std::abs(watched_[0][i] - wanted[i]);
+    const double most = std::max(kRestShare * tolerances_[i], kRestShareOfWay * left);
+    if (std::abs(watched_[0][i] - window_pos_[i]) > most) return false;
+  }
+  return true;
+}
+
+// Whether some joint cannot get within its tolerance, because its servo gives way to gravity, and
+// all are where they come to rest.
+bool ArmDriver::IsHeldAwayByGravity() {
+  if (!GetSteadyTarget(watched_[0], still_, steady_)) return false;
+  if (!AreWithin(steady_, controller_->commanded_joint_pos(), tolerances_)) return false;
+  return !AreWithin(steady_, watched_[0], tolerances_);
+}
+
+ArmStatus ArmDriver::Status(double time) {
+  const bool near = AreWithin(watched_[0], controller_->commanded_joint_pos(), tolerances_);
+  const bool slow = IsSlow();
+  ArmStatus status = ArmStatus::kMoving;
+  if (near && slow) {
+    status = ArmStatus::kArrived;
+  } else if (at_rest_ || (slow && IsHeldAwayByGravity())) {
+    status = ArmStatus::kSettled;
+  }
+  return !gripper_ || GripperIsStill(time) ? status : ArmStatus::kMoving;
+}
+
+ArmMotion ArmDriver::motion() const {
+  ArmMotion motion{.position_shortfall = position_shortfall_,
+                   .rotation_shortfall = rotation_shortfall_};
+  const std::vector<double>& pos = watched_[0];
+  const std::span<const double> wanted = controller_->commanded_joint_pos();
+  Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxChainJoints> jacobian(
+      6, static_cast<Eigen::Index>(pos.size()));
+  const Pose tcp = robot_.chain().Jacobian(pos, jacobian), sent = robot_.FkFrame(wanted);
+  motion.position_error = (sent.translation() - tcp.translation()).norm();
+  motion.rotation_error = AngleBetween(sent.quaternion(), tcp.quaternion());
+  const size_t ago = std::min<size_t>(watched_ticks_, 2);
+  const double seconds = static_cast<double>(std::max<size_t>(1, ago)) * robot_.scene().timestep();
+  Eigen::Vector<double, 6> twist = Eigen::Vector<double, 6>::Zero();
+  for (size_t i = 0; i < pos.size(); ++i) {
+    const double speed = (pos[i] - watched_[ago][i]) / seconds;
+    twist += jacobian.col(static_cast<Eigen::Index>(i)) * speed;
+    motion.joint_error = std::max(motion.joint_error, std::abs(pos[i] - wanted[i]));
+    motion.joint_speed = std::max(motion.joint_speed, std::abs(speed));
+  }
+  motion.linear_speed = twist.head<3>().norm();
+  motion.angular_speed = twist.tail<3>().norm();
+  return motion;
 }
 
 void ArmDriver::Observe(std::span<double> observation) const {

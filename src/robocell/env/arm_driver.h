@@ -2,6 +2,7 @@
 // and from the state to its part of the observation. Private to env; the Env steps.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,9 +10,30 @@
 
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env_layout.h"
+#include "robocell/env/target_lead.h"
 #include "robocell/robot/robot.h"
 
 namespace robocell {
+
+// What is left of an arm's motion when a step ends.
+struct ArmMotion {
+  // The largest of any joint: distance to its target, rad or m, and speed, per second.
+  // Speeds are means over the last two engine steps: servos at their force limit may chatter.
+  double joint_error = 0, joint_speed = 0;
+  // The TCP's distance to where the joint targets put it, m and rad, and its speed, m/s and rad/s.
+  double position_error = 0, rotation_error = 0;
+  double linear_speed = 0, angular_speed = 0;
+  // By how much the target falls short of the pose that was commanded, m and rad: not zero when
+  // the pose had no solution nearby and the arm went towards it in damped steps.
+  double position_shortfall = 0, rotation_shortfall = 0;
+};
+
+// How an arm and its gripper stand to where they were sent.
+enum class ArmStatus {
+  kMoving,
+  kSettled,  // at rest, and some joint is farther from its target than its tolerance
+  kArrived,  // near and at rest
+};
 
 class ArmDriver {
  public:
@@ -24,11 +46,14 @@ class ArmDriver {
     double sent_opening = 1, commanded_opening = 1;
     bool gripper_still = false;  // at the end of the last window
     double window_start = 0, window_opening = 0;
+    // What was added to the target since the arm was last within max_target_lead of it.
+    PendingMove pending = {};
+    std::vector<double> pending_joints = {};
 
     std::vector<double> numbers() const;
     // Of an arm with as many joints; takes its numbers from the front of what is given.
     static Memory FromNumbers(size_t joints, std::span<const double>& numbers);
-    static size_t CountOfNumbers(size_t joints) { return 2 * 7 + 3 * joints + 5; }
+    static size_t CountOfNumbers(size_t joints) { return 2 * 7 + 4 * joints + 5 + 6; }
   };
 
   // `robot` is one of the configuration's, `layout` its part of the vectors.
@@ -47,11 +72,15 @@ class ArmDriver {
   // ArgumentError for numbers that are not finite and a quaternion without direction, in the words
   // of `place`. `action` is the whole vector, here and below.
   void Check(std::span<const double> action, const std::string& place) const;
-  // Sends the command; false when its pose has no solution: then the arm keeps its target.
+  // Sends the command; false when its pose has no solution and no motion leads towards it: then the
+  // arm keeps its target. A small step to a pose without a solution nearby, as beside a
+  // singularity, goes there in damped steps as far as these get.
   bool Send(std::span<const double> action);
-  // Whether arm and gripper are where they were sent, or can go no further. Asked at every control
-  // tick.
-  bool HasArrived(double time);
+  // Looks at the arm after every engine step, at simulated `time`. No allocation.
+  void Watch(double time);
+  // How the arm stood to where it was sent when it was last watched. No allocation.
+  ArmStatus Status(double time);
+  ArmMotion motion() const;
   // For going back to a state of the scene: what it knows with it, and knowing it again after the
   // scene's state was set.
   Memory memory() const;
@@ -63,25 +92,54 @@ class ArmDriver {
   // What a number of an action says of the gripper.
   double Opening(double value) const;
   void SendGripper(double value, RobotAction& own);
-  Pose NextPose(std::span<const double> command) const;
-  std::vector<double> NextJoints(std::span<const double> command) const;
+  bool SendJoints(std::span<const double> command, RobotAction& commands);
+  bool SendPose(std::span<const double> command, RobotAction& commands);
+  // The last target, without what is pending and leads the arm by more than max_target_lead: a
+  // blocked arm does not pile up targets behind what blocks it. What the arm lags behind as it
+  // moves and sags under gravity does not count, so that ramps go all the way.
+  Pose LastPose(PendingMove& pending) const;
+  std::vector<double> LastJoints(std::vector<double>& pending) const;
+  // Writes the target under which the arm at `q` goes on moving at `v`. False where it is unknown.
+  bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                       std::span<double> out) const;
+  // Reads the present joint positions into pos_ and their steady target into steady_; the positions
+  // where that is unknown. False when they are not finite.
+  bool GetPresentTargets() const;
+  // Of a joint over the last two watched engine steps, per second; infinite before that.
+  double SpeedOf(size_t joint) const;
+  bool IsSlow() const;
+  bool HasHardlyMoved() const;
+  bool IsHeldAwayByGravity();
+  void WatchFromNow();
+  void StartWindow(double time);
+  Pose NextPose(const Pose& last, const Pose& given) const;
   bool GripperIsStill(double time);
   const GripperGroup* gripper() const { return gripper_ ? &gripper_->gripper() : nullptr; }
 
   ControlMode mode_;
   RelativeTo relative_to_;
-  StepLimit limit_;
+  StepLimit limit_, lead_;
+  std::vector<double> joint_lead_;  // rad or m
   bool binary_gripper_;
   Robot robot_;
   std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
-  std::vector<double> pos_, vel_;   // read by HasArrived()
-  std::optional<Robot> gripper_;    // the robot that has the gripper
+  std::vector<double> still_;       // zeros
+  mutable std::vector<double> pos_, vel_, gravity_, resistance_, steady_;  // scratch
+  std::optional<Robot> gripper_;  // the robot that has the gripper
   RobotLayout layout_;
   std::vector<Interval> joint_limits_;
   std::vector<bool> turns_freely_;  // a joint without limits
   Pose base_in_shared_;
 
   Memory memory_;
+  double position_shortfall_ = 0, rotation_shortfall_ = 0;  // of the last Send, m and rad
+  // Joint positions now and one and two engine steps ago, as far as they were watched since the
+  // step began; and at the beginning of a window of time, over which a resting arm hardly moves.
+  std::array<std::vector<double>, 3> watched_;
+  size_t watched_ticks_ = 0;
+  std::vector<double> window_pos_;
+  double window_since_ = 0;
+  bool at_rest_ = false;                    // in the last window
   std::shared_ptr<Controller> controller_;  // of the arm, as the last Send found it
 };
 

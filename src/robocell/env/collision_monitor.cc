@@ -36,7 +36,9 @@ void AddPair(std::pair<int, int> bodies, CollisionMonitor::Memory& to) {
 }  // namespace
 
 CollisionMonitor::CollisionMonitor(std::vector<Watched> watched)
-    : watched_(std::move(watched)), scene_(watched_.front().robot.scene()) {}
+    : watched_(std::move(watched)), scene_(watched_.front().robot.scene()) {
+  Bind();
+}
 
 void CollisionMonitor::HideGripper(const MoveGroup& gripper) {
   const auto* fingers = dynamic_cast<const ActuatedGripper*>(&gripper);
@@ -54,7 +56,27 @@ void CollisionMonitor::MarkGeoms(const Watched& watched, int index) {
   if (watched.robot.has_gripper()) HideGripper(watched.robot.gripper());
   for (const Robot& gripper : watched.grippers) {
     for (const int body : gripper.body_ids()) body_owner_[body] = index;
-    for (const int geom : gripper.geom_ids()) owner_[geom] = -1;
+    const bool counts = !gripper.config().collision_geoms.empty();
+    for (const int geom : gripper.geom_ids()) {
+      owner_[geom] = -1;
+      of_gripper_[geom] = true;
+    }
+    if (!counts) continue;
+    for (const int geom : gripper.collision_geom_ids()) owner_[geom] = index;
+    Ignore(gripper);
+  }
+  Ignore(watched.robot);
+}
+
+// Names are errors only at first: what they name may be removed from the scene later.
+void CollisionMonitor::Ignore(const Robot& robot) {
+  const mjModel* m = scene_.model();
+  for (const std::string& name : robot.config().ignored_collision_geoms) {
+    const int ignored = bound_ ? FindId(m, mjOBJ_GEOM, name)
+                               : RequireId(m, mjOBJ_GEOM, name,
+                                           "robot '" + robot.name() + "': ignored_collision_geoms");
+    if (ignored < 0) continue;
+    for (const int geom : robot.collision_geom_ids()) harmless_.insert({geom, ignored});
   }
 }
 
@@ -62,8 +84,11 @@ void CollisionMonitor::Bind() {
   if (generation_ == scene_.generation()) return;
   owner_.assign(scene_.model()->ngeom, -1);
   body_owner_.assign(scene_.model()->nbody, -1);
+  of_gripper_.assign(scene_.model()->ngeom, false);
+  harmless_.clear();
   for (size_t i = 0; i < watched_.size(); ++i) MarkGeoms(watched_[i], static_cast<int>(i));
   generation_ = scene_.generation();
+  bound_ = true;
 }
 
 void CollisionMonitor::Begin() {
@@ -91,6 +116,8 @@ void CollisionMonitor::Look() {
     std::pair<int, int> bodies(m->geom_bodyid[a], m->geom_bodyid[b]);
     const bool same_robot = body_owner_[bodies.first] == body_owner_[bodies.second];
     if (same_robot && AreNeighbours(m, bodies.first, bodies.second)) continue;
+    if (same_robot && of_gripper_[a] && of_gripper_[b]) continue;
+    if (harmless_.contains({a, b}) || harmless_.contains({b, a})) continue;
     if (owner_[a] < 0) std::swap(bodies.first, bodies.second);
     AddPair(bodies, touching_);
   }

@@ -1,8 +1,10 @@
 // CollisionMonitor: which robots ran into something, by robot and body, and whether that is new.
 //
 // A robot's collision geoms (RobotConfig::collision_geoms, else all of its own) count, what it
-// carries included, but for its gripper, whose business it is to touch things. Contacts with
-// itself count too, but for links with a joint between them: models let these overlap.
+// carries included. Of its gripper, whose business it is to touch things, only the geoms count that
+// a mounted gripper's own `collision_geoms` names, and never those of one finger on the other. What
+// `ignored_collision_geoms` of a robot or gripper names may be touched by its geoms. Contacts of a
+// robot with itself count too, but for links with a joint between them: models let these overlap.
 //
 //   monitor.Begin();                               // what touched at the last look is not new
 //   ... step ...; if (monitor.FindNew()) ...       // no allocation unless something is new
@@ -10,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -55,17 +58,21 @@ class CollisionMonitor {
   void Bind();
   void Look();
   void MarkGeoms(const Watched& watched, int index);
+  void Ignore(const Robot& robot);
   void HideGripper(const MoveGroup& gripper);
   Collision MakeCollision(std::pair<int, int> bodies) const;
 
   std::vector<Watched> watched_;
   Scene scene_;
   uint64_t generation_ = ~uint64_t{0};
-  std::vector<int> owner_;       // per geom: index into watched_, or -1
-  std::vector<int> body_owner_;  // per body
-  bool looked_ = false;          // since Forget
-  Memory touching_;              // at the last look
-  Memory found_;                 // since Begin
+  std::vector<int> owner_;                  // per geom: index into watched_, or -1
+  std::vector<int> body_owner_;             // per body
+  std::vector<bool> of_gripper_;            // per geom: of a mounted gripper
+  std::set<std::pair<int, int>> harmless_;  // counted geom, geom that it may touch
+  bool bound_ = false;                      // once: names were looked up and are right
+  bool looked_ = false;                     // since Forget
+  Memory touching_;                         // at the last look
+  Memory found_;                            // since Begin
 };
 
 }  // namespace robocell

@@ -86,6 +86,8 @@ const char* ToString(EndReason reason) {
       return "ik_failed";
     case EndReason::kArrived:
       return "arrived";
+    case EndReason::kSettled:
+      return "settled";
     case EndReason::kTimeout:
       break;
   }
@@ -109,9 +111,17 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       cameras_(scene_, StreamsOf(config_), drawing),
       seeds_(copy ? Rng::Stream(0, kSeedPurpose, *copy) : Rng::Stream(0, kSeedPurpose)),
       observation_(layout_.observation.size()),
+      motions_(arms_.size()),
       draws_(!drawing) {
-  if (copy.value_or(0) > 0) return;  // said of the first
-  for (const ArmDriver& arm : arms_) TellUndriven(arm.robot());
+  if (task_) {
+    const std::vector<std::string> resting = task_->resting_objects();
+    if (!resting.empty()) start_check_.emplace(scene_, resting);
+  }
+  const bool is_first = copy.value_or(0) == 0;  // what is to be said is said of the first
+  if (is_first) {
+    for (const ArmDriver& arm : arms_) TellUndriven(arm.robot());
+  }
+  TryStart(is_first);
 }
 
 void Env::TellUndriven(const Robot& robot) const {
@@ -129,28 +139,22 @@ void Env::Reset(const EnvResetOptions& options) {
   const SceneUse::Claim claim(scene_.use(), "Env::Reset");
   if (options.seed) seeds_ = Rng::Stream(*options.seed, kSeedPurpose);
   std::vector<std::vector<double>> kept;
-  if (!config_.wrappers.home_on_reset && phase_ == Phase::kReady) {
+  if (!config_.wrappers.home_on_reset && !options.keyframe && phase_ == Phase::kReady) {
     for (const ArmDriver& arm : arms_) kept.push_back(arm.robot().arm().joint_pos());
   }
   phase_ = Phase::kBroken;  // until all is done
   const uint64_t seed = seeds_.NextBits();
   Rng variation = Rng::Stream(seed, "env variation");
   variations_.Draw(variation);
-  Rng of_task = Rng::Stream(seed, "env task");
-  // Asked before the reset, which puts bodies there and is one evaluation of the scene.
-  const BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
-  scene_.Reset({.seed = seed, .body_poses = starts});
-  for (size_t i = 0; i < kept.size(); ++i) Robot(arms_[i].robot()).SetJointPos(kept[i]);
-  for (ArmDriver& arm : arms_) arm.Reset();
-  if (task_) {
-    task_->Arrange(scene_, of_task);
-    task_->Begin(scene_);
-  }
+  if (const std::string why = MakeStart(seed, options.keyframe, kept); !why.empty())
+    throw ArgumentError(NoStart(why));
+  if (task_) task_->Begin(scene_);
   collisions_.Forget();
   record_.reset();
   ticks_ = 0;
   pacer_.Start(0);
   cameras_.Reset();
+  motions_.assign(arms_.size(), {});
   Observe();
   phase_ = Phase::kReady;
 }
@@ -195,10 +199,11 @@ int64_t Env::TicksOfStep() const {
   return std::max<int64_t>(1, TicksUntil(end, scene_.timestep()) - ticks_);
 }
 
-bool Env::HaveArrived() {
-  bool arrived = true;
-  for (ArmDriver& arm : arms_) arrived = arm.HasArrived(scene_.time()) && arrived;
-  return arrived;
+// That of the arm that is farthest from having arrived.
+ArmStatus Env::StatusOfAll() {
+  ArmStatus status = ArmStatus::kArrived;
+  for (ArmDriver& arm : arms_) status = std::min(status, arm.Status(scene_.time()));
+  return status;
 }
 
 double Env::TimeSinceReset() const { return static_cast<double>(ticks_) * scene_.timestep(); }
@@ -207,9 +212,10 @@ double Env::TimeSinceReset() const { return static_cast<double>(ticks_) * scene_
 bool Env::ShouldEnd() {
   ++ticks_;
   cameras_.Tick(TimeSinceReset());
+  for (ArmDriver& arm : arms_) arm.Watch(scene_.time());
   collided_ = collisions_.FindNew() || collided_;
   if (collided_ && EndsAtCollision()) return true;
-  return !config_.sim.async_control && HaveArrived();
+  return !config_.sim.async_control && StatusOfAll() != ArmStatus::kMoving;
 }
 
 bool Env::EndsAtCollision() const {
@@ -220,7 +226,15 @@ EndReason Env::ReasonOf(const StepResult& step, const EnvStep& out) {
   if (!step.ok()) return EndReason::kDiverged;
   if (held_ || (collided_ && EndsAtCollision())) return EndReason::kCollision;
   if (!out.ik_failed.empty()) return EndReason::kIkFailed;
-  return HaveArrived() ? EndReason::kArrived : EndReason::kTimeout;
+  switch (StatusOfAll()) {
+    case ArmStatus::kArrived:
+      return EndReason::kArrived;
+    case ArmStatus::kSettled:
+      return EndReason::kSettled;
+    case ArmStatus::kMoving:
+      break;
+  }
+  return EndReason::kTimeout;
 }
 
 StepResult Env::Advance(const Poll& poll) {
@@ -271,6 +285,7 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
     phase_ = Phase::kDiverged;
     return out;
   }
+  for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
   Observe();
   if (task_) Judge(out);
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);

@@ -8,12 +8,14 @@
 //   if (step.reason == EndReason::kIkFailed) ...
 //   std::span<const double> seen = env.observation();
 //
-// A step sends the command of every arm, whatever was sent before, and ends when all have arrived,
-// when a robot runs into something, or when its time is up; with async_control always after
-// 1/frequency. It says which. A pose without a solution leaves that arm where it was sent before,
-// and is tried again with the next command.
+// A step sends the command of every arm, whatever was sent before, and ends when all have arrived
+// or come to rest, when a robot runs into something, or when its time is up; with async_control
+// always after 1/frequency. It says which; motions() says how far each arm is from its target. A
+// small step to a pose without a solution nearby is made in damped steps as far as these get; where
+// they get nowhere the arm keeps its target, and the next command is tried anew.
 //
-// Errors: SpecError for what is wrong with the configuration; ArgumentError for actions of a wrong
+// Errors: SpecError for what is wrong with the configuration, objects of the task included that do
+// not come to rest where they start; ArgumentError for actions of a wrong
 // size or with numbers that are not finite, before anything moves, and for rewards and signals of a
 // task that are not finite; numbers beyond their range are cut to it. Divergence is a value: after
 // it, as after an error on the way, only Reset and Restore go on. With on_collision guard a step is
@@ -45,11 +47,12 @@
 #include "robocell/env/stepper.h"
 #include "robocell/scene/body_handle.h"
 #include "robocell/spec/env_config.h"
+#include "robocell/task/start_check.h"
 
 namespace robocell {
 
 // Why a step ended: the first of these that is so.
-enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kTimeout };
+enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kSettled, kTimeout };
 const char* ToString(EndReason reason);
 
 struct EnvStep {
@@ -66,6 +69,8 @@ struct EnvResetOptions {
   // Unset: the next of the stream that the last seed began; 0 at first, and for copies of one
   // environment another one for each.
   std::optional<uint64_t> seed = {};
+  // What robots start at in place of their homes (scene.h).
+  std::optional<KeyframeChoice> keyframe = {};
 };
 
 class Env {
@@ -93,6 +98,10 @@ class Env {
   // What the last Reset or Step left, layout().observation.size() numbers; a step that diverged
   // leaves what was before it.
   std::span<const double> observation() const { return observation_; }
+
+  // What was left of each robot's motion when the last step ended, in the order of layout().robots;
+  // zeros after a reset.
+  const std::vector<ArmMotion>& motions() const { return motions_; }
 
   // The last frame of each image stream.
   const std::vector<EnvFrame>& frames() const { return cameras_.frames(); }
@@ -139,6 +148,12 @@ class Env {
     EnvState state;
   };
 
+  void TryStart(bool is_first);
+  std::string MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
+                        const std::vector<std::vector<double>>& kept_joints);
+  std::string NoStart(const std::string& why) const;
+  void RequireRest(const std::string& doubt);
+  void WarnOfStart();
   void RequireReady() const;
   Snapshot& RequireSnapshot(const std::string& name);
   std::vector<std::string> Send(std::span<const double> action);
@@ -154,7 +169,7 @@ class Env {
   int64_t TicksOfStep() const;
   double TimeSinceReset() const;
   bool ShouldEnd();
-  bool HaveArrived();
+  ArmStatus StatusOfAll();
   EndReason ReasonOf(const StepResult& step, const EnvStep& out);
   bool EndsAtCollision() const;
   void Observe();
@@ -170,6 +185,7 @@ class Env {
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects
   std::vector<ArmDriver> arms_;
+  std::optional<StartCheck> start_check_;  // with a task whose objects have to rest
   Stepper stepper_;
   CollisionMonitor collisions_;
   EnvCameras cameras_;
@@ -179,6 +195,7 @@ class Env {
   Phase phase_ = Phase::kUnready;
   Rng seeds_;
   std::vector<double> observation_;
+  std::vector<ArmMotion> motions_;
   int64_t ticks_ = 0;      // engine steps since the reset
   bool collided_ = false;  // in this step
   bool draws_ = true;

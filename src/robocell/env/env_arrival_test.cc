@@ -20,8 +20,8 @@ namespace {
 
 using Numbers = std::vector<double>;
 
-constexpr double kHinge = 0.01, kSlide = 0.001;  // of the default `arrival_tolerance`, rad and m
-constexpr double kSettling = 0.05;               // s
+constexpr double kHinge = 0.002, kSlide = 2e-4;  // of the default `arrival_tolerance`, rad and m
+constexpr double kSettling = 0.1;                // s
 
 // How far a joint is from where it was sent and how fast it is, by the engine.
 struct JointState {

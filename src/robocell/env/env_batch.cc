@@ -188,6 +188,11 @@ void EnvBatch::StepOne(int i, std::span<const double> action, const std::functio
   CopyObservation(i);
 }
 
+bool EnvBatch::ik_success(int i, size_t robot) const {
+  const std::vector<std::string>& failed = step_.steps[i].ik_failed;
+  return std::find(failed.begin(), failed.end(), layout().robots[robot].robot) == failed.end();
+}
+
 void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds,
                      const std::vector<bool>& which) {
   RequireOpen();

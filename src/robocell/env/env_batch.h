@@ -62,6 +62,9 @@ class EnvBatch {
                         const std::vector<bool>& reset_instead = {},
                         const std::function<void()>& poll = {});
   std::span<const double> observations() const { return observations_; }
+  // Whether a motion led towards the last pose that was commanded to robot `robot` (of
+  // layout().robots) of copy `i`.
+  bool ik_success(int i, size_t robot) const;
   // A colour picture of each copy's present state, one after another, each of rows from the top:
   // for people. All are drawn by one renderer, which is made at the first call.
   std::vector<uint8_t> Draw(const CameraView& camera, int width, int height);

@@ -12,7 +12,9 @@
 namespace robocell {
 namespace {
 
-constexpr double kRounding = 1e-9;  // of times a rate
+// Of a time times a rate: the engine's clock, a sum of steps such as 1/480 s, is off by that much
+// after hours.
+constexpr double kRounding = 1e-6;
 
 EnvFrame FrameOf(const CameraConfig& stream, int width, int height) {
   EnvFrame frame{.stream = stream.name, .width = width, .height = height};
@@ -60,7 +62,7 @@ void EnvCameras::Bind() {
   const mjModel* m = scene_.model();
   for (Stream& stream : streams_) {
     const CameraConfig& config = stream.config;
-    stream.view = NamedCamera(m, FindCameraName(scene_, config), "stream '" + config.name + "'");
+    stream.view = ViewOfStream(scene_, config);
     stream.qpos.resize(m->nq);
     stream.mocap_pos.resize(3 * m->nmocap);
     stream.mocap_quat.resize(4 * m->nmocap);

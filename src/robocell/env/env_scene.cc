@@ -22,7 +22,7 @@ RobotSpec RobotInEnv(const EnvConfig& config, const RobotConfig& robot, const st
                  .config = robot,
                  .prefix = prefix,
                  .base = BaseConfig{},
-                 .reset_root_pose = true,
+                 .reset_root_pose = robot.reset_root_pose.value_or(true),
                  .control_modes = robot.used_modes()};
   if (config.add_gravcomp) spec.config->gravcomp = true;
   return spec;
@@ -66,8 +66,8 @@ void AddObjects(const Map<EnvObject>& objects, const AttachTarget& frame, SceneS
   for (const auto& [id, object] : objects.entries()) {
     SceneObject& added = scene.objects.push_back(object->AsSceneObject());
     added.name = id;
-    // What a robot carries is fixed; a model says so itself.
-    if (added.shape && frame.kind == AttachKind::kAttachment && !added.fixed) added.fixed = true;
+    // What a robot carries is mounted, whatever its model's file says.
+    if (frame.kind == AttachKind::kAttachment && !added.fixed) added.fixed = true;
     StandAt(added, frame, object->offset);
   }
 }
@@ -101,7 +101,7 @@ SceneSpec EnvSceneSpec(const EnvConfig& config) {
   SceneSpec scene{.name = config.name,
                   .base = config.scene,
                   .timestep = config.sim.timestep,
-                  .add_floor = config.add_floor,
+                  .add_floor = config.has_added_floor(),
                   .options = config.options,
                   .root_frame_to_world = config.root_frame_to_world,
                   .shared_base_frame_to_root_frame = config.shared_base_frame_to_root_frame,

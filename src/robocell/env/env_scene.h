@@ -8,7 +8,7 @@
 // CompileEnvScene(config) is what an environment simulates, which a saved scene may be instead.
 //
 // Robots stand on fixed bases without the pedestal of their configuration, and what a model's file
-// says of its root's pose is dropped: the poses are those of the configuration alone.
+// says of its root's pose is dropped, unless the robot's configuration has reset_root_pose: false.
 #pragma once
 
 #include <string>

@@ -6,10 +6,11 @@
 //     return std::make_shared<Stack>(config, scene);
 //   });
 //
-// At a reset: Starts (before anything is moved), robots at home and bodies there, Arrange, Begin.
-// After each step: Observe and Judge, which is Reward and Success. Objects of objects() are
-// observed by themselves. Copies of an environment have a task each; their threads call them at the
-// same time, one call at a time for each.
+// At a reset: Starts (before anything is moved), robots at home and bodies there, Arrange, both
+// again while resting_objects() do not lie still, then Begin. After each step: Observe and Judge,
+// which is Reward and Success. Objects of objects() are observed by themselves. Copies of an
+// environment have a task each; their threads call them at the same time, one call at a time for
+// each.
 #pragma once
 
 #include <functional>
@@ -51,6 +52,12 @@ class EnvTask : public Task {
   virtual void Arrange(Scene& /*scene*/, Rng& /*rng*/) {}
   void Begin(const Scene& /*scene*/) override {}
   std::vector<std::string> objects() const override { return {}; }
+
+  // Objects that have to lie still when an episode begins, by their ids: touching no robot, inside
+  // of nothing and with something under them (task/start_check.h). Starts and Arrange are asked
+  // again, with the numbers that follow, until they do. When the environment is made one start is
+  // tried, and simulated until these objects rest.
+  virtual std::vector<std::string> resting_objects() const { return {}; }
 
   // What it adds to the observation, asked for once, when the environment is made.
   virtual std::vector<TaskSignal> signals() const { return {}; }

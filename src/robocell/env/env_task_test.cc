@@ -29,6 +29,7 @@ class EnvTaskTest : public ::testing::Test {
   EnvConfig Picking(const Pose& root = Pose()) {
     EnvConfig config = Rc7Env(ControlMode::kCartesianTquat, RelativeTo::kNone);
     config.root_frame_to_world = root;
+    config.add_floor = false;
     const std::string cube = folder_.Write("cube", R"(<worldbody><body name="cube"><freejoint/>
       <geom size="0.02 0.02 0.02" type="box" mass="0.05" friction="1 0.02 0.001" condim="4"/>
       </body></worldbody>)");
@@ -162,8 +163,7 @@ TEST_F(EnvTaskTest, GoalsAreSpreadAndFarFromWhereItStarts) {
   }
   EnvConfig config = Placing();
   config.task->goal_distance = 2;
-  Env env(config);
-  ExpectThrow<ArgumentError>([&] { env.Reset(); },
+  ExpectThrow<ArgumentError>([&] { Env env(config); },
                              "environment 'env': in 1000 tries 'cube' was never 2 m from its goal; "
                              "widen task.spread or task.goal_spread, or lower task.goal_distance");
 }

@@ -80,6 +80,7 @@ TEST(EnvFrames, TheSamePoseSendsAllArmsToTheSamePlaceInTheWorld) {
     const Pose down = Pose::FromRpy({0.35, 0, 0.3}, {kPi, 0, 0});
     const Pose pose = MovedBy(down, Pose::FromRpy(RandomVector(rng, 0.1), RandomVector(rng, 0.5)));
     if (!env.Step(ForAll(env, Tquat(pose))).ik_failed.empty()) continue;  // out of reach of one
+    if (env.motions()[0].position_shortfall + env.motions()[1].position_shortfall > 0) continue;
     ++reached;
     const Pose wanted = SharedToWorld(env) * pose;
     EXPECT_TRUE(SentInWorld(env, "left").is_close(wanted, kIk, kIk));
@@ -348,7 +349,7 @@ TEST(EnvSteps, ReportCollisionsWhenAskedTo) {
   Numbers turned = ForAll(env, ObservedJoints(env));
   turned[0] = 1.2;
   const EnvStep hit = env.Step(turned);
-  EXPECT_EQ(hit.reason, EndReason::kTimeout);
+  EXPECT_EQ(hit.reason, EndReason::kSettled) << "it rests against the wall";
   EXPECT_FALSE(hit.collisions.empty());
 }
 
@@ -406,7 +407,7 @@ TEST(EnvSteps, LinksThatAJointConnectsDoNotCollide) {
           <site name="flange" pos="0 0 0.4"/></body></body></body></worldbody>
     <actuator><position name="servo1" joint="shoulder" kp="100" kv="10"/>
       <position name="servo2" joint="elbow" kp="100" kv="10"/></actuator>)"));
-  EnvConfig config{.relative_to = RelativeTo::kNone};
+  EnvConfig config{.add_floor = false, .relative_to = RelativeTo::kNone};
   config.robots["robot"] = arm;
   Env env = Ready(config);
   EXPECT_THAT(env.Step(Numbers{0.1, 0.1}).collisions, IsEmpty());

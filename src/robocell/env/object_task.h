@@ -20,6 +20,7 @@ class ObjectTask : public EnvTask {
   TaskVerdict Judge(const Scene& scene) final;
   double Reward(const Scene& scene) final { return Judge(scene).reward; }
   std::vector<std::string> objects() const override { return {task_.object}; }
+  std::vector<std::string> resting_objects() const override { return {task_.object}; }
   // Where the episode began.
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;

@@ -1,4 +1,4 @@
-// The stepper: exact ticks, what the control tick sees, divergence, allocations, messages.
+// The stepper: exact ticks, what the control tick sees, divergence, messages.
 #include "robocell/env/stepper.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,6 @@
 
 #include "robocell/base/error.h"
 #include "robocell/robot/testing/robots.h"
-#include "robocell/testing/count_allocations.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -135,17 +134,6 @@ TEST_F(StepperTest, ReportsAPoseOutOfReachAndGoesOn) {
   EXPECT_EQ(outcome.failed_group, "arm");
   EXPECT_EQ(outcome.step.steps, 3);
   EXPECT_EQ(robot.controller("arm").commanded_joint_pos()[0], home[0]);
-}
-
-TEST_F(StepperTest, AllocatesNothingBesidesApplyingTheAction) {
-  Stepper stepper = Make(33, 1);
-  double sum = 0;
-  stepper.set_on_control_tick([&](const mjModel*, const mjData* d) { sum += d->ctrl[0]; });
-  stepper.Advance({});
-  const Action none;
-  const AllocationCount count;
-  for (int i = 0; i < 20; ++i) stepper.Advance(none);
-  EXPECT_EQ(count.allocations(), 0);
 }
 
 TEST_F(StepperTest, RefusesWhatItCannotDo) {

@@ -143,7 +143,7 @@ VideoInfo Parse(Bytes moov, uint64_t file_size) {
   const Bytes table = Descend(track, {"mdia", "minf", "stbl"});
   const Bytes description = Child(table, "stsd");
   // The entry's type is its codec (14496-12, 8.5.2); depth is what we write as FFV1.
-  if (U32(description, 8 + 4) == 0x46465631) info.kind = VideoKind::kDepth;  // 'FFV1'
+  if (U32(description, 8 + 4) == 0x46465631) info.kind = VideoKind::kGray16;  // 'FFV1'
   info.width = static_cast<int>(BigEndian(description, 8 + 32, 2));
   info.height = static_cast<int>(BigEndian(description, 8 + 34, 2));
   info.frames = U32(Child(table, "stsz"), 8);
@@ -207,7 +207,7 @@ std::string EncoderName(const std::vector<uint8_t>& media_start) {
 }  // namespace
 
 size_t FrameBytes(VideoKind kind, int width, int height) {
-  const size_t of_pixel = kind == VideoKind::kDepth ? 2 : 3;
+  const size_t of_pixel = kind == VideoKind::kGray16 ? 2 : 3;
   return of_pixel * static_cast<size_t>(width) * static_cast<size_t>(height);
 }
 

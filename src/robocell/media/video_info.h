@@ -15,7 +15,8 @@ namespace robocell {
 
 enum class VideoKind {
   kColour,  // RGB, 3 bytes a pixel; h264 in yuv420p, lossy
-  kDepth,   // uint16 a pixel; FFV1, lossless, every frame a key frame
+  // uint16 a pixel, such as depth or ids; FFV1, lossless, every frame a key frame
+  kGray16,
 };
 
 // Bytes of one frame, as writers take and readers give it.

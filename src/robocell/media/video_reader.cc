@@ -54,9 +54,9 @@ struct VideoReader::Impl {
     // Named, so that a file from elsewhere cannot pass for a playlist of other files.
     add({"-f", "mov", "-i", "file:" + path.string(), "-an", "-fps_mode", "passthrough",
          "-filter_threads", "1"});
-    const bool depth = info.kind == VideoKind::kDepth;
-    if (!depth) add({"-vf", "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact"});
-    add({"-f", "rawvideo", "-pix_fmt", depth ? "gray16le" : "rgb24", "pipe:1"});
+    const bool gray = info.kind == VideoKind::kGray16;
+    if (!gray) add({"-vf", "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact"});
+    add({"-f", "rawvideo", "-pix_fmt", gray ? "gray16le" : "rgb24", "pipe:1"});
     decoder = std::make_unique<ChildProcess>(arguments, ChildProcessOptions{.pipe_stdout = true});
     position = index;
   }
@@ -86,9 +86,9 @@ struct VideoReader::Impl {
     throw ArgumentError(
         fmt::format("video '{}': expected a buffer of {}x{}x{} = {} bytes{}, got {}", path.string(),
                     info.height, info.width, FrameBytes(info.kind, 1, 1), needed,
-                    kind == info.kind                ? ""
-                    : info.kind == VideoKind::kDepth ? " as uint16"
-                                                     : " as uint8",
+                    kind == info.kind                 ? ""
+                    : info.kind == VideoKind::kGray16 ? " as uint16"
+                                                      : " as uint8",
                     bytes));
   }
 
@@ -134,14 +134,14 @@ size_t VideoReader::frame_bytes() const {
 int64_t VideoReader::position() const { return impl_->position; }
 
 bool VideoReader::Next(std::span<uint8_t> rgb) { return impl_->Next(VideoKind::kColour, rgb); }
-bool VideoReader::Next(std::span<uint16_t> depth) {
-  return impl_->Next(VideoKind::kDepth, LittleEndian(depth));
+bool VideoReader::Next(std::span<uint16_t> pixels) {
+  return impl_->Next(VideoKind::kGray16, LittleEndian(pixels));
 }
 void VideoReader::Read(int64_t index, std::span<uint8_t> rgb) {
   impl_->Read(VideoKind::kColour, index, rgb);
 }
-void VideoReader::Read(int64_t index, std::span<uint16_t> depth) {
-  impl_->Read(VideoKind::kDepth, index, LittleEndian(depth));
+void VideoReader::Read(int64_t index, std::span<uint16_t> pixels) {
+  impl_->Read(VideoKind::kGray16, index, LittleEndian(pixels));
 }
 
 }  // namespace robocell

@@ -1,5 +1,5 @@
 // Reads the frames of a video that VideoWriter made, through an ffmpeg child process, in order or
-// by index: RGB from an mp4, uint16 from a lossless depth video.
+// by index: RGB from an mp4, uint16 from a lossless 16-bit video.
 //
 //   VideoReader video("pick.mp4");
 //   std::vector<uint8_t> rgb(video.frame_bytes());
@@ -33,12 +33,12 @@ class VideoReader {
   int64_t position() const;
 
   // The next frame; false after the last. ArgumentError if the buffer has not frame_bytes(), or the
-  // video is of the other kind: bytes are for colour, uint16 for depth.
+  // video is of the other kind: bytes are for colour, uint16 for 16 bits.
   bool Next(std::span<uint8_t> rgb);
-  bool Next(std::span<uint16_t> depth);
+  bool Next(std::span<uint16_t> pixels);
   // Frame `index`; ArgumentError if there is no such frame. position() becomes index + 1.
   void Read(int64_t index, std::span<uint8_t> rgb);
-  void Read(int64_t index, std::span<uint16_t> depth);
+  void Read(int64_t index, std::span<uint16_t> pixels);
 
  private:
   struct Impl;

@@ -43,7 +43,7 @@ TEST(VideoReader, DepthComesBackToTheLastBitInOrderAndByIndex) {
   for (const auto& [width, height] : {std::pair(96, 64), {33, 17}, {4, 5}}) {
     TempDir folder;
     const fs::path path = folder / "a.depth.mov";
-    VideoWriter writer(path, {.kind = VideoKind::kDepth,
+    VideoWriter writer(path, {.kind = VideoKind::kGray16,
                               .width = width,
                               .height = height,
                               .fps_num = 500,
@@ -51,7 +51,7 @@ TEST(VideoReader, DepthComesBackToTheLastBitInOrderAndByIndex) {
     for (int i = 0; i < 40; ++i) writer.Write(TestDepth(width, height, i));
     writer.Finish();
     VideoReader video(path);
-    EXPECT_EQ(video.info().kind, VideoKind::kDepth);
+    EXPECT_EQ(video.info().kind, VideoKind::kGray16);
     EXPECT_EQ(video.frame_bytes(), size_t{2} * width * height);
     std::vector<uint16_t> depth(size_t{1} * width * height);
     for (int i = 0; video.Next(depth); ++i) ASSERT_EQ(depth, TestDepth(width, height, i)) << i;
@@ -65,17 +65,17 @@ TEST(VideoReader, DepthComesBackToTheLastBitInOrderAndByIndex) {
 
 TEST(VideoReader, DepthTooSmallForTheCodecIsRefused) {
   TempDir folder;
-  const VideoOptions options{.kind = VideoKind::kDepth, .width = 2, .height = 16};
+  const VideoOptions options{.kind = VideoKind::kGray16, .width = 2, .height = 16};
   ExpectThrow<ArgumentError>(
       [&] { VideoWriter(folder / "a.mov", options); },
-      "depth of 2x16 px cannot be encoded, it needs at least 4 px in both directions");
+      "16-bit images of 2x16 px cannot be encoded, they need at least 4 px in both directions");
 }
 
 TEST(VideoReader, AKindIsReadAndWrittenAsItselfOnly) {
   TempDir folder;
-  VideoWriter depth(folder / "a.mov", {.kind = VideoKind::kDepth, .width = 8, .height = 6});
+  VideoWriter depth(folder / "a.mov", {.kind = VideoKind::kGray16, .width = 8, .height = 6});
   ExpectThrow<ArgumentError>([&] { depth.Write(std::vector<uint8_t>(96)); },
-                             "expected a depth frame of 6x8x2 = 96 bytes, got 96 of colour");
+                             "expected a 16-bit frame of 6x8x2 = 96 bytes, got 96 of colour");
   depth.Write(TestDepth(8, 6, 0));
   depth.Finish();
   VideoReader reader(folder / "a.mov");
@@ -84,13 +84,13 @@ TEST(VideoReader, AKindIsReadAndWrittenAsItselfOnly) {
                              "expected a buffer of 6x8x2 = 96 bytes as uint16, got 96");
   VideoWriter colour(folder / "b.mp4", {.width = 8, .height = 6});
   ExpectThrow<ArgumentError>([&] { colour.Write(std::vector<uint16_t>(72)); },
-                             "expected a colour frame of 6x8x3 = 144 bytes, got 144 of depth");
+                             "expected a colour frame of 6x8x3 = 144 bytes, got 144 of 16-bit");
 }
 
 TEST(VideoReader, DepthHasTheSameBytesEveryTime) {
   TempDir folder;
   for (const char* name : {"a.mov", "b.mov"}) {
-    VideoWriter writer(folder / name, {.kind = VideoKind::kDepth, .width = 96, .height = 64});
+    VideoWriter writer(folder / name, {.kind = VideoKind::kGray16, .width = 96, .height = 64});
     for (int i = 0; i < 12; ++i) writer.Write(TestDepth(96, 64, i));
     writer.Finish();
   }

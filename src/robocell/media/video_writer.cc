@@ -19,11 +19,13 @@ namespace robocell {
 namespace {
 
 // With 2 pixels in a direction FFV1 of ffmpeg 5.1 comes back wrong, without a word.
-constexpr int kLeastDepthPixels = 4;
+constexpr int kLeastGrayPixels = 4;
 
-std::string KindName(VideoKind kind) { return kind == VideoKind::kDepth ? "depth" : "colour"; }
+std::string KindName(VideoKind kind) { return kind == VideoKind::kGray16 ? "16-bit" : "colour"; }
 
-std::string PixelFormat(VideoKind kind) { return kind == VideoKind::kDepth ? "gray16le" : "rgb24"; }
+std::string PixelFormat(VideoKind kind) {
+  return kind == VideoKind::kGray16 ? "gray16le" : "rgb24";
+}
 
 const std::vector<std::string> kPresets = {"ultrafast", "superfast", "veryfast", "faster",  "fast",
                                            "medium",    "slow",      "slower",   "veryslow"};
@@ -51,7 +53,7 @@ std::vector<std::string> ColourArguments(const VideoOptions& options) {
 }
 
 // FFV1 version 3 (RFC 9043) with a checksum per slice; docs/decisions/006 has the measurements.
-std::vector<std::string> DepthArguments() {
+std::vector<std::string> GrayArguments() {
   return {"-c:v", "ffv1", "-level",  "3", "-coder",    "1", "-context", "0",
           "-g",   "1",    "-slices", "4", "-slicecrc", "1", "-threads", "1"};
 }
@@ -65,9 +67,9 @@ std::vector<std::string> Arguments(const std::string& ffmpeg, const std::string&
   add({"-s", fmt::format("{}x{}", options.width, options.height)});
   add({"-framerate", fmt::format("{}/{}", options.fps_num, options.fps_den), "-i", "pipe:0"});
   add({"-an", "-map_metadata", "-1", "-fps_mode", "passthrough"});
-  add(options.kind == VideoKind::kDepth ? DepthArguments() : ColourArguments(options));
+  add(options.kind == VideoKind::kGray16 ? GrayArguments() : ColourArguments(options));
   add({"-flags", "+bitexact", "-fflags", "+bitexact"});
-  add({"-f", options.kind == VideoKind::kDepth ? "mov" : "mp4", "file:" + output});
+  add({"-f", options.kind == VideoKind::kGray16 ? "mov" : "mp4", "file:" + output});
   return arguments;
 }
 
@@ -88,11 +90,11 @@ void CheckVideoOptions(const std::string& name, const VideoOptions& options) {
         fmt::format("{}: size {}x{} px is not between 2x2 and 16384x16384", name, w, h));
   }
   const bool colour = options.kind == VideoKind::kColour;
-  if (!colour && std::min(w, h) < kLeastDepthPixels) {
+  if (!colour && std::min(w, h) < kLeastGrayPixels) {
     throw ArgumentError(
-        fmt::format("{}: depth of {}x{} px cannot be encoded, it needs at least {} px "
+        fmt::format("{}: 16-bit images of {}x{} px cannot be encoded, they need at least {} px "
                     "in both directions",
-                    name, w, h, kLeastDepthPixels));
+                    name, w, h, kLeastGrayPixels));
   }
   if (colour && (w % 2 != 0 || h % 2 != 0)) throw ArgumentError(OddSize(name, w, h));
   if (options.fps_num < 1 || options.fps_den < 1) {
@@ -117,8 +119,8 @@ namespace {
 void CheckEnding(const std::string& name, const std::filesystem::path& path, VideoKind kind) {
   const char* ending = kind == VideoKind::kColour ? ".mp4" : ".mov";
   if (path.extension() == ending) return;
-  throw ArgumentError(fmt::format("{}: videos of {} are {} files; name it '{}'", name,
-                                  KindName(kind), ending + 1,
+  throw ArgumentError(fmt::format("{}: {} videos are {} files; name it '{}'", name, KindName(kind),
+                                  ending + 1,
                                   std::filesystem::path(path).replace_extension(ending).string()));
 }
 
@@ -223,10 +225,10 @@ VideoWriter& VideoWriter::operator=(VideoWriter&&) noexcept = default;
 
 void VideoWriter::Write(std::span<const uint8_t> rgb) { impl_->Put(VideoKind::kColour, rgb); }
 
-void VideoWriter::Write(std::span<const uint16_t> depth) {
+void VideoWriter::Write(std::span<const uint16_t> pixels) {
   static_assert(std::endian::native == std::endian::little, "pixels are piped as they lie");
-  impl_->Put(VideoKind::kDepth,
-             {reinterpret_cast<const uint8_t*>(depth.data()), depth.size_bytes()});
+  impl_->Put(VideoKind::kGray16,
+             {reinterpret_cast<const uint8_t*>(pixels.data()), pixels.size_bytes()});
 }
 
 void VideoWriter::Finish() {

@@ -1,5 +1,5 @@
 // Writes a video through an ffmpeg child process: an h264 mp4 from RGB frames, or a lossless FFV1
-// .mov from depth images, uint16 a pixel.
+// .mov from images of uint16 a pixel, such as depth or ids.
 //
 // Guarantees: the file has exactly the frames that were written, at exactly the rate that was asked
 // for (a ratio of integers: 66 ms per frame is 500/33), and the same frames give the same bytes in
@@ -27,7 +27,7 @@ namespace robocell {
 
 struct VideoOptions {
   VideoKind kind = VideoKind::kColour;
-  // px; of colour even, as yuv420p halves the colour planes; of depth 4 and more.
+  // px; of colour even, as yuv420p halves the colour planes; of 16-bit images 4 and more.
   int width = 0;
   int height = 0;
   int fps_num = 30;
@@ -51,8 +51,8 @@ class VideoWriter {
   // Appends one frame. ArgumentError for a wrong number of bytes; IoError if the encoder failed,
   // then and ever after; ClosedError after Finish().
   void Write(std::span<const uint8_t> rgb);
-  // The same for a depth image, width * height pixels.
-  void Write(std::span<const uint16_t> depth);
+  // The same for a 16-bit image, width * height pixels.
+  void Write(std::span<const uint16_t> pixels);
 
   // Ends the file, checks size, rate and frame count in it and gives it its name. A video without
   // frames is an ArgumentError.

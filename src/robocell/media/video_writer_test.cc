@@ -126,11 +126,11 @@ TEST(VideoWriter, OtherEndingsAreRefusedWithTheRightOne) {
   TempDir folder;
   ExpectThrow<ArgumentError>(
       [&] { VideoWriter(folder / "a.xyz", kSmall); },
-      "a.xyz': videos of colour are mp4 files; name it '" + (folder / "a.mp4").string() + "'");
+      "a.xyz': colour videos are mp4 files; name it '" + (folder / "a.mp4").string() + "'");
   VideoOptions depth = kSmall;
-  depth.kind = VideoKind::kDepth;
+  depth.kind = VideoKind::kGray16;
   ExpectThrow<ArgumentError>([&] { VideoWriter(folder / "a.mp4", depth); },
-                             "videos of depth are mov files");
+                             "16-bit videos are mov files");
   ExpectEmpty(folder);
 }
 

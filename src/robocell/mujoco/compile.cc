@@ -88,6 +88,12 @@ void Report(const std::vector<std::string>& found, std::string_view context,
   }
 }
 
+bool Guard(mjModel* model, std::string_view context) {
+  const bool guarded = GuardJacobian(model);
+  if (guarded) LogJacobianGuard(model, context);
+  return guarded;
+}
+
 // `file` is "" for a text.
 template <class Parse>
 SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
@@ -121,7 +127,7 @@ SpecPtr ParseXmlString(const std::string& xml, std::string_view context, mjVFS* 
 }
 
 ModelPtr Compile(mjSpec* spec, mjVFS* vfs, std::string_view context,
-                 std::vector<std::string>* warnings) {
+                 std::vector<std::string>* warnings, JacobianGuard guard) {
   spec->option.disableflags |= mjDSBL_AUTORESET;
   const std::string place = Prefix(context) + "building the model";
   WarningCapture
@@ -131,6 +137,8 @@ ModelPtr Compile(mjSpec* spec, mjVFS* vfs, std::string_view context,
   const std::string problem = NonFiniteElement(model.get());
   if (!problem.empty()) throw SpecError(place + ": " + problem);
   Report(SpecWarnings(spec), context, warnings);
+  if (guard == JacobianGuard::kOn && Guard(model.get(), context))
+    spec->option.jacobian = model->opt.jacobian;
   return model;
 }
 
@@ -166,20 +174,21 @@ void SaveBinary(const mjModel* model, const Path& path, std::string_view context
   InContext(context, [&] { AtomicWrite(path, bytes); });
 }
 
-ModelPtr LoadBinaryString(std::string_view bytes, std::string_view context) {
+ModelPtr LoadBinaryString(std::string_view bytes, std::string_view context, JacobianGuard guard) {
   const std::string place = Prefix(context) + "loading a binary model";
   WarningCapture reasons;
   ModelPtr model(Tried(
       place, [&] { return mj_loadModelBuffer(bytes.data(), static_cast<mjtSize>(bytes.size())); }));
   if (!model) throw SpecError(place + ": " + Joined(reasons.messages()));
   model->opt.disableflags |= mjDSBL_AUTORESET;
+  if (guard == JacobianGuard::kOn) Guard(model.get(), context);
   return model;
 }
 
-ModelPtr LoadBinary(const Path& path, std::string_view context) {
+ModelPtr LoadBinary(const Path& path, std::string_view context, JacobianGuard guard) {
   constexpr uint64_t kMost = uint64_t{8} << 30;
   const std::string bytes = InContext(context, [&] { return ReadRealFile(path, kMost); });
-  return LoadBinaryString(bytes, Prefix(context) + "'" + path.string() + "'");
+  return LoadBinaryString(bytes, Prefix(context) + "'" + path.string() + "'", guard);
 }
 
 }  // namespace robocell

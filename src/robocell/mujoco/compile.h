@@ -13,7 +13,9 @@
 //
 // Every model that comes out of here has the engine's automatic reset switched off (a diverged
 // simulation would go on from the start as if nothing had happened; step.h reports divergence
-// instead). The flag is set in the spec too, so that saved files behave the same.
+// instead). Unless JacobianGuard::kOff asks for it, no model has a sparse Jacobian with a solver
+// that is known to be wrong with one (engine_defects.h). Compile sets both in the spec too, so that
+// saved files behave the same.
 #pragma once
 
 #include <filesystem>
@@ -22,6 +24,7 @@
 #include <string_view>
 #include <vector>
 
+#include "robocell/mujoco/engine_defects.h"
 #include "robocell/mujoco/forward.h"
 #include "robocell/mujoco/owners.h"
 
@@ -34,7 +37,8 @@ SpecPtr ParseXmlString(const std::string& xml, std::string_view context = {}, mj
 // Warnings go to `warnings` when given, else to the log. The spec can be edited and compiled again
 // afterwards.
 ModelPtr Compile(mjSpec* spec, mjVFS* vfs = nullptr, std::string_view context = {},
-                 std::vector<std::string>* warnings = nullptr);
+                 std::vector<std::string>* warnings = nullptr,
+                 JacobianGuard guard = JacobianGuard::kOn);
 
 // The spec must have been compiled since it was last changed. Numbers are text: about six digits
 // survive.
@@ -46,7 +50,9 @@ void SaveXml(const mjSpec* spec, const std::filesystem::path& path, std::string_
 std::string SaveBinaryString(const mjModel* model);
 void SaveBinary(const mjModel* model, const std::filesystem::path& path,
                 std::string_view context = {});
-ModelPtr LoadBinary(const std::filesystem::path& path, std::string_view context = {});
-ModelPtr LoadBinaryString(std::string_view bytes, std::string_view context = {});
+ModelPtr LoadBinary(const std::filesystem::path& path, std::string_view context = {},
+                    JacobianGuard guard = JacobianGuard::kOn);
+ModelPtr LoadBinaryString(std::string_view bytes, std::string_view context = {},
+                          JacobianGuard guard = JacobianGuard::kOn);
 
 }  // namespace robocell

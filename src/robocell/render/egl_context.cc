@@ -1,15 +1,15 @@
-// EGL without a window: a context on a device (GPU or Mesa's software device), else on Mesa's
-// surfaceless platform, else on the default display. The few EGL names needed are declared here, so
-// that building needs no GL headers.
+// EGL without a window: a context on a graphics card, else on Mesa's software device, else on
+// Mesa's surfaceless platform, else on the default display. The few EGL names needed are declared
+// here, so that building needs no GL headers.
 #include "robocell/render/egl_context.h"
 
 #include <cstdint>
-#include <cstdlib>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/render/egl_devices.h"
 #include "robocell/render/gl_library.h"
 
 namespace robocell {
@@ -20,6 +20,7 @@ using Handle = void*;
 using Bool = unsigned int;
 using Enum = unsigned int;
 using Int = std::int32_t;
+using Attrib = std::intptr_t;
 
 constexpr Enum kOpenGlApi = 0x30A2;
 constexpr Enum kPlatformDevice = 0x313F;
@@ -30,6 +31,7 @@ constexpr Int kNone = 0x3038;
 constexpr Int kConfig[] = {0x3024, 8, 0x3023, 8,      0x3022, 8, 0x3021, 8, 0x3025, 24,
                            0x3026, 8, 0x303F, 0x308E, 0x3033, 1, 0x3040, 8, kNone};
 constexpr Enum kRendererName = 0x1F01, kVersionName = 0x1F02;
+constexpr Int kVendor = 0x3053, kExtensions = 0x3055, kCudaDevice = 0x323A;
 
 struct Egl {
   GlLibrary library{"libEGL.so.1", "libEGL.so"};
@@ -49,6 +51,8 @@ struct Egl {
   // Extensions; null where they are missing.
   Display (*GetPlatformDisplay)(Enum, void*, const Int*) = nullptr;
   Bool (*QueryDevices)(Int, Handle*, Int*) = nullptr;
+  const char* (*QueryDeviceString)(Handle, Int) = nullptr;
+  Bool (*QueryDeviceAttrib)(Handle, Int, Attrib*) = nullptr;
 
   Egl() {
     library.Load(GetProcAddress, "eglGetProcAddress");
@@ -66,6 +70,8 @@ struct Egl {
     library.Load(GetCurrentSurface, "eglGetCurrentSurface");
     Extension(GetPlatformDisplay, "eglGetPlatformDisplayEXT");
     Extension(QueryDevices, "eglQueryDevicesEXT");
+    Extension(QueryDeviceString, "eglQueryDeviceStringEXT");
+    Extension(QueryDeviceAttrib, "eglQueryDeviceAttribEXT");
   }
 
  private:
@@ -95,38 +101,49 @@ std::string ErrorText(const char* call) {
 struct Candidate {
   std::string name;
   Display display;
+  // A device that does not say that it is software. Its driver may still have nothing but software.
+  bool may_be_hardware = false;
 };
 
-int WantedDevice(int count) {
-  for (const char* variable : {"ROBOCELL_EGL_DEVICE", "MUJOCO_EGL_DEVICE_ID"}) {
-    const char* text = std::getenv(variable);
-    if (!text || !*text) continue;
-    char* end = nullptr;
-    const long index = std::strtol(text, &end, 10);
-    if (*end || index < 0 || index >= count) {
-      throw ArgumentError(std::string(variable) + "=" + text + " is not the index of one of the " +
-                          std::to_string(count) + " EGL devices (0 ... " +
-                          std::to_string(count - 1) + ")");
-    }
-    return static_cast<int>(index);
+// Whether a space-separated list of extensions has this one.
+bool HasExtension(const std::string& extensions, const std::string& name) {
+  return (" " + extensions + " ").find(" " + name + " ") != std::string::npos;
+}
+
+EglDevice Describe(Handle device) {
+  Egl& e = egl();
+  EglDevice out;
+  if (!e.QueryDeviceString) return out;
+  const char* list = e.QueryDeviceString(device, kExtensions);
+  const std::string extensions = list ? list : "";
+  out.software = HasExtension(extensions, "EGL_MESA_device_software");
+  if (HasExtension(extensions, "EGL_EXT_device_query_name")) {
+    const char* vendor = e.QueryDeviceString(device, kVendor);
+    out.vendor = vendor ? vendor : "";
   }
-  return -1;
+  Attrib cuda = 0;
+  if (e.QueryDeviceAttrib && HasExtension(extensions, "EGL_NV_device_cuda") &&
+      e.QueryDeviceAttrib(device, kCudaDevice, &cuda))
+    out.cuda = static_cast<int>(cuda);
+  return out;
 }
 
 std::vector<Candidate> Candidates() {
   std::vector<Candidate> out;
   Egl& e = egl();
   if (e.GetPlatformDisplay && e.QueryDevices) {
-    Handle devices[32];
+    Handle handles[32];
     Int count = 0;
-    if (!e.QueryDevices(32, devices, &count)) count = 0;
-    const int wanted = WantedDevice(count);
-    for (int i = 0; i < count; ++i) {
-      if (wanted >= 0 && i != wanted) continue;
-      out.push_back({"device " + std::to_string(i),
-                     e.GetPlatformDisplay(kPlatformDevice, devices[i], nullptr)});
+    if (!e.QueryDevices(32, handles, &count)) count = 0;
+    std::vector<EglDevice> devices;
+    for (Int i = 0; i < count; ++i) devices.push_back(Describe(handles[i]));
+    const EglDeviceChoice choice = EglDeviceChoice::FromEnvironment();
+    for (const size_t i : OrderEglDevices(devices, choice)) {
+      out.push_back({DescribeEglDevice(devices, i),
+                     e.GetPlatformDisplay(kPlatformDevice, handles[i], nullptr),
+                     !devices[i].software});
     }
-    if (wanted >= 0) return out;
+    if (!choice.robocell_device.empty() || !choice.mujoco_device.empty()) return out;
   }
   if (e.GetPlatformDisplay) {
     out.push_back(
@@ -216,17 +233,22 @@ std::unique_ptr<GlContext> CreateEglContext() {
   static std::mutex mutex;  // eglInitialize of one display from two threads is not safe everywhere
   const std::lock_guard lock(mutex);
   std::string reasons;
+  std::unique_ptr<EglContext> best;
   for (const Candidate& candidate : Candidates()) {
+    if (best && !candidate.may_be_hardware) break;
     try {
       auto context = std::make_unique<EglContext>(Open(candidate.display));
       context->Probe();
-      egl().library.MakeGlobal();
-      return context;
+      const bool done = !candidate.may_be_hardware || !IsSoftwareRenderer(context->description());
+      if (done || !best) best = std::move(context);
+      if (done) break;
     } catch (const Error& error) {
       reasons += (reasons.empty() ? "" : "; ") + candidate.name + ": " + error.what();
     }
   }
-  throw IoError(reasons.empty() ? "no EGL device" : reasons);
+  if (!best) throw IoError(reasons.empty() ? "no EGL device" : reasons);
+  egl().library.MakeGlobal();
+  return best;
 }
 
 }  // namespace robocell

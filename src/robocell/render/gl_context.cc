@@ -12,6 +12,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/render/egl_context.h"
+#include "robocell/render/egl_devices.h"
 #include "robocell/render/osmesa_context.h"
 
 namespace robocell {
@@ -33,16 +34,6 @@ struct Spare {
 Spare& spare() {
   static Spare* kept = new Spare;
   return *kept;
-}
-
-// The variables that choose a device.
-std::string WantedDevice() {
-  std::string values;
-  for (const char* name : {"ROBOCELL_EGL_DEVICE", "MUJOCO_EGL_DEVICE_ID"}) {
-    const char* value = std::getenv(name);
-    values += std::string(value ? value : "") + '\n';
-  }
-  return values;
 }
 
 std::string Lower(std::string_view text) {
@@ -129,7 +120,7 @@ void GlContext::GiveBack(std::unique_ptr<GlContext> context) noexcept {
   if (kept.contexts.size() < Spare::kMost) kept.contexts.push_back(std::move(context));
 }
 
-std::unique_ptr<GlContext> GlContext::TakeSpare(GlBackend backend, const std::string& device) {
+std::unique_ptr<GlContext> GlContext::TakeSpare(GlBackend backend, const EglDeviceChoice& device) {
   Spare& kept = spare();
   const std::lock_guard lock(kept.mutex);
   const auto found = std::find_if(kept.contexts.begin(), kept.contexts.end(), [&](const auto& one) {
@@ -143,7 +134,7 @@ std::unique_ptr<GlContext> GlContext::TakeSpare(GlBackend backend, const std::st
 
 std::unique_ptr<GlContext> GlContext::Create(GlBackend wanted) {
   RequireOwnProcess();
-  const std::string device = WantedDevice();
+  const EglDeviceChoice device = EglDeviceChoice::FromEnvironment();
   std::string tried, install;
   for (GlBackend backend : Order(wanted)) {
     if (auto context = TakeSpare(backend, device)) return context;

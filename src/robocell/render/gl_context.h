@@ -3,9 +3,9 @@
 // runs where they do not exist.
 //
 // Which one: `GlBackend` if it names one; kAuto asks the environment variable ROBOCELL_GL (egl,
-// osmesa, auto), then MUJOCO_GL when it says egl or osmesa, and else tries EGL, then OSMesa. With
-// several GPUs, MUJOCO_EGL_DEVICE_ID (or ROBOCELL_EGL_DEVICE) is the index of the EGL device to
-// use.
+// osmesa, auto), then MUJOCO_GL when it says egl or osmesa, and else tries EGL, then OSMesa. EGL
+// takes a graphics card where it finds one, whatever EGL lists first. With several cards,
+// MUJOCO_EGL_DEVICE_ID or ROBOCELL_EGL_DEVICE chooses one (egl_devices.h).
 //
 //   std::unique_ptr<GlContext> context = GlContext::Create();
 //   {
@@ -30,6 +30,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
+
+#include "robocell/render/egl_devices.h"
 
 namespace robocell {
 
@@ -88,9 +90,9 @@ class GlContext {
  private:
   static void RequireOwnProcess();
   // Null when there is none.
-  static std::unique_ptr<GlContext> TakeSpare(GlBackend backend, const std::string& device);
+  static std::unique_ptr<GlContext> TakeSpare(GlBackend backend, const EglDeviceChoice& device);
 
-  std::string made_for_;  // what chose its device
+  EglDeviceChoice made_for_;  // what chose its device
 };
 
 // The description of what draws here. Errors: those of Create, when nothing does.

@@ -102,7 +102,7 @@ TEST_F(GlContexts, OneThatWasGivenBackIsNoneForAnotherDevice) {
   GlContext::GiveBack(GlContext::Create());
   const Environment device("ROBOCELL_EGL_DEVICE", "99");
   ExpectThrow<ArgumentError>([] { GlContext::Create(); },
-                             "ROBOCELL_EGL_DEVICE=99 is not the index of one of the");
+                             "ROBOCELL_EGL_DEVICE=99 chooses none of the");
 }
 
 // Run again in child processes by the tests below, which read what it prints.
@@ -136,7 +136,7 @@ TEST(GlContextsInChild, TellWhatWasTriedAndWhatToInstall) {
 TEST(GlContextsInChild, ADeviceThatDoesNotExistIsNotReplacedSilently) {
   const ChildRun run =
       RunTestsInChild("DescribeGl.*", "ROBOCELL_GL= MUJOCO_GL=egl MUJOCO_EGL_DEVICE_ID=99");
-  EXPECT_THAT(run.output, HasSubstr("MUJOCO_EGL_DEVICE_ID=99 is not the index of one of the"));
+  EXPECT_THAT(run.output, HasSubstr("MUJOCO_EGL_DEVICE_ID=99 chooses none of the"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "robocell/render/gl_context.h"
 #include "robocell/render/gl_drawing.h"
 #include "robocell/render/image_convert.h"
+#include "robocell/render/pedestal_feet.h"
 #include "robocell/render/view_cull.h"
 
 namespace robocell {
@@ -58,6 +59,7 @@ struct GlRenderer::Impl {
   DataPtr scratch;         // poses for drawing
   std::unique_ptr<MjvScene> scene;
   ViewCull cull;
+  PedestalFeet feet;
   int ids = 0;  // segmentation ids of the present scene, also of what is out of view
   std::unique_ptr<MjrContext> colour;  // uploads; without multisampling one serves both passes
   std::unique_ptr<MjrContext> exact;   // for depth and segmentation, when `colour` is multisampled
@@ -124,6 +126,8 @@ struct GlRenderer::Impl {
                       scene->get());
     });
     scene->LetPlanesCastNoShadow();
+    Guarded("preparing an image", scratch.get(),
+            [&] { feet.ReachDown(&view, scratch.get(), visible, scene->get()); });
     ids = scene->get()->ngeom;
     const RenderQuality& quality = options.quality;
     if (!quality.shadows && !quality.reflections) cull.DropUnseen(camera, scene->get());
@@ -212,6 +216,7 @@ void GlRenderer::SetModel(const mjModel* model) {
   r.scratch = MakeData(model);
   r.scene = std::make_unique<MjvScene>(model);
   r.cull = ViewCull(model);
+  r.feet = PedestalFeet(model);
   const RenderQuality& quality = r.options.quality;
   GlContext::Current current(*r.context);
   const bool as_new = std::exchange(r.as_new, false);

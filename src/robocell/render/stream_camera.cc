@@ -6,6 +6,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/mujoco/names.h"
 
 namespace robocell {
 namespace {
@@ -38,6 +39,15 @@ std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
   }
   for (std::string& camera : cameras) camera = AsWritten(scene, camera);
   throw NotFoundError(NoSuchName("stream '" + stream.name + "'", "camera", stream.camera, cameras));
+}
+
+CameraView ViewOfStream(const Scene& scene, const CameraConfig& stream) {
+  const mjModel* m = scene.model();
+  const std::string place = "stream '" + stream.name + "'";
+  if (!stream.follow.empty())
+    return TrackingCamera{.body = RequireId(m, mjOBJ_BODY, stream.follow, place)};
+  if (stream.camera == "Free" && FindId(m, mjOBJ_CAMERA, stream.camera) < 0) return InitialView(m);
+  return NamedCamera(m, FindCameraName(scene, stream), place);
 }
 
 }  // namespace robocell

@@ -1,8 +1,9 @@
-// Which camera of a scene an image stream means.
+// Which view of a scene an image stream means.
 #pragma once
 
 #include <string>
 
+#include "robocell/render/camera_model.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/camera_spec.h"
 
@@ -12,5 +13,10 @@ namespace robocell {
 // scene's. NotFoundError with the nearest names, as they are written here; ArgumentError when
 // several robots have one of that name.
 std::string FindCameraName(const Scene& scene, const CameraConfig& stream);
+
+// The view of a stream: its camera, the whole model ("Free", unless a camera is called so) or the
+// body that it follows. Ids are of the scene's present model. Errors: those of FindCameraName;
+// NotFoundError for a body that the scene does not have.
+CameraView ViewOfStream(const Scene& scene, const CameraConfig& stream);
 
 }  // namespace robocell

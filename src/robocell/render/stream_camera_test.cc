@@ -52,5 +52,24 @@ TEST_F(StreamCamera, OneThatIsNotThereIsToldWithThoseThatAre) {
       "'wrist_camera'?");
 }
 
+TEST_F(StreamCamera, ShowsTheWholeModelAsFreeUnlessACameraIsCalledSo) {
+  const Scene scene = Cell(false);
+  const auto view = std::get<OrbitCamera>(ViewOfStream(scene, Stream("Free")));
+  const OrbitCamera first = InitialView(scene.model());
+  EXPECT_EQ(view.lookat, first.lookat);
+  EXPECT_EQ(view.distance, first.distance);
+  const Scene named = Cell(false, "Free");
+  EXPECT_TRUE(std::holds_alternative<ModelCamera>(ViewOfStream(named, Stream("Free"))));
+}
+
+TEST_F(StreamCamera, FollowsABody) {
+  const Scene scene = Cell(true);
+  CameraConfig stream{.name = "chase", .follow = scene.body_names().back()};
+  const auto view = std::get<TrackingCamera>(ViewOfStream(scene, stream));
+  EXPECT_EQ(view.body, scene.model()->nbody - 1);
+  stream.follow = "nobody";
+  ExpectThrow<NotFoundError>([&] { ViewOfStream(scene, stream); }, "stream 'chase'");
+}
+
 }  // namespace
 }  // namespace robocell

@@ -22,6 +22,7 @@ struct GroupCommand {
     kOpening,         // of a gripper, 0 closed ... 1 open
     kVelocities,      // of the joints, rad/s or m/s
     kTorques,         // of the joints, Nm or N
+    kBasePose,        // of a driven base in the world
   };
   Kind kind = kJoints;
   std::vector<double> values = {};
@@ -35,6 +36,7 @@ struct GroupCommand {
   static GroupCommand Opening(double opening) { return {kOpening, {opening}, {}}; }
   static GroupCommand Velocities(std::vector<double> v) { return {kVelocities, std::move(v), {}}; }
   static GroupCommand Torques(std::vector<double> t) { return {kTorques, std::move(t), {}}; }
+  static GroupCommand BasePose(const Pose& base_in_world) { return {kBasePose, {}, base_in_world}; }
 };
 
 using RobotAction = std::map<std::string, GroupCommand>;

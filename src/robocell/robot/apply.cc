@@ -76,6 +76,14 @@ void CheckTakesPose(const std::string& place, const GroupSlot& slot) {
   ThrowOtherKind(place, slot, TargetKind::kPose);
 }
 
+Values BaseTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
+  if (slot.control->controller->target_kind() != TargetKind::kBasePose)
+    ThrowOtherKind(place, slot, TargetKind::kBasePose);
+  if (!IsFinite(command.pose))
+    throw ArgumentError(place + ": the target pose has a number that is not finite");
+  return PoseTarget(command.pose);
+}
+
 // Velocities and torques, for controllers that take them.
 Values DirectTarget(const std::string& place, const GroupSlot& slot, const GroupCommand& command) {
   const TargetKind kind = command.kind == GroupCommand::kTorques ? TargetKind::kJointTorques
@@ -100,6 +108,8 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
     if (command.kind == GroupCommand::kOpening) {
       CheckValues([&] { return place; }, "opening", command.values, 1);
       targets.emplace_back(&controller, command.values);
+    } else if (command.kind == GroupCommand::kBasePose) {
+      targets.emplace_back(&controller, BaseTarget(place, slot, command));
     } else if (command.kind == GroupCommand::kPose) {
       CheckTakesPose(place, slot);
       if (!IsFinite(command.pose))

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/robot/driven_base.h"
+#include "robocell/robot/held_object.h"
 #include "robocell/robot/joint_group.h"
 
 namespace robocell {
@@ -29,16 +31,18 @@ class FixedBase : public JointGroupOf<BaseGroup> {
 // Mocap and free bodies: Scene moves them by name.
 class MovableBody : public JointGroupOf<BaseGroup> {
  public:
-  MovableBody(const Scene& scene, GroupNames names, bool mobile)
-      : JointGroupOf(scene, std::move(names), MoveGroupKind::kBase), mobile_(mobile) {}
+  MovableBody(const Scene& scene, GroupNames names, BaseKind base)
+      : JointGroupOf(scene, std::move(names), MoveGroupKind::kBase), base_(base) {}
   Pose pose() const override { return leaf_frame_to_world(); }
   void SetPose(const Pose& pose) override {
+    leaving_.Warn(core().scene(), core().names().robot, place(), base_);
     Scene(core().scene()).SetBodyPose(core().names().leaf.name, pose);
   }
-  bool is_mobile() const override { return mobile_; }
+  bool is_mobile() const override { return base_ == BaseKind::kFree; }
 
  private:
-  bool mobile_;
+  BaseKind base_;
+  LeavesObject leaving_;
 };
 
 // Two slides (x, y) and a hinge about z in the frame that the base is attached to.
@@ -65,20 +69,27 @@ class PlanarBase : public JointGroupOf<BaseGroup> {
                       "{:.4g} m above it and tilted by {:.4g} rad",
                       core().place(), at.z(), std::hypot(rpy[0], rpy[1])));
     }
+    leaving_.Warn(core().scene(), core().names().robot, place(), BaseKind::kPlanar);
     SetJointVel(std::array{0.0, 0.0, 0.0});
     SetJointPos(std::array{at.x(), at.y(), rpy[2]});
   }
   bool is_mobile() const override { return true; }
+
+ private:
+  LeavesObject leaving_;
 };
 
 }  // namespace
 
-std::unique_ptr<BaseGroup> MakeBaseGroup(const Scene& scene, BaseKind kind, GroupNames names) {
-  switch (kind) {
+std::unique_ptr<BaseGroup> MakeBaseGroup(const Scene& scene, const RobotRecord& robot,
+                                         GroupNames names) {
+  switch (robot.base.kind) {
     case BaseKind::kMocap:
-      return std::make_unique<MovableBody>(scene, std::move(names), false);
     case BaseKind::kFree:
-      return std::make_unique<MovableBody>(scene, std::move(names), true);
+      return std::make_unique<MovableBody>(scene, std::move(names), robot.base.kind);
+    case BaseKind::kDriven:
+      return std::make_unique<DrivenBase>(scene, std::move(names), robot.base, robot.base_target(),
+                                          robot.base_weld());
     case BaseKind::kPlanar:
       return std::make_unique<PlanarBase>(scene, std::move(names));
     case BaseKind::kFixed:

@@ -1,4 +1,5 @@
-// The bases a robot can stand on: fixed, mocap (teleported), free (floating) and planar.
+// The bases a robot can stand on: fixed, mocap (teleported), free (floating), planar and driven
+// (follows a target).
 #pragma once
 
 #include <memory>
@@ -7,8 +8,9 @@
 
 namespace robocell {
 
-// `names.leaf`: the body that pose() is the pose of. `names.joints`: those of a free or planar
-// base. ArgumentError when a planar base has other joints than x, y and yaw.
-std::unique_ptr<BaseGroup> MakeBaseGroup(const Scene& scene, BaseKind kind, GroupNames names);
+// `names.leaf`: the body that pose() is the pose of. `names.joints`: those of a free, planar or
+// driven base. ArgumentError when a planar base has other joints than x, y and yaw.
+std::unique_ptr<BaseGroup> MakeBaseGroup(const Scene& scene, const RobotRecord& robot,
+                                         GroupNames names);
 
 }  // namespace robocell

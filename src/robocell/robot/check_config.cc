@@ -76,19 +76,6 @@ void CheckReachField(const Robot& robot, Problems& problems) {
                                       measured, *said));
 }
 
-// Whether each arm and gripper has one.
-void CheckHaveControllers(const Robot& robot, Problems& problems) {
-  Problems::Scope groups(problems, "move_groups");
-  for (const auto& [name, config] : robot.config().move_groups.entries()) {
-    if (config->kind != MoveGroupKind::kArm && config->kind != MoveGroupKind::kGripper) continue;
-    try {
-      robot.controller(name);
-    } catch (const NotFoundError& error) {
-      problems.AddAt(name, error.what());
-    }
-  }
-}
-
 // The controllers that drive this arm to joint positions.
 std::string PositionControls(const Robot& robot, const std::string& arm) {
   const mjModel* m = robot.scene().model();
@@ -96,18 +83,6 @@ std::string PositionControls(const Robot& robot, const std::string& arm) {
   for (const std::string& name : robot.group(arm).actuator_names())
     servos &= IsPositionServo(m, FindId(m, mjOBJ_ACTUATOR, name));
   return servos ? "joint_position, relative_joint_position or joint_impedance" : "joint_impedance";
-}
-
-// Of an arm that has one. Pose controllers go their own way to where a joint target puts the leaf.
-void CheckTakesJointPositions(const Robot& robot, const std::string& arm, Problems& problems) {
-  const Controller& controller = robot.controller(arm);
-  const TargetKind kind = controller.target_kind();
-  if (kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps) return;
-  problems.AddAt(
-      "control." + arm,
-      fmt::format("the scripted expert sends the arm joint positions, and '{}' takes {}; choose {} "
-                  "(an expert of your own may command other things)",
-                  controller.kind(), Describe(kind), PositionControls(robot, arm)));
 }
 
 }  // namespace
@@ -118,11 +93,32 @@ void CheckConfig(const Robot& robot, Problems& problems) {
   CheckBaseSize(robot, problems);
 }
 
-void CheckDriven(const Robot& robot, Problems& problems) {
+bool CheckHaveControllers(const Robot& robot, Problems& problems) {
   const size_t before = problems.list().size();
-  CheckHaveControllers(robot, problems);
-  if (problems.list().size() == before && HasArm(robot))
-    CheckTakesJointPositions(robot, robot.arm().name(), problems);
+  Problems::Scope groups(problems, "move_groups");
+  for (const auto& [name, config] : robot.config().move_groups.entries()) {
+    if (config->kind != MoveGroupKind::kArm && config->kind != MoveGroupKind::kGripper) continue;
+    try {
+      robot.controller(name);
+    } catch (const NotFoundError& error) {
+      problems.AddAt(name, error.what());
+    }
+  }
+  return problems.list().size() == before;
+}
+
+// Pose controllers go their own way to where a joint target puts the leaf.
+void CheckTakesJointPositions(const Robot& robot, Problems& problems) {
+  if (!HasArm(robot)) return;
+  const std::string arm = robot.arm().name();
+  const Controller& controller = robot.controller(arm);
+  const TargetKind kind = controller.target_kind();
+  if (kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps) return;
+  problems.AddAt(
+      "control." + arm,
+      fmt::format("the scripted expert sends the arm joint positions, and '{}' takes {}; choose {} "
+                  "(an expert of your own may command other things)",
+                  controller.kind(), Describe(kind), PositionControls(robot, arm)));
 }
 
 }  // namespace robocell

@@ -16,8 +16,11 @@ namespace robocell {
 void CheckConfig(const Robot& robot, Problems& problems);
 
 // Adds each arm and gripper that no controller can drive: motors, where a run sends joint positions
-// and openings; and the first arm when its controller takes something else than joint positions. A
-// run whose expert is its caller's own may bring its own controllers.
-void CheckDriven(const Robot& robot, Problems& problems);
+// and openings. False when there is one.
+bool CheckHaveControllers(const Robot& robot, Problems& problems);
+
+// Adds the first arm when its controller takes something else than joint positions, which the
+// scripted expert sends. Other experts may command other things. Arms have controllers.
+void CheckTakesJointPositions(const Robot& robot, Problems& problems);
 
 }  // namespace robocell

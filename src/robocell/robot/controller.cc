@@ -8,9 +8,11 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/robot/base_pose_controller.h"
 #include "robocell/robot/joint_position_controller.h"
 #include "robocell/robot/joint_torque_controller.h"
 #include "robocell/robot/joint_velocity_controller.h"
+#include "robocell/spec/group_controls.h"
 
 namespace robocell {
 namespace {
@@ -27,7 +29,8 @@ struct Registry {
 
 Registry& TheRegistry() {
   static Registry registry{
-      .kinds = {{"joint_position", {MakeJointPositionController}},
+      .kinds = {{"base_pose", {MakeBasePoseController}},
+                {"joint_position", {MakeJointPositionController}},
                 {"joint_velocity", {MakeJointVelocityController, CtrlMode::kVelocity}},
                 {"joint_torque", {MakeJointTorqueController, CtrlMode::kTorque}}}};
   return registry;
@@ -65,6 +68,8 @@ const char* Describe(TargetKind kind) {
       return "a pose";
     case TargetKind::kTwist:
       return "a twist";
+    case TargetKind::kBasePose:
+      return "a pose of the base in the world";
   }
   return "?";
 }
@@ -96,7 +101,14 @@ void RegisterController(const std::string& kind, ControllerFactory factory, Ctrl
   }
 }
 
+void RequireControllable(const MoveGroup& group, const std::string& kind,
+                         const std::string& place) {
+  const std::string why = WhyNotControlledBy(group.kind(), kind);
+  if (!why.empty()) throw ArgumentError(place + ": " + why);
+}
+
 std::unique_ptr<Controller> MakeController(const std::string& kind, MoveGroup& group) {
+  RequireControllable(group, kind, group.place());
   return FindKind(kind, group.place()).factory(group);
 }
 

@@ -35,8 +35,9 @@ enum class TargetKind {
   kOpening,     // of a gripper
   kJointVelocities,
   kJointTorques,
-  kPose,   // of the leaf in the robot base frame: x y z, quaternion xyzw
-  kTwist,  // of the leaf: linear, then angular velocity
+  kPose,      // of the leaf in the robot base frame: x y z, quaternion xyzw
+  kTwist,     // of the leaf: linear, then angular velocity
+  kBasePose,  // of a base in the world: x y z, quaternion xyzw
 };
 // "joint positions", "a pose" ... for messages.
 const char* Describe(TargetKind kind);
@@ -81,6 +82,16 @@ class Controller {
     (void)start;
     Reset();
   }
+  // Writes the joint-position target under which joints at `q` go on moving at `v`: ahead of the
+  // joints by what they lag and sag. `gravity` holds the joints against gravity, `resistance`
+  // overcomes their springs, dampers and friction, N m or N. False where the target is unknown or
+  // not finite. No allocation.
+  virtual bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                               std::span<const double> gravity, std::span<const double> resistance,
+                               std::span<double> out) const {
+    (void)q, (void)v, (void)gravity, (void)resistance, (void)out;
+    return false;
+  }
   // The control for this tick, nu() values. No allocation.
   virtual void Compute(std::span<double> ctrl) = 0;
 };
@@ -107,7 +118,10 @@ using ControllerFactory = std::function<std::unique_ptr<Controller>(MoveGroup&)>
 // that of the controllers made.
 void RegisterController(const std::string& kind, ControllerFactory factory,
                         CtrlMode mode = CtrlMode::kPosition);
-// NotFoundError lists the kinds; else what the factory throws.
+// ArgumentError, which begins with `place`, for a built-in kind that groups like this one cannot
+// have: a gripper is driven by joint_position alone. It lists those that the group can have.
+void RequireControllable(const MoveGroup& group, const std::string& kind, const std::string& place);
+// NotFoundError lists the kinds; else what RequireControllable and the factory throw.
 std::unique_ptr<Controller> MakeController(const std::string& kind, MoveGroup& group);
 // The mode of a kind. `place` begins the message of a NotFoundError.
 CtrlMode ControllerMode(const std::string& kind, const std::string& place);

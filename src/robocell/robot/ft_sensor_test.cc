@@ -277,7 +277,7 @@ TEST_F(FtSensorTest, AFileIsToldWithLineAndColumn) {
       [] {
         ParseYaml<RobotConfig>("{name: a, model: b, ft_sensors: [{name: f}, {name: f}]}", "a.yaml");
       },
-      "ft_sensors[1]: name 'f' is also that of ft_sensors[0]; each needs its own");
+      "sensor 'f' (ft_sensors[1]): name 'f' is also that of ft_sensors[0]; each needs its own");
 }
 
 // Whether the gripper leans on the arm, so that not all of its weight hangs from the sensor.

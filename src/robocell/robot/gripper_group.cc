@@ -20,6 +20,9 @@ namespace {
 constexpr double kOpenFrom = 0.9;      // opening above which a gripper counts as open
 constexpr double kLeastTravel = 1e-4;  // metres; fingers that move less do not move
 constexpr double kJammed = 0.8;        // of the travel; slow fingers differ by less
+constexpr double kMeetsFrom = 0.2;     // of the way from closed to open: sooner is not looked for
+constexpr double kParted = 0.02;       // of the travel, from which on fingers are apart
+constexpr double kSqueeze = 0.05;  // the openings in which fingers that met are pressed together
 
 // Whether a geom of the finger's side is in contact with a geom on a body that `accept` takes.
 template <class Accept>
@@ -95,8 +98,8 @@ std::string GeomOfBody(const mjModel* m, int geom) {
 
 void Swap(GripperCtrl& ctrl) { std::swap(ctrl.open, ctrl.closed); }
 
-double At(const GripperCtrl& ctrl, double opening) {
-  return ctrl.closed + (ctrl.open - ctrl.closed) * opening;
+double At(const GripperCtrl& ctrl, double share) {
+  return ctrl.closed + (ctrl.open - ctrl.closed) * share;
 }
 
 }  // namespace
@@ -260,14 +263,36 @@ GripperRange ActuatedGripper::Measure() const {
   };
   jams(open, at_open, open_after, closed);
   jams(closed, closed_first, at_closed, open);
-  if (at_open > at_closed) return {ends, {at_closed, at_open}};
-  if (!config_.ctrl) {
-    std::for_each(ends.begin(), ends.end(), Swap);
-    return {ends, {at_open, at_closed}};
+  GripperRange range{ends, {at_closed, at_open}};
+  if (at_open <= at_closed && !config_.ctrl) {
+    std::for_each(range.ctrl.begin(), range.ctrl.end(), Swap);
+    std::swap(range.distance.closed, range.distance.open);
+  }
+  if (range.distance.open > range.distance.closed) {
+    range.meets = MeetingShare(range.ctrl, range.distance);
+    return range;
   }
   Fail("ctrl", fmt::format("the fingers are {:.4f} m apart at ctrl.open = {} and {:.4f} m at "
                            "ctrl.closed = {}; open and closed are swapped",
                            at_open, config_.ctrl->open, at_closed, config_.ctrl->closed));
+}
+
+double ActuatedGripper::MeetingShare(const std::vector<GripperCtrl>& ends,
+                                     const GripperDistance& distance) const {
+  const std::vector<double> open = ValuesOf(ends, &GripperCtrl::open);
+  const double parted = distance.closed + kParted * (distance.open - distance.closed);
+  const auto together = [&](double share) {
+    std::vector<double> ctrl;
+    for (const GripperCtrl& end : ends) ctrl.push_back(At(end, share));
+    return Settled({open, ctrl})[1] <= parted;
+  };
+  if (!together(kMeetsFrom)) return 0;
+  double least = kMeetsFrom, most = 1;
+  for (int i = 0; i < 7; ++i) {
+    const double share = (least + most) / 2;
+    (together(share) ? least : most) = share;
+  }
+  return least;
 }
 
 double ActuatedGripper::inter_finger_dist() const {
@@ -281,6 +306,10 @@ Interval ActuatedGripper::inter_finger_dist_range() const {
 }
 
 double ActuatedGripper::opening() const {
+  if (config_.joint_range) {
+    const auto& [open, closed] = *config_.joint_range;
+    return std::clamp((joint_pos()[0] - closed) / (open - closed), 0.0, 1.0);
+  }
   const GripperDistance& d = Distances();
   return std::clamp((inter_finger_dist() - d.closed) / (d.open - d.closed), 0.0, 1.0);
 }
@@ -293,14 +322,21 @@ double ActuatedGripper::CheckedOpening(double opening) const {
   return std::clamp(opening, 0.0, 1.0);
 }
 
+double ActuatedGripper::ShareFor(double opening) const {
+  const double meets = config_.ctrl ? 0 : Measured().meets;
+  if (meets == 0) return opening;
+  const auto apart = [&](double o) { return meets + (1 - meets) * o; };
+  return opening >= kSqueeze ? apart(opening) : apart(kSqueeze) * opening / kSqueeze;
+}
+
 double ActuatedGripper::ctrl_for_opening(double opening) const {
-  return At(CtrlEnds()[0], CheckedOpening(opening));
+  return At(CtrlEnds()[0], ShareFor(CheckedOpening(opening)));
 }
 
 void ActuatedGripper::CtrlForOpening(double opening, std::span<double> ctrl) const {
-  const double checked = CheckedOpening(opening);
+  const double share = ShareFor(CheckedOpening(opening));
   const std::vector<GripperCtrl>& ends = CtrlEnds();
-  for (size_t i = 0; i < ctrl.size(); ++i) ctrl[i] = At(ends[i], checked);
+  for (size_t i = 0; i < ctrl.size(); ++i) ctrl[i] = At(ends[i], share);
 }
 
 void ActuatedGripper::SetOpening(double opening) {
@@ -309,8 +345,9 @@ void ActuatedGripper::SetOpening(double opening) {
       CheckedOpening(beyond_.Clamp(opening, {0, 1}, [&] { return core().place() + ": opening"; }));
   const std::vector<GripperCtrl>& ends = CtrlEnds();
   const std::vector<int>& addresses = core().ctrl_addresses();
+  const double share = ShareFor(checked);
   for (size_t i = 0; i < addresses.size(); ++i)
-    core().data()->ctrl[addresses[i]] = At(ends[i], checked);
+    core().data()->ctrl[addresses[i]] = At(ends[i], share);
 }
 
 bool ActuatedGripper::is_open() const { return opening() >= kOpenFrom; }

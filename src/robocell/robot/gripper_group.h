@@ -5,6 +5,11 @@
 // group's joints, when these are two, or what grips at the ends of their linkages. Control: the
 // actuator's range, open being the end at which the fingers are farther apart; of several actuators
 // each has its own range and its own open end. Distance: measured (gripper_range.h).
+//
+// An opening is a share of the measured distance. Its control is interpolated between the open and
+// the closed end. Fingers may meet long before their actuators are at the closed end: then it is
+// interpolated between the open end and the control at which they meet, and openings below 0.05 go
+// on from there to the closed end, which squeezes. A configured `ctrl` is taken as it is.
 #pragma once
 
 #include <array>
@@ -60,6 +65,9 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   // One that moves neither finger goes the way of the first that does.
   void Orient(std::vector<GripperCtrl>& ends) const;
   double CheckedOpening(double opening) const;
+  // How far the controls are from closed (0) to open (1) at an opening.
+  double ShareFor(double opening) const;
+  double MeetingShare(const std::vector<GripperCtrl>& ends, const GripperDistance& distance) const;
   // Measured once.
   const GripperRange& Measured() const;
   const std::vector<GripperCtrl>& CtrlEnds() const {

@@ -391,6 +391,32 @@ RobotConfig WithTwoServos(ModelFolder& folder, const char* first_axis, const cha
   return config;
 }
 
+// The actuators go on for long after the fingers have met.
+TEST(Gripper, AnOpeningIsOfTheMeasuredRangeWhereFingersMeetHalfWay) {
+  ModelFolder folder;
+  const RobotConfig config = WithTwoServos(folder, "0 1 0", "-.02 .02", "0 -1 0", "-.02 .02");
+  Robot robot = RobotAlone(config);
+  GripperGroup& gripper = robot.gripper();
+  EXPECT_EQ(gripper.ctrl_for_opening(1), 0.02);
+  EXPECT_EQ(gripper.ctrl_for_opening(0), -0.02) << "closes with all its force";
+  double before = -1;
+  for (const double opening : {0.0, 0.02, 0.05, 0.25, 0.5, 0.75, 1.0}) {
+    EXPECT_GT(gripper.ctrl_for_opening(opening), before);
+    before = gripper.ctrl_for_opening(opening);
+    robot.Apply({{"gripper", GroupCommand::Opening(opening)}});
+    Simulate(robot, 1);
+    EXPECT_NEAR(gripper.opening(), opening, 0.05);
+    // What is read back from a control is the opening that it was sent for.
+    robot.controller("gripper").Reset();
+    EXPECT_NEAR(robot.controller("gripper").target()[0], opening, 1e-6);
+  }
+  RobotConfig said = config;
+  GripperConfig(said).actuators = {"g_left", "g_right"};
+  GripperConfig(said).ctrl = GripperCtrl{.open = 0.02, .closed = -0.02};
+  EXPECT_DOUBLE_EQ(RobotAlone(said).gripper().ctrl_for_opening(0.5), 0)
+      << "of the controls, which the file says";
+}
+
 TEST(Gripper, EachOfSeveralServosOpensByItsOwnRange) {
   struct Hand {
     const char *first_axis, *first, *second_axis, *second;
@@ -509,6 +535,31 @@ TEST(Gripper, RefusesOpeningsThatAreNoNumbersAndClampsOthers) {
   EXPECT_EQ(robot.scene().actuator_ctrl("gripper"), 100);
   ExpectThrow<NotFoundError>([&] { robot.gripper().is_grasping("cub"); },
                              "robot 'rc7' / group 'gripper': no body 'cub'");
+}
+
+TEST(GripperRoot, IsItsLeafUnlessTheFileNamesAnother) {
+  RobotConfig config = Rc7();
+  const Robot robot = RobotAlone(config);
+  const MoveGroup& gripper = robot.gripper();
+  EXPECT_TRUE(gripper.root_frame_to_world().is_close(gripper.leaf_frame_to_world(), 1e-12, 1e-12));
+  EXPECT_TRUE(gripper.leaf_frame_to_root().is_close(Pose(), 1e-12, 1e-12));
+  EXPECT_TRUE(gripper.leaf_frame_to_world().is_close(robot.tcp_in_world(), 1e-12, 1e-12));
+  GripperConfig(config).root = ElementRef{.name = config.root_body};
+  const Robot other = RobotAlone(config);
+  EXPECT_TRUE(other.gripper().root_frame_to_world().is_close(other.base_in_world(), 1e-12, 1e-12));
+}
+
+TEST_P(AnyGripper, ReadsItsOpeningFromItsJointWhereItsRangeIsGiven) {
+  RobotConfig config = *GetParam().robot.spec().config;
+  if (GripperConfig(config).joints.empty()) return;
+  GripperConfig(config).joint_range = GripperJointRange{.open = -0.3, .closed = 0.9};
+  Robot robot = RobotAlone(config);
+  for (const double target : {0.0, 0.5, 1.0}) {
+    GripperOf(robot).SetOpening(target);
+    Simulate(robot, 0.3);
+    const double q = robot.gripper().joint_pos()[0];
+    EXPECT_NEAR(robot.gripper().opening(), std::clamp((q - 0.9) / -1.2, 0.0, 1.0), 1e-12);
+  }
 }
 
 }  // namespace

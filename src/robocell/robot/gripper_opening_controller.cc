@@ -1,6 +1,7 @@
 #include "robocell/robot/gripper_opening_controller.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "robocell/base/error.h"
 
@@ -24,8 +25,23 @@ void GripperOpeningController::SetTarget(std::span<const double> target) {
 void GripperOpeningController::Reset() {
   group_.GetCtrl(present_);
   seen_ = present_[0];
+  opening_ = OpeningFor(seen_);
+}
+
+// Controls go from closed to open with the opening, most often in a straight line.
+double GripperOpeningController::OpeningFor(double ctrl) const {
+  constexpr double kSame = 1e-9;  // of the way from closed to open
   const double closed = group_.ctrl_for_opening(0), open = group_.ctrl_for_opening(1);
-  opening_ = std::clamp((seen_ - closed) / (open - closed), 0.0, 1.0);
+  const auto share = [&](double value) { return (value - closed) / (open - closed); };
+  const double wanted = std::clamp(share(ctrl), 0.0, 1.0);
+  const double got = share(group_.ctrl_for_opening(wanted));
+  if (std::abs(got - wanted) <= kSame || !std::isfinite(got)) return wanted;
+  double least = 0, most = 1;
+  for (int i = 0; i < 40; ++i) {
+    const double opening = (least + most) / 2;
+    (share(group_.ctrl_for_opening(opening)) < wanted ? least : most) = opening;
+  }
+  return (least + most) / 2;
 }
 
 void GripperOpeningController::Compute(std::span<double> ctrl) {

@@ -31,6 +31,9 @@ class GripperOpeningController : public Controller {
   void Compute(std::span<double> ctrl) override;
 
  private:
+  // What the first actuator's control was sent for.
+  double OpeningFor(double ctrl) const;
+
   GripperGroup& group_;
   double opening_ = 1;
   std::vector<double> present_;  // control of the actuators, scratch

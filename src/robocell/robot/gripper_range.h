@@ -16,6 +16,9 @@ namespace robocell {
 struct GripperRange {
   std::vector<GripperCtrl> ctrl;  // of each actuator
   GripperDistance distance;
+  // Fingers may meet before the controls are at `closed`: so far from closed (0) to open (1) they
+  // stay together. 0 where that is less than a fifth of the way.
+  double meets = 0;
 };
 
 // What moves and what is measured, as ids in the scene's present model.

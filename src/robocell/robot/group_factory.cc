@@ -9,6 +9,7 @@
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/base_group.h"
+#include "robocell/robot/base_pose_controller.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/located.h"
@@ -87,6 +88,7 @@ class GroupMaker {
         return MakeArm();
       case MoveGroupKind::kGripper:
         names_.leaf = LeafOr(ToolFrame());
+        if (!config_.root) names_.root = names_.leaf;  // its fingers move about the TCP
         return {std::make_shared<ActuatedGripper>(scene_, names_, config_)};
       case MoveGroupKind::kBase:
         return MakeBase();
@@ -99,10 +101,13 @@ class GroupMaker {
 
   MadeGroup MakeBase() {
     names_.leaf = {false, robot_.base_body};
+    const BaseKind base = robot_.base.kind;
     const bool moves_by_joints =
-        robot_.base.kind == BaseKind::kFree || robot_.base.kind == BaseKind::kPlanar;
+        base == BaseKind::kFree || base == BaseKind::kPlanar || base == BaseKind::kDriven;
     if (names_.joints.empty() && moves_by_joints) AddJointsOf(robot_.base_body);
-    return {MakeBaseGroup(scene_, robot_.base.kind, names_)};
+    MadeGroup made{MakeBaseGroup(scene_, robot_, names_)};
+    if (base == BaseKind::kDriven) made.own_controller = kBasePoseController;
+    return made;
   }
 
  private:

@@ -18,6 +18,7 @@ struct MadeGroup {
   std::optional<ChainTip> tip = {};  // where an arm's chain ends; unset for the other kinds
   std::string why_no_actuators = {};
   std::optional<Drives> drives = {};  // of an arm
+  std::string own_controller = {};    // of a group that is driven by this kind alone, or ""
 };
 
 // The groups of RobotConfig.move_groups in their order, and a group "base" when none is configured.

@@ -37,6 +37,14 @@ TEST(HotPath, OfTheBuiltInRobotAllocatesNothing) {
   ExpectNoAllocation(robot);
 }
 
+TEST(HotPath, OfADrivenBaseOnTheWayAllocatesNothing) {
+  RobotConfig config = Rc7();
+  config.base = {.kind = BaseKind::kDriven};
+  Robot robot = RobotAlone(config);
+  robot.base().SetTarget(Pose::FromRpy({1, 0, 1}, {0, 0, 1}) * robot.base().pose());
+  ExpectNoAllocation(robot);
+}
+
 // Which looks for what was written to the model.
 TEST(HotPath, OfForwardAllocatesNothing) {
   const Robot robot = RobotAlone(Rc7());

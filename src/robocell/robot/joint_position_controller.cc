@@ -1,7 +1,9 @@
 #include "robocell/robot/joint_position_controller.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "robocell/robot/arm_group.h"
 #include "robocell/robot/gripper_opening_controller.h"
 #include "robocell/robot/joint_limits.h"
 
@@ -40,6 +42,17 @@ void JointPositionController::ResetTo(std::span<const double> servos) {
   std::copy(servos.begin(), servos.end(), held_.begin());
   std::copy(servos.begin(), servos.end(), target_.begin());
   commanded_ = false;
+}
+
+bool JointPositionController::GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                                              std::span<const double> gravity,
+                                              std::span<const double> resistance,
+                                              std::span<double> out) const {
+  const auto* arm = dynamic_cast<const ArmGroup*>(&group_);
+  if (!arm) return false;
+  for (size_t i = 0; i < out.size(); ++i) out[i] = gravity[i] + resistance[i];
+  arm->JointPosForTorque(q, v, out, out);
+  return std::all_of(out.begin(), out.end(), [](double x) { return std::isfinite(x); });
 }
 
 void JointPositionController::Compute(std::span<double> ctrl) {

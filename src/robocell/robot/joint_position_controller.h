@@ -33,6 +33,9 @@ class JointPositionController : public Controller {
   bool UsePort(std::span<double> port) override { return target_.MoveTo(port); }
   void Reset() override;
   void ResetTo(std::span<const double> servos) override;
+  bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
+                       std::span<const double> gravity, std::span<const double> resistance,
+                       std::span<double> out) const override;
   // What is beyond a joint's limits drives the joint to its limit, or the servo to the end of its
   // ctrlrange, and is told once. What nobody commanded is not told.
   void Compute(std::span<double> ctrl) override;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "robocell/base/error.h"
+
 namespace robocell {
 namespace {
 
@@ -10,6 +12,12 @@ std::vector<double> Filled(int size, Get get) {
   std::vector<double> out(size);
   get(std::span<double>(out));
   return out;
+}
+
+[[noreturn]] void ThrowNotDriven(const BaseGroup& base) {
+  throw ArgumentError(base.place() +
+                      ": only a driven base moves to a target; give the robot `base: {kind: "
+                      "driven}`, or set the base's pose, which teleports it");
 }
 
 }  // namespace
@@ -33,5 +41,10 @@ std::vector<double> MoveGroup::noop_ctrl() const {
 void GripperGroup::CtrlForOpening(double opening, std::span<double> ctrl) const {
   std::fill(ctrl.begin(), ctrl.end(), ctrl_for_opening(opening));
 }
+
+Pose BaseGroup::target() const { ThrowNotDriven(*this); }
+void BaseGroup::SetTarget(const Pose&) { ThrowNotDriven(*this); }
+BaseSpeeds BaseGroup::max_speeds() const { ThrowNotDriven(*this); }
+void BaseGroup::SetMaxSpeeds(const BaseSpeeds&) { ThrowNotDriven(*this); }
 
 }  // namespace robocell

@@ -114,16 +114,35 @@ class GripperGroup : public MoveGroup {
   virtual bool is_grasping(const std::string& body = "") const = 0;
 };
 
+// How fast a driven base moves at most, m/s and rad/s.
+struct BaseSpeeds {
+  double linear = 0.5, angular = 2;
+  bool operator==(const BaseSpeeds&) const = default;
+};
+
 // What the robot stands on.
 class BaseGroup : public MoveGroup {
  public:
-  // Of the pedestal's bottom, of the mocap, free or planar body, or else of the robot's root.
+  // Of the pedestal's bottom, of the mocap, free, planar or driven body, or else of the robot's
+  // root.
   virtual Pose pose() const = 0;
-  // Moves the base there and stops it. An ArgumentError for a fixed base, and for a pose outside a
-  // planar base's plane.
+  // Puts the base there at once and stops it: a teleport, which carries nothing that the robot
+  // holds; the log says so. An ArgumentError for a fixed base, and for a pose outside a planar
+  // base's plane.
   virtual void SetPose(const Pose& pose_in_world) = 0;
-  // Whether it can drive, or fly, by itself: free and planar bases.
+  // Whether it can drive, or fly, by itself: free, planar and driven bases.
   virtual bool is_mobile() const = 0;
+
+  // Whether the base moves to a target by itself, as BaseKind::kDriven does. The functions below
+  // are ArgumentErrors for other bases.
+  virtual bool is_driven() const { return false; }
+  // Where the base is being driven to. Robot::Update() moves it there, no faster than max_speeds()
+  // and with what the robot holds. A reset and SetPose() put the target where the base is.
+  virtual Pose target() const;
+  virtual void SetTarget(const Pose& pose_in_world);
+  // At first those of the robot's BaseConfig.
+  virtual BaseSpeeds max_speeds() const;
+  virtual void SetMaxSpeeds(const BaseSpeeds& speeds);  // above 0
 };
 
 }  // namespace robocell

@@ -338,7 +338,7 @@ TEST(OwnController, IsRegisteredByNameAndChosenByIt) {
   ExpectThrow<NotFoundError>(
       [&] { robot.SetController("arm", "wavin"); },
       "group 'arm': no controller 'wavin'. Its controllers: "
-      "cartesian_impedance, cartesian_pose, differential_ik, joint_impedance, "
+      "base_pose, cartesian_impedance, cartesian_pose, differential_ik, joint_impedance, "
       "joint_position, joint_torque, joint_velocity, "
       "relative_joint_position, waving. Did you mean 'waving'?");
   ExpectThrow<ArgumentError>([&] { robot.SetController("arm", std::unique_ptr<Controller>()); },

@@ -96,6 +96,10 @@ void Robot::SetGroup(std::shared_ptr<MoveGroup> group) {
   open().AddGroup(std::move(made), "joint_position", false);
 }
 
+bool Robot::is_driven(const std::string& group) const {
+  return open().Require(group).control->controller != nullptr;
+}
+
 Controller& Robot::controller(const std::string& group) const {
   return open().RequireController(open().Require(group));
 }
@@ -129,6 +133,7 @@ std::unique_ptr<Controller> Robot::NewController(const std::string& group,
                                                  const std::string& kind) const {
   GroupSlot& slot = open().Require(group);
   const CtrlMode mode = ControllerMode(kind, open().place(slot));
+  RequireControllable(*slot.own->group, kind, open().place(slot));
   return open().Successor(slot, kind, mode);
 }
 

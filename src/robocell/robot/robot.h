@@ -93,6 +93,8 @@ class Robot {
   // nobody else keeps it.
   void SetGroup(std::shared_ptr<MoveGroup> group);
 
+  // Whether the group has a controller, which Update() runs.
+  bool is_driven(const std::string& group) const;
   // NotFoundError says why a group has none.
   Controller& controller(const std::string& group) const;
   // The same, keeping the robot, the group and the controller alive, in use or not.

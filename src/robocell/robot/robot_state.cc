@@ -223,13 +223,22 @@ void Robot::State::AddGroup(MadeGroup made, const std::string& controller, bool 
                 made.group->name() +
                 "' outside of the arm's joint_pos, joint_vel and joint_torque");
   }
+  const std::string own_controller = made.own_controller;
   const std::string why_no_actuators =
       made.why_no_actuators.empty() ? "it has no actuators" : made.why_no_actuators;
   auto slot = std::make_shared<GroupSlot>();
   slot->own =
       std::make_shared<ControlledGroup>(scene, std::move(made), record.root_body, chain_options);
   slot->control = std::make_shared<GroupControl>();
-  if (slot->own->group->nu() == 0) {
+  if (!own_controller.empty()) {
+    if (must_be_driven) {
+      throw ArgumentError(
+          fmt::format("{}: `control` asks for {}, but it is driven by its target alone ('{}'); "
+                      "leave it out of `control`",
+                      place(*slot), controller, own_controller));
+    }
+    Drive(*slot, own_controller, true);
+  } else if (slot->own->group->nu() == 0) {
     slot->control->why_no_controller = why_no_actuators;
     if (must_be_driven) {
       throw ArgumentError(fmt::format(

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/actuators.h"
@@ -26,6 +27,8 @@ namespace robocell {
 namespace {
 
 constexpr double kHoldSeconds = 1.0;
+// A drift of a hinge and of a slide up to these is tolerated, or the robot's arrival_tolerance.
+constexpr double kHeldRad = 0.01, kHeldMetres = 0.001;
 constexpr double kRampSeconds = 0.5, kFollowSeconds = 2.5;  // of a step
 constexpr double kTurn = 0.1, kShift = 0.05;                // a step of a hinge, of a slide
 constexpr double kShareOfRange = 0.25;                      // that a step has at most
@@ -47,6 +50,17 @@ struct Miss {
   Cause cause;
 };
 
+std::vector<double> HeldWithin(const Robot& robot, const ArmGroup& arm) {
+  std::vector<double> tolerances = ArrivalTolerances(robot, arm.name());
+  const mjModel* m = robot.scene().model();
+  for (size_t i = 0; i < tolerances.size(); ++i) {
+    const int joint = FindId(m, mjOBJ_JOINT, arm.joint_names()[i]);
+    const bool slide = m->jnt_type[joint] == mjJNT_SLIDE;
+    tolerances[i] = std::max(tolerances[i], slide ? kHeldMetres : kHeldRad);
+  }
+  return tolerances;
+}
+
 // One arm.
 class ArmTrial {
  public:
@@ -58,7 +72,7 @@ class ArmTrial {
         doubts_(doubts) {
     for (const std::string& name : arm.joint_names())
       joints_.push_back(FindId(model(), mjOBJ_JOINT, name));
-    tolerances_ = ArrivalTolerances(robot, arm.name());
+    tolerances_ = HeldWithin(robot, arm);
   }
 
   void Run() {
@@ -120,10 +134,11 @@ class ArmTrial {
     std::stable_sort(misses.begin(), misses.end(),
                      [](const Miss& a, const Miss& b) { return a.amount > b.amount; });
     Tell(misses,
-         fmt::format(
-             " in {:g} s while it should hold home (arrival_tolerance is {:g}{})", kHoldSeconds,
-             config().arrival_tolerance,
-             slides ? fmt::format(", {:g} m for slides", config().slide_arrival_tolerance()) : ""));
+         fmt::format(" in {:g} s while it should hold home (up to {:g} rad{} is tolerated)",
+                     kHoldSeconds, std::max(config().arrival_tolerance, kHeldRad),
+                     slides ? fmt::format(", {:g} m of slides",
+                                          std::max(config().slide_arrival_tolerance(), kHeldMetres))
+                            : ""));
     return holds;
   }
 
@@ -440,12 +455,55 @@ void TellJaws(const Robot& robot, Problems& doubts) {
   }
 }
 
+// Where the file says the controls, it says which of them are openings.
+void TellEarlyMeeting(const Robot& robot, Problems& doubts) {
+  for (const auto& [name, config] : robot.config().move_groups.entries()) {
+    if (!config->ctrl || !robot.has_group(name)) continue;
+    const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
+    if (!gripper) continue;
+    double meets = 0;
+    try {
+      meets = gripper->Measure().meets;
+    } catch (const Error&) {
+      continue;  // told by whoever needs the distances
+    }
+    if (meets == 0) continue;
+    const auto [open, closed] = *config->ctrl;
+    const double at = closed + meets * (open - closed);
+    doubts.AddAt(
+        "move_groups." + name + ".ctrl",
+        fmt::format("the fingers meet at control {:.3g}, {:.0f} % of the way from closed to "
+                    "open: smaller openings all look closed. Leave `ctrl` out, so that "
+                    "openings are shares of the measured distance, or write {{open: {}, "
+                    "closed: {:.3g}}}",
+                    at, 100 * meets, open, at));
+  }
+}
+
 void TellTcps(const Robot& robot, Problems& doubts) {
   for (const std::string& name : robot.group_names()) {
     const MoveGroup& group = robot.group(name);
     if (group.kind() != MoveGroupKind::kArm) continue;
     const std::optional<std::string> far = TellTcpFarFromFingers(robot, group);
     if (far) doubts.AddAt("move_groups." + name + ".leaf", *far);
+  }
+}
+
+// Arms and grippers that nothing drives are errors (check_config.h).
+void TellUndriven(const Robot& robot, Problems& doubts) {
+  for (const std::string& name : robot.group_names()) {
+    const MoveGroup& group = robot.group(name);
+    if (group.kind() != MoveGroupKind::kGeneric || group.nu() == 0 || robot.is_driven(name))
+      continue;
+    try {
+      robot.controller(name);
+    } catch (const NotFoundError& error) {
+      doubts.AddAt("move_groups." + name,
+                   fmt::format("{}. Without one nothing commands it: environments, experts and "
+                               "records leave it out, and its controls stay as at home unless you "
+                               "write them ({})",
+                               error.what(), InBothLanguages("Scene::SetActuatorCtrl")));
+    }
   }
 }
 
@@ -462,6 +520,7 @@ std::vector<std::string> TryOut(Robot robot, bool beside_warnings) {
   robot.scene().Reset();
   TellContacts(robot, doubts);
   TellJaws(robot, doubts);
+  TellEarlyMeeting(robot, doubts);
   TellTcps(robot, doubts);
   for (const std::string& name : robot.group_names()) {
     auto* arm = dynamic_cast<ArmGroup*>(&robot.group(name));
@@ -473,6 +532,7 @@ std::vector<std::string> TryOut(Robot robot, bool beside_warnings) {
     }
     ArmTrial(robot, *arm, beside_warnings, doubts).Run();
   }
+  TellUndriven(robot, doubts);
   TellIdle(robot, doubts);
   return LinesOf(doubts);
 }

@@ -140,13 +140,13 @@ TEST_F(RobotTrial, ActuatorsOfSeveralInputsAreNamedOnce) {
 }
 
 TEST_F(RobotTrial, AServoThatSagsUnderGravityIsToldHowMuchItNeeds) {
-  EXPECT_THAT(
-      Doubts("kp='50' kv='5'"),
-      ElementsAre(AllOf(StartsWith(file_ + ":4:8: move_groups.arm: joint 'hip' drifts by 0.04"),
-                        HasSubstr(" rad in 1 s while it should hold home (arrival_tolerance is "
-                                  "0.01): its servo's stiffness is 50 N m/rad, and gravity pulls "
-                                  "with 2.45 N m at home (490 would do). Set `gravcomp: true` or "
-                                  "raise the servos' stiffness (`stiffness`, N m/rad)"))));
+  EXPECT_THAT(Doubts("kp='50' kv='5'"),
+              ElementsAre(AllOf(
+                  StartsWith(file_ + ":4:8: move_groups.arm: joint 'hip' drifts by 0.04"),
+                  HasSubstr(" rad in 1 s while it should hold home (up to 0.01 rad is "
+                            "tolerated): its servo's stiffness is 50 N m/rad, and gravity pulls "
+                            "with 2.45 N m at home (490 would do). Set `gravcomp: true` or "
+                            "raise the servos' stiffness (`stiffness`, N m/rad)"))));
 }
 
 // What is set already is not advised.
@@ -184,11 +184,12 @@ TEST_F(RobotTrial, AServoThatIsTooWeakIsToldWithItsLimit) {
 TEST_F(RobotTrial, AServoThatMayNotBeSentThereIsToldWithItsRange) {
   EXPECT_THAT(
       Doubts("kp='500' kv='50' ctrlrange='-0.1 0.1'", "gravcomp: true\nhome: {arm: [0.3]}\n"),
-      ElementsAre(HasSubstr("joint 'hip' drifts by 0.2 rad in 1 s while it should hold home "
-                            "(arrival_tolerance is 0.01): to be at 0.3 rad its servo 'drive' needs "
-                            "the control 0.3, but its ctrlrange is [-0.1, 0.1]. Widen it (edits: "
-                            "[{actuator: 'drive', ctrlrange: [LOWER, UPPER]}]) or choose another "
-                            "`home`")));
+      ElementsAre(
+          HasSubstr("joint 'hip' drifts by 0.2 rad in 1 s while it should hold home "
+                    "(up to 0.01 rad is tolerated): to be at 0.3 rad its servo 'drive' needs "
+                    "the control 0.3, but its ctrlrange is [-0.1, 0.1]. Widen it (edits: "
+                    "[{actuator: 'drive', ctrlrange: [LOWER, UPPER]}]) or choose another "
+                    "`home`")));
 }
 
 // The scene warns of it by itself, with the numbers to write.

@@ -18,13 +18,6 @@ mjtGeom GeomType(Shape shape) {
                                    : mjGEOM_CYLINDER;
 }
 
-mjsElement* FreeJoint(mjsBody* body) {
-  for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT)) {
-    if (mjs_asJoint(joint)->type == mjJNT_FREE) return joint;
-  }
-  return nullptr;
-}
-
 void AddPrimitiveGeom(const SceneObject& object, mjsBody* body, const std::string& context) {
   mjsGeom* geom = mjs_addGeom(body, nullptr);
   SetSpecName(geom->element, object.name + "_geom", context);
@@ -57,7 +50,7 @@ std::string NameOr(mjsElement* element, const std::string& fallback, const std::
 
 // Makes the root free or fixed as the object asks; unset: as authored.
 void SettleFreeJoint(const SceneObject& object, ObjectPart& out) {
-  mjsElement* joint = FreeJoint(out.root);
+  mjsElement* joint = FreeJointOf(out.root);
   const bool has_joints = !BodyElements(out.root, mjOBJ_JOINT).empty();
   if (object.fixed == true && joint) {
     Tried(out.part.place, [&] { mjs_delete(out.part.spec.get(), joint); });

@@ -121,6 +121,17 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   if (!robot.model_prefix.empty()) record.top_body = record.base_body = record.root_body;
 }
 
+// Where the root is on what it is put on: as the model's file has it, unless that is to be dropped.
+// Off its own origin it would stand beside a pedestal that nobody said otherwise of.
+Pose RootPose(const RobotSpec& robot, const RobotPart& loaded) {
+  const auto& reset =
+      robot.reset_root_pose ? robot.reset_root_pose : loaded.record.config.reset_root_pose;
+  if (reset.value_or(false)) return {};
+  const Pose authored = PoseInParent(loaded.top->element);
+  if (reset || !loaded.record.base.size) return authored;
+  return {{0, 0, authored.translation().z()}, authored.quaternion()};
+}
+
 // The model of one robot while another fills it in, at whose place problems are meanwhile; back
 // with the first whatever is thrown.
 class LentPart {
@@ -222,8 +233,8 @@ void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placemen
                  Report& report) {
   const auto mount = AddBase(robot, loaded, placement, report);
   if (!mount) return;
-  const Pose authored = robot.reset_root_pose ? Pose() : PoseInParent(loaded.top->element);
-  AttachPart(mount->parent, loaded.part, loaded.top, mount->pose * authored, robot.prefix, report);
+  AttachPart(mount->parent, loaded.part, loaded.top, mount->pose * RootPose(robot, loaded),
+             robot.prefix, report);
 }
 
 }  // namespace robocell

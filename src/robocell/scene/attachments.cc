@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "robocell/base/names.h"
+#include "robocell/mujoco/engine_exception.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/compile_problem.h"
@@ -77,6 +78,15 @@ void AddExclusions(const AttachmentSpec& attachment, const std::string& place, P
   }
 }
 
+// What is mounted moves with the robot, although its model's file lets it fall.
+void LeaveOutFreeJoint(const Part& tool, mjsBody* root, Report& report) {
+  mjsElement* joint = FreeJointOf(root);
+  if (!joint) return;
+  Tried(tool.place, [&] { mjs_delete(tool.spec.get(), joint); });
+  report.Note(tool.place, fmt::format("the free joint of '{}' is left out: it is mounted here",
+                                      SpecName(root->element)));
+}
+
 void AddAttachment(const AttachmentSpec& attachment, const std::string& directory,
                    const std::string& place, Part& robot, const SceneSpec& scene, Report& report) {
   const std::string root_label = std::filesystem::path(attachment.mjcf_path).stem().string();
@@ -90,9 +100,10 @@ void AddAttachment(const AttachmentSpec& attachment, const std::string& director
       Place(attachment.attach_to, attachment.pose(), robot.spec.get(), scene, {}, place, report);
   if (!at) return;
   if (!CheckNamesAreNew(attachment, tool, root, robot, report)) return;
+  LeaveOutFreeJoint(tool, root, report);
   const Pose authored = attachment.reset_root_pose ? Pose() : PoseInParent(root->element);
   AttachPart(at->parent, tool, root, at->pose * authored, attachment.prefix, report);
-  robot.home.Merge(tool.home, attachment.prefix);
+  robot.keys.Merge(tool.keys, attachment.prefix);
   robot.tools.push_back({attachment.prefix, tool.file});
   AddExclusions(attachment, place, robot, report);
 }

@@ -50,17 +50,27 @@ std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double
                      range[1], shown, RadiansHint(type, value, range));
 }
 
-void CheckKeyframes(const mjModel* model, const PartHome& parts,
+void CheckKeyframes(const mjModel* model, const PartKeys& parts,
                     const std::vector<RobotRecord>& robots, Report& report) {
   const std::set<std::string> configured = ConfiguredJoints(robots);
-  for (const auto& [name, values] : parts.qpos) {
-    const int joint = FindId(model, mjOBJ_JOINT, name);
-    if (joint < 0 || values.size() != 1 || configured.contains(name)) continue;
-    const PartHome::Source& source = parts.sources.at(name);
-    if (const auto wrong = OutsideLimits(model, joint, values[0], source.joint))
-      report.Problem(source.place, fmt::format("keyframe 'home' of {}: {}", source.file, *wrong),
-                     source.field);
-  }
+  const auto check = [&](const PartKey& key, bool is_home) {
+    for (const auto& [name, values] : key.qpos) {
+      const int joint = FindId(model, mjOBJ_JOINT, name);
+      if (joint < 0 || values.size() != 1 || (is_home && configured.contains(name))) continue;
+      const PartKey::Source& source = key.joint_sources.at(name);
+      const auto wrong = OutsideLimits(model, joint, values[0], source.name);
+      if (!wrong) continue;
+      if (is_home) {
+        report.Problem(source.place, fmt::format("keyframe 'home' of {}: {}", source.file, *wrong),
+                       source.field);
+      } else {
+        report.WarnAt(source.file, source.place,
+                      fmt::format("keyframe '{}': {}", source.key, *wrong));
+      }
+    }
+  };
+  check(parts.home, true);
+  for (const auto& [name, key] : parts.presets) check(key, false);
 }
 
 }  // namespace robocell

@@ -23,8 +23,9 @@ inline constexpr double kLimitSlack = 1e-4;
 std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double value,
                                          const std::string& shown);
 
-// Reports the keyframe values that are used (no robot's file replaces them) and outside the limits.
-void CheckKeyframes(const mjModel* model, const PartHome& parts,
+// Reports the keyframe values that are outside the limits: as a problem where a reset would use
+// them (of `home`, unless a robot's file replaces them), as a warning in other keyframes.
+void CheckKeyframes(const mjModel* model, const PartKeys& parts,
                     const std::vector<RobotRecord>& robots, Report& report);
 
 }  // namespace robocell

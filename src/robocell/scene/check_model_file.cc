@@ -128,6 +128,22 @@ void CheckHomeKeyControls(const Part& part, Report& report) {
                             given, actuators.size(), ListNames(left_out, 40)));
 }
 
+void CheckPresetSizes(Part& part, Report& report) {
+  int wanted = 0;
+  for (const JointPositions& joint : PositionsInOrder(part.spec.get())) wanted += joint.count;
+  for (mjsElement* element : SpecElements(part.spec.get(), mjOBJ_KEY)) {
+    const std::string name = SpecName(element);
+    int given = 0;
+    mjs_getDouble(mjs_asKey(element)->qpos, &given);
+    if (name.empty() || name == "home" || given == 0 || given == wanted) continue;
+    report.WarnAt(part.file, part.place,
+                  fmt::format("the keyframe '{}' has {} numbers in qpos, and the model's joints "
+                              "need {}: it is left out",
+                              name, given, wanted));
+    part.keys.Remove(name);
+  }
+}
+
 std::string OtherKeys(const Part& part) {
   const std::vector<mjsElement*> keys = SpecElements(part.spec.get(), mjOBJ_KEY);
   if (keys.empty() || FindSpecElement(part.spec.get(), mjOBJ_KEY, "home")) return "";

@@ -22,6 +22,10 @@ void CheckHomeKeyLength(const Part& part, Report& report);
 // A warning when it has fewer controls than there are actuators.
 void CheckHomeKeyControls(const Part& part, Report& report);
 
+// Reports a warning for each other keyframe with the wrong count of numbers in qpos, and leaves it
+// out.
+void CheckPresetSizes(Part& part, Report& report);
+
 // What to say of a robot whose keyframes are all called otherwise; "" when there is a `home` or no
 // keyframe at all.
 std::string OtherKeys(const Part& part);

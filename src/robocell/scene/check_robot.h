@@ -52,6 +52,13 @@ void CheckTendons(const mjModel* model, const RobotRecord& robot, Report& report
 // check_scale.cc: a warning for a robot that moves parts as large as houses: in other units.
 void CheckScale(const mjModel* model, const RobotRecord& robot, Report& report);
 
+// check_inertia.cc: a warning for each body that a robot moves whose mass and inertia no rigid body
+// has, and for each servo so stiff that the timestep cannot follow it.
+void CheckInertia(const mjModel* model, const RobotRecord& robot, const Part& part, Report& report);
+
+// check_pedestals.cc: a warning for each robot that stands beside its pedestal, above it or in it.
+void CheckPedestals(const mjModel* model, const std::vector<RobotRecord>& robots, Report& report);
+
 // check_camera_places.cc: a warning for each camera that a robot's configuration adds or moves and
 // that is far away from the robot at home.
 void CheckCameraPlaces(const mjModel* model, int home_key, const std::vector<RobotRecord>& robots,

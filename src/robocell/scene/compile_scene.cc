@@ -17,11 +17,11 @@
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/decorations.h"
 #include "robocell/scene/entity_order.h"
-#include "robocell/scene/home_key.h"
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
 #include "robocell/scene/pool.h"
 #include "robocell/scene/saved_scene.h"
+#include "robocell/scene/scene_keys.h"
 #include "robocell/scene/spec_tree.h"
 #include "robocell/spec/validate.h"
 
@@ -42,6 +42,12 @@ void CollectNames(const mjSpec* spec, const std::string& prefix, ElementSet& out
 // The engine fears for saved files when a prefix is empty; MakeClassNamesUnique sees to that.
 bool IsAboutEmptyPrefix(const std::string& warning) {
   return warning.find("empty prefix may prevent") != std::string::npos;
+}
+
+// The guards that compiling put in force: `written` is the Jacobian that the spec had before.
+std::vector<std::string> GuardsSince(int written, const mjSpec* spec) {
+  if (spec->option.jacobian == written) return {};
+  return {std::string(kSparseNewton)};
 }
 
 }  // namespace
@@ -75,11 +81,14 @@ class SceneCompiler {
     std::shared_ptr<CompiledScene> scene = SceneCompiler(spec).Run();
     const std::string place = "scene '" + spec.name + "' / " + path;
     SpecPtr saved = ParseXmlFile(path, place);
-    ModelPtr model = Compile(saved.get(), nullptr, place);
+    const int written = saved->option.jacobian;
+    ModelPtr model = Compile(saved.get(), nullptr, place, nullptr, GuardOf(spec));
     CheckSavedNames(scene->model(), model.get(), place);
+    if (scene->engine_guards_.empty()) scene->engine_guards_ = GuardsSince(written, saved.get());
     scene->spec_owner_ = std::move(saved);
     scene->model_owner_ = std::move(model);
     scene->model_ = scene->model_owner_.get();
+    scene->jacobian_ = scene->model_->opt.jacobian;
     scene->home_key_ = mj_name2id(scene->model_, mjOBJ_KEY, "home");
     return scene;
   }
@@ -93,7 +102,7 @@ class SceneCompiler {
       report_.Locate(kBase, spec().locations);
       Part base = LoadBase(report_);
       spec_ = std::move(base.spec);
-      home_ = std::move(base.home);
+      keys_ = std::move(base.keys);
       WarnReplacedOptions(spec_->option, spec(), report_);
     } else {
       spec_ = MakeSpec();
@@ -116,7 +125,7 @@ class SceneCompiler {
     report.Throw(spec().name);
     base.spec = ParseXmlFile(*file, context_ + " / base");
     LabelUnnamed(base.spec.get(), "body");
-    base.home = ReadHomeKey(base.spec.get(), kBase, kBase, *file);
+    base.keys = ReadKeys(base.spec.get(), kBase, kBase, *file);
     DropKeys(base.spec.get());
     MakeAssetPathsAbsolute(base.spec.get(), *file, kBase, kBase, report);
     return base;
@@ -251,7 +260,7 @@ class SceneCompiler {
     const auto at = PlaceIt(object.attach_to, object.pose(), loaded.part.place);
     if (!at) return;
     AttachObject(object, loaded, *at, report_);
-    home_.Merge(loaded.part.home, loaded.prefix);
+    keys_.Merge(loaded.part.keys, loaded.prefix);
   }
 
   void AddRobot(const RobotSpec& robot, const RobotPart& loaded) {
@@ -259,7 +268,7 @@ class SceneCompiler {
     const auto at = PlaceIt(robot.attach_to, robot.pose(), loaded.part.place);
     if (!at) return;
     AttachRobot(robot, loaded, *at, report_);
-    home_.Merge(loaded.part.home, robot.prefix);
+    keys_.Merge(loaded.part.keys, robot.prefix);
   }
 
   void AddSceneCamera(const CameraSpec& camera) {
@@ -282,9 +291,11 @@ class SceneCompiler {
     const std::vector<RobotLimbs> limbs = Limbs();
     AssignActuatorGroups(spec_.get(), limbs, report_);
     report_.Throw(spec().name);
-    mjsKey* key = AddHomeKey(spec_.get());
+    const std::vector<mjsKey*> keys = AddSceneKeys(spec_.get(), keys_.PresetNames());
+    const int written = spec_->option.jacobian;
     try {
-      out_->model_owner_ = Compile(spec_.get(), nullptr, context_, &out_->warnings_);
+      out_->model_owner_ =
+          Compile(spec_.get(), nullptr, context_, &out_->warnings_, GuardOf(spec()));
     } catch (const SpecError& error) {
       report_.Throw(spec().name);  // what is wrong with the options
       TellWhose(error.what());
@@ -292,12 +303,15 @@ class SceneCompiler {
     }
     std::erase_if(out_->warnings_, IsAboutEmptyPrefix);
     mjModel* model = out_->model_ = out_->model_owner_.get();
+    out_->engine_guards_ = GuardsSince(written, spec_.get());
+    out_->jacobian_ = model->opt.jacobian;
+    WarnWrongSolver(spec(), model, report_);
     for (const RobotRecord& robot : out_->robots_) CheckRobot(model, robot, report_);
     CheckGroups(model, out_->robots_, report_);
-    CheckKeyframes(model, home_, out_->robots_, report_);
+    CheckKeyframes(model, keys_, out_->robots_, report_);
     CheckToolPoints(model, out_->robots_, report_);
     FillPool(model);
-    FillHomeKey(model, key, home_, out_->robots_);
+    FillSceneKeys(model, keys, keys_, out_->robots_, report_);
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
     FillVelocityGains(model, out_->home_key_, limbs);
     for (size_t i = 0; i < robots_.size(); ++i) {
@@ -305,8 +319,10 @@ class SceneCompiler {
       CheckServos(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);
       CheckTendons(model, out_->robots_[i], report_);
       CheckScale(model, out_->robots_[i], report_);
+      CheckInertia(model, out_->robots_[i], PartOf(i), report_);
     }
     CheckCameraPlaces(model, out_->home_key_, out_->robots_, report_);
+    CheckPedestals(model, out_->robots_, report_);
     FixVisibleRange(spec_.get(), model);
     out_->spec_owner_ = std::move(spec_);
   }
@@ -322,7 +338,11 @@ class SceneCompiler {
       if (!object.pool->parked) continue;
       PooledObject(model, object, i).Switch(model, true);
       const FreeJointPos place = ParkingPlace(i);
-      home_.qpos[*object.free_joint] = {place.begin(), place.end()};
+      keys_.home.qpos[*object.free_joint] = {place.begin(), place.end()};
+      for (auto& [name, key] : keys_.presets) {
+        key.qpos.erase(*object.free_joint);
+        key.joint_sources.erase(*object.free_joint);
+      }
     }
   }
 
@@ -372,7 +392,7 @@ class SceneCompiler {
   std::shared_ptr<CompiledScene> out_;
   SpecPtr spec_;
   Report report_;
-  PartHome home_;
+  PartKeys keys_;
   std::vector<std::string> robot_names_;
   std::vector<std::optional<ObjectPart>> objects_;
   std::vector<std::optional<RobotPart>> robots_;

@@ -53,12 +53,18 @@ std::shared_ptr<CompiledScene> CompiledScene::Copy() {
   copy->objects_ = objects_;
   copy->warnings_ = warnings_;
   copy->notes_ = notes_;
+  copy->engine_guards_ = engine_guards_;
+  copy->jacobian_ = jacobian_;
   copy->generation_ = NextGeneration();
   copy->home_key_ = home_key_;
   copy->modes_ = modes_;
   copy->sources_ = sources_;
   copy->origin_ = origin_ ? origin_ : shared_from_this();
   return copy;
+}
+
+void CompiledScene::KeepJacobian(const CompiledScene& from) {
+  if (from.model()->opt.jacobian == from.jacobian_) mutable_model()->opt.jacobian = jacobian_;
 }
 
 void CompiledScene::RequireModel() const {

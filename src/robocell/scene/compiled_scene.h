@@ -35,9 +35,13 @@ struct RobotRecord {
   std::optional<std::string> attachment_site;
   std::optional<std::string>
       tcp_site;  // site made for attachment_site * tcp_offset, when both are configured
-  // What the robot stands on, pedestal included: the body made for a mocap, free or planar base or
+  // What the robot stands on, pedestal included: the body made for a base that is not fixed or
   // for a pedestal, else the topmost body of the robot's model. Its subtree is the robot.
   std::string base_body = {};
+
+  // Of a driven base: the mocap body that base_body is welded to, and the weld.
+  std::string base_target() const { return prefix + "base_target"; }
+  std::string base_weld() const { return prefix + "base_weld"; }
 };
 
 // An object of the pool as it is inside of the scene; what is parked has none of it.
@@ -95,6 +99,12 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   const std::vector<std::string>& warnings() const { return warnings_; }
   // What is good to know and needs no change, such as lights of a robot's file that stay behind.
   const std::vector<std::string>& notes() const { return notes_; }
+  // Guards against defects of the engine that the model was compiled with, by their names in
+  // KnownEngineDefects: {"sparse_newton"} when its Jacobian was made dense.
+  const std::vector<std::string>& engine_guards() const { return engine_guards_; }
+  // After the options of another scene's model were copied to this one's: puts the Jacobian back
+  // that was compiled here, unless somebody wrote another one to that model.
+  void KeepJacobian(const CompiledScene& from);
   // Model key with the robots' home positions: qpos0 with each robot's home and the controls that
   // hold it.
   int home_key() const { return home_key_; }
@@ -129,13 +139,14 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   mjModel* model_ = nullptr;
   std::vector<RobotRecord> robots_;
   std::vector<ObjectRecord> objects_;
-  std::vector<std::string> warnings_, notes_;
+  std::vector<std::string> warnings_, notes_, engine_guards_;
   uint64_t generation_ = 0;
   int home_key_ = -1;
   bool frozen_ = false;
   SourceFiles sources_;
   std::shared_ptr<CompiledScene> origin_;  // of a copy
   std::weak_ptr<void> claim_;
+  int jacobian_ = 0;          // opt.jacobian as compiled
   std::optional<int> modes_;  // opt.disableactuator as the first scene found it
 };
 

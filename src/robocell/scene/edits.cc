@@ -97,10 +97,8 @@ class Editor {
     }
   }
 
-  // Keyframes of parts are never kept; of `home` what it says was read.
-  void DeleteKey(const std::string& name) {
-    if (name == "home") part_.home = {};
-  }
+  // What it says was read before the edits.
+  void DeleteKey(const std::string& name) { part_.keys.Remove(name); }
 
   void AddSite() {
     mjsElement* body = Find(*edit_.body, mjOBJ_BODY);
@@ -160,7 +158,7 @@ class Editor {
   }
 
   void Rename(mjsElement* element, const std::string& name) {
-    part_.home.Rename(element->elemtype, SpecName(element), name);
+    part_.keys.Rename(element->elemtype, SpecName(element), name);
     SetSpecName(element, name, place_);
   }
 

@@ -3,26 +3,48 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cstddef>
 
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
 
 namespace robocell {
+namespace {
 
-std::optional<double> FreeRestingCtrl(const mjModel* model, int actuator, double length) {
-  if (!IsPositionServo(model, actuator)) return std::nullopt;
+double Clamped(double value, bool limited, const mjtNum* range) {
+  return limited ? std::clamp(value, range[0], range[1]) + 0.0 : value;  // not -0
+}
+
+double ClampedCtrl(const mjModel* model, int actuator, double ctrl) {
+  const int input = model->actuator_ctrladr[actuator];
+  return Clamped(ctrl, model->actuator_ctrllimited[input], model->actuator_ctrlrange + 2 * input);
+}
+
+// What multiplies the gain: the control, or the activation that comes of it.
+double RestingInput(const mjModel* model, int actuator, double length) {
   const mjtNum* bias = model->actuator_biasprm + mjNBIAS * actuator;
   const mjtNum gain = model->actuator_gainprm[mjNGAIN * actuator];
   // The quotients first: 1 and 0 for a plain servo, whose control is then the length to the bit.
-  return -bias[1] / gain * length - bias[0] / gain + 0.0;  // not -0
+  return -bias[1] / gain * length - bias[0] / gain + 0.0;
+}
+
+// One activation, the integral of the control.
+bool IsIntegrated(const mjModel* model, int actuator) {
+  return model->actuator_dyntype[actuator] == mjDYN_INTEGRATOR &&
+         model->actuator_actnum[actuator] == 1 &&
+         ActuatorForceKind(model, actuator) == CtrlMode::kPosition;
+}
+
+}  // namespace
+
+std::optional<double> FreeRestingCtrl(const mjModel* model, int actuator, double length) {
+  if (!IsPositionServo(model, actuator)) return std::nullopt;
+  return RestingInput(model, actuator, length);
 }
 
 std::optional<double> RestingCtrl(const mjModel* model, int actuator, double length) {
   std::optional<double> ctrl = FreeRestingCtrl(model, actuator, length);
-  const int input = model->actuator_ctrladr[actuator];
-  const mjtNum* range = model->actuator_ctrlrange + 2 * input;
-  if (ctrl && model->actuator_ctrllimited[input])
-    ctrl = std::clamp(*ctrl, range[0], range[1]) + 0.0;
+  if (ctrl) ctrl = ClampedCtrl(model, actuator, *ctrl);
   return ctrl;
 }
 
@@ -41,11 +63,33 @@ void SettleFilter(const mjModel* model, mjData* data, int actuator, double ctrl)
   if (activation >= 0) data->act[activation] = ctrl;
 }
 
+std::optional<HoldingInputs> FindHoldingInputs(const mjModel* model, const mjData* data,
+                                               int actuator) {
+  const double length = data->actuator_length[model->actuator_outadr[actuator]];
+  if (IsIntegrated(model, actuator)) {
+    const double act =
+        Clamped(RestingInput(model, actuator, length), model->actuator_actlimited[actuator],
+                model->actuator_actrange + 2 * static_cast<ptrdiff_t>(actuator));
+    return HoldingInputs{ClampedCtrl(model, actuator, 0), act};
+  }
+  const std::optional<double> ctrl = RestingCtrl(model, actuator, length);
+  if (!ctrl) return std::nullopt;
+  const bool has_act = IsFiltered(model, actuator) && model->actuator_actadr[actuator] >= 0;
+  return HoldingInputs{*ctrl, has_act ? ctrl : std::nullopt};
+}
+
+double RestingLength(const mjModel* model, int actuator, const HoldingInputs& inputs) {
+  const mjtNum* bias = model->actuator_biasprm + mjNBIAS * actuator;
+  const mjtNum gain = model->actuator_gainprm[mjNGAIN * actuator];
+  const double input = IsIntegrated(model, actuator) ? inputs.act.value_or(0) : inputs.ctrl;
+  return -(gain * input + bias[0]) / bias[1];
+}
+
 void Hold(const mjModel* model, mjData* data, int actuator) {
-  const auto ctrl = HoldingCtrl(model, data, actuator);
-  if (!ctrl) return;
-  data->ctrl[model->actuator_ctrladr[actuator]] = *ctrl;
-  SettleFilter(model, data, actuator, *ctrl);
+  const auto inputs = FindHoldingInputs(model, data, actuator);
+  if (!inputs) return;
+  data->ctrl[model->actuator_ctrladr[actuator]] = inputs->ctrl;
+  if (inputs->act) data->act[model->actuator_actadr[actuator]] = *inputs->act;
 }
 
 void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,

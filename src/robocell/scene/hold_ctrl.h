@@ -30,7 +30,22 @@ std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int 
 // Leaves other actuators alone.
 void SettleFilter(const mjModel* model, mjData* data, int actuator, double ctrl);
 
-// Sets it, with the activation of a filtered servo. Leaves other actuators alone.
+// What keeps an actuator at rest where it is. A servo that integrates its control (intvelocity)
+// holds by its activation, at control 0; a filtered one has the same number in both.
+struct HoldingInputs {
+  double ctrl = 0;
+  std::optional<double> act = {};  // of actuators with an activation
+};
+
+// Nothing for actuators that hold no position: motors, velocity servos, muscles, several inputs.
+// Clamped to the ranges of control and activation. Lengths must be up to date (position stage).
+std::optional<HoldingInputs> FindHoldingInputs(const mjModel* model, const mjData* data,
+                                               int actuator);
+
+// The length at which it would rest with these inputs. For actuators with HoldingInputs.
+double RestingLength(const mjModel* model, int actuator, const HoldingInputs& inputs);
+
+// Sets them. Leaves other actuators alone.
 void Hold(const mjModel* model, mjData* data, int actuator);
 
 // Marks the degrees of freedom (nv) of a group's joints.

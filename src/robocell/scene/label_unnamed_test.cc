@@ -158,7 +158,7 @@ TEST_F(LabelUnnamed, ActuatorsOfEditsAreToldApart) {
                              "edits[0]: the model: no joint 'j2'. Its joints: j1, elbow:joint0");
   ExpectThrow<SpecError>(
       [&] { Config("edits: [{actuator: {body: elbow, index: 0}, name: x}]\n"); },
-      "edits[0].actuator: is given element 0 of body 'elbow'; write the actuator's name, or "
+      "(edits[0]).actuator: is given element 0 of body 'elbow'; write the actuator's name, or "
       "{joint: name}, the joint that it acts on (likewise tendon, site, body)");
 }
 

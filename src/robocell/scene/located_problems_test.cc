@@ -136,10 +136,11 @@ TEST_F(Located, WhereARobotStandsIsNotInItsFile) {
 TEST_F(Located, ACameraThatIsThereTwice) {
   const std::string eye = "  - {name: eye, pos: [0, 0, 0], fovy: 45, attach_to: {body: base}}\n";
   const std::string twice = RobotFile("cameras:\n" + eye + eye);
-  ExpectThrow<SpecError>([&] { BuildRobot(twice); },
-                         twice +
-                             ":5:5: cameras[1]: name 'eye' is also that of cameras[0]; each "
-                             "needs its own");
+  ExpectThrow<SpecError>(
+      [&] { BuildRobot(twice); },
+      twice +
+          ":5:5: camera 'eye' (cameras[1]): name 'eye' is also that of cameras[0]; each "
+          "needs its own");
   const std::string in_model = RobotFile(
       "edits: [{add_camera: eye, body: base, pos: [0, 0, 1]}]\n"
       "cameras:\n" +

@@ -36,6 +36,12 @@ int Engine(Solver solver) {
   return solver == Solver::kPgs ? mjSOL_PGS : solver == Solver::kCg ? mjSOL_CG : mjSOL_NEWTON;
 }
 
+int Engine(JacobianKind jacobian) {
+  return jacobian == JacobianKind::kDense    ? mjJAC_DENSE
+         : jacobian == JacobianKind::kSparse ? mjJAC_SPARSE
+                                             : mjJAC_AUTO;
+}
+
 std::vector<std::string> FlagNames(std::span<const char* const> names) {
   std::vector<std::string> out(names.begin(), names.end());
   for (std::string& name : out) std::transform(name.begin(), name.end(), name.begin(), ::tolower);
@@ -68,6 +74,7 @@ void ApplySolverOptions(const SimOptions& options, mjOption& engine) {
   engine.cone = Engine(options.cone);
   engine.impratio = options.impratio;
   if (options.solver) engine.solver = Engine(*options.solver);
+  if (options.jacobian) engine.jacobian = Engine(*options.jacobian);
   Set(engine.iterations, options.iterations);
   Set(engine.tolerance, options.tolerance);
   Set(engine.ls_iterations, options.ls_iterations);
@@ -168,6 +175,17 @@ void ApplyOptions(const SceneSpec& scene, mjSpec* spec, Report& report) {
   const std::string problem = TimestepProblem(spec->option.timestep, 1);
   if (!problem.empty()) report.Problem("base", "<option timestep>: " + problem, "base");
   std::copy(scene.gravity.begin(), scene.gravity.end(), spec->option.gravity);
+}
+
+JacobianGuard GuardOf(const SceneSpec& scene) {
+  return scene.options.jacobian ? JacobianGuard::kOff : JacobianGuard::kOn;
+}
+
+void WarnWrongSolver(const SceneSpec& scene, const mjModel* model, Report& report) {
+  if (!scene.options.jacobian || !NeedsJacobianGuard(model)) return;
+  report.Warn("", fmt::format("options.jacobian: {} with MuJoCo {} and {} degrees of freedom can "
+                              "give wrong accelerations; leave it unset, or use cg as the solver",
+                              ToString(*scene.options.jacobian), mj_versionString(), model->nv));
 }
 
 void WarnOtherOptions(const mjOption& part, const SimOptions& scene, const std::string& place,

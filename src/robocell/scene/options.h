@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "robocell/mujoco/engine_defects.h"
 #include "robocell/mujoco/forward.h"
 #include "robocell/scene/report.h"
 #include "robocell/spec/scene_spec.h"
@@ -15,6 +16,12 @@ namespace robocell {
 // Sets options, timestep (unless unset) and gravity of the scene. Names of flags that do not exist
 // are problems.
 void ApplyOptions(const SceneSpec& scene, mjSpec* spec, Report& report);
+
+// Whether compiling may replace a sparse Jacobian: not when the scene says which it wants.
+JacobianGuard GuardOf(const SceneSpec& scene);
+
+// Warns when the scene insists on a solver that this engine is known to be wrong with.
+void WarnWrongSolver(const SceneSpec& scene, const mjModel* model, Report& report);
 
 // Warns about integrator, cone, impratio, solver and the like that a part asks for and does not
 // get.

@@ -151,7 +151,8 @@ std::optional<Part> LoadPart(const std::string& name, const std::string& directo
   CheckHomeKeyLength(part, report);
   CheckHomeKeyControls(part, report);
   if (report.problem_count() > before) return std::nullopt;
-  part.home = ReadHomeKey(part.spec.get(), place, field, *file);
+  part.keys = ReadKeys(part.spec.get(), place, field, *file);
+  CheckPresetSizes(part, report);
   part.other_keys = OtherKeys(part);
   DropKeys(part.spec.get());
   if (!MakeAssetPathsAbsolute(part.spec.get(), *file, place, field, report)) return std::nullopt;

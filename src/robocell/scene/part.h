@@ -5,12 +5,12 @@
 
 #include <mujoco/mjtype.h>
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "robocell/mujoco/owners.h"
+#include "robocell/scene/part_keys.h"
 #include "robocell/scene/report.h"
 #include "robocell/spec/sim_options.h"
 
@@ -18,25 +18,6 @@ struct mjsBody_;
 typedef struct mjsBody_ mjsBody;
 
 namespace robocell {
-
-// What a part's keyframe `home` says, by name.
-struct PartHome {
-  // Where the value of a joint is written, for messages.
-  struct Source {
-    std::string place;  // "robot 'left'"
-    std::string field;  // of its spec: the one that names the file
-    std::string file;
-    std::string joint;  // as the file has it
-  };
-  std::map<std::string, std::vector<double>> qpos;  // joint -> its 1, 4 or 7 numbers
-  std::map<std::string, std::vector<double>> ctrl;  // actuator -> its controls
-  std::map<std::string, Source> sources;            // joint -> where its numbers stand
-
-  // What belongs to a joint or actuator goes with its new name.
-  void Rename(mjtObj kind, const std::string& from, const std::string& to);
-  // The same with a prefix on every name; entries that are there already win.
-  void Merge(const PartHome& other, const std::string& prefix);
-};
 
 struct Part {
   // A tool that became part of it, and what its names begin with there.
@@ -47,7 +28,7 @@ struct Part {
   std::string field;  // of its spec: the one that names the file
   std::string file;
   SpecPtr spec;
-  PartHome home;
+  PartKeys keys;
   std::string other_keys = {};  // what to say of keyframes that are called otherwise; may be empty
   std::vector<Tool> tools = {};
 };
@@ -77,16 +58,6 @@ mjsBody* ChooseRoot(const Part& part, const std::optional<std::string>& root_bod
 // are one entry in the report; false then.
 bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::string& place,
                             const std::string& field, Report& report);
-// The joints in the order of qpos, and how many numbers each has there.
-struct JointPositions {
-  std::string name;
-  int count = 1;
-};
-std::vector<JointPositions> PositionsInOrder(mjSpec* spec);
-// `place`, `field` and `file` are kept as the source of what is found.
-PartHome ReadHomeKey(mjSpec* spec, const std::string& place, const std::string& field,
-                     const std::string& file);
-void DropKeys(mjSpec* spec);
 
 // Attaches with AttachBody, and reports what the engine left out because it refers to something
 // that is not below `root`.

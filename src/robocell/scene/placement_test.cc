@@ -5,6 +5,8 @@
 #include <mujoco/mujoco.h>
 
 #include <numbers>
+#include <optional>
+#include <tuple>
 #include <Eigen/Geometry>
 
 #include "robocell/base/error.h"
@@ -117,6 +119,69 @@ TEST(Placement, RobotsStandAtParentTimesPoseTimesAuthoredPoseOnEveryBase) {
       EXPECT_SAME_POSE(scene.body_pose("r_mocap_base"), bottom);
     }
   }
+}
+
+// The arm of ALOHA: its file has it beside the origin, at the edge of a table.
+constexpr const char* kAside = R"(<worldbody><body name="base" pos="-.469 -.019 {}" euler="0 0 90">
+  <geom type="box" size=".05 .05 .02" pos="0 0 .02"/>
+  <body name="link" pos="0 0 .1"><joint name="j"/><geom type="box" size=".02 .02 .1" mass="1"/></body>
+</body></worldbody>)";
+
+RobotSpec AsideOnAPedestal(ModelFolder& folder, double height) {
+  RobotSpec robot{.prefix = "r_",
+                  .base = BaseConfig{.kind = BaseKind::kMocap, .size = Vec3{0.2, 0.2, 0.3}}};
+  robot.config = RobotConfig{
+      .name = "r", .model = folder.Write("aside", fmt::format(fmt::runtime(kAside), height))};
+  return robot;
+}
+
+SceneSpec WithRobot(const RobotSpec& robot) {
+  SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = false};
+  spec.robots.push_back(robot);
+  return spec;
+}
+
+TEST(Placement, ARobotOffItsOriginStandsInTheMiddleOfItsPedestal) {
+  ModelFolder folder;
+  RobotSpec robot = AsideOnAPedestal(folder, 0);
+  const Pose turned = Pose::FromRpy({0, 0, 0}, {0, 0, std::numbers::pi / 2});
+  const Pose middle(Eigen::Vector3d(0, 0, 0.3)), aside(Eigen::Vector3d(-.469, -.019, 0.3));
+  for (const auto& [of_robot, of_config, expected] :
+       {std::tuple<std::optional<bool>, std::optional<bool>, Pose>{{}, {}, middle * turned},
+        {{}, false, aside * turned},
+        {{}, true, middle},
+        {true, false, middle},
+        {false, true, aside * turned}}) {
+    robot.reset_root_pose = of_robot;
+    robot.config->reset_root_pose = of_config;
+    EXPECT_SAME_POSE(Scene::Build(WithRobot(robot)).body_pose("r_base"), expected);
+  }
+  robot.reset_root_pose = robot.config->reset_root_pose = std::nullopt;
+  robot.base->size.reset();
+  EXPECT_SAME_POSE(Scene::Build(WithRobot(robot)).body_pose("r_base"),
+                   Pose(Eigen::Vector3d(-.469, -.019, 0)) * turned)
+      << "without a pedestal it is where its file has it";
+}
+
+TEST(Placement, WarnsOfARobotThatStandsBesideAboveOrInItsPedestal) {
+  ModelFolder folder;
+  const auto warnings = [&](double height, std::optional<bool> reset) {
+    RobotSpec robot = AsideOnAPedestal(folder, height);
+    robot.config->reset_root_pose = reset;
+    return Scene::Build(WithRobot(robot)).compiled()->warnings();
+  };
+  using ::testing::ElementsAre;
+  using ::testing::HasSubstr;
+  EXPECT_THAT(warnings(0, {}), ::testing::IsEmpty());
+  EXPECT_THAT(warnings(0.02, true), ::testing::IsEmpty());
+  EXPECT_THAT(warnings(0.02, {}), ElementsAre(HasSubstr("'base' is 0.020 m above its pedestal")));
+  EXPECT_THAT(warnings(-0.03, {}),
+              ElementsAre(HasSubstr("'base' stands 0.030 m deep in its pedestal")));
+  EXPECT_THAT(
+      warnings(0, false),
+      ElementsAre(HasSubstr("robot 'r': 'base' stands 0.319 m beside its pedestal, because of "
+                            "the pose that the model's file gives it. Write "
+                            "`reset_root_pose: true` in the robot file")));
 }
 
 TEST(Placement, ObjectsAndCamerasStandAtParentTimesPose) {
@@ -257,7 +322,7 @@ TEST(Placement, AMocapBaseMovesItsRobot) {
   Scene scene = Scene::Build(spec);
   scene.SetBodyPose("mocap_base", Pose::FromRpy({1, 2, 0}, {0, 0, 1}));
   EXPECT_SAME_POSE(scene.body_pose("base"),
-                   Pose::FromRpy({1, 2, 0}, {0, 0, 1}) * Pose(Eigen::Vector3d(0.1, 0.2, 0.8)));
+                   Pose::FromRpy({1, 2, 0}, {0, 0, 1}) * Pose(Eigen::Vector3d(0, 0, 0.8)));
 }
 
 TEST(Placement, APedestalTouchesNothingThatIsStatic) {  // the engine's rule: base placement must

@@ -177,7 +177,7 @@ TEST_P(RandomCells, EveryNameResolves) {
     const Pose place = scenes_.Parent(spec_, robot.attach_to) * robot.pose();
     EXPECT_POSE(
         scene.body_pose(robot.prefix + ElementNames(RandomScenes::Alone(file), mjOBJ_BODY)[1]),
-        robot.reset_root_pose ? place : place * RandomScenes::RootPose(file));
+        robot.reset_root_pose.value_or(false) ? place : place * RandomScenes::RootPose(file));
     for (const AttachmentSpec& tool : robot.attachments) {
       ExpectElementsOf(scene, tool.mjcf_path, robot.prefix + tool.prefix);
       const std::string root = ElementNames(RandomScenes::Alone(tool.mjcf_path), mjOBJ_BODY)[1];

@@ -3,19 +3,14 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell {
 namespace {
 
 constexpr float kPedestalColour[4] = {0.32f, 0.33f, 0.36f, 1.0f};
-
-bool HasFreeJoint(mjsBody* body) {
-  for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT)) {
-    if (mjs_asJoint(joint)->type == mjJNT_FREE) return true;
-  }
-  return false;
-}
 
 void AddPedestal(mjsBody* body, const Vec3& size, const std::string& prefix,
                  const std::string& place) {
@@ -42,6 +37,40 @@ void AddPlanarJoints(mjsBody* body, const std::string& prefix, const std::string
   }
 }
 
+// The weld is so stiff that a base sags by less than 0.1 mm under a hand and its load: at rest the
+// engine lets it give way by (1 - d) / d of the load over the stiffness 1 / (d t)^2.
+constexpr double kWeldTime = 0.01;        // t, seconds
+constexpr double kWeldImpedance = 0.999;  // d
+
+// For a weld the engine weighs the body that it holds. A body that has no mass itself counts as if
+// it had next to none, whatever hangs on it, and would sag by centimetres.
+void AddMass(mjsBody* body) {
+  body->explicitinertial = 1;
+  std::fill_n(body->ipos, 3, 0.0);  // without a place the engine takes none of this
+  body->mass = 1e-3;
+  std::fill_n(body->inertia, 3, 1e-6);
+}
+
+// What moves the base body: a mocap body at the same place.
+void AddTarget(mjsBody* world, const std::string& base, const Pose& pose, const RobotRecord& robot,
+               const std::string& place) {
+  mjsBody* target = mjs_addBody(world, nullptr);
+  SetSpecName(target->element, robot.base_target(), place);
+  SetPose(target, pose);
+  target->mocap = true;
+  mjsEquality* weld = mjs_addEquality(mjs_getSpec(world->element), nullptr);
+  SetSpecName(weld->element, robot.base_weld(), place);
+  weld->type = mjEQ_WELD;
+  weld->objtype = mjOBJ_BODY;
+  mjs_setString(weld->name1, robot.base_target().c_str());
+  mjs_setString(weld->name2, base.c_str());
+  std::fill_n(weld->data, mjNEQDATA, 0.0);  // anchored at the origin
+  weld->data[6] = 1;                        // the relative pose is the identity
+  weld->data[10] = 1;                       // angles count like metres
+  weld->solref[0] = kWeldTime;
+  weld->solimp[0] = weld->solimp[1] = kWeldImpedance;
+}
+
 }  // namespace
 
 std::optional<std::string> BaseBodyName(const BaseConfig& base, const std::string& prefix) {
@@ -56,7 +85,7 @@ void SettleBase(RobotPart& robot, Report& report) {
   if (record.base.kind == BaseKind::kMocap) record.mocap_body = made;
   const std::string top = SpecName(robot.top->element);
   record.base_body = made ? *made : top.empty() ? record.root_body : record.prefix + top;
-  if (!HasFreeJoint(robot.top)) return;
+  if (!FreeJointOf(robot.top)) return;
   if (made) {
     report.Problem(
         robot.part.place,
@@ -72,7 +101,7 @@ std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded
                                  const Placement& placement, Report& report) {
   const BaseConfig& base = loaded.record.base;
   const std::string& place = loaded.part.place;
-  const bool free_root = HasFreeJoint(loaded.top);
+  const bool free_root = FreeJointOf(loaded.top) != nullptr;
   const auto name = free_root ? std::nullopt : BaseBodyName(base, robot.prefix);
   std::optional<Placement> at = placement;
   if (base.kind != BaseKind::kFixed) {
@@ -84,9 +113,11 @@ std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded
   SetSpecName(body->element, *name, place);
   SetPose(body, at->pose);
   body->mocap = base.kind == BaseKind::kMocap;
-  if (base.kind == BaseKind::kFree)
+  if (base.kind == BaseKind::kDriven) AddTarget(at->parent, *name, at->pose, loaded.record, place);
+  if (base.kind == BaseKind::kFree || base.kind == BaseKind::kDriven)
     SetSpecName(mjs_addFreeJoint(body)->element, robot.prefix + "base_free", place);
   if (base.kind == BaseKind::kPlanar) AddPlanarJoints(body, robot.prefix, place);
+  if (base.kind == BaseKind::kDriven && !base.size) AddMass(body);
   if (base.size) AddPedestal(body, *base.size, robot.prefix, place);
   return Placement{body, Pose(Eigen::Vector3d(0, 0, loaded.record.pedestal_height))};
 }

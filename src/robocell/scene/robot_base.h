@@ -1,9 +1,11 @@
 // Private to scene: what a robot stands on. A base body `<prefix><kind>_base` is made for mocap,
-// free and planar bases and for every pedestal; its origin is the pedestal's bottom, the robot's
-// root hangs at the pedestal's top.
+// free, planar and driven bases and for every pedestal; its origin is the pedestal's bottom, the
+// robot's root hangs at the pedestal's top.
 //   mocap   a mocap body of the world
 //   free    with the free joint <prefix>base_free
 //   planar  with the joints <prefix>base_x, <prefix>base_y, <prefix>base_yaw; nothing drives them
+//   driven  with the free joint <prefix>base_free, welded (<prefix>base_weld) to the mocap body
+//           <prefix>base_target, which has no geoms and starts at the base
 #pragma once
 
 #include "robocell/scene/add_robot.h"

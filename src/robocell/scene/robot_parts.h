@@ -13,7 +13,7 @@ namespace robocell {
 // edits.cc
 void ApplyEdits(const RobotConfig& config, Part& robot, Report& report);
 
-// attachments.cc: mounts tools one after the other; their home keys join the robot's. `locations`
+// attachments.cc: mounts tools one after the other; their keyframes join the robot's. `locations`
 // and `directory` are those of the spec that lists them.
 void AddAttachments(const List<AttachmentSpec>& attachments, const Locations& locations,
                     const std::string& directory, Part& robot, const SceneSpec& scene,

@@ -24,6 +24,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "robocell/base/rng.h"
@@ -40,10 +41,15 @@ class PooledObject;
 // Bodies by name, each with a pose in the world.
 using BodyPoses = std::vector<std::pair<std::string, Pose>>;
 
+// A keyframe of the scene: its number, its full name ("left_retract", with the prefix of its part),
+// or, for robots and objects by their names, the keyframes of their own models:
+// {{"left", "retract"}, {"right", "ready"}}. What is not named there is at home.
+using KeyframeChoice = std::variant<int, std::string, std::map<std::string, std::string>>;
+
 struct ResetOptions {
-  std::optional<int> keyframe = {};   // unset: the scene's home key
-  bool use_keyframe = true;           // false: the model's default configuration
-  std::optional<uint64_t> seed = {};  // for home_noise; unset: no noise
+  std::optional<KeyframeChoice> keyframe = {};  // unset: the scene's home key
+  bool use_keyframe = true;                     // false: the model's default configuration
+  std::optional<uint64_t> seed = {};            // for home_noise; unset: no noise
   // Free and mocap bodies that start elsewhere, at rest, whatever hooks do to them. Moved one by
   // one after the reset, each costs a Forward() more.
   BodyPoses body_poses = {};
@@ -51,7 +57,7 @@ struct ResetOptions {
 
 struct ResetInfo {
   bool used_keyframe = false;
-  int keyframe = -1;
+  int keyframe = -1;  // its number; home's when robots were given keyframes of their own
 };
 
 // What a reset hook gets. It may write the state; ports are re-seeded from what it leaves.
@@ -138,6 +144,9 @@ class Scene {
   // Forward. The trajectory after a reset does not depend on what was before. A body that is not
   // there or cannot be moved is an error before anything changes.
   ResetInfo Reset(const ResetOptions& options = {});
+  // Names of the keyframes by their numbers: "home", then those of the parts' own models, each with
+  // its part's prefix.
+  std::vector<std::string> keyframes() const;
   int AddResetHook(ResetHook hook);
   void RemoveResetHook(int id);
   void ClearResetHooks();

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kSuffix = ".scene";
 // Another one when the same spec compiles to another model than before.
-constexpr const char* kLayout = "7";
+constexpr const char* kLayout = "8";
 
 // Nothing when it is not there, another process has just pruned it, or it cannot be read. (Copied,
 // not mapped: a disk that fails or a machine that prunes a shared folder would end the process.)
@@ -88,10 +88,10 @@ class SceneCacheEntry {
  public:
   static std::string Write(const CompiledScene& scene) {
     const nlohmann::json head = {
-        {"robots", ToJson(scene.robots())}, {"objects", ToJson(scene.objects())},
-        {"warnings", scene.warnings()},     {"notes", scene.notes()},
-        {"home_key", scene.home_key()},     {"signature", scene.model()->signature},
-        {"places", PlacesOf(scene.spec())}};
+        {"robots", ToJson(scene.robots())},       {"objects", ToJson(scene.objects())},
+        {"warnings", scene.warnings()},           {"notes", scene.notes()},
+        {"engine_guards", scene.engine_guards()}, {"home_key", scene.home_key()},
+        {"signature", scene.model()->signature},  {"places", PlacesOf(scene.spec())}};
     const std::string rest = head.dump() + "\n" + SaveBinaryString(scene.model());
     return Fingerprint(rest) + "\n" + rest;
   }
@@ -115,8 +115,13 @@ class SceneCacheEntry {
     head.at("warnings").get_to(scene->warnings_);
     head.at("notes").get_to(scene->notes_);
     head.at("home_key").get_to(scene->home_key_);
-    scene->model_owner_ = LoadBinaryString(text, "scene '" + spec.name + "'");
+    head.at("engine_guards").get_to(scene->engine_guards_);
+    const std::string context = "scene '" + spec.name + "'";
+    // It was guarded, or not, when it was compiled.
+    scene->model_owner_ = LoadBinaryString(text, context, JacobianGuard::kOff);
     scene->model_ = scene->model_owner_.get();
+    scene->jacobian_ = scene->model_->opt.jacobian;
+    if (!scene->engine_guards_.empty()) LogJacobianGuard(scene->model_, context);
     // The engine saves a model without it, and asks for it where a spec and a model meet.
     head.at("signature").get_to(scene->model_->signature);
     scene->generation_ = CompiledScene::NextGeneration();

@@ -66,7 +66,8 @@ class Writable {
       mju_copy4(body->iquat, model->body_iquat + 4 * id);
       mju_copy3(body->inertia, model->body_inertia + 3 * id);
     }
-    Compile(spec_, nullptr, context);  // what is written is what was compiled
+    Compile(spec_, nullptr, context, nullptr,
+            JacobianGuard::kOff);  // what is written is what was compiled
   }
   mjSpec* get() const { return spec_; }
 
@@ -87,6 +88,7 @@ std::shared_ptr<CompiledScene> Scene::State::WithoutPool() {
   for (SceneObject& object : spec.objects) object.parked.reset();
   std::shared_ptr<CompiledScene> there = CompileScene(spec);
   CarryModel(ElementMatch(model(), there->model()), there->mutable_model());
+  there->KeepJacobian(*compiled);
   return there;
 }
 

@@ -111,6 +111,18 @@ void Scene::State::PutBody(int body, const Pose& pose_in_world) {
     MoveMocapBody(data.data, mocap, pose_in_world);
   } else {
     MoveFreeBody(model(), data.data, body, pose_in_world);
+    MoveBaseTarget(body, pose_in_world);
+  }
+}
+
+// A driven base stays where it is put only if what it is welded to goes there too.
+void Scene::State::MoveBaseTarget(int body, const Pose& pose_in_world) {
+  for (const RobotRecord& robot : compiled->robots()) {
+    if (robot.base.kind != BaseKind::kDriven ||
+        FindId(model(), mjOBJ_BODY, robot.base_body) != body)
+      continue;
+    const int target = FindId(model(), mjOBJ_BODY, robot.base_target());
+    if (target >= 0) MoveMocapBody(data.data, model()->body_mocapid[target], pose_in_world);
   }
 }
 

@@ -122,6 +122,7 @@ void Scene::Rebuild(const SceneSpec& spec) {
   std::shared_ptr<void> claim = compiled->Claim();
   const ElementMatch match(s.model(), compiled->model());
   CarryModel(match, compiled->mutable_model());
+  compiled->KeepJacobian(*s.compiled);
   DataHandle data = s.factory(*compiled);
   // What is new starts as after a reset.
   Guarded(s.context, data.data, [&, m = compiled->model(), key = compiled->home_key()] {

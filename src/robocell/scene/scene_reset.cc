@@ -14,21 +14,11 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/scene/hold_ctrl.h"
+#include "robocell/scene/reset_keys.h"
 #include "robocell/scene/scene_state.h"
 
 namespace robocell {
 namespace {
-
-void Restore(const mjModel* model, mjData* data, const ResetInfo& info,
-             const std::string& context) {
-  Guarded(context, data, [&] {
-    if (info.used_keyframe) {
-      mj_resetDataKeyframe(model, data, info.keyframe);
-    } else {
-      mj_resetData(model, data);
-    }
-  });
-}
 
 void AddNoise(const mjModel* model, mjData* data, int joint, double noise, Rng& rng) {
   const double offset =
@@ -134,16 +124,15 @@ ResetInfo Scene::Reset(const ResetOptions& options) {
 
 ResetInfo Scene::State::RestoreStart(Scene& scene, const ResetOptions& options) {
   ResetInfo info;
+  StartKeys keys;
   if (options.use_keyframe) {
-    info = {true, options.keyframe.value_or(compiled->home_key())};
-    if (info.keyframe < 0 || info.keyframe >= model()->nkey) {
-      throw ArgumentError(context + ": there is no keyframe " + std::to_string(info.keyframe) +
-                          "; the scene has " + std::to_string(model()->nkey));
-    }
+    keys = FindStartKeys(*compiled, options.keyframe, context);
+    info = {true, keys.start};
   }
-  Restore(model(), data.data, info, context);
+  RestoreKeys(model(), data.data, keys, context);
   ResetPool();
-  std::vector<bool> moved(static_cast<size_t>(model()->nv));
+  // The default configuration has controls of 0, which hold nothing but joints at 0.
+  std::vector<bool> moved(static_cast<size_t>(model()->nv), !info.used_keyframe);
   if (options.seed) ApplyHomeNoise(*compiled, data.data, *options.seed, moved);
   PutBodies(options.body_poses);
   poses_at = -1;
@@ -186,6 +175,10 @@ void Scene::State::FinishReset(Scene& scene) {
   scene.Forward();
   tell(&SceneObserver::OnResetDone);
   if (failed) std::rethrow_exception(failed);
+}
+
+std::vector<std::string> Scene::keyframes() const {
+  return ElementNames(open().model(), mjOBJ_KEY);
 }
 
 const std::map<int, ResetHook>& Scene::reset_hooks() const { return state_->hooks; }

@@ -54,6 +54,7 @@ struct Scene::State {
   int RequireMovable(const std::string& body, bool after_reset = false) const;
   // What RequireMovable gave, at rest; poses are not brought up to date.
   void PutBody(int body, const Pose& pose_in_world);
+  void MoveBaseTarget(int body, const Pose& pose_in_world);
   // Those that are there: a hook that ended a reset with an error may have removed some before.
   void PutBodies(const BodyPoses& poses);
   // The parts of a reset: the state with the home noise and the bodies' poses; what hooks do to it;

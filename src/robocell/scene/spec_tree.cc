@@ -156,6 +156,13 @@ Pose PoseInWorld(mjsElement* element) {
   return pose;
 }
 
+mjsElement* FreeJointOf(mjsBody* body) {
+  for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT)) {
+    if (mjs_asJoint(joint)->type == mjJNT_FREE) return joint;
+  }
+  return nullptr;
+}
+
 bool IsStatic(mjsBody* body) {
   for (; body; body = mjs_getParent(body->element)) {
     if (body->mocap || mjs_firstChild(body, mjOBJ_JOINT, 0)) return false;

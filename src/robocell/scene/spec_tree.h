@@ -28,6 +28,8 @@ std::string DescribeSpecElement(mjsElement* element);
 void SetSpecName(mjsElement* element, const std::string& name, const std::string& context);
 // Elements of a kind directly in a body, or in its whole subtree.
 std::vector<mjsElement*> BodyElements(mjsBody* body, mjtObj kind, bool whole_subtree = false);
+// The body's own free joint; null without one.
+mjsElement* FreeJointOf(mjsBody* body);
 
 // What an actuator with this transmission names as its target; mjOBJ_UNKNOWN for none of ours.
 mjtObj TargetKind(mjtTrn transmission);

@@ -39,6 +39,8 @@ struct AttachmentSpec {
       "Drop the pose authored on the attached model's root instead of composing with it.");
   }
   Pose pose() const { return PlacementPose(pos, euler, quat); }
+  // It is called by its prefix, without one by its file, as scenes do.
+  std::string Label() const { return LabelOf("attachment", prefix.empty() ? mjcf_path : prefix); }
   void Validate(Problems& problems) const;
 };
 

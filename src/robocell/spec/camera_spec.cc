@@ -51,8 +51,11 @@ void CameraSpec::Validate(Problems& problems) const {
 }
 
 void CameraConfig::Validate(Problems& problems) const {
-  CheckNotEmpty(camera, "camera", "which camera of the robot or scene the images come from",
-                problems);
+  if (!camera.empty() && !follow.empty())
+    problems.AddAt("follow", "the stream has a camera; leave one of the two out");
+  if (follow.empty())
+    CheckNotEmpty(camera, "camera", "which camera of the robot or scene the images come from",
+                  problems);
   if (!rgb && !depth && !segmentation)
     problems.Add("takes no images: set rgb, depth or segmentation");
 }

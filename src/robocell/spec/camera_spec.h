@@ -45,6 +45,7 @@ struct CameraSpec {
   }
   // Pose in the parent. Requires a valid spec.
   Pose pose() const;
+  std::string Label() const { return LabelOf("camera", name); }
   void Validate(Problems& problems) const;
 };
 
@@ -52,6 +53,7 @@ struct CameraSpec {
 struct CameraConfig {
   std::string name = {};
   std::string camera = {};
+  std::string follow = {};
   std::optional<int> width = {};
   std::optional<int> height = {};
   double rate = 0;
@@ -64,7 +66,11 @@ struct CameraConfig {
   static void Fields(V&& v) {
     v("name", &CameraConfig::name, "Name of the stream in observations and records.");
     v("camera", &CameraConfig::camera,
-      "Name of the camera: of the robot (without its prefix) or of the scene.");
+      "Name of the camera: of the robot (without its prefix) or of the scene. `Free` is the "
+      "viewer's first view of the whole model, unless a camera has that name.");
+    v("follow", &CameraConfig::follow,
+      "Body of the scene that the view keeps in its middle, from 2 m away and 45 degrees above, "
+      "wherever it goes; in the place of `camera`.");
     v("width", &CameraConfig::width, "Pixels; the camera system's resolution unless set.",
       Check::kPositive);
     v("height", &CameraConfig::height, "Pixels; the camera system's resolution unless set.",
@@ -75,6 +81,7 @@ struct CameraConfig {
     v("depth", &CameraConfig::depth, "Take depth images.");
     v("segmentation", &CameraConfig::segmentation, "Take body-id images.");
   }
+  std::string Label() const { return LabelOf("stream", name); }
   void Validate(Problems& problems) const;
 };
 

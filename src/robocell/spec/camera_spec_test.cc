@@ -60,7 +60,8 @@ TEST(CameraSystemConfig, OddSizesAreRefusedBeforeAnythingIsEncoded) {
   EXPECT_EQ(
       ParseError<CameraSystemConfig>(
           "resolution: [623, 351]\nstreams: [{name: wrist, camera: wrist_camera}]\n"),
-      "f.yaml is not valid: f.yaml:2:11: streams[0]: size 623x351 cannot be encoded as video, "
+      "f.yaml is not valid: f.yaml:2:11: stream 'wrist' (streams[0]): size 623x351 cannot be "
+      "encoded as video, "
       "which needs even numbers (of environments too: a dataset can have the same cameras); the "
       "nearest size is 624x352; correct the stream's width and "
       "height, or "
@@ -70,10 +71,12 @@ TEST(CameraSystemConfig, OddSizesAreRefusedBeforeAnythingIsEncoded) {
 TEST(CameraSystemConfig, SizesBeyondVideosAreRefusedBeforeAnythingIsDrawn) {
   CameraSystemConfig cameras{.resolution = {100000, 100000},
                              .streams = {{.name = "a", .camera = "a"}}};
-  EXPECT_THAT(ValidationError(cameras),
-              HasSubstr("streams[0]: size 100000x100000 is too large: width and height can be at "
-                        "most 16384 pixels; correct the stream's width and height, or "
-                        "`cameras.resolution`"));
+  EXPECT_THAT(
+      ValidationError(cameras),
+      HasSubstr(
+          "stream 'a' (streams[0]): size 100000x100000 is too large: width and height can be at "
+          "most 16384 pixels; correct the stream's width and height, or "
+          "`cameras.resolution`"));
   cameras.resolution = {16384, 16384};
   EXPECT_EQ(ValidationError(cameras), "");
 }
@@ -91,7 +94,7 @@ TEST(CameraSystemConfig, StreamsHaveNamesOfTheirOwn) {
       .streams = {{.name = "a", .camera = "x"}, {.name = "a", .camera = "y"}, {.camera = "z"}}};
   EXPECT_EQ(ValidationError(cameras),
             "it is not valid, 2 problems:\n"
-            "  streams[1].name: 'a' is used twice\n"
+            "  stream 'a' (streams[1]).name: 'a' is used twice\n"
             "  streams[2].name: is required: streams are recorded under their name");
 }
 

@@ -1,6 +1,7 @@
 #include "robocell/spec/edit.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "robocell/base/names.h"
 #include "robocell/spec/validate.h"
@@ -80,6 +81,24 @@ ElementKind Edit::kind() const {
   if (camera) return ElementKind::kCamera;
   if (actuator) return ElementKind::kActuator;
   return ElementKind::kBody;
+}
+
+std::string Edit::Label() const {
+  const std::optional<std::string>& added = add_sensor ? add_sensor
+                                            : add_site ? add_site
+                                                       : add_camera;
+  if (added) return LabelOf(std::string("edit that adds ") + ToString(kind()), *added);
+  for (const auto& [ref, ref_kind] :
+       {std::pair{&remove, ElementKind::kBody}, std::pair{&site, ElementKind::kSite},
+        std::pair{&joint, ElementKind::kJoint}, std::pair{&geom, ElementKind::kGeom},
+        std::pair{&camera, ElementKind::kCamera}, std::pair{&actuator, ElementKind::kActuator},
+        std::pair{&body, ElementKind::kBody}}) {
+    if (!*ref || (*ref)->empty()) continue;
+    ElementRef named = **ref;
+    if (!named.kind && ref != &remove) named.kind = ref_kind;
+    return "edit of " + Describe(named);
+  }
+  return "";
 }
 
 void Edit::Validate(Problems& problems) const {

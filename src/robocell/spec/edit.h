@@ -94,6 +94,8 @@ struct Edit {
   }
   // The kind of element that is changed or added, and whether it is added.
   ElementKind kind() const;
+  // "edit of joint 'elbow'".
+  std::string Label() const;
   void Validate(Problems& problems) const;
 };
 

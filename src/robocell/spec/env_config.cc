@@ -88,16 +88,17 @@ void CheckStands(const EnvConfig& env, Problems& problems) {
   }
 }
 
-void CheckStepLimit(const EnvConfig& env, Problems& problems) {
-  const size_t count = env.max_relative_movement.size();
+// One number for joints, two for poses, or none.
+void CheckLimitOfMode(const EnvConfig& env, const char* field, const std::vector<double>& limit,
+                      Problems& problems) {
+  const size_t count = limit.size();
   const bool joints = env.control_mode == ControlMode::kJoints;
   if (count == 0 || count == (joints ? 1 : 2)) return;
   problems.AddAt(
-      "max_relative_movement",
-      fmt::format(
-          "with control_mode {} it is {}; found {} {}", ToString(env.control_mode),
-          joints ? "one number, radians (metres for slides)" : "two numbers, [metres, radians]",
-          count, count == 1 ? "number" : "numbers"));
+      field, fmt::format("with control_mode {} it is {}; found {} {}", ToString(env.control_mode),
+                         joints ? "one number, radians (metres for slides)"
+                                : "two numbers, [metres, radians]",
+                         count, count == 1 ? "number" : "numbers"));
 }
 
 // Tasks of one's own need no object, but name one that is there.
@@ -197,10 +198,17 @@ StepLimit EnvConfig::step_limit() const {
   return {0.5, (joints ? 5 : 90) * kPi / 180};
 }
 
+StepLimit EnvConfig::target_lead() const {
+  if (max_target_lead.empty()) return {0.02, 0.1};
+  return {max_target_lead.front(), max_target_lead.back()};
+}
+
 bool EnvConfig::has_mounted_gripper(const std::string& robot) const {
   const RobotConfig* config = robots.find(robot);
   return config && grippers.contains(robot) && !HasGroup(*config, MoveGroupKind::kGripper);
 }
+
+bool EnvConfig::has_added_floor() const { return add_floor.value_or(scene == "empty_world"); }
 
 Pose EnvConfig::robot_in_shared_base(const std::string& robot) const {
   const Pose* pose = robot_to_shared_base_frame.find(robot);
@@ -230,7 +238,8 @@ void EnvConfig::Validate(Problems& problems) const {
     RequireAttachmentSite(*this, robot, "an object of robot_frame_objects", problems);
   CheckGrippers(*this, problems);
   CheckStands(*this, problems);
-  CheckStepLimit(*this, problems);
+  CheckLimitOfMode(*this, "max_relative_movement", max_relative_movement, problems);
+  CheckLimitOfMode(*this, "max_target_lead", max_target_lead, problems);
   CheckTask(*this, problems);
   CheckVariations(*this, problems);
   CheckEnvObjects(*this, problems);

@@ -14,6 +14,7 @@
 // begin with `{id}_`; cameras keep their name.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ struct EnvConfig {
   Map<RobotConfig> grippers = {};
   Map<Pose> gripper_offsets = {};
   std::string scene = "empty_world";
-  bool add_floor = false;
+  std::optional<bool> add_floor = {};
   Pose root_frame_to_world = {};
   Pose shared_base_frame_to_root_frame = {};
   Map<Pose> robot_to_shared_base_frame = {};
@@ -53,6 +54,7 @@ struct EnvConfig {
   ControlMode control_mode = ControlMode::kJoints;
   RelativeTo relative_to = RelativeTo::kLastStep;
   std::vector<double> max_relative_movement = {};
+  std::vector<double> max_target_lead = {};
   SimSettings sim = {};
   WrapperConfig wrappers = {};
   SimOptions options = {};
@@ -71,7 +73,9 @@ struct EnvConfig {
     v("gripper_offsets", &EnvConfig::gripper_offsets,
       "Robot to the pose of its gripper in the attachment site; the identity unless set.");
     v("scene", &EnvConfig::scene, "Base scene: an MJCF file or a built-in name.");
-    v("add_floor", &EnvConfig::add_floor, "Add a floor plane at z = 0 of the world.");
+    v("add_floor", &EnvConfig::add_floor,
+      "Add a floor plane at z = 0 of the world. Unset: yes with the scene empty_world, which has "
+      "none; no with others.");
     v("root_frame_to_world", &EnvConfig::root_frame_to_world,
       "The rig: pose of the root frame in the world. Moves robots, root objects and cameras.");
     v("shared_base_frame_to_root_frame", &EnvConfig::shared_base_frame_to_root_frame,
@@ -113,6 +117,11 @@ struct EnvConfig {
       "number for joints. Unset: 0.5 m and 90 degrees, joints 5 degrees; absolute actions without "
       "limit.",
       Check::kPositive);
+    v("max_target_lead", &EnvConfig::max_target_lead,
+      "How far the target that an action starts from may lead the arm: [metres, radians], or one "
+      "number for joints. When something blocks the arm, the excess is dropped with the next "
+      "action. Unset: 0.02 m and 0.1 rad.",
+      Check::kPositive);
     v("sim", &EnvConfig::sim, "How the simulation runs, and when a step ends.");
     v("wrappers", &EnvConfig::wrappers, "Grippers, resets and depth.");
     v("options", &EnvConfig::options, "Solver options.");
@@ -121,8 +130,13 @@ struct EnvConfig {
 
   // What max_relative_movement says, or its default; infinite without a limit.
   StepLimit step_limit() const;
+  // The value of max_target_lead, or its default. In joint mode the rotation applies to hinges and
+  // the translation to slides.
+  StepLimit target_lead() const;
   // Whether the robot's gripper is one of `grippers`, and not its own.
   bool has_mounted_gripper(const std::string& robot) const;
+  // What add_floor says, or its default.
+  bool has_added_floor() const;
   // The pose of the robot's base in the shared base frame.
   Pose robot_in_shared_base(const std::string& robot) const;
 

@@ -38,7 +38,9 @@ struct EnvObject {
     v("offset", &EnvObject::offset,
       "Pose of the model's root body in that frame; what the file says of it is dropped.");
     v("fixed", &EnvObject::fixed,
-      "Unset: as authored, and free for primitives. A robot's frame carries fixed ones only.");
+      "true: it stays where it is. false: it moves freely, and falls. Unset: a model does what its "
+      "file says (a free joint at the root lets it fall), a primitive falls, and what stands in a "
+      "robot's frame is mounted there.");
     v("shape", &EnvObject::shape, "Primitive, in the place of a model: box, sphere or cylinder.");
     v("size", &EnvObject::size,
       "Of a primitive, half sizes in metres: box x y z; sphere radius 0 0; cylinder radius, half "
@@ -129,7 +131,8 @@ struct SimSettings {
       "Without async_control a step ends after this time at the latest, simulated seconds.",
       Check::kPositive);
     v("realtime", &SimSettings::realtime,
-      "Steps take at least as long as the time that they simulate.");
+      "Simulated time passes no faster than the clock: a step waits for what is left of its "
+      "simulated time. Time that the caller spent since the last step counts.");
     v("on_collision", &SimSettings::on_collision,
       "When a robot runs into something: stop (the step ends), report (it goes on) or guard (the "
       "step is looked at ahead; an action that leads into something is not carried out).");

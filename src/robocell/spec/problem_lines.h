@@ -14,7 +14,7 @@ inline std::vector<std::string> LinesOf(const Problems& problems) {
   for (const Problem& problem : problems.list()) {
     std::string& line = lines.emplace_back();
     if (!problem.source.empty()) line += problem.source + ": ";
-    if (!problem.path.empty()) line += problem.path + ": ";
+    if (!problem.path.empty()) line += problems.Shown(problem.path) + ": ";
     line += problem.message;
   }
   return lines;

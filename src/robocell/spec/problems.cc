@@ -40,6 +40,24 @@ void Problems::AppendBelow(const Problems& other) {
   for (const Problem& p : other.list_) {
     list_.push_back({JoinPath(path_, p.path), p.message, p.source});
   }
+  for (const auto& [path, label] : other.labels_) labels_[JoinPath(path_, path)] = label;
+}
+
+void Problems::NameEntry(size_t index, const std::string& label) {
+  if (!label.empty()) labels_[path_ + '[' + std::to_string(index) + ']'] = label;
+}
+
+std::string Problems::Shown(const std::string& path) const {
+  std::string labels;
+  size_t end = 0;  // of the last entry with a label
+  for (size_t at = path.find(']'); at != std::string::npos; at = path.find(']', at + 1)) {
+    const auto label = labels_.find(path.substr(0, at + 1));
+    if (label == labels_.end()) continue;
+    labels += (labels.empty() ? "" : " / ") + label->second;
+    end = at + 1;
+  }
+  if (labels.empty()) return path;
+  return labels + " (" + path.substr(0, end) + ")" + path.substr(end);
 }
 
 std::string Problems::Text(std::string_view what) const {
@@ -51,7 +69,7 @@ std::string Problems::Text(std::string_view what) const {
     const Problem& p = list_[i];
     if (!one) out += "\n  ";
     if (!p.source.empty()) out += p.source + ": ";
-    if (!p.path.empty()) out += p.path + ": ";
+    if (!p.path.empty()) out += Shown(p.path) + ": ";
     out += p.message;
   }
   if (list_.size() > kShown) {

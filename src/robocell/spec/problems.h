@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,6 +17,18 @@ struct Problem {
   std::string message;
   std::string source;  // "file.yaml:12:5" when it came from a file
 };
+
+// For messages: "object 'red_cube'", "" of one without a name.
+inline std::string LabelOf(std::string_view kind, const std::string& name) {
+  return name.empty() ? "" : std::string(kind) + " '" + name + "'";
+}
+
+// The label of an entry of a list, for types that have one.
+template <class T>
+std::string LabelOf(const T& entry) {
+  if constexpr (requires { entry.Label(); }) return entry.Label();
+  return "";
+}
 
 class Problems {
  public:
@@ -42,8 +55,15 @@ class Problems {
   void AddAt(std::string_view field, const std::string& message);
   void AddFromSource(const std::string& source, const std::string& message);
   void AddProblem(Problem problem) { list_.push_back(std::move(problem)); }
-  // Takes over what was found about the thing at the current path.
+  // Takes over what was found about the value at the current path.
   void AppendBelow(const Problems& other);
+
+  // Gives the entry at `index` of the list at the current path a label: messages then say
+  // "object 'red_cube' (objects[1]).mass", not "objects[1].mass". It may come after the entry's
+  // problems. An empty label changes nothing.
+  void NameEntry(size_t index, const std::string& label);
+  // The path of a problem as messages show it, with the labels of the entries on it.
+  std::string Shown(const std::string& path) const;
 
   // Calls f(Problem&) for the problems from number `first` on.
   template <class F>
@@ -68,6 +88,7 @@ class Problems {
   Locations locations_;
   std::string path_;
   std::vector<Problem> list_;
+  std::map<std::string, std::string> labels_;  // path of an entry -> its label
 };
 
 }  // namespace robocell

@@ -28,6 +28,31 @@ TEST(Problems, SeveralAreListedWithTheirPaths) {
             "scene is not valid, 4 problems:\n  a\n  robots[2]: b\n  robots[2].pos: c\n  name: d");
 }
 
+TEST(Problems, EntriesOfListsAreCalledByTheirNames) {
+  Problems problems;
+  {
+    Problems::Scope robots(problems, "robots");
+    problems.NameEntry(0, LabelOf("robot", "left"));
+    problems.NameEntry(1, LabelOf("robot", ""));
+    Problems::Scope first(problems, 0);
+    Problems::Scope tools(problems, "attachments");
+    problems.NameEntry(2, LabelOf("attachment", "g_"));
+  }
+  EXPECT_EQ(problems.Shown("robots[0]"), "robot 'left' (robots[0])");
+  EXPECT_EQ(problems.Shown("robots[0].config.home"), "robot 'left' (robots[0]).config.home");
+  EXPECT_EQ(problems.Shown("robots[1].path"), "robots[1].path");
+  EXPECT_EQ(problems.Shown("robots[0].attachments[2].pos[1]"),
+            "robot 'left' / attachment 'g_' (robots[0].attachments[2]).pos[1]");
+  problems.AddAt("robots[0].path", "is empty");
+  EXPECT_EQ(problems.Text("scene"), "scene is not valid: robot 'left' (robots[0]).path: is empty");
+  Problems whole;
+  {
+    Problems::Scope scope(whole, "cell");
+    whole.AppendBelow(problems);
+  }
+  EXPECT_EQ(whole.Text("rig"), "rig is not valid: robot 'left' (cell.robots[0]).path: is empty");
+}
+
 TEST(Problems, PlacesComeFromTheNearestPartOfThePath) {
   const auto sources = std::make_shared<SourceMap>(
       SourceMap{{"", "f:1:1"}, {"robots[0]", "f:3:5"}, {"robots[0].pos", "f:4:7"}});

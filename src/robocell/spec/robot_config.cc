@@ -8,6 +8,7 @@
 
 #include "robocell/base/names.h"
 #include "robocell/spec/check_attachments.h"
+#include "robocell/spec/group_controls.h"
 #include "robocell/spec/shared_parts.h"
 #include "robocell/spec/validate.h"
 
@@ -36,6 +37,14 @@ void CheckGripper(const MoveGroupConfig& group, Problems& problems) {
     problems.AddAt("distance", fmt::format("closed ({} m) must be smaller than open ({} m)",
                                            group.distance->closed, group.distance->open));
   }
+  if (group.joint_range) {
+    if (group.joints.empty())
+      problems.AddAt("joint_range", "is of the group's first joint; name it in `joints`");
+    if (group.joint_range->open == group.joint_range->closed) {
+      problems.AddAt("joint_range",
+                     fmt::format("open and closed are both {}", group.joint_range->open));
+    }
+  }
   if (group.ctrl && group.ctrl->open == group.ctrl->closed) {
     problems.AddAt("ctrl", fmt::format("open and closed are both {}", group.ctrl->open));
   }
@@ -49,6 +58,17 @@ void CheckGroupKeys(const Map<T>& map, std::string_view field, const Map<MoveGro
   for (const auto& [key, box] : map.entries()) {
     if (!groups.contains(key))
       problems.AddAt(key, NoSuchName("", "move group", key, groups.keys()));
+  }
+}
+
+// Each group has a controller that groups of its kind can have.
+void CheckControls(const RobotConfig& robot, Problems& problems) {
+  Problems::Scope scope(problems, "control");
+  for (const auto& [key, kind] : robot.control.entries()) {
+    const MoveGroupConfig* group = robot.move_groups.find(key);
+    if (!group || !IsNamed(group->kind) || !IsNamed(*kind)) continue;
+    const std::string why = WhyNotControlledBy(group->kind, ToString(*kind));
+    if (!why.empty()) problems.AddAt(key, why);
   }
 }
 
@@ -99,14 +119,21 @@ void CheckHomesAgree(const RobotConfig& robot, Problems& problems) {
 
 }  // namespace
 
+void BaseConfig::Validate(Problems& problems) const {
+  if (kind == BaseKind::kDriven || (!max_linear_speed && !max_angular_speed)) return;
+  problems.AddAt(max_linear_speed ? "max_linear_speed" : "max_angular_speed",
+                 fmt::format("belongs to a driven base; this one's kind is {}",
+                             IsNamed(kind) ? ToString(kind) : "none"));
+}
+
 void MoveGroupConfig::Validate(Problems& problems) const {
   if (kind == MoveGroupKind::kArm) CheckArm(*this, problems);
   if (kind == MoveGroupKind::kGripper) {
     CheckGripper(*this, problems);
-  } else if (!fingers.empty() || ctrl || distance) {
-    problems.Add(
-        std::string("fingers, ctrl and distance belong to a gripper; this group's kind is ") +
-        ToString(kind));
+  } else if (!fingers.empty() || ctrl || distance || joint_range) {
+    problems.Add(std::string("fingers, ctrl, distance and joint_range belong to a gripper; this "
+                             "group's kind is ") +
+                 ToString(kind));
   }
 }
 
@@ -140,6 +167,7 @@ void RobotConfig::Validate(Problems& problems) const {
   CheckGroupKeys(home, "home", move_groups, problems);
   CheckGroupKeys(home_noise, "home_noise", move_groups, problems);
   CheckGroupKeys(control, "control", move_groups, problems);
+  CheckControls(*this, problems);
   CheckLengths(home, "home", *this, false, problems);
   CheckLengths(home_noise, "home_noise", *this, true, problems);
   CheckGroupsApart(*this, problems);

@@ -29,12 +29,13 @@
 
 namespace robocell {
 
-enum class BaseKind { kFixed, kMocap, kFree, kPlanar };
+enum class BaseKind { kFixed, kMocap, kFree, kPlanar, kDriven };
 template <>
 struct EnumNames<BaseKind> {
   static constexpr std::array kNames = {
       std::pair{BaseKind::kFixed, "fixed"}, std::pair{BaseKind::kMocap, "mocap"},
-      std::pair{BaseKind::kFree, "free"}, std::pair{BaseKind::kPlanar, "planar"}};
+      std::pair{BaseKind::kFree, "free"}, std::pair{BaseKind::kPlanar, "planar"},
+      std::pair{BaseKind::kDriven, "driven"}};
 };
 
 enum class MoveGroupKind { kArm, kGripper, kBase, kGeneric };
@@ -73,14 +74,24 @@ CtrlMode ModeOf(ControlKind kind);
 struct BaseConfig {
   BaseKind kind = BaseKind::kFixed;
   std::optional<Vec3> size = {};
+  std::optional<double> max_linear_speed = {};
+  std::optional<double> max_angular_speed = {};
 
   static constexpr const char* kTypeName = "BaseConfig";
   template <class V>
   static void Fields(V&& v) {
-    v("kind", &BaseConfig::kind, "fixed, mocap (can be teleported), free or planar.");
+    v("kind", &BaseConfig::kind,
+      "fixed, mocap (can be teleported), free, planar, or driven (follows a target and carries "
+      "what "
+      "the gripper holds).");
     v("size", &BaseConfig::size, "Length, width and height of a box under the robot, metres.",
       Check::kPositive);
+    v("max_linear_speed", &BaseConfig::max_linear_speed,
+      "Driven: how fast the base moves at most, m/s; 0.5 unless set.", Check::kPositive);
+    v("max_angular_speed", &BaseConfig::max_angular_speed,
+      "Driven: how fast the base turns at most, rad/s; 2 unless set.", Check::kPositive);
   }
+  void Validate(Problems& problems) const;
 };
 
 // The raw control values of a gripper's actuator.
@@ -93,6 +104,19 @@ struct GripperCtrl {
   static void Fields(V&& v) {
     v("open", &GripperCtrl::open, "Control value that opens the gripper.");
     v("closed", &GripperCtrl::closed, "Control value that closes the gripper.");
+  }
+};
+
+// Where a gripper's first joint stands at the ends of its travel, metres or radians.
+struct GripperJointRange {
+  double open = 0;
+  double closed = 0;
+
+  static constexpr const char* kTypeName = "GripperJointRange";
+  template <class V>
+  static void Fields(V&& v) {
+    v("open", &GripperJointRange::open, "Its value when the gripper is open, m or rad.");
+    v("closed", &GripperJointRange::closed, "Its value when the gripper is closed, m or rad.");
   }
 };
 
@@ -118,6 +142,7 @@ struct MoveGroupConfig {
   std::vector<ElementRef> fingers = {};
   Maybe<GripperCtrl> ctrl = {};
   Maybe<GripperDistance> distance = {};
+  Maybe<GripperJointRange> joint_range = {};
 
   static constexpr const char* kTypeName = "MoveGroupConfig";
   template <class V>
@@ -128,13 +153,17 @@ struct MoveGroupConfig {
     v("actuators", &MoveGroupConfig::actuators,
       "Actuator names; for an arm one per joint in the same order.");
     v("root", &MoveGroupConfig::root,
-      "Frame the group's poses are relative to (body or site); the root body unless set.");
+      "Frame the group's poses are relative to (body or site). Unless set, it is the robot's root "
+      "body; of a gripper it is the leaf.");
     v("leaf", &MoveGroupConfig::leaf, "Frame the group moves (body or site): an arm's TCP.");
     v("fingers", &MoveGroupConfig::fingers, "Gripper: the two finger geoms, bodies or sites.");
     v("ctrl", &MoveGroupConfig::ctrl,
       "Gripper: raw control values when open and closed; the actuator's range unless set.");
     v("distance", &MoveGroupConfig::distance,
       "Gripper: finger distance when closed and open; measured unless set.");
+    v("joint_range", &MoveGroupConfig::joint_range,
+      "Gripper: values of its first joint when open and closed. The opening is then read from "
+      "this joint; unless set, from the distance between the fingers.");
   }
   void Validate(Problems& problems) const;
 };
@@ -146,6 +175,7 @@ struct RobotConfig {
   List<AttachmentSpec> attachments = {};
   std::string root_body = {};
   BaseConfig base = {};
+  std::optional<bool> reset_root_pose = {};
   Map<MoveGroupConfig> move_groups = {};
   std::optional<std::string> attachment_site = {};
   std::optional<Pose> tcp_offset = {};
@@ -153,7 +183,8 @@ struct RobotConfig {
   Map<std::vector<double>> home_noise = {};
   Map<ControlKind> control = {};
   std::vector<ElementRef> collision_geoms = {};
-  double arrival_tolerance = 0.01;  // rad; of slides see slide_arrival_tolerance()
+  std::vector<std::string> ignored_collision_geoms = {};
+  double arrival_tolerance = 0.002;  // rad; of slides see slide_arrival_tolerance()
   // m. What a hinge turns by 1 rad 0.1 m away moves as far.
   double slide_arrival_tolerance() const { return 0.1 * arrival_tolerance; }
   std::optional<double> reach = {};
@@ -179,6 +210,10 @@ struct RobotConfig {
     v("root_body", &RobotConfig::root_body,
       "The arm's root body; its frame is the robot base frame. Default: the model's only root.");
     v("base", &RobotConfig::base, "What the robot stands on.");
+    v("reset_root_pose", &RobotConfig::reset_root_pose,
+      "What becomes of the pose that the model's file gives its root. true: it is dropped; false: "
+      "it is kept. Unset: environments drop it; elsewhere it is kept, but on a pedestal only its "
+      "height and rotation, so that the robot stands in the middle.");
     v("move_groups", &RobotConfig::move_groups, "Named groups of joints.");
     v("attachment_site", &RobotConfig::attachment_site, "Site where tools go.");
     v("tcp_offset", &RobotConfig::tcp_offset, "TCP relative to the attachment site.");
@@ -187,9 +222,14 @@ struct RobotConfig {
       "Uniform +- noise on home per group, one number or one per joint.", Check::kNonNegative);
     v("control", &RobotConfig::control, "Default controller per group.");
     v("collision_geoms", &RobotConfig::collision_geoms,
-      "Geoms that stand for the robot where it is placed and planned for; all unless set.");
+      "Geoms that stand for the robot where it is placed and planned for; all unless set. Of a "
+      "gripper in an environment: those whose contacts are collisions; none unless set.");
+    v("ignored_collision_geoms", &RobotConfig::ignored_collision_geoms,
+      "Environments: geoms of the scene, by their full names, that this robot or gripper may "
+      "touch without a collision.");
     v("arrival_tolerance", &RobotConfig::arrival_tolerance,
-      "A motion has arrived within this, rad; slides within a tenth of it in m (0.01: 1 mm).",
+      "A motion has arrived within this and at rest, rad; slides within a tenth of it in m (0.002: "
+      "0.2 mm).",
       Check::kPositive);
     v("reach", &RobotConfig::reach,
       "Farthest the TCP gets from the root body, metres; measured unless set.", Check::kPositive);

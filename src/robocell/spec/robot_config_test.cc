@@ -198,7 +198,8 @@ TEST(AttachmentSpec, ListedTwiceIsTold) {
       .mjcf_path = "hand.xml", .attach_to = {AttachKind::kSite, "flange"}, .prefix = "hand_"};
   robot.attachments = {hand, hand};
   EXPECT_EQ(ValidationError(robot),
-            "it is not valid: attachments[1]: 'hand.xml' is attachments[0] too, at the same place: "
+            "it is not valid: attachment 'hand_' (attachments[1]): 'hand.xml' is attachments[0] "
+            "too, at the same place: "
             "is it listed twice? Remove one of them");
   robot.attachments[1].attach_to.name = "other_flange";
   EXPECT_THAT(ValidationError(robot), HasSubstr("with the same prefix 'hand_': is it listed "

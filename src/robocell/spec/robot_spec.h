@@ -17,7 +17,7 @@ struct RobotSpec {
   std::string model_prefix = {};
   std::string part_of = {};
   Maybe<BaseConfig> base = {};
-  bool reset_root_pose = false;
+  std::optional<bool> reset_root_pose = {};
   AttachTarget attach_to = {};
   Vec3 pos = {};
   Vec3 euler = {};
@@ -41,7 +41,8 @@ struct RobotSpec {
       "what is said here of model, edits, attachments and place is not used.");
     v("base", &RobotSpec::base, "Overrides the configuration's base.");
     v("reset_root_pose", &RobotSpec::reset_root_pose,
-      "Drop the pose authored on the model's root instead of composing with it.");
+      "Whether the pose that the model's file gives its root is dropped. Unset: what the "
+      "configuration says.");
     v("attach_to", &RobotSpec::attach_to, "What pos and euler or quat are relative to.");
     v("pos", &RobotSpec::pos, "Position in the parent, metres.");
     v("euler", &RobotSpec::euler, "Orientation in the parent, degrees, extrinsic xyz.");
@@ -55,6 +56,8 @@ struct RobotSpec {
   Pose pose() const { return PlacementPose(pos, euler, quat); }
   const BaseConfig& EffectiveBase() const;
   bool can_switch_to(CtrlMode mode) const;
+  // Without a name it is called by its prefix.
+  std::string Label() const { return LabelOf("robot", name.value_or(prefix)); }
   void Validate(Problems& problems) const;
 };
 

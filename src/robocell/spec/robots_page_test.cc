@@ -36,6 +36,7 @@ TEST(RobotsPage, HasEveryFieldInOrderAndNoOther) {
   ExpectAllFieldsOnPage<MoveGroupConfig>();
   ExpectAllFieldsOnPage<GripperCtrl>();
   ExpectAllFieldsOnPage<GripperDistance>();
+  ExpectAllFieldsOnPage<GripperJointRange>();
   ExpectAllFieldsOnPage<AttachmentSpec>();
   ExpectAllFieldsOnPage<CameraSpec>();
   ExpectAllFieldsOnPage<ForceTorqueSensorSpec>();

@@ -17,6 +17,7 @@
 
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/locations.h"
+#include "robocell/spec/rates.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/sim_options.h"
 
@@ -108,28 +109,6 @@ struct SceneSource {
   void Validate(Problems& problems) const;
 };
 
-struct Rates {
-  double policy_ms = 66;
-  double control_ms = 2;
-  double sim_ms = 2;
-  int max_steps = 500;
-
-  static constexpr const char* kTypeName = "Rates";
-  template <class V>
-  static void Fields(V&& v) {
-    v("policy_ms", &Rates::policy_ms, "One action and one recorded row per this time, ms.",
-      Check::kPositive);
-    v("control_ms", &Rates::control_ms, "Controllers run once per this time, ms.",
-      Check::kPositive);
-    v("sim_ms", &Rates::sim_ms, "The engine's timestep, ms.", Check::kPositive);
-    v("max_steps", &Rates::max_steps, "An episode ends after this many actions.", Check::kPositive);
-  }
-  // Whole numbers of control ticks per action and of engine steps per control tick.
-  int control_ticks() const;
-  int sim_steps() const;
-  void Validate(Problems& problems) const;
-};
-
 struct RunConfig {
   std::string run = {};
   RobotSource robot = {};
@@ -156,7 +135,7 @@ struct RunConfig {
     v("robot", &RunConfig::robot,
       "Robot file (relative to this file), or the robot's fields in place.");
     v("task", &RunConfig::task, "What the robot does.");
-    v("scenes", &RunConfig::scenes, "Where.");
+    v("scenes", &RunConfig::scenes, "Where the task takes place.");
     v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",
       Check::kPositive);
     v("cameras", &RunConfig::cameras, "Image size and streams.");
@@ -169,7 +148,8 @@ struct RunConfig {
       "How many in all; the scenes take turns. Default: episodes_per_scene for each.",
       Check::kPositive);
     v("workers", &RunConfig::workers, "Worker processes.", Check::kPositive);
-    v("seed", &RunConfig::seed, "Everything random follows from it.", Check::kNonNegative);
+    v("seed", &RunConfig::seed, "Seed of the run: all its random numbers follow from this one.",
+      Check::kNonNegative);
     v("output", &RunConfig::output,
       "Folder of the dataset; a relative one starts at the working folder.");
   }

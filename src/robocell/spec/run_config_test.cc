@@ -44,37 +44,6 @@ TEST(RunConfig, CountsAreAboveZero) {
   EXPECT_THAT(ValidationError(run), HasSubstr("3 problems"));
 }
 
-TEST(Rates, AreMultiplesOfEachOther) {
-  EXPECT_EQ((Rates{.policy_ms = 66, .control_ms = 2, .sim_ms = 1}.control_ticks()), 33);
-  EXPECT_EQ((Rates{.policy_ms = 66, .control_ms = 2, .sim_ms = 1}.sim_steps()), 2);
-  EXPECT_EQ((Rates{.policy_ms = 0.3, .control_ms = 0.1, .sim_ms = 0.1}.control_ticks()), 3);
-  EXPECT_EQ(ValidationError(Rates{.policy_ms = 65}),
-            "it is not valid: policy_ms: 65 ms is not a multiple of control_ms (2 ms); the nearest "
-            "are 64 and 66 ms");
-  EXPECT_EQ(ValidationError(Rates{.policy_ms = 0.066}),
-            "it is not valid: policy_ms: 0.066 ms is not a multiple of control_ms (2 ms); the "
-            "nearest are 2 and 4 ms. Are these seconds? Then write 66");
-  EXPECT_THAT(ValidationError(Rates{.policy_ms = 1, .control_ms = 2}), Not(HasSubstr("seconds")));
-  EXPECT_THAT(ValidationError(Rates{.policy_ms = 1, .control_ms = 2}),
-              HasSubstr("policy_ms: 1 ms is not a multiple of control_ms (2 ms)"));
-  EXPECT_THAT(ValidationError(Rates{.sim_ms = 0}), HasSubstr("sim_ms: 0 must be greater than 0"));
-  EXPECT_EQ(ValidationError(Rates{.policy_ms = 1000, .control_ms = 500, .sim_ms = 500}),
-            "it is not valid: sim_ms: 500 ms is too long for a step of the engine, at most 100 ms; "
-            "2 ms is usual");
-}
-
-TEST(Rates, AreNeverSoShortOrSoLongThatARunDoesNotEnd) {
-  EXPECT_EQ(ParseError<RunConfig>("run: r\nrobot: {name: a, model: b}\noutput: o\n"
-                                  "rates: {policy_ms: 66, control_ms: 2, sim_ms: 0.002}"),
-            "f.yaml is not valid: f.yaml:4:47: rates.sim_ms: 0.002 ms is too short for a step of "
-            "the engine, at least "
-            "0.01 ms; 2 ms is usual");
-  EXPECT_EQ(ValidationError(Rates{.sim_ms = 0.01}), "");
-  EXPECT_EQ(ValidationError(Rates{.policy_ms = 66e6}),
-            "it is not valid: policy_ms: 6.6e+07 ms are 33000000 steps of the engine of 2 ms for "
-            "every action, at most 1000000; 66 ms is usual");
-}
-
 TEST(TaskConfig, RangesAreSmallestFirst) {
   EXPECT_THAT(ValidationError(TaskConfig{.base_distance = {0.6, 0.15}}),
               HasSubstr("base_distance: [0.6, 0.15] is [smallest, largest]; the first is larger"));

@@ -69,12 +69,15 @@ struct SceneObject {
     v("quat", &SceneObject::quat, "Orientation in the parent, quaternion xyzw; instead of euler.");
     v("reset_root_pose", &SceneObject::reset_root_pose,
       "Drop the pose authored on the model's root.");
-    v("fixed", &SceneObject::fixed, "Unset: as authored for models, free for primitives.");
+    v("fixed", &SceneObject::fixed,
+      "true: it stays where it is. false: it moves freely, and falls. Unset: a model does what its "
+      "file says (a free joint at the root lets it fall), a primitive falls.");
     v("parked", &SceneObject::parked,
       "Set for objects of the pool, which are added and removed without compiling: true when a "
       "reset leaves it outside of the scene, false when inside. They can move freely.");
   }
   Pose pose() const { return PlacementPose(pos, euler, quat); }
+  std::string Label() const { return LabelOf("object", name); }
   void Validate(Problems& problems) const;
 };
 

@@ -11,6 +11,7 @@ namespace robocell {
 namespace {
 
 using ::testing::HasSubstr;
+using testing::ParseError;
 using testing::ValidationError;
 
 SceneSpec Empty() { return {.timestep = 0.002, .add_floor = true, .add_skybox = true}; }
@@ -59,13 +60,15 @@ TEST(SceneSpec, NamesAndPrefixesAreUnique) {
   spec.objects = {Cube("cube"), Cube("cube")};
   spec.cameras = {{.name = "c", .pos = Vec3{}, .fovy = 45},
                   {.name = "c", .pos = Vec3{}, .fovy = 45}};
-  EXPECT_EQ(ValidationError(spec),
-            "it is not valid, 4 problems:\n"
-            "  robots[1]: prefix 'l_' is also that of robots[0]; each needs its own, for example "
-            "`prefix: right_`\n"
-            "  robots[1].name: 'a' is used twice; each robot needs its own\n"
-            "  objects[1]: name 'cube' is also that of objects[0]; each needs its own\n"
-            "  cameras[1]: name 'c' is also that of cameras[0]; each needs its own");
+  EXPECT_EQ(
+      ValidationError(spec),
+      "it is not valid, 4 problems:\n"
+      "  robot 'a' (robots[1]): prefix 'l_' is also that of robots[0]; each needs its own, for "
+      "example "
+      "`prefix: right_`\n"
+      "  robot 'a' (robots[1]).name: 'a' is used twice; each robot needs its own\n"
+      "  object 'cube' (objects[1]): name 'cube' is also that of objects[0]; each needs its own\n"
+      "  camera 'c' (cameras[1]): name 'c' is also that of cameras[0]; each needs its own");
 }
 
 TEST(SceneSpec, ProblemsOfPartsCarryTheirPath) {
@@ -77,7 +80,36 @@ TEST(SceneSpec, ProblemsOfPartsCarryTheirPath) {
             "it is not valid, 3 problems:\n"
             "  options.impratio: -1 must be greater than 0\n"
             "  robots[0].attachments[0].mjcf_path: is required: the model file to attach\n"
-            "  objects[0].mass: 0 must be greater than 0");
+            "  object 'cube' (objects[0]).mass: 0 must be greater than 0");
+}
+
+TEST(SceneSpec, ElementsOfListsAreToldByTheirNames) {
+  SceneSpec spec = Empty();
+  spec.objects.push_back({.name = "red_cube",
+                          .shape = Shape::kBox,
+                          .size = Vec3{.02, .02, .02},
+                          .rgba = Vec4{1, 0, 0, 1},
+                          .friction = Vec3{1, .1, .1}});
+  spec.cameras.push_back({.name = "top", .pos = Vec3{}});
+  spec.robots.push_back({.name = "left"});
+  spec.robots.push_back({.path = "a.xml", .prefix = "b_"})
+      .attachments.push_back({.attach_to = Site("s"), .prefix = "g_"});
+  EXPECT_EQ(ValidationError(spec),
+            "it is not valid, 4 problems:\n"
+            "  robot 'left' (robots[0]).path: is empty: give the robot's model file, or a config\n"
+            "  robot 'b_' / attachment 'g_' (robots[1].attachments[0]).mjcf_path: is required: the "
+            "model file to attach\n"
+            "  object 'red_cube' (objects[0]).mass: a primitive needs its mass in kg\n"
+            "  camera 'top' (cameras[0]).fovy: is required: the vertical field of view in "
+            "degrees, for example 45");
+}
+
+TEST(SceneSpec, ElementsOfAFilesListsAreToldByTheirNames) {
+  EXPECT_EQ(ParseError<SceneSpec>("name: a\ntimestep: 0.002\nadd_floor: true\nadd_skybox: true\n"
+                                  "objects:\n  - {shape: box, mass: banana, name: red_cube, size: "
+                                  "[1, 1, 1], rgba: [1, 1, 1, 1], friction: [1, 1, 1]}\n"),
+            "f.yaml is not valid: f.yaml:6:24: object 'red_cube' (objects[0]).mass: expected a "
+            "number, found 'banana'. Mass, kg.");
 }
 
 TEST(SceneObject, APrimitiveNeedsAllOfItsNumbers) {

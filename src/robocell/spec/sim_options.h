@@ -37,11 +37,20 @@ struct EnumNames<Solver> {
                                         std::pair{Solver::kNewton, "newton"}};
 };
 
+enum class JacobianKind { kDense, kSparse, kAuto };
+template <>
+struct EnumNames<JacobianKind> {
+  static constexpr std::array kNames = {std::pair{JacobianKind::kDense, "dense"},
+                                        std::pair{JacobianKind::kSparse, "sparse"},
+                                        std::pair{JacobianKind::kAuto, "auto"}};
+};
+
 struct SimOptions {
   Integrator integrator = Integrator::kImplicitFast;
   FrictionCone cone = FrictionCone::kElliptic;
   double impratio = 10;
   std::optional<Solver> solver = {};
+  std::optional<JacobianKind> jacobian = {};
   std::optional<int> iterations = {};
   std::optional<double> tolerance = {};
   std::optional<int> ls_iterations = {};
@@ -63,6 +72,11 @@ struct SimOptions {
       "Ratio of frictional to normal constraint impedance; high values prevent slip.",
       Check::kPositive);
     v("solver", &SimOptions::solver, "pgs, cg or newton.");
+    v("jacobian", &SimOptions::jacobian,
+      "The constraint Jacobian: dense, sparse or auto (sparse from 60 degrees of freedom on). "
+      "Unset: "
+      "auto or what the base says, but dense where the engine in use is known to be wrong with a "
+      "sparse one (`robocell doctor`).");
     v("iterations", &SimOptions::iterations, "Most iterations of the solver.", Check::kPositive);
     v("tolerance", &SimOptions::tolerance, "Early end of the solver.", Check::kNonNegative);
     v("ls_iterations", &SimOptions::ls_iterations, "Most iterations of the line search.",

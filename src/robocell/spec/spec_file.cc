@@ -21,21 +21,34 @@ namespace fs = std::filesystem;
 
 constexpr size_t kEnoughToTell = 1 << 16;  // bytes
 
-bool IsOtherKind(const fs::path& file, const std::string& type) {
+size_t CharacterLength(std::string_view text, size_t i);
+
+// What is not text in UTF-8 is no spec of any kind. A character may be cut off at the end.
+bool IsText(std::string_view text) {
+  constexpr size_t kLongestCharacter = 4;
+  for (size_t i = 0; i < text.size();) {
+    const size_t length = CharacterLength(text, i);
+    if (length == 0) return text.size() == kEnoughToTell && text.size() - i < kLongestCharacter;
+    i += length;
+  }
+  return true;
+}
+
+bool MayBeOfType(const fs::path& file, const std::string& type) {
   std::ifstream stream(file, std::ios::binary);
   std::string text(kEnoughToTell, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
-  return yaml::IsOtherKindOfText(text, type);
+  return IsText(text) && !yaml::IsOtherKindOfText(text, type);
 }
 
-// Those that may be of the `type`, not those that are of another one.
+// Those that may be of the `type`: neither those of another one nor what is no text.
 std::vector<std::string> SpecFilesIn(const fs::path& folder, const std::string& type) {
   std::vector<std::string> names = FolderNamesIfAny(folder);
   std::erase_if(names, [&](const std::string& name) {
     const fs::path file = folder / name, ending = file.extension();
     const bool is_yaml = name.front() != '.' && (ending == ".yaml" || ending == ".yml");
-    return !is_yaml || !CanReadFile(file) || IsOtherKind(file, type);
+    return !is_yaml || !CanReadFile(file) || !MayBeOfType(file, type);
   });
   return names;
 }

@@ -58,6 +58,19 @@ TEST(SpecFile, FilesOfOtherKindsAreNotOffered) {
                         "/arm_pick.yaml'?"));
 }
 
+TEST(SpecFile, FilesThatAreNoTextAreNotOffered) {
+  const TempDir folder;
+  const std::string in = folder.path().string();
+  AtomicWrite(folder.path() / "arm.yaml", "name: a\nmodel: b.xml\n# \xC3\xA4\n");
+  AtomicWrite(folder.path() / "garbage.yaml", std::string("\0\1\2binary", 9));
+  AtomicWrite(folder.path() / "latin1.yaml", "name: \xE4rm\n");
+  // A character that what is looked at cuts in two.
+  AtomicWrite(folder.path() / "long.yaml",
+              "name: a\n#" + std::string((1 << 16) - 10, '-') + "\xC3\xA4\n");
+  EXPECT_THAT(MissingSpecFile(in + "/nope.yaml", "RobotConfig"),
+              HasSubstr("In " + in + ": arm.yaml, long.yaml. Did you mean"));
+}
+
 // They would never end, or wait for ever; so would a listing that looked into them.
 TEST(SpecFile, WhatIsNoFileIsNotEvenOpened) {
   const TempDir folder;

@@ -40,6 +40,7 @@ struct ForceTorqueSensorSpec {
   // The names of the two.
   std::string force() const { return force_sensor.empty() ? name + "_force" : force_sensor; }
   std::string torque() const { return torque_sensor.empty() ? name + "_torque" : torque_sensor; }
+  std::string Label() const { return LabelOf("sensor", name); }
   void Validate(Problems& problems) const;
 };
 

@@ -71,6 +71,7 @@ void ValidateValue(const T& value, Check check, Problems& problems) {
     if (value) ValidateValue(*value, check, problems);
   } else if constexpr (IsList<T>::value || IsArray<T>::value || IsVector<T>::value) {
     for (size_t i = 0; i < value.size(); ++i) {
+      problems.NameEntry(i, LabelOf(value[i]));
       Problems::Scope scope(problems, i);
       ValidateValue(value[i], check, problems);
     }

@@ -23,7 +23,8 @@ std::string HintFor(const std::string& field) {
 
 TEST(Hints, AnAttachTargetWithoutItsKind) {
   EXPECT_EQ(HintFor("attachments: [{mjcf_path: a.xml, prefix: g_, attach_to: pinch_site}]"),
-            "f.yaml is not valid: f.yaml:3:57: attachments[0].attach_to: expected world, root, "
+            "f.yaml is not valid: f.yaml:3:57: attachment 'g_' (attachments[0]).attach_to: "
+            "expected world, root, "
             "shared_base, or {site: name}, found 'pinch_site'; write {site: pinch_site} if it is a "
             "site, or {body: pinch_site}, {frame: pinch_site}. Body, site or frame of the robot or "
             "of an earlier attachment, by its name without the robot's prefix.");
@@ -168,8 +169,8 @@ TEST(Hints, AModelFile) {
 TEST(Misspelt, ARequiredFieldIsOneProblem) {
   EXPECT_EQ(ParseError<RobotConfig>("name: arm\nmodle: arm.xml\n"),
             "f.yaml is not valid: f.yaml:2:1: modle: a RobotConfig: no field 'modle'. Its fields: "
-            "name, model, edits, attachments, root_body, base, move_groups, attachment_site, "
-            "tcp_offset, home, home_noise, control and 9 more. Did you mean 'model'?");
+            "name, model, edits, attachments, root_body, base, reset_root_pose, move_groups, "
+            "attachment_site, tcp_offset, home, home_noise and 11 more. Did you mean 'model'?");
 }
 
 TEST(Misspelt, WhatFollowsFromItIsNotReported) {

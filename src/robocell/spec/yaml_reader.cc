@@ -33,6 +33,17 @@ bool ParseDouble(const std::string& text, double& out) {
   return error == std::errc() && rest == end;
 }
 
+// 1/480 or 500/33: numbers that no decimal has exactly.
+bool ParseFraction(const std::string& text, double& out) {
+  const size_t bar = text.find('/');
+  if (bar == std::string::npos) return false;
+  double num = 0, den = 0;
+  if (!ParseDouble(text.substr(0, bar), num) || !ParseDouble(text.substr(bar + 1), den))
+    return false;
+  out = num / den;
+  return den != 0 && std::isfinite(out);
+}
+
 bool ParseInt(const std::string& text, int64_t& out) {
   const char* end = text.c_str() + text.size();
   const auto [rest, error] = std::from_chars(text.c_str(), end, out);
@@ -368,7 +379,8 @@ void Reader::Read(const YAML::Node& node, int& out) { ReadWhole(node, out); }
 void Reader::Read(const YAML::Node& node, double& out) {
   std::string text;
   if (!ReadScalar(node, "a number", text)) return;
-  if (!ParseDouble(text, out)) FailKind(node, "a number", NumbersHint(node));
+  if (!ParseDouble(text, out) && !ParseFraction(text, out))
+    FailKind(node, "a number", NumbersHint(node));
 }
 
 void Reader::Read(const YAML::Node& node, std::string& out) { ReadScalar(node, "a text", out); }

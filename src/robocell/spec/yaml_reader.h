@@ -265,6 +265,7 @@ class Reader {
   template <class T>
   void ReadItem(const YAML::Node& node, size_t i, T& out) {
     ReadItem(node, i, &ReadIntoA<T>, &out);
+    problems_.NameEntry(i, LabelOf(out));
   }
   void ReadItem(const YAML::Node& node, size_t i, ReadInto read, void* out);
   void ReadHere(const YAML::Node& node, ReadInto read, void* out);

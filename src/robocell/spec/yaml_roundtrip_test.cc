@@ -70,9 +70,9 @@ using SpecTypes =
     ::testing::Types<SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec,
                      ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
                      RenderQuality, SimOptions, Edit, BaseConfig, MoveGroupConfig, GripperCtrl,
-                     GripperDistance, RunConfig, TaskConfig, SceneSource, Rates, EnvConfig,
-                     EnvObject, CameraAdderConfig, SimSettings, WrapperConfig, EnvTaskConfig,
-                     ObjectVariation>;
+                     GripperDistance, GripperJointRange, RunConfig, TaskConfig, SceneSource, Rates,
+                     EnvConfig, EnvObject, CameraAdderConfig, SimSettings, WrapperConfig,
+                     EnvTaskConfig, ObjectVariation>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
 TYPED_TEST(RoundTrip, RandomSpecsComeBackEqual) {

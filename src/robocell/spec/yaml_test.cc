@@ -119,7 +119,10 @@ TEST(Yaml, NumbersAreReadInAllUsualForms) {
   EXPECT_EQ(x("-.5"), -.5);
   EXPECT_EQ(x("1e-3"), 1e-3);
   EXPECT_EQ(x("'2'"), 2);
-  for (const char* text : {"+-1", "0x10", "1_000", "1,5", "--1", "1e999", "''"}) {
+  EXPECT_EQ(x("1/480"), 1.0 / 480);
+  EXPECT_EQ(x("-500/33"), -500.0 / 33);
+  for (const char* text :
+       {"+-1", "0x10", "1_000", "1,5", "--1", "1e999", "''", "1/0", "/2", "1/", "1/2/3"}) {
     EXPECT_THAT(ObjectError("pos: [\"" + std::string(text) + "\", 0, 0]\n"),
                 HasSubstr("pos[0]: expected a number, found "))
         << text;

@@ -26,6 +26,7 @@ constexpr double kOpenClearance = 0.006;  // beside the object when the gripper 
 constexpr double kLeastWidth = 0.006;
 constexpr double kLeastAboveClosed =
     0.005;                              // wider than the closed gripper, or holding cannot be seen
+constexpr double kLeastRange = 5e-4;    // of widths that are held; a smaller one is none
 constexpr double kTouchDepth = 0.0015;  // rays this near to the first touch end under the pad
 constexpr double kMostPadUsed = 0.008;  // half width of the pad that rays are spread over
 constexpr int kRaysAcross = 3, kRaysAlong = 3;
@@ -253,6 +254,21 @@ std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int ob
   return grasps;
 }
 
+HeldWidths WidthsHeld(double closed_gap, double open_gap) {
+  return {std::max(kLeastWidth, closed_gap + kLeastAboveClosed),
+          std::max(open_gap - 2 * kOpenClearance, 0.0)};
+}
+
+std::string DescribeHeldWidths(double closed_gap, double open_gap) {
+  const auto [least, most] = WidthsHeld(closed_gap, open_gap);
+  if (most - least > kLeastRange) return fmt::format("holds from {:.3g} to {:.3g} m", least, most);
+  return fmt::format(
+      "holds nothing: open, its fingers are {:.3g} m apart, which leaves {:.3g} m between {:g} m "
+      "of "
+      "clearance on both sides, and {:.3g} m are the least that it can hold",
+      open_gap, most, kOpenClearance, least);
+}
+
 std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_body,
                           const GripperShape& shape) {
   const std::vector<int> geoms = CollisionGeomsOf(model, object_body);
@@ -263,12 +279,11 @@ std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_b
     const Eigen::Vector3d across(std::cos(yaw), std::sin(yaw), 0);
     narrowest = std::min(narrowest, Length(ExtentAlong(model, data, geoms, across)));
   }
-  const double least = std::max(kLeastWidth, shape.closed_gap() + kLeastAboveClosed);
-  const double most = std::max(shape.open_gap() - 2 * kOpenClearance, 0.0);
-  const std::string sizes = fmt::format(
-      "it is {:.3g} m wide where it is narrowest and {:.3g} m high, and the gripper holds from "
-      "{:.3g} to {:.3g} m",
-      narrowest, Length(ExtentAlong(model, data, geoms, Eigen::Vector3d::UnitZ())), least, most);
+  const auto [least, most] = WidthsHeld(shape.closed_gap(), shape.open_gap());
+  const std::string sizes =
+      fmt::format("it is {:.3g} m wide where it is narrowest and {:.3g} m high, and the gripper {}",
+                  narrowest, Length(ExtentAlong(model, data, geoms, Eigen::Vector3d::UnitZ())),
+                  DescribeHeldWidths(shape.closed_gap(), shape.open_gap()));
   if (narrowest < least || narrowest > most) return sizes;
   if (!CandidateSearch(model, data, object_body, shape).HasHeight()) {
     return fmt::format(

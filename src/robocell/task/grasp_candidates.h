@@ -29,6 +29,15 @@ struct GraspCandidate {
 std::vector<GraspCandidate> FindGrasps(const mjModel* model, const mjData* data, int object_body,
                                        const GripperShape& shape, const Pose& tcp_now);
 
+// The widths of objects that a gripper can hold, from the distances of its fingers (metres): wider
+// than the closed gripper, and with clearance on both sides in the open one.
+struct HeldWidths {
+  double least, most;
+};
+HeldWidths WidthsHeld(double closed_gap, double open_gap);
+// "holds from 0.007 to 0.078 m"; of a gripper that opens too little, why it holds nothing.
+std::string DescribeHeldWidths(double closed_gap, double open_gap);
+
 // For an object without a candidate, its size and the gripper's: "it is 0.30 m wide where it is
 // narrowest and 0.30 m high, and the gripper holds from 0.007 to 0.078 m".
 std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_body,

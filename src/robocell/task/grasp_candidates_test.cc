@@ -1,5 +1,6 @@
 #include "robocell/task/grasp_candidates.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
@@ -129,6 +130,17 @@ TEST(FindGrasps, NothingThatIsTooLargeTooThinOrTooFlatHasOne) {
   rod.fixed = true;  // it would fall over
   EXPECT_TRUE(GraspsOf(MakePickScene(rod)).empty());
   EXPECT_TRUE(GraspsOf(MakePickScene(Box(0.02, 0.02, 0.005))).empty());
+}
+
+TEST(HeldWidths, AreNotToldAsARangeWhereThereIsNone) {
+  EXPECT_EQ(DescribeHeldWidths(0.002, 0.09), "holds from 0.007 to 0.078 m");
+  for (const double open : {0.01, 0.01799, 0.018, 0.0184}) {
+    EXPECT_THAT(DescribeHeldWidths(0, open),
+                ::testing::StartsWith("holds nothing: open, its fingers are 0.01"));
+  }
+  EXPECT_EQ(DescribeHeldWidths(0, 0.01799),
+            "holds nothing: open, its fingers are 0.018 m apart, which leaves 0.00599 m between "
+            "0.006 m of clearance on both sides, and 0.006 m are the least that it can hold");
 }
 
 }  // namespace

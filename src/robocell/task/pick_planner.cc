@@ -15,8 +15,10 @@ constexpr double kReopenSeconds = 0.4;  // after a failure: the object may fall
 constexpr double kMostOpenSeconds = 1.0;
 constexpr double kSettleSeconds = 0.1;      // after a motion ...
 constexpr double kMostSettleSeconds = 0.5;  // ... and while the arm is still on its way
-constexpr double kNearlyArrived = 2;        // arrival tolerances
-constexpr double kCloseSeconds = 0.5;       // weak servos take this long to build up their force
+// The arm is near enough for the next motion, which it can begin from anywhere near: within as many
+// tolerances, and never less than these, rad and m.
+constexpr double kNearlyArrived = 2, kNearRad = 0.02, kNearMetres = 0.002;
+constexpr double kCloseSeconds = 0.5;  // weak servos take this long to build up their force
 constexpr double kMostCloseSeconds = 1.0;
 // Of the distance between the fingers while they close, m/s. A contact as MuJoCo has it by default
 // stops a finger within 20 ms: at half of this each it goes 1 mm deep, and walls are some thick.
@@ -37,7 +39,7 @@ constexpr double kRisenShare = 0.5;  // of the lift that the object must have ma
 
 PickPlannerOptions OptionsOf(const RunConfig& run) {
   const GraspMotionOptions motion = GraspMotionOptionsOf(run.task);
-  return {.tick = run.rates.policy_ms / 1000, .above = motion.above, .lift = motion.lift};
+  return {.tick = run.rates.policy_period(), .above = motion.above, .lift = motion.lift};
 }
 
 }  // namespace
@@ -64,6 +66,11 @@ void PickPlanner::Begin(const Scene& scene, Rng& rng) {
   planning_ = std::make_unique<PlanningScene>(
       scene, *robot_, scene.compiled()->object(target_object_).root_body, shape_);
   arrival_tolerances_ = ArrivalTolerances(*robot_, robot_->arm().name());
+  for (size_t i = 0; i < arrival_tolerances_.size(); ++i) {
+    const bool slide = robot_->chain().joints()[i].type == ChainJointType::kSlide;
+    arrival_tolerances_[i] =
+        std::max(kNearlyArrived * arrival_tolerances_[i], slide ? kNearMetres : kNearRad);
+  }
   home_ = JointVector(std::span<const double>(robot_->arm().joint_pos()));
   target_ = JointVector(robot_->controller(robot_->arm().name()).commanded_joint_pos());
   plan_.reset();
@@ -259,7 +266,7 @@ double PickPlanner::Lag() const {
 }
 
 bool PickPlanner::Arrived() const {
-  return AreWithin(robot_->arm().joint_pos(), target_, arrival_tolerances_, kNearlyArrived);
+  return AreWithin(robot_->arm().joint_pos(), target_, arrival_tolerances_);
 }
 
 double PickPlanner::Gap() const { return robot_->gripper().inter_finger_dist(); }

@@ -57,7 +57,7 @@ class Lent {
 SceneSpec PickTaskSampler::MakeBaseScene(int scene_index) {
   SceneSpec spec;
   spec.name = run_.run;
-  spec.timestep = run_.rates.sim_ms / 1000;
+  spec.timestep = run_.rates.timestep().value();
   spec.options = run_.options;
   if (run_.scenes.kind() == SceneSourceKind::kFiles) {
     const std::string& file = run_.scenes.files.at(static_cast<size_t>(scene_index));

@@ -29,7 +29,7 @@ struct BasePlace {
 
 Robot OnlyRobot(const RunConfig& run) {
   SceneSpec spec{.name = run.run,
-                 .timestep = run.rates.sim_ms / 1000,
+                 .timestep = run.rates.timestep().value(),
                  .add_floor = false,
                  .add_skybox = false,
                  .options = run.options};

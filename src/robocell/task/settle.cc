@@ -13,14 +13,13 @@ namespace {
 
 constexpr double kSeconds = 0.4;      // between looks at the objects ...
 constexpr int kLooks = 6;             // ... and how often to look
-constexpr double kMostDrift = 0.05;   // metres the target may move
 constexpr double kRestSpeed = 0.005;  // m/s below which an object rests ...
 constexpr double kRestTurn = 0.1;     // ... and rad/s
 
 // Name of an object that is not at rest; "" when all are. Parked ones do not count.
-std::string MovingObject(const Scene& scene) {
+std::string MovingObject(const Scene& scene, const std::vector<std::string>& objects) {
   const mjModel* m = scene.model();
-  for (const std::string& name : scene.object_names()) {
+  for (const std::string& name : objects) {
     const ObjectRecord& object = scene.compiled()->object(name);
     if (!object.free_joint) continue;
     const mjtNum* v =
@@ -42,11 +41,11 @@ std::optional<Refusal> Settle(Scene& scene, std::span<Robot> robots, const std::
   for (int look = 0; look < kLooks && !moving.empty() && !ShouldStop(options.stop); ++look) {
     const StepResult result = RunControlTicks(scene, robots, between);
     if (!result.ok()) return Refusal{Refusal::kUnsettled, result.message};
-    moving = MovingObject(scene);
+    moving = MovingObject(scene, options.resting.value_or(scene.object_names()));
   }
   if (!moving.empty()) return Refusal{Refusal::kUnsettled, moving + " still moves"};
   const Pose after = scene.body_pose(target_body);
-  if ((after.translation() - before.translation()).norm() > kMostDrift) {
+  if ((after.translation() - before.translation()).norm() > options.most_drift) {
     return Refusal{Refusal::kUnsettled, "the target rolled away or fell off its support"};
   }
   return std::nullopt;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "robocell/base/stop.h"
 #include "robocell/robot/robot.h"
@@ -15,8 +16,14 @@
 
 namespace robocell {
 
+// How far the target may move while it settles unless said otherwise, metres.
+inline constexpr double kMostSettling = 0.05;
+
 struct SettleOptions {
-  int sim_steps = 1;    // engine steps per control tick
+  int sim_steps = 1;  // engine steps per control tick
+  // Names of the objects that have to come to rest; all unless set.
+  std::optional<std::vector<std::string>> resting = {};
+  double most_drift = kMostSettling;
   StopCheck stop = {};  // when it says true, the objects may be refused as still moving
 };
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from robocell import ResetContext, Scene, SceneSpec, ToolFrameSpec
+from robocell import ClosedError, ResetContext, Scene, SceneSpec, ToolFrameSpec
 from robocell.compat.mj_kdl_wrapper.calls import told
 from robocell.compat.mj_kdl_wrapper.forward import Forwarding
 from robocell.compat.mj_kdl_wrapper.robot import Robot
@@ -51,11 +51,16 @@ class Env(Forwarding):
         """Closes the scene."""
         self.scene.close()
 
+    def _require_open(self, name: str) -> None:
+        if self.scene.closed and name not in ("name", "close", "closed"):
+            raise ClosedError(f"env is closed: scene '{self.scene.name}' was closed")
+
     @told
     def create_robot(
         self, base_body: str, tip_body: str, prefix: str = "", tool: ToolFrameSpec | None = None
     ) -> Robot:
         """The chain between two bodies; it follows resets and rebuilds of the scene."""
+        self._require_open("create_robot")
         return Robot.from_scene(self.scene, base_body, tip_body, prefix=prefix, tool=tool)
 
     @property
@@ -69,6 +74,7 @@ class Env(Forwarding):
             raise TypeError(
                 f"on_reset: expected a function that takes one ResetContext, or None; got {hook!r}"
             )
+        self._require_open("on_reset")
         if self._hook_id is not None:
             self.scene.remove_reset_hook(self._hook_id)
         self._hook = hook

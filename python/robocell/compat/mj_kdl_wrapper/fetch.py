@@ -18,7 +18,7 @@ def fetch(
         Path | None, typer.Option(help="Also fill this folder with assets/ and menagerie/.")
     ] = None,
 ) -> None:
-    """Fetch the robots of the examples and print where models and assets are."""
+    """Fetch the robots of the examples into the cache, and print where models and assets are."""
     for name, path in menagerie.fetch(dest).items():
         print(f"{name}: {path}")
 

@@ -20,7 +20,11 @@ class Forwarding:
         wrapped = getattr(self, self._wraps)
         if not hasattr(type(wrapped), name):
             raise AttributeError(no_attribute(type(self), name, type(wrapped)))
+        self._require_open(name)
         return getattr(wrapped, name)
+
+    def _require_open(self, name: str) -> None:
+        """Raises what the guide's class raises when it was closed."""
 
     def __setattr__(self, name: str, value: object) -> None:
         """Of what there is; AttributeError with the nearest name for what there is not."""
@@ -30,4 +34,5 @@ class Forwarding:
         wrapped = getattr(self, self._wraps)
         if not hasattr(type(wrapped), name):
             raise AttributeError(no_attribute(type(self), name, type(wrapped)))
+        self._require_open(name)
         setattr(wrapped, name, value)

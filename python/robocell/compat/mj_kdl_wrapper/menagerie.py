@@ -1,8 +1,11 @@
-"""Where models and assets are: the variables ``MJ_KDL_*`` first, then robocell's own search.
+"""Where models and assets are: the variables ``MJ_KDL_*``, the guide's cache, robocell's search.
 
 ``MJ_KDL_MODEL`` (the arm), ``MJ_KDL_GRIPPER``, ``MJ_KDL_TABLE``, ``MJ_KDL_BOTTLE`` and
 ``MJ_KDL_RECEIVER`` are files, ``MJ_KDL_MENAGERIE`` is a checkout of the Menagerie. What a variable
 names must exist.
+
+The cache is ``~/.cache/mj_kdl_wrapper`` with the folders ``menagerie`` and ``assets``
+(``XDG_CACHE_HOME`` instead of ``~/.cache`` where it is set). `fetch` fills it.
 """
 
 from __future__ import annotations
@@ -34,6 +37,9 @@ GRIPPER_ASSET = "robotiq_2f85/2f85.xml"
 def model_path(name: str, *, env_var: str | None = None) -> str:
     """Main model file of a robot of the Menagerie; NotFoundError says what to do without it.
 
+    Looks at the variables, then in the cache, then where robocell looks. ``MENAGERIE_ROOT`` and
+    ``ROBOCELL_OVERRIDE_<NAME>``, which robocell knows too, come before the cache.
+
     Args:
         name: The robot, such as ``"kinova_gen3"``. A name that the Menagerie does not have is an
             error also where ``MJ_KDL_MODEL`` names the file.
@@ -46,6 +52,7 @@ def model_path(name: str, *, env_var: str | None = None) -> str:
         (env_var and _override(env_var))
         or _override("MJ_KDL_GRIPPER" if name == GRIPPER else "MJ_KDL_MODEL")
         or _below_root(name)
+        or _in_cache(name)
         or _from_the_menagerie(name)
     )
 
@@ -59,29 +66,44 @@ def asset_path(rel: str, *, env_var: str | None = None) -> str:
         env_var: A variable of one's own that names the file, before all others.
     """
     if rel == GRIPPER_ASSET:
-        return model_path(GRIPPER, env_var=env_var)
+        return (
+            (env_var and _override(env_var))
+            or _override("MJ_KDL_GRIPPER")
+            or (None if os.environ.get("MJ_KDL_MENAGERIE") else _cached_asset(rel))
+            or model_path(GRIPPER)
+        )
     if rel not in ASSETS:
         raise NotFoundError(f"no asset '{rel}'. The assets: {', '.join([*ASSETS, GRIPPER_ASSET])}")
     model, variable = ASSETS[rel]
     return (
         (env_var and _override(env_var))
         or (variable and _override(variable))
+        or _cached_asset(rel, model)
         or models.resolve(model)
     )
 
 
+def cache_dir() -> Path:
+    """The guide's cache, which `fetch` fills; it need not exist."""
+    root = os.environ.get("XDG_CACHE_HOME")
+    return (Path(root) if root else Path.home() / ".cache") / "mj_kdl_wrapper"
+
+
 @told
 def fetch(dest: str | Path | None = None) -> dict[str, str]:
-    """Fetches the examples' robots, unless they are here.
+    """Fetches the examples' robots, unless they are here, and fills the guide's cache.
+
+    Files that the cache has already stay as they are.
 
     Args:
-        dest: A folder that gets ``assets/`` and ``menagerie/``, so that programs started in it
+        dest: A folder that gets ``assets/`` and ``menagerie/`` too, so that programs started in it
             find relative paths such as ``assets/robotiq_2f85/2f85.xml``.
 
     Returns:
         Name -> path of all models and assets.
     """
     folders = {robot: _folder(robot) for robot in (ARM, GRIPPER)}
+    _fill(cache_dir(), folders, keep=True)
     if dest is not None:
         return _fill(Path(dest), folders)
     paths = {robot: model_path(robot) for robot in folders}
@@ -90,7 +112,8 @@ def fetch(dest: str | Path | None = None) -> dict[str, str]:
 
 def _require_robot(name: str) -> None:
     robot = name.partition("/")[0]
-    known = {ARM, GRIPPER, *menagerie.folders(), *_names_below_root()}
+    roots = (os.environ.get("MJ_KDL_MENAGERIE"), cache_dir() / "menagerie")
+    known = {ARM, GRIPPER, *menagerie.folders(), *(name for r in roots for name in _names_below(r))}
     if robot in known or override_file(name) is not None:
         return
     with contextlib.suppress(NotFoundError):  # without the package: those that are here
@@ -119,8 +142,7 @@ def _from_the_menagerie(name: str) -> str:
         raise NotFoundError(message) from None
 
 
-def _names_below_root() -> list[str]:
-    root = os.environ.get("MJ_KDL_MENAGERIE")
+def _names_below(root: str | Path | None) -> list[str]:
     if not root or not Path(root).is_dir():
         return []
     return [folder.name for folder in Path(root).iterdir() if folder.is_dir()]
@@ -148,6 +170,24 @@ def _below_root(robot: str) -> str | None:
     return str((folder / fetching.main_file(robot)).resolve())
 
 
+def _in_cache(robot: str) -> str | None:
+    folder, _, file = robot.partition("/")
+    cached = cache_dir() / "menagerie" / folder
+    own_root = os.environ.get("MENAGERIE_ROOT")
+    chosen = override_file(robot) is not None or (own_root and (Path(own_root) / folder).is_dir())
+    if chosen or not cached.is_dir():
+        return None
+    path = cached / (file or fetching.main_file(folder))
+    return str(path.resolve()) if path.is_file() else None
+
+
+def _cached_asset(rel: str, model: str = "") -> str | None:
+    if model and override_file(model) is not None:
+        return None
+    path = cache_dir() / "assets" / rel
+    return str(path.resolve()) if path.is_file() else None
+
+
 def _folder(robot: str) -> Path:
     try:
         return Path(menagerie.folder(robot))
@@ -155,23 +195,27 @@ def _folder(robot: str) -> Path:
         return fetching.fetch(robot).folder
 
 
-def _fill(dest: Path, folders: dict[str, Path]) -> dict[str, str]:
+def _fill(dest: Path, folders: dict[str, Path], *, keep: bool = False) -> dict[str, str]:
+    """Copies robots and assets; with `keep`, only what is not there yet."""
     paths = {}
     for robot, folder in folders.items():
-        _copy(folder, dest / "menagerie" / robot)
+        _copy(folder, dest / "menagerie" / robot, keep)
         paths[robot] = str(dest / "menagerie" / robot / fetching.main_file(robot))
-    _copy(folders[GRIPPER], dest / "assets" / GRIPPER)
+    _copy(folders[GRIPPER], dest / "assets" / GRIPPER, keep)
     paths[GRIPPER_ASSET] = str(dest / "assets" / GRIPPER_ASSET)
     for asset, (model, _) in ASSETS.items():
         source, target = Path(models.resolve(model)), dest / "assets" / asset
         target.parent.mkdir(parents=True, exist_ok=True)
-        for mesh in source.parent.glob("*.obj"):
-            shutil.copyfile(mesh, target.parent / mesh.name)
-        shutil.copyfile(source, target)
+        if not (keep and target.exists()):
+            for mesh in source.parent.glob("*.obj"):
+                shutil.copyfile(mesh, target.parent / mesh.name)
+            shutil.copyfile(source, target)
         paths[asset] = str(target)
     return paths
 
 
-def _copy(folder: Path, target: Path) -> None:
+def _copy(folder: Path, target: Path, keep: bool) -> None:
+    if keep and target.exists():
+        return
     ignored = shutil.ignore_patterns(".complete")
     shutil.copytree(folder, target, ignore=ignored, dirs_exist_ok=True)

@@ -6,9 +6,10 @@ from typing import Any
 
 import robocell
 from robocell._arguments import no_attribute
-from robocell.compat.mj_kdl_wrapper.calls import told
+from robocell.compat.mj_kdl_wrapper.calls import closed_as, told
 
 
+@closed_as("robot", robocell.Robot)
 class Robot(robocell.Robot):
     """A robot whose `fk_frame`, `tip_to_tcp` and `ft_sensor_frame` are PyKDL.Frame.
 

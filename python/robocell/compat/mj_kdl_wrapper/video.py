@@ -57,6 +57,13 @@ class VideoRecorder(Forwarding):
         """With one of the usual sizes."""
         return cls(robocell.VideoRecorder.open_preset(_scene(target), path, resolution, fps))
 
+    def _require_open(self, name: str) -> None:
+        if self._closed and name.startswith(("record_", "set_", "use_")):
+            raise robocell.ClosedError(
+                "recorder is closed: its video is finished; open another one with "
+                "VideoRecorder.open"
+            )
+
     def close(self) -> None:
         """Ends the file; without it there is none. Again it does nothing."""
         if not self._closed:
@@ -69,6 +76,7 @@ class VideoRecorder(Forwarding):
 
         "Tracking" is an error before `set_tracking_camera` said what to follow.
         """
+        self._require_open("use_camera")
         try:
             self.recorder.use_camera(name)
         except robocell.NotFoundError:
@@ -77,6 +85,7 @@ class VideoRecorder(Forwarding):
 
     def record_frame(self) -> bool:
         """The scene as it is now becomes a frame; never False, what goes wrong is raised."""
+        self._require_open("record_frame")
         self.recorder.record_frame()
         return True
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 import os
 import warnings
 from collections.abc import Mapping, Sequence
@@ -65,7 +66,8 @@ class SimRobotConfig(NamedFields):
 
     ``dof``, when it is set, must be the number of joints. ``seconds_between_callbacks`` does
     nothing, and a warning says so when it is set: robocell looks at every step of the engine
-    whether an arm has arrived.
+    whether an arm has arrived. Without gravity compensation servos may come to rest farther from
+    their targets than ``joint_rotational_tolerance``; the step's reason is then ``settled``.
     """
 
     robot_type: str = "FR3"
@@ -78,7 +80,7 @@ class SimRobotConfig(NamedFields):
     dof: int | None = None
     joint_limits: Any = None  # (2, dof): lower, upper; those of the model unless set
     q_home: Sequence[float] | None = field(default_factory=lambda: list(HOME_POSITIONS["FR3"]))
-    joint_rotational_tolerance: float = 0.01
+    joint_rotational_tolerance: float = math.radians(0.05)
     arm_collision_geoms: Sequence[str] = ()
     seconds_between_callbacks: float = 0.1
 
@@ -124,20 +126,7 @@ class SimRobotConfig(NamedFields):
         return robot
 
 
-_MEASURED = (
-    "how far the fingers open is measured on the model, at min_actuator_width and "
-    "max_actuator_width; set these"
-)
-_MAY_TOUCH = (
-    "grippers may touch things, which ends no step; the contacts of a body of theirs are "
-    "env.core.scene.contacts(body), and what ends steps are the arm's, SimRobotConfig."
-    "arm_collision_geoms"
-)
 _UNUSED_OF_GRIPPERS = {
-    "min_joint_width": _MEASURED,
-    "max_joint_width": _MEASURED,
-    "collision_geoms": _MAY_TOUCH,
-    "ignored_collision_geoms": _MAY_TOUCH,
     "seconds_between_callbacks": "whether the fingers stand still is looked at with every step of "
     "the engine",
 }
@@ -147,9 +136,11 @@ _UNUSED_OF_GRIPPERS = {
 class SimGripperConfig(NamedFields):
     """A gripper of GRIPPER_PATHS, or ``gripper_type`` is a model's path; by default Franka's hand.
 
-    These do nothing, and a warning says so when they are set: ``min_joint_width``,
-    ``max_joint_width`` (the opening is measured on the model), ``collision_geoms``,
-    ``ignored_collision_geoms`` (grippers may touch things) and ``seconds_between_callbacks``.
+    The opening is read from the first joint between ``min_joint_width`` (closed) and
+    ``max_joint_width`` (open) when one of them is set, else from the distance between the fingers.
+    A contact of ``collision_geoms`` is a collision, which ends a step as one of the arm does, but
+    for contacts between the fingers and with ``ignored_collision_geoms`` (full names of the scene).
+    ``seconds_between_callbacks`` does nothing, and a warning says so when it is set.
     """
 
     gripper_type: str = "FrankaHand"
@@ -179,13 +170,25 @@ class SimGripperConfig(NamedFields):
         }
         if len(self.collision_geoms_fingers):
             group["fingers"] = list(self.collision_geoms_fingers)
+        widths = {each.name: each.default for each in fields(self) if "joint_width" in each.name}
+        if any(getattr(self, name) != default for name, default in widths.items()):
+            group["joint_range"] = {"open": self.max_joint_width, "closed": self.min_joint_width}
         return rc.RobotConfig(
-            name=kind, model=GRIPPER_PATHS.get(kind, kind), move_groups={"gripper": group}
+            name=kind,
+            model=GRIPPER_PATHS.get(kind, kind),
+            move_groups={"gripper": group},
+            collision_geoms=list(self.collision_geoms),
+            ignored_collision_geoms=list(self.ignored_collision_geoms),
         )
 
 
 class CameraType(enum.Enum):
-    """Which kind of camera; environments take images of fixed ones."""
+    """Which kind of camera.
+
+    ``fixed``: the camera of the scene that ``identifier`` names. ``tracking``: a view of the body
+    that it names, from 2 m away. ``free``: MuJoCo's free camera as it begins, 2 m from the world's
+    origin. ``default_free``: the whole scene, as MuJoCo's viewer shows it first.
+    """
 
     free = "free"
     tracking = "tracking"
@@ -205,17 +208,19 @@ class SimCameraConfig(NamedFields):
 
     def to_stream(self, name: str) -> rc.CameraConfig:
         """As an image stream of this name."""
-        if self.type != CameraType.fixed:
-            raise rc.ArgumentError(
-                f"camera_cfgs.{name}: its type is {self.type.name}; images are taken of fixed "
-                "cameras, those of camera_adds, of robots and of the scene"
-            )
         stream = rc.CameraConfig(
-            name=name,
-            camera=self.identifier,
-            width=self.resolution_width,
-            height=self.resolution_height,
+            name=name, width=self.resolution_width, height=self.resolution_height
         )
+        if self.type == CameraType.tracking:
+            stream.follow = self.identifier
+        elif self.type == CameraType.default_free:
+            stream.camera = "Free"
+        else:
+            stream.camera = self.camera_of(name)
         if self.frame_rate:
             stream.rate = float(self.frame_rate)
         return stream
+
+    def camera_of(self, name: str) -> str:
+        """The scene's camera that the stream `name` shows; a free one is added for it."""
+        return f"{name}_free" if self.type == CameraType.free else self.identifier

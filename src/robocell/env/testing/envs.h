@@ -74,6 +74,7 @@ inline EnvConfig Rc7Env(ControlMode mode = ControlMode::kJoints,
 inline EnvConfig Rc7WithCube(const Pose& root = Pose()) {
   EnvConfig config = Rc7Env(ControlMode::kCartesianTquat, RelativeTo::kNone);
   config.root_frame_to_world = root;
+  config.add_floor = false;
   config.root_frame_objects["cube"] = {.offset = Pose(Eigen::Vector3d(0.45, 0, 0.02)),
                                        .shape = Shape::kBox,
                                        .size = Vec3{0.02, 0.02, 0.02},
@@ -91,6 +92,7 @@ inline EnvConfig Rc7WithCube(const Pose& root = Pose()) {
 inline EnvConfig Rc7Duo(ControlMode mode, RelativeTo relative_to) {
   EnvConfig config = Rc7Env(mode, relative_to);
   config.robots = {{"left", config.robots.at("robot")}, {"right", config.robots.at("robot")}};
+  config.add_floor = false;
   config.root_frame_to_world = Pose::FromRpy({1, -2, 0.5}, {0.2, -0.1, 2});
   config.shared_base_frame_to_root_frame = Pose::FromRpy({0, 0, 0.34}, {0, 0.1, 0.3});
   config.robot_to_shared_base_frame["left"] = Pose::FromRpy({0.02, 0.25, 0}, {-0.4, 0.1, 0.2});

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from math import pi
-
-from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.envs.base import ControlMode
-from robocell.compat.rcs.envs.scenes import CameraAdderConfig, SimEnvCreator, SimEnvCreatorConfig
+from robocell.compat.rcs.envs.cameras import PAGE_CAMERAS, camera_of_the_page
+from robocell.compat.rcs.envs.scenes import SimEnvCreator, SimEnvCreatorConfig
 from robocell.compat.rcs.registries import (
     DEFAULT_TRANSFORMS,
     GRIPPER_MOUNT_OFFSETS,
@@ -16,7 +14,10 @@ from robocell.compat.rcs.registries import (
 )
 from robocell.compat.rcs.sim import SimCameraConfig, SimConfig, SimGripperConfig, SimRobotConfig
 
-WRIST = Pose(translation=[0.06, 0, 0.05], rpy=[pi, -0.35, pi / 2])
+
+# The page's: its simulation runs until the arm has arrived, and shows that in real time.
+def _sim() -> SimConfig:
+    return SimConfig(async_control=False, realtime=True, frequency=1)
 
 
 def _camera(name: str) -> SimCameraConfig:
@@ -34,23 +35,13 @@ class EmptyWorldFR3(SimEnvCreator):
         """Its configuration, to be changed as wished."""
         return SimEnvCreatorConfig(
             robot_cfgs={"robot": _fr3()},
-            sim_cfg=SimConfig(async_control=True, frequency=30),
+            sim_cfg=_sim(),
             control_mode=ControlMode.CARTESIAN_TQuat,
             scene=SCENE_PATHS["empty_world"],
             gripper_cfgs={"robot": SimGripperConfig()},
             gripper_offsets={"robot": GRIPPER_MOUNT_OFFSETS["FrankaHand"]},
             camera_cfgs={name: _camera(name) for name in ("bird_eye", "wrist")},
-            camera_adds={
-                "bird_eye": CameraAdderConfig(
-                    fovy=60.0,
-                    offset=Pose(
-                        translation=[0.271, 0.0, 2.080],
-                        quaternion=[0.0060, -0.0060, -0.7067, 0.7074],
-                    ),
-                ),
-                "wrist": CameraAdderConfig(fovy=60.0, offset=WRIST, robot_name="robot"),
-            },
-            max_relative_movement=(0.2, pi / 4),
+            camera_adds={name: camera_of_the_page(name, "robot") for name in PAGE_CAMERAS},
             add_gravcomp=True,
         )
 
@@ -63,7 +54,7 @@ class EmptyWorldFR3Duo(SimEnvCreator):
         sides = ("left", "right")
         return SimEnvCreatorConfig(
             robot_cfgs={side: _fr3() for side in sides},
-            sim_cfg=SimConfig(async_control=True, frequency=30),
+            sim_cfg=_sim(),
             control_mode=ControlMode.CARTESIAN_TQuat,
             scene=SCENE_PATHS["empty_world"],
             gripper_cfgs={side: SimGripperConfig() for side in sides},
@@ -79,6 +70,5 @@ class EmptyWorldFR3Duo(SimEnvCreator):
                     DEFAULT_TRANSFORMS["FR3_DUOMOUNT_BASE"],
                 )
             },
-            max_relative_movement=(0.2, pi / 4),
             add_gravcomp=True,
         )

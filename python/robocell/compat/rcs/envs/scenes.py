@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -12,6 +13,7 @@ from robocell import CameraAdderConfig, WrapperConfig
 from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.envs.base import ControlMode, RelativeTo
+from robocell.compat.rcs.envs.cameras import placed_cameras
 from robocell.compat.rcs.envs.tasks import BaseTaskConfig
 from robocell.compat.rcs.registries import SCENE_PATHS
 from robocell.compat.rcs.sim import SimCameraConfig, SimConfig, SimGripperConfig, SimRobotConfig
@@ -110,6 +112,24 @@ class SimEnvCreatorConfig(NamedFields):
         if any(wrong):
             raise rc.ArgumentError("\n".join(text for text in wrong if text))
 
+    def _step_limit(self) -> Any:
+        """One number is metres with Cartesian actions, which then turn by a quarter at most."""
+        limit: Any = self.max_relative_movement
+        if isinstance(limit, (int, float)) and self.control_mode != ControlMode.JOINTS:
+            return (limit, math.pi / 2)
+        return limit
+
+    def _placed_cameras(
+        self, robots: Mapping[str, rc.RobotConfig], grippers: Mapping[str, rc.RobotConfig]
+    ) -> dict[str, rc.CameraAdderConfig]:
+        return placed_cameras(
+            self.camera_cfgs or {},
+            self.camera_adds or {},
+            robots=self.robot_cfgs,
+            models=[self.scene, *(each.model for each in (*robots.values(), *grippers.values()))],
+            root_frame_to_world=self.root_frame_to_world,
+        )
+
     def to_env_config(self, name: str = "env") -> rc.EnvConfig:
         """The same cell as robocell's configuration; this one stays as it is.
 
@@ -117,14 +137,14 @@ class SimEnvCreatorConfig(NamedFields):
         objects of wrists that are under no robot's name, NotFoundError for the gripper of none.
         """
         self._check_names()
+        robots = {robot: each.to_robot() for robot, each in self.robot_cfgs.items()}
+        grippers = {robot: each.to_robot() for robot, each in (self.gripper_cfgs or {}).items()}
         fields: dict[str, Any] = {
             "name": name,
-            "robots": {robot: each.to_robot() for robot, each in self.robot_cfgs.items()},
-            "grippers": {robot: g.to_robot() for robot, g in (self.gripper_cfgs or {}).items()},
+            "robots": robots,
+            "grippers": grippers,
             "gripper_offsets": dict(self.gripper_offsets or {}),
             "scene": str(self.scene),
-            # RCS's empty world has one, on which things lie; robocell's has not.
-            "add_floor": str(self.scene) == SCENE_PATHS["empty_world"],
             "root_frame_to_world": self.root_frame_to_world,
             "shared_base_frame_to_root_frame": self.shared_base_frame_to_root_frame,
             "robot_to_shared_base_frame": dict(self.robot_to_shared_base_frame or {}),
@@ -133,7 +153,7 @@ class SimEnvCreatorConfig(NamedFields):
             "robot_frame_objects": {
                 robot: dict(each) for robot, each in (self.robot_frame_objects or {}).items()
             },
-            "camera_adds": dict(self.camera_adds or {}),
+            "camera_adds": self._placed_cameras(robots, grippers),
             "cameras": {
                 "streams": [c.to_stream(camera) for camera, c in (self.camera_cfgs or {}).items()]
             },
@@ -147,7 +167,7 @@ class SimEnvCreatorConfig(NamedFields):
         if self.alternative_combined_robot_mjcf is not None:
             fields["alternative_combined_robot_mjcf"] = str(self.alternative_combined_robot_mjcf)
         if self.max_relative_movement is not None:
-            fields["max_relative_movement"] = self.max_relative_movement
+            fields["max_relative_movement"] = self._step_limit()
         config = rc.EnvConfig(**fields)
         if self.task_cfg is not None:
             self.task_cfg.add_to(config)

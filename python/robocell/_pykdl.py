@@ -1,0 +1,60 @@
+"""How PyKDL gets into this Python: the commands that work on this system.
+
+`remedy` is what the core prints when `import PyKDL` fails, and what `robocell doctor` prints.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import sys
+import sysconfig
+from pathlib import Path
+
+PACKAGE = "python3-pykdl"
+SYSTEM_MODULES = Path("/usr/lib/python3/dist-packages")
+SYSTEM_PYTHON = Path("/usr/bin/python3")
+
+
+def module_file() -> Path:
+    """Where Debian and Ubuntu install PyKDL for a Python of this version."""
+    return SYSTEM_MODULES / f"PyKDL{sysconfig.get_config_var('EXT_SUFFIX')}"
+
+
+def system_version() -> str:
+    """The version of the system's Python, such as "3.11"; "" without one."""
+    version = re.fullmatch(r"python(3\.\d+)", SYSTEM_PYTHON.resolve().name)
+    return version[1] if version else ""
+
+
+def remedy() -> str:
+    """The commands that make `import PyKDL` work in the running Python."""
+    here = f"{sys.version_info.major}.{sys.version_info.minor}"
+    file = module_file()
+    in_venv = sys.prefix != sys.base_prefix
+    site = sysconfig.get_path("platlib")
+    if file.exists():
+        return f"The system has it; link it into this environment: ln -s {file} {site}/"
+    if not shutil.which("apt-get"):
+        return (
+            f"Build PyKDL (python_orocos_kdl of orocos_kinematics_dynamics) for Python {here} and "
+            f"put the module into {site}"
+        )
+    if system_version() != here:
+        return (
+            f"The package {PACKAGE} is for the system's Python {system_version() or '3'}, and this "
+            f"is Python {here}. Create the environment with {SYSTEM_PYTHON} -m venv and install "
+            "robocell there"
+        )
+    link = f" && ln -s {file} {site}/" if in_venv else ""
+    return (
+        f"Install it: sudo apt-get install {PACKAGE}{link}\n"
+        f"Without root: cd /tmp && apt-get download {PACKAGE} && dpkg-deb -x {PACKAGE}_*.deb pykdl "
+        f"&& cp pykdl{file} {_writable_site(site, in_venv)}/"
+    )
+
+
+def _writable_site(site: str, in_venv: bool) -> str:
+    if in_venv:
+        return site
+    return sysconfig.get_path("platlib", "posix_user")

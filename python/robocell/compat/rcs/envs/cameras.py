@@ -1,0 +1,84 @@
+"""Cameras that camera_cfgs names and camera_adds does not place."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Iterable, Mapping
+from math import pi, sqrt
+
+import mujoco
+
+import robocell as rc
+from robocell.compat.rcs.common import Pose
+from robocell.compat.rcs.sim import CameraType, SimCameraConfig
+
+Path = str | os.PathLike[str]
+
+# Name -> (pose, whether it is in the frame of a robot's attachment site, else in the root frame).
+PAGE_CAMERAS = {
+    "bird_eye": (
+        Pose(translation=[0.271, 0.0, 2.080], quaternion=[0.0060, -0.0060, -0.7067, 0.7074]),
+        False,
+    ),
+    "wrist": (Pose(translation=[0.06, 0, 0.05], rpy=[pi, -0.35, pi / 2]), True),
+}
+# MuJoCo's free camera before anybody moved it: 2 m from the origin, looking along y and down.
+FREE_IN_WORLD = Pose(translation=[0, -sqrt(2), sqrt(2)], rpy=[pi / 4, 0, 0])
+FREE_FOVY = 45.0
+
+
+def camera_of_the_page(name: str, robot: str) -> rc.CameraAdderConfig:
+    """The page's camera of this name; one of a wrist follows `robot`."""
+    pose, follows = PAGE_CAMERAS[name]
+    camera = rc.CameraAdderConfig(fovy=60.0, offset=pose)
+    if follows:
+        camera.robot_name = robot
+    return camera
+
+
+def placed_cameras(
+    streams: Mapping[str, SimCameraConfig],
+    adds: Mapping[str, rc.CameraAdderConfig],
+    *,
+    robots: Iterable[str],
+    models: Iterable[Path],
+    root_frame_to_world: rc.Pose,
+) -> dict[str, rc.CameraAdderConfig]:
+    """The cameras of `adds` and those that `streams` needs beside them.
+
+    A free camera stands still in the world. The page's minimal scene takes images of ``bird_eye``
+    and ``wrist`` and places neither: without a camera of that name they stand where the page's
+    other snippets place them, and a warning says so.
+    """
+    placed, names = dict(adds), list(robots)
+    files = list(models)
+    for name, stream in streams.items():
+        camera = stream.camera_of(name)
+        if stream.type == CameraType.free:
+            offset = root_frame_to_world.inverse() * FREE_IN_WORLD
+            placed[camera] = rc.CameraAdderConfig(fovy=FREE_FOVY, offset=offset)
+            continue
+        if stream.type != CameraType.fixed or camera in placed or camera not in PAGE_CAMERAS:
+            continue
+        follows = PAGE_CAMERAS[camera][1]
+        if (follows and len(names) != 1) or any(_has_camera(file, camera) for file in files):
+            continue
+        placed[camera] = camera_of_the_page(camera, names[0] if follows else "")
+        frame = f"the wrist of robot '{names[0]}'" if follows else "the root frame"
+        warnings.warn(
+            f"camera_cfgs.{name}: camera_adds has no camera '{camera}'; it is placed relative to "
+            f"{frame} as EmptyWorldFR3 has it. To place it elsewhere, add '{camera}' to "
+            "camera_adds",
+            stacklevel=4,
+        )
+    return placed
+
+
+def _has_camera(file: Path, camera: str) -> bool:
+    """Whether a model has a camera of this name; what is wrong with the model is said later."""
+    try:
+        spec = mujoco.MjSpec.from_file(rc.models.resolve(str(file)))
+    except (rc.Error, ValueError):
+        return False
+    return any(each.name == camera for each in spec.cameras)

@@ -1,0 +1,119 @@
+"""Where the guide's models and assets are found: the variables, and the command that fetches."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import mujoco
+import pytest
+
+import robocell.compat.mj_kdl_wrapper as mjk
+from robocell.compat.mj_kdl_wrapper.fetch import main
+
+
+@pytest.fixture(scope="module", autouse=True)
+def in_a_fetched_folder(tmp_path_factory: pytest.TempPathFactory):
+    """Started in a folder that `mj-kdl-fetch-menagerie --dest` filled: `assets/...` is there."""
+    from menagerie import require_menagerie
+
+    require_menagerie("kinova_gen3", "robotiq_2f85")
+    folder = tmp_path_factory.mktemp("guide")
+    mjk.menagerie.fetch(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        yield folder
+
+
+class TestModelPaths:
+    def test_files_of_ones_own_come_first(self, tmp_path, monkeypatch):
+        mine = tmp_path / "mine.xml"
+        mine.write_text("<mujoco/>")
+        for variable, path in (
+            ("MJ_KDL_MODEL", lambda: mjk.menagerie.model_path("kinova_gen3")),
+            ("MJ_KDL_GRIPPER", lambda: mjk.menagerie.asset_path("robotiq_2f85/2f85.xml")),
+            ("MJ_KDL_TABLE", lambda: mjk.menagerie.asset_path("table.xml")),
+            ("MJ_KDL_BOTTLE", lambda: mjk.menagerie.asset_path("bottle.xml")),
+            ("MJ_KDL_RECEIVER", lambda: mjk.menagerie.asset_path("receiver.xml")),
+        ):
+            assert Path(path()).is_file()
+            monkeypatch.setenv(variable, str(mine))
+            assert path() == str(mine)
+            monkeypatch.setenv(variable, "/nonexistent")
+            with pytest.raises(RuntimeError, match=f"^{variable} is '/nonexistent', which is no"):
+                path()
+            monkeypatch.delenv(variable)
+
+    def test_a_variable_of_ones_own_comes_before_all(self, tmp_path, monkeypatch):
+        mine = tmp_path / "mine.xml"
+        mine.write_text("<mujoco/>")
+        paths = (
+            lambda: mjk.menagerie.model_path("kinova_gen3", env_var="MY_ARM"),
+            lambda: mjk.menagerie.asset_path("table.xml", env_var="MY_ARM"),
+            lambda: mjk.menagerie.asset_path("robotiq_2f85/2f85.xml", env_var="MY_ARM"),
+        )
+        for path in paths:
+            assert path() != str(mine)
+        monkeypatch.setenv("MY_ARM", str(mine))
+        assert [path() for path in paths] == [str(mine)] * 3
+        monkeypatch.setenv("MY_ARM", "/nonexistent")
+        for path in paths:
+            with pytest.raises(RuntimeError, match=r"^MY_ARM is '/nonexistent', which is no file"):
+                path()
+
+    def test_a_root_of_ones_own_comes_next(self, in_a_fetched_folder, monkeypatch):
+        root = in_a_fetched_folder / "menagerie"
+        monkeypatch.setenv("MJ_KDL_MENAGERIE", str(root))
+        assert mjk.menagerie.model_path("kinova_gen3") == str(root / "kinova_gen3" / "gen3.xml")
+        monkeypatch.setenv("MJ_KDL_MENAGERIE", "/nonexistent")
+        with pytest.raises(RuntimeError, match=r"^MJ_KDL_MENAGERIE is '/nonexistent', which holds"):
+            mjk.menagerie.model_path("kinova_gen3")
+
+    def test_of_several_variables_the_nearest_to_the_file_counts(
+        self, in_a_fetched_folder, tmp_path, monkeypatch
+    ):
+        arm, gripper, mine = (tmp_path / f"{name}.xml" for name in ("arm", "gripper", "mine"))
+        for file in (arm, gripper, mine):
+            file.write_text("<mujoco/>")
+
+        def models() -> list[str]:
+            names = ("kinova_gen3", "robotiq_2f85")
+            return [mjk.menagerie.model_path(name, env_var="MY_MODEL") for name in names]
+
+        root = in_a_fetched_folder / "menagerie"
+        of_root = [str(root / "kinova_gen3/gen3.xml"), str(root / "robotiq_2f85/2f85.xml")]
+        for variable, value, expected in (
+            ("MENAGERIE_ROOT", "/nonexistent", None),
+            ("MJ_KDL_MENAGERIE", root, of_root),
+            ("MJ_KDL_MODEL", arm, [str(arm), of_root[1]]),
+            ("MJ_KDL_GRIPPER", gripper, [str(arm), str(gripper)]),
+            ("MJ_KDL_MENAGERIE", "/nonexistent", [str(arm), str(gripper)]),
+            ("MY_MODEL", mine, [str(mine)] * 2),
+        ):
+            monkeypatch.setenv(variable, str(value))
+            if expected:
+                assert models() == expected, variable
+
+    def test_unknown_robots_are_told_whatever_the_variables_say(self, tmp_path, monkeypatch):
+        for _ in range(2):
+            with pytest.raises(RuntimeError, match=r"no robot 'kinova_gen4'.*mean 'kinova_gen3'\?"):
+                mjk.menagerie.model_path("kinova_gen4")
+            (tmp_path / "mine.xml").write_text("<mujoco/>")
+            monkeypatch.setenv("MJ_KDL_MODEL", str(tmp_path / "mine.xml"))
+
+    def test_unknown_assets_are_told_with_those_there_are(self):
+        with pytest.raises(RuntimeError, match=r"no asset 'tabel\.xml'\. The assets: table\.xml, "):
+            mjk.menagerie.asset_path("tabel.xml")
+
+    def test_every_asset_of_the_folder_loads(self, in_a_fetched_folder):
+        for asset in [*mjk.menagerie.ASSETS, mjk.menagerie.GRIPPER_ASSET]:
+            assert mujoco.MjModel.from_xml_path(str(in_a_fetched_folder / "assets" / asset)).nbody
+
+    def test_the_command_prints_where_everything_is(self, tmp_path, capsys, monkeypatch):
+        monkeypatch.setattr("sys.argv", ["mj-kdl-fetch-menagerie", "--dest", str(tmp_path)])
+        with pytest.raises(SystemExit) as end:
+            main()
+        assert not end.value.code
+        lines = dict(line.split(": ") for line in capsys.readouterr().out.splitlines())
+        assert lines["cabinet/cabinet.xml"] == str(tmp_path / "assets" / "cabinet" / "cabinet.xml")
+        assert lines["kinova_gen3"] == str(tmp_path / "menagerie" / "kinova_gen3" / "gen3.xml")
+        assert all(Path(path).is_file() for path in lines.values())

@@ -1,0 +1,46 @@
+// Which controllers can be put into a group at run time, and what is said of the others.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "robocell/control/relative_joint_controller.h"
+#include "robocell/robot/testing/robots.h"
+#include "robocell/spec/group_controls.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+TEST(SetController, RefusesByNameWhatAGripperCannotHave) {
+  Robot robot = RobotAlone(Rc7());
+  for (const std::string& kind : ControllerKinds()) {
+    if (WhyNotControlledBy(MoveGroupKind::kGripper, kind).empty()) continue;
+    ExpectThrow<ArgumentError>(
+        [&] { robot.SetController("gripper", kind); },
+        fmt::format("group 'gripper': a gripper cannot have the controller '{}'. It can have: "
+                    "joint_position, which takes its opening",
+                    kind));
+    EXPECT_EQ(robot.controller("gripper").kind(), "joint_position");
+  }
+  EXPECT_THROW(robot.SetController<RelativeJointController>("gripper"), ArgumentError);
+  robot.SetController("gripper", "joint_position");
+  EXPECT_EQ(robot.controller("gripper").target_kind(), TargetKind::kOpening);
+}
+
+TEST(SetController, RefusesByNameWhatAGenericGroupCannotHave) {
+  RobotConfig config = Rc7();
+  MoveGroupConfig& arm = config.move_groups.at("arm");
+  arm.kind = MoveGroupKind::kGeneric;
+  Robot robot = RobotAlone(config);
+  for (const char* kind : {"joint_torque", "joint_velocity", "cartesian_pose", "differential_ik"}) {
+    ExpectThrow<ArgumentError>(
+        [&] { robot.SetController("arm", kind); },
+        fmt::format("group 'arm': a generic group cannot have the controller '{}'. It can have: "
+                    "joint_position, relative_joint_position",
+                    kind));
+  }
+  robot.SetController("arm", "relative_joint_position");
+  EXPECT_EQ(robot.controller("arm").target_kind(), TargetKind::kJointSteps);
+}
+
+}  // namespace
+}  // namespace robocell

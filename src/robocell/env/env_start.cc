@@ -1,0 +1,126 @@
+// How an Env's episodes begin: a start is drawn until its objects lie still, and one is tried when
+// the environment is made.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "robocell/base/error.h"
+#include "robocell/base/log.h"
+#include "robocell/base/names.h"
+#include "robocell/env/env.h"
+#include "robocell/task/settle.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kMostStarts = 100;    // that are drawn for one reset
+constexpr uint64_t kTriedSeed = 0;  // of the start that is tried when an environment is made
+
+std::vector<Robot> AllRobots(const Scene& scene) {
+  std::vector<Robot> robots;
+  for (const RobotRecord& robot : scene.compiled()->robots())
+    robots.push_back(Robot::Of(scene, robot.name));
+  return robots;
+}
+
+std::vector<std::string> ObjectsThatMayHang(const EnvConfig& config) {
+  std::vector<std::string> names;
+  for (const auto* objects : {&config.root_frame_objects, &config.world_frame_objects}) {
+    for (const auto& [id, object] : objects->entries()) {
+      if (!object->fixed) names.push_back(id);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+// "" when a start was found, else what was wrong most often. Each is drawn from what the seed's
+// stream has next.
+std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
+                           const std::vector<std::vector<double>>& kept_joints) {
+  Rng of_task = Rng::Stream(seed, "env task");
+  std::map<std::string, int> reasons;
+  for (int i = 0; i < kMostStarts; ++i) {
+    // Asked before the reset, which puts bodies there and is one evaluation of the scene.
+    const BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
+    const uint64_t noise = i == 0 ? seed : Rng::Stream(seed, "env start", i).NextBits();
+    scene_.Reset({.keyframe = keyframe, .seed = noise, .body_poses = starts});
+    for (size_t k = 0; k < kept_joints.size(); ++k)
+      Robot(arms_[k].robot()).SetJointPos(kept_joints[k]);
+    for (ArmDriver& arm : arms_) arm.Reset();
+    if (task_) task_->Arrange(scene_, of_task);
+    const std::string why = start_check_ ? start_check_->WhyNot() : "";
+    if (why.empty()) return "";
+    ++reasons[why];
+  }
+  const auto most = std::ranges::max_element(
+      reasons, [](const auto& a, const auto& b) { return a.second < b.second; });
+  return most->first;
+}
+
+std::string Env::NoStart(const std::string& why) const {
+  return fmt::format(
+      "{}: task '{}' found no start in {} tries: most often {}. Move its objects to a free place "
+      "(root_frame_objects), or change task.spread",
+      place(), config_.task->kind, kMostStarts, why);
+}
+
+// The scene is left as a reset leaves it.
+void Env::TryStart(bool is_first) {
+  const SceneUse::Claim claim(scene_.use(), "Env::Env");
+  scene_.Reset();
+  if (is_first) WarnOfStart();
+  if (!start_check_) return;
+  start_check_->Accept();
+  const std::string doubt = MakeStart(kTriedSeed, {}, {});
+  if (!doubt.empty()) {
+    // Things also rest on what a ray misses, on grids and rings: simulating them tells.
+    start_check_->AcceptGaps();
+    const std::string why = MakeStart(kTriedSeed, {}, {});
+    if (!why.empty()) throw SpecError(NoStart(why));
+  }
+  if (is_first) RequireRest(doubt);
+  scene_.Reset();
+}
+
+void Env::RequireRest(const std::string& doubt) {
+  std::vector<Robot> robots = AllRobots(scene_);
+  const std::vector<std::string> resting = task_->resting_objects();
+  const std::string body = scene_.compiled()->object(resting.front()).root_body;
+  const auto refusal =
+      Settle(scene_, robots, body,
+             {.resting = resting, .most_drift = std::numeric_limits<double>::infinity()});
+  if (!refusal) return;
+  throw SpecError(fmt::format(
+      "{}: no episode can begin, because the objects of task '{}' do not come to rest: {}. Put "
+      "something under them: `add_floor: true`, or an object with `fixed: true`",
+      place(), config_.task->kind, doubt.empty() ? refusal->detail : doubt));
+}
+
+void Env::WarnOfStart() {
+  std::vector<std::string> inside = RobotsInTheFloor(scene_);
+  StartCheck check = start_check_ ? *start_check_ : StartCheck(scene_, {});
+  for (const std::string& robot : check.RobotsInside()) inside.push_back(robot);
+  for (const std::string& robot : inside) {
+    LogWarn(fmt::format(
+        "{}: at the start {}. Move the robot (robot_to_shared_base_frame), or write "
+        "`reset_root_pose: false` in its file when its model has the height in its root's pose",
+        place(), robot));
+  }
+  for (const std::string& text : HangingObjects(scene_, ObjectsThatMayHang(config_)))
+    LogWarn(fmt::format("{}: {}", place(), text));
+  std::vector<std::string> falling = ObjectsOverNothing(scene_);
+  if (start_check_) {
+    for (const std::string& object : task_->resting_objects()) std::erase(falling, object);
+  }
+  if (falling.empty()) return;
+  LogWarn(
+      fmt::format("{}: nothing is under {}, which falls for ever. Set `add_floor: true`, put "
+                  "something under it, or set fixed: true",
+                  place(), ListNames(falling)));
+}
+
+}  // namespace robocell

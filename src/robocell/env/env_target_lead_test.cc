@@ -1,0 +1,174 @@
+// max_target_lead: how far targets may run ahead of an arm that something blocks.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/assets/resolve.h"
+#include "robocell/env/env.h"
+#include "robocell/env/env_batch.h"
+#include "robocell/env/testing/envs.h"
+#include "robocell/env/testing/one_hinge.h"
+#include "robocell/math/rotation.h"
+#include "robocell/testing/menagerie.h"
+
+namespace robocell {
+namespace {
+
+using Numbers = std::vector<double>;
+
+double TargetOf(const Env& env) {
+  return Robot::Of(env.scene(), "robot").controller("arm").commanded_joint_pos()[0];
+}
+
+TEST(EnvTargetLead, AJointIsLedByNoMoreThanTheLeadAndOneAction) {
+  ModelFolder folder;
+  EnvConfig config = OneHingeOnABlock(folder);
+  for (const double lead : {0.1, 0.05}) {
+    if (lead != 0.1) config.max_target_lead = {lead};
+    Env env(config);
+    env.Reset({.seed = 1});
+    for (int i = 0; i < 60; ++i) env.Step(Numbers{0.04});
+    const double blocked = env.scene().joint_pos("robotrobot_hip");
+    EXPECT_LE(TargetOf(env) - blocked, lead + 0.04 + 0.001) << lead;
+    const int back = static_cast<int>(std::ceil((lead + SagOfOneHinge(env)) / 0.04)) + 1;
+    for (int i = 0; i < back; ++i) env.Step(Numbers{-0.04});
+    EXPECT_LT(env.scene().joint_pos("robotrobot_hip"), blocked - 0.005) << lead;
+  }
+}
+
+// Many small steps add up to the whole way, whatever the arm lags and sags; and so do fast ones, as
+// long as the lead allows for what starts the arm.
+TEST(EnvTargetLead, RampsGoAllTheWay) {
+  for (const bool sagging : {true, false}) {
+    for (const double step : {-0.0005, -0.02}) {
+      ModelFolder folder;
+      EnvConfig config = sagging ? OneHinge(folder) : Rc7Env();
+      // A slow ramp: less than the hinge sags.
+      if (step > -0.01) config.max_target_lead = {0.02};
+      config.sim.async_control = true;
+      config.sim.frequency = 50;
+      Env env(config);
+      env.Reset({.seed = 1});
+      const double start = TargetOf(env);
+      Numbers action(static_cast<size_t>(env.layout().action.size()), 0);
+      for (int i = 0; i < 50; ++i) env.Step(action);  // until it hangs in its servo
+      action[0] = step;
+      const int steps = static_cast<int>(std::lround(0.4 / -step));
+      for (int i = 0; i < steps; ++i) env.Step(action);
+      EXPECT_NEAR(TargetOf(env), start - 0.4, 1e-9) << sagging << " " << step;
+    }
+  }
+}
+
+TEST(EnvTargetLead, ZerosKeepTheTargetOfAnArmThatIsHeldAway) {
+  ModelFolder folder;
+  Env env(OneHingeOnABlock(folder));
+  env.Reset({.seed = 1});
+  for (int i = 0; i < 10; ++i) env.Step(Numbers{0.08});
+  const double target = TargetOf(env);
+  for (int i = 0; i < 10; ++i) env.Step(Numbers{0});
+  EXPECT_EQ(TargetOf(env), target);
+}
+
+// Nothing but what is pushed is taken back: the tool keeps its direction and its place.
+TEST(EnvTargetLead, AToolThatIsPressedOntoSomethingIsNotTurnedAway) {
+  EnvConfig config = Rc7Env(ControlMode::kCartesianTrpy);
+  config.add_floor = true;
+  config.sim.on_collision = OnCollision::kReport;
+  Env env(config);
+  env.Reset({.seed = 1});
+  const Robot robot = Robot::Of(env.scene(), "robot");
+  const auto target = [&] { return robot.FkFrame(robot.controller("arm").commanded_joint_pos()); };
+  const Pose before = target();
+  Numbers down(7, 0);
+  down[2] = -0.02;
+  for (int i = 0; i < 60; ++i) {
+    if (!env.Step(down).ik_failed.empty()) break;
+    if (env.motions()[0].position_shortfall > 0) break;
+    EXPECT_NEAR(target().translation().x(), before.translation().x(), 1e-3) << i;
+    EXPECT_NEAR(target().translation().y(), before.translation().y(), 1e-3) << i;
+    EXPECT_LT(AngleBetween(target().quaternion(), before.quaternion()), 1e-3) << i;
+  }
+}
+
+// What a blocked arm was sent before does not make it slow to leave, whatever actions are
+// relative to.
+TEST(EnvTargetLead, AbsoluteActionsLeaveAtOnceToo) {
+  ModelFolder folder;
+  EnvConfig config = OneHingeOnABlock(folder);
+  config.max_relative_movement = {0.05};
+  for (const RelativeTo relative_to : {RelativeTo::kNone, RelativeTo::kConfiguredOrigin}) {
+    config.relative_to = relative_to;
+    Env env(config);
+    env.Reset({.seed = 1});
+    for (int i = 0; i < 30; ++i) env.Step(Numbers{1.5});
+    const double blocked = env.scene().joint_pos("robotrobot_hip");
+    EXPECT_LE(TargetOf(env) - blocked, 0.1 + 0.05 + 0.001);
+    for (int i = 0; i < 5; ++i) env.Step(Numbers{-0.5});
+    EXPECT_LT(env.scene().joint_pos("robotrobot_hip"), blocked - 0.01);
+  }
+}
+
+// One robot over a floor, its hand open, pressed onto the floor by actions of 2 cm. Returns by how
+// much the TCP has risen after each of five actions of 2 cm up.
+Numbers RiseAfterPushing(EnvConfig config, bool batched, int pushes) {
+  config.add_floor = true;
+  config.control_mode = ControlMode::kCartesianTquat;
+  config.relative_to = RelativeTo::kLastStep;
+  config.sim.on_collision = OnCollision::kReport;
+  config.task = {};
+  config.cameras.streams.clear();
+  EnvBatch batch(config, batched ? 2 : 1);
+  batch.Reset({});
+  const auto n = static_cast<size_t>(batch.layout().action.size());
+  const auto tcp_z = [&] {
+    const VectorPart& part = batch.layout().robots[0].tquat;
+    return batch.observations()[static_cast<size_t>(part.begin) + 2];
+  };
+  const auto move = [&](double z) {
+    Numbers actions(n * static_cast<size_t>(batch.size()), 0);
+    for (int i = 0; i < batch.size(); ++i) {
+      const size_t first = n * static_cast<size_t>(i);
+      actions[first + 2] = z;
+      actions[first + 6] = 1;
+      if (n > 7) actions[first + 7] = 1;
+    }
+    batch.Step(actions);
+  };
+  for (int i = 0; i < pushes; ++i) move(-0.02);
+  Numbers rise;
+  const double pressed = tcp_z();
+  for (int i = 0; i < 5; ++i) {
+    move(0.02);
+    rise.push_back(tcp_z() - pressed);
+  }
+  return rise;
+}
+
+// An arm lags behind its target also where nothing blocks it, so what it is compared with is
+// itself, free and at rest: one action goes into the lead, one into the tool that was pressed
+// askew.
+void ExpectToRiseAtOnce(const EnvConfig& config) {
+  for (const bool batched : {false, true}) {
+    const Numbers free = RiseAfterPushing(config, batched, 0);
+    const Numbers rise = RiseAfterPushing(config, batched, 60);
+    for (size_t i = 0; i + 2 < rise.size(); ++i)
+      EXPECT_GT(rise[i + 2], free[i] - 0.005)
+          << ::testing::PrintToString(rise) << " " << ::testing::PrintToString(free);
+    EXPECT_GT(rise.back(), 0.02) << ::testing::PrintToString(rise);
+  }
+}
+
+TEST(EnvTargetLead, ABuiltInArmRisesAtOnceAfterItWasPushedIntoTheFloor) {
+  ExpectToRiseAtOnce(Rc7Env());
+}
+
+TEST(EnvTargetLead, AnFr3RisesAtOnceAfterItWasPushedIntoTheFloor) {
+  REQUIRE_MENAGERIE("franka_fr3");
+  ExpectToRiseAtOnce(EnvConfig::Load(assets::BuiltinCellFile("fr3")));
+}
+
+}  // namespace
+}  // namespace robocell

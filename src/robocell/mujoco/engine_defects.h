@@ -1,0 +1,53 @@
+// Known defects of the engine that robocell runs on, and the guard against the one that makes
+// simulations wrong without a sign.
+//
+// MuJoCo 4.0.0 factorises a sparse Hessian wrongly when the branches of several kinematic trees
+// touch (hands, for example), and its Newton solver then returns wrong accelerations. A dense
+// Jacobian is right. `Compile` (compile.h) therefore makes the Jacobian of such models dense:
+//
+//   ModelPtr model = Compile(spec);  // opt.jacobian is mjJAC_DENSE where that is needed
+//   ModelPtr same = Compile(spec, nullptr, "my scene", nullptr, JacobianGuard::kOff);
+//
+// The engine itself chooses a sparse Jacobian from 60 degrees of freedom on. Islands stay on: they
+// keep the dense solver cheap, because each island is factorised by itself.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "robocell/mujoco/forward.h"
+
+namespace robocell {
+
+// Whether compiling may replace a sparse Jacobian that the engine cannot be trusted with.
+enum class JacobianGuard { kOn, kOff };
+
+struct EngineDefect {
+  std::string name;      // "sparse_newton"
+  std::string what;      // what goes wrong, and when
+  std::string guard;     // what robocell does about it; "" when it does nothing
+  std::string fixed_in;  // version of MuJoCo
+};
+
+// The name of the guard, in records of episodes too.
+inline constexpr std::string_view kSparseNewton = "sparse_newton";
+
+// Those of the loaded engine, worst first; none when nothing is known.
+std::vector<EngineDefect> KnownEngineDefects();
+
+// Whether steps of the model go through a solver that is known to be wrong.
+bool NeedsJacobianGuard(const mjModel* model);
+
+// Makes the Jacobian of such a model dense, and returns whether it did.
+bool GuardJacobian(mjModel* model);
+
+// Logs that a model is guarded: once per process, because nobody needs to read it for each of a
+// thousand models. `context` begins the message.
+void LogJacobianGuard(const mjModel* model, std::string_view context);
+
+namespace defects_internal {
+std::vector<EngineDefect> DefectsOf(int version);
+}  // namespace defects_internal
+
+}  // namespace robocell

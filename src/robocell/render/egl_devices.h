@@ -1,0 +1,48 @@
+// In which order EGL devices are tried: graphics cards first, software last, and the meaning of the
+// variables that choose one. Decides from descriptions only, it calls no EGL. Internal to render/.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace robocell {
+
+struct EglDevice {
+  std::string vendor = {};  // "NVIDIA", "Mesa Project"; may be empty
+  bool software = false;    // it says of itself that it draws on the processor
+  std::optional<int> cuda = {};
+};
+
+// The variables of the environment; empty where they are not set.
+struct EglDeviceChoice {
+  std::string robocell_device = {};  // ROBOCELL_EGL_DEVICE
+  std::string mujoco_device = {};    // MUJOCO_EGL_DEVICE_ID
+  std::string cuda_visible = {};     // CUDA_VISIBLE_DEVICES
+
+  static EglDeviceChoice FromEnvironment();
+  bool operator==(const EglDeviceChoice&) const = default;
+};
+
+// Indices of the devices in the order in which they are tried. When a variable chooses a device,
+// this is the only one.
+//
+// ROBOCELL_EGL_DEVICE counts the devices as EGL lists them. MUJOCO_EGL_DEVICE_ID means what it
+// means to MuJoCo 4.0: where the driver tells the CUDA number of each device, a position in
+// CUDA_VISIBLE_DEVICES or a CUDA number, otherwise an index in EGL's list. Without a choice,
+// devices in CUDA_VISIBLE_DEVICES come first, then other graphics cards, then software.
+//
+// ArgumentError for a choice that is no number of a device; it names variable and devices.
+std::vector<size_t> OrderEglDevices(std::span<const EglDevice> devices,
+                                    const EglDeviceChoice& choice);
+
+// "device 0 (NVIDIA)".
+std::string DescribeEglDevice(std::span<const EglDevice> devices, size_t index);
+
+// Whether what OpenGL calls its renderer draws on the processor: "llvmpipe (LLVM 15.0.6, 256
+// bits)".
+bool IsSoftwareRenderer(std::string_view renderer);
+
+}  // namespace robocell

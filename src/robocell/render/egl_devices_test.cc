@@ -1,0 +1,99 @@
+#include "robocell/render/egl_devices.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::ElementsAre;
+
+const EglDevice kMesa{.vendor = "Mesa Project", .software = true};
+const EglDevice kIntel{.vendor = "Mesa Project"};
+
+EglDevice Nvidia(int cuda) { return {.vendor = "NVIDIA", .cuda = cuda}; }
+
+using Devices = std::vector<EglDevice>;
+
+TEST(EglDeviceOrder, HardwareComesBeforeSoftwareWhateverVendorEglAsksFirst) {
+  EXPECT_THAT(OrderEglDevices(Devices{kMesa, Nvidia(0)}, {}), ElementsAre(1, 0));
+  EXPECT_THAT(OrderEglDevices(Devices{Nvidia(0), kMesa}, {}), ElementsAre(0, 1));
+  EXPECT_THAT(OrderEglDevices(Devices{kMesa, kIntel, {}}, {}), ElementsAre(1, 2, 0));
+  EXPECT_THAT(OrderEglDevices(Devices{kMesa}, {}), ElementsAre(0));
+  EXPECT_TRUE(OrderEglDevices({}, {}).empty());
+}
+
+TEST(EglDeviceOrder, DevicesOfOneKindKeepEglsOrder) {
+  EXPECT_THAT(OrderEglDevices(Devices{{}, kMesa, {}, kMesa, kIntel}, {}),
+              ElementsAre(0, 2, 4, 1, 3));
+}
+
+TEST(EglDeviceOrder, CudaNumbersOrderTheDevicesThatTellThem) {
+  EXPECT_THAT(OrderEglDevices(Devices{kMesa, Nvidia(2), Nvidia(0), Nvidia(1)}, {}),
+              ElementsAre(2, 3, 1, 0));
+  EXPECT_THAT(OrderEglDevices(Devices{Nvidia(4), Nvidia(2), Nvidia(0)}, {.cuda_visible = "2,4"}),
+              ElementsAre(1, 0, 2));
+  EXPECT_THAT(OrderEglDevices(Devices{kMesa, Nvidia(1), Nvidia(0)}, {.cuda_visible = "GPU-8932f"}),
+              ElementsAre(2, 1, 0))
+      << "a UUID says nothing of numbers";
+  EXPECT_THAT(OrderEglDevices(Devices{Nvidia(0), Nvidia(0)}, {.cuda_visible = "0"}),
+              ElementsAre(0, 1))
+      << "numbers told twice say nothing";
+}
+
+// The cases that MuJoCo 4.0 tests its own choice with.
+TEST(EglDeviceChoices, AMujocoDeviceMeansWhatItMeansToMujoco) {
+  const Devices three = {Nvidia(2), Nvidia(1), Nvidia(0), kMesa};
+  EXPECT_THAT(OrderEglDevices(three, {.mujoco_device = "2"}), ElementsAre(0)) << "a CUDA number";
+  const Devices two = {Nvidia(2), Nvidia(0)};
+  EXPECT_THAT(OrderEglDevices(two, {.mujoco_device = "0", .cuda_visible = "2"}), ElementsAre(0))
+      << "a position in CUDA_VISIBLE_DEVICES";
+  const Devices counted = {Nvidia(0), Nvidia(1), {}};
+  EXPECT_THAT(OrderEglDevices(counted, {.mujoco_device = "0", .cuda_visible = "1,2"}),
+              ElementsAre(0))
+      << "devices counted from 0 in a container";
+  const Devices hidden = {{}, Nvidia(0), kMesa};
+  EXPECT_THAT(OrderEglDevices(hidden, {.mujoco_device = "2", .cuda_visible = "2"}), ElementsAre(1))
+      << "the number of the machine outside of the container";
+  EXPECT_THAT(OrderEglDevices(Devices{{}, {}, {}}, {.mujoco_device = "1"}), ElementsAre(1))
+      << "an index where no device tells a CUDA number";
+  EXPECT_THAT(OrderEglDevices(Devices{kMesa, {}}, {.mujoco_device = "0"}), ElementsAre(0))
+      << "the device that was asked for, software or not";
+}
+
+TEST(EglDeviceChoices, OurVariableCountsAsEglDoesAndComesFirst) {
+  const Devices devices = {kMesa, Nvidia(1), Nvidia(0)};
+  EXPECT_THAT(OrderEglDevices(devices, {.robocell_device = "0", .mujoco_device = "1"}),
+              ElementsAre(0));
+  EXPECT_THAT(OrderEglDevices(devices, {.robocell_device = "2", .cuda_visible = "1"}),
+              ElementsAre(2));
+}
+
+TEST(EglDeviceChoices, AChoiceOfNoDeviceIsAnErrorThatListsThem) {
+  const Devices devices = {kMesa, Nvidia(0)};
+  const std::string list =
+      " chooses none of the 2 EGL devices of this machine: device 0 (Mesa Project, software), "
+      "device 1 (NVIDIA). Give one of their numbers, or unset the variable";
+  for (const char* wrong : {"2", "-1", "one", "0x1", "1.0"}) {
+    ExpectThrow<ArgumentError>([&] { OrderEglDevices(devices, {.robocell_device = wrong}); },
+                               std::string("ROBOCELL_EGL_DEVICE=") + wrong + list);
+    ExpectThrow<ArgumentError>([&] { OrderEglDevices(devices, {.mujoco_device = wrong}); },
+                               std::string("MUJOCO_EGL_DEVICE_ID=") + wrong + list);
+  }
+}
+
+TEST(SoftwareRenderers, AreKnownByTheirNames) {
+  for (const char* name :
+       {"llvmpipe (LLVM 15.0.6, 256 bits)", "softpipe", "Software Rasterizer", "swrast",
+        "zink Vulkan 1.3(llvmpipe (LLVM 15.0.6, 256 bits) (MESA_LLVMPIPE))"})
+    EXPECT_TRUE(IsSoftwareRenderer(name)) << name;
+  for (const char* name : {"NVIDIA H100 80GB HBM3/PCIe/SSE2", "Mesa Intel(R) UHD Graphics 620",
+                           "AMD Radeon RX 7900 XTX (radeonsi, navi31)", "virgl"})
+    EXPECT_FALSE(IsSoftwareRenderer(name)) << name;
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,38 @@
+// What to do on a machine that has a graphics card and draws on the processor all the same. Looks
+// at files and variables, and draws nothing.
+//
+//   const std::string text = GraphicsAdvice(DescribeGl(), ReadGraphicsFacts());
+//   if (!text.empty()) LogWarn(text);
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace robocell {
+
+// What a machine has to draw with, as far as its files and the environment tell.
+struct GraphicsFacts {
+  std::vector<std::string> nvidia = {};      // /dev/nvidia0 ...
+  std::vector<std::string> dri = {};         // /dev/dri/renderD128 ...
+  std::vector<std::string> unreadable = {};  // those of the two that this user may not open
+  bool nvidia_library = false;               // libEGL_nvidia.so.0 is installed
+  bool nvidia_vendor_file = false;           // EGL is told of it, by a file like 10_nvidia.json
+  bool container = false;
+  // Variables; empty where they are not set.
+  std::string vendor_files = {};         // __EGL_VENDOR_LIBRARY_FILENAMES
+  std::string driver_capabilities = {};  // NVIDIA_DRIVER_CAPABILITIES
+  std::string device_variable = {};      // "MUJOCO_EGL_DEVICE_ID=1", which chooses a device
+  std::string gl_variable = {};          // "MUJOCO_GL=osmesa", which chooses a back end
+
+  bool has_gpu() const { return !nvidia.empty() || !dri.empty(); }
+};
+
+// Of this machine, with all files below `root`.
+GraphicsFacts ReadGraphicsFacts(const std::string& root = "/");
+
+// "" when `description` (of DescribeGl) is of a graphics card, or when there is none. Otherwise a
+// sentence that says what draws, which card is idle, and what to do.
+std::string GraphicsAdvice(std::string_view description, const GraphicsFacts& facts);
+
+}  // namespace robocell

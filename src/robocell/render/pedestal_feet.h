@@ -1,0 +1,33 @@
+// Pedestals that reach down to what they stand on: tasks put robots at heights of their own, and
+// the box under the robot has one height. In pictures the box is drawn down to what is below it.
+// Physics knows nothing of this.
+//
+//   const PedestalFeet feet(model);
+//   mjv_updateScene(...);
+//   feet.ReachDown(model, data, option, scene);   // after every update
+//
+// No allocation after the constructor, any thread.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <vector>
+
+namespace robocell {
+
+class PedestalFeet {
+ public:
+  PedestalFeet() = default;
+  // Finds the geoms `<prefix>pedestal` of bodies `<prefix><kind>_base` (scene/robot_base.h).
+  explicit PedestalFeet(const mjModel* model);
+
+  // Of pedestals that stand upright, down to the nearest visible thing; with nothing below them
+  // they stay as they are. `data` has up-to-date poses.
+  void ReachDown(const mjModel* model, const mjData* data, const mjvOption& option,
+                 mjvScene* scene) const;
+
+ private:
+  std::vector<int> pedestals_;  // geoms
+};
+
+}  // namespace robocell

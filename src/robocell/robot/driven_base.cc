@@ -1,0 +1,170 @@
+#include "robocell/robot/driven_base.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/controller.h"
+
+namespace robocell {
+namespace {
+
+// Full speed is reached, and lost again, in this time, s.
+constexpr double kRampTime = 0.1;
+// Of the largest speeds, what is planned: ticks that hold the mocap body still for two engine steps
+// make the base up to 3.5 % faster for a moment.
+constexpr double kPlannedShare = 0.96;
+
+BaseSpeeds SpeedsOf(const BaseConfig& config) {
+  BaseSpeeds speeds;
+  if (config.max_linear_speed) speeds.linear = *config.max_linear_speed;
+  if (config.max_angular_speed) speeds.angular = *config.max_angular_speed;
+  return speeds;
+}
+
+DrivenBase::Target ToTarget(const Pose& pose) {
+  const Eigen::Vector3d& p = pose.translation();
+  const Quaternion& q = pose.quaternion();
+  return {p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
+}
+
+// How far the mocap body has to be ahead of a base that is to move as commanded. The engine drives
+// the distance r between them and its rate r' to the acceleration -b r' - k r of the base, with
+// b = 2 / (d t) and k = 1 / (d t z)^2 (time constant t, damping ratio z, impedance d). The mocap
+// body has no velocity for the engine, so the base at speed v and acceleration a is b/k v + a/k
+// behind.
+struct Lead {
+  double of_velocity = 0, of_acceleration = 0;  // b/k in s, 1/k in s^2
+
+  Eigen::Vector3d operator()(const Eigen::Vector3d& v, const Eigen::Vector3d& a) const {
+    return of_velocity * v + of_acceleration * a;
+  }
+};
+
+Lead LeadOf(const mjModel* m, int equality) {
+  const mjtNum* reference = m->eq_solref + mjNREF * static_cast<ptrdiff_t>(equality);
+  const double impedance = m->eq_solimp[mjNIMP * static_cast<ptrdiff_t>(equality) + 1];
+  if (reference[0] == 0) return {};
+  if (reference[0] < 0)  // -k d^2 and -b d themselves
+    return {impedance * reference[1] / reference[0], impedance * impedance / -reference[0]};
+  const double time = std::max<double>(reference[0], 2 * m->opt.timestep);
+  const double root = impedance * time * reference[1];
+  return {2 * root * reference[1], root * root};
+}
+
+}  // namespace
+
+DrivenBase::DrivenBase(const Scene& scene, GroupNames names, const BaseConfig& config,
+                       std::string target_body, std::string weld)
+    : JointGroupOf(scene, std::move(names), MoveGroupKind::kBase),
+      target_body_(std::move(target_body)),
+      weld_(std::move(weld)),
+      speeds_(SpeedsOf(config)) {
+  Bind();
+  FollowOthers();
+}
+
+void DrivenBase::Bind() const {
+  core().Bind();
+  if (generation_ == core().scene().generation()) return;
+  const mjModel* m = core().model();
+  mocap_ = m->body_mocapid[RequireId(m, mjOBJ_BODY, target_body_, place())];
+  equality_ = RequireId(m, mjOBJ_EQUALITY, weld_, place());
+  generation_ = core().scene().generation();
+}
+
+void DrivenBase::WriteMocap(const Pose& pose) const {
+  pose.ToWxyz(written_.data(), written_.data() + 3);
+  mjData* d = core().data();
+  std::copy_n(written_.data(), 3, d->mocap_pos + 3 * mocap_);
+  std::copy_n(written_.data() + 3, 4, d->mocap_quat + 4 * mocap_);
+}
+
+void DrivenBase::HoldAt(const Pose& pose) const {
+  ramp_.Start(pose);
+  target_ = ToTarget(pose);
+  time_ = core().data()->time;
+}
+
+void DrivenBase::Hold() const {
+  Bind();
+  const Pose here = pose();
+  WriteMocap(here);
+  HoldAt(here);
+}
+
+void DrivenBase::FollowOthers() const {
+  const mjtNum* pos = core().data()->mocap_pos + 3 * mocap_;
+  const mjtNum* quat = core().data()->mocap_quat + 4 * mocap_;
+  if (std::equal(pos, pos + 3, written_.begin()) &&
+      std::equal(quat, quat + 4, written_.begin() + 3))
+    return;
+  std::copy_n(pos, 3, written_.begin());
+  std::copy_n(quat, 4, written_.begin() + 3);
+  HoldAt(Pose::FromWxyz(pos, quat));
+}
+
+void DrivenBase::SetPose(const Pose& pose) {
+  Bind();
+  leaving_.Warn(core().scene(), core().names().robot, place(), BaseKind::kDriven);
+  Scene(core().scene()).SetBodyPose(core().names().leaf.name, pose);
+  Hold();
+}
+
+void DrivenBase::SetJointPos(std::span<const double> q) {
+  core().SetJointPos(q);
+  Hold();
+}
+
+Pose DrivenBase::target() const {
+  Bind();
+  FollowOthers();
+  const Target& t = target_;
+  try {
+    return Pose({t[0], t[1], t[2]}, Quaternion{t[3], t[4], t[5], t[6]});
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(place() + ": the target: " + error.what());
+  }
+}
+
+void DrivenBase::SetTarget(const Pose& pose) {
+  Bind();
+  FollowOthers();
+  target_ = ToTarget(pose);
+}
+
+void DrivenBase::SetMaxSpeeds(const BaseSpeeds& speeds) {
+  const auto good = [](double speed) { return speed > 0 && std::isfinite(speed); };
+  if (!good(speeds.linear) || !good(speeds.angular)) {
+    throw ArgumentError(
+        fmt::format("{}: the largest speeds cannot be {} m/s and {} rad/s; both "
+                    "must be above 0",
+                    place(), speeds.linear, speeds.angular));
+  }
+  speeds_ = speeds;
+}
+
+void DrivenBase::Advance() {
+  Bind();
+  FollowOthers();
+  const double now = core().data()->time;
+  const double seconds =
+      std::clamp(now - time_, 0.0, std::max<double>(kLongestTick, core().model()->opt.timestep));
+  time_ = now;
+  if (seconds <= 0) return;
+  const double linear = kPlannedShare * speeds_.linear, angular = kPlannedShare * speeds_.angular;
+  ramp_.Advance(target(), {linear, angular, linear / kRampTime, angular / kRampTime}, seconds);
+  const Lead lead = LeadOf(core().model(), equality_);
+  const Eigen::Vector3d turn = lead(ramp_.angular_velocity(), ramp_.angular_acceleration());
+  const Pose turned =
+      Pose::FromRotvec({0, 0, 0}, turn) * Pose({0, 0, 0}, ramp_.pose().quaternion());
+  WriteMocap(
+      Pose(ramp_.pose().translation() + lead(ramp_.linear_velocity(), ramp_.linear_acceleration()),
+           turned.quaternion()));
+}
+
+}  // namespace robocell

@@ -1,0 +1,72 @@
+// DrivenBase: a base that follows a commanded pose with limits of speed, and carries what the
+// robot's gripper holds, as a hand without an arm does.
+//
+// The base is a free body, welded by a constraint of the engine to a mocap body without geoms
+// (scene/robot_base.h makes both). Each tick moves the mocap body towards the target; the engine
+// moves the base after it, so that contacts know its velocity and friction holds.
+//
+// The weld is a spring and damper: at constant speed the base would trail its mocap body. So the
+// mocap body runs ahead by what the weld makes of the speed, and the base itself is at the
+// commanded pose, within 1.5 mm on the way. Whoever moves the mocap body or the base otherwise
+// (Scene::SetBodyPose, Scene::SetState, data.mocap_pos) puts the target there, at rest.
+#pragma once
+
+#include <array>
+
+#include "robocell/robot/held_object.h"
+#include "robocell/robot/joint_group.h"
+#include "robocell/robot/pose_ramp.h"
+#include "robocell/spec/robot_config.h"
+
+namespace robocell {
+
+class DrivenBase : public JointGroupOf<BaseGroup> {
+ public:
+  // x y z, then the quaternion xyzw, in the world.
+  using Target = std::array<double, 7>;
+
+  // `names.leaf` is the free body, `target_body` the mocap body, `weld` the constraint between
+  // them. NotFoundError when the scene lacks one of them.
+  DrivenBase(const Scene& scene, GroupNames names, const BaseConfig& config,
+             std::string target_body, std::string weld);
+
+  Pose pose() const override { return leaf_frame_to_world(); }
+  void SetPose(const Pose& pose) override;
+  bool is_mobile() const override { return true; }
+  bool is_driven() const override { return true; }
+  Pose target() const override;
+  void SetTarget(const Pose& pose_in_world) override;
+  BaseSpeeds max_speeds() const override { return speeds_; }
+  void SetMaxSpeeds(const BaseSpeeds& speeds) override;
+  // Teleports, as SetPose does.
+  void SetJointPos(std::span<const double> q) override;
+
+  // For its controller. The numbers of the target, for writing in place; checked by Advance().
+  std::span<double> target_numbers() const { return target_; }
+  // Moves the mocap body for the time since the last call, at most kLongestTick or one engine step:
+  // larger steps of it would make the base faster than it may be. No allocation.
+  void Advance();
+  // The target is where the base is, at rest.
+  void Hold() const;
+
+  static constexpr double kLongestTick = 0.005;  // s
+
+ private:
+  void Bind() const;
+  // Takes over what others did to the mocap body.
+  void FollowOthers() const;
+  void HoldAt(const Pose& pose) const;
+  void WriteMocap(const Pose& pose) const;
+
+  std::string target_body_, weld_;
+  BaseSpeeds speeds_;
+  LeavesObject leaving_;
+  mutable Target target_ = {};
+  mutable PoseRamp ramp_;
+  mutable std::array<double, 7> written_ = {};  // the mocap body's position and quaternion wxyz
+  mutable double time_ = 0;                     // of the last Advance()
+  mutable uint64_t generation_ = ~uint64_t{0};
+  mutable int mocap_ = -1, equality_ = -1;
+};
+
+}  // namespace robocell

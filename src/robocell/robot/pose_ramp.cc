@@ -1,0 +1,59 @@
+#include "robocell/robot/pose_ramp.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace robocell {
+namespace {
+
+// Of the acceleration, how much a motion that brakes on time needs; the rest corrects the speed
+// where ticks are long.
+constexpr double kPlannedBraking = 0.7;
+constexpr double kNothing = 1e-12;  // m or rad; rounding
+
+// The velocity after a tick, with `way` still to go. Changes by at most the acceleration, so that
+// its length is never above both the old one's and `speed`.
+Eigen::Vector3d NextVelocity(const Eigen::Vector3d& velocity, const Eigen::Vector3d& way,
+                             double speed, double acceleration, double seconds) {
+  const double distance = way.norm() < kNothing ? 0 : way.norm();
+  const double braking = std::sqrt(2 * kPlannedBraking * acceleration * distance);
+  const double wanted = std::min({speed, braking, distance / seconds});
+  const Eigen::Vector3d direct =
+      distance > 0 ? Eigen::Vector3d(way * (wanted / distance)) : Eigen::Vector3d::Zero();
+  const Eigen::Vector3d change = direct - velocity;
+  const double most = acceleration * seconds, size = change.norm();
+  return size <= most ? direct : Eigen::Vector3d(velocity + change * (most / size));
+}
+
+}  // namespace
+
+void PoseRamp::Start(const Pose& at) {
+  pose_ = at;
+  for (Eigen::Vector3d* v : {&linear_, &angular_, &linear_change_, &angular_change_}) v->setZero();
+}
+
+void PoseRamp::Advance(const Pose& goal, const Limits& limits, double seconds) {
+  if (!(seconds > 0)) return;
+  const Pose left = pose_.inverse() * goal;
+  const Eigen::Vector3d way = goal.translation() - pose_.translation();
+  const Eigen::Vector3d turn = pose_.rotation() * left.rotvec();
+  const Eigen::Vector3d linear = linear_, angular = angular_;
+  linear_ = NextVelocity(linear, way, limits.linear_speed, limits.linear_acceleration, seconds);
+  angular_ =
+      NextVelocity(angular, turn, limits.angular_speed, limits.angular_acceleration, seconds);
+  linear_change_ = (linear_ - linear) / seconds;
+  angular_change_ = (angular_ - angular) / seconds;
+  const bool is_there = (linear_ * seconds - way).norm() < kNothing;
+  const bool is_turned = (angular_ * seconds - turn).norm() < kNothing;
+  const Eigen::Vector3d at =
+      is_there ? goal.translation() : pose_.translation() + linear_ * seconds;
+  if (is_turned) {
+    pose_ = Pose(at, goal.quaternion());
+  } else {
+    const Pose turned =
+        Pose::FromRotvec({0, 0, 0}, angular_ * seconds) * Pose({0, 0, 0}, pose_.quaternion());
+    pose_ = Pose(at, turned.quaternion());
+  }
+}
+
+}  // namespace robocell

@@ -1,0 +1,101 @@
+// Inertias that no body has, and gains that the timestep cannot follow.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+
+#include "robocell/scene/scene.h"
+#include "robocell/scene/testing/scenes.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+// A link on a hinge with a servo.
+class Inertia : public ::testing::Test {
+ protected:
+  Scene Build(const std::string& inertial, const std::string& servo,
+              const std::string& joint = "") {
+    const std::string model =
+        folder_.Write(fmt::format("arm{}", ++count_), fmt::format(R"(
+      <compiler angle="radian"/><worldbody><body name="base"><geom size="0.05" contype="0"/>
+      <body name="link" pos="0 0 0.1"><joint name="hip" axis="0 1 0" {}/>{}
+      <geom type="capsule" size="0.02" fromto="0 0 0 0 0 0.2" contype="0"/></body></body></worldbody>
+      <actuator>{}</actuator>)",
+                                                                  joint, inertial, servo));
+    SceneSpec spec = EmptyScene();
+    spec.robots.push_back({.path = model, .prefix = "r_"});
+    return Scene::Build(spec);
+  }
+  static const std::vector<std::string>& Warnings(const Scene& scene) {
+    return scene.compiled()->warnings();
+  }
+
+ private:
+  ModelFolder folder_;
+  int count_ = 0;
+};
+
+constexpr const char* kSoft = R"(<position name="drive" joint="hip" kp="10" kv="1"/>)";
+
+TEST_F(Inertia, OfALinkThatNoBodyHasIsToldWithWhatItHas) {
+  const auto of = [](double value) {
+    return fmt::format(R"(<inertial pos="0 0 0.1" mass="1" diaginertia="{0} {0} {0}"/>)", value);
+  };
+  EXPECT_THAT(
+      Warnings(Build(of(1e-12), kSoft)),
+      Contains(HasSubstr(
+          "robot 'r': the inertia 1e-12 kg m2 of body 'link' is too small: of 1 kg even a "
+          "thin rod of 2 m has 3.5e-06 kg m2 about its axis. Correct its <inertial> (kg and "
+          "kg m2, not g or mm), or leave it out, so that its geoms give it; or let the joint "
+          "have the inertia of its rotor: edits: [{joint: 'hip', armature: 0.01}]")));
+  EXPECT_THAT(Warnings(Build(of(1e5), kSoft)),
+              Contains(HasSubstr("the inertia 1e+05 kg m2 of body 'link' is too large: 1 kg within "
+                                 "5 m of its centre of mass have at most 25 kg m2")));
+  EXPECT_THAT(Warnings(Build(of(1e-3), kSoft)), Not(Contains(HasSubstr("inertia"))));
+  EXPECT_THAT(Warnings(Build("", kSoft)), Not(Contains(HasSubstr("inertia"))));
+}
+
+TEST_F(Inertia, AGainThatTheTimestepCannotFollowIsToldAtItsServo) {
+  EXPECT_THAT(Warnings(Build("", R"(<position name="drive" joint="hip" kp="5e9" kv="1"/>)")),
+              Contains(::testing::AllOf(
+                  HasSubstr("robot 'r': the gain 5e+09 of servo 'drive' is too high for "
+                            "joint 'hip', which moves "),
+                  HasSubstr("with a timestep of 0.002 s it blows up from "),
+                  HasSubstr("Give it a lower one: edits: [{actuator: 'drive', kp: "))));
+}
+
+// The greatest gain is where the engine's own steps begin to overshoot more each time.
+TEST_F(Inertia, TheLimitOfAGainIsTheEngines) {
+  for (const double damping : {0.0, 0.5, 5.0}) {
+    const auto servo = [&](double kp) {
+      return fmt::format(R"(<position name="drive" joint="hip" kp="{}" kv="{}"/>)", kp, damping);
+    };
+    const Scene any = Build("", servo(1));
+    const double moved = any.model()->dof_M0[0], dt = any.timestep();
+    const double limit = (4 * moved + 2 * dt * damping) / (dt * dt);
+    for (const double share : {0.9, 1.1}) {
+      Scene scene = Build("", servo(share * limit));
+      scene.mutable_model()->opt.gravity[2] = 0;
+      scene.data()->qpos[0] = 1e-6;
+      scene.Forward();
+      double most = 0;
+      for (int i = 0; i < 1000 && scene.Step().ok(); ++i)
+        most = std::max(most, std::abs(scene.data()->qpos[0]));
+      const bool unstable = most > 1e-3;
+      EXPECT_EQ(unstable, share > 1) << damping << " " << share << " " << most;
+      bool told = false;
+      for (const std::string& warning : Warnings(scene))
+        told |= warning.find("is too high for joint") != std::string::npos;
+      EXPECT_EQ(told, unstable) << damping << " " << share;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,386 @@
+// The keyframes of parts' own models in a scene, and what a reset makes of them.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scene/scene_cache.h"
+#include "robocell/scene/testing/robots.h"
+#include "robocell/scene/testing/scenes.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::Eq;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+// kTwoJointArm with other keyframes.
+std::string ArmWithKeys(const std::string& keys) {
+  std::string arm = kTwoJointArm;
+  arm.resize(arm.find("<keyframe>"));
+  return arm + "<keyframe>" + keys + "</keyframe>";
+}
+
+constexpr const char* kHomeAndRetract =
+    R"(<key name="home" qpos="0.3 -0.4" ctrl="0.3 -0.4"/>
+       <key name="retract" qpos="1 -1.5" ctrl="1 -1.5"/>)";
+
+class SceneKeys : public ::testing::Test {
+ protected:
+  void AddArm(const std::string& keys, const std::string& prefix = "", double y = 0) {
+    const std::string model = folder.Write("arm" + prefix, ArmWithKeys(keys));
+    spec.robots.push_back({.config = ArmConfig(model), .prefix = prefix, .pos = {0, y, 0}});
+  }
+
+  ModelFolder folder;
+  SceneSpec spec = EmptyScene();
+};
+
+TEST_F(SceneKeys, OfAModelAreTakenByNumberAndByName) {
+  AddArm(kHomeAndRetract);
+  Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.keyframes(), ElementsAre("home", "retract"));
+  EXPECT_EQ(scene.joint_pos("elbow"), -0.4);
+  EXPECT_EQ(scene.Reset({.keyframe = 1}).keyframe, 1);
+  EXPECT_EQ(scene.joint_pos("elbow"), -1.5);
+  EXPECT_EQ(scene.actuator_ctrl("servo2"), -1.5);
+  scene.Reset();
+  EXPECT_EQ(scene.joint_pos("elbow"), -0.4);
+  EXPECT_EQ(scene.Reset({.keyframe = "retract"}).keyframe, 1);
+  EXPECT_EQ(scene.joint_pos("elbow"), -1.5);
+}
+
+TEST_F(SceneKeys, OfOneRobotLeaveTheOthersAtHome) {
+  AddArm(kHomeAndRetract, "left_");
+  AddArm(kHomeAndRetract, "right_", 1);
+  Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.keyframes(), ElementsAre("home", "left_retract", "right_retract"));
+  scene.Reset({.keyframe = "right_retract"});
+  EXPECT_EQ(scene.joint_pos("left_shoulder"), 0.3);
+  EXPECT_EQ(scene.joint_pos("right_shoulder"), 1);
+}
+
+TEST_F(SceneKeys, OfSeveralRobotsAreComposed) {
+  AddArm(kHomeAndRetract, "left_");
+  AddArm(R"(<key name="fold" qpos="-1 0.5" qvel="0.2 0" ctrl="-1 0.5"/>)", "right_", 1);
+  Scene scene = Scene::Build(spec);
+  scene.Reset({.keyframe = KeyframeChoice{
+                   std::map<std::string, std::string>{{"left", "retract"}, {"right", "fold"}}}});
+  EXPECT_EQ(scene.joint_pos("left_shoulder"), 1);
+  EXPECT_EQ(scene.joint_pos("right_shoulder"), -1);
+  EXPECT_EQ(scene.actuator_ctrl("left_servo2"), -1.5);
+  EXPECT_EQ(scene.actuator_ctrl("right_servo2"), 0.5);
+  const int dof =
+      scene.model()->jnt_dofadr[RequireId(scene.model(), mjOBJ_JOINT, "right_shoulder", "")];
+  EXPECT_EQ(scene.data()->qvel[dof], 0.2);
+  scene.Reset({.keyframe = KeyframeChoice{
+                   std::map<std::string, std::string>{{"left", "retract"}, {"right", "home"}}}});
+  EXPECT_EQ(scene.joint_pos("left_shoulder"), 1);
+  EXPECT_EQ(scene.joint_pos("right_shoulder"), 0) << "the model has no home";
+}
+
+TEST_F(SceneKeys, ThatAreNotThereAreRefusedWithTheNamesThereAre) {
+  AddArm(kHomeAndRetract, "left_");
+  Scene scene = Scene::Build(spec);
+  ExpectThrow<ArgumentError>(
+      [&] { scene.Reset({.keyframe = 2}); },
+      "scene 'test': there is no keyframe 2; the scene has 2: home, left_retract");
+  ExpectThrow<NotFoundError>([&] { scene.Reset({.keyframe = "left_retrac"}); },
+                             "scene 'test': no keyframe 'left_retrac'. Its keyframes: home, "
+                             "left_retract. Did you mean 'left_retract'?");
+  const auto of = [](const std::string& part, const std::string& key) {
+    return ResetOptions{.keyframe = std::map<std::string, std::string>{{part, key}}};
+  };
+  ExpectThrow<NotFoundError>([&] { scene.Reset(of("left", "retrct")); },
+                             "scene 'test' / 'left': no keyframe 'retrct'. Its keyframes: home, "
+                             "retract. Did you mean 'retract'?");
+  ExpectThrow<NotFoundError>([&] { scene.Reset(of("lef", "retract")); },
+                             "scene 'test': keyframe: no part 'lef'. Its parts: left. Did you "
+                             "mean 'left'?");
+}
+
+TEST_F(SceneKeys, SurviveSavingAndTheCache) {
+  AddArm(kHomeAndRetract, "left_");
+  spec.objects.push_back(BoxObject("cube", {0, 0, 1}));
+  Scene scene = Scene::Build(spec);
+  const ModelPtr loaded = Compile(ParseXmlString(scene.ToXml()).get());
+  ASSERT_EQ(loaded->nkey, 2);
+  EXPECT_EQ(ElementName(loaded.get(), mjOBJ_KEY, 1), "left_retract");
+  for (int i = 0; i < 2 * loaded->nq; ++i)
+    EXPECT_NEAR(loaded->key_qpos[i], scene.model()->key_qpos[i], 1e-5);
+  for (int i = 0; i < 2 * loaded->nu; ++i)
+    EXPECT_NEAR(loaded->key_ctrl[i], scene.model()->key_ctrl[i], 1e-5);
+  TempDir cache;
+  CompileSceneCached(spec, cache.path());
+  Scene again = Scene::FromCompiled(CompileSceneCached(spec, cache.path()));
+  again.Reset({.keyframe = "left_retract"});
+  EXPECT_EQ(again.joint_pos("left_elbow"), -1.5);
+}
+
+TEST_F(SceneKeys, StayWhenObjectsComeAndGo) {
+  AddArm(kHomeAndRetract);
+  Scene scene = Scene::Build(spec);
+  scene.AddObject(BoxObject("cube", {0.5, 0, 1}));
+  scene.Reset({.keyframe = "retract"});
+  EXPECT_EQ(scene.joint_pos("elbow"), -1.5);
+  EXPECT_NEAR(scene.body_pose("cube").translation().z(), 1, 1e-12);
+}
+
+TEST_F(SceneKeys, OfRobotAndToolThatAreCalledAlikeAreOne) {
+  AddArm(kHomeAndRetract);
+  const std::string tool = folder.Write(
+      "tool",
+      R"(<worldbody><body name="tool"><joint name="t" axis="0 0 1"/><geom size="0.01"/></body></worldbody>
+         <keyframe><key name="retract" qpos="0.7"/><key name="out" qpos="0.2"/></keyframe>)");
+  spec.robots[0].attachments.push_back({.mjcf_path = tool, .attach_to = Site("flange")});
+  Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.keyframes(), ElementsAre("home", "retract", "out"));
+  scene.Reset({.keyframe = "retract"});
+  EXPECT_EQ(scene.joint_pos("elbow"), -1.5);
+  EXPECT_EQ(scene.joint_pos("t"), 0.7);
+}
+
+TEST_F(SceneKeys, WithoutANameAreCalledByTheirNumberInTheFile) {
+  AddArm(R"(<key name="home" qpos="0 0"/><key qpos="0.5 0.5"/>)");
+  Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.keyframes(), ElementsAre("home", "key1"));
+}
+
+TEST_F(SceneKeys, AreDeletedByEditsAndFollowNewNames) {
+  AddArm(kHomeAndRetract);
+  const auto edit = [&](const std::string& text) {
+    SceneSpec edited = spec;
+    edited.robots[0].config->edits.push_back(FromYamlUnchecked<Edit>(text));
+    return Scene::Build(edited);
+  };
+  EXPECT_THAT(edit("{delete: {key: retract}}").keyframes(), ElementsAre("home"));
+  Scene renamed = Scene::Build([&] {
+    spec.robots[0].config->move_groups.clear();
+    SceneSpec edited = spec;
+    edited.robots[0].config->edits.push_back(FromYamlUnchecked<Edit>("{joint: elbow, name: bend}"));
+    return edited;
+  }());
+  renamed.Reset({.keyframe = 1});
+  EXPECT_EQ(renamed.joint_pos("bend"), -1.5);
+}
+
+TEST_F(SceneKeys, OutsideTheLimitsOrOfAnotherSizeAreWarnings) {
+  AddArm(R"(<key name="home" qpos="0 0"/><key name="far" qpos="9 0"/>)");
+  const Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.compiled()->warnings(),
+              Contains(HasSubstr("keyframe 'far': 9 is outside the limits -2 to 2 of joint "
+                                 "'shoulder'")));
+}
+
+// What the engine itself makes of a key of the part's model, put alone into an empty world.
+void ExpectAsTheEngine(const Scene& scene, const std::string& file, const std::string& key) {
+  const ModelPtr alone = Compile(ParseXmlFile(file).get());
+  const mjModel* m = scene.model();
+  const int own = FindId(alone.get(), mjOBJ_KEY, key), row = FindId(m, mjOBJ_KEY, key);
+  ASSERT_GE(own, 0);
+  ASSERT_GE(row, 0);
+  ASSERT_EQ(m->nq, alone->nq);
+  ASSERT_EQ(m->na, alone->na);
+  const auto equal = [&](const mjtNum* ours, const mjtNum* theirs, mjtSize n) {
+    for (mjtSize i = 0; i < n; ++i)
+      EXPECT_NEAR(ours[row * n + i], theirs[own * n + i], 1e-12) << key << " " << i;
+  };
+  equal(m->key_qpos, alone->key_qpos, m->nq);
+  equal(m->key_qvel, alone->key_qvel, m->nv);
+  equal(m->key_act, alone->key_act, m->na);
+  equal(m->key_ctrl, alone->key_ctrl, m->nu);
+  equal(m->key_mpos, alone->key_mpos, 3 * m->nmocap);
+  equal(m->key_mquat, alone->key_mquat, 4 * m->nmocap);
+}
+
+// Everything that a key holds: of servos that integrate, motors with a filter, mocap bodies.
+constexpr const char* kRich = R"(
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="target" mocap="true" pos="0.5 0 0.5"><geom size="0.01" contype="0" conaffinity="0"/></body>
+    <body name="base"><geom size="0.05"/>
+      <body name="a" pos="0 0 0.2"><joint name="ball" type="ball"/><geom size="0.02" fromto="0 0 0 0 0 0.2" type="capsule"/>
+        <body name="b" pos="0 0 0.2"><joint name="j1" axis="0 1 0"/><geom size="0.02" fromto="0 0 0 0 0 0.2" type="capsule"/>
+          <body name="c" pos="0 0 0.2"><joint name="j2" axis="0 1 0"/><geom size="0.02" fromto="0 0 0 0 0 0.2" type="capsule"/></body>
+        </body></body></body>
+  </worldbody>
+  <actuator>
+    <intvelocity name="m1" joint="j1" kp="500" kv="20" actrange="-2 2" ctrlrange="-1 1"/>
+    <general name="m2" joint="j2" dyntype="filter" dynprm="0.1" gainprm="3"/>
+  </actuator>
+  <keyframe>
+    <key name="home" qpos="1 0 0 0 0.5 0.2" qvel="0.1 0.2 0.3 0.4 0.5" act="0.5 0.25" ctrl="0 0.5"
+         mpos="0.1 0.2 0.3" mquat="0.6 0 0.8 0"/>
+    <key name="up" qpos="0.6 0 0 0.8 1 -0.2" qvel="0 0 0 -0.4 0.1" act="1 -1" ctrl="0 -2"
+         mpos="1 2 3" mquat="0 1 0 0"/>
+  </keyframe>)";
+
+TEST_F(SceneKeys, CarryAllThatTheEnginesKeysHold) {
+  const std::string file = folder.Write("rich", kRich);
+  spec.base = file;
+  const Scene scene = Scene::Build(spec);
+  ExpectAsTheEngine(scene, file, "home");
+  ExpectAsTheEngine(scene, file, "up");
+}
+
+TEST_F(SceneKeys, OfActuatorsWithSeveralInputsGoToTheRightOnes) {
+  const std::string file = folder.Write("ball_arm", TwoJointArmWithABall());
+  spec.robots.push_back({.path = file});
+  const Scene scene = Scene::Build(spec);
+  ExpectAsTheEngine(scene, file, "home");
+  EXPECT_THAT(scene.compiled()->warnings(), Not(Contains(HasSubstr("keyframe"))));
+}
+
+TEST_F(SceneKeys, OfRealModelsAreAllThere) {
+  REQUIRE_MENAGERIE("kinova_gen3");
+  const std::string file = MenagerieModel("kinova_gen3", "gen3.xml");
+  spec.robots.push_back({.path = file, .control_modes = std::vector<CtrlMode>{}});
+  const Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.keyframes(), ElementsAre("home", "retract"));
+  ExpectAsTheEngine(scene, file, "home");
+  ExpectAsTheEngine(scene, file, "retract");
+}
+
+// How far the joints are from a keyframe after a second without commands.
+double Swing(const Scene& built, const ResetOptions& options = {}, bool with_weight = false) {
+  Scene scene = built;
+  if (!with_weight) scene.mutable_model()->opt.gravity[2] = 0;
+  scene.Reset(options);
+  const std::vector<double> start(scene.data()->qpos, scene.data()->qpos + scene.model()->nq);
+  EXPECT_TRUE(scene.StepN(500).ok());
+  double most = 0;
+  for (size_t i = 0; i < start.size(); ++i)
+    most = std::max(most, std::abs(scene.data()->qpos[i] - start[i]));
+  return most;
+}
+
+class KeyControls : public SceneKeys {};
+
+TEST_F(KeyControls, ThatDoNotHoldAreReplacedAndTold) {
+  AddArm(R"(<key name="home" qpos="0.3 -0.4" ctrl="1.2 -0.4"/>
+            <key name="up" qpos="1 1" ctrl="1 0"/>)");
+  const Scene scene = Scene::Build(spec);
+  EXPECT_LT(Swing(scene), 1e-6);
+  EXPECT_LT(Swing(scene, {.keyframe = "up"}), 1e-6);
+  const std::string file = spec.robots[0].config->model;
+  EXPECT_THAT(scene.compiled()->warnings(),
+              ::testing::IsSupersetOf({file + ": robot 'robot': keyframe 'home': controls do not "
+                                              "hold its positions: 'servo1' 1.2 (0.3 holds). "
+                                              "Without `update` the joints would swing away, so a "
+                                              "reset sets the controls that hold. To say so in the "
+                                              "file, write them into the keyframe",
+                                       file + ": robot 'robot': keyframe 'up': controls do not "
+                                              "hold its positions: 'servo2' 0 (1 holds). Without "
+                                              "`update` the joints would swing away, so a reset "
+                                              "sets the controls that hold. To say so in the file, "
+                                              "write them into the keyframe"}));
+}
+
+TEST_F(KeyControls, ThatHoldAreNotToldOf) {
+  AddArm(kHomeAndRetract);
+  EXPECT_THAT(Scene::Build(spec).compiled()->warnings(), Not(Contains(HasSubstr("keyframe"))));
+}
+
+TEST_F(KeyControls, ThatCarryTheWeightAreKept) {
+  // Weak servos, which the weight pushes back by more than is kept in any case.
+  const auto build = [&](const std::string& key) {
+    std::string arm = ArmWithKeys(key);
+    arm.replace(arm.find("kp=\"100\" kv=\"10\""), 16, "kp=\"10\" kv=\"1\"");
+    arm.replace(arm.find("kp=\"50\" kv=\"5\""), 14, "kp=\"5\" kv=\"0.5\"");
+    spec.robots = {{.path = folder.Write("weak", arm)}};
+    return Scene::Build(spec);
+  };
+  const Scene bare = build(R"(<key name="home" qpos="1.2 0" ctrl="1.2 0"/>)");
+  const double lead1 = bare.data()->qfrc_bias[0] / 10, lead2 = bare.data()->qfrc_bias[1] / 5;
+  ASSERT_GT(std::abs(lead1), 0.06);
+  const Scene scene =
+      build(fmt::format(R"(<key name="home" qpos="1.2 0" ctrl="{} {}"/>)", 1.2 + lead1, lead2));
+  EXPECT_NEAR(scene.actuator_ctrl("servo1"), 1.2 + lead1, 1e-6);
+  EXPECT_LT(Swing(scene, {}, true), 1e-3);
+  EXPECT_GT(Swing(bare, {}, true), 0.03);
+  EXPECT_THAT(scene.compiled()->warnings(), Not(Contains(HasSubstr("keyframe"))));
+}
+
+TEST_F(KeyControls, OfGrippersAndMotorsAreKept) {
+  const std::string model = folder.Write("hand", R"(
+    <compiler angle="radian"/><default><joint damping="1"/></default>
+    <worldbody><body name="base"><geom size="0.05"/>
+      <body name="arm" pos="0 0 0.2"><joint name="j" axis="0 1 0"/><geom size="0.02"/>
+        <body name="l" pos="0 0.02 0.1"><joint name="l" type="slide" axis="0 1 0" range="0 0.04"/><geom size="0.005"/></body>
+        <body name="r" pos="0 -0.02 0.1"><joint name="r" type="slide" axis="0 -1 0" range="0 0.04"/><geom size="0.005"/></body>
+        <site name="tip" pos="0 0 0.1"/></body></body></worldbody>
+    <actuator><motor name="mj" joint="j"/><position name="ml" joint="l" kp="100"/><position name="mr" joint="r" kp="100"/></actuator>
+    <keyframe><key name="home" qpos="0 0.03 0.03" ctrl="0.7 0 0"/></keyframe>)");
+  RobotConfig config{.name = "r", .model = model};
+  config.move_groups["hand"] = {
+      .kind = MoveGroupKind::kGripper, .joints = {"l", "r"}, .actuators = {"ml", "mr"}};
+  spec.robots.push_back({.config = config});
+  const Scene scene = Scene::Build(spec);
+  EXPECT_EQ(scene.actuator_ctrl("mj"), 0.7);
+  EXPECT_EQ(scene.actuator_ctrl("ml"), 0) << "closes with force";
+  spec.robots[0].config->move_groups.clear();
+  const Scene plain = Scene::Build(spec);
+  EXPECT_EQ(plain.actuator_ctrl("mj"), 0.7);
+  EXPECT_NEAR(plain.actuator_ctrl("ml"), 0.03, 1e-12) << "no gripper that the scene knows of";
+}
+
+// The servo integrates its control: what holds is its activation.
+TEST_F(KeyControls, OfServosThatIntegrateHold) {
+  const auto arm = [&](const std::string& numbers) {
+    return folder.Write(
+        "int" + std::to_string(numbers.size()),
+        R"(<compiler angle="radian"/><worldbody><body name="base"><geom size="0.05"/>
+        <body name="a" pos="0 0 0.2"><joint name="j1" axis="0 1 0" damping="1"/><geom size="0.02" fromto="0 0 0 0 0 0.2" type="capsule"/></body></body></worldbody>
+        <actuator><intvelocity name="m1" joint="j1" kp="500" kv="20" actrange="-2 2" ctrlrange="-1 1"/></actuator>
+        <keyframe><key name="home" qpos="1" )" +
+            numbers + "/></keyframe>");
+  };
+  for (const auto& [numbers, told] :
+       std::vector<std::pair<std::string, bool>>{{R"(act="1" ctrl="0")", false},
+                                                 {"", false},
+                                                 {R"(act="0.1" )", true},
+                                                 {R"(act="1" ctrl="0.5")", true}}) {
+    spec.robots = {{.path = arm(numbers)}};
+    const Scene scene = Scene::Build(spec);
+    EXPECT_LT(Swing(scene), 1e-6) << numbers;
+    bool found = false;
+    for (const std::string& warning : scene.compiled()->warnings())
+      found |= warning.find("keyframe 'home': controls do not hold") != std::string::npos;
+    EXPECT_EQ(found, told) << numbers;
+  }
+}
+
+TEST_F(KeyControls, OfAServoWithAScaleAndAnOffsetHold) {
+  const std::string file = folder.Write("affine", R"(
+      <compiler angle="radian"/><worldbody><body name="base"><geom size="0.05"/>
+      <body name="a" pos="0 0 0.2"><joint name="j1" axis="0 1 0" damping="5"/><geom size="0.02" fromto="0 0 0 0 0 0.2" type="capsule"/></body></body></worldbody>
+      <actuator><general name="m1" joint="j1" gainprm="2" biastype="affine" biasprm="-30 -100 -5"/></actuator>
+      <keyframe><key name="home" qpos="0.5" ctrl="0"/></keyframe>)");
+  spec.robots = {{.path = file}};
+  const Scene scene = Scene::Build(spec);
+  EXPECT_NEAR(scene.actuator_ctrl("m1"), (100 * 0.5 + 30) / 2, 1e-9);
+  EXPECT_LT(Swing(scene), 1e-6);
+}
+
+TEST_F(KeyControls, ThatCannotReachAreTold) {
+  std::string arm = ArmWithKeys(R"(<key name="up" qpos="1.5 0"/>)");
+  arm.replace(arm.find("name=\"servo1\""), 13, "name=\"servo1\" ctrlrange=\"-1 1\"");
+  spec.robots = {{.path = folder.Write("short", arm)}};
+  EXPECT_THAT(Scene::Build(spec).compiled()->warnings(),
+              Contains(HasSubstr("keyframe 'up': no control in its range (ctrlrange, actrange) "
+                                 "holds its positions; the nearest: 'servo1' 1.")));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,64 @@
+// How often the engine steps, controllers run and actions are taken (one recorded row each), as
+// times in ms or as rates in Hz. All are whole multiples of the engine's step, so that rows, videos
+// and times agree exactly however long an episode is.
+//
+//   rates: {policy_ms: 66}                  # the defaults: 2 ms steps, 500/33 rows per second
+//   rates: {sim_hz: 480, policy_hz: 30}     # exactly 30 rows and frames per second
+#pragma once
+
+#include <optional>
+
+#include "robocell/base/ratio.h"
+#include "robocell/spec/fields.h"
+#include "robocell/spec/problems.h"
+
+namespace robocell {
+
+struct Rates {
+  std::optional<double> policy_ms = {};
+  std::optional<double> policy_hz = {};
+  std::optional<double> control_ms = {};
+  std::optional<double> control_hz = {};
+  std::optional<double> sim_ms = {};
+  std::optional<double> sim_hz = {};
+  int max_steps = 500;
+
+  static constexpr const char* kTypeName = "Rates";
+  template <class V>
+  static void Fields(V&& v) {
+    v("policy_ms", &Rates::policy_ms,
+      "One action and one recorded row per this time, ms; 66 unless this or policy_hz is set.",
+      Check::kPositive);
+    v("policy_hz", &Rates::policy_hz,
+      "Actions and rows per second, instead of policy_ms: 30, or in YAML a fraction such as "
+      "500/33.",
+      Check::kPositive);
+    v("control_ms", &Rates::control_ms,
+      "Controllers run once per this time, ms; 2 unless this or control_hz is set, or the engine's "
+      "timestep where that is no divisor of 2 ms.",
+      Check::kPositive);
+    v("control_hz", &Rates::control_hz,
+      "How often controllers run per second, instead of "
+      "control_ms.",
+      Check::kPositive);
+    v("sim_ms", &Rates::sim_ms, "The engine's timestep, ms; 2 unless this or sim_hz is set.",
+      Check::kPositive);
+    v("sim_hz", &Rates::sim_hz,
+      "Steps of the engine per second, instead of sim_ms: 480 for a timestep of 1/480 s.",
+      Check::kPositive);
+    v("max_steps", &Rates::max_steps, "An episode ends after this many actions.", Check::kPositive);
+  }
+  // Whole numbers of control ticks per action and of engine steps per control tick; 0 where a time
+  // is no multiple of the next shorter one.
+  int control_ticks() const;
+  int sim_steps() const;
+  // Exact, of valid rates: the engine's timestep in seconds, and actions per second.
+  Ratio timestep() const;
+  Ratio policy_rate() const;
+  // Seconds per action and per control tick.
+  double policy_period() const;
+  double control_period() const;
+  void Validate(Problems& problems) const;
+};
+
+}  // namespace robocell
