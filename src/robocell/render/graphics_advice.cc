@@ -63,7 +63,7 @@ std::vector<std::string> Nodes(const fs::path& root, const std::string& folder,
   std::vector<std::string> nodes;
   for (const std::string& name : FileNames(root / folder)) {
     if (!HasDigitAfter(name, stem)) continue;
-    nodes.push_back("/" + folder + "/" + name);
+    nodes.push_back((fs::path("/") / folder / name).string());
     if (access((root / folder / name).c_str(), R_OK | W_OK) != 0)
       unreadable.push_back(nodes.back());
   }

@@ -174,8 +174,9 @@ class KeyFiller {
     std::vector<bool> moved(static_cast<size_t>(m_->nv));
     for (const auto& [joint_name, source] : part.joint_sources) {
       const int joint = FindId(m_, mjOBJ_JOINT, joint_name);
-      for (int i = 0; joint >= 0 && i < VelocityCount(m_, joint); ++i)
-        moved[static_cast<size_t>(m_->jnt_dofadr[joint] + i)] = true;
+      if (joint < 0) continue;
+      const auto first = moved.begin() + m_->jnt_dofadr[joint];
+      std::fill(first, first + VelocityCount(m_, joint), true);
     }
     KeyCtrl ctrl(m_, data_.get(), part, name, robots_);
     for (int id = 0; id < m_->nactuator; ++id) {

@@ -130,7 +130,8 @@ void StartCheck::MarkRobots() {
   std::vector<std::pair<int, std::string>> bases;
   for (const RobotRecord& robot : scene_.compiled()->robots())
     bases.emplace_back(FindId(m, mjOBJ_BODY, robot.base_body), robot.name);
-  for (const auto& [base, name] : bases) {
+  for (const auto& robot : bases) {
+    const int base = robot.first;  // no structured binding: lambdas of clang 14 cannot capture it
     const bool mounted =
         base >= 0 && std::ranges::any_of(bases, [&](const auto& other) {
           return other.first > 0 && other.first != base && IsInSubtree(m, base, other.first);
@@ -139,7 +140,7 @@ void StartCheck::MarkRobots() {
     for (int b = 0; b < m->nbody; ++b) {
       if (IsInSubtree(m, b, base)) robot_of_[b] = static_cast<int>(robots_.size());
     }
-    robots_.push_back(name);
+    robots_.push_back(robot.second);
   }
 }
 
