@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "bench.h"
-#include "robocell/datagen/episode_cameras.h"
-#include "robocell/datagen/prepare.h"
 #include "robocell/media/video_writer.h"
 #include "robocell/render/stream_camera.h"
+#include "robocell/rollout/episode_cameras.h"
+#include "robocell/rollout/prepare.h"
 
 namespace robocell {
 namespace {

@@ -20,7 +20,7 @@ endif()
 # Scene after scene takes and frees megabytes: malloc keeps them instead of giving them back, which takes a fifth of
 # the time. What is in use is the same.
 set(keep_memory "MALLOC_TRIM_THRESHOLD_=1000000000;MALLOC_MMAP_THRESHOLD_=1000000000")
-set(slowest_layers scene datagen task render robot data media env kinematics)
+set(slowest_layers scene rollout task expert motion scenes render robot data media env kinematics)
 
 # robocell_test(NAME SOURCES...): a test program and its tests.
 function(robocell_test name)

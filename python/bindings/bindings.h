@@ -37,6 +37,6 @@ void BindEnvTask(nb::module_& m);     // what environments are about
 void BindEnv(nb::module_& m);         // environments
 void BindEnvBatch(nb::module_& m);    // copies of one, in step
 void BindData(nb::module_& m);        // datasets and episodes
-void BindDatagen(nb::module_& m);     // plans and the runner
+void BindRollout(nb::module_& m);     // plans and the runner
 
 }  // namespace robocell::python

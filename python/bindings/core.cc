@@ -34,6 +34,6 @@ NB_MODULE(_core, m) {
   BindEnv(m);
   BindEnvBatch(m);
   BindData(m);
-  BindDatagen(m);
+  BindRollout(m);
   ExplainArgumentErrors(m);
 }

@@ -10,7 +10,7 @@
 #include "rng.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
-#include "robocell/task/pick_planner.h"
+#include "robocell/expert/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/task/pick_task.h"
 

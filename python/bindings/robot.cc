@@ -11,11 +11,11 @@
 #include "scene_cycles.h"
 #include "signals.h"
 #include "values.h"
-#include "robocell/datagen/check_robot.h"
 #include "robocell/env/stepper.h"
 #include "robocell/robot/check_config.h"
 #include "robocell/robot/robot.h"
 #include "robocell/robot/robot_trial.h"
+#include "robocell/rollout/check_robot.h"
 
 namespace nb = nanobind;
 

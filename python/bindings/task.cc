@@ -6,7 +6,7 @@
 #include "rng.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
-#include "robocell/task/catalogue.h"
+#include "robocell/scenes/catalogue.h"
 
 namespace nb = nanobind;
 

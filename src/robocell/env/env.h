@@ -46,8 +46,8 @@
 #include "robocell/env/pacer.h"
 #include "robocell/env/stepper.h"
 #include "robocell/scene/body_handle.h"
+#include "robocell/scenes/start_check.h"
 #include "robocell/spec/env_config.h"
-#include "robocell/task/start_check.h"
 
 namespace robocell {
 

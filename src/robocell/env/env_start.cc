@@ -10,7 +10,7 @@
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/env/env.h"
-#include "robocell/task/settle.h"
+#include "robocell/scenes/settle.h"
 
 namespace robocell {
 namespace {
@@ -90,14 +90,14 @@ void Env::RequireRest(const std::string& doubt) {
   std::vector<Robot> robots = AllRobots(scene_);
   const std::vector<std::string> resting = task_->resting_objects();
   const std::string body = scene_.compiled()->object(resting.front()).root_body;
-  const auto refusal =
+  const auto why_not =
       Settle(scene_, robots, body,
              {.resting = resting, .most_drift = std::numeric_limits<double>::infinity()});
-  if (!refusal) return;
+  if (!why_not) return;
   throw SpecError(fmt::format(
       "{}: no episode can begin, because the objects of task '{}' do not come to rest: {}. Put "
       "something under them: `add_floor: true`, or an object with `fixed: true`",
-      place(), config_.task->kind, doubt.empty() ? refusal->detail : doubt));
+      place(), config_.task->kind, doubt.empty() ? *why_not : doubt));
 }
 
 void Env::WarnOfStart() {

@@ -54,7 +54,7 @@ class EnvTask : public Task {
   std::vector<std::string> objects() const override { return {}; }
 
   // Objects that have to lie still when an episode begins, by their ids: touching no robot, inside
-  // of nothing and with something under them (task/start_check.h). Starts and Arrange are asked
+  // of nothing and with something under them (scenes/start_check.h). Starts and Arrange are asked
   // again, with the numbers that follow, until they do. When the environment is made one start is
   // tried, and simulated until these objects rest.
   virtual std::vector<std::string> resting_objects() const { return {}; }

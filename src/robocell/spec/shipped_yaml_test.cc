@@ -175,7 +175,7 @@ cameras: {resolution: [624, 352], streams: [{name: wrist, camera: wrist_camera},
 rates: {policy_ms: 66, control_ms: 2, sim_ms: 2, max_steps: 500}
 workers: 4
 seed: 0
-output: experiment_output/datagen/xarm7_pick_v1
+output: experiment_output/xarm7_pick_v1
 )";
 
 std::string ExamplesFolder() { return SourceDir() + "/examples"; }

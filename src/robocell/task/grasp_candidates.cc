@@ -10,8 +10,8 @@
 #include <Eigen/Geometry>
 
 #include "robocell/base/units.h"
+#include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/tree.h"
-#include "robocell/task/geom_extent.h"
 
 namespace robocell {
 namespace {
@@ -216,14 +216,6 @@ class CandidateSearch {
 constexpr double kTurnCost = 0.02;  // per radian
 
 }  // namespace
-
-std::vector<int> CollisionGeomsOf(const mjModel* m, int body) {
-  std::vector<int> geoms;
-  for (int g = 0; g < m->ngeom; ++g) {
-    if (IsCollisionGeom(m, g) && IsInSubtree(m, m->geom_bodyid[g], body)) geoms.push_back(g);
-  }
-  return geoms;
-}
 
 RayHit CastRay(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
                const Eigen::Vector3d& from, const Eigen::Vector3d& direction) {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "robocell/math/pose.h"
+#include "robocell/motion/gripper_shape.h"
 #include "robocell/mujoco/forward.h"
-#include "robocell/task/gripper_shape.h"
 
 namespace robocell {
 
@@ -51,8 +51,5 @@ struct RayHit {
 };
 RayHit CastRay(const mjModel* model, const mjData* data, const std::vector<int>& geoms,
                const Eigen::Vector3d& from, const Eigen::Vector3d& direction);
-
-// The collision geoms of a body's subtree.
-std::vector<int> CollisionGeomsOf(const mjModel* model, int body);
 
 }  // namespace robocell

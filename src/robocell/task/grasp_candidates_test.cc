@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "robocell/mujoco/names.h"
-#include "robocell/task/testing/pick_scene.h"
+#include "robocell/testing/pick_scene.h"
 #include "robocell/testing/random_values.h"
 
 namespace robocell {

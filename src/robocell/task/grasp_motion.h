@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "robocell/kinematics/joint_vector.h"
+#include "robocell/motion/joint_path.h"
+#include "robocell/motion/planning_scene.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/grasp_candidates.h"
-#include "robocell/task/joint_path.h"
-#include "robocell/task/planning_scene.h"
 
 namespace robocell {
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "robocell/task/testing/pick_scene.h"
+#include "robocell/testing/pick_scene.h"
 
 namespace robocell {
 namespace {

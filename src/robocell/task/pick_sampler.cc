@@ -9,14 +9,14 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/motion/clearance.h"
+#include "robocell/motion/robot_outline.h"
 #include "robocell/scene/scene_cache.h"
-#include "robocell/task/catalogue.h"
-#include "robocell/task/clearance.h"
+#include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/object_places.h"
+#include "robocell/scenes/settle.h"
 #include "robocell/task/grasp_motion.h"
-#include "robocell/task/object_places.h"
 #include "robocell/task/pick_task.h"
-#include "robocell/task/robot_outline.h"
-#include "robocell/task/settle.h"
 
 namespace robocell {
 namespace {
@@ -146,7 +146,7 @@ std::optional<Pose> PickTaskSampler::ProposeBasePose(const Robot& robot, const S
     const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
                                  placement.distance * std::sin(bearing), placement.height);
     const Pose base = Pose::FromRpy(target.translation() + offset, {0, 0, bearing + turn});
-    if (outline.IsClearOf(support, base, kBaseClearance)) clear.push_back(base);
+    if (outline.IsClearOf(support.box(), base, kBaseClearance)) clear.push_back(base);
   }
   if (clear.empty()) return std::nullopt;
   return clear[rng.UniformInt(clear.size())];
@@ -243,9 +243,9 @@ std::optional<Refusal> PickTaskSampler::Arrange(Setup& setup, const Support& sup
 std::optional<Refusal> PickTaskSampler::Prepare(Setup& setup, const Support& support,
                                                 const BasePlacement& placement, Rng& rng) {
   if (auto refusal = Arrange(setup, support, placement, rng)) return refusal;
-  if (auto refusal = Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
+  if (auto why_not = Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
                             {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
-    return refusal;
+    return Refusal{Refusal::kUnsettled, *why_not};
   if (auto refusal = CheckBasePose(setup.scene, setup.robot, setup.target_body)) return refusal;
   setup.scene.data()->time = 0;
   setup.scene.Forward();

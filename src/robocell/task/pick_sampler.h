@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "robocell/scenes/support.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/base_placement.h"
-#include "robocell/task/support.h"
 #include "robocell/task/task.h"
 
 namespace robocell {

@@ -10,9 +10,9 @@
 #include <set>
 
 #include "robocell/base/files.h"
+#include "robocell/motion/clearance.h"
 #include "robocell/mujoco/names.h"
-#include "robocell/task/catalogue.h"
-#include "robocell/task/clearance.h"
+#include "robocell/scenes/catalogue.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/source_dir.h"

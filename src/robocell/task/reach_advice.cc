@@ -8,9 +8,9 @@
 
 #include "robocell/base/units.h"
 #include "robocell/kinematics/ik_batch.h"
+#include "robocell/motion/gripper_shape.h"
 #include "robocell/robot/robot.h"
 #include "robocell/task/grasp_motion.h"
-#include "robocell/task/gripper_shape.h"
 
 namespace robocell {
 namespace {

@@ -1,0 +1,254 @@
+// Plans and the runner. A run is interrupted through a StopFlag, which signal handlers and other
+// threads may set.
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/pair.h>
+
+#include <array>
+#include <atomic>
+#include <memory>
+
+#include "bindings.h"
+#include "python_owner.h"
+#include "returned.h"
+#include "sampler.h"
+#include "signals.h"
+#include "robocell/base/error.h"
+#include "robocell/rollout/check_run.h"
+#include "robocell/rollout/on_disk.h"
+#include "robocell/rollout/plan.h"
+#include "robocell/rollout/prepare.h"
+#include "robocell/rollout/recorded_scene.h"
+#include "robocell/rollout/replay.h"
+#include "robocell/rollout/runner.h"
+
+namespace nb = nanobind;
+
+namespace robocell::python {
+
+using namespace nb::literals;
+
+namespace {
+
+struct StopFlag {
+  std::atomic<bool> value{false};
+};
+
+void BindReport(nb::module_& m) {
+  nb::class_<EpisodeReport>(m, "EpisodeReport", "What became of one item of a plan.")
+      .def_ro("item", &EpisodeReport::item)
+      .def_ro("committed", &EpisodeReport::committed, "An episode is on the disk.")
+      .def_ro("success", &EpisodeReport::success)
+      .def_ro("stopped", &EpisodeReport::stopped, "Ended by the stop flag; nothing was kept.")
+      .def_ro("resumed", &EpisodeReport::resumed, "It was complete before.")
+      .def_ro("kept", &EpisodeReport::kept, "Episodes written now.")
+      .def_ro("attempts", &EpisodeReport::attempts, "That came to an end.")
+      .def_ro("undecided", &EpisodeReport::undecided,
+              "Attempts that the stop flag ended; they count nowhere else.")
+      .def_ro("accepted", &EpisodeReport::accepted, "Attempts whose start the sampler accepted.")
+      .def_ro("refusals", &EpisodeReport::refusals, "Reason -> count, of refused starts.")
+      .def_ro("advice", &EpisodeReport::advice,
+              "What most starts were refused for, and from where the robot would reach its "
+              "object; '' when a start was accepted.")
+      .def_ro("redrawn", &EpisodeReport::redrawn,
+              "Reason -> count, of places for objects and robot that were tried and given up "
+              "within the attempts; the sampler tried attempts + these.")
+      .def_ro("failures", &EpisodeReport::failures, "Reason -> count, of failed rollouts.")
+      .def_ro("robot", &EpisodeReport::robot, "Its name.")
+      .def_ro("object_kind", &EpisodeReport::object_kind,
+              "Of the last attempt's target; '' when the sampler does not say.")
+      .def_ro("kinds", &EpisodeReport::kinds, "Object kind -> attempts.")
+      .def_ro("rollouts", &EpisodeReport::rollouts, "Object kind -> rollouts.")
+      .def_ro("rows", &EpisodeReport::rows)
+      .def_ro("seconds_sampling", &EpisodeReport::seconds_sampling)
+      .def_ro("seconds_acting", &EpisodeReport::seconds_acting)
+      .def_ro("seconds_rendering", &EpisodeReport::seconds_rendering)
+      .def_ro("seconds_writing", &EpisodeReport::seconds_writing)
+      .def("__repr__", [](const EpisodeReport& r) {
+        const char* end = r.stopped     ? "stopped"
+                          : r.success   ? "success"
+                          : r.committed ? "failures kept"
+                                        : "nothing made";
+        return fmt::format("<EpisodeReport {}: {}, {} attempts, {} rows>", r.item.id, end,
+                           r.attempts, r.rows);
+      });
+}
+
+void BindReplay(nb::module_& m) {
+  nb::class_<ReplayDifference>(m, "ReplayDifference", "A value that a replay made otherwise.")
+      .def_ro("row", &ReplayDifference::row, "Of the table steps.")
+      .def_ro("tick", &ReplayDifference::tick, "Of the table control.")
+      .def_ro("time", &ReplayDifference::time, "Recorded, s.")
+      .def_ro("what", &ReplayDifference::what,
+              "For people: joint 'robot_0/joint3' of rc7/arm, object 'target' z.")
+      .def_ro("column", &ReplayDifference::column, "Where it is recorded.")
+      .def_ro("recorded", &ReplayDifference::recorded)
+      .def_ro("replayed", &ReplayDifference::replayed)
+      .def_ro("units", &ReplayDifference::units)
+      .def_ro("others", &ReplayDifference::others, "Further values of the row that differ.");
+  nb::class_<ReplayReport>(m, "ReplayReport", "What a replay of an episode came to.")
+      .def_ro("episode", &ReplayReport::episode)
+      .def_ro("rows", &ReplayReport::rows, "Compared without a difference.")
+      .def_ro("ticks", &ReplayReport::ticks, "The same, of the control table.")
+      .def_ro("first", &ReplayReport::first, "The first difference, or None.")
+      .def_ro("versions", &ReplayReport::versions, "Versions that changed since, or ''.")
+      .def_prop_ro("ok", &ReplayReport::ok)
+      .def("__str__", &ReplayReport::Text)
+      .def("__repr__", [](const ReplayReport& r) { return "<ReplayReport " + r.Text() + ">"; });
+  m.def("recorded_scene", &RecordedScene, "episode"_a, nb::call_guard<nb::gil_scoped_release>(),
+        "The SceneSpec that an episode was generated in, with the models that its dataset keeps. "
+        "ArgumentError when the episode does not say.");
+  m.def(
+      "check_replay",
+      [](const Episode& episode, double tolerance) {
+        return CheckReplay(episode, {.tolerance = tolerance});
+      },
+      "episode"_a, "tolerance"_a = ReplayOptions{}.tolerance,
+      nb::call_guard<nb::gil_scoped_release>(),
+      "Simulates a generated episode again from its start and its recorded controls and compares "
+      "joints, objects and clock; stops at the first row or tick in which a value differs by more "
+      "than the tolerance (m, rad, m/s, rad/s, s).");
+}
+
+// The factory's arguments and what it makes may be kept: the arguments are copies that share scene
+// and task, the expert lives as long as either side uses it.
+std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> MakeExpertFactory(
+    const SharedKeeper& factory) {
+  if (!*factory) return {};
+  return [factory](const RunConfig& run, const EpisodeStart& start) {
+    const nb::gil_scoped_acquire gil;
+    nb::object made = ObjectOf(*factory)(nb::cast(run), nb::cast(start));
+    if (!nb::isinstance<Expert>(made)) ThrowReturned("Runner: expert()", "an Expert", made);
+    return Shared<Expert>(std::move(made));
+  };
+}
+
+// A runner that the collector can look into. What is defined in a script, functions and classes,
+// refers to the script's variables, the runner often among them: without this the circle lives
+// until the process ends, and nanobind reports it as leaked.
+class PythonRunner : public Runner {
+ public:
+  PythonRunner(const RunConfig& run, SharedKeeper expert, SharedKeeper sampler,
+               SharedKeeper made = ShareKeeper(nb::none()))
+      : Runner(run,
+               {.sampler = MakeSamplerFactory(sampler, made), .expert = MakeExpertFactory(expert)}),
+        kept_{std::move(expert), std::move(sampler), std::move(made)} {}
+
+  static int Traverse(PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (!nb::inst_ready(self)) return 0;
+    for (const SharedKeeper& keeper : nb::inst_ptr<PythonRunner>(self)->kept_)
+      Py_VISIT(TargetOf(*keeper));
+    return 0;
+  }
+  static int Clear(PyObject* self) {
+    if (!nb::inst_ready(self)) return 0;
+    for (const SharedKeeper& keeper : nb::inst_ptr<PythonRunner>(self)->kept_) keeper->reset();
+    return 0;
+  }
+
+ private:
+  std::array<SharedKeeper, 3> kept_;  // the functions, and the sampler that one has made
+};
+
+PyType_Slot runner_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&PythonRunner::Traverse)},
+                              {Py_tp_clear, reinterpret_cast<void*>(&PythonRunner::Clear)},
+                              {0, nullptr}};
+
+}  // namespace
+
+void BindRollout(nb::module_& m) {
+  nb::class_<PlanItem>(m, "PlanItem", "One episode to be made.")
+      .def_ro("index", &PlanItem::index, "In the plan.")
+      .def_ro("scene", &PlanItem::scene)
+      .def_ro("episode", &PlanItem::episode, "In its scene.")
+      .def_ro("id", &PlanItem::id, "Name of the episode's folder.")
+      .def("__repr__", [](const PlanItem& item) { return "<PlanItem " + item.id + ">"; });
+  m.def("make_plan", &MakePlan, "run"_a,
+        "The episodes of a run: same file, same plan, same seeds.");
+  m.def("shard_plan", &Shard, "plan"_a, "shard"_a, "count"_a,
+        "The items of shard `shard` of `count`.");
+  m.def(
+      "parse_shard",
+      [](const std::string& text) {
+        const ShardSpec spec = ParseShard(text);
+        return nb::make_tuple(spec.shard, spec.count);
+      },
+      "text"_a, "(i, N) of 'i/N'.");
+  m.def("run_identity", &RunIdentity, "run"_a,
+        "What identifies a run, as YAML: its fields without workers and output.");
+  m.def(
+      "prepare_dataset",
+      [](const RunConfig& run, bool check_run) { PrepareDataset(run, {.check_run = check_run}); },
+      "run"_a, nb::kw_only(), "check_run"_a = true, nb::call_guard<nb::gil_scoped_release>(),
+      "Creates the run's output folder, or checks that the one there belongs to the same run "
+      "(SpecError names what differs). A dataset without episodes is begun anew. Calls check_run "
+      "first unless told not to.");
+  m.def("check_dataset", &CheckDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
+        "What prepare_dataset would say of the run's output folder; writes nothing.");
+  m.def(
+      "require_same_run", [](const RunConfig& run) { RequireSameRun(run); }, "run"_a,
+      nb::call_guard<nb::gil_scoped_release>(),
+      "SpecError, naming each difference, unless the run's dataset was prepared for it: same "
+      "fields, model files and versions.");
+  m.def(
+      "check_run",
+      [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {
+        return CheckRun(run,
+                        {.scripted_expert = scripted_expert, .on_this_machine = on_this_machine});
+      },
+      "run"_a, "scripted_expert"_a = true, "on_this_machine"_a = true,
+      nb::call_guard<nb::gil_scoped_release>(),
+      "SpecError with everything that can be known to be wrong before the first episode: fields, "
+      "models, cameras, object kinds, names of columns, what the robot file says although its "
+      "model does otherwise, and what the scripted expert needs of the robot. With "
+      "`on_this_machine`, streams are drawn once: IoError without ffmpeg, Error without OpenGL. "
+      "Writes nothing. Returns warnings: what works and may yet not be meant.");
+  m.def(
+      "items_on_disk",
+      [](const RunConfig& run, const std::vector<PlanItem>& items) {
+        const PlanOnDisk found = LookForItems(run, items);
+        return std::make_pair(found.made, found.broken);
+      },
+      "run"_a, "items"_a, nb::call_guard<nb::gil_scoped_release>(),
+      "(ids of the items whose episode is on the disk, with all failures before it that the run "
+      "keeps; texts about what stands in the way of the others).");
+  m.def("is_complete", &IsComplete, "run"_a, "item"_a, nb::call_guard<nb::gil_scoped_release>(),
+        "Whether nothing is left to do for an item: its episode is on the disk.");
+  nb::class_<StopFlag>(m, "StopFlag", "Asks a running Runner to stop at the next action.")
+      .def(nb::init<>())
+      .def("set", [](StopFlag& flag) { flag.value = true; })
+      .def_prop_ro("is_set", [](const StopFlag& flag) { return flag.value.load(); });
+  BindReport(m);
+  BindReplay(m);
+  nb::class_<PythonRunner>(m, "Runner",
+                           "Makes the episodes of a plan in this process, one after the other.",
+                           nb::type_slots(runner_slots))
+      .def(
+          "__init__",
+          [](PythonRunner* self, const RunConfig& run, nb::object expert, nb::object sampler) {
+            RequireCallable(expert, "expert", "a function (run, start) -> Expert");
+            RequireCallable(sampler, "sampler", "a function (run) -> TaskSampler");
+            new (self)
+                PythonRunner(run, ShareKeeper(std::move(expert)), ShareKeeper(std::move(sampler)));
+          },
+          "run"_a, "expert"_a = nb::none(), "sampler"_a = nb::none(),
+          "`expert`: a function (run, start) -> Expert that replaces the scripted one; `sampler`: "
+          "a "
+          "function (run) -> TaskSampler.")
+      .def(
+          "run",
+          [](PythonRunner& runner, const PlanItem& item, const StopFlag* flag) {
+            SignalPoll poll;
+            return runner.Run(item, [&] {
+              poll();
+              return flag && flag->value;
+            });
+          },
+          "item"_a, "stop"_a = nb::none(), nb::call_guard<nb::gil_scoped_release>(),
+          "Tries attempts until an episode is kept; returns an EpisodeReport. Ctrl-C ends it "
+          "within "
+          "an action;\nepisodes that were kept before stay.");
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,35 @@
+// Plans one pick: which grasp, and how the arm gets above it. Free of side effects: executing it is
+// the PickPlanner's.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/base/rng.h"
+#include "robocell/motion/planning_scene.h"
+#include "robocell/task/grasp_motion.h"
+
+namespace robocell {
+
+struct PickPlan {
+  GraspMotion motion;
+  JointPath approach;  // from the start to the pregrasp, both included
+};
+
+struct PickPlanRequest {
+  JointVector start;        // where the arm is
+  JointVector home;         // what joint positions should be near
+  Pose tcp_now;             // in the world, at `start`
+  std::vector<Pose> avoid;  // grasps that failed: TCP in the object's frame
+  GraspMotionOptions motion = {};
+};
+
+struct PickPlanResult {
+  std::optional<PickPlan> plan = {};
+  std::string failure = {};  // one of few texts, so that failures can be counted
+};
+
+PickPlanResult PlanPick(PlanningScene& planning, const PickPlanRequest& request, Rng& rng);
+
+}  // namespace robocell

@@ -1,0 +1,107 @@
+// PickPlanner: a scripted expert that picks up an object from above with any robot that has one arm
+// and one gripper. It plans on a scratch copy of the scene and then acts once per policy tick with
+// one joint target and one opening.
+//
+// Phases: open (also backing off after a failure), pregrasp, grasp, close, lift, done (holding at
+// the top). It sees an empty hand, an object that slipped, fingers that stopped on something else
+// and an arm that does not follow; it then re-opens, backs off and tries the next best grasp, at
+// most three times in all. failure() is one of few texts.
+//
+// Nothing is tuned to a robot: what it needs to know of the gripper is measured (gripper_shape.h),
+// and the lift is as slow as the arm's servos need to stay below their force limits (servo_jump.h).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/expert/pick_plan.h"
+#include "robocell/motion/timed_path.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/task/task.h"
+
+namespace robocell {
+
+struct PickPlannerOptions {
+  double tick = 0.066;      // seconds between actions
+  double above = 0.08;      // of the pregrasp over the grasp, metres
+  double lift = 0.10;       // metres
+  double free_speed = 1.2;  // of the fastest joint on free paths, rad/s (m/s)
+  double line_speed = 0.6;  // ... on the way down and up
+  int attempts = 3;         // at a grasp
+};
+
+class PickPlanner : public Expert {
+ public:
+  // Names in the scene. `options` as in GripperShape::Of.
+  PickPlanner(std::string robot, std::string target_object, SimOptions sim,
+              const PickPlannerOptions& options = {});
+  // As a run asks for it.
+  PickPlanner(const RunConfig& run, const EpisodeStart& start);
+  ~PickPlanner() override;
+
+  void Begin(const Scene& scene, Rng& rng) override;
+  Action Act(const Scene& scene, Rng& rng) override;
+  bool done() const override { return finished_; }
+  std::string failure() const override { return failure_; }
+  int phase() const override { return static_cast<int>(phase_); }
+  std::vector<std::string> phase_names() const override;
+
+  // Grasps tried so far.
+  int attempts() const { return attempts_; }
+
+ private:
+  enum class Phase { kOpen, kPregrasp, kGrasp, kClose, kLift, kDone };
+
+  bool Plan(Rng& rng);
+  void Enter(Phase phase);
+  void Advance(Rng& rng);
+  void LeaveOpen(Rng& rng);
+  void Follow(Phase next);
+  void CloseFurther();
+  void LeaveClose();
+  void Watch();
+  void Fail(const std::string& why);
+  void GiveUp(const std::string& why);
+  Action Command() const;
+  int Ticks(double seconds) const;
+  double LiftSeconds() const;
+  double Lag() const;
+  double Gap() const;
+  Pose TargetPose() const;
+  double TargetHeight() const { return TargetPose().translation().z(); }
+  bool HandIsEmpty() const;
+  bool Arrived() const;
+
+  std::string robot_name_, target_object_;
+  SimOptions sim_;
+  PickPlannerOptions options_;
+
+  std::optional<Robot> robot_;
+  std::shared_ptr<const GripperShape> shape_;
+  std::unique_ptr<PlanningScene> planning_;
+  std::optional<PickPlan> plan_;
+  JointVector home_, target_;  // target_: of the arm, as commanded
+  std::vector<double> arrival_tolerances_;
+  double opening_ = 1;
+  std::optional<TimedPath> path_;
+  JointVector retreat_;       // where to back off to; empty: stay
+  Pose planned_for_;          // where the object was then, in the world
+  std::vector<Pose> failed_;  // grasps, TCP in the object's frame
+
+  Phase phase_ = Phase::kOpen;
+  int ticks_ = 0;     // in this phase
+  int waited_ = 0;    // since the path of this phase ended
+  int squeezed_ = 0;  // ticks since the hand is told to be closed
+  int lagging_ = 0;   // ticks in a row that the arm did not follow
+  int attempts_ = 0;
+  double last_gap_ = 0, grasp_height_ = 0;
+  bool finished_ = false;
+  std::string setback_;  // why the last attempt failed
+  std::string failure_;
+};
+
+std::unique_ptr<Expert> MakePickPlanner(const RunConfig& run, const EpisodeStart& start);
+
+}  // namespace robocell

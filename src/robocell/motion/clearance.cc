@@ -1,0 +1,50 @@
+#include "robocell/motion/clearance.h"
+
+#include <mujoco/mujoco.h>
+
+#include <vector>
+
+#include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/names.h"
+
+namespace robocell {
+namespace {
+
+// Bounding spheres farther apart than the horizon need no exact distance. Planes have no sphere.
+bool MayBeNear(const mjModel* m, const mjData* d, int a, int b, double horizon) {
+  if (m->geom_rbound[a] == 0 || m->geom_rbound[b] == 0) return true;
+  return mju_dist3(d->geom_xpos + 3 * a, d->geom_xpos + 3 * b) <
+         m->geom_rbound[a] + m->geom_rbound[b] + horizon;
+}
+
+}  // namespace
+
+Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon) {
+  scene.SyncPoses();
+  const mjModel* m = scene.model();
+  mjData* d = scene.data();
+  std::vector<char> own(m->ngeom, 0);
+  for (const int g : robot.geom_ids()) own[g] = 1;
+  double nearest = horizon;
+  int robot_geom = -1, other_geom = -1;
+  for (const int a : robot.collision_geom_ids()) {
+    const bool on_mocap = m->body_mocapid[m->geom_bodyid[a]] >= 0;
+    if (!IsCollisionGeom(m, a) && !on_mocap) continue;
+    for (int b = 0; b < m->ngeom; ++b) {
+      if (own[b] || !IsCollisionGeom(m, b) || !MayBeNear(m, d, a, b, horizon)) continue;
+      if (on_mocap && m->geom_type[b] == mjGEOM_PLANE) continue;
+      const double distance = Guarded("distance of a robot to its surroundings", d, [&] {
+        return mj_geomDistance(m, d, a, b, nearest, nullptr);
+      });
+      if (distance >= nearest) continue;
+      nearest = distance;
+      robot_geom = a;
+      other_geom = b;
+    }
+  }
+  if (robot_geom < 0) return {.distance = nearest, .robot_geom = {}, .other_geom = {}};
+  return {nearest, Describe(m, mjOBJ_GEOM, robot_geom), Describe(m, mjOBJ_GEOM, other_geom)};
+}
+
+}  // namespace robocell

@@ -1,0 +1,80 @@
+#include "robocell/motion/geom_extent.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "robocell/mujoco/tree.h"
+
+namespace robocell {
+namespace {
+
+// Half the extent of a shape around its own centre, `u` in the geom's frame.
+double HalfExtent(int type, const double* s, const Eigen::Vector3d& u) {
+  const Eigen::Vector3d a = u.cwiseAbs();
+  switch (type) {
+    case mjGEOM_SPHERE:
+      return s[0];
+    case mjGEOM_CAPSULE:
+      return s[0] + s[1] * a.z();
+    case mjGEOM_CYLINDER:
+      return s[0] * std::hypot(u.x(), u.y()) + s[1] * a.z();
+    case mjGEOM_ELLIPSOID:
+      return std::hypot(s[0] * u.x(), s[1] * u.y(), s[2] * u.z());
+    case mjGEOM_BOX:
+      return s[0] * a.x() + s[1] * a.y() + s[2] * a.z();
+    default:
+      return std::numeric_limits<double>::infinity();
+  }
+}
+
+Interval MeshExtent(const mjModel* m, int mesh, const Eigen::Vector3d& u) {
+  Interval extent{std::numeric_limits<double>::infinity(),
+                  -std::numeric_limits<double>::infinity()};
+  const float* vertex = m->mesh_vert + 3 * m->mesh_vertadr[mesh];
+  for (int i = 0; i < m->mesh_vertnum[mesh]; ++i, vertex += 3) {
+    const double along = vertex[0] * u.x() + vertex[1] * u.y() + vertex[2] * u.z();
+    extent.lower = std::min(extent.lower, along);
+    extent.upper = std::max(extent.upper, along);
+  }
+  return extent;
+}
+
+Interval LocalExtent(const mjModel* m, int geom, const Eigen::Vector3d& u) {
+  const int type = m->geom_type[geom];
+  if (type == mjGEOM_MESH) return MeshExtent(m, m->geom_dataid[geom], u);
+  if (type == mjGEOM_HFIELD || type == mjGEOM_SDF) {
+    const double* box = m->geom_aabb + 6 * geom;
+    const double centre = box[0] * u.x() + box[1] * u.y() + box[2] * u.z();
+    const double half = HalfExtent(mjGEOM_BOX, box + 3, u);
+    return {centre - half, centre + half};
+  }
+  const double half = HalfExtent(type, m->geom_size + 3 * geom, u);
+  return {-half, half};
+}
+
+}  // namespace
+
+Interval GeomExtent(const mjModel* m, const mjData* d, int geom, const Eigen::Vector3d& direction) {
+  double u[3];
+  mju_mulMatTVec3(u, d->geom_xmat + 9 * geom, direction.data());
+  const double centre = mju_dot3(d->geom_xpos + 3 * geom, direction.data());
+  const Interval local = LocalExtent(m, geom, Eigen::Vector3d(u[0], u[1], u[2]));
+  return {centre + local.lower, centre + local.upper};
+}
+
+bool IsCollisionGeom(const mjModel* m, int geom) {
+  return m->geom_contype[geom] != 0 || m->geom_conaffinity[geom] != 0;
+}
+
+std::vector<int> CollisionGeomsOf(const mjModel* m, int body) {
+  std::vector<int> geoms;
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (IsCollisionGeom(m, g) && IsInSubtree(m, m->geom_bodyid[g], body)) geoms.push_back(g);
+  }
+  return geoms;
+}
+
+}  // namespace robocell

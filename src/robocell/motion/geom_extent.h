@@ -1,0 +1,23 @@
+// How far geoms reach along a direction: exact for primitives and meshes, a bounding box for the
+// rest.
+#pragma once
+
+#include <vector>
+#include <Eigen/Core>
+
+#include "robocell/mujoco/forward.h"
+#include "robocell/robot/move_group.h"
+
+namespace robocell {
+
+// Smallest and largest coordinate of a geom along a unit vector of the world, metres; infinite for
+// planes. The geom's pose in `data` must be up to date.
+Interval GeomExtent(const mjModel* model, const mjData* data, int geom,
+                    const Eigen::Vector3d& direction);
+
+// Whether a geom takes part in collisions at all.
+bool IsCollisionGeom(const mjModel* model, int geom);
+// The collision geoms of a body's subtree.
+std::vector<int> CollisionGeomsOf(const mjModel* model, int body);
+
+}  // namespace robocell

@@ -1,0 +1,38 @@
+// RobotOutline: how much room a robot takes in its present posture, as upright boxes around its
+// geoms. For proposing where its base could stand; whether it can stand there is asked exactly
+// afterwards (clearance.h).
+//
+//   const RobotOutline outline(robot);
+//   if (outline.IsClearOf(table_top, base_in_world, 0.01)) ...
+#pragma once
+
+#include <vector>
+#include <Eigen/Geometry>
+
+#include "robocell/math/pose.h"
+#include "robocell/robot/robot.h"
+
+namespace robocell {
+
+// A level box that stays where it is, as a table top: the middle of its upper face, z up, half
+// extents along its x and y, and how far down it goes. Metres.
+struct LevelBox {
+  Pose frame_to_world;
+  double half_x = 0, half_y = 0;
+  double thickness = 0;
+};
+
+class RobotOutline {
+ public:
+  // In the frame of the robot's base group; its poses must be up to date.
+  explicit RobotOutline(const Robot& robot);
+
+  // Whether no part of the robot is nearer to the obstacle than the margin (metres), with the base
+  // at an upright pose.
+  bool IsClearOf(const LevelBox& obstacle, const Pose& base_in_world, double margin) const;
+
+ private:
+  std::vector<Eigen::AlignedBox3d> boxes_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,262 @@
+#include "robocell/rollout/prepare.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <thread>
+#include <nlohmann/json.hpp>
+
+#include "robocell/assets/model_files.h"
+#include "robocell/base/both_languages.h"
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/io_error.h"
+#include "robocell/base/log.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/dataset_lock.h"
+#include "robocell/data/episode_files.h"
+#include "robocell/data/episode_reader.h"
+#include "robocell/data/model_store.h"
+#include "robocell/rollout/check_run.h"
+#include "robocell/rollout/lost_manifest.h"
+#include "robocell/rollout/run_inputs.h"
+#include "robocell/spec/split_place.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr size_t kMostLines = 30;
+constexpr int kLockTries = 10;
+constexpr std::chrono::milliseconds kLockPause(100);
+
+std::string Manifest(const RunConfig& run, const RunInputs& inputs) {
+  return Json{{"format", "robocell-dataset"},
+              {"run", run.run},
+              {"seed", run.seed},
+              {"task", ToString(run.task.kind)},
+              {"identity", inputs.identity},
+              {"versions", inputs.versions},
+              {"files", inputs.files}}
+             .dump(2) +
+         "\n";
+}
+
+// Throws Json::exception for a manifest of another making.
+RunInputs InputsIn(const std::string& manifest) {
+  const Json json = Json::parse(manifest);
+  return {
+      .identity = json.at("identity"), .versions = json.at("versions"), .files = json.at("files")};
+}
+
+void CreateFolder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) ThrowIoError("create the dataset's folder", folder, error.value());
+  // Whether it can be written shows only when one tries.
+  fs::remove(MakeTempDirectory(folder, "probe"), error);
+}
+
+// What is there for the run's own sake, or was left behind by an interrupted write.
+bool IsOfNoAccount(const std::string& name) {
+  return IsTemporaryName(name) || name == kManifestFile || name == kLogsFolder ||
+         name == kModelsFolder || name == kQuarantineFolder || name.starts_with(kLockFile) ||
+         IsReportFile(name);
+}
+
+// The first name of anything else; "" when there is nothing.
+std::string FirstEntry(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
+    const std::string name = it->path().filename().string();
+    if (!IsOfNoAccount(name)) names.push_back(name);
+  }
+  if (error) ThrowIoError("list the dataset's folder", folder, error.value());
+  return names.empty() ? "" : *std::min_element(names.begin(), names.end());
+}
+
+// What of the manifest is different now; nothing when it is the same run.
+std::vector<std::string> Changes(const std::string& manifest, const RunInputs& inputs) {
+  try {
+    return Differences(InputsIn(manifest), inputs);
+  } catch (const Json::exception& error) {
+    return {std::string("dataset.json is of another making; without it, the episodes "
+                        "themselves are asked: ") +
+            error.what()};
+  }
+}
+
+// Where a value was given; of a list the option of the command line that replaced one of its
+// numbers, if any did. "" for one that was not.
+std::string PlaceOf(const RunConfig& run, const std::string& field) {
+  for (int i = 0;; ++i) {
+    const auto number = run.locations.Exactly(fmt::format("{}[{}]", field, i));
+    if (!number) return run.locations.Exactly(field).value_or("");
+    if (number->starts_with("--set ")) return *number;
+  }
+}
+
+// "run.yaml:4:30: task.base_distance: ..." for a difference of a field that stands in the file.
+std::string InFile(const RunConfig& run, const std::string& difference) {
+  return WithPlace(PlaceOf(run, difference.substr(0, difference.find(": "))), difference);
+}
+
+// The folder of the dataset is where it says in the file.
+[[noreturn]] void ThrowOfOutput(const RunConfig& run, const std::string& problem) {
+  throw SpecError(WithPlace(run.locations.At("output"), "run '" + run.run + "': " + problem));
+}
+
+[[noreturn]] void ThrowChanged(const RunConfig& run, std::vector<std::string> lines) {
+  if (lines.size() > kMostLines) {
+    const size_t more = lines.size() - kMostLines;
+    lines.resize(kMostLines);
+    lines.push_back(fmt::format("... and {} more", more));
+  }
+  for (std::string& line : lines) line = InFile(run, line);
+  ThrowOfOutput(
+      run,
+      fmt::format(
+          "the dataset '{}' was begun differently:\n  {}\n"
+          "Change these back to go on with it, or give another `output` to start a new dataset",
+          run.output, fmt::join(lines, "\n  ")));
+}
+
+void RequireOutput(const RunConfig& run) {
+  if (!run.output.empty()) return;
+  ThrowOfOutput(run,
+                "output: where should the dataset go? Give the folder, for example `output: "
+                "experiment_output/" +
+                    run.run + "`");
+}
+
+// Whether the dataset has to be begun, for the first time or anew. SpecError when it must not be:
+// episodes of other inputs or foreign things are there. The folder must exist.
+bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
+  const std::string entry = FirstEntry(run.output);  // first: the manifest is older than episodes
+  if (const std::optional<std::string> manifest = ReadManifest(run.output)) {
+    const std::vector<std::string> changes = Changes(*manifest, inputs);
+    if (!changes.empty() && !entry.empty()) ThrowChanged(run, changes);
+    return !changes.empty();
+  }
+  if (entry.empty()) return true;
+  if (const auto lost = ChangesSinceEpisodes(run)) {
+    if (!lost->empty()) ThrowChanged(run, *lost);
+    return true;
+  }
+  ThrowOfOutput(
+      run, fmt::format("output: the folder '{}' holds '{}' and is no dataset; give a new folder",
+                       run.output, entry));
+}
+
+// Unset when somebody is at it.
+std::optional<DatasetLock> TryAlone(const fs::path& dataset, bool last_try) {
+  try {
+    return DatasetLock::Alone(dataset);
+  } catch (const IoError&) {
+    if (last_try) throw;
+    return std::nullopt;
+  }
+}
+
+// False when somebody else has just written it, or has swept our half away: whoever generates
+// removes what the dead left, and single files do not tell the dead from the living.
+bool TryWriteManifest(const RunConfig& run, const RunInputs& inputs, bool last_try) {
+  try {
+    WriteManifest(run.output, Manifest(run, inputs));
+    return true;
+  } catch (const IoError& error) {
+    if (error.system_error() != ENOENT || last_try) throw;
+    return false;
+  }
+}
+
+// A new manifest is the same whoever writes it. One that replaces another is written under the
+// lock, so that nobody makes an episode meanwhile; another shard may be at it too.
+void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
+  for (int patience = kLockTries; MustBegin(run, inputs); --patience) {
+    if (!ReadManifest(run.output)) {
+      if (TryWriteManifest(run, inputs, patience == 0)) return;
+    } else if (const auto lock = TryAlone(run.output, patience == 0)) {
+      if (MustBegin(run, inputs)) WriteManifest(run.output, Manifest(run, inputs));
+      return;
+    }
+    std::this_thread::sleep_for(kLockPause);
+  }
+}
+
+// The folders in the dataset that keep an episode's models; none of one that cannot be read, which
+// is told elsewhere.
+std::vector<std::string> ModelFoldersOf(const fs::path& episode) {
+  std::vector<std::string> folders;
+  try {
+    for (const auto& [name, path] : Episode(episode).models())
+      folders.push_back(StoredModelFolder(path));
+  } catch (const Error&) {
+    return {};
+  }
+  return folders;
+}
+
+// Episodes bring their models when they are committed. What the dataset lost of them since is
+// copied into it again.
+void RestoreModels(const RunConfig& run) {
+  std::map<std::string, std::string> missing;  // folder in the dataset -> path of the model
+  for (const std::string& model : ModelsOf(run)) {
+    const std::string folder = StoredModelFolder(StoredModelPath(ModelFileSet(model)));
+    if (!IsStored(run.output, folder)) missing.emplace(folder, model);
+  }
+  const Dataset dataset(run.output);
+  for (auto id = dataset.ids().begin(); id != dataset.ids().end() && !missing.empty(); ++id) {
+    for (const std::string& folder : ModelFoldersOf(fs::path(run.output) / *id)) {
+      const auto found = missing.find(folder);
+      if (found == missing.end()) continue;
+      StoreModel(run.output, ModelFileSet(found->second));
+      missing.erase(found);
+    }
+  }
+}
+
+}  // namespace
+
+void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
+  RequireOutput(run);
+  if (options.check_run) {
+    for (const std::string& warning :
+         CheckRun(run, {.scripted_expert = false, .on_this_machine = false}))
+      LogWarn(fmt::format("run '{}': {}", run.run, warning));
+  }
+  const RunInputs inputs = InputsOf(run);
+  CreateFolder(run.output);
+  WriteManifestIfDue(run, inputs);
+  RestoreModels(run);
+}
+
+void CheckDataset(const RunConfig& run) {
+  RequireOutput(run);
+  std::error_code error;
+  if (fs::exists(run.output, error)) MustBegin(run, InputsOf(run));
+  if (error) ThrowIoError("look at the dataset's folder", run.output, error.value());
+}
+
+RunInputs RequireSameRun(const RunConfig& run) {
+  const std::optional<std::string> manifest = ReadManifest(run.output);
+  if (!manifest) {
+    throw SpecError(
+        fmt::format("run '{}': '{}' is no dataset: it has no dataset.json; first call {}", run.run,
+                    run.output, InBothLanguages("PrepareDataset")));
+  }
+  RunInputs inputs = InputsOf(run);
+  if (const auto changes = Changes(*manifest, inputs); !changes.empty()) ThrowChanged(run, changes);
+  return inputs;
+}
+
+}  // namespace robocell

@@ -1,0 +1,244 @@
+#include "robocell/rollout/prepare.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <thread>
+#include <nlohmann/json.hpp>
+
+#include "robocell/assets/model_files.h"
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/dataset_lock.h"
+#include "robocell/data/leftovers.h"
+#include "robocell/data/model_store.h"
+#include "robocell/data/testing/sample_episode.h"
+#include "robocell/data/verify.h"
+#include "robocell/rollout/run_inputs.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+RunConfig Demo(const std::filesystem::path& output) {
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.output = output.string();
+  return run;
+}
+
+// As if an episode were there.
+void Occupy(const RunConfig& run) {
+  std::filesystem::create_directory(std::filesystem::path(run.output) / "s0000_e0000");
+}
+
+TEST(PrepareDataset, CreatesTheFolderWithItsManifest) {
+  TempDir folder;
+  const RunConfig run = Demo(folder / "a/b");
+  PrepareDataset(run);
+  const auto manifest = nlohmann::json::parse(ReadManifest(folder / "a/b").value());
+  EXPECT_EQ(manifest["run"], "demo");
+  EXPECT_THAT(manifest["identity"].get<std::string>(), HasSubstr("base_distance: [0.3, 0.55]"));
+  EXPECT_EQ(Dataset(folder / "a/b").size(), 0u);
+}
+
+TEST(PrepareDataset, KeepsTheModelsOfEpisodesAndNoOthers) {
+  TempDir folder;
+  const RunConfig run = Demo(folder.path());
+  PrepareDataset(run);
+  EXPECT_THAT(StoredModels(folder.path()), IsEmpty());
+  const std::vector<std::string> models = ModelsOf(run);
+  ASSERT_GT(models.size(), 1u);
+  const FileSet used = ModelFileSet(models.front());
+  const SampleEpisode sample(0, false, false);
+  for (const bool kept : {false, true}) {
+    EpisodeWriter episode(folder.path(), "s0000_e0000", sample.schema, sample.Options());
+    episode.AddModel("robot", used);
+    sample.PutRows(episode, 3);
+    EXPECT_THAT(StoredModels(folder.path()), IsEmpty()) << "an episode may be given up";
+    if (kept) episode.Commit({.success = true, .terminated = true, .end_reason = "success"});
+  }
+  const std::string stored = StoredModelFolder(StoredModelPath(used));
+  EXPECT_THAT(StoredModels(folder.path()), ElementsAre(stored));
+  std::filesystem::remove_all(folder / stored);
+  PrepareDataset(run);
+  EXPECT_THAT(StoredModels(folder.path()), ElementsAre(stored))
+      << "what was lost, and nothing else";
+  EXPECT_TRUE(Verify(folder.path()).ok());
+}
+
+TEST(PrepareDataset, IsTheSameManifestWhoeverMakesIt) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "a");
+  PrepareDataset(run);
+  run.output = (folder / "b").string();
+  run.workers = 7;
+  PrepareDataset(run);
+  EXPECT_EQ(ReadManifest(folder / "a"), ReadManifest(folder / "b"));
+}
+
+// Several commands begin at once, and the quickest tidies up what the dead left.
+TEST(PrepareDataset, IsNotDisturbedByWhoeverTidiesUp) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  std::filesystem::create_directory(folder / "out");
+  std::atomic<bool> done = false;
+  std::thread sweeper([&] {
+    for (size_t swept = 0; swept < 5 && !done; std::this_thread::yield())
+      swept += RemoveLeftovers(folder / "out").size();
+  });
+  for (int i = 0; i < 10; ++i) {
+    std::filesystem::remove(folder / "out/dataset.json");
+    EXPECT_NO_THROW(PrepareDataset(run, {.check_run = false}));
+  }
+  done = true;
+  sweeper.join();
+  EXPECT_NO_THROW(RequireSameRun(run));
+}
+
+TEST(PrepareDataset, GoesOnWithMoreEpisodesAndOtherWorkers) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  PrepareDataset(run);
+  run.workers = 5;
+  run.episodes = 3;
+  run.episodes_per_scene = 50;
+  EXPECT_NO_THROW(PrepareDataset(run));
+}
+
+TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  PrepareDataset(run);
+  Occupy(run);
+  run.task.base_distance = {0.2, 0.5};
+  const std::string text =
+      ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "was begun differently");
+  EXPECT_THAT(text, HasSubstr("/demo.yaml:11:9: run 'demo': the dataset '"));
+  EXPECT_THAT(text, HasSubstr("/demo.yaml:4:35: task.base_distance: [0.3, 0.55] then, [0.2, 0.5] "
+                              "now\nChange these back"));
+  EXPECT_THAT(text, HasSubstr(run.output));
+  EXPECT_THAT(text, Not(HasSubstr("base_height")));
+}
+
+TEST(PrepareDataset, NamesTheOptionThatReplacedANumberOfAList) {
+  TempDir folder;
+  const std::string file = SourceDir() + "/examples/demo.yaml";
+  const auto with = [&](const std::string& option) {
+    return LoadYaml<RunConfig>(file, {"output=" + (folder / "out").string(), option});
+  };
+  const RunConfig run = with("seed=0");
+  PrepareDataset(run);
+  Occupy(run);
+  ExpectThrow<SpecError>([&] { PrepareDataset(with("robot.home.arm[1]=0.3")); },
+                         "\n  --set robot.home.arm[1]=0.3: robot.home.arm: [");
+  ExpectThrow<SpecError>([&] { PrepareDataset(with("task.base_distance=[0.2, 0.5]")); },
+                         "\n  --set task.base_distance=[0.2, 0.5]: task.base_distance: [");
+}
+
+TEST(PrepareDataset, LeavesOtherFoldersAlone) {
+  TempDir folder;
+  AtomicWrite(folder / "thesis.txt", "years of work");
+  EXPECT_THAT(ExpectThrow<SpecError>([&] { PrepareDataset(Demo(folder.path())); },
+                                     "holds 'thesis.txt' and is no dataset"),
+              HasSubstr("/demo.yaml:11:9: run 'demo': output: the folder"));
+  EXPECT_FALSE(ReadManifest(folder.path()));
+}
+
+// What an interrupted process leaves is no reason to stop.
+TEST(PrepareDataset, OverlooksUnfinishedWrites) {
+  TempDir folder;
+  MakeTempDirectory(folder.path(), "s0000_e0000");
+  EXPECT_NO_THROW(PrepareDataset(Demo(folder.path())));
+}
+
+TEST(PrepareDataset, SaysWhichFolderCannotBeWritten) {
+  TempDir folder;
+  AtomicWrite(folder / "file", "");
+  const RunConfig run = Demo(folder / "file/out");
+  const std::string text =
+      ExpectThrow<IoError>([&] { PrepareDataset(run); }, "cannot create the dataset's folder");
+  EXPECT_THAT(text, HasSubstr(run.output));
+}
+
+TEST(PrepareDataset, AsksForAnOutput) {
+  EXPECT_THAT(ExpectThrow<SpecError>([] { PrepareDataset(Demo("")); },
+                                     "output: where should the dataset go?"),
+              HasSubstr("/demo.yaml:11:9: run 'demo': "));
+}
+
+TEST(PrepareDataset, NamesADamagedManifest) {
+  TempDir folder;
+  const RunConfig run = Demo(folder.path());
+  PrepareDataset(run);
+  AtomicWrite(folder / "dataset.json", "{\"format\": ");
+  ExpectThrow<IoError>([&] { PrepareDataset(run); }, "dataset.json' is damaged");
+}
+
+TEST(PrepareDataset, BeginsAnewWhatHasNoEpisodes) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  PrepareDataset(run);
+  AtomicWrite(folder / "out/.lock", "");
+  AtomicWrite(folder / "out/report.json", "{}");
+  std::filesystem::create_directory(folder / "out/.logs");
+  run.seed = 7;
+  ExpectThrow<SpecError>([&] { RequireSameRun(run); }, "seed: 0 then, 7 now");
+  EXPECT_NO_THROW(CheckDataset(run));
+  PrepareDataset(run);
+  EXPECT_NO_THROW(RequireSameRun(run));
+}
+
+TEST(PrepareDataset, BeginsNothingAnewThatSomebodyWorksOn) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  PrepareDataset(run);
+  const DatasetLock other(run.output);
+  EXPECT_NO_THROW(PrepareDataset(run));
+  run.seed = 7;
+  ExpectThrow<IoError>([&] { PrepareDataset(run); }, "in use by process");
+}
+
+TEST(PrepareDataset, NamesAChangedVersion) {
+  TempDir folder;
+  const RunConfig run = Demo(folder / "out");
+  PrepareDataset(run);
+  auto manifest = nlohmann::json::parse(*ReadManifest(folder / "out"));
+  manifest["versions"]["mujoco"] = "3.9.0";
+  WriteManifest(folder / "out", manifest.dump());
+  Occupy(run);
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "mujoco: 3.9.0 then, 4.0.0 now");
+}
+
+// What is wrong with the run leaves nothing behind, so that the corrected file begins afresh.
+TEST(PrepareDataset, ChecksTheRunFirst) {
+  TempDir folder;
+  RunConfig run = Demo(folder / "out");
+  run.task.objects.names = {"mgu"};
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "no kind 'mgu'");
+  run.task.objects = {};
+  run.cameras.streams[0].camera = "nowhere";
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "no camera 'nowhere'");
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+}
+
+TEST(CheckDataset, WritesNothing) {
+  TempDir folder;
+  CheckDataset(Demo(folder / "out"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+  AtomicWrite(folder / "thesis.txt", "years of work");
+  ExpectThrow<SpecError>([&] { CheckDataset(Demo(folder.path())); }, "is no dataset");
+}
+
+}  // namespace
+}  // namespace robocell

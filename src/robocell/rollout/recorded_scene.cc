@@ -1,0 +1,143 @@
+#include "robocell/rollout/recorded_scene.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <nlohmann/json.hpp>
+
+#include "robocell/assets/model_files.h"
+#include "robocell/assets/portable_name.h"
+#include "robocell/assets/resolve.h"
+#include "robocell/assets/scene_models.h"
+#include "robocell/base/error.h"
+#include "robocell/base/file_set.h"
+#include "robocell/base/shell_word.h"
+#include "robocell/data/model_store.h"
+#include "robocell/rollout/engine_record.h"
+#include "robocell/spec/yaml.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool IsInside(const fs::path& folder, const fs::path& file) {
+  const fs::path inside = fs::weakly_canonical(file).lexically_relative(fs::canonical(folder));
+  return !inside.empty() && *inside.begin() != "..";
+}
+
+std::set<std::string> HashesIn(const fs::path& folder) {
+  std::set<std::string> hashes;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) hashes.insert(HashOfFile(entry.path()));
+  }
+  return hashes;
+}
+
+// A dataset from elsewhere must not reach for files of this machine: what its models name is kept
+// beside them, or is the very same file.
+void RequireSelfContained(const std::string& episode, const fs::path& folder,
+                          const fs::path& model) {
+  std::optional<std::set<std::string>> kept;
+  const ModelFiles found = FindModelFiles(model);
+  for (const fs::path& file : found.files) {
+    if (IsInside(folder, file)) continue;
+    if (!kept) kept = HashesIn(folder);
+    if (kept->contains(HashOfFile(file))) continue;
+    throw SpecError(fmt::format(
+        "{}: its model '{}' names '{}', which is outside of what the dataset keeps of it ('{}')",
+        episode, model.string(), file.string(), folder.string()));
+  }
+  for (const MissingFile& missing : found.missing) {
+    if (missing.name.empty())
+      throw SpecError(fmt::format("{}: '{}' of its model cannot be read as XML: {}", episode,
+                                  missing.document.string(), missing.reason));
+    throw SpecError(fmt::format(
+        "{}: its model '{}' names '{}', which is not in what the dataset keeps of it "
+        "('{}'): {}",
+        episode, missing.document.string(), missing.name, folder.string(), missing.reason));
+  }
+}
+
+// Finds the models of an episode.
+class Models {
+ public:
+  explicit Models(const Episode& episode)
+      : name_(fmt::format("episode '{}'", episode.folder().string())),
+        dataset_(fs::absolute(episode.folder()).lexically_normal().parent_path()),
+        kept_(episode.models()) {}
+
+  // The file behind a name in the episode's spec.
+  std::string Find(const std::string& name) const {
+    const auto it = kept_.find(name);
+    if (it == kept_.end()) return NotKept(name);
+    const fs::path model = dataset_ / it->second;
+    std::error_code ignored;
+    if (!fs::is_regular_file(model, ignored)) return Elsewhere(name, it->second);
+    if (DamageOfStoredModel(dataset_, it->second).empty()) {
+      RequireSelfContained(name_, dataset_ / StoredModelFolder(it->second), model);
+      return model.string();
+    }
+    throw IoError(fmt::format("{}: '{}' is not what was stored; see `robocell verify {}`", name_,
+                              (dataset_ / it->second).string(), ShellWord(dataset_.string())));
+  }
+
+ private:
+  // Recorded before models were kept: a name that every machine knows.
+  std::string NotKept(const std::string& name) const {
+    if (!fs::path(name).is_absolute() && name.find("..") == std::string::npos) return name;
+    throw SpecError(fmt::format(
+        "{}: its scene names the model '{}', a file that the dataset does not keep", name_, name));
+  }
+
+  std::string Elsewhere(const std::string& name, const std::string& path) const {
+    if (name == path)
+      throw NotFoundError(
+          fmt::format("{}: its model '{}' is not in '{}'; keep an episode in its "
+                      "dataset, or copy `models` with it",
+                      name_, path, dataset_.string()));
+    const std::string found = assets::Resolve(name);
+    if (StoredModelPath(ModelFileSet(found)) == path) return found;
+    throw SpecError(
+        fmt::format("{}: model '{}' of this machine ({}) is not the one it was made "
+                    "with, and '{}' is not in '{}'",
+                    name_, name, found, path, dataset_.string()));
+  }
+
+  std::string name_;
+  fs::path dataset_;
+  std::map<std::string, std::string> kept_;
+};
+
+}  // namespace
+
+PortableScene MakePortable(const SceneSpec& scene) {
+  PortableScene portable{.spec = scene, .models = {}};
+  assets::ForEachModel(portable.spec, [&](std::string& name, const std::string& directory) {
+    const std::string path = assets::Resolve(name, directory);
+    FileSet files = ModelFileSet(path);
+    name = assets::PortableName(path).value_or(StoredModelPath(files));
+    portable.models.emplace(name, std::move(files));
+  });
+  return portable;
+}
+
+SceneSpec RecordedScene(const Episode& episode) {
+  const auto metadata = nlohmann::json::parse(episode.metadata_json());
+  if (!metadata.contains("scene_spec") || !metadata["scene_spec"].is_string()) {
+    throw ArgumentError(fmt::format(
+        "episode '{}': its metadata has no scene_spec; episodes that robocell generated "
+        "have one",
+        episode.folder().string()));
+  }
+  SceneSpec scene = FromYamlUnchecked<SceneSpec>(metadata["scene_spec"].get<std::string>());
+  RestoreEngine(metadata, scene);
+  const Models models(episode);
+  assets::ForEachModel(scene,
+                       [&](std::string& name, const std::string&) { name = models.Find(name); });
+  return scene;
+}
+
+}  // namespace robocell

@@ -1,0 +1,203 @@
+#include "robocell/rollout/recorded_scene.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/model_store.h"
+#include "robocell/data/verify.h"
+#include "robocell/rollout/replay.h"
+#include "robocell/rollout/runner.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+const fs::path kModels = fs::path(SourceDir()) / "models";
+
+// The built-in robot as a user's own, on a user's own table.
+RunConfig OwnRun(const fs::path& folder) {
+  fs::create_directories(folder);
+  fs::copy(kModels / "robots/rc7", folder / "robot", fs::copy_options::recursive);
+  fs::copy(kModels / "scenes/tabletop.xml", folder / "table.xml");
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.cameras.streams = {};
+  run.robot.config.source_dir = (folder / "robot").string();
+  run.scenes.source = SceneSourceKind::kFiles;
+  run.scenes.files = {(folder / "table.xml").string()};
+  run.output = (folder / "out").string();
+  return run;
+}
+
+// One episode, in `folder`/out.
+Episode Record(const RunConfig& run) {
+  PrepareDataset(run);
+  EXPECT_TRUE(Runner(run).Run(MakePlan(run)[0]).success);
+  return Dataset(run.output).Open("s0000_e0000");
+}
+
+class RecordedSceneTest : public ::testing::Test {
+ protected:
+  TempDir temp;
+  fs::path machine = temp / "machine";
+  fs::path other = temp / "other";
+};
+
+TEST_F(RecordedSceneTest, AnEpisodeIsReplayedWhereItsModelsNeverWere) {
+  Record(OwnRun(machine));
+  fs::rename(machine / "out", other);
+  fs::remove_all(machine);
+  const Episode episode = Dataset(other).Open("s0000_e0000");
+  const ReplayReport report = CheckReplay(episode, {.tolerance = 0});
+  EXPECT_TRUE(report.ok()) << report.Text();
+  EXPECT_GT(report.rows, 20);
+  EXPECT_TRUE(Verify(other).ok()) << Verify(other).Text();
+}
+
+TEST_F(RecordedSceneTest, TheSceneNamesNoPathOfTheMachine) {
+  const Episode episode = Record(OwnRun(machine));
+  const auto metadata = nlohmann::json::parse(episode.metadata_json());
+  EXPECT_THAT(metadata["scene_spec"].get<std::string>(), Not(HasSubstr(temp.path().string())));
+  EXPECT_THAT(episode.run_json(), Not(HasSubstr(temp.path().string())));
+  // The text alone builds, from the dataset's folder on.
+  const auto spec = ParseYaml<SceneSpec>(metadata["scene_spec"].get<std::string>(), "scene_spec",
+                                         machine / "out");
+  EXPECT_NO_THROW(Scene::Build(spec));
+}
+
+TEST_F(RecordedSceneTest, ModelsThatEverybodyHasKeepTheirNames) {
+  RunConfig run = OwnRun(machine);
+  run.robot.config.source_dir = (kModels / "robots/rc7").string();
+  run.scenes = {};
+  run.task.objects.names = {"box"};
+  const Episode episode = Record(run);
+  EXPECT_EQ(episode.models().size(), 2u);
+  EXPECT_THAT(episode.models().at("rc7"), StartsWith("models/rc7-"));
+  EXPECT_THAT(episode.models().at("tabletop"), StartsWith("models/tabletop-"));
+  const auto metadata = nlohmann::json::parse(episode.metadata_json());
+  EXPECT_NO_THROW(Scene::Build(ParseYaml<SceneSpec>(metadata["scene_spec"].get<std::string>())));
+}
+
+TEST_F(RecordedSceneTest, AnEpisodeAloneFindsModelsThatEverybodyHas) {
+  RunConfig run = OwnRun(machine);
+  run.robot.config.source_dir = (kModels / "robots/rc7").string();
+  run.scenes = {};
+  Record(run);
+  fs::create_directory(other);
+  fs::rename(machine / "out/s0000_e0000", other / "s0000_e0000");
+  const Episode episode = Dataset(other).Open("s0000_e0000");
+  EXPECT_TRUE(CheckReplay(episode, {.tolerance = 0}).ok());
+}
+
+TEST_F(RecordedSceneTest, AnEpisodeWithoutItsOwnModelsSaysWhatIsMissing) {
+  Record(OwnRun(machine));
+  fs::create_directory(other);
+  fs::rename(machine / "out/s0000_e0000", other / "s0000_e0000");
+  const Episode episode = Dataset(other).Open("s0000_e0000");
+  const std::string text =
+      ExpectThrow<NotFoundError>([&] { RecordedScene(episode); }, "keep an episode in its dataset");
+  EXPECT_THAT(text, HasSubstr("models/table-"));
+}
+
+TEST_F(RecordedSceneTest, AChangedModelIsNotBuilt) {
+  const Episode episode = Record(OwnRun(machine));
+  const fs::path stored = machine / "out" / episode.models().begin()->second;
+  AtomicWrite(stored, ReadFile(stored) + " ");
+  ExpectThrow<IoError>([&] { RecordedScene(episode); },
+                       "is not what was stored; see `robocell verify");
+}
+
+TEST_F(RecordedSceneTest, ALostManifestIsWrittenAgainForTheSameRun) {
+  RunConfig run = OwnRun(machine);
+  Record(run);
+  const std::string manifest = ReadManifest(run.output).value();
+  fs::remove(machine / "out/dataset.json");
+  EXPECT_TRUE(Verify(run.output).ok());
+  EXPECT_THAT(Verify(run.output).Text(),
+              HasSubstr("dataset.json: there is none; `robocell generate`"));
+  run.task.lift_height *= 2;
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "task.lift_height: ");
+  run.task.lift_height /= 2;
+  const fs::path model = machine / "robot/rc7.xml";
+  const std::string text = ReadFile(model);
+  AtomicWrite(model, text + " ");
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "model file rc7.xml: changed since then");
+  AtomicWrite(model, text);
+  PrepareDataset(run);
+  EXPECT_EQ(ReadManifest(run.output), manifest);
+}
+
+TEST_F(RecordedSceneTest, ADamagedManifestIsSetAsideAndWrittenAgain) {
+  const RunConfig run = OwnRun(machine);
+  Record(run);
+  const std::string manifest = ReadManifest(run.output).value();
+  AtomicWrite(machine / "out/dataset.json", "{");
+  const RepairResult repaired = Repair(run.output);
+  EXPECT_THAT(repaired.moved, ElementsAre("dataset.json"));
+  EXPECT_TRUE(repaired.remaining.empty());
+  PrepareDataset(run);
+  EXPECT_EQ(ReadManifest(run.output), manifest);
+}
+
+TEST_F(RecordedSceneTest, VerifyNamesModelsThatAreDamagedOrMissing) {
+  const RunConfig run = OwnRun(machine);
+  const Episode episode = Record(run);
+  const fs::path dataset = machine / "out", stored = dataset / episode.models().begin()->second;
+  const fs::path folder = fs::path("models") / stored.parent_path().filename();
+  AtomicWrite(stored, ReadFile(stored) + " ");
+  const RepairResult repaired = Repair(dataset);
+  ASSERT_EQ(repaired.found.problems.size(), 1u) << repaired.found.Text();
+  EXPECT_EQ(repaired.found.problems[0].Text(),
+            (folder / stored.filename()).string() +
+                ": its bytes are not what was stored: the hash does not fit");
+  EXPECT_THAT(repaired.found.good, ElementsAre("s0000_e0000"));
+  EXPECT_THAT(repaired.moved, ElementsAre(stored.parent_path().filename().string()));
+  ASSERT_EQ(repaired.remaining.size(), 1u);
+  EXPECT_EQ(repaired.remaining[0].Text(),
+            folder.string() +
+                ": it is missing; 1 episode can be read, not replayed. `robocell generate` with "
+                "the run's file stores it again");
+  PrepareDataset(run);
+  EXPECT_TRUE(Verify(dataset).ok()) << Verify(dataset).Text();
+}
+
+// The asset folder is named after the mesh, and in another file.
+TEST_F(RecordedSceneTest, AMeshOfAnIncludedFileIsKeptAndItsChangeIsSeen) {
+  RunConfig run = OwnRun(machine);
+  const fs::path table = machine / "table.xml";
+  std::string text = ReadFile(table);
+  const size_t end = text.find('>', text.find("<mujoco")) + 1;
+  text.insert(end, "<include file='a.xml'/><include file='b.xml'/>");
+  AtomicWrite(table, text);
+  AtomicWrite(machine / "a.xml",
+              "<mujoco><asset><mesh name='s' file='s.obj'/></asset><worldbody><geom type='mesh' "
+              "mesh='s' pos='5 5 0'/></worldbody></mujoco>");
+  AtomicWrite(machine / "b.xml", "<mujoco><compiler meshdir='meshes'/></mujoco>");
+  fs::create_directory(machine / "meshes");
+  const std::string mesh =
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+  AtomicWrite(machine / "meshes/s.obj", mesh);
+  Record(run);
+  AtomicWrite(machine / "meshes/s.obj", mesh + "# changed\n");
+  ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "meshes/s.obj: changed since then");
+  fs::rename(machine / "out", other);
+  fs::remove_all(machine);
+  EXPECT_TRUE(CheckReplay(Dataset(other).Open("s0000_e0000"), {.tolerance = 0}).ok());
+}
+
+}  // namespace
+}  // namespace robocell

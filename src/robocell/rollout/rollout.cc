@@ -1,0 +1,191 @@
+#include "robocell/rollout/rollout.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/log.h"
+#include "robocell/env/stepper.h"
+#include "robocell/mujoco/warnings.h"
+#include "robocell/rollout/engine_record.h"
+#include "robocell/rollout/episode_cameras.h"
+#include "robocell/rollout/episode_columns.h"
+#include "robocell/rollout/recorded_scene.h"
+#include "robocell/rollout/sensor_columns.h"
+#include "robocell/rollout/stage_clock.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/task/pick_task.h"
+
+namespace robocell {
+namespace {
+
+// Everything that is recorded of one rollout.
+class Recording {
+ public:
+  Recording(const RunConfig& run, const EpisodeStart& start, const std::vector<Robot>& robots,
+            const Expert& expert, const PortableScene& portable, const RolloutOptions& options,
+            RolloutTimes& times)
+      : times_(times),
+        simulation_(start.scene),
+        generation_(start.scene.generation()),
+        scene_(schema_, start.scene, start.task->objects(), expert.phase_names()),
+        sensors_(schema_, start.scene),
+        cameras_(schema_, start.scene, run.cameras, options.renderer, run.rates.policy_rate()) {
+    for (const Robot& robot : robots) robots_.emplace_back(schema_, robot);
+    const std::vector<double> state = start.scene.state();
+    schema_.AddConstant(
+        {.name = "initial_state",
+         .shape = {static_cast<int64_t>(state.size())},
+         .description = "The engine's full state before the first action (mjSTATE_INTEGRATION)."},
+        state);
+    writer_.emplace(
+        options.dataset, options.episode_id, schema_,
+        EpisodeOptions{.metadata_json = options.metadata_json,
+                       .versions_json = nlohmann::json{{"mujoco", mj_versionString()}}.dump()});
+    for (const auto& [name, files] : portable.models) writer_->AddModel(name, files);
+  }
+
+  void PutState(int phase) {
+    if (simulation_.generation() != generation_) {
+      throw Error("scene '" + simulation_.name() +
+                  "': objects were added or removed while an episode is recorded, whose rows have "
+                  "numbers for those it began with; declare what may come in the scene");
+    }
+    {
+      const StageClock::Stage stage(clock_, times_.writing);
+      scene_.PutState(*writer_, phase);
+      sensors_.PutState(*writer_);
+      for (RobotColumns& robot : robots_) robot.PutState(*writer_);
+    }
+    const StageClock::Stage stage(clock_, times_.rendering);
+    cameras_.PutFrames(*writer_);
+  }
+  void PutControl(const mjModel* model, const mjData* data) {
+    const StageClock::Stage stage(clock_, times_.writing);
+    scene_.PutControl(*writer_, model, data);
+  }
+  void PutOutcome(const RowOutcome& outcome) {
+    const StageClock::Stage stage(clock_, times_.writing);
+    for (RobotColumns& robot : robots_) robot.PutAction(*writer_);
+    scene_.PutOutcome(*writer_, outcome);
+    writer_->EndRow();
+  }
+  void Commit(const EpisodeSummary& summary) {
+    const StageClock::Stage stage(clock_, times_.writing);
+    writer_->Commit(summary);
+  }
+  // For what is not recording, but stands still while this records.
+  StageClock& clock() { return clock_; }
+  EngineWarnings warnings() const { return scene_.warnings(); }
+
+ private:
+  RolloutTimes& times_;
+  Scene simulation_;
+  uint64_t generation_;
+  StageClock clock_;
+  EpisodeSchema schema_;
+  SceneColumns scene_;
+  SensorColumns sensors_;
+  EpisodeCameras cameras_;
+  std::vector<RobotColumns> robots_;
+  std::optional<EpisodeWriter> writer_;
+};
+
+std::string Metadata(const RunConfig& run, const EpisodeStart& start, const PortableScene& portable,
+                     const RolloutOptions& options) {
+  nlohmann::json meta = nlohmann::json::parse(options.metadata_json);
+  meta["instruction"] = start.task->instruction();
+  meta["target_object"] = start.target_object;
+  meta["object_kinds"] = start.object_kinds;
+  meta["scene_spec"] = ToYaml(portable.spec);
+  meta["engine"] = EngineRecord(start.scene);
+  meta["timestep"] = start.scene.timestep();
+  const Ratio rows = run.rates.policy_rate();
+  const Ratio step_ms = run.rates.timestep() * 1000;
+  const Ratio tick_ms = step_ms * run.rates.sim_steps();
+  meta["rates"] = {{"policy_ms", (tick_ms * run.rates.control_ticks()).value()},
+                   {"control_ms", tick_ms.value()},
+                   {"sim_ms", step_ms.value()},
+                   {"policy_hz", {rows.num, rows.den}}};
+  if (options.renderer) meta["renderer"] = options.renderer->description();
+  return meta.dump();
+}
+
+// Why a rollout that ended without success did so. Commands that could not be followed say more
+// than the time that ran out over them.
+std::string WhyFailed(const RolloutResult& result, const Task& task, const Expert& expert,
+                      bool truncated) {
+  if (!expert.failure().empty() && !truncated) return expert.failure();
+  if (!result.ik_failures.empty()) return "no IK solution for " + result.ik_failures.begin()->first;
+  if (truncated) return "timeout";
+  return dynamic_cast<const PickTask*>(&task) ? "not lifted" : "the task was not done";
+}
+
+// Also for the log: a failure that is not kept leaves no record.
+void NoteDivergence(const StepResult& step, const std::string& episode, RolloutResult& result) {
+  result.failure = "diverged";
+  result.divergence = step.message;
+  LogWarn(fmt::format("episode '{}' {}", episode, step.message));
+}
+
+std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutResult& result) {
+  std::vector<std::string> warnings;
+  if (!result.divergence.empty()) warnings.push_back(result.divergence);
+  if (engine.total()) warnings.push_back(engine.Text());
+  for (const auto& [group, actions] : result.ik_failures)
+    warnings.push_back(fmt::format("{} x no IK solution for {}", actions, group));
+  return warnings;
+}
+
+}  // namespace
+
+RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
+                         const RolloutOptions& given) {
+  const SceneUse::Claim claim(start.scene.use(), "RunRollout");
+  RolloutOptions options = given;
+  const PortableScene portable = MakePortable(start.scene.spec());
+  options.metadata_json = Metadata(run, start, portable, given);
+  Stepper stepper(start.scene, RobotsOf(start.scene),
+                  {run.rates.control_ticks(), run.rates.sim_steps()});
+  start.task->Begin(start.scene);
+  expert.Begin(start.scene, rng);
+  RolloutResult result;
+  Recording recording(run, start, stepper.robots(), expert, portable, options, result.times);
+  stepper.set_on_control_tick(
+      [&](const mjModel* m, const mjData* d) { recording.PutControl(m, d); });
+  bool terminated = false, truncated = false;
+  while (!terminated && !truncated) {
+    if (ShouldStop(options.stop)) return result.stopped = true, result;
+    recording.PutState(expert.phase());
+    const StageClock::Stage stage(recording.clock(), result.times.acting);
+    const StepOutcome outcome = stepper.Advance(expert.Act(start.scene, rng));
+    ++result.rows;
+    terminated = expert.done() || !outcome.ok();
+    // What an expert calls a failure is no demonstration, whatever the task sees in it.
+    const bool gave_up = terminated && !expert.failure().empty();
+    result.success = outcome.ok() && start.task->Success(start.scene) && !gave_up;
+    truncated = !terminated && result.rows >= run.rates.max_steps;
+    if (!outcome.ok()) NoteDivergence(outcome.step, options.episode_id, result);
+    const bool ik_failed = !outcome.failed_robot.empty();
+    if (ik_failed) ++result.ik_failures[outcome.failed_robot + "/" + outcome.failed_group];
+    recording.PutOutcome({.reward = outcome.ok() ? start.task->Reward(start.scene) : 0,
+                          .success = result.success,
+                          .terminated = terminated,
+                          .truncated = truncated,
+                          .ik_failed = ik_failed});
+  }
+  if (!result.success && result.failure.empty())
+    result.failure = WhyFailed(result, *start.task, expert, truncated);
+  if (!result.success && !options.keep_failures) return result;
+  if (options.before_commit) options.before_commit();
+  recording.Commit({.success = result.success,
+                    .terminated = terminated,
+                    .truncated = truncated,
+                    .end_reason = result.success ? "success" : result.failure,
+                    .warnings = Warnings(recording.warnings(), result)});
+  result.committed = true;
+  return result;
+}
+
+}  // namespace robocell

@@ -1,0 +1,204 @@
+#include "robocell/rollout/rollout.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "robocell/data/episode_reader.h"
+#include "robocell/task/pick_sampler.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::Each;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Pair;
+using ::testing::StartsWith;
+
+// Sends the arm somewhere every second action, and holds still between.
+class Commanding : public Expert {
+ public:
+  Commanding(Pose leaf_in_robot, int actions) : leaf_(leaf_in_robot), left_(actions) {}
+  void Begin(const Scene&, Rng&) override {}
+  Action Act(const Scene&, Rng&) override {
+    if (left_-- % 2) return {{"rc7", {{"arm", GroupCommand::LeafPose(leaf_)}}}};
+    return {};
+  }
+  bool done() const override { return left_ <= 0; }
+  std::string failure() const override { return ""; }
+  int phase() const override { return 0; }
+  std::vector<std::string> phase_names() const override { return {"all"}; }
+
+ private:
+  Pose leaf_;
+  int left_;
+};
+
+class RolloutTest : public ::testing::Test {
+ protected:
+  RolloutTest() {
+    run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+    run.cameras.streams = {};
+    Rng rng = Rng::Stream(1, "start");
+    for (int attempt = 0; !start; ++attempt)
+      start = std::move(MakePickSampler(run)->Sample({0, 0, attempt}, rng).start);
+  }
+  RolloutResult Rollout(Expert& expert) {
+    Rng rng = Rng::Stream(2, "expert");
+    return RunRollout(run, *start, expert, rng,
+                      {.dataset = folder.path(),
+                       .episode_id = "e",
+                       .metadata_json = "{}",
+                       .keep_failures = true});
+  }
+
+  TempDir folder;
+  RunConfig run;
+  std::optional<EpisodeStart> start;
+};
+
+TEST_F(RolloutTest, CommandsWithoutIkSolutionAreCountedRecordedAndNamed) {
+  Commanding expert(Pose(Eigen::Vector3d(50, 0, 0)), 5);
+  const RolloutResult result = Rollout(expert);
+  EXPECT_FALSE(result.success);
+  EXPECT_EQ(result.failure, "no IK solution for rc7/arm");
+  EXPECT_THAT(result.ik_failures, ElementsAre(Pair("rc7/arm", 3)));
+  const Episode episode(folder / "e");
+  EXPECT_THAT(episode.Read<uint8_t>("ik_failed"), ElementsAre(1, 0, 1, 0, 1));
+  EXPECT_THAT(episode.warnings(), ElementsAre("3 x no IK solution for rc7/arm"));
+  EXPECT_EQ(episode.end_reason(), "no IK solution for rc7/arm");
+}
+
+TEST_F(RolloutTest, CommandsThatAreFollowedAreNoFailures) {
+  Commanding expert(Robot::Of(start->scene, "rc7").FkFrame(), 4);
+  const RolloutResult result = Rollout(expert);
+  EXPECT_EQ(result.failure, "not lifted");
+  EXPECT_THAT(result.ik_failures, IsEmpty());
+  EXPECT_THAT(Episode(folder / "e").Read<uint8_t>("ik_failed"), Each(0));
+}
+
+// A task that is content with anything.
+class Content : public Task {
+ public:
+  void Begin(const Scene&) override {}
+  double Reward(const Scene&) override { return 1; }
+  bool Success(const Scene&) override { return true; }
+  std::string instruction() const override { return "do as you like"; }
+  std::vector<std::string> objects() const override { return {}; }
+};
+
+TEST_F(RolloutTest, WhatItsExpertCallsAFailureIsNoSuccess) {
+  class GivingUp : public Commanding {
+   public:
+    GivingUp() : Commanding(Pose(), 4) {}
+    std::string failure() const override { return done() ? "the hand closed on nothing" : ""; }
+    Action Act(const Scene& scene, Rng& rng) override {
+      Commanding::Act(scene, rng);
+      return {};
+    }
+  } expert;
+  start->task = std::make_shared<Content>();
+  const RolloutResult result = Rollout(expert);
+  EXPECT_FALSE(result.success);
+  EXPECT_EQ(result.failure, "the hand closed on nothing");
+  const Episode episode(folder / "e");
+  EXPECT_FALSE(episode.success());
+  EXPECT_EQ(episode.end_reason(), "the hand closed on nothing");
+  EXPECT_THAT(episode.Read<uint8_t>("success"), ElementsAre(1, 1, 1, 0));
+}
+
+TEST_F(RolloutTest, ATaskThatWasNotDoneIsAFailureWithoutAWordOfItsExpert) {
+  class Demanding : public Content {
+   public:
+    bool Success(const Scene&) override { return false; }
+  };
+  start->task = std::make_shared<Demanding>();
+  Commanding expert(Robot::Of(start->scene, "rc7").FkFrame(), 4);
+  EXPECT_EQ(Rollout(expert).failure, "the task was not done");
+}
+
+// Adds an object in the middle of an episode.
+class Adding : public Commanding {
+ public:
+  Adding() : Commanding(Pose(), 4) {}
+  Action Act(const Scene& scene, Rng&) override {
+    if (scene.object_names().back() != "late") {
+      Scene(scene).AddObject({.name = "late",
+                              .shape = Shape::kSphere,
+                              .size = Vec3{0.01, 0, 0},
+                              .rgba = Vec4{1, 1, 1, 1},
+                              .mass = 0.1,
+                              .friction = Vec3{1, 0.1, 0.1},
+                              .pos = {3, 3, 0.01}});
+    }
+    return {};
+  }
+};
+
+TEST_F(RolloutTest, ObjectsThatComeInTheMiddleEndItWithAnError) {
+  Adding expert;
+  ExpectThrow<Error>([&] { Rollout(expert); },
+                     "objects were added or removed while an episode is recorded");
+}
+
+// Where images come from shows in them, to the bit.
+TEST_F(RolloutTest, WhatDrewIsRecordedWithWhatWasDrawn) {
+  const auto renderer_of = [&](const std::string& id) {
+    return nlohmann::json::parse(Episode(folder / id).metadata_json()).value("renderer", "none");
+  };
+  Commanding expert(Pose(), 0);
+  Rollout(expert);
+  EXPECT_EQ(renderer_of("e"), "none");
+  run.cameras.resolution = {64, 48};
+  run.cameras.streams.push_back({.name = "wrist", .camera = "wrist_camera"});
+  const std::unique_ptr<Renderer> renderer = MakeRenderer({.quality = run.cameras.quality});
+  Rng rng = Rng::Stream(2, "expert");
+  RunRollout(run, *start, expert, rng,
+             {.dataset = folder.path(),
+              .episode_id = "seen",
+              .metadata_json = "{}",
+              .keep_failures = true,
+              .renderer = renderer.get()});
+  EXPECT_EQ(renderer_of("seen"), renderer->description());
+  EXPECT_THAT(renderer_of("seen"), AllOf(StartsWith("gl: "), HasSubstr("OpenGL")));
+}
+
+TEST_F(RolloutTest, WarningsFromBeforeTheStartAreNotTheEpisodes) {
+  start->scene.data()->warning[mjWARN_CONTACTFULL].number = 7;
+  Commanding expert(Pose(), 0);
+  Rollout(expert);
+  const Episode episode(folder / "e");
+  EXPECT_THAT(episode.Read<int32_t>("engine_warnings"), Each(0));
+  EXPECT_THAT(episode.warnings(), IsEmpty());
+}
+
+TEST_F(RolloutTest, WarningsOfTheEpisodeAreCounted) {
+  class Warning : public Commanding {
+   public:
+    explicit Warning(Scene scene) : Commanding(Pose(), 3), scene_(std::move(scene)) {}
+    Action Act(const Scene& scene, Rng& rng) override {
+      ++scene_.data()->warning[mjWARN_CONTACTFULL].number;
+      Commanding::Act(scene, rng);
+      return {};
+    }
+
+   private:
+    Scene scene_;
+  } expert(start->scene);
+  Rollout(expert);
+  const Episode episode(folder / "e");
+  EXPECT_THAT(episode.Read<int32_t>("engine_warnings"), ElementsAre(1, 2, 3));
+  EXPECT_THAT(episode.warnings(), ElementsAre("3 x contact buffer full"));
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,162 @@
+#include "robocell/rollout/run_inputs.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+#include <yaml-cpp/yaml.h>
+
+#include <filesystem>
+#include <utility>
+
+#include "robocell/assets/model_files.h"
+#include "robocell/assets/resolve.h"
+#include "robocell/assets/scene_models.h"
+#include "robocell/base/file_set.h"
+#include "robocell/base/version.h"
+#include "robocell/rollout/plan.h"
+#include "robocell/scenes/catalogue.h"
+#include "robocell/task/pick_sampler.h"
+
+namespace robocell {
+namespace {
+
+using Texts = std::map<std::string, std::string>;
+
+namespace fs = std::filesystem;
+
+// Names begin with the folder of the model, so they are the same on every machine. Files that would
+// have the same name are numbered in the order in which the run uses them.
+std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
+  std::map<std::string, fs::path> named;
+  for (const std::string& model : ModelsOf(run)) {
+    const fs::path folder = fs::absolute(model).lexically_normal().parent_path();
+    for (const fs::path& file : FindModelFiles(model).files) {
+      const fs::path inside = folder.filename() / file.lexically_relative(folder);
+      const std::string name = inside.lexically_normal().generic_string();
+      std::string own = name;
+      for (int i = 2; !named.try_emplace(own, file).second && named.at(own) != file; ++i)
+        own = fmt::format("{} ({})", name, i);
+    }
+  }
+  return named;
+}
+
+// "assets/hand.stl" of "rc7/assets/hand.stl".
+std::string WithinItsFolder(const std::string& name) { return name.substr(name.find('/') + 1); }
+
+// A model that was moved to a folder of another name is the same: of each pair of files that are
+// so, both go.
+void DropMoved(Texts& then, Texts& now) {
+  std::map<std::pair<std::string, std::string>, std::vector<std::string>> gone;
+  for (const auto& [name, hash] : then) {
+    if (!now.contains(name)) gone[{WithinItsFolder(name), hash}].push_back(name);
+  }
+  const Texts all = now;
+  for (const auto& [name, hash] : all) {
+    const auto it = gone.find({WithinItsFolder(name), hash});
+    if (then.contains(name) || it == gone.end() || it->second.empty()) continue;
+    then.erase(it->second.back());
+    it->second.pop_back();
+    now.erase(name);
+  }
+}
+
+// The leaves of a tree by their dotted paths; a list of plain values is one leaf.
+void Flatten(const YAML::Node& node, const std::string& path, Texts& out) {
+  if (node.IsMap()) {
+    for (const auto& entry : node) {
+      const std::string& key = entry.first.Scalar();
+      Flatten(entry.second, path.empty() ? key : fmt::format("{}.{}", path, key), out);
+    }
+    return;
+  }
+  bool plain = true;
+  for (const auto& item : node) plain &= !node.IsSequence() || item.IsScalar();
+  if (node.IsSequence() && !plain) {
+    for (size_t i = 0; i < node.size(); ++i) Flatten(node[i], fmt::format("{}[{}]", path, i), out);
+    return;
+  }
+  YAML::Emitter text;
+  text << YAML::Flow << node;
+  out[path] = text.c_str();
+}
+
+Texts Leaves(const std::string& identity) {
+  Texts leaves;
+  try {
+    Flatten(YAML::Load(identity), "", leaves);
+  } catch (const YAML::Exception&) {
+    leaves["identity"] = identity;  // not ours: all of it differs
+  }
+  return leaves;
+}
+
+// Calls f(key, old, new) where they differ, in the order of the keys; null for what is not there.
+template <class F>
+void ForEachDifference(const Texts& then, const Texts& now, F&& f) {
+  Texts keys = then;
+  keys.insert(now.begin(), now.end());
+  for (const auto& [key, text] : keys) {
+    const auto a = then.find(key), b = now.find(key);
+    if (a != then.end() && b != now.end() && a->second == b->second) continue;
+    f(key, a == then.end() ? nullptr : &a->second, b == now.end() ? nullptr : &b->second);
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> ObjectKindsOf(const RunConfig& run) {
+  return run.task.objects.empty() ? ObjectKinds() : run.task.objects.names;
+}
+
+std::vector<std::string> ModelsOf(const RunConfig& run) {
+  std::vector<std::string> paths;
+  const auto add = [&](const SceneSpec& scene) {
+    assets::ForEachModel(scene, [&](const std::string& name, const std::string& directory) {
+      paths.push_back(assets::Resolve(name, directory));
+    });
+  };
+  SceneSpec contents;
+  contents.robots.push_back({.config = run.robot.config});
+  for (const std::string& kind : ObjectKindsOf(run)) {
+    Rng rng = Rng::Stream(0, "model files");
+    contents.objects.push_back(MakeCatalogueObject(kind, kind, rng));
+  }
+  add(contents);
+  PickTaskSampler sampler(run);
+  for (const int scene : SceneIndices(run)) add(sampler.MakeBaseScene(scene));
+  return paths;
+}
+
+std::map<std::string, std::string> VersionsNow() {
+  return {{"robocell", std::string(Version())}, {"mujoco", mj_versionString()}};
+}
+
+RunInputs InputsOf(const RunConfig& run) {
+  RunInputs inputs{.identity = RunIdentity(run), .versions = VersionsNow(), .files = {}};
+  inputs.paths = FilesOf(run);
+  for (const auto& [name, path] : inputs.paths) inputs.files[name] = HashOfFile(path);
+  return inputs;
+}
+
+std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now) {
+  std::vector<std::string> lines;
+  const auto both = [&](const std::string& key, const std::string* a, const std::string* b) {
+    lines.push_back(
+        fmt::format("{}: {} then, {} now", key, a ? *a : "not set", b ? *b : "not set"));
+  };
+  if (then.identity != now.identity)  // parsing takes milliseconds, and is asked of every episode
+    ForEachDifference(Leaves(then.identity), Leaves(now.identity), both);
+  ForEachDifference(then.versions, now.versions, both);
+  Texts files_then = then.files, files_now = now.files;
+  DropMoved(files_then, files_now);
+  ForEachDifference(files_then, files_now,
+                    [&](const std::string& key, const std::string* a, const std::string* b) {
+                      lines.push_back(fmt::format("model file {}: {}", key,
+                                                  !a   ? "new since then"
+                                                  : !b ? "no longer used or gone"
+                                                       : "changed since then"));
+                    });
+  return lines;
+}
+
+}  // namespace robocell

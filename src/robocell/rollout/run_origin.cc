@@ -1,0 +1,58 @@
+#include "robocell/rollout/run_origin.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "robocell/assets/model_files.h"
+#include "robocell/data/changed_models.h"
+#include "robocell/data/model_store.h"
+#include "robocell/rollout/plan.h"
+
+namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+std::string NameOfFile(const std::string& path) { return fs::path(path).filename().string(); }
+
+}  // namespace
+
+RunOrigin::RunOrigin(const RunConfig& run)
+    : run_(run), now_{.identity = RunIdentity(run), .versions = VersionsNow(), .files = {}} {}
+
+std::set<std::string>& RunOrigin::StoredPathsOf(const std::string& name) {
+  if (!models_) {
+    models_.emplace();
+    for (const std::string& model : ModelsOf(run_)) (*models_)[NameOfFile(model)].insert(model);
+  }
+  const auto [it, is_new] = stored_.try_emplace(name);
+  if (!is_new) return it->second;
+  for (const std::string& model : (*models_)[name])
+    it->second.insert(StoredModelPath(ModelFileSet(model)));
+  return it->second;
+}
+
+std::optional<std::vector<std::string>> RunOrigin::ChangesSince(const Episode& episode) {
+  const Json metadata = Json::parse(episode.metadata_json());
+  if (!metadata.is_object() || !metadata.contains("identity")) return std::nullopt;
+  RunInputs then{.identity = metadata.at("identity"), .versions = {}, .files = {}};
+  const Json versions = Json::parse(episode.versions_json());
+  for (const auto& [part, version] : now_.versions) then.versions[part] = versions.value(part, "");
+  RunInputs now = now_;
+  if (metadata.value("task", "") == "custom") return Differences(then, now);
+  for (const auto& [known_as, path] : episode.models()) {
+    const std::string name = NameOfFile(path);
+    std::set<std::string>& stored = StoredPathsOf(name);
+    if (stored.empty() || stored.contains(path)) continue;
+    if (IsModelOfRun(run_.output, path)) {
+      stored.insert(path);
+      continue;
+    }
+    then.files[name] = path;
+    now.files[name] = *stored.begin();
+  }
+  return Differences(then, now);
+}
+
+}  // namespace robocell

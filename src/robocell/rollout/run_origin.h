@@ -1,0 +1,41 @@
+// Was an episode made from what its run is made from? The one place that compares them: fields,
+// versions and models. Somebody may edit a model while the run goes on: the models that the
+// dataset was begun with are its own all the same.
+//
+//   RunOrigin origin(run);
+//   const auto changes = origin.ChangesSince(episode);
+//   if (changes && changes->empty()) ...  // one of the run's own
+//
+// Models are looked for and hashed when an episode names them, each once: a run may have hundreds.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "robocell/data/episode_reader.h"
+#include "robocell/rollout/run_inputs.h"
+
+namespace robocell {
+
+class RunOrigin {
+ public:
+  explicit RunOrigin(const RunConfig& run);  // which must outlive it
+
+  // What differs, as Differences() says it. Unset for an episode that no run made. A model is known
+  // by its file's name and what it holds; those that the run does not list say nothing, nor do
+  // those of a task of the user's own, whose sampler may bring others of the same name.
+  std::optional<std::vector<std::string>> ChangesSince(const Episode& episode);
+
+ private:
+  using PathsByName = std::map<std::string, std::set<std::string>>;  // names of the files
+  std::set<std::string>& StoredPathsOf(const std::string& name);
+  const RunConfig& run_;
+  RunInputs now_;                           // no files
+  std::optional<PathsByName> models_ = {};  // here
+  PathsByName stored_ = {};                 // where a dataset keeps them
+};
+
+}  // namespace robocell

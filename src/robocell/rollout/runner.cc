@@ -1,0 +1,246 @@
+#include "robocell/rollout/runner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <utility>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/log.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/dataset_lock.h"
+#include "robocell/expert/pick_planner.h"
+#include "robocell/rollout/check_run.h"
+#include "robocell/rollout/earlier_attempts.h"
+#include "robocell/rollout/rollout.h"
+#include "robocell/rollout/run_files_watch.h"
+#include "robocell/task/pick_sampler.h"
+#include "robocell/task/reach_advice.h"
+
+namespace robocell {
+namespace {
+
+double Seconds(std::chrono::steady_clock::time_point since) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
+}
+
+}  // namespace
+
+struct Runner::State {
+  RunConfig run;
+  RunnerParts parts;
+  bool own_sampler = false;  // of the user's, who alone knows what the task is
+  std::shared_ptr<TaskSampler> sampler;
+  std::unique_ptr<Renderer> renderer;
+  std::optional<std::string> checked_manifest;
+  RunFilesWatch models;
+  bool stale_sampler = false;  // it may remember scenes of models that were changed
+
+  Renderer* EnsureRenderer() {
+    if (!renderer && !run.cameras.streams.empty())
+      renderer = MakeRenderer({.quality = run.cameras.quality});
+    return renderer.get();
+  }
+  std::optional<std::string> advice;
+  // From where the robot would reach; "" for a task of the user's own. Found out once.
+  const std::string& Advice();
+  DatasetLock Enter();
+  void RequireUnchangedModels();
+  RolloutOptions Options(const PlanItem& item, int attempt, const EarlierAttempts& earlier,
+                         const StopCheck& stop);
+  void Attempt(const PlanItem& item, int attempt, const StopCheck& stop, EarlierAttempts& earlier,
+               EpisodeReport& report);
+};
+
+// The right to write into the dataset, as long as it is the one that the run was checked against.
+DatasetLock Runner::State::Enter() {
+  if (!checked_manifest) {  // before anything is written, a lock included
+    const std::optional<std::string> before = ReadManifest(run.output);
+    models = RunFilesWatch(RequireSameRun(run));
+    checked_manifest = before;
+  }
+  DatasetLock lock = DatasetLock::Writing(run.output);
+  const std::optional<std::string> manifest = ReadManifest(run.output);
+  if (!manifest || manifest != checked_manifest) models = RunFilesWatch(RequireSameRun(run));
+  checked_manifest = manifest;
+  RequireUnchangedModels();
+  if (std::exchange(stale_sampler, false)) sampler = parts.sampler(run);
+  return lock;
+}
+
+void Runner::State::RequireUnchangedModels() {
+  try {
+    models.RequireUnchanged(run);
+  } catch (const IoError&) {
+    stale_sampler = true;
+    throw;
+  }
+}
+
+const std::string& Runner::State::Advice() {
+  if (advice) return *advice;
+  advice.emplace();
+  if (own_sampler) return *advice;
+  try {
+    advice = ReachAdvice(run);
+  } catch (const Error& error) {
+    LogDebug(std::string("no advice on reach: ") + error.what());
+  }
+  return *advice;
+}
+
+RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
+                                      const EarlierAttempts& earlier, const StopCheck& stop) {
+  const nlohmann::json metadata = {{"run", run.run},
+                                   {"seed", run.seed},
+                                   {"scene", item.scene},
+                                   {"episode", item.episode},
+                                   {"attempt", attempt},
+                                   {kEarlierAttempts, nlohmann::json::parse(ToJson(earlier))},
+                                   {"task", own_sampler ? "custom" : ToString(run.task.kind)},
+                                   {"identity", RunIdentity(run)}};
+  return {.dataset = run.output,
+          .episode_id = EpisodeId(run, item, attempt),
+          .metadata_json = metadata.dump(),
+          .keep_failures = run.keep == Keep::kAll,
+          .renderer = EnsureRenderer(),
+          .stop = stop,
+          .before_commit = [this] { RequireUnchangedModels(); }};
+}
+
+Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State>()) {
+  CheckRunFields(run);
+  state_->run = std::move(run);
+  state_->parts = std::move(parts);
+  state_->own_sampler = static_cast<bool>(state_->parts.sampler);
+  if (!state_->own_sampler) state_->parts.sampler = MakePickSampler;
+  if (!state_->parts.expert) state_->parts.expert = MakePickPlanner;
+  state_->sampler = state_->parts.sampler(state_->run);
+}
+
+Runner::~Runner() = default;
+
+const RunConfig& Runner::run() const { return state_->run; }
+
+namespace {
+
+// An attempt that was not decided: neither accepted nor refused, neither success nor failure.
+void Drop(EpisodeReport& report) {
+  report.stopped = true;
+  ++report.undecided;
+}
+
+int MostFrequent(const std::map<std::string, int>& counts) {
+  int most = 0;
+  for (const auto& [what, count] : counts) most = std::max(most, count);
+  return most;
+}
+
+// What an episode is about, as its sampler said; "" when it did not.
+std::string ObjectKindOf(const Episode& episode) {
+  const auto kinds =
+      nlohmann::json::parse(episode.metadata_json()).value("object_kinds", nlohmann::json::array());
+  return kinds.empty() ? "" : kinds.front().get<std::string>();
+}
+
+// An attempt that an earlier process kept counts like one of now: a report is about the item.
+void AddKept(EpisodeReport& report, const Episode& episode, EarlierAttempts& earlier) {
+  report.object_kind = ObjectKindOf(episode);
+  report.committed = true;
+  report.success = episode.success();
+  report.rows = static_cast<int>(episode.rows());
+  ++report.attempts;
+  ++report.accepted;
+  if (!report.object_kind.empty()) {
+    ++report.kinds[report.object_kind];
+    ++report.rollouts[report.object_kind];
+  }
+  if (report.success) return;
+  ++report.failures[episode.end_reason()];
+  earlier.push_back({report.object_kind, false, episode.end_reason()});
+}
+
+// Sums up a rollout.
+void AddTo(EpisodeReport& report, const RolloutResult& rollout) {
+  if (rollout.stopped) return Drop(report);
+  ++report.attempts;
+  ++report.accepted;
+  if (!rollout.success) ++report.failures[rollout.failure];
+  report.committed |= rollout.committed;
+  report.kept += rollout.committed;
+  report.success = rollout.success;
+  if (rollout.committed) report.rows = rollout.rows;
+  report.seconds_acting += rollout.times.acting;
+  report.seconds_rendering += rollout.times.rendering;
+  report.seconds_writing += rollout.times.writing;
+}
+
+}  // namespace
+
+void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& stop,
+                            EarlierAttempts& earlier, EpisodeReport& report) {
+  const auto began = std::chrono::steady_clock::now();
+  Rng start_rng = AttemptStream(run, item, attempt, "start");
+  SampleResult sample = sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
+  report.seconds_sampling += Seconds(began);
+  if (ShouldStop(stop)) return Drop(report);
+  RequireUnchangedModels();
+  const auto count_redrawn = [&] {
+    for (const auto& [reason, count] : sample.redrawn()) report.redrawn[ToString(reason)] += count;
+  };
+  const auto count_kind = [&, kind = sample.object_kind()] {
+    report.object_kind = kind;
+    if (kind.empty()) return;
+    ++report.kinds[kind];
+    if (sample.start) ++report.rollouts[kind];
+  };
+  if (!sample.start) {
+    count_redrawn();
+    count_kind();
+    ++report.attempts;
+    earlier.push_back({sample.object_kind(), true, ToString(sample.refusal.reason)});
+    const int count = ++report.refusals[ToString(sample.refusal.reason)];
+    if (count >= MostFrequent(report.refusals)) report.advice = sample.refusal.detail;
+    return;
+  }
+  const std::shared_ptr<Expert> expert = parts.expert(run, *sample.start);
+  Rng expert_rng = AttemptStream(run, item, attempt, "expert");
+  const RolloutResult rollout =
+      RunRollout(run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
+  AddTo(report, rollout);
+  if (report.stopped) return;
+  if (!rollout.committed) RequireUnchangedModels();  // what failed counts too
+  if (!rollout.success) earlier.push_back({sample.object_kind(), false, rollout.failure});
+  count_redrawn();
+  count_kind();
+}
+
+EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
+  const RunConfig& run = state_->run;
+  EpisodeReport report{.item = item, .robot = run.robot.config.name};
+  const DatasetLock lock = state_->Enter();
+  if (IsComplete(run, item)) {
+    report.committed = report.resumed = true;
+    report.success = LookForItem(run, item).success;
+    return report;
+  }
+  EarlierAttempts earlier;
+  for (int attempt = 0; attempt < run.max_attempts && !report.success; ++attempt) {
+    if (ShouldStop(stop)) report.stopped = true;
+    if (report.stopped) return report;
+    const bool keeps_all = run.keep == Keep::kAll;
+    if (const auto kept = keeps_all ? KeptAttempt(run, item, attempt) : std::nullopt)
+      AddKept(report, *kept, earlier);
+    else
+      state_->Attempt(item, attempt, stop, earlier, report);
+  }
+  if (report.accepted > 0) report.advice.clear();
+  if (report.accepted > 0 || !report.refusals.contains(ToString(Refusal::kNoReachableBasePose)))
+    return report;
+  if (const std::string& where = state_->Advice(); !where.empty())
+    report.advice += (report.advice.empty() ? "" : "; ") + where;
+  return report;
+}
+
+}  // namespace robocell

@@ -1,0 +1,78 @@
+// Runner: makes the episodes of a plan, one after the other, in this process. Per item it tries
+// attempts until one is a success: sample a start, let the expert act through the Stepper, record,
+// judge, commit or drop.
+//
+//   RunConfig run = RunConfig::Load("xarm7_pick.yaml");
+//   PrepareDataset(run);
+//   Runner runner(run);
+//   EpisodeReport report = runner.Run(MakePlan(run)[0]);
+//   if (report.committed) ...
+//
+// Everything random comes from AttemptStream, so an episode does not depend on which process makes
+// it, in what order, or what was made before. What is on the disk already is not made again: an
+// item with a success is reported as such, and with `keep: all`, where every attempt is an episode
+// of its own ("s0003_e0001_a02"), only those that are missing are made. The dataset must
+// have been prepared for the run (prepare.h), and nobody may repair it meanwhile (dataset_lock.h).
+// Errors: SpecError before anything runs; IoError when the disk fails (nothing half-written stays).
+// A stop request ends Run at the next policy tick without a commit.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "robocell/base/stop.h"
+#include "robocell/rollout/on_disk.h"
+#include "robocell/rollout/plan.h"
+#include "robocell/rollout/prepare.h"
+#include "robocell/task/task.h"
+
+namespace robocell {
+
+struct EpisodeReport {
+  PlanItem item;
+  bool committed = false;  // something is on the disk
+  bool success = false;
+  bool stopped = false;                 // by the stop request
+  bool resumed = false;                 // it was complete before
+  int kept = 0;                         // episodes written now
+  int attempts = 0;                     // that came to an end, those that were kept before too
+  int accepted = 0;                     // attempts whose start the sampler accepted (= rollouts)
+  int undecided = 0;                    // attempts that the stop request ended
+  std::map<std::string, int> refusals;  // reason -> count, of starts
+  // What starts were refused for most often, the last of them, and, when none was accepted for want
+  // of reach, from where the robot would reach; "" else.
+  std::string advice;
+  std::map<std::string, int> redrawn;   // reason -> count, of places tried within the attempts
+  std::map<std::string, int> failures;  // reason -> count, of rollouts
+  std::string robot;                    // its name
+  std::string object_kind;              // of the last attempt's target; "" when it is not known
+  std::map<std::string, int> kinds;     // object kind -> attempts
+  std::map<std::string, int> rollouts;  // object kind -> rollouts
+  int rows = 0;                         // of the committed episode
+  double seconds_sampling = 0, seconds_acting = 0, seconds_rendering = 0, seconds_writing = 0;
+};
+
+// What can be replaced: both get the validated configuration.
+struct RunnerParts {
+  std::function<std::shared_ptr<TaskSampler>(const RunConfig&)> sampler = {};
+  std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> expert = {};
+};
+
+class Runner {
+ public:
+  explicit Runner(RunConfig run, RunnerParts parts = {});
+  ~Runner();
+  Runner(const Runner&) = delete;
+  Runner& operator=(const Runner&) = delete;
+
+  const RunConfig& run() const;
+  EpisodeReport Run(const PlanItem& item, const StopCheck& stop = {});
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,296 @@
+#include "robocell/rollout/runner.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <optional>
+#include <nlohmann/json.hpp>
+
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/data/dataset.h"
+#include "robocell/data/dataset_lock.h"
+#include "robocell/expert/pick_planner.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/menagerie.h"
+#include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::AnyOf;
+using ::testing::ElementsAre;
+using ::testing::Pair;
+
+// A run file of the examples without cameras: what they cost is not what is tested here.
+RunConfig Blind(const std::string& file, const std::filesystem::path& output) {
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/" + file);
+  run.cameras.streams = {};
+  run.output = output.string();
+  PrepareDataset(run);
+  return run;
+}
+
+// Gives up at once.
+class Idle : public Expert {
+ public:
+  void Begin(const Scene&, Rng&) override {}
+  Action Act(const Scene&, Rng&) override { return {}; }
+  bool done() const override { return true; }
+  std::string failure() const override { return "idle"; }
+  int phase() const override { return 0; }
+  std::vector<std::string> phase_names() const override { return {"idle"}; }
+};
+
+// An expert that gives up in the first `times` rollouts.
+RunnerParts IdleAtFirst(int times) {
+  return {.sampler = {},
+          .expert = [left = times](const RunConfig& run, const EpisodeStart& start) mutable {
+            if (left-- > 0) return std::unique_ptr<Expert>(std::make_unique<Idle>());
+            return MakePickPlanner(run, start);
+          }};
+}
+
+class Refusing : public TaskSampler {
+ public:
+  SampleResult Sample(const SampleRequest&, Rng&) override {
+    return {.start = {}, .refusal = {Refusal::kNoGrasp, "as told"}};
+  }
+};
+
+// At least nine of ten accepted starts succeed. Of twenty: tests/integration/test_pick_dataset.py.
+void ExpectGoodRun(const RunConfig& run, int episodes) {
+  Runner runner(run);
+  int accepted = 0, attempts = 0;
+  for (int i = 0; i < episodes; ++i) {
+    const EpisodeReport report = runner.Run(MakePlan(run)[i]);
+    EXPECT_TRUE(report.committed && report.success) << report.item.id;
+    EXPECT_EQ(report.kept, 1);
+    EXPECT_GT(report.rows, 40);
+    accepted += report.accepted;
+    attempts += report.attempts;
+  }
+  EXPECT_EQ(Dataset(run.output).size(), static_cast<size_t>(episodes));
+  EXPECT_GE(episodes, 0.9 * accepted);
+  EXPECT_GE(accepted, 0.4 * attempts);
+}
+
+TEST(Runner, TheDemosEpisodesSucceed) {
+  TempDir folder;
+  ExpectGoodRun(Blind("demo.yaml", folder / "out"), 5);
+}
+
+TEST(Runner, TheEpisodesOfARealArmSucceed) {
+  REQUIRE_MENAGERIE("ufactory_xarm7");
+  TempDir folder;
+  ExpectGoodRun(Blind("xarm7_pick.yaml", folder / "out"), 5);
+}
+
+TEST(Runner, AnEpisodeDoesNotDependOnWhatWasMadeBefore) {
+  TempDir folder;
+  const RunConfig one = Blind("demo.yaml", folder / "one"),
+                  other = Blind("demo.yaml", folder / "other");
+  const std::vector<PlanItem> plan = MakePlan(one);
+  Runner forward(one), backward(other);
+  for (int i = 0; i < 3; ++i) forward.Run(plan[i]);
+  for (int i = 2; i >= 0; --i) backward.Run(plan[i]);
+  for (int i = 0; i < 3; ++i) {
+    const std::string steps = plan[i].id + "/steps.h5";
+    EXPECT_EQ(ReadFile(folder / "one" / steps), ReadFile(folder / "other" / steps)) << plan[i].id;
+  }
+  EXPECT_NE(ReadFile(folder / "one" / plan[0].id / "steps.h5"),
+            ReadFile(folder / "one" / plan[1].id / "steps.h5"));
+}
+
+TEST(Runner, NeverMakesAMixture) {
+  TempDir folder;
+  RunConfig run = Blind("demo.yaml", folder / "out");
+  const PlanItem item = MakePlan(run)[0];
+  run.seed = 7;
+  ExpectThrow<SpecError>([&] { Runner(run).Run(item); }, "seed: 0 then, 7 now");
+  run.output = (folder / "none").string();
+  ExpectThrow<SpecError>([&] { Runner(run).Run(item); },
+                         "first call PrepareDataset (in Python prepare_dataset)");
+  EXPECT_FALSE(std::filesystem::exists(folder / "none"));
+}
+
+// The dataset was begun anew for another run while this runner lived.
+TEST(Runner, NoticesThatItsDatasetBecameAnotherOne) {
+  TempDir folder;
+  RunConfig run = Blind("demo.yaml", folder / "out"), other = run;
+  Runner runner(run);
+  const PlanItem item = MakePlan(run)[0];
+  runner.Run(item);
+  std::filesystem::remove_all(folder / "out" / item.id);
+  other.seed = 7;
+  PrepareDataset(other);
+  ExpectThrow<SpecError>([&] { runner.Run(item); }, "seed: 7 then, 0 now");
+}
+
+TEST(Runner, DoesNotWriteWhileSomebodyRepairs) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  Runner runner(run);
+  std::optional<DatasetLock> repair = DatasetLock::Alone(run.output);
+  ExpectThrow<IoError>([&] { runner.Run(MakePlan(run)[0]); }, "in use");
+  repair.reset();
+  EXPECT_TRUE(runner.Run(MakePlan(run)[0]).success);
+}
+
+TEST(Runner, DoesNotMakeAgainWhatIsThere) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  const PlanItem item = MakePlan(run)[0];
+  EXPECT_FALSE(IsComplete(run, item));
+  EXPECT_EQ(Runner(run).Run(item).kept, 1);
+  EXPECT_TRUE(IsComplete(run, item));
+  const auto written = std::filesystem::last_write_time(folder / "out" / item.id / "episode.json");
+  const EpisodeReport again = Runner(run).Run(item);
+  EXPECT_TRUE(again.resumed && again.committed && again.success);
+  EXPECT_EQ(again.attempts, 0);
+  EXPECT_EQ(std::filesystem::last_write_time(folder / "out" / item.id / "episode.json"), written);
+}
+
+TEST(Runner, DropsFailuresAndTriesAgain) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  const EpisodeReport report = Runner(run, IdleAtFirst(2)).Run(MakePlan(run)[0]);
+  EXPECT_TRUE(report.success);
+  EXPECT_EQ(report.accepted, 3);
+  EXPECT_THAT(report.failures, ElementsAre(Pair("idle", 2)));
+  EXPECT_THAT(Dataset(run.output).ids(), ElementsAre("s0000_e0000"));
+}
+
+TEST(Runner, KeepsFailuresOnRequestAndMakesOnlyWhatIsMissing) {
+  TempDir folder;
+  RunConfig run = Blind("demo.yaml", folder / "out");
+  run.output = (folder / "all").string();
+  run.keep = Keep::kAll;
+  PrepareDataset(run);
+  const PlanItem item = MakePlan(run)[0];
+  const EpisodeReport report = Runner(run, IdleAtFirst(2)).Run(item);
+  EXPECT_EQ(report.kept, 3);
+  EXPECT_TRUE(IsComplete(run, item));
+  EXPECT_THAT(Dataset(run.output).ids(),
+              ElementsAre("s0000_e0000_a00", "s0000_e0000_a01", "s0000_e0000_a02"));
+  EXPECT_FALSE(Dataset(run.output).Open("s0000_e0000_a01").success());
+
+  const std::string steps = ReadFile(folder / "all/s0000_e0000_a02/steps.h5");
+  std::filesystem::remove_all(folder / "all/s0000_e0000_a02");
+  EXPECT_FALSE(IsComplete(run, item));
+  const EpisodeReport resumed = Runner(run).Run(item);
+  EXPECT_EQ(resumed.attempts, 3) << "those that are there count";
+  EXPECT_THAT(resumed.failures, ElementsAre(Pair("idle", 2)));
+  EXPECT_EQ(resumed.kept, 1);
+  EXPECT_TRUE(resumed.success);
+  EXPECT_EQ(ReadFile(folder / "all/s0000_e0000_a02/steps.h5"), steps);
+
+  std::filesystem::remove_all(folder / "all/s0000_e0000_a00");
+  EXPECT_FALSE(IsComplete(run, item)) << "a failure before the success is missing";
+  const EpisodeReport mended = Runner(run, IdleAtFirst(1)).Run(item);
+  EXPECT_TRUE(mended.success);
+  EXPECT_EQ(mended.kept, 1);
+  EXPECT_EQ(mended.rows, resumed.rows);
+  EXPECT_THAT(mended.failures, ElementsAre(Pair("idle", 2)));
+  EXPECT_EQ(mended.rollouts, report.rollouts);
+  EXPECT_TRUE(IsComplete(run, item));
+  const auto metadata = [&](const std::string& id) {
+    return nlohmann::json::parse(Dataset(run.output).Open(id).metadata_json());
+  };
+  const nlohmann::json earlier = metadata("s0000_e0000_a02")["earlier_attempts"];
+  ASSERT_EQ(earlier.size(), 2u);
+  EXPECT_EQ(earlier[1]["failed"], "idle");
+  EXPECT_EQ(earlier[1]["object_kind"], report.object_kind);
+  EXPECT_EQ(metadata("s0000_e0000_a00")["earlier_attempts"].size(), 0u);
+}
+
+TEST(Runner, CountsRefusalsAndGivesUpAfterTheLastAttempt) {
+  TempDir folder;
+  RunConfig run = Blind("demo.yaml", folder / "out");
+  run.max_attempts = 4;
+  PrepareDataset(run);
+  Runner runner(run, {.sampler = [](const RunConfig&) { return std::make_unique<Refusing>(); },
+                      .expert = {}});
+  const EpisodeReport report = runner.Run(MakePlan(run)[0]);
+  EXPECT_FALSE(report.committed);
+  EXPECT_EQ(report.attempts, 4);
+  EXPECT_EQ(report.accepted, 0);
+  EXPECT_THAT(report.refusals, ElementsAre(Pair("no grasp", 4)));
+}
+
+TEST(Runner, AStopLeavesNothingHalfDone) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  const EpisodeReport report = Runner(run).Run(MakePlan(run)[0], [] { return true; });
+  EXPECT_TRUE(report.stopped);
+  EXPECT_FALSE(report.committed);
+  EXPECT_EQ(Dataset(run.output).size(), 0u);
+}
+
+// Set while the expert acts: the rollout ends at the next tick.
+TEST(Runner, AStopInTheMiddleOfARolloutIsObeyed) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  bool stop = false;
+  Runner runner(run,
+                {.sampler = {}, .expert = [&](const RunConfig& config, const EpisodeStart& start) {
+                   stop = true;
+                   return MakePickPlanner(config, start);
+                 }});
+  const EpisodeReport report = runner.Run(MakePlan(run)[0], [&] { return stop; });
+  EXPECT_TRUE(report.stopped);
+  EXPECT_EQ(report.kept, 0);
+  EXPECT_EQ(report.undecided, 1);
+  EXPECT_EQ(report.accepted, 0) << "neither a success nor a failure";
+  EXPECT_TRUE(report.failures.empty());
+  for (const auto& entry : std::filesystem::directory_iterator(run.output)) {
+    EXPECT_THAT(entry.path().filename().string(), AnyOf("dataset.json", "models", ".lock-writers"));
+  }
+}
+
+// Asked again and again while the start is sampled: no attempt is counted as refused.
+TEST(Runner, AStopWhileSamplingIsObeyed) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  int asked = 0;
+  Runner runner(run);
+  const EpisodeReport report = runner.Run(MakePlan(run)[0], [&] { return ++asked > 1; });
+  EXPECT_TRUE(report.stopped);
+  EXPECT_EQ(report.accepted, 0);
+  EXPECT_EQ(report.attempts, 0);
+  EXPECT_EQ(report.undecided, 1);
+  EXPECT_TRUE(report.refusals.empty());
+  EXPECT_GT(asked, 2) << "the sampler asks too";
+}
+
+TEST(Runner, AnExceptionFromTheStopCheckComesOutAndLeavesNothingHalfDone) {
+  TempDir folder;
+  const RunConfig run = Blind("demo.yaml", folder / "out");
+  bool acting = false;
+  Runner runner(run,
+                {.sampler = {}, .expert = [&](const RunConfig& config, const EpisodeStart& start) {
+                   acting = true;
+                   return MakePickPlanner(config, start);
+                 }});
+  const StopCheck stop = [&] { return acting ? throw Error("interrupted") : false; };
+  ExpectThrow<Error>([&] { runner.Run(MakePlan(run)[0], stop); }, "interrupted");
+  EXPECT_EQ(Dataset(run.output).size(), 0u);
+}
+
+TEST(Runner, RefusesStreamsThatCannotBeRecordedAllAtOnce) {
+  TempDir folder;
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.output = folder.path().string();
+  run.cameras.streams[0].rgb = false;
+  run.cameras.streams[0].depth = true;
+  run.cameras.streams[1].rate = 5;
+  const std::string text =
+      ExpectThrow<SpecError>([&] { Runner runner(run); }, "a recorded stream needs rgb: true");
+  EXPECT_THAT(text, testing::HasSubstr("(cameras.streams[0]).rgb"));
+  EXPECT_THAT(text, testing::HasSubstr("(cameras.streams[1]).rate"));
+}
+
+}  // namespace
+}  // namespace robocell

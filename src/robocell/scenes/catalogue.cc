@@ -1,0 +1,124 @@
+#include "robocell/scenes/catalogue.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+
+#include "robocell/assets/model_files.h"
+#include "robocell/assets/resolve.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+namespace {
+
+// On its collision geometry.
+ObjectSize MeasureModel(const std::string& path) {
+  SceneSpec spec{
+      .name = "object " + path, .timestep = 0.002, .add_floor = false, .add_skybox = false};
+  spec.objects.push_back({.name = "object", .mjcf_path = path, .fixed = false});
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  ObjectSize size;
+  const int body = FindId(m, mjOBJ_BODY, scene.compiled()->object("object").root_body);
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (!IsCollisionGeom(m, g) || !IsInSubtree(m, m->geom_bodyid[g], body)) continue;
+    double most[2];
+    for (int i = 0; i < 2; ++i) {
+      const Interval e = GeomExtent(m, scene.data(), g, Eigen::Vector3d::Unit(i));
+      most[i] = std::max(std::abs(e.lower), std::abs(e.upper));
+    }
+    size.radius = std::max(size.radius, std::hypot(most[0], most[1]));
+    size.height =
+        std::max(size.height, -GeomExtent(m, scene.data(), g, Eigen::Vector3d::UnitZ()).lower);
+  }
+  return size;
+}
+
+ObjectSize SizeOfModel(const std::string& path) {
+  static std::mutex mutex;
+  static std::map<std::string, ObjectSize> known;
+  const std::lock_guard lock(mutex);
+  const std::string hash = ModelFileSet(assets::Resolve(path)).hash;
+  const auto it = known.find(hash);
+  return it != known.end() ? it->second : known.emplace(hash, MeasureModel(path)).first->second;
+}
+
+Vec4 Colour(Rng& rng) {
+  static constexpr Vec4 kColours[] = {{0.85, 0.25, 0.2, 1}, {0.2, 0.45, 0.8, 1},
+                                      {0.25, 0.65, 0.3, 1}, {0.95, 0.7, 0.2, 1},
+                                      {0.6, 0.35, 0.7, 1},  {0.9, 0.9, 0.88, 1}};
+  return kColours[rng.UniformInt(std::size(kColours))];
+}
+
+// Half sizes: graspable by a common parallel gripper in at least one direction.
+Vec3 PrimitiveSize(Shape shape, Rng& rng) {
+  switch (shape) {
+    case Shape::kBox:
+      return {rng.Uniform(0.012, 0.024), rng.Uniform(0.014, 0.035), rng.Uniform(0.015, 0.035)};
+    case Shape::kCylinder:
+      return {rng.Uniform(0.013, 0.025), rng.Uniform(0.02, 0.05), 0};
+    case Shape::kSphere:
+      break;
+  }
+  return {rng.Uniform(0.017, 0.027), 0, 0};
+}
+
+SceneObject Primitive(Shape shape, const std::string& name, Rng& rng) {
+  SceneObject object{.name = name, .shape = shape};
+  object.size = PrimitiveSize(shape, rng);
+  object.rgba = Colour(rng);
+  object.mass = rng.Uniform(0.05, 0.2);
+  object.friction = Vec3{rng.Uniform(0.7, 1.1), 0.02, 0.001};
+  // A sphere without rolling friction never comes to rest.
+  object.condim = shape == Shape::kSphere ? Condim::kRolling : Condim::kTorsional;
+  if (shape == Shape::kSphere) object.friction = Vec3{(*object.friction)[0], 0.02, 0.002};
+  return object;
+}
+
+}  // namespace
+
+std::vector<std::string> ObjectKinds() {
+  std::vector<std::string> kinds = {"box", "cylinder", "sphere"};
+  const std::vector<std::string> models = assets::BuiltinObjects();
+  kinds.insert(kinds.end(), models.begin(), models.end());
+  return kinds;
+}
+
+SceneObject MakeCatalogueObject(const std::string& kind, const std::string& name, Rng& rng) {
+  if (kind == "box") return Primitive(Shape::kBox, name, rng);
+  if (kind == "cylinder") return Primitive(Shape::kCylinder, name, rng);
+  if (kind == "sphere") return Primitive(Shape::kSphere, name, rng);
+  const std::vector<std::string> kinds = ObjectKinds();
+  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+    throw NotFoundError(NoSuchName("task.objects", "kind", kind, kinds));
+  }
+  return {.name = name, .mjcf_path = kind, .fixed = false};
+}
+
+ObjectSize ObjectSizes::Of(const SceneObject& object) {
+  if (!object.shape) {
+    const auto it = models_.find(object.mjcf_path);
+    if (it != models_.end()) return it->second;
+    return models_.emplace(object.mjcf_path, SizeOfModel(object.mjcf_path)).first->second;
+  }
+  const Vec3& s = *object.size;
+  switch (*object.shape) {
+    case Shape::kBox:
+      return {std::hypot(s[0], s[1]), s[2]};
+    case Shape::kCylinder:
+      return {s[0], s[1]};
+    case Shape::kSphere:
+      break;
+  }
+  return {s[0], s[0]};
+}
+
+}  // namespace robocell

@@ -1,0 +1,56 @@
+#include "robocell/scenes/object_places.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "robocell/base/units.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kTries = 60;
+constexpr double kDrop = 0.001;  // metres above the support, from where it settles
+
+struct Disc {
+  Eigen::Vector2d at;
+  double radius;
+};
+
+bool IsFree(const Disc& disc, const std::vector<Disc>& taken) {
+  return std::all_of(taken.begin(), taken.end(), [&](const Disc& other) {
+    return (disc.at - other.at).norm() > disc.radius + other.radius + kObjectGap;
+  });
+}
+
+// A free place on the support, in its frame.
+std::optional<Disc> FindPlace(const Support& support, double radius, const std::vector<Disc>& taken,
+                              Rng& rng) {
+  const double x = support.half_x - kEdgeMargin - radius, y = support.half_y - kEdgeMargin - radius;
+  if (x <= 0 || y <= 0) return std::nullopt;
+  for (int t = 0; t < kTries; ++t) {
+    const double across = rng.Uniform(-y, y), along = rng.Uniform(-x, x);  // in this order
+    const Disc disc{{along, across}, radius};
+    if (IsFree(disc, taken)) return disc;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
+             std::vector<SceneObject>& objects, Rng& rng) {
+  std::vector<Disc> taken;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const auto place = FindPlace(support, sizes[i].radius, taken, rng);
+    if (!place) return false;
+    taken.push_back(*place);
+    const Pose pose = support.frame_to_world *
+                      Pose::FromRpy({place->at.x(), place->at.y(), sizes[i].height + kDrop},
+                                    {0, 0, rng.Uniform(-kPi, kPi)});
+    objects[i].pos = ToVec3(pose.translation());
+    objects[i].quat = pose.quaternion();
+  }
+  return true;
+}
+
+}  // namespace robocell

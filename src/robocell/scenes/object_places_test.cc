@@ -1,0 +1,64 @@
+#include "robocell/scenes/object_places.h"
+
+#include <gtest/gtest.h>
+
+namespace robocell {
+namespace {
+
+const Support kTable{Pose::FromRpy({1, 2, 0.4}, {0, 0, 0.7}), 0.3, 0.2, 0.02};
+
+std::vector<SceneObject> Spheres(int count) {
+  std::vector<SceneObject> objects;
+  for (int i = 0; i < count; ++i) {
+    objects.push_back({.name = "s" + std::to_string(i),
+                       .shape = Shape::kSphere,
+                       .size = Vec3{0.02 + 0.01 * i, 0, 0}});
+  }
+  return objects;
+}
+
+std::vector<ObjectSize> SizesOf(const std::vector<SceneObject>& objects) {
+  ObjectSizes sizes;
+  std::vector<ObjectSize> out;
+  for (const SceneObject& object : objects) out.push_back(sizes.Of(object));
+  return out;
+}
+
+TEST(ObjectPlaces, AreOnTheSupportAndApart) {
+  std::vector<SceneObject> objects = Spheres(3);
+  const std::vector<ObjectSize> sizes = SizesOf(objects);
+  for (int k = 0; k < 200; ++k) {
+    Rng rng = Rng::Stream(1, "places", k);
+    ASSERT_TRUE(PlaceOn(kTable, sizes, objects, rng));
+    for (size_t i = 0; i < objects.size(); ++i) {
+      const Eigen::Vector3d at =
+          (kTable.frame_to_world.inverse() * objects[i].pose()).translation();
+      EXPECT_LE(std::abs(at.x()), 0.3 - kEdgeMargin - sizes[i].radius);
+      EXPECT_LE(std::abs(at.y()), 0.2 - kEdgeMargin - sizes[i].radius);
+      EXPECT_NEAR(at.z(), sizes[i].height + 0.001, 1e-9);
+      for (size_t j = 0; j < i; ++j) {
+        const double apart =
+            (objects[i].pose().translation() - objects[j].pose().translation()).head<2>().norm();
+        EXPECT_GE(apart, sizes[i].radius + sizes[j].radius + kObjectGap);
+      }
+    }
+  }
+}
+
+TEST(ObjectPlaces, AreNoneWhereThereIsNoRoom) {
+  Rng rng = Rng::Stream(1, "places");
+  std::vector<SceneObject> one = Spheres(1), many = Spheres(12);
+  EXPECT_FALSE(PlaceOn({Pose(), 0.04, 0.2, 0.02}, SizesOf(one), one, rng));
+  EXPECT_FALSE(PlaceOn(kTable, SizesOf(many), many, rng));
+}
+
+TEST(ObjectPlaces, AreTheSameForTheSameNumbers) {
+  std::vector<SceneObject> a = Spheres(2), b = Spheres(2);
+  Rng ra = Rng::Stream(5, "x"), rb = Rng::Stream(5, "x");
+  ASSERT_TRUE(PlaceOn(kTable, SizesOf(a), a, ra));
+  ASSERT_TRUE(PlaceOn(kTable, SizesOf(b), b, rb));
+  EXPECT_EQ(a, b);
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,54 @@
+#include "robocell/scenes/settle.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/robot/control_ticks.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kSeconds = 0.4;      // between looks at the objects ...
+constexpr int kLooks = 6;             // ... and how often to look
+constexpr double kRestSpeed = 0.005;  // m/s below which an object rests ...
+constexpr double kRestTurn = 0.1;     // ... and rad/s
+
+// Name of an object that is not at rest; "" when all are. Parked ones do not count.
+std::string MovingObject(const Scene& scene, const std::vector<std::string>& objects) {
+  const mjModel* m = scene.model();
+  for (const std::string& name : objects) {
+    const ObjectRecord& object = scene.compiled()->object(name);
+    if (!object.free_joint) continue;
+    const mjtNum* v =
+        scene.data()->qvel + m->jnt_dofadr[FindId(m, mjOBJ_JOINT, *object.free_joint)];
+    if (mju_norm3(v) > kRestSpeed || mju_norm3(v + 3) > kRestTurn) return object.name;
+  }
+  return "";
+}
+
+}  // namespace
+
+std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
+                                  const std::string& target_body, const SettleOptions& options) {
+  const Pose before = scene.body_pose(target_body);
+  const double tick = scene.timestep() * options.sim_steps;
+  const ControlTicks between{.ticks = std::max(1, static_cast<int>(std::lround(kSeconds / tick))),
+                             .sim_steps = options.sim_steps};
+  std::string moving = "something";
+  for (int look = 0; look < kLooks && !moving.empty() && !ShouldStop(options.stop); ++look) {
+    const StepResult result = RunControlTicks(scene, robots, between);
+    if (!result.ok()) return result.message;
+    moving = MovingObject(scene, options.resting.value_or(scene.object_names()));
+  }
+  if (!moving.empty()) return moving + " still moves";
+  const Pose after = scene.body_pose(target_body);
+  if ((after.translation() - before.translation()).norm() > options.most_drift) {
+    return "the target rolled away or fell off its support";
+  }
+  return std::nullopt;
+}
+
+}  // namespace robocell

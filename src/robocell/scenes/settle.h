@@ -1,0 +1,34 @@
+// Settle: lets objects and robots come to rest together before an episode begins, with the robots
+// controlled as in the episode.
+//
+//   if (auto why_not = Settle(scene, robots, "target", {.sim_steps = 2})) ...  // "cube still moves"
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/base/stop.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+// How far the target may move while it settles unless said otherwise, metres.
+inline constexpr double kMostSettling = 0.05;
+
+struct SettleOptions {
+  int sim_steps = 1;  // engine steps per control tick
+  // Names of the objects that have to come to rest; all unless set.
+  std::optional<std::vector<std::string>> resting = {};
+  double most_drift = kMostSettling;
+  StopCheck stop = {};  // when it says true, the objects may be refused as still moving
+};
+
+// Simulates until everything rests. Returns why the scene does not settle: something diverges or
+// does not come to rest, or the target, a body, ends up elsewhere. Time goes on.
+std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
+                                  const std::string& target_body, const SettleOptions& options);
+
+}  // namespace robocell

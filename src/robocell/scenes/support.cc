@@ -1,0 +1,166 @@
+#include "robocell/scenes/support.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+namespace {
+
+const std::string kSite = "table_top";
+constexpr double kLevel = 0.9998;     // cosine of one degree
+constexpr double kOnSurface = 0.005;  // metres between the site and the face it is on
+// A support that can move may so much, m, in so many seconds.
+constexpr double kSteady = 0.01, kSteadySeconds = 0.5;
+
+std::string Place(const SceneSpec& base) {
+  return "scene '" + base.name + "'" + (base.base ? " from '" + *base.base + "'" : "");
+}
+
+// Without those of objects that are parked.
+std::vector<std::string> SitesInPlace(const Scene& scene) {
+  const mjModel* m = scene.model();
+  std::vector<std::string> sites = ElementNames(m, mjOBJ_SITE);
+  for (const std::string& object : scene.parked_objects()) {
+    const int root = FindId(m, mjOBJ_BODY, scene.compiled()->object(object).root_body);
+    std::erase_if(sites, [&](const std::string& site) {
+      return IsInSubtree(m, m->site_bodyid[FindId(m, mjOBJ_SITE, site)], root);
+    });
+  }
+  return sites;
+}
+
+// The site of this name, else the only one that has it behind a prefix.
+std::string FindSite(const Scene& scene, const std::string& place) {
+  const std::vector<std::string> sites = SitesInPlace(scene);
+  std::vector<std::string> prefixed;
+  for (const std::string& site : sites) {
+    if (site == kSite) return site;
+    if (site.ends_with("_" + kSite) || site.ends_with("/" + kSite)) prefixed.push_back(site);
+  }
+  if (prefixed.size() == 1) return prefixed.front();
+  const std::string question = place + ": where should objects stand";
+  if (prefixed.empty()) throw NotFoundError(NoSuchName(question, "site", kSite, sites));
+  throw SpecError(fmt::format("{}? Several sites could be meant: {}. Name the one '{}'", question,
+                              ListNames(prefixed), kSite));
+}
+
+// The box of the site's body with the largest face; -1 without any.
+int LargestBox(const mjModel* m, int body) {
+  int largest = -1;
+  double area = 0;
+  for (int g = m->body_geomadr[body]; g < m->body_geomadr[body] + m->body_geomnum[body]; ++g) {
+    if (m->geom_type[g] != mjGEOM_BOX) continue;
+    const mjtNum* size = m->geom_size + 3 * g;
+    const double face = std::max({size[0] * size[1], size[1] * size[2], size[2] * size[0]});
+    if (face <= area) continue;
+    area = face;
+    largest = g;
+  }
+  return largest;
+}
+
+// The face of a box that looks along the site's z axis, as seen from the site.
+class Face {
+ public:
+  Face(const mjModel* m, const Pose& site_to_world, const Pose& box_to_world, int geom) {
+    const Pose box_to_site = site_to_world.inverse() * box_to_world;
+    const Eigen::Matrix3d axes = box_to_site.rotation();
+    Eigen::Index up;
+    alignment_ = axes.row(2).cwiseAbs().maxCoeff(&up);
+    // The axis of the box that is nearest to the site's x: then an aligned box turns nothing.
+    Eigen::Index along = (up + 1) % 3;
+    if (std::abs(axes(0, (up + 2) % 3)) > std::abs(axes(0, along))) along = (up + 2) % 3;
+    const Eigen::Index across = 3 - up - along;
+    const mjtNum* size = m->geom_size + 3 * geom;
+    half_x_ = size[along];
+    half_y_ = size[across];
+    const Eigen::Vector3d x = axes.col(along) * (axes(0, along) < 0 ? -1 : 1);
+    yaw_ = std::atan2(x.y(), x.x());
+    middle_ = box_to_site.translation();
+    height_ = middle_.z() + size[up];
+    thickness_ = 2 * size[up];
+  }
+
+  // "" when the site lies on the face.
+  std::string WhyNotUnderSite(const Pose& site_to_world) const {
+    if (site_to_world.rotation()(2, 2) < kLevel) return "its z axis does not point up";
+    if (alignment_ < kLevel)
+      return "the box is tilted against it; give the box a horizontal upper face";
+    const Eigen::Vector3d site = to_site().inverse() * Eigen::Vector3d::Zero();
+    if (std::abs(height_) > kOnSurface)
+      return fmt::format("it is {:.3f} m {} the box's upper face", std::abs(height_),
+                         height_ < 0 ? "above" : "below");
+    if (std::abs(site.x()) > half_x_ || std::abs(site.y()) > half_y_)
+      return fmt::format("the box's middle is {:.3f} m away, so that it is beside the box",
+                         middle_.head<2>().norm());
+    return "";
+  }
+
+  Pose to_site() const { return Pose::FromRpy({middle_.x(), middle_.y(), 0}, {0, 0, yaw_}); }
+  double half_x() const { return half_x_; }
+  double half_y() const { return half_y_; }
+  double thickness() const { return thickness_; }
+
+ private:
+  Eigen::Vector3d middle_;
+  double half_x_ = 0, half_y_ = 0, height_ = 0, thickness_ = 0, yaw_ = 0, alignment_ = 0;
+};
+
+// The name of the body with a joint, this one or one that carries it; "" for none.
+std::string MovedBody(const mjModel* m, int body) {
+  while (body > 0 && m->body_jntnum[body] == 0) body = m->body_parentid[body];
+  return body > 0 ? ElementName(m, mjOBJ_BODY, body) : "";
+}
+
+}  // namespace
+
+Support FindSupport(const SceneSpec& base) {
+  const Scene scene = Scene::Build(base);
+  const mjModel* m = scene.model();
+  const std::string site = FindSite(scene, Place(base));
+  const std::string place = Place(base) + ": site '" + site + "'";
+  const int box = LargestBox(m, m->site_bodyid[FindId(m, mjOBJ_SITE, site)]);
+  if (box < 0) throw SpecError(place + " needs a box geom in its body: the surface it is on");
+  const Pose site_to_world = scene.site_pose(site);
+  const mjData* d = scene.data();
+  mjtNum quat[4];
+  mju_mat2Quat(quat, d->geom_xmat + 9 * box);
+  const Face face(m, site_to_world, Pose::FromWxyz(d->geom_xpos + 3 * box, quat), box);
+  if (const std::string why = face.WhyNotUnderSite(site_to_world); !why.empty()) {
+    throw SpecError(
+        fmt::format("{} marks the upper face of {}, but {}. Put it in the middle of "
+                    "that face, z up",
+                    place, Describe(m, mjOBJ_GEOM, box), why));
+  }
+  return {site_to_world * face.to_site(), face.half_x(), face.half_y(), face.thickness(),
+          MovedBody(m, m->geom_bodyid[box])};
+}
+
+void RequireSteady(const SceneSpec& base, const Support& support) {
+  if (support.moved_body.empty()) return;
+  Scene scene = Scene::Build(base);
+  const std::string site = FindSite(scene, Place(base));
+  const Eigen::Vector3d before = scene.site_pose(site).translation();
+  const StepResult result = scene.StepN(static_cast<int>(kSteadySeconds / scene.timestep()));
+  const double way = (scene.site_pose(site).translation() - before).norm();
+  if (result.ok() && way <= kSteady) return;
+  throw SpecError(fmt::format(
+      "{}: site '{}' does not stay where objects are to be put: its body '{}' has a joint, and {}. "
+      "Take the joint out, or have the body stand on something",
+      Place(base), site, support.moved_body,
+      result.ok() ? fmt::format("moves by {:.3f} m in {:g} s", way, kSteadySeconds)
+                  : result.message));
+}
+
+}  // namespace robocell

@@ -1,0 +1,37 @@
+// Support: the level surface of a scene that objects are put on.
+//
+//   const Support support = FindSupport(base);   // a SceneSpec
+//   Pose on_top = support.frame_to_world * Pose(Eigen::Vector3d(x, y, 0));   // |x| < half_x ...
+#pragma once
+
+#include <string>
+
+#include "robocell/math/pose.h"
+#include "robocell/motion/robot_outline.h"
+#include "robocell/spec/scene_spec.h"
+
+namespace robocell {
+
+// A rectangle: its middle, z up, and half extents along its x and y; how far down its body goes.
+// Metres.
+struct Support {
+  Pose frame_to_world;
+  double half_x = 0, half_y = 0;
+  double thickness = 0;
+  LevelBox box() const { return {frame_to_world, half_x, half_y, thickness}; }
+  std::string moved_body = {};  // the body with a joint that it moves with; "" for a fixed support
+};
+
+// The support of a base scene: the site `table_top` marks it (or the only one with that name behind
+// a prefix, as `shop_table_top` or `shop/table_top`), and the
+// largest box in the site's body is its extent: a horizontal face of it, in whatever pose the box
+// is in its body, with the site on it. Objects that are parked have no support to offer.
+// NotFoundError without a site, SpecError with several that could be meant, without a box or when
+// the site is not on the box's upper face or the face is not level.
+Support FindSupport(const SceneSpec& base);
+
+// SpecError when the support of this scene does not stay where it is: a table with a free joint
+// that stands on nothing takes along what is put on it.
+void RequireSteady(const SceneSpec& base, const Support& support);
+
+}  // namespace robocell
