@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/random_values.h"
