@@ -17,7 +17,8 @@ PAGE = Path(__file__).parent / "spec_fields.md"
 SCENES = (rc.SceneSpec, rc.RobotSpec, rc.SceneObject, rc.SimOptions)
 RUNS = (
     rc.RunConfig,
-    rc.TaskConfig,
+    rc.PickTaskConfig,
+    rc.PickAndPlaceTaskConfig,
     rc.SceneSource,
     rc.CameraSystemConfig,
     rc.CameraConfig,
@@ -27,7 +28,6 @@ RUNS = (
 ENVIRONMENTS = (
     rc.EnvConfig,
     rc.EnvObject,
-    rc.EnvTaskConfig,
     rc.ObjectVariation,
     rc.CameraAdderConfig,
     rc.SimSettings,

@@ -27,7 +27,7 @@ def main(folder: Path) -> None:
     shutil.rmtree(folder / "dataset", ignore_errors=True)
     run = rc.RunConfig(run="example", episodes_per_scene=2, output=str(folder / "dataset"))
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    run.task = rc.TaskConfig(
+    run.task = rc.PickTaskConfig(
         base_distance=[0.35, 0.5], base_height_offset=-0.25, objects=["box", "mug"]
     )
     run.cameras.resolution = [160, 120]

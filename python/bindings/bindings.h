@@ -33,7 +33,7 @@ void BindRender(nb::module_& m);      // images and videos
 void BindTask(nb::module_& m);        // tasks and experts
 void BindSampler(nb::module_& m);     // where episodes start
 void BindPick(nb::module_& m);        // the pick task: judge, sampler, expert
-void BindEnvTask(nb::module_& m);     // what environments are about
+void BindTaskKinds(nb::module_& m);   // what environments are about
 void BindEnv(nb::module_& m);         // environments
 void BindEnvBatch(nb::module_& m);    // copies of one, in step
 void BindData(nb::module_& m);        // datasets and episodes

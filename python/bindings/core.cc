@@ -30,7 +30,7 @@ NB_MODULE(_core, m) {
   BindTask(m);
   BindSampler(m);
   BindPick(m);
-  BindEnvTask(m);
+  BindTaskKinds(m);
   BindEnv(m);
   BindEnvBatch(m);
   BindData(m);

@@ -122,22 +122,34 @@ class PyPickTaskSampler : public PySamplerOf<PickTaskSampler> {
 void BindPickTask(nb::module_& m) {
   nb::class_<PickTask, Task, PyTaskOf<PickTask>>(
       m, "PickTask",
-      "Lift an object off its support: reward is the height gained (m), success is lift_height (m) "
-      "while robots hold it:\nno other thing touches it, and a gripper has it between its fingers "
-      "or several robots between them.")
+      "Pick an object up. Success: it is lift_height (m) above its start while robots hold it:\n"
+      "nothing else touches it, and a gripper has it between its fingers, or several robots have\n"
+      "it between them. The reward, 0 to 1, is half for a TCP near the object and half for its\n"
+      "height; at success it is 1.")
       .def(nb::init<std::string, std::string, std::vector<std::string>, double>(), "object"_a,
-           "kind"_a, "all_objects"_a, "lift_height"_a = 0.01)
+           "kind"_a, "all_objects"_a, "lift_height"_a = kLiftHeight)
+      .def(
+          "bind",
+          [](PickTask& t, const Scene& scene, const TaskSetting& setting) {
+            t.PickTask::Bind(scene, setting);
+          },
+          "scene"_a, "setting"_a)
       .def(
           "begin", [](PickTask& t, const Scene& scene) { t.PickTask::Begin(scene); }, "scene"_a,
-          Unlocked())
+          Unlocked(), "Binds a task that is not bound yet, with all robots of the scene.")
       .def(
-          "reward", [](PickTask& t, const Scene& scene) { return t.PickTask::Reward(scene); },
+          "judge", [](PickTask& t, const Scene& scene) { return t.PickTask::Judge(scene); },
           "scene"_a, Unlocked())
       .def(
-          "success", [](PickTask& t, const Scene& scene) { return t.PickTask::Success(scene); },
+          "reward", [](PickTask& t, const Scene& scene) { return t.PickTask::Judge(scene).reward; },
+          "scene"_a, Unlocked())
+      .def(
+          "success",
+          [](PickTask& t, const Scene& scene) { return t.PickTask::Judge(scene).success; },
           "scene"_a, Unlocked())
       .def("instruction", [](const PickTask& t) { return t.PickTask::instruction(); })
-      .def("objects", [](const PickTask& t) { return t.PickTask::objects(); });
+      .def("objects", [](const PickTask& t) { return t.PickTask::objects(); })
+      .def("resting_objects", [](const PickTask& t) { return t.PickTask::resting_objects(); });
 }
 
 void BindPickPlanner(nb::module_& m) {

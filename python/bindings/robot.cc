@@ -12,6 +12,7 @@
 #include "signals.h"
 #include "values.h"
 #include "robocell/env/stepper.h"
+#include "robocell/expert/pick_expert.h"
 #include "robocell/robot/check_config.h"
 #include "robocell/robot/robot.h"
 #include "robocell/robot/robot_trial.h"

@@ -66,28 +66,40 @@ void BindStart(nb::module_& m) {
       .def_ro("object_kinds", &EpisodeStart::object_kinds)
       .def_ro("base_in_world", &EpisodeStart::base_in_world)
       .def_rw("redrawn", &EpisodeStart::redrawn,
-              "RefusalReason -> count, of places that were tried and given up on the way.");
+              "Reason -> count, of places that were tried and given up on the way.");
 }
 
+// A namespace of constants in Python.
+struct RefusalReasons {};
+
 void BindRefusal(nb::module_& m) {
-  nb::enum_<Refusal::Reason>(m, "RefusalReason", "Why a start was refused: few, and counted.")
-      .value("NO_FREE_PLACE", Refusal::kNoFreePlace)
-      .value("UNSETTLED", Refusal::kUnsettled)
-      .value("NO_REACHABLE_BASE_POSE", Refusal::kNoReachableBasePose)
-      .value("BASE_IN_COLLISION", Refusal::kBaseInCollision)
-      .value("NO_GRASP", Refusal::kNoGrasp)
-      .value("GRASPS_IN_COLLISION", Refusal::kGraspsInCollision)
-      .value("CAMERA_CONSTRAINT", Refusal::kCameraConstraint)
-      .value("INVALID_SCENE", Refusal::kInvalidScene);
+  nb::class_<RefusalReasons> reasons(m, "RefusalReason",
+                                     "Why a start was refused: the reasons of the stages that all "
+                                     "tasks share. A task may have reasons of its own.");
+  reasons.attr("NO_FREE_PLACE") = Refusal::kNoFreePlace;
+  reasons.attr("UNSETTLED") = Refusal::kUnsettled;
+  reasons.attr("NO_REACHABLE_BASE_POSE") = Refusal::kNoReachableBasePose;
+  reasons.attr("BASE_IN_COLLISION") = Refusal::kBaseInCollision;
+  reasons.attr("NO_GRASP") = Refusal::kNoGrasp;
+  reasons.attr("GRASPS_IN_COLLISION") = Refusal::kGraspsInCollision;
+  reasons.attr("CAMERA_CONSTRAINT") = Refusal::kCameraConstraint;
+  reasons.attr("INVALID_SCENE") = Refusal::kInvalidScene;
   nb::class_<Refusal>(m, "Refusal", "A start that was refused, and why.")
-      .def(nb::init<Refusal::Reason, std::string>(), "reason"_a, "detail"_a = "")
+      .def(
+          "__init__",
+          [](Refusal* self, const std::string& reason, const std::string& detail) {
+            if (reason.empty()) throw ArgumentError("Refusal: the reason is empty");
+            new (self) Refusal{.reason = reason, .detail = detail};
+          },
+          "reason"_a, "detail"_a = "",
+          "`reason`: a few words, one of RefusalReason or of your own, by which refusals are "
+          "counted; `detail`: for reading.")
       .def_ro("reason", &Refusal::reason)
       .def_ro("detail", &Refusal::detail, "For reading.")
       .def_rw("redrawn", &Refusal::redrawn,
-              "RefusalReason -> count, of places that were tried and given up before.")
+              "Reason -> count, of places that were tried and given up before.")
       .def("__repr__", [](const Refusal& r) {
-        return "<Refusal: " + std::string(ToString(r.reason)) +
-               (r.detail.empty() ? "" : ", " + r.detail) + ">";
+        return "<Refusal: " + r.reason + (r.detail.empty() ? "" : ", " + r.detail) + ">";
       });
 }
 

@@ -227,16 +227,19 @@ void DefYamlFile(nb::class_<T>& c) {
       "SpecError lists all problems with file:line:column; IoError when it cannot be read.");
   c.def_static(
       "from_yaml",
-      [](const std::string& text, const std::string& source, const Path& directory) {
-        return ParseYaml<T>(text, source, directory.string());
+      [](const std::string& text, const std::string& source, const Path& directory,
+         const std::vector<std::string>& overrides) {
+        return ParseYaml<T>(text, source, directory.string(), overrides);
       },
       nb::arg("text"), nb::arg("source") = "yaml", nb::arg("directory") = "",
+      nb::arg("overrides") = nb::list(),
       nb::sig(
           KeepText(fmt::format("def from_yaml(text: str, source: str = 'yaml', directory: str | "
-                               "os.PathLike[str] = '') -> {}",
+                               "os.PathLike[str] = '', overrides: collections.abc.Sequence[str] = "
+                               "()) -> {}",
                                T::kTypeName))),
       "Read YAML text; `source` stands for the file in messages, relative paths start at "
-      "`directory`.");
+      "`directory`; `overrides` as in load.");
   if constexpr (requires(const T& spec) { spec.locations; }) {
     c.def(
         "location",

@@ -14,7 +14,6 @@ void BindEnvSpecs(nb::module_& m) {
   BindSpecClass<CameraAdderConfig>(
       m, "Where a camera is added: in the root frame, or at a robot's attachment site.");
   BindSpecClass<SimSettings>(m, "How an environment's simulation runs.");
-  BindSpecClass<EnvTaskConfig>(m, "What an environment's robots are to do.");
   BindSpecClass<WrapperConfig>(m, "What is around the robots' actions and observations.");
   auto env = BindSpecClass<EnvConfig>(
       m, "A cell of one or several robots as an environment: robots, frames, objects, cameras.");

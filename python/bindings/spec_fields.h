@@ -17,6 +17,8 @@
 #include "spec_enums.h"
 #include "values.h"
 #include "robocell/base/names.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/task_spec.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell::python {
@@ -547,6 +549,22 @@ struct Convert<RobotSource> {
   static void Set(RobotSource& out, nb::handle value, const FieldPath& path) {
     Convert<RobotConfig>::Set(out.config, value, path);
     out.file = IsPath(value) ? ToText(value, path) : "";
+  }
+};
+
+// The task of a run or environment: its fields, as their kind's class (spec_task.cc).
+nb::object TaskSpecToPython(TaskSpec& value);
+TaskSpec TaskSpecFromPython(nb::handle value, const FieldPath& path);
+
+template <>
+struct Convert<TaskSpec> {
+  static std::string Type() { return "PickTaskConfig | PickAndPlaceTaskConfig | TaskFields"; }
+  static std::string SetType() { return Type() + " | dict[str, typing.Any]"; }
+  static nb::object Get(TaskSpec& value, const char*, nb::handle) {
+    return TaskSpecToPython(value);
+  }
+  static void Set(TaskSpec& out, nb::handle value, const FieldPath& path) {
+    out = TaskSpecFromPython(value, path);
   }
 };
 

@@ -10,7 +10,6 @@ void BindRunSpecs(nb::module_& m) {
   auto cameras =
       BindSpecClass<CameraSystemConfig>(m, "The image streams of a run and the size they share.");
   DefYamlFile(cameras);
-  BindSpecClass<TaskConfig>(m, "What the robot does.");
   BindSpecClass<SceneSource>(m, "Where a run's scenes come from.");
   BindSpecClass<Rates>(m,
                        "How often the engine steps, controllers run and actions are taken, in ms "

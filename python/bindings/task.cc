@@ -1,8 +1,13 @@
 // Tasks and experts, and subclassing them in Python. C++ threads may call them: each call takes the
 // GIL. Those of the pick task are in pick.cc.
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+
+#include <algorithm>
 
 #include "bindings.h"
+#include "body_poses.h"
 #include "rng.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
@@ -22,6 +27,198 @@ Rng& PythonRng::get() {
   }
   return **lent_;
 }
+
+TaskVerdict ToVerdict(nb::handle self, nb::handle made) {
+  if (nb::isinstance<TaskVerdict>(made)) return nb::cast<TaskVerdict>(made);
+  ThrowReturned(self, "judge", "a TaskVerdict", made);
+}
+
+std::vector<TaskSignal> ToSignals(nb::handle self, nb::handle made) {
+  const std::string text = MethodText(self, "signals");
+  const FieldPath path(text);
+  nb::dict ranges;
+  if (!nb::try_cast(made, ranges)) ThrowType(path, "a dict of names to (lower, upper)", made);
+  std::vector<TaskSignal> signals;
+  for (const auto& [key, value] : ranges) {
+    const std::string name = ToText(key, path);
+    const FieldPath of_signal(path, name);
+    const std::vector<nb::object> pair = ToItems(value, of_signal, "a pair (lower, upper)");
+    if (pair.size() != 2) ThrowType(of_signal, "a pair (lower, upper)", value);
+    const Numbers lower(pair[0], of_signal), upper(pair[1], of_signal);
+    signals.push_back({name,
+                       {lower.span().begin(), lower.span().end()},
+                       {upper.span().begin(), upper.span().end()}});
+  }
+  return signals;
+}
+
+void PutSignals(nb::handle self, nb::handle made, const std::vector<TaskSignal>& signals,
+                std::span<double> out) {
+  const std::string text = MethodText(self, "observe");
+  const FieldPath path(text);
+  nb::dict values;
+  if (!nb::try_cast(made, values)) ThrowType(path, "a dict of signals", made);
+  for (const TaskSignal& signal : signals) {
+    const std::string& name = signal.name;
+    const size_t size = signal.lower.size();
+    if (!values.contains(name.c_str()))
+      ThrowValue(path, fmt::format("has no '{}', which signals() names", name));
+    const nb::object value = values[name.c_str()];
+    const Numbers numbers(value, FieldPath(path, name), size);
+    std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
+    out = out.subspan(size);
+  }
+}
+
+std::vector<double> ToMemory(nb::handle self, nb::handle made) {
+  const std::string text = MethodText(self, "memory");
+  const Numbers numbers(made, FieldPath(text));
+  return {numbers.span().begin(), numbers.span().end()};
+}
+
+BodyPoses ToStarts(nb::handle self, nb::handle made) {
+  const std::string text = MethodText(self, "starts");
+  return ToBodyPoses(made, FieldPath(text));
+}
+
+nb::object MemoryArray(std::span<const double> memory) { return NumberCopy(memory); }
+
+namespace {
+
+void BindTaskParts(nb::module_& m) {
+  nb::class_<TaskVerdict>(m, "TaskVerdict", "What a state is worth to a task.")
+      .def(
+          "__init__",
+          [](TaskVerdict* self, double reward, nb::handle success, double progress, int subtask) {
+            // Comparing NumPy's numbers gives a bool of NumPy's.
+            new (self)
+                TaskVerdict{reward, ToBool(success, FieldPath("success")), progress, subtask};
+          },
+          "reward"_a = 0.0, "success"_a = false, "progress"_a = 0.0, "subtask"_a = 0,
+          nb::sig(
+              "def __init__(self, reward: float = 0.0, success: bool = False, progress: float = "
+              "0.0, subtask: int = 0) -> None"))
+      .def_rw("reward", &TaskVerdict::reward)
+      .def_rw("success", &TaskVerdict::success)
+      .def_rw("progress", &TaskVerdict::progress, "From 0 at the start to 1 at success.")
+      .def_rw("subtask", &TaskVerdict::subtask, "Index into the task's subtasks().")
+      .def("__repr__", [](const TaskVerdict& v) {
+        return fmt::format("TaskVerdict(reward={:g}, success={}, progress={:g}, subtask={})",
+                           v.reward, v.success ? "True" : "False", v.progress, v.subtask);
+      });
+  nb::class_<TaskSetting>(m, "TaskSetting",
+                          "What a task is bound to beside its scene: how messages call the place, "
+                          "which robots act, and where objects stand.")
+      .def_ro("place", &TaskSetting::place, "For messages: \"environment 'duo'\".")
+      .def_ro("robots", &TaskSetting::robots, "Names of the robots that act.")
+      .def_prop_ro(
+          "objects",
+          [](const TaskSetting& setting) {
+            nb::dict poses;
+            for (const auto& [name, pose] : setting.objects) poses[name.c_str()] = pose;
+            return poses;
+          },
+          nb::sig("def objects(self) -> dict[str, Pose]"),
+          "Places of objects in the root frame, by name.");
+  nb::class_<BaseRange>(m, "BaseRange",
+                        "Where the base of a run's robot may stand around an object.")
+      .def(
+          "__init__",
+          [](BaseRange* self, std::array<double, 2> distance, double height_offset,
+             std::array<double, 2> height_noise) {
+            new (self) BaseRange{distance, height_offset, height_noise};
+          },
+          "distance"_a = BaseRange().distance, "height_offset"_a = 0.0,
+          "height_noise"_a = BaseRange().height_noise,
+          "`distance`: horizontal, smallest and largest, metres; `height_offset`: of the base's "
+          "bottom above the object, metres; `height_noise`: added to it, smallest and largest.")
+      .def_ro("distance", &BaseRange::distance)
+      .def_ro("height_offset", &BaseRange::height_offset)
+      .def_ro("height_noise", &BaseRange::height_noise);
+}
+
+// Methods that a subclass need not define call the base class's own.
+void BindTaskClass(nb::module_& m) {
+  nb::class_<Task, PyTaskOf<Task>>(
+      m, "Task",
+      "What robots are to do. Subclass it with instruction() and judge(scene) -> TaskVerdict, or\n"
+      "reward(scene) and success(scene); all other methods are there for those who need them.\n\n"
+      "A scene has to hold what the task is about: prepare adds it, bind follows once the scene\n"
+      "is compiled. An episode begins with starts, a reset, arrange and begin. After each step\n"
+      "come judge and observe. `@register_task('stack')` makes a subclass known by a name.")
+      .def(nb::init<>())
+      .def(
+          "prepare", [](Task&, SceneSpec&, PythonRng&) {}, "spec"_a, "rng"_a,
+          "Adds objects, sites or cameras to the SceneSpec. It may be called on another task of "
+          "the same fields than the one that is bound.")
+      .def(
+          "bind",
+          [](Task& t, const Scene& scene, const TaskSetting& setting) {
+            (void)t, (void)scene, (void)setting;
+          },
+          "scene"_a, "setting"_a, "The scene is compiled and not reset yet.")
+      .def(
+          "starts", [](Task&, PythonRng&) { return nb::dict(); }, "rng"_a,
+          nb::sig("def starts(self, rng: Rng) -> collections.abc.Mapping[str, Pose]"),
+          "Where free and mocap bodies start: {name in the scene: pose in the world}. The reset "
+          "puts them there with all else, which is several times as fast as moving them in "
+          "arrange.\n\nThe scene is still where the last episode ended: do not look at it; what "
+          "depends on it belongs into arrange.")
+      .def(
+          "arrange", [](Task&, const Scene&, PythonRng&) { return nb::none(); }, "scene"_a, "rng"_a,
+          nb::sig("def arrange(self, scene: Scene, rng: Rng) -> Refusal | None"),
+          "Does what else an episode starts with; `rng` goes on from starts. A Refusal ends this "
+          "start, and another one is drawn.")
+      .def(
+          "begin", [](Task&, const Scene&) {}, "scene"_a,
+          "Remembers what success is measured from. The scene is at its start state.")
+      .def(
+          "judge", [](Task& t, const Scene& scene) { return t.Judge(scene); }, "scene"_a,
+          "The TaskVerdict of the present state.")
+      .def(
+          "reward", [](Task& t, const Scene& scene) { return t.Judge(scene).reward; }, "scene"_a)
+      .def(
+          "success", [](Task& t, const Scene& scene) { return t.Judge(scene).success; }, "scene"_a)
+      .def("instruction", &Task::instruction, "What is to be done, in words.")
+      .def(
+          "objects", [](const Task&) { return std::vector<std::string>(); },
+          nb::sig("def objects(self) -> collections.abc.Sequence[str]"),
+          "Names of the objects whose poses are observed and recorded, what the task is about "
+          "first.")
+      .def(
+          "resting_objects", [](const Task&) { return std::vector<std::string>(); },
+          nb::sig("def resting_objects(self) -> collections.abc.Sequence[str]"),
+          "Objects that have to lie still when an episode begins: touching no robot, inside of "
+          "nothing and with something under them. starts and arrange are called again, with the "
+          "numbers that follow, until they do. When an environment is made one start is tried, "
+          "and simulated until they rest.")
+      .def(
+          "subtasks", [](const Task&) { return std::vector<std::string>(); },
+          nb::sig("def subtasks(self) -> collections.abc.Sequence[str]"),
+          "What TaskVerdict.subtask counts through.")
+      .def(
+          "base_range", [](const Task&) { return BaseRange(); },
+          "In runs: where the robot's base may stand around the first of objects().")
+      .def(
+          "signals", [](const Task&) { return nb::dict(); },
+          nb::sig("def signals(self) -> dict[str, tuple[numpy.typing.ArrayLike, "
+                  "numpy.typing.ArrayLike]]"),
+          "What is added to the observation: {name: (lower, upper)}.")
+      .def(
+          "observe", [](const Task&, const Scene&) { return nb::dict(); }, "scene"_a,
+          nb::sig("def observe(self, scene: Scene) -> dict[str, numpy.typing.ArrayLike]"),
+          "The signals: {name: numbers}.")
+      .def(
+          "memory", [](const Task&) { return std::vector<double>(); },
+          nb::sig("def memory(self) -> numpy.typing.ArrayLike"),
+          "What it remembers of the episode, for saved states.")
+      .def(
+          "recall", [](Task&, nb::handle) {}, "memory"_a,
+          nb::sig("def recall(self, memory: numpy.typing.NDArray[numpy.float64]) -> None"),
+          "Takes what memory() gave.");
+}
+
+}  // namespace
 
 void BindTask(nb::module_& m) {
   nb::class_<PythonRng>(
@@ -46,16 +243,8 @@ void BindTask(nb::module_& m) {
           "fork",
           [](PythonRng& r, const std::string& purpose) { return PythonRng(r.get().Fork(purpose)); },
           "purpose"_a, "A stream of its own, which may be kept.");
-  nb::class_<Task, PyTaskOf<Task>>(
-      m, "Task",
-      "Judges an episode. Subclass it with begin(scene), reward(scene), "
-      "success(scene), instruction(), objects().")
-      .def(nb::init<>())
-      .def("begin", &Task::Begin, "scene"_a)
-      .def("reward", &Task::Reward, "scene"_a)
-      .def("success", &Task::Success, "scene"_a)
-      .def("instruction", &Task::instruction)
-      .def("objects", &Task::objects);
+  BindTaskParts(m);
+  BindTaskClass(m);
   nb::class_<Expert, PyExpertOf<Expert>>(
       m, "Expert",
       "Acts from the simulation's state. Subclass it with begin(scene, "

@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -19,6 +20,8 @@
 #include "bindings.h"
 #include "returned.h"
 #include "rng.h"
+#include "values.h"
+#include "robocell/scene/scene.h"
 #include "robocell/task/task.h"
 
 namespace robocell::python {
@@ -47,37 +50,138 @@ R CallWithRng(const nb::detail::trampoline& trampoline, const char* name, Base* 
   return CallMethod<R>(trampoline, name, self, own, args..., loan.rng());
 }
 
+// Whether Python defines a method.
+inline bool Defines(const nb::detail::trampoline& trampoline, const char* name) {
+  return nb::detail::ticket(trampoline, name, nb::detail::str_hash(name), false).key.is_valid();
+}
+
+// "MyTask.signals()", for messages.
+inline std::string MethodText(nb::handle self, const char* method) {
+  return ClassName(self) + "." + method + "()";
+}
+
+// What the methods of a task return, converted; errors name class and method.
+TaskVerdict ToVerdict(nb::handle self, nb::handle made);
+std::vector<TaskSignal> ToSignals(nb::handle self, nb::handle made);
+void PutSignals(nb::handle self, nb::handle made, const std::vector<TaskSignal>& signals,
+                std::span<double> out);
+std::vector<double> ToMemory(nb::handle self, nb::handle made);
+BodyPoses ToStarts(nb::handle self, nb::handle made);
+nb::object MemoryArray(std::span<const double> memory);
+
 template <class Base>
 class PyTaskOf : public Base {
  public:
   NB_TRAMPOLINE(Base);
+  void Prepare(SceneSpec& spec, Rng& rng) override {
+    if (!Defines(nb_trampoline, "prepare")) return Base::Prepare(spec, rng);
+    const nb::gil_scoped_acquire acquire;
+    const RngLoan loan(rng);
+    const nb::object own = nb::cast(SceneSpec(spec));
+    self().attr("prepare")(own, loan.rng());
+    spec = nb::cast<SceneSpec&>(own);
+  }
+  void Bind(const Scene& scene, const TaskSetting& setting) override {
+    if (!Defines(nb_trampoline, "bind")) return Base::Bind(scene, setting);
+    const nb::gil_scoped_acquire acquire;
+    self().attr("bind")(Scene(scene), setting);
+  }
+  BodyPoses Starts(Rng& rng) override {
+    if (!Defines(nb_trampoline, "starts")) return Base::Starts(rng);
+    const nb::gil_scoped_acquire acquire;
+    const RngLoan loan(rng);
+    return ToStarts(self(), self().attr("starts")(loan.rng()));
+  }
+  std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override {
+    if (!Defines(nb_trampoline, "arrange")) return Base::Arrange(scene, rng);
+    const nb::gil_scoped_acquire acquire;
+    const RngLoan loan(rng);
+    return Returned<std::optional<Refusal>>(self(), "arrange",
+                                            self().attr("arrange")(Scene(scene), loan.rng()));
+  }
   void Begin(const Scene& scene) override {
-    Call<void>(
-        "begin", [&](auto* self) { self->Base::Begin(scene); }, scene);
+    if (!Defines(nb_trampoline, "begin")) return Base::Begin(scene);
+    const nb::gil_scoped_acquire acquire;
+    self().attr("begin")(Scene(scene));
   }
-  double Reward(const Scene& scene) override {
-    return Call<double>(
-        "reward", [&](auto* self) { return self->Base::Reward(scene); }, scene);
-  }
-  bool Success(const Scene& scene) override {
-    return Call<bool>(
-        "success", [&](auto* self) { return self->Base::Success(scene); }, scene);
+  TaskVerdict Judge(const Scene& scene) override {
+    if (Defines(nb_trampoline, "judge")) {
+      const nb::gil_scoped_acquire acquire;
+      return ToVerdict(self(), self().attr("judge")(Scene(scene)));
+    }
+    TaskVerdict verdict;
+    const bool rewards = Defines(nb_trampoline, "reward");
+    const bool succeeds = Defines(nb_trampoline, "success");
+    if constexpr (std::is_abstract_v<Base>) {
+      if (!succeeds) ThrowMissing(self(), rewards ? "success" : "judge");
+      if (!rewards) ThrowMissing(self(), "reward");
+    } else {
+      if (!rewards || !succeeds) verdict = Base::Judge(scene);
+    }
+    const nb::gil_scoped_acquire acquire;
+    if (rewards)
+      verdict.reward = Returned<double>(self(), "reward", self().attr("reward")(Scene(scene)));
+    if (succeeds)
+      verdict.success = Returned<bool>(self(), "success", self().attr("success")(Scene(scene)));
+    return verdict;
   }
   std::string instruction() const override {
     return CallMethod<std::string>(nb_trampoline, "instruction", static_cast<const Base*>(this),
                                    [](auto* self) { return self->Base::instruction(); });
   }
   std::vector<std::string> objects() const override {
-    return CallMethod<std::vector<std::string>>(nb_trampoline, "objects",
-                                                static_cast<const Base*>(this),
-                                                [](auto* self) { return self->Base::objects(); });
+    if (!Defines(nb_trampoline, "objects")) return Base::objects();
+    const nb::gil_scoped_acquire acquire;
+    return Names("objects");
+  }
+  std::vector<std::string> resting_objects() const override {
+    if (!Defines(nb_trampoline, "resting_objects")) return Base::resting_objects();
+    const nb::gil_scoped_acquire acquire;
+    return Names("resting_objects");
+  }
+  std::vector<std::string> subtasks() const override {
+    if (!Defines(nb_trampoline, "subtasks")) return Base::subtasks();
+    const nb::gil_scoped_acquire acquire;
+    return Names("subtasks");
+  }
+  BaseRange base_range() const override {
+    if (!Defines(nb_trampoline, "base_range")) return Base::base_range();
+    const nb::gil_scoped_acquire acquire;
+    const nb::object made = self().attr("base_range")();
+    if (!nb::isinstance<BaseRange>(made)) ThrowReturned(self(), "base_range", "a BaseRange", made);
+    return nb::cast<BaseRange>(made);
+  }
+  std::vector<TaskSignal> signals() const override {
+    if (!Defines(nb_trampoline, "signals")) return Base::signals();
+    const nb::gil_scoped_acquire acquire;
+    return signals_ = ToSignals(self(), self().attr("signals")());
+  }
+  void Observe(const Scene& scene, std::span<double> out) const override {
+    if (!Defines(nb_trampoline, "observe")) {
+      if (!signals_.empty()) ThrowMissing(self(), "observe");
+      return Base::Observe(scene, out);
+    }
+    const nb::gil_scoped_acquire acquire;
+    PutSignals(self(), self().attr("observe")(Scene(scene)), signals_, out);
+  }
+  std::vector<double> memory() const override {
+    if (!Defines(nb_trampoline, "memory")) return Base::memory();
+    const nb::gil_scoped_acquire acquire;
+    return ToMemory(self(), self().attr("memory")());
+  }
+  void Recall(std::span<const double> memory) override {
+    if (!Defines(nb_trampoline, "recall")) return Base::Recall(memory);
+    const nb::gil_scoped_acquire acquire;
+    self().attr("recall")(MemoryArray(memory));
   }
 
  private:
-  template <class R, class Own>
-  R Call(const char* name, Own own, const Scene& scene) {
-    return CallMethod<R>(nb_trampoline, name, static_cast<Base*>(this), own, scene);
+  nb::handle self() const { return nb_trampoline.base(); }
+  std::vector<std::string> Names(const char* name) const {
+    return Returned<std::vector<std::string>>(self(), name, self().attr(name)());
   }
+
+  mutable std::vector<TaskSignal> signals_;
 };
 
 template <class Base>

@@ -195,7 +195,7 @@ def pick_place_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvCo
         "name": "pick_place",
         "root_frame_objects": {"cube": cube, "mat": mat},
         "task": {
-            "kind": "pick_place",
+            "kind": "pick_and_place",
             "object": "cube",
             "spread": [0.08, 0.1],
             "goal_object": "mat",

@@ -277,7 +277,7 @@ def test_the_pick_task(fr3):
         ),
         (
             PickTaskConfig(task_id="pour"),
-            r"task_cfg: no task 'pour'. Known tasks: .*pick, pick_place",
+            r"task_cfg: no task 'pour'. Known tasks: .*pick, pick_and_place",
         ),
     ):
         with pytest.raises(rc.NotFoundError, match=text):
@@ -338,12 +338,16 @@ def test_the_pick_and_place_task(fr3):
     assert config.task.goal_tolerance == 0.01
 
 
-class Wait(rc.EnvTask):
+class Wait(rc.Task):
     """Nothing is to be done, beside an object where there is one."""
 
-    def __init__(self, config, scene):
+    @dataclass
+    class Fields:
+        object: str = ""
+
+    def __init__(self, fields):
         super().__init__()
-        self.object = config.task.object
+        self.object = fields.object
 
     def reward(self, scene):
         return 0.5
@@ -365,7 +369,7 @@ class BesideALamp(BaseTaskConfig):
 
 
 def test_tasks_of_ones_own(fr3):
-    rc.register_env_task("wait", Wait)
+    rc.register_task("wait")(Wait)
     env = SimEnvCreator()(minimal(fr3, task_cfg=BaseTaskConfig(task_id="wait"), headless=True))
     assert env.reset(seed=0)[1]["instruction"] == "wait beside the "
     still = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1]}}
@@ -381,7 +385,7 @@ def test_tasks_of_ones_own(fr3):
     assert (list(config.world_frame_objects), config.task.kind) == (["lamp"], "wait")
     with pytest.raises(
         rc.NotFoundError,
-        match=r"no task 'pour'. Known tasks: .*pick, pick_place, .*wait.*; "
+        match=r"no task 'pour'. Known tasks: .*pick, pick_and_place, .*wait.*; "
         r"those of one's own are add",
     ):
         minimal(fr3, task_cfg=BaseTaskConfig(task_id="pour")).to_env_config()

@@ -107,12 +107,11 @@ def test_a_step_of_a_vector_ends(threads):
     vector.close()
 
 
-class InterruptsTheSecond(rc.EnvTask):
+class InterruptsTheSecond(rc.Task):
     """Sends Ctrl-C into the step of the second copy, when the first has stepped."""
 
-    def __init__(self, config: rc.EnvConfig, scene: rc.Scene) -> None:
-        super().__init__()
-        self.first = config.name.endswith("[0]")
+    def bind(self, scene: rc.Scene, setting: rc.TaskSetting) -> None:
+        self.first = setting.place.endswith("[0]'")
 
     def reward(self, scene: rc.Scene) -> float:
         if self.first:
@@ -127,7 +126,7 @@ class InterruptsTheSecond(rc.EnvTask):
 
 
 def test_all_copies_of_an_interrupted_vector_want_a_reset():
-    rc.register_env_task("interrupts_the_second", InterruptsTheSecond)
+    rc.register_task("interrupts_the_second")(InterruptsTheSecond)
     config = pick_cube_config(
         sim={"async_control": True, "frequency": 0.01, "on_collision": "report"},
         task={"kind": "interrupts_the_second"},

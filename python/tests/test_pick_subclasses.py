@@ -116,8 +116,8 @@ def test_episodes_carry_the_labels_of_a_subclass_of_pick_task(tmp_path: Path):
     assert episode.metadata["instruction"].startswith("do not pick up the ")
     assert (episode["reward"] >= 7).all()
     first = int(episode["success"].argmax())
-    assert first == 2  # the third row: two rewards were asked before
-    assert not episode["success"][:2].any()
+    assert first == 1  # the second row: its reward is the second that was asked for
+    assert not episode["success"][:1].any()
 
 
 def test_a_subclass_that_overrides_nothing_changes_nothing(tmp_path: Path):

@@ -308,7 +308,7 @@ class Waiting(Reach):
 @pytest.fixture
 def waiting() -> Iterator[rc.EnvConfig]:
     """An environment whose task stands in Waiting.door."""
-    rc.register_env_task("waiting", Waiting)
+    rc.register_task("waiting")(Waiting)
     yield pick_cube_config(task={"kind": "waiting"}, root_frame_objects={}, name="cell")
     Waiting.door = None
 

@@ -222,7 +222,9 @@ def test_an_exception_costs_a_try_and_the_worker(tmp_path: Path):
     recorder = Recorder()
     supervise(tmp_path, {"e0": ["raise", "make"]}, workers=1, observer=recorder).run()
     assert episodes(tmp_path) == ids(4)
-    assert recorder.of("retry") == ["e0: ValueError: a bug"]
+    (said,) = recorder.of("retry")
+    assert said.startswith("e0: ValueError: a bug ("), "with file and line"
+    assert "fake_worker.py:" in said
     pids = {line.split()[1] for line in (tmp_path / "tries").read_text().splitlines()}
     assert len(pids) == 2, "a fresh worker went on"
     assert "Traceback" in (tmp_path / "worker-0.log").read_text(), "for whoever looks into it"

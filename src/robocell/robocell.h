@@ -21,6 +21,7 @@
 #include "robocell/env/env_batch.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/env/stepper.h"
+#include "robocell/expert/expert_kind.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/kinematics/chain.h"
 #include "robocell/kinematics/chain_batch.h"
@@ -52,3 +53,4 @@
 #include "robocell/task/pick_sampler.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/task/task.h"
+#include "robocell/task/task_kind.h"

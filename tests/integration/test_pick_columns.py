@@ -228,8 +228,12 @@ def test_reward_success_and_end_are_those_of_the_physics(every_steps: dict[Path,
         risen = steps["objects/target/pose"][:, 2] - steps["objects/target/pose"][0, 2]
         reward, success = steps["reward"][:], steps["success"][:]
         # The outcome of action i is the state of row i + 1.
-        np.testing.assert_allclose(reward[:-1], np.maximum(0, risen[1:]), rtol=0, atol=1e-12)
-        assert np.all(reward[success] >= 0.01), episode.name
+        tcp = steps[f"{ROBOT}/tcp_pose"][:, :3]
+        away = np.linalg.norm(tcp - steps["objects/target/pose"][:, :3], axis=1)
+        progress = 0.5 * (1 - np.tanh(5 * away)) + 0.5 * np.clip(risen / 0.05, 0, 1)
+        expected = np.where(success[:-1], 1, progress[1:])
+        np.testing.assert_allclose(reward[:-1], expected, rtol=0, atol=1e-9)
+        assert np.all(risen[1:][success[:-1]] >= 0.05), episode.name
         assert success[-1], episode.name
         assert not success[0], episode.name
         assert np.flatnonzero(steps["terminated"][:]).tolist() == [len(risen) - 1]

@@ -153,14 +153,13 @@ runner = rc.Runner(run, expert=lambda run, start: Idle())
 """,
     "environments with a task of one's own": """
 from robocell.gym import GymEnv, VectorGymEnv, pick_cube_config
-class Wait(rc.EnvTask):
-    def __init__(self, config, scene):
-        super().__init__()
+class Wait(rc.Task):
+    def bind(self, scene, setting):
         self.scene = scene
     def reward(self, scene): return 0.0
     def success(self, scene): return False
     def instruction(self): return "wait"
-rc.register_env_task("wait", Wait)
+rc.register_task("wait")(Wait)
 waiting = pick_cube_config(task={"kind": "wait"}, root_frame_objects={})
 env, vector = GymEnv(waiting), VectorGymEnv(waiting, 2, threads=2)
 env.reset(seed=1)

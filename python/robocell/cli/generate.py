@@ -22,6 +22,7 @@ from robocell.generate.job import Job, Result
 from robocell.generate.procfs import age_s
 from robocell.generate.progress import make_progress
 from robocell.generate.resume import DamagedEpisodesError
+from robocell.generate.run_source import RunSource
 from robocell.generate.signals import interrupted_by_signals
 from robocell.generate.summary import Summary
 from robocell.generate.supervisor import Limits
@@ -46,7 +47,22 @@ WORKERS_PER_CORE = 8
 
 
 def generate(
-    run_file: Annotated[Path, typer.Argument(metavar="RUN.yaml", help="The run file.")],
+    run: Annotated[
+        str,
+        typer.Argument(
+            metavar="RUN.yaml",
+            help="The run file; or module:name or file.py:name of a RunConfig, or of a function "
+            "that makes one.",
+        ),
+    ],
+    imports: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--import",
+            metavar="MODULE",
+            help="A module or file.py to import first, which registers tasks and experts.",
+        ),
+    ] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Worker processes.")] = None,
     # Text: an empty one would be the working folder as a path, and is nobody's wish.
     output: Annotated[
@@ -80,11 +96,13 @@ def generate(
     Exit codes: 0 all made, 1 some could not be made, 2 wrong command or spec, 3 reading or writing
     failed, 130 interrupted.
     """
-    require_spec_file(run_file, RunConfig)
+    source = RunSource(str(run), tuple(imports or ()))
+    if not source.in_python:
+        require_spec_file(Path(run), RunConfig)
     named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
     try:
         with interrupted_by_signals(), told_as_options(named):
-            job = _open_job(run_file, [*(set_ or []), *overrides(named)], shard)
+            job = _open_job(source, [*(set_ or []), *overrides(named)], shard)
             if dry_run:
                 for warning in job.check():
                     print_warning(warning)
@@ -102,13 +120,13 @@ def generate(
     _end(result)
 
 
-def _open_job(run_file: Path, replaced: list[str], shard: str | None) -> Job:
+def _open_job(source: RunSource, replaced: list[str], shard: str | None) -> Job:
     """With no more workers than this machine bears."""
-    job = Job(run_file, replaced, shard)
+    job = Job(source, replaced, shard)
     if too_many := many_workers(job.run.workers):
         print_warning(too_many)
     if job.run.workers > most_workers():
-        return Job(run_file, [*replaced, f"workers={most_workers()}"], shard)
+        return Job(source, [*replaced, f"workers={most_workers()}"], shard)
     return job
 
 
@@ -186,7 +204,7 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
         return
     try:
         # Up to here it did what it does before it starts workers.
-        found = estimate(job.run_file, job.overrides, to_do, job.run.workers, before_s=age_s())
+        found = estimate(job.source, job.overrides, to_do, job.run.workers, before_s=age_s())
     except ProbeError as error:
         fail(f"no episode can be made: {error}", EXIT_CODES[error.failure.kind])
     if too_small := too_little_room(found.bytes, job.dataset):

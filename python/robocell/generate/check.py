@@ -1,6 +1,6 @@
 """Looks through a run before it starts, in a process of its own: a model may crash the engine.
 
-    for text in check_apart("run.yaml", ["workers=2"]).warnings:
+    for text in check_apart(RunSource("run.yaml"), ["workers=2"]).warnings:
         print(text)
 
 The module is that process. The last line of its standard output is what it
@@ -22,6 +22,7 @@ from typing import Any
 from robocell import Error, IoError, RunConfig, _core, check_run, describe_gl
 from robocell.generate.own_process import ask_process, end_with_asker
 from robocell.generate.protocol import Failure
+from robocell.generate.run_source import RunSource
 from robocell.generate.supervisor import Limits
 from robocell.generate.worker_process import describe_exit
 
@@ -47,7 +48,7 @@ class Found:
 
 
 def check_apart(
-    run_file: str, overrides: Sequence[str], longest_s: float = Limits.item_timeout_s
+    source: RunSource, overrides: Sequence[str], longest_s: float = Limits.item_timeout_s
 ) -> Found:
     """Raises what `robocell.check_run` raises.
 
@@ -57,7 +58,8 @@ def check_apart(
     """
     sets = [f"--set={override}" for override in overrides]
     try:
-        done = ask_process("robocell.generate.check", [*sets, "--", run_file], longest_s)
+        options = [*source.options(), *sets, "--", source.run]
+        done = ask_process("robocell.generate.check", options, longest_s)
     except subprocess.TimeoutExpired:
         slow = f"the run could not be looked through within {longest_s:g} s: a model takes too long"
         return Found([slow])
@@ -113,11 +115,12 @@ def main() -> int:
     """The process."""
     parser = argparse.ArgumentParser(prog="robocell.generate.check", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
-    parser.add_argument("run_file")
+    parser.add_argument("--import", dest="imports", action="append", default=[])
+    parser.add_argument("run")
     arguments = parser.parse_args()
     end_with_asker()
     try:
-        run = RunConfig.load(arguments.run_file, arguments.set)
+        run = RunSource(arguments.run, tuple(arguments.imports)).load(arguments.set)
         warnings = check_run(run) + graphics_warnings(run)
     except Exception as error:
         if not isinstance(error, Error | OSError):

@@ -17,6 +17,7 @@ from robocell.generate.probe import MOST_BLIND, Probe, Sample, spread
 from robocell.generate.probe_folder import probe_folder
 from robocell.generate.procfs import peak_bytes
 from robocell.generate.protocol import Failure
+from robocell.generate.run_source import RunSource
 from robocell.generate.totals import counted, duration, size, time_hint
 
 LONGEST_S = 300.0
@@ -84,7 +85,7 @@ class Estimate:
 
 
 def estimate(
-    run_file: Path,
+    source: RunSource,
     overrides: Sequence[str],
     indices: Sequence[int],
     workers: int,
@@ -98,7 +99,7 @@ def estimate(
     """
     tried = [indices[place] for place in spread(len(indices), MOST_BLIND)]
     with probe_folder() as folder:
-        probe = _probe(run_file, overrides, tried, folder)
+        probe = _probe(source, overrides, tried, folder)
     return scaled(probe, len(indices), workers, before_s=before_s, own_bytes=peak_bytes())
 
 
@@ -162,10 +163,12 @@ def _sum(samples: Sequence[Sample], name: str) -> float:
     return sum(getattr(sample, name) for sample in samples)
 
 
-def _probe(run_file: Path, overrides: Sequence[str], tried: Sequence[int], folder: Path) -> Probe:
-    options = [f"--set={override}" for override in overrides]
+def _probe(
+    source: RunSource, overrides: Sequence[str], tried: Sequence[int], folder: Path
+) -> Probe:
+    options = [*source.options(), *(f"--set={override}" for override in overrides)]
     options += [f"--item={index}" for index in tried]
-    arguments = [*options, "--", str(run_file), str(folder)]
+    arguments = [*options, "--", source.run, str(folder)]
     try:
         done = ask_process("robocell.generate.probe", arguments, LONGEST_S)
     except subprocess.TimeoutExpired:

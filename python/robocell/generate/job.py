@@ -12,7 +12,6 @@ from pathlib import Path
 from robocell import (
     DatasetLock,
     Error,
-    RunConfig,
     check_dataset,
     make_plan,
     parse_shard,
@@ -40,6 +39,7 @@ from robocell.generate.report import (
     utc_now,
 )
 from robocell.generate.resume import DamagedEpisodesError, made_items, report_of
+from robocell.generate.run_source import RunSource
 from robocell.generate.signals import stop_on_signals
 from robocell.generate.supervisor import Limits, Outcome, Supervisor
 
@@ -73,17 +73,19 @@ class Job:
     """The items of a run, or of a shard of it.
 
     Args:
-        run_file: The YAML file.
+        source: The run file, or what makes the configuration, with the modules to import.
         overrides: Replaced fields, as in 'task.lift_height=0.05'.
         shard: 'i/N': every N-th item, beginning with the i-th. None: all.
 
     Raises SpecError for what the files say, ArgumentError for the shard.
     """
 
-    def __init__(self, run_file: Path, overrides: Sequence[str], shard: str | None = None) -> None:
-        self.run_file = run_file
+    def __init__(
+        self, source: RunSource | Path, overrides: Sequence[str], shard: str | None = None
+    ) -> None:
+        self.source = source if isinstance(source, RunSource) else RunSource(str(source))
         self.overrides = tuple(overrides)
-        self.run = RunConfig.load(run_file, list(overrides))
+        self.run = self.source.load(overrides)
         self.dataset = Path(self.run.output)
         plan = make_plan(self.run)
         self.plan_size = len(plan)
@@ -109,7 +111,7 @@ class Job:
 
     def _look_through(self, longest_s: float) -> Found:
         require_writable(self.dataset, self._place_of_output())
-        found = check_apart(str(self.run_file), self.overrides, longest_s)
+        found = check_apart(self.source, self.overrides, longest_s)
         check_dataset(self.run)
         return found
 
@@ -128,7 +130,9 @@ class Job:
         sets = [part for override in kept for part in ("--set", override)]
         alone = ["--output", str(self.dataset.with_name(f"{self.dataset.name}_alone"))]
         shard = ["--shard", f"{item.index}/{self.plan_size}"]
-        return shlex.join(["robocell", "generate", str(self.run_file), *sets, *alone, *shard])
+        imports = [part for module in self.source.imports for part in ("--import", module)]
+        command = ["robocell", "generate", self.source.run, *imports, *sets, *alone, *shard]
+        return shlex.join(command)
 
     def do(self, observer: Observer, limits: Limits | None = None) -> Result:
         """Makes what is missing. SpecError as `check` does, before anything is written.
@@ -157,7 +161,7 @@ class Job:
                 )
             supervisor = Supervisor(
                 [item for item in self.items if item.id not in made],
-                work.command(str(self.run_file), self.overrides),
+                work.command(self.source, self.overrides),
                 workers=self.run.workers,
                 logs=self._logs(),
                 on_disk=lambda item_id: report_of(self.run, by_id[item_id]),

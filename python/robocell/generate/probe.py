@@ -24,6 +24,7 @@ from robocell.generate.items import recorded_frames
 from robocell.generate.own_process import end_with_asker
 from robocell.generate.procfs import MemoryWatch, age_s, children_peak_bytes, peak_bytes
 from robocell.generate.protocol import Failure
+from robocell.generate.run_source import RunSource
 
 MOST_BLIND, BLIND_S = 24, 8.0
 MOST_SEEING, SEEING_S = 2, 10.0
@@ -94,22 +95,24 @@ def spread(count: int, most: int) -> list[int]:
     return [index * count // taken for index in range(taken)]
 
 
-def measure(run_file: str, overrides: Sequence[str], indices: Sequence[int], folder: Path) -> Probe:
+def measure(
+    source: RunSource, overrides: Sequence[str], indices: Sequence[int], folder: Path
+) -> Probe:
     """Makes these items of the plan: blind first, then some of them again with their cameras."""
-    blind_run = _load(run_file, [*overrides, "cameras.streams=[]"], folder / "blind")
+    blind_run = _load(source, [*overrides, "cameras.streams=[]"], folder / "blind")
     plan = make_plan(blind_run)
     items = [plan[index] for index in indices]
     start_s = age_s()
     blind = _make(blind_run, items, BLIND_S)
-    seeing_run = _load(run_file, overrides, folder / "seeing")
+    seeing_run = _load(source, overrides, folder / "seeing")
     with MemoryWatch(children_peak_bytes) as encoders:
         seeing = _make(seeing_run, items[: min(MOST_SEEING, len(blind))], SEEING_S)
     return Probe(blind, seeing, start_s, peak_bytes(), encoders.bytes)
 
 
-def _load(run_file: str, overrides: Sequence[str], folder: Path) -> RunConfig:
+def _load(source: RunSource, overrides: Sequence[str], folder: Path) -> RunConfig:
     folder.mkdir()
-    return RunConfig.load(run_file, [*overrides, f"output={json.dumps(str(folder))}"])
+    return source.load([*overrides, f"output={json.dumps(str(folder))}"])
 
 
 def _make(run: RunConfig, items: Sequence[PlanItem], budget_s: float) -> list[Sample]:
@@ -159,12 +162,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="robocell.generate.probe", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
     parser.add_argument("--item", action="append", type=int, required=True)
-    parser.add_argument("run_file")
+    parser.add_argument("--import", dest="imports", action="append", default=[])
+    parser.add_argument("run")
     parser.add_argument("folder", type=Path)
     arguments = parser.parse_args()
     end_with_asker()
     try:
-        probe = measure(arguments.run_file, arguments.set, arguments.item, arguments.folder)
+        source = RunSource(arguments.run, tuple(arguments.imports))
+        probe = measure(source, arguments.set, arguments.item, arguments.folder)
     except Exception as error:
         print(json.dumps({"failed": Failure.of(error).to_json()}))
         return 1

@@ -40,14 +40,18 @@ class Failure:
 
     @classmethod
     def of(cls, error: BaseException) -> Failure:
-        """Sorts an exception; those outside robocell's hierarchy are told with their class."""
+        """Sorts an exception; one of a user's code comes with class, file and line."""
         from robocell import ArgumentError, Error, NotFoundError, SpecError
 
         if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
             return cls("spec", str(error))
         kind: FailureKind = "io" if isinstance(error, OSError) else "other"
         known = isinstance(error, Error | OSError)
-        return cls(kind, str(error) if known else f"{type(error).__name__}: {error}")
+        if known:
+            return cls(kind, str(error))
+        from robocell.generate.run_source import place_of
+
+        return cls(kind, place_of(error))
 
     def error(self) -> Exception:
         """An exception to raise in its stead: SpecError, IoError or Error."""

@@ -1,6 +1,6 @@
 """The module `robocell.generate.work`: a worker process. Started by the supervisor, not by people.
 
-It loads the run file itself and refuses to go on when that, a model file or a version is not what
+It loads the run itself and refuses to go on when that, a model file or a version is not what
 the dataset was begun with.
 """
 
@@ -10,20 +10,22 @@ import argparse
 import sys
 from collections.abc import Sequence
 
-from robocell import RunConfig, Runner, StopFlag, make_plan, require_same_run
+from robocell import Runner, StopFlag, make_plan, require_same_run
 from robocell.generate.items import Item, Report
 from robocell.generate.own_process import own_process
+from robocell.generate.run_source import RunSource
 from robocell.generate.worker import MakeEpisode, serve
 
 
-def command(run_file: str, overrides: Sequence[str]) -> list[str]:
+def command(source: RunSource, overrides: Sequence[str]) -> list[str]:
     """The command that starts a worker for a run."""
     sets = [f"--set={override}" for override in overrides]
-    return [*own_process("robocell.generate.work"), *sets, "--", run_file]
+    options = [*source.options(), *sets, "--", source.run]
+    return [*own_process("robocell.generate.work"), *options]
 
 
 def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
-    run = RunConfig.load(arguments.run_file, arguments.set)
+    run = RunSource(arguments.run, tuple(arguments.imports)).load(arguments.set)
     require_same_run(run)
     runner = Runner(run)
     plan = {item.id: item for item in make_plan(run)}
@@ -38,7 +40,8 @@ def main() -> int:
     """The process."""
     parser = argparse.ArgumentParser(prog="robocell.generate.work", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
-    parser.add_argument("run_file")
+    parser.add_argument("--import", dest="imports", action="append", default=[])
+    parser.add_argument("run")
     arguments = parser.parse_args()
     stop = StopFlag()
     return serve(lambda: _open_maker(arguments, stop), stop)

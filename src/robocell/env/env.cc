@@ -12,6 +12,7 @@
 #include "robocell/env/env_scene.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/spec/validate.h"
+#include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
@@ -102,7 +103,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
     : config_(Checked(std::move(config))),
       scene_(std::move(scene)),
       variations_(config_, scene_),
-      task_(MakeEnvTask(config_, scene_)),
+      task_(MakeTask(config_, scene_)),
       layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get())),
       objects_(ObservedObjects(layout_, scene_)),
       arms_(DriversOf(config_, scene_, layout_)),
@@ -300,7 +301,7 @@ void Env::Judge(EnvStep& out) {
   out.success = verdict.success;
   if (std::isfinite(out.reward)) return;
   throw ArgumentError(
-      fmt::format("{}: the reward of task '{}' is {}", place(), config_.task->kind, out.reward));
+      fmt::format("{}: the reward of task '{}' is {}", place(), config_.task->kind(), out.reward));
 }
 
 void Env::Observe() {
@@ -323,7 +324,7 @@ void Env::ObserveTask() {
   for (int i = begin; i < begin + size; ++i) {
     if (!std::isfinite(observation_[i])) {
       throw ArgumentError(fmt::format("{}: task '{}' observed {}, which is {}", place(),
-                                      config_.task->kind, NameOfObservation(layout_, i),
+                                      config_.task->kind(), NameOfObservation(layout_, i),
                                       observation_[i]));
     }
     observation_[i] =

@@ -41,13 +41,13 @@
 #include "robocell/env/env_layout.h"
 #include "robocell/env/env_record.h"
 #include "robocell/env/env_state.h"
-#include "robocell/env/env_task.h"
 #include "robocell/env/object_variations.h"
 #include "robocell/env/pacer.h"
 #include "robocell/env/stepper.h"
 #include "robocell/scene/body_handle.h"
 #include "robocell/scenes/start_check.h"
 #include "robocell/spec/env_config.h"
+#include "robocell/task/task.h"
 
 namespace robocell {
 
@@ -137,7 +137,7 @@ class Env {
 
   // For those who own the task's object in another language: the only reference to it from here,
   // null without one, and its end. Without its task an environment is of no use any more.
-  const std::shared_ptr<EnvTask>& task() const { return task_; }
+  const std::shared_ptr<Task>& task() const { return task_; }
   void DropTask() { task_.reset(); }
 
  private:
@@ -181,7 +181,7 @@ class Env {
   EnvConfig config_;
   Scene scene_;
   ObjectVariations variations_;
-  std::shared_ptr<EnvTask> task_;
+  std::shared_ptr<Task> task_;
   EnvLayout layout_;
   std::vector<BodyHandle> objects_;  // of layout_.objects
   std::vector<ArmDriver> arms_;

@@ -70,7 +70,7 @@ class Builder {
     throw ArgumentError(
         fmt::format("environment '{}': signal '{}' of task '{}' needs a range: as many lower as "
                     "upper bounds, and none above the other",
-                    config_.name, signal.name, config_.task->kind));
+                    config_.name, signal.name, config_.task->kind()));
   }
 
   static std::string CommandName(ControlMode mode) {
@@ -161,7 +161,7 @@ std::vector<Interval> CommandLimits(const Robot& robot) {
 }
 
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots,
-                        const EnvTask* task) {
+                        const Task* task) {
   Builder builder(config);
   const std::vector<std::string> names = config.robots.keys();
   for (size_t i = 0; i < robots.size(); ++i) builder.Add(names[i], robots[i]);

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "robocell/env/env_task.h"
 #include "robocell/robot/robot.h"
 #include "robocell/spec/env_config.h"
+#include "robocell/task/task.h"
 
 namespace robocell {
 
@@ -58,9 +58,6 @@ struct EnvLayout {
   VectorRange action, observation;
 };
 
-// Objects farther away are observed at this distance along each axis, m: they may fall for ever.
-inline constexpr double kFarthestObject = 100;
-
 // Joints are observed up to so far beyond the limits, which give way a little in the engine: rad
 // or m.
 inline constexpr double kJointSlack = 0.5;
@@ -68,7 +65,7 @@ inline constexpr double kJointSlack = 0.5;
 // `robots` are those of the configuration, in its order, in a scene at its start; `task` null
 // without one. ArgumentError for signals whose ranges are none.
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots,
-                        const EnvTask* task);
+                        const Task* task);
 
 // "left.joints[2]", "objects.cube.tquat[0]", "task.goal[1]": number i of the observation.
 std::string NameOfObservation(const EnvLayout& layout, int i);

@@ -4,6 +4,7 @@
 
 #include "robocell/scene/saved_scene.h"
 #include "robocell/spec/validate.h"
+#include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
@@ -112,6 +113,7 @@ SceneSpec EnvSceneSpec(const EnvConfig& config) {
   for (const auto& [robot, objects] : config.robot_frame_objects.entries())
     AddObjects(*objects, Attachment(robot), scene);
   AddCameras(config, scene);
+  PrepareTask(config, scene);
   return scene;
 }
 

@@ -65,7 +65,7 @@ std::string Env::NoStart(const std::string& why) const {
   return fmt::format(
       "{}: task '{}' found no start in {} tries: most often {}. Move its objects to a free place "
       "(root_frame_objects), or change task.spread",
-      place(), config_.task->kind, kMostStarts, why);
+      place(), config_.task->kind(), kMostStarts, why);
 }
 
 // The scene is left as a reset leaves it.
@@ -97,7 +97,7 @@ void Env::RequireRest(const std::string& doubt) {
   throw SpecError(fmt::format(
       "{}: no episode can begin, because the objects of task '{}' do not come to rest: {}. Put "
       "something under them: `add_floor: true`, or an object with `fixed: true`",
-      place(), config_.task->kind, doubt.empty() ? *why_not : doubt));
+      place(), config_.task->kind(), doubt.empty() ? *why_not : doubt));
 }
 
 void Env::WarnOfStart() {

@@ -107,7 +107,7 @@ TEST(EnvStart, WarnsOfWhatHangsInTheAirUntilItIsSaid) {
 EnvConfig CubeOnly() {
   EnvConfig config = Rc7Env();
   config.root_frame_objects["cube"] = GreenCube(PlaceAt(0.45, 0, 0.02));
-  config.task = EnvTaskConfig{.object = "cube", .spread = {0.05, 0.1}};
+  config.task = PickTaskConfig{.object = "cube", .spread = {0.05, 0.1}};
   return config;
 }
 
@@ -158,7 +158,7 @@ EnvConfig CubeAroundAnArm() {
   EnvConfig config = CubeOnly();
   config.robots = {{"left", config.robots.at("robot")}, {"right", config.robots.at("robot")}};
   config.robot_to_shared_base_frame["right"] = PlaceAt(0.55, 0.25, 0);
-  config.task->spread = {0.2, 0.3};
+  config.task->As<PickTaskConfig>().spread = {0.2, 0.3};
   return config;
 }
 
@@ -209,7 +209,7 @@ TEST(EnvStart, CopiesOfABatchStartAsTheOneDoes) {
 TEST(EnvStart, WithoutAFreePlaceItSaysWhatTouches) {
   EnvConfig config = CubeAroundAnArm();
   config.root_frame_objects["cube"].offset = PlaceAt(0.55, 0.25, 0.02);
-  config.task->spread = {0.01, 0.01};
+  config.task->As<PickTaskConfig>().spread = {0.01, 0.01};
   ExpectThrow<SpecError>([&] { Env env(config); },
                          "environment 'env': task 'pick' found no start in 100 tries: most "
                          "often 'cube' touches robot 'right' (");
@@ -223,7 +223,7 @@ TEST(EnvStart, ObjectsDoNotStartBesideTheirTable) {
                                         .size = Vec3{0.1, 0.1, 0.1},
                                         .mass = 1};
   config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0, 0.22);
-  config.task->spread = {0.1, 0.3};
+  config.task->As<PickTaskConfig>().spread = {0.1, 0.3};
   Env env(config);
   for (uint64_t seed = 0; seed < 40; ++seed) {
     env.Reset({.seed = seed});

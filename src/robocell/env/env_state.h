@@ -31,7 +31,7 @@ struct EnvState {
   Pose root_frame_to_world = {};     // of the environment that it was taken from
   std::vector<double> physics = {};  // Scene::state()
   std::vector<ArmDriver::Memory> arms = {};
-  std::vector<double> task = {};        // EnvTask::memory()
+  std::vector<double> task = {};        // Task::memory()
   std::vector<double> variations = {};  // ObjectVariations::drawn()
   CollisionMonitor::Memory touching = {};
   int64_t ticks = 0;  // engine steps since the reset

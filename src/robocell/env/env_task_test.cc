@@ -13,7 +13,8 @@
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/robot/gripper_group.h"
-#include "robocell/task/pick_task.h"
+#include "robocell/task/held.h"
+#include "robocell/task/task_kind.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -38,7 +39,7 @@ class EnvTaskTest : public ::testing::Test {
     config.root_frame_objects["cube"] = {.mjcf_path = cube,
                                          .offset = Pose(Eigen::Vector3d(0.45, 0, 0.02))};
     config.root_frame_objects["ground"] = {.mjcf_path = ground};
-    config.task = EnvTaskConfig{.object = "cube", .spread = {0.05, 0.1}};
+    config.task = PickTaskConfig{.object = "cube", .spread = {0.05, 0.1}};
     return config;
   }
 
@@ -76,16 +77,18 @@ class EnvTaskTest : public ::testing::Test {
   EnvConfig Placing(const Pose& root = Pose(), bool mat = false) {
     EnvConfig config = Picking(root);
     config.sim.max_convergence_time = 2;
-    config.task->kind = "pick_place";
-    config.task->goal = Vec3{0.4, 0.25, 0.02};
-    config.task->goal_spread = {0.05, 0.02};
+    PickAndPlaceTaskConfig task{.object = "cube", .spread = {0.05, 0.1}};
+    task.goal = Vec3{0.4, 0.25, 0.02};
+    task.goal_spread = {0.05, 0.02};
+    config.task = task;
     if (!mat) return config;
     config.root_frame_objects["mat"] = {.offset = Pose(Eigen::Vector3d(0.4, 0.25, 0.005)),
                                         .shape = Shape::kBox,
                                         .size = Vec3{0.06, 0.06, 0.005},
                                         .mass = 0.5};
-    config.task->goal = Vec3{0, 0, 0.025};
-    config.task->goal_object = "mat";
+    task.goal = Vec3{0, 0, 0.025};
+    task.goal_object = "mat";
+    config.task = task;
     return config;
   }
 
@@ -145,7 +148,7 @@ TEST_F(EnvTaskTest, WhatWasNeverLiftedWasNotPlaced) {
 TEST_F(EnvTaskTest, GoalsAreSpreadAndFarFromWhereItStarts) {
   for (const bool mat : {false, true}) {
     EnvConfig config = Placing(Pose::FromRpy({1, -1, 0.3}, {0, 0, 2}), mat);
-    config.task->goal_distance = 0.2;
+    config.task->As<PickAndPlaceTaskConfig>().goal_distance = 0.2;
     Env env(config);
     double least = 1, most = -1;
     for (int i = 0; i < 30; ++i) {
@@ -162,7 +165,7 @@ TEST_F(EnvTaskTest, GoalsAreSpreadAndFarFromWhereItStarts) {
     EXPECT_GT(most, 0.43);
   }
   EnvConfig config = Placing();
-  config.task->goal_distance = 2;
+  config.task->As<PickAndPlaceTaskConfig>().goal_distance = 2;
   ExpectThrow<ArgumentError>([&] { Env env(config); },
                              "environment 'env': in 1000 tries 'cube' was never 2 m from its goal; "
                              "widen task.spread or task.goal_spread, or lower task.goal_distance");
@@ -174,19 +177,35 @@ TEST_F(EnvTaskTest, AGoalThatIsSpreadLiesOnSomethingThatCanMove) {
   ExpectThrow<ArgumentError>([&] { Env env(config); },
                              "task.goal_spread moves task.goal_object 'mat', which is fixed; set "
                              "fixed: false in root_frame_objects.mat, or leave goal_spread out");
-  config.task->goal_spread = {0, 0};
+  config.task->As<PickAndPlaceTaskConfig>().goal_spread = {0, 0};
   Env env(config);
   env.Reset();
   EXPECT_NEAR(Goal(env).x(), 0.4, 1e-9);
 }
 
 // A task of one's own: the arm is to be high up.
-class BeHigh final : public EnvTask {
+struct BeHighConfig {
+  double rise = 0.1;
+
+  static constexpr const char* kKind = "be_high";
+  static constexpr const char* kTypeName = "BeHighConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("rise", &BeHighConfig::rise, "Success: so far above the start, metres.", Check::kPositive);
+  }
+};
+
+class BeHigh final : public Task {
  public:
-  explicit BeHigh(const Scene& scene) : robot_(Robot::Of(scene, "robot")) {}
+  explicit BeHigh(const BeHighConfig& fields) : fields_(fields) {}
+  void Bind(const Scene& scene, const TaskSetting& setting) override {
+    robot_ = Robot::Of(scene, setting.robots.front());
+  }
   void Begin(const Scene& scene) override { start_ = Height(scene); }
-  double Reward(const Scene& scene) override { return Height(scene) - start_; }
-  bool Success(const Scene& scene) override { return Height(scene) > start_ + 0.1; }
+  TaskVerdict Judge(const Scene& scene) override {
+    const double risen = Height(scene) - start_;
+    return {.reward = risen, .success = risen > fields_.rise};
+  }
   std::string instruction() const override { return "go up"; }
   std::vector<std::string> objects() const override { return {"ground"}; }
   std::vector<TaskSignal> signals() const override {
@@ -201,27 +220,25 @@ class BeHigh final : public EnvTask {
   void Recall(std::span<const double> memory) override { start_ = memory[0]; }
 
  private:
-  double Height(const Scene& /*scene*/) const { return robot_.tcp_in_world().translation().z(); }
-  Robot robot_;
+  double Height(const Scene& /*scene*/) const { return robot_->tcp_in_world().translation().z(); }
+  BeHighConfig fields_;
+  std::optional<Robot> robot_;
   double start_ = 0;
 };
 
 TEST_F(EnvTaskTest, TasksOfOnesOwnAreRegistered) {
-  const auto make = [](const EnvConfig&, const Scene& scene) {
-    return std::make_shared<BeHigh>(scene);
-  };
-  RegisterEnvTask("be_high", make);
-  ExpectThrow<ArgumentError>([&] { RegisterEnvTask("be_high", make); },
+  const auto kind = std::make_shared<TaskKindOf<BeHighConfig, BeHigh>>();
+  RegisterTask<BeHighConfig>(kind);
+  ExpectThrow<ArgumentError>([&] { RegisterTask<BeHighConfig>(kind); },
                              "task 'be_high' is registered already; choose another name");
-  ExpectThrow<ArgumentError>([] { RegisterEnvTask("nothing", {}); }, "needs a function");
-  EXPECT_THAT(EnvTaskKinds(), ElementsAre("be_high", "pick", "pick_place"));
+  ExpectThrow<ArgumentError>([] { RegisterTask<BeHighConfig>(nullptr); }, "needs a TaskKind");
+  EXPECT_THAT(TaskKinds(), ElementsAre("be_high", "pick", "pick_and_place"));
   EnvConfig config = Picking();
-  config.task = EnvTaskConfig{.kind = "be_hihg"};
-  ExpectThrow<NotFoundError>([&] { Env env(config); },
-                             "environment 'env': no task 'be_hihg'. Its tasks: be_high, pick, "
-                             "pick_place. Did you mean 'be_high'? Tasks of your own are registered "
-                             "before with RegisterEnvTask (in Python register_env_task)");
-  config.task->kind = "be_high";
+  ExpectThrow<NotFoundError>(
+      [&] { config.task = TaskSpec("be_hihg"); },
+      "no task 'be_hihg'. Known tasks: be_high, pick, pick_and_place. Did you "
+      "mean 'be_high'?");
+  config.task = BeHighConfig();
   Env env(config);
   env.Reset();
   EXPECT_EQ(env.instruction(), "go up");
@@ -328,7 +345,8 @@ class EnvPickTest : public EnvTaskTest {
  protected:
   void Make(const Pose& root, const std::string& kind) {
     EnvConfig config = kind == "pick" ? Picking(root) : Placing(root);
-    config.task->lift_height = 0.01;
+    if (auto* pick = config.task->If<PickTaskConfig>()) pick->lift_height = 0.01;
+    if (auto* place = config.task->If<PickAndPlaceTaskConfig>()) place->lift_height = 0.01;
     config.root_frame_objects["stone"] = {.offset = Pose(Eigen::Vector3d(0.45, 0.4, 0.02)),
                                           .shape = Shape::kBox,
                                           .size = Vec3{0.02, 0.02, 0.02},
@@ -357,9 +375,9 @@ class EnvPickTest : public EnvTaskTest {
   }
 
   bool IsPicked() {
-    const bool success = env_->task()->Success(env_->scene());
+    const bool success = env_->task()->Judge(env_->scene()).success;
     // What is to be put down has been lifted once.
-    return env_->config().task->kind == "pick" ? success : env_->task()->memory().back() == 1;
+    return env_->config().task->kind() == "pick" ? success : env_->task()->memory().back() == 1;
   }
 
   std::unique_ptr<Env> env_;
@@ -369,7 +387,7 @@ class EnvPickTest : public EnvTaskTest {
 };
 
 TEST_F(EnvPickTest, PickedIsWhatOnlyRobotsHoldACentimetreAboveItsStart) {
-  for (const char* kind : {"pick", "pick_place"}) {
+  for (const char* kind : {"pick", "pick_and_place"}) {
     for (const Pose& root : {Pose(), Pose::FromRpy({1, -1, 0.3}, {0.1, 0, 2})}) {
       Make(root, kind);
       EXPECT_FALSE(IsPicked()) << "at its start";
@@ -394,8 +412,8 @@ TEST_F(EnvPickTest, PickedIsWhatOnlyRobotsHoldACentimetreAboveItsStart) {
 TEST_F(EnvTaskTest, APlaceIsTurnedInTheRootFrameWithWhatLiesThere) {
   EnvConfig config = Picking();
   config.root_frame_objects["cube"].offset = Pose::FromRpy({0.45, 0, 0.02}, {0, 0, kPi / 2});
-  config.task->spread = {0, 0.1};
-  config.task->rotate = false;
+  config.task->As<PickTaskConfig>().spread = {0, 0.1};
+  config.task->As<PickTaskConfig>().rotate = false;
   Env env(config);
   for (int i = 0; i < 5; ++i) {
     env.Reset();

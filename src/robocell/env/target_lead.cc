@@ -30,7 +30,7 @@ double ShareToTakeBack(const Vector3d& ahead, const Vector3d& pending, double mo
   return std::min(1.0, (along - std::sqrt(std::max(root, 0.0))) / length);
 }
 
-void Keep(double share, std::array<double, 3>& pending) {
+void KeepWithin(double share, std::array<double, 3>& pending) {
   for (double& x : pending) x *= share;
 }
 
@@ -53,8 +53,8 @@ Pose WithinLead(const Pose& sent, const Pose& steady, const Pose& present, const
     shift_done = shift_done || shift_ahead.norm() <= lead.translation;
     turn_done = turn_done || turn_ahead.norm() <= lead.rotation;
   }
-  Keep(shift_done ? 0 : 1 - shift_share, pending.shift);
-  Keep(turn_done ? 0 : 1 - turn_share, pending.turn);
+  KeepWithin(shift_done ? 0 : 1 - shift_share, pending.shift);
+  KeepWithin(turn_done ? 0 : 1 - turn_share, pending.turn);
   if (shift_share == 0 && turn_share == 0) return sent;
   const Pose back = Pose::FromRotvec(Vector3d::Zero(), -turn_share * turn);
   return Pose(sent.translation() - shift_share * shift,

@@ -38,7 +38,9 @@ constexpr double kOpened = 0.9;      // opening that counts as open
 constexpr double kRisenShare = 0.5;  // of the lift that the object must have made
 
 PickPlannerOptions OptionsOf(const RunConfig& run) {
-  const GraspMotionOptions motion = GraspMotionOptionsOf(run.task);
+  // Other tasks that pick something up lift as a pick does.
+  const auto* pick = run.task.If<PickTaskConfig>();
+  const GraspMotionOptions motion = GraspMotionOptionsOf(pick ? *pick : PickTaskConfig());
   return {.tick = run.rates.policy_period(), .above = motion.above, .lift = motion.lift};
 }
 
@@ -275,10 +277,6 @@ bool PickPlanner::HandIsEmpty() const { return Gap() < shape_->closed_gap() + kE
 Pose PickPlanner::TargetPose() const {
   const Scene scene = robot_->scene();
   return scene.body_pose(scene.compiled()->object(target_object_).root_body);
-}
-
-std::unique_ptr<Expert> MakePickPlanner(const RunConfig& run, const EpisodeStart& start) {
-  return std::make_unique<PickPlanner>(run, start);
 }
 
 }  // namespace robocell

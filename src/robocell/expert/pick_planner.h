@@ -102,6 +102,4 @@ class PickPlanner : public Expert {
   std::string failure_;
 };
 
-std::unique_ptr<Expert> MakePickPlanner(const RunConfig& run, const EpisodeStart& start);
-
 }  // namespace robocell

@@ -65,6 +65,7 @@ std::shared_ptr<MoveGroup> Robot::shared_group(const std::string& name) const {
           group.get()};
 }
 MoveGroup& Robot::arm() const { return *open().RequireKind(MoveGroupKind::kArm).own->group; }
+bool Robot::has_arm() const { return open().FindKind(MoveGroupKind::kArm) != nullptr; }
 bool Robot::has_gripper() const { return open().FindKind(MoveGroupKind::kGripper) != nullptr; }
 
 GripperGroup& Robot::gripper() const {

@@ -83,6 +83,7 @@ class Robot {
   // That of the first arm, see gripper_of().
   GripperGroup& gripper() const;
   bool has_gripper() const;
+  bool has_arm() const;
   // The name of the gripper that goes with an arm: the first that hangs on the arm's last link, in
   // the order of the file; where it carries none the first that no other arm carries; "" for none.
   // ArgumentError for a group that is no arm.

@@ -19,14 +19,4 @@ namespace robocell {
 // False when there is something. The robot's scene is not changed.
 bool CheckRobot(const Robot& robot, Problems& problems);
 
-// The same of what the scripted expert of pick tasks needs beyond that, of a robot that passed
-// CheckRobot: a base that can be put where the objects are in reach, an arm that takes joint
-// positions, a gripper with fingers. `options` and `timestep` are the run's.
-bool CheckScriptedExpert(const Robot& robot, const SimOptions& options, double timestep,
-                         Problems& problems);
-
-// That as texts, for a robot of which nobody has said what it is for. Empty when pick tasks can use
-// it.
-std::vector<std::string> WhyNoPicks(const Robot& robot);
-
 }  // namespace robocell

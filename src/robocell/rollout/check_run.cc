@@ -2,49 +2,33 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <memory>
 #include <optional>
 #include <set>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
-#include "robocell/motion/gripper_shape.h"
-#include "robocell/mujoco/names.h"
+#include "robocell/expert/expert_kind.h"
 #include "robocell/render/stream_camera.h"
 #include "robocell/robot/robot_trial.h"
-#include "robocell/robot/unused_groups.h"
-#include "robocell/rollout/check_reach.h"
 #include "robocell/rollout/check_robot.h"
 #include "robocell/rollout/check_streams.h"
 #include "robocell/rollout/episode_cameras.h"
 #include "robocell/rollout/plan.h"
-#include "robocell/rollout/run_inputs.h"
-#include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/scene_source.h"
+#include "robocell/scenes/support.h"
 #include "robocell/spec/problem_lines.h"
 #include "robocell/spec/validate.h"
-#include "robocell/task/grasp_candidates.h"
-#include "robocell/task/pick_sampler.h"
+#include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
-
-void CheckKinds(const RunConfig& run, Problems& problems) {
-  const std::vector<std::string> known = ObjectKinds();
-  Problems::Scope objects(problems, "task.objects");
-  for (size_t i = 0; i < run.task.objects.size(); ++i) {
-    const std::string& kind = run.task.objects.names[i];
-    if (std::find(known.begin(), known.end(), kind) != known.end()) continue;
-    Problems::Scope item(problems, i);
-    problems.Add(NoSuchName("task", "kind", kind, known));
-  }
-}
 
 // Problems of the fields alone.
 Problems FieldProblems(const RunConfig& run) {
   Problems problems(run.locations);
   ValidateFields(run, problems);
   CheckStreams(run, problems);
-  CheckKinds(run, problems);
+  FindTaskKind(run.task.kind())->CheckFields(run, problems);
   return problems;
 }
 
@@ -61,10 +45,9 @@ class SceneCheck {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   void Run() {
-    PickTaskSampler sampler(run_);
     std::vector<SceneSpec> bases;
     for (const int scene : SceneIndices(run_)) {
-      if (!Try("scenes", [&] { bases.push_back(sampler.MakeBaseScene(scene)); })) return;
+      if (!Try("scenes", [&] { bases.push_back(MakeBaseScene(run_, scene)); })) return;
     }
     if (!CheckSupports(bases)) return;
     std::optional<Scene> scene;
@@ -74,8 +57,7 @@ class SceneCheck {
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
     // What cannot be measured is reported once.
-    if (CheckRobotItself(*robot) && demands_.scripted_expert) CheckForExpert(*scene, *robot);
-    if (demands_.scripted_expert) TellUnused(*robot);
+    if (CheckRobotItself(*robot)) CheckForTask(*scene, *robot);
     if (demands_.scripted_expert && problems_.empty()) Try("robot", [&] { TryAlone(); });
     if (demands_.on_this_machine && problems_.empty()) CheckStreamsHere(run_, *scene, problems_);
   }
@@ -107,11 +89,9 @@ class SceneCheck {
   }
 
   SceneSpec WithContents(SceneSpec spec) const {
-    Rng rng = Rng::Stream(0, "check");
-    const std::vector<std::string> kinds = ObjectKindsOf(run_);
-    for (size_t i = 0; i < kinds.size(); ++i) {
-      SceneObject object = MakeCatalogueObject(kinds[i], fmt::format("object_{}", i), rng);
-      object.pos = Vec3{10.0 + static_cast<double>(i), 0, 1};
+    double x = 10;
+    for (SceneObject object : task_->Contents(run_)) {
+      object.pos = Vec3{x++, 0, 1};
       spec.objects.push_back(object);
     }
     spec.robots.push_back({.name = run_.robot.config.name,
@@ -131,49 +111,15 @@ class SceneCheck {
     }
   }
 
+  void CheckForTask(const Scene& scene, Robot& robot) {
+    task_->CheckScene(run_, scene, robot, problems_, warnings_);
+    if (!demands_.scripted_expert) return;
+    Try("task", [&] { ExpertKindOf(run_)->Check(run_, scene, robot, problems_, warnings_); });
+  }
+
   bool CheckRobotItself(const Robot& robot) {
     Problems::Scope scope(problems_, "robot");
     return CheckRobot(robot, problems_);
-  }
-
-  void CheckForExpert(const Scene& scene, Robot& robot) {
-    {
-      Problems::Scope scope(problems_, "robot");
-      if (!CheckScriptedExpert(robot, run_.options, scene.timestep(), problems_)) return;
-    }
-    CheckReach(run_, robot, problems_);
-    Try("task", [&] { CheckGraspable(scene, robot); });
-  }
-
-  // The expert acts with one arm.
-  void TellUnused(const Robot& robot) {
-    const std::string unused = TellUnusedGroups(robot);
-    if (unused.empty()) return;
-    Problems doubt(run_.locations);
-    doubt.AddAt("robot", fmt::format("has several arms or grippers, and pick tasks act with one of "
-                                     "each, the first arm of `move_groups` and its gripper: {}",
-                                     unused));
-    warnings_.push_back(LinesOf(doubt).front());
-  }
-
-  // Kinds of objects that the gripper cannot take; sizes that are drawn may differ.
-  void CheckGraspable(Scene scene, const Robot& robot) {
-    const auto shape = GripperShape::Of(robot.config(), run_.options, scene.timestep());
-    scene.Forward();
-    const std::vector<std::string> kinds = ObjectKindsOf(run_);
-    for (size_t i = 0; i < kinds.size(); ++i) {
-      const ObjectRecord& object = scene.compiled()->object(fmt::format("object_{}", i));
-      const int body = FindId(scene.model(), mjOBJ_BODY, object.root_body);
-      if (!FindGrasps(scene.model(), scene.data(), body, *shape, robot.tcp_in_world()).empty())
-        continue;
-      Problems doubt(run_.locations);
-      doubt.AddAt("task.objects",
-                  fmt::format("gripper '{}' cannot hold '{}' ({}): such starts are refused. Leave "
-                              "the kind out of task.objects, or take a gripper that fits",
-                              robot.gripper().name(), kinds[i],
-                              SizesForGrasp(scene.model(), scene.data(), body, *shape)));
-      warnings_.push_back(LinesOf(doubt).front());
-    }
   }
 
   // What it does, in a scene of its own. On a floor: a free base that falls carries nothing.
@@ -192,6 +138,7 @@ class SceneCheck {
   }
 
   const RunConfig& run_;
+  const std::shared_ptr<const TaskKind> task_ = FindTaskKind(run_.task.kind());
   const RunDemands& demands_;
   Problems& problems_;
   std::vector<std::string> warnings_;

@@ -49,7 +49,7 @@ TEST(CheckRun, StreamsThatCannotBeRecordedAreToldAllAtOnce) {
 
 TEST(CheckRun, AnUnknownKindIsToldWithTheNearest) {
   RunConfig run = Demo();
-  run.task.objects.names = {"box", "mgu"};
+  run.task.As<PickTaskConfig>().objects.names = {"box", "mgu"};
   const std::string text =
       ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.objects[1]: task: no kind 'mgu'");
   EXPECT_THAT(text, HasSubstr("Did you mean 'mug'?"));
@@ -101,7 +101,7 @@ TEST(CheckRun, TheFilesLinesAreNamed) {
   ExpectThrow<SpecError>([&] { CheckRun(RunConfig::Load(file)); },
                          file + ":9:25: stream 'b' (cameras.streams[1]).camera: ");
   RunConfig wrong = RunConfig::Load(file);
-  wrong.task.objects.names = {"bix"};
+  wrong.task.As<PickTaskConfig>().objects.names = {"bix"};
   ExpectThrow<SpecError>([&] { CheckRun(wrong); }, file + ":5:");
 }
 
@@ -185,7 +185,7 @@ TEST(CheckRun, ADistanceThatTheGripperDoesNotHaveIsRefused) {
 
 TEST(CheckRun, DistancesOutOfReachAreToldWithTheReach) {
   RunConfig run = Demo();
-  run.task.base_distance = {0.3, 60};
+  run.task.As<PickTaskConfig>().base_distance = {0.3, 60};
   const std::string text =
       ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.base_distance: [0.3, 60] m goes beyond");
   EXPECT_THAT(text, HasSubstr("of which 95 % is used"));
@@ -193,23 +193,23 @@ TEST(CheckRun, DistancesOutOfReachAreToldWithTheReach) {
       << "a sampler of the user's own may mean something else by it";
   // What is told as the most there is, is accepted: it is not rounded up.
   const size_t at = text.find("goes beyond ") + 12;
-  run.task.base_distance[1] = std::stod(text.substr(at));
-  EXPECT_NO_THROW(CheckRun(run)) << run.task.base_distance[1];
-  run.task.base_distance[1] += 0.001;
+  run.task.As<PickTaskConfig>().base_distance[1] = std::stod(text.substr(at));
+  EXPECT_NO_THROW(CheckRun(run)) << run.task.As<PickTaskConfig>().base_distance[1];
+  run.task.As<PickTaskConfig>().base_distance[1] += 0.001;
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "] m goes beyond " + text.substr(at, 5));
   run = Demo();
-  run.task.base_height_offset = -25;
+  run.task.As<PickTaskConfig>().base_height_offset = -25;
   ExpectThrow<SpecError>([&] { CheckRun(run); }, "task.base_height_offset: -25 m puts the base");
 }
 
 TEST(CheckRun, ALiftThatNoArmHasIsRefused) {
   RunConfig run = Demo();
-  run.task.lift_height = 10;
+  run.task.As<PickTaskConfig>().lift_height = 10;
   const std::string text = ExpectThrow<SpecError>(
       [&] { CheckRun(run); }, "task.lift_height: 10 m is more than the arm can lift: it reaches ");
   EXPECT_THAT(text,
               HasSubstr(" m above the object, and lifts 0.05 m more than is asked for; give"));
-  run.task.lift_height = 0.1;
+  run.task.As<PickTaskConfig>().lift_height = 0.1;
   EXPECT_THAT(CheckRun(run), IsEmpty());
 }
 
@@ -291,7 +291,7 @@ TEST(CheckRun, AKindThatTheGripperCannotHoldIsTold) {
   RunConfig run = Demo();
   run.robot.config.move_groups.find("gripper")->ctrl = GripperCtrl{.open = 10, .closed = 0};
   run.robot.config.move_groups.find("gripper")->distance.reset();
-  run.task.objects.names = {"mug"};
+  run.task.As<PickTaskConfig>().objects.names = {"mug"};
   EXPECT_THAT(CheckRun(run),
               Contains(AllOf(HasSubstr("task.objects: gripper 'gripper' cannot hold 'mug' (it is "),
                              HasSubstr(" m high, and the gripper holds "),
@@ -300,7 +300,7 @@ TEST(CheckRun, AKindThatTheGripperCannotHoldIsTold) {
 
 TEST(CheckRun, WhyAGripperThatIsWideEnoughCannotHoldAKindIsTold) {
   RunConfig run = Demo();
-  run.task.objects.names = {"box"};
+  run.task.As<PickTaskConfig>().objects.names = {"box"};
   // A spike between the fingers, long past the pads.
   run.robot.config.edits.push_back(
       {.geom = ElementRef{.name = "hand_palm"}, .size = Vec3{0.005, 0.005, 0.2}});

@@ -19,6 +19,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
 
 namespace robocell {
@@ -34,8 +35,7 @@ using ::testing::Pair;
 class NoTask : public Task {
  public:
   void Begin(const Scene&) override {}
-  double Reward(const Scene&) override { return 0; }
-  bool Success(const Scene&) override { return false; }
+  TaskVerdict Judge(const Scene&) override { return {}; }
   std::string instruction() const override { return "stand still"; }
   std::vector<std::string> objects() const override { return {}; }
 };
@@ -131,7 +131,7 @@ TEST_F(DivergenceTest, UnstableModelsEndEpisodeAfterEpisodeAndSpoilNoLaterOne) {
   const RunConfig calm = Run("calm", Keep::kAll);
   const RunnerParts parts{
       .sampler = [this](const RunConfig& r) -> std::shared_ptr<TaskSampler> {
-        return std::make_shared<UnstableAtFirst>(MakePickSampler(r), models);
+        return std::make_shared<UnstableAtFirst>(std::make_unique<PickTaskSampler>(r), models);
       },
       .expert = [](const RunConfig& r, const EpisodeStart& start) -> std::shared_ptr<Expert> {
         if (start.target_object.empty()) return std::make_shared<Standing>();

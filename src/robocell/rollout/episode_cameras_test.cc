@@ -9,6 +9,7 @@
 #include "robocell/render/stream_camera.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/pick_sampler.h"
+#include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -26,7 +27,7 @@ class EpisodeCamerasTest : public ::testing::Test {
     run.cameras.streams[0].depth = true;
     Rng rng = Rng::Stream(1, "start");
     for (int attempt = 0; !start; ++attempt)
-      start = std::move(MakePickSampler(run)->Sample({0, 0, attempt}, rng).start);
+      start = std::move(PickTaskSampler(run).Sample({0, 0, attempt}, rng).start);
     renderer = MakeRenderer();
   }
 
@@ -98,7 +99,7 @@ TEST_F(EpisodeCamerasTest, ColourIsTheSameWithAndWithoutDepth) {
   Rng rng = Rng::Stream(1, "start");
   start.reset();
   for (int attempt = 0; !start; ++attempt)
-    start = std::move(MakePickSampler(run)->Sample({0, 0, attempt}, rng).start);
+    start = std::move(PickTaskSampler(run).Sample({0, 0, attempt}, rng).start);
   run.cameras.streams[0].depth = false;
   Record();
   Episode(folder / "e").Video("wrist").Read(0, alone);

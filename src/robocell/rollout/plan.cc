@@ -87,6 +87,7 @@ std::string RunIdentity(const RunConfig& run) {
   identity.episodes.reset();
   identity.episodes_per_scene = 1;
   identity.scenes.houses = {};
+  identity.imports = {};  // what the modules hold counts (run_inputs.h)
   return ToYaml(identity);
 }
 

@@ -42,7 +42,7 @@ std::string Manifest(const RunConfig& run, const RunInputs& inputs) {
   return Json{{"format", "robocell-dataset"},
               {"run", run.run},
               {"seed", run.seed},
-              {"task", ToString(run.task.kind)},
+              {"task", run.task.kind()},
               {"identity", inputs.identity},
               {"versions", inputs.versions},
               {"files", inputs.files}}

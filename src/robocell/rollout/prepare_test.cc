@@ -121,7 +121,7 @@ TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
   RunConfig run = Demo(folder / "out");
   PrepareDataset(run);
   Occupy(run);
-  run.task.base_distance = {0.2, 0.5};
+  run.task.As<PickTaskConfig>().base_distance = {0.2, 0.5};
   const std::string text =
       ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "was begun differently");
   EXPECT_THAT(text, HasSubstr("/demo.yaml:11:9: run 'demo': the dataset '"));
@@ -224,9 +224,9 @@ TEST(PrepareDataset, NamesAChangedVersion) {
 TEST(PrepareDataset, ChecksTheRunFirst) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");
-  run.task.objects.names = {"mgu"};
+  run.task.As<PickTaskConfig>().objects.names = {"mgu"};
   ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "no kind 'mgu'");
-  run.task.objects = {};
+  run.task.As<PickTaskConfig>().objects = {};
   run.cameras.streams[0].camera = "nowhere";
   ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "no camera 'nowhere'");
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));

@@ -83,7 +83,7 @@ TEST_F(RecordedSceneTest, ModelsThatEverybodyHasKeepTheirNames) {
   RunConfig run = OwnRun(machine);
   run.robot.config.source_dir = (kModels / "robots/rc7").string();
   run.scenes = {};
-  run.task.objects.names = {"box"};
+  run.task.As<PickTaskConfig>().objects.names = {"box"};
   const Episode episode = Record(run);
   EXPECT_EQ(episode.models().size(), 2u);
   EXPECT_THAT(episode.models().at("rc7"), StartsWith("models/rc7-"));
@@ -129,9 +129,9 @@ TEST_F(RecordedSceneTest, ALostManifestIsWrittenAgainForTheSameRun) {
   EXPECT_TRUE(Verify(run.output).ok());
   EXPECT_THAT(Verify(run.output).Text(),
               HasSubstr("dataset.json: there is none; `robocell generate`"));
-  run.task.lift_height *= 2;
+  run.task.As<PickTaskConfig>().lift_height *= 2;
   ExpectThrow<SpecError>([&] { PrepareDataset(run); }, "task.lift_height: ");
-  run.task.lift_height /= 2;
+  run.task.As<PickTaskConfig>().lift_height /= 2;
   const fs::path model = machine / "robot/rc7.xml";
   const std::string text = ReadFile(model);
   AtomicWrite(model, text + " ");

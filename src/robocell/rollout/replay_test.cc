@@ -14,6 +14,7 @@
 #include "robocell/rollout/rollout.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -54,7 +55,7 @@ class ReplayTest : public ::testing::Test {
     run.cameras.streams = {};
     Rng rng = Rng::Stream(1, "start");
     for (int attempt = 0; !start; ++attempt)
-      start = std::move(MakePickSampler(run)->Sample({0, 0, attempt}, rng).start);
+      start = std::move(PickTaskSampler(run).Sample({0, 0, attempt}, rng).start);
   }
   Episode Record(int row = 1000, Meddling::Deed deed = {}) {
     Meddling expert(MakePickPlanner(run, *start), start->scene, row, std::move(deed));

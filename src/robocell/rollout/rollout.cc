@@ -15,7 +15,6 @@
 #include "robocell/rollout/sensor_columns.h"
 #include "robocell/rollout/stage_clock.h"
 #include "robocell/spec/yaml.h"
-#include "robocell/task/pick_task.h"
 
 namespace robocell {
 namespace {
@@ -119,7 +118,7 @@ std::string WhyFailed(const RolloutResult& result, const Task& task, const Exper
   if (!expert.failure().empty() && !truncated) return expert.failure();
   if (!result.ik_failures.empty()) return "no IK solution for " + result.ik_failures.begin()->first;
   if (truncated) return "timeout";
-  return dynamic_cast<const PickTask*>(&task) ? "not lifted" : "the task was not done";
+  return task.why_not_done();
 }
 
 // Also for the log: a failure that is not kept leaves no record.
@@ -164,12 +163,13 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     terminated = expert.done() || !outcome.ok();
     // What an expert calls a failure is no demonstration, whatever the task sees in it.
     const bool gave_up = terminated && !expert.failure().empty();
-    result.success = outcome.ok() && start.task->Success(start.scene) && !gave_up;
+    const TaskVerdict verdict = outcome.ok() ? start.task->Judge(start.scene) : TaskVerdict();
+    result.success = verdict.success && !gave_up;
     truncated = !terminated && result.rows >= run.rates.max_steps;
     if (!outcome.ok()) NoteDivergence(outcome.step, options.episode_id, result);
     const bool ik_failed = !outcome.failed_robot.empty();
     if (ik_failed) ++result.ik_failures[outcome.failed_robot + "/" + outcome.failed_group];
-    recording.PutOutcome({.reward = outcome.ok() ? start.task->Reward(start.scene) : 0,
+    recording.PutOutcome({.reward = verdict.reward,
                           .success = result.success,
                           .terminated = terminated,
                           .truncated = truncated,

@@ -10,6 +10,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -50,7 +51,7 @@ class RolloutTest : public ::testing::Test {
     run.cameras.streams = {};
     Rng rng = Rng::Stream(1, "start");
     for (int attempt = 0; !start; ++attempt)
-      start = std::move(MakePickSampler(run)->Sample({0, 0, attempt}, rng).start);
+      start = std::move(PickTaskSampler(run).Sample({0, 0, attempt}, rng).start);
   }
   RolloutResult Rollout(Expert& expert) {
     Rng rng = Rng::Stream(2, "expert");
@@ -90,8 +91,7 @@ TEST_F(RolloutTest, CommandsThatAreFollowedAreNoFailures) {
 class Content : public Task {
  public:
   void Begin(const Scene&) override {}
-  double Reward(const Scene&) override { return 1; }
-  bool Success(const Scene&) override { return true; }
+  TaskVerdict Judge(const Scene&) override { return {.reward = 1, .success = true}; }
   std::string instruction() const override { return "do as you like"; }
   std::vector<std::string> objects() const override { return {}; }
 };
@@ -119,7 +119,7 @@ TEST_F(RolloutTest, WhatItsExpertCallsAFailureIsNoSuccess) {
 TEST_F(RolloutTest, ATaskThatWasNotDoneIsAFailureWithoutAWordOfItsExpert) {
   class Demanding : public Content {
    public:
-    bool Success(const Scene&) override { return false; }
+    TaskVerdict Judge(const Scene&) override { return {.reward = 1}; }
   };
   start->task = std::make_shared<Demanding>();
   Commanding expert(Robot::Of(start->scene, "rc7").FkFrame(), 4);

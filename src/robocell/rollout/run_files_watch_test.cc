@@ -16,6 +16,7 @@
 #include "robocell/rollout/prepare.h"
 #include "robocell/rollout/runner.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 

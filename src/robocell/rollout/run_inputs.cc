@@ -12,9 +12,10 @@
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/file_set.h"
 #include "robocell/base/version.h"
+#include "robocell/expert/expert_kind.h"
 #include "robocell/rollout/plan.h"
-#include "robocell/scenes/catalogue.h"
-#include "robocell/task/pick_sampler.h"
+#include "robocell/scenes/scene_source.h"
+#include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
@@ -22,6 +23,17 @@ namespace {
 using Texts = std::map<std::string, std::string>;
 
 namespace fs = std::filesystem;
+
+// What defines the run's task and its expert, when a user wrote them.
+std::vector<fs::path> CodeOf(const RunConfig& run) {
+  const std::shared_ptr<const TaskKind> task = FindTaskKind(run.task.kind());
+  std::vector<std::string> files = task->CodeFiles();
+  if (!task->expert().empty()) {
+    const std::vector<std::string> more = FindExpertKind(task->expert())->CodeFiles();
+    files.insert(files.end(), more.begin(), more.end());
+  }
+  return {files.begin(), files.end()};
+}
 
 // Names begin with the folder of the model, so they are the same on every machine. Files that would
 // have the same name are numbered in the order in which the run uses them.
@@ -37,6 +49,7 @@ std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
         own = fmt::format("{} ({})", name, i);
     }
   }
+  for (const fs::path& file : CodeOf(run)) named.emplace("code/" + file.filename().string(), file);
   return named;
 }
 
@@ -104,10 +117,6 @@ void ForEachDifference(const Texts& then, const Texts& now, F&& f) {
 
 }  // namespace
 
-std::vector<std::string> ObjectKindsOf(const RunConfig& run) {
-  return run.task.objects.empty() ? ObjectKinds() : run.task.objects.names;
-}
-
 std::vector<std::string> ModelsOf(const RunConfig& run) {
   std::vector<std::string> paths;
   const auto add = [&](const SceneSpec& scene) {
@@ -117,13 +126,10 @@ std::vector<std::string> ModelsOf(const RunConfig& run) {
   };
   SceneSpec contents;
   contents.robots.push_back({.config = run.robot.config});
-  for (const std::string& kind : ObjectKindsOf(run)) {
-    Rng rng = Rng::Stream(0, "model files");
-    contents.objects.push_back(MakeCatalogueObject(kind, kind, rng));
-  }
+  for (const SceneObject& object : FindTaskKind(run.task.kind())->Contents(run))
+    contents.objects.push_back(object);
   add(contents);
-  PickTaskSampler sampler(run);
-  for (const int scene : SceneIndices(run)) add(sampler.MakeBaseScene(scene));
+  for (const int scene : SceneIndices(run)) add(MakeBaseScene(run, scene));
   return paths;
 }
 
@@ -151,7 +157,9 @@ std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now
   DropMoved(files_then, files_now);
   ForEachDifference(files_then, files_now,
                     [&](const std::string& key, const std::string* a, const std::string* b) {
-                      lines.push_back(fmt::format("model file {}: {}", key,
+                      const bool is_code = key.starts_with("code/");
+                      lines.push_back(fmt::format("{} file {}: {}", is_code ? "code" : "model",
+                                                  is_code ? key.substr(5) : key,
                                                   !a   ? "new since then"
                                                   : !b ? "no longer used or gone"
                                                        : "changed since then"));

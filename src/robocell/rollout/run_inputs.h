@@ -19,9 +19,6 @@ struct RunInputs {
   std::map<std::string, std::filesystem::path> paths = {};
 };
 
-// Kinds of objects that may stand in the run's scenes: those of the task, else the whole catalogue.
-std::vector<std::string> ObjectKindsOf(const RunConfig& run);
-
 // Paths of the models: of the robot with its attachments, the scenes and the objects that the task
 // may use. NotFoundError for models that are not there.
 std::vector<std::string> ModelsOf(const RunConfig& run);

@@ -28,7 +28,7 @@ TEST(RunInputs, AreTheModelsOfRobotSceneAndObjects) {
   EXPECT_THAT(all.files, Contains(Key("rc7/rc7.xml")));
   EXPECT_THAT(all.files, Contains(Key("scenes/tabletop.xml")));
   EXPECT_THAT(all.files, Contains(Key("mug/mug.xml")));
-  run.task.objects.names = {"box"};
+  run.task.As<PickTaskConfig>().objects.names = {"box"};
   EXPECT_THAT(InputsOf(run).files, Not(Contains(Key("mug/mug.xml"))));
   EXPECT_THAT(all.versions, UnorderedElementsAre(Key("robocell"), Key("mujoco")));
   EXPECT_THAT(Differences(all, InputsOf(DemoRun())), IsEmpty());
@@ -47,7 +47,7 @@ TEST(RunInputs, AreTheSameForOtherWorkersOutputsAndMoreEpisodes) {
 TEST(RunInputs, ADifferentFieldIsToldByItsPathWithBothValues) {
   RunConfig run = DemoRun();
   const RunInputs before = InputsOf(run);
-  run.task.base_distance = {0.2, 0.5};
+  run.task.As<PickTaskConfig>().base_distance = {0.2, 0.5};
   run.seed = 7;
   run.cameras.streams[0].name = "hand";
   run.robot.config.stiffness = 20;

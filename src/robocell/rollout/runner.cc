@@ -10,13 +10,12 @@
 #include "robocell/base/log.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
-#include "robocell/expert/pick_planner.h"
+#include "robocell/expert/expert_kind.h"
 #include "robocell/rollout/check_run.h"
 #include "robocell/rollout/earlier_attempts.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/run_files_watch.h"
-#include "robocell/task/pick_sampler.h"
-#include "robocell/task/reach_advice.h"
+#include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
@@ -83,7 +82,7 @@ const std::string& Runner::State::Advice() {
   advice.emplace();
   if (own_sampler) return *advice;
   try {
-    advice = ReachAdvice(run);
+    advice = FindTaskKind(run.task.kind())->ReachAdvice(run);
   } catch (const Error& error) {
     LogDebug(std::string("no advice on reach: ") + error.what());
   }
@@ -98,7 +97,7 @@ RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
                                    {"episode", item.episode},
                                    {"attempt", attempt},
                                    {kEarlierAttempts, nlohmann::json::parse(ToJson(earlier))},
-                                   {"task", own_sampler ? "custom" : ToString(run.task.kind)},
+                                   {"task", own_sampler ? "custom" : run.task.kind()},
                                    {"identity", RunIdentity(run)}};
   return {.dataset = run.output,
           .episode_id = EpisodeId(run, item, attempt),
@@ -114,8 +113,17 @@ Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State
   state_->run = std::move(run);
   state_->parts = std::move(parts);
   state_->own_sampler = static_cast<bool>(state_->parts.sampler);
-  if (!state_->own_sampler) state_->parts.sampler = MakePickSampler;
-  if (!state_->parts.expert) state_->parts.expert = MakePickPlanner;
+  if (!state_->own_sampler) {
+    state_->parts.sampler = [](const RunConfig& of) {
+      return FindTaskKind(of.task.kind())->MakeSampler(of);
+    };
+  }
+  if (!state_->parts.expert) {
+    state_->parts.expert = [kind = ExpertKindOf(state_->run)](const RunConfig& of,
+                                                              const EpisodeStart& start) {
+      return kind->Make(of, start);
+    };
+  }
   state_->sampler = state_->parts.sampler(state_->run);
 }
 
@@ -187,7 +195,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
   if (ShouldStop(stop)) return Drop(report);
   RequireUnchangedModels();
   const auto count_redrawn = [&] {
-    for (const auto& [reason, count] : sample.redrawn()) report.redrawn[ToString(reason)] += count;
+    for (const auto& [reason, count] : sample.redrawn()) report.redrawn[reason] += count;
   };
   const auto count_kind = [&, kind = sample.object_kind()] {
     report.object_kind = kind;
@@ -199,8 +207,8 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
     count_redrawn();
     count_kind();
     ++report.attempts;
-    earlier.push_back({sample.object_kind(), true, ToString(sample.refusal.reason)});
-    const int count = ++report.refusals[ToString(sample.refusal.reason)];
+    earlier.push_back({sample.object_kind(), true, sample.refusal.reason});
+    const int count = ++report.refusals[sample.refusal.reason];
     if (count >= MostFrequent(report.refusals)) report.advice = sample.refusal.detail;
     return;
   }
@@ -236,7 +244,7 @@ EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
       state_->Attempt(item, attempt, stop, earlier, report);
   }
   if (report.accepted > 0) report.advice.clear();
-  if (report.accepted > 0 || !report.refusals.contains(ToString(Refusal::kNoReachableBasePose)))
+  if (report.accepted > 0 || !report.refusals.contains(Refusal::kNoReachableBasePose))
     return report;
   if (const std::string& where = state_->Advice(); !where.empty())
     report.advice += (report.advice.empty() ? "" : "; ") + where;

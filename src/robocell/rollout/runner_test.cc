@@ -14,6 +14,7 @@
 #include "robocell/expert/pick_planner.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
+#include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 

@@ -101,48 +101,69 @@ void CheckLimitOfMode(const EnvConfig& env, const char* field, const std::vector
                          count, count == 1 ? "number" : "numbers"));
 }
 
-// Tasks of one's own need no object, but name one that is there.
-void CheckTask(const EnvConfig& env, Problems& problems) {
-  if (!env.task) return;
-  const EnvTaskConfig& task = *env.task;
-  const bool places = task.kind == "pick_place";
-  Problems::Scope scope(problems, "task");
-  const auto check_object = [&](const char* field, const std::string& object) {
-    if (env.root_frame_objects.contains(object)) return;
-    if (env.world_frame_objects.contains(object)) {
-      problems.AddAt(field, fmt::format("'{}' is in world_frame_objects, which stay in the room; a "
-                                        "task goes with the rig, and so do its objects: move it to "
-                                        "root_frame_objects",
-                                        object));
-      return;
+// The objects that a task names are among those that move with the rig.
+class TaskCheck {
+ public:
+  TaskCheck(const EnvConfig& env, Problems& problems) : env_(env), problems_(problems) {}
+
+  void Check(const PickTaskConfig& task) {
+    RequireObject(task.object);
+    const PickTaskConfig plain;
+    CheckOfRuns("objects", task.objects == plain.objects);
+    CheckOfRuns("base_distance", task.base_distance == plain.base_distance);
+    CheckOfRuns("base_height_offset", task.base_height_offset == plain.base_height_offset);
+    CheckOfRuns("base_height_noise", task.base_height_noise == plain.base_height_noise);
+  }
+  void Check(const PickAndPlaceTaskConfig& task) {
+    RequireObject(task.object);
+    if (!task.goal_object.empty()) CheckObject("goal_object", task.goal_object);
+    if (!task.goal) {
+      problems_.AddAt("goal",
+                      "is required: where the object is to be put, for example [0.4, 0.2, 0]");
     }
-    problems.AddAt(
-        field, NoSuchName("root_frame_objects", "object", object, env.root_frame_objects.keys()));
-  };
-  CheckNotEmpty(task.kind, "kind", "pick, pick_place, or the name of a task that was registered",
-                problems);
-  const bool picks = places || task.kind == "pick";
-  if (picks) {
-    const std::vector<std::string> ids = env.root_frame_objects.keys();
-    CheckNotEmpty(task.object, "object",
+    if (!task.goal_object.empty() && task.goal_object == task.object)
+      problems_.AddAt("goal_object", "is the object that is to be put there; name another one");
+  }
+
+ private:
+  void CheckOfRuns(const char* field, bool is_default) {
+    if (is_default) return;
+    problems_.AddAt(field,
+                    "belongs to runs, which choose objects and put the robot beside them; in an "
+                    "environment the rig says where they are: leave it out");
+  }
+  void RequireObject(const std::string& object) {
+    const std::vector<std::string> ids = env_.root_frame_objects.keys();
+    CheckNotEmpty(object, "object",
                   ids.empty()
                       ? "what is to be picked, by its id in root_frame_objects, where "
                         "nothing is yet"
                       : "what is to be picked, one of root_frame_objects: " + ListNames(ids),
-                  problems);
+                  problems_);
+    if (!object.empty()) CheckObject("object", object);
   }
-  if (!task.object.empty()) check_object("object", task.object);
-  if (!task.goal_object.empty()) check_object("goal_object", task.goal_object);
-  if (places && !task.goal)
-    problems.AddAt("goal", "is required: where the object is to be put, for example [0.4, 0.2, 0]");
-  for (const auto& [field, is_set] : {std::pair{"goal", task.goal.has_value()},
-                                      std::pair{"goal_object", !task.goal_object.empty()},
-                                      std::pair{"goal_spread", task.goal_spread != Vec2{0, 0}}}) {
-    if (task.kind == "pick" && is_set)
-      problems.AddAt(field, "kind pick has no goal; kind pick_place has, or leave this out");
+  void CheckObject(const char* field, const std::string& object) {
+    if (env_.root_frame_objects.contains(object)) return;
+    if (!env_.world_frame_objects.contains(object)) {
+      return problems_.AddAt(field, NoSuchName("root_frame_objects", "object", object,
+                                               env_.root_frame_objects.keys()));
+    }
+    problems_.AddAt(field, fmt::format("'{}' is in world_frame_objects, which stay in the room; a "
+                                       "task goes with the rig, and so do its objects: move it to "
+                                       "root_frame_objects",
+                                       object));
   }
-  if (places && !task.goal_object.empty() && task.goal_object == task.object)
-    problems.AddAt("goal_object", "is the object that is to be put there; name another one");
+
+  const EnvConfig& env_;
+  Problems& problems_;
+};
+
+void CheckTask(const EnvConfig& env, Problems& problems) {
+  if (!env.task) return;
+  Problems::Scope scope(problems, "task");
+  TaskCheck check(env, problems);
+  if (const auto* pick = env.task->If<PickTaskConfig>()) check.Check(*pick);
+  if (const auto* place = env.task->If<PickAndPlaceTaskConfig>()) check.Check(*place);
 }
 
 void CheckVariations(const EnvConfig& env, Problems& problems) {

@@ -24,8 +24,10 @@
 #include "robocell/spec/env_parts.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/locations.h"
+#include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/sim_options.h"
+#include "robocell/spec/task_spec.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
@@ -50,7 +52,7 @@ struct EnvConfig {
   CameraSystemConfig cameras = {};
   bool add_gravcomp = false;
   bool headless = true;
-  Maybe<EnvTaskConfig> task = {};
+  std::optional<TaskSpec> task = {};
   ControlMode control_mode = ControlMode::kJoints;
   RelativeTo relative_to = RelativeTo::kLastStep;
   std::vector<double> max_relative_movement = {};
@@ -105,7 +107,8 @@ struct EnvConfig {
       "Compensate gravity on robots and grippers, whatever their files say.");
     v("headless", &EnvConfig::headless,
       "Without a window. Else robocell.gym opens one, where there is a display.");
-    v("task", &EnvConfig::task, "What the robots are to do: reward, success, starts.");
+    v("task", &EnvConfig::task,
+      "What the robots are to do: the kind of task and its fields; none unless set.");
     v("control_mode", &EnvConfig::control_mode,
       "What actions are: joints, or the TCP in the shared base frame as cartesian_trpy "
       "(translation, roll pitch yaw) or cartesian_tquat (translation, quaternion xyzw).");

@@ -177,14 +177,14 @@ TEST(EnvConfig, AbsoluteActionsAreNotLimitedUnlessAsked) {
 TEST(EnvConfig, ATaskIsAboutAnObjectOfTheRig) {
   EnvConfig env = Duo();
   env.root_frame_objects["cube"] = Thing();
-  env.task = EnvTaskConfig{.object = "cub"};
+  env.task = PickTaskConfig{.object = "cub"};
   EXPECT_EQ(Message(env),
             "it is not valid: task.object: root_frame_objects: no object 'cub'. Its objects: cube. "
             "Did you mean 'cube'?");
-  env.task->object = "cube";
+  env.task->As<PickTaskConfig>().object = "cube";
   EXPECT_EQ(Message(env), "");
   env.world_frame_objects["ball"] = Thing();
-  env.task->object = "ball";
+  env.task->As<PickTaskConfig>().object = "ball";
   EXPECT_EQ(Message(env),
             "it is not valid: task.object: 'ball' is in world_frame_objects, which stay in the "
             "room; a task goes with the rig, and so do its objects: move it to root_frame_objects");
@@ -250,17 +250,23 @@ TEST(EnvConfig, APrimitiveIsAnObjectWithoutAFile) {
 TEST(EnvConfig, ATaskNamesItsObjectsAndItsGoal) {
   EnvConfig env = Duo();
   env.root_frame_objects["cube"] = Thing();
-  env.task = EnvTaskConfig{.kind = "pick_place", .object = "cube"};
+  env.task = PickAndPlaceTaskConfig{.object = "cube"};
   EXPECT_EQ(Message(env),
             "it is not valid: task.goal: is required: where the object is to be put, for example "
             "[0.4, 0.2, 0]");
-  env.task->goal = Vec3{0, 0, 0.02};
-  env.task->goal_object = "cub";
+  auto& task = env.task->As<PickAndPlaceTaskConfig>();
+  task.goal = Vec3{0, 0, 0.02};
+  task.goal_object = "cub";
   EXPECT_THAT(Message(env), HasSubstr("task.goal_object: root_frame_objects: no object 'cub'."));
-  env.task->goal_object = "cube";
+  task.goal_object = "cube";
   EXPECT_THAT(Message(env), HasSubstr("task.goal_object: is the object that is to be put there"));
-  env.task = EnvTaskConfig{.kind = "of my own"};
-  EXPECT_EQ(Message(env), "") << "needs no object";
+}
+
+TEST(EnvConfig, FieldsOfATaskThatOnlyRunsUseAreRefused) {
+  EnvConfig env = Duo();
+  env.root_frame_objects["cube"] = Thing();
+  env.task = PickTaskConfig{.object = "cube", .base_distance = {0.2, 0.4}};
+  EXPECT_THAT(Message(env), HasSubstr("task.base_distance: belongs to runs"));
 }
 
 TEST(EnvConfig, VariationsAreOfObjectsThatAreThere) {

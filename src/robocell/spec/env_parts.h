@@ -140,49 +140,6 @@ struct SimSettings {
   void Validate(Problems& problems) const;
 };
 
-// What the robots are to do: pick up an object, which lies around its place at each reset, put it
-// down somewhere else, or a task of one's own (env/env_task.h).
-struct EnvTaskConfig {
-  std::string kind = "pick";
-  std::string object = {};
-  Vec2 spread = {0, 0};
-  bool rotate = true;
-  double lift_height = 0.05;
-  std::optional<Vec3> goal = {};
-  std::string goal_object = {};
-  Vec2 goal_spread = {0, 0};
-  double goal_tolerance = 0.03;
-  double goal_distance = 0.1;
-
-  static constexpr const char* kTypeName = "EnvTaskConfig";
-  template <class V>
-  static void Fields(V&& v) {
-    v("kind", &EnvTaskConfig::kind, "pick, pick_place, or the name of a task that was registered.");
-    v("object", &EnvTaskConfig::object, "The object, by its id in root_frame_objects.");
-    v("spread", &EnvTaskConfig::spread,
-      "How far it lies from its place there, uniform between plus and minus these, along x and y "
-      "of the root frame, metres.",
-      Check::kNonNegative);
-    v("rotate", &EnvTaskConfig::rotate, "Turn it by any angle about the root frame's z too.");
-    v("lift_height", &EnvTaskConfig::lift_height,
-      "Success: lifted this far above where the episode began, metres, and held only by robots.",
-      Check::kPositive);
-    v("goal", &EnvTaskConfig::goal,
-      "pick_place: where the object's root is to rest, metres, in the root frame, or with "
-      "goal_object in the frame of that object's root.");
-    v("goal_object", &EnvTaskConfig::goal_object,
-      "pick_place: the goal is on this object, by its id in root_frame_objects, wherever it is.");
-    v("goal_spread", &EnvTaskConfig::goal_spread,
-      "How far the goal, or goal_object, lies from its place, as `spread`.", Check::kNonNegative);
-    v("goal_tolerance", &EnvTaskConfig::goal_tolerance,
-      "Success: released and at rest so near to the goal, metres, after it was lifted.",
-      Check::kPositive);
-    v("goal_distance", &EnvTaskConfig::goal_distance,
-      "Episodes begin with the object at least so far from the goal along the ground, metres.",
-      Check::kNonNegative);
-  }
-};
-
 // What is around the robots' actions and observations.
 struct WrapperConfig {
   bool binary_gripper = true;

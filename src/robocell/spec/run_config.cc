@@ -8,11 +8,6 @@
 
 namespace robocell {
 
-void TaskConfig::Validate(Problems& problems) const {
-  CheckRange(base_distance, "base_distance", problems);
-  CheckRange(base_height_noise, "base_height_noise", problems);
-}
-
 SceneSourceKind SceneSource::kind() const {
   return source.value_or(files.empty() ? SceneSourceKind::kTabletop : SceneSourceKind::kFiles);
 }
@@ -44,7 +39,27 @@ void SceneSource::Validate(Problems& problems) const {
   }
 }
 
+namespace {
+
+// What only environments can do with a pick task.
+void CheckPick(const PickTaskConfig& task, Problems& problems) {
+  const PickTaskConfig plain;
+  const auto check = [&](const char* field, bool is_default) {
+    if (is_default) return;
+    problems.AddAt(field,
+                   "belongs to environments, whose objects have ids and places; a run chooses its "
+                   "objects among the kinds in `objects`: leave it out");
+  };
+  const Problems::Scope scope(problems, "task");
+  check("object", task.object == plain.object);
+  check("spread", task.spread == plain.spread);
+  check("rotate", task.rotate == plain.rotate);
+}
+
+}  // namespace
+
 void RunConfig::Validate(Problems& problems) const {
+  if (const auto* pick = task.If<PickTaskConfig>()) CheckPick(*pick, problems);
   CheckNotEmpty(run, "run", "the run's name", problems);
   CheckNotEmpty(output, "output", "the folder the dataset goes to", problems);
   if (robot.config == RobotConfig{}) {

@@ -17,17 +17,13 @@
 
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/locations.h"
+#include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/rates.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/sim_options.h"
+#include "robocell/spec/task_spec.h"
 
 namespace robocell {
-
-enum class TaskKind { kPick };
-template <>
-struct EnumNames<TaskKind> {
-  static constexpr std::array kNames = {std::pair{TaskKind::kPick, "pick"}};
-};
 
 enum class SceneSourceKind { kTabletop, kFiles };
 template <>
@@ -60,33 +56,6 @@ struct RobotSource {
   bool operator==(const RobotSource& other) const { return config == other.config; }
 };
 
-struct TaskConfig {
-  TaskKind kind = TaskKind::kPick;
-  Vec2 base_distance = {0.3, 0.6};
-  double base_height_offset = 0;
-  Vec2 base_height_noise = {0, 0};
-  NameList objects = {};
-  double lift_height = 0.01;
-
-  static constexpr const char* kTypeName = "TaskConfig";
-  template <class V>
-  static void Fields(V&& v) {
-    v("kind", &TaskConfig::kind, "pick.");
-    v("base_distance", &TaskConfig::base_distance,
-      "Horizontal distance from the robot's base to the object, metres, smallest and largest.",
-      Check::kNonNegative);
-    v("base_height_offset", &TaskConfig::base_height_offset,
-      "Height of the base's bottom above the object, metres.");
-    v("base_height_noise", &TaskConfig::base_height_noise,
-      "Added to the height, uniform between these, metres.");
-    v("objects", &TaskConfig::objects,
-      "Kinds of objects, by their names in the catalogue; all of them unless set.");
-    v("lift_height", &TaskConfig::lift_height, "Success: lifted this far above the start, metres.",
-      Check::kPositive);
-  }
-  void Validate(Problems& problems) const;
-};
-
 struct SceneSource {
   std::optional<SceneSourceKind> source = {};
   IndexList houses = {};
@@ -112,7 +81,7 @@ struct SceneSource {
 struct RunConfig {
   std::string run = {};
   RobotSource robot = {};
-  TaskConfig task = {};
+  TaskSpec task = {};
   SceneSource scenes = {};
   int episodes_per_scene = 1;
   CameraSystemConfig cameras = {};
@@ -124,6 +93,7 @@ struct RunConfig {
   int workers = 1;
   int64_t seed = 0;
   std::string output = {};
+  std::vector<std::string> imports = {};
   // Folder of the run file, and where each value stood in it; not fields.
   std::string source_dir = {};
   Locations locations = {};
@@ -134,7 +104,7 @@ struct RunConfig {
     v("run", &RunConfig::run, "Name of the run.");
     v("robot", &RunConfig::robot,
       "Robot file (relative to this file), or the robot's fields in place.");
-    v("task", &RunConfig::task, "What the robot does.");
+    v("task", &RunConfig::task, "What the robot does: the kind of task and its fields.");
     v("scenes", &RunConfig::scenes, "Where the task takes place.");
     v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",
       Check::kPositive);
@@ -152,6 +122,9 @@ struct RunConfig {
       Check::kNonNegative);
     v("output", &RunConfig::output,
       "Folder of the dataset; a relative one starts at the working folder.");
+    v("imports", &RunConfig::imports,
+      "Python modules that register this run's task or expert, by name or file; file names are "
+      "relative to this file. They are imported when the run is started.");
   }
   void Validate(Problems& problems) const;
 
@@ -159,5 +132,9 @@ struct RunConfig {
   // file:line:column.
   static RunConfig Load(const std::string& path);
 };
+
+// What `imports` of a run file names, before the rest of it can be read. Nothing of a file that
+// cannot be read: Load says what is wrong with it.
+std::vector<std::string> ImportsOfRunFile(const std::string& path);
 
 }  // namespace robocell

@@ -44,12 +44,12 @@ TEST(RunConfig, CountsAreAboveZero) {
   EXPECT_THAT(ValidationError(run), HasSubstr("3 problems"));
 }
 
-TEST(TaskConfig, RangesAreSmallestFirst) {
-  EXPECT_THAT(ValidationError(TaskConfig{.base_distance = {0.6, 0.15}}),
+TEST(PickTaskConfig, RangesAreSmallestFirst) {
+  EXPECT_THAT(ValidationError(PickTaskConfig{.base_distance = {0.6, 0.15}}),
               HasSubstr("base_distance: [0.6, 0.15] is [smallest, largest]; the first is larger"));
-  EXPECT_THAT(ValidationError(TaskConfig{.base_distance = {-0.1, 0.15}}),
+  EXPECT_THAT(ValidationError(PickTaskConfig{.base_distance = {-0.1, 0.15}}),
               HasSubstr("base_distance[0]: -0.1 must not be negative"));
-  EXPECT_THAT(ValidationError(TaskConfig{.base_height_noise = {0.1, -0.1}}),
+  EXPECT_THAT(ValidationError(PickTaskConfig{.base_height_noise = {0.1, -0.1}}),
               HasSubstr("base_height_noise: [0.1, -0.1]"));
 }
 

@@ -22,8 +22,10 @@ T ReadText(std::string_view text, yaml::Reader& reader, const std::string& sourc
 }  // namespace
 
 template <class T>
-T ParseYaml(std::string_view text, const std::string& source, const std::string& directory) {
+T ParseYaml(std::string_view text, const std::string& source, const std::string& directory,
+            const std::vector<std::string>& overrides) {
   yaml::Reader reader(source, directory);
+  for (const std::string& given : overrides) reader.AddOverride(yaml::ParseOverride(given));
   return ReadText<T>(text, reader, source);
 }
 
@@ -56,9 +58,10 @@ T FromYamlUnchecked(std::string_view text) {
   return spec;
 }
 
-#define ROBOCELL_YAML_FILE(T)                                                        \
-  template T ParseYaml<T>(std::string_view, const std::string&, const std::string&); \
-  template T LoadYaml<T>(const std::string&);                                        \
+#define ROBOCELL_YAML_FILE(T)                                                       \
+  template T ParseYaml<T>(std::string_view, const std::string&, const std::string&, \
+                          const std::vector<std::string>&);                         \
+  template T LoadYaml<T>(const std::string&);                                       \
   template T LoadYaml<T>(const std::string&, const std::vector<std::string>&);
 #define ROBOCELL_YAML(T)                    \
   template std::string ToYaml<T>(const T&); \
@@ -93,7 +96,8 @@ ROBOCELL_YAML(CameraConfig)
 ROBOCELL_YAML(RenderQuality)
 ROBOCELL_YAML(CameraSystemConfig)
 ROBOCELL_YAML(RunConfig)
-ROBOCELL_YAML(TaskConfig)
+ROBOCELL_YAML(PickTaskConfig)
+ROBOCELL_YAML(PickAndPlaceTaskConfig)
 ROBOCELL_YAML(SceneSource)
 ROBOCELL_YAML(Rates)
 ROBOCELL_YAML(EnvConfig)
@@ -102,12 +106,28 @@ ROBOCELL_YAML(CameraAdderConfig)
 ROBOCELL_YAML(ObjectVariation)
 ROBOCELL_YAML(SimSettings)
 ROBOCELL_YAML(WrapperConfig)
-ROBOCELL_YAML(EnvTaskConfig)
 #undef ROBOCELL_YAML_FILE
 #undef ROBOCELL_YAML
 
 RobotConfig RobotConfig::Load(const std::string& path) { return LoadYaml<RobotConfig>(path); }
 SceneSpec SceneSpec::Load(const std::string& path) { return LoadYaml<SceneSpec>(path); }
+std::vector<std::string> ImportsOfRunFile(const std::string& path) {
+  std::vector<std::string> imports;
+  try {
+    const YAML::Node root = YAML::LoadFile(path);
+    if (!root.IsMap()) return imports;
+    const YAML::Node listed = root["imports"];
+    if (listed.IsDefined() && listed.IsScalar()) imports.push_back(listed.Scalar());
+    if (!listed.IsDefined() || !listed.IsSequence()) return imports;
+    for (const auto& module : listed) {
+      if (module.IsScalar()) imports.push_back(module.Scalar());
+    }
+  } catch (const YAML::Exception&) {
+    return {};
+  }
+  return imports;
+}
+
 RunConfig RunConfig::Load(const std::string& path) { return LoadYaml<RunConfig>(path); }
 EnvConfig EnvConfig::Load(const std::string& path) { return LoadYaml<EnvConfig>(path); }
 

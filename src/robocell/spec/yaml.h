@@ -19,10 +19,11 @@ namespace robocell {
 template <class T>
 T LoadYaml(const std::string& path);
 
-// `source` stands for the file name in messages; relative paths inside start at `directory`.
+// `source` stands for the file name in messages; relative paths inside start at `directory`;
+// `overrides` as LoadYaml takes them.
 template <class T>
 T ParseYaml(std::string_view text, const std::string& source = "yaml",
-            const std::string& directory = "");
+            const std::string& directory = "", const std::vector<std::string>& overrides = {});
 
 template <class T>
 std::string ToYaml(const T& spec);

@@ -48,8 +48,10 @@ class OverrideTest : public ::testing::Test {
 };
 
 TEST_F(OverrideTest, ReplacesWhatTheFileHas) {
-  EXPECT_EQ(Load({"task.base_distance=[0.3, 0.5]"}).task.base_distance, (Vec2{0.3, 0.5}));
-  EXPECT_EQ(Load({"task.base_distance[1]=0.6"}).task.base_distance, (Vec2{0.2, 0.6}));
+  EXPECT_EQ(Load({"task.base_distance=[0.3, 0.5]"}).task.As<PickTaskConfig>().base_distance,
+            (Vec2{0.3, 0.5}));
+  EXPECT_EQ(Load({"task.base_distance[1]=0.6"}).task.As<PickTaskConfig>().base_distance,
+            (Vec2{0.2, 0.6}));
   EXPECT_EQ(Load({"run=other"}).run, "other");
 }
 
@@ -89,12 +91,13 @@ TEST_F(OverrideTest, NullUnsets) {
 }
 
 TEST_F(OverrideTest, GoesThroughTheSameChecks) {
-  EXPECT_EQ(Error({"task.base_distnce=[0.3, 0.5]"}),
-            run() +
-                " is not valid: --set task.base_distnce=[0.3, 0.5]: task.base_distnce: a "
-                "TaskConfig: no field 'base_distnce'. Its fields: kind, base_distance, "
-                "base_height_offset, base_height_noise, objects, lift_height. Did you mean "
-                "'base_distance'?");
+  EXPECT_EQ(
+      Error({"task.base_distnce=[0.3, 0.5]"}),
+      run() +
+          " is not valid: --set task.base_distnce=[0.3, 0.5]: task.base_distnce: a "
+          "PickTaskConfig: no field 'base_distnce'. Its fields: kind, object, spread, rotate, "
+          "lift_height, objects, base_distance, base_height_offset, base_height_noise. Did "
+          "you mean 'base_distance'?");
   EXPECT_THAT(Error({"task.base_distance=[0.3, far]"}),
               HasSubstr("--set task.base_distance=[0.3, far]: task.base_distance[1]: expected a "
                         "number, found 'far'"));

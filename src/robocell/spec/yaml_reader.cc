@@ -214,6 +214,52 @@ void Reader::ReadHere(const YAML::Node& node, ReadInto read, void* out) {
   read(*this, value, out);
 }
 
+void Reader::ReadNamed(const YAML::Node& node, const char* type,
+                       const std::vector<std::string>& names, const char* other_key,
+                       const ReadNamedValue& read) {
+  std::vector<std::string> known = names;
+  known.insert(known.begin(), other_key);
+  const auto read_key = [&](const YAML::Node& key, const std::string& name,
+                            const YAML::Node& value) {
+    if (name == other_key) return;
+    if (IsOneOf(name, names)) return read(name, value);
+    FailField(key, name, value, type, known, nullptr);
+  };
+  ForEachKey(node, read_key, [&](const std::string& name) { return IsNoField(name, known); });
+}
+
+void Reader::Read(const YAML::Node& node, TaskSpec& out) {
+  if (!node.IsMap()) {
+    const std::string kind = node.IsScalar() ? node.Scalar() : "pick";
+    return FailNotFields(node, "task", "; write {kind: " + kind + "}");
+  }
+  std::string kind = out.kind();
+  const auto is_kind = [](const std::string& name) { return name == "kind"; };
+  const std::vector<std::string> overridden = OverriddenKeys();
+  const YAML::Node given = node["kind"];
+  if (given.IsDefined() || std::any_of(overridden.begin(), overridden.end(), is_kind)) {
+    const size_t before = problems_.list().size();
+    ReadAt(given.IsDefined() ? given : YAML::Node(YAML::NodeType::Map), "kind", kind);
+    if (problems_.list().size() != before) return;
+  }
+  if (!IsTaskKind(kind)) {
+    const Problems::Scope scope(problems_, "kind");
+    return Fail(given.IsDefined() ? given : node,
+                NoSuchName("", "task", kind, TaskKinds()) +
+                    " A task of your own is registered before: import its module, or name "
+                    "it with --import");
+  }
+  if (kind != out.kind()) out = TaskSpec(kind);
+  TaskFields& fields = out.fields();
+  const std::vector<TaskFieldRef> refs = fields.refs();
+  ReadNamed(node, fields.type_name().c_str(), fields.names(), "kind",
+            [&](const std::string& name, const YAML::Node& value) {
+              const auto& field = *std::ranges::find(refs, name, &TaskFieldRef::name);
+              std::visit([&](auto* to) { ReadExplainedValue(value, name, field.doc, *to); },
+                         field.value);
+            });
+}
+
 void Reader::ReadExplained(const YAML::Node& node, const std::string& name, const char* doc,
                            ReadInto read, void* out) {
   const size_t before = problems_.list().size();

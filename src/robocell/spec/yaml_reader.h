@@ -26,6 +26,7 @@
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
+#include "robocell/spec/task_spec.h"
 #include "robocell/spec/validate.h"
 #include "robocell/spec/yaml_hints.h"
 #include "robocell/spec/yaml_stray.h"
@@ -90,6 +91,7 @@ class Reader {
   void Read(const YAML::Node& node, ElementRef& out);
   void Read(const YAML::Node& node, RobotConfig& out);  // the fields, or the name of a robot file
   void Read(const YAML::Node& node, RobotSource& out);
+  void Read(const YAML::Node& node, TaskSpec& out);
 
   template <class T>
   requires(IsOptional<T>::value) void Read(const YAML::Node& node, T& out) {
@@ -144,6 +146,18 @@ class Reader {
   void Read(const YAML::Node& node, T& out) {
     if (!node.IsMap()) return FailNotFields(node, T::kTypeName, FieldHint<T>(node));
     ReadFields(node, out);
+  }
+
+  // Calls read(name, value) for each key of a map that is one of `names`; other keys but
+  // `other_key` are problems of the type.
+  using ReadNamedValue = std::function<void(const std::string& name, const YAML::Node& value)>;
+  void ReadNamed(const YAML::Node& node, const char* type, const std::vector<std::string>& names,
+                 const char* other_key, const ReadNamedValue& read);
+  // A value by its key; what is wrong with it is explained by `doc`.
+  template <class T>
+  void ReadExplainedValue(const YAML::Node& node, const std::string& name, const std::string& doc,
+                          T& out) {
+    ReadExplained(node, name, doc.c_str(), &ReadIntoA<T>, &out);
   }
 
  private:

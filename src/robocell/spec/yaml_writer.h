@@ -11,6 +11,7 @@
 
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
+#include "robocell/spec/task_spec.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell::yaml {
@@ -32,6 +33,22 @@ class Writer {
   void Write(const AttachTarget& value);
   void Write(const ElementRef& value);
   void Write(const RobotSource& value) { Write(value.config); }
+  void Write(const TaskSpec& value) {
+    BeginMap();
+    WriteField("kind", value.kind());
+    // What is empty is left out, unless that would bring back a default that is not.
+    const auto is_absent = [](const TaskFieldRef& field) {
+      return std::visit([](const auto* of) { return IsAbsent(*of); }, field.value);
+    };
+    const TaskSpec plain(value.kind());
+    const std::vector<TaskFieldRef> fields = value.shared_fields()->refs();
+    const std::vector<TaskFieldRef> defaults = plain.shared_fields()->refs();
+    for (size_t i = 0; i < fields.size(); ++i) {
+      if (is_absent(fields[i]) && is_absent(defaults[i])) continue;
+      std::visit([&](const auto* of) { WriteField(fields[i].name, *of); }, fields[i].value);
+    }
+    EndMap();
+  }
   template <HasEnumNames E>
   void Write(E value) {
     WriteWord(ToString(value));
@@ -74,6 +91,11 @@ class Writer {
       Write(field);
     });
     EndMap();
+  }
+  template <class T>
+  void WriteField(const std::string& name, const T& value) {
+    WriteKey(name);
+    Write(value);
   }
 
  private:

@@ -18,7 +18,7 @@ double Reflected(double u) {
 
 }  // namespace
 
-BasePlacement SpreadBasePlacement(const TaskConfig& task, uint64_t seed, uint64_t turn, int attempt,
+BasePlacement SpreadBasePlacement(const BaseRange& range, uint64_t seed, uint64_t turn, int attempt,
                                   Rng& rng) {
   const auto point = [&](uint64_t base, const char* purpose) {
     const double shifted = RadicalInverse(turn + 1, base) + Rng::Stream(seed, purpose).Uniform();
@@ -28,9 +28,8 @@ BasePlacement SpreadBasePlacement(const TaskConfig& task, uint64_t seed, uint64_
   };
   const double u = point(2, "base distance");
   const double v = point(3, "base height");
-  return {
-      std::lerp(task.base_distance[0], task.base_distance[1], u),
-      task.base_height_offset + std::lerp(task.base_height_noise[0], task.base_height_noise[1], v)};
+  return {std::lerp(range.distance[0], range.distance[1], u),
+          range.height_offset + std::lerp(range.height_noise[0], range.height_noise[1], v)};
 }
 
 }  // namespace robocell

@@ -8,11 +8,11 @@
 namespace robocell {
 namespace {
 
-TaskConfig Ranges() {
-  TaskConfig task;
-  task.base_distance = {0.3, 0.7};
-  task.base_height_offset = -0.2;
-  task.base_height_noise = {-0.1, 0.1};
+BaseRange Ranges() {
+  BaseRange task;
+  task.distance = {0.3, 0.7};
+  task.height_offset = -0.2;
+  task.height_noise = {-0.1, 0.1};
   return task;
 }
 

@@ -31,7 +31,7 @@ double Missing(const JointPath& line) {
 
 }  // namespace
 
-GraspMotionOptions GraspMotionOptionsOf(const TaskConfig& task) {
+GraspMotionOptions GraspMotionOptionsOf(const PickTaskConfig& task) {
   GraspMotionOptions options;
   options.lift = std::max(options.lift, task.lift_height + kSlip);
   return options;

@@ -16,7 +16,7 @@
 #include "robocell/kinematics/joint_vector.h"
 #include "robocell/motion/joint_path.h"
 #include "robocell/motion/planning_scene.h"
-#include "robocell/spec/run_config.h"
+#include "robocell/spec/pick_task_config.h"
 #include "robocell/task/grasp_candidates.h"
 
 namespace robocell {
@@ -33,7 +33,7 @@ struct GraspMotionOptions {
   int most = 60;        // candidates looked at
 };
 // A pick lifts a little more than the task asks for: objects slip.
-GraspMotionOptions GraspMotionOptionsOf(const TaskConfig& task);
+GraspMotionOptions GraspMotionOptionsOf(const PickTaskConfig& task);
 
 class GraspMotions {
  public:

@@ -1,48 +1,47 @@
-// PickTask: lift an object off its support. Reward is the height gained (m); success is at least
-// `lift_height` above the object's own start while robots hold it.
+// PickTask: pick an object up. Success: it is at least `lift_height` above where the episode began,
+// and robots hold it and nothing else touches it (held.h). The reward, 0 to 1, is half for a TCP
+// near the object and half for its height; at success it is 1.
+//
+// In an environment the object lies around its place in the root frame, turned about the root
+// frame's z; in a generated episode the sampler puts it somewhere (pick_sampler.h).
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "robocell/task/task.h"
+#include "robocell/spec/pick_task_config.h"
+#include "robocell/task/object_task.h"
 
 namespace robocell {
 
-class PickTask : public Task {
+class PickTask : public ObjectTask {
  public:
-  // `object`: name in the scene; `kind`: what to call it in the instruction.
+  // As an environment asks for it.
+  explicit PickTask(const PickTaskConfig& fields)
+      : ObjectTask({.name = fields.object,
+                    .lift_height = fields.lift_height,
+                    .spread = fields.spread,
+                    .rotate = fields.rotate}),
+        all_objects_({fields.object}) {}
+  // `object`: name in the scene; `kind`: what to call it in the instruction; `all_objects`: whose
+  // poses are observed.
   PickTask(std::string object, std::string kind, std::vector<std::string> all_objects,
-           double lift_height);
+           double lift_height)
+      : ObjectTask(
+            {.name = std::move(object), .word = std::move(kind), .lift_height = lift_height}),
+        all_objects_(std::move(all_objects)) {}
 
-  void Begin(const Scene& scene) override;
-  double Reward(const Scene& scene) override;
-  bool Success(const Scene& scene) override;
-  std::string instruction() const override { return "pick up the " + kind_; }
+  BodyPoses Starts(Rng& rng) override { return {{object().name(), root() * Start(rng)}}; }
+  std::string instruction() const override { return "pick up the " + word(); }
   std::vector<std::string> objects() const override { return all_objects_; }
+  std::string why_not_done() const override { return "not lifted"; }
 
  private:
-  double Lift(const Scene& scene) const;
+  bool IsDone(const Scene& scene) override { return IsLifted(scene); }
+  double Progress() const override { return 0.5 * Nearness() + 0.5 * Lifted(); }
 
-  std::string object_, kind_;
   std::vector<std::string> all_objects_;
-  double lift_height_;
-  double start_height_ = 0;
-  std::string body_;
 };
-
-// Who touches a body's subtree in the present contacts.
-struct Touching {
-  bool robot = false;
-  bool other = false;
-};
-Touching TouchingBody(const Scene& scene, const std::string& body);
-// Whether robots touch it and nothing else does.
-bool OnlyRobotsTouch(const Scene& scene, const std::string& body);
-// Whether robots hold it: nothing else touches it, and a gripper has it between its fingers
-// (GripperGroup::is_grasping) or several robots have it between them. A robot without a gripper
-// holds what it touches: whether with a hook or a cup is its own affair. What hangs on one finger
-// is not held.
-bool IsHeld(const Scene& scene, const std::string& body);
 
 }  // namespace robocell

@@ -9,12 +9,14 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/task/held.h"
 
 namespace robocell {
 namespace {
 
 constexpr double kTop = 0.5;       // of the table, m
 constexpr double kPress = 0.0001;  // how far things that touch are pressed into each other, m
+constexpr double kLift = 0.01;     // that counts as picked, m
 constexpr double kJaws = 5;        // where the gripper is, m
 constexpr double kLying = kTop + 0.02 - kPress;
 
@@ -43,7 +45,7 @@ class PickTaskTest : public ::testing::Test {
 
   // Of an episode that begins with things as they are now.
   PickTask Begun(const std::string& object = "bar") const {
-    PickTask task(object, "bar", {object}, TaskConfig().lift_height);
+    PickTask task(object, "bar", {object}, kLift);
     task.Begin(scene_);
     return task;
   }
@@ -93,16 +95,16 @@ class PickTaskTest : public ::testing::Test {
 
 TEST_F(PickTaskTest, ACentimetreAboveItsStartIsPicked) {
   PickTask task = Begun();
-  EXPECT_FALSE(task.Success(scene_)) << "it lies there";
+  EXPECT_FALSE(task.Judge(scene_).success) << "it lies there";
   Put("bar", {0, 0, kLying + 0.009});
   EXPECT_TRUE(OnlyRobotsTouch(scene_, "bar"));
-  EXPECT_FALSE(task.Success(scene_)) << "9 mm";
-  EXPECT_NEAR(task.Reward(scene_), 0.009, 1e-12);
+  EXPECT_FALSE(task.Judge(scene_).success) << "9 mm";
+  EXPECT_NEAR(task.Judge(scene_).reward, 0.5 * 0.9, 1e-9) << "without a TCP half is for the height";
   Put("bar", {0, 0, kLying + 0.011});
-  EXPECT_TRUE(task.Success(scene_)) << "11 mm";
-  EXPECT_NEAR(task.Reward(scene_), 0.011, 1e-12);
+  EXPECT_TRUE(task.Judge(scene_).success) << "11 mm";
+  EXPECT_EQ(task.Judge(scene_).reward, 1);
   Put("bar", {0, 0, kLying - 0.01});
-  EXPECT_EQ(task.Reward(scene_), 0);
+  EXPECT_EQ(task.Judge(scene_).reward, 0);
 }
 
 TEST_F(PickTaskTest, WhatNobodyTouchesIsNotPicked) {
@@ -110,8 +112,8 @@ TEST_F(PickTaskTest, WhatNobodyTouchesIsNotPicked) {
   Put("bar", {1, 0, kLying + 0.1});
   const Touching touching = TouchingBody(scene_, "bar");
   EXPECT_FALSE(touching.robot || touching.other);
-  EXPECT_NEAR(task.Reward(scene_), 0.1, 1e-12);
-  EXPECT_FALSE(task.Success(scene_)) << "thrown";
+  EXPECT_NEAR(task.Judge(scene_).reward, 0.5, 1e-12);
+  EXPECT_FALSE(task.Judge(scene_).success) << "thrown";
 }
 
 TEST_F(PickTaskTest, WhatTheTableCarriesTooIsNotPicked) {
@@ -119,22 +121,22 @@ TEST_F(PickTaskTest, WhatTheTableCarriesTooIsNotPicked) {
   Put("bar", {0, 0, kTop + 0.05 - kPress}, kPi / 2);
   const Touching touching = TouchingBody(scene_, "bar");
   EXPECT_TRUE(touching.robot && touching.other);
-  EXPECT_NEAR(task.Reward(scene_), 0.03, 1e-9);
-  EXPECT_FALSE(task.Success(scene_)) << "put on its end";
+  EXPECT_NEAR(task.Judge(scene_).reward, 0.5, 1e-9);
+  EXPECT_FALSE(task.Judge(scene_).success) << "put on its end";
   Put("bar", {0, 0, kTop + 0.051}, kPi / 2);
-  EXPECT_TRUE(task.Success(scene_));
+  EXPECT_TRUE(task.Judge(scene_).success);
 }
 
 TEST_F(PickTaskTest, WhatANeighbourTouchesIsNotPicked) {
   PickTask task = Begun();
   Put("bar", {0, 0, kLying + 0.05});
-  EXPECT_TRUE(task.Success(scene_)) << "the box touches the table only";
+  EXPECT_TRUE(task.Judge(scene_).success) << "the box touches the table only";
   Put("box", {0, 0, kLying + 0.01 + kPress});
-  EXPECT_FALSE(task.Success(scene_)) << "the box is under it";
+  EXPECT_FALSE(task.Judge(scene_).success) << "the box is under it";
   Put("box", {0, 0, kLying + 0.09 - kPress});
-  EXPECT_FALSE(task.Success(scene_)) << "the box is on it";
+  EXPECT_FALSE(task.Judge(scene_).success) << "the box is on it";
   Put("box", {0, 0, kLying + 0.09 + kPress});
-  EXPECT_TRUE(task.Success(scene_)) << "the box is near it";
+  EXPECT_TRUE(task.Judge(scene_).success) << "the box is near it";
 }
 
 TEST_F(PickTaskTest, WhatStartsOnAStackIsLiftedFromThere) {
@@ -142,18 +144,18 @@ TEST_F(PickTaskTest, WhatStartsOnAStackIsLiftedFromThere) {
   const double start = kLying + 0.04 - kPress;
   Put("bar", {0, 0, start});
   PickTask task = Begun();
-  EXPECT_FALSE(task.Success(scene_));
-  EXPECT_EQ(task.Reward(scene_), 0) << "although it is above the table";
+  EXPECT_FALSE(task.Judge(scene_).success);
+  EXPECT_EQ(task.Judge(scene_).reward, 0) << "although it is above the table";
   Put("bar", {0, 0, start + 0.009});
   EXPECT_TRUE(OnlyRobotsTouch(scene_, "bar"));
-  EXPECT_FALSE(task.Success(scene_));
+  EXPECT_FALSE(task.Judge(scene_).success);
   Put("bar", {0, 0, start + 0.011});
-  EXPECT_TRUE(task.Success(scene_));
+  EXPECT_TRUE(task.Judge(scene_).success);
   Put("bar", {0, 0, kLying});
   Put("box", {0.2, 0.2, kLying});
   task.Begin(scene_);
   Put("bar", {0, 0, kLying + 0.011});
-  EXPECT_TRUE(task.Success(scene_)) << "an episode later it starts lower";
+  EXPECT_TRUE(task.Judge(scene_).success) << "an episode later it starts lower";
 }
 
 TEST_F(PickTaskTest, SeveralRobotsMayHoldIt) {
@@ -161,7 +163,7 @@ TEST_F(PickTaskTest, SeveralRobotsMayHoldIt) {
   const size_t one = (Put("bar", {0, 0, 0.8}), scene_.contacts("bar").size());
   Put("bar", {0, 0, 1});
   EXPECT_GT(scene_.contacts("bar").size(), one) << "the other robot's too";
-  EXPECT_TRUE(task.Success(scene_));
+  EXPECT_TRUE(task.Judge(scene_).success);
 }
 
 TEST_F(PickTaskTest, WhatHangsOnOneFingerIsNotPicked) {
@@ -171,14 +173,14 @@ TEST_F(PickTaskTest, WhatHangsOnOneFingerIsNotPicked) {
   for (const double side : {1.0, -1.0}) {
     PutBetweenFingers(side * (0.005 + kPress));
     EXPECT_TRUE(OnlyRobotsTouch(scene_, "box"));
-    EXPECT_GT(task.Reward(scene_), 0.4);
-    EXPECT_FALSE(task.Success(scene_)) << side;
+    EXPECT_GT(task.Judge(scene_).reward, 0.4);
+    EXPECT_FALSE(task.Judge(scene_).success) << side;
   }
   PutBetweenFingers(0);
   for (const char* joint : {"jaws_left", "jaws_right"}) Move(joint, 0.005 + kPress);
-  EXPECT_TRUE(task.Success(scene_)) << "both fingers have it";
+  EXPECT_TRUE(task.Judge(scene_).success) << "both fingers have it";
   Put("bar", {kJaws, 0, 1 + 0.04 - kPress});
-  EXPECT_FALSE(task.Success(scene_)) << "and the bar lies on it";
+  EXPECT_FALSE(task.Judge(scene_).success) << "and the bar lies on it";
 }
 
 TEST_F(PickTaskTest, AllPartsOfAnObjectCount) {
@@ -186,9 +188,9 @@ TEST_F(PickTaskTest, AllPartsOfAnObjectCount) {
   Put("bar", {1, 0, 1});
   PickTask task = Begun("pan");
   Put("pan_pan", {0, 0, kLying + 0.05});
-  EXPECT_TRUE(task.Success(scene_));
+  EXPECT_TRUE(task.Judge(scene_).success);
   Put("box", {0, 0, kLying + 0.05 + 0.1 + 0.03 - kPress});
-  EXPECT_FALSE(task.Success(scene_)) << "the box lies on its lid";
+  EXPECT_FALSE(task.Judge(scene_).success) << "the box lies on its lid";
 }
 
 }  // namespace

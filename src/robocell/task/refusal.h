@@ -7,26 +7,26 @@
 
 namespace robocell {
 
-// Reasons are few and counted, details are for reading.
+// How often each reason came up.
+using RefusalCounts = std::map<std::string, int>;
+
+// Reasons are few and counted, details are for reading. A task of one's own may have reasons of its
+// own; those of the stages that all tasks share are here.
 struct Refusal {
-  enum Reason {
-    kNoFreePlace,
-    kUnsettled,
-    kNoReachableBasePose,
-    kBaseInCollision,
-    kNoGrasp,
-    kGraspsInCollision,
-    kCameraConstraint,
-    kInvalidScene
-  };
-  Reason reason = kInvalidScene;
+  static constexpr const char* kNoFreePlace = "no free place for the objects";
+  static constexpr const char* kUnsettled = "objects did not come to rest";
+  static constexpr const char* kNoReachableBasePose = "no base pose reaches the object";
+  static constexpr const char* kBaseInCollision = "no base pose is free of collisions";
+  static constexpr const char* kNoGrasp = "no grasp";
+  static constexpr const char* kGraspsInCollision = "something is in the way of every grasp";
+  static constexpr const char* kCameraConstraint = "camera constraint";
+  static constexpr const char* kInvalidScene = "invalid scene";
+
+  std::string reason = kInvalidScene;
   std::string detail = {};
   // Places that were tried and refused before, in the same call of Sample.
-  std::map<Reason, int> redrawn = {};
+  RefusalCounts redrawn = {};
   std::string object_kind = {};  // the target's, when it was chosen already
 };
-using RefusalCounts = std::map<Refusal::Reason, int>;
-// As reports have it: "no grasp".
-const char* ToString(Refusal::Reason reason);
 
 }  // namespace robocell

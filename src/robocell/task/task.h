@@ -1,5 +1,6 @@
-// What an episode is about: Task judges, TaskSampler sets up, Expert acts. All three are interfaces
-// that users can subclass, in C++ or Python. None of them knows of files.
+// What an episode is about: Task says what is to be done and judges, TaskSampler sets up, Expert
+// acts. All three are interfaces that users can subclass, in C++ or Python, and register by a name
+// (task_kind.h, expert/expert_kind.h). None of them knows of files.
 //
 // Frames: poses in the world unless named otherwise. Randomness only from the Rng that is handed
 // in.
@@ -9,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,21 +19,86 @@
 #include "robocell/robot/action.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/refusal.h"
 
 namespace robocell {
 
+// Objects farther away are observed at this distance along each axis, m: they may fall for ever.
+inline constexpr double kFarthestObject = 100;
+
+// A part of the observation that the task adds; numbers outside of its range are cut to it.
+struct TaskSignal {
+  std::string name;
+  std::vector<double> lower, upper;
+};
+
+// What a state is worth.
+struct TaskVerdict {
+  double reward = 0;
+  bool success = false;
+  double progress = 0;  // from 0 at the start to 1 at success
+  int subtask = 0;      // index into subtasks(), with several of them
+};
+
+// What a task is about: a compiled scene, which was not reset yet, and how it is called in messages.
+struct TaskSetting {
+  std::string place;                // "environment 'duo'"
+  std::vector<std::string> robots;  // names of those that act
+  // Where objects stand in the root frame unless the task moves them, by name.
+  std::map<std::string, Pose> objects = {};
+};
+
+// What robots are to do. The same class serves environments, generated datasets and evaluation.
+//
+// A scene has to hold what the task is about: Prepare adds it to the scene's spec. Bind follows
+// once the scene is compiled. Each episode begins with Starts, a reset that puts robots at home and
+// bodies there, Arrange, both again while resting_objects() do not lie still, and Begin. After each
+// step come Judge and Observe. Copies of an environment have a task each; their threads call them
+// at the same time, one call at a time for each.
 class Task {
  public:
   virtual ~Task() = default;
-  // Remembers what success is measured from (start poses). Called once, with the scene at its start
-  // state.
-  virtual void Begin(const Scene& scene) = 0;
-  virtual double Reward(const Scene& scene) = 0;
-  virtual bool Success(const Scene& scene) = 0;
+
+  // Adds objects, sites or cameras to the scene. It may be called on another Task of the same
+  // fields than the one that is bound: the names of what it adds follow from fields and `rng`.
+  virtual void Prepare(SceneSpec& /*spec*/, Rng& /*rng*/) {}
+  virtual void Bind(const Scene& /*scene*/, const TaskSetting& /*setting*/) {}
+
+  // Where free and mocap bodies start: poses in the world, by their names in the scene. The reset
+  // puts them there with all else, which is several times as fast as moving them in Arrange. The
+  // scene is still where the last episode ended: do not look at it; what depends on it belongs into
+  // Arrange.
+  virtual BodyPoses Starts(Rng& /*rng*/) { return {}; }
+  // Does what else an episode starts with; the robots are at their start already. `rng` goes on
+  // from Starts. A refusal ends this start, and another one is drawn.
+  virtual std::optional<Refusal> Arrange(Scene& /*scene*/, Rng& /*rng*/) { return {}; }
+  // Remembers what success is measured from. The scene is at its start state.
+  virtual void Begin(const Scene& /*scene*/) {}
+  virtual TaskVerdict Judge(const Scene& scene) = 0;
+
   virtual std::string instruction() const = 0;
-  // Objects whose poses are worth recording.
-  virtual std::vector<std::string> objects() const = 0;
+  // Names of the objects whose poses are observed and recorded, what the task is about first.
+  virtual std::vector<std::string> objects() const { return {}; }
+  // Objects that have to lie still when an episode begins: touching no robot, inside of nothing and
+  // with something under them (scenes/start_check.h).
+  virtual std::vector<std::string> resting_objects() const { return {}; }
+  // What TaskVerdict::subtask counts through.
+  virtual std::vector<std::string> subtasks() const { return {}; }
+  // In runs: where the robot's base may stand around the first of objects().
+  virtual BaseRange base_range() const { return {}; }
+  // Why an episode that ran out of time is no success, in few words for counting.
+  virtual std::string why_not_done() const { return "the task was not done"; }
+
+  // What it adds to the observation, asked for once after Bind.
+  virtual std::vector<TaskSignal> signals() const { return {}; }
+  // All signals one after another into `out`.
+  virtual void Observe(const Scene& /*scene*/, std::span<double> /*out*/) const {}
+
+  // What it remembers of the episode, for going back to saved states: in the root frame, as far as
+  // there are places among it, so that it holds for a rig elsewhere too.
+  virtual std::vector<double> memory() const { return {}; }
+  virtual void Recall(std::span<const double> /*memory*/) {}
 };
 
 // Where and with what an episode starts: a built scene at its start state, and its task.

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "robocell/expert/pick_planner.h"
 #include "robocell/motion/planning_scene.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
@@ -12,6 +13,10 @@
 #include "robocell/testing/source_dir.h"
 
 namespace robocell {
+
+inline std::unique_ptr<Expert> MakePickPlanner(const RunConfig& run, const EpisodeStart& start) {
+  return std::make_unique<PickPlanner>(run, start);
+}
 
 inline RunConfig ExampleRun(const std::string& file) {
   return RunConfig::Load(SourceDir() + "/examples/" + file);

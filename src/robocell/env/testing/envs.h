@@ -84,7 +84,7 @@ inline EnvConfig Rc7WithCube(const Pose& root = Pose()) {
                                          .shape = Shape::kBox,
                                          .size = Vec3{1, 1, 0.05},
                                          .mass = 1};
-  config.task = EnvTaskConfig{.object = "cube", .spread = {0.05, 0.1}};
+  config.task = PickTaskConfig{.object = "cube", .spread = {0.05, 0.1}};
   return config;
 }
 

@@ -88,6 +88,14 @@ class RandomSpec {
     value.index = static_cast<int>(rng_.UniformInt(9));
   }
   void FillOther(RobotSource& value) { Fill(value.config); }
+  void FillOther(TaskSpec& value) {
+    if (rng_.UniformInt(2)) {
+      value = TaskSpec();
+      return Fill(value.As<PickTaskConfig>());
+    }
+    value = PickAndPlaceTaskConfig();
+    Fill(value.As<PickAndPlaceTaskConfig>());
+  }
 
   // Any size, short and long ones, whole ones.
   double Number() {

@@ -11,12 +11,14 @@ from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.registries import OBJECT_PATHS
 
+PICK_AND_PLACE = "pick_and_place"
+
 
 @dataclass(kw_only=True)
 class BaseTaskConfig(NamedFields):
-    """A task by its name: one of ``rc.env_task_kinds()``.
+    """A task by its name: one of ``rc.task_kinds()``, or RCS's ``pick_place``.
 
-    That is all that a task of one's own needs which was registered (``rc.register_env_task``);
+    That is all that a task of one's own needs which was registered (``rc.register_task``);
     subclasses may add to the environment in ``add_to`` too.
     """
 
@@ -25,14 +27,19 @@ class BaseTaskConfig(NamedFields):
     def add_to(self, config: rc.EnvConfig) -> None:
         """The task; ``config`` is robocell's own, with all that the environment has besides."""
         self._check_task_id()
-        config.task = rc.EnvTaskConfig(kind=self.task_id)
+        config.task = {"kind": self.kind}
+
+    @property
+    def kind(self) -> str:
+        """What robocell calls the task."""
+        return PICK_AND_PLACE if self.task_id == "pick_place" else self.task_id
 
     def _check_task_id(self) -> None:
-        kinds = rc.env_task_kinds()
-        if self.task_id not in kinds:
+        kinds = rc.task_kinds()
+        if self.kind not in kinds:
             raise rc.NotFoundError(
                 f"task_cfg: no task '{self.task_id}'. Known tasks: {', '.join(kinds)}; those of "
-                "one's own are added by rc.register_env_task"
+                "one's own are added by rc.register_task"
             )
 
 
@@ -75,14 +82,18 @@ class PickTaskConfig(BaseTaskConfig):
         config.root_frame_objects[name] = rc.EnvObject(
             mjcf_path=str(self.object_xml), offset=self.object_center_to_root_frame, fixed=False
         )
-        config.task = self._task(name)
+        self._add_task(config, name)
 
-    def _task(self, name: str) -> rc.EnvTaskConfig:
-        if self.task_id == "pick_place":
+    def _add_task(self, config: rc.EnvConfig, name: str) -> None:
+        if self.kind == PICK_AND_PLACE:
             raise rc.ArgumentError(
                 "task_cfg: pick_place is told where the object goes; PickPlaceTaskConfig has goal"
             )
-        return rc.EnvTaskConfig(kind=self.task_id, object=name, rotate=self.include_rotation)
+        config.task = {"kind": self.kind}
+        # A task of one's own may be about an object or not.
+        for field_name, value in (("object", name), ("rotate", self.include_rotation)):
+            if hasattr(config.task, field_name):
+                setattr(config.task, field_name, value)
 
 
 @dataclass(kw_only=True)
@@ -98,9 +109,8 @@ class PickPlaceTaskConfig(PickTaskConfig):
     goal: Sequence[float] = (0.5, 0.25, 0.02)
     goal_tolerance: float = 0.03
 
-    def _task(self, name: str) -> rc.EnvTaskConfig:
-        return rc.EnvTaskConfig(
-            kind=self.task_id,
+    def _add_task(self, config: rc.EnvConfig, name: str) -> None:
+        config.task = rc.PickAndPlaceTaskConfig(
             object=name,
             rotate=self.include_rotation,
             goal=[float(x) for x in self.goal],

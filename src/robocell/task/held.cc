@@ -1,13 +1,13 @@
-#include "robocell/task/pick_task.h"
+#include "robocell/task/held.h"
 
 #include <mujoco/mujoco.h>
 
-#include <algorithm>
 #include <optional>
 #include <vector>
 
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/gripper_group.h"
 #include "robocell/robot/robot.h"
 
 namespace robocell {
@@ -89,29 +89,6 @@ bool IsHeld(const Scene& scene, const std::string& body) {
   const Partners partners = PartnersOf(scene, roots, body);
   if (partners.robot < 0 || partners.other) return false;
   return partners.several_robots || IsGrasped(scene, roots, partners.robot, body).value_or(true);
-}
-
-PickTask::PickTask(std::string object, std::string kind, std::vector<std::string> all_objects,
-                   double lift_height)
-    : object_(std::move(object)),
-      kind_(std::move(kind)),
-      all_objects_(std::move(all_objects)),
-      lift_height_(lift_height) {}
-
-void PickTask::Begin(const Scene& scene) {
-  body_ = scene.compiled()->object(object_).root_body;
-  start_height_ = scene.body_pose(body_).translation().z();
-}
-
-double PickTask::Lift(const Scene& scene) const {
-  return scene.body_pose(body_).translation().z() - start_height_;
-}
-
-double PickTask::Reward(const Scene& scene) { return std::max(0.0, Lift(scene)); }
-
-bool PickTask::Success(const Scene& scene) {
-  if (Lift(scene) < lift_height_) return false;
-  return IsHeld(scene, body_);
 }
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-#include "robocell/env/object_task.h"
+#include "robocell/task/object_task.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
-#include "robocell/robot/robot.h"
-#include "robocell/task/pick_task.h"
+#include "robocell/task/held.h"
 
 namespace robocell {
 
@@ -18,26 +17,38 @@ double Near(double distance) {
   return 1 - std::tanh(kReachScale * distance);
 }
 
-ObjectTask::ObjectTask(const EnvConfig& config, const Scene& scene)
-    : name_(config.name),
-      task_(*config.task),
-      root_(config.root_frame_to_world),
-      offset_(config.root_frame_objects.at(task_.object).offset),
-      object_(scene, scene.compiled()->object(task_.object).root_body) {
-  if (!scene.compiled()->object(task_.object).free_joint) {
+void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
+  place_ = setting.place;
+  const ObjectRecord& object = scene.compiled()->object(fields_.name);
+  if (!object.free_joint) {
     throw ArgumentError(fmt::format(
         "{}: task.object '{}' is fixed, so that nobody can pick it; set fixed: false in "
         "root_frame_objects.{}",
-        place(), task_.object, task_.object));
+        place_, fields_.name, fields_.name));
   }
-  for (const std::string& robot : config.robots.keys()) robots_.push_back(Robot::Of(scene, robot));
+  object_.emplace(scene, object.root_body);
+  root_ = scene.root_frame_to_world();
+  const auto offset = setting.objects.find(fields_.name);
+  offset_ = offset == setting.objects.end() ? Pose() : offset->second;
+  robots_.clear();
+  for (const std::string& robot : setting.robots) robots_.push_back(Robot::Of(scene, robot));
 }
 
-void ObjectTask::Begin(const Scene& /*scene*/) { start_ = root_.inverse() * ObjectInWorld(); }
+void ObjectTask::Begin(const Scene& scene) {
+  if (!object_) {  // nobody said which robots act: all do
+    TaskSetting setting{.place = "scene '" + scene.name() + "'", .robots = {}};
+    for (const Robot& robot : RobotsOf(scene)) {
+      if (robot.has_arm()) setting.robots.push_back(robot.name());
+    }
+    Bind(scene, setting);
+  }
+  start_ = root_.inverse() * ObjectInWorld();
+}
 
 TaskVerdict ObjectTask::Judge(const Scene& scene) {
-  const bool success = Success(scene);
-  return {success ? 1 : Progress(), success};
+  const bool success = IsDone(scene);
+  const double progress = success ? 1 : Progress();
+  return {.reward = progress, .success = success, .progress = progress};
 }
 
 std::vector<double> ObjectTask::memory() const { return {start_.x(), start_.y(), start_.z()}; }
@@ -53,8 +64,8 @@ Pose ObjectTask::Around(const Pose& offset, const Vec2& spread, Rng& rng) {
 }
 
 Pose ObjectTask::Start(Rng& rng) const {
-  const Pose at = Around(offset_, task_.spread, rng);
-  const double yaw = task_.rotate ? rng.Uniform(-kPi, kPi) : 0;
+  const Pose at = Around(offset_, fields_.spread, rng);
+  const double yaw = fields_.rotate ? rng.Uniform(-kPi, kPi) : 0;
   const Pose turn = Pose::FromRpy(Eigen::Vector3d::Zero(), {0, 0, yaw});
   return {at.translation(), (turn * at).quaternion()};
 }
@@ -69,8 +80,10 @@ double ObjectTask::Nearness() const {
 
 double ObjectTask::Lift() const { return ObjectInWorld().z() - (root_ * start_).z(); }
 
+double ObjectTask::Lifted() const { return std::clamp(Lift() / fields_.lift_height, 0.0, 1.0); }
+
 bool ObjectTask::IsLifted(const Scene& scene) const {
-  return Lift() >= task_.lift_height && IsHeld(scene, object_.name());
+  return Lift() >= fields_.lift_height && IsHeld(scene, object_->name());
 }
 
 }  // namespace robocell

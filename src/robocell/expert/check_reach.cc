@@ -1,4 +1,4 @@
-#include "robocell/rollout/check_reach.h"
+#include "robocell/expert/check_reach.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ std::string AtMost(double metres) {
 }  // namespace
 
 void CheckReach(const RunConfig& run, const Robot& robot, Problems& problems) {
-  const TaskConfig& task = run.task;
+  const PickTaskConfig& task = run.task.As<PickTaskConfig>();
   // From the bottom of what the robot stands on, which is what is placed, to its base frame.
   const Eigen::Vector3d up = (robot.base().pose().inverse() * robot.base_in_world()).translation();
   const double most = PickTaskSampler::kReachShare * robot.reach();

@@ -1,0 +1,180 @@
+// Kinds of tasks and experts that are written in Python.
+//
+// The functions that make them are kept in dictionaries of the module: C++ holds names only, so
+// that nothing of Python outlives it.
+#include "robocell/task/task_kind.h"
+
+#include <nanobind/stl/tuple.h>
+
+#include <utility>
+
+#include "bindings.h"
+#include "env.h"
+#include "python_owner.h"
+#include "returned.h"
+#include "sampler.h"
+#include "values.h"
+#include "robocell/base/error.h"
+#include "robocell/expert/expert_kind.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/value_fields.h"
+
+namespace robocell::python {
+
+using namespace nb::literals;
+
+namespace {
+
+constexpr const char* kTasks = "_tasks";             // kind -> function (fields: dict) -> Task
+constexpr const char* kExperts = "_experts";         // kind -> function (run, start) -> Expert
+constexpr const char* kTaskCode = "_task_code";      // kind -> function () -> list of files
+constexpr const char* kExpertCode = "_expert_code";  // the same
+
+nb::dict Makers(const char* name) {
+  return nb::cast<nb::dict>(nb::module_::import_("robocell._core").attr(name));
+}
+
+nb::object ToPython(const ValueField::Value& value) {
+  return std::visit([](const auto& of) { return nb::cast(of); }, value);
+}
+
+// The source files that define a task or an expert, as they are now.
+std::vector<std::string> FilesOf(const char* registry, const std::string& kind) {
+  const nb::gil_scoped_acquire acquire;
+  const nb::dict files = Makers(registry);
+  if (!files.contains(kind.c_str())) return {};
+  return nb::cast<std::vector<std::string>>(files[kind.c_str()]());
+}
+
+class PythonTaskKind final : public TaskKind {
+ public:
+  explicit PythonTaskKind(std::string kind) : kind_(std::move(kind)) {}
+
+  std::shared_ptr<Task> Make(const TaskSpec& spec) const override {
+    const nb::gil_scoped_acquire acquire;
+    const nb::object maker = Makers(kTasks)[kind_.c_str()];
+    nb::dict fields;
+    if (const auto* values = spec.If<ValueFields>()) {
+      for (const ValueField& field : values->list())
+        fields[field.name.c_str()] = ToPython(field.value);
+    }
+    const nb::object made = maker(fields);
+    if (!nb::isinstance<Task>(made))
+      ThrowReturned("the function of task '" + kind_ + "'", "a Task", made);
+    return Shared<Task>(made);
+  }
+  std::vector<std::string> CodeFiles() const override { return FilesOf(kTaskCode, kind_); }
+  // Its own, when one of the same name was registered.
+  std::string expert() const override {
+    for (const std::string& known : ExpertKinds()) {
+      if (known == kind_) return kind_;
+    }
+    return "";
+  }
+
+ private:
+  std::string kind_;
+};
+
+class PythonExpertKind final : public ExpertKind {
+ public:
+  explicit PythonExpertKind(std::string kind) : kind_(std::move(kind)) {}
+
+  // The arguments and what is made may be kept: the arguments are copies that share scene and task,
+  // the expert lives as long as either side uses it.
+  std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
+    const nb::gil_scoped_acquire acquire;
+    const nb::object maker = Makers(kExperts)[kind_.c_str()];
+    nb::object made = maker(nb::cast(run), nb::cast(start));
+    if (!nb::isinstance<Expert>(made))
+      ThrowReturned("the function of expert '" + kind_ + "'", "an Expert", made);
+    return Shared<Expert>(std::move(made));
+  }
+  std::vector<std::string> CodeFiles() const override { return FilesOf(kExpertCode, kind_); }
+
+ private:
+  std::string kind_;
+};
+
+// A field by its default.
+ValueField ToField(const std::string& name, nb::handle value, const std::string& doc) {
+  const FieldPath parent("fields of a task");
+  const FieldPath path(parent, name);
+  ValueField field{.name = name, .value = false, .doc = doc};
+  if (nb::isinstance<nb::bool_>(value)) {
+    field.value = nb::cast<bool>(value);
+  } else if (nb::isinstance<nb::int_>(value)) {
+    field.value = nb::cast<int64_t>(value);
+  } else if (nb::isinstance<nb::float_>(value)) {
+    field.value = nb::cast<double>(value);
+  } else if (IsText(value)) {
+    field.value = ToText(value, path);
+  } else if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) {
+    const std::vector<nb::object> items = ToItems(value, path, "a list of numbers or texts");
+    const bool texts = !items.empty() && IsText(items[0]);
+    if (texts) {
+      field.value = ToTexts(value, path);
+    } else {
+      const Numbers numbers(value, path);
+      field.value = std::vector<double>(numbers.span().begin(), numbers.span().end());
+    }
+  } else {
+    ThrowType(path, "a default that is a bool, a number, a text, or a list of numbers or texts",
+              value);
+  }
+  return field;
+}
+
+void RegisterPythonTask(const std::string& kind, nb::object maker, const nb::list& fields,
+                        nb::object code) {
+  if (!PyCallable_Check(maker.ptr()))
+    ThrowType(FieldPath("maker"), "a function (fields) -> Task, or its class", maker);
+  std::vector<ValueField> values;
+  for (const nb::handle item : fields) {
+    const auto [name, value, doc] =
+        nb::cast<std::tuple<std::string, nb::object, std::string>>(item);
+    values.push_back(ToField(name, value, doc));
+  }
+  nb::dict tasks = Makers(kTasks);
+  // Python's own may be replaced, as when a notebook's cell is run again.
+  RegisterTask(kind, std::make_shared<ValueFields>(std::move(values)),
+               std::make_shared<PythonTaskKind>(kind), tasks.contains(kind.c_str()));
+  tasks[kind.c_str()] = maker;
+  Makers(kTaskCode)[kind.c_str()] = code;
+}
+
+void RegisterPythonExpert(const std::string& kind, nb::object maker, nb::object code) {
+  if (!PyCallable_Check(maker.ptr()))
+    ThrowType(FieldPath("maker"), "a function (run, start) -> Expert, or its class", maker);
+  nb::dict experts = Makers(kExperts);
+  RegisterExpert(kind, std::make_shared<PythonExpertKind>(kind), experts.contains(kind.c_str()));
+  experts[kind.c_str()] = maker;
+  Makers(kExpertCode)[kind.c_str()] = code;
+}
+
+}  // namespace
+
+PyObject* TargetOfTask(const Env& env) {
+  return env.task().use_count() == 1 ? TargetOf(env.task()) : nullptr;
+}
+
+void BindTaskKinds(nb::module_& m) {
+  m.attr(kTasks) = nb::dict();
+  m.attr(kExperts) = nb::dict();
+  m.attr(kTaskCode) = nb::dict();
+  m.attr(kExpertCode) = nb::dict();
+  m.def("_register_task", &RegisterPythonTask, "kind"_a, "maker"_a, "fields"_a, "code"_a);
+  m.def("_register_expert", &RegisterPythonExpert, "kind"_a, "maker"_a, "code"_a);
+  m.def("imports_of_run_file", &ImportsOfRunFile, "path"_a,
+        "What `imports` of a run file names; nothing of a file that cannot be read.");
+  m.def("task_kinds", &TaskKinds, "Kinds that the `task` of a configuration may name.");
+  m.def("expert_kinds", &ExpertKinds, "Kinds of experts.");
+  m.def(
+      "make_task",
+      [](const EnvConfig& config, const Scene& scene) { return MakeTask(config, scene); },
+      "config"_a, "scene"_a,
+      "The task of an environment's configuration, bound to its scene; None without one.");
+  BindEnvState(m);
+}
+
+}  // namespace robocell::python

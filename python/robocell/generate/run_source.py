@@ -1,0 +1,161 @@
+"""Where a run comes from: a run file, or a configuration made in Python, and the modules it needs.
+
+    RunSource("run.yaml", imports=("my_tasks",)).load(["seed=2"])
+    RunSource("my_tasks.py:my_config").load()
+
+Modules are imported only here, for a run that somebody starts: never because a dataset names them.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import sys
+import traceback
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+from robocell import NotFoundError, RunConfig, SpecError
+from robocell._core import imports_of_run_file
+
+
+@dataclass(frozen=True)
+class RunSource:
+    """What a command was given.
+
+    Attributes:
+        run: A run file, or `module:name` or `file.py:name` of a RunConfig or of a function that
+            makes one.
+        imports: Modules to import first, by name or file, which register tasks and experts.
+    """
+
+    run: str
+    imports: tuple[str, ...] = ()
+
+    @property
+    def in_python(self) -> bool:
+        """Whether a module makes the configuration."""
+        return self._split() is not None
+
+    def options(self) -> list[str]:
+        """What gives another process the same source, before `--` and the run."""
+        return [f"--import={module}" for module in self.imports]
+
+    def load(self, overrides: Sequence[str] = ()) -> RunConfig:
+        """Imports the modules and reads the run.
+
+        SpecError for what the run says and for modules that cannot be imported, with file and line.
+        """
+        for module in self.imports:
+            import_module(module, Path.cwd())
+        if (split := self._split()) is not None:
+            return self._from_python(*split, overrides)
+        folder = Path(self.run).absolute().parent
+        for module in imports_of_run_file(self.run):
+            import_module(module, folder)
+        return RunConfig.load(self.run, list(overrides))
+
+    def _split(self) -> tuple[str, str] | None:
+        module, colon, name = self.run.rpartition(":")
+        if not colon or not name.isidentifier() or Path(self.run).exists():
+            return None
+        return module, name
+
+    def _from_python(self, module: str, name: str, overrides: Sequence[str]) -> RunConfig:
+        loaded = import_module(module, Path.cwd())
+        if not hasattr(loaded, name):
+            known = [key for key, value in vars(loaded).items() if isinstance(value, RunConfig)]
+            here = f" Its configurations: {', '.join(known)}." if known else ""
+            raise NotFoundError(f"{self.run}: module '{module}' has no '{name}'.{here}")
+        made = getattr(loaded, name)
+        if callable(made):
+            try:
+                made = made()
+            except Exception as error:
+                raise SpecError(f"{self.run} cannot be made: {place_of(error)}") from error
+        if not isinstance(made, RunConfig):
+            raise SpecError(
+                f"{self.run}: expected a RunConfig or a function that returns one, got a "
+                f"{type(made).__name__}"
+            )
+        # Overrides go the way of those of files, with the same messages.
+        run = RunConfig.from_yaml(made.to_yaml(), self.run, Path.cwd(), list(overrides))
+        if not any(override.startswith("robot") for override in overrides):
+            run.robot = made.robot  # with the folder that its paths are relative to
+        return run
+
+
+def import_module(name: str, folder: Path) -> ModuleType:
+    """A module by its name or its file.
+
+    Names are looked up as Python does, and in `folder`. SpecError names file and line of what went
+    wrong in it.
+    """
+    try:
+        if name.endswith(".py") or "/" in name:
+            return _import_file(folder / name)
+        if str(folder) not in sys.path:
+            sys.path.append(str(folder))
+        return importlib.import_module(name)
+    except SpecError:
+        raise
+    except ModuleNotFoundError as error:
+        if error.name == name.split(".")[0]:
+            raise SpecError(
+                f"cannot import '{name}': no such module in '{folder}' or among the installed "
+                f"ones; name a file (--import path/to/{name}.py) or install it"
+            ) from error
+        raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
+    except Exception as error:
+        raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
+
+
+def _import_file(path: Path) -> ModuleType:
+    path = path.resolve()
+    if not path.is_file():
+        raise SpecError(f"cannot import '{path}': there is no such file")
+    name = path.stem
+    loaded = sys.modules.get(name)
+    if loaded is not None and Path(getattr(loaded, "__file__", "") or "").resolve() == path:
+        return loaded
+    if loaded is not None:
+        raise SpecError(
+            f"cannot import '{path}': a module '{name}' is loaded from "
+            f"'{getattr(loaded, '__file__', 'Python itself')}' already; give the file another name"
+        )
+    if str(path.parent) not in sys.path:
+        sys.path.append(str(path.parent))  # for what it imports beside it
+    spec = importlib.util.spec_from_file_location(name, path)
+    if spec is None or spec.loader is None:
+        raise SpecError(f"cannot import '{path}': it is no Python file")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        sys.modules.pop(name, None)
+        raise
+    return module
+
+
+def place_of(error: BaseException) -> str:
+    """'ValueError: text (tasks.py:12, in judge)': where somebody's own code raised it."""
+    text = f"{type(error).__name__}: {error}"
+    if isinstance(error, SyntaxError) and error.filename:
+        return f"{type(error).__name__}: {error.msg} ({error.filename}:{error.lineno})"
+    frames = traceback.extract_tb(error.__traceback__)
+    own = [frame for frame in frames if _is_users(frame.filename)]
+    if not own:
+        return text
+    last = own[-1]
+    return f"{text} ({last.filename}:{last.lineno}, in {last.name})"
+
+
+def _is_users(filename: str) -> bool:
+    if filename.startswith("<"):
+        return False
+    package = Path(__file__).resolve().parents[1]
+    path = Path(filename).resolve()
+    return not path.is_relative_to(package) and "importlib" not in path.parts

@@ -1,0 +1,205 @@
+"""Tasks and experts of your own, known by a name: in run files, environments and on all workers.
+
+    @register_task("stack")
+    class Stack(Task):
+        @dataclass
+        class Fields:
+            size: float = 0.03  # m
+
+        def __init__(self, fields): ...
+
+    @register_expert("stack")
+    class StackExpert(Expert):
+        def __init__(self, run, start): ...
+
+`task: {kind: stack, size: 0.04}` then works like `task: {kind: pick}`, and `robocell generate
+run.yaml --import my_tasks` makes its dataset.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from robocell._core import (
+    ArgumentError,
+    BaseRange,
+    EpisodeStart,
+    Expert,
+    PickAndPlaceTaskConfig,
+    PickTask,
+    PickTaskConfig,
+    PickTaskSampler,
+    Refusal,
+    RefusalReason,
+    SampleRequest,
+    Task,
+    TaskFields,
+    TaskSampler,
+    TaskSetting,
+    TaskVerdict,
+    _register_expert,
+    _register_task,
+    expert_kinds,
+    task_kinds,
+)
+
+__all__ = [
+    "BaseRange",
+    "EpisodeStart",
+    "Expert",
+    "PickAndPlaceTaskConfig",
+    "PickTask",
+    "PickTaskConfig",
+    "PickTaskSampler",
+    "Refusal",
+    "RefusalReason",
+    "SampleRequest",
+    "Task",
+    "TaskFields",
+    "TaskSampler",
+    "TaskSetting",
+    "TaskVerdict",
+    "expert_kinds",
+    "register_expert",
+    "register_task",
+    "task_kinds",
+]
+
+TaskClass = TypeVar("TaskClass", bound=Callable[..., Task])
+ExpertClass = TypeVar("ExpertClass", bound=Callable[..., Expert])
+
+
+def register_task(
+    kind: str, *, fields: type[Any] | None = None
+) -> Callable[[TaskClass], TaskClass]:
+    """Makes a class known as a kind of task, for run files and environments of this process.
+
+    Args:
+        kind: Its name in `task: {kind: ...}`.
+        fields: A dataclass whose fields, all with defaults, the configuration may set: bools,
+            numbers, texts, and lists of numbers or texts. Default: the class `Fields` inside the
+            task's class; without one the task has no fields.
+
+    The task is made as `cls(fields)`, or `cls()` without fields. Registering a name again replaces
+    it, as when a notebook's cell is run again; robocell's own kinds cannot be replaced
+    (ArgumentError). A function that returns a Task will do in the place of the class.
+    """
+    if not isinstance(kind, str) or not kind:
+        raise ArgumentError("register_task: `kind` must be a name that is not empty")
+
+    def register(maker: TaskClass) -> TaskClass:
+        if not callable(maker):
+            raise TypeError(
+                f"register_task({kind!r}): expected a class derived from Task or a function that "
+                f"makes one, got {maker!r}"
+            )
+        described = fields if fields is not None else getattr(maker, "Fields", None)
+        _register_task(kind, _maker(maker, described), _defaults(kind, described), _code_of(maker))
+        return maker
+
+    return register
+
+
+def register_expert(kind: str) -> Callable[[ExpertClass], ExpertClass]:
+    """Makes a class known as the expert that demonstrates the task of this kind.
+
+    It is made as `cls(run, start)` for each rollout: the RunConfig and the EpisodeStart.
+    Registering a name again replaces it; robocell's own cannot be replaced (ArgumentError).
+    """
+    if not isinstance(kind, str) or not kind:
+        raise ArgumentError("register_expert: `kind` must be a name that is not empty")
+
+    def register(maker: ExpertClass) -> ExpertClass:
+        if not callable(maker):
+            raise TypeError(
+                f"register_expert({kind!r}): expected a class derived from Expert or a function "
+                f"that makes one, got {maker!r}"
+            )
+        _register_expert(kind, maker, _code_of(maker))
+        return maker
+
+    return register
+
+
+def _maker(
+    maker: Callable[..., Task], fields: type[Any] | None
+) -> Callable[[dict[str, Any]], Task]:
+    """What C++ calls with the values of the fields."""
+    if fields is None:
+        return lambda _values: maker()
+    return lambda values: maker(fields(**values))
+
+
+def _defaults(kind: str, fields: type[Any] | None) -> list[tuple[str, Any, str]]:
+    """Name, default and documentation of each field."""
+    if fields is None:
+        return []
+    if not dataclasses.is_dataclass(fields):
+        raise TypeError(f"register_task({kind!r}): `Fields` must be a dataclass, got {fields!r}")
+    found: list[tuple[str, Any, str]] = []
+    for field in dataclasses.fields(fields):
+        if field.name == "kind":
+            raise ArgumentError(
+                f"register_task({kind!r}): a field cannot be called 'kind', which names the task"
+            )
+        if field.default is not dataclasses.MISSING:
+            default = field.default
+        elif field.default_factory is not dataclasses.MISSING:
+            default = field.default_factory()
+        else:
+            raise ArgumentError(
+                f"register_task({kind!r}): field '{field.name}' needs a default: a configuration "
+                "may leave it out"
+            )
+        found.append((field.name, default, str(field.metadata.get("doc", ""))))
+    return found
+
+
+def _code_of(maker: object) -> Callable[[], list[str]]:
+    """The files that define it, asked for when a dataset is begun or checked."""
+    module = getattr(inspect.unwrap(maker), "__module__", None)  # type: ignore[arg-type]
+    return lambda: [str(path) for path in own_sources(module)] if module else []
+
+
+def own_sources(module: str) -> list[Path]:
+    """The source files of a module and of the modules that it imports, installed ones left out.
+
+    What is not installed is what a user edits: files outside of Python's own folders and
+    site-packages.
+    """
+    found: dict[Path, None] = {}
+    waiting = [module]
+    seen = set[str]()
+    while waiting:
+        name = waiting.pop()
+        loaded = sys.modules.get(name)
+        if name in seen or loaded is None:
+            continue
+        seen.add(name)
+        file = getattr(loaded, "__file__", None)
+        if not file or not _is_own(Path(file)):
+            continue
+        found[Path(file).resolve()] = None
+        for value in list(vars(loaded).values()):
+            imported = (
+                value.__name__ if inspect.ismodule(value) else getattr(value, "__module__", None)
+            )
+            if isinstance(imported, str):
+                waiting.append(imported)
+        if "." in name:
+            waiting.append(name.rpartition(".")[0])
+    return sorted(found)
+
+
+def _is_own(file: Path) -> bool:
+    """Whether a module's file is neither installed nor robocell's nor Python's."""
+    file = file.resolve()
+    if {"site-packages", "dist-packages"} & set(file.parts):
+        return False
+    installed = [Path(sys.base_prefix) / "lib", Path(sys.prefix) / "lib", Path(__file__).parent]
+    return not any(file.is_relative_to(folder.resolve()) for folder in installed)

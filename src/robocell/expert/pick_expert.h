@@ -1,0 +1,25 @@
+// The kind of expert `pick` (expert_kind.h): the PickPlanner, and what it needs of a robot.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "robocell/expert/expert_kind.h"
+#include "robocell/robot/robot.h"
+
+namespace robocell {
+
+std::shared_ptr<const ExpertKind> MakePickExpert();
+
+// Adds what the expert lacks, of a robot that passed CheckRobot: a base that can be put where the
+// objects are in reach, an arm that takes joint positions, a gripper with fingers. `options` and
+// `timestep` are the run's. False when there is something.
+bool CheckPickRobot(const Robot& robot, const SimOptions& options, double timestep,
+                    Problems& problems);
+
+// That as texts, for a robot of which nobody has said what it is for. Empty when pick tasks can use
+// it.
+std::vector<std::string> WhyNoPicks(const Robot& robot);
+
+}  // namespace robocell

@@ -1,0 +1,98 @@
+// The fields of the built-in kinds of tasks, pick and pick_and_place. What the tasks do with them
+// is in task/pick_task.h and task/pick_and_place_task.h.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "robocell/spec/containers.h"
+#include "robocell/spec/fields.h"
+#include "robocell/spec/problems.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+// A lift of 5 cm cannot be mistaken: an object that is tipped over or nudged by closing fingers
+// rises by one or two centimetres, and scripted experts lift by ten.
+inline constexpr double kLiftHeight = 0.05;
+
+// Visits the fields that every task has which picks an object up.
+template <class T, class V>
+void PickedObjectFields(V&& v) {
+  v("object", &T::object,
+    "The object, by its id in root_frame_objects of an environment. Unset in a run, whose objects "
+    "are of the kinds in `objects`.");
+  v("spread", &T::spread,
+    "How far `object` lies from its place, uniform between plus and minus these, along x and y of "
+    "the root frame, metres.",
+    Check::kNonNegative);
+  v("rotate", &T::rotate, "Turn `object` by any angle about the root frame's z too.");
+  v("lift_height", &T::lift_height,
+    "Success: lifted this far above where the episode began, metres, and held only by robots.",
+    Check::kPositive);
+}
+
+struct PickTaskConfig {
+  std::string object = {};
+  Vec2 spread = {0, 0};
+  bool rotate = true;
+  double lift_height = kLiftHeight;
+  NameList objects = {};
+  Vec2 base_distance = {0.3, 0.6};
+  double base_height_offset = 0;
+  Vec2 base_height_noise = {0, 0};
+
+  static constexpr const char* kKind = "pick";
+  static constexpr const char* kTypeName = "PickTaskConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    using T = PickTaskConfig;
+    PickedObjectFields<T>(v);
+    v("objects", &T::objects,
+      "Of runs: kinds of objects, by their names in the catalogue; all of them unless set.");
+    v("base_distance", &T::base_distance,
+      "Of runs: horizontal distance from the robot's base to the object, metres, smallest and "
+      "largest.",
+      Check::kNonNegative);
+    v("base_height_offset", &T::base_height_offset,
+      "Of runs: height of the base's bottom above the object, metres.");
+    v("base_height_noise", &T::base_height_noise,
+      "Of runs: added to the height, uniform between these, metres.");
+  }
+  void Validate(Problems& problems) const;
+};
+
+struct PickAndPlaceTaskConfig {
+  std::string object = {};
+  Vec2 spread = {0, 0};
+  bool rotate = true;
+  double lift_height = kLiftHeight;
+  std::optional<Vec3> goal = {};
+  std::string goal_object = {};
+  Vec2 goal_spread = {0, 0};
+  double goal_tolerance = 0.03;
+  double goal_distance = 0.1;
+
+  static constexpr const char* kKind = "pick_and_place";
+  static constexpr const char* kTypeName = "PickAndPlaceTaskConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    using T = PickAndPlaceTaskConfig;
+    PickedObjectFields<T>(v);
+    v("goal", &T::goal,
+      "Where the object's root is to rest, metres, in the root frame, or with goal_object in the "
+      "frame of that object's root.");
+    v("goal_object", &T::goal_object,
+      "The goal is on this object, by its id in root_frame_objects, wherever it is.");
+    v("goal_spread", &T::goal_spread,
+      "How far the goal, or goal_object, lies from its place, as `spread`.", Check::kNonNegative);
+    v("goal_tolerance", &T::goal_tolerance,
+      "Success: released and at rest so near to the goal, metres, after it was lifted.",
+      Check::kPositive);
+    v("goal_distance", &T::goal_distance,
+      "Episodes begin with the object at least so far from the goal along the ground, metres.",
+      Check::kNonNegative);
+  }
+};
+
+}  // namespace robocell

@@ -1,0 +1,24 @@
+// Who holds an object, from the contacts of a scene's present state.
+#pragma once
+
+#include <string>
+
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+// Who touches a body's subtree in the present contacts.
+struct Touching {
+  bool robot = false;
+  bool other = false;
+};
+Touching TouchingBody(const Scene& scene, const std::string& body);
+// Whether robots touch it and nothing else does.
+bool OnlyRobotsTouch(const Scene& scene, const std::string& body);
+// Whether robots hold it: nothing else touches it, and a gripper has it between its fingers
+// (GripperGroup::is_grasping) or several robots have it between them. A robot without a gripper
+// holds what it touches: whether with a hook or a cup is its own affair. What hangs on one finger
+// is not held.
+bool IsHeld(const Scene& scene, const std::string& body);
+
+}  // namespace robocell

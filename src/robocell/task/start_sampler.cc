@@ -1,0 +1,255 @@
+#include "robocell/task/start_sampler.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/base/units.h"
+#include "robocell/motion/clearance.h"
+#include "robocell/motion/gripper_shape.h"
+#include "robocell/motion/robot_outline.h"
+#include "robocell/scene/scene_cache.h"
+#include "robocell/scenes/object_places.h"
+#include "robocell/scenes/scene_source.h"
+#include "robocell/scenes/settle.h"
+#include "robocell/task/task_kind.h"
+
+namespace robocell {
+namespace {
+
+// Of objects and base around each other. Where none of a few fits hardly one of many does: the next
+// attempt moves on from there.
+constexpr int kArrangements = 8;
+constexpr int kPlaceTries = 60;           // of objects, until a base pose is clear of the support
+constexpr size_t kMostSupports = 64;      // that are remembered
+constexpr double kBaseClearance = 0.01;   // metres between the robot and everything else
+constexpr double kFacingNoise = 0.35;     // rad
+constexpr int kBearings = 72;             // directions that a base pose is looked for in
+const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the objects settle
+
+// Where the base's placement of an episode stands in a sequence that is even over any stretch, and
+// over the first episodes of any number of scenes: the factor is prime.
+uint64_t PlacementTurn(const SampleRequest& request) {
+  return static_cast<uint64_t>(request.scene) * 7919 + static_cast<uint64_t>(request.episode);
+}
+
+}  // namespace
+
+SceneSpec StartSampler::MakeBaseScene(int scene_index) {
+  return robocell::MakeBaseScene(run_, scene_index);
+}
+
+struct StartSampler::Measured {
+  ObjectSizes sizes;
+  std::shared_ptr<const GripperShape> shape;
+};
+
+StartSampler::StartSampler(RunConfig run)
+    : run_(std::move(run)), measured_(std::make_unique<Measured>()) {}
+StartSampler::~StartSampler() = default;
+
+ObjectSizes& StartSampler::sizes() { return measured_->sizes; }
+std::shared_ptr<const GripperShape>& StartSampler::shape() { return measured_->shape; }
+
+// Many scenes of a run may have the same base, and a subclass may make another one every time, or
+// another file of the same name.
+Support StartSampler::SupportOf(const SceneSpec& base) {
+  const std::string key = SceneKey(base);
+  const auto it = supports_.find(key);
+  if (it != supports_.end()) return it->second;
+  if (supports_.size() >= kMostSupports) supports_.clear();
+  return supports_[key] = FindSupport(base);
+}
+
+BasePlacement StartSampler::ChooseBasePlacement(const SampleRequest& request, Rng& rng) {
+  return SpreadBasePlacement(base_range(), static_cast<uint64_t>(run_.seed), PlacementTurn(request),
+                             request.attempt, rng);
+}
+
+bool StartSampler::PlaceObjects(const Support& support, std::vector<SceneObject>& objects,
+                                Rng& rng) {
+  std::vector<ObjectSize> own_sizes;
+  for (const SceneObject& object : objects) own_sizes.push_back(sizes().Of(object));
+  return PlaceOn(support, own_sizes, objects, rng);
+}
+
+std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Support& support,
+                                                  const Pose& target,
+                                                  const BasePlacement& placement, Rng& rng) {
+  const RobotOutline outline(robot);
+  const double first = rng.Uniform(-kPi, kPi);
+  const double turn = kPi + rng.Uniform(-kFacingNoise, kFacingNoise);
+  std::vector<Pose> clear;
+  for (int i = 0; i < kBearings; ++i) {
+    const double bearing = first + 2 * kPi * i / kBearings;
+    const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
+                                 placement.distance * std::sin(bearing), placement.height);
+    const Pose base = Pose::FromRpy(target.translation() + offset, {0, 0, bearing + turn});
+    if (outline.IsClearOf(support.box(), base, kBaseClearance)) clear.push_back(base);
+  }
+  if (clear.empty()) return std::nullopt;
+  return clear[rng.UniformInt(clear.size())];
+}
+
+std::optional<Refusal> StartSampler::CheckBasePose(Scene& scene, Robot& robot,
+                                                   const std::string& target_body) {
+  const Eigen::Vector3d target = scene.body_pose(target_body).translation();
+  const double distance = (target - robot.base_in_world().translation()).norm();
+  if (distance > kReachShare * robot.reach()) {
+    return Refusal{Refusal::kNoReachableBasePose,
+                   fmt::format("{:.2f} m away, reach is {:.2f} m", distance, robot.reach())};
+  }
+  const Clearance nearest = RobotClearance(scene, robot, kBaseClearance);
+  if (nearest.distance < kBaseClearance) {
+    return Refusal{Refusal::kBaseInCollision,
+                   fmt::format("{} is {:.3f} m from {}", nearest.robot_geom, nearest.distance,
+                               nearest.other_geom)};
+  }
+  return std::nullopt;
+}
+
+struct StartSampler::Setup {
+  std::vector<SceneObject> objects;
+  Scene scene;
+  Robot robot;
+  std::string target_body;
+  StopCheck stop;
+  RefusalCounts redrawn = {};
+};
+
+std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& support,
+                                                 const BasePlacement& placement, Rng& rng) {
+  std::optional<Pose> base;
+  for (int t = 0; t < kPlaceTries && !base; ++t) {
+    if (!PlaceObjects(support, setup.objects, rng))
+      return Refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"};
+    base = ProposeBasePose(setup.robot, support, setup.objects.front().pose(), placement, rng);
+  }
+  if (!base) {
+    return Refusal{Refusal::kBaseInCollision,
+                   fmt::format("{:.2f} m from the target and {:.2f} m above it the robot overlaps "
+                               "the support wherever the target lies",
+                               placement.distance, placement.height)};
+  }
+  for (const SceneObject& object : setup.objects) {
+    setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
+  }
+  setup.robot.base().SetPose(*base);
+  setup.scene.Forward();
+  if (auto refusal = ArrangeTask(setup.scene, rng)) return refusal;
+  return CheckBasePose(setup.scene, setup.robot, setup.target_body);
+}
+
+// Draws places for the objects and for the base until both fit, and counts those that do not.
+// Nothing is stepped, so many are tried quickly.
+std::optional<Refusal> StartSampler::Arrange(Setup& setup, const Support& support,
+                                             const BasePlacement& placement, Rng& rng) {
+  std::optional<Refusal> refusal = ArrangeOnce(setup, support, placement, rng);
+  for (int t = 1; t < kArrangements && refusal && !ShouldStop(setup.stop); ++t) {
+    if (refusal->reason == Refusal::kNoGrasp) break;  // no base pose changes that
+    ++setup.redrawn[refusal->reason];
+    refusal = ArrangeOnce(setup, support, placement, rng);
+  }
+  return refusal;
+}
+
+// From the built scene to the start state.
+std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& support,
+                                                  const BasePlacement& placement, Rng& rng) {
+  if (auto refusal = Arrange(setup, support, placement, rng)) return refusal;
+  if (auto why_not = Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
+                            {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
+    return Refusal{Refusal::kUnsettled, *why_not};
+  if (auto refusal = CheckBasePose(setup.scene, setup.robot, setup.target_body)) return refusal;
+  setup.scene.data()->time = 0;
+  setup.scene.Forward();
+  return std::nullopt;
+}
+
+SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
+  measured_ = std::make_unique<Measured>();
+  SceneSpec spec = MakeBaseScene(request.scene);
+  const Support support = SupportOf(spec);
+  const size_t before = spec.objects.size();
+  StartContents contents = AddContents(request, spec, rng);
+  std::vector<std::string>& kinds = contents.kinds;
+  if (contents.objects.empty()) {
+    throw Error("task '" + run_.task.kind() +
+                "': an episode is about an object, and its prepare added none to the scene");
+  }
+  const BasePlacement placement = ChooseBasePlacement(request, rng);
+  std::vector<std::string> names;
+  for (const SceneObject& object : contents.objects) names.push_back(object.name);
+  if (!PlaceObjects(support, contents.objects, rng)) {
+    return {.start = {},
+            .refusal = {.reason = Refusal::kNoFreePlace,
+                        .detail = "the objects do not fit beside each other",
+                        .object_kind = kinds[0]}};
+  }
+  for (size_t i = 0; i < contents.objects.size(); ++i) {
+    if (before + i < spec.objects.size())
+      spec.objects[before + i] = contents.objects[i];
+    else
+      spec.objects.push_back(contents.objects[i]);
+  }
+  spec.robots.push_back({.name = run_.robot.config.name,
+                         .config = run_.robot.config,
+                         .prefix = "robot_0/",
+                         .pos = ToVec3(kParked),
+                         .control_modes = run_.robot.config.used_modes()});
+
+  Scene scene = Scene::Build(spec);
+  scene.Reset({.seed = rng.Fork("home").NextBits()});
+  const std::string& target = names.front();
+  const std::shared_ptr<Task> task = MakeTask(target, kinds[0], names);
+  task->Bind(scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}});
+  Setup setup{contents.objects, scene, Robot::Of(scene, run_.robot.config.name),
+              scene.compiled()->object(target).root_body, request.stop};
+  if (auto refusal = PrepareStart(setup, support, placement, rng)) {
+    refusal->redrawn = setup.redrawn;
+    refusal->object_kind = kinds[0];
+    return {.start = {}, .refusal = *refusal};
+  }
+  return {.start = EpisodeStart{.scene = scene,
+                                .task = task,
+                                .target_object = target,
+                                .object_kinds = kinds,
+                                .base_in_world = setup.robot.base().pose(),
+                                .redrawn = setup.redrawn},
+          .refusal = {}};
+}
+
+TaskStartSampler::TaskStartSampler(const RunConfig& run)
+    : StartSampler(run), kind_(FindTaskKind(run.task.kind())), task_(kind_->Make(run.task)) {}
+
+StartContents TaskStartSampler::AddContents(const SampleRequest& /*request*/, SceneSpec& spec,
+                                            Rng& rng) {
+  const size_t before = spec.objects.size();
+  task_ = kind_->Make(run().task);  // earlier starts keep theirs
+  task_->Prepare(spec, rng);
+  StartContents contents;
+  for (size_t i = before; i < spec.objects.size(); ++i) {
+    contents.objects.push_back(spec.objects[i]);
+    contents.kinds.push_back(spec.objects[i].name);
+  }
+  return contents;
+}
+
+std::shared_ptr<Task> TaskStartSampler::MakeTask(const std::string& /*target*/,
+                                                 const std::string& /*kind*/,
+                                                 const std::vector<std::string>& /*objects*/) {
+  return task_;
+}
+
+BaseRange TaskStartSampler::base_range() const { return task_->base_range(); }
+
+std::optional<Refusal> TaskStartSampler::ArrangeTask(Scene& scene, Rng& rng) {
+  for (const auto& [body, pose] : task_->Starts(rng)) scene.SetBodyPose(body, pose);
+  scene.Forward();
+  return task_->Arrange(scene, rng);
+}
+
+}  // namespace robocell

@@ -1,0 +1,110 @@
+// StartSampler: where the episodes of a run start, stage by stage: a base scene from the run's
+// source, objects that come to rest on its support, and a robot placed beside the first of them:
+// its base in an annulus around that object with a height offset and noise, facing it, free of
+// collisions and with the object in reach. Distances and heights are spread evenly over the
+// episodes of a run (a low-discrepancy sequence), so that a short run covers the ranges too.
+//
+// Stages can be replaced one by one by subclassing, in C++ and in Python. All randomness comes from
+// the Rng given to Sample; a start that cannot be made is a Refusal with the stage's reason.
+// TaskStartSampler makes starts of any registered task.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/support.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/task/base_placement.h"
+#include "robocell/task/task.h"
+
+namespace robocell {
+
+class TaskKind;
+
+// The objects of a start: what it is about first.
+struct StartContents {
+  std::vector<SceneObject> objects;
+  std::vector<std::string> kinds;  // what to call each, by the catalogue where it is from there
+};
+
+class StartSampler : public TaskSampler {
+ public:
+  static constexpr double kReachShare = 0.95;  // of the robot's reach that is used
+
+  explicit StartSampler(RunConfig run);
+  ~StartSampler() override;
+
+  SampleResult Sample(const SampleRequest& request, Rng& rng) override;
+  const RunConfig& run() const { return run_; }
+
+  // The stages, in their order.
+  virtual SceneSpec MakeBaseScene(int scene_index);
+  // Adds what the episode is about to the base scene and says what was added.
+  virtual StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) = 0;
+  // Puts the objects on the support without overlap; false when there is no room.
+  virtual bool PlaceObjects(const Support& support, std::vector<SceneObject>& objects, Rng& rng);
+  // Distance and height, spread evenly over the ranges by the episode's number.
+  virtual BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng);
+  // A pose for the robot's base (the bottom of its pedestal) around the target, facing it, where
+  // the robot as it stands now keeps clear of the support; nothing when there is none. Then the
+  // objects are placed anew.
+  virtual std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
+                                              const Pose& target_in_world,
+                                              const BasePlacement& placement, Rng& rng);
+  // Whether the robot stands free there, with the target in reach; the refusal says why not.
+  virtual std::optional<Refusal> CheckBasePose(Scene& scene, Robot& robot,
+                                               const std::string& target_body);
+  // What the episode is about: `target` among `objects`, names in the scene.
+  virtual std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
+                                         const std::vector<std::string>& objects) = 0;
+
+ protected:
+  // The ranges of base poses.
+  virtual BaseRange base_range() const { return {}; }
+  // What the task does itself once everything is in its place, before it settles.
+  virtual std::optional<Refusal> ArrangeTask(Scene& /*scene*/, Rng& /*rng*/) { return {}; }
+  // Sizes of objects, measured once in a call of Sample.
+  ObjectSizes& sizes();
+  // What is the same in one call of Sample, and costs a look at the disk each time.
+  std::shared_ptr<const GripperShape>& shape();
+
+ private:
+  struct Setup;  // the scene being made
+  struct Measured;
+  Support SupportOf(const SceneSpec& base);
+  std::optional<Refusal> Arrange(Setup& setup, const Support& support,
+                                 const BasePlacement& placement, Rng& rng);
+  std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
+                                     const BasePlacement& placement, Rng& rng);
+  std::optional<Refusal> PrepareStart(Setup& setup, const Support& support,
+                                      const BasePlacement& placement, Rng& rng);
+
+  RunConfig run_;
+  std::map<std::string, Support> supports_;  // by the base scene's spec
+  std::unique_ptr<Measured> measured_;       // anew in each Sample
+};
+
+// Starts of a registered task: Task::Prepare adds the objects, which are put on the support; the
+// task may move them with Starts and Arrange.
+class TaskStartSampler : public StartSampler {
+ public:
+  explicit TaskStartSampler(const RunConfig& run);
+
+  StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) override;
+  std::shared_ptr<Task> MakeTask(const std::string& target, const std::string& kind,
+                                 const std::vector<std::string>& objects) override;
+
+ protected:
+  BaseRange base_range() const override;
+  std::optional<Refusal> ArrangeTask(Scene& scene, Rng& rng) override;
+
+ private:
+  std::shared_ptr<const TaskKind> kind_;
+  std::shared_ptr<Task> task_;  // of the start that is being made
+};
+
+}  // namespace robocell

@@ -1,0 +1,156 @@
+"""A task and an expert of a user's module, through the command line like a built-in one."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from commands import ROOT, generate, refusal, robocell_command
+
+import robocell as rc
+from robocell.generate.run_source import RunSource
+
+EXAMPLE = ROOT / "examples" / "stack_cubes.py"
+RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
+
+
+@pytest.fixture
+def run_file(tmp_path: Path) -> Path:
+    """A copy of the example, which a test may change."""
+    shutil.copy(EXAMPLE, tmp_path)
+    text = (ROOT / "examples" / "stack_cubes.yaml").read_text()
+    text = text.replace("../models/robots/rc7/rc7.yaml", str(RC7))
+    (tmp_path / "stack_cubes.yaml").write_text(text)
+    return tmp_path / "stack_cubes.yaml"
+
+
+def files_of(folder: Path) -> dict[str, bytes]:
+    return {
+        f"{file.parent.name}/{file.name}": file.read_bytes()
+        for file in sorted(folder.glob("s*/steps.h5"))
+    }
+
+
+def test_cubes_are_stacked_by_any_number_of_workers(run_file: Path, tmp_path: Path):
+    generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 3)
+    generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", 3)
+    dataset = rc.Dataset(tmp_path / "two")
+    assert len(dataset) == 3
+    for episode in dataset:
+        assert episode.success
+        assert episode.metadata["task"] == "stack"
+        assert episode.metadata["instruction"] == "put the red cube on the blue one"
+        red, blue = episode["objects/red/pose"][-1], episode["objects/blue/pose"][-1]
+        assert red[2] - blue[2] == pytest.approx(0.04, abs=0.003)
+        assert rc.check_replay(episode).ok
+    assert files_of(tmp_path / "two") == files_of(tmp_path / "one")
+
+
+def test_a_killed_run_goes_on_where_it_was(run_file: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    words = ["generate", str(run_file), "--output", str(out), "--workers", "2", "--episodes", "4"]
+    process = subprocess.Popen(
+        [*[sys.executable, "-m", "robocell"], *words],
+        start_new_session=True,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    deadline = time.monotonic() + 120
+    while not list(out.glob("s*/episode.json")) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.wait()
+    made = files_of(out)
+    assert made
+    generate(run_file, out, "--workers", 2, "--episodes", 4)
+    again = files_of(out)
+    assert len(again) == 4
+    assert made.items() <= again.items()
+
+
+def test_a_dataset_knows_what_its_code_held(run_file: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    generate(run_file, out, "--workers", 1, "--episodes", 1)
+    module = run_file.with_name("stack_cubes.py")
+    module.write_text(module.read_text().replace("self.edge / 3", "self.edge / 4"))
+    said = refusal("generate", run_file, "--output", out, "--episodes", "2")
+    assert "code file stack_cubes.py: changed since then" in said
+    # Those who read a dataset need no code.
+    module.unlink()
+    assert robocell_command("verify", out).returncode == 0
+    assert "1 episode" in robocell_command("report", out).stdout
+
+
+def test_a_module_may_be_named_on_the_command_line(run_file: Path, tmp_path: Path):
+    text = run_file.read_text().replace("imports: [stack_cubes.py]\n", "")
+    run_file.write_text(text)
+    said = refusal("generate", run_file, "--output", tmp_path / "out")
+    assert "no task 'stack'" in said
+    assert "--import" in said
+    module = run_file.with_name("stack_cubes.py")
+    generate(run_file, tmp_path / "out", "--import", module, "--workers", 1, "--episodes", 1)
+    assert len(rc.Dataset(tmp_path / "out")) == 1
+
+
+def test_a_configuration_may_be_made_in_python(run_file: Path, tmp_path: Path):
+    module = run_file.with_name("cell.py")
+    module.write_text(
+        "import robocell as rc\nimport stack_cubes\n\n\n"
+        "def config():\n"
+        "    run = rc.RunConfig(run='made', episodes_per_scene=1, output='out')\n"
+        f"    run.robot = rc.RobotConfig.load({str(RC7)!r})\n"
+        "    run.task = {'kind': 'stack', 'edge': 0.05}\n"
+        "    return run\n"
+    )
+    generate(f"{module}:config", tmp_path / "out", "--workers", 2, "--seed", 3)
+    episode = rc.Dataset(tmp_path / "out")[0]
+    assert episode.metadata["seed"] == 3
+    manifest = json.loads((tmp_path / "out" / "dataset.json").read_text())
+    assert {"code/cell.py", "code/stack_cubes.py"} & set(manifest["files"])
+    assert "has no 'confg'" in refusal("generate", f"{module}:confg", "--output", tmp_path / "no")
+
+
+@pytest.mark.parametrize(
+    ("code", "message"),
+    [
+        ("import not_there_at_all\n", "No module named 'not_there_at_all'"),
+        ("def f(:\n", "SyntaxError"),
+        ("x = 1\nraise ValueError('no cubes')\n", "ValueError: no cubes"),
+    ],
+)
+def test_an_import_that_fails_ends_the_run_first(
+    run_file: Path, tmp_path: Path, code: str, message: str
+):
+    run_file.with_name("stack_cubes.py").write_text(code)
+    said = refusal("generate", run_file, "--output", tmp_path / "out")
+    assert message in said
+    assert "stack_cubes.py" in said
+    assert not (tmp_path / "out").exists()
+
+
+def test_an_exception_of_a_task_names_its_line(run_file: Path, tmp_path: Path):
+    module = run_file.with_name("stack_cubes.py")
+    text = module.read_text().replace(
+        "aside = float(np", 'raise RuntimeError("out of cubes")\n        aside = float(np'
+    )
+    module.write_text(text)
+    line = 1 + text[: text.index("raise RuntimeError")].count("\n")
+    result = robocell_command("generate", run_file, "--output", tmp_path / "out", "--episodes", "1")
+    assert result.returncode == 1
+    said = " ".join((result.stdout + result.stderr).split())
+    assert "RuntimeError: out of cubes" in said
+    assert f"stack_cubes.py:{line}, in judge" in said
+
+
+def test_a_run_source_imports_only_what_it_is_told(tmp_path: Path):
+    with pytest.raises(rc.SpecError, match="there is no such file"):
+        RunSource(str(tmp_path / "run.yaml"), ("gone.py",)).load()
+    with pytest.raises(rc.SpecError, match="no such module"):
+        RunSource(str(tmp_path / "run.yaml"), ("gone_module",)).load()
