@@ -26,9 +26,9 @@ const rc::Quaternion kDown{1, 0, 0, 0};  // xyzw: the gripper points down
 class Push : public rc::Task {
  public:
   void Begin(const rc::Scene& scene) override { start_ = Cube(scene); }
-  double Reward(const rc::Scene& scene) override { return (Cube(scene) - start_).x(); }
-  bool Success(const rc::Scene& scene) override {
-    return Reward(scene) >= kFar && std::abs((Cube(scene) - start_).z()) < .005;
+  rc::TaskVerdict Judge(const rc::Scene& scene) override {
+    const Eigen::Vector3d way = Cube(scene) - start_;
+    return {.reward = way.x(), .success = way.x() >= kFar && std::abs(way.z()) < .005};
   }
   std::string instruction() const override { return "push the cube 10 cm away"; }
   std::vector<std::string> objects() const override { return {"cube"}; }
