@@ -77,7 +77,6 @@ check: check-format check-lint check-rules check-docs check-types check-tidy che
 check-format: setup
 	@$(call headline,format)
 	@clang-format --dry-run -Werror $(CXX_FILES)
-	@$(PYTHON) scripts/wrap_comments.py --check $(CXX_FILES)
 	@ruff format --check --quiet . || { ruff format --check .; exit 1; }
 
 check-lint: setup
@@ -172,7 +171,6 @@ check-tsan-python: setup
 	@scripts/tsan_python
 
 format: setup
-	@$(PYTHON) scripts/wrap_comments.py $(CXX_FILES)
 	@clang-format -i $(CXX_FILES)
 	@ruff check --fix-only --quiet .
 	@ruff format .

@@ -19,7 +19,7 @@ nanobind_add_module(_core NB_STATIC ${binding_sources})
 set_target_properties(nanobind-static PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 0)  # one unit: half the time
 robocell_unity(_core ${ROBOCELL_UNITY_BINDINGS} ${binding_sources})
 # nanobind compiles for size; not what calls of a microsecond go through.
-foreach(source argument_errors arrays plain_calls plain_ik)
+foreach(source argument_errors arrays ik_solver)
   set_source_files_properties("${CMAKE_SOURCE_DIR}/python/bindings/${source}.cc" PROPERTIES
     COMPILE_OPTIONS "-O2" SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()

@@ -10,7 +10,6 @@ break a rule says so itself: a comment with ``rule-ok:`` and the reason.
   global generators make results depend on history.
 - An actuator may have several inputs and outputs: its id counts neither, so what is per output is
   read by mujoco/actuators.h, and nothing but tests loops to ``nu``.
-- A class has one name and a name one class: two of one name in one namespace are one to the linker.
 - Nothing in the repository names a path of somebody's machine.
 """
 
@@ -58,12 +57,6 @@ BY_ACTUATOR = re.compile(
 )
 BY_ACTUATOR_FILES = re.compile(r"^src/robocell/mujoco/actuators\.h$|_test\.cc$")
 MACHINE_PATH = re.compile(r"(?<![\w.~])/(?:home|root|work|Users|mnt|media)/\w")
-NAMESPACE = re.compile(r"^namespace\s*([\w:]*)\s*\{(?!.*\})")
-CLASS = re.compile(
-    r"^(?:class|struct)\s+(?:alignas\([^)]*\)\s*)?(\w+)(?:\s+final)?\s*(?::[^:;]*)?\{"
-)
-HIDDEN = "(anonymous)"
-LIBRARY = re.compile(r"^src/robocell/.*(?<!_test)\.(?:h|cc)$")
 MARKER = "rule-ok:"
 
 
@@ -150,43 +143,18 @@ def check_text(path: str, text: str) -> Iterator[Finding]:
         yield from (Finding(path, number, reason) for reason in found if reason)
 
 
-class Classes:
-    """Where each class of the library is defined, by its full name."""
-
-    def __init__(self) -> None:
-        self._places: dict[str, str] = {}
-
-    def add(self, path: str, text: str) -> Iterator[Finding]:
-        """Those of a file; which of them another file defines too."""
-        spaces: list[str] = []
-        for number, line in enumerate(without_comments(text).splitlines(), start=1):
-            if opened := NAMESPACE.match(line):
-                spaces.append(opened.group(1) or HIDDEN)
-            elif line.startswith("}") and not line.startswith("};") and spaces:
-                spaces.pop()
-            elif (found := CLASS.match(line)) and HIDDEN not in spaces:
-                name = "::".join([*spaces, found.group(1)])
-                first = self._places.setdefault(name, path)
-                if first != path:
-                    yield Finding(path, number, f"'{name}': {first} has a class of that name")
-
-
 def check(root: Path) -> list[Finding]:
     """Broken rules in all text files that git knows or would add."""
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
     listing = subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout
     findings: list[Finding] = []
-    classes = Classes()
     for path in listing.splitlines():
         file = root / path
         if not file.is_file() or Path(path).stem == "test_check_rules":
             continue
         data = file.read_bytes()
         if b"\0" not in data:
-            text = data.decode(errors="replace")
-            findings += check_text(path, text)
-            if LIBRARY.search(path):
-                findings += classes.add(path, text)
+            findings += check_text(path, data.decode(errors="replace"))
     return findings
 
 

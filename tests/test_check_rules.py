@@ -135,29 +135,3 @@ def test_a_path_of_one_machine_is_found_in_any_file(path):
 @pytest.mark.parametrize("text", ["~/work/x", "../work/x", "network/home/x", "/usr/share/x"])
 def test_other_paths_are_not(text):
     assert reasons("docs/a.md", text) == []
-
-
-def test_a_class_has_a_name_of_its_own():
-    classes = check_rules.Classes()
-    one = "namespace robocell {\nclass Watch {\n};\n}  // namespace robocell\n"
-    other = one.replace("class Watch {", "struct Watch final : public Base {")
-    assert list(classes.add("src/robocell/a.h", one)) == []
-    (found,) = classes.add("src/robocell/b.h", other)
-    assert str(found) == (
-        "src/robocell/b.h:2: 'robocell::Watch': src/robocell/a.h has a class of that name"
-    )
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        "namespace robocell {\nnamespace {\nclass Watch {\n};\n}\n}",
-        "namespace robocell::python {\nclass Watch {\n};\n}",
-        "namespace robocell {\nclass Watch;\nstruct Other::Watch {\n};\n}",
-        "namespace robocell {\nnamespace inner { class Watch; }\nclass Mine {\n};\n}",
-    ],
-)
-def test_classes_that_others_do_not_see_may_have_it_too(text):
-    classes = check_rules.Classes()
-    list(classes.add("src/robocell/a.h", "namespace robocell {\nclass Watch {\n};\n}\n"))
-    assert list(classes.add("src/robocell/b.h", text)) == []

@@ -16,7 +16,6 @@
 #include <utility>
 
 #include "handles.h"
-#include "plain_calls.h"
 #include "returned.h"
 #include "robocell/base/error.h"
 
@@ -112,15 +111,11 @@ PyObject* CallOriginal(PyObject* function, PyObject* const* args, size_t count,
   return result;
 }
 
-enum class Calls { kFree, kGuarded, kPlainFirst };  // the last are guarded too
+enum class Calls { kFree, kGuarded };
 
 template <size_t i, Calls calls>
 PyObject* Call(PyObject* function, PyObject* const* args, size_t count, PyObject* keywords) {
-  if constexpr (calls == Calls::kPlainFirst) {
-    const PlainCall plain = PlainCallOf(function);
-    if (PyObject* result = plain(args, count & kArgumentCount, keywords)) return result;
-  }
-  if constexpr (calls != Calls::kFree) {
+  if constexpr (calls == Calls::kGuarded) {
     const Named& call = Names().find(function)->second;
     SceneClaims claims(call.name.c_str());
     if (!MayCall(call, args, count & kArgumentCount, keywords, claims)) return nullptr;
@@ -139,12 +134,11 @@ constexpr std::array<vectorcallfunc, kMostOriginals> AllCalls(std::index_sequenc
 vectorcallfunc InPlaceOf(vectorcallfunc original, Calls calls) {
   static constexpr auto kIndices = std::make_index_sequence<kMostOriginals>();
   static constexpr auto kFree = AllCalls<Calls::kFree>(kIndices),
-                        kGuarded = AllCalls<Calls::kGuarded>(kIndices),
-                        kPlainFirst = AllCalls<Calls::kPlainFirst>(kIndices);
+                        kGuarded = AllCalls<Calls::kGuarded>(kIndices);
   for (size_t i = 0; i < kMostOriginals; ++i) {
     if (!originals[i]) originals[i] = original;
     if (originals[i] != original) continue;
-    return (calls == Calls::kFree ? kFree : calls == Calls::kGuarded ? kGuarded : kPlainFirst)[i];
+    return (calls == Calls::kFree ? kFree : kGuarded)[i];
   }
   throw Error("nanobind calls its functions in more ways than the module can wrap");
 }
@@ -154,9 +148,7 @@ void Wrap(nb::handle function, Named named) {
   if (offset <= 0 || !nb::hasattr(function, "__nb_signature__")) return;
   for (const auto& overload : function.attr("__nb_signature__"))
     named.takes_handles |= !named.self.never && TakesHandles(nb::cast<std::string>(overload[0]));
-  const Calls calls = PlainCallOf(function)                     ? Calls::kPlainFirst
-                      : named.self.guard || named.takes_handles ? Calls::kGuarded
-                                                                : Calls::kFree;
+  const Calls calls = named.self.guard || named.takes_handles ? Calls::kGuarded : Calls::kFree;
   if (!Names().emplace(function.ptr(), std::move(named)).second) return;  // under two names
   auto& call = *reinterpret_cast<vectorcallfunc*>(reinterpret_cast<char*>(function.ptr()) + offset);
   call = InPlaceOf(call, calls);

@@ -92,6 +92,24 @@ std::optional<std::span<const double>> RowOf(nb::handle value) {
   return IsNumpyArray(value) ? RowOfArray(AsArray(value)) : RowOfView(value);
 }
 
+std::optional<std::span<double>> WritableRowOf(nb::handle value) {
+  if (!IsNumpyArray(value) || !PyArray_ISWRITEABLE(AsArray(value))) return std::nullopt;
+  const auto row = RowOfArray(AsArray(value));
+  if (!row) return std::nullopt;
+  return std::span(static_cast<double*>(PyArray_DATA(AsArray(value))), row->size());
+}
+
+std::optional<std::span<const double>> MatrixOf(nb::handle value, size_t rows, size_t columns) {
+  if (!IsNumpyArray(value)) return std::nullopt;
+  PyArrayObject* array = AsArray(value);
+  const bool fits = PyArray_NDIM(array) == 2 && PyArray_TYPE(array) == NPY_DOUBLE &&
+                    PyArray_ISCARRAY_RO(array) &&
+                    static_cast<size_t>(PyArray_DIM(array, 0)) == rows &&
+                    static_cast<size_t>(PyArray_DIM(array, 1)) == columns;
+  if (!fits) return std::nullopt;
+  return std::span(static_cast<const double*>(PyArray_DATA(array)), rows * columns);
+}
+
 bool HasRealNumbers(nb::handle array) {
   const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
   if (kind != "O") return kind == "f" || kind == "i" || kind == "u";

@@ -21,6 +21,10 @@ namespace nb = nanobind;
 // The numbers of an array of one dimension that are contiguous float64, where they are: valid as
 // long as the object given is. Nothing of anything else.
 std::optional<std::span<const double>> RowOf(nb::handle value);
+// The same of a numpy array that may be written to.
+std::optional<std::span<double>> WritableRowOf(nb::handle value);
+// The numbers of a numpy array of that shape, row by row, if they are contiguous float64.
+std::optional<std::span<const double>> MatrixOf(nb::handle value, size_t rows, size_t columns);
 
 // Whether a numpy array holds floating-point numbers or integers, be they objects: no truth values,
 // no text, no None, nothing complex.

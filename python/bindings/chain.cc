@@ -8,6 +8,7 @@
 #include "arrays.h"
 #include "chain_batch.h"
 #include "ik_calls.h"
+#include "ik_solver.h"
 #include "ik_wishes.h"
 #include "kinematics.h"
 #include "signals.h"
@@ -78,6 +79,17 @@ IkResult IkOf(const Chain& chain, const PoseOrFrame& target, nb::handle seed, do
   const nb::gil_scoped_release release;
   SignalPoll poll;
   return Ik(chain, pose, options, [&] { poll(); });
+}
+
+IkSolver IkSolverOf(const Chain& chain, double tolerance, bool position_only, int max_restarts,
+                    int max_iterations, const std::vector<std::string>& locked_joints,
+                    nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
+                    double cone, nb::handle prefer, nb::handle filter) {
+  IkOptions options = OptionsFor(chain, {}, tolerance, position_only, locked_joints,
+                                 {position_weights, rotation_weights, axis, cone, prefer, filter});
+  options.max_restarts = max_restarts;
+  options.max_iterations = max_iterations;
+  return IkSolver(chain, std::move(options), nb::borrow(filter));
 }
 
 nb::object IkBatchOf(const Chain& chain, nb::handle targets, nb::handle seeds, double tolerance,
@@ -175,6 +187,13 @@ void DefIk(nb::class_<Chain>& c) {
         "matrix in the base frame. Starts at `seed` (n,), else in the middle of the limits; "
         "`locked_joints`, by name, stay where the seed has them. The other arguments are those of "
         "Kinematics.ik.")
+      .def("ik_solver", &IkSolverOf, "tolerance"_a = 1e-5, "position_only"_a = false,
+           "max_restarts"_a = 100, "max_iterations"_a = 40, nb::kw_only(), "locked_joints"_a = none,
+           "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
+           "axis"_a = nb::none(), "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none(),
+           nb::sig("def ik_solver(self, tolerance: float = 1e-05, position_only: bool = "
+                   "False, " ROBOCELL_CHAIN_IK_SIG ") -> IkSolver"),
+           ROBOCELL_IK_SOLVER_DOC)
       .def(
           "ik_batch", &IkBatchOf, "targets"_a, "seeds"_a = nb::none(), "tolerance"_a = 1e-5,
           "threads"_a = 1, "position_only"_a = false, "max_restarts"_a = 100,

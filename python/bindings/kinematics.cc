@@ -13,6 +13,7 @@
 #include "chain_batch.h"
 #include "handles.h"
 #include "ik_calls.h"
+#include "ik_solver.h"
 #include "ik_wishes.h"
 #include "scene_cycles.h"
 #include "signals.h"
@@ -77,6 +78,21 @@ IkResult SolveIk(const Self& self, const PoseOrFrame& target, nb::handle seed,
   const nb::gil_scoped_release release;
   SignalPoll poll;
   return Ik(chain, pose, options, [&] { poll(); });
+}
+
+template <class Self>
+IkSolver MakeSolver(const Self& self, const std::vector<std::string>& locked_groups,
+                    double tolerance, bool position_only, int max_restarts, int max_iterations,
+                    nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
+                    double cone, nb::handle prefer, nb::handle filter) {
+  const Robot& robot = RobotOf(self);
+  IkOptions options = OptionsFor(robot, nb::none(), locked_groups,
+                                 {position_weights, rotation_weights, axis, cone, prefer, filter});
+  options.tolerance = tolerance;
+  options.position_only = position_only;
+  options.max_restarts = max_restarts;
+  options.max_iterations = max_iterations;
+  return IkSolver(SteadyChain(robot), std::move(options), nb::borrow(filter));
 }
 
 nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle seed,
@@ -153,6 +169,15 @@ nb::object GravityFor(const Kinematics& k, nb::handle gravity) {
   "position_only"_a = false, "max_restarts"_a = 100, "max_iterations"_a = 40, nb::kw_only(),   \
   "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(), "axis"_a = nb::none(), \
   "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none()
+#define ROBOCELL_IK_SOLVER_ARGS                                                                    \
+  "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5, "position_only"_a = false, \
+  "max_restarts"_a = 100, "max_iterations"_a = 40, nb::kw_only(),                                  \
+  "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(), "axis"_a = nb::none(),     \
+  "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none()
+#define ROBOCELL_IK_SOLVER_SIG                                                               \
+  "def ik_solver(self, locked_groups: collections.abc.Sequence[str] = [], tolerance: float " \
+  "= 1e-05, position_only: bool = False, max_restarts: int = 100, max_iterations: int = "    \
+  "40, *, " ROBOCELL_IK_WISHES_SIG ") -> IkSolver"
 #define ROBOCELL_IK_SIG                                                                  \
   "Pose | numpy.typing.ArrayLike, seed: object | None = None, locked_groups: "           \
   "collections.abc.Sequence[str] = [], tolerance: float = 1e-05, position_only: bool = " \
@@ -232,7 +257,8 @@ void DefRobotIk(nb::class_<Robot>& robot) {
             nb::sig("def ik(self, pose: " ROBOCELL_IK_SIG),
             "Joint values that put the TCP at `pose` (in the robot base frame), a Pose, "
             "PyKDL.Frame or 4x4 matrix. The other arguments are those of kinematics.ik.");
-  SetPlainRobotIk(robot);
+  robot.def("ik_solver", &MakeSolver<Robot>, ROBOCELL_IK_SOLVER_ARGS,
+            nb::sig(ROBOCELL_IK_SOLVER_SIG), ROBOCELL_IK_SOLVER_DOC);
 }
 
 bool MayBePose(nb::handle value) noexcept {
@@ -285,6 +311,7 @@ void BindKinematics(nb::module_& m) {
                std::to_string(r.position_error) + " m, " + std::to_string(r.rotation_error) +
                " rad>";
       });
+  BindIkSolver(m);
   BindChain(m);
   nb::class_<Kinematics> kinematics(
       m, "Kinematics",
@@ -321,6 +348,8 @@ void BindKinematics(nb::module_& m) {
            "with less than 47 a near one is found in a seventh of the time. filter: a "
            "CollisionFilter, or a function of joint values (k, n) that returns (k,) booleans; "
            "what it does not keep is no solution.")
+      .def("ik_solver", &MakeSolver<Kinematics>, ROBOCELL_IK_SOLVER_ARGS,
+           nb::sig(ROBOCELL_IK_SOLVER_SIG), ROBOCELL_IK_SOLVER_DOC)
       .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(),
            "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5, "threads"_a = 1,
            "position_only"_a = false, "max_restarts"_a = 100, "max_iterations"_a = 40,
@@ -406,7 +435,6 @@ void BindKinematics(nb::module_& m) {
           "reach", [](const Kinematics& k) { return k.robot.reach(); },
           nb::call_guard<nb::gil_scoped_release>(),
           "Farthest the TCP gets from the root body, metres.");
-  SetPlainIk(kinematics, nb::type<Chain>());
 }
 
 }  // namespace robocell::python

@@ -30,12 +30,8 @@ bool MayBePose(nb::handle value) noexcept;
 TwistFrame ToTwistFrame(nb::handle name);
 const char* TwistFrameName(TwistFrame frame);
 
-// `ik` of robots.
+// `ik` and `ik_solver` of robots.
 void DefRobotIk(nb::class_<Robot>& robot);
-
-// Their `ik`, asked in the usual way.
-void SetPlainIk(nb::handle kinematics, nb::handle chain);
-void SetPlainRobotIk(nb::handle robot);
 
 // Chains on their own. Needs IkResult to be bound.
 void BindChain(nb::module_& m);

@@ -376,10 +376,10 @@ class TestRobots:
             robot.ik(target, prefer="sed")
 
 
-class TestPlainCalls:
-    """`ik` of a Pose and an array goes past nanobind; any other way of asking the same does not."""
+class TestForms:
+    """`ik` answers the same whatever form a question has."""
 
-    def test_answer_as_all_others_do(self, robot):
+    def test_of_poses_and_seeds(self, robot):
         low, high = np.array(robot.joint_limits).T
         for k, q in enumerate(reachable(robot, 30, seed=5)):
             pose = robot.kinematics.fk(q)
@@ -413,31 +413,6 @@ class TestPlainCalls:
                     assert same.iterations == plain.iterations
                 assert ik(pose, seed, tolerance=1e-9).position_error < 1e-9
 
-    def test_refuse_as_all_others_do(self, robot):
-        pose, seed = rc.Pose(translation=[0.4, 0, 0.4]), robot.arm.joint_pos
-        for ik in (robot.ik, robot.kinematics.ik, robot.chain.ik):
-            for options in (
-                {"seed": seed[:6]},
-                {"seed": seed * np.nan},
-                {"seed": np.zeros(13)},
-                {"seed": np.zeros(0), "tolerance": 0.0},
-                {"seed": seed[None]},
-                {"seed": seed, "tolerance": -1.0},
-                {"seed": seed, "tolerance": np.inf},
-            ):
-                messages = []
-                for more in ({}, {"max_restarts": 100}):
-                    with pytest.raises((rc.ArgumentError, TypeError)) as refused:
-                        ik(pose, **options, **more)
-                    messages.append(repr(refused.value))
-                assert messages[0] == messages[1]
-            with pytest.raises(TypeError, match="seed"):
-                ik(pose, seed, seed=seed)
-            with pytest.raises(TypeError, match="tol"):
-                ik(pose, seed, tol=1e-5)
-            with pytest.raises(TypeError, match="`tolerance` must be a number"):
-                ik(pose, seed, tolerance="small")
-
     def test_end_with_the_scene_but_for_chains(self):
         spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
         spec.robots.append(rc.RobotSpec(name="a", config=rc.RobotConfig.load(robot_file("rc7"))))
@@ -453,28 +428,6 @@ class TestPlainCalls:
             with pytest.raises(rc.ClosedError, match="robot 'a' is closed: its scene was closed"):
                 ik(pose, seed)
         assert chain.ik(pose, seed)
-
-    def test_know_nothing_of_the_call_before(self, robot):
-        kdl = pytest.importorskip("PyKDL")
-        slide = kdl.Chain()
-        for kind in (kdl.Joint.RotZ, kdl.Joint.TransX):
-            slide.addSegment(kdl.Segment(kdl.Joint(kind), kdl.Frame(kdl.Vector(0.3, 0, 0))))
-        chains = [robot.chain, rc.Chain.from_kdl(slide, limits=[(-2, 2), (0, 1)])]
-        seeds = [robot.arm.joint_pos, np.array([0.2, 0.3])]
-        targets = [chain.fk(seed + 0.1) for chain, seed in zip(chains, seeds, strict=True)]
-
-        def answer(k: int) -> np.ndarray:
-            loose = chains[k].ik(targets[k], seeds[k], tolerance=1e-2)
-            close = chains[k].ik(targets[k], seeds[k])
-            assert loose.iterations < close.iterations
-            assert close.position_error < 1e-5
-            return np.r_[loose.q, close.q]
-
-        alone = [answer(0), answer(1)]
-        for k in (1, 0, 0, 1):
-            with pytest.raises(rc.ArgumentError, match="expected"):
-                chains[k].ik(targets[k], seeds[1 - k])
-            np.testing.assert_array_equal(answer(k), alone[k])
 
 
 class TestBatches:

@@ -1,4 +1,4 @@
-// Copies and comparisons of the few numbers of a state or a configuration, made in every control
+// Copies and checks of the few numbers of a state or a configuration, made in every control
 // tick. In place, 16 bytes at a time and the last 16 once more: for so few, calls and the C
 // library's preparations for many take longer than the work.
 #pragma once
@@ -37,13 +37,6 @@ inline void CopyLess(const void* from, size_t bytes, void* to) {
     static_cast<char*>(to)[at] = static_cast<const char*>(from)[at];
 }
 
-inline uint64_t DifferenceOfLess(const void* a, const void* b, size_t bytes) {
-  uint64_t any = 0;
-  for (size_t at = 0; at < bytes; ++at)
-    any |= static_cast<const uint8_t*>(a)[at] ^ static_cast<const uint8_t*>(b)[at];
-  return any;
-}
-
 // Of 16 bytes or more.
 inline size_t LastPair(size_t bytes) { return bytes - sizeof(Pair); }
 
@@ -57,18 +50,6 @@ inline size_t LastPair(size_t bytes) { return bytes - sizeof(Pair); }
   for (size_t at = 0; at < few::LastPair(bytes); at += sizeof(few::Pair))
     few::PutPair(few::PairAt(from, at), to, at);
   few::PutPair(few::PairAt(from, few::LastPair(bytes)), to, few::LastPair(bytes));
-}
-
-// Not 0 where any bit of the two differs: -0.0 is not 0.0, and a NaN is itself.
-[[gnu::always_inline]] inline uint64_t DifferenceOfFew(const void* a, const void* b, size_t bytes) {
-  namespace few = few_numbers_internal;
-  if (bytes < sizeof(few::Pair)) return few::DifferenceOfLess(a, b, bytes);
-  const size_t last = few::LastPair(bytes);
-  few::Pair any = few::PairAt(a, last) ^ few::PairAt(b, last);
-#pragma GCC unroll 2
-  for (size_t at = 0; at < last; at += sizeof(few::Pair))
-    any |= few::PairAt(a, at) ^ few::PairAt(b, at);
-  return any[0] | any[1];
 }
 
 // Whether no magnitude is larger than `most`, and none NaN. As integers, which have the order of

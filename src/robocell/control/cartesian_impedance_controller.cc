@@ -5,6 +5,8 @@
 
 #include "robocell/base/few_numbers.h"
 #include "robocell/control/joint_impedance_controller.h"
+#include "robocell/kinematics/joint_coupling.h"
+#include "robocell/kinematics/link_kernel.h"
 #include "robocell/math/rotation.h"
 #include "robocell/robot/joint_torque_controller.h"
 
@@ -21,8 +23,6 @@ namespace {
       CtrlMode::kTorque);
   return true;
 }();
-
-constexpr size_t kMaxTriangle = kMaxChainJoints * (kMaxChainJoints + 1) / 2;
 
 constexpr CartesianImpedanceController::Gains kDefaultStiffness = {400, 400, 400, 30, 30, 30};
 
@@ -99,22 +99,29 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
       MatrixFromQuaternion({target_[3], target_[4], target_[5], target_[6]});
   const double w = posture_frequency_;
   const size_t n = q_.size();
-  double bias[kMaxChainJoints], wanted[kMaxChainJoints], room[kMaxTriangle];
+  double wanted[kMaxChainJoints];
   for (size_t i = 0; i < n; ++i) wanted[i] = w * w * (posture_[i] - q_[i]) - 2 * w * qd[i];
-  const double* mass = arm_.GetBiasAndMass({bias, n}, {room, n * (n + 1) / 2});
+  const Chain& chain = arm_.chain();
+  const Eigen::Vector3d gravity = arm_.gravity_in_base();
+  LinkAnswer links;
+  ComputeLinks(chain.links(), LinkPart::kAll, {.q = q_.data(), .qd = qd, .gravity = gravity.data()},
+               &links);
+  for (const JointCoupling& c : chain.couplings()) {
+    links.mass[c.first][c.second] += c.inertia;
+    links.mass[c.second][c.first] += c.inertia;
+  }
   LeafAnswer leaf;
-  ComputeLeaf({.view = arm_.leaf_view(),
-               .mass = mass,
+  ComputeLeaf({.n = chain.n_joints(),
+               .arm = &links,
                .wanted = wanted,
                .velocity = qd,
                .springs = &springs_,
                .goal = {target_.data(), goal.data()},
                .feedforward = feedforward_.data(),
-               .damping_ratio = damping_ratio_,
-               .bias = bias},
+               .damping_ratio = damping_ratio_},
               &leaf);
   // What of the state is no number is in all of them.
-  if (!FewAreFinite(leaf.torques, n)) arm_.chain().CheckJointValues("q", q_);
+  if (!FewAreFinite(leaf.torques, n)) chain.CheckJointValues("q", q_);
   arm_.CtrlForJointTorque({leaf.torques, n}, ctrl);
 }
 

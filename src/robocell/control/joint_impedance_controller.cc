@@ -102,10 +102,11 @@ bool JointImpedanceController::GetSteadyTarget(std::span<const double> q, std::s
 
 void JointImpedanceController::Compute(std::span<double> ctrl) {
   double q[kMaxChainJoints], qd[kMaxChainJoints], torque[kMaxChainJoints];
+  constexpr double kStill[kMaxChainJoints] = {};
   const size_t n = target_.size();
   arm_.GetJointPos({q, n});
   arm_.GetJointVel({qd, n});
-  arm_.GetBiasTorques({torque, n});  // gravity and Coriolis
+  arm_.InverseDynamics({q, n}, {qd, n}, {kStill, n}, {torque, n});  // gravity and Coriolis
   for (size_t i = 0; i < n; ++i)
     torque[i] += stiffness_[i] * (target_[i] - q[i]) - damping_[i] * qd[i];
   arm_.CtrlForJointTorque({torque, n}, ctrl);

@@ -53,26 +53,13 @@ struct Columns {
   alignas(64) double angular[kMaxChainJoints][4];
 };
 
-// Of a vector in the axes of the world, which are in those of the base `axes`.
-HWY_INLINE Quad InBase(const double* v, const Quad* axes) {
-  return MulAdd(v[0], axes[0], MulAdd(v[1], axes[1], Times(v[2], axes[2])));
-}
-
-// The world's, in the axes of the base.
-HWY_INLINE void WorldAxes(const LeafView& view, Quad* axes) {
-#pragma GCC unroll 3
-  for (int k = 0; k < 3; ++k) axes[k] = ThreeAt(view.base_rotation + 3 * k);
-}
-
-HWY_INLINE void MakeColumns(const LeafView& view, const Quad* axes, Columns* columns) {
-  const Quad leaf = InBase(view.leaf_position, axes);
-  for (int i = 0; i < view.n; ++i) {
-    const int at = 3 * view.joints[i];
-    const Quad axis = InBase(view.axes + at, axes);
-    const bool slides = view.slides[i];
-    Put(slides ? axis : Cross(axis, Sub(leaf, InBase(view.anchors + at, axes))),
-        columns->linear[i]);
-    Put(slides ? ZeroQuad() : axis, columns->angular[i]);
+// By halves of a register that the rows were stored with: a wider one would wait for them.
+HWY_INLINE void MakeColumns(int n, const LinkTable::Row* rows, Columns* columns) {
+  const auto zero = hn::Zero(kFours);
+  const auto at = [&](int row, int i) HWY_ATTR { return hn::Load(kFours, rows[row] + i); };
+  for (int i = 0; i < n; i += hn::MaxLanes(kFours)) {
+    hn::StoreInterleaved4(at(0, i), at(1, i), at(2, i), zero, kFours, columns->linear[i]);
+    hn::StoreInterleaved4(at(3, i), at(4, i), at(5, i), zero, kFours, columns->angular[i]);
   }
 }
 
@@ -98,18 +85,9 @@ HWY_INLINE void Turn(const Quad* from, const double* to, double* out) {
 }
 
 // Of the leaf from its goal; `out` has room for a seventh number.
-HWY_INLINE void MakeDeviation(const LeafView& view, const Quad* axes, const LeafGoal& goal,
-                              double* out) {
-  double way[3];
-  Quad from[3];
-#pragma GCC unroll 3
-  for (int k = 0; k < 3; ++k) {
-    const double* column = view.leaf_rotation + k;
-    const double axis[3] = {column[0], column[3], column[6]};
-    from[k] = InBase(axis, axes);
-    way[k] = view.leaf_position[k] - view.base_position[k];
-  }
-  PutAnywhere(Sub(ThreeAt(goal.position), InBase(way, axes)), out);
+HWY_INLINE void MakeDeviation(const LinkAnswer& arm, const LeafGoal& goal, double* out) {
+  const Quad from[3] = {QuadAt(arm.tip[0]), QuadAt(arm.tip[1]), QuadAt(arm.tip[2])};
+  PutAnywhere(Sub(ThreeAt(goal.position), QuadAt(arm.tip[3])), out);
   Turn(from, goal.axes, out + 3);
 }
 
@@ -118,7 +96,7 @@ HWY_INLINE void LeafMotions(const Columns& columns, const LeafQuery& query, doub
                             double* wanted) {
   Quad sums[4];
   for (Quad& sum : sums) sum = ZeroQuad();
-  for (int i = 0; i < query.view.n; ++i) {
+  for (int i = 0; i < query.n; ++i) {
     const Quad linear = QuadAt(columns.linear[i]), angular = QuadAt(columns.angular[i]);
     sums[0] = MulAdd(query.velocity[i], linear, sums[0]);
     sums[1] = MulAdd(query.velocity[i], angular, sums[1]);
@@ -135,15 +113,15 @@ HWY_INLINE void LeafMotions(const Columns& columns, const LeafQuery& query, doub
 // With mass = L D L^T: (L^-1 J^T)^T, and 1 / D. For a number of joints that is known here, the mass
 // stays in registers.
 template <int N>
-HWY_INLINE void Eliminate(int joints, const double* mass, const Columns& columns, Columns* out,
-                          double* inverse) {
+HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, const Columns& columns,
+                          Columns* out, double* inverse) {
   const int n = N ? N : joints;
   constexpr int kMost = N ? N : kMaxChainJoints;
   hn::Vec<One> m[kMost][kMost];
 #pragma GCC unroll 7
   for (int i = 0; i < n; ++i) {
 #pragma GCC unroll 7
-    for (int k = 0; k <= i; ++k) m[i][k] = hn::Set(kOne, mass[Entry(i, k)]);
+    for (int k = 0; k <= i; ++k) m[i][k] = hn::Set(kOne, mass[i][k]);
   }
 #pragma GCC unroll 1
   for (int i = 0; i < n; ++i) {
@@ -176,8 +154,8 @@ HWY_INLINE void Eliminate(int joints, const double* mass, const Columns& columns
   }
 }
 
-HWY_INLINE void MobilityOf(int n, const double* mass, const Columns& columns, Columns* eliminated,
-                           Halves& mobility) {
+HWY_INLINE void MobilityOf(int n, const LinkTable::Row* mass, const Columns& columns,
+                           Columns* eliminated, Halves& mobility) {
   double inverse[kMaxChainJoints];
   switch (n) {
     case 6:
@@ -219,17 +197,18 @@ HWY_INLINE void MobilityOf(int n, const double* mass, const Columns& columns, Co
 
 // A symmetric matrix times a vector, which do not wait for what is divided by.
 template <int N>
-HWY_INLINE void MassTimes(int joints, const double* mass, const double* vector, double* out) {
+HWY_INLINE void MassTimes(int joints, const LinkTable::Row* mass, const double* vector,
+                          double* out) {
   const int n = N ? N : joints;
   constexpr int kMost = N ? N : kMaxChainJoints;
   hn::Vec<One> v[kMost], sums[kMost];
 #pragma GCC unroll 7
   for (int i = 0; i < n; ++i) {
     v[i] = hn::Set(kOne, vector[i]);
-    sums[i] = hn::Mul(v[i], hn::Set(kOne, mass[Entry(i, i)]));
+    sums[i] = hn::Mul(v[i], hn::Set(kOne, mass[i][i]));
 #pragma GCC unroll 7
     for (int k = 0; k < i; ++k) {
-      const auto m = hn::Set(kOne, mass[Entry(i, k)]);
+      const auto m = hn::Set(kOne, mass[i][k]);
       sums[i] = hn::MulAdd(m, v[k], sums[i]);
       sums[k] = hn::MulAdd(m, v[i], sums[k]);
     }
@@ -238,7 +217,7 @@ HWY_INLINE void MassTimes(int joints, const double* mass, const double* vector, 
   for (int i = 0; i < n; ++i) out[i] = hn::GetLane(sums[i]);
 }
 
-HWY_INLINE void MassTimesAny(int n, const double* mass, const double* vector, double* out) {
+HWY_INLINE void MassTimesAny(int n, const LinkTable::Row* mass, const double* vector, double* out) {
   switch (n) {
     case 6:
       return MassTimes<6>(n, mass, vector, out);
@@ -390,8 +369,8 @@ HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, const 
                                  query.damping_ratio * out->damping[k] + query.feedforward[k] -
                                  out->felt[k]);
   }
-  for (int i = 0; i < query.view.n; ++i) {
-    auto linear = hn::Set(kOne, query.bias[i]), angular = hn::Set(kOne, moving[i]);
+  for (int i = 0; i < query.n; ++i) {
+    auto linear = hn::Set(kOne, query.arm->torques[i]), angular = hn::Set(kOne, moving[i]);
 #pragma GCC unroll 3
     for (int k = 0; k < 3; ++k) {
       linear = hn::MulAdd(force[k], hn::Set(kOne, columns.linear[i][k]), linear);
@@ -402,36 +381,31 @@ HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, const 
 }
 
 void Leaf(const LeafQuery& query, LeafAnswer* out) {
+  const LinkAnswer& arm = *query.arm;
   Columns columns, eliminated;
-  Quad axes[3];
-  WorldAxes(query.view, axes);
-  MakeColumns(query.view, axes, &columns);
+  MakeColumns(query.n, arm.jacobian, &columns);
   double velocity[7], wanted[7], deviation[7];
   LeafMotions(columns, query, velocity, wanted);
-  MakeDeviation(query.view, axes, query.goal, deviation);
+  MakeDeviation(arm, query.goal, deviation);
   alignas(32) Halves mobility;
-  MobilityOf(query.view.n, query.mass, columns, &eliminated, mobility);
+  MobilityOf(query.n, arm.mass, columns, &eliminated, mobility);
   double moving[kMaxChainJoints];
-  MassTimesAny(query.view.n, query.mass, query.wanted, moving);
+  MassTimesAny(query.n, arm.mass, query.wanted, moving);
   Damp(*query.springs, mobility, velocity, wanted, out->damping, out->felt);
   TorquesOf(query, columns, deviation, moving, out);
 }
 
-void Deviation(const LeafView& view, const LeafGoal& goal, double* deviation) {
-  Quad axes[3];
-  WorldAxes(view, axes);
+void Deviation(const LinkAnswer& arm, const LeafGoal& goal, double* deviation) {
   double room[7];
-  MakeDeviation(view, axes, goal, room);
+  MakeDeviation(arm, goal, room);
   for (int k = 0; k < 6; ++k) deviation[k] = room[k];
 }
 
-void Mobility(const LeafView& view, const double* mass, double* mobility) {
+void Mobility(int n, const LinkAnswer& arm, double* mobility) {
   Columns columns, eliminated;
-  Quad axes[3];
-  WorldAxes(view, axes);
-  MakeColumns(view, axes, &columns);
+  MakeColumns(n, arm.jacobian, &columns);
   alignas(32) Halves halves;
-  MobilityOf(view.n, mass, columns, &eliminated, halves);
+  MobilityOf(n, arm.mass, columns, &eliminated, halves);
   for (int r = 0; r < 6; ++r) {
     for (int c = 0; c <= r; ++c) mobility[Entry(r, c)] = At(halves, r, c);
   }
@@ -482,11 +456,11 @@ LeafSprings MakeLeafSprings(const double* stiffness) {
 void ComputeLeaf(const LeafQuery& query, LeafAnswer* out) {
   HWY_DYNAMIC_DISPATCH(Leaf)(query, out);
 }
-void ComputeDeviation(const LeafView& view, const LeafGoal& goal, double* deviation) {
-  HWY_DYNAMIC_DISPATCH(Deviation)(view, goal, deviation);
+void ComputeDeviation(const LinkAnswer& arm, const LeafGoal& goal, double* deviation) {
+  HWY_DYNAMIC_DISPATCH(Deviation)(arm, goal, deviation);
 }
-void ComputeMobility(const LeafView& view, const double* mass, double* mobility) {
-  HWY_DYNAMIC_DISPATCH(Mobility)(view, mass, mobility);
+void ComputeMobility(int n, const LinkAnswer& arm, double* mobility) {
+  HWY_DYNAMIC_DISPATCH(Mobility)(n, arm, mobility);
 }
 void CriticalDamping(const double* stiffness, const double* mobility, const double* velocity,
                      double* out) {

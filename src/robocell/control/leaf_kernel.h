@@ -5,8 +5,7 @@
 // Plain numbers only; this header is included by code for every instruction set.
 #pragma once
 
-#include "robocell/kinematics/link_table.h"
-#include "robocell/robot/leaf_view.h"
+#include "robocell/kinematics/link_kernel.h"
 
 namespace robocell {
 
@@ -26,17 +25,18 @@ struct LeafGoal {
 
 // The linear part before the angular part, in the axes of the base.
 struct LeafQuery {
-  LeafView view;
-  const double* mass = nullptr;      // inertia of the joints, the lower triangle row by row
-  const double* wanted = nullptr;    // accelerations that they shall have
+  int n = 0;  // joints
+  // Tip, Jacobian and inertia, and the torques that the joints need for the motion that they are in
+  // (LinkPart::kAll without accelerations).
+  const LinkAnswer* arm = nullptr;
+  const double* wanted = nullptr;    // accelerations that the joints shall have
   const double* velocity = nullptr;  // of the joints
   const LeafSprings* springs = nullptr;
   // For the torques: where the leaf shall be; what it is pushed with on top, 6; the share of the
-  // damping; what the joints need for the motion that they are in.
+  // damping.
   LeafGoal goal;
   const double* feedforward = nullptr;
   double damping_ratio = 1;
-  const double* bias = nullptr;
 };
 
 struct LeafAnswer {
@@ -54,10 +54,10 @@ struct LeafAnswer {
 void ComputeLeaf(const LeafQuery& query, LeafAnswer* out);
 
 // A part alone: how far the leaf is from its goal, the way and the rotation vector of the rest, 6.
-void ComputeDeviation(const LeafView& view, const LeafGoal& goal, double* deviation);
+void ComputeDeviation(const LinkAnswer& arm, const LeafGoal& goal, double* deviation);
 // A part alone: what the leaf yields to a force (J M^-1 J^T), the lower triangle row by
 // row.
-void ComputeMobility(const LeafView& view, const double* mass, double* mobility);
+void ComputeMobility(int n, const LinkAnswer& arm, double* mobility);
 // The last part alone: the critical damping of a leaf of that mobility.
 void CriticalDamping(const double* stiffness, const double* mobility, const double* velocity,
                      double* out);

@@ -151,52 +151,29 @@ TEST(LeafKernel, IsCriticalForOneMassOnOneSpring) {
     EXPECT_NEAR(force[k], 2 * std::sqrt(stiffness[k] * 2), 1e-4 * force[k]);
 }
 
-// An arm of hinges and slides on a tilted base, as the engine lists it: among joints of others, in
-// an order of its own.
+// What the kernel of a chain's links would say of some arm. Entries without a joint are no numbers.
 struct LeafCase {
   int n;
-  std::vector<int> joints;
-  std::vector<char> slides;
-  MatrixXd axes, anchors;  // of all joints
-  Eigen::Vector3d leaf, from;
-  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> turned, base;
+  Transform leaf;
   MatrixXd j, m;
-  std::vector<double> mass;
+  VectorXd bias;
+  LinkAnswer arm = {};
 
   LeafCase(Rng* rng, int size)
       : n(size),
-        axes(RandomMatrix(rng, 3, 2 * n + 1)),
-        anchors(RandomMatrix(rng, 3, 2 * n + 1)),
-        leaf(RandomMatrix(rng, 3, 1)),
-        from(RandomMatrix(rng, 3, 1)),
-        turned(RandomPose(*rng).rotation()),
-        base(RandomPose(*rng).rotation()),
-        j(6, n),
-        m(RandomPositive(rng, n, 1e3)) {
-    for (int i = 0; i < n; ++i) {
-      joints.push_back(2 * (n - i) - 1);
-      slides.push_back(rng->Uniform() < 0.3);
-      const Eigen::Vector3d axis = axes.col(joints[i]), arm = leaf - anchors.col(joints[i]);
-      j.col(i).head(3) = base.transpose() * (slides[i] ? axis : axis.cross(arm));
-      j.col(i).tail(3) = slides[i] ? VectorXd::Zero(3) : VectorXd(base.transpose() * axis);
+        leaf(ToTransform(RandomPose(*rng))),
+        j(RandomMatrix(rng, 6, n)),
+        m(RandomPositive(rng, n, 1e3)),
+        bias(RandomMatrix(rng, n, 1)) {
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) arm.tip[c][r] = leaf.rotation(r, c);
+      arm.tip[3][r] = leaf.translation[r];
     }
-    for (int r = 0; r < n; ++r) {
-      for (int c = 0; c <= r; ++c) mass.push_back(m(r, c));
+    for (int c = 0; c < kMaxChainJoints; ++c) {
+      arm.torques[c] = c < n ? bias[c] : NAN;
+      for (int r = 0; r < 6; ++r) arm.jacobian[r][c] = c < n ? j(r, c) : NAN;
+      for (int r = 0; r < kMaxChainJoints; ++r) arm.mass[r][c] = r < n && c < n ? m(r, c) : NAN;
     }
-  }
-  LeafView view() const {
-    return {.n = n,
-            .joints = joints.data(),
-            .slides = slides.data(),
-            .axes = axes.data(),
-            .anchors = anchors.data(),
-            .leaf_position = leaf.data(),
-            .leaf_rotation = turned.data(),
-            .base_position = from.data(),
-            .base_rotation = base.data()};
-  }
-  Transform in_base() const {
-    return {base.transpose() * turned, base.transpose() * (leaf - from)};
   }
   MatrixXd Mobility() const {
     return j * SolvePositive(m, j.transpose()) + kLeastMobility * MatrixXd::Identity(6, 6);
@@ -223,12 +200,12 @@ TEST(LeafKernel, KnowsHowFarTheLeafIsFromItsGoal) {
                            : k % 4 == 1 ? std::pow(10, rng.Uniform(-12, 0))
                                         : rng.Uniform(0, M_PI);
       const Eigen::Vector3d axis = RandomMatrix(&rng, 3, 1).normalized();
-      Transform goal = leaf.in_base();
+      Transform goal = leaf.leaf;
       goal.rotation = Eigen::AngleAxisd(angle, axis) * goal.rotation;
       goal.translation += RandomMatrix(&rng, 3, 1);
       VectorXd deviation(6);
-      ComputeDeviation(leaf.view(), GoalAt(goal), deviation.data());
-      const VectorXd expected = Numbers(ErrorTo(goal, leaf.in_base()));
+      ComputeDeviation(leaf.arm, GoalAt(goal), deviation.data());
+      const VectorXd expected = Numbers(ErrorTo(goal, leaf.leaf));
       // Near half a turn rounding moves the axis.
       EXPECT_LT((deviation - expected).norm(), M_PI - angle < 0.1 ? 1e-7 : 1e-14) << angle;
       EXPECT_NEAR(deviation.tail(3).norm(), angle, M_PI - angle < 0.1 ? 1e-7 : 1e-14);
@@ -242,7 +219,7 @@ TEST(LeafKernel, KnowsWhatTheLeafYieldsForAnyNumberOfJoints) {
       Rng rng = Rng::Stream(n, "leaf");
       const LeafCase leaf(&rng, n);
       std::array<double, 21> mobility;
-      ComputeMobility(leaf.view(), leaf.mass.data(), mobility.data());
+      ComputeMobility(n, leaf.arm, mobility.data());
       const auto expected = Triangle(leaf.Mobility());
       for (int k = 0; k < 21; ++k)
         EXPECT_NEAR(mobility[k], expected[k], 1e-11 * leaf.Mobility().norm()) << n;
@@ -259,20 +236,18 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
       if (n % 2 == 0) stiffness[n / 2 % 6] = 0;
       const Transform goal = ToTransform(RandomPose(rng));
-      const VectorXd deviation = Numbers(ErrorTo(goal, leaf.in_base()));
+      const VectorXd deviation = Numbers(ErrorTo(goal, leaf.leaf));
       const VectorXd push = RandomMatrix(&rng, 6, 1);
-      const VectorXd anyway = RandomMatrix(&rng, n, 1);
       const LeafSprings springs = MakeLeafSprings(stiffness.data());
       LeafAnswer answer;
-      ComputeLeaf({.view = leaf.view(),
-                   .mass = leaf.mass.data(),
+      ComputeLeaf({.n = n,
+                   .arm = &leaf.arm,
                    .wanted = wanted.data(),
                    .velocity = velocity.data(),
                    .springs = &springs,
                    .goal = GoalAt(goal),
                    .feedforward = push.data(),
-                   .damping_ratio = 0.7,
-                   .bias = anyway.data()},
+                   .damping_ratio = 0.7},
                   &answer);
       const Eigen::Map<VectorXd> felt(answer.felt, 6);
       const VectorXd moved = leaf.j * wanted;
@@ -286,7 +261,7 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       const VectorXd damping = Damping(stiffness, leaf.Mobility(), leaf.j * velocity);
       EXPECT_LT((Eigen::Map<VectorXd>(answer.damping, 6) - damping).norm(), 1e-9 * damping.norm());
       const VectorXd force = stiffness.cwiseProduct(deviation) - 0.7 * damping + push - felt;
-      const VectorXd needed = anyway + leaf.m * wanted + leaf.j.transpose() * force;
+      const VectorXd needed = leaf.bias + leaf.m * wanted + leaf.j.transpose() * force;
       EXPECT_LT((Eigen::Map<VectorXd>(answer.torques, n) - needed).norm(), 1e-7 * needed.norm());
     }
   });

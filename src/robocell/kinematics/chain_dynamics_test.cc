@@ -3,6 +3,7 @@
 
 #include "robocell/kinematics/chain.h"
 #include "robocell/kinematics/chain_batch.h"
+#include "robocell/kinematics/link_answer.h"
 #include "robocell/kinematics/testing/engine_says.h"
 #include "robocell/testing/instruction_sets.h"
 
@@ -157,6 +158,35 @@ TEST(RandomChainDynamics, AgreesWithTheEngineOnEveryInstructionSet) {
       ExpectMassMatrixOfTheEngine(t, chain);
       ExpectInverseDynamicsOfTheEngine(t, chain, &rng);
       ASSERT_FALSE(::testing::Test::HasFailure()) << joints << " joints";
+    }
+  });
+}
+
+// One walk answers what the parts answer, to the bit.
+TEST(RandomChainDynamics, IsTheSameAllAtOnceAsInParts) {
+  OnEveryInstructionSet([](const std::string&) {
+    for (const int joints : {1, 6, 7, 16}) {
+      Rng rng = Rng::Stream(4, "random dynamics", joints);
+      TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = joints}).Write());
+      t.Randomise(&rng);
+      const Chain chain = ChainAsItStands(t, "base", ChainTip::Site("tip"));
+      const JointVector q(t.ChainPositions(chain));
+      JointVector qd(joints), torques(joints);
+      for (double& v : qd) v = rng.Normal();
+      const Vector3d gravity = GravityInBase(t, chain);
+      LinkAnswer all;
+      ComputeLinks(chain.links(), LinkPart::kAll,
+                   {.q = q.data(), .qd = qd.data(), .gravity = gravity.data()}, &all);
+      Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, joints);
+      MatrixXd mass(joints, joints);
+      EXPECT_TRUE(TipOf(all).pose() == chain.Jacobian(q, jacobian));
+      chain.MassMatrix(q, mass);
+      chain.InverseDynamics(q, qd, JointVector(joints), gravity, torques);
+      for (int i = 0; i < joints; ++i) {
+        EXPECT_EQ(all.torques[i], torques[i]) << joints;
+        for (int r = 0; r < 6; ++r) EXPECT_EQ(all.jacobian[r][i], jacobian(r, i)) << joints;
+        for (int k = 0; k < joints; ++k) EXPECT_EQ(all.mass[i][k], mass(k, i)) << joints;
+      }
     }
   });
 }

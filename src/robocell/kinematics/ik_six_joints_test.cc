@@ -8,6 +8,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "robocell/base/units.h"
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/kinematics/ik_solutions.h"
 #include "robocell/kinematics/testing/arm_tables.h"
@@ -39,12 +40,12 @@ std::vector<SixJoints> SixJointArms() {
           {"puma560", Puma560()},
           // The Stanford arm, whose third joint slides.
           {"stanford",
-           {{0, -kQuarterTurn, 0.412, Degrees(-170), Degrees(170)},
-            {0, kQuarterTurn, 0.154, Degrees(-170), Degrees(170)},
+           {{0, -kQuarterTurn, 0.412, Radians(-170), Radians(170)},
+            {0, kQuarterTurn, 0.154, Radians(-170), Radians(170)},
             {0, 0, 0, 0.3048, 1.27, true},
-            {0, -kQuarterTurn, 0, Degrees(-170), Degrees(170)},
-            {0, kQuarterTurn, 0, Degrees(-90), Degrees(90)},
-            {0, 0, 0.263, Degrees(-170), Degrees(170)}}},
+            {0, -kQuarterTurn, 0, Radians(-170), Radians(170)},
+            {0, kQuarterTurn, 0, Radians(-90), Radians(90)},
+            {0, 0, 0.263, Radians(-170), Radians(170)}}},
           {"desk6", {}}};
 }
 

@@ -383,6 +383,8 @@ void Compute(const LinkTable& t, LinkPart part, const LinkQuery& query, LinkAnsw
       return ComputeParts<false, false, false, true, false>(t, query, out);
     case LinkPart::kMotion:
       return ComputeParts<false, false, false, false, true>(t, query, out);
+    case LinkPart::kAll:
+      return ComputeParts<true, true, true, false, true>(t, query, out);
   }
 }
 

@@ -35,7 +35,8 @@ enum class LinkPart {
   kJacobian,  // and tip
   kMass,
   kGravity,  // torques against gravity
-  kMotion    // torques for qd and qdd, against gravity
+  kMotion,   // torques for qd and qdd, against gravity
+  kAll       // tip, Jacobian, mass and the torques of kMotion
 };
 
 void ComputeLinks(const LinkTable& table, LinkPart part, const LinkQuery& query, LinkAnswer* out);

@@ -1,17 +1,17 @@
 // The one way to call an engine function that can fail: the engine's error becomes an EngineError
 // with our context. (The engine's C++ part may throw besides: Tried, in engine_exception.h.)
 //
-//   const int n = Guarded("scene 'pick': stepping", data, [&] { mj_step(model, data); return
-//   data->ncon; });
+//   const int n = Guarded("scene 'pick': stepping", data,
+//                         [&] { mj_step(model, data); return data->ncon; });
 //
 // The engine reports a fatal error by calling a handler that must not return. Ours jumps back to
 // the innermost guard of the calling thread, over the engine's C frames. Therefore:
-//  - `fn` calls engine functions only, holds nothing with a destructor and captures by reference
-//  (checked where the
-//    compiler can); prepare strings and vectors outside.
+//  - `fn` calls engine functions only, holds nothing with a destructor and captures by
+//    reference (checked where the compiler can); prepare strings and vectors
+//    outside.
 //  - An engine callback of ours that runs inside (mjcb_control ...) holds nothing across engine
-//  calls either, unless it
-//    guards them itself: guards nest, and each error reaches the innermost one.
+//    calls either, unless it guards them itself: guards nest, and each error reaches the
+//    innermost one.
 // A C++ exception thrown by `fn` itself passes through unchanged.
 //
 // With an mjData given, the engine's stack in it is put back after an error; the rest of the data

@@ -6,21 +6,14 @@
 
 namespace robocell {
 
-StepResult Step(const mjModel* model, mjData* data, int n, std::string_view context,
-                HalfStep* half) {
+StepResult Step(const mjModel* model, mjData* data, int n, std::string_view context) {
   int steps = 0;
   StepStart start;
   bool diverged = false;
-  bool go_on = half && n > 0 && half->Take(model, data, &start);
   Guarded(context, data, [&] {
     while (steps < n && !diverged) {
-      if (go_on) {
-        mj_step2(model, data);
-        go_on = false;
-      } else {
-        start = BeginStep(data);
-        mj_step(model, data);
-      }
+      start = BeginStep(data);
+      mj_step(model, data);
       ++steps;
       diverged = HasDiverged(model, data, start);
     }

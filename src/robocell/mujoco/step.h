@@ -12,14 +12,11 @@
 
 #include "robocell/mujoco/divergence.h"
 #include "robocell/mujoco/forward.h"
-#include "robocell/mujoco/half_step.h"
 
 namespace robocell {
 
-// `n` engine steps; stops after the first one that diverged. n <= 0 does nothing. The first goes on
-// from `half`, if it can.
-StepResult Step(const mjModel* model, mjData* data, int n = 1, std::string_view context = {},
-                HalfStep* half = nullptr);
+// `n` engine steps; stops after the first one that diverged. n <= 0 does nothing.
+StepResult Step(const mjModel* model, mjData* data, int n = 1, std::string_view context = {});
 
 // Recomputes everything that follows from the state (mj_forward).
 void Forward(const mjModel* model, mjData* data, std::string_view context = {});

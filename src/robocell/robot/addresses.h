@@ -18,11 +18,11 @@ class Addresses {
     list_.clear();
     in_a_row_ = true;
   }
-  // The next ones; a negative one says that the array has none.
+  // The next ones.
   void Add(int first, int count = 1) {
     for (int k = 0; k < count; ++k) {
       if (list_.empty()) first_ = first;
-      in_a_row_ &= first >= 0 && (list_.empty() || first + k == list_.back() + 1);
+      in_a_row_ &= list_.empty() || first + k == list_.back() + 1;
       list_.push_back(first + k);
     }
   }

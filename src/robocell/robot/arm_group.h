@@ -42,21 +42,6 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   void InverseDynamics(std::span<const double> q, std::span<const double> qd,
                        std::span<const double> qdd, std::span<double> out) const;
 
-  // What the joints need for the motion that they are in, N m or N: Coriolis and centrifugal
-  // torques, and gravity that the model does not compensate itself. Of everything that they carry,
-  // as it is now; in the present state of the scene.
-  void GetBiasTorques(std::span<double> out) const { core().GetBias(out); }
-
-  // The same, and the inertia that the joints show, kg m^2 or kg, the lower triangle row by row:
-  // the engine's own numbers where it has them so, good until it computes others, else written into
-  // `room`, which has nv (nv + 1) / 2.
-  const double* GetBiasAndMass(std::span<double> bias, std::span<double> room) const {
-    return core().GetBiasAndMass(bias, room);
-  }
-
-  // Where the leaf is and how the joints move it, in the present state of the scene.
-  LeafView leaf_view() const { return core().leaf_view(); }
-
   // Adds what the joints' springs, dampers and friction resist with when they move at `velocity`
   // (joint_resistance.h), N m or N.
   void AddResistance(std::span<const double> q, std::span<const double> velocity,

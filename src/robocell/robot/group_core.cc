@@ -35,15 +35,6 @@ int DrivenPosition(const mjModel* m, int actuator, const std::vector<int>& qpos_
   return at == qpos_addresses.end() ? -1 : static_cast<int>(at - qpos_addresses.begin());
 }
 
-// Where the engine's M has that element; -1 where it is 0. It keeps the lower triangle.
-int MassAddress(const mjModel* m, int row, int column) {
-  if (row < column) std::swap(row, column);
-  const int first = m->M_rowadr[row], end = first + m->M_rownnz[row];
-  const int* at = std::find(m->M_colind + first, m->M_colind + end, column);
-  const int address = static_cast<int>(at - m->M_colind);
-  return address < end ? address : -1;
-}
-
 // Whether joints move a body.
 bool IsCarried(const mjModel* m, int body) {
   for (; body > 0; body = m->body_parentid[body]) {
@@ -71,7 +62,6 @@ void GroupCore::ThrowClosed() const {
 void GroupCore::Resolve() const {
   const std::string where = "scene '" + scene_.name() + "' / " + place();
   ResolveJoints(where);
-  ResolveMass();
   ResolveActuators(where);
   root_ = Find(names_.root, where);
   leaf_ = Find(names_.leaf, where);
@@ -84,23 +74,13 @@ void GroupCore::Resolve() const {
 void GroupCore::ResolveJoints(const std::string& where) const {
   const mjModel* m = model();
   joint_ids_.clear();
-  slides_.clear();
   qpos_addresses_.clear();
   dof_addresses_.clear();
   for (const std::string& joint : names_.joints) {
     const int id = RequireId(m, mjOBJ_JOINT, joint, where);
     joint_ids_.push_back(id);
-    slides_.push_back(m->jnt_type[id] == mjJNT_SLIDE);
     qpos_addresses_.Add(m->jnt_qposadr[id], PositionsOf(m->jnt_type[id]));
     dof_addresses_.Add(m->jnt_dofadr[id], VelocitiesOf(m->jnt_type[id]));
-  }
-}
-
-void GroupCore::ResolveMass() const {
-  mass_addresses_.clear();
-  for (size_t r = 0; r < dof_addresses_.size(); ++r) {
-    for (size_t c = 0; c <= r; ++c)
-      mass_addresses_.Add(MassAddress(model(), dof_addresses_[r], dof_addresses_[c]));
   }
 }
 
@@ -235,7 +215,6 @@ void GroupCore::NoopCtrl(std::span<double> out) const {
     mj_tendon(m, d);
     mj_transmission(m, d);
   });
-  scene_.DiscardFirstHalf();  // those of positions that may only be tried
   std::fill(out.begin(), out.end(), 0.0);
   size_t at = 0;
   for (const int id : actuator_ids_) {
@@ -330,51 +309,6 @@ Pose GroupCore::FramePose(FrameId& frame) const {
     return Pose::FromTranslationAndMatrix(d->site_xpos + 3 * id, d->site_xmat + 9 * id);
   }
   return Pose::FromWxyz(d->xpos + 3 * id, d->xquat + 4 * id);
-}
-
-void GroupCore::GetBias(std::span<double> out) const {
-  Bind();
-  CheckSize(out.size(), nv(), "joint torque");
-  scene_.ComputeFirstHalf();
-  const mjtNum *all = data()->qfrc_bias, *compensated = data()->qfrc_gravcomp;
-  if (const mjtNum* bias = dof_addresses_.InARow(all)) {
-    const mjtNum* there = dof_addresses_.InARow(compensated);
-    for (size_t i = 0; i < out.size(); ++i) out[i] = bias[i] - there[i];
-    return;
-  }
-  const int* address = dof_addresses_.list().data();
-  for (size_t i = 0; i < out.size(); ++i) out[i] = all[address[i]] - compensated[address[i]];
-}
-
-const double* GroupCore::GetBiasAndMass(std::span<double> bias, std::span<double> room) const {
-  GetBias(bias);
-  CheckSize(room.size(), nv() * (nv() + 1) / 2, "inertia");
-  const mjtNum* all = data()->M;
-  if (const mjtNum* there = mass_addresses_.InARow(all)) return there;
-  const int* address = mass_addresses_.list().data();
-  for (size_t i = 0; i < room.size(); ++i) room[i] = address[i] < 0 ? 0 : all[address[i]];
-  return room.data();
-}
-
-LeafView GroupCore::leaf_view() const {
-  Bind();
-  scene_.SyncPoses();
-  const mjData* d = data();
-  const auto position = [&](const FrameId& f) {
-    return (f.is_site ? d->site_xpos : d->xpos) + 3 * f.id;
-  };
-  const auto rotation = [&](const FrameId& f) {
-    return (f.is_site ? d->site_xmat : d->xmat) + 9 * f.id;
-  };
-  return {.n = nv(),
-          .joints = joint_ids_.data(),
-          .slides = slides_.data(),
-          .axes = d->xaxis,
-          .anchors = d->xanchor,
-          .leaf_position = position(leaf_),
-          .leaf_rotation = rotation(leaf_),
-          .base_position = position(base_),
-          .base_rotation = rotation(base_)};
 }
 
 Eigen::Vector3d GroupCore::gravity_in_base() const {

@@ -12,7 +12,6 @@
 #include <Eigen/Core>
 
 #include "robocell/robot/addresses.h"
-#include "robocell/robot/leaf_view.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/scene/scene.h"
 
@@ -93,16 +92,6 @@ class GroupCore {
   Pose root_frame_to_world() const { return FramePose(root_); }
   Pose leaf_frame_to_robot() const { return FramePose(base_).inverse() * FramePose(leaf_); }
   void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const;
-  // What the joints need for the motion that they are in, as the engine has it: Coriolis and
-  // centrifugal, and gravity that the model does not compensate itself. Brings the first half of
-  // the step up to date.
-  void GetBias(std::span<double> out) const;
-  // The same, and the inertia that the joints show, kg m^2 or kg, the lower triangle row by row:
-  // the engine's own numbers where it has them so, good until it computes others, else written into
-  // `room`, which has nv (nv + 1) / 2.
-  const double* GetBiasAndMass(std::span<double> bias, std::span<double> room) const;
-  // Of joints of one degree of freedom each. Brings poses up to date.
-  LeafView leaf_view() const;
   // The world's gravity in the axes of the robot base frame, m/s^2. Poses are brought up to date
   // only where joints carry the base.
   Eigen::Vector3d gravity_in_base() const;
@@ -119,7 +108,6 @@ class GroupCore {
   [[noreturn]] void ThrowClosed() const;
   void Resolve() const;
   void ResolveJoints(const std::string& where) const;
-  void ResolveMass() const;
   void ResolveActuators(const std::string& where) const;
   FrameId Find(const FrameName& frame, const std::string& where) const;
   Pose FramePose(FrameId& frame) const;
@@ -136,10 +124,7 @@ class GroupCore {
   mutable uint64_t generation_ = ~uint64_t{0};
   // One per number, in the order of joints and actuators.
   mutable Addresses qpos_addresses_, dof_addresses_, ctrl_addresses_;
-  // In the engine's M, the lower triangle row by row; -1 for 0.
-  mutable Addresses mass_addresses_;
   mutable std::vector<int> joint_ids_, actuator_ids_;
-  mutable std::vector<char> slides_;      // of the joints
   mutable std::vector<int> driven_;       // per actuator: which of the positions it drives, or -1
   mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;

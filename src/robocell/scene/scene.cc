@@ -59,13 +59,12 @@ StepResult Scene::StepN(int n) {
     throw ArgumentError("scene '" + name() + "': cannot step " + std::to_string(n) +
                         " times; time only goes forward, reset() starts again");
   }
-  return robocell::Step(s.now.model, s.now.data, n, s.context, &s.half);
+  return robocell::Step(s.now.model, s.now.data, n, s.context);
 }
 
 void Scene::Forward() {
   State& s = open();
   robocell::Forward(s.model(), s.data.data, s.context);
-  s.half.ContactsAreSolved();
   s.poses_at = s.data.data->time;
   for (size_t i = 0; i < s.observers.size(); ++i) {  // no copy, which would be an allocation
     if (const auto observer = s.observers[i].observer.lock()) observer->OnForward();
@@ -85,19 +84,7 @@ void Scene::SyncPoses() const {
   s.poses_at = data->time;
 }
 
-void Scene::ComputeFirstHalf() const {
-  State& s = open();
-  s.half.Begin(s.now.model, s.now.data, s.context);
-  s.poses_at = s.now.data->time;
-}
-
-void Scene::PosesChanged() {
-  open().poses_at = -1;
-  // What follows from these positions may have been computed in part when others are back.
-  DiscardFirstHalf();
-}
-
-void Scene::DiscardFirstHalf() const { open().half.Discard(); }
+void Scene::PosesChanged() { open().poses_at = -1; }
 
 Pose Scene::root_frame_to_world() const { return RootFrameToWorld(open().compiled->spec()); }
 
@@ -113,10 +100,7 @@ const SceneSpec& Scene::spec() const { return open().compiled->spec(); }
 
 const std::shared_ptr<CompiledScene>& Scene::compiled() const { return open().compiled; }
 
-mjModel* Scene::mutable_model() {
-  open().half.Discard();
-  return open().compiled->mutable_model();
-}
+mjModel* Scene::mutable_model() { return open().compiled->mutable_model(); }
 
 const std::shared_ptr<void>& Scene::data_keeper() const { return open().data.keeper; }
 

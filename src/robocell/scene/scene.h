@@ -129,15 +129,8 @@ class Scene {
   // This brings them up to date: about a microsecond after a step, nothing otherwise; physics is
   // not affected. The pose functions below and all handles (move groups, cameras) call it first.
   void SyncPoses() const;
-  // The first half of a step: what follows from positions and velocities is current (frames,
-  // contacts, M, qfrc_bias), for what computes controls from it. The next step
-  // goes on from there, at the same bits, so that it costs nothing (mujoco/half_step.h).
-  void ComputeFirstHalf() const;
   // To be called after writing qpos without Forward(): poses are computed anew when next asked for.
   void PosesChanged();
-  // To be called after computing some of what follows from the state but not all of it: the next
-  // step begins anew.
-  void DiscardFirstHalf() const;
 
   // Restores the keyframe (or default), puts robots at home plus noise and bodies where the options
   // say, calls the hooks, tells the observers, clears stale forces and warm starts, and runs
@@ -208,7 +201,7 @@ class Scene {
 
   // Active contacts, with `of` those of that body's subtree, as the last step or Forward found
   // them: places and forces belong to the state before that step. SyncPoses does not look for
-  // contacts anew; ComputeFirstHalf does, and they are then those of the present state.
+  // contacts anew; Forward does.
   std::vector<Contact> contacts(const std::string& of = "") const;
 
   // Everything the engine needs to go on bit-equally (mjSTATE_INTEGRATION).

@@ -35,7 +35,6 @@ std::vector<Contact> Scene::contacts(const std::string& of) const {
   State& s = open();
   const mjModel* model = s.model();
   const mjData* data = s.data.data;
-  s.half.SolveContacts(model, s.data.data, s.context);
   const int top = of.empty() ? -1 : RequireId(model, mjOBJ_BODY, of, s.context);
   std::vector<Contact> out;
   for (int i = 0; i < data->ncon; ++i) {

@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "robocell/mujoco/half_step.h"
 #include "robocell/scene/pool.h"
 #include "robocell/scene/scene.h"
 
@@ -20,7 +19,6 @@ struct Scene::State {
   // Time of the data when poses last agreed with qpos. Time moves with every step, whoever makes
   // it.
   double poses_at = -1;
-  HalfStep half;
   const std::string context;  // "scene 'pick'", for messages
 
   const std::string name;

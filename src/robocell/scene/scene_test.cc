@@ -112,29 +112,6 @@ TEST(Scene, AskingForPosesDoesNotChangePhysics) {
   EXPECT_EQ(quiet.state(), asked.state());
 }
 
-// What asks about other positions may compute more there than poses (where servos would rest, say):
-// of that nothing is left in the step.
-TEST(Scene, AStepAfterItsFirstHalfForgetsPositionsThatWereTriedInBetween) {
-  Scene tried = Scene::Build(Workplace()), plain = Scene::Build(Workplace());
-  mjData* d = tried.data();
-  const int joint = RequireId(tried.model(), mjOBJ_JOINT, "joint2", "test");
-  mjtNum& q = d->qpos[tried.model()->jnt_qposadr[joint]];
-  for (int i = 0; i < 20; ++i) {
-    tried.ComputeFirstHalf();
-    const mjtNum was = q;
-    q += 0.3;
-    tried.PosesChanged();
-    tried.SyncPoses();
-    mj_transmission(tried.model(), d);
-    q = was;
-    tried.PosesChanged();
-    tried.SyncPoses();
-    ASSERT_TRUE(tried.Step().ok());
-    ASSERT_TRUE(plain.Step().ok());
-    ASSERT_EQ(tried.state(), plain.state());
-  }
-}
-
 TEST(Scene, UnknownNamesSuggestTheNearest) {
   Scene scene = Scene::Build(Workplace());
   ExpectThrow<NotFoundError>([&] { scene.body_pose("cubee"); }, "scene 'test': no body 'cubee'.");

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "robocell/base/units.h"
+
 namespace robocell {
 
 inline constexpr double kQuarterTurn = std::numbers::pi / 2;
@@ -19,8 +21,6 @@ struct TableRow {
   double lower, upper;
   bool slide = false;
 };
-
-constexpr double Degrees(double value) { return value * std::numbers::pi / 180; }
 
 inline std::string ArmXml(const std::vector<TableRow>& rows) {
   std::string xml =
@@ -40,12 +40,12 @@ inline std::string ArmXml(const std::vector<TableRow>& rows) {
 // The Puma 560, after P. I. Corke and B. Armstrong-Helouvry, "A Search for Consensus Among Model
 // Parameters Reported for the PUMA 560 Robot", 1994.
 inline std::vector<TableRow> Puma560() {
-  return {{0, kQuarterTurn, 0, Degrees(-160), Degrees(160)},
-          {0.4318, 0, 0, Degrees(-45), Degrees(225)},
-          {0.0203, -kQuarterTurn, 0.15005, Degrees(-225), Degrees(45)},
-          {0, kQuarterTurn, 0.4318, Degrees(-110), Degrees(170)},
-          {0, -kQuarterTurn, 0, Degrees(-100), Degrees(100)},
-          {0, 0, 0.0563, Degrees(-266), Degrees(266)}};
+  return {{0, kQuarterTurn, 0, Radians(-160), Radians(160)},
+          {0.4318, 0, 0, Radians(-45), Radians(225)},
+          {0.0203, -kQuarterTurn, 0.15005, Radians(-225), Radians(45)},
+          {0, kQuarterTurn, 0.4318, Radians(-110), Radians(170)},
+          {0, -kQuarterTurn, 0, Radians(-100), Radians(100)},
+          {0, 0, 0.0563, Radians(-266), Radians(266)}};
 }
 
 // Seven joints with offsets at all of them and narrow limits, like those of one arm of ABB's YuMi.
