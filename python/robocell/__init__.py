@@ -5,7 +5,7 @@ first scene.
 """
 
 from robocell import _startup as _startup  # the first: Ctrl-C while the command is loaded
-from robocell import menagerie, models
+from robocell import data, menagerie, models
 from robocell._cmake import cmake_dir
 from robocell._core import (
     NO_SEGMENT,
@@ -26,6 +26,7 @@ from robocell._core import (
     Chain,
     ClosedError,
     CollisionFilter,
+    Column,
     CompiledScene,
     Condim,
     Contact,
@@ -162,6 +163,7 @@ from robocell._core import (
     prepare_dataset,
     recorded_scene,
     register_env_task,
+    release_idle_files,
     remove_leftovers,
     repair,
     require_same_run,
@@ -196,6 +198,7 @@ __all__ = [
     "Chain",
     "ClosedError",
     "CollisionFilter",
+    "Column",
     "CompiledScene",
     "Condim",
     "Contact",
@@ -312,6 +315,7 @@ __all__ = [
     "check_run",
     "cmake_dir",
     "compile_scene",
+    "data",
     "describe_gl",
     "env_scene_spec",
     "env_task_kinds",
@@ -335,6 +339,7 @@ __all__ = [
     "prepare_dataset",
     "recorded_scene",
     "register_env_task",
+    "release_idle_files",
     "remove_leftovers",
     "repair",
     "require_same_run",

@@ -67,6 +67,7 @@ struct VideoReader::Impl {
     const int code = decoder->Wait();
     const std::string said = decoder->Errors();
     if (code != 0 || !said.empty()) Fail(fmt::format("it does not decode cleanly: '{}'", said));
+    decoder.reset();
   }
 
   void ReadNext(std::span<uint8_t> rgb) {
