@@ -36,64 +36,79 @@ int64_t RowAt(const Column& column, int64_t index) {
                             .c_str());
 }
 
-nb::object RowsOfSlice(const Column& column, nb::handle slice) {
+// Rows to read, and which of those were asked for.
+struct Chosen {
+  int64_t first = 0;
+  int64_t count = 0;
+  nb::object among;  // an index into the rows that are read
+};
+
+Chosen RowsOfSlice(const Column& column, nb::handle slice) {
   Py_ssize_t start = 0, stop = 0, step = 1;
   if (PySlice_Unpack(slice.ptr(), &start, &stop, &step) < 0) throw nb::python_error();
   const int64_t count = PySlice_AdjustIndices(column.info->rows, &start, &stop, step);
-  if (count == 0) return ReadRows(column, 0, 0);
+  nb::object among = nb::slice(nb::none(), nb::none(), nb::int_(step));
+  if (count == 0) return {0, 0, among};
   const int64_t last = start + (count - 1) * step;
-  nb::object rows = ReadRows(column, std::min<int64_t>(start, last),
-                             std::max<int64_t>(start, last) - std::min<int64_t>(start, last) + 1);
-  return step == 1 ? rows : rows[nb::slice(nb::none(), nb::none(), nb::int_(step))];
+  const auto [low, high] = std::minmax<int64_t>(start, last);
+  return {low, high - low + 1, among};
 }
 
 // Row numbers, or truth values for each row: reads from the first to the last of them.
-nb::object RowsOfArray(const Column& column, nb::handle key) {
+Chosen RowsOfArray(const Column& column, nb::handle key) {
   nb::object wanted = Numpy("asarray")(key);
-  const auto size = [&] { return nb::cast<int64_t>(wanted.attr("size")); };
+  const auto size = nb::cast<int64_t>(wanted.attr("size"));
   const auto kind = nb::cast<std::string>(wanted.attr("dtype").attr("kind"));
   if (kind == "b") {
-    if (size() != column.info->rows)
-      throw nb::index_error(fmt::format("{} truth values for the {} rows of '{}'", size(),
+    if (size != column.info->rows) {
+      throw nb::index_error(fmt::format("{} truth values for the {} rows of '{}'", size,
                                         column.info->rows, column.info->spec.name)
                                 .c_str());
+    }
     wanted = Numpy("flatnonzero")(wanted);
-  } else if (size() == 0) {
-    return ReadRows(column, 0, 0);
-  } else if (kind != "i" && kind != "u") {
+  } else if (size > 0 && kind != "i" && kind != "u") {
     throw nb::type_error(
         fmt::format("rows of '{}' are chosen by integers, slices and arrays of integers or truth "
                     "values; what is known of the column are attributes, such as .units",
                     column.info->spec.name)
             .c_str());
   }
-  if (size() == 0) return ReadRows(column, 0, 0);
   auto numbers = nb::cast<std::vector<int64_t>>(wanted.attr("ravel")().attr("tolist")());
   for (int64_t& row : numbers) row = RowAt(column, row);
+  const auto index = [&] {
+    const nb::object flat = NewArray(std::span<const int64_t>(numbers), {numbers.size()});
+    return nb::object(flat.attr("reshape")(wanted.attr("shape")));
+  };
+  if (numbers.empty()) return {0, 0, index()};
   const auto [least, most] = std::ranges::minmax(numbers);
   for (int64_t& row : numbers) row -= least;
-  const nb::object index = NewArray(std::span<const int64_t>(numbers), {numbers.size()});
-  return ReadRows(column, least, most - least + 1)[index.attr("reshape")(wanted.attr("shape"))];
+  return {least, most - least + 1, index()};
+}
+
+// Not arrays, although numpy's have an __index__ too, nor truth values.
+bool IsInteger(nb::handle key) {
+  return PyIndex_Check(key.ptr()) && !PyBool_Check(key.ptr()) && !nb::hasattr(key, "__len__");
+}
+
+Chosen RowsOf(const Column& column, nb::handle key) {
+  if (key.is(nb::ellipsis())) return {0, column.info->rows, nb::borrow(key)};
+  if (nb::isinstance<nb::slice>(key)) return RowsOfSlice(column, key);
+  if (!IsInteger(key)) return RowsOfArray(column, key);
+  const Py_ssize_t index = PyNumber_AsSsize_t(key.ptr(), PyExc_IndexError);
+  if (index == -1 && PyErr_Occurred() != nullptr) throw nb::python_error();
+  return {RowAt(column, index), 1, nb::int_(0)};
 }
 
 nb::object Item(const Column& column, nb::handle key) {
   if (IsConstant(column)) return ReadRows(column, 0, std::nullopt)[key];
-  if (nb::isinstance<nb::slice>(key)) return RowsOfSlice(column, key);
-  if (key.is(nb::ellipsis())) return ReadRows(column, 0, std::nullopt);
-  if (nb::isinstance<nb::tuple>(key)) {
-    const auto keys = nb::borrow<nb::tuple>(key);
-    if (keys.size() == 0) return ReadRows(column, 0, std::nullopt);
-    const nb::object rest = nb::handle(key)[nb::slice(nb::int_(1), nb::none(), nb::none())];
-    const nb::object rows = Item(column, keys[0]);
-    if (PyIndex_Check(keys[0].ptr()) && !nb::hasattr(keys[0], "__len__")) return rows[rest];
-    return rows[nb::object(nb::make_tuple(nb::slice(nb::none(), nb::none(), nb::none()))) + rest];
+  if (!nb::isinstance<nb::tuple>(key)) {
+    const Chosen rows = RowsOf(column, key);
+    return ReadRows(column, rows.first, rows.count)[rows.among];
   }
-  if (PyIndex_Check(key.ptr()) && !nb::hasattr(key, "__len__") && !PyBool_Check(key.ptr())) {
-    const Py_ssize_t index = PyNumber_AsSsize_t(key.ptr(), PyExc_IndexError);
-    if (index == -1 && PyErr_Occurred()) throw nb::python_error();
-    return ReadRows(column, RowAt(column, index), 1)[0];
-  }
-  return RowsOfArray(column, key);
+  if (nb::len(key) == 0) return ReadRows(column, 0, std::nullopt);
+  const Chosen rows = RowsOf(column, nb::borrow<nb::tuple>(key)[0]);
+  const nb::object inner = key[nb::slice(nb::int_(1), nb::none(), nb::none())];
+  return ReadRows(column, rows.first, rows.count)[nb::object(nb::make_tuple(rows.among)) + inner];
 }
 
 nb::object AsArray(const Column& column, nb::handle dtype, nb::handle copy) {

@@ -13,7 +13,7 @@ from torch.utils.data import Dataset
 from robocell._core import ArgumentError
 from robocell.data.steps import EPISODE, PAD, ROW, Item, Key, Steps
 
-MILLIMETRE = np.float32(1e-3)
+MILLIMETRES = np.float32(1000)  # of a metre
 
 
 class TorchSteps(Dataset[Any]):
@@ -56,7 +56,7 @@ class TorchSteps(Dataset[Any]):
         if key.kind == "rgb":
             return np.ascontiguousarray(np.moveaxis(values, -1, -3))
         if key.kind == "depth":
-            return np.expand_dims(values * MILLIMETRE, -3)
+            return np.expand_dims(values / MILLIMETRES, -3)
         if key.kind == "segmentation":
             return np.expand_dims(values.astype(np.int32), -3)
         if values.dtype.kind == "f":

@@ -32,8 +32,13 @@ struct StreamDecoder {
       std::ranges::copy(frame.pixels, pixels.begin());
       return;
     }
-    reader.Read(index, pixels);
-    Keep(index, pixels, recent_bytes);
+    // Frames on the way are decoded anyway; whoever has a window with gaps wants them next.
+    const int64_t at = reader.position();
+    const bool near = !recent.empty() && at < index && index - at <= VideoReader::kNearAhead;
+    for (int64_t k = near ? at : index; k <= index; ++k) {
+      reader.Read(k, pixels);
+      Keep(k, pixels, recent_bytes);
+    }
   }
 
   void Keep(int64_t index, std::span<const Pixel> pixels, size_t recent_bytes) {

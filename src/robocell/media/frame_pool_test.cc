@@ -91,6 +91,18 @@ TEST(FramePool, AWindowThatSlidesStartsOneDecoderWhereFewFramesAreKept) {
   EXPECT_EQ(ffmpeg.starts(), 1);
 }
 
+TEST(FramePool, AWindowWithGapsStartsOneDecoder) {
+  TempDir folder;
+  WriteVideo(folder / "a.mp4", 40, kPooled);
+  const std::vector<Rgb> all = AllFrames(folder / "a.mp4");
+  const CountedFfmpeg ffmpeg(folder.path());
+  FramePool pool;
+  for (int i = 9; i < 40; ++i) {
+    for (const int k : {i - 9, i - 4, i}) ASSERT_EQ(FrameOf(pool, folder / "a.mp4", k), all[k]);
+  }
+  EXPECT_EQ(ffmpeg.starts(), 1);
+}
+
 TEST(FramePool, FramesInAnyOrderAreThoseOfTheVideoReadThrough) {
   TempDir folder;
   const int count = 35;
