@@ -62,7 +62,9 @@ def random_key(rng: np.random.Generator, rows: int) -> Any:
     if kind == 0:
         return int(rng.integers(-rows, rows))
     if kind == 1:
-        return slice(end(), end(), None if rng.random() < 0.3 else int(rng.choice([-3, -1, 1, 2, 5])))
+        return slice(
+            end(), end(), None if rng.random() < 0.3 else int(rng.choice([-3, -1, 1, 2, 5]))
+        )
     if kind == 2:
         return rng.integers(-rows, rows, size=rng.integers(0, 6))
     if kind == 3:

@@ -106,7 +106,7 @@ def test_what_is_not_there_is_missed_by_name(dataset: robocell.Dataset):
     for name, meant in (("wirst", "wrist"), ("wrist.dept", "wrist.depth")):
         with pytest.raises(robocell.NotFoundError, match=f"Did you mean '{meant}'"):
             episode.frame(name, 0)
-    with pytest.raises(robocell.NotFoundError, match="no camera 'exoo'.*Did you mean 'exo'"):
+    with pytest.raises(robocell.NotFoundError, match=r"no camera 'exoo'.*Did you mean 'exo'"):
         episode.frame("exoo", 0, "rgb")
     with pytest.raises(robocell.NotFoundError, match="Did you mean 'depth'"):
         episode.frame("wrist", 0, "dept")

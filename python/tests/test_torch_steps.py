@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -106,3 +108,15 @@ def test_loaders_give_every_item_once_and_whole(dataset: robocell.Dataset, metho
         same = found[int(item["episode"]), int(item["row"])]
         for name, values in item.items():
             assert torch.equal(values, same[name]), name
+
+
+def test_the_example_of_the_page_runs(dataset: robocell.Dataset):
+    """Its keys are those of the page's code before it, which runs without torch too."""
+    page = (Path(__file__).parents[2] / "docs" / "data.md").read_text()
+    begin = page.index("    from torch.utils.data import DataLoader")
+    example = textwrap.dedent(page[begin : page.index("\n\nReal numbers are float32")])
+    keys = {ARM: [-1, 0], "wrist": 0, ACTION: range(16)}
+    known: dict[str, Any] = {"robocell": robocell, "dataset": dataset, "keys": keys}
+    exec(example, known)
+    assert known["batch"][ACTION].shape[1:] == (16, 7)
+    assert len(known["steps"]) == sum(len(episode) for episode in dataset)

@@ -82,7 +82,7 @@ class Steps:
         open_episodes: How many episodes stay open between items.
 
     Raises:
-        NotFoundError: The first episode has no such column or stream; the text has the nearest ones.
+        NotFoundError: The first episode has no such column or stream; the text has the nearest.
         ArgumentError: No episodes, or offsets that are none.
     """
 
@@ -218,9 +218,10 @@ def _names(keys: Iterable[str]) -> list[str]:
 
 
 def _key(episode: Episode, name: str, offsets: Offsets) -> Key:
-    is_single = not isinstance(offsets, Sequence | np.ndarray)
+    several: Any = offsets if isinstance(offsets, Sequence | np.ndarray) else None
+    is_single = several is None
     try:
-        rows = tuple(operator.index(row) for row in ([offsets] if is_single else offsets))
+        rows = tuple(operator.index(row) for row in ([offsets] if is_single else several))
     except TypeError:
         rows = ()
     if not rows:
@@ -262,8 +263,8 @@ def _require_table(episode: Episode, name: str) -> None:
     table = episode.column(name).table
     if table != "steps":
         raise ArgumentError(
-            f"episode '{episode.folder}': column '{name}' is of table '{table}', whose rows are not "
-            "those of the steps"
+            f"episode '{episode.folder}': column '{name}' is of table '{table}', whose rows are "
+            "not those of the steps"
         )
 
 
