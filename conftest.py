@@ -27,8 +27,10 @@ if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
 
 
 # Gigabytes that `scripts/setup` does not bring: its tests are for who has it (CONTRIBUTING.md).
-if importlib.util.find_spec("stable_baselines3") is None:
-    collect_ignore = ["python/tests/test_sb3_learns.py"]
+NEEDS = {"stable_baselines3": "test_sb3_learns.py", "torch": "test_torch_steps.py"}
+collect_ignore = [
+    f"python/tests/{test}" for needed, test in NEEDS.items() if not importlib.util.find_spec(needed)
+]
 
 
 @pytest.fixture

@@ -23,6 +23,7 @@ import env_step
 import episodes
 import ik
 import overlap
+import read_frames
 import reset
 import scene_again
 from instruction_set import instruction_set, with_avx2
@@ -43,6 +44,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "add_remove": add_remove.rows,
     "scene_again": scene_again.rows,
     "dataset_writer": dataset_writer.rows,
+    "read_frames": read_frames.rows,
     "overlap": overlap.rows,
     "episodes": episodes.rows,
 }

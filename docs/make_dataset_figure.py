@@ -45,7 +45,7 @@ def main() -> None:
             "opening": episode["robots/rc7/opening"],
             "arm/qpos, rad": episode["robots/rc7/arm/qpos"],
         }
-        phase, names = episode["phase"], episode.column("phase")["values"]
+        phase, names = episode["phase"], episode.column("phase").values
     figure = pyplot.figure(figsize=(9.6, 8.2), layout="constrained")
     grid = figure.add_gridspec(6, SHOWN, height_ratios=[1, 1, 1, 0.55, 0.55, 0.8])
     for i, (name, frames) in enumerate(streams):

@@ -55,7 +55,7 @@ def play(episode: rc.Episode) -> float:
 
 def draw_path(episode: rc.Episode, camera: str) -> np.ndarray:
     """The first frame of a camera with the way of the TCP in it, coloured by the expert's phase."""
-    picture = episode.frames(camera)[0].copy()
+    picture = episode.frame(camera, 0)
     intrinsics = episode[f"cameras/{camera}/intrinsics"]
     extrinsics = episode[f"cameras/{camera}/extrinsics"][0]
     for tcp, phase in zip(episode["robots/rc7/tcp_pose"], episode["phase"], strict=True):
@@ -70,8 +70,8 @@ def main(folder: Path, dataset: Path | None) -> None:
     episodes = rc.Dataset(dataset or make_dataset(folder / "dataset"))
     for episode in episodes:
         print(f"{episode.id}: {episode.end_reason}")
-        qpos, names = episode["robots/rc7/arm/qpos"], episode.column("phase")["values"]
-        units = episode.column("robots/rc7/arm/qpos")["units"]
+        qpos, names = episode["robots/rc7/arm/qpos"], episode.column("phase").values
+        units = episode.column("robots/rc7/arm/qpos").units
         print(f"  qpos: {qpos.shape[0]} rows of {qpos.shape[1]} joints, {units}")
         rows = np.bincount(episode["phase"], minlength=len(names))
         print("  rows: " + ", ".join(f"{n} {name}" for n, name in zip(rows, names, strict=True)))

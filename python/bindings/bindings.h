@@ -36,7 +36,10 @@ void BindPick(nb::module_& m);        // the pick task: judge, sampler, expert
 void BindTaskKinds(nb::module_& m);   // what environments are about
 void BindEnv(nb::module_& m);         // environments
 void BindEnvBatch(nb::module_& m);    // copies of one, in step
-void BindData(nb::module_& m);        // datasets and episodes
+void BindColumn(nb::module_& m);      // columns of episodes
+void BindEpisode(nb::module_& m);     // episodes
+void BindDataset(nb::module_& m);     // datasets
+void BindData(nb::module_& m);        // their locks, their verification
 void BindRollout(nb::module_& m);     // plans and the runner
 
 }  // namespace robocell::python

@@ -33,6 +33,9 @@ NB_MODULE(_core, m) {
   BindTaskKinds(m);
   BindEnv(m);
   BindEnvBatch(m);
+  BindColumn(m);
+  BindEpisode(m);
+  BindDataset(m);
   BindData(m);
   BindRollout(m);
   ExplainArgumentErrors(m);

@@ -5,7 +5,7 @@ first scene.
 """
 
 from robocell import _startup as _startup  # the first: Ctrl-C while the command is loaded
-from robocell import menagerie, models
+from robocell import data, menagerie, models
 from robocell._cmake import cmake_dir
 from robocell._core import (
     NO_SEGMENT,
@@ -27,6 +27,7 @@ from robocell._core import (
     Chain,
     ClosedError,
     CollisionFilter,
+    Column,
     CompiledScene,
     Condim,
     Contact,
@@ -164,6 +165,7 @@ from robocell._core import (
     pose_move_duration,
     prepare_dataset,
     recorded_scene,
+    release_idle_files,
     remove_leftovers,
     repair,
     require_same_run,
@@ -201,6 +203,7 @@ __all__ = [
     "Chain",
     "ClosedError",
     "CollisionFilter",
+    "Column",
     "CompiledScene",
     "Condim",
     "Contact",
@@ -319,6 +322,7 @@ __all__ = [
     "check_run",
     "cmake_dir",
     "compile_scene",
+    "data",
     "describe_gl",
     "env_scene_spec",
     "expand_names",
@@ -343,6 +347,7 @@ __all__ = [
     "recorded_scene",
     "register_expert",
     "register_task",
+    "release_idle_files",
     "remove_leftovers",
     "repair",
     "require_same_run",

@@ -131,4 +131,12 @@ std::string Sha256RealFile(const fs::path& path) {
   return stream.Hex();
 }
 
+std::string FileIdentity(const fs::path& path) {
+  struct stat file;
+  if (stat(path.c_str(), &file) != 0) return path.string();
+  return fmt::format("{}:{}:{}:{}:{}.{}:{}.{}", path.string(), file.st_dev, file.st_ino,
+                     file.st_size, file.st_mtim.tv_sec, file.st_mtim.tv_nsec, file.st_ctim.tv_sec,
+                     file.st_ctim.tv_nsec);
+}
+
 }  // namespace robocell

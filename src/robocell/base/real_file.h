@@ -32,6 +32,10 @@ void RequireRealFolder(const std::filesystem::path& folder);
 [[noreturn]] void ThrowOpenError(std::string_view action, const std::filesystem::path& path,
                                  int error);
 
+// What the system knows a file by: its path, device, inode, size and times. A file that was written
+// or put in the place of another has another identity. The path alone when there is no file.
+std::string FileIdentity(const std::filesystem::path& path);
+
 // An open regular file.
 class RealFile {
  public:

@@ -32,6 +32,14 @@ class RealFileTest : public ::testing::Test {
   TempDir temp;
 };
 
+TEST_F(RealFileTest, AnIdentityIsAnotherOnceAFileIsReplaced) {
+  const std::string before = FileIdentity(temp / "file");
+  EXPECT_EQ(FileIdentity(temp / "file"), before);
+  AtomicWrite(temp / "file", "abd");
+  EXPECT_NE(FileIdentity(temp / "file"), before);
+  EXPECT_EQ(FileIdentity(temp / "none"), (temp / "none").string());
+}
+
 TEST_F(RealFileTest, AFileIsReadAndHashedLikeAnyOther) {
   EXPECT_EQ(ReadRealFile(temp / "file"), "abc");
   EXPECT_EQ(Sha256RealFile(temp / "file"), Sha256File(temp / "file"));

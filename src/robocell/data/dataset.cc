@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <system_error>
+#include <utility>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
@@ -51,6 +52,7 @@ Dataset::Dataset(fs::path folder) : folder_(std::move(folder)) {
 }
 
 void Dataset::Refresh() {
+  const std::vector<std::string> selected = is_selection_ ? ids_ : std::vector<std::string>();
   ids_.clear();
   broken_.clear();
   misnamed_.clear();
@@ -69,16 +71,40 @@ void Dataset::Refresh() {
   if (error) ThrowIoError("list dataset", folder_, error.value());
   std::sort(ids_.begin(), ids_.end());
   std::sort(broken_.begin(), broken_.end());
+  if (!is_selection_) return;
+  const std::vector<std::string> all = std::exchange(ids_, selected);
+  std::erase_if(
+      ids_, [&](const std::string& id) { return !std::binary_search(all.begin(), all.end(), id); });
 }
 
 bool Dataset::Contains(std::string_view id) const {
+  if (is_selection_) return std::ranges::find(ids_, id) != ids_.end();  // in any order
   return std::binary_search(ids_.begin(), ids_.end(), id);
 }
 
+Dataset Dataset::Select(std::vector<std::string> ids) const {
+  for (const std::string& id : ids) RequireId(id);
+  return Restore(folder_, std::move(ids), true);
+}
+
+Dataset Dataset::Restore(fs::path folder, std::vector<std::string> ids, bool is_selection) {
+  Dataset restored;
+  restored.folder_ = std::move(folder);
+  restored.ids_ = std::move(ids);
+  restored.is_selection_ = is_selection;
+  return restored;
+}
+
 Episode Dataset::Open(const std::string& id) const {
-  if (Contains(id)) return Episode(folder_ / id);
-  throw NotFoundError(
-      NoSuchName(fmt::format("dataset '{}'", folder_.string()), "episode", id, ids_));
+  RequireId(id);
+  return Episode(folder_ / id);
+}
+
+void Dataset::RequireId(const std::string& id) const {
+  if (Contains(id)) return;
+  const std::string name =
+      fmt::format("{}dataset '{}'", is_selection_ ? "selection of " : "", folder_.string());
+  throw NotFoundError(NoSuchName(name, "episode", id, ids_));
 }
 
 void WriteManifest(const fs::path& dataset, const std::string& json) {

@@ -4,7 +4,10 @@
 //   for (const Episode& episode : Dataset("out/pick_v1")) Use(episode.Read<double>("reward"));
 //
 // IoError names the folder. Ids are in byte order, so zero-padded numbers are in the order of their
-// numbers. A Dataset is a snapshot: episodes committed later are seen after Refresh().
+// numbers. A Dataset is a snapshot: episodes committed later are seen after Refresh(). A selection of
+// its episodes is a Dataset too, of those only:
+//
+//   const Dataset all("out/pick_v1"), held_out = all.Select({"s0000_e0007", "s0000_e0019"});
 #pragma once
 
 #include <filesystem>
@@ -37,7 +40,17 @@ class Dataset {
   bool Contains(std::string_view id) const;
   // NotFoundError with the nearest ids.
   Episode Open(const std::string& id) const;
+  // The episode of ids()[index].
+  Episode At(size_t index) const { return Episode(folder_ / ids_.at(index)); }
+  // These of its episodes, in this order. NotFoundError for one that it has not.
+  Dataset Select(std::vector<std::string> ids) const;
+  bool is_selection() const { return is_selection_; }
+  // Looks at the folder again; a selection loses those of its episodes that are gone.
   void Refresh();
+
+  // What another process knows of it, as it knew it: the folder is not looked at.
+  static Dataset Restore(std::filesystem::path folder, std::vector<std::string> ids,
+                         bool is_selection);
 
   class Iterator {
    public:
@@ -46,7 +59,7 @@ class Dataset {
     using difference_type = std::ptrdiff_t;
     using pointer = const Episode*;
     using reference = Episode;
-    Episode operator*() const { return dataset_->Open(dataset_->ids()[index_]); }
+    Episode operator*() const { return dataset_->At(index_); }
     Iterator& operator++() {
       ++index_;
       return *this;
@@ -63,7 +76,11 @@ class Dataset {
   Iterator end() const { return {this, size()}; }
 
  private:
+  Dataset() = default;
+  void RequireId(const std::string& id) const;
+
   std::filesystem::path folder_;
+  bool is_selection_ = false;
   std::vector<std::string> ids_, broken_;
   std::map<std::string, std::string> misnamed_;
 };

@@ -62,6 +62,35 @@ TEST(Dataset, CopiedAndRenamedEpisodesAreToldAndDoNotCount) {
                                     "back")));
 }
 
+TEST(Dataset, ASelectionIsADatasetOfThoseOnly) {
+  TempDir folder;
+  for (const char* id : {"a", "b", "c"}) SampleEpisode(0, false).Write(folder.path(), id, 1);
+  const Dataset dataset(folder.path());
+  Dataset some = dataset.Select({"c", "a"});
+  EXPECT_TRUE(some.is_selection());
+  std::vector<std::string> ids;
+  for (const Episode& episode : some) ids.push_back(episode.id());
+  EXPECT_THAT(ids, ElementsAre("c", "a"));
+  EXPECT_EQ(some.Open("a").id(), "a");
+  EXPECT_FALSE(some.Contains("b"));
+  ExpectThrow<NotFoundError>([&] { some.Open("b"); }, "selection of dataset");
+  ExpectThrow<NotFoundError>([&] { dataset.Select({"a", "d"}); }, "no episode 'd'");
+  fs::remove_all(folder / "a");
+  SampleEpisode(0, false).Write(folder.path(), "d", 1);
+  some.Refresh();
+  EXPECT_THAT(some.ids(), ElementsAre("c")) << "what is new is not selected";
+}
+
+TEST(Dataset, ARestoredOneKnowsWhatWasKnown) {
+  TempDir folder;
+  SampleEpisode(0, false).Write(folder.path(), "a", 1);
+  const Dataset dataset(folder.path());
+  SampleEpisode(0, false).Write(folder.path(), "b", 1);
+  const Dataset restored = Dataset::Restore(dataset.folder(), dataset.ids(), false);
+  EXPECT_THAT(restored.ids(), ElementsAre("a"));
+  EXPECT_EQ(restored.At(0).id(), "a");
+}
+
 TEST(Dataset, AMissingFolderIsNamed) {
   ExpectThrow<IoError>([] { Dataset("/no/such/folder"); }, "/no/such/folder");
 }

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <mutex>
+#include <numeric>
+#include <optional>
 #include <type_traits>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
+#include "robocell/base/idle_pool.h"
 #include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
@@ -17,6 +20,7 @@
 #include "robocell/data/json_count.h"
 #include "robocell/data/model_store.h"
 #include "robocell/data/signed_json.h"
+#include "robocell/media/frame_pool.h"
 
 namespace robocell {
 namespace {
@@ -82,7 +86,47 @@ std::vector<std::string> Names(const std::vector<Info>& infos) {
   return names;
 }
 
+// steps.h5 of an episode, open between calls.
+struct OpenSteps {
+  std::string identity;  // of the file
+  std::string sha256;    // that it was compared with, or just written with
+  hdf5::File file;
+};
+
+// Open files cost memory and descriptors, opening one a tenth of a millisecond and more.
+IdlePool<OpenSteps>& StepsPool() {
+  static IdlePool<OpenSteps> pool(32);
+  return pool;
+}
+
+// The rows of a table that are at a time or before: the index of the last one, for each time.
+std::vector<int64_t> LastNotNewer(const std::vector<double>& of, const std::vector<double>& in) {
+  constexpr double kSame_s = 1e-6;
+  std::vector<int64_t> last;
+  for (const double time : of) {
+    const auto after = std::upper_bound(in.begin(), in.end(), time + kSame_s);
+    last.push_back(after - in.begin() - 1);
+  }
+  return last;
+}
+
 }  // namespace
+
+std::string_view NameOf(ImageKind kind) {
+  switch (kind) {
+    case ImageKind::kColour:
+      return "rgb";
+    case ImageKind::kDepth:
+      return "depth";
+    default:
+      return "segmentation";
+  }
+}
+
+void ReleaseIdleFiles() {
+  StepsPool().Clear();
+  FramePool::Shared().Clear();
+}
 
 struct Episode::Impl {
   fs::path folder;
@@ -95,9 +139,10 @@ struct Episode::Impl {
   std::vector<CameraInfo> cameras;
   std::vector<SegmentLabel> labels;
 
-  mutable std::once_flag opened;
-  mutable std::optional<hdf5::File> steps;
+  mutable std::once_flag listed;
   mutable std::vector<ColumnInfo> columns;
+  mutable std::mutex compared_mutex;
+  mutable std::string compared;  // identity of the steps.h5 whose bytes were compared
 
   std::string Name() const { return fmt::format("episode '{}'", folder.string()); }
 
@@ -180,40 +225,77 @@ struct Episode::Impl {
     return RequireReadable(folder / name);
   }
 
-  // The video of a kind that not every camera has.
-  VideoReader FurtherVideo(const CameraInfo& camera, std::string CameraInfo::*file,
-                           const char* kind) const {
-    if (!(camera.*file).empty()) return VideoReader(FileOf(camera.*file));
+  fs::path VideoOf(const CameraInfo& camera, ImageKind kind) const {
+    if (kind == ImageKind::kColour) return FileOf(camera.file);
+    std::string CameraInfo::*file =
+        kind == ImageKind::kDepth ? &CameraInfo::depth_file : &CameraInfo::segmentation_file;
+    if (!(camera.*file).empty()) return FileOf(camera.*file);
     std::vector<std::string> others;
     for (const CameraInfo& each : cameras) {
       if (!(each.*file).empty()) others.push_back(each.name);
     }
     throw NotFoundError(fmt::format("{}: camera '{}' has no {}. Cameras with {}: {}", Name(),
-                                    camera.name, kind, kind,
+                                    camera.name, NameOf(kind), NameOf(kind),
                                     others.empty() ? "none" : ListNames(others)));
+  }
+
+  template <typename Pixel>
+  void ReadFrame(const CameraInfo& camera, ImageKind kind, int64_t index,
+                 std::span<Pixel> pixels) const {
+    const fs::path video = VideoOf(camera, kind);
+    if (index < 0 || index >= camera.frames) {
+      throw ArgumentError(fmt::format("{}: no frame {} of '{}'. It has {} frames: 0 ... {}", Name(),
+                                      index, camera.name, camera.frames, camera.frames - 1));
+    }
+    FramePool::Shared().Read(video, index, pixels);
   }
 
   // The HDF5 library ends the process on some files that a single bit was flipped in.
   void RequireUndamagedSteps() const {
-    const std::string name(kStepsFile);
-    const auto& files = json["files"];
-    const auto facts = files.find(name);
-    if (facts != files.end() &&
-        facts->value("sha256", std::string()) == Sha256RealFile(folder / name))
-      return;
+    const std::string name(kStepsFile), written = WrittenHash();
+    if (!written.empty() && written == Sha256RealFile(folder / name)) return;
     throw IoError(fmt::format("{}: '{}' is not what was written: the hash does not fit{}", Name(),
                               name, Advice()));
   }
 
-  // On first use: lists of episodes need episode.json only.
-  const hdf5::File& Steps() const {
-    std::call_once(opened, [&] {
-      if (steps_bytes == StepsBytes::kCompare) RequireUndamagedSteps();
-      hdf5::File file = hdf5::File::OpenReadOnly(RequireReadable(folder / kStepsFile));
-      for (const std::string& name : file.DatasetNames()) columns.push_back(ReadColumn(file, name));
-      steps.emplace(std::move(file));
+  std::string WrittenHash() const {
+    const auto& files = json["files"];
+    const auto facts = files.find(std::string(kStepsFile));
+    return facts == files.end() ? "" : facts->value("sha256", std::string());
+  }
+
+  // Once for each content of the file: opening it again later is cheap.
+  void CompareOnce(const std::string& identity) const {
+    const std::lock_guard lock(compared_mutex);
+    if (compared == identity) return;
+    if (steps_bytes == StepsBytes::kCompare) RequireUndamagedSteps();
+    compared = identity;
+  }
+
+  // Opened on first use: lists of episodes need episode.json only.
+  template <typename Use>
+  void WithSteps(const Use& use) const {
+    const fs::path path = RequireReadable(folder / kStepsFile);
+    const std::string identity = FileIdentity(path), hash = WrittenHash();
+    auto steps = StepsPool().Take(
+        [&](const OpenSteps& open) { return open.identity == identity && open.sha256 == hash; });
+    if (!steps) {
+      CompareOnce(identity);
+      steps.emplace(identity, hash, hdf5::File::OpenReadOnly(path));
+    }
+    use(steps->file);
+    StepsPool().Give(std::move(*steps));
+  }
+
+  const std::vector<ColumnInfo>& Columns() const {
+    std::call_once(listed, [&] {
+      WithSteps([&](const hdf5::File& file) {
+        std::vector<ColumnInfo> found;
+        for (const std::string& name : file.DatasetNames()) found.push_back(ReadColumn(file, name));
+        columns = std::move(found);
+      });
     });
-    return *steps;
+    return columns;
   }
 
   // The rows to read; ArgumentError if they are not all there.
@@ -278,10 +360,7 @@ std::map<std::string, std::string> Episode::models() const {
   return models;
 }
 
-const std::vector<ColumnInfo>& Episode::columns() const {
-  impl_->Steps();
-  return impl_->columns;
-}
+const std::vector<ColumnInfo>& Episode::columns() const { return impl_->Columns(); }
 
 const ColumnInfo& Episode::column(const std::string& name) const {
   for (const ColumnInfo& info : columns()) {
@@ -309,10 +388,12 @@ void Episode::ReadBytes(const std::string& name, const RowRange& range, ColumnTy
     throw ArgumentError(
         fmt::format("{}: '{}' needs {} bytes, got {}", impl_->Name(), name, needed, bytes.size()));
   }
-  const hdf5::H5Dataset dataset = impl_->Steps().Open(name);
-  if (info.table.empty()) return dataset.ReadAll(bytes);
-  const auto [first, count] = impl_->Rows(info, range);
-  dataset.ReadRows(first, count, bytes);
+  impl_->WithSteps([&](const hdf5::File& file) {
+    const hdf5::H5Dataset dataset = file.Open(name);
+    if (info.table.empty()) return dataset.ReadAll(bytes);
+    const auto [first, count] = impl_->Rows(info, range);
+    dataset.ReadRows(first, count, bytes);
+  });
 }
 
 const std::vector<CameraInfo>& Episode::cameras() const { return impl_->cameras; }
@@ -325,16 +406,70 @@ const CameraInfo& Episode::camera(const std::string& name) const {
 }
 
 VideoReader Episode::Video(const std::string& name) const {
-  const CameraInfo& info = camera(name);
-  return VideoReader(impl_->FileOf(info.file));
+  return VideoReader(impl_->VideoOf(camera(name), ImageKind::kColour));
 }
 
 VideoReader Episode::DepthVideo(const std::string& name) const {
-  return impl_->FurtherVideo(camera(name), &CameraInfo::depth_file, "depth");
+  return VideoReader(impl_->VideoOf(camera(name), ImageKind::kDepth));
 }
 
 VideoReader Episode::SegmentationVideo(const std::string& name) const {
-  return impl_->FurtherVideo(camera(name), &CameraInfo::segmentation_file, "segmentation");
+  return VideoReader(impl_->VideoOf(camera(name), ImageKind::kSegmentation));
+}
+
+std::vector<ImageStream> Episode::streams() const {
+  std::vector<ImageStream> found;
+  for (const CameraInfo& info : cameras()) {
+    const auto add = [&](ImageKind kind, const std::string& ending) {
+      found.push_back({.name = info.name + ending, .camera = info.name, .kind = kind});
+    };
+    add(ImageKind::kColour, "");
+    if (!info.depth_file.empty()) add(ImageKind::kDepth, ".depth");
+    if (!info.segmentation_file.empty()) add(ImageKind::kSegmentation, ".segmentation");
+  }
+  return found;
+}
+
+ImageStream Episode::stream(const std::string& name) const {
+  const std::vector<ImageStream> all = streams();
+  std::vector<std::string> names;
+  for (const ImageStream& each : all) {
+    if (each.name == name) return each;
+    names.push_back(each.name);
+  }
+  throw NotFoundError(NoSuchName(impl_->Name(), "image stream", name, names));
+}
+
+void Episode::ReadFrame(const std::string& name, ImageKind kind, int64_t index,
+                        std::span<uint8_t> rgb) const {
+  impl_->ReadFrame(camera(name), kind, index, rgb);
+}
+
+void Episode::ReadFrame(const std::string& name, ImageKind kind, int64_t index,
+                        std::span<uint16_t> pixels) const {
+  impl_->ReadFrame(camera(name), kind, index, pixels);
+}
+
+std::vector<int64_t> Episode::FramesOfRows(const std::string& name,
+                                           const std::string& table) const {
+  const CameraInfo& info = camera(name);
+  if (info.table == table) {
+    std::vector<int64_t> same(static_cast<size_t>(rows(table)));
+    std::iota(same.begin(), same.end(), int64_t{0});
+    return same;
+  }
+  rows(table);  // NotFoundError
+  const auto times = [&](const std::string& of) {
+    const std::string time = of == "steps" ? "time" : of + "/time";
+    for (const ColumnInfo& column : columns()) {
+      if (column.spec.name == time) return Read<double>(time);
+    }
+    throw ArgumentError(fmt::format(
+        "{}: the frames of '{}' belong to the rows of table '{}', and which of them are "
+        "of the rows of '{}' is not known without a column '{}'",
+        impl_->Name(), name, info.table, table, time));
+  };
+  return LastNotNewer(times(table), times(info.table));
 }
 
 const std::vector<SegmentLabel>& Episode::segment_labels() const { return impl_->labels; }

@@ -4,11 +4,15 @@
 //   const auto qpos = episode.Read<double>("robots/xarm7/arm/qpos");  // rows() * 7, row-major
 //   const auto row = episode.Read<double>("robots/xarm7/arm/qpos", {.first = 20, .count = 1});
 //   VideoReader wrist = episode.Video("wrist");                       // frame i belongs to row i
+//   episode.ReadFrame("wrist", ImageKind::kColour, 17, rgb);          // one frame, in any order
 //
 // Opening reads episode.json and checks that the files are there with their sizes; whether their
 // bytes are intact is Verify's question (data/verify.h). IoError names file and reason;
 // NotFoundError the nearest names; ArgumentError for another type or rows beyond the end. Const
 // functions may be called from several threads.
+//
+// Thousands of episodes may be open at once: all episodes of a process share a few open files and
+// decoders (ReleaseIdleFiles). They go on working in a forked child.
 #pragma once
 
 #include <cstddef>
@@ -19,6 +23,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "robocell/data/column.h"
@@ -44,6 +49,20 @@ struct CameraInfo {
   int height = 0;
   int fps_num = 0;
   int fps_den = 1;
+};
+
+enum class ImageKind {
+  kColour,        // RGB, uint8
+  kDepth,         // uint16, millimetres along the camera's axis
+  kSegmentation,  // uint16, numbers of segment_labels()
+};
+std::string_view NameOf(ImageKind kind);  // "rgb", "depth", "segmentation"
+
+// One video of an episode.
+struct ImageStream {
+  std::string name;  // "wrist", "wrist.depth", "wrist.segmentation": the file without its ending
+  std::string camera;
+  ImageKind kind = ImageKind::kColour;
 };
 
 struct RowRange {
@@ -104,6 +123,22 @@ class Episode {
   // What each pixel of a camera shows, uint16: a number of segment_labels(), or kNoSegment.
   // NotFoundError when the camera has no segmentation.
   VideoReader SegmentationVideo(const std::string& camera) const;
+  // All videos, by camera and kind.
+  std::vector<ImageStream> streams() const;
+  // By its name, as listed. NotFoundError with the nearest names.
+  ImageStream stream(const std::string& name) const;
+  // One frame, in any order, through decoders that all episodes share: see media/frame_pool.h.
+  // Bytes are for colour, uint16 for the other kinds. ArgumentError if there is no such frame.
+  void ReadFrame(const std::string& camera, ImageKind kind, int64_t index,
+                 std::span<uint8_t> rgb) const;
+  void ReadFrame(const std::string& camera, ImageKind kind, int64_t index,
+                 std::span<uint16_t> pixels) const;
+  // For each row of a table the camera's frame of that moment: the last one that is not newer than
+  // the row, -1 where there is none yet. Of the table that the camera belongs to it is the row
+  // itself; of any other it follows from the column `time` of both, to a microsecond. ArgumentError
+  // if one of them has no such column.
+  std::vector<int64_t> FramesOfRows(const std::string& camera,
+                                    const std::string& table = "steps") const;
   // The labels of 0, 1, ... in the segmentation of all cameras; none when no camera has it.
   const std::vector<SegmentLabel>& segment_labels() const;
   // The models it was made in: their names in the metadata -> where the dataset keeps them
@@ -116,5 +151,9 @@ class Episode {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// Closes the files and ends the decoders that episodes keep for their next call; before a dataset is
+// moved or deleted, for example. Episodes open them again when they need them.
+void ReleaseIdleFiles();
 
 }  // namespace robocell

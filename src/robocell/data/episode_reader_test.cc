@@ -1,14 +1,21 @@
 #include "robocell/data/episode_reader.h"
 
+#include <sys/wait.h>
+#include <unistd.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <iterator>
+#include <string>
+#include <vector>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/data/signed_json.h"
 #include "robocell/data/testing/sample_episode.h"
+#include "robocell/media/testing/videos.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -115,6 +122,142 @@ TEST(Episode, AFileThatIsMissingOrShortIsNamedWhenItIsOpened) {
   ExpectThrow<IoError>([&] { Episode episode(path); }, "'wrist.mp4' has 100 bytes");
   fs::remove(path / "wrist.mp4");
   ExpectThrow<IoError>([&] { Episode episode(path); }, "'wrist.mp4': No such file or directory");
+}
+
+TEST(Episode, FramesInAnyOrderAreThoseThatWereWritten) {
+  TempDir folder;
+  const SampleEpisode sample(3, true, true);
+  const Episode episode(sample.Write(folder.path(), "a", 12));
+  std::vector<uint8_t> rgb(size_t{3} * sample.width * sample.height), expected(rgb.size());
+  std::vector<uint16_t> depth(size_t{1} * sample.width * sample.height);
+  for (const int64_t i : {5, 6, 7, 0, 11, 3, 4}) {
+    VideoReader video = episode.Video("wrist");
+    video.Read(i, expected);
+    episode.ReadFrame("wrist", ImageKind::kColour, i, rgb);
+    EXPECT_EQ(rgb, expected) << i;
+    episode.ReadFrame("wrist", ImageKind::kDepth, i, depth);
+    EXPECT_EQ(depth, TestDepth(sample.width, sample.height, static_cast<int>(i) + 3)) << i;
+  }
+  ReleaseIdleFiles();
+  ExpectNoChildLeft();
+}
+
+TEST(Episode, FramesThatItDoesNotHoldAreRefused) {
+  TempDir folder;
+  const SampleEpisode sample(3, true, false);
+  const Episode episode(sample.Write(folder.path(), "a", 12));
+  std::vector<uint8_t> rgb(size_t{3} * sample.width * sample.height);
+  const auto read = [&](const char* camera, ImageKind kind, int64_t index) {
+    episode.ReadFrame(camera, kind, index, rgb);
+  };
+  for (const int64_t index : {-1, 12})
+    ExpectThrow<ArgumentError>([&] { read("wrist", ImageKind::kColour, index); },
+                               "of 'wrist'. It has 12 frames: 0 ... 11");
+  ExpectThrow<NotFoundError>([&] { read("wirst", ImageKind::kColour, 0); }, "mean 'wrist'?");
+  ExpectThrow<NotFoundError>([&] { read("wrist", ImageKind::kDepth, 0); },
+                             "camera 'wrist' has no depth. Cameras with depth: none");
+  rgb.pop_back();
+  ExpectThrow<ArgumentError>([&] { read("wrist", ImageKind::kColour, 0); }, "expected a buffer of");
+}
+
+TEST(Episode, StreamsHaveTheNamesOfTheirFiles) {
+  TempDir folder;
+  const Episode episode(SampleEpisode(0, true, true).Write(folder.path(), "a", 2));
+  const std::vector<ImageStream> streams = episode.streams();
+  ASSERT_EQ(streams.size(), 2u);
+  EXPECT_EQ(streams[0].name, "wrist");
+  EXPECT_EQ(streams[1].name, "wrist.depth");
+  EXPECT_EQ(episode.stream("wrist.depth").kind, ImageKind::kDepth);
+  EXPECT_EQ(episode.stream("wrist.depth").camera, "wrist");
+  ExpectThrow<NotFoundError>([&] { episode.stream("wrist.deepth"); },
+                             "Its image streams: wrist, wrist.depth. Did you mean 'wrist.depth'?");
+}
+
+// A camera that is slower than the rows: its frames are rows of a table of its own.
+TEST(Episode, RowsOfAnotherTableFindTheirFramesByTime) {
+  TempDir folder;
+  EpisodeSchema schema;
+  const ColumnId time = schema.AddColumn({.name = "time", .units = "s"});
+  const TableId images = schema.AddTable("images");
+  const ColumnId image_time = schema.AddColumn({.name = "time", .units = "s"}, images);
+  const TableId timeless = schema.AddTable("timeless");
+  const ColumnId count = schema.AddColumn({.name = "count"}, timeless);
+  const CameraId slow = schema.AddCamera({.name = "slow", .width = 32, .height = 16}, images);
+  EpisodeWriter writer(folder.path(), "a", schema);
+  for (int i = 0; i < 10; ++i) {
+    writer.Put(time, 0.1 * i);
+    writer.EndRow();
+  }
+  for (int i = 0; i < 3; ++i) {
+    writer.Put(image_time, 0.1 + 3 * 0.1 * i);  // of rows 1, 4 and 7; rounded otherwise
+    writer.EndRow(images);
+    writer.WriteFrame(slow, TestFrame(32, 16, i));
+  }
+  writer.Put(count, 1.0);
+  writer.EndRow(timeless);
+  const Episode episode(writer.Commit({.success = true, .terminated = true, .end_reason = "end"}));
+  EXPECT_THAT(episode.FramesOfRows("slow"), ElementsAre(-1, 0, 0, 0, 1, 1, 1, 2, 2, 2));
+  EXPECT_THAT(episode.FramesOfRows("slow", "images"), ElementsAre(0, 1, 2));
+  ExpectThrow<ArgumentError>([&] { episode.FramesOfRows("slow", "timeless"); },
+                             "not known without a column 'timeless/time'");
+  ExpectThrow<NotFoundError>([&] { episode.FramesOfRows("slow", "image"); }, "mean 'images'?");
+}
+
+int64_t OpenDescriptors() {
+  return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+}
+
+TEST(Episode, ManyThatAreReadKeepFewFilesOpen) {
+  TempDir folder;
+  SampleEpisode(0, false).Write(folder.path(), "a", 2);
+  std::vector<Episode> all;
+  ReleaseIdleFiles();  // those of other tests
+  const int64_t before = OpenDescriptors();
+  for (int i = 0; i < 100; ++i) {
+    const fs::path own = folder / ("copy" + std::to_string(i)) / "a";
+    fs::create_directories(own.parent_path());
+    fs::copy(folder / "a", own, fs::copy_options::recursive);
+    all.emplace_back(own);
+    EXPECT_EQ(all.back().Read<double>("time").size(), 2u);
+  }
+  EXPECT_LT(OpenDescriptors() - before, 40);
+  for (const Episode& episode : all) EXPECT_EQ(episode.Read<double>("reward").size(), 2u);
+  EXPECT_LT(OpenDescriptors() - before, 40);
+  ReleaseIdleFiles();
+  EXPECT_EQ(OpenDescriptors(), before);
+}
+
+TEST(Episode, AFileThatIsDamagedAfterItWasReadIsComparedAgain) {
+  TempDir folder;
+  const Episode episode(SampleEpisode(0, false).Write(folder.path(), "a", 2));
+  EXPECT_EQ(episode.Read<double>("time").size(), 2u);
+  std::string bytes = ReadFile(folder / "a" / "steps.h5");
+  bytes[bytes.size() / 2] ^= 1;
+  AtomicWrite(folder / "a" / "steps.h5", bytes);
+  ExpectThrow<IoError>([&] { episode.Read<double>("time"); }, "the hash does not fit");
+}
+
+TEST(Episode, AForkedChildReadsOn) {
+  TempDir folder;
+  const SampleEpisode sample(0, true);
+  const Episode episode(sample.Write(folder.path(), "a", 12));
+  std::vector<uint8_t> rgb(size_t{3} * sample.width * sample.height);
+  episode.Read<double>("time");
+  episode.ReadFrame("wrist", ImageKind::kColour, 3, rgb);
+  const pid_t child = fork();
+  std::vector<uint8_t> next(rgb.size()), expected(rgb.size());
+  episode.ReadFrame("wrist", ImageKind::kColour, 4, next);
+  VideoReader video = episode.Video("wrist");
+  video.Read(4, expected);
+  const bool well = next == expected && episode.Read<double>("reward").size() == 12;
+  if (child == 0) {
+    ReleaseIdleFiles();
+    _exit(well ? 0 : 1);
+  }
+  EXPECT_TRUE(well);
+  int status = 1;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "robocell/data/hdf5.h"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <unistd.h>
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -19,12 +20,16 @@ namespace {
 static_assert(std::is_same_v<hid_t, int64_t> && std::is_same_v<herr_t, int>);
 
 // Prepares the library on first use. Without H5dont_atexit a process whose disk was full crashes
-// when it ends.
+// when it ends. Whoever forks, such as Python's multiprocessing, does it while no thread is in the
+// library.
 std::recursive_mutex& Mutex() {
   static std::recursive_mutex mutex;
   static const bool prepared = [] {
     H5dont_atexit();
     H5open();
+    pthread_atfork([] { Mutex().lock(); }, [] { Mutex().unlock(); },
+                   // The thread that holds it has another number in the child, so it cannot unlock.
+                   [] { new (&Mutex()) std::recursive_mutex; });
     return true;
   }();
   (void)prepared;
@@ -163,13 +168,8 @@ herr_t Collect(hid_t, const char* name, const H5O_info_t* info, void* names) {
 }  // namespace
 
 int Fork() {
-  Mutex().lock();
-  const int child = ::fork();
-  if (child == 0)
-    new (&Mutex()) std::recursive_mutex;  // it is held by a thread that the child has not
-  else
-    Mutex().unlock();
-  return child;
+  Mutex();
+  return ::fork();
 }
 
 std::string Version() {

@@ -21,7 +21,8 @@ namespace robocell::hdf5 {
 // "1.10.8".
 std::string Version();
 
-// fork(2), at an instant when no other thread is in the library, so that the child may use it.
+// fork(2). As after any fork once the library was used, the child may use it: the fork happens at an
+// instant when no other thread is in it.
 int Fork();
 
 // Owns an id of the library.

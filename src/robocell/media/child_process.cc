@@ -200,11 +200,11 @@ size_t ChildProcess::Read(std::span<uint8_t> bytes) {
 bool ChildProcess::TryReap() {
   if (reaped_) return true;
   int status = 0;
-  const pid_t ended = waitpid(pid_, &status, WNOHANG);
+  const pid_t ended = owner_ == getpid() ? waitpid(pid_, &status, WNOHANG) : -1;
   if (ended == 0 || (ended < 0 && errno == EINTR)) return false;
   reaped_ = true;
   if (ended < 0) {
-    exit_code_ = -1;  // ECHILD: someone else in this process took the status
+    exit_code_ = -1;  // ECHILD: someone else in this process took the status; or we are a fork
   } else {
     signal_ = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
     exit_code_ = signal_ != 0 ? 128 + signal_ : WEXITSTATUS(status);

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <sys/types.h>
+#include <unistd.h>
 
 #include <cstdint>
 #include <span>
@@ -64,6 +65,7 @@ class ChildProcess {
   std::string program_;
   double stall_timeout_s_;
   pid_t pid_ = -1;
+  pid_t owner_ = getpid();  // a fork of it leaves the child alone
   bool reaped_ = false;
   int exit_code_ = 0;
   int signal_ = 0;   // that ended it, or 0

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "robocell/base/error.h"
+#include "robocell/base/real_file.h"
 #include "robocell/media/child_process.h"
 
 namespace robocell {
@@ -45,15 +46,6 @@ std::string AskVersion(const std::string& program) {
         fmt::format("'{}' is not ffmpeg: '{} -version' answered '{}'", program, program, line));
   }
   return line.substr(0, line.find(" Copyright"));
-}
-
-// A file that is put in the place of another has other numbers.
-std::string FileIdentity(const std::string& path) {
-  struct stat file;
-  if (stat(path.c_str(), &file) != 0) return path;
-  return fmt::format("{}:{}:{}:{}:{}.{}:{}.{}", path, file.st_dev, file.st_ino, file.st_size,
-                     file.st_mtim.tv_sec, file.st_mtim.tv_nsec, file.st_ctim.tv_sec,
-                     file.st_ctim.tv_nsec);
 }
 
 constexpr char kSeparator = '\t';

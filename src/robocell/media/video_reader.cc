@@ -13,9 +13,6 @@
 namespace robocell {
 namespace {
 
-// Decoding on to a frame this near ahead is cheaper than a new decoder.
-constexpr int64_t kNearAhead = 60;
-
 // Pixels come little-endian through the pipe.
 std::span<uint8_t> LittleEndian(std::span<uint16_t> pixels) {
   static_assert(std::endian::native == std::endian::little);
@@ -67,6 +64,7 @@ struct VideoReader::Impl {
     const int code = decoder->Wait();
     const std::string said = decoder->Errors();
     if (code != 0 || !said.empty()) Fail(fmt::format("it does not decode cleanly: '{}'", said));
+    decoder.reset();
   }
 
   void ReadNext(std::span<uint8_t> rgb) {

@@ -21,6 +21,9 @@ namespace robocell {
 
 class VideoReader {
  public:
+  // Read() decodes on to a frame that is at most so many ahead: a new decoder costs more.
+  static constexpr int64_t kNearAhead = 16;
+
   // IoError if the file is not a readable mp4 of constant rate, or ffmpeg is missing.
   explicit VideoReader(std::filesystem::path path);
   ~VideoReader();

@@ -1,0 +1,280 @@
+// Episodes: what they are, their columns and their images.
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/map.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <functional>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "column.h"
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/data/episode_reader.h"
+
+namespace robocell::python {
+
+namespace nb = nanobind;
+using namespace nb::literals;
+
+namespace {
+
+std::vector<std::string> ColumnNames(const Episode& episode) {
+  std::vector<std::string> names;
+  for (const ColumnInfo& info : episode.columns()) names.push_back(info.spec.name);
+  return names;
+}
+
+nb::object Json(const std::string& text) {
+  return nb::module_::import_("json").attr("loads")(text);
+}
+
+// The images of one stream, and how they look as an array.
+struct Stream {
+  const CameraInfo& camera;
+  ImageKind kind;
+
+  std::vector<size_t> shape() const {
+    std::vector<size_t> shape = {static_cast<size_t>(camera.height),
+                                 static_cast<size_t>(camera.width)};
+    if (kind == ImageKind::kColour) shape.push_back(3);
+    return shape;
+  }
+};
+
+constexpr ImageKind kKinds[] = {ImageKind::kColour, ImageKind::kDepth, ImageKind::kSegmentation};
+
+// A camera with a kind of its images, or without one a stream by its own name.
+Stream FindStream(const Episode& episode, const std::string& name,
+                  const std::optional<std::string>& kind) {
+  if (!kind) {
+    const ImageStream stream = episode.stream(name);
+    return {episode.camera(stream.camera), stream.kind};
+  }
+  std::vector<std::string> known;
+  for (const ImageKind each : kKinds) {
+    if (NameOf(each) == *kind) return {episode.camera(name), each};
+    known.emplace_back(NameOf(each));
+  }
+  throw NotFoundError(NoSuchName("camera '" + name + "'", "kind of image", *kind, known));
+}
+
+size_t SizeOf(const std::vector<size_t>& shape) {
+  return std::accumulate(shape.begin(), shape.end(), size_t{1}, std::multiplies<>());
+}
+
+template <class Pixel>
+nb::object ReadFrame(const Episode& episode, const Stream& stream, int64_t index) {
+  const std::vector<size_t> shape = stream.shape();
+  std::vector<Pixel> pixels(SizeOf(shape));
+  {
+    const nb::gil_scoped_release release;
+    episode.ReadFrame(stream.camera.name, stream.kind, index, std::span(pixels));
+  }
+  return NewArray(std::move(pixels), shape);
+}
+
+nb::object FrameAt(const Episode& episode, const std::string& name, int64_t index,
+                   const std::optional<std::string>& kind) {
+  const Stream stream = FindStream(episode, name, kind);
+  const int64_t frames = stream.camera.frames;
+  if (index < -frames || index >= frames) {
+    throw nb::index_error(fmt::format("episode '{}': no frame {} of '{}', it has {} frames",
+                                      episode.folder().string(), index, name, frames)
+                              .c_str());
+  }
+  if (index < 0) index += frames;
+  return stream.kind == ImageKind::kColour ? ReadFrame<uint8_t>(episode, stream, index)
+                                           : ReadFrame<uint16_t>(episode, stream, index);
+}
+
+template <class Pixel>
+nb::object AllFrames(VideoReader video, const std::vector<size_t>& shape) {
+  const size_t size = SizeOf(shape), frame = size / std::max<size_t>(shape[0], 1);
+  std::vector<Pixel> all(size);
+  {
+    const nb::gil_scoped_release release;
+    for (size_t at = 0; at < size; at += frame) {
+      if (!video.Next(std::span(all).subspan(at, frame)))
+        throw IoError(fmt::format("an episode says that a video has {} frames, it has {}", shape[0],
+                                  video.info().frames));
+    }
+  }
+  return NewArray(std::move(all), shape);
+}
+
+nb::object AllFramesOf(const Episode& episode, const std::string& name,
+                       const std::optional<std::string>& kind) {
+  const Stream stream = FindStream(episode, name, kind);
+  std::vector<size_t> shape = stream.shape();
+  shape.insert(shape.begin(), static_cast<size_t>(stream.camera.frames));
+  const std::string& camera = stream.camera.name;
+  switch (stream.kind) {
+    case ImageKind::kColour:
+      return AllFrames<uint8_t>(episode.Video(camera), shape);
+    case ImageKind::kDepth:
+      return AllFrames<uint16_t>(episode.DepthVideo(camera), shape);
+    default:
+      return AllFrames<uint16_t>(episode.SegmentationVideo(camera), shape);
+  }
+}
+
+}  // namespace
+
+void BindEpisode(nb::module_& m) {
+  nb::class_<SegmentLabel>(m, "SegmentLabel", "What the pixels of one number in segmentation show.")
+      .def_ro("name", &SegmentLabel::name, "The body.")
+      .def_ro("owner", &SegmentLabel::owner,
+              "What it belongs to, as columns name it: 'robots/rc7', 'objects/mug'; or ''.")
+      .def("__repr__", [](const SegmentLabel& label) {
+        return "SegmentLabel(name='" + label.name + "', owner='" + label.owner + "')";
+      });
+  m.attr("NO_SEGMENT") = kNoSegment;
+  nb::class_<Episode>(
+      m, "Episode",
+      "One committed episode: a folder with steps.h5, one mp4 per camera and episode.json.")
+      .def(
+          "__init__",
+          [](Episode* self, const std::filesystem::path& folder) { new (self) Episode(folder); },
+          "folder"_a,
+          "Opens the episode in a folder. IoError names the file that is missing or damaged.")
+      .def_prop_ro("folder", &Episode::folder)
+      .def_prop_ro("id", &Episode::id)
+      .def_prop_ro("success", &Episode::success)
+      .def_prop_ro("terminated", &Episode::terminated)
+      .def_prop_ro("truncated", &Episode::truncated)
+      .def_prop_ro("end_reason", &Episode::end_reason)
+      .def_prop_ro("warnings", &Episode::warnings)
+      .def_prop_ro(
+          "json", [](const Episode& e) { return Json(e.json()); }, "The content of episode.json.")
+      .def_prop_ro(
+          "metadata", [](const Episode& e) { return Json(e.metadata_json()); },
+          "Seeds, scene, task and whatever else describes the episode.")
+      .def("rows", &Episode::rows, "table"_a = "steps", "Number of rows of a table.")
+      .def("__len__", [](const Episode& e) { return e.rows(); })
+      .def_prop_ro("tables", &Episode::tables)
+      .def_prop_ro("columns", &ColumnNames, "Names of all columns and constants.")
+      .def(
+          "column",
+          [](const Episode& e, const std::string& name) {
+            return Column{&e, &e.column(name)};
+          },
+          "name"_a, nb::keep_alive<0, 1>(),
+          "A column without its rows: what is known of it, and `column[10:20]` reads ten rows. "
+          "NotFoundError with the nearest names.")
+      .def(
+          "__getitem__",
+          [](const Episode& e, const std::string& name) {
+            return ReadRows({&e, &e.column(name)}, 0, std::nullopt);
+          },
+          "name"_a, nb::sig("def __getitem__(self, name: str) -> numpy.typing.NDArray[typing.Any]"),
+          "A whole column as an array (rows, ...). NotFoundError with the nearest names.")
+      .def(
+          "read",
+          [](const Episode& e, const std::string& name, int64_t first,
+             std::optional<int64_t> count) {
+            return ReadRows({&e, &e.column(name)}, first, count);
+          },
+          "name"_a, "first"_a = 0, "count"_a = nb::none(),
+          nb::sig("def read(self, name: str, first: int = 0, count: int | None = None) -> "
+                  "numpy.typing.NDArray[typing.Any]"),
+          "A range of rows of a column as an array.")
+      .def_prop_ro("cameras",
+                   [](const Episode& e) {
+                     std::vector<std::string> names;
+                     for (const CameraInfo& info : e.cameras()) names.push_back(info.name);
+                     return names;
+                   })
+      .def_prop_ro(
+          "depth_cameras",
+          [](const Episode& e) {
+            std::vector<std::string> names;
+            for (const CameraInfo& info : e.cameras()) {
+              if (!info.depth_file.empty()) names.push_back(info.name);
+            }
+            return names;
+          },
+          "The cameras that also have depth.")
+      .def_prop_ro(
+          "segmentation_cameras",
+          [](const Episode& e) {
+            std::vector<std::string> names;
+            for (const CameraInfo& info : e.cameras()) {
+              if (!info.segmentation_file.empty()) names.push_back(info.name);
+            }
+            return names;
+          },
+          "The cameras that also have segmentation.")
+      .def_prop_ro("segment_labels", &Episode::segment_labels,
+                   "What 0, 1, ... in frames(..., kind='segmentation') show.")
+      .def_prop_ro(
+          "streams",
+          [](const Episode& e) {
+            std::vector<std::string> names;
+            for (const ImageStream& stream : e.streams()) names.push_back(stream.name);
+            return names;
+          },
+          "The names of all image streams: 'wrist' for the colour images of a camera, "
+          "'wrist.depth' "
+          "and 'wrist.segmentation' where it has those.")
+      .def(
+          "frame", &FrameAt, "stream"_a, "index"_a, "kind"_a = nb::none(),
+          nb::sig("def frame(self, stream: str, index: int, kind: str | None = None) -> "
+                  "numpy.typing.NDArray[typing.Any]"),
+          "One decoded image: what `frames(stream, kind)[index]` is, without the others.\n\n"
+          "`stream` is one of `streams`, or a camera with its `kind`: 'rgb', 'depth', "
+          "'segmentation'. Negative indices count from the end. A decoder goes on from one call to "
+          "the next, so images in their order cost little; an image elsewhere is looked up by the "
+          "key frame before it. IndexError names the number of frames, NotFoundError the nearest "
+          "streams.")
+      .def(
+          "frames", &AllFramesOf, "stream"_a, "kind"_a = nb::none(),
+          nb::sig("def frames(self, stream: str, kind: str | None = None) -> "
+                  "numpy.typing.NDArray[typing.Any]"),
+          "All frames of a stream, or of a camera and a kind. 'rgb': uint8 (frames, height, width, "
+          "3). 'depth': uint16 (frames, height, width), millimetres along the camera's axis, 0 for "
+          "no hit, 65535 for that and more; exactly as rendered. 'segmentation': uint16 (frames, "
+          "height, width), numbers of segment_labels, NO_SEGMENT where none of them is seen. "
+          "NotFoundError when the camera has no such images.")
+      .def(
+          "frames_of_rows",
+          [](const Episode& e, const std::string& camera, const std::string& table) {
+            return NewArray(std::span<const int64_t>(e.FramesOfRows(camera, table)),
+                            {static_cast<size_t>(e.rows(table))});
+          },
+          "camera"_a, "table"_a = "steps",
+          nb::sig("def frames_of_rows(self, camera: str, table: str = 'steps') -> "
+                  "numpy.typing.NDArray[numpy.int64]"),
+          "The index of the frame that the camera showed at each row of a table: the last one that "
+          "is not newer, -1 where there is none yet. Frame i belongs to row i of the camera's own "
+          "table; rows of other tables find theirs by the column `time` of both.")
+      .def_prop_ro("files", &Episode::files)
+      .def_prop_ro("models", &Episode::models,
+                   "The models it was made in: their names in the metadata -> where the dataset "
+                   "keeps them.")
+      .def("__getstate__",
+           [](const Episode& e) {
+             return nb::make_tuple(std::filesystem::absolute(e.folder()).string());
+           })
+      .def("__setstate__",
+           [](Episode& e, const nb::tuple& state) {
+             new (&e) Episode(nb::cast<std::string>(state[0]));
+           })
+      .def("__repr__", [](const Episode& e) {
+        return "<Episode " + e.id() + ": " + std::to_string(e.rows()) + " rows, " +
+               (e.success() ? "success" : e.end_reason()) + ">";
+      });
+  m.def("release_idle_files", &ReleaseIdleFiles, nb::call_guard<nb::gil_scoped_release>(),
+        "Closes the files and ends the decoders that episodes keep for their next call; before a "
+        "dataset is moved or deleted, for example. Episodes open them again when they need them.");
+}
+
+}  // namespace robocell::python

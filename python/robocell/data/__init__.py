@@ -1,0 +1,76 @@
+"""Datasets: read them, check them, and give their steps to whoever learns from them.
+
+    dataset = robocell.data.Dataset("experiment_output/demo")
+    episode = dataset[0]
+    episode["robots/rc7/arm/qpos"]  # a whole column
+    episode.column("robots/rc7/arm/qpos")[10:20]  # ten rows of it
+    episode.frame("wrist", 17)  # one image
+
+    keys = {"robots/rc7/arm/qpos": 0, "wrist": 0, "robots/rc7/action/arm": range(16)}
+    robocell.data.torch_dataset(dataset, keys)  # one item for each step
+
+Importing it loads neither numpy nor torch. docs/data.md describes the files.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from robocell._core import (
+    NO_SEGMENT,
+    Column,
+    Dataset,
+    DatasetLock,
+    Episode,
+    RepairResult,
+    ReplayDifference,
+    ReplayReport,
+    SegmentLabel,
+    VerifyProblem,
+    VerifyReport,
+    check_replay,
+    recorded_scene,
+    release_idle_files,
+    remove_leftovers,
+    repair,
+    verify,
+)
+
+if TYPE_CHECKING:
+    from robocell.data.steps import Steps, torch_dataset
+
+__all__ = [
+    "NO_SEGMENT",
+    "Column",
+    "Dataset",
+    "DatasetLock",
+    "Episode",
+    "RepairResult",
+    "ReplayDifference",
+    "ReplayReport",
+    "SegmentLabel",
+    "Steps",
+    "VerifyProblem",
+    "VerifyReport",
+    "check_replay",
+    "recorded_scene",
+    "release_idle_files",
+    "remove_leftovers",
+    "repair",
+    "torch_dataset",
+    "verify",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Loads what needs numpy when it is asked for."""
+    if name not in ("Steps", "torch_dataset"):
+        raise AttributeError(f"module 'robocell.data' has no attribute '{name}'")
+    from robocell.data import steps
+
+    return getattr(steps, name)
+
+
+def __dir__() -> list[str]:
+    """Lists the names that are not loaded yet, too."""
+    return sorted(__all__)

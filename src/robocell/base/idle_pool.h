@@ -1,0 +1,93 @@
+// Keeps a few costly things between their uses: open files, running decoders. Whoever takes a value
+// owns it alone until it is given back; the pool destroys the one that was idle longest when there
+// are more than its limit.
+//
+//   IdlePool<Decoder> pool(8);
+//   std::optional<Decoder> decoder = pool.Take([&](const Decoder& d) { return d.path == path; });
+//   if (!decoder) decoder.emplace(path);
+//   decoder->Read(pixels);            // an exception here destroys the decoder, as it should
+//   pool.Give(std::move(*decoder));
+//
+// Any thread. A fork empties all pools before it happens: what both processes had would be shared
+// (pipes, file positions), and a child that closes descriptors would have values that use others.
+#pragma once
+
+#include <cstddef>
+#include <iterator>
+#include <list>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace robocell {
+
+namespace internal {
+
+// What a fork empties. The mutex, one for all pools, is held for a few instructions otherwise, and
+// never while something is opened or read.
+class ForkSafePool {
+ public:
+  ForkSafePool(const ForkSafePool&) = delete;
+  ForkSafePool& operator=(const ForkSafePool&) = delete;
+
+ protected:
+  ForkSafePool();
+  // The derived class calls Leave() first, while it is whole.
+  ~ForkSafePool() = default;
+  void Leave();
+  static std::mutex& Mutex();
+
+ private:
+  friend void EmptyBeforeFork();
+  virtual void DropIdle() = 0;  // the mutex is held
+};
+
+}  // namespace internal
+
+template <typename Value>
+class IdlePool : private internal::ForkSafePool {
+ public:
+  explicit IdlePool(size_t limit) : limit_(limit) {}
+  ~IdlePool() { Leave(); }
+
+  // The most recently used idle value for which `fits(value)` holds; nothing if there is none.
+  template <typename Fits>
+  std::optional<Value> Take(const Fits& fits) {
+    const std::lock_guard lock(Mutex());
+    for (auto it = idle_.begin(); it != idle_.end(); ++it) {
+      if (!fits(std::as_const(*it))) continue;
+      std::optional<Value> found(std::move(*it));
+      idle_.erase(it);
+      return found;
+    }
+    return std::nullopt;
+  }
+
+  void Give(Value value) {
+    std::list<Value> own, dropped;  // destroyed after the lock is released
+    own.push_back(std::move(value));
+    const std::lock_guard lock(Mutex());
+    idle_.splice(idle_.begin(), own);
+    if (idle_.size() > limit_) dropped.splice(dropped.end(), idle_, std::prev(idle_.end()));
+  }
+
+  // Destroys what is idle.
+  void Clear() {
+    std::list<Value> dropped;
+    const std::lock_guard lock(Mutex());
+    dropped.swap(idle_);
+  }
+
+  size_t idle() const {
+    const std::lock_guard lock(Mutex());
+    return idle_.size();
+  }
+
+ private:
+  void DropIdle() override { idle_.clear(); }
+
+  size_t limit_;
+  std::list<Value> idle_;  // the most recently used first
+};
+
+}  // namespace robocell

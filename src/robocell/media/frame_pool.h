@@ -1,0 +1,52 @@
+// Single frames of videos, for whoever does not read a video from its beginning to its end.
+//
+//   FramePool& frames = FramePool::Shared();
+//   frames.Read("wrist.mp4", 17, rgb);
+//   frames.Read("wrist.mp4", 18, rgb);  // the decoder of frame 17 goes on
+//   frames.Read("wrist.mp4", 16, rgb);  // decoded not long ago: copied
+//
+// Starting a decoder costs as much as decoding tens of small frames, so decoders stay alive between
+// calls: one process for each of the videos that were read last. Each also keeps the frames that it
+// decoded last. Another file of the same name is another video. Errors are those of VideoReader.
+//
+// Any thread; two threads that read the same video at once have a decoder each. A forked child
+// starts its own decoders.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+
+namespace robocell {
+
+struct FramePoolOptions {
+  size_t decoders = 8;                    // that may wait for the next call, of each kind of video
+  size_t recent_bytes = size_t{8} << 20;  // of decoded frames, for each of them
+};
+
+class FramePool {
+ public:
+  explicit FramePool(const FramePoolOptions& options = {});
+  ~FramePool();
+  FramePool(const FramePool&) = delete;
+  FramePool& operator=(const FramePool&) = delete;
+
+  // The one that all episodes of this process use.
+  static FramePool& Shared();
+
+  // Frame `index` as VideoReader::Read gives it.
+  void Read(const std::filesystem::path& video, int64_t index, std::span<uint8_t> rgb);
+  void Read(const std::filesystem::path& video, int64_t index, std::span<uint16_t> pixels);
+
+  // Ends the decoders that wait, and forgets their frames.
+  void Clear();
+  size_t idle() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace robocell
