@@ -51,7 +51,8 @@ class Stacker(rc.PickPlanner):
 
     def __init__(self, run: rc.RunConfig, start: rc.EpisodeStart) -> None:
         super().__init__(run, start)
-        self.name, self.edge, self.stops, self.waited = run.robot.name, run.task.edge, [], 0
+        self.name, self.edge, self.waited = run.robot.name, run.task.edge, 0
+        self.stops: list[tuple[np.ndarray, float]] = []
 
     def act(self, scene: rc.Scene, rng: rc.Rng) -> dict[str, dict[str, rc.GroupCommand]]:
         if not super().done():

@@ -558,8 +558,11 @@ TaskSpec TaskSpecFromPython(nb::handle value, const FieldPath& path);
 
 template <>
 struct Convert<TaskSpec> {
-  static std::string Type() { return "PickTaskConfig | PickAndPlaceTaskConfig | TaskFields"; }
-  static std::string SetType() { return Type() + " | dict[str, typing.Any]"; }
+  // Which class it is follows from the kind, which no annotation knows.
+  static std::string Type() { return "typing.Any"; }
+  static std::string SetType() {
+    return "PickTaskConfig | PickAndPlaceTaskConfig | TaskFields | dict[str, typing.Any]";
+  }
   static nb::object Get(TaskSpec& value, const char*, nb::handle) {
     return TaskSpecToPython(value);
   }
