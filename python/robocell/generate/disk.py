@@ -18,7 +18,7 @@ Made = TypeVar("Made")
 FREE_BYTES_NEEDED = 16 << 20
 PROBE_BYTES = 64 << 10
 FULL = "is full"
-TELLS_ROOM = "Make room and try again."  # see full_disk.h
+TELLS_ROOM = "Make room and try again."  # see base/io_error.cc
 
 
 def free_bytes(folder: Path) -> int:

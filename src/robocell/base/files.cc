@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -19,6 +20,8 @@
 namespace robocell {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr size_t kBlock = 1 << 18;  // stays in the processor's cache until it is used
 
 enum SyncKind { kContent, kFolder };
 
@@ -151,6 +154,23 @@ std::string ReadFile(const fs::path& path) {
   }
   bytes.resize(size);
   return bytes;
+}
+
+void ReadBlocks(const fs::path& path, const std::function<void(std::string_view)>& f) {
+  const File file(path, O_RDONLY, "read");
+  ReadBlocks(file.descriptor(), path, f);
+}
+
+void ReadBlocks(int descriptor, const fs::path& path,
+                const std::function<void(std::string_view)>& f) {
+  const auto block = std::make_unique_for_overwrite<char[]>(kBlock);
+  for (;;) {
+    const ssize_t count = ::read(descriptor, block.get(), kBlock);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) ThrowIoError("read", path, errno);
+    if (count == 0) return;
+    f({block.get(), static_cast<size_t>(count)});
+  }
 }
 
 void WriteAll(int descriptor, std::string_view bytes, const fs::path& path) {

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -22,6 +23,16 @@ namespace robocell {
 
 // The whole content of a regular file.
 std::string ReadFile(const std::filesystem::path& path);
+
+// Calls f(bytes) for every block of a file until the end: its size does not matter. IoError when it
+// cannot be read.
+//
+//   ReadBlocks(path, [&](std::string_view block) { hash.Update(block); });
+void ReadBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& f);
+
+// The same of an open file, from where it stands; `path` is for the message.
+void ReadBlocks(int descriptor, const std::filesystem::path& path,
+                const std::function<void(std::string_view)>& f);
 
 // Replaces or creates the file in one step: written under a temporary name in the same folder,
 // flushed to the disk, renamed, and the folder flushed. After a failure up to the renaming the

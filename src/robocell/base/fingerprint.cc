@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/read_blocks.h"
+#include "robocell/base/files.h"
 
 namespace robocell {
 namespace {

@@ -5,7 +5,7 @@
 #include <openssl/evp.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/read_blocks.h"
+#include "robocell/base/files.h"
 
 namespace robocell {
 namespace {

@@ -6,11 +6,24 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/full_disk.h"
 
 namespace robocell {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr std::string_view kHintEnd = "free there. Make room and try again.";
+
+bool TellsOf(int error, std::string_view said) {
+  return said.find(std::generic_category().message(error)) != std::string_view::npos;
+}
+
+// ". 12 bytes are needed, 0 are free there. Make room and try again."
+void CutHint(std::string& said) {
+  const size_t end = said.find(kHintEnd);
+  if (end == std::string::npos) return;
+  const size_t begin = said.rfind(". ", end);
+  if (begin != std::string::npos) said.erase(begin, end + kHintEnd.size() - begin);
+}
 
 std::string Hint(const fs::path& path, int error, std::optional<uint64_t> needed_bytes) {
   switch (error) {
@@ -49,6 +62,32 @@ uint64_t FreeBytes(const fs::path& path) {
   const fs::space_info space = fs::space(existing, error);
   if (error) ThrowIoError("ask for the free space of", path, error.value());
   return space.available;
+}
+
+std::string SpaceHint(const fs::path& path, std::optional<uint64_t> needed_bytes) {
+  std::string free = "an unknown number of";
+  try {
+    free = std::to_string(FreeBytes(path));
+  } catch (const IoError&) {
+  }
+  if (!needed_bytes) return fmt::format("{} bytes are {}", free, kHintEnd);
+  return fmt::format("{} bytes are needed, {} are {}", *needed_bytes, free, kHintEnd);
+}
+
+std::string WithSpaceHint(std::string said, const fs::path& path, uint64_t written_bytes) {
+  const bool of_quota = TellsOf(EDQUOT, said);
+  if (!of_quota && !TellsOf(ENOSPC, said)) return said;
+  CutHint(said);
+  if (of_quota)
+    return fmt::format(
+        "{}. More than {} bytes are needed, and the quota leaves less. Make room and try again.",
+        said, written_bytes);
+  uint64_t room = written_bytes;
+  try {
+    room += FreeBytes(path);
+  } catch (const IoError&) {
+  }
+  return fmt::format("{}. More than {} bytes are needed, {} are {}", said, room, room, kHintEnd);
 }
 
 }  // namespace robocell

@@ -1,4 +1,5 @@
-// Texts of failed file operations: what was tried, where, the system's reason, what to do about it.
+// Texts of failed file operations: what was tried, where, the system's reason, what to do about it;
+// of a full disk or quota how much is needed, and how much there is.
 #pragma once
 
 #include <cstdint>
@@ -19,5 +20,14 @@ namespace robocell {
 
 // Bytes that may still be written on the file system of `path`, or of its nearest existing parent.
 uint64_t FreeBytes(const std::filesystem::path& path);
+
+// "123 bytes are needed, 45 are free there. Make room and try again."
+std::string SpaceHint(const std::filesystem::path& path, std::optional<uint64_t> needed_bytes);
+
+// What somebody said of a thing that is written bit by bit, while the part of it that is there
+// still takes up `written_bytes`. When it tells of a full disk, with one hint: more is needed than
+// there is without that part. A hint about the last bit is left out.
+std::string WithSpaceHint(std::string said, const std::filesystem::path& path,
+                          uint64_t written_bytes);
 
 }  // namespace robocell

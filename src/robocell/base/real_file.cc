@@ -9,9 +9,9 @@
 #include <system_error>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
-#include "robocell/base/read_blocks.h"
 
 namespace robocell {
 namespace {

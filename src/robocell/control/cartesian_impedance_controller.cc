@@ -5,7 +5,6 @@
 
 #include "robocell/base/few_numbers.h"
 #include "robocell/control/joint_impedance_controller.h"
-#include "robocell/kinematics/joint_coupling.h"
 #include "robocell/kinematics/link_kernel.h"
 #include "robocell/math/rotation.h"
 #include "robocell/robot/joint_torque_controller.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "robocell/robot/joint_limits.h"
+#include "robocell/robot/move_group.h"
 
 namespace robocell {
 namespace {

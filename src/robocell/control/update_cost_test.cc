@@ -16,7 +16,7 @@ double CostOf(const std::string& controller) {
   return UpdateCost(robot, [] {});
 }
 
-// Measured at 6 and 11 % of a step.
+// Measured at 8 and 11 % of a step.
 TEST(ControllerCost, IsAFractionOfAStep) {
   EXPECT_LT(CostOf("joint_impedance"), Allowed(0.6));
   EXPECT_LT(CostOf("cartesian_impedance"), Allowed(1.0));

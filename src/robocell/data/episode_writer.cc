@@ -15,9 +15,9 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/full_disk.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/host.h"
+#include "robocell/base/io_error.h"
 #include "robocell/base/names.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/version.h"

@@ -37,7 +37,6 @@
 #include <vector>
 
 #include "robocell/kinematics/chain_model.h"
-#include "robocell/kinematics/joint_coupling.h"
 #include "robocell/kinematics/joint_vector.h"
 #include "robocell/math/pose.h"
 #include "robocell/mujoco/forward.h"
@@ -81,6 +80,14 @@ struct ChainJoint {
   int id = -1;
   int qpos_address = -1;
   int dof_address = -1;
+};
+
+// Inertia that couples two joints of a chain, wherever they are: rotors behind tendons. Accelerating
+// one of them takes this much of the other, kg m^2, kg m or kg. What a joint feels of it alone is
+// part of its armature.
+struct JointCoupling {
+  int first = 0, second = 0;  // joints of the chain, first < second
+  double inertia = 0;
 };
 
 struct KdlSegment;

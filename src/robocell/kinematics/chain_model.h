@@ -23,6 +23,13 @@ struct LinkInertia {
   Eigen::Vector3d weight_moment = Eigen::Vector3d::Zero();  // the same for mass * centre of mass
 };
 
+// What is known in a frame, in another one that stands in it like this.
+LinkInertia InFrame(const Transform& frame, const LinkInertia& link);
+
+// Both known in the same frame.
+LinkInertia& operator+=(LinkInertia& link, const LinkInertia& more);
+LinkInertia& operator-=(LinkInertia& link, const LinkInertia& less);
+
 struct JointModel {
   Transform
       fixed;  // moved frame of the joint before -> this joint's frame at its reference position
@@ -46,6 +53,12 @@ struct ChainModel {
   std::array<JointModel, kMaxChainJoints> joints;
   Transform last_to_tip;  // moved frame of the last joint -> tip
 };
+
+// What is to a joint of the chain as much as a radian is to a hinge, for solvers that weigh joints
+// against each other: of a slide the chain's length, m.
+inline double UnitOf(const ChainModel& chain, int joint) {
+  return chain.joints[joint].slide ? chain.length : 1;
+}
 
 // Where a configuration puts the joints, in the base frame. Only the first n entries are written.
 struct ChainFrames {

@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "robocell/base/error.h"
-#include "robocell/kinematics/joint_unit.h"
+#include "robocell/kinematics/chain_model.h"
 #include "robocell/math/rotation.h"
 
 namespace robocell {

@@ -1,6 +1,6 @@
 #include "robocell/kinematics/felt_inertia.h"
 
-#include "robocell/kinematics/link_inertia.h"
+#include "robocell/kinematics/chain_model.h"
 
 namespace robocell {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "robocell/kinematics/joint_unit.h"
+#include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/manipulability.h"
 #include "robocell/kinematics/start_range.h"
 

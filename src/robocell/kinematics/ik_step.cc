@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "robocell/kinematics/joint_unit.h"
+#include "robocell/kinematics/chain_model.h"
 
 namespace robocell {
 namespace {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/differential_ik.h"
 #include "robocell/kinematics/ik_step.h"
-#include "robocell/kinematics/joint_unit.h"
 #include "robocell/math/rotation.h"
 
 namespace robocell {

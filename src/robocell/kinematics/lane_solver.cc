@@ -5,7 +5,7 @@
 #include <bit>
 #include <cmath>
 
-#include "robocell/kinematics/joint_unit.h"
+#include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/lane_starts.h"
 
 namespace robocell {

@@ -2,8 +2,8 @@
 
 #include <cmath>
 
+#include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/common_normal.h"
-#include "robocell/kinematics/link_inertia.h"
 
 namespace robocell {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "robocell/kinematics/joint_unit.h"
+#include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/start_range.h"
 

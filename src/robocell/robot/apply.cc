@@ -5,7 +5,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_step.h"
-#include "robocell/robot/joint_limits.h"
+#include "robocell/robot/move_group.h"
 #include "robocell/robot/robot_state.h"
 
 namespace robocell {

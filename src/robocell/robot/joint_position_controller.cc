@@ -5,7 +5,7 @@
 
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/gripper_opening_controller.h"
-#include "robocell/robot/joint_limits.h"
+#include "robocell/robot/move_group.h"
 
 namespace robocell {
 

@@ -91,6 +91,11 @@ class MoveGroup {
   std::vector<double> noop_ctrl() const;
 };
 
+// joint_pos_limits() of a group, as whoever keeps to them may use them: one rising interval for each
+// of its nq() positions. ArgumentError with the group's place for anything else, which groups of the
+// user's own may give: a missing one would be a joint without limits.
+std::vector<Interval> CheckedJointPosLimits(const MoveGroup& group);
+
 // A gripper: `opening` is 0 closed ... 1 open whatever the raw control means.
 class GripperGroup : public MoveGroup {
  public:

@@ -1,4 +1,4 @@
-#include "robocell/base/full_disk.h"
+#include "robocell/base/io_error.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "robocell/kinematics/link_inertia.h"
+#include "robocell/kinematics/chain_model.h"
 
 namespace robocell {
 
