@@ -288,7 +288,7 @@ struct Episode::Impl {
     }
     if (!steps) {
       CompareOnce(identity);
-      steps.emplace(path, identity, hash, hdf5::File::OpenReadOnly(path));
+      steps.emplace(OpenSteps{path, identity, hash, hdf5::File::OpenReadOnly(path)});
     }
     use(steps->file);
     StepsPool().Give(std::move(*steps));
