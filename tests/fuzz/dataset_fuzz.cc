@@ -46,8 +46,9 @@ void Write(const fs::path& file, const std::string& bytes) {
   std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
 }
 
-// Opens and reads what can be opened.
+// Opens and reads what can be opened. Files do not stay open: the next input writes over them.
 void Use(const fs::path& episode) {
+  robocell::ReleaseIdleFiles();
   try {
     const robocell::Episode opened(episode);
     for (const robocell::ColumnInfo& column : opened.columns()) (void)column.rows;

@@ -218,10 +218,10 @@ def _names(keys: Iterable[str]) -> list[str]:
 
 
 def _key(episode: Episode, name: str, offsets: Offsets) -> Key:
-    several: Any = offsets if isinstance(offsets, Sequence | np.ndarray) else None
-    is_single = several is None
+    is_single = not isinstance(offsets, Sequence | np.ndarray)
+    several: Any = [offsets] if is_single else offsets
     try:
-        rows = tuple(operator.index(row) for row in ([offsets] if is_single else several))
+        rows = tuple(operator.index(row) for row in several)
     except TypeError:
         rows = ()
     if not rows:

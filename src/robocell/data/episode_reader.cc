@@ -88,6 +88,7 @@ std::vector<std::string> Names(const std::vector<Info>& infos) {
 
 // steps.h5 of an episode, open between calls.
 struct OpenSteps {
+  std::filesystem::path path;
   std::string identity;  // of the file
   std::string sha256;    // that it was compared with, or just written with
   hdf5::File file;
@@ -277,11 +278,17 @@ struct Episode::Impl {
   void WithSteps(const Use& use) const {
     const fs::path path = RequireReadable(folder / kStepsFile);
     const std::string identity = FileIdentity(path), hash = WrittenHash();
-    auto steps = StepsPool().Take(
-        [&](const OpenSteps& open) { return open.identity == identity && open.sha256 == hash; });
+    const auto same_path = [&](const OpenSteps& open) { return open.path == path; };
+    auto steps = StepsPool().Take(same_path);
+    // What was written over is closed before it is opened anew: HDF5 takes a file that it has open
+    // for the same, whatever is in it now.
+    while (steps && (steps->identity != identity || steps->sha256 != hash)) {
+      steps.reset();
+      steps = StepsPool().Take(same_path);
+    }
     if (!steps) {
       CompareOnce(identity);
-      steps.emplace(identity, hash, hdf5::File::OpenReadOnly(path));
+      steps.emplace(OpenSteps{path, identity, hash, hdf5::File::OpenReadOnly(path)});
     }
     use(steps->file);
     StepsPool().Give(std::move(*steps));

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -235,6 +236,21 @@ TEST(Episode, AFileThatIsDamagedAfterItWasReadIsComparedAgain) {
   bytes[bytes.size() / 2] ^= 1;
   AtomicWrite(folder / "a" / "steps.h5", bytes);
   ExpectThrow<IoError>([&] { episode.Read<double>("time"); }, "the hash does not fit");
+}
+
+TEST(Episode, AFileThatWasWrittenOverInItsPlaceIsReadAnew) {
+  TempDir folder;
+  const fs::path path = SampleEpisode(0, false).Write(folder.path(), "a", 2);
+  EXPECT_EQ(Episode(path).Read<double>("time").size(), 2u);
+  fs::create_directory(folder / "other");
+  SampleEpisode(0, false).Write(folder / "other", "a", 9);
+  for (const char* file : {"steps.h5", "episode.json"}) {
+    std::ofstream(path / file, std::ios::binary | std::ios::trunc)
+        << ReadFile(folder / "other" / "a" / file);
+  }
+  const Episode longer(path);
+  EXPECT_EQ(longer.Read<double>("time").size(), 9u);
+  EXPECT_EQ(longer.Read<double>("time").back(), 0.066 * 8);
 }
 
 TEST(Episode, AForkedChildReadsOn) {

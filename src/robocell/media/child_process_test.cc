@@ -34,6 +34,21 @@ TEST(ChildProcess, BytesGoInAndComeOut) {
   EXPECT_EQ(child.DescribeEnd(), "exited with code 0");
 }
 
+TEST(ChildProcess, AForkOfOursLeavesItAlone) {
+  ChildProcess child({"/bin/cat"}, {.pipe_stdin = true, .pipe_stdout = true});
+  const pid_t fork_of_ours = fork();
+  if (fork_of_ours == 0) {
+    child.Kill();
+    _exit(0);
+  }
+  waitpid(fork_of_ours, nullptr, 0);
+  const std::string text = "frames";
+  EXPECT_TRUE(child.Write({reinterpret_cast<const uint8_t*>(text.data()), text.size()}));
+  child.CloseStdin();
+  EXPECT_EQ(Output(child), text);
+  EXPECT_EQ(child.Wait(), 0);
+}
+
 TEST(ChildProcess, ItsInputEndsThoughAForkOfOursLivesOn) {
   ChildProcess child({"/bin/cat"}, {.pipe_stdin = true, .stall_timeout_s = 5});
   const pid_t fork_of_ours = fork();

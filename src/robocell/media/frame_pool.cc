@@ -60,7 +60,7 @@ void ReadFrom(IdlePool<StreamDecoder<Pixel>>& pool, const std::filesystem::path&
               int64_t index, std::span<Pixel> pixels, size_t recent_bytes) {
   std::string identity = FileIdentity(video);
   auto decoder = pool.Take([&](const StreamDecoder<Pixel>& d) { return d.identity == identity; });
-  if (!decoder) decoder.emplace(std::move(identity), VideoReader(video));
+  if (!decoder) decoder.emplace(StreamDecoder<Pixel>{std::move(identity), VideoReader(video)});
   decoder->Read(index, pixels, recent_bytes);
   pool.Give(std::move(*decoder));
 }
