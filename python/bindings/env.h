@@ -24,7 +24,10 @@ inline constexpr std::array kMotionFields = {
     MotionField{"linear_speed", &ArmMotion::linear_speed},
     MotionField{"angular_speed", &ArmMotion::angular_speed},
     MotionField{"position_shortfall", &ArmMotion::position_shortfall},
-    MotionField{"rotation_shortfall", &ArmMotion::rotation_shortfall}};
+    MotionField{"rotation_shortfall", &ArmMotion::rotation_shortfall},
+    MotionField{"joint_taken_back", &ArmMotion::joint_taken_back},
+    MotionField{"position_taken_back", &ArmMotion::position_taken_back},
+    MotionField{"rotation_taken_back", &ArmMotion::rotation_taken_back}};
 
 // The last observation, as dictionaries of copies.
 nb::dict Observation(const Env& env);

@@ -113,6 +113,7 @@ def test_a_blocked_arm_leaves_at_once():
     for _ in range(30):
         seen, info = move(env, [0, -0.03, 0])
     assert info["robots"]["robot"]["position_error"] < 0.06, "one action and the lead"
+    assert info["robots"]["robot"]["position_taken_back"] == pytest.approx(0.03, abs=2e-3)
     blocked = seen["tquat"][1]
     for _ in range(2):
         seen, _ = move(env, [0, 0.03, 0])

@@ -75,10 +75,12 @@ std::vector<bool> TurnFreely(const Robot& robot) {
 }  // namespace
 
 std::vector<double> ArmDriver::Memory::numbers() const {
-  std::vector<double> out(2 * 7);
+  std::vector<double> out(3 * 7);
   PutTquat(sent, std::span(out).first(7));
-  PutTquat(origin, std::span(out).last(7));
-  for (const std::vector<double>* q : {&sent_joints, &origin_joints, &commanded, &pending_joints})
+  PutTquat(origin, std::span(out).subspan(7, 7));
+  PutTquat(seen, std::span(out).last(7));
+  for (const std::vector<double>* q :
+       {&sent_joints, &origin_joints, &commanded, &pending_joints, &seen_joints})
     out.insert(out.end(), q->begin(), q->end());
   out.insert(out.end(), {sent_opening, commanded_opening, gripper_still ? 1.0 : 0.0, window_start,
                          window_opening});
@@ -100,10 +102,12 @@ ArmDriver::Memory ArmDriver::Memory::FromNumbers(size_t joints, std::span<const 
   Memory memory;
   memory.sent = pose();
   memory.origin = pose();
+  memory.seen = pose();
   memory.sent_joints = PositionsOf(take(joints));
   memory.origin_joints = PositionsOf(take(joints));
   memory.commanded = PositionsOf(take(joints));
   memory.pending_joints = PositionsOf(take(joints));
+  memory.seen_joints = PositionsOf(take(joints));
   const std::span<const double> rest = take(5);
   memory.sent_opening = rest[0];
   memory.commanded_opening = rest[1];
@@ -128,6 +132,7 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       vel_(tolerances_.size()),
       gravity_(tolerances_.size()),
       resistance_(tolerances_.size()),
+      rest_(tolerances_.size()),
       steady_(tolerances_.size()),
       gripper_(RobotWithGripper(config, robot_)),
       layout_(std::move(layout)),
@@ -160,6 +165,8 @@ void ArmDriver::Reset() {
   memory_.window_opening = gripper_ ? gripper()->opening() : 0;
   memory_.pending = {};
   memory_.pending_joints.assign(memory_.sent_joints.size(), 0);
+  memory_.seen_joints = robot_.arm().joint_pos();
+  memory_.seen = TcpAt(memory_.seen_joints);
   WatchFromNow();
   SetOriginToCurrent();
 }
@@ -179,7 +186,7 @@ ArmDriver::Memory ArmDriver::memory() const {
 void ArmDriver::Recall(const Memory& memory) {
   memory_ = memory;
   controller_ = robot_.shared_controller(robot_.arm().name());
-  position_shortfall_ = rotation_shortfall_ = 0;
+  sent_ = {};
   WatchFromNow();
   robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(memory.commanded)}});
   if (gripper_)
@@ -244,32 +251,40 @@ bool ArmDriver::GetPresentTargets() const {
   robot_.arm().GetJointPos(pos_);
   robot_.arm().GetJointVel(vel_);
   if (!AreFinite(pos_)) return false;
-  if (!GetSteadyTarget(pos_, vel_, steady_)) steady_ = pos_;
+  if (!GetSteadyTarget(pos_, still_, rest_)) rest_ = pos_;
+  if (!GetSteadyTarget(pos_, vel_, steady_)) steady_ = rest_;
   return true;
 }
 
-Pose ArmDriver::LastPose(PendingMove& pending) const {
+Pose ArmDriver::LastPose(PendingMove& pending, Pose& seen) const {
   if (!GetPresentTargets()) return memory_.sent;
-  return WithinLead(memory_.sent, base_in_shared_ * robot_.FkFrame(steady_),
-                    base_in_shared_ * robot_.FkFrame(pos_), lead_, pending);
+  const Led<Pose> led = {seen, TcpAt(pos_), TcpAt(rest_), TcpAt(steady_)};
+  seen = led.present;
+  return WithinLead(memory_.sent, led, lead_, pending);
 }
 
-std::vector<double> ArmDriver::LastJoints(std::vector<double>& pending) const {
+std::vector<double> ArmDriver::LastJoints(std::vector<double>& pending,
+                                          std::vector<double>& seen) const {
   std::vector<double> last = memory_.sent_joints;
   if (!GetPresentTargets()) return last;
-  for (size_t i = 0; i < last.size(); ++i)
-    last[i] = WithinJointLead(last[i], steady_[i], pos_[i], joint_lead_[i], pending[i]);
+  for (size_t i = 0; i < last.size(); ++i) {
+    const Led<double> led = {seen[i], pos_[i], rest_[i], steady_[i]};
+    last[i] = WithinJointLead(last[i], led, joint_lead_[i], pending[i]);
+  }
+  seen = pos_;
   return last;
 }
 
 bool ArmDriver::SendJoints(std::span<const double> command, RobotAction& commands) {
-  std::vector<double> q = PositionsOf(command), pending = memory_.pending_joints;
-  std::vector<double> last = LastJoints(pending);
+  std::vector<double> q = PositionsOf(command), pending = memory_.pending_joints,
+                      seen = memory_.seen_joints;
+  std::vector<double> last = LastJoints(pending, seen);
   for (size_t i = 0; i < q.size(); ++i) {
     if (relative_to_ == RelativeTo::kLastStep) {
       if (q[i] == 0) {  // keeps its target
         last[i] = memory_.sent_joints[i];
         pending[i] = memory_.pending_joints[i];
+        seen[i] = memory_.seen_joints[i];
       }
       q[i] += last[i];
     } else if (relative_to_ == RelativeTo::kConfiguredOrigin) {
@@ -281,7 +296,11 @@ bool ArmDriver::SendJoints(std::span<const double> command, RobotAction& command
     q[i] = std::clamp(q[i], joint_limits_[i].lower, joint_limits_[i].upper);
     pending[i] += q[i] - last[i];
   }
+  for (size_t i = 0; i < q.size(); ++i)
+    sent_.joint_taken_back =
+        std::max(sent_.joint_taken_back, std::abs(memory_.sent_joints[i] - last[i]));
   memory_.pending_joints = std::move(pending);
+  memory_.seen_joints = std::move(seen);
   memory_.sent_joints = q;
   commands[robot_.arm().name()] = GroupCommand::Joints(std::move(q));
   return robot_.Apply(commands).ok;
@@ -292,7 +311,8 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   const Pose given = PoseOfAction(mode_, command);
   const bool keeps = relative_to_ == RelativeTo::kLastStep && IsNoMotion(given);
   PendingMove pending = memory_.pending;
-  const Pose last = keeps ? memory_.sent : LastPose(pending);
+  Pose seen = memory_.seen;
+  const Pose last = keeps ? memory_.sent : LastPose(pending, seen);
   Pose next = keeps ? last : NextPose(last, given);
   const Pose target = base_in_shared_.inverse() * next;
   commands[arm] = GroupCommand::LeafPose(target);
@@ -303,13 +323,16 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
     if (!small) return false;
     const IkResult near = IkTowards(robot_.chain(), target, from);
     if (!near.success) return false;
-    position_shortfall_ = near.position_error;
-    rotation_shortfall_ = near.rotation_error;
+    sent_.position_shortfall = near.position_error;
+    sent_.rotation_shortfall = near.rotation_error;
     next = base_in_shared_ * robot_.FkFrame(near.q);
     robot_.Apply({{arm, GroupCommand::Joints(PositionsOf(near.q))}});
   }
+  sent_.position_taken_back = (memory_.sent.translation() - last.translation()).norm();
+  sent_.rotation_taken_back = AngleBetween(memory_.sent.quaternion(), last.quaternion());
   pending.Add(last, next);
   memory_.pending = pending;
+  memory_.seen = seen;
   memory_.sent = next;
   return true;
 }
@@ -318,7 +341,7 @@ bool ArmDriver::Send(std::span<const double> action) {
   RobotAction commands;
   const std::span<const double> own = PartOf(action, layout_.action);
   controller_ = robot_.shared_controller(robot_.arm().name());
-  position_shortfall_ = rotation_shortfall_ = 0;
+  sent_ = {};
   WatchFromNow();
   if (gripper_) SendGripper(action[layout_.gripper_action], commands);
   return mode_ == ControlMode::kJoints ? SendJoints(own, commands) : SendPose(own, commands);
@@ -399,8 +422,7 @@ ArmStatus ArmDriver::Status(double time) {
 }
 
 ArmMotion ArmDriver::motion() const {
-  ArmMotion motion{.position_shortfall = position_shortfall_,
-                   .rotation_shortfall = rotation_shortfall_};
+  ArmMotion motion = sent_;
   const std::vector<double>& pos = watched_[0];
   const std::span<const double> wanted = controller_->commanded_joint_pos();
   Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxChainJoints> jacobian(

@@ -26,6 +26,9 @@ struct ArmMotion {
   // By how much the target falls short of the pose that was commanded, m and rad: not zero when
   // the pose had no solution nearby and the arm went towards it in damped steps.
   double position_shortfall = 0, rotation_shortfall = 0;
+  // By how much the target from which the action started was taken back, because it led the arm by
+  // more than max_target_lead: the largest of any joint, rad or m, or of the pose, m and rad.
+  double joint_taken_back = 0, position_taken_back = 0, rotation_taken_back = 0;
 };
 
 // How an arm and its gripper stand to where they were sent.
@@ -46,14 +49,17 @@ class ArmDriver {
     double sent_opening = 1, commanded_opening = 1;
     bool gripper_still = false;  // at the end of the last window
     double window_start = 0, window_opening = 0;
-    // What was added to the target since the arm was last within max_target_lead of it.
+    // What was added to the target and the arm did not carry out yet, and where the arm was when
+    // that was last seen.
     PendingMove pending = {};
     std::vector<double> pending_joints = {};
+    Pose seen = {};
+    std::vector<double> seen_joints = {};
 
     std::vector<double> numbers() const;
     // Of an arm with as many joints; takes its numbers from the front of what is given.
     static Memory FromNumbers(size_t joints, std::span<const double>& numbers);
-    static size_t CountOfNumbers(size_t joints) { return 2 * 7 + 4 * joints + 5 + 6; }
+    static size_t CountOfNumbers(size_t joints) { return 3 * 7 + 5 * joints + 5 + 6; }
   };
 
   // `robot` is one of the configuration's, `layout` its part of the vectors.
@@ -97,13 +103,13 @@ class ArmDriver {
   // The last target, without what is pending and leads the arm by more than max_target_lead: a
   // blocked arm does not pile up targets behind what blocks it. What the arm lags behind as it
   // moves and sags under gravity does not count, so that ramps go all the way.
-  Pose LastPose(PendingMove& pending) const;
-  std::vector<double> LastJoints(std::vector<double>& pending) const;
+  Pose LastPose(PendingMove& pending, Pose& seen) const;
+  std::vector<double> LastJoints(std::vector<double>& pending, std::vector<double>& seen) const;
   // Writes the target under which the arm at `q` goes on moving at `v`. False where it is unknown.
   bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
                        std::span<double> out) const;
-  // Reads the present joint positions into pos_ and their steady target into steady_; the positions
-  // where that is unknown. False when they are not finite.
+  // Reads the present joint positions into pos_, and the targets under which they stay into rest_
+  // and go on into steady_; the positions where that is unknown. False when they are not finite.
   bool GetPresentTargets() const;
   // Of a joint over the last two watched engine steps, per second; infinite before that.
   double SpeedOf(size_t joint) const;
@@ -112,6 +118,8 @@ class ArmDriver {
   bool IsHeldAwayByGravity();
   void WatchFromNow();
   void StartWindow(double time);
+  // The TCP with the joints at `q`, in the shared base frame.
+  Pose TcpAt(std::span<const double> q) const { return base_in_shared_ * robot_.FkFrame(q); }
   Pose NextPose(const Pose& last, const Pose& given) const;
   bool GripperIsStill(double time);
   const GripperGroup* gripper() const { return gripper_ ? &gripper_->gripper() : nullptr; }
@@ -124,7 +132,7 @@ class ArmDriver {
   Robot robot_;
   std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
   std::vector<double> still_;       // zeros
-  mutable std::vector<double> pos_, vel_, gravity_, resistance_, steady_;  // scratch
+  mutable std::vector<double> pos_, vel_, gravity_, resistance_, rest_, steady_;  // scratch
   std::optional<Robot> gripper_;  // the robot that has the gripper
   RobotLayout layout_;
   std::vector<Interval> joint_limits_;
@@ -132,7 +140,7 @@ class ArmDriver {
   Pose base_in_shared_;
 
   Memory memory_;
-  double position_shortfall_ = 0, rotation_shortfall_ = 0;  // of the last Send, m and rad
+  ArmMotion sent_;  // of the last Send: what is missing of the command, and what was taken back
   // Joint positions now and one and two engine steps ago, as far as they were watched since the
   // step began; and at the beginning of a window of time, over which a resting arm hardly moves.
   std::array<std::vector<double>, 3> watched_;

@@ -38,6 +38,44 @@ TEST(EnvTargetLead, AJointIsLedByNoMoreThanTheLeadAndOneAction) {
   }
 }
 
+// What a fast arm lags behind is lead as soon as something stops the arm.
+TEST(EnvTargetLead, AFastApproachLeadsABlockedArmNoMore) {
+  ModelFolder folder;
+  EnvConfig config = OneHingeOnABlock(folder);
+  config.max_relative_movement = {0.2};
+  config.sim.async_control = true;
+  for (const double frequency : {30.0, 60.0}) {
+    config.sim.frequency = frequency;
+    for (const double action : {0.05, 0.1, 0.15}) {
+      Env env(config);
+      env.Reset({.seed = 1});
+      for (int i = 0; i < 10; ++i) env.Step(Numbers{-0.1});  // a way to gather speed on
+      for (int i = 0; i < 60; ++i) env.Step(Numbers{action});
+      const double blocked = env.scene().joint_pos("robotrobot_hip");
+      EXPECT_LE(TargetOf(env) - blocked, SagOfOneHinge(env) + 0.1 + action + 0.001)
+          << frequency << " " << action;
+    }
+  }
+}
+
+// An arm that cannot follow loses way: how much, the motion of the step says.
+TEST(EnvTargetLead, WhatIsTakenBackIsTold) {
+  ModelFolder folder;
+  Env env(OneHingeOnABlock(folder));
+  env.Reset({.seed = 1});
+  bool told = false;
+  for (int i = 0; i < 20; ++i) {
+    const double before = TargetOf(env);
+    env.Step(Numbers{0.04});
+    const double taken = env.motions()[0].joint_taken_back;
+    EXPECT_NEAR(TargetOf(env), before - taken + 0.04, 1e-12);
+    told = told || taken > 0.01;
+  }
+  EXPECT_TRUE(told);
+  env.Step(Numbers{0});
+  EXPECT_EQ(env.motions()[0].joint_taken_back, 0);
+}
+
 // Many small steps add up to the whole way, whatever the arm lags and sags; and so do fast ones, as
 // long as the lead allows for what starts the arm.
 TEST(EnvTargetLead, RampsGoAllTheWay) {
@@ -113,7 +151,8 @@ TEST(EnvTargetLead, AbsoluteActionsLeaveAtOnceToo) {
 
 // One robot over a floor, its hand open, pressed onto the floor by actions of 2 cm. Returns by how
 // much the TCP has risen after each of five actions of 2 cm up.
-Numbers RiseAfterPushing(EnvConfig config, bool batched, int pushes) {
+// `ahead` is by how much the target was below the TCP.
+Numbers RiseAfterPushing(EnvConfig config, bool batched, int pushes, double* ahead = nullptr) {
   config.add_floor = true;
   config.control_mode = ControlMode::kCartesianTquat;
   config.relative_to = RelativeTo::kLastStep;
@@ -140,6 +179,13 @@ Numbers RiseAfterPushing(EnvConfig config, bool batched, int pushes) {
   for (int i = 0; i < pushes; ++i) move(-0.02);
   Numbers rise;
   const double pressed = tcp_z();
+  if (ahead) {
+    const Robot robot = Robot::Of(batch.env(0).scene(), batch.layout().robots[0].robot);
+    const Pose target = batch.env(0).scene().shared_base_frame_to_world().inverse() *
+                        robot.base_in_world() *
+                        robot.FkFrame(robot.controller("arm").commanded_joint_pos());
+    *ahead = pressed - target.translation().z();
+  }
   for (int i = 0; i < 5; ++i) {
     move(0.02);
     rise.push_back(tcp_z() - pressed);
@@ -159,6 +205,25 @@ void ExpectToRiseAtOnce(const EnvConfig& config) {
           << ::testing::PrintToString(rise) << " " << ::testing::PrintToString(free);
     EXPECT_GT(rise.back(), 0.02) << ::testing::PrintToString(rise);
   }
+}
+
+// At 30 actions a second arms are fast when they meet the floor.
+void ExpectToBeLedLittle(EnvConfig config) {
+  config.sim.async_control = true;
+  config.sim.frequency = 30;
+  for (const bool batched : {false, true}) {
+    double ahead = 0;
+    const Numbers rise = RiseAfterPushing(config, batched, 80, &ahead);
+    EXPECT_LT(ahead, 0.02 + 0.02 + 0.001) << batched;
+    EXPECT_GT(rise[2], 0.005) << ::testing::PrintToString(rise);
+  }
+}
+
+TEST(EnvTargetLead, ABuiltInArmIsLedLittleAfterAFastApproach) { ExpectToBeLedLittle(Rc7Env()); }
+
+TEST(EnvTargetLead, AnFr3IsLedLittleAfterAFastApproach) {
+  REQUIRE_MENAGERIE("franka_fr3");
+  ExpectToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("fr3")));
 }
 
 TEST(EnvTargetLead, ABuiltInArmRisesAtOnceAfterItWasPushedIntoTheFloor) {

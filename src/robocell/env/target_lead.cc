@@ -20,18 +20,38 @@ Vector3d TurnBetween(const Pose& from, const Pose& to) {
       .rotvec();
 }
 
-// The least share of `pending` that has to be taken from `ahead` for its length to be `most`, or as
-// near to that as it gets.
-double ShareToTakeBack(const Vector3d& ahead, const Vector3d& pending, double most) {
-  const double excess = ahead.squaredNorm() - most * most, length = pending.squaredNorm();
-  const double along = ahead.dot(pending);
-  if (!(excess > 0) || !(along > 0)) return 0;
-  const double root = along * along - length * excess;
-  return std::min(1.0, (along - std::sqrt(std::max(root, 0.0))) / length);
+// What of `pending` the target is `ahead`: it keeps the direction of what was sent.
+double Outstanding(double pending, double ahead) {
+  return pending * ahead > 0 ? std::copysign(std::min(std::abs(pending), std::abs(ahead)), pending)
+                             : 0;
 }
 
-void KeepWithin(double share, std::array<double, 3>& pending) {
-  for (double& x : pending) x *= share;
+// With what an arm that `moved` against it was pushed away.
+double WithPush(double pending, double moved) {
+  return pending * moved < 0 ? pending - moved : pending;
+}
+
+// By how much the target is ahead of all places that the arm counts as.
+double AheadOf(double sent, std::initializer_list<double> places) {
+  return sent - std::clamp(sent, std::min(places), std::max(places));
+}
+
+// All from where the arm is. Returns what is to be taken back, and takes it from `pending`.
+Vector3d TakeBack(const Vector3d& sent, const Led<Vector3d>& led, double lead,
+                  std::array<double, 3>& pending) {
+  Vector3d ahead, unexplained;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    double& sum = pending[static_cast<size_t>(i)];
+    sum = Outstanding(WithPush(sum, -led.before[i]), AheadOf(sent[i], {0.0, led.rest[i]}));
+    ahead[i] = AheadOf(sent[i], {0.0, led.rest[i], led.steady[i]});
+    unexplained[i] = Outstanding(sum, ahead[i]);
+  }
+  const double length = unexplained.norm();
+  const double excess = length > 0 ? ahead.dot(unexplained) / length - lead : 0;
+  if (!(excess > 0)) return Vector3d::Zero();
+  const Vector3d back = std::min(1.0, excess / length) * unexplained;
+  Eigen::Map<Vector3d>(pending.data()) -= back;
+  return back;
 }
 
 }  // namespace
@@ -41,35 +61,28 @@ void PendingMove::Add(const Pose& from, const Pose& to) {
   Eigen::Map<Vector3d>(turn.data()) += TurnBetween(from, to);
 }
 
-Pose WithinLead(const Pose& sent, const Pose& steady, const Pose& present, const StepLimit& lead,
+Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead,
                 PendingMove& pending) {
-  const Vector3d shift(pending.shift.data()), turn(pending.turn.data());
-  double shift_share = 1, turn_share = 1;
-  bool shift_done = false, turn_done = false;
-  for (const Pose* arm : {&steady, &present}) {
-    const Vector3d shift_ahead = ShiftBetween(*arm, sent), turn_ahead = TurnBetween(*arm, sent);
-    shift_share = std::min(shift_share, ShareToTakeBack(shift_ahead, shift, lead.translation));
-    turn_share = std::min(turn_share, ShareToTakeBack(turn_ahead, turn, lead.rotation));
-    shift_done = shift_done || shift_ahead.norm() <= lead.translation;
-    turn_done = turn_done || turn_ahead.norm() <= lead.rotation;
-  }
-  KeepWithin(shift_done ? 0 : 1 - shift_share, pending.shift);
-  KeepWithin(turn_done ? 0 : 1 - turn_share, pending.turn);
-  if (shift_share == 0 && turn_share == 0) return sent;
-  const Pose back = Pose::FromRotvec(Vector3d::Zero(), -turn_share * turn);
-  return Pose(sent.translation() - shift_share * shift,
-              QuaternionProduct(back.quaternion(), sent.quaternion()));
+  const auto back_of = [&](const auto& between, double most, std::array<double, 3>& moves) {
+    const auto from_arm = [&](const Pose& to) -> Vector3d { return between(led.present, to); };
+    const Led<Vector3d> own = {from_arm(led.before), Vector3d::Zero(), from_arm(led.rest),
+                               from_arm(led.steady)};
+    return TakeBack(from_arm(sent), own, most, moves);
+  };
+  const Vector3d shift = back_of(ShiftBetween, lead.translation, pending.shift);
+  const Vector3d turn = back_of(TurnBetween, lead.rotation, pending.turn);
+  if (shift.isZero(0) && turn.isZero(0)) return sent;
+  const Pose back = Pose::FromRotvec(Vector3d::Zero(), -turn);
+  return Pose(sent.translation() - shift, QuaternionProduct(back.quaternion(), sent.quaternion()));
 }
 
-double WithinJointLead(double sent, double steady, double present, double lead, double& pending) {
-  const double nearest = std::clamp(sent, std::min(steady, present), std::max(steady, present));
-  const double ahead = sent - nearest, excess = std::abs(ahead) - lead;
-  if (excess <= 0) {
-    pending = 0;
-    return sent;
-  }
-  if (ahead * pending <= 0) return sent;
-  const double back = std::copysign(std::min(excess, std::abs(pending)), pending);
+double WithinJointLead(double sent, const Led<double>& led, double lead, double& pending) {
+  pending = Outstanding(WithPush(pending, led.present - led.before),
+                        AheadOf(sent, {led.present, led.rest}));
+  const double ahead = AheadOf(sent, {led.present, led.rest, led.steady});
+  const double unexplained = Outstanding(pending, ahead), excess = std::abs(ahead) - lead;
+  if (!(excess > 0)) return sent;
+  const double back = std::copysign(std::min(excess, std::abs(unexplained)), unexplained);
   pending -= back;
   return sent - back;
 }

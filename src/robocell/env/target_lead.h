@@ -1,14 +1,16 @@
-// How far a target may lead an arm: takes back what an arm was sent and did not carry out, as it
+// How far a target may lead an arm: takes back what an arm was sent and does not carry out, as it
 // does behind what blocks it. Pure functions of targets and states; the driver of an arm
 // (arm_driver.h) remembers what is pending.
 //
-//   PendingMove pending;                                  // what was added to the target since it
-//   pending.Add(before, sent);                            // last was near the arm
-//   sent = WithinLead(sent, steady, present, lead, pending);
+//   PendingMove pending;                                  // what was sent and is not carried out
+//   pending.Add(before, sent);
+//   sent = WithinLead(sent, {last_tcp, tcp, held_by, led_by}, lead, pending);
 //
 // Only what is pending is taken back, and only along its own direction: a tool that is pressed onto
 // a table is not turned away or moved aside because it gives way there, and an arm that sags under
-// a load keeps its target.
+// a load keeps its target. What a fast arm lags behind its target stays pending: it is lead from
+// the moment at which something stops the arm. So is what the arm moves against what is pending:
+// then something pushes it away.
 #pragma once
 
 #include <array>
@@ -24,13 +26,21 @@ struct PendingMove {
   void Add(const Pose& from, const Pose& to);
 };
 
-// `sent` without that part of `pending` by which it leads the arm by more than `lead`; the rest
-// stays pending, none where the arm is within the lead. `present` is where the arm is, `steady` the
-// target under which it would go on as it does: the arm counts as where it is nearer of the two.
-Pose WithinLead(const Pose& sent, const Pose& steady, const Pose& present, const StepLimit& lead,
+// Where an arm, or a joint, was when it was last sent something and is, to be compared with its
+// target; and the targets under which it would stay there, as it sags, and under which it would go
+// on moving as it does, as it lags.
+template <typename T>
+struct Led {
+  T before, present, rest, steady;
+};
+
+// `sent` without that part of `pending` by which it leads the arm by more than `lead`, along the
+// direction of `pending`. The arm counts as anywhere from where it is `present` to where it
+// is at `rest` and `steady`, along each axis. `pending` becomes what is still pending: no more than by what the target leads the arm at rest.
+Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead,
                 PendingMove& pending);
 
-// The same for a joint; it counts as anywhere between `steady` and `present`.
-double WithinJointLead(double sent, double steady, double present, double lead, double& pending);
+// The same for a joint.
+double WithinJointLead(double sent, const Led<double>& led, double lead, double& pending);
 
 }  // namespace robocell

@@ -17,18 +17,26 @@ using Eigen::Vector3d;
 
 constexpr StepLimit kLead{0.02, 0.1};
 
+// An arm that stays where it is.
+Led<Pose> Still(const Pose& arm) { return {arm, arm, arm, arm}; }
+Led<double> StillAt(double joint) { return {joint, joint, joint, joint}; }
+
+double Length(const std::array<double, 3>& x) { return std::hypot(x[0], x[1], x[2]); }
+
 double Distance(const Pose& a, const Pose& b) { return (a.translation() - b.translation()).norm(); }
 
-TEST(TargetLead, ATargetWithinTheLeadIsKeptAndNothingIsPending) {
+TEST(TargetLead, ATargetWithinTheLeadIsKeptAndPending) {
   Rng rng = Rng::Stream(1, "target lead");
   for (int trial = 0; trial < 100; ++trial) {
     const Pose arm = RandomPose(rng);
     const Pose sent = MovedBy(arm, Pose::FromRpy({0.011, 0.009, -0.01}, {0.05, 0.01, -0.05}));
     PendingMove pending;
     pending.Add(arm, sent);
-    EXPECT_TRUE(WithinLead(sent, arm, arm, kLead, pending) == sent);
-    EXPECT_EQ(pending.shift, (std::array<double, 3>{}));
-    EXPECT_EQ(pending.turn, (std::array<double, 3>{}));
+    EXPECT_TRUE(WithinLead(sent, Still(arm), kLead, pending) == sent);
+    EXPECT_NEAR(Length(pending.shift), Distance(arm, sent), 1e-12);
+    EXPECT_NEAR(Length(pending.turn), AngleBetween(arm.quaternion(), sent.quaternion()), 1e-6);
+    EXPECT_TRUE(WithinLead(sent, Still(sent), kLead, pending) == sent) << "it was carried out";
+    EXPECT_NEAR(Length(pending.shift) + Length(pending.turn), 0, 1e-12);
   }
 }
 
@@ -40,7 +48,7 @@ TEST(TargetLead, WhatABlockedArmDidNotCarryOutIsTakenBackToTheLead) {
     const Pose sent = MovedBy(arm, move);
     PendingMove pending;
     pending.Add(arm, sent);
-    const Pose last = WithinLead(sent, arm, arm, kLead, pending);
+    const Pose last = WithinLead(sent, Still(arm), kLead, pending);
     EXPECT_NEAR(Distance(last, arm), kLead.translation, 1e-9);
     EXPECT_NEAR(Distance(last, sent), 0.3 - kLead.translation, 1e-9) << "along the move";
     EXPECT_LT(AngleBetween(last.quaternion(), sent.quaternion()), 1e-6);
@@ -51,7 +59,7 @@ TEST(TargetLead, WhatABlockedArmDidNotCarryOutIsTakenBackToTheLead) {
     const Pose turned = MovedBy(arm, turn);
     PendingMove pending_turn;
     pending_turn.Add(arm, turned);
-    const Pose back = WithinLead(turned, arm, arm, kLead, pending_turn);
+    const Pose back = WithinLead(turned, Still(arm), kLead, pending_turn);
     EXPECT_NEAR(AngleBetween(back.quaternion(), arm.quaternion()), kLead.rotation, 1e-6);
   }
 }
@@ -62,34 +70,82 @@ TEST(TargetLead, WhatIsNotPendingIsKept) {
     const Pose sent = RandomPose(rng);
     const Pose arm = MovedBy(sent, Pose::FromRpy(RandomVector(rng, 0.3), {0.3, 0.2, 0.1}));
     PendingMove none;
-    EXPECT_TRUE(WithinLead(sent, arm, arm, kLead, none) == sent);
+    EXPECT_TRUE(WithinLead(sent, Still(arm), kLead, none) == sent);
     PendingMove away;  // a move that brought the target nearer to the arm
     away.Add(Pose(2 * sent.translation() - arm.translation(), sent.quaternion()), sent);
-    EXPECT_TRUE(WithinLead(sent, arm, arm, kLead, away).is_close(sent, 1e-12, 1e-12));
+    EXPECT_TRUE(WithinLead(sent, Still(arm), kLead, away).is_close(sent, 1e-12, 1e-12));
   }
 }
 
-TEST(TargetLead, TheArmCountsAsWhereItIsNearer) {
-  const Pose arm = Pose(), sent(Vector3d(0, 0, -0.3));
+TEST(TargetLead, TheArmCountsAsAnywhereBetweenWhereItIsAndWhatItLagsBehind) {
+  const Pose arm = Pose(), sent(Vector3d(0, 0, -0.3)), beyond(Vector3d(0, 0, -0.4));
   PendingMove pending;
   pending.Add(arm, sent);
   PendingMove same = pending;
-  EXPECT_TRUE(WithinLead(sent, sent, arm, kLead, pending) == sent);
-  EXPECT_TRUE(WithinLead(sent, arm, sent, kLead, same) == sent);
+  EXPECT_TRUE(WithinLead(sent, {arm, arm, arm, beyond}, kLead, pending) == sent);
+  EXPECT_NEAR(Length(pending.shift), 0.3, 1e-12) << "it is not carried out yet";
+  EXPECT_TRUE(WithinLead(sent, {arm, arm, sent, sent}, kLead, same) == sent);
+  EXPECT_EQ(Length(same.shift), 0) << "it sags";
+}
+
+TEST(TargetLead, WhatPushesTheArmAwayIsPending) {
+  const Pose sent(Vector3d(0, 0, -0.1)), before(Vector3d(0, 0, -0.05)), arm(Vector3d(0.1, 0, 0));
+  PendingMove pending = {.shift = {0, 0, -0.02}};
+  const Pose last = WithinLead(sent, {before, arm, arm, arm}, kLead, pending);
+  EXPECT_NEAR(last.translation().z(), -0.03, 1e-12) << "0.02 and 0.05 are pending";
+  EXPECT_EQ(last.translation().x(), 0) << "it was not sent aside";
+  double joint = 0.2;
+  EXPECT_NEAR(WithinJointLead(1, {0.6, 0.3, 0.3, 0.3}, 0.1, joint), 0.5, 1e-12);
 }
 
 TEST(TargetLead, JointsAreAsPoses) {
   double pending = 0.5;
-  EXPECT_NEAR(WithinJointLead(0.5, 0, 0, 0.1, pending), 0.1, 1e-12);
+  EXPECT_NEAR(WithinJointLead(0.5, StillAt(0), 0.1, pending), 0.1, 1e-12);
   EXPECT_NEAR(pending, 0.1, 1e-12);
   pending = -0.2;
-  EXPECT_NEAR(WithinJointLead(-0.5, 0, 0, 0.1, pending), -0.3, 1e-12) << "no more than is pending";
+  EXPECT_NEAR(WithinJointLead(-0.5, StillAt(0), 0.1, pending), -0.3, 1e-12)
+      << "no more than is pending";
   EXPECT_NEAR(pending, 0, 1e-12);
   pending = -0.2;
-  EXPECT_EQ(WithinJointLead(0.5, 0, 0, 0.1, pending), 0.5) << "it came nearer";
+  EXPECT_EQ(WithinJointLead(0.5, StillAt(0), 0.1, pending), 0.5) << "it came nearer";
   pending = 0.2;
-  EXPECT_EQ(WithinJointLead(0.5, 0, 0.45, 0.1, pending), 0.5);
-  EXPECT_EQ(pending, 0);
+  EXPECT_EQ(WithinJointLead(0.5, {0.45, 0.45, 0, 0}, 0.1, pending), 0.5);
+  EXPECT_NEAR(pending, 0.05, 1e-12);
+}
+
+// Whatever an arm that lags behind its target was sent on its way: where a wall stops it, its
+// target is ahead by the lead and one action, and as far back as one sends it from there.
+TEST(TargetLead, AnArmThatIsStoppedInFullMotionIsLedByTheLeadAndOneAction) {
+  Rng rng = Rng::Stream(4, "target lead");
+  for (int trial = 0; trial < 300; ++trial) {
+    const double lag = rng.Uniform(0, 8), action = rng.Uniform(0.001, 0.05);
+    const double wall = rng.Uniform(0.1, 0.5), lead = kLead.translation;
+    const Vector3d way = RandomVector(rng, 1).normalized();
+    Pose sent, arm;
+    PendingMove pending;
+    double target = 0, joint = 0, pending_joint = 0, v = 0;
+    int last_moves = 0;
+    for (int step = 0; step < 2000 && last_moves < 3; ++step) {
+      // An action's time is the unit of time: the arm goes where it lags by v times lag.
+      const double next = std::min(wall, joint + v);
+      const bool stopped = next == wall;
+      if (stopped) ++last_moves;
+      const double steady = next + (stopped ? 0 : v * lag);
+      const auto at = [&](double x) { return Pose(x * way); };
+      sent = WithinLead(sent, {at(joint), at(next), at(next), at(steady)}, kLead, pending);
+      target = WithinJointLead(target, {joint, next, next, steady}, lead, pending_joint);
+      joint = next;
+      const Pose to(sent.translation() + action * way);
+      pending.Add(sent, to);
+      pending_joint += action;
+      sent = to;
+      target += action;
+      v = (target - joint) / (lag + 1);
+    }
+    ASSERT_EQ(last_moves, 3);
+    EXPECT_LE(target - wall, lead + action + 1e-9) << lag << " " << action;
+    EXPECT_LE(sent.translation().dot(way) - wall, lead + action + 1e-9) << lag << " " << action;
+  }
 }
 
 }  // namespace
