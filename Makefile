@@ -6,8 +6,8 @@
 #   make check      everything that finds    make docs     redraw pictures, check links
 #                   faults without a robot   make clean    remove what was built (not .venv)
 #
-# make check is the sum of: check-format check-lint check-types check-rules check-docs check-tidy
-# check-sanitizers check-fuzz; each can be run alone. make soak adds check-tsan.
+# make check is the sum of: check-format check-lint check-types check-rules check-docs check-subdirectory
+# check-tidy check-sanitizers check-fuzz; each can be run alone. make soak adds check-tsan.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -32,7 +32,7 @@ CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
-  check-rules check-docs check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc check-tsan-python bench soak \
+  check-rules check-docs check-subdirectory check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc check-tsan-python bench soak \
   soak-reliability soak-tests soak-debug soak-fuzz clean format docs
 
 setup:
@@ -71,7 +71,7 @@ test-python: build
 	@scripts/fetch_test_robots
 	@$(PYTHON) -m pytest -n $(JOBS) --dist worksteal
 
-check: check-format check-lint check-rules check-docs check-types check-tidy check-sanitizers check-fuzz
+check: check-format check-lint check-rules check-docs check-types check-subdirectory check-tidy check-sanitizers check-fuzz
 	@$(call headline,make check: nothing found)
 
 check-format: setup
@@ -118,6 +118,16 @@ check-fuzz: setup
 	@$(call configure,fuzz)
 	@cmake --build --preset fuzz -j $(JOBS)
 	@scripts/fuzz $(FUZZ_SECONDS)
+
+# A project with robocell in its tree. With make and not with ninja, whose paths would be others than those of the
+# release build: ccache has the objects.
+check-subdirectory: setup
+	@$(call headline,robocell within another project)
+	@mkdir -p build/subdirectory
+	@cmake -S tests/subdirectory -B build/subdirectory -G "Unix Makefiles" -DCMAKE_BUILD_TYPE=Release \
+	  >build/subdirectory/configure.log 2>&1 || { cat build/subdirectory/configure.log; exit 1; }
+	@$(MAKE) --directory build/subdirectory --jobs $(JOBS) subdirectory
+	@build/subdirectory/subdirectory
 
 bench: setup
 	@$(call headline,benchmarks)

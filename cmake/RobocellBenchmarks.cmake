@@ -1,6 +1,6 @@
 # benchmarks/*_bench.cc, one program each, on google-benchmark.
 find_package(benchmark REQUIRED)
-file(GLOB benches CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/benchmarks/*_bench.cc")
+file(GLOB benches CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/benchmarks/*_bench.cc")
 foreach(source ${benches})
   get_filename_component(name "${source}" NAME_WE)
   add_executable(${name} "${source}")
@@ -10,6 +10,6 @@ foreach(source ${benches})
 endforeach()
 # The same kernels as on a processor without AVX-512.
 if(CMAKE_SYSTEM_PROCESSOR STREQUAL "x86_64")
-  add_library(only_avx2 MODULE "${CMAKE_SOURCE_DIR}/benchmarks/only_avx2.cc")
+  add_library(only_avx2 MODULE "${PROJECT_SOURCE_DIR}/benchmarks/only_avx2.cc")
   target_link_libraries(only_avx2 PRIVATE PkgConfig::HWY)
 endif()

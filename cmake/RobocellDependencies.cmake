@@ -1,6 +1,11 @@
-# Everything robocell links to: system packages, and MuJoCo from the Python wheel of the active environment.
-set(Python_FIND_VIRTUALENV FIRST)
-find_package(Python 3.11 REQUIRED COMPONENTS Interpreter OPTIONAL_COMPONENTS Development.Module)
+# Everything robocell links to: system packages, and MuJoCo (RobocellMujoco.cmake). Python is needed for the extension only.
+if(NOT PROJECT_IS_TOP_LEVEL)
+  set(CMAKE_FIND_PACKAGE_TARGETS_GLOBAL ON)  # the project around this one links to Eigen, fmt and MuJoCo too
+endif()
+if(ROBOCELL_PYTHON)
+  set(Python_FIND_VIRTUALENV FIRST)
+  find_package(Python 3.11 REQUIRED COMPONENTS Interpreter OPTIONAL_COMPONENTS Development.Module)
+endif()
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
@@ -20,22 +25,14 @@ find_package(PkgConfig REQUIRED)
 pkg_check_modules(HWY REQUIRED IMPORTED_TARGET libhwy)
 find_package(Threads REQUIRED)
 
+include(RobocellMujoco)
 set(ROBOCELL_MUJOCO_VERSION 4.0.0)
-execute_process(
-  COMMAND "${Python_EXECUTABLE}" -c
-          "import importlib.util as u, os; print(os.path.dirname(u.find_spec('mujoco').origin))"
-  OUTPUT_VARIABLE MUJOCO_DIR OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
-set(MUJOCO_LIBRARY "${MUJOCO_DIR}/libmujoco.so.${ROBOCELL_MUJOCO_VERSION}")
-if(NOT EXISTS "${MUJOCO_LIBRARY}")
-  message(FATAL_ERROR "robocell needs mujoco ${ROBOCELL_MUJOCO_VERSION}, but ${MUJOCO_LIBRARY} does not exist. "
-                      "Install it: pip install mujoco==${ROBOCELL_MUJOCO_VERSION}")
+robocell_find_mujoco(${ROBOCELL_MUJOCO_VERSION})
+if(MUJOCO_PROBLEM)
+  message(FATAL_ERROR "${MUJOCO_PROBLEM}")
 endif()
-add_library(mujoco::mujoco SHARED IMPORTED)
-set_target_properties(mujoco::mujoco PROPERTIES
-  IMPORTED_LOCATION "${MUJOCO_LIBRARY}"
-  IMPORTED_SONAME "libmujoco.so.${ROBOCELL_MUJOCO_VERSION}")
-target_include_directories(mujoco::mujoco SYSTEM INTERFACE "${MUJOCO_DIR}/include")
-if(ROBOCELL_SANITIZE MATCHES "address")
+get_target_property(imported mujoco::mujoco IMPORTED)
+if(ROBOCELL_SANITIZE MATCHES "address" AND imported)
   # mjsan.h does not compile with g++ under ASan; the library itself is not instrumented anyway.
   target_compile_options(mujoco::mujoco INTERFACE -U__SANITIZE_ADDRESS__)
 endif()

@@ -4,14 +4,16 @@ set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
 set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
-set_property(GLOBAL PROPERTY USE_FOLDERS ON)
 
-if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
-  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+# Within another project, that project's build type and options are used.
+if(PROJECT_IS_TOP_LEVEL)
+  if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+  endif()
+  # -O2: -O3 doubles some compile times and gains nothing measurable outside the SIMD kernels, which set their own.
+  set(CMAKE_CXX_FLAGS_RELEASE "-O2 -DNDEBUG")
+  set(CMAKE_C_FLAGS_RELEASE "-O2 -DNDEBUG")
 endif()
-# -O2: -O3 doubles some compile times and gains nothing measurable outside the SIMD kernels, which set their own.
-set(CMAKE_CXX_FLAGS_RELEASE "-O2")
-set(CMAKE_C_FLAGS_RELEASE "-O2")
 
 # g++ collects its garbage early unless told that there is memory: a tenth of the build's time for 60 MB a process.
 add_compile_options("$<$<COMPILE_LANG_AND_ID:CXX,GNU>:SHELL:--param ggc-min-heapsize=1000000>")
@@ -68,8 +70,8 @@ endfunction()
 
 # ccache takes precompiled headers when it is told that macros defined before them do not matter.
 find_program(CCACHE_PROGRAM ccache)
-if(CCACHE_PROGRAM)
-  set(launcher "${CMAKE_BINARY_DIR}/ccache")  # tools that read the commands know that name
+if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(launcher "${PROJECT_BINARY_DIR}/ccache")  # tools that read the commands know that name
   file(CONFIGURE OUTPUT "${launcher}.in" @ONLY CONTENT [[#!/bin/sh
 export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros}"
 exec "@CCACHE_PROGRAM@" "$@"

@@ -3,11 +3,11 @@ if(NOT CMAKE_CXX_COMPILER_ID MATCHES "Clang")
   message(FATAL_ERROR "libFuzzer comes with clang: configure with the preset `fuzz`, or -DCMAKE_CXX_COMPILER=clang++")
 endif()
 foreach(layer base math spec media data)
-  file(GLOB layer_sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/${layer}/*.cc")
+  file(GLOB layer_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/${layer}/*.cc")
   list(APPEND fuzzed_sources ${layer_sources})
 endforeach()
 foreach(file builtin menagerie override resolve roots)  # where models are found; the rest needs the engine
-  list(APPEND fuzzed_sources "${CMAKE_SOURCE_DIR}/src/robocell/assets/${file}.cc")
+  list(APPEND fuzzed_sources "${PROJECT_SOURCE_DIR}/src/robocell/assets/${file}.cc")
 endforeach()
 list(FILTER fuzzed_sources EXCLUDE REGEX "_test\\.cc$")
 
@@ -16,13 +16,13 @@ set(fuzz_flags -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-
 add_library(robocell_fuzzed STATIC ${fuzzed_sources})
 robocell_unity(robocell_fuzzed ${ROBOCELL_UNITY_WAITING} ${fuzzed_sources})
 target_compile_options(robocell_fuzzed PUBLIC ${fuzz_flags} PRIVATE -fsanitize=fuzzer-no-link)
-target_include_directories(robocell_fuzzed PUBLIC "${CMAKE_SOURCE_DIR}/src" SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS}
+target_include_directories(robocell_fuzzed PUBLIC "${PROJECT_SOURCE_DIR}/src" SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS}
   ${XXHASH_INCLUDE_DIR})
 target_link_libraries(robocell_fuzzed PUBLIC robocell_flags Eigen3::Eigen fmt::fmt spdlog::spdlog yaml-cpp
   nlohmann_json::nlohmann_json OpenSSL::Crypto ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads)
 target_compile_definitions(robocell_fuzzed PRIVATE ROBOCELL_VERSION="${PROJECT_VERSION}")
 
-file(GLOB fuzzers CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/tests/fuzz/*_fuzz.cc")
+file(GLOB fuzzers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/tests/fuzz/*_fuzz.cc")
 foreach(source ${fuzzers})
   get_filename_component(name "${source}" NAME_WE)
   add_executable(${name} "${source}")

@@ -23,28 +23,28 @@ else()
 endif()
 install(TARGETS robocell EXPORT robocellTargets
   LIBRARY DESTINATION "${lib_dir}" ${namelink} INCLUDES DESTINATION "${include_dir}")
-install(DIRECTORY "${CMAKE_SOURCE_DIR}/src/robocell" DESTINATION "${include_dir}"
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/src/robocell" DESTINATION "${include_dir}"
   FILES_MATCHING PATTERN "*.h" PATTERN "testing" EXCLUDE)
-if(EXISTS "${CMAKE_SOURCE_DIR}/models")
-  install(DIRECTORY "${CMAKE_SOURCE_DIR}/models" DESTINATION "${models_dir}")
-endif()
+install(DIRECTORY "${PROJECT_SOURCE_DIR}/models" DESTINATION "${models_dir}")
 # Ready-made environments and the robots that they name, where they find each other and the models.
-if(EXISTS "${CMAKE_SOURCE_DIR}/examples/envs")
-  install(DIRECTORY "${CMAKE_SOURCE_DIR}/examples/envs" DESTINATION "${models_dir}/examples")
+if(EXISTS "${PROJECT_SOURCE_DIR}/examples/envs")
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/examples/envs" DESTINATION "${models_dir}/examples")
   foreach(robot xarm7 gen3_2f85 panda)
-    install(FILES "${CMAKE_SOURCE_DIR}/examples/${robot}.yaml" DESTINATION "${models_dir}/examples")
+    install(FILES "${PROJECT_SOURCE_DIR}/examples/${robot}.yaml" DESTINATION "${models_dir}/examples")
   endforeach()
 endif()
 
 # One config file for the installed tree, the wheel and the build folder: it uses no path of its own.
-configure_file("${CMAKE_SOURCE_DIR}/cmake/robocellConfig.cmake.in" "${CMAKE_BINARY_DIR}/robocellConfig.cmake" @ONLY)
-write_basic_package_version_file("${CMAKE_BINARY_DIR}/robocellConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+file(COPY "${PROJECT_SOURCE_DIR}/cmake/RobocellMujoco.cmake" DESTINATION "${PROJECT_BINARY_DIR}")
+configure_file("${PROJECT_SOURCE_DIR}/cmake/robocellConfig.cmake.in" "${PROJECT_BINARY_DIR}/robocellConfig.cmake" @ONLY)
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/robocellConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 install(EXPORT robocellTargets NAMESPACE robocell:: DESTINATION "${cmake_dir}")
-install(FILES "${CMAKE_BINARY_DIR}/robocellConfig.cmake" "${CMAKE_BINARY_DIR}/robocellConfigVersion.cmake"
+install(FILES "${PROJECT_BINARY_DIR}/robocellConfig.cmake" "${PROJECT_BINARY_DIR}/robocellConfigVersion.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/RobocellMujoco.cmake"
   DESTINATION "${cmake_dir}")
-export(EXPORT robocellTargets NAMESPACE robocell:: FILE "${CMAKE_BINARY_DIR}/robocellTargets.cmake")
+export(EXPORT robocellTargets NAMESPACE robocell:: FILE "${PROJECT_BINARY_DIR}/robocellTargets.cmake")
 
 if(SKBUILD AND TARGET _core)
   install(TARGETS _core LIBRARY DESTINATION .)
-  install(DIRECTORY "${CMAKE_BINARY_DIR}/stubs/" DESTINATION .)
+  install(DIRECTORY "${PROJECT_BINARY_DIR}/stubs/" DESTINATION .)
 endif()

@@ -1,5 +1,5 @@
 # librobocell: every source under src/robocell that is not a test. Folders are the layers; tests check the includes.
-file(GLOB_RECURSE ROBOCELL_SOURCES CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/*.cc")
+file(GLOB_RECURSE ROBOCELL_SOURCES CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/*.cc")
 list(FILTER ROBOCELL_SOURCES EXCLUDE REGEX "_test\\.cc$|/testing/")
 
 # Layers that wait for disks and processes are optimised less: the compiler takes a quarter less time for them.
@@ -19,17 +19,17 @@ robocell_unity(robocell ${ROBOCELL_UNITY_FILES} ${ROBOCELL_SOURCES})
 # Kernels: compiled for every instruction set, or worth the better optimisation.
 foreach(kernel kinematics/lane_kernel kinematics/link_kernel kinematics/pose_kernel kinematics/start_table
                control/leaf_kernel)
-  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/${kernel}.cc" PROPERTIES
+  set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/${kernel}.cc" PROPERTIES
     COMPILE_OPTIONS "-O3" SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 if(ROBOCELL_SANITIZE)  # -O3 takes three times as long to compile the instrumented one, and gains nothing that is asked for
-  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/kinematics/pose_kernel.cc" PROPERTIES COMPILE_OPTIONS "")
+  set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/kinematics/pose_kernel.cc" PROPERTIES COMPILE_OPTIONS "")
 endif()
 # ThreadSanitizer gives every function something to clean up, which an exception of the engine cannot pass
 # (engine_exception.h). What it then does not tell is who called a function of these. (Tests: RobocellTests.cmake.)
 set(ROBOCELL_EXCEPTIONS_PASS "--param=tsan-instrument-func-entry-exit=0")
 if(ROBOCELL_SANITIZE MATCHES "thread")
-  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/mujoco/compile.cc" PROPERTIES
+  set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/mujoco/compile.cc" PROPERTIES
     COMPILE_OPTIONS "${ROBOCELL_EXCEPTIONS_PASS}" SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
 # Each guarded call looks thread-local data up. By descriptors, where the compiler knows them, that is a call of two
@@ -38,7 +38,7 @@ endif()
 include(CheckCXXCompilerFlag)
 check_cxx_compiler_flag(-mtls-dialect=gnu2 ROBOCELL_HAS_TLS_DESCRIPTORS)
 if(ROBOCELL_HAS_TLS_DESCRIPTORS AND NOT ROBOCELL_SANITIZE)
-  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/mujoco/guard.cc" PROPERTIES
+  set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/mujoco/guard.cc" PROPERTIES
     COMPILE_OPTIONS "-mtls-dialect=gnu2" SKIP_UNITY_BUILD_INCLUSION ON)
 endif()
 target_compile_features(robocell PUBLIC cxx_std_20)
@@ -49,8 +49,8 @@ set(ROBOCELL_PRIVATE_LIBRARIES robocell_flags spdlog::spdlog yaml-cpp nlohmann_j
   OpenSSL::Crypto PkgConfig::HWY ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads ${CMAKE_DL_LIBS}
   $<LINK_ONLY:tinyxml2::tinyxml2>)  # its flags would be those of every file; its header needs none
 target_include_directories(robocell PUBLIC
-  "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}/src>" "$<INSTALL_INTERFACE:include>")
-target_include_directories(robocell_waiting PRIVATE "${CMAKE_SOURCE_DIR}/src")
+  "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>" "$<INSTALL_INTERFACE:include>")
+target_include_directories(robocell_waiting PRIVATE "${PROJECT_SOURCE_DIR}/src")
 foreach(part robocell robocell_waiting)
   target_include_directories(${part} SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS}
     ${XXHASH_INCLUDE_DIR})
@@ -58,11 +58,12 @@ foreach(part robocell robocell_waiting)
 endforeach()
 # In the wheel MuJoCo's package is a neighbour; an installed library finds MuJoCo where it was when it was built.
 set(ROBOCELL_INSTALL_RPATH "$ORIGIN;$ORIGIN/../mujoco")
-if(NOT SKBUILD)
+if(NOT SKBUILD AND MUJOCO_DIR)
   list(APPEND ROBOCELL_INSTALL_RPATH "${MUJOCO_DIR}")
 endif()
+# Its folder stays this one within a project that collects its libraries: `models` is beside it.
 set_target_properties(robocell PROPERTIES
   BUILD_RPATH "${MUJOCO_DIR}" INSTALL_RPATH "${ROBOCELL_INSTALL_RPATH}"
-  VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION})
-set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/base/version.cc" PROPERTIES
+  LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}" VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION})
+set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/base/version.cc" PROPERTIES
   COMPILE_DEFINITIONS "ROBOCELL_VERSION=\"${PROJECT_VERSION}\"")

@@ -1,5 +1,5 @@
 # The Python extension robocell._core: one source per C++ folder, built in place so that python/ can be put on the path.
-file(GLOB binding_sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/python/bindings/*.cc")
+file(GLOB binding_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/python/bindings/*.cc")
 if(NOT binding_sources)
   message(STATUS "python/bindings holds no sources: the Python extension is not built")
   return()
@@ -20,31 +20,31 @@ set_target_properties(nanobind-static PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATC
 robocell_unity(_core ${ROBOCELL_UNITY_BINDINGS} ${binding_sources})
 # nanobind compiles for size; not what calls of a microsecond go through.
 foreach(source argument_errors arrays plain_calls plain_ik)
-  set_source_files_properties("${CMAKE_SOURCE_DIR}/python/bindings/${source}.cc" PROPERTIES
+  set_source_files_properties("${PROJECT_SOURCE_DIR}/python/bindings/${source}.cc" PROPERTIES
     COMPILE_OPTIONS "-O2" SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
 target_link_libraries(_core PRIVATE robocell orocos-kdl)
 target_include_directories(_core SYSTEM PRIVATE ${orocos_kdl_INCLUDE_DIRS} "${numpy_include}")
-set_target_properties(_core PROPERTIES BUILD_RPATH "${MUJOCO_DIR};${CMAKE_BINARY_DIR}"
+set_target_properties(_core PROPERTIES BUILD_RPATH "${MUJOCO_DIR};${PROJECT_BINARY_DIR}"
   INSTALL_RPATH "${ROBOCELL_INSTALL_RPATH}")
 # A sanitizer's stays in the build folder: beside the package it would take the place of the one that is used.
 if(ROBOCELL_SANITIZE)
-  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${CMAKE_BINARY_DIR}/python")
+  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/python")
   return()
 elseif(NOT SKBUILD)
-  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${CMAKE_SOURCE_DIR}/python/robocell")
+  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_SOURCE_DIR}/python/robocell")
 endif()
 
 # Type stubs: beside the extension in place, else in the build folder from where they are installed.
 if(SKBUILD)
-  set(stub_dir "${CMAKE_BINARY_DIR}/stubs")
+  set(stub_dir "${PROJECT_BINARY_DIR}/stubs")
 else()
-  set(stub_dir "${CMAKE_SOURCE_DIR}/python/robocell")
+  set(stub_dir "${PROJECT_SOURCE_DIR}/python/robocell")
 endif()
-add_custom_command(OUTPUT "${CMAKE_BINARY_DIR}/core_stubs.stamp"
+add_custom_command(OUTPUT "${PROJECT_BINARY_DIR}/core_stubs.stamp"
   COMMAND "${CMAKE_COMMAND}" -E env PYTHONDONTWRITEBYTECODE=1
-          "${Python_EXECUTABLE}" "${CMAKE_SOURCE_DIR}/scripts/make_stubs.py" "$<TARGET_FILE_DIR:_core>" "${stub_dir}"
-  COMMAND "${CMAKE_COMMAND}" -E touch "${CMAKE_BINARY_DIR}/core_stubs.stamp"
-  DEPENDS _core "${CMAKE_SOURCE_DIR}/scripts/make_stubs.py" "${CMAKE_SOURCE_DIR}/python/bindings/stubs.pat"
+          "${Python_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/make_stubs.py" "$<TARGET_FILE_DIR:_core>" "${stub_dir}"
+  COMMAND "${CMAKE_COMMAND}" -E touch "${PROJECT_BINARY_DIR}/core_stubs.stamp"
+  DEPENDS _core "${PROJECT_SOURCE_DIR}/scripts/make_stubs.py" "${PROJECT_SOURCE_DIR}/python/bindings/stubs.pat"
   COMMENT "Writing the type stubs of robocell._core" VERBATIM)
-add_custom_target(_core_stubs ALL DEPENDS "${CMAKE_BINARY_DIR}/core_stubs.stamp")
+add_custom_target(_core_stubs ALL DEPENDS "${PROJECT_BINARY_DIR}/core_stubs.stamp")

@@ -2,15 +2,15 @@
 find_package(GTest REQUIRED)
 
 # What tests share: where the Menagerie is, how a test is skipped. Never part of the library.
-file(GLOB testing_sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/testing/*.cc")
+file(GLOB testing_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/testing/*.cc")
 list(FILTER testing_sources EXCLUDE REGEX "_test\\.cc$")
 add_library(robocell_testing STATIC ${testing_sources})
 if(ROBOCELL_SANITIZE OR NOT CMAKE_BUILD_TYPE STREQUAL "Release")
-  set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/testing/ratio_of_times.cc"
+  set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/testing/ratio_of_times.cc"
     PROPERTIES COMPILE_DEFINITIONS ROBOCELL_SLOW_BUILD)
 endif()
-set_source_files_properties("${CMAKE_SOURCE_DIR}/src/robocell/testing/source_dir.cc"
-  PROPERTIES COMPILE_DEFINITIONS "ROBOCELL_SOURCE_DIR=\"${CMAKE_SOURCE_DIR}\"")
+set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/testing/source_dir.cc"
+  PROPERTIES COMPILE_DEFINITIONS "ROBOCELL_SOURCE_DIR=\"${PROJECT_SOURCE_DIR}\"")
 target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
   PRIVATE robocell_flags PkgConfig::HWY)
 if(CMAKE_BUILD_TYPE STREQUAL "Release")  # Eigen's decompositions: seconds less, and fast enough
@@ -51,15 +51,15 @@ function(robocell_test name)
     math(EXPR cost "100 - ${place}")
   endif()
   foreach(shard 0 1)
-    add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1 WORKING_DIRECTORY "${CMAKE_BINARY_DIR}")
+    add_test(NAME ${name}.${shard} COMMAND ${name} --gtest_brief=1 WORKING_DIRECTORY "${PROJECT_BINARY_DIR}")
     set_tests_properties(${name}.${shard} PROPERTIES LABELS ${label} TIMEOUT 900 COST ${cost}
       ENVIRONMENT "GTEST_TOTAL_SHARDS=2;GTEST_SHARD_INDEX=${shard};${keep_memory}")
   endforeach()
 endfunction()
 
-file(GLOB layers RELATIVE "${CMAKE_SOURCE_DIR}/src/robocell" CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/*")
+file(GLOB layers RELATIVE "${PROJECT_SOURCE_DIR}/src/robocell" CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/*")
 foreach(layer ${layers})
-  file(GLOB sources CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/src/robocell/${layer}/*_test.cc")
+  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/${layer}/*_test.cc")
   if(sources)
     robocell_test(${layer}_test ${sources})
   endif()
@@ -70,15 +70,15 @@ if(ROBOCELL_SANITIZE MATCHES "thread")
 endif()
 
 # Across layers: what may happen in several threads at once (make check-tsan).
-robocell_test(threads_test "${CMAKE_SOURCE_DIR}/tests/threads/threads_test.cc")
+robocell_test(threads_test "${PROJECT_SOURCE_DIR}/tests/threads/threads_test.cc")
 
 # For tests/reliability: a program that keeps a ledger of what it wrote, and the disks under it.
 if(NOT ROBOCELL_SANITIZE)
-  add_executable(write_ledger "${CMAKE_SOURCE_DIR}/tests/reliability/write_ledger.cc")
+  add_executable(write_ledger "${PROJECT_SOURCE_DIR}/tests/reliability/write_ledger.cc")
   target_link_libraries(write_ledger PRIVATE robocell robocell_flags)
   set_target_properties(write_ledger PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
-  add_library(fault_io MODULE "${CMAKE_SOURCE_DIR}/tests/reliability/fault_io.c")
-  add_library(network_locks MODULE "${CMAKE_SOURCE_DIR}/tests/reliability/network_locks.c")
+  add_library(fault_io MODULE "${PROJECT_SOURCE_DIR}/tests/reliability/fault_io.c")
+  add_library(network_locks MODULE "${PROJECT_SOURCE_DIR}/tests/reliability/network_locks.c")
   foreach(shim fault_io network_locks)
     target_link_libraries(${shim} PRIVATE ${CMAKE_DL_LIBS})
   endforeach()

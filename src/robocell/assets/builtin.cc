@@ -36,10 +36,10 @@ fs::path FindModelsRoot() {
   }
   const fs::path library = LibraryFolder();
   std::vector<std::string> looked;
-  for (const char* place :
-       {"models", "../share/robocell/models", "../models", "../../models", "../../../models"}) {
+  for (const char* place : {"models", "../share/robocell/models", "../../share/robocell/models"}) {
     const fs::path folder = (library / place).lexically_normal();
-    if (HoldsModels(folder)) return folder;
+    // In a build folder it is a link: cells are found beside the models themselves.
+    if (HoldsModels(folder)) return fs::canonical(folder);
     looked.push_back(folder.string());
   }
   ThrowNotFound("the folder of built-in models", looked, "Set ROBOCELL_MODELS to it.");
