@@ -194,4 +194,4 @@ docs: build
 	@$(PYTHON) scripts/check_docs.py
 
 clean:
-	rm -rf build dist python/robocell/*.so python/robocell/_core python/robocell/_core.pyi
+	rm -rf build dist

@@ -1,4 +1,5 @@
-# The Python extension robocell._core: one source per C++ folder, built in place so that python/ can be put on the path.
+# The Python extension robocell._core: one source per C++ folder. Extension and type stubs are written to python/robocell in
+# the build folder, where the package of a checkout finds them (python/robocell/_build_tree.py).
 file(GLOB binding_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/python/bindings/*.cc")
 if(NOT binding_sources)
   message(STATUS "python/bindings holds no sources: the Python extension is not built")
@@ -27,23 +28,15 @@ target_link_libraries(_core PRIVATE robocell orocos-kdl)
 target_include_directories(_core SYSTEM PRIVATE ${orocos_kdl_INCLUDE_DIRS} "${numpy_include}")
 set_target_properties(_core PROPERTIES BUILD_RPATH "${MUJOCO_DIR};${PROJECT_BINARY_DIR}"
   INSTALL_RPATH "${ROBOCELL_INSTALL_RPATH}")
-# A sanitizer's stays in the build folder: beside the package it would take the place of the one that is used.
-if(ROBOCELL_SANITIZE)
-  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}/python")
+set(ROBOCELL_PYTHON_DIR "${PROJECT_BINARY_DIR}/python/robocell")
+set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${ROBOCELL_PYTHON_DIR}")
+if(ROBOCELL_SANITIZE)  # it can only be loaded by a program that has the sanitizer, so no stubs are made from it
   return()
-elseif(NOT SKBUILD)
-  set_target_properties(_core PROPERTIES LIBRARY_OUTPUT_DIRECTORY "${PROJECT_SOURCE_DIR}/python/robocell")
 endif()
 
-# Type stubs: beside the extension in place, else in the build folder from where they are installed.
-if(SKBUILD)
-  set(stub_dir "${PROJECT_BINARY_DIR}/stubs")
-else()
-  set(stub_dir "${PROJECT_SOURCE_DIR}/python/robocell")
-endif()
 add_custom_command(OUTPUT "${PROJECT_BINARY_DIR}/core_stubs.stamp"
   COMMAND "${CMAKE_COMMAND}" -E env PYTHONDONTWRITEBYTECODE=1
-          "${Python_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/make_stubs.py" "$<TARGET_FILE_DIR:_core>" "${stub_dir}"
+          "${Python_EXECUTABLE}" "${PROJECT_SOURCE_DIR}/scripts/make_stubs.py" "${ROBOCELL_PYTHON_DIR}" "${ROBOCELL_PYTHON_DIR}"
   COMMAND "${CMAKE_COMMAND}" -E touch "${PROJECT_BINARY_DIR}/core_stubs.stamp"
   DEPENDS _core "${PROJECT_SOURCE_DIR}/scripts/make_stubs.py" "${PROJECT_SOURCE_DIR}/python/bindings/stubs.pat"
   COMMENT "Writing the type stubs of robocell._core" VERBATIM)

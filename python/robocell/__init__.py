@@ -4,7 +4,8 @@ Importing it does no work: no file is read, nothing is drawn, the package mujoco
 first scene.
 """
 
-from robocell import _startup as _startup  # the first: Ctrl-C while the command is loaded
+from robocell import _build_tree as _build_tree  # the extension of a checkout
+from robocell import _startup as _startup  # early: Ctrl-C while the command is loaded
 from robocell import menagerie, models
 from robocell._cmake import cmake_dir
 from robocell._core import (

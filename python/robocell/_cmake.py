@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from robocell._build_tree import build_folder
+
 
 def cmake_dir() -> str:
     """The folder with robocellConfig.cmake.
 
-    In a wheel it lies in the package; in a checkout it is ``build/release``. CMake's
-    ``find_package(robocell)`` looks there when it is told so::
+    In a wheel it is in the package; in a checkout it is the build folder, ``build/release`` unless
+    the variable ``ROBOCELL_BUILD`` names another. ``find_package(robocell)`` of CMake takes it as
+    ``robocell_DIR``::
 
         cmake -B build -Drobocell_DIR="$(python -c 'import robocell; print(robocell.cmake_dir())')"
 
@@ -17,7 +20,9 @@ def cmake_dir() -> str:
         FileNotFoundError: the package was installed without them, or the checkout is not built.
     """
     package = Path(__file__).resolve().parent
-    places = [package / "lib" / "cmake" / "robocell", package.parents[1] / "build" / "release"]
+    places = [package / "lib" / "cmake" / "robocell"]
+    if folder := build_folder():
+        places = [folder]
     for place in places:
         if (place / "robocellConfig.cmake").is_file():
             return str(place)

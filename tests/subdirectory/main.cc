@@ -4,7 +4,7 @@
 #include <iostream>
 
 int main() {
-  robocell::SceneSpec spec{.add_floor = true};
+  robocell::SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = false};
   const std::string file = robocell::assets::BuiltinRobotFile("rc7");
   spec.robots.push_back({.name = "arm", .config = robocell::RobotConfig::Load(file)});
   robocell::Scene scene = robocell::Scene::Build(spec);
