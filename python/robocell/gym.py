@@ -15,8 +15,11 @@ import copy
 import os
 from typing import Any
 
-import gymnasium
-from gymnasium.vector import AutoresetMode
+from robocell._extras import needed_by
+
+with needed_by("robocell.gym", "envs", "Without it: robocell.Env"):
+    import gymnasium
+    from gymnasium.vector import AutoresetMode
 
 from robocell import models
 from robocell._cells import is_name, load_cell

@@ -12,11 +12,15 @@ from __future__ import annotations
 
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium import spaces
-from gymnasium.spaces.utils import flatten, flatten_space, unflatten
 from numpy.typing import NDArray
+
+from robocell._extras import needed_by
+
+with needed_by("robocell.lerobot", "envs"):
+    import gymnasium
+    from gymnasium import spaces
+    from gymnasium.spaces.utils import flatten, flatten_space, unflatten
 
 from robocell._core import ArgumentError, EnvConfig
 from robocell._gym_flat import scaled, shares_of

@@ -7,8 +7,7 @@ from robocell.sb3 import VecEnv
 model = PPO("MlpPolicy", VecEnv(pick_cube_config(), 8, max_episode_steps=200))
 
 Its own ``make_vec_env("robocell/PickCube-v0", env_kwargs={"flat": True})`` works too, with single
-environments one after the other. Needs the package stable-baselines3, which robocell does not
-install.
+environments one after the other. Needs the extra ``sb3``: ``pip install 'robocell[sb3]'``.
 """
 
 from __future__ import annotations
@@ -17,22 +16,16 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
+
+from robocell._extras import needed_by
+
+with needed_by("robocell.sb3", "sb3", "Without it: robocell.gym.FlatVectorGymEnv"):
+    from gymnasium.vector import AutoresetMode
+    from stable_baselines3.common import vec_env
 
 from robocell._core import ArgumentError, EnvConfig
 from robocell._gym_flat import FlatVectorGymEnv
-
-try:
-    from stable_baselines3.common import vec_env
-except ModuleNotFoundError as error:
-    if error.name and error.name.split(".")[0] == "stable_baselines3":
-        raise ModuleNotFoundError(
-            "robocell.sb3 needs the package stable-baselines3, which robocell does not install: "
-            "pip install stable-baselines3. Without it: robocell.gym.FlatVectorGymEnv",
-            name=error.name,
-        ) from None
-    raise
 
 
 class VecEnv(vec_env.VecEnv):

@@ -92,6 +92,6 @@ def test_copies_have_nothing_of_their_own(vec_env):
 def test_without_the_package_one_is_told_how_to_get_it(monkeypatch):
     monkeypatch.delitem(sys.modules, "robocell.sb3", raising=False)
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)
-    with pytest.raises(ModuleNotFoundError, match="pip install stable-baselines3") as told:
+    with pytest.raises(ModuleNotFoundError, match=r"pip install 'robocell\[sb3\]'") as told:
         importlib.import_module("robocell.sb3")
     assert told.value.name == "stable_baselines3.common"

@@ -16,17 +16,22 @@ from enum import StrEnum
 from pathlib import Path
 
 from robocell import _pykdl
+from robocell._build_tree import build_folder
+from robocell._extras import EXTRAS
 
 PROBE_TIMEOUT_S = 60
 GL_BACKENDS = ("egl", "osmesa")
 GB = 1 << 30
 ROBOTS_LISTED = 12  # more are counted
-PACKAGES = ("numpy", "h5py", "gymnasium", "rich")
+PACKAGES = ("numpy", "rich", "typer")
 # What each optional part is for.
 PURPOSES = {
     "graphics: egl": "only one of the two is needed",
     "graphics: osmesa": "only one of the two is needed",
     "menagerie": "for robots named `menagerie:...`; the built-in ones need it not",
+    "extra: envs": "for robocell.gym, robocell.lerobot and compat.rcs",
+    "extra: plots": "for the pictures of `robocell reach`",
+    "extra: sb3": "for robocell.sb3",
     "PyKDL": "for functions that return KDL objects",
 }
 GL_REMEDY = "unset MUJOCO_GL, or export MUJOCO_GL=egl"
@@ -57,14 +62,16 @@ def versions() -> list[Finding]:
     """robocell, Python, the engine, and packages it works with."""
     import robocell
 
+    place = f"{robocell.__version__} in {Path(robocell.__file__).parent}"
+    if build := build_folder():
+        place += f", built in {build}"
     return [
-        Finding(
-            "robocell", State.OK, f"{robocell.__version__} in {Path(robocell.__file__).parent}"
-        ),
+        Finding("robocell", State.OK, place),
         Finding("python", State.OK, f"{platform.python_version()} ({sys.executable})"),
         engine(),
         *engine_defects(),
         packages(),
+        *extras(),
     ]
 
 
@@ -109,6 +116,18 @@ def packages() -> Finding:
         return Finding("packages", State.OK, ", ".join(installed))
     remedy = f"pip install {' '.join(missing)}"
     return Finding("packages", State.BROKEN, f"no {', '.join(missing)}", remedy)
+
+
+def extras() -> list[Finding]:
+    """The packages of each extra, which `pip install robocell` leaves out."""
+    found = []
+    for extra, wanted in EXTRAS.items():
+        missing = [name for module, name in wanted.items() if not importlib.util.find_spec(module)]
+        state = State.MISSING if missing else State.OK
+        detail = f"no {', '.join(missing)}" if missing else ", ".join(wanted.values())
+        remedy = f"pip install 'robocell[{extra}]'"
+        found.append(Finding(f"extra: {extra}", state, detail, remedy))
+    return found
 
 
 def graphics() -> list[Finding]:

@@ -69,7 +69,12 @@ def reach(
     if axis and position_only:
         fail("--axis and --position-only exclude each other: take one")
     # With numpy and pyplot, which take longer to load than all that the other commands need.
-    from robocell.cli.reach_map import corners, draw, save, write_page
+    from robocell.cli.reach_map import corners, draw, load_plots, save, write_page
+
+    try:
+        load_plots()
+    except ModuleNotFoundError as error:
+        fail(str(error))
 
     robot = load_robot(robot_file).robot
     joints = len(robot.kinematics.joint_names)

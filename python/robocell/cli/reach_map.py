@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocell import Robot
+from robocell._extras import needed_by
 
 Array = NDArray[np.float64]
 AXES = "xyz"
@@ -48,6 +49,13 @@ def slices(found: Any) -> list[tuple[int, float, dict[str, Array]]]:
         values = {name: np.take(getattr(found, name), middle, axis=axis) for name in TITLES}
         pieces.append((axis, float(getattr(found, AXES[axis])[middle]), values))
     return pieces
+
+
+def load_plots() -> None:
+    """Loads what `draw` and `write_page` draw with. ModuleNotFoundError names the pip command."""
+    with needed_by("robocell reach", "plots", "Numbers alone: robot.kinematics.reach_map"):
+        import matplotlib.pyplot  # noqa: F401
+        import plotly.subplots  # noqa: F401
 
 
 def draw(path: Path, name: str, found: Any) -> None:
