@@ -2,12 +2,13 @@
 #
 #   make            build                    make bench    benchmarks, into build/bench
 #   make demo       a small pick dataset     make soak     the tests that take minutes
+#   make wheel      the package, into dist
 #   make test       all tests                make format   rewrite files in the project's style
 #   make check      everything that finds    make docs     redraw pictures, check links
 #                   faults without a robot   make clean    remove what was built (not .venv)
 #
 # make check is the sum of: check-format check-lint check-types check-rules check-docs check-subdirectory
-# check-tidy check-sanitizers check-fuzz; each can be run alone. make soak adds check-tsan.
+# check-wheel check-tidy check-sanitizers check-fuzz; each can be run alone. make soak adds check-tsan.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -32,7 +33,8 @@ CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
-  check-rules check-docs check-subdirectory check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc check-tsan-python bench soak \
+  check-rules check-docs check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc \
+  check-tsan-python wheel bench soak \
   soak-reliability soak-tests soak-debug soak-fuzz clean format docs
 
 setup:
@@ -71,7 +73,7 @@ test-python: build
 	@scripts/fetch_test_robots
 	@$(PYTHON) -m pytest -n $(JOBS) --dist worksteal
 
-check: check-format check-lint check-rules check-docs check-types check-subdirectory check-tidy check-sanitizers check-fuzz
+check: check-format check-lint check-rules check-docs check-types check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz
 	@$(call headline,make check: nothing found)
 
 check-format: setup
@@ -129,13 +131,23 @@ check-subdirectory: setup
 	@$(MAKE) --directory build/subdirectory --jobs $(JOBS) subdirectory
 	@build/subdirectory/subdirectory
 
+# The wheel that users install, in dist. ccache has its objects after make.
+wheel: setup
+	@$(call headline,wheel)
+	@scripts/build_wheel
+
+# The wheel, built and tried in an environment of its own. Needs a network: pip installs what it requires.
+check-wheel: build-python
+	@$(call headline,wheel in a clean environment)
+	@$(PYTHON) -m pytest -q -m wheel tests/integration/test_wheel.py
+
 bench: setup
 	@$(call headline,benchmarks)
 	@$(call configure,release) -DROBOCELL_BENCHMARKS=ON
 	@cmake --build --preset release -j $(JOBS)
 	@$(PYTHON) benchmarks/run.py
 
-# The long form of what make test does quickly: kills, full disks, damage, leaks, the wheel, fuzzing,
+# The long form of what make test does quickly: kills, full disks, damage, leaks, fuzzing,
 # races. Then `scripts/soak_figures.py` writes the figures into docs/reliability.md. An hour or more, on
 # a machine that does nothing else (times are compared); `make --keep-going soak` goes on after a failure.
 SOAK_FUZZ_SECONDS ?= 600

@@ -13,6 +13,10 @@ from pathlib import Path
 
 PACKAGE = "python3-pykdl"
 SYSTEM_MODULES = Path("/usr/lib/python3/dist-packages")
+# The library that the module needs; apt-get install brings it along, unpacking does not.
+LIBRARY_PACKAGE = "liborocos-kdl1.5"
+LIBRARY = "liborocos-kdl.so.1.5"
+SYSTEM_LIBRARIES = Path("/usr/lib")
 SYSTEM_PYTHON = Path("/usr/bin/python3")
 
 
@@ -47,10 +51,24 @@ def remedy() -> str:
             "robocell there"
         )
     link = f" && ln -s {file} {site}/" if in_venv else ""
+    without_root = _unpacking(file, _writable_site(site, in_venv))
+    return f"Install it: sudo apt-get install {PACKAGE}{link}\nWithout root: {without_root}"
+
+
+def _unpacking(file: Path, site: str) -> str:
+    """The commands that put the module into `site`, with KDL's library if the system has none."""
+    library = f"pykdl{SYSTEM_LIBRARIES}/*/{LIBRARY}"
+    if any(SYSTEM_LIBRARIES.glob(f"*/{LIBRARY}")):
+        return (
+            f"cd /tmp && apt-get download {PACKAGE} && dpkg-deb -x {PACKAGE}_*.deb pykdl "
+            f"&& mkdir -p {site} && cp pykdl{file} {site}/"
+        )
     return (
-        f"Install it: sudo apt-get install {PACKAGE}{link}\n"
-        f"Without root: cd /tmp && apt-get download {PACKAGE} && dpkg-deb -x {PACKAGE}_*.deb pykdl "
-        f"&& cp pykdl{file} {_writable_site(site, in_venv)}/"
+        f"cd /tmp && apt-get download {PACKAGE} {LIBRARY_PACKAGE} "
+        f"&& dpkg-deb -x {PACKAGE}_*.deb pykdl && dpkg-deb -x {LIBRARY_PACKAGE}_*.deb pykdl "
+        f"&& mkdir -p {site} && cp pykdl{file} {library} {site}/ "
+        # Python runs that line as it starts, so that the module finds the library loaded.
+        f"&& echo 'import ctypes; ctypes.CDLL(\"{site}/{LIBRARY}\")' > {site}/pykdl.pth"
     )
 
 

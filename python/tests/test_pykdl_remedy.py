@@ -37,6 +37,20 @@ def test_a_missing_package_is_installed_or_unpacked_without_root(no_system_modul
     assert "Without root: cd /tmp && apt-get download python3-pykdl && dpkg-deb -x " in text
 
 
+def test_without_root_the_library_comes_along_where_the_system_has_none(
+    no_system_module: Path, monkeypatch
+):
+    libraries = no_system_module / "lib"
+    monkeypatch.setattr(_pykdl, "SYSTEM_LIBRARIES", libraries)
+    alone = _pykdl.remedy()
+    assert "apt-get download python3-pykdl liborocos-kdl1.5 && dpkg-deb -x " in alone
+    assert "pykdl.pth" in alone
+    (libraries / "x86_64-linux-gnu").mkdir(parents=True)
+    (libraries / "x86_64-linux-gnu" / "liborocos-kdl.so.1.5").touch()
+    assert "liborocos" not in _pykdl.remedy()
+    assert "pykdl.pth" not in _pykdl.remedy()
+
+
 def test_another_python_is_told_which_one_the_package_is_for(no_system_module, monkeypatch):
     monkeypatch.setattr(_pykdl, "system_version", lambda: "3.9")
     assert _pykdl.remedy() == (

@@ -59,7 +59,7 @@ def test_a_user_builds_against_the_build_folder(build_folder, tmp_path):
     assert (version, Path(models)) == ("0.1.0", ROOT / "models")
 
 
-# The wheel itself takes minutes to build (test_wheel.py, part of `make soak`). Here its files are
+# The wheel itself takes pip and a network (test_wheel.py, `make check-wheel`). Here its files are
 # put where it has them, around the library that is built already.
 def test_a_user_builds_against_the_layout_of_the_wheel(build_folder, tmp_path):
     layout, package = tmp_path / "layout", tmp_path / "site-packages" / "robocell"
