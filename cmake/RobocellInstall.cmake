@@ -23,8 +23,10 @@ else()
 endif()
 install(TARGETS robocell EXPORT robocellTargets
   LIBRARY DESTINATION "${lib_dir}" ${namelink} INCLUDES DESTINATION "${include_dir}")
-install(DIRECTORY "${PROJECT_SOURCE_DIR}/src/robocell" DESTINATION "${include_dir}"
-  FILES_MATCHING PATTERN "*.h" PATTERN "testing" EXCLUDE)
+include(RobocellHeaders)
+foreach(folder ${ROBOCELL_HEADER_FOLDERS})
+  install(FILES ${ROBOCELL_HEADERS_${folder}} DESTINATION "${include_dir}/${folder}")
+endforeach()
 install(DIRECTORY "${PROJECT_SOURCE_DIR}/models" DESTINATION "${models_dir}")
 # Ready-made environments and the robots that they name, where they find each other and the models.
 if(EXISTS "${PROJECT_SOURCE_DIR}/examples/envs")

@@ -2,6 +2,8 @@
 file(GLOB_RECURSE ROBOCELL_SOURCES CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/*.cc")
 list(FILTER ROBOCELL_SOURCES EXCLUDE REGEX "_test\\.cc$|/testing/")
 
+include(RobocellExports)
+
 # Layers that wait for disks and processes are optimised less: the compiler takes a quarter less time for them.
 # (A library of objects, since sources with options of their own are not compiled together.)
 set(ROBOCELL_WAITING_SOURCES ${ROBOCELL_SOURCES})
@@ -43,7 +45,8 @@ if(ROBOCELL_HAS_TLS_DESCRIPTORS AND NOT ROBOCELL_SANITIZE)
 endif()
 target_compile_features(robocell PUBLIC cxx_std_20)
 # Calls within the library go straight to what they call, not through a table that others could change.
-target_link_options(robocell PRIVATE "LINKER:-Bsymbolic-functions")
+target_link_options(robocell PRIVATE "LINKER:-Bsymbolic-functions" "LINKER:--version-script=${ROBOCELL_EXPORTS}")
+set_target_properties(robocell PROPERTIES LINK_DEPENDS "${ROBOCELL_EXPORTS}")
 set(ROBOCELL_PUBLIC_LIBRARIES mujoco::mujoco Eigen3::Eigen fmt::fmt)
 set(ROBOCELL_PRIVATE_LIBRARIES robocell_flags spdlog::spdlog yaml-cpp nlohmann_json::nlohmann_json orocos-kdl
   OpenSSL::Crypto PkgConfig::HWY ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads ${CMAKE_DL_LIBS}

@@ -1,6 +1,15 @@
 # One test program per layer, made from every *_test.cc in its folder; new files need no change here.
 find_package(GTest REQUIRED)
 
+# The same objects as librobocell, with robocell::internal shown. Tests link to it in place of librobocell.
+add_library(robocell_for_tests SHARED $<TARGET_OBJECTS:robocell> $<TARGET_OBJECTS:robocell_waiting>)
+target_include_directories(robocell_for_tests PUBLIC "${PROJECT_SOURCE_DIR}/src")
+target_compile_features(robocell_for_tests PUBLIC cxx_std_20)
+target_link_libraries(robocell_for_tests PUBLIC ${ROBOCELL_PUBLIC_LIBRARIES} PRIVATE ${ROBOCELL_PRIVATE_LIBRARIES})
+target_link_options(robocell_for_tests PRIVATE "LINKER:-Bsymbolic-functions")
+set_target_properties(robocell_for_tests PROPERTIES LINKER_LANGUAGE CXX BUILD_RPATH "${MUJOCO_DIR}"
+  LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
+
 # What tests share: where the Menagerie is, how a test is skipped. Never part of the library.
 file(GLOB testing_sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/testing/*.cc")
 list(FILTER testing_sources EXCLUDE REGEX "_test\\.cc$")
@@ -11,7 +20,7 @@ if(ROBOCELL_SANITIZE OR NOT CMAKE_BUILD_TYPE STREQUAL "Release")
 endif()
 set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/testing/source_dir.cc"
   PROPERTIES COMPILE_DEFINITIONS "ROBOCELL_SOURCE_DIR=\"${PROJECT_SOURCE_DIR}\"")
-target_link_libraries(robocell_testing PUBLIC robocell GTest::gmock GTest::gtest
+target_link_libraries(robocell_testing PUBLIC robocell_for_tests GTest::gmock GTest::gtest
   PRIVATE robocell_flags PkgConfig::HWY)
 if(CMAKE_BUILD_TYPE STREQUAL "Release")  # Eigen's decompositions: seconds less, and fast enough
   target_compile_options(robocell_testing PRIVATE -O1)
@@ -27,7 +36,7 @@ function(robocell_test name)
   add_executable(${name} ${ARGN})
   robocell_unity(${name} ${ROBOCELL_UNITY_TESTS} ${ARGN})
   target_include_directories(${name} SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
-  target_link_libraries(${name} PRIVATE robocell robocell_testing robocell_flags spdlog::spdlog yaml-cpp
+  target_link_libraries(${name} PRIVATE robocell_testing robocell_flags spdlog::spdlog yaml-cpp
     nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
   # Tests wait for the library, which is optimised; optimising them costs more than it brings, but for
   # those that compute much themselves.

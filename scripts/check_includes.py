@@ -3,6 +3,9 @@
 Reads the ``#include`` lines of src/robocell and python/bindings and prints every forbidden one as
 ``file:line: reason``. Exit code 1 when there is any. It does not parse C++; an include inside
 ``#if 0`` counts too.
+
+Headers of the namespace ``robocell::internal`` are not installed (cmake/RobocellHeaders.cmake), so
+that headers of the public namespace may not include them.
 """
 
 from __future__ import annotations
@@ -51,6 +54,8 @@ INTERNAL = (
     "robocell/spec/yaml_writer.h",
 )
 KDL_LAYERS = ("kinematics", "bindings")
+# What makes a header one that is not installed.
+HIDDEN = re.compile(r"^namespace robocell::internal\b", re.MULTILINE)
 INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
 
 
@@ -125,6 +130,25 @@ def check_file(root: Path, path: Path) -> Iterator[Finding]:
             yield Finding(path, number, reason)
 
 
+def check_public(root: Path) -> Iterator[Finding]:
+    """Headers of the public namespace that include one of robocell::internal."""
+    texts = {file: file.read_text() for file in sorted((root / "src" / "robocell").rglob("*.h"))}
+    hidden = {
+        file.relative_to(root / "src").as_posix()
+        for file, text in texts.items()
+        if HIDDEN.search(text)
+    }
+    for file, text in texts.items():
+        name = file.relative_to(root / "src")
+        if name.as_posix() in hidden or "testing" in name.parts:
+            continue
+        for number, line in enumerate(text.splitlines(), start=1):
+            match = INCLUDE.match(line)
+            if match and match.group(1) in hidden:
+                reason = f'"{match.group(1)}" is of robocell::internal and not installed'
+                yield Finding(file.relative_to(root), number, f"{reason}: include it in .cc files")
+
+
 def check(root: Path) -> list[Finding]:
     """Forbidden includes of all C++ files under root."""
     files = [
@@ -133,7 +157,8 @@ def check(root: Path) -> list[Finding]:
         for pattern in ("*.h", "*.cc")
         for file in sorted((root / folder).rglob(pattern))
     ]
-    return [finding for file in files for finding in check_file(root, file)]
+    found = [finding for file in files for finding in check_file(root, file)]
+    return found + list(check_public(root))
 
 
 def main() -> int:

@@ -83,3 +83,19 @@ def test_an_allowed_include_is_not(tmp_path, file, include):
 def test_the_line_of_the_include_is_named(tmp_path):
     found = findings_for(tmp_path, "src/robocell/base/a.cc", "<vector>", '"robocell/env/env.h"')
     assert found[0].startswith("src/robocell/base/a.cc:2: ")
+
+
+def test_a_public_header_includes_nothing_of_the_namespace_internal(tmp_path):
+    folder = tmp_path / "src" / "robocell" / "math"
+    folder.mkdir(parents=True)
+    kernel = "namespace robocell::internal {\nvoid Work();\n}\n"
+    (folder / "kernel.h").write_text(kernel)
+    include = '#include "robocell/math/kernel.h"\n'
+    (folder / "other_kernel.h").write_text(include + kernel)
+    (folder / "public.cc").write_text(include)
+    assert check_includes.check(tmp_path) == []
+    (folder / "public.h").write_text("#pragma once\n" + include)
+    assert [str(finding) for finding in check_includes.check(tmp_path)] == [
+        'src/robocell/math/public.h:2: "robocell/math/kernel.h" is of robocell::internal and not '
+        "installed: include it in .cc files"
+    ]

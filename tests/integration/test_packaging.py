@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -52,6 +53,33 @@ def test_a_user_builds_against_an_install(build_folder, tmp_path):
         robocell.EnvConfig.load(cells / cell.name)  # with all that it names
     assert float(rest) == pytest.approx(0, abs=1e-15)
     assert not (prefix / "include/robocell/testing").exists()
+
+
+INCLUDE = re.compile(r'^#include "(robocell/[^"]+)"', re.MULTILINE)
+
+
+def test_public_headers_are_installed_with_all_that_they_include(build_folder, tmp_path):
+    run("cmake", "--install", build_folder, "--prefix", tmp_path)
+    include = tmp_path / "include"
+    installed = {file.relative_to(include).as_posix() for file in include.rglob("*.h")}
+    assert {"robocell/robocell.h", "robocell/kinematics/kdl_bridge.h"} <= installed
+    for header in sorted(installed):
+        text = (include / header).read_text()
+        assert not re.search(r"^namespace robocell::internal\b", text, re.MULTILINE), header
+        missing = set(INCLUDE.findall(text)) - installed
+        assert not missing, (header, missing)
+    private = {"kinematics/lane_kernel.h", "kinematics/pose_table.h", "scene/pool.h"}
+    assert not {f"robocell/{name}" for name in private} & installed
+
+
+def test_the_library_shows_the_namespace_robocell_and_nothing_internal(build_folder):
+    symbols = run("nm", "-D", "--defined-only", build_folder / "librobocell.so").splitlines()
+    names = [line.split()[-1] for line in symbols]
+    assert len(names) > 1000
+    ours = re.compile(r"_Z(T[ISVTWHC]|Th[^_]*_|T[vc].*_|GV?Z?|Z|GR)?N[KOR]*8robocell(?!8internal)")
+    assert [name for name in names if not ours.match(name)] == []
+    hidden = run("nm", "-C", "--defined-only", build_folder / "librobocell.so")
+    assert " t robocell::internal::SolveLanes" in hidden  # it is there, for the library alone
 
 
 def test_a_user_builds_against_the_build_folder(build_folder, tmp_path):

@@ -1,4 +1,4 @@
-// What a project with robocell in its tree does first: build a cell of a built-in robot and step it.
+// What a project with robocell in its tree does first: build a cell of a built-in robot, step it.
 #include <robocell/robocell.h>
 
 #include <iostream>
@@ -9,6 +9,7 @@ int main() {
   spec.robots.push_back({.name = "arm", .config = robocell::RobotConfig::Load(file)});
   robocell::Scene scene = robocell::Scene::Build(spec);
   const bool stepped = scene.Step().ok();
-  std::cout << robocell::Version() << ' ' << robocell::Robot::Of(scene, "arm").tcp_in_world() << '\n';
+  std::cout << robocell::Version() << ' ' << robocell::Robot::Of(scene, "arm").tcp_in_world()
+            << '\n';
   return stepped ? 0 : 1;
 }

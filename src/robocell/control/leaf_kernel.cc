@@ -29,6 +29,7 @@ extern const bool kEightAtOnce;
 
 HWY_BEFORE_NAMESPACE();
 namespace robocell::HWY_NAMESPACE {
+using namespace internal::HWY_NAMESPACE;
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Eight numbers in a register, or what it has room for; Fours has four.

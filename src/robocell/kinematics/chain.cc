@@ -16,6 +16,8 @@
 
 namespace robocell {
 
+using namespace internal;
+
 struct Chain::Lazy {
   std::once_flag made;
   std::optional<LaneChain> lanes;

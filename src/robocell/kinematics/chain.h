@@ -92,7 +92,9 @@ struct JointCoupling {
 
 struct KdlSegment;
 struct LinkTable;
+namespace internal {
 class LaneChain;
+}
 
 class Chain {
  public:
@@ -150,7 +152,7 @@ class Chain {
   const LinkTable& links() const { return *links_; }
   // What their inertia, and model(), say nothing of.
   std::span<const JointCoupling> couplings() const { return parts_->couplings; }
-  const LaneChain& lanes() const;
+  const internal::LaneChain& lanes() const;
   // What somebody keeps with this chain, all copies alike: its form in another library, which lives
   // as long as one of them. Null until it is set; not for several threads at once.
   std::shared_ptr<void>& companion() const;

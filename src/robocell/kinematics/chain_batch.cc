@@ -11,6 +11,9 @@
 #include "robocell/kinematics/pose_kernel.h"
 
 namespace robocell {
+
+using namespace internal;
+
 namespace {
 
 // Adds NaN for what is not finite, in several sums that do not wait for each other.

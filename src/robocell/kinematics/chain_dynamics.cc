@@ -5,6 +5,9 @@
 #include "robocell/kinematics/link_answer.h"
 
 namespace robocell {
+
+using namespace internal;
+
 namespace {
 
 void CopyTorques(const LinkAnswer& answer, std::span<double> out) {

@@ -7,6 +7,9 @@
 #include "robocell/kinematics/testing/models.h"
 
 namespace robocell {
+
+using namespace internal;
+
 namespace {
 
 ChainModel RandomChain(Rng* rng, int joints, double slide_share) {

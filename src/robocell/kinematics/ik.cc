@@ -10,6 +10,9 @@
 #include "robocell/kinematics/lane_search.h"
 
 namespace robocell {
+
+using namespace internal;
+
 namespace {
 
 IkResult ChooseOne(const Chain& chain, const Transform& target, const IkOptions& options,

@@ -15,6 +15,9 @@
 #include "robocell/kinematics/on_threads.h"
 
 namespace robocell {
+
+using namespace internal;
+
 namespace {
 
 // Questions that a thread takes at a time: neighbours, so that threads hardly ever write to the

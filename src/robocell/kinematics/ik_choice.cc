@@ -7,7 +7,7 @@
 #include "robocell/kinematics/ik_counted.h"
 #include "robocell/kinematics/ik_parts.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // After so many starts that led to nothing better the best is most likely known.
@@ -249,4 +249,4 @@ bool IkChoice::Choose() {
   return open;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

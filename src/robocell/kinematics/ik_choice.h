@@ -20,7 +20,7 @@
 #include "robocell/kinematics/ik_task.h"
 #include "robocell/kinematics/lane_solver.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Whether an answer with these options has to be chosen.
 bool IsChosen(const IkOptions& options);
@@ -84,4 +84,4 @@ class IkChoice {
   FilterCall filtered_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

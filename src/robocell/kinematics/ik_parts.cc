@@ -9,6 +9,9 @@
 #include "robocell/kinematics/start_range.h"
 
 namespace robocell {
+
+using namespace internal;
+
 namespace {
 
 // After more of them too few digits are left for an angle.

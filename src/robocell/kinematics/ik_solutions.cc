@@ -14,6 +14,9 @@
 #include "robocell/kinematics/lane_solver.h"
 
 namespace robocell {
+
+using namespace internal;
+
 namespace {
 
 // Far beyond what finds anything new; their answers have to fit into memory.

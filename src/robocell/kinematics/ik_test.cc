@@ -18,6 +18,9 @@
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
+
+using namespace internal;
+
 namespace {
 
 constexpr double kPi = std::numbers::pi;

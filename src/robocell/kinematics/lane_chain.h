@@ -11,7 +11,7 @@
 #include "robocell/kinematics/pose_table.h"
 #include "robocell/kinematics/start_table.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class LaneChain {
  public:
@@ -38,4 +38,4 @@ class LaneChain {
   mutable std::atomic<const StartTable*> ready_ = nullptr;  // sooner looked at than the flag
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

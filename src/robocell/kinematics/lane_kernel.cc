@@ -16,7 +16,7 @@
 #include "robocell/kinematics/link_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // While one group waits for its divisions, the processor works on the next.
@@ -537,11 +537,11 @@ uint32_t StepAny(const FoldedChain& chain, const LaneOptions& options, uint32_t 
                                : StepFor<false, false>(chain, options, busy, state, nullptr);
 }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace robocell {
+namespace robocell::internal {
 
 HWY_EXPORT(StepAny);
 HWY_EXPORT(Count);
@@ -555,5 +555,5 @@ uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_
   return HWY_DYNAMIC_DISPATCH(StepAny)(chain, options, busy, state, task);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal
 #endif

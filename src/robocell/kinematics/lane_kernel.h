@@ -12,7 +12,7 @@
 
 #include "robocell/kinematics/folded_chain.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The most lanes that any instruction set uses.
 inline constexpr int kMaxLanes = 16;
@@ -78,4 +78,4 @@ int LanesOfOneQuestion();
 uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
                    LaneState* state, const LaneTask* task = nullptr);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/kinematics/testing/models.h"
 #include "robocell/testing/instruction_sets.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Random configurations of a random chain in all lanes, each with the pose of another as target.
@@ -186,4 +186,4 @@ TEST(LaneKernel, KeepsTheBestThatItMet) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

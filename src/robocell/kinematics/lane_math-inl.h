@@ -4,7 +4,7 @@
 #include <cmath>
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Both within about one unit in the last place for |x| < 1e5. Reduction by quarter turns in three
@@ -65,5 +65,5 @@ HWY_INLINE void SinCosOfAny(D d, V x, V* sine, V* cosine) {
   SinCos(d, x, sine, cosine);
 }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

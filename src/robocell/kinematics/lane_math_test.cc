@@ -10,7 +10,7 @@
 #include "robocell/testing/instruction_sets.h"
 #include "robocell/testing/lane_sin_cos.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 struct SinesAndCosines {
@@ -84,4 +84,4 @@ TEST(LaneSinCos, IsExactAtZeroAndNothingForNumbersThatAreNone) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

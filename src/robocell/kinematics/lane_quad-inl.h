@@ -3,7 +3,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Fours = hn::CappedTag<double, 4>;
@@ -105,5 +105,5 @@ HWY_INLINE Quad UnturnedCross(const Quad& a, const Quad& b) {
 }
 HWY_INLINE Quad Cross(const Quad& a, const Quad& b) { return Yzx(UnturnedCross(a, b)); }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

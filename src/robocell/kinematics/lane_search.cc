@@ -8,7 +8,7 @@
 #include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/lane_starts.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Where the seed is farther from the target than this (squared error), or has not arrived after so
@@ -157,4 +157,4 @@ IkResult SearchInLanes(const Chain& chain, const Transform& tip_in_base, const I
   return LaneSearch(chain, tip_in_base, options, poll).Run();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

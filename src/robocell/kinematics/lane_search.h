@@ -9,11 +9,11 @@
 
 #include "robocell/kinematics/ik.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // options.prefer and options.filter have no meaning here. iterations: steps, each of all lanes at
 // once. `poll` may be empty; it is called every so many starts.
 IkResult SearchInLanes(const Chain& chain, const Transform& tip_in_base, const IkOptions& options,
                        const std::function<void()>& poll);
 
-}  // namespace robocell
+}  // namespace robocell::internal

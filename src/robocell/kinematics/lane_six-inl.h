@@ -2,7 +2,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Of a symmetric 6 x 6 matrix whose lower triangle is kept row by row.
@@ -47,5 +47,5 @@ HWY_INLINE V SolveSix(V one, V* a, V* b) {
   return determinant;
 }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -8,7 +8,7 @@
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/lane_starts.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Steps in which joints to spare go to their goal at most, and then at most to be at the target
@@ -173,4 +173,4 @@ void SolveLanes(const Chain& chain, const IkOptions& options, LaneQueue* queue) 
   LaneSolver(chain, options, queue).Run();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

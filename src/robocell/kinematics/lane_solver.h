@@ -10,7 +10,7 @@
 #include "robocell/kinematics/chain.h"
 #include "robocell/kinematics/ik.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct LaneQuestion {
   int number = 0;  // the asker's
@@ -42,4 +42,4 @@ class LaneQueue {
 // of lane_starts.h.
 void SolveLanes(const Chain& chain, const IkOptions& options, LaneQueue* queue);
 
-}  // namespace robocell
+}  // namespace robocell::internal

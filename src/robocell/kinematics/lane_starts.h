@@ -13,7 +13,7 @@
 
 #include "robocell/kinematics/lane_work.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class LaneStarts {
  public:
@@ -112,4 +112,4 @@ class LaneStarts {
   int next_ = 0, stride_ = 1;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 #include "robocell/kinematics/testing/models.h"
 #include "robocell/testing/instruction_sets.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 struct Questions {
@@ -139,4 +139,4 @@ TEST(LaneTargets, HaveLanesOfTheirOwnNumber) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

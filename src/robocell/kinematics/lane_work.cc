@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // The kernel's sums are rounded otherwise than the judge's.
@@ -180,4 +180,4 @@ int LaneWork::MoreRestartsFor(const Transform& tip_in_base, double best_cost) co
   return robocell::MoreRestartsFor(chain_, task_, options_, tip_in_base, best_cost);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/kinematics/lane_chain.h"
 #include "robocell/kinematics/lane_kernel.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class LaneWork {
  public:
@@ -95,4 +95,4 @@ class LaneWork {
   std::optional<LaneTask> lane_task_;  // for more or less than poses
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,7 +4,7 @@
 #include "robocell/kinematics/link_kernel.h"
 #include "robocell/kinematics/transform.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The tip in the base frame, of an answer that has it.
 inline Transform TipOf(const LinkAnswer& answer) {
@@ -15,4 +15,4 @@ inline Transform TipOf(const LinkAnswer& answer) {
   return tip;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -14,7 +14,7 @@
 #include "robocell/kinematics/link_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Row = LinkTable::Row;
@@ -388,11 +388,11 @@ void Compute(const LinkTable& t, LinkPart part, const LinkQuery& query, LinkAnsw
   }
 }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace robocell {
+namespace robocell::internal {
 
 HWY_EXPORT(Compute);
 
@@ -400,5 +400,5 @@ void ComputeLinks(const LinkTable& table, LinkPart part, const LinkQuery& query,
   HWY_DYNAMIC_DISPATCH(Compute)(table, part, query, out);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal
 #endif

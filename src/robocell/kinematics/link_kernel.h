@@ -11,7 +11,7 @@
 
 #include "robocell/kinematics/link_table.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Joint values, n each; gravity in the base frame. Only those that the part needs.
 struct LinkQuery {
@@ -41,4 +41,4 @@ enum class LinkPart {
 
 void ComputeLinks(const LinkTable& table, LinkPart part, const LinkQuery& query, LinkAnswer* out);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -3,7 +3,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 template <class V>
@@ -150,5 +150,5 @@ HWY_INLINE Six<V> Momentum(const RigidBody<V>& body, const Six<V>& motion) {
           Add(Times(body.inertia, motion.angular), Cross(body.moment, motion.linear))};
 }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

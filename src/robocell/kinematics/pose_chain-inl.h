@@ -5,7 +5,7 @@
 #include "robocell/kinematics/pose_table.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // What a joint value does to the joint's frame.
@@ -102,5 +102,5 @@ struct PlainChain {
   }
 };
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -3,7 +3,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 HWY_INLINE Vec3<P> Three(const Inputs& in) { return {in[0], in[1], in[2]}; }
@@ -140,5 +140,5 @@ HWY_NOINLINE void MotionsOf(const Chain& chain, const JointMoves& moves, const I
   torques.Write(chain.n(), out);
 }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -3,7 +3,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 HWY_INLINE Vec3<P> TipPosition(const PoseTable& t, const Frame3<P>& last) {
@@ -122,5 +122,5 @@ HWY_NOINLINE void ManipulabilitiesOf(const Chain& chain, const JointMoves& moves
   values.Write(1, out);
 }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -25,7 +25,7 @@
 #include "robocell/kinematics/pose_jacobian-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // How many numbers an answer is.
@@ -128,11 +128,11 @@ void ComputeChain(const PoseTable& t, PosePart part, const PoseQuery& query, dou
   ComputeAll(AnyChain{t}, part, query, out, tips);
 }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace robocell {
+namespace robocell::internal {
 
 HWY_EXPORT(ComputeChain);
 
@@ -141,5 +141,5 @@ void ComputePoses(const PoseTable& table, PosePart part, const PoseQuery& query,
   HWY_DYNAMIC_DISPATCH(ComputeChain)(table, part, query, out, tips);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal
 #endif

@@ -11,7 +11,7 @@
 
 #include "robocell/kinematics/pose_table.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Numbers of each configuration, one configuration after the other. With a stride of 0 the first
 // ones are for all.
@@ -39,4 +39,4 @@ struct PoseQuery {
 void ComputePoses(const PoseTable& table, PosePart part, const PoseQuery& query, double* out,
                   double* tips = nullptr);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -5,7 +5,7 @@
 #include "robocell/kinematics/joint_count.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // For lambdas, which compilers think too long to be put where they are called.
@@ -56,5 +56,5 @@ class JointSixes {
   JointVectors linear_, angular_;
 };
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -7,7 +7,7 @@
 #include "robocell/kinematics/pose_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Configurations = hn::CappedTag<double, 8>;
@@ -167,5 +167,5 @@ class Outputs {
   alignas(64) double values_[kMost][kWidth];
 };
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -6,7 +6,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace robocell::HWY_NAMESPACE {
+namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Numbers along two axes: at half the angle between the first and where it comes to stands the
@@ -206,5 +206,5 @@ HWY_INLINE void Back(const Step& step, const Move& move, RigidBody<P>* body) {
   if (step.shifted(2)) ShiftZ(step, All(s[2]), body);
 }
 
-}  // namespace robocell::HWY_NAMESPACE
+}  // namespace robocell::internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

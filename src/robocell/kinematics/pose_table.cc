@@ -6,7 +6,7 @@
 #include "robocell/kinematics/felt_inertia.h"
 #include "robocell/kinematics/normal_frames.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 Eigen::DiagonalMatrix<double, 3> LeftHanded() { return {1, -1, 1}; }
@@ -80,4 +80,4 @@ PoseTable TabulatePoses(const ChainModel& chain) {
   return table;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

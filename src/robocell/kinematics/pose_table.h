@@ -13,6 +13,10 @@
 #include "robocell/kinematics/joint_count.h"
 
 namespace robocell {
+struct ChainModel;
+}
+
+namespace robocell::internal {
 
 struct PoseJoint {
   enum class Twist : unsigned char { kQuarter, kNone, kAboutX, kAny };
@@ -52,7 +56,6 @@ struct PoseTable {
   double tip_translation[3] = {};
 };
 
-struct ChainModel;
 PoseTable TabulatePoses(const ChainModel& chain);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 
 #include "robocell/kinematics/testing/models.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Three hinges, each about an axis of the one before, the last one turned by some more.
@@ -57,4 +57,4 @@ TEST(PoseTable, IsPlainForRandomChainsOfSuchHinges) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,6 +7,9 @@
 #include "robocell/kinematics/start_range.h"
 
 namespace robocell {
+
+using namespace internal;
+
 namespace {
 
 constexpr int kSamples = 2048;

@@ -8,7 +8,7 @@
 
 #include "robocell/kinematics/chain_model.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 struct StartRange {
   double lower = 0, upper = 0;
@@ -36,4 +36,4 @@ inline StartRange StartRangeOf(const JointModel& joint, double length) {
   return {range.lower + moved, range.upper + moved};
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

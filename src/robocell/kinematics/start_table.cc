@@ -9,7 +9,7 @@
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/start_range.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // More are nearer and save steps, but what is read to rank them comes from farther memory. Without
@@ -224,4 +224,4 @@ int StartTable::First(const Aim& aim, std::span<Place> places) const {
   return found;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

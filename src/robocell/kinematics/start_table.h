@@ -13,7 +13,7 @@
 
 #include "robocell/kinematics/chain_model.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class StartTable {
  public:
@@ -78,4 +78,4 @@ class StartTable {
   std::vector<float> q_;  // n values each
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

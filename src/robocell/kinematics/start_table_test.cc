@@ -8,7 +8,7 @@
 
 #include "robocell/kinematics/testing/models.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 class StartTableTest : public testing::Test {
@@ -155,4 +155,4 @@ TEST(StartTable, MayHaveOnePlaceOnly) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

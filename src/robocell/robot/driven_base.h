@@ -1,5 +1,5 @@
-// DrivenBase: a base that follows a commanded pose with limits of speed, and carries what the
-// robot's gripper holds, as a hand without an arm does.
+// Private to robot. DrivenBase: a base that follows a commanded pose with limits of speed, and
+// carries what the robot's gripper holds, as a hand without an arm does.
 //
 // The base is a free body, welded by a constraint of the engine to a mocap body without geoms
 // (scene/robot_base.h makes both). Each tick moves the mocap body towards the target; the engine

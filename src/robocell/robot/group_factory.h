@@ -1,4 +1,4 @@
-// Makes the move groups of a robot from its record in the compiled scene.
+// Private to robot: makes the move groups of a robot from its record in the compiled scene.
 #pragma once
 
 #include <memory>

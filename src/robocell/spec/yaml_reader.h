@@ -1,5 +1,5 @@
-// The generic reader behind yaml.h: one overload of Read per kind of field. Included by yaml*.cc
-// and their tests only (heavy header).
+// Private to spec: the generic reader behind yaml.h, one overload of Read per kind of field. Only
+// yaml*.cc and their tests include it (heavy header).
 //
 // The reader walks the declared fields, never the file's structure: what it does for one value is
 // bounded by the spec, and a limit on the number of values read keeps aliases from exploding.

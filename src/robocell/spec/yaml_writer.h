@@ -1,5 +1,5 @@
-// The generic writer behind ToYaml: one overload of Write per kind of field. Included by yaml*.cc
-// and their tests only.
+// Private to spec: the generic writer behind ToYaml, one overload of Write per kind of field. Only
+// yaml*.cc and their tests include it.
 //
 // Unset optionals and empty containers are left out; numbers are written with as many digits as
 // they need to come back to the bit.

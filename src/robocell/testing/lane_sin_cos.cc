@@ -14,6 +14,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace robocell::HWY_NAMESPACE {
+using namespace internal::HWY_NAMESPACE;
 
 void SinesAndCosines(const double* angles, bool any, std::size_t count, double* sines,
                      double* cosines) {

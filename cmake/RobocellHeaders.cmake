@@ -1,0 +1,40 @@
+# The public headers: all but those of robocell::internal, and those whose first comment says what they are private to
+# ("Private to scene"). One of the latter that a public header includes is needed with it; for robocell::internal
+# scripts/check_includes.py forbids that.
+#
+# Sets ROBOCELL_HEADER_FOLDERS, relative to src, and for each of them ROBOCELL_HEADERS_<folder>, its headers.
+set(source_dir "${PROJECT_SOURCE_DIR}/src")
+file(GLOB_RECURSE headers RELATIVE "${source_dir}" CONFIGURE_DEPENDS "${source_dir}/robocell/*.h")
+list(FILTER headers EXCLUDE REGEX "/testing/")
+set(public "")
+set(hidden "")
+foreach(header ${headers})
+  file(STRINGS "${source_dir}/${header}" marks REGEX "^namespace robocell::internal|^//.*Private to " LIMIT_COUNT 1)
+  if(marks)
+    list(APPEND hidden "${header}")
+  else()
+    list(APPEND public "${header}")
+  endif()
+endforeach()
+
+set(waiting "${public}")
+while(waiting)
+  list(POP_FRONT waiting header)
+  file(STRINGS "${source_dir}/${header}" includes REGEX "^#include \"robocell/")
+  foreach(include ${includes})
+    string(REGEX REPLACE "^#include \"(.*)\".*$" "\\1" include "${include}")
+    if("${include}" IN_LIST hidden)
+      list(REMOVE_ITEM hidden "${include}")
+      list(APPEND public "${include}")
+      list(APPEND waiting "${include}")
+    endif()
+  endforeach()
+endwhile()
+
+set(ROBOCELL_HEADER_FOLDERS "")
+foreach(header ${public})
+  cmake_path(GET header PARENT_PATH folder)
+  list(APPEND ROBOCELL_HEADER_FOLDERS "${folder}")
+  list(APPEND "ROBOCELL_HEADERS_${folder}" "${source_dir}/${header}")
+endforeach()
+list(REMOVE_DUPLICATES ROBOCELL_HEADER_FOLDERS)
