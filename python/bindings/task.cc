@@ -262,6 +262,9 @@ void BindTask(nb::module_& m) {
            "Why it gave up, \"\" otherwise. A rollout that ends with one is no success, whatever "
            "its "
            "task says.")
+      .def(
+          "ends_at_success", [](const Expert&) { return false; },
+          "Whether a rollout ends as soon as the task is done: for policies, which do not know it.")
       .def("phase", &Expert::phase)
       .def("phase_names", &Expert::phase_names);
   m.def("object_kinds", &ObjectKinds, "Kinds of objects that tasks can use.");

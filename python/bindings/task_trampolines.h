@@ -204,6 +204,12 @@ class PyExpertOf : public Base {
   std::string failure() const override {
     return Ask<std::string>("failure", [](auto* self) { return self->Base::failure(); });
   }
+  bool ends_at_success() const override {
+    if (!Defines(nb_trampoline, "ends_at_success")) return Base::ends_at_success();
+    const nb::gil_scoped_acquire acquire;
+    return Returned<bool>(nb_trampoline.base(), "ends_at_success",
+                          nb_trampoline.base().attr("ends_at_success")());
+  }
   int phase() const override {
     return Ask<int>("phase", [](auto* self) { return self->Base::phase(); });
   }

@@ -19,6 +19,7 @@ COMMANDS = (
     "report",
     "verify",
     "replay",
+    "evaluate",
     "check",
     "gripper-range",
     "ik-test",

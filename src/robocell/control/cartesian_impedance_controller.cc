@@ -103,8 +103,8 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   const Chain& chain = arm_.chain();
   const Eigen::Vector3d gravity = arm_.gravity_in_base();
   LinkAnswer links;
-  ComputeLinks(chain.links(), LinkPart::kAll, {.q = q_.data(), .qd = qd, .gravity = gravity.data()},
-               &links);
+  internal::ComputeLinks(chain.links(), internal::LinkPart::kAll,
+                         {.q = q_.data(), .qd = qd, .gravity = gravity.data()}, &links);
   for (const JointCoupling& c : chain.couplings()) {
     links.mass[c.first][c.second] += c.inertia;
     links.mass[c.second][c.first] += c.inertia;

@@ -1,5 +1,7 @@
 #include "robocell/control/leaf_kernel.h"
 
+#include "robocell/kinematics/link_kernel.h"
+
 #include <algorithm>
 #include <cmath>
 

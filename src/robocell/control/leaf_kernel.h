@@ -5,9 +5,14 @@
 // Plain numbers only; this header is included by code for every instruction set.
 #pragma once
 
-#include "robocell/kinematics/link_kernel.h"
+#include "robocell/kinematics/link_table.h"
 
 namespace robocell {
+
+namespace internal {
+struct LinkAnswer;  // kinematics/link_kernel.h
+}
+using internal::LinkAnswer;
 
 // What holds the leaf, along and about the axes of the base.
 struct LeafSprings {

@@ -1,6 +1,7 @@
 // What the leaf yields and how it is damped, against Eigen's factorisations, on every instruction
 // set; also where springs are absent or the arm is stretched out.
 #include "robocell/control/leaf_kernel.h"
+#include "robocell/kinematics/link_kernel.h"
 
 #include <gtest/gtest.h>
 
@@ -157,7 +158,7 @@ struct LeafCase {
   Transform leaf;
   MatrixXd j, m;
   VectorXd bias;
-  LinkAnswer arm = {};
+  internal::LinkAnswer arm = {};
 
   LeafCase(Rng* rng, int size)
       : n(size),

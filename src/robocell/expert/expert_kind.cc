@@ -56,7 +56,8 @@ std::shared_ptr<const ExpertKind> FindExpertKind(const std::string& kind) {
 }
 
 std::shared_ptr<const ExpertKind> ExpertKindOf(const RunConfig& run) {
-  const std::string kind = FindTaskKind(run.task.kind())->expert();
+  const std::string kind =
+      run.expert.empty() ? FindTaskKind(run.task.kind())->expert() : run.expert;
   if (!kind.empty()) return FindExpertKind(kind);
   throw SpecError(
       fmt::format("run '{}': no expert demonstrates task '{}'; register one for it, or "

@@ -36,7 +36,7 @@ void RegisterExpert(const std::string& kind, std::shared_ptr<const ExpertKind> e
 std::vector<std::string> ExpertKinds();
 // NotFoundError lists the kinds.
 std::shared_ptr<const ExpertKind> FindExpertKind(const std::string& kind);
-// The kind that demonstrates a run's task. SpecError for a task that names none.
+// The kind that acts in a run: the one that it names, else its task's. SpecError for a task that names none.
 std::shared_ptr<const ExpertKind> ExpertKindOf(const RunConfig& run);
 
 }  // namespace robocell

@@ -99,6 +99,7 @@ ItemOnDisk LookFor(const RunConfig& run, Attempts& attempts, const PlanItem& ite
     found.success = here.look.success;
     const bool last = found.success || attempt == run.max_attempts - 1;
     if (last && here.episode) found.complete = missing.empty() && found.broken.empty();
+    if (run.keep == Keep::kFirst) found.complete = here.episode && found.broken.empty();
   }
   return found;
 }
@@ -119,7 +120,7 @@ PlanOnDisk LookForItems(const RunConfig& run, const std::vector<PlanItem>& items
   Attempts attempts(run);
   for (const PlanItem& item : items) {
     const ItemOnDisk found = LookFor(run, attempts, item);
-    if (found.success && found.complete)
+    if (found.complete && (found.success || run.keep == Keep::kFirst))
       all.made.push_back(item.id);
     else
       all.broken.insert(all.broken.end(), found.broken.begin(), found.broken.end());

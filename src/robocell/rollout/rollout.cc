@@ -160,10 +160,10 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     const StageClock::Stage stage(recording.clock(), result.times.acting);
     const StepOutcome outcome = stepper.Advance(expert.Act(start.scene, rng));
     ++result.rows;
-    terminated = expert.done() || !outcome.ok();
+    const TaskVerdict verdict = outcome.ok() ? start.task->Judge(start.scene) : TaskVerdict();
+    terminated = expert.done() || !outcome.ok() || (verdict.success && expert.ends_at_success());
     // What an expert calls a failure is no demonstration, whatever the task sees in it.
     const bool gave_up = terminated && !expert.failure().empty();
-    const TaskVerdict verdict = outcome.ok() ? start.task->Judge(start.scene) : TaskVerdict();
     result.success = verdict.success && !gave_up;
     truncated = !terminated && result.rows >= run.rates.max_steps;
     if (!outcome.ok()) NoteDivergence(outcome.step, options.episode_id, result);

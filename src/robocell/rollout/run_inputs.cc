@@ -28,8 +28,9 @@ namespace fs = std::filesystem;
 std::vector<fs::path> CodeOf(const RunConfig& run) {
   const std::shared_ptr<const TaskKind> task = FindTaskKind(run.task.kind());
   std::vector<std::string> files = task->CodeFiles();
-  if (!task->expert().empty()) {
-    const std::vector<std::string> more = FindExpertKind(task->expert())->CodeFiles();
+  const std::string expert = run.expert.empty() ? task->expert() : run.expert;
+  if (!expert.empty()) {
+    const std::vector<std::string> more = FindExpertKind(expert)->CodeFiles();
     files.insert(files.end(), more.begin(), more.end());
   }
   return {files.begin(), files.end()};

@@ -102,7 +102,7 @@ RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
   return {.dataset = run.output,
           .episode_id = EpisodeId(run, item, attempt),
           .metadata_json = metadata.dump(),
-          .keep_failures = run.keep == Keep::kAll,
+          .keep_failures = run.keep != Keep::kSuccesses,
           .renderer = EnsureRenderer(),
           .stop = stop,
           .before_commit = [this] { RequireUnchangedModels(); }};
@@ -234,7 +234,10 @@ EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
     return report;
   }
   EarlierAttempts earlier;
-  for (int attempt = 0; attempt < run.max_attempts && !report.success; ++attempt) {
+  const auto is_made = [&] {
+    return report.success || (run.keep == Keep::kFirst && report.accepted > 0);
+  };
+  for (int attempt = 0; attempt < run.max_attempts && !is_made(); ++attempt) {
     if (ShouldStop(stop)) report.stopped = true;
     if (report.stopped) return report;
     const bool keeps_all = run.keep == Keep::kAll;

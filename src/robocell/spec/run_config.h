@@ -32,10 +32,11 @@ struct EnumNames<SceneSourceKind> {
                                         std::pair{SceneSourceKind::kFiles, "files"}};
 };
 
-enum class Keep { kSuccesses, kAll };
+enum class Keep { kSuccesses, kFirst, kAll };
 template <>
 struct EnumNames<Keep> {
   static constexpr std::array kNames = {std::pair{Keep::kSuccesses, "successes"},
+                                        std::pair{Keep::kFirst, "first"},
                                         std::pair{Keep::kAll, "all"}};
 };
 
@@ -82,6 +83,7 @@ struct RunConfig {
   std::string run = {};
   RobotSource robot = {};
   TaskSpec task = {};
+  std::string expert = {};
   SceneSource scenes = {};
   int episodes_per_scene = 1;
   CameraSystemConfig cameras = {};
@@ -105,13 +107,19 @@ struct RunConfig {
     v("robot", &RunConfig::robot,
       "Robot file (relative to this file), or the robot's fields in place.");
     v("task", &RunConfig::task, "What the robot does: the kind of task and its fields.");
+    v("expert", &RunConfig::expert,
+      "Who acts: a registered kind of expert, or `module:Class` of a policy in Python; the task's "
+      "own expert unless set.");
     v("scenes", &RunConfig::scenes, "Where the task takes place.");
     v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",
       Check::kPositive);
     v("cameras", &RunConfig::cameras, "Image size and streams.");
     v("rates", &RunConfig::rates, "Times of engine, control and policy.");
     v("options", &RunConfig::options, "Solver options.");
-    v("keep", &RunConfig::keep, "successes, or all (failures are kept and labelled).");
+    v("keep", &RunConfig::keep,
+      "successes; first (of each episode the first rollout, whatever came of it: for evaluation); "
+      "or "
+      "all (failures are kept and labelled).");
     v("max_attempts", &RunConfig::max_attempts, "An episode is given up after this many tries.",
       Check::kPositive);
     v("episodes", &RunConfig::episodes,

@@ -148,6 +148,8 @@ class Expert {
   // Why it gave up, "" otherwise. A rollout that ends with one is no success, whatever its task
   // says.
   virtual std::string failure() const = 0;
+  // Whether a rollout ends as soon as the task is done: for policies, which do not know it.
+  virtual bool ends_at_success() const { return false; }
   virtual int phase() const = 0;  // index into phase_names(), for the record
   virtual std::vector<std::string> phase_names() const = 0;
 };

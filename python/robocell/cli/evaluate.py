@@ -1,0 +1,83 @@
+"""`robocell evaluate`: how often a policy or an expert succeeds, from starts of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from robocell.cli.common import ExitCode, print_warning, print_wide
+
+
+def evaluate(
+    source: Annotated[
+        str,
+        typer.Argument(
+            metavar="DATASET|RUN.yaml", help="A dataset, whose cell is taken, or a run file."
+        ),
+    ],
+    policy: Annotated[
+        str,
+        typer.Option(
+            metavar="MODULE:CLASS",
+            help="module:Class or file.py:Class of a policy; expert; random.",
+        ),
+    ],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="PATH", help="Folder of the rollouts.")
+    ],
+    episodes: Annotated[
+        int, typer.Option("--episodes", "-n", min=1, help="Rollouts, each from its own start.")
+    ] = 100,
+    workers: Annotated[int, typer.Option(min=1, help="Worker processes.")] = 1,
+    seed: Annotated[int | None, typer.Option(min=0, help="Of the starts.")] = None,
+    no_cameras: Annotated[
+        bool, typer.Option("--no-cameras", help="Draw no images, and keep no videos.")
+    ] = False,
+    imports: Annotated[
+        list[str] | None,
+        typer.Option("--import", metavar="MODULE", help="A module that registers tasks."),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
+) -> None:
+    """Evaluate a policy. The same starts for every policy; the same command again goes on.
+
+    Exit codes: 0 evaluated, 1 some episodes had no start, 2 wrong command or spec.
+    """
+    from robocell.evaluate import SEED
+    from robocell.evaluate import evaluate as run
+
+    def told(done: int, of: int, success: bool) -> None:
+        if not as_json and (done == of or done % 10 == 0):
+            print(f"{done}/{of} rollouts", flush=True)
+
+    result = run(
+        source,
+        policy,
+        episodes=episodes,
+        workers=workers,
+        seed=SEED if seed is None else seed,
+        output=output,
+        cameras=not no_cameras,
+        imports=imports or [],
+        on_trial=told,
+    )
+    (output / "evaluation.json").write_text(result.to_json() + "\n")
+    if as_json:
+        print(result.to_json())
+    else:
+        low, high = (100 * bound for bound in result.interval)
+        rate = 100 * result.successes / result.trials if result.trials else 0
+        print_wide(f"policy:   {policy}")
+        print_wide(
+            f"success:  {rate:.0f} % ({result.successes} of {result.trials}), "
+            f"95 % interval {low:.0f} ... {high:.0f} %"
+        )
+        if result.failures:
+            counts = ", ".join(f"{reason} {count}" for reason, count in result.failures.items())
+            print_wide(f"failures: {counts}")
+        print_wide(f"rollouts: {output}")
+    if result.unmade:
+        print_warning(f"{result.unmade} episodes had no start that was accepted")
+        raise typer.Exit(ExitCode.INCOMPLETE)

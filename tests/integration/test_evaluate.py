@@ -1,0 +1,150 @@
+"""Policies act in the cells of datasets, and evaluations count what comes of it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import ROOT, generate, refusal, robocell_command
+
+import robocell as rc
+from robocell.evaluate import evaluate, run_of, wilson_interval
+from robocell.policy import Policy, PolicyExpert
+
+DEMO = ROOT / "examples" / "demo.yaml"
+
+REPLAYER = """
+import numpy as np
+from robocell.policy import Policy
+
+
+class Stay(Policy):
+    def act(self, observation):
+        q = observation["robots/rc7/arm/qpos"]
+        return {"robots/rc7/action/arm": np.tile(q, (5, 1)), "robots/rc7/action/gripper": np.ones((5, 1))}
+
+
+class Wrong(Policy):
+    def act(self, observation):
+        return {"robots/rc7/action/am": observation["robots/rc7/arm/qpos"]}
+"""
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two picks without images."""
+    out = tmp_path_factory.mktemp("evaluate") / "picks"
+    generate(DEMO, out, "--episodes", 2, "--set", "cameras.streams=[]")
+    return out
+
+
+def test_the_interval_is_wilsons():
+    # Newcombe 1998, table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29.
+    for successes, trials, low, high in (
+        (81, 263, 0.2553, 0.3662),
+        (15, 148, 0.0624, 0.1605),
+        (0, 20, 0.0, 0.1611),
+        (1, 29, 0.0061, 0.1718),
+    ):
+        assert wilson_interval(successes, trials) == pytest.approx((low, high), abs=1e-4)
+    assert wilson_interval(0, 0) == (0.0, 1.0)
+
+
+def test_an_expert_is_evaluated_from_starts_of_its_own(dataset: Path, tmp_path: Path):
+    result = evaluate(dataset, "expert", episodes=4, workers=2, output=tmp_path / "out")
+    assert result.trials == 4
+    assert result.successes >= 3
+    rollouts = rc.Dataset(tmp_path / "out")
+    assert {episode.id: episode.success for episode in rollouts} == result.outcomes
+    seen = {tuple(e["objects/target/pose"][0]) for e in rc.Dataset(dataset)}
+    assert not seen & {tuple(e["objects/target/pose"][0]) for e in rollouts}
+    again = evaluate(dataset, "expert", episodes=4, workers=1, output=tmp_path / "out")
+    assert again.outcomes == result.outcomes
+
+
+def test_policies_see_the_same_starts_and_failures_are_kept(dataset: Path, tmp_path: Path):
+    (tmp_path / "mine.py").write_text(REPLAYER)
+    expert = evaluate(dataset, "expert", episodes=2, output=tmp_path / "expert")
+    stay = evaluate(dataset, f"{tmp_path / 'mine.py'}:Stay", episodes=2, output=tmp_path / "stay")
+    assert (stay.successes, stay.trials) == (0, 2)
+    assert stay.failures == {"timeout": 2}
+    for name in expert.outcomes:
+        a, b = rc.Dataset(tmp_path / "expert")[name], rc.Dataset(tmp_path / "stay")[name]
+        assert np.array_equal(a["objects/target/pose"][0], b["objects/target/pose"][0])
+        still = b["robots/rc7/action/arm"]
+        assert np.abs(still - still[0]).max() < 0.05
+
+
+class Spy(Policy):
+    def __init__(self, actions: list[np.ndarray]) -> None:
+        self.seen: list[dict[str, np.ndarray]] = []
+        self.actions = actions
+
+    def act(self, observation):
+        self.seen.append(observation)
+        at = min(len(self.seen), len(self.actions)) - 1
+        arm, opening = self.actions[at]
+        return {"robots/rc7/action/arm": arm, "robots/rc7/action/gripper": opening}
+
+
+def test_a_policy_sees_the_rows_that_a_dataset_records(dataset: Path, tmp_path: Path):
+    """The recorded actions, played by a policy, lead through the recorded rows."""
+    run = run_of(dataset)
+    run.output = str(tmp_path / "played")
+    source = rc.Dataset(dataset)[0]
+    actions = list(
+        zip(source["robots/rc7/action/arm"], source["robots/rc7/action/gripper"], strict=True)
+    )
+    spies: list[Spy] = []
+
+    def expert(run: rc.RunConfig, start: rc.EpisodeStart) -> rc.Expert:
+        spies.append(Spy(actions))
+        return PolicyExpert(run, start, spies[-1])
+
+    run.keep = rc.Keep.FIRST
+    run.episodes, run.max_attempts = 1, 20
+    rc.prepare_dataset(run)
+    report = rc.Runner(run, expert=expert).run(rc.make_plan(run)[0])
+    assert report.committed
+    played = rc.Dataset(run.output)[0]
+    spy = spies[-1]
+    assert len(spy.seen) == len(played)
+    for name in (
+        "robots/rc7/arm/qpos",
+        "robots/rc7/arm/qvel",
+        "robots/rc7/tcp_pose",
+        "robots/rc7/tcp_pose_in_base",
+        "robots/rc7/base_pose",
+        "robots/rc7/opening",
+        "objects/target/pose",
+        "time",
+    ):
+        seen = np.array([row[name] for row in spy.seen])
+        np.testing.assert_allclose(seen, played[name], rtol=0, atol=1e-12, err_msg=name)
+
+
+def test_the_command_says_rate_and_interval(dataset: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    words = ("evaluate", dataset, "--policy", "expert", "-n", "2", "--output", out)
+    said = robocell_command(*words)
+    assert said.returncode == 0, said.stderr
+    assert "95 % interval" in said.stdout
+    result = json.loads((out / "evaluation.json").read_text())
+    assert result["trials"] == 2
+
+
+def test_what_is_wrong_with_a_policy_is_named(dataset: Path, tmp_path: Path):
+    (tmp_path / "mine.py").write_text(REPLAYER)
+    out = tmp_path / "out"
+
+    def said(policy: str) -> str:
+        return refusal("evaluate", dataset, "--policy", policy, "-n", "1", "--output", out)
+
+    assert "expected module:Class" in said("mine")
+    assert "no class or function 'Gone'" in said(f"{tmp_path / 'mine.py'}:Gone")
+    assert "there is no such file" in said(f"{tmp_path / 'no.py'}:Stay")
+    wrong = said(f"{tmp_path / 'mine.py'}:Wrong")
+    assert "Wrong.act(): no action 'robots/rc7/action/am'" in wrong
+    assert "robots/rc7/action/arm" in wrong
