@@ -23,7 +23,10 @@ from robocell.policy import Policy
 class Stay(Policy):
     def act(self, observation):
         q = observation["robots/rc7/arm/qpos"]
-        return {"robots/rc7/action/arm": np.tile(q, (5, 1)), "robots/rc7/action/gripper": np.ones((5, 1))}
+        return {
+            "robots/rc7/action/arm": np.tile(q, (5, 1)),
+            "robots/rc7/action/gripper": np.ones((5, 1)),
+        }
 
 
 class Wrong(Policy):

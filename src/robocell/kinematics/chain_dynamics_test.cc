@@ -10,6 +10,11 @@
 namespace robocell {
 namespace {
 
+using internal::ComputeLinks;
+using internal::LinkAnswer;
+using internal::LinkPart;
+using internal::TipOf;
+
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;

@@ -1,0 +1,129 @@
+// Starts of a task that robocell does not know: two blocks on the table.
+#include "robocell/task/start_sampler.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/scene/testing/scenes.h"
+#include "robocell/task/task_kind.h"
+#include "robocell/scenes/scene_source.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/pick_scene.h"
+
+namespace robocell {
+namespace {
+
+struct BlocksConfig {
+  int blocks = 2;
+  bool refuses = false;
+
+  static constexpr const char* kKind = "blocks_of_test";
+  static constexpr const char* kTypeName = "BlocksConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("blocks", &BlocksConfig::blocks, "How many.", Check::kNonNegative);
+    v("refuses", &BlocksConfig::refuses, "Whether every start is refused.");
+  }
+};
+
+class Blocks final : public Task {
+ public:
+  explicit Blocks(const BlocksConfig& fields) : fields_(fields) {}
+  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
+    for (int i = 0; i < fields_.blocks; ++i) {
+      SceneObject block = BoxObject("block_" + std::to_string(i), {0, 0, 0});
+      block.size = Vec3{0.02, 0.02, 0.02};
+      spec.objects.push_back(block);
+    }
+  }
+  void Bind(const Scene& /*scene*/, const TaskSetting& setting) override { place = setting.place; }
+  std::optional<Refusal> Arrange(Scene& /*scene*/, Rng& /*rng*/) override {
+    if (!fields_.refuses) return {};
+    return Refusal{.reason = "a reason of its own"};
+  }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "look at the blocks"; }
+  std::vector<std::string> objects() const override { return {"block_0"}; }
+  BaseRange base_range() const override { return {.distance = {0.35, 0.4}, .height_offset = -0.2}; }
+
+  std::string place;
+
+ private:
+  BlocksConfig fields_;
+};
+
+RunConfig BlocksRun(const BlocksConfig& fields = {}) {
+  static const bool kRegistered = [] {
+    RegisterTask<BlocksConfig>(std::make_shared<TaskKindOf<BlocksConfig, Blocks>>());
+    return true;
+  }();
+  (void)kRegistered;
+  RunConfig run = ExampleRun("demo.yaml");
+  run.task = fields;
+  return run;
+}
+
+SampleResult FirstAccepted(TaskSampler& sampler, int episode) {
+  SampleResult result;
+  for (int attempt = 0; attempt < 20 && !result.start; ++attempt) {
+    Rng rng = Rng::Stream(5, episode, attempt);
+    result = sampler.Sample({.episode = episode, .attempt = attempt}, rng);
+  }
+  return result;
+}
+
+TEST(TaskStartSampler, PutsWhatATaskPreparesOnTheTableAndTheRobotBesideIt) {
+  const std::shared_ptr<TaskSampler> sampler =
+      FindTaskKind(BlocksConfig::kKind)->MakeSampler(BlocksRun());
+  const double top = FindSupport(MakeBaseScene(BlocksRun(), 0)).frame_to_world.translation().z();
+  for (int episode = 0; episode < 3; ++episode) {
+    const SampleResult result = FirstAccepted(*sampler, episode);
+    ASSERT_TRUE(result.start.has_value()) << result.refusal.detail;
+    const EpisodeStart& start = *result.start;
+    EXPECT_EQ(start.target_object, "block_0");
+    EXPECT_EQ(dynamic_cast<const Blocks&>(*start.task).place, "run 'demo'");
+    const auto at = [&](const char* name) {
+      return start.scene.body_pose(start.scene.compiled()->object(name).root_body).translation();
+    };
+    EXPECT_NEAR(at("block_0").z(), top + 0.02, 0.002) << "at rest on the table";
+    EXPECT_GT((at("block_0") - at("block_1")).norm(), 0.04) << "beside each other";
+    const double distance = (start.base_in_world.translation() - at("block_0")).head<2>().norm();
+    EXPECT_GE(distance, 0.35 - 0.01);
+    EXPECT_LE(distance, 0.40 + 0.01);
+  }
+}
+
+TEST(TaskStartSampler, TheSameRequestGivesTheSameStart) {
+  TaskStartSampler first(BlocksRun()), second(BlocksRun());
+  FirstAccepted(second, 4);  // what was sampled before does not matter
+  const SampleResult a = FirstAccepted(first, 1), b = FirstAccepted(second, 1);
+  ASSERT_TRUE(a.start && b.start);
+  EXPECT_EQ(a.start->scene.state(), b.start->scene.state());
+}
+
+TEST(TaskStartSampler, EachStartHasATaskOfItsOwn) {
+  TaskStartSampler sampler(BlocksRun());
+  const SampleResult a = FirstAccepted(sampler, 0), b = FirstAccepted(sampler, 1);
+  ASSERT_TRUE(a.start && b.start);
+  EXPECT_NE(a.start->task, b.start->task);
+}
+
+TEST(TaskStartSampler, ATaskMayRefuseForAReasonOfItsOwn) {
+  TaskStartSampler sampler(BlocksRun({.refuses = true}));
+  Rng rng = Rng::Stream(5, "refused");
+  const SampleResult result = sampler.Sample({}, rng);
+  EXPECT_FALSE(result.start.has_value());
+  EXPECT_TRUE(result.refusal.reason == "a reason of its own" ||
+              result.refusal.redrawn.contains("a reason of its own"));
+}
+
+TEST(TaskStartSampler, AnEpisodeIsAboutAnObject) {
+  TaskStartSampler sampler(BlocksRun({.blocks = 0}));
+  Rng rng = Rng::Stream(5, "none");
+  ExpectThrow<Error>([&] { sampler.Sample({}, rng); },
+                     "task 'blocks_of_test': an episode is about an object");
+}
+
+}  // namespace
+}  // namespace robocell
