@@ -105,10 +105,7 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   LinkAnswer links;
   internal::ComputeLinks(chain.links(), internal::LinkPart::kAll,
                          {.q = q_.data(), .qd = qd, .gravity = gravity.data()}, &links);
-  for (const JointCoupling& c : chain.couplings()) {
-    links.mass[c.first][c.second] += c.inertia;
-    links.mass[c.second][c.first] += c.inertia;
-  }
+  for (const JointCoupling& c : chain.couplings()) links.mass[c.second][c.first] += c.inertia;
   LeafAnswer leaf;
   ComputeLeaf({.n = chain.n_joints(),
                .arm = &links,

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/link_kernel.h"
 #include "robocell/robot/joint_torque_controller.h"
 
 namespace robocell {
@@ -101,12 +102,15 @@ bool JointImpedanceController::GetSteadyTarget(std::span<const double> q, std::s
 }
 
 void JointImpedanceController::Compute(std::span<double> ctrl) {
-  double q[kMaxChainJoints], qd[kMaxChainJoints], torque[kMaxChainJoints];
-  constexpr double kStill[kMaxChainJoints] = {};
+  double q[kMaxChainJoints], qd[kMaxChainJoints];
   const size_t n = target_.size();
   arm_.GetJointPos({q, n});
   arm_.GetJointVel({qd, n});
-  arm_.InverseDynamics({q, n}, {qd, n}, {kStill, n}, {torque, n});  // gravity and Coriolis
+  const Eigen::Vector3d gravity = arm_.gravity_in_base();
+  LinkAnswer links;
+  ComputeLinks(arm_.chain().links(), LinkPart::kMotion,
+               {.q = q, .qd = qd, .gravity = gravity.data()}, &links);  // gravity and Coriolis
+  double* torque = links.torques;
   for (size_t i = 0; i < n; ++i)
     torque[i] += stiffness_[i] * (target_[i] - q[i]) - damping_[i] * qd[i];
   arm_.CtrlForJointTorque({torque, n}, ctrl);

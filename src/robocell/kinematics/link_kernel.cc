@@ -316,6 +316,7 @@ HWY_INLINE void MotionOf(const LinkTable& t, const Frames& frames, const Values&
   }
 }
 
+// The lower triangle.
 HWY_INLINE void MassOf(const LinkTable& t, LinkRows* rows, Row* mass) {
   const int width = hn::Lanes(kLinks);
   SumDown<3>(t.n, rows->moment);
@@ -331,8 +332,11 @@ HWY_INLINE void MassOf(const LinkTable& t, LinkRows* rows, Row* mass) {
     for (int i = 0; i <= j; i += width) Put(Dot(SixAt(rows->unit, i), of_j), i, mass[j]);
     mass[j][j] += t.armature[j];
   }
-  for (int i = 0; i < t.n; ++i) {
-    for (int j = i + 1; j < t.n; ++j) mass[i][j] = mass[j][i];
+}
+
+HWY_INLINE void Mirror(int n, Row* mass) {
+  for (int i = 0; i < n; ++i) {
+    for (int j = i + 1; j < n; ++j) mass[i][j] = mass[j][i];
   }
 }
 
@@ -369,6 +373,7 @@ HWY_INLINE void ComputeParts(const LinkTable& t, const LinkQuery& query, LinkAns
   if (kMass || kMotion) Describe<kMotion>(t, frames, qd, &rows);
   if (kMotion) MotionOf(t, frames, qd, qdd, query.gravity, &rows, out->torques);
   if (kMass) MassOf(t, &rows, out->mass);
+  if (kMass && !kMotion) Mirror(t.n, out->mass);
 }
 
 void Compute(const LinkTable& t, LinkPart part, const LinkQuery& query, LinkAnswer* out) {

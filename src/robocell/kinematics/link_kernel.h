@@ -36,7 +36,7 @@ enum class LinkPart {
   kMass,
   kGravity,  // torques against gravity
   kMotion,   // torques for qd and qdd, against gravity
-  kAll       // tip, Jacobian, mass and the torques of kMotion
+  kAll       // tip, Jacobian, the lower triangle of the mass, and the torques of kMotion
 };
 
 void ComputeLinks(const LinkTable& table, LinkPart part, const LinkQuery& query, LinkAnswer* out);
