@@ -13,6 +13,7 @@ EXTRAS = {
     "envs": {"gymnasium": "gymnasium"},
     "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
     "sb3": {"gymnasium": "gymnasium", "stable_baselines3": "stable-baselines3"},
+    "torch": {"torch": "torch"},
 }
 
 

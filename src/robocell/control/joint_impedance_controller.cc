@@ -107,9 +107,10 @@ void JointImpedanceController::Compute(std::span<double> ctrl) {
   arm_.GetJointPos({q, n});
   arm_.GetJointVel({qd, n});
   const Eigen::Vector3d gravity = arm_.gravity_in_base();
-  LinkAnswer links;
-  ComputeLinks(arm_.chain().links(), LinkPart::kMotion,
-               {.q = q, .qd = qd, .gravity = gravity.data()}, &links);  // gravity and Coriolis
+  internal::LinkAnswer links;
+  internal::ComputeLinks(arm_.chain().links(), internal::LinkPart::kMotion,
+                         {.q = q, .qd = qd, .gravity = gravity.data()},
+                         &links);  // gravity and Coriolis
   double* torque = links.torques;
   for (size_t i = 0; i < n; ++i)
     torque[i] += stiffness_[i] * (target_[i] - q[i]) - damping_[i] * qd[i];
