@@ -20,7 +20,8 @@ namespace {
 constexpr int kMostStarts = 100;    // that are drawn for one reset
 constexpr uint64_t kTriedSeed = 0;  // of the start that is tried when an environment is made
 // A tried start whose object turns over or moves by more than this does not rest where it is put.
-constexpr double kMostTilt = 10;  // degrees
+constexpr double kMostTilt = 10;   // degrees
+constexpr double kMostDrop = 0.2;  // metres straight down, for an object may be dropped
 
 std::vector<Robot> AllRobots(const Scene& scene) {
   std::vector<Robot> robots;
@@ -50,8 +51,9 @@ std::string ChangeOf(const Pose& before, const Pose& after) {
   const Eigen::Vector3d was_up = before.rotation().row(2), is_up = after.rotation().row(2);
   const double cosine = std::clamp(was_up.dot(is_up), -1.0, 1.0);
   const double tilt = std::acos(cosine) * 180 / std::numbers::pi;
-  if (-way.z() > kMostSettling) return fmt::format("falls by {:.2f} m", -way.z());
-  if (way.norm() > kMostSettling) return fmt::format("moves away by {:.2f} m", way.norm());
+  if (-way.z() > kMostDrop) return fmt::format("falls by {:.2f} m", -way.z());
+  const double aside = way.head<2>().norm();
+  if (aside > kMostSettling) return fmt::format("moves away by {:.2f} m", aside);
   if (tilt > kMostTilt) return fmt::format("tips over by {:.0f} degrees", tilt);
   return "";
 }
