@@ -145,6 +145,8 @@ void Env::WarnOfStart() {
   }
   for (const std::string& text : HangingObjects(scene_, ObjectsThatMayHang(config_)))
     LogWarn(fmt::format("{}: {}", place(), text));
+  for (const std::string& text : ObjectsInTheFloor(scene_))
+    LogWarn(fmt::format("{}: at the start {}. Move it up", place(), text));
   std::vector<std::string> falling = ObjectsOverNothing(scene_);
   if (start_check_) {
     for (const std::string& object : task_->resting_objects()) std::erase(falling, object);

@@ -153,6 +153,18 @@ TEST(EnvStart, AnObjectMayBeDropped) {
   EXPECT_NEAR(env.scene().body_pose("cube_green_cube").translation().z(), 0.15, 1e-9);
 }
 
+TEST(EnvStart, WarnsOfAnObjectInTheFloor) {
+  for (const double z : {-0.1, -0.3}) {
+    EnvConfig config = CubeOnly();
+    config.task.reset();
+    config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0, z);
+    Warnings warnings;
+    const Env env(config);
+    const std::string depth = z == -0.1 ? "120 mm" : "320 mm";
+    EXPECT_THAT(warnings.texts, ElementsAre(HasSubstr("object 'cube' is " + depth + " inside ")));
+  }
+}
+
 std::string WhyRefused(const EnvConfig& config) {
   try {
     const Env env(config);
