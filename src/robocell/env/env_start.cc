@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
@@ -17,6 +19,9 @@ namespace {
 
 constexpr int kMostStarts = 100;    // that are drawn for one reset
 constexpr uint64_t kTriedSeed = 0;  // of the start that is tried when an environment is made
+// A tried start whose object turns over or moves by more than this does not rest where it is put.
+constexpr double kMostTilt = 10;   // degrees
+constexpr double kMostDrop = 0.2;  // metres straight down, for an object may be dropped
 
 std::vector<Robot> AllRobots(const Scene& scene) {
   std::vector<Robot> robots;
@@ -33,6 +38,24 @@ std::vector<std::string> ObjectsThatMayHang(const EnvConfig& config) {
     }
   }
   return names;
+}
+
+Pose RootPose(const Scene& scene, const std::string& object) {
+  return scene.body_pose(scene.compiled()->object(object).root_body);
+}
+
+// What became of an object between two poses, "falls by 2.00 m"; "" when it stayed. An object may
+// turn about the vertical.
+std::string ChangeOf(const Pose& before, const Pose& after) {
+  const Eigen::Vector3d way = after.translation() - before.translation();
+  const Eigen::Vector3d was_up = before.rotation().row(2), is_up = after.rotation().row(2);
+  const double cosine = std::clamp(was_up.dot(is_up), -1.0, 1.0);
+  const double tilt = std::acos(cosine) * 180 / std::numbers::pi;
+  if (-way.z() > kMostDrop) return fmt::format("falls by {:.2f} m", -way.z());
+  const double aside = way.head<2>().norm();
+  if (aside > kMostSettling) return fmt::format("moves away by {:.2f} m", aside);
+  if (tilt > kMostTilt) return fmt::format("tips over by {:.0f} degrees", tilt);
+  return "";
 }
 
 }  // namespace
@@ -90,9 +113,19 @@ void Env::RequireRest(const std::string& doubt) {
   std::vector<Robot> robots = AllRobots(scene_);
   const std::vector<std::string> resting = task_->resting_objects();
   const std::string body = scene_.compiled()->object(resting.front()).root_body;
+  std::vector<Pose> before;
+  for (const std::string& object : resting) before.push_back(RootPose(scene_, object));
   const auto why_not =
       Settle(scene_, robots, body,
              {.resting = resting, .most_drift = std::numeric_limits<double>::infinity()});
+  for (size_t i = 0; !why_not && i < resting.size(); ++i) {
+    const std::string change = ChangeOf(before[i], RootPose(scene_, resting[i]));
+    if (change.empty()) continue;
+    throw SpecError(fmt::format(
+        "{}: no episode can begin, because '{}' of task '{}' does not rest where it starts: it {}. "
+        "Give it the pose that it rests in, on top of what is under it (root_frame_objects)",
+        place(), resting[i], config_.task->kind(), change));
+  }
   if (!why_not) return;
   throw SpecError(fmt::format(
       "{}: no episode can begin, because the objects of task '{}' do not come to rest: {}. Put "
@@ -112,6 +145,8 @@ void Env::WarnOfStart() {
   }
   for (const std::string& text : HangingObjects(scene_, ObjectsThatMayHang(config_)))
     LogWarn(fmt::format("{}: {}", place(), text));
+  for (const std::string& text : ObjectsInTheFloor(scene_))
+    LogWarn(fmt::format("{}: at the start {}. Move it up", place(), text));
   std::vector<std::string> falling = ObjectsOverNothing(scene_);
   if (start_check_) {
     for (const std::string& object : task_->resting_objects()) std::erase(falling, object);

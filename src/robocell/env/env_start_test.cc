@@ -153,6 +153,48 @@ TEST(EnvStart, AnObjectMayBeDropped) {
   EXPECT_NEAR(env.scene().body_pose("cube_green_cube").translation().z(), 0.15, 1e-9);
 }
 
+TEST(EnvStart, WarnsOfAnObjectInTheFloor) {
+  for (const double z : {-0.1, -0.3}) {
+    EnvConfig config = CubeOnly();
+    config.task.reset();
+    config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0, z);
+    Warnings warnings;
+    const Env env(config);
+    const std::string depth = z == -0.1 ? "120 mm" : "320 mm";
+    EXPECT_THAT(warnings.texts, ElementsAre(HasSubstr("object 'cube' is " + depth + " inside ")));
+  }
+}
+
+std::string WhyRefused(const EnvConfig& config) {
+  try {
+    const Env env(config);
+  } catch (const SpecError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(EnvStart, AnObjectThatFallsFarIsRefused) {
+  EnvConfig config = CubeOnly();
+  config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0, 2);
+  EXPECT_THAT(WhyRefused(config),
+              HasSubstr("'cube' of task 'pick' does not rest where it starts: it falls by 1.98 m"));
+}
+
+TEST(EnvStart, AnObjectThatTipsOverIsRefused) {
+  for (const double tilt : {0.0, 0.2, 0.3, 0.6}) {  // radians; on an edge, the cube rolls flat
+    EnvConfig config = CubeOnly();
+    config.root_frame_objects["cube"].offset =
+        Pose::FromRpy(Eigen::Vector3d(0.45, 0, 0.03), Eigen::Vector3d(tilt, 0, 0));
+    const std::string why = WhyRefused(config);
+    if (tilt == 0) {
+      EXPECT_EQ(why, "");
+    } else {
+      EXPECT_THAT(why, HasSubstr("does not rest where it starts: it tips over by")) << tilt;
+    }
+  }
+}
+
 // A second arm in the middle of where the cube may lie.
 EnvConfig CubeAroundAnArm() {
   EnvConfig config = CubeOnly();

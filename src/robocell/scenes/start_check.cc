@@ -315,6 +315,48 @@ std::vector<std::string> RobotsInTheFloor(const Scene& scene) {
   return out;
 }
 
+namespace {
+
+// How deep the lowest point of a free object is in the plane that its middle is below; 0 for none.
+double DepthInFloor(const Scene& scene, const std::string& name, int* floor) {
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  const int root = RootBody(scene, name);
+  const Vector3d middle(d->subtree_com + 3 * root);
+  double deepest = 0;
+  for (int plane = 0; plane < m->ngeom; ++plane) {
+    if (m->geom_type[plane] != mjGEOM_PLANE || !IsCollisionGeom(m, plane)) continue;
+    const Vector3d up(d->geom_xmat[9 * plane + 2], d->geom_xmat[9 * plane + 5],
+                      d->geom_xmat[9 * plane + 8]);
+    const double level = up.dot(Vector3d(d->geom_xpos + 3 * plane));
+    if (up.dot(middle) >= level) continue;
+    for (int g = 0; g < m->ngeom; ++g) {
+      if (!IsInSubtree(m, m->geom_bodyid[g], root) || !IsCollisionGeom(m, g)) continue;
+      const double depth = level - GeomExtent(m, d, g, up).lower;
+      if (depth <= deepest) continue;
+      deepest = depth;
+      *floor = plane;
+    }
+  }
+  return deepest;
+}
+
+}  // namespace
+
+std::vector<std::string> ObjectsInTheFloor(const Scene& scene) {
+  scene.SyncPoses();
+  std::vector<std::string> out;
+  for (const std::string& name : scene.object_names()) {
+    int floor = -1;
+    if (!scene.compiled()->object(name).free_joint) continue;
+    const double depth = DepthInFloor(scene, name, &floor);
+    if (floor < 0) continue;
+    out.push_back(fmt::format("object '{}' is {} inside {}", name, Millimetres(depth),
+                              OtherText(scene.model(), floor)));
+  }
+  return out;
+}
+
 std::vector<std::string> ObjectsOverNothing(const Scene& scene) {
   scene.SyncPoses();
   const mjModel* m = scene.model();
@@ -326,7 +368,9 @@ std::vector<std::string> ObjectsOverNothing(const Scene& scene) {
     const ObjectRecord& object = scene.compiled()->object(name);
     const int root = RootBody(scene, name);
     int geom = -1;
+    int floor = -1;
     if (!object.free_joint || m->body_gravcomp[root] >= 1) continue;
+    if (DepthInFloor(scene, name, &floor) > 0) continue;
     if (RayDown(m, d, Vector3d(d->subtree_com + 3 * root), down, root, &geom) < 0)
       out.push_back(name);
   }

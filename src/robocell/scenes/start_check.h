@@ -80,7 +80,11 @@ std::vector<std::string> HangingObjects(const Scene& scene,
 // so: what cannot move touches nothing that cannot.
 std::vector<std::string> RobotsInTheFloor(const Scene& scene);
 
-// Free objects with nothing at all under them, as they stand now.
+// Free objects whose middle is below a floor (a plane), as sentences: they are shot out of it.
+std::vector<std::string> ObjectsInTheFloor(const Scene& scene);
+
+// Free objects with nothing at all under them, as they stand now. Those in the floor are not among
+// them.
 std::vector<std::string> ObjectsOverNothing(const Scene& scene);
 
 }  // namespace robocell

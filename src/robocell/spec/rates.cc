@@ -91,13 +91,29 @@ double SuitableSimHz(double hz, double now_hz) {
   return hz * best;
 }
 
-// ". For exactly 30 Hz set policy_hz: 30 and sim_hz: 480"; "" when no round rate was meant.
+// Whether these rates would be taken: advice that is refused helps nobody.
+bool IsTaken(const Rates& rates) {
+  constexpr int64_t kMost = std::numeric_limits<int>::max();
+  if (SimOf(rates).period_ms() < kShortestTimestep * 1000) return false;
+  if (rates.sim_steps() <= 0 || rates.control_ticks() <= 0) return false;
+  try {
+    const Ratio rate = rates.policy_rate();
+    return rate.num <= kMost && rate.den <= kMost;
+  } catch (const ArgumentError&) {
+    return false;
+  }
+}
+
+// ". For exactly 30 Hz set policy_hz: 30 and sim_hz: 480"; "" when no round rate was meant or no
+// timestep makes it. Numbers are written with all their digits, so that they can be copied.
 std::string HowToGet(const GivenTime& time, const Rates& rates) {
   const double hz = MeantHz(time);
   if (hz == 0) return "";
-  std::string text = fmt::format(". For exactly {:g} Hz set ", hz);
-  if (!time.hz) text += fmt::format("{}: {:g} and ", time.hz_field, hz);
-  text += fmt::format("sim_hz: {:g}", SuitableSimHz(hz, 1000 / SimOf(rates).period_ms()));
+  const double sim_hz = SuitableSimHz(hz, 1000 / SimOf(rates).period_ms());
+  if (!IsTaken({.policy_hz = hz, .sim_hz = sim_hz})) return "";
+  std::string text = fmt::format(". For exactly {} Hz set ", hz);
+  if (!time.hz) text += fmt::format("{}: {} and ", time.hz_field, hz);
+  text += fmt::format("sim_hz: {}", sim_hz);
   const GivenTime control = ControlOf(rates), sim = SimOf(rates);
   if (sim.ms) text += ", without sim_ms";
   if (control.is_given() && time.hz_field != control.hz_field)

@@ -14,6 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
+using testing::ParseError;
 using testing::ValidationError;
 
 TEST(Rates, AreMultiplesOfEachOther) {
@@ -91,6 +92,21 @@ TEST(Rates, AsTheMessageSaysAreValid) {
     EXPECT_EQ(ValidationError(rates), "");
     EXPECT_EQ(rates.policy_rate(), RatioOf(hz)) << text;
   }
+}
+
+TEST(Rates, AreAdvisedOnlyWhereTheAdviceIsTaken) {
+  int advised = 0;
+  for (const double hz : {30000.0 / 1001, 24000.0 / 1001, 60000.0 / 1001, 100.0 / 7, 1e9, 1e7, 0.3,
+                          29.97003, 1000.0 / 3, 13.0, 17.3, 59.94}) {
+    const std::string text = ValidationError(Rates{.policy_hz = hz});
+    const size_t at = text.find("sim_hz: ");
+    if (at == std::string::npos) continue;
+    ++advised;
+    const Rates rates{.policy_hz = hz, .sim_hz = std::stod(text.substr(at + 8))};
+    EXPECT_EQ(ValidationError(rates), "") << text;
+  }
+  EXPECT_GE(advised, 4);
+  EXPECT_THAT(ValidationError(Rates{.policy_hz = 1e9}), Not(HasSubstr("For exactly")));
 }
 
 TEST(Rates, AreGivenInOneUnit) {
