@@ -6,8 +6,8 @@
 
 #include "robocell/base/error.h"
 #include "robocell/scene/testing/scenes.h"
-#include "robocell/task/task_kind.h"
 #include "robocell/scenes/scene_source.h"
+#include "robocell/task/task_kind.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
@@ -74,9 +74,9 @@ SampleResult FirstAccepted(TaskSampler& sampler, int episode) {
 }
 
 TEST(TaskStartSampler, PutsWhatATaskPreparesOnTheTableAndTheRobotBesideIt) {
-  const std::shared_ptr<TaskSampler> sampler =
-      FindTaskKind(BlocksConfig::kKind)->MakeSampler(BlocksRun());
-  const double top = FindSupport(MakeBaseScene(BlocksRun(), 0)).frame_to_world.translation().z();
+  const RunConfig run = BlocksRun();
+  const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
+  const double top = FindSupport(MakeBaseScene(run, 0)).frame_to_world.translation().z();
   for (int episode = 0; episode < 3; ++episode) {
     const SampleResult result = FirstAccepted(*sampler, episode);
     ASSERT_TRUE(result.start.has_value()) << result.refusal.detail;
