@@ -140,11 +140,14 @@ def run_of(source: str | Path, imports: Sequence[str] = ()) -> RunConfig:
     dataset = Dataset(folder)
     if not len(dataset):
         raise ArgumentError(f"'{folder}' has no episode, so nothing says what its cell is")
-    run = RunConfig.from_yaml(
-        dataset[0].metadata["identity"], str(folder), overrides=[f"output={json.dumps('unset')}"]
-    )
+    first = dataset[0]
+    metadata: Any = first.metadata
+    run = RunConfig.from_yaml(str(metadata["identity"]), str(folder), overrides=['output="unset"'])
     # With the models that the dataset keeps.
-    run.robot = recorded_scene(dataset[0]).robots[0].config
+    config = recorded_scene(first).robots[0].config
+    if config is None:
+        raise ArgumentError(f"'{folder}': the scene of '{first.id}' has no robot configuration")
+    run.robot = config
     return run
 
 

@@ -282,7 +282,7 @@ def register_named_policy(name: str, folder: Path) -> None:
                 f"policy '{name}': expected an object with reset(context) and act(observation), "
                 f"as robocell.policy.Policy has, got a {type(policy).__name__}"
             )
-        return policy  # type: ignore[no-any-return]
+        return policy
 
     make.__module__ = module.__name__
     register_policy(name, make)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from robocell.cli.common import ExitCode, print_warning, print_wide
+from robocell.cli.common import ExitCode, print_warning
 
 
 def evaluate(
@@ -69,15 +69,15 @@ def evaluate(
     else:
         low, high = (100 * bound for bound in result.interval)
         rate = 100 * result.successes / result.trials if result.trials else 0
-        print_wide(f"policy:   {policy}")
-        print_wide(
+        print(f"policy:   {policy}")
+        print(
             f"success:  {rate:.0f} % ({result.successes} of {result.trials}), "
             f"95 % interval {low:.0f} ... {high:.0f} %"
         )
         if result.failures:
             counts = ", ".join(f"{reason} {count}" for reason, count in result.failures.items())
-            print_wide(f"failures: {counts}")
-        print_wide(f"rollouts: {output}")
+            print(f"failures: {counts}")
+        print(f"rollouts: {output}")
     if result.unmade:
         print_warning(f"{result.unmade} episodes had no start that was accepted")
         raise typer.Exit(ExitCode.INCOMPLETE)

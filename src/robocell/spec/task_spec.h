@@ -112,8 +112,8 @@ class TaskSpec {
   TaskSpec(T fields) : TaskSpec(std::string(T::kKind)) {
     *static_cast<T*>(fields_->value()) = std::move(fields);
   }
+  // Also what moving does: none is ever without fields.
   TaskSpec(const TaskSpec& other) : kind_(other.kind_), fields_(other.fields_->Clone()) {}
-  TaskSpec(TaskSpec&& other) : TaskSpec(std::as_const(other)) {}  // none is ever without fields
   TaskSpec& operator=(TaskSpec other) {
     kind_ = std::move(other.kind_);
     fields_ = std::move(other.fields_);

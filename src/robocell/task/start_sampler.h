@@ -23,6 +23,7 @@
 
 namespace robocell {
 
+class GripperShape;
 class TaskKind;
 
 // The objects of a start: what it is about first.
