@@ -20,6 +20,7 @@
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
 #include "robocell/scene/pool.h"
+#include "robocell/scene/robot_base.h"
 #include "robocell/scene/saved_scene.h"
 #include "robocell/scene/scene_keys.h"
 #include "robocell/scene/spec_tree.h"
@@ -296,6 +297,7 @@ class SceneCompiler {
     try {
       out_->model_owner_ =
           Compile(spec_.get(), nullptr, context_, &out_->warnings_, GuardOf(spec()));
+    for (const RobotRecord& robot : out_->robots_) FitWeld(spec_.get(), robot);
     } catch (const SpecError& error) {
       report_.Throw(spec().name);  // what is wrong with the options
       TellWhose(error.what());
