@@ -57,6 +57,7 @@ std::shared_ptr<CompiledScene> CompiledScene::Copy() {
   copy->jacobian_ = jacobian_;
   copy->generation_ = NextGeneration();
   copy->home_key_ = home_key_;
+  copy->key_owners_ = key_owners_;
   copy->modes_ = modes_;
   copy->sources_ = sources_;
   copy->origin_ = origin_ ? origin_ : shared_from_this();

@@ -109,6 +109,12 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // hold it.
   int home_key() const { return home_key_; }
 
+  // Whose keyframe each key of the model is, and how its file calls it; of `home` nobody's.
+  struct KeyOwner {
+    std::string part, name;
+  };
+  const std::vector<KeyOwner>& key_owners() const { return key_owners_; }
+
   // Hands the model's ownership to somebody else, once: `keeper` keeps the model alive from now on.
   // Used by the Python bindings, where mujoco.MjModel takes the pointer over. Calling it twice is
   // an Error.
@@ -142,6 +148,7 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   std::vector<std::string> warnings_, notes_, engine_guards_;
   uint64_t generation_ = 0;
   int home_key_ = -1;
+  std::vector<KeyOwner> key_owners_;
   bool frozen_ = false;
   SourceFiles sources_;
   std::shared_ptr<CompiledScene> origin_;  // of a copy
