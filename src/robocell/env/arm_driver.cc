@@ -192,6 +192,8 @@ void ArmDriver::Recall(const Memory& memory) {
   if (gripper_)
     gripper_->Apply({{gripper()->name(), GroupCommand::Opening(memory.commanded_opening)}});
 }
+  // To the bit: a controller that adds steps came there by a sum.
+  std::ranges::copy(memory.commanded, controller_->command_port().begin());
 
 void ArmDriver::Check(std::span<const double> action, const std::string& place) const {
   const auto fail = [&](const std::string& message) {
