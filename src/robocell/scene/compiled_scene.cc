@@ -64,6 +64,12 @@ std::shared_ptr<CompiledScene> CompiledScene::Copy() {
   return copy;
 }
 
+std::vector<std::string> CompiledScene::engine_guards() const {
+  // Somebody may have written another one into the model since.
+  const bool is_guarded = model_ && model_->opt.jacobian == mjJAC_DENSE;
+  return is_guarded ? engine_guards_ : std::vector<std::string>();
+}
+
 void CompiledScene::KeepJacobian(const CompiledScene& from) {
   if (from.model()->opt.jacobian == from.jacobian_) mutable_model()->opt.jacobian = jacobian_;
 }

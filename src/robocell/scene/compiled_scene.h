@@ -100,8 +100,8 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // What is good to know and needs no change, such as lights of a robot's file that stay behind.
   const std::vector<std::string>& notes() const { return notes_; }
   // Guards against defects of the engine that the model was compiled with, by their names in
-  // KnownEngineDefects: {"sparse_newton"} when its Jacobian was made dense.
-  const std::vector<std::string>& engine_guards() const { return engine_guards_; }
+  // KnownEngineDefects: {"sparse_newton"} when its Jacobian was made dense, and still is.
+  std::vector<std::string> engine_guards() const;
   // After the options of another scene's model were copied to this one's: puts the Jacobian back
   // that was compiled here, unless somebody wrote another one to that model.
   void KeepJacobian(const CompiledScene& from);
