@@ -24,7 +24,10 @@ int64_t Times(int64_t a, int64_t b) {
 
 }  // namespace
 
-Ratio Ratio::inverse() const { return {den, num}; }
+Ratio Ratio::inverse() const {
+  if (num == 0) throw ArgumentError("a ratio of 0 has no inverse");
+  return num > 0 ? Ratio{den, num} : Ratio{-den, -num};
+}
 
 std::string Ratio::Text() const {
   return den == 1 ? std::to_string(num) : fmt::format("{}/{}", num, den);

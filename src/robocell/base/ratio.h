@@ -17,7 +17,7 @@ struct Ratio {
   int64_t den = 1;
 
   double value() const { return static_cast<double>(num) / static_cast<double>(den); }
-  Ratio inverse() const;
+  Ratio inverse() const;  // ArgumentError of 0
   // "30" or "500/33".
   std::string Text() const;
   bool operator==(const Ratio&) const = default;

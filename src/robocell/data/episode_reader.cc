@@ -164,6 +164,9 @@ struct Episode::Impl {
       for (const auto& [name, camera] : json.at("cameras").items())
         cameras.push_back(ReadCamera(name, camera));
       labels = ReadLabels(json);
+      // The number of what has no label is the same in every episode.
+      if (json.contains("segmentation") && json["segmentation"].at("none") != kNoSegment)
+        ThrowDamaged();
       for (const char* key : {"success", "terminated", "truncated", "metadata", "results", "tables",
                               "versions", "run"}) {
         json.at(key);  // asked for later, without a check

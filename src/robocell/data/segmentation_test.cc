@@ -155,5 +155,19 @@ TEST_F(Segmentation, WithATableThatIsTooShortIsNotGood) {
               HasSubstr("a pixel of it is 2, and episode.json has 2 labels"));
 }
 
+// Readers take 65535 for what has no label: an episode that says otherwise is not read wrongly.
+TEST_F(Segmentation, WithAnotherNumberForNothingIsRefused) {
+  const std::filesystem::path file = Write("a") / "episode.json";
+  const auto original = nlohmann::ordered_json::parse(ReadFile(file));
+  for (const nlohmann::ordered_json& none :
+       std::initializer_list<nlohmann::ordered_json>{5, -1, "x", nullptr, {{"labels", 5}}}) {
+    auto json = original;
+    json["segmentation"]["none"] = none;
+    json["run"]["json_sha256"] = kUnsigned;
+    AtomicWrite(file, SignJson(json.dump(2) + "\n"));
+    ExpectThrow<IoError>([&] { Episode(file.parent_path()); }, "episode.json is damaged");
+  }
+}
+
 }  // namespace
 }  // namespace robocell

@@ -22,6 +22,9 @@ namespace {
 constexpr double kSettling = 0.1;
 // What a resting joint moves in a window: a share of its tolerance, or of the way that is left.
 constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
+// A joint that creeps to its target is on its way as long as it takes no longer than this to get
+// within its tolerance, s.
+constexpr double kPatience = 1;
 // An absolute pose without a solution nearby is out of reach, unless it is within these, m and rad.
 constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
 constexpr double kWindow = 0.05;  // s, over which a gripper is watched
@@ -189,6 +192,8 @@ void ArmDriver::Recall(const Memory& memory) {
   sent_ = {};
   WatchFromNow();
   robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(memory.commanded)}});
+  // To the bit: a controller that adds steps came there by a sum.
+  std::ranges::copy(memory.commanded, controller_->command_port().begin());
   if (gripper_)
     gripper_->Apply({{gripper()->name(), GroupCommand::Opening(memory.commanded_opening)}});
 }
@@ -374,7 +379,7 @@ void ArmDriver::Watch(double time) {
   ++watched_ticks_;
   const bool slow = IsSlow();
   if (slow && time - window_since_ < kSettling) return;
-  at_rest_ = slow && HasHardlyMoved();
+  at_rest_ = slow && HasHardlyMoved(time - window_since_);
   StartWindow(time);
 }
 
@@ -390,11 +395,15 @@ bool ArmDriver::IsSlow() const {
   return true;
 }
 
-// In the window, by little of the tolerance, or by too little of the way that is left to get there.
-bool ArmDriver::HasHardlyMoved() const {
+// In the window, by little of the tolerance, or by too little of the way that is left to get there
+// soon.
+bool ArmDriver::HasHardlyMoved(double window) const {
   const std::span<const double> wanted = controller_->commanded_joint_pos();
   for (size_t i = 0; i < tolerances_.size(); ++i) {
     const double left = std::abs(watched_[0][i] - wanted[i]);
+    const double nearer = std::abs(window_pos_[i] - wanted[i]) - left,
+                 beyond = left - tolerances_[i];
+    if (beyond > 0 && nearer * kPatience > beyond * window) return false;
     const double most = std::max(kRestShare * tolerances_[i], kRestShareOfWay * left);
     if (std::abs(watched_[0][i] - window_pos_[i]) > most) return false;
   }

@@ -114,7 +114,7 @@ class ArmDriver {
   // Of a joint over the last two watched engine steps, per second; infinite before that.
   double SpeedOf(size_t joint) const;
   bool IsSlow() const;
-  bool HasHardlyMoved() const;
+  bool HasHardlyMoved(double window) const;
   bool IsHeldAwayByGravity();
   void WatchFromNow();
   void StartWindow(double time);

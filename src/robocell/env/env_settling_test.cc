@@ -1,4 +1,5 @@
 // Steps that end away from their target: servos that sag, arms that carry or are blocked.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -53,14 +54,16 @@ TEST(EnvSettling, AnArmThatALoadPullsDownEndsItsStepAsSettled) {
 }
 
 TEST(EnvSettling, ASlowJointThatGetsThereArrives) {
-  ModelFolder folder;
-  EnvConfig config = OneHinge(folder, "damping='20'", true);  // a time constant of half a second
-  config.sim.max_convergence_time = 10;
-  Env env(config);
-  env.Reset({.seed = 1});
-  for (const double move : {0.05, -0.004}) {
-    EXPECT_EQ(env.Step(Numbers{move}).reason, EndReason::kArrived) << move;
-    EXPECT_LE(env.motions()[0].joint_error, kTolerance) << move;
+  for (const int damping : {20, 45, 70, 90}) {  // time constants of 0.5 ... 1.9 s
+    ModelFolder folder;
+    EnvConfig config = OneHinge(folder, fmt::format("damping='{}'", damping), true);
+    config.sim.max_convergence_time = 20;
+    Env env(config);
+    env.Reset({.seed = 1});
+    for (const double move : {0.05, -0.004}) {
+      EXPECT_EQ(env.Step(Numbers{move}).reason, EndReason::kArrived) << damping << " " << move;
+      EXPECT_LE(env.motions()[0].joint_error, kTolerance) << damping << " " << move;
+    }
   }
 }
 

@@ -183,8 +183,12 @@ void Env::CheckState(const EnvState& state) const {
       static_cast<std::ptrdiff_t>(kNumbersBeforePhysics + 1 + state.physics.size() + 1);
   const std::vector<double> numbers = state.numbers();
   for (std::ptrdiff_t i = 0; i < std::ssize(numbers); ++i) {
-    if (std::isfinite(numbers[i]) || (i >= task && i < task + std::ssize(state.task))) continue;
-    throw ArgumentError(fmt::format("{}: number {} of the state is {}", place(), i, numbers[i]));
+    const bool is_sound = std::abs(numbers[i]) <= mjMAXVAL || i + 1 == std::ssize(numbers);
+    if (is_sound || (i >= task && i < task + std::ssize(state.task))) continue;
+    throw ArgumentError(
+        fmt::format("{}: number {} of the state is {}; in a state numbers are finite and at most "
+                    "{:g}, what the engine accepts",
+                    place(), i, numbers[i], mjMAXVAL));
   }
 }
 

@@ -7,10 +7,12 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <sstream>
 
 #include "robocell/base/error.h"
+#include "robocell/base/rng.h"
 #include "robocell/base/units.h"
 #include "robocell/env/env.h"
 #include "robocell/env/env_record.h"
@@ -100,6 +102,53 @@ TEST(EnvStates, FitTheirConfigurationOnly) {
   std::vector<double> numbers = env.state().numbers();
   numbers.pop_back();
   ExpectThrow<ArgumentError>([&] { EnvState::FromNumbers(numbers); }, "no state of an environment");
+}
+
+// Where a controller drives to is a sum of steps, which is restored to the bit all the same.
+TEST(EnvStates, OfAControllerThatAddsStepsGoOnTheSameToTheBit) {
+  for (const ControlMode mode : {ControlMode::kJoints, ControlMode::kCartesianTrpy}) {
+    EnvConfig config = Rc7Env(mode);
+    config.robots["robot"].control["arm"] = ControlKind::kRelativeJointPosition;
+    Env env(config), other(config);
+    env.Reset({.seed = 3});
+    other.Reset({.seed = 4});
+    Rng rng = Rng::Stream(5, "relative joint positions");
+    const auto action = [&] {
+      std::vector<double> numbers(static_cast<size_t>(env.layout().action.size()));
+      for (double& x : numbers) x = 0.02 * rng.Uniform(-1, 1);
+      return numbers;
+    };
+    for (int trial = 0; trial < 20; ++trial) {
+      env.Step(action());
+      const EnvState state = env.state();
+      const std::vector<double> next = action();
+      env.Step(next);
+      other.SetState(state);
+      EXPECT_EQ(other.state().numbers(), state.numbers()) << trial;
+      other.Step(next);
+      ASSERT_EQ(Seen(other), Seen(env)) << trial;
+      ASSERT_EQ(other.state().numbers(), env.state().numbers()) << trial;
+    }
+  }
+}
+
+TEST(EnvStates, WithNumbersThatTheEngineDoesNotTakeAreRefused) {
+  Env env(Rc7WithCube());
+  env.Reset();
+  EnvState state = env.state();
+  for (std::vector<double> ArmDriver::Memory::*joints :
+       {&ArmDriver::Memory::commanded, &ArmDriver::Memory::sent_joints,
+        &ArmDriver::Memory::origin_joints}) {
+    EnvState other = state;
+    (other.arms[0].*joints)[2] = -1e300;
+    ExpectThrow<ArgumentError>([&] { env.SetState(other); },
+                               "of the state is -1e+300; in a state numbers are finite and at "
+                               "most 1e+10, what the engine accepts");
+  }
+  EnvState other = state;
+  other.root_frame_to_world = Pose(Eigen::Vector3d(1e11, 0, 0));
+  ExpectThrow<ArgumentError>([&] { env.SetState(other); }, "number 0 of the state is");
+  env.SetState(state);
 }
 
 std::string FileText(const std::string& path) {

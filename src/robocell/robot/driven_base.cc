@@ -18,6 +18,14 @@ constexpr double kRampTime = 0.1;
 // Of the largest speeds, what is planned: ticks that hold the mocap body still for two engine steps
 // make the base up to 3.5 % faster for a moment.
 constexpr double kPlannedShare = 0.96;
+// From this timestep on less is planned, s: what the engine leaves out of a step, such as what the
+// axes of a turning hand do, makes the base faster the longer the step is.
+constexpr double kLongTimestep = 0.01;
+constexpr double kFarthestTarget = 1e6;  // m, from the origin; more is a mistake
+
+double PlannedShare(double timestep) {
+  return kPlannedShare * std::sqrt(std::min(1.0, kLongTimestep / timestep));
+}
 
 BaseSpeeds SpeedsOf(const BaseConfig& config) {
   BaseSpeeds speeds;
@@ -35,8 +43,8 @@ DrivenBase::Target ToTarget(const Pose& pose) {
 // How far the mocap body has to be ahead of a base that is to move as commanded. The engine drives
 // the distance r between them and its rate r' to the acceleration -b r' - k r of the base, with
 // b = 2 / (d t) and k = 1 / (d t z)^2 (time constant t, damping ratio z, impedance d). The mocap
-// body has no velocity for the engine, so the base at speed v and acceleration a is b/k v + a/k
-// behind.
+// body has no velocity for the engine, so the base at speed v that is to have the acceleration a in
+// the next step is b/k v + a/k behind.
 struct Lead {
   double of_velocity = 0, of_acceleration = 0;  // b/k in s, 1/k in s^2
 
@@ -98,9 +106,12 @@ void DrivenBase::Hold() const {
 }
 
 void DrivenBase::FollowOthers() const {
+  const uint64_t puts = core().scene().times_put(target_body_);
+  const bool was_put = puts != puts_;
+  puts_ = puts;
   const mjtNum* pos = core().data()->mocap_pos + 3 * mocap_;
   const mjtNum* quat = core().data()->mocap_quat + 4 * mocap_;
-  if (std::equal(pos, pos + 3, written_.begin()) &&
+  if (!was_put && std::equal(pos, pos + 3, written_.begin()) &&
       std::equal(quat, quat + 4, written_.begin() + 3))
     return;
   std::copy_n(pos, 3, written_.begin());
@@ -132,9 +143,19 @@ Pose DrivenBase::target() const {
 }
 
 void DrivenBase::SetTarget(const Pose& pose) {
+  CheckTarget(pose);
   Bind();
   FollowOthers();
   target_ = ToTarget(pose);
+}
+
+void DrivenBase::CheckTarget(const Pose& pose) const {
+  const double most = pose.translation().cwiseAbs().maxCoeff();
+  if (most <= kFarthestTarget) return;
+  throw ArgumentError(fmt::format(
+      "{}: the target is {:g} m away along an axis of the world, which is no place to go to; it "
+      "must be within {:g} m. Give metres",
+      place(), most, kFarthestTarget));
 }
 
 void DrivenBase::SetMaxSpeeds(const BaseSpeeds& speeds) {
@@ -151,20 +172,23 @@ void DrivenBase::SetMaxSpeeds(const BaseSpeeds& speeds) {
 void DrivenBase::Advance() {
   Bind();
   FollowOthers();
+  const Pose goal = target();
+  CheckTarget(goal);
   const double now = core().data()->time;
   const double seconds =
       std::clamp(now - time_, 0.0, std::max<double>(kLongestTick, core().model()->opt.timestep));
   time_ = now;
   if (seconds <= 0) return;
-  const double linear = kPlannedShare * speeds_.linear, angular = kPlannedShare * speeds_.angular;
-  ramp_.Advance(target(), {linear, angular, linear / kRampTime, angular / kRampTime}, seconds);
+  const double share = PlannedShare(core().model()->opt.timestep);
+  const double linear = share * speeds_.linear, angular = share * speeds_.angular;
+  // The engine's step begins where the base is and as fast as it is now.
+  const Pose here = ramp_.pose();
+  const Eigen::Vector3d v = ramp_.linear_velocity(), w = ramp_.angular_velocity();
+  ramp_.Advance(goal, {linear, angular, linear / kRampTime, angular / kRampTime}, seconds);
   const Lead lead = LeadOf(core().model(), equality_);
-  const Eigen::Vector3d turn = lead(ramp_.angular_velocity(), ramp_.angular_acceleration());
-  const Pose turned =
-      Pose::FromRotvec({0, 0, 0}, turn) * Pose({0, 0, 0}, ramp_.pose().quaternion());
-  WriteMocap(
-      Pose(ramp_.pose().translation() + lead(ramp_.linear_velocity(), ramp_.linear_acceleration()),
-           turned.quaternion()));
+  const Pose turned = Pose::FromRotvec({0, 0, 0}, lead(w, ramp_.angular_acceleration())) *
+                      Pose({0, 0, 0}, here.quaternion());
+  WriteMocap(Pose(here.translation() + lead(v, ramp_.linear_acceleration()), turned.quaternion()));
 }
 
 }  // namespace robocell

@@ -57,6 +57,7 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   void FollowOthers() const;
   void HoldAt(const Pose& pose) const;
   void WriteMocap(const Pose& pose) const;
+  void CheckTarget(const Pose& pose) const;  // ArgumentError for one that is nowhere
 
   std::string target_body_, weld_;
   BaseSpeeds speeds_;
@@ -66,6 +67,7 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   mutable std::array<double, 7> written_ = {};  // the mocap body's position and quaternion wxyz
   mutable double time_ = 0;                     // of the last Advance()
   mutable uint64_t generation_ = ~uint64_t{0};
+  mutable uint64_t puts_ = 0;  // of the mocap body, that are known
   mutable int mocap_ = -1, equality_ = -1;
 };
 

@@ -306,6 +306,74 @@ TEST_P(DrivenHand, AStateThatIsSetPutsTheTargetWhereTheStateHasIt) {
   EXPECT_TRUE(robot.base().pose().is_close(start, 1e-4, 1e-5));
 }
 
+// Also before the first tick after SetTarget, which moves nothing of the engine yet, and after it
+// has come to rest, where the state has the mocap body where it is.
+TEST_P(DrivenHand, AStateAndAPoseThatAreSetForgetATargetThatNothingMovedToYet) {
+  Robot robot = Hand();
+  Scene scene = robot.scene();
+  BaseGroup& base = robot.base();
+  for (const double ran : {0.0, 0.3}) {
+    Run(robot, ran);
+    const Pose here = base.pose(), away = Pose(Eigen::Vector3d(0.3, 0, 0)) * here;
+    const std::vector<double> state = scene.state();
+    const auto stays = [&] {
+      EXPECT_TRUE(base.target().is_close(here, 1e-4, 1e-5));
+      Run(robot, 0.3);
+      EXPECT_TRUE(base.pose().is_close(here, 1e-4, 1e-5));
+    };
+    base.SetTarget(away);
+    scene.SetState(state);
+    stays();
+    base.SetTarget(away);
+    scene.SetBodyPose("h_driven_base", here);
+    stays();
+    base.SetTarget(away);
+    scene.SetBodyPose("h_base_target", here);
+    stays();
+  }
+  // What happens to another body is none of its business.
+  const Pose away = Pose(Eigen::Vector3d(0.1, 0, 0)) * base.pose();
+  base.SetTarget(away);
+  scene.SetBodyPose("cube", Pose(Eigen::Vector3d(1, 1, 0.02)));
+  EXPECT_EQ(base.target(), away);
+}
+
+TEST_P(DrivenHand, ATargetThatIsNowhereIsRefused) {
+  Robot robot = Hand();
+  BaseGroup& base = robot.base();
+  const Pose here = base.pose();
+  ExpectThrow<ArgumentError>([&] { base.SetTarget(Pose(Eigen::Vector3d(1e300, 0, 0))); },
+                             "robot 'hand' / group 'base': the target is 1e+300 m away along an "
+                             "axis of the world, which is no place to go to");
+  EXPECT_TRUE(base.target().is_close(here, 1e-9, 1e-9));
+  robot.controller("base").command_port()[1] = -1e300;
+  ExpectThrow<ArgumentError>([&] { robot.Update(); }, "the target is 1e+300 m away");
+}
+
+TEST_P(DrivenHand, KeepsItsLimitsAndComesToRestWithLongTimesteps) {
+  for (const double timestep : {0.0005, 0.002, 0.005, 0.01, 0.014, 0.018, 0.02}) {
+    SceneSpec spec = SceneWith({.name = "hand",
+                                .config = TwoFingerHand(folder_, kDriven),
+                                .prefix = "h_",
+                                .pos = Vec3{0, 0, 0.3}});
+    spec.timestep = timestep;
+    Robot robot = Robot::Of(Scene::Build(spec), "hand");
+    BaseGroup& base = robot.base();
+    for (const Vec3& turn : {Vec3{0, 0, 2}, Vec3{1, 0, 0}, Vec3{0, 2, 0}}) {
+      const Pose away = Pose(Eigen::Vector3d(0.2, 0, 0.1)) * base.pose() *
+                        Pose::FromRpy({0, 0, 0}, {turn[0], turn[1], turn[2]});
+      base.SetTarget(away);
+      const BaseSpeeds most = Run(robot, 3);
+      EXPECT_LE(most.linear, base.max_speeds().linear) << timestep;
+      EXPECT_LE(most.angular, base.max_speeds().angular) << timestep;
+      EXPECT_TRUE(base.pose().is_close(away, 2e-3, 1e-4)) << timestep;
+      const std::vector<double> v = base.joint_vel();
+      EXPECT_LT(std::hypot(v[0], v[1], v[2]), 1e-3) << timestep;
+      EXPECT_LT(std::hypot(v[3], v[4], v[5]), 1e-2) << timestep;
+    }
+  }
+}
+
 TEST_P(DrivenHand, ASecondRobotObjectChangesNothing) {
   Robot robot = Hand();
   const Pose away = Pose(Eigen::Vector3d(0.3, 0, 0)) * robot.base().pose();

@@ -6,7 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/error.h"
 #include "robocell/mujoco/engine_defects.h"
+#include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
@@ -46,17 +48,32 @@ TEST(EngineRecord, NamesJacobianSolverAndGuards) {
 
 TEST(EngineRecord, IsRestoredWithAnyEngine) {
   const auto Restored = [](const char* metadata, SceneSpec spec = ManyBoxes(10)) {
-    RestoreEngine(json::parse(metadata), spec);
+    RestoreEngine(json::parse(metadata), spec, "episode 'e'");
     return spec.options.jacobian;
   };
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "dense", "guards": ["sparse_newton"]}})"),
             JacobianKind::kDense);
   EXPECT_EQ(Restored(R"({"engine": {"jacobian": "auto", "guards": []}})"), std::nullopt);
+  // What a user wrote into the model.
+  EXPECT_EQ(Restored(R"({"engine": {"jacobian": "sparse", "guards": []}})"), JacobianKind::kSparse);
+  EXPECT_EQ(Restored(R"({"engine": {"jacobian": "dense", "guards": []}})"), JacobianKind::kDense);
   // Of an episode that is older than the guard.
   EXPECT_EQ(Restored("{}"), JacobianKind::kAuto);
   SceneSpec own = ManyBoxes(10);
   own.options.jacobian = JacobianKind::kSparse;
   EXPECT_EQ(Restored("{}", own), JacobianKind::kSparse);
+}
+
+TEST(EngineRecord, ThatIsDamagedIsNamed) {
+  for (const char* metadata :
+       {R"({"engine": 5})", R"({"engine": null})", R"({"engine": "x"})", R"({"engine": []})",
+        R"({"engine": {"guards": 5}})", R"({"engine": {"guards": "x"}})",
+        R"({"engine": {"guards": [1]}})", R"({"engine": {"guards": {"a": 1}}})",
+        R"({"engine": {"jacobian": 5}})", R"({"engine": {"jacobian": "spars"}})"}) {
+    SceneSpec spec = ManyBoxes(1);
+    ExpectThrow<SpecError>([&] { RestoreEngine(json::parse(metadata), spec, "episode 'e'"); },
+                           "episode 'e': metadata.engine");
+  }
 }
 
 }  // namespace

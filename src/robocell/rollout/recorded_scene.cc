@@ -133,7 +133,7 @@ SceneSpec RecordedScene(const Episode& episode) {
         episode.folder().string()));
   }
   SceneSpec scene = FromYamlUnchecked<SceneSpec>(metadata["scene_spec"].get<std::string>());
-  RestoreEngine(metadata, scene);
+  RestoreEngine(metadata, scene, fmt::format("episode '{}'", episode.folder().string()));
   const Models models(episode);
   assets::ForEachModel(scene,
                        [&](std::string& name, const std::string&) { name = models.Find(name); });

@@ -20,6 +20,7 @@
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
 #include "robocell/scene/pool.h"
+#include "robocell/scene/robot_base.h"
 #include "robocell/scene/saved_scene.h"
 #include "robocell/scene/scene_keys.h"
 #include "robocell/scene/spec_tree.h"
@@ -260,7 +261,7 @@ class SceneCompiler {
     const auto at = PlaceIt(object.attach_to, object.pose(), loaded.part.place);
     if (!at) return;
     AttachObject(object, loaded, *at, report_);
-    keys_.Merge(loaded.part.keys, loaded.prefix);
+    AdoptKeys(loaded.part, loaded.prefix, object.name);
   }
 
   void AddRobot(const RobotSpec& robot, const RobotPart& loaded) {
@@ -268,7 +269,15 @@ class SceneCompiler {
     const auto at = PlaceIt(robot.attach_to, robot.pose(), loaded.part.place);
     if (!at) return;
     AttachRobot(robot, loaded, *at, report_);
-    keys_.Merge(loaded.part.keys, robot.prefix);
+    AdoptKeys(loaded.part, robot.prefix, loaded.record.name);
+  }
+
+  void AdoptKeys(const Part& part, const std::string& prefix, const std::string& name) {
+    for (const auto& [own, full] : keys_.Adopt(part.keys, prefix, name)) {
+      report_.Note(part.place, fmt::format("its keyframe '{}' is called '{}' in the scene, where "
+                                           "another one is called '{}'",
+                                           own, full, prefix + own));
+    }
   }
 
   void AddSceneCamera(const CameraSpec& camera) {
@@ -288,6 +297,7 @@ class SceneCompiler {
 
   void CompileModel() {
     ApplyOptions(spec(), spec_.get(), report_);
+    for (const RobotRecord& robot : out_->robots_) FitWeld(spec_.get(), robot);
     const std::vector<RobotLimbs> limbs = Limbs();
     AssignActuatorGroups(spec_.get(), limbs, report_);
     report_.Throw(spec().name);
@@ -313,6 +323,9 @@ class SceneCompiler {
     FillPool(model);
     FillSceneKeys(model, keys, keys_, out_->robots_, report_);
     out_->home_key_ = mj_name2id(model, mjOBJ_KEY, "home");
+    out_->key_owners_ = {{}};
+    for (const auto& [name, key] : keys_.presets)
+      out_->key_owners_.push_back({key.part, key.own_name});
     FillVelocityGains(model, out_->home_key_, limbs);
     for (size_t i = 0; i < robots_.size(); ++i) {
       CheckRanges(model, out_->home_key_, out_->robots_[i], PartOf(i), report_);

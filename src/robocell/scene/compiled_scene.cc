@@ -57,10 +57,17 @@ std::shared_ptr<CompiledScene> CompiledScene::Copy() {
   copy->jacobian_ = jacobian_;
   copy->generation_ = NextGeneration();
   copy->home_key_ = home_key_;
+  copy->key_owners_ = key_owners_;
   copy->modes_ = modes_;
   copy->sources_ = sources_;
   copy->origin_ = origin_ ? origin_ : shared_from_this();
   return copy;
+}
+
+std::vector<std::string> CompiledScene::engine_guards() const {
+  // Somebody may have written another one into the model since.
+  const bool is_guarded = model_ && model_->opt.jacobian == mjJAC_DENSE;
+  return is_guarded ? engine_guards_ : std::vector<std::string>();
 }
 
 void CompiledScene::KeepJacobian(const CompiledScene& from) {

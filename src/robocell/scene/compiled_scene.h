@@ -100,14 +100,20 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // What is good to know and needs no change, such as lights of a robot's file that stay behind.
   const std::vector<std::string>& notes() const { return notes_; }
   // Guards against defects of the engine that the model was compiled with, by their names in
-  // KnownEngineDefects: {"sparse_newton"} when its Jacobian was made dense.
-  const std::vector<std::string>& engine_guards() const { return engine_guards_; }
+  // KnownEngineDefects: {"sparse_newton"} when its Jacobian was made dense, and still is.
+  std::vector<std::string> engine_guards() const;
   // After the options of another scene's model were copied to this one's: puts the Jacobian back
   // that was compiled here, unless somebody wrote another one to that model.
   void KeepJacobian(const CompiledScene& from);
   // Model key with the robots' home positions: qpos0 with each robot's home and the controls that
   // hold it.
   int home_key() const { return home_key_; }
+
+  // Whose keyframe each key of the model is, and how its file calls it; of `home` nobody's.
+  struct KeyOwner {
+    std::string part, name;
+  };
+  const std::vector<KeyOwner>& key_owners() const { return key_owners_; }
 
   // Hands the model's ownership to somebody else, once: `keeper` keeps the model alive from now on.
   // Used by the Python bindings, where mujoco.MjModel takes the pointer over. Calling it twice is
@@ -142,6 +148,7 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   std::vector<std::string> warnings_, notes_, engine_guards_;
   uint64_t generation_ = 0;
   int home_key_ = -1;
+  std::vector<KeyOwner> key_owners_;
   bool frozen_ = false;
   SourceFiles sources_;
   std::shared_ptr<CompiledScene> origin_;  // of a copy

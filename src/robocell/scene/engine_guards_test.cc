@@ -186,6 +186,17 @@ TEST_F(Guards, HoldWhenAnObjectIsAdded) {
   EXPECT_THAT(scene.compiled()->engine_guards(), IsEmpty());
 }
 
+TEST_F(Guards, AreNotNamedWhereTheModelWasMadeSparseSince) {
+  Scene scene = Scene::Build(Boxes(10));
+  scene.mutable_model()->opt.jacobian = mjJAC_SPARSE;
+  EXPECT_THAT(scene.compiled()->engine_guards(), IsEmpty());
+  scene.AddObject(BoxObject("late", {0, 1, 0.03}));
+  EXPECT_EQ(JacobianOf(scene), mjJAC_SPARSE);
+  EXPECT_THAT(scene.compiled()->engine_guards(), IsEmpty());
+  scene.mutable_model()->opt.jacobian = mjJAC_DENSE;
+  EXPECT_THAT(scene.compiled()->engine_guards(), ElementsAre("sparse_newton"));
+}
+
 TEST_F(Guards, YieldToWhatIsWrittenToTheModelAlsoWhenAnObjectIsAdded) {
   Scene scene = Scene::Build(Boxes(10));
   scene.mutable_model()->opt.jacobian = mjJAC_SPARSE;

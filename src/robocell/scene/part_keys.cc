@@ -9,6 +9,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/engine_exception.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -83,6 +84,22 @@ ActuatorSizes SizesOf(mjSpec* spec) {
 void CollectJoints(mjsBody* body, std::vector<mjsElement*>& out) {
   for (mjsElement* joint : BodyElements(body, mjOBJ_JOINT)) out.push_back(joint);
   for (mjsElement* child : BodyElements(body, mjOBJ_BODY)) CollectJoints(mjs_asBody(child), out);
+}
+
+void NameUnnamed(mjSpec* spec, const std::string& place) {
+  const auto name = [&](mjsElement* element, size_t number) {
+    if (!SpecName(element).empty()) return;
+    std::string own = fmt::format("{}{}", KindName(element->elemtype), number);
+    while (FindSpecElement(spec, element->elemtype, own)) own += "_";
+    SetSpecName(element, own, place);
+  };
+  std::vector<mjsElement*> joints;
+  CollectJoints(WorldBody(spec), joints);
+  for (size_t i = 0; i < joints.size(); ++i) {
+    if (mjs_asJoint(joints[i])->type != mjJNT_FREE) name(joints[i], i);
+  }
+  const std::vector<mjsElement*> actuators = SpecElements(spec, mjOBJ_ACTUATOR);
+  for (size_t i = 0; i < actuators.size(); ++i) name(actuators[i], i);
 }
 
 // Takes `count` numbers from `numbers` for `name` and moves on; unnamed elements are passed over.
@@ -225,6 +242,22 @@ void PartKeys::Merge(const PartKeys& other, const std::string& prefix) {
   }
 }
 
+std::map<std::string, std::string> PartKeys::Adopt(const PartKeys& other, const std::string& prefix,
+                                                   const std::string& part) {
+  home.Merge(other.home, prefix);
+  std::map<std::string, std::string> renamed;
+  for (const auto& [name, key] : other.presets) {
+    std::string full = prefix + name;
+    for (int number = 2; Find(full); ++number) full = fmt::format("{}{}_{}", prefix, name, number);
+    if (full != prefix + name) renamed.emplace(name, full);
+    PartKey& own = presets.emplace_back(full, PartKey{}).second;
+    own.Merge(key, prefix);
+    own.part = part;
+    own.own_name = name;
+  }
+  return renamed;
+}
+
 std::vector<JointPositions> PositionsInOrder(mjSpec* spec) {
   std::vector<mjsElement*> joints;
   CollectJoints(WorldBody(spec), joints);
@@ -237,6 +270,7 @@ std::vector<JointPositions> PositionsInOrder(mjSpec* spec) {
 PartKeys ReadKeys(mjSpec* spec, const std::string& place, const std::string& field,
                   const std::string& file) {
   PartKeys keys;
+  if (!SpecElements(spec, mjOBJ_KEY).empty()) NameUnnamed(spec, place);
   const ActuatorSizes sizes = SizesOf(spec);
   int index = 0;
   for (mjsElement* element : SpecElements(spec, mjOBJ_KEY)) {

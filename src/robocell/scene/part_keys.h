@@ -16,6 +16,8 @@ namespace robocell {
 
 // What one keyframe says.
 struct PartKey {
+  std::string part, own_name;  // of a scene's preset: its robot or object, and its name there
+
   // Where a value is written, for messages.
   struct Source {
     std::string place;  // "robot 'left'"
@@ -49,9 +51,13 @@ struct PartKeys {
   std::vector<std::string> PresetNames() const;
 
   void Rename(mjtObj kind, const std::string& from, const std::string& to);
-  // `home` joins `home`. A preset gets the prefix on its own name too, and joins the one that is
-  // called so.
+  // Those of what is mounted on a part. `home` joins `home`. A preset gets the prefix on its own
+  // name too, and joins the one that is called so.
   void Merge(const PartKeys& other, const std::string& prefix);
+  // Those of another part of the scene: a preset whose name is taken gets a number behind it.
+  // Returns how these are called, by their own names.
+  std::map<std::string, std::string> Adopt(const PartKeys& other, const std::string& prefix,
+                                           const std::string& part);
 };
 
 // The joints in the order of qpos, and how many numbers each has there.
@@ -62,7 +68,9 @@ struct JointPositions {
 std::vector<JointPositions> PositionsInOrder(mjSpec* spec);
 
 // A keyframe without a name is called `key1` when it is the second of its file. `place`, `field`
-// and `file` are kept as the source of what is found.
+// and `file` are kept as the source of what is found. Where there are keyframes, joints (but free
+// ones: the scene says where these stand) and actuators without a name get one, so that what is
+// said of them is found.
 PartKeys ReadKeys(mjSpec* spec, const std::string& place, const std::string& field,
                   const std::string& file);
 void DropKeys(mjSpec* spec);

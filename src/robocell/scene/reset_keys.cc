@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 
 #include "robocell/base/error.h"
@@ -19,41 +20,53 @@ int KeyOfNumber(const CompiledScene& compiled, int number, const std::string& co
                                   number, names.size(), ListNames(names)));
 }
 
-// Robots and objects, with what the names of their models begin with in the scene.
-std::map<std::string, std::string> PrefixesOf(const CompiledScene& compiled) {
-  std::map<std::string, std::string> prefixes;
-  for (const RobotRecord& robot : compiled.robots()) prefixes.emplace(robot.name, robot.prefix);
-  for (const ObjectRecord& object : compiled.objects())
-    prefixes.emplace(object.name, SceneObjectElementName(object.name, ""));
-  return prefixes;
+std::vector<std::string> PartNames(const CompiledScene& compiled) {
+  std::vector<std::string> names;
+  for (const RobotRecord& robot : compiled.robots()) names.push_back(robot.name);
+  for (const ObjectRecord& object : compiled.objects()) names.push_back(object.name);
+  return names;
+}
+
+// The part in whose model a robot is: itself, unless it says part_of.
+std::string HostOf(const CompiledScene& compiled, const std::string& part) {
+  const List<RobotSpec>& specs = compiled.spec().robots;
+  for (size_t i = 0; i < specs.size() && i < compiled.robots().size(); ++i) {
+    if (compiled.robots()[i].name == part && !specs[i].part_of.empty()) return specs[i].part_of;
+  }
+  return part;
 }
 
 // The keyframes of a part, as its own model calls them.
-std::vector<std::string> OwnNames(const CompiledScene& compiled, const std::string& prefix) {
+std::vector<std::string> OwnNames(const CompiledScene& compiled, const std::string& part) {
   std::vector<std::string> names = {"home"};
-  for (const std::string& name : ElementNames(compiled.model(), mjOBJ_KEY)) {
-    if (name != "home" && name.starts_with(prefix)) names.push_back(name.substr(prefix.size()));
+  for (const CompiledScene::KeyOwner& owner : compiled.key_owners()) {
+    if (owner.part == part && !owner.name.empty()) names.push_back(owner.name);
   }
   return names;
+}
+
+// -1 when the part has none of that name.
+int KeyOfPart(const CompiledScene& compiled, const std::string& part, const std::string& name) {
+  const std::vector<CompiledScene::KeyOwner>& owners = compiled.key_owners();
+  for (size_t i = 0; i < owners.size(); ++i) {
+    if (owners[i].part == part && owners[i].name == name) return static_cast<int>(i);
+  }
+  return -1;
 }
 
 StartKeys KeysOfParts(const CompiledScene& compiled,
                       const std::map<std::string, std::string>& choice,
                       const std::string& context) {
-  const std::map<std::string, std::string> prefixes = PrefixesOf(compiled);
+  const std::vector<std::string> parts = PartNames(compiled);
   StartKeys keys{.start = compiled.home_key()};
   for (const auto& [part, name] : choice) {
-    const auto prefix = prefixes.find(part);
-    if (prefix == prefixes.end()) {
-      std::vector<std::string> names;
-      for (const auto& [known, its] : prefixes) names.push_back(known);
-      throw NotFoundError(NoSuchName(context + ": keyframe", "part", part, names));
-    }
+    if (std::find(parts.begin(), parts.end(), part) == parts.end())
+      throw NotFoundError(NoSuchName(context + ": keyframe", "part", part, parts));
     if (name == "home") continue;
-    const int key = FindId(compiled.model(), mjOBJ_KEY, prefix->second + name);
+    const int key = KeyOfPart(compiled, HostOf(compiled, part), name);
     if (key < 0) {
       throw NotFoundError(NoSuchName(fmt::format("{} / '{}'", context, part), "keyframe", name,
-                                     OwnNames(compiled, prefix->second)));
+                                     OwnNames(compiled, HostOf(compiled, part))));
     }
     keys.over.push_back(key);
   }

@@ -41,6 +41,9 @@ void AddPlanarJoints(mjsBody* body, const std::string& prefix, const std::string
 // engine lets it give way by (1 - d) / d of the load over the stiffness 1 / (d t)^2.
 constexpr double kWeldTime = 0.01;        // t, seconds
 constexpr double kWeldImpedance = 0.999;  // d
+// The least time constant in timesteps. The engine's own bound is 2, where a hand with stiff
+// fingers shakes its base for ever.
+constexpr double kWeldSteps = 3;
 
 // For a weld the engine weighs the body that it holds. A body that has no mass itself counts as if
 // it had next to none, whatever hangs on it, and would sag by centimetres.
@@ -76,6 +79,14 @@ void AddTarget(mjsBody* world, const std::string& base, const Pose& pose, const 
 std::optional<std::string> BaseBodyName(const BaseConfig& base, const std::string& prefix) {
   if (base.kind == BaseKind::kFixed && !base.size) return std::nullopt;
   return prefix + ToString(base.kind) + "_base";
+}
+
+void FitWeld(mjSpec* scene, const RobotRecord& robot) {
+  if (robot.base.kind != BaseKind::kDriven) return;
+  mjsElement* weld = mjs_findElement(scene, mjOBJ_EQUALITY, robot.base_weld().c_str());
+  if (!weld) return;
+  mjtNum& time = mjs_asEquality(weld)->solref[0];
+  time = std::max<mjtNum>(time, kWeldSteps * scene->option.timestep);
 }
 
 void SettleBase(RobotPart& robot, Report& report) {

@@ -178,6 +178,9 @@ class Scene {
   Pose camera_pose(const std::string& name) const;  // MuJoCo camera axes
   // Moves a free or mocap body and stops it; an error for any other body.
   void SetBodyPose(const std::string& name, const Pose& pose_in_world);
+  // How often a mocap body of that name was put elsewhere so far, also with the driven base that
+  // follows it, and by SetState. Who moves one in every tick knows by it that it has to start anew.
+  uint64_t times_put(const std::string& mocap_body) const;
   Pose root_frame_to_world() const;
   Pose shared_base_frame_to_world() const;
 

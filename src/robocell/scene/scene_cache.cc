@@ -85,13 +85,20 @@ std::string PlacesOf(SceneSpec spec) {
 
 // Takes a CompiledScene apart into an entry, and puts it together again.
 class SceneCacheEntry {
+  static nlohmann::json OwnersOf(const CompiledScene& scene) {
+    nlohmann::json owners = nlohmann::json::array();
+    for (const auto& [part, name] : scene.key_owners()) owners.push_back({part, name});
+    return owners;
+  }
+
  public:
   static std::string Write(const CompiledScene& scene) {
     const nlohmann::json head = {
         {"robots", ToJson(scene.robots())},       {"objects", ToJson(scene.objects())},
         {"warnings", scene.warnings()},           {"notes", scene.notes()},
         {"engine_guards", scene.engine_guards()}, {"home_key", scene.home_key()},
-        {"signature", scene.model()->signature},  {"places", PlacesOf(scene.spec())}};
+        {"key_owners", OwnersOf(scene)},          {"signature", scene.model()->signature},
+        {"places", PlacesOf(scene.spec())}};
     const std::string rest = head.dump() + "\n" + SaveBinaryString(scene.model());
     return Fingerprint(rest) + "\n" + rest;
   }
@@ -108,6 +115,7 @@ class SceneCacheEntry {
     const auto head = nlohmann::json::parse(CutLine(text));
     const bool tells = !head.at("warnings").empty() || !head.at("notes").empty();
     if (tells && head.at("places") != PlacesOf(spec)) return nullptr;
+    if (!head.contains("key_owners")) return nullptr;  // it is older than these
     std::shared_ptr<CompiledScene> scene(new CompiledScene);
     scene->scene_spec_ = spec;
     scene->robots_ = RobotsFromJson(spec, head.at("robots"));
@@ -115,6 +123,8 @@ class SceneCacheEntry {
     head.at("warnings").get_to(scene->warnings_);
     head.at("notes").get_to(scene->notes_);
     head.at("home_key").get_to(scene->home_key_);
+    for (const auto& owner : head.at("key_owners"))
+      scene->key_owners_.push_back({owner.at(0), owner.at(1)});
     head.at("engine_guards").get_to(scene->engine_guards_);
     const std::string context = "scene '" + spec.name + "'";
     // It was guarded, or not, when it was compiled.

@@ -106,9 +106,8 @@ int Scene::State::RequireMovable(const std::string& name, bool after_reset) cons
 }
 
 void Scene::State::PutBody(int body, const Pose& pose_in_world) {
-  const int mocap = model()->body_mocapid[body];
-  if (mocap >= 0) {
-    MoveMocapBody(data.data, mocap, pose_in_world);
+  if (model()->body_mocapid[body] >= 0) {
+    PutMocapBody(body, pose_in_world);
   } else {
     MoveFreeBody(model(), data.data, body, pose_in_world);
     MoveBaseTarget(body, pose_in_world);
@@ -122,8 +121,19 @@ void Scene::State::MoveBaseTarget(int body, const Pose& pose_in_world) {
         FindId(model(), mjOBJ_BODY, robot.base_body) != body)
       continue;
     const int target = FindId(model(), mjOBJ_BODY, robot.base_target());
-    if (target >= 0) MoveMocapBody(data.data, model()->body_mocapid[target], pose_in_world);
+    if (target >= 0) PutMocapBody(target, pose_in_world);
   }
+}
+
+void Scene::State::PutMocapBody(int body, const Pose& pose_in_world) {
+  MoveMocapBody(data.data, model()->body_mocapid[body], pose_in_world);
+  ++mocap_puts[ElementName(model(), mjOBJ_BODY, body)];
+}
+
+uint64_t Scene::times_put(const std::string& mocap_body) const {
+  const State& s = open();
+  const auto put = s.mocap_puts.find(mocap_body);
+  return s.states_set + (put == s.mocap_puts.end() ? 0 : put->second);
 }
 
 void Scene::State::PutBodies(const BodyPoses& poses) {
@@ -224,6 +234,7 @@ void Scene::SetState(std::span<const double> state) {
   s.FollowPool(state.data() + mj_stateSize(s.model(), mjSTATE_TIME));  // positions come next
   const auto set = [&] { mj_setState(s.model(), s.data.data, state.data(), kState); };
   Guarded(s.context, s.data.data, set);
+  ++s.states_set;
   Forward();
   Guarded(s.context, s.data.data, set);  // the forward pass leaves its own warm start
 }

@@ -61,6 +61,62 @@ TEST_F(SceneKeys, OfAModelAreTakenByNumberAndByName) {
   EXPECT_EQ(scene.joint_pos("elbow"), -1.5);
 }
 
+// Two objects, one of whose names begins with the other's.
+TEST_F(SceneKeys, OfOneFullNameStayTwoAndAreTakenByTheirParts) {
+  const auto add = [&](const std::string& name, const std::string& keys, double x) {
+    SceneObject object{.name = name, .pos = {x, 0, 1}};
+    object.mjcf_path = folder.Write(name, R"(<worldbody><body name="b">
+      <joint name="j" axis="0 1 0"/><geom size="0.1" mass="1"/></body></worldbody>
+      <keyframe>)" + keys + "</keyframe>");
+    spec.objects.push_back(object);
+  };
+  add("left", R"(<key name="arm_up" qpos="0.5"/>)", 0);
+  add("left_arm", R"(<key name="up" qpos="0.7"/><key name="low" qpos="0.2"/>)", 1);
+  Scene scene = Scene::Build(spec);
+  EXPECT_THAT(scene.keyframes(),
+              ElementsAre("home", "left_arm_up", "left_arm_up_2", "left_arm_low"));
+  EXPECT_THAT(scene.compiled()->notes(),
+              Contains(HasSubstr("its keyframe 'up' is called 'left_arm_up_2' in the scene")));
+  const auto reset = [&](const std::string& part, const std::string& key) {
+    scene.Reset({.keyframe = KeyframeChoice{std::map<std::string, std::string>{{part, key}}}});
+    return std::pair(scene.joint_pos("left_j"), scene.joint_pos("left_arm_j"));
+  };
+  EXPECT_EQ(reset("left", "arm_up"), std::pair(0.5, 0.0));
+  EXPECT_EQ(reset("left_arm", "up"), std::pair(0.0, 0.7));
+  EXPECT_EQ(reset("left_arm", "low"), std::pair(0.0, 0.2));
+  ExpectThrow<NotFoundError>([&] { reset("left", "arm_low"); }, "arm_low");
+  // So it is with a scene from the cache.
+  const TempDir cache;
+  CompileSceneCached(spec, cache.path());
+  Scene cached = Scene::FromCompiled(CompileSceneCached(spec, cache.path()));
+  cached.Reset(
+      {.keyframe = KeyframeChoice{std::map<std::string, std::string>{{"left_arm", "up"}}}});
+  EXPECT_EQ(cached.joint_pos("left_arm_j"), 0.7);
+  EXPECT_EQ(cached.joint_pos("left_j"), 0);
+}
+
+TEST_F(SceneKeys, SayWhereJointsWithoutANameAre) {
+  SceneObject object{.name = "o", .pos = {0, 0, 1}};
+  object.mjcf_path = folder.Write("o", R"(<worldbody><body name="b">
+      <joint name="j0" axis="0 1 0"/><geom size="0.1" mass="1"/>
+      <body pos="0.2 0 0"><joint axis="0 1 0"/><geom size="0.1" mass="1"/>
+        <body pos="0.2 0 0"><joint name="joint1" axis="0 1 0" damping="1"/>
+          <geom size="0.1" mass="1"/></body></body></body></worldbody>
+      <actuator><motor joint="j0"/><motor name="m" joint="joint1"/></actuator>
+      <keyframe><key name="home" qpos="0.3 0.4 0.5" ctrl="1 2"/>
+        <key name="open" qpos="0.6 0.7 0.8" qvel="1 2 3" ctrl="3 4"/></keyframe>)");
+  spec.objects.push_back(object);
+  Scene scene = Scene::Build(spec);
+  const auto numbers = [&] {
+    const mjData* d = scene.data();
+    return std::vector<double>{d->qpos[0], d->qpos[1], d->qpos[2], d->qvel[0],
+                               d->qvel[1], d->qvel[2], d->ctrl[0], d->ctrl[1]};
+  };
+  EXPECT_THAT(numbers(), ElementsAre(0.3, 0.4, 0.5, 0, 0, 0, 1, 2));
+  scene.Reset({.keyframe = "o_open"});
+  EXPECT_THAT(numbers(), ElementsAre(0.6, 0.7, 0.8, 1, 2, 3, 3, 4));
+}
+
 TEST_F(SceneKeys, OfOneRobotLeaveTheOthersAtHome) {
   AddArm(kHomeAndRetract, "left_");
   AddArm(kHomeAndRetract, "right_", 1);

@@ -37,7 +37,9 @@ struct Scene::State {
   std::shared_ptr<void> claim;  // on the compiled scene
   bool closed = false;
   std::vector<PooledObject> pool;
-  std::vector<mjtNum> warm_start;  // scratch
+  uint64_t states_set = 0;
+  std::map<std::string, uint64_t> mocap_puts;  // by body
+  std::vector<mjtNum> warm_start;              // scratch
 
   // After the compiled scene and the data were set.
   void Show() { now = {compiled->model(), data.data, compiled->generation()}; }
@@ -53,6 +55,7 @@ struct Scene::State {
   // What RequireMovable gave, at rest; poses are not brought up to date.
   void PutBody(int body, const Pose& pose_in_world);
   void MoveBaseTarget(int body, const Pose& pose_in_world);
+  void PutMocapBody(int body, const Pose& pose_in_world);
   // Those that are there: a hook that ended a reset with an error may have removed some before.
   void PutBodies(const BodyPoses& poses);
   // The parts of a reset: the state with the home noise and the bodies' poses; what hooks do to it;

@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/spec/timestep.h"
+#include "robocell/spec/validate.h"
 
 namespace robocell {
 namespace {
@@ -169,6 +170,14 @@ void CheckRatio(const Rates& rates, Problems& problems) {
                              text));
 }
 
+// ArgumentError with what Validate finds.
+void RequireWhole(const Rates& rates) {
+  if (rates.sim_steps() > 0 && rates.control_ticks() > 0) return;
+  Problems problems;
+  ValidateFields(rates, problems);
+  throw ArgumentError(problems.Text("a policy rate of these rates"));
+}
+
 }  // namespace
 
 int Rates::sim_steps() const {
@@ -183,11 +192,17 @@ Ratio Rates::timestep() const {
   return sim_hz ? RatioOf(*sim_hz).inverse() : RatioOf(sim_ms.value_or(kSimMs)) / 1000;
 }
 
-Ratio Rates::policy_rate() const { return (timestep() * sim_steps() * control_ticks()).inverse(); }
+Ratio Rates::policy_rate() const {
+  RequireWhole(*this);
+  return (timestep() * sim_steps() * control_ticks()).inverse();
+}
 
 double Rates::policy_period() const { return policy_rate().inverse().value(); }
 
-double Rates::control_period() const { return (timestep() * sim_steps()).value(); }
+double Rates::control_period() const {
+  RequireWhole(*this);
+  return (timestep() * sim_steps()).value();
+}
 
 void Rates::Validate(Problems& problems) const {
   const GivenTime policy = PolicyOf(*this), control = ControlOf(*this), sim = SimOf(*this);

@@ -52,7 +52,8 @@ struct Rates {
   // is no multiple of the next shorter one.
   int control_ticks() const;
   int sim_steps() const;
-  // Exact, of valid rates: the engine's timestep in seconds, and actions per second.
+  // Exact: the engine's timestep in seconds, and actions per second. ArgumentError of rates that
+  // are not whole multiples of each other, here and below.
   Ratio timestep() const;
   Ratio policy_rate() const;
   // Seconds per action and per control tick.

@@ -5,9 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "robocell/base/error.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/testing/messages.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
@@ -107,6 +109,20 @@ TEST(Rates, AreAdvisedOnlyWhereTheAdviceIsTaken) {
   }
   EXPECT_GE(advised, 4);
   EXPECT_THAT(ValidationError(Rates{.policy_hz = 1e9}), Not(HasSubstr("For exactly")));
+}
+
+// No ratio with a denominator of 0, no period of 0 s.
+TEST(Rates, ThatAreNoWholeMultiplesHaveNoPeriods) {
+  for (const Rates& rates :
+       {Rates{.policy_hz = 30, .sim_hz = 479.52}, Rates{.control_hz = 300}, Rates{.policy_ms = 65},
+        Rates{.policy_hz = 0}, Rates{.policy_ms = -66}, Rates{.policy_ms = 1e15}}) {
+    for (const auto& call : std::initializer_list<std::function<void()>>{
+             [&] { rates.policy_rate(); }, [&] { rates.policy_period(); }})
+      ExpectThrow<ArgumentError>(call, "is not valid");
+  }
+  ExpectThrow<ArgumentError>([] { Rates{.control_hz = 300}.control_period(); },
+                             "300 Hz is no whole number of steps of the engine");
+  ExpectThrow<ArgumentError>([] { Ratio{}.inverse(); }, "a ratio of 0 has no inverse");
 }
 
 TEST(Rates, AreGivenInOneUnit) {
