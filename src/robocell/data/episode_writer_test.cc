@@ -38,7 +38,9 @@ using Json = nlohmann::ordered_json;
 
 void ExpectEmpty(const TempDir& folder) { EXPECT_TRUE(fs::is_empty(folder.path())); }
 
+// Decoders that wait for the next frame that somebody reads are children of this process too.
 void ExpectNoChildLeft() {
+  ReleaseIdleFiles();
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
   EXPECT_EQ(errno, ECHILD);
 }
@@ -368,6 +370,7 @@ TEST(EpisodeWriter, NotANumberIsKept) {
 TEST(EpisodeWriter, ADyingEncoderEndsTheEpisodeForGood) {
   TempDir folder;
   const SampleEpisode sample;
+  ReleaseIdleFiles();
   EpisodeWriter episode(folder.path(), "pick-000", sample.schema);
   sample.PutRows(episode, 2);
   // The only child of this process is the encoder.
