@@ -32,6 +32,7 @@ PURPOSES = {
     "extra: envs": "for robocell.gym, robocell.lerobot and compat.rcs",
     "extra: plots": "for the pictures of `robocell reach`",
     "extra: sb3": "for robocell.sb3",
+    "extra: torch": "for robocell.data.torch_dataset",
     "PyKDL": "for functions that return KDL objects",
 }
 GL_REMEDY = "unset MUJOCO_GL, or export MUJOCO_GL=egl"
