@@ -8,6 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/folder_names.h"
 #include "robocell/base/names.h"
+#include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 
 namespace robocell::assets {
@@ -100,6 +101,7 @@ std::vector<std::string> ModelPathRoots() {
 
 std::string Resolve(const std::string& name, const std::string& directory) {
   if (name.empty()) throw ArgumentError("the name of a model is empty");
+  RequireNoNul("model", name);
   if (name.rfind(kMenagerie, 0) == 0) return menagerie::ModelPath(name.substr(kMenagerie.size()));
   Search search;
   const fs::path path = name;

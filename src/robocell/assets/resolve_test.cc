@@ -104,6 +104,14 @@ TEST_F(Resolving, NamesBelowARootStayInside) {
   ExpectThrow<ArgumentError>([] { Resolve("link.xml"); }, "through a symbolic link");
 }
 
+TEST_F(Resolving, ANameIsNotCutShortAtANulByte) {
+  Write("arm.xml");
+  for (const std::string& name : {At("arm.xml"), std::string("arm.xml")}) {
+    ExpectThrow<ArgumentError>([&] { Resolve(name + '\0' + "../../etc", folder_); },
+                               name + "\\0../../etc' contains a NUL byte");
+  }
+}
+
 TEST_F(Resolving, BuiltInModelsAreFoundByName) {
   EXPECT_THAT(BuiltinRobots(), Contains("rc7"));
   EXPECT_EQ(Resolve("rc7"), ModelsRoot() + "/robots/rc7/rc7.xml");

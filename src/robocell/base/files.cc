@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/paths.h"
 #include "robocell/base/temporary_name.h"
 
 namespace robocell {
@@ -134,6 +135,7 @@ void RenameToNew(const fs::path& from, const fs::path& to) {
 
 fs::path TemporaryPath(const fs::path& parent, std::string_view name) {
   static std::atomic<uint64_t> count = 0;
+  RequireNoNul("file", (parent / name).native());
   return parent / TemporaryName{std::string(name), ::getpid(), ++count}.Text();
 }
 

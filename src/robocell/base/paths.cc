@@ -17,12 +17,16 @@ namespace {
 
 constexpr int kMostLinks = 40;  // as Linux itself
 
-[[noreturn]] void Refuse(const fs::path& root, std::string_view relative, std::string_view reason) {
-  // A NUL would cut the message short.
-  std::string shown(relative);
+// A NUL would cut a message short.
+std::string Shown(std::string_view path) {
+  std::string shown(path);
   for (size_t at; (at = shown.find('\0')) != std::string::npos;) shown.replace(at, 1, "\\0");
-  throw ArgumentError(fmt::format("path '{}' {}; it must lead to a place inside '{}'", shown,
-                                  reason, root.native()));
+  return shown;
+}
+
+[[noreturn]] void Refuse(const fs::path& root, std::string_view relative, std::string_view reason) {
+  throw ArgumentError(fmt::format("path '{}' {}; it must lead to a place inside '{}'",
+                                  Shown(relative), reason, root.native()));
 }
 
 bool IsInside(const fs::path& path, const fs::path& root) {
@@ -95,6 +99,13 @@ fs::path ConfinedPath(const fs::path& root, std::string_view relative) {
     Refuse(root, relative, fmt::format("leads to '{}' through a symbolic link", place.native()));
   }
   return root / path.lexically_normal();
+}
+
+void RequireNoNul(std::string_view what, std::string_view path) {
+  if (path.find('\0') == std::string_view::npos) return;
+  throw ArgumentError(fmt::format(
+      "{} '{}' contains a NUL byte, where the system would end it; remove that byte", what,
+      Shown(path)));
 }
 
 bool ValidFileName(std::string_view name) { return FileNameProblem(name).empty(); }

@@ -16,6 +16,10 @@ namespace robocell {
 // hostile names, not against someone who swaps links while we run.
 std::filesystem::path ConfinedPath(const std::filesystem::path& root, std::string_view relative);
 
+// ArgumentError when `path` contains a NUL byte: the system would open the file whose name ends
+// there, which is another one. `what` is the thing that is named, such as "model".
+void RequireNoNul(std::string_view what, std::string_view path);
+
 // Whether `name` can be the name of one file on the systems we know: not empty, "." or "..",
 // without '/', NUL and control characters, at most 255 bytes.
 bool ValidFileName(std::string_view name);

@@ -60,6 +60,12 @@ TEST_F(ConfinedPathTest, PathsThatLeaveAreRefused) {
   ExpectRefused(deep, "path '...' has 4096 bytes, more than the 4095 of a path; it must lead to");
 }
 
+TEST(RequireNoNul, NamesWhatTheSystemWouldCutShort) {
+  RequireNoNul("model", "a b/\u00fc.xml");
+  ExpectThrow<ArgumentError>([] { RequireNoNul("model", std::string_view("a\0b", 3)); },
+                             "model 'a\\0b' contains a NUL byte, where the system would end it");
+}
+
 TEST_F(ConfinedPathTest, LinksThatLeaveAreRefused) {
   fs::create_symlink(outside(), root() / "absolute");
   fs::create_symlink("../outside", root() / "relative");

@@ -12,6 +12,7 @@
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/paths.h"
 
 namespace robocell {
 namespace {
@@ -63,6 +64,7 @@ bool CanReadFile(const fs::path& path) {
 
 const fs::path& RequireReadable(const fs::path& path) {
   std::error_code ignored;
+  RequireNoNul("file", path.native());
   if (CanReadFile(path)) return path;
   if (fs::symlink_status(path, ignored).type() == fs::file_type::not_found)
     ThrowIoError("read", path, ENOENT);

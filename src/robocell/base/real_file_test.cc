@@ -67,6 +67,13 @@ TEST_F(RealFileTest, WhatIsNoFileIsNamedWithTheNextStep) {
   }
 }
 
+TEST_F(RealFileTest, APathIsNotCutShortAtANulByte) {
+  const fs::path cut = (temp / "file").native() + '\0' + "x";
+  ExpectThrow<ArgumentError>([&] { ReadRealFile(cut); }, "file\\0x' contains a NUL byte");
+  ExpectThrow<ArgumentError>([&] { AtomicWrite(cut, "other"); }, "contains a NUL byte");
+  EXPECT_EQ(ReadFile(temp / "file"), "abc");
+}
+
 TEST_F(RealFileTest, ALinkToAFileIsReadAsThatFile) {
   fs::create_symlink(temp / "link", temp / "link_to_link");
   for (const char* name : {"link", "link_to_link"}) {
