@@ -10,6 +10,7 @@
 #include "rng.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
+#include "robocell/expert/pick_and_place_planner.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/task/pick_task.h"
@@ -152,31 +153,42 @@ void BindPickTask(nb::module_& m) {
       .def("resting_objects", [](const PickTask& t) { return t.PickTask::resting_objects(); });
 }
 
-void BindPickPlanner(nb::module_& m) {
-  nb::class_<PickPlanner, Expert, PyExpertOf<PickPlanner>>(
-      m, "PickPlanner",
-      "The scripted expert: picks up the start's target from above, with any robot that has one "
-      "arm and one gripper that can be measured.")
+// What every scripted planner has.
+template <class Planner>
+auto BindPlanner(nb::module_& m, const char* name, const char* doc) {
+  return nb::class_<Planner, Expert, PyExpertOf<Planner>>(m, name, doc)
       .def(nb::init<const RunConfig&, const EpisodeStart&>(), "run"_a, "start"_a)
       .def(
           "begin",
-          [](PickPlanner& e, const Scene& s, PythonRng& rng) {
+          [](Planner& e, const Scene& s, PythonRng& rng) {
             const nb::gil_scoped_release release;
-            e.PickPlanner::Begin(s, rng.get());
+            e.Planner::Begin(s, rng.get());
           },
           "scene"_a, "rng"_a)
       .def(
           "act",
-          [](PickPlanner& e, const Scene& s, PythonRng& rng) {
+          [](Planner& e, const Scene& s, PythonRng& rng) {
             const nb::gil_scoped_release release;
-            return e.PickPlanner::Act(s, rng.get());
+            return e.Planner::Act(s, rng.get());
           },
           "scene"_a, "rng"_a, "{robot: {group: GroupCommand}} until the next policy tick.")
-      .def("done", [](const PickPlanner& e) { return e.PickPlanner::done(); })
-      .def("failure", [](const PickPlanner& e) { return e.PickPlanner::failure(); })
-      .def("phase", [](const PickPlanner& e) { return e.PickPlanner::phase(); })
-      .def("phase_names", [](const PickPlanner& e) { return e.PickPlanner::phase_names(); })
+      .def("done", [](const Planner& e) { return e.Planner::done(); })
+      .def("failure", [](const Planner& e) { return e.Planner::failure(); })
+      .def("phase", [](const Planner& e) { return e.Planner::phase(); })
+      .def("phase_names", [](const Planner& e) { return e.Planner::phase_names(); });
+}
+
+void BindPlanners(nb::module_& m) {
+  BindPlanner<PickPlanner>(
+      m, "PickPlanner",
+      "The scripted expert: picks up the start's target from above, with any robot that has one "
+      "arm and one gripper that can be measured.")
       .def_prop_ro("attempts", &PickPlanner::attempts, "Grasps tried so far.");
+  BindPlanner<PickAndPlacePlanner>(
+      m, "PickAndPlacePlanner",
+      "The scripted expert of pick_and_place tasks, for any robot with one arm and one gripper: "
+      "picks the\nobject up as PickPlanner does, plans how to put it down once it is in the hand, "
+      "and picks up\nagain what slipped. It needs a task of kind pick_and_place.");
 }
 
 void BindPlaces(nb::module_& m) {
@@ -290,7 +302,7 @@ void BindPickSampler(nb::module_& m) {
 
 void BindPick(nb::module_& m) {
   BindPickTask(m);
-  BindPickPlanner(m);
+  BindPlanners(m);
   BindPlaces(m);
   BindPickSampler(m);
 }

@@ -18,8 +18,7 @@ std::string AtMost(double metres) {
 
 }  // namespace
 
-void CheckReach(const RunConfig& run, const Robot& robot, Problems& problems) {
-  const PickTaskConfig& task = run.task.As<PickTaskConfig>();
+void CheckReach(const PickRun& task, const Robot& robot, Problems& problems) {
   // From the bottom of what the robot stands on, which is what is placed, to its base frame.
   const Eigen::Vector3d up = (robot.base().pose().inverse() * robot.base_in_world()).translation();
   const double most = PickTaskSampler::kReachShare * robot.reach();
@@ -41,7 +40,7 @@ void CheckReach(const RunConfig& run, const Robot& robot, Problems& problems) {
   }
   // The arm that stands highest has least to lift, and the nearest the farthest to go.
   const double nearest = std::max(task.base_distance[0] - up.head<2>().norm(), 0.0);
-  const double lift = GraspMotionOptionsOf(task).lift;
+  const double lift = GraspMotionsToLift(task.lift_height).lift;
   if (nearest < robot.reach()) {
     const double top = high + std::sqrt(robot.reach() * robot.reach() - nearest * nearest);
     if (lift > top) {

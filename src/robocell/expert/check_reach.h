@@ -2,13 +2,13 @@
 #pragma once
 
 #include "robocell/robot/robot.h"
+#include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/problems.h"
-#include "robocell/spec/run_config.h"
 
 namespace robocell {
 
 // Adds problems of task.base_distance, task.base_height_offset and task.lift_height for places and
 // lifts that PickTaskSampler refuses in every start.
-void CheckReach(const RunConfig& run, const Robot& robot, Problems& problems);
+void CheckReach(const PickRun& task, const Robot& robot, Problems& problems);
 
 }  // namespace robocell

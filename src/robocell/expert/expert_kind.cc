@@ -16,7 +16,9 @@ namespace {
 
 struct Registry {
   std::mutex mutex;
-  std::map<std::string, std::shared_ptr<const ExpertKind>> kinds = {{"pick", MakePickExpert()}};
+  std::map<std::string, std::shared_ptr<const ExpertKind>> kinds = {
+      {PickTaskConfig::kKind, MakePickExpert()},
+      {PickAndPlaceTaskConfig::kKind, MakePickAndPlaceExpert()}};
 };
 
 Registry& Kinds() {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"
+#include "robocell/task/task_kind.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
@@ -19,12 +20,32 @@ class Nobody final : public ExpertKind {
   }
 };
 
+// A task that nobody demonstrates.
+struct IdleConfig {
+  int seconds = 1;
+  static constexpr const char* kKind = "idle_of_test";
+  static constexpr const char* kTypeName = "IdleConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("seconds", &IdleConfig::seconds, "How long to wait.");
+  }
+};
+class Idle : public Task {
+ public:
+  explicit Idle(const IdleConfig&) {}
+  TaskVerdict Judge(const Scene&) override { return {}; }
+  std::string instruction() const override { return "wait"; }
+};
+
 TEST(ExpertKind, ATaskNamesWhoDemonstratesIt) {
+  RegisterTask<IdleConfig>(std::make_shared<TaskKindOf<IdleConfig, Idle>>());
   RunConfig run = ExampleRun("demo.yaml");
   EXPECT_EQ(ExpertKindOf(run), FindExpertKind("pick"));
   run.task = PickAndPlaceTaskConfig();
+  EXPECT_EQ(ExpertKindOf(run), FindExpertKind("pick_and_place"));
+  run.task = IdleConfig();
   ExpectThrow<SpecError>([&] { ExpertKindOf(run); },
-                         "run 'demo': no expert demonstrates task 'pick_and_place'");
+                         "run 'demo': no expert demonstrates task 'idle_of_test'");
 }
 
 TEST(ExpertKind, ARunMayNameAnother) {

@@ -5,14 +5,16 @@
 
 #include "robocell/base/error.h"
 #include "robocell/expert/check_reach.h"
+#include "robocell/expert/pick_and_place_planner.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/check_config.h"
 #include "robocell/robot/unused_groups.h"
+#include "robocell/scenes/catalogue.h"
+#include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/problem_lines.h"
 #include "robocell/task/grasp_candidates.h"
-#include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
@@ -53,7 +55,7 @@ void CheckBaseMoves(const RobotConfig& config, Problems& problems) {
                                           no));
 }
 
-// PickPlanner: an arm, and a gripper that can be measured.
+// Both planners: an arm, and a gripper that can be measured.
 void CheckPickParts(const Robot& robot, const SimOptions& options, double timestep) {
   robot.arm();
   if (!GripperShape::Supports(robot.gripper())) {
@@ -78,10 +80,11 @@ class PickRunCheck {
       Problems::Scope scope(problems_, "robot");
       if (!CheckPickRobot(robot_, run_.options, scene_.timestep(), problems_)) return;
     }
-    if (!run_.task.If<PickTaskConfig>()) return;
-    CheckReach(run_, robot_, problems_);
+    const std::optional<PickRun> pick = PickRunOf(run_.task);
+    if (!pick) return;
+    CheckReach(*pick, robot_, problems_);
     Problems::Scope scope(problems_, "task");
-    AsProblem(problems_, [&] { CheckGraspable(); });
+    AsProblem(problems_, [&] { CheckGraspable(pick->objects); });
   }
 
  private:
@@ -97,12 +100,12 @@ class PickRunCheck {
   }
 
   // Kinds of objects that the gripper cannot take; sizes that are drawn may differ.
-  void CheckGraspable() {
+  void CheckGraspable(const NameList& objects) {
     Scene scene = scene_;
     const auto shape = GripperShape::Of(robot_.config(), run_.options, scene.timestep());
     scene.Forward();
-    for (const SceneObject& kind : FindTaskKind(run_.task.kind())->Contents(run_)) {
-      const ObjectRecord& object = scene.compiled()->object(kind.name);
+    for (const std::string& kind : objects.empty() ? ObjectKinds() : objects.names) {
+      const ObjectRecord& object = scene.compiled()->object(kind);
       const int body = FindId(scene.model(), mjOBJ_BODY, object.root_body);
       if (!FindGrasps(scene.model(), scene.data(), body, *shape, robot_.tcp_in_world()).empty())
         continue;
@@ -110,7 +113,7 @@ class PickRunCheck {
       doubt.AddAt("task.objects",
                   fmt::format("gripper '{}' cannot hold '{}' ({}): such starts are refused. Leave "
                               "the kind out of task.objects, or take a gripper that fits",
-                              robot_.gripper().name(), kind.name,
+                              robot_.gripper().name(), kind,
                               SizesForGrasp(scene.model(), scene.data(), body, *shape)));
       warnings_.push_back(LinesOf(doubt).front());
     }
@@ -123,10 +126,11 @@ class PickRunCheck {
   std::vector<std::string>& warnings_;
 };
 
-class PickExpert final : public ExpertKind {
+template <class Planner>
+class KindOfPicker final : public ExpertKind {
  public:
   std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
-    return std::make_shared<PickPlanner>(run, start);
+    return std::make_shared<Planner>(run, start);
   }
   void Check(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
              std::vector<std::string>& warnings) const override {
@@ -136,7 +140,12 @@ class PickExpert final : public ExpertKind {
 
 }  // namespace
 
-std::shared_ptr<const ExpertKind> MakePickExpert() { return std::make_shared<PickExpert>(); }
+std::shared_ptr<const ExpertKind> MakePickExpert() {
+  return std::make_shared<KindOfPicker<PickPlanner>>();
+}
+std::shared_ptr<const ExpertKind> MakePickAndPlaceExpert() {
+  return std::make_shared<KindOfPicker<PickAndPlacePlanner>>();
+}
 
 bool CheckPickRobot(const Robot& robot, const SimOptions& options, double timestep,
                     Problems& problems) {

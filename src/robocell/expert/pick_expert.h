@@ -1,4 +1,5 @@
-// The kind of expert `pick` (expert_kind.h): the PickPlanner, and what it needs of a robot.
+// The kinds of experts `pick` and `pick_and_place` (expert_kind.h): the planners, and what they need
+// of a robot.
 #pragma once
 
 #include <memory>
@@ -11,6 +12,7 @@
 namespace robocell {
 
 std::shared_ptr<const ExpertKind> MakePickExpert();
+std::shared_ptr<const ExpertKind> MakePickAndPlaceExpert();
 
 // Adds what the expert lacks, of a robot that passed CheckRobot: a base that can be put where the
 // objects are in reach, an arm that takes joint positions, a gripper with fingers. `options` and

@@ -7,9 +7,6 @@
 namespace robocell {
 namespace {
 
-constexpr double kClearances[] = {
-    0.02, 0.008, 0.002};  // to what is not the robot, metres: the largest that both ends have
-constexpr int kMostSearches = 4;    // grasps that a path is searched for
 constexpr double kViaAbove = 0.05;  // of the way point over the start, above the pregrasp
 constexpr double kViaRise = 0.02;   // ... and at least this above the start
 constexpr double kSameGrasp = 0.005,
@@ -36,7 +33,7 @@ class Approach {
   }
 
   std::optional<double> LargestClearance(const JointVector& goal) {
-    for (const double clearance : kClearances) {
+    for (const double clearance : kPathClearances) {
       if (IsFree(request_.start, clearance) && IsFree(goal, clearance)) return clearance;
     }
     return std::nullopt;
@@ -101,7 +98,7 @@ PickPlanResult PlanPick(PlanningScene& planning, const PickPlanRequest& request,
   GraspMotions motions(planning, std::move(candidates), request.home, request.motion);
   Approach approach(planning, request, rng);
   int searches = 0;
-  while (searches < kMostSearches) {
+  while (searches < kMostPathSearches) {
     std::optional<GraspMotion> motion = motions.Next();
     if (!motion) break;
     ++searches;

@@ -12,6 +12,10 @@
 
 namespace robocell {
 
+// To what is not the robot, on paths, metres: the largest that both ends have.
+inline constexpr double kPathClearances[] = {0.02, 0.008, 0.002};
+inline constexpr int kMostPathSearches = 4;  // grasps or places that a path is searched for
+
 struct PickPlan {
   GraspMotion motion;
   JointPath approach;  // from the start to the pregrasp, both included

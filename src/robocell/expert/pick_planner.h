@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "robocell/expert/arm_motion.h"
 #include "robocell/expert/pick_plan.h"
-#include "robocell/motion/timed_path.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/task.h"
 
@@ -32,8 +32,13 @@ struct PickPlannerOptions {
   int attempts = 3;         // at a grasp
 };
 
+// As a run asks for it.
+PickPlannerOptions PickPlannerOptionsOf(const RunConfig& run);
+
 class PickPlanner : public Expert {
  public:
+  static constexpr double kOpened = 0.9;  // opening that counts as open
+
   // Names in the scene. `options` as in GripperShape::Of.
   PickPlanner(std::string robot, std::string target_object, SimOptions sim,
               const PickPlannerOptions& options = {});
@@ -50,6 +55,12 @@ class PickPlanner : public Expert {
 
   // Grasps tried so far.
   int attempts() const { return attempts_; }
+  // Whether nothing is between the fingers.
+  bool HandIsEmpty() const;
+  // For those who go on where it ends (done, without a failure): the planning scene as it was at
+  // the last plan, and the width of what is held, metres.
+  PlanningScene& planning() { return *planning_; }
+  double held_width() const { return plan_->motion.grasp.width; }
 
  private:
   enum class Phase { kOpen, kPregrasp, kGrasp, kClose, kLift, kDone };
@@ -65,14 +76,10 @@ class PickPlanner : public Expert {
   void Fail(const std::string& why);
   void GiveUp(const std::string& why);
   Action Command() const;
-  int Ticks(double seconds) const;
-  double LiftSeconds() const;
-  double Lag() const;
+  int Ticks(double seconds) const { return arm_->Ticks(seconds); }
   double Gap() const;
   Pose TargetPose() const;
   double TargetHeight() const { return TargetPose().translation().z(); }
-  bool HandIsEmpty() const;
-  bool Arrived() const;
 
   std::string robot_name_, target_object_;
   SimOptions sim_;
@@ -82,19 +89,16 @@ class PickPlanner : public Expert {
   std::shared_ptr<const GripperShape> shape_;
   std::unique_ptr<PlanningScene> planning_;
   std::optional<PickPlan> plan_;
-  JointVector home_, target_;  // target_: of the arm, as commanded
-  std::vector<double> arrival_tolerances_;
+  JointVector home_;
+  std::optional<ArmMotion> arm_;
   double opening_ = 1;
-  std::optional<TimedPath> path_;
   JointVector retreat_;       // where to back off to; empty: stay
   Pose planned_for_;          // where the object was then, in the world
   std::vector<Pose> failed_;  // grasps, TCP in the object's frame
 
   Phase phase_ = Phase::kOpen;
   int ticks_ = 0;     // in this phase
-  int waited_ = 0;    // since the path of this phase ended
   int squeezed_ = 0;  // ticks since the hand is told to be closed
-  int lagging_ = 0;   // ticks in a row that the arm did not follow
   int attempts_ = 0;
   double last_gap_ = 0, grasp_height_ = 0;
   bool finished_ = false;

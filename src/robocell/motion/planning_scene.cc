@@ -1,21 +1,35 @@
 #include "robocell/motion/planning_scene.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "robocell/base/error.h"
+#include "robocell/kinematics/chain.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/scratch_robot.h"
 
 namespace robocell {
 
+std::string InTheWay::Text(const mjModel* model) const {
+  const auto most =
+      std::ranges::max_element(counts_, {}, &std::pair<const std::array<int, 2>, int>::second);
+  if (most == counts_.end()) return "";
+  const auto name = [&](int body) { return Describe(model, mjOBJ_BODY, body); };
+  return fmt::format(" (most often {} with {})", name(most->first[0]), name(most->first[1]));
+}
+
 struct PlanningScene::State {
   State(const Robot& robot, std::shared_ptr<const GripperShape> g)
       : scratch(robot, kMostClearance + 0.005, "begin planning again"), shape(std::move(g)) {}
 
   void Place(const JointVector& q, double gap);
+  void PlaceTarget(const Pose& in_world);
 
   ScratchRobot scratch;
   std::shared_ptr<const GripperShape> shape;
@@ -23,6 +37,7 @@ struct PlanningScene::State {
   std::vector<char> is_target;  // per geom
   std::vector<int> fingers;     // addresses in qpos
   std::vector<double> finger_values;
+  std::optional<Pose> target_in_tcp;  // while it is held
   int checks = 0;
   std::array<int, 2> in_the_way = {};
 };
@@ -49,9 +64,37 @@ void PlanningScene::State::Place(const JointVector& q, double gap) {
   scratch.SetArm(q);
   shape->JointsAt(gap, finger_values);
   for (size_t i = 0; i < fingers.size(); ++i) scratch.qpos()[fingers[i]] = finger_values[i];
+  if (!target_in_tcp) return;
+  const Robot& robot = scratch.robot();
+  PlaceTarget(robot.base_in_world() * robot.chain().Fk(q) * *target_in_tcp);
 }
 
-void PlanningScene::Update() { state_->scratch.Update(); }
+void PlanningScene::State::PlaceTarget(const Pose& in_world) {
+  const mjModel* m = scratch.model();
+  const int joint = m->body_jntadr[target];
+  if (joint < 0 || m->jnt_type[joint] != mjJNT_FREE) {
+    throw ArgumentError(fmt::format("{} has no free joint, so that it cannot be carried",
+                                    Describe(m, mjOBJ_BODY, target)));
+  }
+  mjtNum* at = scratch.qpos().data() + m->jnt_qposadr[joint];
+  in_world.ToWxyz(at, at + 3);
+}
+
+void PlanningScene::Update() {
+  state_->target_in_tcp.reset();
+  state_->scratch.Update();
+}
+
+void PlanningScene::HoldTarget(const Pose& target_in_tcp) {
+  state_->target_in_tcp = target_in_tcp;
+  state_->scratch.Hold(state_->target);
+}
+
+void PlanningScene::PutTarget(const Pose& target_in_world) {
+  state_->target_in_tcp.reset();
+  state_->scratch.Hold(-1);
+  state_->PlaceTarget(target_in_world);
+}
 
 bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
   State& s = *state_;

@@ -4,11 +4,13 @@
 //   PlanningScene planning(scene, robot, target_body, shape);
 //   if (planning.IsFree(q, {.gap = shape->open_gap(), .clearance = 0.02})) ...
 //
-// Only the robot moves in it; objects stay where they were at the last Update(). After objects were
+// Only the robot moves in it, and the target while it is held; objects stay where they were at the
+// last Update(). After objects were
 // added to the scene or removed make a new one: an Error says so. One thread at a time.
 #pragma once
 
 #include <array>
+#include <map>
 #include <memory>
 #include <string>
 
@@ -27,14 +29,32 @@ struct FreedomDemand {
 };
 inline constexpr double kMostClearance = 0.025;
 
+// Which bodies were in the way how often, for messages.
+class InTheWay {
+ public:
+  // Bodies that met, a part of the robot first.
+  void Add(const std::array<int, 2>& bodies) { ++counts_[bodies]; }
+  // " (most often 'palm' with 'table')"; "" when nothing was.
+  std::string Text(const mjModel* model) const;
+
+ private:
+  std::map<std::array<int, 2>, int> counts_;
+};
+
 class PlanningScene {
  public:
   PlanningScene(const Scene& scene, const Robot& robot, const std::string& target_body,
                 std::shared_ptr<const GripperShape> shape);
   ~PlanningScene();
 
-  // Takes over the scene's present state.
+  // Takes over the scene's present state, in which nothing is held.
   void Update();
+  // From now on the target moves with the TCP and must not come nearer than the clearance to what is
+  // not the robot; it may touch the robot. The target has a free joint. Until Update() or
+  // PutTarget().
+  void HoldTarget(const Pose& target_in_tcp);
+  // Puts the target somewhere, where it stays.
+  void PutTarget(const Pose& target_in_world);
   // Nothing that is not the robot is nearer than the clearance, and no two parts of the robot touch
   // that do not touch in its present posture anyhow.
   bool IsFree(const JointVector& q, const FreedomDemand& demand);

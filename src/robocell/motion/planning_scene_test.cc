@@ -63,6 +63,66 @@ TEST(PlanningScene, AgreesWithTheEnginesContacts) {
   EXPECT_EQ(planning.checks(), tries);
 }
 
+// With what is in the hand where the forward kinematics has it.
+TEST(PlanningScene, WhatIsHeldMovesWithTheHandAndMayTouchIt) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  PlanningScene planning = pick.planning();
+  const mjModel* m = pick.scene.model();
+  const Pose in_tcp = Pose::FromRpy({0.01, 0, 0.02}, {0.3, 0.2, 0.1});
+  planning.HoldTarget(in_tcp);
+  const int target = mj_name2id(m, mjOBJ_BODY, pick.target_body.c_str());
+  std::vector<char> robot(m->ngeom, 0);
+  for (const int g : pick.robot.geom_ids()) robot[g] = 1;
+  const auto engine_says = [&](const JointVector& q, double gap) {
+    const DataPtr d = CopyData(m, pick.scene.data());
+    for (int i = 0; i < q.size(); ++i) d->qpos[pick.robot.chain().joints()[i].qpos_address] = q[i];
+    const auto shape = pick.shape();
+    std::vector<double> fingers(shape->joint_names().size());
+    shape->JointsAt(gap, fingers);
+    for (size_t i = 0; i < fingers.size(); ++i) {
+      const std::string name = "robot_0/" + shape->joint_names()[i];
+      d->qpos[m->jnt_qposadr[mj_name2id(m, mjOBJ_JOINT, name.c_str())]] = fingers[i];
+    }
+    mj_kinematics(m, d.get());
+    const int tcp = mj_name2id(m, mjOBJ_SITE, "robot_0/tcp");
+    const Pose held =
+        Pose::FromTranslationAndMatrix(d->site_xpos + 3 * tcp, d->site_xmat + 9 * tcp) * in_tcp;
+    held.ToWxyz(d->qpos + m->jnt_qposadr[m->body_jntadr[target]],
+                d->qpos + m->jnt_qposadr[m->body_jntadr[target]] + 3);
+    mj_forward(m, d.get());
+    for (int c = 0; c < d->ncon; ++c) {
+      const int a = d->contact[c].geom[0], b = d->contact[c].geom[1];
+      const bool held_a = m->geom_bodyid[a] == target, held_b = m->geom_bodyid[b] == target;
+      if (d->contact[c].dist >= 0 || (held_a && robot[b]) || (held_b && robot[a])) continue;
+      if (robot[a] || robot[b] || held_a || held_b) return true;
+    }
+    return false;
+  };
+  Rng rng = Rng::Stream(4, "held");
+  int touching = 0;
+  for (int i = 0; i < 400; ++i) {
+    const JointVector q = RandomJoints(pick, rng);
+    const bool contact = engine_says(q, 0.04);
+    EXPECT_EQ(planning.IsFree(q, {.gap = 0.04}), !contact) << i;
+    touching += contact;
+  }
+  EXPECT_GT(touching, 20);
+}
+
+TEST(PlanningScene, WhatIsPutDownStaysThere) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  PlanningScene planning = pick.planning();
+  const JointVector home = pick.home();
+  ASSERT_TRUE(planning.IsFree(home, {.gap = 0.04}));
+  planning.PutTarget(pick.robot.tcp_in_world());
+  EXPECT_FALSE(planning.IsFree(home, {.gap = 0.01}));
+  EXPECT_TRUE(planning.IsFree(home, {.gap = 0.01, .touch_target = true}));
+  planning.HoldTarget(Pose());
+  EXPECT_TRUE(planning.IsFree(home, {.gap = 0.01}));
+  planning.Update();
+  EXPECT_TRUE(planning.IsFree(home, {.gap = 0.04}));
+}
+
 // The distances that a base placement is judged by are another way to the same numbers.
 TEST(PlanningScene, ClearanceIsTheDistanceToWhatIsNotTheRobot) {
   PickScene pick = MakePickScene(ObjectOnTheTable("box"));

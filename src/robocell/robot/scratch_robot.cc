@@ -10,6 +10,7 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/mujoco/tree.h"
 
 namespace robocell {
 namespace {
@@ -48,6 +49,7 @@ struct ScratchRobot::State {
   void CopyFilters();
   bool FindContacts();
   void PairBoxes();
+  void PairBox(int own);
   bool AreBoxes(int a, int b) const {
     return model.geom_type[a] == mjGEOM_BOX && model.geom_type[b] == mjGEOM_BOX;
   }
@@ -60,6 +62,7 @@ struct ScratchRobot::State {
   std::vector<int> contype, conaffinity;  // as objects of the pool were at the last update
   DataPtr data;
   std::vector<char> is_robot, counts;  // per geom; `counts`: it is not overlooked
+  std::vector<char> is_held;           // per geom
   std::vector<int> arm;                // addresses in qpos
   std::set<std::pair<int, int>> always_touching;
   std::set<std::pair<int, int>> boxes;  // the robot's that count, and others, that may collide
@@ -97,10 +100,16 @@ void ScratchRobot::State::PairBoxes() {
   boxes.clear();
   if (model.opt.o_margin == 0) return;  // contacts of boxes that overlap are right
   if ((model.opt.disableflags & (mjDSBL_CONTACT | mjDSBL_CONSTRAINT)) != 0) return;
-  for (const int own : robot.collision_geom_ids()) {
-    for (int g = 0; g < model.ngeom; ++g) {
-      if (!is_robot[g] && AreBoxes(own, g) && MayCollide(&model, own, g)) boxes.emplace(own, g);
-    }
+  for (const int own : robot.collision_geom_ids()) PairBox(own);
+  for (int g = 0; g < model.ngeom; ++g) {
+    if (is_held[g]) PairBox(g);
+  }
+}
+
+void ScratchRobot::State::PairBox(int own) {
+  for (int g = 0; g < model.ngeom; ++g) {
+    if (!is_robot[g] && !is_held[g] && AreBoxes(own, g) && MayCollide(&model, own, g))
+      boxes.emplace(own, g);
   }
 }
 
@@ -130,6 +139,7 @@ ScratchRobot::ScratchRobot(const Robot& robot, double horizon, std::string_view 
   m->opt.disableflags |= mjDSBL_MULTICCD;
   s.is_robot.assign(m->ngeom, 0);
   s.counts.assign(m->ngeom, 1);
+  s.is_held.assign(m->ngeom, 0);
   for (const int g : robot.geom_ids()) {
     s.is_robot[g] = 1;
     s.counts[g] = 0;
@@ -148,6 +158,7 @@ void ScratchRobot::Update() {
   mju_copy(s.data->qpos, from->qpos, s.model.nq);
   mju_copy(s.data->mocap_pos, from->mocap_pos, 3 * s.model.nmocap);
   mju_copy(s.data->mocap_quat, from->mocap_quat, 4 * s.model.nmocap);
+  std::ranges::fill(s.is_held, 0);
   s.CopyFilters();  // objects of the pool may collide now, or no longer
   s.PairBoxes();
   s.FindContacts();
@@ -163,6 +174,13 @@ void ScratchRobot::SetArm(std::span<const double> q) {
   for (size_t i = 0; i < state_->arm.size(); ++i) state_->data->qpos[state_->arm[i]] = q[i];
 }
 
+void ScratchRobot::Hold(int body) {
+  State& s = *state_;
+  for (int g = 0; g < s.model.ngeom; ++g)
+    s.is_held[g] = body >= 0 && IsInSubtree(&s.model, s.model.geom_bodyid[g], body) ? 1 : 0;
+  s.PairBoxes();
+}
+
 std::span<double> ScratchRobot::qpos() {
   return {state_->data->qpos, static_cast<size_t>(state_->model.nq)};
 }
@@ -174,12 +192,14 @@ bool ScratchRobot::FindTouches() {
   const bool all = s.FindContacts();
   for (int c = 0; c < s.data->ncon; ++c) {
     const auto [a, b] = s.data->contact[c].geom;
-    if (a < 0 || b < 0 || (!s.is_robot[a] && !s.is_robot[b])) continue;
-    if (!s.counts[a] || !s.counts[b]) continue;
+    if (a < 0 || b < 0 || !s.counts[a] || !s.counts[b]) continue;
+    const bool a_own = s.is_robot[a] || s.is_held[a], b_own = s.is_robot[b] || s.is_held[b];
+    if (!a_own && !b_own) continue;
+    if (a_own && b_own && (s.is_held[a] || s.is_held[b])) continue;  // the hand with what it holds
     const double distance = s.data->contact[c].dist;
-    const bool itself = s.is_robot[a] && s.is_robot[b];
+    const bool itself = a_own && b_own;
     if (itself && (distance >= 0 || s.always_touching.contains({a, b}))) continue;
-    const auto [own, other] = s.is_robot[a] ? std::pair(a, b) : std::pair(b, a);
+    const auto [own, other] = a_own ? std::pair(a, b) : std::pair(b, a);
     if (distance >= 0 && s.boxes.contains({own, other})) continue;  // measured below
     s.touches.push_back({own, other, distance, itself});
   }

@@ -6,7 +6,7 @@
 //   const bool all_found = scratch.FindTouches();
 //   for (const ScratchRobot::Touch& touch : scratch.touches()) ...
 //
-// Only the robot moves in it; everything else stays where it was at the last Update(). After
+// Only the robot moves in it, and what it holds; everything else stays where it was at the last Update(). After
 // objects were added to the scene or removed make a new one: an Error says so. One thread at a
 // time; its own data, so that scenes on other threads are not disturbed. No allocation once the
 // vectors have grown.
@@ -35,6 +35,9 @@ class ScratchRobot {
   void SetArm(std::span<const double> q);
   // Positions of the whole model, for other joints.
   std::span<double> qpos();
+  // From now on the geoms of this body's subtree count as the robot's and may touch it: what it
+  // holds, until the next Update(). Where that is the caller says in qpos(). -1 for nothing.
+  void Hold(int body);
 
   // Something of the robot that counts (Robot::collision_geom_ids) near something.
   struct Touch {

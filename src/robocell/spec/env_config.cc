@@ -106,26 +106,29 @@ class TaskCheck {
  public:
   TaskCheck(const EnvConfig& env, Problems& problems) : env_(env), problems_(problems) {}
 
-  void Check(const PickTaskConfig& task) {
+  template <class T>
+  void Check(const T& task) {
     RequireObject(task.object);
-    const PickTaskConfig plain;
+    const T plain;
     CheckOfRuns("objects", task.objects == plain.objects);
     CheckOfRuns("base_distance", task.base_distance == plain.base_distance);
     CheckOfRuns("base_height_offset", task.base_height_offset == plain.base_height_offset);
     CheckOfRuns("base_height_noise", task.base_height_noise == plain.base_height_noise);
+    if constexpr (requires { task.goal_object; }) CheckGoal(task);
   }
-  void Check(const PickAndPlaceTaskConfig& task) {
-    RequireObject(task.object);
+
+ private:
+  void CheckGoal(const PickAndPlaceTaskConfig& task) {
+    CheckOfRuns("goals", task.goals.empty());
     if (!task.goal_object.empty()) CheckObject("goal_object", task.goal_object);
-    if (!task.goal) {
+    if (!task.goal && task.goal_object.empty()) {
       problems_.AddAt("goal",
-                      "is required: where the object is to be put, for example [0.4, 0.2, 0]");
+                      "is required: where the object is to be put, for example [0.4, 0.2, 0], or "
+                      "goal_object, what it is to be put on");
     }
     if (!task.goal_object.empty() && task.goal_object == task.object)
       problems_.AddAt("goal_object", "is the object that is to be put there; name another one");
   }
-
- private:
   void CheckOfRuns(const char* field, bool is_default) {
     if (is_default) return;
     problems_.AddAt(field,

@@ -253,7 +253,7 @@ TEST(EnvConfig, ATaskNamesItsObjectsAndItsGoal) {
   env.task = PickAndPlaceTaskConfig{.object = "cube"};
   EXPECT_EQ(Message(env),
             "it is not valid: task.goal: is required: where the object is to be put, for example "
-            "[0.4, 0.2, 0]");
+            "[0.4, 0.2, 0], or goal_object, what it is to be put on");
   auto& task = env.task->As<PickAndPlaceTaskConfig>();
   task.goal = Vec3{0, 0, 0.02};
   task.goal_object = "cub";
@@ -267,6 +267,10 @@ TEST(EnvConfig, FieldsOfATaskThatOnlyRunsUseAreRefused) {
   env.root_frame_objects["cube"] = Thing();
   env.task = PickTaskConfig{.object = "cube", .base_distance = {0.2, 0.4}};
   EXPECT_THAT(Message(env), HasSubstr("task.base_distance: belongs to runs"));
+  env.task = PickAndPlaceTaskConfig{
+      .object = "cube", .goal = Vec3{0, 0, 0.1}, .objects = {"mug"}, .goals = {"tray"}};
+  EXPECT_THAT(Message(env), HasSubstr("task.objects: belongs to runs"));
+  EXPECT_THAT(Message(env), HasSubstr("task.goals: belongs to runs"));
 }
 
 TEST(EnvConfig, VariationsAreOfObjectsThatAreThere) {

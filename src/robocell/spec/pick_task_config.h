@@ -16,7 +16,8 @@ namespace robocell {
 // rises by one or two centimetres, and scripted experts lift by ten.
 inline constexpr double kLiftHeight = 0.05;
 
-// Visits the fields that every task has which picks an object up.
+// Visits the fields that every task has which picks an object up: those of environments and the
+// lift, then those of runs.
 template <class T, class V>
 void PickedObjectFields(V&& v) {
   v("object", &T::object,
@@ -30,6 +31,19 @@ void PickedObjectFields(V&& v) {
   v("lift_height", &T::lift_height,
     "Success: lifted this far above where the episode began, metres, and held only by robots.",
     Check::kPositive);
+}
+template <class T, class V>
+void PickRunFields(V&& v) {
+  v("objects", &T::objects,
+    "Of runs: kinds of objects, by their names in the catalogue; all of them unless set.");
+  v("base_distance", &T::base_distance,
+    "Of runs: horizontal distance from the robot's base to the object, metres, smallest and "
+    "largest.",
+    Check::kNonNegative);
+  v("base_height_offset", &T::base_height_offset,
+    "Of runs: height of the base's bottom above the object, metres.");
+  v("base_height_noise", &T::base_height_noise,
+    "Of runs: added to the height, uniform between these, metres.");
 }
 
 struct PickTaskConfig {
@@ -48,16 +62,7 @@ struct PickTaskConfig {
   static void Fields(V&& v) {
     using T = PickTaskConfig;
     PickedObjectFields<T>(v);
-    v("objects", &T::objects,
-      "Of runs: kinds of objects, by their names in the catalogue; all of them unless set.");
-    v("base_distance", &T::base_distance,
-      "Of runs: horizontal distance from the robot's base to the object, metres, smallest and "
-      "largest.",
-      Check::kNonNegative);
-    v("base_height_offset", &T::base_height_offset,
-      "Of runs: height of the base's bottom above the object, metres.");
-    v("base_height_noise", &T::base_height_noise,
-      "Of runs: added to the height, uniform between these, metres.");
+    PickRunFields<T>(v);
   }
   void Validate(Problems& problems) const;
 };
@@ -72,6 +77,11 @@ struct PickAndPlaceTaskConfig {
   Vec2 goal_spread = {0, 0};
   double goal_tolerance = 0.03;
   double goal_distance = 0.1;
+  NameList objects = {};
+  NameList goals = {};
+  Vec2 base_distance = {0.3, 0.6};
+  double base_height_offset = 0;
+  Vec2 base_height_noise = {0, 0};
 
   static constexpr const char* kKind = "pick_and_place";
   static constexpr const char* kTypeName = "PickAndPlaceTaskConfig";
@@ -81,7 +91,7 @@ struct PickAndPlaceTaskConfig {
     PickedObjectFields<T>(v);
     v("goal", &T::goal,
       "Where the object's root is to rest, metres, in the root frame, or with goal_object in the "
-      "frame of that object's root.");
+      "frame of that object's root. Unset with goal_object: on top of it, in the middle.");
     v("goal_object", &T::goal_object,
       "The goal is on this object, by its id in root_frame_objects, wherever it is.");
     v("goal_spread", &T::goal_spread,
@@ -92,7 +102,25 @@ struct PickAndPlaceTaskConfig {
     v("goal_distance", &T::goal_distance,
       "Episodes begin with the object at least so far from the goal along the ground, metres.",
       Check::kNonNegative);
+    v("goals", &T::goals,
+      "Of runs: what objects are put on, kinds of the catalogue or built-in equipment with a free "
+      "joint; `tray` unless set.");
+    PickRunFields<T>(v);
   }
+  void Validate(Problems& problems) const;
 };
+
+class TaskSpec;
+
+// What both kinds say of a run's starts.
+struct PickRun {
+  NameList objects;
+  double lift_height;
+  Vec2 base_distance;
+  double base_height_offset;
+  Vec2 base_height_noise;
+};
+// Of a task of either kind; unset for others.
+std::optional<PickRun> PickRunOf(const TaskSpec& task);
 
 }  // namespace robocell

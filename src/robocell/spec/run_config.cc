@@ -41,25 +41,44 @@ void SceneSource::Validate(Problems& problems) const {
 
 namespace {
 
-// What only environments can do with a pick task.
-void CheckPick(const PickTaskConfig& task, Problems& problems) {
-  const PickTaskConfig plain;
-  const auto check = [&](const char* field, bool is_default) {
+// What only environments can do with a task that picks something up.
+class PickCheck {
+ public:
+  explicit PickCheck(Problems& problems) : problems_(problems) {}
+
+  template <class T>
+  void Check(const T& task) {
+    const T plain;
+    const Problems::Scope scope(problems_, "task");
+    RequireUnset("object", task.object == plain.object);
+    RequireUnset("spread", task.spread == plain.spread);
+    RequireUnset("rotate", task.rotate == plain.rotate);
+    if constexpr (requires { task.goal_object; }) {
+      const char* goals = "what they are put on among the kinds in `goals`";
+      RequireUnset("goal", task.goal == plain.goal, goals);
+      RequireUnset("goal_object", task.goal_object == plain.goal_object, goals);
+      RequireUnset("goal_spread", task.goal_spread == plain.goal_spread, goals);
+    }
+  }
+
+ private:
+  void RequireUnset(const char* field, bool is_default,
+                    const char* chosen = "its objects among the kinds in `objects`") {
     if (is_default) return;
-    problems.AddAt(field,
-                   "belongs to environments, whose objects have ids and places; a run chooses its "
-                   "objects among the kinds in `objects`: leave it out");
-  };
-  const Problems::Scope scope(problems, "task");
-  check("object", task.object == plain.object);
-  check("spread", task.spread == plain.spread);
-  check("rotate", task.rotate == plain.rotate);
-}
+    problems_.AddAt(field, fmt::format("belongs to environments, whose objects have ids and "
+                                       "places; a run chooses {}: leave it out",
+                                       chosen));
+  }
+
+  Problems& problems_;
+};
 
 }  // namespace
 
 void RunConfig::Validate(Problems& problems) const {
-  if (const auto* pick = task.If<PickTaskConfig>()) CheckPick(*pick, problems);
+  PickCheck check(problems);
+  if (const auto* pick = task.If<PickTaskConfig>()) check.Check(*pick);
+  if (const auto* place = task.If<PickAndPlaceTaskConfig>()) check.Check(*place);
   CheckNotEmpty(run, "run", "the run's name", problems);
   CheckNotEmpty(output, "output", "the folder the dataset goes to", problems);
   if (robot.config == RobotConfig{}) {

@@ -62,13 +62,33 @@ TEST(TaskSpec, CopiesAreDeep) {
 }
 
 TEST(TaskSpec, EachKindHasItsOwnFields) {
-  const TaskSpec place = Parse("{kind: pick_and_place, goal: [0.1, 0.2, 0]}").task;
-  EXPECT_EQ(place.As<PickAndPlaceTaskConfig>().goal, (Vec3{0.1, 0.2, 0}));
+  const TaskSpec place = Parse("{kind: pick_and_place, goal_tolerance: 0.02}").task;
+  EXPECT_EQ(place.As<PickAndPlaceTaskConfig>().goal_tolerance, 0.02);
   EXPECT_EQ(place.If<PickTaskConfig>(), nullptr);
   ExpectThrow<SpecError>([&] { (void)place.As<PickTaskConfig>(); },
                          "task: is of kind pick_and_place, where fields of pick are needed");
   EXPECT_THAT(ParseError<RunConfig>(kRunHead + "task: {kind: pick, gaol: [0, 0, 0]}\n"),
               HasSubstr("a PickTaskConfig: no field 'gaol'"));
+}
+
+TEST(TaskSpec, WhatOnlyEnvironmentsSayIsRefusedInARun) {
+  EXPECT_THAT(ParseError<RunConfig>(kRunHead + "task: {kind: pick_and_place, goal: [0, 0, 0]}\n"),
+              HasSubstr("task.goal: belongs to environments, whose objects have ids and places; a "
+                        "run chooses what they are put on among the kinds in `goals`"));
+  EXPECT_THAT(ParseError<RunConfig>(kRunHead + "task: {kind: pick_and_place, object: cube}\n"),
+              HasSubstr("task.object: belongs to environments"));
+}
+
+TEST(TaskSpec, BothKindsOfPickTellTheirStarts) {
+  const auto pick = PickRunOf(PickTaskConfig{.lift_height = 0.08, .objects = {"mug"}});
+  const auto place = PickRunOf(PickAndPlaceTaskConfig{.lift_height = 0.08, .objects = {"mug"}});
+  for (const auto& run : {pick, place}) {
+    ASSERT_TRUE(run);
+    EXPECT_EQ(run->lift_height, 0.08);
+    EXPECT_EQ(run->objects.names, std::vector<std::string>{"mug"});
+  }
+  RegisterPour();
+  EXPECT_FALSE(PickRunOf(TaskSpec("pour_of_test")));
 }
 
 TEST(TaskSpec, UnknownKindsNameTheNearest) {

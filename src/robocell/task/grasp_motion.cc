@@ -6,34 +6,25 @@
 #include <algorithm>
 
 #include "robocell/kinematics/ik_batch.h"
-#include "robocell/mujoco/names.h"
+#include "robocell/motion/vertical_line.h"
 
 namespace robocell {
 namespace {
 
 constexpr size_t kBatch = 8;  // candidates solved at once: mostly the first or second is taken
-constexpr double kIkTolerance = 1e-4;  // m and rad
 // Near home, so that the way there is short, but it need not be proven that nothing is nearer: that
 // takes ten times as long.
 constexpr int kRestarts = 40;
-constexpr int kLinePoints = 4;  // of a vertical line besides its start
-constexpr double kMostTurn =
-    1.2;  // of any joint along a vertical line, rad: else it is another branch
 constexpr double kJustBefore =
     0.003;  // metres between the pads and the object just before they touch
 
 constexpr double kSlip = 0.05;  // metres
 
-// The share of a line that the arm does not get along.
-double Missing(const JointPath& line) {
-  return 1 - (static_cast<double>(line.size()) - 1) / kLinePoints;
-}
-
 }  // namespace
 
-GraspMotionOptions GraspMotionOptionsOf(const PickTaskConfig& task) {
+GraspMotionOptions GraspMotionsToLift(double height) {
   GraspMotionOptions options;
-  options.lift = std::max(options.lift, task.lift_height + kSlip);
+  options.lift = std::max(options.lift, height + kSlip);
   return options;
 }
 
@@ -54,7 +45,7 @@ void GraspMotions::SolveMore() {
   for (size_t i = begin; i < end; ++i)
     targets.push_back(world_in_base_ * candidates_[i].tcp_in_world);
   IkBatchOptions options;
-  options.ik.tolerance = kIkTolerance;
+  options.ik.tolerance = kLineIkTolerance;
   options.ik.prefer = IkPrefer::kSeed;
   options.ik.max_restarts = kRestarts;
   const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, home_, options);
@@ -80,7 +71,7 @@ std::optional<GraspMotion> GraspMotions::Next() {
 bool GraspMotions::IsFree(const JointVector& q, const FreedomDemand& demand) {
   if (planning_.IsFree(q, demand)) return true;
   ++in_collision_;
-  ++in_the_way_[planning_.in_the_way()];
+  in_the_way_.Add(planning_.in_the_way());
   return false;
 }
 
@@ -97,10 +88,12 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   const double before = std::min(open, grasp.width + shape.closed_gap() + kJustBefore);
   if (!IsFree(q, {.gap = open}) || !IsFree(q, {.gap = before})) return std::nullopt;
   const Pose tcp = world_in_base_ * grasp.tcp_in_world;
-  JointPath down = Line(tcp, q, options_.above), up = Line(tcp, q, options_.lift);
-  if (const double missing = Missing(down); missing > 0)
+  const Chain& chain = planning_.robot().chain();
+  JointPath down = LineAbove(chain, tcp, q, up_in_base_, options_.above);
+  JointPath up = LineAbove(chain, tcp, q, up_in_base_, options_.lift);
+  if (const double missing = MissingShare(down); missing > 0)
     return no_way_down_.Add(missing * options_.above), std::nullopt;
-  if (const double missing = Missing(up); missing > 0)
+  if (const double missing = MissingShare(up); missing > 0)
     return no_way_up_.Add(missing * options_.lift), std::nullopt;
   for (size_t i = 1; i < down.size(); ++i) {
     if (!IsFree(down[i], {.gap = open})) return std::nullopt;
@@ -110,28 +103,6 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   }
   std::reverse(down.begin(), down.end());
   return GraspMotion{grasp, std::move(down), std::move(up)};
-}
-
-// Straight up from q.
-JointPath GraspMotions::Line(const Pose& tcp, const JointVector& q, double height) const {
-  JointPath line = {q};
-  for (int k = 1; k <= kLinePoints; ++k) {
-    const Pose at(tcp.translation() + up_in_base_ * (height * k / kLinePoints), tcp.quaternion());
-    const IkResult ik = Ik(planning_.robot().chain(), at,
-                           {.tolerance = kIkTolerance, .seed = line.back(), .max_restarts = 0});
-    if (!ik.success || JointDistance(ik.q, q) > kMostTurn) break;
-    line.push_back(ik.q);
-  }
-  return line;
-}
-
-// " (most often 'palm' with 'table')".
-std::string GraspMotions::MostlyInTheWay() const {
-  const auto most = std::max_element(in_the_way_.begin(), in_the_way_.end(),
-                                     [](auto& a, auto& b) { return a.second < b.second; });
-  if (most == in_the_way_.end()) return "";
-  const auto name = [&](int body) { return Describe(planning_.model(), mjOBJ_BODY, body); };
-  return fmt::format(" (most often {} with {})", name(most->first[0]), name(most->first[1]));
 }
 
 std::string GraspMotions::Reasons() const {
@@ -148,7 +119,7 @@ std::string GraspMotions::Reasons() const {
       fmt::format("that cannot be lifted by {:.2f} m (the last {:.2f} m are out of "
                   "reach)",
                   options_.lift, no_way_up_.least));
-  add(in_collision_, "in collision" + MostlyInTheWay());
+  add(in_collision_, "in collision" + in_the_way_.Text(planning_.model()));
   return fmt::format("of {} grasps{}", candidates_.size(), text);
 }
 

@@ -6,9 +6,7 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +14,6 @@
 #include "robocell/kinematics/joint_vector.h"
 #include "robocell/motion/joint_path.h"
 #include "robocell/motion/planning_scene.h"
-#include "robocell/spec/pick_task_config.h"
 #include "robocell/task/grasp_candidates.h"
 
 namespace robocell {
@@ -32,8 +29,8 @@ struct GraspMotionOptions {
   double lift = 0.10;   // metres
   int most = 60;        // candidates looked at
 };
-// A pick lifts a little more than the task asks for: objects slip.
-GraspMotionOptions GraspMotionOptionsOf(const PickTaskConfig& task);
+// For a task that asks for a lift of `height` metres: a little more, since objects slip.
+GraspMotionOptions GraspMotionsToLift(double height);
 
 class GraspMotions {
  public:
@@ -53,11 +50,8 @@ class GraspMotions {
  private:
   void SolveMore();
   std::optional<GraspMotion> TryCandidate(const GraspCandidate& grasp, const JointVector& q);
-  std::string MostlyInTheWay() const;
   // IsFree of the planning scene; what is in the way is counted.
   bool IsFree(const JointVector& q, const FreedomDemand& demand);
-  // Up from the grasp, as far as the arm gets: the whole height when it has all points.
-  JointPath Line(const Pose& tcp_in_base, const JointVector& q, double height) const;
 
   PlanningScene& planning_;
   std::vector<GraspCandidate> candidates_;
@@ -76,7 +70,7 @@ class GraspMotions {
   };
   Misses out_of_reach_, no_way_down_, no_way_up_;
   int in_collision_ = 0;
-  std::map<std::array<int, 2>, int> in_the_way_;  // bodies, and how often they met
+  InTheWay in_the_way_;
 };
 
 }  // namespace robocell

@@ -4,8 +4,13 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/motion/geom_extent.h"
+#include "robocell/task/grasp_candidates.h"
 #include "robocell/task/held.h"
 
 namespace robocell {
@@ -22,13 +27,27 @@ PickAndPlaceTask::PickAndPlaceTask(const PickAndPlaceTaskConfig& fields)
                   .lift_height = fields.lift_height,
                   .spread = fields.spread,
                   .rotate = fields.rotate}),
-      task_(fields) {}
+      task_(fields),
+      goal_word_(fields.goal_object),
+      all_objects_({fields.object}) {
+  if (has_goal_object()) all_objects_.push_back(task_.goal_object);
+}
+
+PickAndPlaceTask::PickAndPlaceTask(const PickAndPlaceTaskConfig& fields, Objects objects)
+    : ObjectTask({.name = std::move(objects.object),
+                  .word = std::move(objects.kind),
+                  .lift_height = fields.lift_height}),
+      task_(fields),
+      goal_word_(std::move(objects.goal_kind)),
+      all_objects_(std::move(objects.all)) {
+  task_.goal_object = std::move(objects.goal_object);
+}
 
 void PickAndPlaceTask::Bind(const Scene& scene, const TaskSetting& setting) {
   ObjectTask::Bind(scene, setting);
-  if (!task_.goal)
-    throw ArgumentError(place() + ": task.goal is required: where the object is to be put");
   if (!has_goal_object()) {
+    if (!task_.goal)
+      throw ArgumentError(place() + ": task.goal is required: where the object is to be put");
     goal_offset_ = Pose(ToEigen(*task_.goal));
     return;
   }
@@ -45,13 +64,13 @@ void PickAndPlaceTask::Bind(const Scene& scene, const TaskSetting& setting) {
 }
 
 BodyPoses PickAndPlaceTask::Starts(Rng& rng) {
-  const Pose goal_in_object = has_goal_object() ? Pose(ToEigen(*task_.goal)) : Pose();
+  const Pose goal_in_object = has_goal_object() && task_.goal ? Pose(ToEigen(*task_.goal)) : Pose();
   for (int i = 0; i < kTries; ++i) {
     const Pose start = Start(rng);
     const Pose target = Around(goal_offset_, task_.goal_spread, rng);
     const Eigen::Vector3d goal = (target * goal_in_object).translation();
     if ((goal - start.translation()).head<2>().norm() < task_.goal_distance) continue;
-    goal_ = goal;
+    if (!has_goal_object()) goal_ = goal;
     BodyPoses starts = {{object().name(), root() * start}};
     if (has_goal_object() && task_.goal_spread != Vec2{0, 0})
       starts.emplace_back(goal_body_->name(), root() * target);
@@ -66,11 +85,35 @@ BodyPoses PickAndPlaceTask::Starts(Rng& rng) {
 void PickAndPlaceTask::Begin(const Scene& scene) {
   ObjectTask::Begin(scene);
   was_lifted_ = false;
+  if (has_goal_object()) goal_ = task_.goal ? ToEigen(*task_.goal) : TopOfGoalObject(scene);
+}
+
+// Where the object's root is when it lies in the middle on top of goal_object as it lies now.
+Eigen::Vector3d PickAndPlaceTask::TopOfGoalObject(const Scene& scene) const {
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  const auto extent = [&](int geom) { return GeomExtent(m, d, geom, Eigen::Vector3d::UnitZ()); };
+  double bottom = std::numeric_limits<double>::infinity(), top = -bottom;
+  for (const int g : CollisionGeomsOf(m, object().id())) bottom = std::min(bottom, extent(g).lower);
+  const std::vector<int> geoms = CollisionGeomsOf(m, goal_body_->id());
+  for (const int g : geoms) top = std::max(top, extent(g).upper);
+  if (!std::isfinite(bottom) || !std::isfinite(top)) {
+    throw ArgumentError(fmt::format(
+        "{}: '{}' cannot be put on '{}', since one of them has no shape that collides; set "
+        "task.goal, where it is to rest in the frame of '{}'",
+        place(), object().name(), goal_body_->name(), goal_body_->name()));
+  }
+  const Pose goal_object = goal_body_->pose_in_world();
+  Eigen::Vector3d at = goal_object.translation();
+  at.z() = top + 1;
+  const double below = CastRay(m, d, geoms, at, -Eigen::Vector3d::UnitZ()).distance;
+  if (std::isfinite(below)) top = at.z() - below;  // a tray's floor is below its rims
+  at.z() = top + ObjectInWorld().z() - bottom;
+  return goal_object.inverse() * at;
 }
 
 Eigen::Vector3d PickAndPlaceTask::GoalInWorld() const {
-  if (!has_goal_object()) return root() * goal_;
-  return goal_body_->pose_in_world() * ToEigen(*task_.goal);
+  return has_goal_object() ? goal_body_->pose_in_world() * goal_ : root() * goal_;
 }
 
 // The object is a free body.
@@ -97,14 +140,8 @@ double PickAndPlaceTask::Progress() const {
 }
 
 std::string PickAndPlaceTask::instruction() const {
-  return fmt::format("pick up the {} and put it {}", task_.object,
-                     has_goal_object() ? "on the " + task_.goal_object : "down at the goal");
-}
-
-std::vector<std::string> PickAndPlaceTask::objects() const {
-  std::vector<std::string> objects = {task_.object};
-  if (has_goal_object()) objects.push_back(task_.goal_object);
-  return objects;
+  return fmt::format("pick up the {} and put it {}", word(),
+                     has_goal_object() ? "on the " + goal_word_ : "down at the goal");
 }
 
 std::vector<TaskSignal> PickAndPlaceTask::signals() const {

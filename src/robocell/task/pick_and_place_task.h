@@ -1,5 +1,5 @@
 // PickAndPlaceTask: pick an object up and put it down at a goal: a place in the root frame, or one
-// on another object, wherever that is. Success: it was lifted, held only by robots, and is now at
+// on another object, wherever that is; in the middle on top of it unless told otherwise. Success: it was lifted, held only by robots, and is now at
 // rest at the goal with no robot touching it. The reward, 0 to 1, has a quarter for a TCP near the
 // object, a quarter for having lifted it, and half, once it was lifted, for its nearness to the
 // goal; at success it is 1. The goal is observed as `goal`, x y z in the shared base frame.
@@ -8,6 +8,8 @@
 #pragma once
 
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "robocell/spec/pick_task_config.h"
 #include "robocell/task/object_task.h"
@@ -16,7 +18,15 @@ namespace robocell {
 
 class PickAndPlaceTask final : public ObjectTask {
  public:
+  // As an environment asks for it.
   explicit PickAndPlaceTask(const PickAndPlaceTaskConfig& fields);
+  // As a run asks for it. `object`, `goal_object`: names in the scene; `kind`, `goal_kind`: what to
+  // call them in the instruction; `all_objects`: whose poses are observed.
+  struct Objects {
+    std::string object, kind, goal_object, goal_kind;
+    std::vector<std::string> all;
+  };
+  PickAndPlaceTask(const PickAndPlaceTaskConfig& fields, Objects objects);
 
   // ArgumentError when goal_spread is to move an object that cannot move, and without a goal.
   void Bind(const Scene& scene, const TaskSetting& setting) override;
@@ -24,26 +34,30 @@ class PickAndPlaceTask final : public ObjectTask {
   BodyPoses Starts(Rng& rng) override;
   void Begin(const Scene& scene) override;
   std::string instruction() const override;
-  std::vector<std::string> objects() const override;
+  std::vector<std::string> objects() const override { return all_objects_; }
   std::string why_not_done() const override { return "not put down at the goal"; }
   std::vector<TaskSignal> signals() const override;
   void Observe(const Scene& scene, std::span<double> out) const override;
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
+  // Where the object's root is to rest. The scene is where Begin saw it, or later.
+  Eigen::Vector3d GoalInWorld() const;
 
  private:
   bool IsDone(const Scene& scene) override;
   double Progress() const override;
   bool has_goal_object() const { return !task_.goal_object.empty(); }
-  Eigen::Vector3d GoalInWorld() const;
+  Eigen::Vector3d TopOfGoalObject(const Scene& scene) const;
   bool IsPutDown(const Scene& scene) const;
-
   bool IsAtRest(const Scene& scene) const;
 
   PickAndPlaceTaskConfig task_;
+  std::string goal_word_;
+  std::vector<std::string> all_objects_;
   std::optional<BodyHandle> goal_body_;  // of goal_object
   Pose goal_offset_;                     // its place, or that of the goal, in the root frame
-  Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();  // in the root frame, without goal_object
+  // In the root frame, or with goal_object in that object's frame.
+  Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();
   bool was_lifted_ = false;
 };
 

@@ -1,11 +1,10 @@
 #include "robocell/task/pick_kind.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "robocell/base/names.h"
 #include "robocell/scenes/catalogue.h"
+#include "robocell/task/pick_and_place_sampler.h"
 #include "robocell/task/pick_sampler.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/task/reach_advice.h"
@@ -14,39 +13,68 @@
 namespace robocell {
 namespace {
 
-class PickKind final : public TaskKindOf<PickTaskConfig, PickTask> {
+// What pick and pick_and_place have in common.
+template <class Config, class T, class Sampler>
+class KindOfPick : public TaskKindOf<Config, T> {
  public:
   std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run) const override {
-    return std::make_shared<PickTaskSampler>(run);
+    return std::make_shared<Sampler>(run);
   }
-  std::string expert() const override { return "pick"; }
-
+  std::string expert() const override { return Config::kKind; }
   void CheckFields(const RunConfig& run, Problems& problems) const override {
-    const std::vector<std::string> known = ObjectKinds();
-    const NameList& chosen = run.task.As<PickTaskConfig>().objects;
-    Problems::Scope objects(problems, "task.objects");
+    CheckKinds("task.objects", PickRunOf(run.task)->objects, ObjectKinds(), problems);
+  }
+  // One of each kind that may be drawn, called as its kind.
+  std::vector<SceneObject> Contents(const RunConfig& run) const override {
+    const NameList objects = PickRunOf(run.task)->objects;
+    Rng rng = Rng::Stream(0, "check");
+    std::vector<SceneObject> contents;
+    for (const std::string& kind : objects.empty() ? ObjectKinds() : objects.names)
+      contents.push_back(MakeCatalogueObject(kind, kind, rng));
+    return contents;
+  }
+  std::string ReachAdvice(const RunConfig& run) const override {
+    return robocell::ReachAdvice(run);
+  }
+
+ protected:
+  static void CheckKinds(const char* field, const NameList& chosen,
+                         const std::vector<std::string>& known, Problems& problems) {
+    Problems::Scope scope(problems, field);
     for (size_t i = 0; i < chosen.size(); ++i) {
       if (std::ranges::find(known, chosen[i]) != known.end()) continue;
       Problems::Scope item(problems, i);
       problems.Add(NoSuchName("task", "kind", chosen[i], known));
     }
   }
-  // One of each kind that may be drawn, called as its kind.
-  std::vector<SceneObject> Contents(const RunConfig& run) const override {
-    const NameList& chosen = run.task.As<PickTaskConfig>().objects;
-    Rng rng = Rng::Stream(0, "check");
-    std::vector<SceneObject> objects;
-    for (const std::string& kind : chosen.empty() ? ObjectKinds() : chosen.names)
-      objects.push_back(MakeCatalogueObject(kind, kind, rng));
-    return objects;
+};
+
+using PickKind = KindOfPick<PickTaskConfig, PickTask, PickTaskSampler>;
+
+class PickAndPlaceKind final
+    : public KindOfPick<PickAndPlaceTaskConfig, PickAndPlaceTask, PickAndPlaceSampler> {
+ public:
+  void CheckFields(const RunConfig& run, Problems& problems) const override {
+    KindOfPick::CheckFields(run, problems);
+    CheckKinds("task.goals", run.task.As<PickAndPlaceTaskConfig>().goals, AllGoalKinds(), problems);
   }
-  std::string ReachAdvice(const RunConfig& run) const override {
-    return robocell::ReachAdvice(run);
+  std::vector<SceneObject> Contents(const RunConfig& run) const override {
+    std::vector<SceneObject> contents = KindOfPick::Contents(run);
+    Rng rng = Rng::Stream(0, "check");
+    for (const std::string& kind : GoalKindsOf(run.task.As<PickAndPlaceTaskConfig>())) {
+      const auto same = [&](const SceneObject& object) { return object.name == kind; };
+      if (std::ranges::none_of(contents, same)) contents.push_back(MakeGoalObject(kind, kind, rng));
+    }
+    return contents;
   }
 };
 
 }  // namespace
 
 std::shared_ptr<const TaskKind> MakePickKind() { return std::make_shared<PickKind>(); }
+
+std::shared_ptr<const TaskKind> MakePickAndPlaceKind() {
+  return std::make_shared<PickAndPlaceKind>();
+}
 
 }  // namespace robocell

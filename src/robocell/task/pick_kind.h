@@ -1,4 +1,4 @@
-// The kind of task `pick`, for the registry of kinds (task_kind.h).
+// The kinds of tasks `pick` and `pick_and_place`, for the registry of kinds (task_kind.h).
 #pragma once
 
 #include <memory>
@@ -8,5 +8,6 @@ namespace robocell {
 class TaskKind;
 
 std::shared_ptr<const TaskKind> MakePickKind();
+std::shared_ptr<const TaskKind> MakePickAndPlaceKind();
 
 }  // namespace robocell

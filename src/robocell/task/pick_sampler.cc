@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
+#include "robocell/base/error.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/scenes/catalogue.h"
-#include "robocell/task/grasp_motion.h"
 #include "robocell/task/pick_task.h"
 
 namespace robocell {
@@ -14,19 +14,26 @@ namespace {
 
 constexpr int kMostDistractors = 2;
 constexpr const char* kTarget = "target";  // its name in the scene
+constexpr int kMostGrasps = 4;             // in reach, of which one has to be of use
+
+PickRun RequirePickRun(const RunConfig& run) {
+  if (const auto pick = PickRunOf(run.task)) return *pick;
+  throw SpecError(
+      fmt::format("run '{}': its starts are asked from the sampler of pick tasks, and "
+                  "its task is '{}'",
+                  run.run, run.task.kind()));
+}
 
 }  // namespace
 
-BaseRange BaseRangeOf(const PickTaskConfig& task) {
-  return {.distance = task.base_distance,
-          .height_offset = task.base_height_offset,
-          .height_noise = task.base_height_noise};
-}
-
 PickTaskSampler::PickTaskSampler(const RunConfig& run)
-    : StartSampler(run), task_(run.task.As<PickTaskConfig>()) {}
+    : StartSampler(run), pick_(RequirePickRun(run)) {}
 
-BaseRange PickTaskSampler::base_range() const { return BaseRangeOf(task_); }
+BaseRange PickTaskSampler::base_range() const {
+  return {.distance = pick_.base_distance,
+          .height_offset = pick_.base_height_offset,
+          .height_noise = pick_.base_height_noise};
+}
 
 // Of K kinds every one comes once in any K episodes of a scene that follow each other from a
 // multiple of K on, and once in the same episode of K such scenes: a Latin square of scenes and
@@ -46,7 +53,7 @@ std::string PickTaskSampler::KindOfTurn(std::vector<std::string> kinds,
 
 std::vector<std::string> PickTaskSampler::ChooseKinds(const SampleRequest& request, Rng& rng) {
   const std::vector<std::string> all = ObjectKinds();
-  const std::vector<std::string>& allowed = task_.objects.empty() ? all : task_.objects.names;
+  const std::vector<std::string>& allowed = pick_.objects.empty() ? all : pick_.objects.names;
   std::vector<std::string> kinds = {KindOfTurn(allowed, request)};
   // Other kinds only: "pick up the mug" has to mean one object.
   std::vector<std::string> others = allowed;
@@ -92,8 +99,16 @@ std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Ro
                                      planning.shape())};
   const std::vector<double> home = robot.arm().joint_pos();
   GraspMotions motions(planning, std::move(candidates), JointVector(std::span<const double>(home)),
-                       GraspMotionOptionsOf(task_));
-  if (motions.Next()) return std::nullopt;
+                       GraspMotionsToLift(pick_.lift_height));
+  std::optional<Refusal> of_no_use;
+  for (int i = 0; i < kMostGrasps; ++i) {
+    const std::optional<GraspMotion> motion = motions.Next();
+    if (!motion) break;
+    of_no_use = CheckGrasp(scene, planning, *motion);
+    if (!of_no_use) return std::nullopt;
+    planning.Update();
+  }
+  if (of_no_use) return of_no_use;
   return Refusal{
       motions.MostCollide() ? Refusal::kGraspsInCollision : Refusal::kNoReachableBasePose,
       "grasps: " + motions.Reasons()};
@@ -101,7 +116,7 @@ std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Ro
 
 std::shared_ptr<Task> PickTaskSampler::MakeTask(const std::string& target, const std::string& kind,
                                                 const std::vector<std::string>& objects) {
-  return std::make_shared<PickTask>(target, kind, objects, task_.lift_height);
+  return std::make_shared<PickTask>(target, kind, objects, pick_.lift_height);
 }
 
 }  // namespace robocell

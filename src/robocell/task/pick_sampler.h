@@ -1,6 +1,6 @@
 // PickTaskSampler: starts of pick tasks in runs: objects of the catalogue on the scene's support,
 // one of them the target, which the robot can grasp from where it stands. Kinds of objects take
-// turns.
+// turns. pick_and_place_sampler.h adds where to put it.
 #pragma once
 
 #include <memory>
@@ -8,13 +8,15 @@
 #include <string>
 #include <vector>
 
+#include "robocell/spec/pick_task_config.h"
+#include "robocell/task/grasp_motion.h"
 #include "robocell/task/start_sampler.h"
 
 namespace robocell {
 
 class PickTaskSampler : public StartSampler {
  public:
-  // SpecError for a run of another task.
+  // SpecError for a run of a task that picks nothing up.
   explicit PickTaskSampler(const RunConfig& run);
 
   StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) override;
@@ -29,16 +31,20 @@ class PickTaskSampler : public StartSampler {
 
  protected:
   BaseRange base_range() const override;
+  const PickRun& pick() const { return pick_; }
+  // Whether a grasp that is in reach is of use too; the refusal says why not. Of a few grasps one
+  // that is has to be among them.
+  virtual std::optional<Refusal> CheckGrasp(const Scene& /*scene*/, PlanningScene& /*planning*/,
+                                            const GraspMotion& /*motion*/) {
+    return {};
+  }
 
  private:
   std::string KindOfTurn(std::vector<std::string> kinds, const SampleRequest& request) const;
   std::optional<Refusal> CheckGrasps(const Scene& scene, const Robot& robot,
                                      const std::string& target_body);
 
-  PickTaskConfig task_;
+  PickRun pick_;
 };
-
-// The ranges of base poses that a pick task asks for.
-BaseRange BaseRangeOf(const PickTaskConfig& task);
 
 }  // namespace robocell

@@ -47,7 +47,8 @@ class Search {
       : run_(run),
         robot_(OnlyRobot(run)),
         shape_(GripperShape::Of(robot_.config(), run.options, robot_.scene().timestep())),
-        motion_(GraspMotionOptionsOf(run.task.As<PickTaskConfig>())) {
+        asked_(PickRunOf(run.task).value_or(PickRun{})),
+        motion_(GraspMotionsToLift(asked_.lift_height)) {
     const double reach = robot_.reach(), step = std::max(kGrid, reach / kMostPlaces);
     const double up = BaseUp();
     for (double distance = step; distance <= reach; distance += step) {
@@ -68,7 +69,7 @@ class Search {
       return Where(fmt::format("no place of the base lets the arm lift by {:.2f} m "
                                "(task.lift_height, {:g} m, and what a grasp slips): give less. "
                                "Without the lift a grasp from above is in reach",
-                               motion_.lift, task().lift_height),
+                               motion_.lift, asked_.lift_height),
                    unlifted);
     }
     const auto grasped = Those([](const BasePlace& p) { return p.grasp; });
@@ -127,8 +128,8 @@ class Search {
     for (const BasePlace& place : places) {
       const auto same = [&](const BasePlace& p) { return p.offset == place.offset; };
       const int count = static_cast<int>(std::count_if(places.begin(), places.end(), same));
-      const bool nearer = std::abs(place.offset - task().base_height_offset) <
-                          std::abs(best - task().base_height_offset);
+      const bool nearer = std::abs(place.offset - asked_.base_height_offset) <
+                          std::abs(best - asked_.base_height_offset);
       if (count > most || (count == most && nearer)) best = place.offset, most = count;
     }
     double low = 0, high = 0;
@@ -139,20 +140,18 @@ class Search {
       high = first ? place.distance : std::max(high, place.distance);
       first = false;
     }
-    const PickTaskConfig& asked = task();
     return fmt::format(
         "{} with task.base_height_offset {:.2f} and base_distance {:.2f} ... {:.2f} m, for "
         "example "
         "(collisions aside); the run says {:g}, with noise {:g} ... {:g}, and {:g} ... {:g}",
-        what, best, low, high, asked.base_height_offset, asked.base_height_noise[0],
-        asked.base_height_noise[1], asked.base_distance[0], asked.base_distance[1]);
+        what, best, low, high, asked_.base_height_offset, asked_.base_height_noise[0],
+        asked_.base_height_noise[1], asked_.base_distance[0], asked_.base_distance[1]);
   }
-
-  const PickTaskConfig& task() const { return run_.task.As<PickTaskConfig>(); }
 
   const RunConfig& run_;
   Robot robot_;
   std::shared_ptr<const GripperShape> shape_;
+  PickRun asked_;
   GraspMotionOptions motion_;
   std::vector<BasePlace> places_;
 };

@@ -19,6 +19,7 @@ struct Refusal {
   static constexpr const char* kBaseInCollision = "no base pose is free of collisions";
   static constexpr const char* kNoGrasp = "no grasp";
   static constexpr const char* kGraspsInCollision = "something is in the way of every grasp";
+  static constexpr const char* kNoWayToPlace = "the object cannot be put down at the goal";
   static constexpr const char* kCameraConstraint = "camera constraint";
   static constexpr const char* kInvalidScene = "invalid scene";
 

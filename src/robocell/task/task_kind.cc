@@ -8,7 +8,6 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
-#include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/pick_kind.h"
 #include "robocell/task/start_sampler.h"
 
@@ -19,8 +18,7 @@ struct Registry {
   std::mutex mutex;
   std::map<std::string, std::shared_ptr<const TaskKind>> kinds = {
       {PickTaskConfig::kKind, MakePickKind()},
-      {PickAndPlaceTaskConfig::kKind,
-       std::make_shared<TaskKindOf<PickAndPlaceTaskConfig, PickAndPlaceTask>>()}};
+      {PickAndPlaceTaskConfig::kKind, MakePickAndPlaceKind()}};
 };
 
 Registry& Kinds() {

@@ -1,0 +1,91 @@
+#include "robocell/expert/arm_motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "robocell/motion/servo_jump.h"
+#include "robocell/robot/arrival.h"
+
+namespace robocell {
+namespace {
+
+constexpr double kSettleSeconds = 0.1;      // after a motion ...
+constexpr double kMostSettleSeconds = 0.5;  // ... and while the arm is still on its way
+// The arm is near enough for the next motion, which it can begin from anywhere near: within as many
+// tolerances, and never less than these, rad and m.
+constexpr double kNearlyArrived = 2, kNearRad = 0.02, kNearMetres = 0.002;
+constexpr double kMostLag = 0.25;       // rad between target and joint: the arm is blocked
+constexpr double kMostSlideLag = 0.08;  // ... in metres
+constexpr double kLagSeconds = 0.2;
+
+bool IsSlide(const Robot& robot, size_t joint) {
+  return robot.chain().joints()[joint].type == ChainJointType::kSlide;
+}
+
+}  // namespace
+
+ArmMotion::ArmMotion(const Robot& robot, double tick)
+    : robot_(robot),
+      tick_(tick),
+      target_(robot_.controller(robot_.arm().name()).commanded_joint_pos()),
+      path_(target_, tick),
+      arrival_tolerances_(ArrivalTolerances(robot_, robot_.arm().name())) {
+  for (size_t i = 0; i < arrival_tolerances_.size(); ++i) {
+    arrival_tolerances_[i] = std::max(kNearlyArrived * arrival_tolerances_[i],
+                                      IsSlide(robot_, i) ? kNearMetres : kNearRad);
+  }
+}
+
+void ArmMotion::Begin() {
+  path_ = TimedPath(target_, tick_);
+  waited_ = 0;
+}
+
+void ArmMotion::AddLeg(JointPath points, double speed, double least) {
+  path_.AddLeg(std::move(points), speed, least);
+}
+
+void ArmMotion::TakeMeasured() {
+  target_ = JointVector(std::span<const double>(robot_.arm().joint_pos()));
+}
+
+const JointVector& ArmMotion::Next() { return target_ = path_.Next(); }
+
+bool ArmMotion::Settled() {
+  if (!path_.finished()) return false;
+  ++waited_;
+  if (waited_ <= Ticks(kSettleSeconds)) return false;
+  return Arrived() || waited_ > Ticks(kMostSettleSeconds);
+}
+
+bool ArmMotion::Blocked() {
+  lagging_ = Lag() > 1 ? lagging_ + 1 : 0;
+  return lagging_ > Ticks(kLagSeconds);
+}
+
+int ArmMotion::Ticks(double seconds) const {
+  return static_cast<int>(std::ceil(seconds / tick_ - 1e-9));
+}
+
+double ArmMotion::GentleSeconds(const JointPath& points, double least, double most) const {
+  const std::vector<double> jumps = ServoJumps(robot_.scene().model(), robot_.arm());
+  return std::clamp(SecondsForJumps(points, jumps, tick_), least, most);
+}
+
+// How far the worst joint is behind its target, as a share of what counts as blocked.
+double ArmMotion::Lag() const {
+  const std::vector<double> q = robot_.arm().joint_pos();
+  double lag = 0;
+  for (int i = 0; i < target_.size(); ++i) {
+    const double most = IsSlide(robot_, static_cast<size_t>(i)) ? kMostSlideLag : kMostLag;
+    lag = std::max(lag, std::abs(q[i] - target_[i]) / most);
+  }
+  return lag;
+}
+
+bool ArmMotion::Arrived() const {
+  return AreWithin(robot_.arm().joint_pos(), target_, arrival_tolerances_);
+}
+
+}  // namespace robocell

@@ -1,0 +1,74 @@
+// PickAndPlacePlanner: a scripted expert that picks an object up as the PickPlanner does and puts it
+// down at the goal of a PickAndPlaceTask, for any robot with one arm and one gripper.
+//
+// Its phases are those of the pick, then transfer (with the object over the goal, free of
+// collisions for the object too), lower, release, retreat and done. It plans how to put the object
+// down, as upright as it stood, once it has it in the hand, and again over the goal when it moved in
+// there on the way. What slips out of the hand on the way
+// is picked up again, twice at most. failure() is one of few texts.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "robocell/expert/arm_motion.h"
+#include "robocell/expert/pick_planner.h"
+#include "robocell/task/pick_and_place_task.h"
+#include "robocell/task/place_motion.h"
+
+namespace robocell {
+
+class PickAndPlacePlanner : public Expert {
+ public:
+  // `task`: of the episode, begun. Names in the scene.
+  PickAndPlacePlanner(std::string robot, std::string target_object,
+                      std::shared_ptr<const PickAndPlaceTask> task, SimOptions sim,
+                      const PickPlannerOptions& options = {});
+  // As a run asks for it. SpecError for another task.
+  PickAndPlacePlanner(const RunConfig& run, const EpisodeStart& start);
+  ~PickAndPlacePlanner() override;
+
+  void Begin(const Scene& scene, Rng& rng) override;
+  Action Act(const Scene& scene, Rng& rng) override;
+  bool done() const override { return finished_; }
+  std::string failure() const override { return failure_; }
+  int phase() const override;
+  std::vector<std::string> phase_names() const override;
+
+ private:
+  enum class Phase { kPick, kTransfer, kLower, kRelease, kRetreat, kDone };
+
+  std::string PlanPlace(Rng& rng);
+  std::optional<JointPath> FindTransfer(const JointVector& goal, Rng& rng);
+  void Enter(Phase phase);
+  void Advance(const Scene& scene, Rng& rng);
+  void PickAgain(const Scene& scene, Rng& rng);
+  void GiveUp(const std::string& why);
+  Action Command() const;
+  bool HasMovedInHand() const;
+  Pose ObjectInWorld() const;
+
+  std::string robot_name_, target_object_;
+  std::shared_ptr<const PickAndPlaceTask> task_;
+  PickPlannerOptions options_;
+  PickPlanner pick_;
+
+  std::optional<Robot> robot_;
+  std::optional<ArmMotion> arm_;
+  std::optional<PlaceMotion> place_;
+  JointPath transfer_;
+  Pose at_rest_;        // the object before it was picked up, in the world
+  Pose object_in_tcp_;  // as the way to put it down was planned for
+  double opening_ = 0;
+  double opening_step_ = 1;  // a tick
+
+  Phase phase_ = Phase::kPick;
+  int ticks_ = 0;  // in this phase
+  int picks_ = 0, replans_ = 0;
+  bool finished_ = false;
+  std::string failure_;
+};
+
+}  // namespace robocell
