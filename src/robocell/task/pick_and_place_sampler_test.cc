@@ -57,10 +57,11 @@ TEST(PickAndPlaceSampler, PutsATrayBesideTheTargetAsFarAsAsked) {
 
 TEST(PickAndPlaceSampler, GoalsAreOfTheKindsThatTheRunNames) {
   RunConfig run = PlaceRun();
-  run.task.As<PickAndPlaceTaskConfig>().goals = {"tray", "receiver"};
+  run.task.As<PickAndPlaceTaskConfig>().goals = {"tray", "nut"};
+  run.task.As<PickAndPlaceTaskConfig>().objects = {"box"};
   std::set<std::string> kinds;
   for (const EpisodeStart& start : Starts(run, 12)) kinds.insert(start.object_kinds[1]);
-  EXPECT_EQ(kinds, (std::set<std::string>{"tray", "receiver"}));
+  EXPECT_EQ(kinds, (std::set<std::string>{"tray", "nut"}));
 }
 
 TEST(PickAndPlaceSampler, AGoalOutOfReachIsRefusedWithTheReason) {
