@@ -13,13 +13,13 @@ import robocell as rc
 
 RUN = DOCS.parent / "examples" / "pick_and_place.yaml"
 EPISODES = 3
-PHASES = (0, 4, 5, 7, 9)  # whose last frame is shown: open, lift, transfer, release, done
+PHASES = ("open", "lift", "transfer", "release", "done")  # whose last frame is shown
 
 
 def strip(episode: rc.Episode) -> np.ndarray:
     """Pictures of one episode beside each other."""
-    phases = np.asarray(episode["phase"]).astype(int)
-    rows = [int(np.flatnonzero(phases == phase)[-1]) for phase in PHASES]
+    names, phases = episode.column("phase").values, np.asarray(episode["phase"])
+    rows = [int(np.flatnonzero(phases == names.index(name))[-1]) for name in PHASES]
     return np.concatenate([episode.frame("exo", row) for row in rows], axis=1)
 
 

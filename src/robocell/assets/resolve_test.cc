@@ -156,7 +156,7 @@ TEST_F(Resolving, EquipmentIsFoundByNameAndIsNothingToPick) {
   EXPECT_THAT(BuiltinEquipment(),
               ::testing::ElementsAre("cabinet", "d405", "fr3_duo_mount", "ft_sensor", "green_cube",
                                      "open_bottle", "parallel_hand", "receiver",
-                                     "robotiq_d405_mount", "table"));
+                                     "robotiq_d405_mount", "table", "tray"));
   EXPECT_EQ(Resolve("cabinet"), ModelsRoot() + "/equipment/cabinet/cabinet.xml");
   EXPECT_THAT(BuiltinObjects(), ::testing::Not(Contains("cabinet")));
   EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));

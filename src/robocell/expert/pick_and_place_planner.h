@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "robocell/expert/arm_motion.h"
+#include "robocell/expert/guided_arm.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/place_motion.h"
@@ -56,7 +56,7 @@ class PickAndPlacePlanner : public Expert {
   PickPlanner pick_;
 
   std::optional<Robot> robot_;
-  std::optional<ArmMotion> arm_;
+  std::optional<GuidedArm> arm_;
   std::optional<PlaceMotion> place_;
   JointPath transfer_;
   Pose at_rest_;        // the object before it was picked up, in the world

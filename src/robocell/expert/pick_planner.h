@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "robocell/expert/arm_motion.h"
+#include "robocell/expert/guided_arm.h"
 #include "robocell/expert/pick_plan.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/task.h"
@@ -90,7 +90,7 @@ class PickPlanner : public Expert {
   std::unique_ptr<PlanningScene> planning_;
   std::optional<PickPlan> plan_;
   JointVector home_;
-  std::optional<ArmMotion> arm_;
+  std::optional<GuidedArm> arm_;
   double opening_ = 1;
   JointVector retreat_;       // where to back off to; empty: stay
   Pose planned_for_;          // where the object was then, in the world

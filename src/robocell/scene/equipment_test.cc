@@ -20,10 +20,10 @@ struct Expected {
 };
 
 const std::map<std::string, Expected> kEquipment = {
-    {"cabinet", {0, 21.2}},          {"d405", {0, 0.06}},          {"fr3_duo_mount", {0, 35}},
-    {"ft_sensor", {0, 0.25}},        {"green_cube", {0.02, 0.05}}, {"open_bottle", {0.075, 0.115}},
-    {"parallel_hand", {0, 0.72}},    {"receiver", {0.04, 0.18}},   {"table", {0.7, 28.74}},
-    {"robotiq_d405_mount", {0, 0.1}}};
+    {"cabinet", {0, 21.2}},           {"d405", {0, 0.06}},          {"fr3_duo_mount", {0, 35}},
+    {"ft_sensor", {0, 0.25}},         {"green_cube", {0.02, 0.05}}, {"open_bottle", {0.075, 0.115}},
+    {"parallel_hand", {0, 0.72}},     {"receiver", {0.04, 0.18}},   {"table", {0.7, 28.74}},
+    {"robotiq_d405_mount", {0, 0.1}}, {"tray", {0.009, 0.3}}};
 
 Scene BuildCabinet() {
   SceneSpec spec = EmptyScene();

@@ -1,4 +1,4 @@
-#include "robocell/expert/arm_motion.h"
+#include "robocell/expert/guided_arm.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ bool IsSlide(const Robot& robot, size_t joint) {
 
 }  // namespace
 
-ArmMotion::ArmMotion(const Robot& robot, double tick)
+GuidedArm::GuidedArm(const Robot& robot, double tick)
     : robot_(robot),
       tick_(tick),
       target_(robot_.controller(robot_.arm().name()).commanded_joint_pos()),
@@ -37,44 +37,44 @@ ArmMotion::ArmMotion(const Robot& robot, double tick)
   }
 }
 
-void ArmMotion::Begin() {
+void GuidedArm::Begin() {
   path_ = TimedPath(target_, tick_);
   waited_ = 0;
 }
 
-void ArmMotion::AddLeg(JointPath points, double speed, double least) {
+void GuidedArm::AddLeg(JointPath points, double speed, double least) {
   path_.AddLeg(std::move(points), speed, least);
 }
 
-void ArmMotion::TakeMeasured() {
+void GuidedArm::TakeMeasured() {
   target_ = JointVector(std::span<const double>(robot_.arm().joint_pos()));
 }
 
-const JointVector& ArmMotion::Next() { return target_ = path_.Next(); }
+const JointVector& GuidedArm::Next() { return target_ = path_.Next(); }
 
-bool ArmMotion::Settled() {
+bool GuidedArm::Settled() {
   if (!path_.finished()) return false;
   ++waited_;
   if (waited_ <= Ticks(kSettleSeconds)) return false;
   return Arrived() || waited_ > Ticks(kMostSettleSeconds);
 }
 
-bool ArmMotion::Blocked() {
+bool GuidedArm::Blocked() {
   lagging_ = Lag() > 1 ? lagging_ + 1 : 0;
   return lagging_ > Ticks(kLagSeconds);
 }
 
-int ArmMotion::Ticks(double seconds) const {
+int GuidedArm::Ticks(double seconds) const {
   return static_cast<int>(std::ceil(seconds / tick_ - 1e-9));
 }
 
-double ArmMotion::GentleSeconds(const JointPath& points, double least, double most) const {
+double GuidedArm::GentleSeconds(const JointPath& points, double least, double most) const {
   const std::vector<double> jumps = ServoJumps(robot_.scene().model(), robot_.arm());
   return std::clamp(SecondsForJumps(points, jumps, tick_), least, most);
 }
 
 // How far the worst joint is behind its target, as a share of what counts as blocked.
-double ArmMotion::Lag() const {
+double GuidedArm::Lag() const {
   const std::vector<double> q = robot_.arm().joint_pos();
   double lag = 0;
   for (int i = 0; i < target_.size(); ++i) {
@@ -84,7 +84,7 @@ double ArmMotion::Lag() const {
   return lag;
 }
 
-bool ArmMotion::Arrived() const {
+bool GuidedArm::Arrived() const {
   return AreWithin(robot_.arm().joint_pos(), target_, arrival_tolerances_);
 }
 

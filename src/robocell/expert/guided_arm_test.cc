@@ -1,4 +1,4 @@
-#include "robocell/expert/arm_motion.h"
+#include "robocell/expert/guided_arm.h"
 
 #include <gtest/gtest.h>
 
@@ -28,10 +28,10 @@ struct Moving {
   }
 
   PickScene pick;
-  ArmMotion arm;
+  GuidedArm arm;
 };
 
-TEST(ArmMotion, SettlesWhereItsPathEnds) {
+TEST(GuidedArm, SettlesWhereItsPathEnds) {
   Moving moving;
   const JointVector goal = moving.Goal();
   moving.arm.Begin();
@@ -48,7 +48,7 @@ TEST(ArmMotion, SettlesWhereItsPathEnds) {
   EXPECT_LT(ticks, moving.arm.Ticks(2));
 }
 
-TEST(ArmMotion, IsBlockedWhereTheArmDoesNotFollow) {
+TEST(GuidedArm, IsBlockedWhereTheArmDoesNotFollow) {
   Moving moving;
   moving.arm.Begin();
   moving.arm.AddLeg({moving.Goal()}, 4.0, 0.1);
@@ -66,7 +66,7 @@ TEST(ArmMotion, IsBlockedWhereTheArmDoesNotFollow) {
   EXPECT_FALSE(moving.arm.Blocked());
 }
 
-TEST(ArmMotion, GentleMotionsTakeAsLongAsTheServosNeed) {
+TEST(GuidedArm, GentleMotionsTakeAsLongAsTheServosNeed) {
   Moving moving;
   const JointPath path = {moving.pick.home(), moving.Goal()};
   const double alone = moving.arm.GentleSeconds(path, 0, 100);

@@ -1,7 +1,7 @@
-// ArmMotion: one arm of an expert on a timed path: its next joint target each tick, whether it has
+// GuidedArm: one arm of an expert on a timed path: its next joint target each tick, whether it has
 // arrived at the end, and whether something blocks it.
 //
-//   ArmMotion arm(robot, tick);
+//   GuidedArm arm(robot, tick);
 //   arm.Begin();                         // a new path, from the last target
 //   arm.AddLeg(points, speed, seconds);
 //   each tick: if (arm.Blocked()) ...; if (arm.Settled()) ...; target = arm.Next();
@@ -16,10 +16,10 @@
 
 namespace robocell {
 
-class ArmMotion {
+class GuidedArm {
  public:
   // Of the robot's arm, which is where it was told to be. `tick`: seconds between targets.
-  ArmMotion(const Robot& robot, double tick);
+  GuidedArm(const Robot& robot, double tick);
 
   void Begin();
   // As TimedPath::AddLeg.
