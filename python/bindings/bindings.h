@@ -33,6 +33,8 @@ void BindRender(nb::module_& m);      // images and videos
 void BindTask(nb::module_& m);        // tasks and experts
 void BindSampler(nb::module_& m);     // where episodes start
 void BindPick(nb::module_& m);        // the pick task: judge, sampler, expert
+void BindFeatures(nb::module_& m);    // what cells observe and command
+void BindRunEnv(nb::module_& m);      // cells of runs, step by step
 void BindTaskKinds(nb::module_& m);   // what environments are about
 void BindEnv(nb::module_& m);         // environments
 void BindEnvBatch(nb::module_& m);    // copies of one, in step

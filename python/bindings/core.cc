@@ -31,6 +31,8 @@ NB_MODULE(_core, m) {
   BindSampler(m);
   BindPick(m);
   BindTaskKinds(m);
+  BindFeatures(m);
+  BindRunEnv(m);
   BindEnv(m);
   BindEnvBatch(m);
   BindColumn(m);

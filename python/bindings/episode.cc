@@ -16,6 +16,7 @@
 #include "arrays.h"
 #include "bindings.h"
 #include "column.h"
+#include "features.h"
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/data/episode_reader.h"
@@ -158,6 +159,11 @@ void BindEpisode(nb::module_& m) {
       .def_prop_ro(
           "metadata", [](const Episode& e) { return Json(e.metadata_json()); },
           "Seeds, scene, task and whatever else describes the episode.")
+      .def_prop_ro(
+          "features", [](const Episode& e) { return FeatureList(e.features()); },
+          nb::sig("def features(self) -> list[Feature]"),
+          "What the columns are: role, unit, frame, range of each. Empty in episodes that were "
+          "recorded without.")
       .def("rows", &Episode::rows, "table"_a = "steps", "Number of rows of a table.")
       .def("__len__", [](const Episode& e) { return e.rows(); })
       .def_prop_ro("tables", &Episode::tables)

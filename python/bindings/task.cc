@@ -257,6 +257,11 @@ void BindTask(nb::module_& m) {
       .def(
           "act", [](Expert& e, const Scene& s, PythonRng& rng) { return e.Act(s, rng.get()); },
           "scene"_a, "rng"_a, "{robot: {group: GroupCommand}} until the next policy tick.")
+      .def(
+          "see", [](Expert&, nb::handle) {}, "row"_a,
+          nb::sig("def see(self, row: dict[str, numpy.typing.NDArray[typing.Any]]) -> None"),
+          "Called before each act() with what is recorded of the state, for those who act from "
+          "that alone: columns and images by their names in a dataset.")
       .def("done", &Expert::done)
       .def("failure", &Expert::failure,
            "Why it gave up, \"\" otherwise. A rollout that ends with one is no success, whatever "

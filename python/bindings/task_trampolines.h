@@ -184,6 +184,9 @@ class PyTaskOf : public Base {
   mutable std::vector<TaskSignal> signals_;
 };
 
+// What is recorded of a state: {name: array}, images by the names of their streams; copies.
+nb::dict RowArrays(const CellRow& row);
+
 template <class Base>
 class PyExpertOf : public Base {
  public:
@@ -197,6 +200,11 @@ class PyExpertOf : public Base {
     return CallWithRng<Action>(
         nb_trampoline, "act", static_cast<Base*>(this),
         [&](auto* self) { return self->Base::Act(scene, rng); }, rng, scene);
+  }
+  void See(const CellRow& row) override {
+    if (!Defines(nb_trampoline, "see")) return Base::See(row);
+    const nb::gil_scoped_acquire acquire;
+    nb_trampoline.base().attr("see")(RowArrays(row));
   }
   bool done() const override {
     return Ask<bool>("done", [](auto* self) { return self->Base::done(); });

@@ -25,6 +25,7 @@ from robocell._core import (
     CameraSystemConfig,
     CartesianImpedanceController,
     CartesianPoseController,
+    CellFeatures,
     Chain,
     ClosedError,
     CollisionFilter,
@@ -58,6 +59,7 @@ from robocell._core import (
     EpisodeStart,
     Error,
     Expert,
+    Feature,
     ForceTorqueSensorSpec,
     FreeCamera,
     FrictionCone,
@@ -108,6 +110,7 @@ from robocell._core import (
     RobotRecord,
     RobotSpec,
     RunConfig,
+    RunEnv,
     Runner,
     SampleRequest,
     Scene,
@@ -183,6 +186,7 @@ from robocell._core import (
     why_no_picks,
     write_png,
 )
+from robocell.features import register_feature
 from robocell.tasks import register_expert, register_task
 
 __all__ = [
@@ -202,6 +206,7 @@ __all__ = [
     "CameraSystemConfig",
     "CartesianImpedanceController",
     "CartesianPoseController",
+    "CellFeatures",
     "Chain",
     "ClosedError",
     "CollisionFilter",
@@ -235,6 +240,7 @@ __all__ = [
     "EpisodeStart",
     "Error",
     "Expert",
+    "Feature",
     "ForceTorqueSensorSpec",
     "FreeCamera",
     "FrictionCone",
@@ -285,6 +291,7 @@ __all__ = [
     "RobotRecord",
     "RobotSpec",
     "RunConfig",
+    "RunEnv",
     "Runner",
     "SampleRequest",
     "Scene",
@@ -349,6 +356,7 @@ __all__ = [
     "prepare_dataset",
     "recorded_scene",
     "register_expert",
+    "register_feature",
     "register_task",
     "release_idle_files",
     "remove_leftovers",

@@ -27,9 +27,8 @@ from robocell._core import (
     Runner,
     make_plan,
     prepare_dataset,
-    recorded_scene,
 )
-from robocell.generate.run_source import RunSource, import_module
+from robocell.dataset_run import run_of
 from robocell.policy import RandomPolicy, register_named_policy, register_policy
 
 # Starts of evaluations are drawn from other seeds than those that datasets begin with.
@@ -124,31 +123,6 @@ def register(policy: str) -> str:
     raise ArgumentError(
         f"policy '{policy}': expected module:Class, file.py:Class, '{EXPERT}' or '{RANDOM}'"
     )
-
-
-def run_of(source: str | Path, imports: Sequence[str] = ()) -> RunConfig:
-    """The run of a run file, of `module:name`, or of a dataset.
-
-    A dataset gives its cell: robot, task, scenes, rates and cameras. Modules are imported only when
-    `imports` names them, never because the dataset does.
-    """
-    folder = Path(source)
-    if not (folder / "dataset.json").is_file():
-        return RunSource(str(source), tuple(imports)).load()
-    for module in imports:
-        import_module(module, Path.cwd())
-    dataset = Dataset(folder)
-    if not len(dataset):
-        raise ArgumentError(f"'{folder}' has no episode, so nothing says what its cell is")
-    first = dataset[0]
-    metadata: Any = first.metadata
-    run = RunConfig.from_yaml(str(metadata["identity"]), str(folder), overrides=['output="unset"'])
-    # With the models that the dataset keeps.
-    config = recorded_scene(first).robots[0].config
-    if config is None:
-        raise ArgumentError(f"'{folder}': the scene of '{first.id}' has no robot configuration")
-    run.robot = config
-    return run
 
 
 def evaluate(

@@ -12,7 +12,6 @@ streams; an action is one or more of the columns `robots/<robot>/action/...`.
 
 from __future__ import annotations
 
-import importlib
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -24,14 +23,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from robocell._core import (
     ArgumentError,
+    CellFeatures,
     EpisodeStart,
     Expert,
+    Feature,
     GroupCommand,
     NotFoundError,
-    Pose,
-    Renderer,
     Rng,
-    Robot,
     RunConfig,
     Scene,
     SpecError,
@@ -50,11 +48,13 @@ class Context:
         instruction: What is to be done, in words.
         run: The cell's configuration.
         seed: For policies that draw numbers; it follows from run, episode and attempt.
+        features: What it will see and may command: unit, frame, names, range of each.
     """
 
     instruction: str
     run: RunConfig
     seed: int
+    features: list[Feature]
 
 
 class Policy:
@@ -67,16 +67,19 @@ class Policy:
         """The next action, or the next few.
 
         Args:
-            observation: The columns of the present state by their names: `time`,
-                `robots/<robot>/<group>/qpos` and `/qvel` (rad, m), `base_pose`, `tcp_pose`,
-                `tcp_pose_in_base` (xyz in metres, quaternion xyzw), `opening`,
-                `objects/<object>/pose`, and an image (height, width, 3) for each stream.
+            observation: All that a dataset records of the present state, by its names:
+                `time`, `robots/<robot>/<group>/qpos`, `/qvel` and `/target` (rad, m),
+                `base_pose`, `tcp_pose`, `tcp_pose_in_base` (xyz in metres, quaternion xyzw),
+                `opening`, `objects/<object>/pose`, sensors, registered features; an image
+                (height, width, 3) for each stream, and `<stream>.depth` (uint16, mm) and
+                `<stream>.segmentation` where the cell has them.
 
         Returns:
-            Columns `robots/<robot>/action/<group>`, absolute joint positions or an opening, or
-            `robots/<robot>/action/tcp_pose`, the TCP in the robot's base frame. An array with one
-            dimension more is a chunk: its actions are taken one after the other before `act` is
-            called again.
+            Columns `robots/<robot>/action/...` as a dataset has them, one for each group that is
+            to move: `<group>`, absolute joint positions or an opening; `<group>_relative`, added
+            to the present targets; `tcp_pose`, the TCP in the robot's base frame; `tcp_twist`,
+            from where the TCP is. An array with one dimension more is a chunk: its actions are
+            taken one after the other before `act` is called again.
         """
         raise NotImplementedError
 
@@ -87,126 +90,71 @@ class PolicyExpert(Expert):
     def __init__(self, run: RunConfig, start: EpisodeStart, policy: Policy) -> None:
         super().__init__()
         self._run, self._task, self._policy = run, start.task, policy
-        self._objects = list(start.task.objects())
         self._chunk: deque[dict[str, NDArray[np.float64]]] = deque()
-        self._renderer: Renderer | None = None
+        self._row: Observation = {}
 
     def begin(self, scene: Scene, rng: Rng) -> None:
         """Resets the policy."""
-        self._robot = scene.robot(self._run.robot.name)
+        self._features = CellFeatures(scene, self._task, list(self._run.features))
+        self._sizes = {
+            feature.name: (feature.shape or (1,))[0] for feature in self._features.commanded
+        }
         self._chunk.clear()
-        context = Context(self._task.instruction(), self._run, rng.integer(2**31))
-        self._policy.reset(context)
+        self._policy.reset(
+            Context(
+                instruction=self._task.instruction(),
+                run=self._run,
+                seed=rng.integer(2**31),
+                features=[*self._features.observed, *self._features.commanded],
+            )
+        )
+
+    def see(self, row: Observation) -> None:
+        """The row that a dataset records of this state, with its images."""
+        self._row = row
 
     def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
         """The next action of the policy's chunk, or of a new one."""
         if not self._chunk:
-            self._chunk.extend(self._actions(self._policy.act(self.observation(scene))))
-        commands = {}
-        for name, values in self._chunk.popleft().items():
-            group, command = self._command(name, values)
-            commands[group] = command
-        return {self._robot.name: commands}
-
-    def observation(self, scene: Scene) -> Observation:
-        """The row that a dataset records of this state, with its images."""
-        robot, name = self._robot, f"robots/{self._robot.name}"
-        row: Observation = {"time": np.array(scene.time())}
-        arms = 0
-        for group in robot.group_names:
-            part = robot.group(group)
-            if len(part.joint_pos):
-                row[f"{name}/{group}/qpos"] = np.array(part.joint_pos)
-                row[f"{name}/{group}/qvel"] = np.array(part.joint_vel)
-            arms += part.kind == "arm"
-        row[f"{name}/base_pose"] = _row(robot.base_in_world)
-        if arms:
-            row[f"{name}/tcp_pose"] = _row(robot.tcp_in_world)
-            row[f"{name}/tcp_pose_in_base"] = _row(robot.fk_frame())
-        if robot.has_gripper:
-            row[f"{name}/opening"] = np.array(robot.gripper.opening)
-        for entry in self._objects:
-            body = scene.compiled.object(entry).root_body
-            row[f"objects/{entry}/pose"] = _row(scene.body_pose(body))
-        return row | self._images(scene)
-
-    def _images(self, scene: Scene) -> Observation:
-        if not self._run.cameras.streams:
-            return {}
-        if self._renderer is None:
-            self._renderer = Renderer(scene)
-        width, height = self._run.cameras.resolution
-        images: Observation = {}
-        for stream in self._run.cameras.streams:
-            drawn = self._renderer.render(
-                stream.camera, stream.width or int(width), stream.height or int(height)
-            )
-            images[stream.name] = drawn["rgb"]
-        return images
+            self._chunk.extend(self._actions(self._policy.act(self._row)))
+        return self._features.to_action(dict(self._chunk.popleft()))
 
     def _actions(self, action: Action) -> list[dict[str, NDArray[np.float64]]]:
         """A chunk as single actions."""
+        who = f"{type(self._policy).__name__}.act()"
         if not isinstance(action, Mapping) or not action:
             raise TypeError(
-                f"{type(self._policy).__name__}.act() must return a dict of columns "
-                f"'robots/{self._robot.name}/action/...' to numbers, got {action!r}"
+                f"{who} must return a dict of columns 'robots/.../action/...' to numbers, "
+                f"got {action!r}"
             )
         arrays = {name: np.asarray(values, dtype=np.float64) for name, values in action.items()}
-        sizes = {name: self._size(name) for name in arrays}
         lengths = set()
         for name, array in arrays.items():
-            if array.shape == () and sizes[name] == 1:
+            size = self._size(name)
+            if array.shape == () and size == 1:
                 array = arrays[name] = array.reshape(1)
-            if array.ndim not in (1, 2) or array.shape[-1] != sizes[name] or not array.size:
+            if array.ndim not in (1, 2) or array.shape[-1] != size or not array.size:
                 raise ArgumentError(
-                    f"{type(self._policy).__name__}.act(): '{name}' has {sizes[name]} numbers, or "
-                    f"(k, {sizes[name]}) for a chunk; got the shape {array.shape}"
+                    f"{who}: '{name}' has {size} numbers, or (k, {size}) for a chunk; got the "
+                    f"shape {array.shape}"
                 )
             if not np.isfinite(array).all():
-                raise ArgumentError(
-                    f"{type(self._policy).__name__}.act(): '{name}' is not finite: {array}"
-                )
+                raise ArgumentError(f"{who}: '{name}' is not finite: {array}")
             lengths.add(array.shape[0] if array.ndim == 2 else 0)
         if len(lengths) > 1:
-            raise ArgumentError(
-                f"{type(self._policy).__name__}.act(): columns of one chunk differ in length: "
-                f"{sorted(lengths)}"
-            )
+            raise ArgumentError(f"{who}: columns of one chunk differ in length: {sorted(lengths)}")
         (length,) = lengths
         if length == 0:
             return [arrays]
         return [{name: array[i] for name, array in arrays.items()} for i in range(length)]
 
     def _size(self, name: str) -> int:
-        known = self._columns()
-        if name not in known:
+        if name not in self._sizes:
             raise NotFoundError(
                 f"{type(self._policy).__name__}.act(): no action '{name}'. "
-                f"The actions of this cell: {', '.join(known)}"
+                f"The actions of this cell: {', '.join(self._sizes)}"
             )
-        return known[name]
-
-    def _columns(self) -> dict[str, int]:
-        robot, name = self._robot, f"robots/{self._robot.name}/action"
-        columns = {}
-        for group in robot.group_names:
-            kind = robot.group(group).kind
-            if kind == "gripper":
-                columns[f"{name}/{group}"] = 1
-            elif kind == "arm":
-                columns[f"{name}/{group}"] = len(robot.group(group).joint_pos)
-                columns[f"{name}/tcp_pose"] = 7
-        return columns
-
-    def _command(self, name: str, values: NDArray[np.float64]) -> tuple[str, GroupCommand]:
-        part = name.rpartition("/")[2]
-        if part == "tcp_pose":
-            return _arm_of(self._robot), GroupCommand.leaf_pose(
-                Pose(translation=values[:3], quaternion=values[3:] / np.linalg.norm(values[3:]))
-            )
-        if self._robot.group(part).kind == "gripper":
-            return part, GroupCommand.opening(float(np.clip(values[0], 0, 1)))
-        return part, GroupCommand.joints(values)
+        return self._sizes[name]
 
     def done(self) -> bool:
         """Never by itself: the rollout ends at success or when its steps are used up."""
@@ -227,14 +175,6 @@ class PolicyExpert(Expert):
     def phase_names(self) -> list[str]:
         """None."""
         return []
-
-
-def _row(pose: Pose) -> NDArray[np.float64]:
-    return np.concatenate([pose.translation, pose.quaternion])
-
-
-def _arm_of(robot: Robot) -> str:
-    return next(group for group in robot.group_names if robot.group(group).kind == "arm")
 
 
 def register_policy(name: str, make: Callable[[RunConfig], Policy]) -> None:
@@ -289,26 +229,31 @@ def register_named_policy(name: str, folder: Path) -> None:
 
 
 class RandomPolicy(Policy):
-    """Moves the arm's joints at random around where they are: what a policy has to beat."""
+    """Moves all joints at random around their targets: what a policy has to beat."""
+
+    STEP = 0.1  # rad or m, at most
 
     def __init__(self, run: RunConfig) -> None:
-        self._name = run.robot.name
         self._rng = np.random.default_rng(0)
+        self._targets: list[Feature] = []
 
     def reset(self, context: Context) -> None:
         """Begins its numbers anew."""
         self._rng = np.random.default_rng(context.seed)
+        actions = {f.name: f for f in context.features if f.role == "action"}
+        self._targets = [f for name, f in actions.items() if f"{name}_relative" in actions]
 
     def act(self, observation: Observation) -> Action:
-        """A step of up to 0.1 rad for each joint, and any opening."""
-        q = observation[f"robots/{self._name}/arm/qpos"]
-        return {
-            f"robots/{self._name}/action/arm": q + self._rng.uniform(-0.1, 0.1, q.shape),
-            f"robots/{self._name}/action/gripper": self._rng.uniform(0, 1, 1),
-        }
+        """A step of up to 0.1 rad or m for each joint, and any opening, within their ranges."""
+        return {feature.name: self._draw(feature, observation) for feature in self._targets}
 
-
-def import_attribute(name: str) -> Any:
-    """`module:attribute`."""
-    module, _, attribute = name.partition(":")
-    return getattr(importlib.import_module(module), attribute)
+    def _draw(self, feature: Feature, observation: Observation) -> NDArray[np.float64]:
+        lower = np.array(feature.lower or [-np.inf] * feature.shape[0])
+        upper = np.array(feature.upper or [np.inf] * feature.shape[0])
+        if feature.names == ["opening"]:
+            return self._rng.uniform(lower, upper)
+        robot, _, group = feature.name.partition("/action/")
+        target = observation[f"{robot}/{group}/target"]
+        return np.clip(
+            target + self._rng.uniform(-self.STEP, self.STEP, target.shape), lower, upper
+        )

@@ -101,7 +101,7 @@ def register_task(
                 f"makes one, got {maker!r}"
             )
         described = fields if fields is not None else getattr(maker, "Fields", None)
-        _register_task(kind, _maker(maker, described), _defaults(kind, described), _code_of(maker))
+        _register_task(kind, _maker(maker, described), _defaults(kind, described), code_of(maker))
         return maker
 
     return register
@@ -122,7 +122,7 @@ def register_expert(kind: str) -> Callable[[ExpertClass], ExpertClass]:
                 f"register_expert({kind!r}): expected a class derived from Expert or a function "
                 f"that makes one, got {maker!r}"
             )
-        _register_expert(kind, maker, _code_of(maker))
+        _register_expert(kind, maker, code_of(maker))
         return maker
 
     return register
@@ -162,7 +162,7 @@ def _defaults(kind: str, fields: type[Any] | None) -> list[tuple[str, Any, str]]
     return found
 
 
-def _code_of(maker: object) -> Callable[[], list[str]]:
+def code_of(maker: object) -> Callable[[], list[str]]:
     """The files that define it, asked for when a dataset is begun or checked."""
     module = getattr(inspect.unwrap(maker), "__module__", None)  # type: ignore[arg-type]
     return lambda: [str(path) for path in own_sources(module)] if module else []

@@ -8,6 +8,7 @@
 
     keys = {"robots/rc7/arm/qpos": 0, "wrist": 0, "robots/rc7/action/arm": range(16)}
     robocell.data.torch_dataset(dataset, keys)  # one item for each step
+    robocell.data.rows(dataset, ["robots/rc7/arm/qpos"])  # one matrix of all episodes
 
 Importing it loads neither numpy nor torch. docs/data.md describes the files.
 """
@@ -37,6 +38,7 @@ from robocell._core import (
 )
 
 if TYPE_CHECKING:
+    from robocell.data._rows import rows
     from robocell.data.steps import Steps, torch_dataset
 
 __all__ = [
@@ -57,6 +59,7 @@ __all__ = [
     "release_idle_files",
     "remove_leftovers",
     "repair",
+    "rows",
     "torch_dataset",
     "verify",
 ]
@@ -64,11 +67,14 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     """Loads what needs numpy when it is asked for."""
-    if name not in ("Steps", "torch_dataset"):
-        raise AttributeError(f"module 'robocell.data' has no attribute '{name}'")
-    from robocell.data import steps
+    import importlib
 
-    return getattr(steps, name)
+    module = {"rows": "_rows", "Steps": "steps", "torch_dataset": "steps"}.get(name)
+    if module is None:
+        raise AttributeError(f"module 'robocell.data' has no attribute '{name}'")
+    value = getattr(importlib.import_module(f"robocell.data.{module}"), name)
+    globals()[name] = value
+    return value
 
 
 def __dir__() -> list[str]:

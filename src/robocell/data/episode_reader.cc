@@ -139,6 +139,7 @@ struct Episode::Impl {
   std::vector<std::string> warnings;
   std::vector<CameraInfo> cameras;
   std::vector<SegmentLabel> labels;
+  FeatureSchema features;
 
   mutable std::once_flag listed;
   mutable std::vector<ColumnInfo> columns;
@@ -171,10 +172,13 @@ struct Episode::Impl {
                               "versions", "run"}) {
         json.at(key);  // asked for later, without a check
       }
+      if (json.contains("features")) features = FeatureSchema::FromJson(json["features"].dump());
       CheckFiles();
       CheckModels();
     } catch (const nlohmann::json::exception&) {
       ThrowDamaged();
+    } catch (const SpecError& error) {  // of the features
+      throw IoError(fmt::format("{}: episode.json: {}", Name(), error.what()));
     }
   }
 
@@ -341,6 +345,7 @@ const std::string& Episode::json() const { return impl_->text; }
 std::string Episode::metadata_json() const { return impl_->json["metadata"].dump(2); }
 std::string Episode::results_json() const { return impl_->json["results"].dump(2); }
 std::string Episode::versions_json() const { return impl_->json["versions"].dump(2); }
+const FeatureSchema& Episode::features() const { return impl_->features; }
 std::string Episode::run_json() const { return impl_->json["run"].dump(2); }
 
 std::vector<std::string> Episode::tables() const {

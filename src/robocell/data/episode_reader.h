@@ -28,6 +28,7 @@
 
 #include "robocell/data/column.h"
 #include "robocell/data/episode_schema.h"
+#include "robocell/data/feature_schema.h"
 #include "robocell/media/video_reader.h"
 
 namespace robocell {
@@ -94,6 +95,8 @@ class Episode {
   std::string results_json() const;
   std::string versions_json() const;
   std::string run_json() const;
+  // What the columns are features of; empty in episodes that were recorded without.
+  const FeatureSchema& features() const;
 
   int64_t rows(const std::string& table = "steps") const;
   std::vector<std::string> tables() const;

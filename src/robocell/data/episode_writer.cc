@@ -82,6 +82,7 @@ struct EpisodeWriter::Impl {
   std::string started = UtcNow();
   EpisodeSchema schema;
   Json metadata;
+  Json features;  // what the columns are
   Json versions;
   std::unique_ptr<StepsFile> steps;
   std::vector<CameraFiles> videos;  // by the camera's number
@@ -322,6 +323,7 @@ std::string EpisodeWriter::Impl::Description(const EpisodeSummary& summary, cons
                       {"files", Files()},
                       {"run", run}};
   if (has_segmentation()) description["segmentation"] = Segmentation();
+  if (!features.empty()) description["features"] = features;
   return SignJson(description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
@@ -344,6 +346,7 @@ EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
   }
   impl_->metadata = ParseObject(impl_->name, "metadata_json", options.metadata_json);
   impl_->versions = ParseObject(impl_->name, "versions_json", options.versions_json);
+  impl_->features = Json::parse(options.features.ToJson());
   impl_->Do("opening", [&] {
     const EpisodeLook there = LookAtEpisode(impl_->final);
     if (there.state == EpisodeState::kWhole)

@@ -31,6 +31,7 @@
 
 #include "robocell/base/file_set.h"
 #include "robocell/data/episode_schema.h"
+#include "robocell/data/feature_schema.h"
 
 namespace robocell {
 
@@ -40,6 +41,8 @@ struct EpisodeOptions {
   // ("mujoco"); robocell's, HDF5's and the encoder's are added.
   std::string metadata_json = "{}";
   std::string versions_json = "{}";
+  // What the columns are features of; empty for recordings of something else.
+  FeatureSchema features = {};
   // Of the videos, as in VideoOptions.
   std::string video_preset = "superfast";
   int video_crf = 18;

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
+#include "robocell/features/cell_features.h"
 #include "robocell/robot/check_config.h"
 #include "robocell/rollout/episode_columns.h"
-#include "robocell/rollout/sensor_columns.h"
 
 namespace robocell {
 namespace {
@@ -25,9 +25,8 @@ void AsProblem(Problems& problems, const F& check) {
 // Names of joints and sensors become paths in steps.h5: not every name can.
 void CheckRecordable(const Robot& robot) {
   EpisodeSchema schema;
-  const SceneColumns columns(schema, robot.scene(), {}, {});
-  const SensorColumns sensors(schema, robot.scene());
-  const RobotColumns of_robot(schema, robot);
+  const OutcomeColumns outcome(schema, robot.scene(), {}, {});
+  const FeatureColumns columns(schema, CellFeatures(robot.scene(), {robot}).schema());
 }
 
 }  // namespace

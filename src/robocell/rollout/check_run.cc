@@ -7,7 +7,9 @@
 #include <set>
 
 #include "robocell/base/error.h"
+#include "robocell/base/names.h"
 #include "robocell/expert/expert_kind.h"
+#include "robocell/features/own_features.h"
 #include "robocell/render/stream_camera.h"
 #include "robocell/robot/robot_trial.h"
 #include "robocell/rollout/check_robot.h"
@@ -23,12 +25,24 @@
 namespace robocell {
 namespace {
 
+void CheckOwnFeatures(const RunConfig& run, Problems& problems) {
+  const std::vector<std::string> known = OwnFeatures();
+  Problems::Scope features(problems, "features");
+  for (size_t i = 0; i < run.features.size(); ++i) {
+    if (IsOwnFeature(run.features[i])) continue;
+    Problems::Scope item(problems, i);
+    problems.Add(NoSuchName("", "registered feature", run.features[i], known) +
+                 " Its module belongs into `imports`");
+  }
+}
+
 // Problems of the fields alone.
 Problems FieldProblems(const RunConfig& run) {
   Problems problems(run.locations);
   ValidateFields(run, problems);
   CheckStreams(run, problems);
   FindTaskKind(run.task.kind())->CheckFields(run, problems);
+  CheckOwnFeatures(run, problems);
   return problems;
 }
 

@@ -2,11 +2,11 @@
 
 #include <mujoco/mujoco.h>
 
-#include <algorithm>
-
-#include "robocell/render/stream_camera.h"
+#include <array>
 
 namespace robocell {
+
+static_assert(kNoBody == kNoSegment);
 
 std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene) {
   const mjModel* model = scene.model();
@@ -36,56 +36,38 @@ std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene) {
 EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
                                const CameraSystemConfig& config, Renderer* renderer,
                                const Ratio& rate)
-    : scene_(scene), renderer_(renderer) {
-  if (config.streams.empty()) return;
-  renderer_->SetModel(scene.model());
-  for (const CameraConfig& stream : config.streams) {
-    Stream s;
-    s.view = ViewOfStream(scene, stream);
-    s.width = config.width(stream);
-    s.height = config.height(stream);
-    const Eigen::Matrix3d k =
-        ComputeCamera(scene.model(), scene.data(), s.view, s.width, s.height).intrinsics();
-    s.video = schema.AddCamera(
-        {.name = stream.name,
-         .width = s.width,
-         .height = s.height,
+    : images_(scene, config, renderer) {
+  for (const CellImage& image : images_.images()) {
+    const Eigen::Matrix3d k = image.camera.intrinsics();
+    Stream stream;
+    stream.video = schema.AddCamera(
+        {.name = image.name,
+         .width = image.width,
+         .height = image.height,
          .fps_num = static_cast<int>(rate.num),
          .fps_den = static_cast<int>(rate.den),
          .intrinsics = std::array<double, 9>{k(0, 0), k(0, 1), k(0, 2), k(1, 0), k(1, 1), k(1, 2),
                                              k(2, 0), k(2, 1), k(2, 2)},
-         .depth = stream.depth,
-         .segmentation = stream.segmentation});
-    s.extrinsics = schema.AddColumn({.name = "cameras/" + stream.name + "/extrinsics",
-                                     .shape = {4, 4},
-                                     .units = "m, 1",
-                                     .frame = "world -> camera, OpenCV axes"});
-    const size_t pixels = static_cast<size_t>(s.width) * static_cast<size_t>(s.height);
-    s.rgb.resize(3 * pixels);  // of a size that the schema took
-    if (stream.depth) s.depth_mm.resize(pixels);
-    if (stream.segmentation) {
-      s.bodies.resize(pixels);
-      s.labels.resize(pixels);
-      schema.SetSegmentLabels(SegmentLabelsOf(scene));
-    }
-    streams_.push_back(std::move(s));
+         .depth = !image.depth_mm.empty(),
+         .segmentation = !image.bodies.empty()});
+    stream.extrinsics = schema.AddColumn({.name = "cameras/" + image.name + "/extrinsics",
+                                          .shape = {4, 4},
+                                          .units = "m, 1",
+                                          .frame = "world -> camera, OpenCV axes"});
+    if (!image.bodies.empty()) schema.SetSegmentLabels(SegmentLabelsOf(scene));
+    streams_.push_back(stream);
   }
 }
 
 void EpisodeCameras::PutFrames(EpisodeWriter& writer) {
-  for (Stream& s : streams_) {
-    const CameraModel camera =
-        renderer_->Render(scene_.data(), {.camera = s.view, .width = s.width, .height = s.height},
-                          {.rgb = s.rgb, .depth_mm = s.depth_mm, .segmentation = s.bodies});
-    const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> extrinsics = camera.extrinsics();
-    writer.Put(s.extrinsics, std::span<const double>(extrinsics.data(), 16));
-    writer.WriteFrame(s.video, s.rgb);
-    if (!s.depth_mm.empty()) writer.WriteDepth(s.video, s.depth_mm);
-    if (s.labels.empty()) continue;
-    std::transform(s.bodies.begin(), s.bodies.end(), s.labels.begin(), [](int32_t body) {
-      return body < 0 ? kNoSegment : static_cast<uint16_t>(body);
-    });
-    writer.WriteSegmentation(s.video, s.labels);
+  images_.Draw();
+  for (size_t i = 0; i < streams_.size(); ++i) {
+    const CellImage& image = images_.images()[i];
+    const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> extrinsics = image.camera.extrinsics();
+    writer.Put(streams_[i].extrinsics, std::span<const double>(extrinsics.data(), 16));
+    writer.WriteFrame(streams_[i].video, image.rgb);
+    if (!image.depth_mm.empty()) writer.WriteDepth(streams_[i].video, image.depth_mm);
+    if (!image.bodies.empty()) writer.WriteSegmentation(streams_[i].video, image.bodies);
   }
 }
 

@@ -1,5 +1,5 @@
-// The image streams of a recorded episode: renders each camera once per row and hands the frames to
-// the writer.
+// The image streams of a recorded episode: draws each camera once per row (features/cell_images.h) and
+// hands the frames to the writer.
 #pragma once
 
 #include <memory>
@@ -8,6 +8,7 @@
 
 #include "robocell/base/ratio.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/features/cell_images.h"
 #include "robocell/render/renderer.h"
 #include "robocell/robot/robot.h"
 #include "robocell/spec/camera_spec.h"
@@ -20,23 +21,19 @@ class EpisodeCameras {
   // many rows there are per second.
   EpisodeCameras(EpisodeSchema& schema, const Scene& scene, const CameraSystemConfig& config,
                  Renderer* renderer, const Ratio& rate);
-  // One frame per kind of image and one extrinsics row per stream, of the present state.
+  // Draws one frame per kind of image of the present state, and puts them with an extrinsics row
+  // per stream.
   void PutFrames(EpisodeWriter& writer);
+  // Those that were put last.
+  const CellImages& images() const { return images_; }
 
  private:
   struct Stream {
-    CameraView view;
-    int width, height;
     CameraId video;
     ColumnId extrinsics;
-    std::vector<uint8_t> rgb;
-    std::vector<uint16_t> depth_mm;  // empty unless wanted, as the two below
-    std::vector<int32_t> bodies;
-    std::vector<uint16_t> labels;  // the same as they are recorded
   };
-  Scene scene_;
-  Renderer* renderer_;
-  std::vector<Stream> streams_;
+  CellImages images_;
+  std::vector<Stream> streams_;  // of each image
 };
 
 // What body ids of the scene's segmentation show: the name of each body, and the object or robot

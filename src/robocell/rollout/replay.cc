@@ -13,8 +13,8 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/version.h"
+#include "robocell/features/feature_source.h"
 #include "robocell/robot/robot.h"
-#include "robocell/rollout/episode_columns.h"
 #include "robocell/rollout/recorded_scene.h"
 #include "robocell/spec/run_config.h"
 
@@ -194,7 +194,8 @@ class Replay {
          .recorded = {},
          .read =
              [this, body = object.root_body](std::span<double> out) {
-               const std::array<double, 7> pose = PoseRow(scene_.body_pose(body));
+               std::array<double, kPoseNumbers> pose;
+               PutPose(scene_.body_pose(body), pose);
                std::copy(pose.begin(), pose.end(), out.begin());
              },
          .name =

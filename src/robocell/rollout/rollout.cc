@@ -12,9 +12,9 @@
 #include "robocell/rollout/episode_cameras.h"
 #include "robocell/rollout/episode_columns.h"
 #include "robocell/rollout/recorded_scene.h"
-#include "robocell/rollout/sensor_columns.h"
 #include "robocell/rollout/stage_clock.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/task/task_features.h"
 
 namespace robocell {
 namespace {
@@ -28,10 +28,11 @@ class Recording {
       : times_(times),
         simulation_(start.scene),
         generation_(start.scene.generation()),
-        scene_(schema_, start.scene, start.task->objects(), expert.phase_names()),
-        sensors_(schema_, start.scene),
+        features_(FeaturesOfCell(start.scene, robots, start.task, run.features.names)),
+        observed_(schema_, features_.observed()),
+        commanded_(schema_, features_.commanded()),
+        outcome_(schema_, start.scene, expert.phase_names(), start.task->subtasks()),
         cameras_(schema_, start.scene, run.cameras, options.renderer, run.rates.policy_rate()) {
-    for (const Robot& robot : robots) robots_.emplace_back(schema_, robot);
     const std::vector<double> state = start.scene.state();
     schema_.AddConstant(
         {.name = "initial_state",
@@ -41,7 +42,8 @@ class Recording {
     writer_.emplace(
         options.dataset, options.episode_id, schema_,
         EpisodeOptions{.metadata_json = options.metadata_json,
-                       .versions_json = nlohmann::json{{"mujoco", mj_versionString()}}.dump()});
+                       .versions_json = nlohmann::json{{"mujoco", mj_versionString()}}.dump(),
+                       .features = AllFeatures()});
     for (const auto& [name, files] : portable.models) writer_->AddModel(name, files);
   }
 
@@ -53,21 +55,22 @@ class Recording {
     }
     {
       const StageClock::Stage stage(clock_, times_.writing);
-      scene_.PutState(*writer_, phase);
-      sensors_.PutState(*writer_);
-      for (RobotColumns& robot : robots_) robot.PutState(*writer_);
+      observed_.Put(*writer_, features_.ReadState());
+      outcome_.PutPhase(*writer_, phase);
     }
     const StageClock::Stage stage(clock_, times_.rendering);
     cameras_.PutFrames(*writer_);
   }
+  // What PutState recorded.
+  CellRow row() const { return {features_.observed(), features_.state(), cameras_.images()}; }
   void PutControl(const mjModel* model, const mjData* data) {
     const StageClock::Stage stage(clock_, times_.writing);
-    scene_.PutControl(*writer_, model, data);
+    outcome_.PutControl(*writer_, model, data);
   }
   void PutOutcome(const RowOutcome& outcome) {
     const StageClock::Stage stage(clock_, times_.writing);
-    for (RobotColumns& robot : robots_) robot.PutAction(*writer_);
-    scene_.PutOutcome(*writer_, outcome);
+    commanded_.Put(*writer_, features_.ReadActions());
+    outcome_.PutOutcome(*writer_, outcome);
     writer_->EndRow();
   }
   void Commit(const EpisodeSummary& summary) {
@@ -76,18 +79,24 @@ class Recording {
   }
   // For what is not recording, but stands still while this records.
   StageClock& clock() { return clock_; }
-  EngineWarnings warnings() const { return scene_.warnings(); }
+  EngineWarnings warnings() const { return outcome_.warnings(); }
 
  private:
+  FeatureSchema AllFeatures() const {
+    FeatureSchema all = features_.schema();
+    for (const Feature& label : outcome_.labels().features()) all.Add(label);
+    return all;
+  }
+
   RolloutTimes& times_;
   Scene simulation_;
   uint64_t generation_;
   StageClock clock_;
   EpisodeSchema schema_;
-  SceneColumns scene_;
-  SensorColumns sensors_;
+  CellFeatures features_;
+  FeatureColumns observed_, commanded_;
+  OutcomeColumns outcome_;
   EpisodeCameras cameras_;
-  std::vector<RobotColumns> robots_;
   std::optional<EpisodeWriter> writer_;
 };
 
@@ -158,6 +167,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     if (ShouldStop(options.stop)) return result.stopped = true, result;
     recording.PutState(expert.phase());
     const StageClock::Stage stage(recording.clock(), result.times.acting);
+    expert.See(recording.row());
     const StepOutcome outcome = stepper.Advance(expert.Act(start.scene, rng));
     ++result.rows;
     const TaskVerdict verdict = outcome.ok() ? start.task->Judge(start.scene) : TaskVerdict();
@@ -170,6 +180,8 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     const bool ik_failed = !outcome.failed_robot.empty();
     if (ik_failed) ++result.ik_failures[outcome.failed_robot + "/" + outcome.failed_group];
     recording.PutOutcome({.reward = verdict.reward,
+                          .progress = verdict.progress,
+                          .subtask = verdict.subtask,
                           .success = result.success,
                           .terminated = terminated,
                           .truncated = truncated,

@@ -13,6 +13,7 @@
 #include "robocell/base/file_set.h"
 #include "robocell/base/version.h"
 #include "robocell/expert/expert_kind.h"
+#include "robocell/features/own_features.h"
 #include "robocell/rollout/plan.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/task_kind.h"
@@ -33,6 +34,8 @@ std::vector<fs::path> CodeOf(const RunConfig& run) {
     const std::vector<std::string> more = FindExpertKind(expert)->CodeFiles();
     files.insert(files.end(), more.begin(), more.end());
   }
+  const std::vector<std::string> features = CodeOfFeatures(run.features.names);
+  files.insert(files.end(), features.begin(), features.end());
   return {files.begin(), files.end()};
 }
 

@@ -87,6 +87,7 @@ struct RunConfig {
   SceneSource scenes = {};
   int episodes_per_scene = 1;
   CameraSystemConfig cameras = {};
+  NameList features = {};
   Rates rates = {};
   SimOptions options = {};
   Keep keep = Keep::kSuccesses;
@@ -114,6 +115,8 @@ struct RunConfig {
     v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",
       Check::kPositive);
     v("cameras", &RunConfig::cameras, "Image size and streams.");
+    v("features", &RunConfig::features,
+      "Registered features of your own that are observed and recorded beside what is built in.");
     v("rates", &RunConfig::rates, "Times of engine, control and policy.");
     v("options", &RunConfig::options, "Solver options.");
     v("keep", &RunConfig::keep,

@@ -16,6 +16,8 @@
 
 #include "robocell/base/rng.h"
 #include "robocell/base/stop.h"
+#include "robocell/data/feature_schema.h"
+#include "robocell/features/cell_images.h"
 #include "robocell/robot/action.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
@@ -101,6 +103,14 @@ class Task {
   virtual void Recall(std::span<const double> /*memory*/) {}
 };
 
+// What is recorded of a state before an action: numbers and images, which live as long as the call
+// that gets them.
+struct CellRow {
+  const FeatureSchema& observed;
+  std::span<const double> numbers;  // of `observed`, one after another
+  const CellImages& images;
+};
+
 // Where and with what an episode starts: a built scene at its start state, and its task.
 struct EpisodeStart {
   Scene scene;
@@ -142,6 +152,8 @@ class Expert {
  public:
   virtual ~Expert() = default;
   virtual void Begin(const Scene& scene, Rng& rng) = 0;
+  // Called before each Act with what is recorded of the state: for those who act from that alone.
+  virtual void See(const CellRow& /*row*/) {}
   // Called once per policy tick with the state before the action.
   virtual Action Act(const Scene& scene, Rng& rng) = 0;
   virtual bool done() const = 0;  // finished or given up

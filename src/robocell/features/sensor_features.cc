@@ -1,4 +1,4 @@
-#include "robocell/rollout/sensor_columns.h"
+#include "robocell/features/sensor_features.h"
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -140,7 +140,7 @@ std::string NameOfSensor(const mjModel* m, int sensor) {
 
 }  // namespace
 
-SensorColumns::SensorColumns(EpisodeSchema& schema, Scene scene) : scene_(std::move(scene)) {
+SensorFeatures::SensorFeatures(Scene scene) : scene_(std::move(scene)) {
   const mjModel* m = scene_.model();
   for (int s = 0; s < m->nsensor; ++s) {
     const int type = m->sensor_type[s], dim = m->sensor_dim[s];
@@ -151,29 +151,31 @@ SensorColumns::SensorColumns(EpisodeSchema& schema, Scene scene) : scene_(std::m
     if (quaternion) spec.names = {"qx", "qy", "qz", "qw"};
     if (type == mjSENS_FORCE || type == mjSENS_TORQUE)
       spec.description = "What the parent exerts on the site's body: the load's negative.";
-    columns_.push_back({schema.AddColumn(std::move(spec)), m->sensor_adr[s], dim, quaternion});
+    Add({.column = std::move(spec), .source = "sensor"});
+    columns_.push_back({m->sensor_adr[s], dim, quaternion});
   }
-  for (const RobotRecord& robot : scene_.compiled()->robots()) AddFtSensors(schema, robot);
+  for (const RobotRecord& robot : scene_.compiled()->robots()) AddFtSensors(robot);
   if (columns_.empty()) return;  // no force-torque sensors either
   data_ = MakeData(m);
   state_.resize(static_cast<size_t>(mj_stateSize(m, mjSTATE_INTEGRATION)));
 }
 
-void SensorColumns::AddFtSensors(EpisodeSchema& schema, const RobotRecord& robot) {
+void SensorFeatures::AddFtSensors(const RobotRecord& robot) {
   for (const ForceTorqueSensorSpec& spec : robot.config.ft_sensors) {
     FtSensor sensor(scene_.model(), robot, spec);
-    const ColumnId id = schema.AddColumn(
-        {.name = "robots/" + robot.name + "/sensors/" + sensor.name(),
-         .shape = {6},
-         .units = "N, N m",
-         .frame = "site '" + sensor.frame_site() + "'",
-         .names = {"fx", "fy", "fz", "tx", "ty", "tz"},
-         .description = "Load on the force-torque sensor: force, then torque about the site."});
-    ft_columns_.push_back({id, std::move(sensor)});
+    Add({.column = {.name = "robots/" + robot.name + "/sensors/" + sensor.name(),
+                    .shape = {6},
+                    .units = "N, N m",
+                    .frame = "site '" + sensor.frame_site() + "'",
+                    .names = {"fx", "fy", "fz", "tx", "ty", "tz"},
+                    .description =
+                        "Load on the force-torque sensor: force, then torque about the site."},
+         .source = "robot " + robot.name});
+    ft_sensors_.push_back(std::move(sensor));
   }
 }
 
-void SensorColumns::PutState(EpisodeWriter& writer) {
+void SensorFeatures::Read(std::span<double> out) {
   if (columns_.empty()) return;
   const mjModel* m = scene_.model();
   mj_getState(m, scene_.data(), state_.data(), mjSTATE_INTEGRATION);
@@ -182,11 +184,13 @@ void SensorColumns::PutState(EpisodeWriter& writer) {
   for (const Column& column : columns_) {
     double* values = data_->sensordata + column.address;
     if (column.quaternion) std::rotate(values, values + 1, values + 4);
-    writer.Put(column.id, std::span<const double>(values, static_cast<size_t>(column.dim)));
+    std::copy_n(values, column.dim, out.begin());
+    out = out.subspan(static_cast<size_t>(column.dim));
   }
-  for (const FtColumn& column : ft_columns_) {
-    const Eigen::Matrix<double, 6, 1> load = column.sensor.Read(m, data_.get()).vector();
-    writer.Put(column.id, std::span<const double>(load.data(), 6));
+  for (const FtSensor& sensor : ft_sensors_) {
+    const Eigen::Matrix<double, 6, 1> load = sensor.Read(m, data_.get()).vector();
+    std::copy_n(load.data(), 6, out.begin());
+    out = out.subspan(6);
   }
 }
 

@@ -1,0 +1,226 @@
+// Features: what a cell observes and commands, by name; those of an episode, and a user's own.
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+
+#include <utility>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "features.h"
+#include "task_trampolines.h"
+#include "values.h"
+#include "robocell/features/cell_features.h"
+#include "robocell/features/own_features.h"
+#include "robocell/task/task_features.h"
+
+namespace nb = nanobind;
+
+namespace robocell::python {
+
+using namespace nb::literals;
+
+namespace {
+
+constexpr const char* kFeatures = "_features";  // name -> function (scene) -> numbers
+
+nb::dict FeatureFunctions() {
+  return nb::cast<nb::dict>(nb::module_::import_("robocell._core").attr(kFeatures));
+}
+
+// The numbers of features, one after another, as arrays by their names.
+nb::dict ToArrays(const FeatureSchema& schema, std::span<const double> numbers) {
+  nb::dict arrays;
+  for (const Feature& feature : schema.features()) {
+    const auto size = static_cast<size_t>(feature.size());
+    nb::object array = NumberCopy(numbers.first(size));
+    nb::list shape;
+    for (const int64_t axis : feature.column.shape) shape.append(axis);
+    arrays[feature.column.name.c_str()] = array.attr("reshape")(nb::tuple(shape));
+    numbers = numbers.subspan(size);
+  }
+  return arrays;
+}
+
+}  // namespace
+
+std::map<std::string, std::vector<double>> ToNumbersByName(const nb::dict& values) {
+  std::map<std::string, std::vector<double>> numbers;
+  const FieldPath path("action");
+  for (const auto& [key, value] : values) {
+    const std::string name = ToText(key, path);
+    const Numbers read(value, FieldPath(path, name));
+    numbers[name] = {read.span().begin(), read.span().end()};
+  }
+  return numbers;
+}
+
+namespace {
+
+FeatureRole ToRole(const std::string& text) {
+  for (const FeatureRole role : {FeatureRole::kObservation, FeatureRole::kPrivileged,
+                                 FeatureRole::kAction, FeatureRole::kLabel}) {
+    if (NameOf(role) == text) return role;
+  }
+  ThrowValue(FieldPath("role"), "is 'observation' or 'privileged', got '" + text + "'");
+}
+
+void RegisterPythonFeature(const std::string& name, nb::object function, Feature feature,
+                           nb::object code) {
+  if (!PyCallable_Check(function.ptr()))
+    ThrowType(FieldPath("function"), "a function (scene) -> numbers", function);
+  nb::dict functions = FeatureFunctions();
+  // Python's own may be replaced, as when a notebook's cell is run again.
+  const bool replace = functions.contains(name.c_str());
+  RegisterFeature(
+      name, std::move(feature),
+      [name](const Scene& scene, std::span<double> out) {
+        const nb::gil_scoped_acquire acquire;
+        const nb::object made = FeatureFunctions()[name.c_str()](nb::cast(scene));
+        const std::string text = "feature '" + name + "'";
+        const Numbers numbers(made, FieldPath(text), out.size());
+        std::copy(numbers.span().begin(), numbers.span().end(), out.begin());
+      },
+      replace,
+      [name] {
+        const nb::gil_scoped_acquire acquire;
+        return nb::cast<std::vector<std::string>>(FeatureFunctions()[(name + "/code").c_str()]());
+      });
+  functions[name.c_str()] = function;
+  functions[(name + "/code").c_str()] = code;
+}
+
+}  // namespace
+
+nb::dict RowArrays(const CellRow& row) {
+  nb::dict arrays = ToArrays(row.observed, row.numbers);
+  for (const CellImage& image : row.images.images()) {
+    const auto height = static_cast<size_t>(image.height), width = static_cast<size_t>(image.width);
+    arrays[image.name.c_str()] = NewArray(std::span<const uint8_t>(image.rgb), {height, width, 3});
+    if (!image.depth_mm.empty())
+      arrays[(image.name + ".depth").c_str()] =
+          NewArray(std::span<const uint16_t>(image.depth_mm), {height, width});
+    if (!image.bodies.empty())
+      arrays[(image.name + ".segmentation").c_str()] =
+          NewArray(std::span<const uint16_t>(image.bodies), {height, width});
+  }
+  return arrays;
+}
+
+nb::list FeatureList(const FeatureSchema& schema) {
+  nb::list list;
+  for (const Feature& feature : schema.features()) list.append(nb::cast(feature));
+  return list;
+}
+
+void BindFeatures(nb::module_& m) {
+  m.attr(kFeatures) = nb::dict();
+  nb::class_<Feature>(m, "Feature",
+                      "One named quantity of a cell: what it is, in which unit and frame, and who "
+                      "makes it.")
+      .def_prop_ro("name", [](const Feature& f) { return f.column.name; })
+      .def_prop_ro(
+          "role", [](const Feature& f) { return std::string(NameOf(f.role)); },
+          "\"observation\", \"privileged\" (only simulation knows it), \"action\" or \"label\".")
+      .def_prop_ro("dtype", [](const Feature& f) { return std::string(NameOf(f.column.type)); })
+      .def_prop_ro(
+          "shape",
+          [](const Feature& f) {
+            nb::list shape;
+            for (const int64_t axis : f.column.shape) shape.append(axis);
+            return nb::tuple(shape);
+          },
+          nb::sig("def shape(self) -> tuple[int, ...]"), "Of one row; () is a single number.")
+      .def_prop_ro("unit", [](const Feature& f) { return f.column.units; })
+      .def_prop_ro("frame", [](const Feature& f) { return f.column.frame; })
+      .def_prop_ro(
+          "names", [](const Feature& f) { return f.column.names; },
+          "Of the numbers along the last axis.")
+      .def_prop_ro(
+          "values", [](const Feature& f) { return f.column.values; },
+          "Of an integer: what 0, 1, ... mean.")
+      .def_prop_ro("description", [](const Feature& f) { return f.column.description; })
+      .def_prop_ro(
+          "lower", [](const Feature& f) { return f.lower; },
+          "Smallest of each number; empty without a range.")
+      .def_prop_ro(
+          "upper", [](const Feature& f) { return f.upper; },
+          "Largest of each number; empty without a range.")
+      .def_prop_ro(
+          "source", [](const Feature& f) { return f.source; }, "Who makes it.")
+      .def(
+          "difference_from",
+          [](const Feature& own, const Feature& other) {
+            FeatureSchema a, b;
+            a.Add(own);
+            b.Add(other);
+            return a.DifferenceFrom(b, "in one", "in the other");
+          },
+          "other"_a, "'' for the same feature, whatever its range; else what differs, in words.")
+      .def("__repr__", [](const Feature& f) {
+        const std::string unit = f.column.units.empty() ? "" : " in " + f.column.units;
+        return fmt::format("<Feature '{}': {} {}{}>", f.column.name, NameOf(f.role),
+                           robocell::ShapeText(f.column.shape), unit);
+      });
+  nb::class_<CellFeatures>(m, "CellFeatures",
+                           "What is observed of a scene and its robots, and what they can be "
+                           "commanded, by name: as episodes record it and policies see it.")
+      .def(
+          "__init__",
+          [](CellFeatures* self, const Scene& scene, std::shared_ptr<Task> task,
+             const std::vector<std::string>& own) {
+            new (self) CellFeatures(FeaturesOfCell(scene, RobotsOf(scene), std::move(task), own));
+          },
+          "scene"_a, "task"_a.none() = nb::none(), "own"_a = std::vector<std::string>(),
+          "`task`: whose objects and signals are observed; `own`: registered features. Robots are "
+          "all of the scene.")
+      .def_prop_ro(
+          "observed", [](const CellFeatures& f) { return FeatureList(f.observed()); },
+          nb::sig("def observed(self) -> list[Feature]"))
+      .def_prop_ro(
+          "commanded", [](const CellFeatures& f) { return FeatureList(f.commanded()); },
+          nb::sig("def commanded(self) -> list[Feature]"))
+      .def(
+          "read",
+          [](CellFeatures& f) {
+            std::span<const double> numbers;
+            {
+              const nb::gil_scoped_release release;
+              numbers = f.ReadState();
+            }
+            return ToArrays(f.observed(), numbers);
+          },
+          nb::sig("def read(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]"),
+          "What is observed now: {name: numbers}.")
+      .def(
+          "to_action",
+          [](const CellFeatures& f, const nb::dict& values) {
+            return f.ToAction(ToNumbersByName(values));
+          },
+          "values"_a,
+          nb::sig("def to_action(self, values: dict[str, numpy.typing.ArrayLike]) -> dict[str, "
+                  "dict[str, GroupCommand]]"),
+          "What actions by their names ask of the robots. NotFoundError with the nearest names; "
+          "ArgumentError for two actions of one group, and for numbers that do not fit.");
+  m.def(
+      "_register_feature",
+      [](const std::string& name, nb::object function, std::vector<int64_t> shape,
+         const std::string& unit, const std::string& frame, std::vector<std::string> names,
+         const std::string& description, const std::string& role, std::vector<double> lower,
+         std::vector<double> upper, nb::object code) {
+        RegisterPythonFeature(name, std::move(function),
+                              {.column = {.shape = std::move(shape),
+                                          .units = unit,
+                                          .frame = frame,
+                                          .names = std::move(names),
+                                          .description = description},
+                               .role = ToRole(role),
+                               .lower = std::move(lower),
+                               .upper = std::move(upper)},
+                              std::move(code));
+      },
+      "name"_a, "function"_a, "shape"_a, "unit"_a, "frame"_a, "names"_a, "description"_a, "role"_a,
+      "lower"_a, "upper"_a, "code"_a);
+  m.def("feature_names", &OwnFeatures, "Names of the registered features.");
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,98 @@
+// The cell of a run as an environment (rollout/run_env.h), under Python's robocell.envs.
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+
+#include <optional>
+
+#include "bindings.h"
+#include "features.h"
+#include "in_use.h"
+#include "signals.h"
+#include "task_trampolines.h"
+#include "robocell/rollout/run_env.h"
+
+namespace nb = nanobind;
+
+namespace robocell::python {
+
+using namespace nb::literals;
+
+namespace {
+
+std::string PlaceOfRunEnv(const RunEnv& env) { return "run '" + env.run().run + "'"; }
+
+nb::tuple Step(RunEnv& env, const nb::dict& values) {
+  const std::map<std::string, std::vector<double>> actions = ToNumbersByName(values);
+  const InUse use(env, &PlaceOfRunEnv, "stepped");
+  RunStep step;
+  {
+    const nb::gil_scoped_release release;
+    step = env.Act(actions);
+  }
+  nb::dict info;
+  info["is_success"] = step.success;
+  info["progress"] = step.progress;
+  info["subtask"] = step.subtask;
+  info["ik_failed"] = step.ik_failed;
+  info["reason"] = step.reason;
+  return nb::make_tuple(step.reward, step.terminated, step.truncated, info);
+}
+
+}  // namespace
+
+void BindRunEnv(nb::module_& m) {
+  nb::class_<RunEnv>(m, "RunEnv",
+                     "The cell of a run, acted in step by step: it shows what an episode of the "
+                     "run records, and takes the actions that it records. One thread at a time.")
+      .def(nb::init<RunConfig>(), "run"_a)
+      .def_prop_ro(
+          "run", [](const RunEnv& env) { return env.run(); }, "A copy.")
+      .def(
+          "reset",
+          [](RunEnv& env, int index) {
+            const InUse use(env, &PlaceOfRunEnv, "reset");
+            SignalPoll poll;
+            const nb::gil_scoped_release release;
+            env.Reset(index, [&] {
+              poll();
+              return false;
+            });
+          },
+          "index"_a,
+          "To start `index`, the same as that of the run's plan. Error with the reasons when no "
+          "attempt at it is accepted.")
+      .def(
+          "row",
+          [](RunEnv& env) {
+            const InUse use(env, &PlaceOfRunEnv, "read");
+            std::optional<CellRow> row;
+            {
+              const nb::gil_scoped_release release;
+              row.emplace(env.Row());
+            }
+            return RowArrays(*row);
+          },
+          nb::sig("def row(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
+          "What is recorded of the present state: {name: numbers or image}.")
+      .def("act", &Step, "actions"_a,
+           nb::sig("def act(self, actions: dict[str, numpy.typing.ArrayLike]) -> tuple[float, "
+                   "bool, bool, dict[str, typing.Any]]"),
+           "(reward, terminated, truncated, info) of actions by their names in the dataset.")
+      .def_prop_ro(
+          "observed", [](const RunEnv& env) { return FeatureList(env.observed()); },
+          nb::sig("def observed(self) -> list[Feature]"))
+      .def_prop_ro(
+          "commanded", [](const RunEnv& env) { return FeatureList(env.commanded()); },
+          nb::sig("def commanded(self) -> list[Feature]"))
+      .def_prop_ro(
+          "instruction", [](const RunEnv& env) { return env.start().task->instruction(); },
+          "What is to be done in this episode, in words.")
+      .def_prop_ro(
+          "object_kinds", [](const RunEnv& env) { return env.start().object_kinds; },
+          "What kinds the objects of this episode are, the target's first.")
+      .def_prop_ro(
+          "scene", [](const RunEnv& env) { return Scene(env.start().scene); },
+          "The scene of this episode.");
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,80 @@
+#include "robocell/features/cell_features.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/features/own_features.h"
+#include "robocell/features/scene_features.h"
+#include "robocell/features/sensor_features.h"
+
+namespace robocell {
+
+CellFeatures::CellFeatures(const Scene& scene, const std::vector<Robot>& robots,
+                           CellFeatureOptions options) {
+  sources_.push_back(std::make_unique<SceneFeatures>(scene, robots, options.objects));
+  sources_.push_back(std::make_unique<SensorFeatures>(scene));
+  for (const Robot& robot : robots) sources_.push_back(std::make_unique<RobotFeatures>(robot));
+  if (!options.own.empty())
+    sources_.push_back(std::make_unique<OwnFeatureSource>(scene, options.own));
+  if (options.more) sources_.push_back(std::move(options.more));
+  for (const auto& source : sources_) {
+    for (const Feature& feature : source->features()) observed_.Add(feature);
+  }
+  for (const Robot& robot : robots) {
+    actions_.emplace_back(robot);
+    for (const Feature& feature : actions_.back().features()) commanded_.Add(feature);
+  }
+  state_.resize(static_cast<size_t>(observed_.size()));
+  action_.resize(static_cast<size_t>(commanded_.size()));
+}
+
+FeatureSchema CellFeatures::schema() const {
+  FeatureSchema all = observed_;
+  for (const Feature& feature : commanded_.features()) all.Add(feature);
+  return all;
+}
+
+std::span<const double> CellFeatures::ReadState() {
+  std::span<double> rest = state_;
+  for (const auto& source : sources_) {
+    source->Read(rest.first(static_cast<size_t>(source->size())));
+    rest = rest.subspan(static_cast<size_t>(source->size()));
+  }
+  for (RobotActions& actions : actions_) actions.Begin();
+  return state_;
+}
+
+std::span<const double> CellFeatures::ReadActions() {
+  std::span<double> rest = action_;
+  for (const RobotActions& actions : actions_) {
+    actions.Read(rest);
+    for (const Feature& feature : actions.features())
+      rest = rest.subspan(static_cast<size_t>(feature.size()));
+  }
+  return action_;
+}
+
+Action CellFeatures::ToAction(const std::map<std::string, std::vector<double>>& values) const {
+  Action action;
+  std::map<std::pair<std::string, std::string>, std::string> by_group;
+  for (const auto& [name, numbers] : values) {
+    commanded_.Find(name);
+    for (const RobotActions& actions : actions_) {
+      if (!actions.Has(name)) continue;
+      auto [group, command] = actions.Command(name, numbers);
+      const auto [other, is_new] = by_group.try_emplace({actions.robot(), group}, name);
+      if (!is_new) {
+        throw ArgumentError(fmt::format(
+            "actions '{}' and '{}' both move group '{}' of robot '{}'; give one of them",
+            other->second, name, group, actions.robot()));
+      }
+      action[actions.robot()][group] = std::move(command);
+    }
+  }
+  return action;
+}
+
+}  // namespace robocell

@@ -1,0 +1,64 @@
+// CellFeatures: all features of a cell, one schema: what is observed of it, row by row, and what its
+// robots are commanded. Recorders, environments and policies read from it and name its numbers by
+// it.
+//
+//   CellFeatures features(scene, robots, {.objects = {"target"}});
+//   std::span<const double> row = features.ReadState();   // as features.observed() names them
+//   scene and robots act ...
+//   std::span<const double> action = features.ReadActions();
+//
+// The sources of numbers come in this order: scene and objects, sensors, robots, features of a
+// user's own, those of the task (task/task_features.h). Errors: those of the sources. Threads: those of the scene.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "robocell/features/feature_source.h"
+#include "robocell/features/robot_features.h"
+#include "robocell/robot/action.h"
+
+namespace robocell {
+
+struct CellFeatureOptions {
+  std::vector<std::string> objects = {};     // whose poses are observed
+  std::vector<std::string> own = {};         // registered features (own_features.h)
+  std::unique_ptr<FeatureSource> more = {};  // of those who know more of the cell
+};
+
+class CellFeatures {
+ public:
+  CellFeatures(const CellFeatures&) = delete;
+  CellFeatures(CellFeatures&&) = default;
+  CellFeatures(const Scene& scene, const std::vector<Robot>& robots,
+               CellFeatureOptions options = {});
+
+  const FeatureSchema& observed() const { return observed_; }
+  const FeatureSchema& commanded() const { return commanded_; }
+  // Both.
+  FeatureSchema schema() const;
+
+  // The numbers of observed() now, one after another; valid until the next call. The action that
+  // follows is told relative to this state.
+  std::span<const double> ReadState();
+  // Those that were read last.
+  std::span<const double> state() const { return state_; }
+  // The numbers of commanded(), after the action was applied.
+  std::span<const double> ReadActions();
+
+  // What features of actions, by their names, ask of the robots. NotFoundError with the nearest
+  // names; ArgumentError for two of one group and for numbers that do not fit.
+  Action ToAction(const std::map<std::string, std::vector<double>>& values) const;
+
+ private:
+  std::vector<std::unique_ptr<FeatureSource>> sources_;
+  std::vector<RobotActions> actions_;
+  FeatureSchema observed_, commanded_;
+  std::vector<double> state_, action_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,108 @@
+#include "robocell/features/own_features.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/base/paths.h"
+
+namespace robocell {
+namespace {
+
+struct OwnFeature {
+  Feature feature;
+  FeatureFunction function;
+  FeatureCode code;
+};
+struct OwnFeatureTable {
+  std::mutex mutex;
+  std::map<std::string, OwnFeature> features;
+};
+
+OwnFeatureTable& OwnFeatureKinds() {
+  static OwnFeatureTable table;
+  return table;
+}
+
+OwnFeature FindOwnFeature(const std::string& name) {
+  {
+    OwnFeatureTable& table = OwnFeatureKinds();
+    const std::lock_guard lock(table.mutex);
+    const auto found = table.features.find(name);
+    if (found != table.features.end()) return found->second;
+  }
+  throw NotFoundError(NoSuchName("", "feature", name, OwnFeatures()));
+}
+
+}  // namespace
+
+void RegisterFeature(const std::string& name, Feature feature, FeatureFunction function,
+                     bool replace, FeatureCode code) {
+  RequireFileName("feature", name);
+  if (!function) throw ArgumentError("feature '" + name + "' needs a function that reads it");
+  if (feature.column.type != ColumnType::kFloat64)
+    throw ArgumentError(
+        fmt::format("feature '{}' must be float64, not {}", name, NameOf(feature.column.type)));
+  feature.column.name = "features/" + name;
+  feature.source = "feature of a user's own";
+  FeatureSchema().Add(feature);  // its checks
+  OwnFeatureTable& table = OwnFeatureKinds();
+  const std::lock_guard lock(table.mutex);
+  if (table.features.contains(name) && !replace)
+    throw ArgumentError("feature '" + name + "' is registered already; choose another name");
+  table.features[name] = {std::move(feature), std::move(function), std::move(code)};
+}
+
+std::vector<std::string> OwnFeatures() {
+  OwnFeatureTable& table = OwnFeatureKinds();
+  const std::lock_guard lock(table.mutex);
+  std::vector<std::string> names;
+  for (const auto& [name, feature] : table.features) names.push_back(name);
+  return names;
+}
+
+bool IsOwnFeature(const std::string& name) {
+  OwnFeatureTable& table = OwnFeatureKinds();
+  const std::lock_guard lock(table.mutex);
+  return table.features.contains(name);
+}
+
+std::vector<std::string> CodeOfFeatures(const std::vector<std::string>& names) {
+  std::vector<std::string> files;
+  for (const std::string& name : names) {
+    const OwnFeature own = FindOwnFeature(name);
+    if (!own.code) continue;
+    for (std::string& file : own.code()) files.push_back(std::move(file));
+  }
+  return files;
+}
+
+OwnFeatureSource::OwnFeatureSource(Scene scene, const std::vector<std::string>& names)
+    : scene_(std::move(scene)) {
+  for (const std::string& name : names) {
+    OwnFeature own = FindOwnFeature(name);
+    Add(std::move(own.feature));
+    functions_.push_back(std::move(own.function));
+  }
+}
+
+void OwnFeatureSource::Read(std::span<double> out) {
+  for (size_t i = 0; i < functions_.size(); ++i) {
+    const Feature& feature = features()[i];
+    const std::span<double> part = out.first(static_cast<size_t>(feature.size()));
+    functions_[i](scene_, part);
+    for (const double value : part) {
+      if (std::isfinite(value)) continue;
+      throw ArgumentError(fmt::format("feature '{}' is {} at t = {:.3f} s; features must be finite",
+                                      feature.column.name, value, scene_.time()));
+    }
+    out = out.subspan(part.size());
+  }
+}
+
+}  // namespace robocell

@@ -1,0 +1,47 @@
+// Features of a user's own: functions of a scene, known by a name. Cells that name them observe and
+// record them like what is built in.
+//
+//   RegisterFeature("tcp_height", {.column = {.units = "m", .frame = "world"}},
+//                   [](const Scene& scene, std::span<double> out) { out[0] = ...; });
+//
+// Errors: ArgumentError for a name that is taken or no path, or a type other than float64;
+// NotFoundError lists the names.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/features/feature_source.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+// Writes the numbers of the feature, as the scene is now.
+using FeatureFunction = std::function<void(const Scene& scene, std::span<double> out)>;
+
+// Makes a feature known on all threads, from now on. Its full name is "features/" + `name`.
+// `code`: source files that define it, which datasets remember.
+using FeatureCode = std::function<std::vector<std::string>()>;
+void RegisterFeature(const std::string& name, Feature feature, FeatureFunction function,
+                     bool replace = false, FeatureCode code = {});
+// Those files of registered features.
+std::vector<std::string> CodeOfFeatures(const std::vector<std::string>& names);
+// All names, in alphabetical order.
+std::vector<std::string> OwnFeatures();
+bool IsOwnFeature(const std::string& name);
+
+class OwnFeatureSource final : public FeatureSource {
+ public:
+  OwnFeatureSource(Scene scene, const std::vector<std::string>& names);
+  // ArgumentError for numbers that are not finite.
+  void Read(std::span<double> out) override;
+
+ private:
+  Scene scene_;
+  std::vector<FeatureFunction> functions_;
+};
+
+}  // namespace robocell

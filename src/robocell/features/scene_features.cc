@@ -1,0 +1,38 @@
+#include "robocell/features/scene_features.h"
+
+#include <utility>
+
+namespace robocell {
+
+SceneFeatures::SceneFeatures(Scene scene, std::vector<Robot> robots,
+                             const std::vector<std::string>& objects)
+    : scene_(std::move(scene)), robots_(std::move(robots)) {
+  Add({.column = {.name = "time", .units = "s"}, .source = "scene"});
+  for (const std::string& object : objects) {
+    objects_.emplace_back(scene_, scene_.compiled()->object(object).root_body);
+    const std::string source = "object " + object;
+    Add(PoseFeature("objects/" + object + "/pose", "world", FeatureRole::kPrivileged, source,
+                    "Pose of the object's root body."));
+    for (const Robot& robot : robots_) {
+      Add(PoseFeature("robots/" + robot.name() + "/objects/" + object + "/pose",
+                      "base of " + robot.name(), FeatureRole::kPrivileged, source,
+                      "Pose of the object's root body."));
+    }
+  }
+}
+
+void SceneFeatures::Read(std::span<double> out) {
+  out[0] = scene_.time();
+  out = out.subspan(1);
+  const auto put = [&](const Pose& pose) {
+    PutPose(pose, out);
+    out = out.subspan(kPoseNumbers);
+  };
+  for (const BodyHandle& object : objects_) {
+    const Pose in_world = object.pose_in_world();
+    put(in_world);
+    for (const Robot& robot : robots_) put(robot.base_in_world().inverse() * in_world);
+  }
+}
+
+}  // namespace robocell

@@ -1,0 +1,28 @@
+// What a scene contributes to a cell's features: its time, and the objects that a task is about, as
+// the world and each robot have them.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "robocell/features/feature_source.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/body_handle.h"
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+class SceneFeatures final : public FeatureSource {
+ public:
+  // `objects`: their names. NotFoundError for one that is not there.
+  SceneFeatures(Scene scene, std::vector<Robot> robots, const std::vector<std::string>& objects);
+  void Read(std::span<double> out) override;
+
+ private:
+  Scene scene_;
+  std::vector<Robot> robots_;
+  std::vector<BodyHandle> objects_;
+};
+
+}  // namespace robocell

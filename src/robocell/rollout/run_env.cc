@@ -1,0 +1,142 @@
+#include "robocell/rollout/run_env.h"
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+#include "robocell/base/error.h"
+#include "robocell/env/stepper.h"
+#include "robocell/render/renderer.h"
+#include "robocell/rollout/check_run.h"
+#include "robocell/rollout/plan.h"
+#include "robocell/task/task_features.h"
+#include "robocell/task/task_kind.h"
+
+namespace robocell {
+namespace {
+
+std::string MostOften(const RefusalCounts& reasons) {
+  std::string text;
+  for (const auto& [reason, count] : reasons)
+    text += fmt::format("{}{} {} times", text.empty() ? "" : ", ", reason, count);
+  return text;
+}
+
+// The scene of an episode and all that is bound to it.
+struct Running {
+  Running(const RunConfig& run, EpisodeStart from, Renderer* renderer)
+      : start(std::move(from)),
+        stepper(start.scene, RobotsOf(start.scene),
+                {run.rates.control_ticks(), run.rates.sim_steps()}),
+        features(FeaturesOfCell(start.scene, stepper.robots(), start.task, run.features.names)),
+        images(start.scene, run.cameras, renderer) {}
+
+  EpisodeStart start;
+  Stepper stepper;
+  CellFeatures features;
+  CellImages images;
+  bool seen = false;  // the row of the present state was read
+  bool over = false;
+  int rows = 0;
+};
+
+}  // namespace
+
+struct RunEnv::State {
+  RunConfig run;
+  std::shared_ptr<TaskSampler> sampler;
+  std::unique_ptr<Renderer> renderer;
+  std::optional<Running> running;
+
+  Running& Episode(const char* what) {
+    if (running) return *running;
+    throw Error(fmt::format("run '{}': {} needs an episode; call Reset first", run.run, what));
+  }
+};
+
+RunEnv::RunEnv(RunConfig run) : state_(std::make_unique<State>()) {
+  CheckRunFields(run);
+  state_->run = std::move(run);
+  state_->sampler = FindTaskKind(state_->run.task.kind())->MakeSampler(state_->run);
+  if (!state_->run.cameras.streams.empty())
+    state_->renderer = MakeRenderer({.quality = state_->run.cameras.quality});
+}
+RunEnv::~RunEnv() = default;
+RunEnv::RunEnv(RunEnv&&) noexcept = default;
+
+const RunConfig& RunEnv::run() const { return state_->run; }
+
+void RunEnv::Reset(int index, const StopCheck& stop) {
+  if (index < 0)
+    throw ArgumentError(fmt::format("the start of an episode is a number from 0, got {}", index));
+  const RunConfig& run = state_->run;
+  const std::vector<int> scenes = SceneIndices(run);
+  const auto count = static_cast<int>(scenes.size());
+  const PlanItem item{
+      .index = index, .scene = scenes[index % count], .episode = index / count, .id = {}};
+  RefusalCounts reasons;
+  for (int attempt = 0; attempt < run.max_attempts && !ShouldStop(stop); ++attempt) {
+    Rng rng = AttemptStream(run, item, attempt, "start");
+    SampleResult sample = state_->sampler->Sample({item.scene, item.episode, attempt, stop}, rng);
+    if (!sample.start) {
+      ++reasons[sample.refusal.reason];
+      continue;
+    }
+    sample.start->task->Begin(sample.start->scene);
+    state_->running.reset();
+    state_->running.emplace(run, std::move(*sample.start), state_->renderer.get());
+    return;
+  }
+  throw Error(fmt::format("run '{}': none of {} attempts at start {} was accepted: {}", run.run,
+                          run.max_attempts, index, MostOften(reasons)));
+}
+
+CellRow RunEnv::Row() {
+  Running& episode = state_->Episode("a row");
+  if (!std::exchange(episode.seen, true)) {
+    episode.features.ReadState();
+    episode.images.Draw();
+  }
+  return {episode.features.observed(), episode.features.state(), episode.images};
+}
+
+RunStep RunEnv::Act(const std::map<std::string, std::vector<double>>& actions) {
+  Running& episode = state_->Episode("an action");
+  if (episode.over) {
+    throw Error(
+        fmt::format("run '{}': the episode is over; call Reset for the next one", state_->run.run));
+  }
+  const Action action = episode.features.ToAction(actions);
+  const StepOutcome outcome = episode.stepper.Advance(action);
+  episode.seen = false;
+  ++episode.rows;
+  const TaskVerdict verdict =
+      outcome.ok() ? episode.start.task->Judge(episode.start.scene) : TaskVerdict();
+  RunStep step{.reward = verdict.reward,
+               .progress = verdict.progress,
+               .subtask = verdict.subtask,
+               .success = verdict.success,
+               .terminated = verdict.success || !outcome.ok(),
+               .ik_failed = !outcome.failed_robot.empty(),
+               .reason = {}};
+  step.truncated = !step.terminated && episode.rows >= state_->run.rates.max_steps;
+  if (!outcome.ok())
+    step.reason = outcome.step.message;
+  else if (step.success)
+    step.reason = "success";
+  else if (step.truncated)
+    step.reason = "timeout";
+  episode.over = step.terminated || step.truncated;
+  return step;
+}
+
+const FeatureSchema& RunEnv::observed() const {
+  return state_->Episode("the schema").features.observed();
+}
+const FeatureSchema& RunEnv::commanded() const {
+  return state_->Episode("the schema").features.commanded();
+}
+const EpisodeStart& RunEnv::start() const { return state_->Episode("the start").start; }
+
+}  // namespace robocell

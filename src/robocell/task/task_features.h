@@ -1,0 +1,18 @@
+// All features of a cell with a task: what scene, robots and registered features contribute, and the
+// signals of the task as `task/<signal>`.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "robocell/features/cell_features.h"
+#include "robocell/task/task.h"
+
+namespace robocell {
+
+// `task`: bound to the scene; null for a cell without. `own`: registered features.
+CellFeatures FeaturesOfCell(const Scene& scene, const std::vector<Robot>& robots,
+                            std::shared_ptr<const Task> task, const std::vector<std::string>& own);
+
+}  // namespace robocell
