@@ -27,6 +27,13 @@ nb::dict FeatureFunctions() {
   return nb::cast<nb::dict>(nb::module_::import_("robocell._core").attr(kFeatures));
 }
 
+// Numbers of any shape, a single one too, in a row. What are no numbers stays what it is.
+nb::object Ravel(nb::handle value) {
+  const bool is_number = PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr());
+  if (!is_number && !nb::hasattr(value, "__array__")) return nb::borrow(value);
+  return nb::module_::import_("numpy").attr("ravel")(value);
+}
+
 // The numbers of features, one after another, as arrays by their names.
 nb::dict ToArrays(const FeatureSchema& schema, std::span<const double> numbers) {
   nb::dict arrays;
@@ -48,7 +55,7 @@ std::map<std::string, std::vector<double>> ToNumbersByName(const nb::dict& value
   const FieldPath path("action");
   for (const auto& [key, value] : values) {
     const std::string name = ToText(key, path);
-    const Numbers read(value, FieldPath(path, name));
+    const Numbers read(Ravel(value), FieldPath(path, name));
     numbers[name] = {read.span().begin(), read.span().end()};
   }
   return numbers;
@@ -75,7 +82,7 @@ void RegisterPythonFeature(const std::string& name, nb::object function, Feature
       name, std::move(feature),
       [name](const Scene& scene, std::span<double> out) {
         const nb::gil_scoped_acquire acquire;
-        const nb::object made = FeatureFunctions()[name.c_str()](nb::cast(scene));
+        const nb::object made = Ravel(FeatureFunctions()[name.c_str()](nb::cast(scene)));
         const std::string text = "feature '" + name + "'";
         const Numbers numbers(made, FieldPath(text), out.size());
         std::copy(numbers.span().begin(), numbers.span().end(), out.begin());

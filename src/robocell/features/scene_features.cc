@@ -14,9 +14,12 @@ SceneFeatures::SceneFeatures(Scene scene, std::vector<Robot> robots,
     Add(PoseFeature("objects/" + object + "/pose", "world", FeatureRole::kPrivileged, source,
                     "Pose of the object's root body."));
     for (const Robot& robot : robots_) {
-      Add(PoseFeature("robots/" + robot.name() + "/objects/" + object + "/pose",
-                      "base of " + robot.name(), FeatureRole::kPrivileged, source,
-                      "Pose of the object's root body."));
+      const std::string path = "robots/" + robot.name() + "/objects/" + object;
+      Add(PoseFeature(path + "/pose_in_base", "base of " + robot.name(), FeatureRole::kPrivileged,
+                      source, "Pose of the object's root body."));
+      if (!robot.has_arm()) continue;
+      Add(PoseFeature(path + "/pose_in_tcp", "TCP of " + robot.name(), FeatureRole::kPrivileged,
+                      source, "Pose of the object's root body."));
     }
   }
 }
@@ -31,7 +34,10 @@ void SceneFeatures::Read(std::span<double> out) {
   for (const BodyHandle& object : objects_) {
     const Pose in_world = object.pose_in_world();
     put(in_world);
-    for (const Robot& robot : robots_) put(robot.base_in_world().inverse() * in_world);
+    for (const Robot& robot : robots_) {
+      put(robot.base_in_world().inverse() * in_world);
+      if (robot.has_arm()) put(robot.tcp_in_world().inverse() * in_world);
+    }
   }
 }
 

@@ -1,4 +1,4 @@
-#include "robocell/rollout/sensor_columns.h"
+#include "robocell/features/sensor_features.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,6 +9,7 @@
 
 #include "robocell/base/files.h"
 #include "robocell/data/episode_reader.h"
+#include "robocell/data/episode_writer.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -16,6 +17,30 @@ namespace robocell {
 namespace {
 
 using ::testing::ElementsAre;
+
+// What a recorder makes of a source of features.
+class Columns {
+ public:
+  Columns(EpisodeSchema& schema, SensorFeatures& features)
+      : features_(features), numbers_(static_cast<size_t>(features.size())) {
+    for (const Feature& feature : features.features())
+      ids_.push_back(schema.AddColumn(feature.column));
+  }
+  void Put(EpisodeWriter& writer) {
+    features_.Read(numbers_);
+    std::span<const double> rest = numbers_;
+    for (size_t i = 0; i < ids_.size(); ++i) {
+      const auto size = static_cast<size_t>(features_.features()[i].size());
+      writer.Put(ids_[i], rest.first(size));
+      rest = rest.subspan(size);
+    }
+  }
+
+ private:
+  SensorFeatures& features_;
+  std::vector<ColumnId> ids_;
+  std::vector<double> numbers_;
+};
 
 // Two links that fall and swing, with a sensor of every stage: position, velocity, acceleration.
 constexpr const char* kModel = R"(
@@ -46,9 +71,9 @@ constexpr const char* kModel = R"(
   </sensor>
 </mujoco>)";
 
-class SensorColumnsTest : public ::testing::Test {
+class SensorFeaturesTest : public ::testing::Test {
  protected:
-  SensorColumnsTest() {
+  SensorFeaturesTest() {
     AtomicWrite(folder / "sensors.xml", kModel);
     SceneSpec spec{.name = "sensors", .base = (folder / "sensors.xml").string()};
     scene.emplace(Scene::Build(spec));
@@ -56,10 +81,11 @@ class SensorColumnsTest : public ::testing::Test {
   // Records `rows` rows, ten steps apart, and keeps the states that they were made from.
   Episode Record(int rows) {
     EpisodeSchema schema;
-    SensorColumns columns(schema, *scene);
+    SensorFeatures sensors(*scene);
+    Columns columns(schema, sensors);
     EpisodeWriter writer(folder.path(), "e", schema);
     for (int i = 0; i < rows; ++i) {
-      columns.PutState(writer);
+      columns.Put(writer);
       writer.EndRow();
       states.push_back(scene->state());
       scene->SetActuatorCtrl("push", i % 2 ? 2.0 : -3.0);
@@ -73,7 +99,7 @@ class SensorColumnsTest : public ::testing::Test {
   std::vector<std::vector<double>> states;
 };
 
-TEST_F(SensorColumnsTest, AreThoseOfTheEngineAtTheRowsState) {
+TEST_F(SensorFeaturesTest, AreThoseOfTheEngineAtTheRowsState) {
   const Episode episode = Record(20);
   const mjModel* m = scene->model();
   mjData* oracle = mj_makeData(m);
@@ -99,7 +125,7 @@ TEST_F(SensorColumnsTest, AreThoseOfTheEngineAtTheRowsState) {
   EXPECT_GT(largest, 1) << "something happened";
 }
 
-TEST_F(SensorColumnsTest, HaveUnitsFramesAndNames) {
+TEST_F(SensorFeaturesTest, HaveUnitsFramesAndNames) {
   const Episode episode = Record(1);
   const auto units = [&](const std::string& name) {
     return episode.column("sensors/" + name).spec.units;
@@ -120,7 +146,7 @@ TEST_F(SensorColumnsTest, HaveUnitsFramesAndNames) {
   EXPECT_TRUE(episode.column("sensors/hinge_angle").spec.shape.empty());
 }
 
-TEST_F(SensorColumnsTest, RecordingDoesNotChangeTheTrajectory) {
+TEST_F(SensorFeaturesTest, RecordingDoesNotChangeTheTrajectory) {
   const std::vector<double> start = scene->state();
   Record(20);
   const std::vector<double> recorded = scene->state();
@@ -133,7 +159,7 @@ TEST_F(SensorColumnsTest, RecordingDoesNotChangeTheTrajectory) {
 }
 
 // The engine's pair is the reaction, the robot's sensor the load.
-TEST(SensorColumns, ForceTorqueSensorsOfRobotsAreRecordedAsLoads) {
+TEST(SensorFeatures, ForceTorqueSensorsOfRobotsAreRecordedAsLoads) {
   RobotConfig config{.name = "probe", .model = "ft_sensor"};
   config.attachments.push_back({.mjcf_path = "mug", .attach_to = Site("wrist_ft_site")});
   config.ft_sensors = {{.name = "wrist_ft"}};
@@ -142,9 +168,10 @@ TEST(SensorColumns, ForceTorqueSensorsOfRobotsAreRecordedAsLoads) {
   const Scene scene = Scene::Build(spec);
   const TempDir folder;
   EpisodeSchema schema;
-  SensorColumns columns(schema, scene);
+  SensorFeatures sensors(scene);
+  Columns columns(schema, sensors);
   EpisodeWriter writer(folder.path(), "e", schema);
-  columns.PutState(writer);
+  columns.Put(writer);
   writer.EndRow();
   const Episode episode(writer.Commit({}));
   const auto load = episode.Read<double>("robots/probe/sensors/wrist_ft");
@@ -160,12 +187,11 @@ TEST(SensorColumns, ForceTorqueSensorsOfRobotsAreRecordedAsLoads) {
   EXPECT_THAT(column.names, ElementsAre("fx", "fy", "fz", "tx", "ty", "tz"));
 }
 
-TEST(SensorColumns, ASceneWithoutSensorsHasNone) {
-  EpisodeSchema schema;
-  SensorColumns columns(
-      schema,
+TEST(SensorFeatures, ASceneWithoutSensorsHasNone) {
+  const SensorFeatures sensors(
       Scene::Build({.name = "empty", .timestep = 0.002, .add_floor = false, .add_skybox = false}));
-  EXPECT_TRUE(schema.tables()[0].columns.empty());
+  EXPECT_TRUE(sensors.features().empty());
+  EXPECT_EQ(sensors.size(), 0);
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "robocell/robot/joint_group.h"
+#include "robocell/base/error.h"
+#include "robocell/data/episode_reader.h"
+#include "robocell/features/cell_features.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -11,73 +13,67 @@
 namespace robocell {
 namespace {
 
-// A group of the user's own kind with a coordinate that is no joint of the model.
-class Belt : public JointGroup {
- public:
-  explicit Belt(const Scene& scene)
-      : JointGroup(scene,
-                   {.robot = "rc7",
-                    .group = "belt",
-                    .joints = {"joint1"},
-                    .root = {false, "link1"},
-                    .leaf = {false, "link1"},
-                    .robot_base = {false, "base_link"}},
-                   MoveGroupKind::kGeneric) {}
-  const std::vector<std::string>& joint_names() const override { return names_; }
+using ::testing::ElementsAre;
 
- private:
-  std::vector<std::string> names_ = {"travel"};
+TEST(FeatureColumns, AreWhatTheFeaturesSay) {
+  const Robot robot = RobotAlone(Rc7());
+  CellFeatures features(robot.scene(), {robot});
+  EpisodeSchema schema;
+  const FeatureColumns columns(schema, features.observed());
+  const TempDir folder;
+  EpisodeWriter writer(folder.path(), "e", schema, {.features = features.observed()});
+  const std::span<const double> numbers = features.ReadState();
+  columns.Put(writer, numbers);
+  writer.EndRow();
+  const Episode episode(writer.Commit({}));
+  EXPECT_EQ(episode.features().DifferenceFrom(features.observed()), "");
+  std::span<const double> rest = numbers;
+  for (const Feature& feature : features.observed().features()) {
+    const ColumnSpec& stored = episode.column(feature.column.name).spec;
+    EXPECT_EQ(stored.units, feature.column.units);
+    EXPECT_EQ(stored.frame, feature.column.frame);
+    const auto size = static_cast<size_t>(feature.size());
+    EXPECT_EQ(
+        episode.Read<double>(feature.column.name),
+        (std::vector<double>(rest.begin(), rest.begin() + static_cast<std::ptrdiff_t>(size))));
+    rest = rest.subspan(size);
+  }
+}
+
+struct Labels {
+  explicit Labels(std::vector<std::string> subtasks = {})
+      : columns(schema, RobotAlone(Rc7()).scene(), {"go", "stop"}, std::move(subtasks)),
+        writer(folder.path(), "e", schema) {}
+  TempDir folder;
+  EpisodeSchema schema;
+  OutcomeColumns columns;
+  EpisodeWriter writer;
 };
 
-std::string Units(const EpisodeSchema& schema, const std::string& column) {
-  return schema.column(schema.FindColumn(column)).units;
+TEST(OutcomeColumns, HoldWhatAnActionLedTo) {
+  Labels labels({"pick", "place"});
+  labels.columns.PutPhase(labels.writer, 1);
+  labels.columns.PutOutcome(labels.writer, {.reward = 0.5, .progress = 0.25, .subtask = 1});
+  labels.writer.EndRow();
+  const Episode episode(labels.writer.Commit({}));
+  EXPECT_THAT(episode.Read<double>("progress"), ElementsAre(0.25));
+  EXPECT_THAT(episode.Read<int32_t>("subtask"), ElementsAre(1));
+  EXPECT_THAT(episode.column("subtask").spec.values, ElementsAre("pick", "place"));
+  EXPECT_THAT(labels.columns.labels().Names(FeatureRole::kLabel),
+              ElementsAre("phase", "reward", "progress", "subtask", "success", "terminated",
+                          "truncated", "ik_failed", "engine_warnings"));
 }
 
-TEST(RobotColumns, UnitsAreThoseOfTheJoints) {
-  Robot robot = RobotAlone(Rc7());
-  EpisodeSchema schema;
-  const RobotColumns columns(schema, robot);
-  EXPECT_EQ(Units(schema, "robots/rc7/arm/qpos"), "rad");
-  EXPECT_EQ(Units(schema, "robots/rc7/arm/qvel"), "rad/s");
-  EXPECT_EQ(Units(schema, "robots/rc7/gripper/qpos"), "m");
-  EXPECT_EQ(Units(schema, "robots/rc7/gripper/qvel"), "m/s");
-}
-
-TEST(RobotColumns, CoordinatesThatAreNoJointsHaveNoUnits) {
-  Robot robot = RobotAlone(Rc7());
-  robot.SetGroup(std::make_shared<Belt>(robot.scene()));
-  EpisodeSchema schema;
-  const RobotColumns columns(schema, robot);
-  EXPECT_EQ(Units(schema, "robots/rc7/belt/qpos"), "");
-  EXPECT_EQ(Units(schema, "robots/rc7/belt/qvel"), "");
-}
-
-TEST(RobotColumns, AGroupThatChangesDuringTheEpisodeIsRefused) {
-  Robot robot = RobotAlone(Rc7());
-  robot.SetGroup(std::make_shared<Belt>(robot.scene()));
-  EpisodeSchema schema;
-  RobotColumns columns(schema, robot);
-  TempDir folder;
-  EpisodeWriter writer(folder.path(), "e", schema);
-  columns.PutState(writer);
-  columns.PutAction(writer);
-  robot.SetGroup(std::make_shared<Belt>(robot.scene()));
-  const std::string replaced =
-      "robot 'rc7' / group 'belt' was replaced during the episode, whose columns were laid out at "
-      "its start; change groups before, in the sampler or in the begin() of the expert";
-  ExpectThrow<Error>([&] { columns.PutState(writer); }, replaced);
-  ExpectThrow<Error>([&] { columns.PutAction(writer); }, replaced);
-}
-
-TEST(RobotColumns, AGroupThatIsAddedDuringTheEpisodeIsRefused) {
-  Robot robot = RobotAlone(Rc7());
-  EpisodeSchema schema;
-  RobotColumns columns(schema, robot);
-  TempDir folder;
-  EpisodeWriter writer(folder.path(), "e", schema);
-  robot.SetGroup(std::make_shared<Belt>(robot.scene()));
-  ExpectThrow<Error>([&] { columns.PutState(writer); },
-                     "group 'belt' was added during the episode");
+TEST(OutcomeColumns, RefuseWhatIsNoOutcome) {
+  Labels labels({"pick"});
+  const auto put = [&](const RowOutcome& outcome) {
+    return [&labels, outcome] { labels.columns.PutOutcome(labels.writer, outcome); };
+  };
+  ExpectThrow<ArgumentError>([&] { labels.columns.PutPhase(labels.writer, 2); },
+                             "the expert's phase() is 2; it must be 0 to 1");
+  ExpectThrow<ArgumentError>(put({.reward = std::nan("")}), "the task's reward() is nan");
+  ExpectThrow<ArgumentError>(put({.progress = std::nan("")}), "the task's progress is nan");
+  ExpectThrow<ArgumentError>(put({.subtask = 1}), "the task's subtask is 1; it must be 0 to 0");
 }
 
 }  // namespace

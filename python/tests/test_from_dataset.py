@@ -1,0 +1,175 @@
+"""Environments from datasets, and features of a user's own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+
+import robocell as rc
+from robocell.envs import from_dataset
+from robocell.evaluate import evaluate
+from robocell.policy import Policy
+
+ROOT = Path(__file__).parents[2]
+ARM, GRIPPER = "robots/rc7/action/arm", "robots/rc7/action/gripper"
+
+
+def make(folder: Path, episodes: int, **fields: object) -> rc.Dataset:
+    run = rc.RunConfig.load(ROOT / "examples" / "demo.yaml")
+    run.cameras.resolution = [64, 48]
+    for name, value in fields.items():
+        setattr(run, name, value)
+    run.output, run.episodes = str(folder), episodes
+    rc.prepare_dataset(run)
+    runner = rc.Runner(run)
+    for item in rc.make_plan(run):
+        assert runner.run(item).success
+    return rc.Dataset(folder)
+
+
+@pytest.fixture(scope="module")
+def dataset(tmp_path_factory: pytest.TempPathFactory) -> rc.Dataset:
+    return make(tmp_path_factory.mktemp("picks") / "out", 2)
+
+
+def test_an_episode_says_what_its_columns_are(dataset: rc.Dataset):
+    features = {feature.name: feature for feature in dataset[0].features}
+    qpos = features["robots/rc7/arm/qpos"]
+    assert (qpos.role, qpos.shape, qpos.unit) == ("observation", (7,), "rad")
+    assert qpos.names[0].endswith("joint1")
+    assert features["objects/target/pose"].role == "privileged"
+    assert features[ARM].role == "action"
+    assert features["success"].role == "label"
+    assert set(features) <= set(dataset[0].columns)
+
+
+def test_a_dataset_is_acted_in_as_it_was_recorded(dataset: rc.Dataset):
+    env = from_dataset(dataset, privileged=True)
+    assert {"wrist", "exo"} <= set(env.observations)
+    for index, episode in enumerate(dataset):
+        row, info = env.reset(seed=index)
+        assert info["instruction"] == episode.metadata["instruction"]
+        assert env.observation_space.contains(row)
+        assert row["wrist"].shape == (48, 64, 3)
+        for i, (arm, opening) in enumerate(zip(episode[ARM], episode[GRIPPER], strict=True)):
+            for name in env.observations:
+                if name in episode.columns:
+                    assert np.array_equal(np.asarray(episode[name])[i], row[name]), name
+            row, _, terminated, _, info = env.step({ARM: arm, GRIPPER: opening})
+            if terminated:
+                break
+        assert info["is_success"]
+        assert info["reason"] == "success"
+
+
+def test_a_policy_sees_the_recorded_row_and_its_images(dataset: rc.Dataset, tmp_path: Path):
+    code = tmp_path / "seer.py"
+    code.write_text(
+        "import numpy as np\n"
+        "from robocell.policy import Policy\n"
+        "rows = []\n"
+        "class Seer(Policy):\n"
+        "    def act(self, observation):\n"
+        "        rows.append(observation)\n"
+        "        return {'robots/rc7/action/arm_relative': np.full(7, 0.01)}\n"
+    )
+    out = tmp_path / "out"
+    evaluate(dataset.folder, f"{code}:Seer", episodes=1, output=out)
+    (seen,) = [m.rows for n, m in __import__("sys").modules.items() if n.endswith("seer")]
+    episode = rc.Dataset(out)[0]
+    assert len(seen) == len(episode)
+    state = [f.name for f in episode.features if f.role in ("observation", "privileged")]
+    assert {"wrist", "exo", *state} == set(seen[0])
+    for i in (0, 7, len(seen) - 1):
+        for name in state:
+            assert np.array_equal(np.asarray(episode[name])[i], seen[i][name]), name
+        # The video is lossy; the picture is the same.
+        error = np.abs(episode.frame("exo", i).astype(float) - seen[i]["exo"].astype(float))
+        assert error.mean() < 4
+
+
+def test_vectors_are_the_rows_of_the_dataset(dataset: rc.Dataset):
+    seen, done = ["robots/rc7/arm/qpos", "robots/rc7/opening"], [ARM, GRIPPER]
+    env = from_dataset(dataset, seen, done, flat=True)
+    check_env(env, skip_render_check=True)
+    vector, _ = env.reset(seed=0)
+    rows = rc.data.rows(dataset, seen)
+    assert np.array_equal(vector, rows[0])
+    assert rows.shape == (sum(len(e) for e in dataset), 8)
+    chunks = rc.data.rows(dataset, done, horizon=4)
+    assert chunks.shape == (len(rows), 4, 8)
+    assert np.array_equal(chunks[0, 1], chunks[1, 0])
+    last = len(dataset[0]) - 1
+    assert np.array_equal(chunks[last, 0], chunks[last, 3]), "no row of the next episode"
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "text"),
+    [
+        ({"observations": ["robots/rc7/arm/qpso"]}, rc.NotFoundError, "arm/qpos'"),
+        ({"actions": ["robots/rc7/action/amr"]}, rc.NotFoundError, "action/arm'"),
+        ({"observations": ["reward"]}, rc.NotFoundError, "no observation 'reward'"),
+    ],
+)
+def test_names_that_are_not_there_are_refused(dataset: rc.Dataset, options, error, text):
+    with pytest.raises(error, match=text):
+        from_dataset(dataset, **options)
+
+
+def test_actions_that_cannot_be_are_refused(dataset: rc.Dataset):
+    env = from_dataset(dataset, cameras=False)
+    env.reset(seed=0)
+    with pytest.raises(rc.ArgumentError, match="has 7 numbers, got 3"):
+        env.step({ARM: [1, 2, 3]})
+    env.step({GRIPPER: 0.5})
+    with pytest.raises(rc.ArgumentError, match="both move group 'arm'"):
+        env.step({ARM: [0] * 7, "robots/rc7/action/tcp_twist": [0] * 6})
+    with pytest.raises(rc.ArgumentError, match="takes no options here"):
+        env.reset(options={"keyframe": 1})
+    flat = from_dataset(dataset, flat=True)
+    flat.reset(seed=0)
+    with pytest.raises(rc.ArgumentError, match="an action has 8 numbers"):
+        flat.step(np.zeros(3))
+
+
+def test_features_of_a_users_own_are_recorded_and_seen(tmp_path: Path):
+    @rc.register_feature("tcp_height_of_test", unit="m", frame="world")
+    def height(scene: rc.Scene) -> float:
+        return scene.robot("rc7").tcp_in_world.translation[2]
+
+    made = make(tmp_path / "out", 1, features=["tcp_height_of_test"])
+    name = "features/tcp_height_of_test"
+    column = made[0].column(name)
+    assert (column.units, column.frame) == ("m", "world")
+    assert np.allclose(made[0][name], np.asarray(made[0]["robots/rc7/tcp_pose"])[:, 2])
+    row, _ = from_dataset(made, cameras=False).reset(seed=0)
+    assert row[name] == made[0][name][0]
+
+
+def test_features_that_are_not_right_are_refused(tmp_path: Path):
+    with pytest.raises(rc.SpecError, match="no registered feature 'nothing_of_test'"):
+        make(tmp_path / "out", 1, features=["nothing_of_test"])
+
+    @rc.register_feature("wide_of_test", shape=[2])
+    def wide(scene: rc.Scene) -> list[float]:
+        return [1, 2, 3]
+
+    with pytest.raises(rc.ArgumentError, match="feature 'wide_of_test'"):
+        make(tmp_path / "wide", 1, features=["wide_of_test"])
+    with pytest.raises(TypeError, match="expected a function"):
+        rc.register_feature("a_of_test")(3)
+    with pytest.raises(rc.ArgumentError, match="lower"):
+        rc.register_feature("b_of_test", lower=[0])(lambda scene: 0.0)
+
+
+def test_random_acts_whatever_the_groups_are_called(dataset: rc.Dataset, tmp_path: Path):
+    run = rc.RunConfig.load(ROOT / "examples" / "demo.yaml")
+    assert isinstance(Policy(), Policy)
+    result = evaluate(dataset.folder, "random", episodes=1, output=tmp_path / "out", cameras=False)
+    assert result.trials == 1
+    actions = rc.Dataset(tmp_path / "out")[0][ARM]
+    assert len(np.unique(np.asarray(actions)[:, 0])) > 10
+    assert run.robot.name == "rc7"

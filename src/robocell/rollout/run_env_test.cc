@@ -1,0 +1,85 @@
+#include "robocell/rollout/run_env.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/data/dataset.h"
+#include "robocell/rollout/runner.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/pick_scene.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell {
+namespace {
+
+RunConfig WithoutImages(const TempDir& folder) {
+  RunConfig run = ExampleRun("demo.yaml");
+  run.cameras.streams = {};
+  run.output = (folder.path() / "out").string();
+  run.episodes = 3;
+  return run;
+}
+
+// The oracle is an episode of the run: its rows come again when its actions are given.
+TEST(RunEnv, TheActionsOfAnEpisodeGiveItsRows) {
+  const TempDir folder;
+  const RunConfig run = WithoutImages(folder);
+  PrepareDataset(run);
+  Runner runner(run);
+  RunEnv env(run);
+  for (const PlanItem& item : MakePlan(run)) {
+    const EpisodeReport report = runner.Run(item);
+    ASSERT_TRUE(report.success);
+    const Episode episode(std::filesystem::path(run.output) / item.id);
+    env.Reset(item.index);
+    const std::vector<double> arm = episode.Read<double>("robots/rc7/action/arm");
+    const std::vector<double> gripper = episode.Read<double>("robots/rc7/action/gripper");
+    RunStep step;
+    for (size_t row = 0; row < gripper.size() && !step.terminated; ++row) {
+      const CellRow now = env.Row();
+      std::span<const double> rest = now.numbers;
+      for (const Feature& feature : now.observed.features()) {
+        const auto size = static_cast<size_t>(feature.size());
+        const std::vector<double> recorded = episode.Read<double>(
+            feature.column.name, {.first = static_cast<int64_t>(row), .count = 1});
+        EXPECT_TRUE(std::equal(recorded.begin(), recorded.end(), rest.begin()))
+            << feature.column.name << " of row " << row;
+        rest = rest.subspan(size);
+      }
+      const auto q = arm.begin() + static_cast<std::ptrdiff_t>(7 * row);
+      step = env.Act(
+          {{"robots/rc7/action/arm", {q, q + 7}}, {"robots/rc7/action/gripper", {gripper[row]}}});
+    }
+    EXPECT_TRUE(step.success);
+    EXPECT_EQ(step.reason, "success");
+  }
+}
+
+TEST(RunEnv, EndsInTimeAndThenWantsAReset) {
+  const TempDir folder;
+  RunConfig run = WithoutImages(folder);
+  run.rates.max_steps = 2;
+  RunEnv env(run);
+  ExpectThrow<Error>([&] { env.Row(); }, "call Reset first");
+  env.Reset(0);
+  EXPECT_FALSE(env.Act({}).truncated);
+  const RunStep last = env.Act({});
+  EXPECT_TRUE(last.truncated);
+  EXPECT_EQ(last.reason, "timeout");
+  ExpectThrow<Error>([&] { env.Act({}); }, "the episode is over; call Reset");
+  env.Reset(0);
+  EXPECT_FALSE(env.Act({}).truncated);
+}
+
+TEST(RunEnv, AStartThatCannotBeIsToldWithTheReasons) {
+  const TempDir folder;
+  RunConfig run = WithoutImages(folder);
+  run.task.As<PickTaskConfig>().base_height_offset = -5;
+  run.max_attempts = 3;
+  RunEnv env(run);
+  ExpectThrow<Error>([&] { env.Reset(7); }, "none of 3 attempts at start 7 was accepted: no base");
+  ExpectThrow<ArgumentError>([&] { env.Reset(-1); }, "a number from 0, got -1");
+}
+
+}  // namespace
+}  // namespace robocell
