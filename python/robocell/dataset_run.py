@@ -39,7 +39,7 @@ def run_of(source: str | Path, imports: Sequence[str] = ()) -> RunConfig:
         if not missing:
             break
         episode = dataset[index]
-        scene = int(episode.metadata["scene"])  # type: ignore[index, call-overload]
+        scene = int(episode.metadata["scene"])  # type: ignore[index]
         if scene in missing and (base := recorded_scene(episode).base):
             files[scene] = base
             missing.discard(scene)

@@ -113,8 +113,8 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         self._checked = False
         seen = {name: self._space(name) for name in observations}
         done = {name: self._space(name) for name in actions}
-        self.observation_space = _flattened(seen) if flat else spaces.Dict(seen)
-        self.action_space = _flattened(done) if flat else spaces.Dict(done)
+        self.observation_space = _flattened(seen) if flat else spaces.Dict({**seen})
+        self.action_space = _flattened(done) if flat else spaces.Dict({**done})
 
     def _space(self, name: str) -> spaces.Box:
         feature = self.features.get(name)
