@@ -20,6 +20,7 @@ EQUIPMENT = [
     "receiver",
     "robotiq_d405_mount",
     "table",
+    "tray",
 ]
 
 
