@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "bindings.h"
+#include "in_use.h"
 #include "python_owner.h"
 #include "returned.h"
 #include "sampler.h"
@@ -38,6 +39,7 @@ void BindReport(nb::module_& m) {
   nb::class_<EpisodeReport>(m, "EpisodeReport", "What became of one item of a plan.")
       .def_ro("item", &EpisodeReport::item)
       .def_ro("committed", &EpisodeReport::committed, "An episode is on the disk.")
+      .def_ro("complete", &EpisodeReport::complete, "Nothing is left to be made of it.")
       .def_ro("success", &EpisodeReport::success)
       .def_ro("stopped", &EpisodeReport::stopped, "Ended by the stop flag; nothing was kept.")
       .def_ro("resumed", &EpisodeReport::resumed, "It was complete before.")
@@ -126,12 +128,30 @@ std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> Ma
 // A runner that the collector can look into. What is defined in a script, functions and classes,
 // refers to the script's variables, the runner often among them: without this the circle lives
 // until the process ends, and nanobind reports it as leaked.
+// Of the exception that is being handled: class, text, file and line of one that Python code raised.
+// What ends a process is none.
+std::string TellPythonError() {
+  try {
+    throw;
+  } catch (nb::python_error& error) {
+    const nb::gil_scoped_acquire acquire;
+    if (!error.matches(PyExc_Exception)) return "";
+    const nb::object place = nb::module_::import_("robocell.generate.run_source").attr("place_of");
+    return nb::cast<std::string>(place(error.value()));
+  } catch (...) {
+    return "";
+  }
+}
+
+std::string PlaceOfRunner(const Runner& runner) { return "runner of '" + runner.run().run + "'"; }
+
 class PythonRunner : public Runner {
  public:
   PythonRunner(const RunConfig& run, SharedKeeper expert, SharedKeeper sampler,
                SharedKeeper made = ShareKeeper(nb::none()))
-      : Runner(run,
-               {.sampler = MakeSamplerFactory(sampler, made), .expert = MakeExpertFactory(expert)}),
+      : Runner(run, {.sampler = MakeSamplerFactory(sampler, made),
+                     .expert = MakeExpertFactory(expert),
+                     .told_of_users = &TellPythonError}),
         kept_{std::move(expert), std::move(sampler), std::move(made)} {}
 
   static int Traverse(PyObject* self, visitproc visit, void* arg) {
@@ -239,13 +259,15 @@ void BindRollout(nb::module_& m) {
       .def(
           "run",
           [](PythonRunner& runner, const PlanItem& item, const StopFlag* flag) {
+            const InUse use(static_cast<const Runner&>(runner), &PlaceOfRunner, "run");
             SignalPoll poll;
+            const nb::gil_scoped_release release;
             return runner.Run(item, [&] {
               poll();
               return flag && flag->value;
             });
           },
-          "item"_a, "stop"_a = nb::none(), nb::call_guard<nb::gil_scoped_release>(),
+          "item"_a, "stop"_a = nb::none(),
           "Tries attempts until an episode is kept; returns an EpisodeReport. Ctrl-C ends it "
           "within "
           "an action;\nepisodes that were kept before stay.");

@@ -27,6 +27,9 @@ void BindRobotSpecs(nb::module_& m) {
   DefYamlFile(camera);
   auto config = BindSpecClass<RobotConfig>(
       m, "What a robot is: model, move groups, home, base. Usually a YAML file.");
+  config.def_prop_ro(
+      "source_dir", [](const RobotConfig& c) { return c.source_dir; },
+      "Folder of the robot file, which its relative paths start at; '' without one.");
   DefYamlFile(config);
   config.def(
       "used_modes",

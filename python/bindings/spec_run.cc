@@ -28,6 +28,9 @@ void BindRunSpecs(nb::module_& m) {
           "Actions and rows per second, exact: numerator and denominator.");
   auto run = BindSpecClass<RunConfig>(m, "What to generate: robot, task, scenes, cameras, rates.");
   DefYamlFile(run);
+  run.def_prop_ro(
+      "source_dir", [](const RunConfig& r) { return r.source_dir; },
+      "Folder of the run file, which its relative paths start at; '' without one.");
 }
 
 }  // namespace robocell::python

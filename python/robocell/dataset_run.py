@@ -1,33 +1,25 @@
-"""The run that a dataset, a run file or `module:name` stands for."""
+"""The run that a dataset was made by, from the dataset alone."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from robocell._core import ArgumentError, Dataset, RunConfig, recorded_scene
-from robocell.generate.run_source import RunSource, import_module
 
 
-def run_of(source: str | Path, imports: Sequence[str] = ()) -> RunConfig:
-    """The run of a run file, of `module:name`, or of a dataset.
+def run_of_dataset(source: str | Path) -> RunConfig:
+    """The cell of a dataset: robot, task, scenes, rates and cameras, with the models that it keeps.
 
-    A dataset gives its cell: robot, task, scenes, rates and cameras. Modules are imported only when
-    `imports` names them, never because the dataset does.
+    Nothing is imported: a task of a user's own has to be registered before.
     """
     folder = Path(source)
-    if not (folder / "dataset.json").is_file():
-        return RunSource(str(source), tuple(imports)).load()
-    for module in imports:
-        import_module(module, Path.cwd())
     dataset = Dataset(folder)
     if not len(dataset):
         raise ArgumentError(f"'{folder}' has no episode, so nothing says what its cell is")
     first = dataset[0]
     metadata: Any = first.metadata
     run = RunConfig.from_yaml(str(metadata["identity"]), str(folder), overrides=['output="unset"'])
-    # With the models that the dataset keeps.
     config = recorded_scene(first).robots[0].config
     if config is None:
         raise ArgumentError(f"'{folder}': the scene of '{first.id}' has no robot configuration")

@@ -32,7 +32,8 @@ from robocell._core import (
     NotFoundError,
     RunEnv,
 )
-from robocell.dataset_run import run_of
+from robocell.dataset_run import run_of_dataset
+from robocell.generate.run_source import import_module
 
 __all__ = ["DatasetEnv", "from_dataset"]
 
@@ -71,7 +72,9 @@ def from_dataset(
         SpecError: The cell here has other features than the dataset: the first difference.
     """
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
-    run = run_of(opened.folder, imports)
+    for module in imports:
+        import_module(module, Path.cwd())
+    run = run_of_dataset(opened.folder)
     if not cameras or flat:
         run.cameras.streams.clear()
     shared = _shared_features(opened)

@@ -12,28 +12,26 @@ from __future__ import annotations
 
 import json
 import math
-import multiprocessing
+import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
-from robocell._core import (
-    ArgumentError,
-    Dataset,
-    Keep,
-    RunConfig,
-    Runner,
-    make_plan,
-    prepare_dataset,
-)
-from robocell.dataset_run import run_of
-from robocell.policy import RandomPolicy, register_named_policy, register_policy
+from robocell._core import ArgumentError, Dataset, Error, make_plan
+from robocell.generate.items import Report
+from robocell.generate.job import Job
+from robocell.generate.observer import Observer
+from robocell.generate.protocol import Failure
+from robocell.generate.run_source import RunSource
+from robocell.generate.supervisor import Limits
+from robocell.generate.totals import Totals, Unmade
+from robocell.policy import EXPERT, RANDOM
+
+__all__ = ["EXPERT", "RANDOM", "SEED", "Evaluation", "evaluate", "wilson_interval"]
 
 # Starts of evaluations are drawn from other seeds than those that datasets begin with.
 SEED = 1_000_003
-EXPERT, RANDOM = "expert", "random"
 
 
 def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[float, float]:
@@ -58,11 +56,12 @@ class Evaluation:
         successes: Rollouts that succeeded.
         trials: Rollouts.
         interval: 95 % Wilson interval of the success rate.
-        unmade: Episodes without a rollout: no start was accepted.
+        unmade: Episodes without a rollout: no start was accepted, or something raised.
         failures: Reason -> rollouts.
         outcomes: Episode -> success, for comparing policies start by start.
         dataset: Folder of the rollouts.
         seed: Of the starts.
+        errors: Episode without a rollout -> why.
     """
 
     policy: str
@@ -74,55 +73,33 @@ class Evaluation:
     outcomes: dict[str, bool]
     dataset: str
     seed: int
+    errors: dict[str, str]
 
     def to_json(self) -> str:
         """As a JSON object."""
         return json.dumps(asdict(self), indent=2)
 
 
-@dataclass(frozen=True)
-class _Trial:
-    id: str
-    success: bool = False
-    rolled_out: bool = False
-    failures: dict[str, int] = field(default_factory=dict)
+class _Watching(Observer):
+    """Tells of rollouts as they end."""
 
+    def __init__(self, told: Callable[[int, int, bool], None] | None) -> None:
+        self._told = told
+        self._done = 0
 
-@dataclass(frozen=True)
-class _Job:
-    source: str
-    imports: tuple[str, ...]
-    policy: str
-    episodes: int
-    seed: int
-    output: str
-    cameras: bool
+    def episode(self, report: Report, totals: Totals) -> None:
+        """One more."""
+        self._done += 1
+        if self._told is not None:
+            self._told(totals.already + self._done, totals.planned, report.success)
 
-    def load(self) -> RunConfig:
-        run = run_of(self.source, self.imports)
-        run.expert = register(self.policy)
-        run.keep = Keep.FIRST
-        run.seed = self.seed
-        run.episodes = self.episodes
-        run.output = self.output
-        if not self.cameras:
-            run.cameras.streams.clear()
-        return run
+    def warning(self, text: str) -> None:
+        """On standard error, as other warnings are."""
+        print(f"warning: {text}", file=sys.stderr, flush=True)
 
-
-def register(policy: str) -> str:
-    """Makes a policy known by its name; what a run's `expert` says for it."""
-    if policy == EXPERT:
-        return ""
-    if policy == RANDOM:
-        register_policy(RANDOM, RandomPolicy)
-        return RANDOM
-    if ":" in policy:
-        register_named_policy(policy, Path.cwd())
-        return policy
-    raise ArgumentError(
-        f"policy '{policy}': expected module:Class, file.py:Class, '{EXPERT}' or '{RANDOM}'"
-    )
+    def unmade(self, unmade: Unmade, totals: Totals) -> None:
+        """The reason is worth knowing at once."""
+        self.warning(f"{unmade.id}: {unmade.reason}")
 
 
 def evaluate(
@@ -136,6 +113,7 @@ def evaluate(
     cameras: bool = True,
     imports: Sequence[str] = (),
     on_trial: Callable[[int, int, bool], None] | None = None,
+    limits: Limits | None = None,
 ) -> Evaluation:
     """One rollout of each of `episodes` starts.
 
@@ -150,64 +128,53 @@ def evaluate(
         cameras: False draws no image: for policies that need none, and no videos are kept.
         imports: Modules to import first, which register tasks.
         on_trial: Called as (done, of, success) after each rollout.
+        limits: How long a rollout may take, and how often one is tried whose worker died.
+
+    Raises SpecError for what the run, the policy or the module says, and Error when no rollout
+    could be made at all, with the reason; single ones that could not be made are in `errors`.
     """
     if episodes < 1:
         raise ArgumentError(f"episodes must be at least 1, got {episodes}")
     if workers < 1:
         raise ArgumentError(f"workers must be at least 1, got {workers}")
-    job = _Job(str(source), tuple(imports), policy, episodes, seed, str(output), cameras)
-    run = job.load()
-    prepare_dataset(run)
-    count = len(make_plan(run))
-    trials: list[_Trial] = []
-    for trial in _trials(job, count, min(workers, count)):
-        trials.append(trial)
-        if on_trial is not None:
-            on_trial(len(trials), count, trial.success)
-    rolled_out = [trial for trial in trials if trial.rolled_out]
-    successes = sum(trial.success for trial in rolled_out)
-    failures: Counter[str] = Counter()
-    for trial in rolled_out:
-        failures.update(trial.failures)
+    overrides = [
+        f"seed={seed}",
+        f"episodes={episodes}",
+        f"workers={workers}",
+        f"output={json.dumps(str(output))}",
+        *([] if cameras else ["cameras.streams=[]"]),
+    ]
+    job = Job(RunSource(str(source), tuple(imports), policy), overrides)
+    result = job.do(_Watching(on_trial), limits)
+    if result.outcome.interrupted:
+        raise KeyboardInterrupt
+    if result.outcome.fatal:
+        fatal = result.outcome.fatal
+        raise Failure(fatal.kind, fatal.message).error()
+    evaluation = _evaluation_of(job, policy, seed, result.outcome.totals)
+    if not evaluation.trials and evaluation.errors:
+        first = next(iter(evaluation.errors.values()))
+        raise Error(f"none of {episodes} rollouts could be made: {first}")
+    return evaluation
+
+
+def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluation:
+    """From what is on the disk: what an earlier command made counts like the rest."""
+    dataset = Dataset(job.dataset)
+    planned = {item.id for item in make_plan(job.run)}
+    episodes = {e.id: e for e in dataset if e.id in planned}
+    outcomes = {id: bool(episodes[id].success) for id in sorted(episodes)}
+    failures = Counter(str(e.end_reason) for e in episodes.values() if not e.success)
+    successes = sum(outcomes.values())
     return Evaluation(
         policy=policy,
         successes=successes,
-        trials=len(rolled_out),
-        interval=wilson_interval(successes, len(rolled_out)),
-        unmade=len(trials) - len(rolled_out),
+        trials=len(outcomes),
+        interval=wilson_interval(successes, len(outcomes)),
+        unmade=len(planned) - len(outcomes),
         failures=dict(failures.most_common()),
-        outcomes={trial.id: trial.success for trial in sorted(rolled_out, key=lambda t: t.id)},
-        dataset=str(output),
+        outcomes=outcomes,
+        dataset=str(job.dataset),
         seed=seed,
+        errors={unmade.id: unmade.reason for unmade in totals.unmade},
     )
-
-
-def _trials(job: _Job, count: int, workers: int) -> Any:
-    if workers == 1:
-        _open(job)
-        yield from map(_roll_out, range(count))
-        return
-    # Forking would share what libraries hold: graphics, threads, a policy's network.
-    context = multiprocessing.get_context("spawn")
-    with context.Pool(workers, _open, (job,)) as pool:
-        yield from pool.imap_unordered(_roll_out, range(count))
-
-
-_state: dict[str, Any] = {}
-
-
-def _open(job: _Job) -> None:
-    run = job.load()
-    _state["runner"] = Runner(run)
-    _state["plan"] = make_plan(run)
-    _state["run"] = run
-
-
-def _roll_out(index: int) -> _Trial:
-    item = _state["plan"][index]
-    report = _state["runner"].run(item)
-    if report.resumed:
-        episode = Dataset(_state["run"].output)[item.id]
-        failures = {} if episode.success else {str(episode.end_reason): 1}
-        return _Trial(item.id, episode.success, True, failures)
-    return _Trial(item.id, report.success, report.committed, dict(report.failures))

@@ -228,6 +228,24 @@ def register_named_policy(name: str, folder: Path) -> None:
     register_policy(name, make)
 
 
+EXPERT, RANDOM = "expert", "random"
+
+
+def expert_of_policy(policy: str) -> str:
+    """Makes a policy known by its name; what a run's `expert` says for it."""
+    if policy == EXPERT:
+        return ""
+    if policy == RANDOM:
+        register_policy(RANDOM, RandomPolicy)
+        return RANDOM
+    if ":" in policy:
+        register_named_policy(policy, Path.cwd())
+        return policy
+    raise ArgumentError(
+        f"policy '{policy}': expected module:Class, file.py:Class, '{EXPERT}' or '{RANDOM}'"
+    )
+
+
 class RandomPolicy(Policy):
     """Moves all joints at random around their targets: what a policy has to beat."""
 

@@ -7,6 +7,7 @@ import pickle
 import subprocess
 import sys
 import weakref
+from dataclasses import dataclass
 from functools import partial
 
 import gymnasium as gym
@@ -208,10 +209,8 @@ def test_starts_that_are_none_are_refused(starts, error, text):
             return starts
 
     rc.register_task("wrong_starts")(Wrong)
-    env = rc.Env(pick_cube_config(task={"kind": "wrong_starts"}))
-    with pytest.raises(error, match=text):
-        env.reset(1)
-    env.close()
+    with pytest.raises(error, match=text):  # a start is tried when it is made
+        rc.Env(pick_cube_config(task={"kind": "wrong_starts"}))
 
 
 def test_a_task_of_ones_own_by_its_name():
@@ -226,7 +225,7 @@ def test_a_task_of_ones_own_by_its_name():
     assert np.array_equal(env.reset(seed=1)[0]["task"]["point"], point)
     away = np.add(point, [0, 0, 0.1])
     observation, reward, terminated, _, info = go(env.core, away, 1)
-    assert observation["task"]["steps"] == [0], "the reward comes after it"
+    assert observation["task"]["steps"] == [1], "the reward comes before it"
     assert reward == pytest.approx(-0.1, abs=5e-3)
     assert not terminated
     env.core.save("away")
@@ -426,3 +425,38 @@ def test_an_environment_and_its_task_are_collected(make):
     del Circle
     gc.collect()
     assert gone() is None
+
+
+def test_a_start_that_the_task_refuses_is_drawn_again_or_told():
+    @rc.register_task("choosy_of_test")
+    class Choosy(rc.Task):
+        tries = 0
+
+        @dataclass
+        class Fields:
+            never: bool = False
+
+        def __init__(self, fields):
+            super().__init__()
+            self.never = fields.never
+
+        def arrange(self, scene, rng):
+            Choosy.tries += 1
+            if self.never or Choosy.tries % 3:
+                return rc.Refusal("too crowded", "by one")
+            return None
+
+        def judge(self, scene):
+            return rc.TaskVerdict()
+
+        def instruction(self):
+            return "wait"
+
+    config = pick_cube_config()
+    config.task = {"kind": "choosy_of_test"}
+    env = rc.Env(config)
+    env.reset(seed=1)
+    assert Choosy.tries % 3 == 0
+    config.task = {"kind": "choosy_of_test", "never": True}
+    with pytest.raises(rc.SpecError, match=r"arrange\(\) refused: too crowded \(by one\)"):
+        rc.Env(config)

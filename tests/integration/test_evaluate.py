@@ -10,12 +10,17 @@ import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
-from robocell.evaluate import evaluate, run_of, wilson_interval
+from robocell.dataset_run import run_of_dataset
+from robocell.evaluate import evaluate, wilson_interval
 from robocell.policy import Policy, PolicyExpert
 
 DEMO = ROOT / "examples" / "demo.yaml"
 
 REPLAYER = """
+import os
+import signal
+from pathlib import Path
+
 import numpy as np
 from robocell.policy import Policy
 
@@ -27,6 +32,20 @@ class Stay(Policy):
             "robots/rc7/action/arm": np.tile(q, (5, 1)),
             "robots/rc7/action/gripper": np.ones((5, 1)),
         }
+
+
+class Raising(Policy):
+    def act(self, observation):
+        return 1 / 0
+
+
+class Dying(Policy):  # its first process is killed in the middle of a rollout
+    def act(self, observation):
+        mark = Path(__file__).with_name("died")
+        if not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return {"robots/rc7/action/gripper": 1}
 
 
 class Wrong(Policy):
@@ -94,7 +113,7 @@ class Spy(Policy):
 
 def test_a_policy_sees_the_rows_that_a_dataset_records(dataset: Path, tmp_path: Path):
     """The recorded actions, played by a policy, lead through the recorded rows."""
-    run = run_of(dataset)
+    run = run_of_dataset(dataset)
     run.output = str(tmp_path / "played")
     source = rc.Dataset(dataset)[0]
     actions = list(
@@ -151,3 +170,53 @@ def test_what_is_wrong_with_a_policy_is_named(dataset: Path, tmp_path: Path):
     wrong = said(f"{tmp_path / 'mine.py'}:Wrong")
     assert "Wrong.act(): no action 'robots/rc7/action/am'" in wrong
     assert "robots/rc7/action/arm" in wrong
+
+
+def policy_file(folder: Path, name: str) -> Path:
+    file = folder / f"{name}.py"
+    file.write_text(REPLAYER)
+    return file
+
+
+def test_a_policy_that_raises_is_named_with_its_line(dataset: Path, tmp_path: Path):
+    file = policy_file(tmp_path, "raising")
+    line = 1 + REPLAYER[: REPLAYER.index("return 1 / 0")].count("\n")
+    for workers in (1, 2):
+        with pytest.raises(rc.Error, match=rf"ZeroDivisionError.*raising\.py:{line}, in act"):
+            evaluate(
+                dataset,
+                f"{file}:Raising",
+                episodes=3,
+                workers=workers,
+                output=tmp_path / f"out{workers}",
+            )
+
+
+def test_a_killed_worker_costs_no_rollout(dataset: Path, tmp_path: Path):
+    file = policy_file(tmp_path, "dying")
+    result = evaluate(dataset, f"{file}:Dying", episodes=3, workers=2, output=tmp_path / "out")
+    assert (tmp_path / "died").exists()
+    assert (result.trials, result.unmade) == (3, 0)
+    assert result.failures == {"timeout": 3}
+
+
+def test_scenes_of_files_come_from_the_dataset(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    here = tmp_path / "here"
+    here.mkdir()
+    (here / "lab.xml").write_text(
+        '<mujoco><worldbody><light pos="0 0 3"/><body name="bench" pos="0 0 0.2">'
+        '<geom type="box" size="0.3 0.4 0.2"/><site name="table_top" pos="0 0 0.2"/>'
+        "</body></worldbody></mujoco>"
+    )
+    text = DEMO.read_text().replace(
+        "../models/robots/rc7/rc7.yaml", str(ROOT / "models/robots/rc7/rc7.yaml")
+    )
+    text = text.replace("{source: tabletop}", "{source: files, files: [lab.xml]}")
+    (here / "run.yaml").write_text(text)
+    monkeypatch.chdir(here)
+    out = tmp_path / "out"
+    generate(here / "run.yaml", out, "--episodes", 1, "--set", "cameras.streams=[]")
+    (here / "lab.xml").unlink()
+    monkeypatch.chdir(tmp_path)
+    result = evaluate(out, "expert", episodes=1, output=tmp_path / "trials")
+    assert result.trials == 1

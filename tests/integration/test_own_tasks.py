@@ -154,3 +154,49 @@ def test_a_run_source_imports_only_what_it_is_told(tmp_path: Path):
         RunSource(str(tmp_path / "run.yaml"), ("gone.py",)).load()
     with pytest.raises(rc.SpecError, match="no such module"):
         RunSource(str(tmp_path / "run.yaml"), ("gone_module",)).load()
+
+
+def test_robocells_errors_in_a_users_code_name_its_line(run_file: Path, tmp_path: Path):
+    module = run_file.with_name("stack_cubes.py")
+    text = module.read_text().replace(
+        "aside = float(np", 'scene.body_pose("cubee")\n        aside = float(np'
+    )
+    module.write_text(text)
+    line = 1 + text[: text.index('scene.body_pose("cubee")')].count("\n")
+    result = robocell_command("generate", run_file, "--output", tmp_path / "out", "--episodes", "1")
+    said = " ".join((result.stdout + result.stderr).split())
+    assert "no body 'cubee'" in said
+    assert f"stack_cubes.py:{line}, in judge" in said
+
+
+def test_an_exception_ends_an_attempt_and_the_next_one_is_tried(run_file: Path, tmp_path: Path):
+    module = run_file.with_name("stack_cubes.py")
+    text = module.read_text().replace(
+        "def act(self, scene",
+        "def begin(self, scene, rng):\n"
+        "        Stacker.begun = getattr(Stacker, 'begun', 0) + 1\n"
+        "        if Stacker.begun < 3:\n"
+        "            raise RuntimeError('not today')\n"
+        "        super().begin(scene, rng)\n\n"
+        "    def act(self, scene",
+        1,
+    )
+    module.write_text(text)
+    generate(run_file, tmp_path / "out", "--workers", 1, "--episodes", 1)
+    (episode,) = rc.Dataset(tmp_path / "out")
+    earlier = episode.metadata["earlier_attempts"]
+    raised = [attempt["failed"] for attempt in earlier if "failed" in attempt]
+    assert len(raised) == 2
+    assert all("RuntimeError: not today" in reason for reason in raised)
+
+
+def test_overrides_of_a_configuration_keep_the_folders_of_its_files(tmp_path: Path):
+    (tmp_path / "cell_of_test.py").write_text(
+        "import robocell as rc\n"
+        f"config = rc.RunConfig.load({str(ROOT / 'examples' / 'demo.yaml')!r})\n"
+    )
+    source = RunSource(f"{tmp_path / 'cell_of_test.py'}:config")
+    run = source.load(["robot.gravcomp=false", "seed=7"])
+    assert run.seed == 7
+    assert run.robot.gravcomp is False
+    rc.check_run(run)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from robocell._core import atomic_write
 from robocell.cli.common import ExitCode, print_warning
 
 
@@ -43,7 +44,7 @@ def evaluate(
 ) -> None:
     """Evaluate a policy. The same starts for every policy; the same command again goes on.
 
-    Exit codes: 0 evaluated, 1 some episodes had no start, 2 wrong command or spec.
+    Exit codes: 0 evaluated, 1 some rollouts could not be made, 2 wrong command or spec, 3 the disk.
     """
     from robocell.evaluate import SEED
     from robocell.evaluate import evaluate as run
@@ -63,7 +64,7 @@ def evaluate(
         imports=imports or [],
         on_trial=told,
     )
-    (output / "evaluation.json").write_text(result.to_json() + "\n")
+    atomic_write(output / "evaluation.json", (result.to_json() + "\n").encode())
     if as_json:
         print(result.to_json())
     else:
@@ -79,5 +80,8 @@ def evaluate(
             print(f"failures: {counts}")
         print(f"rollouts: {output}")
     if result.unmade:
-        print_warning(f"{result.unmade} episodes had no start that was accepted")
+        print_warning(
+            f"{result.unmade} of {episodes} rollouts could not be made, see above; they count "
+            "neither as success nor as failure"
+        )
         raise typer.Exit(ExitCode.INCOMPLETE)

@@ -115,12 +115,11 @@ def main() -> int:
     """The process."""
     parser = argparse.ArgumentParser(prog="robocell.generate.check", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
-    parser.add_argument("--import", dest="imports", action="append", default=[])
-    parser.add_argument("run")
+    RunSource.add_options(parser)
     arguments = parser.parse_args()
     end_with_asker()
     try:
-        run = RunSource(arguments.run, tuple(arguments.imports)).load(arguments.set)
+        run = RunSource.of(arguments).load(arguments.set)
         warnings = check_run(run) + graphics_warnings(run)
     except Exception as error:
         if not isinstance(error, Error | OSError):

@@ -33,6 +33,7 @@ class Report:
     Attributes:
         id: The item's id.
         success: A successful episode is on the disk.
+        complete: Nothing is left to be made of it: success, or with `keep: first` any rollout.
         stopped: The item was ended by a stop request; nothing was decided about it.
         resumed: It was decided before: all its attempts are on the disk.
         attempts: Starts sampled.
@@ -52,6 +53,7 @@ class Report:
 
     id: str
     success: bool = False
+    complete: bool = False
     stopped: bool = False
     resumed: bool = False
     attempts: int = 0
@@ -74,6 +76,7 @@ class Report:
         return cls(
             id=report.item.id,
             success=report.committed and report.success,
+            complete=report.complete,
             stopped=report.stopped,
             resumed=report.resumed,
             attempts=report.attempts,

@@ -126,6 +126,8 @@ class Job:
         Not in the dataset: it may be in use, and as a shard of another count the item would be
         refused there.
         """
+        if self.source.policy:
+            return self._reproduce_evaluation(item)
         kept = [override for override in self.overrides if not override.startswith("output=")]
         sets = [part for override in kept for part in ("--set", override)]
         alone = ["--output", str(self.dataset.with_name(f"{self.dataset.name}_alone"))]
@@ -133,6 +135,14 @@ class Job:
         imports = [part for module in self.source.imports for part in ("--import", module)]
         command = ["robocell", "generate", self.source.run, *imports, *sets, *alone, *shard]
         return shlex.join(command)
+
+    def _reproduce_evaluation(self, item: Item) -> str:
+        """All up to this one: a start follows from its number."""
+        imports = [part for module in self.source.imports for part in ("--import", module)]
+        alone = str(self.dataset.with_name(f"{self.dataset.name}_alone"))
+        options = ["--policy", self.source.policy, "-n", str(item.index + 1)]
+        seed = ["--seed", str(self.run.seed), "--output", alone]
+        return shlex.join(["robocell", "evaluate", self.source.run, *imports, *options, *seed])
 
     def do(self, observer: Observer, limits: Limits | None = None) -> Result:
         """Makes what is missing. SpecError as `check` does, before anything is written.

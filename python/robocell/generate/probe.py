@@ -162,13 +162,12 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="robocell.generate.probe", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
     parser.add_argument("--item", action="append", type=int, required=True)
-    parser.add_argument("--import", dest="imports", action="append", default=[])
-    parser.add_argument("run")
+    RunSource.add_options(parser)
     parser.add_argument("folder", type=Path)
     arguments = parser.parse_args()
     end_with_asker()
     try:
-        source = RunSource(arguments.run, tuple(arguments.imports))
+        source = RunSource.of(arguments)
         probe = measure(source, arguments.set, arguments.item, arguments.folder)
     except Exception as error:
         print(json.dumps({"failed": Failure.of(error).to_json()}))

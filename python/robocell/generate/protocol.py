@@ -42,16 +42,14 @@ class Failure:
     def of(cls, error: BaseException) -> Failure:
         """Sorts an exception; one of a user's code comes with class, file and line."""
         from robocell import ArgumentError, Error, NotFoundError, SpecError
+        from robocell.generate.run_source import is_of_users, place_of
 
+        if is_of_users(error):  # whatever its class: robocell raises in a user's code too
+            return cls("other", place_of(error))
         if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
             return cls("spec", str(error))
         kind: FailureKind = "io" if isinstance(error, OSError) else "other"
-        known = isinstance(error, Error | OSError)
-        if known:
-            return cls(kind, str(error))
-        from robocell.generate.run_source import place_of
-
-        return cls(kind, place_of(error))
+        return cls(kind, str(error) if isinstance(error, Error | OSError) else place_of(error))
 
     def error(self) -> Exception:
         """An exception to raise in its stead: SpecError, IoError or Error."""

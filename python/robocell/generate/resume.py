@@ -24,7 +24,7 @@ class DamagedEpisodesError(Exception):
 
 
 def made_items(run: RunConfig, items: Sequence[PlanItem]) -> set[str]:
-    """The ids of the items that have a successful episode in the run's dataset.
+    """The ids of the items of which nothing is left to be made in the run's dataset.
 
     DamagedEpisodesError names what stands in the way of the others.
     """
@@ -35,7 +35,7 @@ def made_items(run: RunConfig, items: Sequence[PlanItem]) -> set[str]:
 
 
 def report_of(run: RunConfig, item: PlanItem) -> Report | None:
-    """What the disk says of an item that has a successful episode; of others None.
+    """What the disk says of an item of which nothing is left to be made; of others None.
 
     As the worker would have reported it, but for its times and the places tried within attempts.
     What cannot be read counts as none.
@@ -66,16 +66,18 @@ def _report(run: RunConfig, item: PlanItem, episode: Episode) -> Report:
     kind = next(iter(metadata["object_kinds"]), "")
     earlier: list[dict[str, Any]] = metadata.get("earlier_attempts", [])
     failed = [attempt for attempt in earlier if "failed" in attempt]
+    own_failure = [] if episode.success else [str(episode.end_reason)]
     rollouts = [*(attempt["object_kind"] for attempt in failed), kind]
     refused = [attempt for attempt in earlier if "refused" in attempt]
     kinds = [*(attempt["object_kind"] for attempt in refused), *rollouts]
     return Report(
         item.id,
-        success=True,
+        success=episode.success,
+        complete=True,
         attempts=metadata["attempt"] + 1,
         accepted=len(failed) + 1,
         refusals=Counter(attempt["refused"] for attempt in refused),
-        failures=Counter(attempt["failed"] for attempt in failed),
+        failures=Counter([*(attempt["failed"] for attempt in failed), *own_failure]),
         rows=len(episode),
         robot=run.robot.name,
         object_kind=kind,

@@ -8,6 +8,7 @@ Modules are imported only here, for a run that somebody starts: never because a 
 
 from __future__ import annotations
 
+import argparse
 import importlib
 import importlib.util
 import sys
@@ -17,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
-from robocell import NotFoundError, RunConfig, SpecError
+from robocell import Keep, NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file
 
 
@@ -29,29 +30,57 @@ class RunSource:
         run: A run file, or `module:name` or `file.py:name` of a RunConfig or of a function that
             makes one.
         imports: Modules to import first, by name or file, which register tasks and experts.
+        policy: Who is evaluated in the run, as `robocell evaluate` names it; "" for generation.
     """
 
     run: str
     imports: tuple[str, ...] = ()
+    policy: str = ""
 
     @property
     def in_python(self) -> bool:
-        """Whether a module makes the configuration."""
-        return self._split() is not None
+        """Whether a module or a dataset makes the configuration, and no run file."""
+        return self._split() is not None or (Path(self.run) / "dataset.json").is_file()
 
     def options(self) -> list[str]:
         """What gives another process the same source, before `--` and the run."""
-        return [f"--import={module}" for module in self.imports]
+        policy = [f"--policy={self.policy}"] if self.policy else []
+        return [*(f"--import={module}" for module in self.imports), *policy]
+
+    @staticmethod
+    def add_options(parser: argparse.ArgumentParser) -> None:
+        """What `options` gives, for a process that is started with them."""
+        parser.add_argument("--import", dest="imports", action="append", default=[])
+        parser.add_argument("--policy", default="")
+        parser.add_argument("run")
+
+    @classmethod
+    def of(cls, arguments: argparse.Namespace) -> RunSource:
+        """From the arguments of such a process."""
+        return cls(arguments.run, tuple(arguments.imports), arguments.policy)
 
     def load(self, overrides: Sequence[str] = ()) -> RunConfig:
         """Imports the modules and reads the run.
 
         SpecError for what the run says and for modules that cannot be imported, with file and line.
         """
+        run = self._load(overrides)
+        if self.policy:
+            from robocell.policy import expert_of_policy
+
+            run.expert = expert_of_policy(self.policy)
+            run.keep = Keep.FIRST
+        return run
+
+    def _load(self, overrides: Sequence[str]) -> RunConfig:
         for module in self.imports:
             import_module(module, Path.cwd())
         if (split := self._split()) is not None:
             return self._from_python(*split, overrides)
+        if (Path(self.run) / "dataset.json").is_file():
+            from robocell.dataset_run import run_of_dataset
+
+            return _overridden(run_of_dataset(self.run), self.run, overrides)
         folder = Path(self.run).absolute().parent
         for module in imports_of_run_file(self.run):
             import_module(module, folder)
@@ -80,11 +109,22 @@ class RunSource:
                 f"{self.run}: expected a RunConfig or a function that returns one, got a "
                 f"{type(made).__name__}"
             )
-        # Overrides go the way of those of files, with the same messages.
-        run = RunConfig.from_yaml(made.to_yaml(), self.run, Path.cwd(), list(overrides))
-        if not any(override.startswith("robot") for override in overrides):
-            run.robot = made.robot  # with the folder that its paths are relative to
-        return run
+        return _overridden(made, self.run, overrides)
+
+
+def _overridden(made: RunConfig, name: str, overrides: Sequence[str]) -> RunConfig:
+    """The configuration with replaced fields, which go the way of those of files."""
+    # Paths are relative to where it was loaded, and those of the robot to its own file.
+    folder = made.source_dir or str(Path.cwd())
+    of_robot = [o for o in overrides if o.split("=", 1)[0].startswith("robot")]
+    rest = [o for o in overrides if o not in of_robot]
+    run = RunConfig.from_yaml(made.to_yaml(), name, folder, rest)
+    run.robot = made.robot
+    if of_robot:
+        text = made.to_yaml()
+        own = RunConfig.from_yaml(text, name, made.robot.source_dir or folder, of_robot)
+        run.robot = own.robot
+    return run
 
 
 def import_module(name: str, folder: Path) -> ModuleType:
@@ -138,6 +178,11 @@ def _import_file(path: Path) -> ModuleType:
         sys.modules.pop(name, None)
         raise
     return module
+
+
+def is_of_users(error: BaseException) -> bool:
+    """Whether it went through somebody's own code."""
+    return any(_is_users(frame.filename) for frame in traceback.extract_tb(error.__traceback__))
 
 
 def place_of(error: BaseException) -> str:

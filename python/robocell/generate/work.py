@@ -25,7 +25,8 @@ def command(source: RunSource, overrides: Sequence[str]) -> list[str]:
 
 
 def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
-    run = RunSource(arguments.run, tuple(arguments.imports)).load(arguments.set)
+    source = RunSource.of(arguments)
+    run = source.load(arguments.set)
     require_same_run(run)
     runner = Runner(run)
     plan = {item.id: item for item in make_plan(run)}
@@ -40,8 +41,7 @@ def main() -> int:
     """The process."""
     parser = argparse.ArgumentParser(prog="robocell.generate.work", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
-    parser.add_argument("--import", dest="imports", action="append", default=[])
-    parser.add_argument("run")
+    RunSource.add_options(parser)
     arguments = parser.parse_args()
     stop = StopFlag()
     return serve(lambda: _open_maker(arguments, stop), stop)

@@ -287,8 +287,8 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
     return out;
   }
   for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
+  if (task_) Judge(out);  // first: signals may tell what it found
   Observe();
-  if (task_) Judge(out);
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;
   if (record_) Note(action, out.reward);

@@ -23,11 +23,11 @@ constexpr uint64_t kTriedSeed = 0;  // of the start that is tried when an enviro
 constexpr double kMostTilt = 10;   // degrees
 constexpr double kMostDrop = 0.2;  // metres straight down, for an object may be dropped
 
-std::vector<Robot> AllRobots(const Scene& scene) {
-  std::vector<Robot> robots;
-  for (const RobotRecord& robot : scene.compiled()->robots())
-    robots.push_back(Robot::Of(scene, robot.name));
-  return robots;
+// How what the task itself refused begins.
+const std::string kRefused = "its arrange() refused: ";
+
+std::string RefusalText(const Refusal& refusal) {
+  return refusal.detail.empty() ? refusal.reason : refusal.reason + " (" + refusal.detail + ")";
 }
 
 std::vector<std::string> ObjectsThatMayHang(const EnvConfig& config) {
@@ -74,7 +74,12 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
     for (size_t k = 0; k < kept_joints.size(); ++k)
       Robot(arms_[k].robot()).SetJointPos(kept_joints[k]);
     for (ArmDriver& arm : arms_) arm.Reset();
-    if (task_) task_->Arrange(scene_, of_task);
+    if (task_) {
+      if (const auto refusal = task_->Arrange(scene_, of_task)) {
+        ++reasons[kRefused + RefusalText(*refusal)];
+        continue;
+      }
+    }
     const std::string why = start_check_ ? start_check_->WhyNot() : "";
     if (why.empty()) return "";
     ++reasons[why];
@@ -85,10 +90,11 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
 }
 
 std::string Env::NoStart(const std::string& why) const {
-  return fmt::format(
-      "{}: task '{}' found no start in {} tries: most often {}. Move its objects to a free place "
-      "(root_frame_objects), or change task.spread",
-      place(), config_.task->kind(), kMostStarts, why);
+  const std::string found = fmt::format("{}: task '{}' found no start in {} tries: most often {}",
+                                        place(), config_.task->kind(), kMostStarts, why);
+  if (why.starts_with(kRefused))
+    return found + ". Change what the task asks for (the fields of `task`), or its objects";
+  return found + ". Move its objects to a free place (root_frame_objects), or change task.spread";
 }
 
 // The scene is left as a reset leaves it.
@@ -96,7 +102,13 @@ void Env::TryStart(bool is_first) {
   const SceneUse::Claim claim(scene_.use(), "Env::Env");
   scene_.Reset();
   if (is_first) WarnOfStart();
-  if (!start_check_) return;
+  if (!start_check_) {
+    if (!task_) return;
+    if (const std::string why = MakeStart(kTriedSeed, {}, {}); !why.empty())
+      throw SpecError(NoStart(why));
+    scene_.Reset();
+    return;
+  }
   start_check_->Accept();
   const std::string doubt = MakeStart(kTriedSeed, {}, {});
   if (!doubt.empty()) {
@@ -110,7 +122,7 @@ void Env::TryStart(bool is_first) {
 }
 
 void Env::RequireRest(const std::string& doubt) {
-  std::vector<Robot> robots = AllRobots(scene_);
+  std::vector<Robot> robots = RobotsOf(scene_);
   const std::vector<std::string> resting = task_->resting_objects();
   const std::string body = scene_.compiled()->object(resting.front()).root_body;
   std::vector<Pose> before;

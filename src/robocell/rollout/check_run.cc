@@ -65,6 +65,7 @@ class SceneCheck {
     }
     if (!CheckSupports(bases)) return;
     std::optional<Scene> scene;
+    if (!Try("task", [&] { Scene::Build(WithContents(bases.front(), false)); })) return;
     if (!Try("robot", [&] { scene = Scene::Build(WithContents(bases.front())); })) return;
     warnings_ = scene->compiled()->warnings();
     CheckCameras(*scene);
@@ -102,12 +103,13 @@ class SceneCheck {
     return good;
   }
 
-  SceneSpec WithContents(SceneSpec spec) const {
+  SceneSpec WithContents(SceneSpec spec, bool with_robot = true) const {
     double x = 10;
     for (SceneObject object : task_->Contents(run_)) {
       object.pos = Vec3{x++, 0, 1};
       spec.objects.push_back(object);
     }
+    if (!with_robot) return spec;
     spec.robots.push_back({.name = run_.robot.config.name,
                            .config = run_.robot.config,
                            .prefix = "robot_0/",

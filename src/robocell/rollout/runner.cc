@@ -4,6 +4,8 @@
 #include <chrono>
 #include <optional>
 #include <utility>
+
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
@@ -50,6 +52,10 @@ struct Runner::State {
                          const StopCheck& stop);
   void Attempt(const PlanItem& item, int attempt, const StopCheck& stop, EarlierAttempts& earlier,
                EpisodeReport& report);
+  // The same; an exception of a user's own code is a failure, unless it is the last of a row.
+  void TryAttempt(const PlanItem& item, int attempt, const StopCheck& stop,
+                  EarlierAttempts& earlier, EpisodeReport& report);
+  int raised = 0;  // in a row
 };
 
 // The right to write into the dataset, as long as it is the one that the run was checked against.
@@ -224,16 +230,33 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopCheck& 
   count_kind();
 }
 
+void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopCheck& stop,
+                               EarlierAttempts& earlier, EpisodeReport& report) {
+  constexpr int kMostRaised = 3;
+  try {
+    Attempt(item, attempt, stop, earlier, report);
+    raised = 0;
+  } catch (...) {
+    const std::string told = parts.told_of_users ? parts.told_of_users() : "";
+    if (told.empty() || ++raised >= kMostRaised) throw;
+    LogWarn(fmt::format("episode '{}', attempt {}: {}", item.id, attempt, told));
+    ++report.attempts;
+    ++report.failures[told];
+    earlier.push_back({report.object_kind, false, told});
+  }
+}
+
 EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
   const RunConfig& run = state_->run;
   EpisodeReport report{.item = item, .robot = run.robot.config.name};
   const DatasetLock lock = state_->Enter();
   if (IsComplete(run, item)) {
-    report.committed = report.resumed = true;
+    report.committed = report.resumed = report.complete = true;
     report.success = LookForItem(run, item).success;
     return report;
   }
   EarlierAttempts earlier;
+  state_->raised = 0;
   const auto is_made = [&] {
     return report.success || (run.keep == Keep::kFirst && report.accepted > 0);
   };
@@ -244,8 +267,9 @@ EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
     if (const auto kept = keeps_all ? KeptAttempt(run, item, attempt) : std::nullopt)
       AddKept(report, *kept, earlier);
     else
-      state_->Attempt(item, attempt, stop, earlier, report);
+      state_->TryAttempt(item, attempt, stop, earlier, report);
   }
+  report.complete = is_made();
   if (report.accepted > 0) report.advice.clear();
   if (report.accepted > 0 || !report.refusals.contains(Refusal::kNoReachableBasePose))
     return report;

@@ -33,6 +33,7 @@ namespace robocell {
 struct EpisodeReport {
   PlanItem item;
   bool committed = false;  // something is on the disk
+  bool complete = false;   // nothing is left to be made of it
   bool success = false;
   bool stopped = false;                 // by the stop request
   bool resumed = false;                 // it was complete before
@@ -58,6 +59,10 @@ struct EpisodeReport {
 struct RunnerParts {
   std::function<std::shared_ptr<TaskSampler>(const RunConfig&)> sampler = {};
   std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> expert = {};
+  // Called while an exception is handled: what to say of one that a user's own code raised, "" for
+  // all others. It ends the attempt like a failure of that name; the third one in a row goes on to
+  // the caller of Run.
+  std::function<std::string()> told_of_users = {};
 };
 
 class Runner {

@@ -41,6 +41,12 @@ bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
              std::vector<SceneObject>& objects, Rng& rng) {
   std::vector<Disc> taken;
   for (size_t i = 0; i < objects.size(); ++i) {
+    if (!IsFixed(objects[i])) continue;
+    const Eigen::Vector3d at = (support.frame_to_world.inverse() * objects[i].pose()).translation();
+    taken.push_back({at.head<2>(), sizes[i].radius});
+  }
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (IsFixed(objects[i])) continue;
     const auto place = FindPlace(support, sizes[i].radius, taken, rng);
     if (!place) return false;
     taken.push_back(*place);

@@ -14,8 +14,12 @@ namespace robocell {
 inline constexpr double kObjectGap = 0.03;   // metres between objects
 inline constexpr double kEdgeMargin = 0.03;  // from the support's edge
 
-// Sets the objects' poses; `sizes` are theirs, in the same order. False when no place was found for
-// one of them; the objects before it have been moved.
+// Whether an object stays where its spec puts it.
+inline bool IsFixed(const SceneObject& object) { return object.fixed == true; }
+
+// Sets the objects' poses; `sizes` are theirs, in the same order. Fixed ones keep theirs, and the
+// others keep clear of them. False when no place was found for one of them; the objects before it
+// have been moved.
 bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
              std::vector<SceneObject>& objects, Rng& rng);
 

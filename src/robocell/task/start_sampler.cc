@@ -1,6 +1,7 @@
 #include "robocell/task/start_sampler.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -15,6 +16,8 @@
 #include "robocell/scenes/object_places.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/settle.h"
+#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/validate.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -25,6 +28,7 @@ namespace {
 constexpr int kArrangements = 8;
 constexpr int kPlaceTries = 60;           // of objects, until a base pose is clear of the support
 constexpr size_t kMostSupports = 64;      // that are remembered
+constexpr double kSamePlace = 1e-6;       // metres
 constexpr double kBaseClearance = 0.01;   // metres between the robot and everything else
 constexpr double kFacingNoise = 0.35;     // rad
 constexpr int kBearings = 72;             // directions that a base pose is looked for in
@@ -34,6 +38,17 @@ const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the obj
 // over the first episodes of any number of scenes: the factor is prime.
 uint64_t PlacementTurn(const SampleRequest& request) {
   return static_cast<uint64_t>(request.scene) * 7919 + static_cast<uint64_t>(request.episode);
+}
+
+// Of objects that somebody else made: they are measured before a scene is compiled of them.
+void RequireValid(const std::vector<SceneObject>& objects, const std::string& who) {
+  for (const SceneObject& object : objects) {
+    Problems problems;
+    ValidateFields(object, problems);
+    if (problems.empty()) continue;
+    throw SpecError(fmt::format("{}object '{}', which is not valid: {}", who, object.name,
+                                fmt::join(LinesOf(problems), "; ")));
+  }
 }
 
 }  // namespace
@@ -123,10 +138,17 @@ struct StartSampler::Setup {
 std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& support,
                                                  const BasePlacement& placement, Rng& rng) {
   std::optional<Pose> base;
+  BodyPoses moved;
+  Pose target;
   for (int t = 0; t < kPlaceTries && !base; ++t) {
     if (!PlaceObjects(support, setup.objects, rng))
       return Refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"};
-    base = ProposeBasePose(setup.robot, support, setup.objects.front().pose(), placement, rng);
+    moved = TaskStarts(rng);
+    target = setup.objects.front().pose();
+    for (const auto& [body, pose] : moved) {
+      if (body == setup.target_body) target = pose;
+    }
+    base = ProposeBasePose(setup.robot, support, target, placement, rng);
   }
   if (!base) {
     return Refusal{Refusal::kBaseInCollision,
@@ -135,12 +157,29 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
                                placement.distance, placement.height)};
   }
   for (const SceneObject& object : setup.objects) {
-    setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
+    if (!IsFixed(object))
+      setup.scene.SetBodyPose(setup.scene.compiled()->object(object.name).root_body, object.pose());
   }
+  for (const auto& [body, pose] : moved) setup.scene.SetBodyPose(body, pose);
   setup.robot.base().SetPose(*base);
   setup.scene.Forward();
   if (auto refusal = ArrangeTask(setup.scene, rng)) return refusal;
+  if (auto refusal = CheckDistance(setup, target)) return refusal;
   return CheckBasePose(setup.scene, setup.robot, setup.target_body);
+}
+
+// A task that moves its target once more may take it out of the range that it asked for.
+std::optional<Refusal> StartSampler::CheckDistance(const Setup& setup,
+                                                   const Pose& proposed_for) const {
+  const Eigen::Vector3d target = setup.scene.body_pose(setup.target_body).translation();
+  if ((target - proposed_for.translation()).norm() < kSamePlace) return std::nullopt;
+  const Vec2 range = base_range().distance;
+  const double distance = (target - setup.robot.base().pose().translation()).head<2>().norm();
+  if (distance > range[0] - kSamePlace && distance < range[1] + kSamePlace) return std::nullopt;
+  return Refusal{Refusal::kNoReachableBasePose,
+                 fmt::format("the task moved the object to {:.2f} m from the base, out of its "
+                             "base range of {:g} to {:g} m",
+                             distance, range[0], range[1])};
 }
 
 // Draws places for the objects and for the base until both fit, and counts those that do not.
@@ -180,6 +219,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
     throw Error("task '" + run_.task.kind() +
                 "': an episode is about an object, and its prepare added none to the scene");
   }
+  RequireValid(contents.objects, "task '" + run_.task.kind() + "': prepare added ");
   const BasePlacement placement = ChooseBasePlacement(request, rng);
   std::vector<std::string> names;
   for (const SceneObject& object : contents.objects) names.push_back(object.name);
@@ -246,9 +286,9 @@ std::shared_ptr<Task> TaskStartSampler::MakeTask(const std::string& /*target*/,
 
 BaseRange TaskStartSampler::base_range() const { return task_->base_range(); }
 
+BodyPoses TaskStartSampler::TaskStarts(Rng& rng) { return task_->Starts(rng); }
+
 std::optional<Refusal> TaskStartSampler::ArrangeTask(Scene& scene, Rng& rng) {
-  for (const auto& [body, pose] : task_->Starts(rng)) scene.SetBodyPose(body, pose);
-  scene.Forward();
   return task_->Arrange(scene, rng);
 }
 

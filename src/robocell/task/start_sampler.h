@@ -46,7 +46,7 @@ class StartSampler : public TaskSampler {
   virtual SceneSpec MakeBaseScene(int scene_index);
   // Adds what the episode is about to the base scene and says what was added.
   virtual StartContents AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) = 0;
-  // Puts the objects on the support without overlap; false when there is no room.
+  // Puts the objects that can move on the support without overlap; false when there is no room.
   virtual bool PlaceObjects(const Support& support, std::vector<SceneObject>& objects, Rng& rng);
   // Distance and height, spread evenly over the ranges by the episode's number.
   virtual BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng);
@@ -66,6 +66,9 @@ class StartSampler : public TaskSampler {
  protected:
   // The ranges of base poses.
   virtual BaseRange base_range() const { return {}; }
+  // Where the task itself puts bodies of the scene, by their names; asked before the base is placed,
+  // each time that objects are.
+  virtual BodyPoses TaskStarts(Rng& /*rng*/) { return {}; }
   // What the task does itself once everything is in its place, before it settles.
   virtual std::optional<Refusal> ArrangeTask(Scene& /*scene*/, Rng& /*rng*/) { return {}; }
   // Sizes of objects, measured once in a call of Sample.
@@ -79,6 +82,7 @@ class StartSampler : public TaskSampler {
   Support SupportOf(const SceneSpec& base);
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
+  std::optional<Refusal> CheckDistance(const Setup& setup, const Pose& proposed_for) const;
   std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
                                      const BasePlacement& placement, Rng& rng);
   std::optional<Refusal> PrepareStart(Setup& setup, const Support& support,
@@ -101,6 +105,7 @@ class TaskStartSampler : public StartSampler {
 
  protected:
   BaseRange base_range() const override;
+  BodyPoses TaskStarts(Rng& rng) override;
   std::optional<Refusal> ArrangeTask(Scene& scene, Rng& rng) override;
 
  private:

@@ -17,6 +17,8 @@ namespace {
 struct BlocksConfig {
   int blocks = 2;
   bool refuses = false;
+  bool moves = false, moves_late = false;
+  bool fixed = false, unfinished = false;
 
   static constexpr const char* kKind = "blocks_of_test";
   static constexpr const char* kTypeName = "BlocksConfig";
@@ -24,21 +26,41 @@ struct BlocksConfig {
   static void Fields(V&& v) {
     v("blocks", &BlocksConfig::blocks, "How many.", Check::kNonNegative);
     v("refuses", &BlocksConfig::refuses, "Whether every start is refused.");
+    v("moves", &BlocksConfig::moves, "Whether the first is put at a place of its own.");
+    v("moves_late", &BlocksConfig::moves_late, "The same, once the robot stands.");
+    v("fixed", &BlocksConfig::fixed, "Whether the last stays where it is.");
+    v("unfinished", &BlocksConfig::unfinished, "Whether they have no size.");
   }
 };
 
 class Blocks final : public Task {
  public:
+  static inline const Vec3 kFixedAt = {0.1, 0.25, 0.47};
+  static inline const Eigen::Vector3d kMovedTo = {-0.15, -0.3, 0.471};
+
   explicit Blocks(const BlocksConfig& fields) : fields_(fields) {}
   void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
     for (int i = 0; i < fields_.blocks; ++i) {
       SceneObject block = BoxObject("block_" + std::to_string(i), {0, 0, 0});
       block.size = Vec3{0.02, 0.02, 0.02};
+      if (fields_.unfinished) block.size.reset();
+      if (fields_.fixed && i == fields_.blocks - 1) {
+        block.fixed = true;
+        block.pos = kFixedAt;
+      }
       spec.objects.push_back(block);
     }
   }
+  BodyPoses Starts(Rng& /*rng*/) override {
+    if (!fields_.moves) return {};
+    return {{"block_0", Pose(kMovedTo)}};
+  }
   void Bind(const Scene& /*scene*/, const TaskSetting& setting) override { place = setting.place; }
-  std::optional<Refusal> Arrange(Scene& /*scene*/, Rng& /*rng*/) override {
+  std::optional<Refusal> Arrange(Scene& scene, Rng& /*rng*/) override {
+    if (fields_.moves_late) {
+      scene.SetBodyPose("block_0", Pose(kMovedTo));
+      scene.Forward();
+    }
     if (!fields_.refuses) return {};
     return Refusal{.reason = "a reason of its own"};
   }
@@ -116,6 +138,48 @@ TEST(TaskStartSampler, ATaskMayRefuseForAReasonOfItsOwn) {
   EXPECT_FALSE(result.start.has_value());
   EXPECT_TRUE(result.refusal.reason == "a reason of its own" ||
               result.refusal.redrawn.contains("a reason of its own"));
+}
+
+// The base is placed around where the object is, whoever put it there.
+TEST(TaskStartSampler, TheBaseStandsInItsRangeAroundATargetThatTheTaskMoved) {
+  for (const bool late : {false, true}) {
+    const RunConfig run = BlocksRun({.moves = !late, .moves_late = late});
+    const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
+    int accepted = 0;
+    for (int episode = 0; episode < (late ? 20 : 3); ++episode) {
+      const SampleResult result = FirstAccepted(*sampler, episode);
+      if (!result.start) continue;
+      ++accepted;
+      const Eigen::Vector3d target = result.start->scene.body_pose("block_0").translation();
+      EXPECT_LT((target - Blocks::kMovedTo).head<2>().norm(), 0.01);
+      const double distance = (target - result.start->base_in_world.translation()).head<2>().norm();
+      EXPECT_GE(distance, 0.35 - 0.01) << late;
+      EXPECT_LE(distance, 0.40 + 0.01) << late;
+    }
+    if (!late) EXPECT_EQ(accepted, 3);
+  }
+}
+
+TEST(TaskStartSampler, WhatIsFixedStaysAndTheOthersKeepClearOfIt) {
+  const RunConfig run = BlocksRun({.fixed = true});
+  const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
+  for (int episode = 0; episode < 3; ++episode) {
+    const SampleResult result = FirstAccepted(*sampler, episode);
+    ASSERT_TRUE(result.start) << result.refusal.reason << ": " << result.refusal.detail;
+    const Eigen::Vector3d fixed = result.start->scene.body_pose("block_1").translation();
+    EXPECT_TRUE(fixed.isApprox(ToEigen(Blocks::kFixedAt), 1e-9));
+    const Eigen::Vector3d free = result.start->scene.body_pose("block_0").translation();
+    EXPECT_GT((free - fixed).head<2>().norm(), 0.05);
+  }
+}
+
+TEST(TaskStartSampler, WhatATaskPreparesIsCheckedBeforeItIsMeasured) {
+  const RunConfig run = BlocksRun({.unfinished = true});
+  const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
+  Rng rng = Rng::Stream(5, "unfinished");
+  ExpectThrow<SpecError>([&] { sampler->Sample({}, rng); },
+                         "task 'blocks_of_test': prepare added object 'block_0', which is not "
+                         "valid: size");
 }
 
 TEST(TaskStartSampler, AnEpisodeIsAboutAnObject) {
