@@ -150,7 +150,27 @@ void BindPickTask(nb::module_& m) {
           "scene"_a, Unlocked())
       .def("instruction", [](const PickTask& t) { return t.PickTask::instruction(); })
       .def("objects", [](const PickTask& t) { return t.PickTask::objects(); })
-      .def("resting_objects", [](const PickTask& t) { return t.PickTask::resting_objects(); });
+      .def("resting_objects", [](const PickTask& t) { return t.PickTask::resting_objects(); })
+      .def(
+          "starts",
+          [](PickTask& t, PythonRng& rng) {
+            nb::dict poses;
+            for (const auto& [body, pose] : t.PickTask::Starts(rng.get()))
+              poses[body.c_str()] = pose;
+            return poses;
+          },
+          "rng"_a, nb::sig("def starts(self, rng: Rng) -> collections.abc.Mapping[str, Pose]"))
+      .def(
+          "memory", [](const PickTask& t) { return MemoryArray(t.PickTask::memory()); },
+          nb::sig("def memory(self) -> numpy.typing.ArrayLike"))
+      .def(
+          "recall",
+          [](PickTask& t, nb::handle memory) {
+            const Numbers numbers(memory, FieldPath("memory"));
+            t.PickTask::Recall(numbers.span());
+          },
+          "memory"_a,
+          nb::sig("def recall(self, memory: numpy.typing.NDArray[numpy.float64]) -> None"));
 }
 
 // What every scripted planner has.

@@ -188,6 +188,9 @@ void BindRollout(nb::module_& m) {
         "The episodes of a run: same file, same plan, same seeds.");
   m.def("shard_plan", &Shard, "plan"_a, "shard"_a, "count"_a,
         "The items of shard `shard` of `count`.");
+  m.def("changed_code", &ChangedCode, "dataset"_a, "run"_a,
+        "Source files of the run's task and features that hold something else than when the "
+        "dataset was begun.");
   m.def(
       "parse_shard",
       [](const std::string& text) {

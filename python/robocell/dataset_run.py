@@ -5,13 +5,21 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from robocell._core import ArgumentError, Dataset, RunConfig, recorded_scene
+from robocell._core import (
+    ArgumentError,
+    Dataset,
+    RunConfig,
+    SpecError,
+    changed_code,
+    recorded_scene,
+)
 
 
 def run_of_dataset(source: str | Path) -> RunConfig:
     """The cell of a dataset: robot, task, scenes, rates and cameras, with the models that it keeps.
 
-    Nothing is imported: a task of a user's own has to be registered before.
+    Nothing is imported: a task of a user's own has to be registered before. SpecError when its code
+    is not what the dataset was made with.
     """
     folder = Path(source)
     dataset = Dataset(folder)
@@ -24,6 +32,11 @@ def run_of_dataset(source: str | Path) -> RunConfig:
     if config is None:
         raise ArgumentError(f"'{folder}': the scene of '{first.id}' has no robot configuration")
     run.robot = config
+    if changed := changed_code(str(folder), run):
+        raise SpecError(
+            f"'{folder}' was made with other code: {', '.join(changed)} changed since then, so "
+            "that the task may be another one. Bring the code back, or make the dataset anew"
+        )
     # Scenes that are files: as the dataset keeps them, which need not be here any more.
     files = list(run.scenes.files)
     missing = set(range(len(files)))

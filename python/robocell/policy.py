@@ -13,10 +13,10 @@ streams; an action is one or more of the columns `robots/<robot>/action/...`.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,7 +58,15 @@ class Context:
 
 
 class Policy:
-    """Acts from observations alone. Subclass it with `act`, and `reset` where it remembers."""
+    """Acts from observations alone. Subclass it with `act`, and `reset` where it remembers.
+
+    Attributes:
+        files: What it acts from beside its code, such as weights; relative ones lie beside the
+            module. Their content is part of what an evaluation is: with other files it does not go
+            on in the same folder.
+    """
+
+    files: ClassVar[Sequence[str | Path]] = ()
 
     def reset(self, context: Context) -> None:
         """Forgets the last rollout."""
@@ -177,10 +185,13 @@ class PolicyExpert(Expert):
         return []
 
 
-def register_policy(name: str, make: Callable[[RunConfig], Policy]) -> None:
+def register_policy(
+    name: str, make: Callable[[RunConfig], Policy], files: Sequence[str | Path] = ()
+) -> None:
     """Makes a policy known as a kind of expert, for the `expert` of a run.
 
-    It is made once in each process, as `make(run)`, and reset for each rollout.
+    It is made once in each process, as `make(run)`, and reset for each rollout. `files`: what it
+    acts from beside its code, such as weights.
     """
     made: list[Policy] = []
 
@@ -191,7 +202,7 @@ def register_policy(name: str, make: Callable[[RunConfig], Policy]) -> None:
 
     module = getattr(make, "__module__", None)
     expert.__module__ = module or __name__
-    register_expert(name)(expert)
+    register_expert(name, files=files)(expert)
 
 
 def register_named_policy(name: str, folder: Path) -> None:
@@ -225,7 +236,12 @@ def register_named_policy(name: str, folder: Path) -> None:
         return policy
 
     make.__module__ = module.__name__
-    register_policy(name, make)
+    beside = Path(getattr(module, "__file__", None) or folder / "module").parent
+    files = [beside / file for file in getattr(maker, "files", ())]
+    for file in files:
+        if not file.is_file():
+            raise SpecError(f"policy '{name}': its `files` name '{file}', where there is no file")
+    register_policy(name, make, files)
 
 
 EXPERT, RANDOM = "expert", "random"

@@ -18,10 +18,13 @@ run.yaml --import my_tasks` makes its dataset.
 
 from __future__ import annotations
 
+import ast
 import dataclasses
+import functools
+import importlib.util
 import inspect
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -107,11 +110,14 @@ def register_task(
     return register
 
 
-def register_expert(kind: str) -> Callable[[ExpertClass], ExpertClass]:
+def register_expert(
+    kind: str, *, files: Sequence[str | Path] = ()
+) -> Callable[[ExpertClass], ExpertClass]:
     """Makes a class known as the expert that demonstrates the task of this kind.
 
     It is made as `cls(run, start)` for each rollout: the RunConfig and the EpisodeStart.
-    Registering a name again replaces it; robocell's own cannot be replaced (ArgumentError).
+    Registering a name again replaces it; robocell's own cannot be replaced (ArgumentError). `files`
+    are what it acts from beside its code, such as weights: a dataset remembers what they hold.
     """
     if not isinstance(kind, str) or not kind:
         raise ArgumentError("register_expert: `kind` must be a name that is not empty")
@@ -122,7 +128,7 @@ def register_expert(kind: str) -> Callable[[ExpertClass], ExpertClass]:
                 f"register_expert({kind!r}): expected a class derived from Expert or a function "
                 f"that makes one, got {maker!r}"
             )
-        _register_expert(kind, maker, code_of(maker))
+        _register_expert(kind, maker, code_of(maker, files))
         return maker
 
     return register
@@ -162,32 +168,38 @@ def _defaults(kind: str, fields: type[Any] | None) -> list[tuple[str, Any, str]]
     return found
 
 
-def code_of(maker: object) -> Callable[[], list[str]]:
-    """The files that define it, asked for when a dataset is begun or checked."""
+def code_of(maker: object, files: Sequence[str | Path] = ()) -> Callable[[], list[str]]:
+    """The files that define it, asked for when a dataset is begun or checked.
+
+    `files` are others that it acts from, such as weights.
+    """
+    while isinstance(maker, functools.partial):
+        maker = maker.func
     module = getattr(inspect.unwrap(maker), "__module__", None)  # type: ignore[arg-type]
-    return lambda: [str(path) for path in own_sources(module)] if module else []
+    more = [str(Path(file).resolve()) for file in files]
+    return lambda: [*(str(path) for path in own_sources(module)), *more]
 
 
-def own_sources(module: str) -> list[Path]:
+def own_sources(module: str | None) -> list[Path]:
     """The source files of a module and of the modules that it imports, installed ones left out.
 
     What is not installed is what a user edits: files outside of Python's own folders and
-    site-packages.
+    site-packages. Imports anywhere in the sources count, and where values come from.
     """
     found: dict[Path, None] = {}
-    waiting = [module]
+    waiting = [module] if module else []
     seen = set[str]()
     while waiting:
         name = waiting.pop()
-        loaded = sys.modules.get(name)
-        if name in seen or loaded is None:
+        if name in seen:
             continue
         seen.add(name)
-        file = getattr(loaded, "__file__", None)
-        if not file or not _is_own(Path(file)):
+        file = _file_of(name)
+        if file is None or not _is_own(file):
             continue
-        found[Path(file).resolve()] = None
-        for value in list(vars(loaded).values()):
+        found[file.resolve()] = None
+        waiting += _imports_of(file, name)
+        for value in list(vars(sys.modules[name]).values()) if name in sys.modules else []:
             imported = (
                 value.__name__ if inspect.ismodule(value) else getattr(value, "__module__", None)
             )
@@ -196,6 +208,38 @@ def own_sources(module: str) -> list[Path]:
         if "." in name:
             waiting.append(name.rpartition(".")[0])
     return sorted(found)
+
+
+def _file_of(module: str) -> Path | None:
+    """Where a module is loaded from, or would be; None for what has no file."""
+    loaded = sys.modules.get(module)
+    if loaded is not None:
+        file = getattr(loaded, "__file__", None)
+        return Path(file) if file else None
+    try:
+        spec = importlib.util.find_spec(module)
+    except (ImportError, AttributeError, ValueError):
+        return None
+    return Path(spec.origin) if spec is not None and spec.has_location and spec.origin else None
+
+
+def _imports_of(file: Path, name: str) -> list[str]:
+    """Names that a source imports, whether it does so at its top or in a function."""
+    try:
+        tree = ast.parse(file.read_bytes())
+    except (SyntaxError, ValueError, OSError):
+        return []
+    is_package = file.name == "__init__.py"
+    names = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            parts = name.split(".")
+            base = parts[: len(parts) - node.level + is_package] if node.level else []
+            parent = ".".join([*base, *([node.module] if node.module else [])])
+            names += [parent, *(f"{parent}.{alias.name}" for alias in node.names)]
+    return [each for each in names if each]
 
 
 def _is_own(file: Path) -> bool:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import robocell as rc
+from robocell.gym import pick_cube_config
 from test_experts import load
 
 
@@ -254,3 +256,25 @@ def test_what_is_parked_is_not_sampled_and_in_nobodys_way(tmp_path: Path):
     assert start.task.objects() == alone.task.objects()
     assert start.scene.parked_objects == ["spare", "block"]
     assert start.scene.contacts("block") == []
+
+
+def test_every_method_of_the_pick_task_can_be_called_by_a_subclass():
+    class Mine(rc.PickTask):
+        def memory(self):
+            return [*super().memory(), 5]
+
+        def recall(self, memory):
+            assert memory[-1] == 5
+            super().recall(memory[:-1])
+
+        def starts(self, rng):
+            return super().starts(rng)
+
+    config = pick_cube_config()
+    scene = rc.Env(config).scene
+    task = Mine("cube", "cube", ["cube"])
+    task.begin(scene)
+    memory = task.memory()
+    assert len(memory) == 4
+    task.recall(np.asarray(memory))
+    assert set(task.starts(rc.Rng.stream(0, "test"))) == {scene.compiled.object("cube").root_body}

@@ -220,3 +220,22 @@ def test_scenes_of_files_come_from_the_dataset(tmp_path: Path, monkeypatch: pyte
     monkeypatch.chdir(tmp_path)
     result = evaluate(out, "expert", episodes=1, output=tmp_path / "trials")
     assert result.trials == 1
+
+
+def test_other_weights_are_another_evaluation(dataset: Path, tmp_path: Path):
+    file = tmp_path / "weighing.py"
+    file.write_text(
+        "from robocell.policy import Policy\n"
+        "class Weighing(Policy):\n"
+        "    files = ['weights.txt']\n"
+        "    def act(self, observation):\n"
+        "        return {'robots/rc7/action/gripper': 1}\n"
+    )
+    out = tmp_path / "out"
+    with pytest.raises(rc.SpecError, match=r"weights\.txt', where there is no file"):
+        evaluate(dataset, f"{file}:Weighing", episodes=1, output=out)
+    (tmp_path / "weights.txt").write_text("1")
+    evaluate(dataset, f"{file}:Weighing", episodes=1, output=out)
+    (tmp_path / "weights.txt").write_text("2")
+    with pytest.raises(rc.SpecError, match=r"weights\.txt: changed since then"):
+        evaluate(dataset, f"{file}:Weighing", episodes=1, output=out)

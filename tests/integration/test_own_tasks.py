@@ -16,6 +16,7 @@ from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
 from robocell.generate.run_source import RunSource
+from robocell.tasks import own_sources
 
 EXAMPLE = ROOT / "examples" / "stack_cubes.py"
 RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
@@ -200,3 +201,58 @@ def test_overrides_of_a_configuration_keep_the_folders_of_its_files(tmp_path: Pa
     assert run.seed == 7
     assert run.robot.gravcomp is False
     rc.check_run(run)
+
+
+def test_a_dataset_is_acted_in_with_the_code_that_made_it_only(run_file: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    generate(run_file, out, "--workers", 1, "--episodes", 1)
+    module = run_file.with_name("stack_cubes.py")
+    words = ("evaluate", out, "--policy", "expert", "-n", "1", "--import", module)
+    said = robocell_command(*words, "--output", tmp_path / "same")
+    assert said.returncode == 0, said.stderr
+    module.write_text(module.read_text() + "\n# changed\n")
+    said = refusal(*words, "--output", tmp_path / "changed")
+    assert "stack_cubes.py changed since then" in said
+
+
+def test_all_that_a_module_imports_is_its_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    for name, text in {
+        "sizes_of_test.py": "EDGE = 0.04\n",
+        "late_of_test.py": "LATE = 1\n",
+        "kit_of_test/__init__.py": "",
+        "kit_of_test/tools.py": "from . import parts\n",
+        "kit_of_test/parts.py": "PART = 2\n",
+        "main_of_test.py": "from sizes_of_test import EDGE\nimport kit_of_test.tools\n"
+        "def f():\n    from late_of_test import LATE\n    return LATE\n",
+    }.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    import importlib
+
+    importlib.import_module("main_of_test")
+    names = {str(path.relative_to(tmp_path)) for path in own_sources("main_of_test")}
+    assert names == {
+        "sizes_of_test.py",
+        "late_of_test.py",
+        "main_of_test.py",
+        "kit_of_test/__init__.py",
+        "kit_of_test/tools.py",
+        "kit_of_test/parts.py",
+    }
+
+
+def test_code_files_of_one_name_are_all_remembered(tmp_path: Path):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    for folder in ("a", "b"):
+        (tmp_path / folder / "weights.txt").write_text(folder)
+    rc.register_expert("two_files_of_test", files=[tmp_path / f / "weights.txt" for f in "ab"])(
+        lambda run, start: rc.PickPlanner(run, start)
+    )
+    run = rc.RunConfig.load(ROOT / "examples" / "demo.yaml")
+    run.cameras.streams.clear()
+    run.expert, run.output = "two_files_of_test", str(tmp_path / "out")
+    rc.prepare_dataset(run)
+    files = json.loads((tmp_path / "out" / "dataset.json").read_text())["files"]
+    assert {"code/weights.txt", "code/weights.txt (2)"} <= set(files)

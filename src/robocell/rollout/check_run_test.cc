@@ -117,7 +117,7 @@ TEST(CheckRun, ASceneWithoutATableIsTold) {
   AtomicWrite(folder / "bare.xml", "<mujoco><worldbody><site name='floor'/></worldbody></mujoco>");
   run.scenes.files = {(folder / "bare.xml").string()};
   run.scenes.source = SceneSourceKind::kFiles;
-  ExpectThrow<SpecError>([&] { CheckRun(run); }, "where should objects stand");
+  ExpectThrow<SpecError>([&] { CheckRun(run); }, "nowhere to put objects");
 }
 
 TEST(CheckRun, EverySceneNeedsATable) {

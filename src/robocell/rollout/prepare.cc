@@ -247,6 +247,16 @@ void CheckDataset(const RunConfig& run) {
   if (error) ThrowIoError("look at the dataset's folder", run.output, error.value());
 }
 
+std::vector<std::string> ChangedCode(const std::string& dataset, const RunConfig& run) {
+  const std::optional<std::string> manifest = ReadManifest(dataset);
+  if (!manifest) return {};
+  try {
+    return CodeChanges(InputsIn(*manifest), run);
+  } catch (const Json::exception& error) {
+    throw IoError(fmt::format("'{}/dataset.json' is damaged: {}", dataset, error.what()));
+  }
+}
+
 RunInputs RequireSameRun(const RunConfig& run) {
   const std::optional<std::string> manifest = ReadManifest(run.output);
   if (!manifest) {

@@ -23,6 +23,10 @@ void PrepareDataset(const RunConfig& run, const PrepareOptions& options = {});
 // What PrepareDataset would say of the folder. Writes nothing.
 void CheckDataset(const RunConfig& run);
 
+// Source files of the run's task and features that hold something else than when the dataset was
+// begun; empty for a dataset without a manifest.
+std::vector<std::string> ChangedCode(const std::string& dataset, const RunConfig& run);
+
 // SpecError unless the dataset was prepared for this run. Writes nothing. What the run is made from
 // here and now.
 RunInputs RequireSameRun(const RunConfig& run);

@@ -5,12 +5,14 @@
 #include <yaml-cpp/yaml.h>
 
 #include <filesystem>
+#include <set>
 #include <utility>
 
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/file_set.h"
+#include "robocell/base/hash.h"
 #include "robocell/base/version.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/features/own_features.h"
@@ -25,7 +27,7 @@ using Texts = std::map<std::string, std::string>;
 
 namespace fs = std::filesystem;
 
-// What defines the run's task and its expert, when a user wrote them.
+// What defines the run's task, features and expert, when a user wrote them.
 std::vector<fs::path> CodeOf(const RunConfig& run) {
   const std::shared_ptr<const TaskKind> task = FindTaskKind(run.task.kind());
   std::vector<std::string> files = task->CodeFiles();
@@ -43,17 +45,19 @@ std::vector<fs::path> CodeOf(const RunConfig& run) {
 // have the same name are numbered in the order in which the run uses them.
 std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
   std::map<std::string, fs::path> named;
+  const auto add = [&](const std::string& name, const fs::path& file) {
+    std::string own = name;
+    for (int i = 2; !named.try_emplace(own, file).second && named.at(own) != file; ++i)
+      own = fmt::format("{} ({})", name, i);
+  };
   for (const std::string& model : ModelsOf(run)) {
     const fs::path folder = fs::absolute(model).lexically_normal().parent_path();
     for (const fs::path& file : FindModelFiles(model).files) {
       const fs::path inside = folder.filename() / file.lexically_relative(folder);
-      const std::string name = inside.lexically_normal().generic_string();
-      std::string own = name;
-      for (int i = 2; !named.try_emplace(own, file).second && named.at(own) != file; ++i)
-        own = fmt::format("{} ({})", name, i);
+      add(inside.lexically_normal().generic_string(), file);
     }
   }
-  for (const fs::path& file : CodeOf(run)) named.emplace("code/" + file.filename().string(), file);
+  for (const fs::path& file : CodeOf(run)) add("code/" + file.filename().string(), file);
   return named;
 }
 
@@ -146,6 +150,20 @@ RunInputs InputsOf(const RunConfig& run) {
   inputs.paths = FilesOf(run);
   for (const auto& [name, path] : inputs.paths) inputs.files[name] = HashOfFile(path);
   return inputs;
+}
+
+std::vector<std::string> CodeChanges(const RunInputs& then, const RunConfig& run) {
+  std::vector<std::string> files = FindTaskKind(run.task.kind())->CodeFiles();
+  for (const std::string& file : CodeOfFeatures(run.features.names)) files.push_back(file);
+  std::set<std::string> known;
+  for (const auto& [name, hash] : then.files) {
+    if (name.starts_with("code/")) known.insert(hash);
+  }
+  std::vector<std::string> changes;
+  for (const std::string& file : files) {
+    if (!known.contains(Sha256File(file))) changes.push_back(file);
+  }
+  return changes;
 }
 
 std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now) {

@@ -34,4 +34,8 @@ RunInputs InputsOf(const RunConfig& run);
 // does. The folder that a model lies in may be called otherwise than then.
 std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now);
 
+// Source files of the run's task and features, as they are here, whose content is none of those that
+// a dataset was begun with.
+std::vector<std::string> CodeChanges(const RunInputs& then, const RunConfig& run);
+
 }  // namespace robocell

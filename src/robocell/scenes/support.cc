@@ -5,11 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
+#include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/scene.h"
@@ -40,7 +42,7 @@ std::vector<std::string> SitesInPlace(const Scene& scene) {
   return sites;
 }
 
-// The site of this name, else the only one that has it behind a prefix.
+// The site of this name, else the only one that has it behind a prefix; "" without one.
 std::string FindSite(const Scene& scene, const std::string& place) {
   const std::vector<std::string> sites = SitesInPlace(scene);
   std::vector<std::string> prefixed;
@@ -49,10 +51,10 @@ std::string FindSite(const Scene& scene, const std::string& place) {
     if (site.ends_with("_" + kSite) || site.ends_with("/" + kSite)) prefixed.push_back(site);
   }
   if (prefixed.size() == 1) return prefixed.front();
-  const std::string question = place + ": where should objects stand";
-  if (prefixed.empty()) throw NotFoundError(NoSuchName(question, "site", kSite, sites));
-  throw SpecError(fmt::format("{}? Several sites could be meant: {}. Name the one '{}'", question,
-                              ListNames(prefixed), kSite));
+  if (prefixed.empty()) return "";
+  throw SpecError(fmt::format(
+      "{}: where should objects stand? Several sites could be meant: {}. Name the one '{}'", place,
+      ListNames(prefixed), kSite));
 }
 
 // The box of the site's body with the largest face; -1 without any.
@@ -111,6 +113,8 @@ class Face {
   double half_x() const { return half_x_; }
   double half_y() const { return half_y_; }
   double thickness() const { return thickness_; }
+  double height() const { return height_; }        // over the site
+  double alignment() const { return alignment_; }  // cosine to the site's z
 
  private:
   Eigen::Vector3d middle_;
@@ -123,12 +127,83 @@ std::string MovedBody(const mjModel* m, int body) {
   return body > 0 ? ElementName(m, mjOBJ_BODY, body) : "";
 }
 
+// The level upper faces of boxes that stand still.
+class LevelFaces {
+ public:
+  explicit LevelFaces(const Scene& scene) : scene_(scene), m_(scene.model()) {
+    for (const std::string& object : scene.parked_objects())
+      parked_.push_back(FindId(m_, mjOBJ_BODY, scene.compiled()->object(object).root_body));
+  }
+
+  // Unset when there is none.
+  std::optional<Support> Largest() const {
+    std::optional<Support> best;
+    double most = 0;
+    for (int g = 0; g < m_->ngeom; ++g) {
+      const std::optional<Support> face = FaceOf(g);
+      if (!face) continue;
+      const double height = face->frame_to_world.translation().z();
+      const bool furniture = height > kLowest && height < kHighest;
+      // Furniture comes before everything else.
+      const double rank = face->half_x * face->half_y + (furniture ? kBeforeAll : 0);
+      if (rank <= most) continue;
+      most = rank;
+      best = face;
+    }
+    return best;
+  }
+
+ private:
+  static constexpr double kLowest = 0.15, kHighest = 1.6;  // furniture, metres
+  static constexpr double kLeastHalf = 0.08;               // of a face along its shorter side
+  static constexpr double kRoom = 0.3;                     // above its middle, metres
+  static constexpr double kBeforeAll = 1e6;
+
+  std::optional<Support> FaceOf(int g) const {
+    if (m_->geom_type[g] != mjGEOM_BOX || !IsCollisionGeom(m_, g)) return std::nullopt;
+    const int body = m_->geom_bodyid[g];
+    if (m_->body_dofnum[m_->body_weldid[body]] > 0 || IsMocap(body)) return std::nullopt;
+    for (const int root : parked_) {
+      if (IsInSubtree(m_, body, root)) return std::nullopt;
+    }
+    const mjData* d = scene_.data();
+    const Pose box = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
+    const Face face(m_, Pose(box.translation()), box, g);
+    if (face.alignment() < kLevel || std::min(face.half_x(), face.half_y()) < kLeastHalf)
+      return std::nullopt;
+    Pose top = Pose(box.translation()) * face.to_site();
+    top = Pose(top.translation() + face.height() * Eigen::Vector3d::UnitZ(), top.quaternion());
+    if (!HasRoom(top.translation())) return std::nullopt;
+    return Support{top, face.half_x(), face.half_y(), face.thickness(), ""};
+  }
+  bool IsMocap(int body) const { return m_->body_mocapid[m_->body_rootid[body]] >= 0; }
+  bool HasRoom(const Eigen::Vector3d& top) const {
+    const Eigen::Vector3d from = top + 1e-4 * Eigen::Vector3d::UnitZ();
+    const mjtNum up[3] = {0, 0, 1};
+    int geom = -1;
+    const double above = mj_ray(m_, scene_.data(), from.data(), up, nullptr, 1, -1, &geom, nullptr);
+    return above < 0 || above > kRoom;
+  }
+
+  const Scene& scene_;
+  const mjModel* m_;
+  std::vector<int> parked_;  // bodies
+};
+
 }  // namespace
 
 Support FindSupport(const SceneSpec& base) {
   const Scene scene = Scene::Build(base);
   const mjModel* m = scene.model();
   const std::string site = FindSite(scene, Place(base));
+  if (site.empty()) {
+    if (const std::optional<Support> face = LevelFaces(scene).Largest()) return *face;
+    throw NotFoundError(fmt::format(
+        "{}: nowhere to put objects: there is no box that stands still with a level upper face of "
+        "at least 0.16 by 0.16 m and 0.3 m of room above it. Add one, or mark where objects are to "
+        "stand by a site '{}' on a box",
+        Place(base), kSite));
+  }
   const std::string place = Place(base) + ": site '" + site + "'";
   const int box = LargestBox(m, m->site_bodyid[FindId(m, mjOBJ_SITE, site)]);
   if (box < 0) throw SpecError(place + " needs a box geom in its body: the surface it is on");
@@ -150,7 +225,7 @@ Support FindSupport(const SceneSpec& base) {
 void RequireSteady(const SceneSpec& base, const Support& support) {
   if (support.moved_body.empty()) return;
   Scene scene = Scene::Build(base);
-  const std::string site = FindSite(scene, Place(base));
+  const std::string site = FindSite(scene, Place(base));  // only marked ones can move
   const Eigen::Vector3d before = scene.site_pose(site).translation();
   const StepResult result = scene.StepN(static_cast<int>(kSteadySeconds / scene.timestep()));
   const double way = (scene.site_pose(site).translation() - before).norm();

@@ -22,12 +22,15 @@ struct Support {
   std::string moved_body = {};  // the body with a joint that it moves with; "" for a fixed support
 };
 
-// The support of a base scene: the site `table_top` marks it (or the only one with that name behind
-// a prefix, as `shop_table_top` or `shop/table_top`), and the
-// largest box in the site's body is its extent: a horizontal face of it, in whatever pose the box
-// is in its body, with the site on it. Objects that are parked have no support to offer.
-// NotFoundError without a site, SpecError with several that could be meant, without a box or when
-// the site is not on the box's upper face or the face is not level.
+// The support of a base scene: the largest level upper face of a box that stands still, has 0.3 m
+// of room above its middle, and is as high as furniture is (0.15 to 1.6 m), if there is such a one;
+// else of any height.
+// A site `table_top` chooses another one (or the only site with that name behind a prefix, as
+// `shop_table_top` or `shop/table_top`): the largest box in the site's body is its extent, a
+// horizontal face of it, in whatever pose the box is in its body, with the site on it. Objects that
+// are parked have no support to offer.
+// NotFoundError without such a face, SpecError with several sites that could be meant, without a
+// box or when the site is not on the box's upper face or the face is not level.
 Support FindSupport(const SceneSpec& base);
 
 // SpecError when the support of this scene does not stay where it is: a table with a free joint
