@@ -5,6 +5,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
 #include "robocell/render/gl_renderer.h"
+#include "robocell/render/soft_renderer.h"
 
 namespace robocell {
 namespace {
@@ -21,10 +22,11 @@ void CheckSize(const char* image, size_t have, const RenderRequest& request, siz
 
 }  // namespace
 
-std::vector<std::string> RendererBackends() { return {"gl"}; }
+std::vector<std::string> RendererBackends() { return {"gl", "soft"}; }
 
 std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
   if (options.backend == "gl") return std::make_unique<GlRenderer>(options);
+  if (options.backend == "soft") return std::make_unique<SoftRenderer>(options);
   throw NotFoundError(NoSuchName("renderer", "back end", options.backend, RendererBackends()));
 }
 

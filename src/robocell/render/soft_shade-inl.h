@@ -1,0 +1,492 @@
+// Colours of what is seen; part of soft_kernel.cc, compiled for each instruction set.
+#if defined(ROBOCELL_SOFT_SHADE_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef ROBOCELL_SOFT_SHADE_INL_H_
+#undef ROBOCELL_SOFT_SHADE_INL_H_
+#else
+#define ROBOCELL_SOFT_SHADE_INL_H_
+#endif
+
+#include <hwy/highway.h>
+
+#include "robocell/render/soft_frame.h"
+#include "robocell/render/soft_raster-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace robocell::internal::HWY_NAMESPACE {
+
+struct V3 {
+  V x, y, z;
+};
+struct Colour {
+  V r, g, b;
+};
+
+HWY_INLINE V Dot(const V3& a, const V3& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+HWY_INLINE V3 Cross(const V3& a, const V3& b) {
+  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)),
+          hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
+          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
+}
+HWY_INLINE V3 Add(const V3& a, const V3& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+HWY_INLINE V3 Sub(const V3& a, const V3& b) {
+  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
+}
+HWY_INLINE V3 Times(V s, const V3& a) {
+  return {hn::Mul(s, a.x), hn::Mul(s, a.y), hn::Mul(s, a.z)};
+}
+HWY_INLINE V3 Set3(const float* v) { return {Num(v[0]), Num(v[1]), Num(v[2])}; }
+HWY_INLINE V Clamp01(V v) { return hn::Min(hn::Max(v, hn::Zero(kFloats)), Num(1)); }
+HWY_INLINE V3 Unit(const V3& a) {
+  return Times(hn::Div(Num(1), hn::Sqrt(hn::Max(Dot(a, a), Num(1e-30f)))), a);
+}
+// `rows` of `stride` numbers: their first three by the vector.
+HWY_INLINE V3 Turned(const float* rows, int stride, const V3& v) {
+  return {Dot(Set3(rows), v), Dot(Set3(rows + stride), v), Dot(Set3(rows + 2 * stride), v)};
+}
+HWY_INLINE V3 TurnedBack(const float* rows, int stride, const V3& v) {
+  return Add(Add(Times(v.x, Set3(rows)), Times(v.y, Set3(rows + stride))),
+             Times(v.z, Set3(rows + 2 * stride)));
+}
+
+// Of positive numbers; within 2e-5.
+HWY_INLINE V Log2(V x) {
+  const I bits = hn::BitCast(kInts, x);
+  const V exponent = hn::ConvertTo(kFloats, hn::Sub(hn::ShiftRight<23>(bits), hn::Set(kInts, 127)));
+  const V m = hn::BitCast(
+      kFloats, hn::Or(hn::And(bits, hn::Set(kInts, 0x7fffff)), hn::Set(kInts, 0x3f800000)));
+  const V t = hn::Div(hn::Sub(m, Num(1)), hn::Add(m, Num(1)));
+  const V t2 = hn::Mul(t, t);
+  V sum = hn::Add(hn::Mul(t2, Num(1.0f / 7)), Num(1.0f / 5));
+  sum = hn::Add(hn::Mul(t2, sum), Num(1.0f / 3));
+  sum = hn::Add(hn::Mul(t2, sum), Num(1));
+  return hn::Add(exponent, hn::Mul(hn::Mul(t, Num(2.885390082f)), sum));
+}
+HWY_INLINE V Exp2(V x) {
+  const V at = hn::Min(hn::Max(x, Num(-126)), Num(126));
+  const V whole = hn::Floor(at), f = hn::Sub(at, whole);
+  V sum = hn::Add(hn::Mul(f, Num(0.00133335581f)), Num(0.00961812911f));
+  sum = hn::Add(hn::Mul(f, sum), Num(0.0555041087f));
+  sum = hn::Add(hn::Mul(f, sum), Num(0.240226507f));
+  sum = hn::Add(hn::Mul(f, sum), Num(0.693147181f));
+  sum = hn::Add(hn::Mul(f, sum), Num(1));
+  const I power = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(kInts, whole), hn::Set(kInts, 127)));
+  return hn::Mul(sum, hn::BitCast(kFloats, power));
+}
+// x to the power of e, for x from 0 to 1.
+HWY_INLINE V Power(V x, float e) {
+  if (e == 0) return Num(1);
+  const V value = Exp2(hn::Mul(Num(e), Log2(hn::Max(x, Num(1e-30f)))));
+  return hn::IfThenElseZero(hn::Gt(x, Num(1e-30f)), value);
+}
+
+// ---- Textures
+
+HWY_INLINE Colour Unpack(I texel) {
+  const I byte = hn::Set(kInts, 255);
+  return {hn::ConvertTo(kFloats, hn::And(texel, byte)),
+          hn::ConvertTo(kFloats, hn::And(hn::ShiftRight<8>(texel), byte)),
+          hn::ConvertTo(kFloats, hn::And(hn::ShiftRight<16>(texel), byte))};
+}
+HWY_INLINE Colour Mix(const Colour& a, const Colour& b, V t) {
+  const auto mix = [&](V from, V to)
+                       HWY_ATTR { return hn::Add(from, hn::Mul(t, hn::Sub(to, from))); };
+  return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
+}
+
+// One level, between its four nearest texels; 0 ... 255. `face` is 0 for textures that are no cube.
+HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, V v) {
+  const V w = hn::ConvertTo(kFloats, hn::GatherIndex(kInts, texture.level_width.data(), level));
+  const V h = hn::ConvertTo(kFloats, hn::GatherIndex(kInts, texture.level_height.data(), level));
+  const I start = hn::GatherIndex(kInts, texture.level_start.data(), level);
+  const V zero = hn::Zero(kFloats), one = Num(1), half = Num(0.5f);
+  V x, y, x0, x1, y0, y1;
+  if (texture.cube) {  // within the face
+    x = hn::Min(hn::Max(hn::Sub(hn::Mul(u, w), half), zero), hn::Sub(w, one));
+    y = hn::Min(hn::Max(hn::Sub(hn::Mul(v, h), half), zero), hn::Sub(h, one));
+    x0 = hn::Floor(x);
+    y0 = hn::Floor(y);
+    x1 = hn::Min(hn::Add(x0, one), hn::Sub(w, one));
+    y1 = hn::Min(hn::Add(y0, one), hn::Sub(h, one));
+  } else {  // repeated
+    x = hn::Sub(hn::Mul(hn::Sub(u, hn::Floor(u)), w), half);
+    y = hn::Sub(hn::Mul(hn::Sub(v, hn::Floor(v)), h), half);
+    x0 = hn::Floor(x);
+    y0 = hn::Floor(y);
+    x1 = hn::Add(x0, one);
+    y1 = hn::Add(y0, one);
+  }
+  const V fx = hn::Sub(x, x0), fy = hn::Sub(y, y0);
+  if (!texture.cube) {
+    x0 = hn::IfThenElse(hn::Lt(x0, zero), hn::Sub(w, one), hn::Min(x0, hn::Sub(w, one)));
+    y0 = hn::IfThenElse(hn::Lt(y0, zero), hn::Sub(h, one), hn::Min(y0, hn::Sub(h, one)));
+    x1 = hn::IfThenElse(hn::Ge(x1, w), zero, x1);
+    y1 = hn::IfThenElse(hn::Ge(y1, h), zero, y1);
+  }
+  const I width = hn::ConvertTo(kInts, w), height = hn::ConvertTo(kInts, h);
+  const I base = hn::Add(start, hn::Mul(face, hn::Mul(width, height)));
+  const I row0 = hn::Add(base, hn::Mul(hn::ConvertTo(kInts, y0), width)),
+          row1 = hn::Add(base, hn::Mul(hn::ConvertTo(kInts, y1), width));
+  const I c0 = hn::ConvertTo(kInts, x0), c1 = hn::ConvertTo(kInts, x1);
+  const auto* texels = reinterpret_cast<const int32_t*>(texture.texels.data());
+  const auto at = [&](I row, I column) HWY_ATTR {
+    return Unpack(hn::GatherIndex(kInts, texels, hn::Add(row, column)));
+  };
+  return Mix(Mix(at(row0, c0), at(row0, c1), fx), Mix(at(row1, c0), at(row1, c1), fx), fy);
+}
+
+// `square` is the square of a pixel's size in texels. 0 ... 1.
+HWY_INLINE Colour Sample(const SoftTexture& texture, I face, V u, V v, V square) {
+  const V most = Num(static_cast<float>(texture.levels - 1));
+  const V lod = hn::Min(
+      hn::Max(hn::Mul(Num(0.5f), Log2(hn::Max(square, Num(1e-12f)))), hn::Zero(kFloats)), most);
+  const V whole = hn::Floor(lod), rest = hn::Sub(lod, whole);
+  const I level = hn::ConvertTo(kInts, whole);
+  Colour c = SampleLevel(texture, level, face, u, v);
+  if (!hn::AllFalse(kFloats, hn::Gt(rest, hn::Zero(kFloats)))) {
+    const I next = hn::Min(hn::Add(level, hn::Set(kInts, 1)), hn::Set(kInts, texture.levels - 1));
+    c = Mix(c, SampleLevel(texture, next, face, u, v), rest);
+  }
+  const V scale = Num(1.0f / 255);
+  return {hn::Mul(c.r, scale), hn::Mul(c.g, scale), hn::Mul(c.b, scale)};
+}
+
+// `square`: of the change of the direction from pixel to pixel.
+HWY_INLINE Colour SampleCube(const SoftTexture& texture, const V3& d, V square) {
+  const V ax = hn::Abs(d.x), ay = hn::Abs(d.y), az = hn::Abs(d.z);
+  const M is_x = hn::And(hn::Ge(ax, ay), hn::Ge(ax, az));
+  const M is_y = hn::AndNot(is_x, hn::Ge(ay, az));
+  const auto pick = [&](V x, V y, V z)
+                        HWY_ATTR { return hn::IfThenElse(is_x, x, hn::IfThenElse(is_y, y, z)); };
+  const V major = hn::Max(pick(ax, ay, az), Num(1e-30f));
+  const V sign = hn::CopySign(Num(1), pick(d.x, d.y, d.z));
+  const V s = pick(hn::Neg(hn::Mul(sign, d.z)), d.x, hn::Mul(sign, d.x));
+  const V t = pick(hn::Neg(d.y), hn::Mul(sign, d.z), hn::Neg(d.y));
+  const V half = Num(0.5f), per = hn::Div(half, major);
+  const V face = hn::Add(pick(hn::Zero(kFloats), Num(2), Num(4)),
+                         hn::IfThenElseZero(hn::Lt(sign, hn::Zero(kFloats)), Num(1)));
+  const V texels = hn::Mul(per, Num(static_cast<float>(texture.width)));
+  return Sample(texture, hn::ConvertTo(kInts, face), hn::Add(hn::Mul(s, per), half),
+                hn::Add(hn::Mul(t, per), half), hn::Mul(square, hn::Mul(texels, texels)));
+}
+
+// ---- Light
+
+HWY_INLINE Colour Light(const SoftPicture& picture, const SoftMaterial& material, const V3& at,
+                        const V3& normal) {
+  const V base[3] = {Num(material.rgba[0]), Num(material.rgba[1]), Num(material.rgba[2])};
+  const V own = Num(material.emission + picture.ambient);
+  V sum[3] = {hn::Mul(own, base[0]), hn::Mul(own, base[1]), hn::Mul(own, base[2])};
+  const V3 back = Unit({hn::Neg(at.x), hn::Neg(at.y), hn::Neg(at.z)});
+  const V zero = hn::Zero(kFloats);
+  for (int l = 0; l < picture.light_count; ++l) {
+    const SoftLight& light = picture.lights[l];
+    V3 to = Set3(light.direction);
+    V strength = Num(1);
+    if (!light.directional) {
+      const V3 offset = Sub(Set3(light.position), at);
+      const V distance = hn::Sqrt(hn::Max(Dot(offset, offset), Num(1e-30f)));
+      to = Times(hn::Div(Num(1), distance), offset);
+      const V fade =
+          hn::Add(Num(light.attenuation[0]),
+                  hn::Mul(distance, hn::Add(Num(light.attenuation[1]),
+                                            hn::Mul(distance, Num(light.attenuation[2])))));
+      strength = hn::Div(Num(1), fade);
+      if (light.cutoff_cosine > -1) {
+        const V off = hn::Neg(Dot(to, Set3(light.direction)));
+        const V beam = Power(Clamp01(off), light.exponent);
+        strength =
+            hn::IfThenElseZero(hn::Ge(off, Num(light.cutoff_cosine)), hn::Mul(strength, beam));
+      }
+    }
+    const V facing = Dot(normal, to);
+    const V diffuse = hn::Mul(strength, hn::Max(facing, zero));
+    for (int c = 0; c < 3; ++c) {
+      const V reflected = hn::Add(hn::Mul(strength, Num(light.ambient[c])),
+                                  hn::Mul(diffuse, Num(light.diffuse[c])));
+      sum[c] = hn::Add(sum[c], hn::Mul(reflected, base[c]));
+    }
+    if (material.specular > 0) {
+      const V shine = hn::Max(Dot(normal, Unit(Add(to, back))), zero);
+      const V highlight = hn::IfThenElseZero(
+          hn::Gt(facing, zero),
+          hn::Mul(hn::Mul(strength, Num(material.specular)), Power(shine, material.shininess)));
+      for (int c = 0; c < 3; ++c) {
+        sum[c] = hn::Add(sum[c], hn::Mul(highlight, Num(light.specular[c])));
+      }
+    }
+  }
+  return {Clamp01(sum[0]), Clamp01(sum[1]), Clamp01(sum[2])};
+}
+
+// ---- Surfaces
+
+struct Pixels {
+  V3 ray;  // in view axes, to depth 1; of orthographic cameras the offset on the image, and -1
+  V depth;
+  V3 at;  // view axes
+};
+
+HWY_INLINE Pixels PixelsAt(const SoftView& view, int bx, int by, int part, V nearness) {
+  const V u = hn::Add(Num(static_cast<float>(4 * bx)), hn::Load(kFloats, kColumn + part)),
+          v = hn::Add(Num(static_cast<float>(4 * by)), hn::Load(kFloats, kRow + part));
+  const V x = hn::Mul(hn::Sub(u, Num(view.cx)), Num(1 / view.fx)),
+          y = hn::Mul(hn::Sub(Num(view.cy), v), Num(1 / view.fy));
+  Pixels p{{x, y, Num(-1)}, Num(1), {}};
+  if (view.orthographic) {
+    p.depth = hn::Sub(Num(view.far), hn::Mul(nearness, Num(view.far - view.near)));
+    p.at = {x, y, hn::Neg(p.depth)};
+  } else {
+    p.depth = hn::Div(Num(1), hn::Max(nearness, Num(1e-30f)));
+    p.at = Times(p.depth, p.ray);
+  }
+  return p;
+}
+
+// Changes of a position on a plane of this normal from pixel to pixel, in the mesh's axes.
+HWY_INLINE void Changes(const SoftView& view, const float* m, const Pixels& p, const V3& normal,
+                        V3* right, V3* down) {
+  const V3 across = Times(Num(1 / view.fx), V3{Num(m[0]), Num(m[4]), Num(m[8])});
+  const V3 along = Times(Num(-1 / view.fy), V3{Num(m[1]), Num(m[5]), Num(m[9])});
+  V3 ray = V3{Num(-m[2]), Num(-m[6]), Num(-m[10])};
+  if (!view.orthographic) ray = Turned(m, 4, p.ray);
+  const V facing = Dot(normal, ray);
+  const V steep = hn::Div(Num(1), hn::CopySign(hn::Max(hn::Abs(facing), Num(1e-20f)), facing));
+  const auto change = [&](const V3& step) HWY_ATTR {
+    return Times(view.orthographic ? Num(1) : p.depth,
+                 Sub(step, Times(hn::Mul(Dot(normal, step), steep), ray)));
+  };
+  *right = change(across);
+  *down = change(along);
+}
+
+HWY_INLINE V Square(V u, V v) { return hn::Add(hn::Mul(u, u), hn::Mul(v, v)); }
+
+// kOne: all pixels show triangle `one`; otherwise `triangle` says which.
+template <bool kOne>
+HWY_INLINE Colour ShadeInstance(const SoftPicture& picture, const SoftInstance& instance,
+                                const Pixels& p, int one, I triangle) {
+  const SoftMesh& mesh = *instance.mesh;
+  const float* surface = mesh.surface.data();
+  const I index = hn::Mul(triangle, hn::Set(kInts, SoftMesh::kSurface));
+  const auto number = [&](int k) HWY_ATTR {
+    if constexpr (kOne) {
+      return Num(surface[SoftMesh::kSurface * one + k]);
+    } else {
+      return hn::GatherIndex(kFloats, surface + k, index);
+    }
+  };
+  const auto vector = [&](int k) HWY_ATTR { return V3{number(k), number(k + 1), number(k + 2)}; };
+  const float* m = instance.to_mesh;
+  V3 at = Turned(m, 4, p.at);
+  at = {hn::Add(at.x, Num(m[3])), hn::Add(at.y, Num(m[7])), hn::Add(at.z, Num(m[11]))};
+  const V3 offset = Sub(at, vector(0));
+  const V3 to1 = vector(3), to2 = vector(6);
+  const V w1 = Clamp01(Dot(offset, to1)), w2 = Clamp01(Dot(offset, to2));
+  const V3 in_mesh = Add(vector(9), Add(Times(w1, vector(12)), Times(w2, vector(15))));
+  const V3 normal = Unit(TurnedBack(m, 4, in_mesh));
+  const SoftMaterial& material = instance.material;
+  Colour c = Light(picture, material, p.at, normal);
+  if (material.mapping == SoftMapping::kNone) return c;
+
+  const SoftTexture& texture = *material.texture;
+  V3 right, down;
+  Changes(*picture.view, m, p, Cross(to1, to2), &right, &down);
+  Colour texel;
+  if (material.mapping == SoftMapping::kCube) {
+    const V3 scale = Set3(material.scale);
+    const auto scaled = [&](const V3& v) HWY_ATTR {
+      return V3{hn::Mul(v.x, scale.x), hn::Mul(v.y, scale.y), hn::Mul(v.z, scale.z)};
+    };
+    const V3 r = scaled(right), d = scaled(down);
+    texel = SampleCube(texture, scaled(at), hn::Max(Dot(r, r), Dot(d, d)));
+  } else {
+    V u, v, ur, vr, ud, vd;
+    if (material.mapping == SoftMapping::kPlanar) {
+      const V su = Num(material.scale[0]), sv = Num(material.scale[1]);
+      u = hn::Add(hn::Mul(su, at.x), Num(material.offset[0]));
+      v = hn::Add(hn::Mul(sv, at.y), Num(material.offset[1]));
+      ur = hn::Mul(su, right.x);
+      vr = hn::Mul(sv, right.y);
+      ud = hn::Mul(su, down.x);
+      vd = hn::Mul(sv, down.y);
+    } else {
+      const float* coordinates = mesh.texture.data();
+      const I place = hn::Mul(triangle, hn::Set(kInts, SoftMesh::kTexture));
+      const auto coordinate = [&](int k) HWY_ATTR {
+        if constexpr (kOne) {
+          return Num(coordinates[SoftMesh::kTexture * one + k]);
+        } else {
+          return hn::GatherIndex(kFloats, coordinates + k, place);
+        }
+      };
+      const V u1 = coordinate(2), v1 = coordinate(3), u2 = coordinate(4), v2 = coordinate(5);
+      const auto mix = [&](V a, V b, V first, V second)
+                           HWY_ATTR { return hn::Add(hn::Mul(a, first), hn::Mul(b, second)); };
+      u = hn::Add(coordinate(0), mix(w1, w2, u1, u2));
+      v = hn::Add(coordinate(1), mix(w1, w2, v1, v2));
+      const V r1 = Dot(to1, right), r2 = Dot(to2, right), d1 = Dot(to1, down), d2 = Dot(to2, down);
+      ur = mix(r1, r2, u1, u2);
+      vr = mix(r1, r2, v1, v2);
+      ud = mix(d1, d2, u1, u2);
+      vd = mix(d1, d2, v1, v2);
+    }
+    const V w = Num(static_cast<float>(texture.width)), h = Num(static_cast<float>(texture.height));
+    const V square =
+        hn::Max(Square(hn::Mul(ur, w), hn::Mul(vr, h)), Square(hn::Mul(ud, w), hn::Mul(vd, h)));
+    texel = Sample(texture, hn::Zero(kInts), u, v, square);
+  }
+  return {hn::Mul(c.r, texel.r), hn::Mul(c.g, texel.g), hn::Mul(c.b, texel.b)};
+}
+
+// ---- Sky
+
+HWY_INLINE Colour SkyColour(const SoftPicture& picture, const V3& in_world) {
+  if (!picture.sky.texture) {
+    const V zero = hn::Zero(kFloats);
+    return {zero, zero, zero};
+  }
+  // A pixel's change of direction, at the centre of the image.
+  const float step = picture.view->orthographic ? 0 : 1 / picture.view->fx;
+  // The texture's y axis is up.
+  return SampleCube(*picture.sky.texture, {in_world.x, in_world.z, hn::Neg(in_world.y)},
+                    Num(step * step));
+}
+
+// Sky and haze hide what is beyond them. `nothing`: pixels that show no surface.
+HWY_INLINE Colour WithSky(const SoftPicture& picture, const Pixels& p, M nothing, Colour c) {
+  const SoftSky& sky = picture.sky;
+  if (!sky.texture) {
+    const V zero = hn::Zero(kFloats);
+    return {hn::IfThenElse(nothing, zero, c.r), hn::IfThenElse(nothing, zero, c.g),
+            hn::IfThenElse(nothing, zero, c.b)};
+  }
+  const V3 ray =
+      picture.view->orthographic ? V3{hn::Zero(kFloats), hn::Zero(kFloats), Num(-1)} : p.ray;
+  // Nothing that is near enough is hidden.
+  const float haze_begins = sky.elevation > 0 ? 1 - sky.haze : 1;
+  const V within = Num(0.7f * haze_begins * sky.radius);
+  const V length2 = hn::Mul(hn::Mul(p.depth, p.depth), Dot(ray, ray));
+  const M may_be = hn::Or(nothing, hn::Gt(length2, hn::Mul(within, within)));
+  if (hn::AllFalse(kFloats, may_be)) return c;
+
+  const V3 in_world = Turned(sky.from_view, 3, ray);
+  const V flat = hn::Sqrt(Square(in_world.x, in_world.y));
+  const V extent = hn::Max(hn::Max(flat, hn::Abs(in_world.z)), Num(1e-20f));
+  const M behind = hn::Or(nothing, hn::Gt(hn::Mul(p.depth, extent), Num(sky.radius)));
+  if (!hn::AllFalse(kFloats, behind)) {
+    const Colour s = SkyColour(picture, in_world);
+    c = {hn::IfThenElse(behind, s.r, c.r), hn::IfThenElse(behind, s.g, c.g),
+         hn::IfThenElse(behind, s.b, c.b)};
+  }
+  if (sky.elevation <= 0) return c;
+
+  // The haze is a cone that rises from the plane to the height of the camera at the sky.
+  const V3 to = Turned(sky.to_plane, 3, ray);
+  const V zero = hn::Zero(kFloats), one = Num(1), r = Num(sky.haze);
+  const V along = hn::Max(hn::Sqrt(Square(to.x, to.y)), Num(1e-20f));
+  const V slope = hn::Div(to.z, along);
+  const V below =
+      hn::Div(hn::Neg(slope),
+              hn::Max(hn::Sub(Num(sky.elevation / sky.radius), hn::Mul(slope, r)), Num(1e-20f)));
+  const V height = hn::Sub(one, below);
+  const V distance = hn::Mul(Num(sky.radius), hn::Sub(one, hn::Mul(r, below)));
+  const M hazy = hn::And(hn::And(hn::Ge(below, zero), hn::Le(below, one)),
+                         hn::Or(behind, hn::Gt(hn::Mul(p.depth, along), distance)));
+  const V densest = Num(sky.haze_height);
+  const V rising = hn::Div(height, densest),
+          falling = hn::Div(hn::Sub(one, height), hn::Sub(one, densest));
+  const V alpha = hn::IfThenElseZero(hazy, Clamp01(hn::Min(rising, falling)));
+  return Mix(c, {Num(sky.haze_rgb[0]), Num(sky.haze_rgb[1]), Num(sky.haze_rgb[2])}, alpha);
+}
+
+// ---- Blocks
+
+HWY_INLINE I PackPixels(const Colour& c) {
+  const V scale = Num(255);
+  const auto byte = [&](V v) HWY_ATTR { return hn::NearestInt(hn::Mul(Clamp01(v), scale)); };
+  return hn::Or(byte(c.r), hn::Or(hn::ShiftLeft<8>(byte(c.g)), hn::ShiftLeft<16>(byte(c.b))));
+}
+
+// Colours of a register of pixels; black where nothing is.
+HWY_INLINE Colour ShadePixels(const SoftPicture& picture, const Pixels& p, I ids) {
+  const V zero = hn::Zero(kFloats);
+  Colour c{zero, zero, zero};
+  alignas(64) int32_t all[kSoftPixels];
+  hn::Store(ids, kInts, all);
+  for (int k = 0; k < kLanes; ++k) {
+    if (all[k] < 0) continue;
+    const SoftInstance& instance =
+        picture.instances[picture.instance_of_run[all[k] >> kSoftRunBits]];
+    const auto first = static_cast<int32_t>(instance.first_id);
+    const I one = hn::Set(kInts, all[k]);
+    if (hn::AllTrue(kInts, hn::Eq(ids, one))) {
+      return ShadeInstance<true>(picture, instance, p, all[k] - first, one);
+    }
+    const I triangle = hn::Sub(ids, hn::Set(kInts, first));
+    const auto of_this = hn::And(hn::Gt(triangle, hn::Set(kInts, -1)),
+                                 hn::Lt(triangle, hn::Set(kInts, instance.mesh->triangles)));
+    const Colour here =
+        ShadeInstance<false>(picture, instance, p, 0, hn::IfThenElseZero(of_this, triangle));
+    const M mask = hn::RebindMask(kFloats, of_this);
+    c = {hn::IfThenElse(mask, here.r, c.r), hn::IfThenElse(mask, here.g, c.g),
+         hn::IfThenElse(mask, here.b, c.b)};
+    for (int later = k; later < kLanes; ++later) {  // done
+      const int32_t offset = all[later] - first;
+      if (offset >= 0 && offset < instance.mesh->triangles) all[later] = -1;
+    }
+  }
+  return c;
+}
+
+inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffer,
+                             SoftIds* colours) {
+  for (int by = 0; by < buffer.rows; ++by) {
+    for (int bx = 0; bx < buffer.columns; ++bx) {
+      const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
+      for (int part = 0; part < kSoftPixels; part += kLanes) {
+        const I ids =
+            hn::Load(kInts, reinterpret_cast<const int32_t*>(buffer.ids[block].at) + part);
+        const V nearness = hn::Load(kFloats, buffer.nearness[block].at + part);
+        const Pixels p = PixelsAt(*picture.view, bx, by, part, nearness);
+        const M nothing = hn::RebindMask(kFloats, hn::Lt(ids, hn::Zero(kInts)));
+        const Colour c = WithSky(picture, p, nothing, ShadePixels(picture, p, ids));
+        hn::Store(PackPixels(c), kInts, reinterpret_cast<int32_t*>(colours[block].at) + part);
+      }
+    }
+  }
+}
+
+inline void BlendLayerHere(const SoftPicture& picture, const SoftBuffer& behind,
+                           const SoftBuffer& layer, float alpha, SoftIds* colours) {
+  for (int by = 0; by < layer.rows; ++by) {
+    for (int bx = 0; bx < layer.columns; ++bx) {
+      const size_t block = static_cast<size_t>(by) * layer.columns + bx;
+      for (int part = 0; part < kSoftPixels; part += kLanes) {
+        I ids = hn::Load(kInts, reinterpret_cast<const int32_t*>(layer.ids[block].at) + part);
+        const V nearness = hn::Load(kFloats, layer.nearness[block].at + part);
+        const M seen =
+            hn::And(hn::RebindMask(kFloats, hn::Gt(ids, hn::Set(kInts, -1))),
+                    hn::Ge(nearness, hn::Load(kFloats, behind.nearness[block].at + part)));
+        if (hn::AllFalse(kFloats, seen)) continue;
+        ids = hn::IfThenElse(hn::RebindMask(kInts, seen), ids, hn::Set(kInts, -1));
+        const Pixels p = PixelsAt(*picture.view, bx, by, part, nearness);
+        auto* at = reinterpret_cast<int32_t*>(colours[block].at) + part;
+        const Colour under = Unpack(hn::Load(kInts, at));
+        const V scale = Num(1.0f / 255);
+        const Colour before{hn::Mul(under.r, scale), hn::Mul(under.g, scale),
+                            hn::Mul(under.b, scale)};
+        const Colour after =
+            Mix(before, ShadePixels(picture, p, ids), hn::IfThenElseZero(seen, Num(alpha)));
+        hn::Store(PackPixels(after), kInts, at);
+      }
+    }
+  }
+}
+
+}  // namespace robocell::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif  // include guard
