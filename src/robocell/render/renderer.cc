@@ -3,9 +3,6 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
-#include "robocell/render/gl_renderer.h"
-#include "robocell/render/soft_renderer.h"
 
 namespace robocell {
 namespace {
@@ -21,14 +18,6 @@ void CheckSize(const char* image, size_t have, const RenderRequest& request, siz
 }
 
 }  // namespace
-
-std::vector<std::string> RendererBackends() { return {"gl", "soft"}; }
-
-std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
-  if (options.backend == "gl") return std::make_unique<GlRenderer>(options);
-  if (options.backend == "soft") return std::make_unique<SoftRenderer>(options);
-  throw NotFoundError(NoSuchName("renderer", "back end", options.backend, RendererBackends()));
-}
 
 void CheckImageSize(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargest && height <= kLargest) return;
