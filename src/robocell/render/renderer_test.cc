@@ -175,7 +175,7 @@ TEST_P(Rendering, QualityChangesColourOnly) {
   options.quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512};
   const auto fine = Make(options);
   const Images images = Take(*fine);
-  if (GetParam() == "gl") EXPECT_NE(images.rgb, plain.rgb);  // `soft` has no effects yet
+  EXPECT_NE(images.rgb, plain.rgb);
   EXPECT_EQ(images.ids, plain.ids);
   EXPECT_EQ(images.depth, plain.depth);
   EXPECT_EQ(fine->quality().multisamples, 4);

@@ -30,6 +30,8 @@ enum class SoftMapping { kNone, kMesh, kPlanar, kCube };
 struct SoftMaterial {
   float rgba[4] = {1, 1, 1, 1};
   float emission = 0, specular = 0, shininess = 0;
+  bool shines = false;
+  float least_shine = 0;  // square of the cosine below which no highlight is seen
   const SoftTexture* texture = nullptr;
   SoftMapping mapping = SoftMapping::kNone;
   float scale[3] = {1, 1, 1};  // planar: of x and y; cube: of the position
@@ -47,8 +49,9 @@ struct SoftInstance {
   int body = -1;
   int segment = -1;       // -1: in colour only
   uint32_t first_id = 0;  // its triangles have the ids that follow
-  bool casts_shadow = true;
 };
+
+struct SoftShadow;
 
 struct SoftLight {
   bool directional = false;
@@ -58,6 +61,8 @@ struct SoftLight {
   float cutoff_cosine = -1;  // -1: in all directions
   float exponent = 0;
   float ambient[3], diffuse[3], specular[3];
+  bool shines = false;
+  const SoftShadow* shadow = nullptr;
 };
 
 // 4 x 4 pixels lie together, row after row.
@@ -78,6 +83,19 @@ struct SoftBuffer {
   int columns = 0, rows = 0;  // blocks
   std::vector<SoftNumbers> nearness;
   std::vector<SoftIds> ids;
+};
+
+// The same through points beside the pixels' centres, this many pixels away.
+struct SoftSample {
+  float right = 0, down = 0;
+  SoftBuffer buffer;
+};
+
+// A light's view, and how near to it the first surface is.
+struct SoftShadow {
+  SoftView view;
+  float from_view[12];  // rows of 4: from the camera's view axes to the light's
+  const SoftBuffer* map = nullptr;
 };
 
 // What is used while an instance is drawn.
@@ -104,6 +122,7 @@ struct SoftPicture {
   const int32_t* instance_of_run = nullptr;
   const SoftLight* lights = nullptr;
   int light_count = 0;
+  bool shadows = true;
   float ambient = 0;  // light without a source
   SoftSky sky;
 };

@@ -1,6 +1,7 @@
 #include "robocell/render/soft_kernel.h"
 
 #include <algorithm>
+#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/render/soft_kernel.cc"
@@ -22,8 +23,12 @@ void Draw(const SoftView& view, const SoftInstance& instance, SoftScratch* scrat
           SoftBuffer* buffer) {
   DrawInstanceHere(view, instance, scratch, buffer);
 }
-void Shade(const SoftPicture& picture, const SoftBuffer& buffer, SoftIds* colours) {
-  ShadePictureHere(picture, buffer, colours);
+void Exact(const SoftPicture& picture, const SoftBuffer& buffer, float* metres, int32_t* bodies) {
+  ReadExactHere(picture, buffer, metres, bodies);
+}
+void Shade(const SoftPicture& picture, const SoftBuffer& buffer,
+           std::span<const SoftSample> samples, SoftIds* colours) {
+  ShadePictureHere(picture, buffer, samples, colours);
 }
 void Blend(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
            float alpha, SoftIds* colours) {
@@ -37,25 +42,29 @@ HWY_AFTER_NAMESPACE();
 namespace robocell::internal {
 HWY_EXPORT(Instructions);
 HWY_EXPORT(Draw);
+HWY_EXPORT(Exact);
 HWY_EXPORT(Shade);
 HWY_EXPORT(Blend);
 
 std::string SoftInstructions() { return hwy::TargetName(HWY_DYNAMIC_DISPATCH(Instructions)()); }
 
-void ClearBuffer(const SoftView& view, SoftBuffer* buffer) {
+void ClearNearness(const SoftView& view, SoftBuffer* buffer) {
   buffer->width = view.width;
   buffer->height = view.height;
   buffer->columns = (view.width + kSoftBlock - 1) / kSoftBlock;
   buffer->rows = (view.height + kSoftBlock - 1) / kSoftBlock;
-  const size_t blocks = static_cast<size_t>(buffer->columns) * static_cast<size_t>(buffer->rows);
   // What is farther than the far plane is not nearer than this.
-  const float farthest = view.orthographic ? 0.0f : 1 / view.far;
-  SoftNumbers none;
-  std::fill_n(none.at, kSoftPixels, farthest);
+  SoftNumbers farthest;
+  std::fill_n(farthest.at, kSoftPixels, view.orthographic ? 0.0f : 1 / view.far);
+  buffer->nearness.assign(static_cast<size_t>(buffer->columns) * static_cast<size_t>(buffer->rows),
+                          farthest);
+}
+
+void ClearBuffer(const SoftView& view, SoftBuffer* buffer) {
+  ClearNearness(view, buffer);
   SoftIds nothing;
   std::fill_n(nothing.at, kSoftPixels, kSoftNothing);
-  buffer->nearness.assign(blocks, none);
-  buffer->ids.assign(blocks, nothing);
+  buffer->ids.assign(buffer->nearness.size(), nothing);
 }
 
 void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
@@ -73,31 +82,14 @@ void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratc
 
 void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<float> metres,
                std::span<int32_t> bodies) {
-  const SoftView& view = *picture.view;
-  for (int y = 0; y < view.height; ++y) {
-    for (int x = 0; x < view.width; ++x) {
-      const size_t block = static_cast<size_t>(y / kSoftBlock) * buffer.columns + x / kSoftBlock;
-      const int k = y % kSoftBlock * kSoftBlock + x % kSoftBlock;
-      const size_t pixel = static_cast<size_t>(y) * view.width + x;
-      const uint32_t id = buffer.ids[block].at[k];
-      const float nearness = buffer.nearness[block].at[k];
-      if (!metres.empty()) {
-        metres[pixel] = id == kSoftNothing  ? 0
-                        : view.orthographic ? view.far - nearness * (view.far - view.near)
-                                            : 1 / nearness;
-      }
-      if (!bodies.empty()) {
-        bodies[pixel] = id == kSoftNothing
-                            ? -1
-                            : picture.instances[picture.instance_of_run[id >> kSoftRunBits]].body;
-      }
-    }
-  }
+  HWY_DYNAMIC_DISPATCH(Exact)
+  (picture, buffer, metres.empty() ? nullptr : metres.data(),
+   bodies.empty() ? nullptr : bodies.data());
 }
 
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
-                  std::span<SoftIds> colours) {
-  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, colours.data());
+                  std::span<const SoftSample> samples, std::span<SoftIds> colours) {
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, samples, colours.data());
 }
 
 void BlendLayer(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
@@ -107,16 +99,18 @@ void BlendLayer(const SoftPicture& picture, const SoftBuffer& behind, const Soft
 
 void PackColours(const SoftBuffer& buffer, std::span<const SoftIds> colours,
                  std::span<uint8_t> rgb) {
-  uint8_t* to = rgb.data();
   for (int y = 0; y < buffer.height; ++y) {
     const SoftIds* row = colours.data() + static_cast<size_t>(y / kSoftBlock) * buffer.columns;
-    for (int x = 0; x < buffer.width; x += kSoftBlock, ++row) {
-      const uint32_t* from = row->at + y % kSoftBlock * kSoftBlock;
-      for (int k = 0; k < std::min(kSoftBlock, buffer.width - x); ++k, to += 3) {
-        to[0] = static_cast<uint8_t>(from[k]);
-        to[1] = static_cast<uint8_t>(from[k] >> 8);
-        to[2] = static_cast<uint8_t>(from[k] >> 16);
-      }
+    uint8_t* to = rgb.data() + static_cast<size_t>(3 * y) * buffer.width;
+    int x = 0;
+    for (; x + kSoftBlock <= buffer.width; x += kSoftBlock, ++row, to += 12) {
+      const uint32_t* c = row->at + y % kSoftBlock * kSoftBlock;
+      const uint32_t words[3] = {c[0] | c[1] << 24, c[1] >> 8 | c[2] << 16, c[2] >> 16 | c[3] << 8};
+      std::memcpy(to, words, sizeof words);
+    }
+    for (; x < buffer.width; ++x, to += 3) {
+      const uint32_t c = row->at[y % kSoftBlock * kSoftBlock + x % kSoftBlock];
+      for (int k = 0; k < 3; ++k) to[k] = static_cast<uint8_t>(c >> (8 * k));
     }
   }
 }

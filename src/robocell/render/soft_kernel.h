@@ -23,6 +23,9 @@ std::string SoftInstructions();
 // Makes the buffer fit the view, with nothing in it.
 void ClearBuffer(const SoftView& view, SoftBuffer* buffer);
 
+// The same without ids.
+void ClearNearness(const SoftView& view, SoftBuffer* buffer);
+
 // Draws the instance into the buffer. One without ids gets nearness only.
 void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
                   SoftBuffer* buffer);
@@ -31,8 +34,10 @@ void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratc
 void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<float> metres,
                std::span<int32_t> bodies);
 
-// Colours of what is in the buffer: red, green, blue from the lowest byte on.
-void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, std::span<SoftIds> colours);
+// Colours of what is in the buffer: red, green, blue from the lowest byte on. With samples the
+// edges of surfaces are smoothed.
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
+                  std::span<const SoftSample> samples, std::span<SoftIds> colours);
 
 // Blends an instance that can be seen through over the colours, in front of what is in the buffer.
 // Its nearness and ids go into `layer`, which is cleared for it.

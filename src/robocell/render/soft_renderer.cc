@@ -16,6 +16,30 @@ using internal::SoftBuffer;
 using internal::SoftIds;
 using internal::SoftPicture;
 
+namespace {
+
+// Where samples lie in a pixel: no two in a row or a column, so that edges of any slope are
+// smoothed.
+std::vector<internal::SoftSample> Samples(int wanted) {
+  if (wanted <= 1) return {};
+  const int count = wanted <= 4 ? 4 : wanted <= 8 ? 8 : 16;
+  // Columns of the rows, from the top; steps of 1 / count from the left edge.
+  static constexpr int kFour[] = {1, 3, 0, 2}, kEight[] = {3, 6, 1, 4, 7, 2, 5, 0},
+                       kSixteen[] = {7, 2, 12, 5, 15, 9, 0, 11, 4, 14, 6, 1, 10, 13, 3, 8};
+  const int* columns = count == 4 ? kFour : count == 8 ? kEight : kSixteen;
+  std::vector<internal::SoftSample> samples(static_cast<size_t>(count));
+  const auto place = [&](int step) {
+    return (static_cast<float>(step) + 0.5f) / static_cast<float>(count) - 0.5f;
+  };
+  for (int i = 0; i < count; ++i) {
+    samples[static_cast<size_t>(i)].right = place(columns[i]);
+    samples[static_cast<size_t>(i)].down = place(i);
+  }
+  return samples;
+}
+
+}  // namespace
+
 struct SoftRenderer::Impl {
   RendererOptions options;
   std::string description;
@@ -25,6 +49,7 @@ struct SoftRenderer::Impl {
   SoftBuffer opaque;  // what hides what is behind it
   SoftBuffer all;     // for depth and segmentation, where something can be seen through
   SoftBuffer layer;
+  std::vector<internal::SoftSample> samples;
   std::vector<SoftIds> colours;
   std::vector<float> depth;  // when only millimetres are wanted
 
@@ -32,7 +57,20 @@ struct SoftRenderer::Impl {
       : options(chosen),
         description("soft: " + internal::SoftInstructions()),
         drawn({.visibility = chosen.visibility,
-               .keep_unseen = chosen.quality.shadows || chosen.quality.reflections}) {}
+               .keep_unseen = chosen.quality.shadows || chosen.quality.reflections}),
+        samples(Samples(chosen.quality.multisamples)) {}
+
+  void DrawSamples() {
+    for (internal::SoftSample& sample : samples) {
+      internal::SoftView view = scene.view();
+      view.cx -= sample.right;
+      view.cy -= sample.down;
+      internal::ClearBuffer(view, &sample.buffer);
+      for (const int i : scene.opaque()) {
+        internal::DrawInstance(view, scene.instances()[i], &scratch, &sample.buffer);
+      }
+    }
+  }
 
   void DrawLayer(const internal::SoftScene::Layer& group, SoftBuffer* into) {
     for (int i = group.first; i < group.end; ++i) {
@@ -66,9 +104,12 @@ struct SoftRenderer::Impl {
     for (const int i : scene.opaque().subspan(opaque_before)) {
       internal::DrawInstance(scene.view(), scene.instances()[i], &scratch, &opaque);
     }
-    const SoftPicture picture = scene.Picture();
+    scene.DrawShadows(&scratch);
+    DrawSamples();
+    SoftPicture picture = scene.Picture();
     colours.resize(opaque.ids.size());
-    internal::ShadePicture(picture, opaque, colours);
+    internal::ShadePicture(picture, opaque, samples, colours);
+    picture.shadows = false;  // what can be seen through receives none
     // As the engine does: from the front to the back, then from the back to the front.
     const auto layers = scene.layers();
     const auto blend = [&](const internal::SoftScene::Layer& group) {
@@ -101,9 +142,12 @@ CameraModel SoftRenderer::Render(const mjData* data, const RenderRequest& reques
                                  const RenderOutputs& outputs) {
   Impl& r = *impl_;
   CheckOutputs(request, outputs);
+  const RenderQuality& quality = r.options.quality;
   CameraModel camera = r.drawn.Update(data, request);
   r.scene.Update(r.drawn.model(), *r.drawn.scene(), r.drawn.BodyOfId(), camera,
-                 r.options.visibility.skybox);
+                 {.sky = r.options.visibility.skybox,
+                  .shadows = quality.shadows && !outputs.rgb.empty(),
+                  .shadow_size = quality.shadow_size});
   internal::ClearBuffer(r.scene.view(), &r.opaque);
   for (const int i : r.scene.opaque()) {
     internal::DrawInstance(r.scene.view(), r.scene.instances()[i], &r.scratch, &r.opaque);

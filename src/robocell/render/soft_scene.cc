@@ -93,6 +93,7 @@ bool OutOfView(const SoftView& view, const SoftMesh& mesh, const Affine3d& to_vi
 
 void SoftScene::SetModel(const mjModel* model, const Visibility& visibility) {
   instances_.clear();  // they point into the assets
+  shadows_.Clear();
   own_.clear();
   own_.reserve(static_cast<size_t>(2 * (model->nskin + model->nflex) + 64));
   assets_ = SoftAssets(model, visibility);
@@ -119,21 +120,27 @@ void SoftScene::SetCamera(const CameraModel& camera) {
 }
 
 void SoftScene::Update(const mjModel* model, const mjvScene& list, std::span<const int32_t> bodies,
-                       const CameraModel& camera, bool sky) {
+                       const CameraModel& camera, const Effects& effects) {
   SetCamera(camera);
   instances_.clear();
   instance_of_run_.clear();
   opaque_.clear();
   layers_.clear();
   own_used_ = 0;
+  with_shadows_ = effects.shadows;
+  if (with_shadows_) shadows_.Begin(model, list, camera, effects.shadow_size);
   SetLights(list);
   sky_ = {};
-  if (sky) SetSky(model, list, camera);
+  if (effects.sky) SetSky(model, list, camera);
   for (int i = 0; i < list.ngeom; ++i) {
     const mjvGeom& geom = list.geoms[i];
     const bool known = geom.segid >= 0 && static_cast<size_t>(geom.segid) < bodies.size();
     AddElement(model, list, geom, known ? bodies[static_cast<size_t>(geom.segid)] : -1);
   }
+}
+
+void SoftScene::DrawShadows(SoftScratch* scratch) {
+  if (with_shadows_) shadows_.Draw(scratch);
 }
 
 void SoftScene::AddMarkers(const mjModel* model, const mjvScene& list, int first) {
@@ -173,6 +180,8 @@ void SoftScene::SetLights(const mjvScene& list) {
     std::copy_n(from.ambient, 3, light.ambient);
     std::copy_n(from.diffuse, 3, light.diffuse);
     std::copy_n(from.specular, 3, light.specular);
+    if (with_shadows_) light.shadow = shadows_.Of(i);
+    light.shines = std::any_of(from.specular, from.specular + 3, [](float s) { return s > 0; });
   }
 }
 
@@ -207,6 +216,9 @@ SoftMaterial SoftScene::MaterialOf(const mjvGeom& geom, bool behind) const {
   m.emission = geom.emission;
   m.specular = geom.specular;
   m.shininess = 128 * geom.shininess;
+  m.shines = geom.specular > 0;
+  // Where the power falls below 2^-11.
+  m.least_shine = m.shininess > 0 ? std::exp2(-22 / m.shininess) : 0;
   m.texture = assets_.TextureOf(geom);
   if (!m.texture) return m;
   const bool uniform = assets_.TextureIsUniform(geom);
@@ -238,6 +250,8 @@ void SoftScene::AddElement(const mjModel* model, const mjvScene& list, const mjv
   const SoftMaterial material = MaterialOf(geom, behind);
   const auto first = static_cast<int>(instances_.size());
   body_ = body;
+  bends_ = false;
+  casts_ = geom.castshadow != 0 && geom.category != mjCAT_DECOR;
   if (geom.type == mjGEOM_SKIN) {
     AddSkin(model, list, geom, material);
   } else if (geom.type == mjGEOM_FLEX) {
@@ -246,7 +260,6 @@ void SoftScene::AddElement(const mjModel* model, const mjvScene& list, const mjv
     AddShapes(geom, material, behind);
   }
   const auto end = static_cast<int>(instances_.size());
-  for (int i = first; i < end; ++i) instances_[i].casts_shadow = geom.castshadow != 0;
   if (first == end) return;
   if (geom.rgba[3] >= kOpaque && !behind) {
     for (int i = first; i < end; ++i) opaque_.push_back(i);
@@ -267,6 +280,7 @@ void SoftScene::AddElement(const mjModel* model, const mjvScene& list, const mjv
 void SoftScene::AddMesh(const SoftMesh* mesh, const Affine3d& in_world,
                         const SoftMaterial& material, SoftSide side) {
   if (!mesh || mesh->triangles == 0) return;
+  if (with_shadows_ && casts_) shadows_.AddCaster(mesh, in_world, bends_);
   const Affine3d to_view = to_camera_ * in_world;
   if (OutOfView(view_, *mesh, to_view)) return;
   SoftInstance instance;
@@ -372,6 +386,7 @@ void SoftScene::AddSkin(const mjModel* m, const mjvScene& list, const mjvGeom& g
     builder_.Triangle(corners[0], corners[1], corners[2]);
   }
   builder_.Build(mesh, texture >= 0);
+  bends_ = true;
   SoftMaterial own = material;
   if (own.mapping == SoftMapping::kMesh && mesh->texture.empty()) own.mapping = SoftMapping::kNone;
   AddMesh(mesh, Affine3d::Identity(), own);
@@ -422,6 +437,7 @@ void SoftScene::AddFlex(const mjvScene& list, const mjvGeom& geom, const SoftMat
     builder_.Triangle(corners[0], corners[1], corners[2]);
   }
   builder_.Build(mesh, textured);
+  bends_ = true;
   AddMesh(mesh, Affine3d::Identity(), material);
 }
 

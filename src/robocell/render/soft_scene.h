@@ -3,7 +3,7 @@
 //
 //   SoftScene scene;
 //   scene.SetModel(model, visibility);
-//   scene.Update(model, list, camera, /*sky=*/true);
+//   scene.Update(model, list, bodies, camera, {.shadows = true});
 //
 // No allocation once the largest list has been taken.
 #pragma once
@@ -17,6 +17,7 @@
 #include "robocell/render/camera_model.h"
 #include "robocell/render/soft_assets.h"
 #include "robocell/render/soft_frame.h"
+#include "robocell/render/soft_shadows.h"
 
 namespace robocell::internal {
 
@@ -24,9 +25,16 @@ class SoftScene {
  public:
   void SetModel(const mjModel* model, const Visibility& visibility);
 
+  struct Effects {
+    bool sky = true;
+    bool shadows = false;
+    int shadow_size = 1024;
+  };
   // `bodies`: of the list's segmentation ids.
   void Update(const mjModel* model, const mjvScene& list, std::span<const int32_t> bodies,
-              const CameraModel& camera, bool sky);
+              const CameraModel& camera, const Effects& effects);
+  // Before colours are computed.
+  void DrawShadows(SoftScratch* scratch);
   // Adds the elements of the list from `first` on, in colour only.
   void AddMarkers(const mjModel* model, const mjvScene& list, int first);
 
@@ -69,7 +77,10 @@ class SoftScene {
   std::vector<SoftLight> lights_;
   float ambient_ = 0;
   SoftSky sky_;
-  int body_ = -1;  // of the element that is being added
+  SoftShadows shadows_;
+  bool with_shadows_ = false;
+  bool casts_ = false, bends_ = false;  // the element that is being added
+  int body_ = -1;                       // of the element that is being added
   // Meshes that change with the state: of skins and flexes.
   std::vector<SoftMesh> own_;
   size_t own_used_ = 0;

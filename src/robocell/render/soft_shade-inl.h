@@ -8,6 +8,11 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
 #include "robocell/render/soft_frame.h"
 #include "robocell/render/soft_raster-inl.h"
 
@@ -76,6 +81,18 @@ HWY_INLINE V Exp2(V x) {
   const I power = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(kInts, whole), hn::Set(kInts, 127)));
   return hn::Mul(sum, hn::BitCast(kFloats, power));
 }
+// The same within 2e-4 and without a division; for levels of textures.
+HWY_INLINE V RoughLog2(V x) {
+  const I bits = hn::BitCast(kInts, x);
+  const V exponent = hn::ConvertTo(kFloats, hn::Sub(hn::ShiftRight<23>(bits), hn::Set(kInts, 127)));
+  const V t = hn::Sub(hn::BitCast(kFloats, hn::Or(hn::And(bits, hn::Set(kInts, 0x7fffff)),
+                                                  hn::Set(kInts, 0x3f800000))),
+                      Num(1));
+  V sum = hn::Add(hn::Mul(t, Num(-0.0821343f)), Num(0.3218812f));
+  sum = hn::Add(hn::Mul(t, sum), Num(-0.6777572f));
+  sum = hn::Add(hn::Mul(t, sum), Num(1.4380103f));
+  return hn::Add(exponent, hn::Mul(t, sum));
+}
 // x to the power of e, for x from 0 to 1.
 HWY_INLINE V Power(V x, float e) {
   if (e == 0) return Num(1);
@@ -99,9 +116,18 @@ HWY_INLINE Colour Mix(const Colour& a, const Colour& b, V t) {
 
 // One level, between its four nearest texels; 0 ... 255. `face` is 0 for textures that are no cube.
 HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, V v) {
-  const V w = hn::ConvertTo(kFloats, hn::GatherIndex(kInts, texture.level_width.data(), level));
-  const V h = hn::ConvertTo(kFloats, hn::GatherIndex(kInts, texture.level_height.data(), level));
-  const I start = hn::GatherIndex(kInts, texture.level_start.data(), level);
+  I width, height, start;
+  const auto first = static_cast<size_t>(hn::GetLane(level));
+  if (hn::AllTrue(kInts, hn::Eq(level, hn::Set(kInts, static_cast<int32_t>(first))))) {
+    width = hn::Set(kInts, texture.level_width[first]);
+    height = hn::Set(kInts, texture.level_height[first]);
+    start = hn::Set(kInts, texture.level_start[first]);
+  } else {
+    width = hn::GatherIndex(kInts, texture.level_width.data(), level);
+    height = hn::GatherIndex(kInts, texture.level_height.data(), level);
+    start = hn::GatherIndex(kInts, texture.level_start.data(), level);
+  }
+  const V w = hn::ConvertTo(kFloats, width), h = hn::ConvertTo(kFloats, height);
   const V zero = hn::Zero(kFloats), one = Num(1), half = Num(0.5f);
   V x, y, x0, x1, y0, y1;
   if (texture.cube) {  // within the face
@@ -126,8 +152,7 @@ HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, 
     x1 = hn::IfThenElse(hn::Ge(x1, w), zero, x1);
     y1 = hn::IfThenElse(hn::Ge(y1, h), zero, y1);
   }
-  const I width = hn::ConvertTo(kInts, w), height = hn::ConvertTo(kInts, h);
-  const I base = hn::Add(start, hn::Mul(face, hn::Mul(width, height)));
+  const I base = texture.cube ? hn::Add(start, hn::Mul(face, hn::Mul(width, height))) : start;
   const I row0 = hn::Add(base, hn::Mul(hn::ConvertTo(kInts, y0), width)),
           row1 = hn::Add(base, hn::Mul(hn::ConvertTo(kInts, y1), width));
   const I c0 = hn::ConvertTo(kInts, x0), c1 = hn::ConvertTo(kInts, x1);
@@ -142,7 +167,8 @@ HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, 
 HWY_INLINE Colour Sample(const SoftTexture& texture, I face, V u, V v, V square) {
   const V most = Num(static_cast<float>(texture.levels - 1));
   const V lod = hn::Min(
-      hn::Max(hn::Mul(Num(0.5f), Log2(hn::Max(square, Num(1e-12f)))), hn::Zero(kFloats)), most);
+      hn::Max(hn::Mul(Num(0.5f), RoughLog2(hn::Max(square, Num(1e-12f)))), hn::Zero(kFloats)),
+      most);
   const V whole = hn::Floor(lod), rest = hn::Sub(lod, whole);
   const I level = hn::ConvertTo(kInts, whole);
   Colour c = SampleLevel(texture, level, face, u, v);
@@ -175,12 +201,93 @@ HWY_INLINE Colour SampleCube(const SoftTexture& texture, const V3& d, V square) 
 
 // ---- Light
 
+// Share of a light that reaches points, with a soft edge of two pixels of the map. `facing` is the
+// cosine between normal and light.
+HWY_INLINE V Lit(const SoftShadow& shadow, const V3& at, const V3& normal, V facing) {
+  const V zero = hn::Zero(kFloats), one = Num(1), half = Num(0.5f);
+  const M towards = hn::Gt(facing, zero);
+  if (hn::AllFalse(kFloats, towards)) return zero;
+  const SoftView& view = shadow.view;
+  const float* m = shadow.from_view;
+  const auto depth_of = [&](const V3& p)
+                            HWY_ATTR { return hn::Neg(hn::Add(Dot(Set3(m + 8), p), Num(m[11]))); };
+  // Surfaces are rounded to the map's pixels: points are lifted off by a share of one, by more
+  // where light grazes.
+  const V slant = hn::Sqrt(hn::Max(hn::Sub(one, hn::Mul(facing, facing)), zero));
+  V pixel = Num(1 / view.fx);
+  if (!view.orthographic) pixel = hn::Mul(pixel, hn::Max(depth_of(at), zero));
+  const V lift = hn::Mul(pixel, hn::Add(Num(0.7f), hn::Mul(Num(1.8f), slant)));
+  const V3 p = Add(at, Times(lift, normal));
+  const V depth = depth_of(p);
+  const V shrink = view.orthographic ? one : hn::Div(one, hn::Max(depth, Num(1e-6f)));
+  const V nearness = view.orthographic
+                         ? hn::Mul(hn::Sub(Num(view.far), depth), Num(1 / (view.far - view.near)))
+                         : shrink;
+  const V x = hn::Add(Dot(Set3(m), p), Num(m[3])), y = hn::Add(Dot(Set3(m + 4), p), Num(m[7]));
+  const V u = hn::Sub(hn::Add(hn::Mul(hn::Mul(Num(view.fx), x), shrink), Num(view.cx)), half),
+          v = hn::Sub(hn::Sub(Num(view.cy), hn::Mul(hn::Mul(Num(view.fy), y), shrink)), half);
+  const V last = Num(static_cast<float>(view.width - 4));
+  // What the map does not show is lit.
+  const M inside = hn::And(
+      hn::And(towards, hn::Gt(depth, Num(view.near))),
+      hn::And(hn::And(hn::Gt(u, one), hn::Lt(u, last)), hn::And(hn::Gt(v, one), hn::Lt(v, last))));
+  if (hn::AllFalse(kFloats, inside)) return one;
+  const V us = hn::IfThenElseZero(inside, u), vs = hn::IfThenElseZero(inside, v);
+  const V u0 = hn::Floor(us), v0 = hn::Floor(vs);
+  const V fu = hn::Sub(us, u0), fv = hn::Sub(vs, v0);
+  const V across[3] = {hn::Sub(one, fu), one, fu}, along[3] = {hn::Sub(one, fv), one, fv};
+  const I column = hn::ConvertTo(kInts, u0), row = hn::ConvertTo(kInts, v0);
+  const I three = hn::Set(kInts, 3);
+  const float* map = shadow.map->nearness[0].at;
+  I columns[3];
+  for (int k = 0; k < 3; ++k) {
+    const I c = hn::Add(column, hn::Set(kInts, k));
+    columns[k] = hn::Add(hn::ShiftLeft<4>(hn::ShiftRight<2>(c)), hn::And(c, three));
+  }
+  V sum = zero;
+  for (int j = 0; j < 3; ++j) {
+    const I r = hn::Add(row, hn::Set(kInts, j));
+    const I start =
+        hn::Add(hn::Mul(hn::ShiftRight<2>(r), hn::Set(kInts, kSoftPixels * shadow.map->columns)),
+                hn::ShiftLeft<2>(hn::And(r, three)));
+    V of_row = zero;
+    for (int k = 0; k < 3; ++k) {
+      const V first = hn::GatherIndex(kFloats, map, hn::Add(start, columns[k]));
+      of_row = hn::Add(of_row, hn::IfThenElseZero(hn::Ge(nearness, first), across[k]));
+    }
+    sum = hn::Add(sum, hn::Mul(along[j], of_row));
+  }
+  return hn::IfThenElse(inside, hn::Mul(sum, Num(0.25f)), one);
+}
+
+// Adds the mirror image of the light. `middle`: between the directions to the light and back.
+HWY_INLINE void AddHighlight(const SoftMaterial& material, const SoftLight& light, V strength,
+                             const V3& normal, V facing, const V3& middle, V* to) {
+  // Most pixels are far from the highlight; what is left out is less than half a step of colour.
+  const V zero = hn::Zero(kFloats);
+  const V along = Dot(normal, middle), length2 = Dot(middle, middle);
+  const M bright =
+      hn::And(hn::And(hn::Gt(facing, zero), hn::Gt(along, zero)),
+              hn::Ge(hn::Mul(along, along), hn::Mul(Num(material.least_shine), length2)));
+  if (hn::AllFalse(kFloats, bright)) return;
+  const V shine = hn::Div(along, hn::Sqrt(hn::Max(length2, Num(1e-30f))));
+  const V highlight =
+      hn::IfThenElseZero(bright, hn::Mul(hn::Mul(strength, Num(material.specular)),
+                                         Power(Clamp01(shine), material.shininess)));
+  for (int c = 0; c < 3; ++c) {
+    to[c] = hn::Add(to[c], hn::Mul(highlight, Num(light.specular[c])));
+  }
+}
+
 HWY_INLINE Colour Light(const SoftPicture& picture, const SoftMaterial& material, const V3& at,
                         const V3& normal) {
   const V base[3] = {Num(material.rgba[0]), Num(material.rgba[1]), Num(material.rgba[2])};
   const V own = Num(material.emission + picture.ambient);
   V sum[3] = {hn::Mul(own, base[0]), hn::Mul(own, base[1]), hn::Mul(own, base[2])};
-  const V3 back = Unit({hn::Neg(at.x), hn::Neg(at.y), hn::Neg(at.z)});
+  // The engine adds each light that casts shadows in a picture of its own.
+  V added[3] = {hn::Zero(kFloats), hn::Zero(kFloats), hn::Zero(kFloats)};
+  V3 back{};
+  if (material.shines) back = Unit({hn::Neg(at.x), hn::Neg(at.y), hn::Neg(at.z)});
   const V zero = hn::Zero(kFloats);
   for (int l = 0; l < picture.light_count; ++l) {
     const SoftLight& light = picture.lights[l];
@@ -203,23 +310,27 @@ HWY_INLINE Colour Light(const SoftPicture& picture, const SoftMaterial& material
       }
     }
     const V facing = Dot(normal, to);
+    const bool shadowed = picture.shadows && light.shadow;
+    if (shadowed) strength = hn::Mul(strength, Lit(*light.shadow, at, normal, facing));
     const V diffuse = hn::Mul(strength, hn::Max(facing, zero));
+    V from[3];
     for (int c = 0; c < 3; ++c) {
       const V reflected = hn::Add(hn::Mul(strength, Num(light.ambient[c])),
                                   hn::Mul(diffuse, Num(light.diffuse[c])));
-      sum[c] = hn::Add(sum[c], hn::Mul(reflected, base[c]));
+      from[c] = hn::Mul(reflected, base[c]);
     }
-    if (material.specular > 0) {
-      const V shine = hn::Max(Dot(normal, Unit(Add(to, back))), zero);
-      const V highlight = hn::IfThenElseZero(
-          hn::Gt(facing, zero),
-          hn::Mul(hn::Mul(strength, Num(material.specular)), Power(shine, material.shininess)));
-      for (int c = 0; c < 3; ++c) {
-        sum[c] = hn::Add(sum[c], hn::Mul(highlight, Num(light.specular[c])));
+    if (material.shines && light.shines)
+      AddHighlight(material, light, strength, normal, facing, Add(to, back), from);
+    for (int c = 0; c < 3; ++c) {
+      if (shadowed) {
+        added[c] = hn::Add(added[c], Clamp01(from[c]));
+      } else {
+        sum[c] = hn::Add(sum[c], from[c]);
       }
     }
   }
-  return {Clamp01(sum[0]), Clamp01(sum[1]), Clamp01(sum[2])};
+  return {hn::Add(Clamp01(sum[0]), added[0]), hn::Add(Clamp01(sum[1]), added[1]),
+          hn::Add(Clamp01(sum[2]), added[2])};
 }
 
 // ---- Surfaces
@@ -230,11 +341,13 @@ struct Pixels {
   V3 at;  // view axes
 };
 
-HWY_INLINE Pixels PixelsAt(const SoftView& view, int bx, int by, int part, V nearness) {
+// Through points that are this far from the pixels' centres.
+HWY_INLINE Pixels PixelsAt(const SoftView& view, int bx, int by, int part, V nearness,
+                           float right = 0, float down = 0) {
   const V u = hn::Add(Num(static_cast<float>(4 * bx)), hn::Load(kFloats, kColumn + part)),
           v = hn::Add(Num(static_cast<float>(4 * by)), hn::Load(kFloats, kRow + part));
-  const V x = hn::Mul(hn::Sub(u, Num(view.cx)), Num(1 / view.fx)),
-          y = hn::Mul(hn::Sub(Num(view.cy), v), Num(1 / view.fy));
+  const V x = hn::Mul(hn::Sub(u, Num(view.cx - right)), Num(1 / view.fx)),
+          y = hn::Mul(hn::Sub(Num(view.cy - down), v), Num(1 / view.fy));
   Pixels p{{x, y, Num(-1)}, Num(1), {}};
   if (view.orthographic) {
     p.depth = hn::Sub(Num(view.far), hn::Mul(nearness, Num(view.far - view.near)));
@@ -265,6 +378,22 @@ HWY_INLINE void Changes(const SoftView& view, const float* m, const Pixels& p, c
 
 HWY_INLINE V Square(V u, V v) { return hn::Add(hn::Mul(u, u), hn::Mul(v, v)); }
 
+// Whether the normal is the same all over a triangle, and which it is then in view axes: to the bit
+// what the general way gives.
+HWY_INLINE bool IsFlat(const float* surface) {
+  for (int k = 12; k < 18; ++k) {
+    if (surface[k] != 0) return false;
+  }
+  return true;
+}
+HWY_INLINE void FlatNormal(const float* m, const float* surface, float* normal) {
+  const float* n = surface + 9;
+  for (int k = 0; k < 3; ++k) normal[k] = (n[0] * m[k] + n[1] * m[4 + k]) + n[2] * m[8 + k];
+  const float length2 = (normal[0] * normal[0] + normal[1] * normal[1]) + normal[2] * normal[2];
+  const float scale = 1 / std::sqrt(std::max(length2, 1e-30f));
+  for (int k = 0; k < 3; ++k) normal[k] = scale * normal[k];
+}
+
 // kOne: all pixels show triangle `one`; otherwise `triangle` says which.
 template <bool kOne>
 HWY_INLINE Colour ShadeInstance(const SoftPicture& picture, const SoftInstance& instance,
@@ -286,8 +415,15 @@ HWY_INLINE Colour ShadeInstance(const SoftPicture& picture, const SoftInstance& 
   const V3 offset = Sub(at, vector(0));
   const V3 to1 = vector(3), to2 = vector(6);
   const V w1 = Clamp01(Dot(offset, to1)), w2 = Clamp01(Dot(offset, to2));
-  const V3 in_mesh = Add(vector(9), Add(Times(w1, vector(12)), Times(w2, vector(15))));
-  const V3 normal = Unit(TurnedBack(m, 4, in_mesh));
+  V3 normal;
+  if (kOne && IsFlat(surface + SoftMesh::kSurface * one)) {
+    float flat[3];
+    FlatNormal(m, surface + SoftMesh::kSurface * one, flat);
+    normal = Set3(flat);
+  } else {
+    const V3 in_mesh = Add(vector(9), Add(Times(w1, vector(12)), Times(w2, vector(15))));
+    normal = Unit(TurnedBack(m, 4, in_mesh));
+  }
   const SoftMaterial& material = instance.material;
   Colour c = Light(picture, material, p.at, normal);
   if (material.mapping == SoftMapping::kNone) return c;
@@ -442,19 +578,111 @@ HWY_INLINE Colour ShadePixels(const SoftPicture& picture, const Pixels& p, I ids
   return c;
 }
 
+HWY_INLINE I LoadIds(const SoftBuffer& buffer, size_t block, int part) {
+  return hn::Load(kInts, reinterpret_cast<const int32_t*>(buffer.ids[block].at) + part);
+}
+HWY_INLINE V LoadNearness(const SoftBuffer& buffer, size_t block, int part) {
+  return hn::Load(kFloats, buffer.nearness[block].at + part);
+}
+
+// The mean over the samples of pixels whose centres have colour `c`. A sample of the same surface
+// has that colour too: edges are smoothed, textures and highlights are not.
+HWY_INLINE Colour WithSamples(const SoftPicture& picture, std::span<const SoftSample> samples,
+                              size_t block, int bx, int by, int part, I ids, V nearness,
+                              const Colour& c) {
+  const V zero = hn::Zero(kFloats);
+  const V close = hn::Mul(Num(0.02f), nearness);
+  const I run = hn::ShiftRight<kSoftRunBits>(ids);
+  Colour sum{zero, zero, zero};
+  bool edge = false;
+  for (const SoftSample& sample : samples) {
+    const I at = LoadIds(sample.buffer, block, part);
+    const V near = LoadNearness(sample.buffer, block, part);
+    const M same = hn::And(hn::RebindMask(kFloats, hn::Eq(run, hn::ShiftRight<kSoftRunBits>(at))),
+                           hn::Le(hn::Abs(hn::Sub(near, nearness)), close));
+    Colour here = c;
+    if (!hn::AllTrue(kFloats, same)) {
+      edge = true;
+      const Pixels p = PixelsAt(*picture.view, bx, by, part, near, sample.right, sample.down);
+      const I other = hn::IfThenElse(hn::RebindMask(kInts, same), hn::Set(kInts, -1), at);
+      const M nothing = hn::RebindMask(kFloats, hn::Lt(other, hn::Zero(kInts)));
+      const Colour shaded = WithSky(picture, p, nothing, ShadePixels(picture, p, other));
+      here = {hn::IfThenElse(same, c.r, Clamp01(shaded.r)),
+              hn::IfThenElse(same, c.g, Clamp01(shaded.g)),
+              hn::IfThenElse(same, c.b, Clamp01(shaded.b))};
+    }
+    sum = {hn::Add(sum.r, here.r), hn::Add(sum.g, here.g), hn::Add(sum.b, here.b)};
+  }
+  if (!edge) return c;
+  const V share = Num(1 / static_cast<float>(samples.size()));
+  return {hn::Mul(share, sum.r), hn::Mul(share, sum.g), hn::Mul(share, sum.b)};
+}
+
 inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffer,
-                             SoftIds* colours) {
+                             std::span<const SoftSample> samples, SoftIds* colours) {
   for (int by = 0; by < buffer.rows; ++by) {
     for (int bx = 0; bx < buffer.columns; ++bx) {
       const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
       for (int part = 0; part < kSoftPixels; part += kLanes) {
-        const I ids =
-            hn::Load(kInts, reinterpret_cast<const int32_t*>(buffer.ids[block].at) + part);
-        const V nearness = hn::Load(kFloats, buffer.nearness[block].at + part);
+        const I ids = LoadIds(buffer, block, part);
+        const V nearness = LoadNearness(buffer, block, part);
         const Pixels p = PixelsAt(*picture.view, bx, by, part, nearness);
         const M nothing = hn::RebindMask(kFloats, hn::Lt(ids, hn::Zero(kInts)));
-        const Colour c = WithSky(picture, p, nothing, ShadePixels(picture, p, ids));
+        Colour c = WithSky(picture, p, nothing, ShadePixels(picture, p, ids));
+        c = {Clamp01(c.r), Clamp01(c.g), Clamp01(c.b)};
+        if (!samples.empty()) {
+          c = WithSamples(picture, samples, block, bx, by, part, ids, nearness, c);
+        }
         hn::Store(PackPixels(c), kInts, reinterpret_cast<int32_t*>(colours[block].at) + part);
+      }
+    }
+  }
+}
+
+inline void ReadExactHere(const SoftPicture& picture, const SoftBuffer& buffer, float* metres,
+                          int32_t* bodies) {
+  const SoftView& view = *picture.view;
+  for (int by = 0; by < buffer.rows; ++by) {
+    const int rows = std::min(kSoftBlock, view.height - kSoftBlock * by);
+    for (int bx = 0; bx < buffer.columns; ++bx) {
+      const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
+      const int columns = std::min(kSoftBlock, view.width - kSoftBlock * bx);
+      const size_t first = static_cast<size_t>(kSoftBlock * by) * view.width + kSoftBlock * bx;
+      const uint32_t* ids = buffer.ids[block].at;
+      if (metres) {
+        alignas(64) float depth[kSoftPixels];
+        for (int part = 0; part < kSoftPixels; part += kLanes) {
+          const V q = hn::Load(kFloats, buffer.nearness[block].at + part);
+          const I id = hn::Load(kInts, reinterpret_cast<const int32_t*>(ids) + part);
+          const V d = view.orthographic
+                          ? hn::Sub(Num(view.far), hn::Mul(q, Num(view.far - view.near)))
+                          : hn::Div(Num(1), q);
+          const M seen = hn::RebindMask(kFloats, hn::Gt(id, hn::Set(kInts, -1)));
+          hn::Store(hn::IfThenElseZero(seen, d), kFloats, depth + part);
+        }
+        for (int r = 0; r < rows; ++r) {
+          std::copy_n(depth + kSoftBlock * r, columns,
+                      metres + first + static_cast<size_t>(r) * view.width);
+        }
+      }
+      if (bodies) {
+        uint32_t run = kSoftNothing;
+        int32_t body = -1;
+        for (int r = 0; r < rows; ++r) {
+          int32_t* to = bodies + first + static_cast<size_t>(r) * view.width;
+          for (int c = 0; c < columns; ++c) {
+            const uint32_t id = ids[kSoftBlock * r + c];
+            if (id == kSoftNothing) {
+              to[c] = -1;
+              continue;
+            }
+            if (id >> kSoftRunBits != run) {
+              run = id >> kSoftRunBits;
+              body = picture.instances[picture.instance_of_run[run]].body;
+            }
+            to[c] = body;
+          }
+        }
       }
     }
   }
