@@ -11,7 +11,33 @@ namespace {
 
 size_t Padded(size_t size) { return (size + kSoftPadding - 1) / kSoftPadding * kSoftPadding; }
 
-void Put(const Eigen::Vector3f& v, float* to) { std::copy_n(v.data(), 3, to); }
+uint32_t Word(float low, float high) {
+  const auto half = [](float v) {
+    return static_cast<uint32_t>(static_cast<uint16_t>(
+        static_cast<int16_t>(std::lround(32767 * std::clamp(v, -1.0f, 1.0f)))));
+  };
+  return half(low) | half(high) << 16;
+}
+
+// The corners' normals are of unit length.
+SoftSurface SurfaceOf(const Eigen::Vector3d& first, const Eigen::Vector3d& u,
+                      const Eigen::Vector3d& v, const SoftCorner* corners) {
+  const Eigen::Vector3d normal = u.cross(v);
+  const Eigen::Vector3d to1 = v.cross(normal) / normal.squaredNorm(),
+                        to2 = normal.cross(u) / normal.squaredNorm();
+  SoftSurface s{};
+  for (int k = 0; k < 3; ++k) {
+    s.to1[k] = static_cast<float>(to1[k]);
+    s.to2[k] = static_cast<float>(to2[k]);
+  }
+  s.at1 = static_cast<float>(to1.dot(first));
+  s.at2 = static_cast<float>(to2.dot(first));
+  float n[10] = {};
+  for (int k = 0; k < 9; ++k) n[k] = corners[k / 3].normal[k % 3];
+  for (int k = 0; k < 5; ++k) s.normals[k] = Word(n[2 * k], n[2 * k + 1]);
+  s.flat = std::equal(n, n + 6, n + 3) ? 1 : 0;
+  return s;
+}
 
 }  // namespace
 
@@ -63,7 +89,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
     mesh.high = mesh.high.cwiseMax(p);
   }
   for (auto& row : mesh.facing) row.assign(Padded(triangles), 0.0f);
-  mesh.surface.resize(SoftMesh::kSurface * triangles);
+  mesh.surface.resize(triangles);
   mesh.texture.resize(with_texture ? SoftMesh::kTexture * triangles : 0);
   mesh.corners.clear();
   mesh.corners.reserve(3 * triangles);
@@ -78,13 +104,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
     const Eigen::Vector3d unit = normal / std::sqrt(square);
     for (int k = 0; k < 3; ++k) mesh.facing[k][t] = static_cast<float>(unit[k]);
     mesh.facing[3][t] = static_cast<float>(-unit.dot(first));
-    float* s = &mesh.surface[SoftMesh::kSurface * t];
-    Put(first.cast<float>(), s);
-    Put((v.cross(normal) / square).cast<float>(), s + 3);
-    Put((normal.cross(u) / square).cast<float>(), s + 6);
-    Put(corner[0].normal, s + 9);
-    Put(corner[1].normal - corner[0].normal, s + 12);
-    Put(corner[2].normal - corner[0].normal, s + 15);
+    mesh.surface[t] = SurfaceOf(first, u, v, corner);
     if (!with_texture) continue;
     float* to = &mesh.texture[SoftMesh::kTexture * t];
     for (int k = 0; k < 3; ++k) {

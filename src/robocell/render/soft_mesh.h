@@ -9,11 +9,17 @@
 
 namespace robocell::internal {
 
+// What a visible triangle is coloured with; one line of the cache.
+struct alignas(64) SoftSurface {
+  // The weight of the second corner at a point is to1 . p - at1, that of the third to2 . p - at2.
+  float to1[3], at1, to2[3], at2;
+  // The normals at the corners, 9 numbers in 16 bits each, two in a word.
+  uint32_t normals[5];
+  uint32_t flat;  // 1: all three are the same
+  uint32_t unused[2];
+};
+
 struct SoftMesh {
-  // Numbers a triangle has in `surface`: first corner; the two vectors whose products with an
-  // offset from it are the weights of the second and the third corner; normal at the first corner
-  // and the differences to the normals at the other two.
-  static constexpr int kSurface = 18;
   // u and v at the first corner, then the differences to the second and to the third.
   static constexpr int kTexture = 6;
 
@@ -21,8 +27,8 @@ struct SoftMesh {
   std::vector<float> x, y, z;    // padded with copies of the last vertex
   std::vector<int32_t> corners;  // 3 a triangle, counter-clockwise from outside
   std::vector<float> facing[4];  // plane of each triangle; padded with 0
-  std::vector<float> surface;    // kSurface a triangle
-  std::vector<float> texture;    // kTexture a triangle, or empty
+  std::vector<SoftSurface> surface;
+  std::vector<float> texture;  // kTexture a triangle, or empty
   Eigen::Vector3f low = {0, 0, 0}, high = {0, 0, 0};
 };
 

@@ -212,10 +212,12 @@ void DrawLarge(const SoftView& view, const Point* p, const PlaneNearness& plane,
       float* at = buffer->nearness[block].at;
       uint32_t* ids = kIds ? buffer->ids[block].at : nullptr;
       const bool whole = e[0] + least[0] >= 0 && e[1] + least[1] >= 0 && e[2] + least[2] >= 0;
-      for (int k = 0; k < 3; ++k) {
-        edges.e[k] = static_cast<float>(std::clamp(e[k], -16777216.0, 16777216.0));
-        e[k] += 4 * right[k];
+      if (!whole) {
+        for (int k = 0; k < 3; ++k) {
+          edges.e[k] = static_cast<float>(std::clamp(e[k], -16777216.0, 16777216.0));
+        }
       }
+      for (int k = 0; k < 3; ++k) e[k] += 4 * right[k];
       const V origin = Num(static_cast<float>(start));
       start += 4 * plane.right;
       for (int part = 0; part < kSoftPixels; part += kLanes) {

@@ -114,6 +114,25 @@ HWY_INLINE Colour Mix(const Colour& a, const Colour& b, V t) {
   return {mix(a.r, b.r), mix(a.g, b.g), mix(a.b, b.b)};
 }
 
+// The texels at these places and those after them.
+HWY_INLINE void Neighbours(const uint32_t* texels, I at, I* left, I* right) {
+#if HWY_TARGET == HWY_SCALAR
+  *left = hn::GatherIndex(kInts, reinterpret_cast<const int32_t*>(texels), at);
+  *right = hn::GatherIndex(kInts, reinterpret_cast<const int32_t*>(texels) + 1, at);
+#else
+  constexpr hn::RepartitionToWide<Ints> pairs;
+  constexpr hn::Half<Ints> half;
+  const auto* from = reinterpret_cast<const int64_t*>(texels);
+  const auto load = [&](auto some) HWY_ATTR {
+    return hn::BitCast(kInts,
+                       hn::GatherOffset(pairs, from, hn::ShiftLeft<2>(hn::PromoteTo(pairs, some))));
+  };
+  const I low = load(hn::LowerHalf(half, at)), high = load(hn::UpperHalf(half, at));
+  *left = hn::ConcatEven(kInts, high, low);
+  *right = hn::ConcatOdd(kInts, high, low);
+#endif
+}
+
 // One level, between its four nearest texels; 0 ... 255. `face` is 0 for textures that are no cube.
 HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, V v) {
   I width, height, start;
@@ -129,38 +148,37 @@ HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, 
   }
   const V w = hn::ConvertTo(kFloats, width), h = hn::ConvertTo(kFloats, height);
   const V zero = hn::Zero(kFloats), one = Num(1), half = Num(0.5f);
-  V x, y, x0, x1, y0, y1;
+  V x, y, x0, y0, y1;
   if (texture.cube) {  // within the face
     x = hn::Min(hn::Max(hn::Sub(hn::Mul(u, w), half), zero), hn::Sub(w, one));
     y = hn::Min(hn::Max(hn::Sub(hn::Mul(v, h), half), zero), hn::Sub(h, one));
     x0 = hn::Floor(x);
     y0 = hn::Floor(y);
-    x1 = hn::Min(hn::Add(x0, one), hn::Sub(w, one));
     y1 = hn::Min(hn::Add(y0, one), hn::Sub(h, one));
   } else {  // repeated
     x = hn::Sub(hn::Mul(hn::Sub(u, hn::Floor(u)), w), half);
     y = hn::Sub(hn::Mul(hn::Sub(v, hn::Floor(v)), h), half);
     x0 = hn::Floor(x);
     y0 = hn::Floor(y);
-    x1 = hn::Add(x0, one);
     y1 = hn::Add(y0, one);
   }
   const V fx = hn::Sub(x, x0), fy = hn::Sub(y, y0);
   if (!texture.cube) {
     x0 = hn::IfThenElse(hn::Lt(x0, zero), hn::Sub(w, one), hn::Min(x0, hn::Sub(w, one)));
     y0 = hn::IfThenElse(hn::Lt(y0, zero), hn::Sub(h, one), hn::Min(y0, hn::Sub(h, one)));
-    x1 = hn::IfThenElse(hn::Ge(x1, w), zero, x1);
     y1 = hn::IfThenElse(hn::Ge(y1, h), zero, y1);
   }
-  const I base = texture.cube ? hn::Add(start, hn::Mul(face, hn::Mul(width, height))) : start;
-  const I row0 = hn::Add(base, hn::Mul(hn::ConvertTo(kInts, y0), width)),
-          row1 = hn::Add(base, hn::Mul(hn::ConvertTo(kInts, y1), width));
-  const I c0 = hn::ConvertTo(kInts, x0), c1 = hn::ConvertTo(kInts, x1);
-  const auto* texels = reinterpret_cast<const int32_t*>(texture.texels.data());
-  const auto at = [&](I row, I column) HWY_ATTR {
-    return Unpack(hn::GatherIndex(kInts, texels, hn::Add(row, column)));
-  };
-  return Mix(Mix(at(row0, c0), at(row0, c1), fx), Mix(at(row1, c0), at(row1, c1), fx), fy);
+  const I stride = hn::Add(width, hn::Set(kInts, 1));
+  I corner = hn::Add(start, hn::ConvertTo(kInts, x0));
+  if (texture.cube) corner = hn::Add(corner, hn::Mul(face, hn::Mul(stride, height)));
+  Colour rows[2];
+  for (int k = 0; k < 2; ++k) {
+    const I at = hn::Add(corner, hn::Mul(hn::ConvertTo(kInts, k == 0 ? y0 : y1), stride));
+    I left, right;
+    Neighbours(texture.texels.data(), at, &left, &right);
+    rows[k] = Mix(Unpack(left), Unpack(right), fx);
+  }
+  return Mix(rows[0], rows[1], fy);
 }
 
 // `square` is the square of a pixel's size in texels. 0 ... 1.
@@ -378,16 +396,12 @@ HWY_INLINE void Changes(const SoftView& view, const float* m, const Pixels& p, c
 
 HWY_INLINE V Square(V u, V v) { return hn::Add(hn::Mul(u, u), hn::Mul(v, v)); }
 
-// Whether the normal is the same all over a triangle, and which it is then in view axes: to the bit
-// what the general way gives.
-HWY_INLINE bool IsFlat(const float* surface) {
-  for (int k = 12; k < 18; ++k) {
-    if (surface[k] != 0) return false;
-  }
-  return true;
-}
-HWY_INLINE void FlatNormal(const float* m, const float* surface, float* normal) {
-  const float* n = surface + 9;
+// The normal of a flat triangle in view axes: to the bit what the general way gives.
+HWY_INLINE void FlatNormal(const float* m, const SoftSurface& surface, float* normal) {
+  const auto part = [&](int k) {
+    return static_cast<float>(static_cast<int16_t>(surface.normals[k / 2] >> (16 * (k % 2))));
+  };
+  const float n[3] = {part(0), part(1), part(2)};
   for (int k = 0; k < 3; ++k) normal[k] = (n[0] * m[k] + n[1] * m[4 + k]) + n[2] * m[8 + k];
   const float length2 = (normal[0] * normal[0] + normal[1] * normal[1]) + normal[2] * normal[2];
   const float scale = 1 / std::sqrt(std::max(length2, 1e-30f));
@@ -399,30 +413,41 @@ template <bool kOne>
 HWY_INLINE Colour ShadeInstance(const SoftPicture& picture, const SoftInstance& instance,
                                 const Pixels& p, int one, I triangle) {
   const SoftMesh& mesh = *instance.mesh;
-  const float* surface = mesh.surface.data();
-  const I index = hn::Mul(triangle, hn::Set(kInts, SoftMesh::kSurface));
-  const auto number = [&](int k) HWY_ATTR {
+  const SoftSurface& only = mesh.surface[kOne ? one : 0];
+  const auto* words = reinterpret_cast<const int32_t*>(mesh.surface.data());
+  const I index = hn::ShiftLeft<4>(triangle);
+  static_assert(sizeof(SoftSurface) == 64);
+  const auto word = [&](int k) HWY_ATTR {
     if constexpr (kOne) {
-      return Num(surface[SoftMesh::kSurface * one + k]);
+      return hn::Set(kInts, words[16 * one + k]);
     } else {
-      return hn::GatherIndex(kFloats, surface + k, index);
+      return hn::GatherIndex(kInts, words + k, index);
     }
   };
-  const auto vector = [&](int k) HWY_ATTR { return V3{number(k), number(k + 1), number(k + 2)}; };
+  const auto number = [&](int k) HWY_ATTR { return hn::BitCast(kFloats, word(k)); };
   const float* m = instance.to_mesh;
   V3 at = Turned(m, 4, p.at);
   at = {hn::Add(at.x, Num(m[3])), hn::Add(at.y, Num(m[7])), hn::Add(at.z, Num(m[11]))};
-  const V3 offset = Sub(at, vector(0));
-  const V3 to1 = vector(3), to2 = vector(6);
-  const V w1 = Clamp01(Dot(offset, to1)), w2 = Clamp01(Dot(offset, to2));
+  const V3 to1 = {number(0), number(1), number(2)}, to2 = {number(4), number(5), number(6)};
+  const V w1 = Clamp01(hn::Sub(Dot(at, to1), number(3))),
+          w2 = Clamp01(hn::Sub(Dot(at, to2), number(7)));
   V3 normal;
-  if (kOne && IsFlat(surface + SoftMesh::kSurface * one)) {
+  if (kOne && only.flat) {
     float flat[3];
-    FlatNormal(m, surface + SoftMesh::kSurface * one, flat);
+    FlatNormal(m, only, flat);
     normal = Set3(flat);
   } else {
-    const V3 in_mesh = Add(vector(9), Add(Times(w1, vector(12)), Times(w2, vector(15))));
-    normal = Unit(TurnedBack(m, 4, in_mesh));
+    V n[10];
+    for (int k = 0; k < 5; ++k) {
+      const I both = word(8 + k);
+      n[2 * k] = hn::ConvertTo(kFloats, hn::ShiftRight<16>(hn::ShiftLeft<16>(both)));
+      n[2 * k + 1] = hn::ConvertTo(kFloats, hn::ShiftRight<16>(both));
+    }
+    const auto between = [&](int k) HWY_ATTR {
+      return hn::Add(n[k], hn::Add(hn::Mul(w1, hn::Sub(n[3 + k], n[k])),
+                                   hn::Mul(w2, hn::Sub(n[6 + k], n[k]))));
+    };
+    normal = Unit(TurnedBack(m, 4, {between(0), between(1), between(2)}));
   }
   const SoftMaterial& material = instance.material;
   Colour c = Light(picture, material, p.at, normal);
@@ -666,8 +691,17 @@ inline void ReadExactHere(const SoftPicture& picture, const SoftBuffer& buffer, 
         }
       }
       if (bodies) {
-        uint32_t run = kSoftNothing;
-        int32_t body = -1;
+        // Nearly all blocks show one body.
+        uint32_t run = ids[0] >> kSoftRunBits, others = 0;
+        for (int k = 1; k < kSoftPixels; ++k) others |= ids[k] >> kSoftRunBits ^ run;
+        int32_t body =
+            ids[0] == kSoftNothing ? -1 : picture.instances[picture.instance_of_run[run]].body;
+        if (others == 0) {
+          for (int r = 0; r < rows; ++r) {
+            std::fill_n(bodies + first + static_cast<size_t>(r) * view.width, columns, body);
+          }
+          continue;
+        }
         for (int r = 0; r < rows; ++r) {
           int32_t* to = bodies + first + static_cast<size_t>(r) * view.width;
           for (int c = 0; c < columns; ++c) {

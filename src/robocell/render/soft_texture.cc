@@ -45,6 +45,7 @@ SoftTexture::SoftTexture(const mjModel* m, int texture) {
         texel |= static_cast<uint32_t>(linear ? table[from[c]] : from[c]) << (8 * c);
       }
       texels.push_back(texel);
+      if ((i + 1) % static_cast<size_t>(width) == 0) EndRow();
     }
   }
   level_width = {width};
@@ -52,6 +53,11 @@ SoftTexture::SoftTexture(const mjModel* m, int texture) {
   level_start = {0};
   AddSmallerLevels(faces);
   levels = static_cast<int>(level_width.size());
+}
+
+void SoftTexture::EndRow() {
+  const int row = level_width.empty() ? width : level_width.back();
+  texels.push_back(cube ? texels.back() : texels[texels.size() - static_cast<size_t>(row)]);
 }
 
 void SoftTexture::AddSmallerLevels(int faces) {
@@ -64,7 +70,7 @@ void SoftTexture::AddSmallerLevels(int faces) {
     level_height.push_back(h);
     level_start.push_back(static_cast<int32_t>(texels.size()));
     for (int face = 0; face < faces; ++face) {
-      const size_t from = from_start + static_cast<size_t>(face) * static_cast<size_t>(from_w) *
+      const size_t from = from_start + static_cast<size_t>(face) * static_cast<size_t>(from_w + 1) *
                                            static_cast<size_t>(from_h);
       for (int y = 0; y < h; ++y) {
         for (int x = 0; x < w; ++x) {
@@ -73,7 +79,7 @@ void SoftTexture::AddSmallerLevels(int faces) {
             const int sx = std::min(2 * x + (k & 1), from_w - 1),
                       sy = std::min(2 * y + (k >> 1), from_h - 1);
             const uint32_t texel =
-                texels[from + static_cast<size_t>(sy) * static_cast<size_t>(from_w) +
+                texels[from + static_cast<size_t>(sy) * static_cast<size_t>(from_w + 1) +
                        static_cast<size_t>(sx)];
             for (int c = 0; c < 4; ++c) sum[c] += texel >> (8 * c) & 255;
           }
@@ -81,6 +87,7 @@ void SoftTexture::AddSmallerLevels(int faces) {
           for (int c = 0; c < 4; ++c) texel |= (sum[c] + 2) / 4 << (8 * c);
           texels.push_back(texel);
         }
+        EndRow();
       }
     }
   }

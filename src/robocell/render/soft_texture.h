@@ -9,7 +9,8 @@
 namespace robocell::internal {
 
 // Texels are red, green, blue, alpha from the lowest byte on. A cube has six square faces in each
-// level: +x, -x, +y, -y, +z, -z.
+// level: +x, -x, +y, -y, +z, -z. After each row comes the texel that follows its last one: the first
+// again, or in a cube the last, so that neighbours lie together.
 struct SoftTexture {
   bool cube = false;
   bool sky = false;
@@ -24,6 +25,7 @@ struct SoftTexture {
 
  private:
   void AddSmallerLevels(int faces);
+  void EndRow();
 };
 
 }  // namespace robocell::internal
