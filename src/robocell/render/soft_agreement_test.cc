@@ -12,6 +12,7 @@
 #include "robocell/mujoco/clip_planes.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/render/renderer.h"
+#include "robocell/testing/count_allocations.h"
 #include "robocell/testing/instruction_sets.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/skip.h"
@@ -256,6 +257,32 @@ TEST_P(SoftAgrees, WithItselfOnEveryInstructionSet) {
   });
 }
 
+// Shadows are softer than OpenGL's, and lie where its lie.
+TEST_P(SoftAgrees, WithOpenGlOnShadows) {
+  RandomViews views(Path());
+  RendererOptions options{.quality = {.shadows = true, .multisamples = 4, .shadow_size = 2048}};
+  std::unique_ptr<Renderer> gl, soft;
+  try {
+    options.backend = "gl";
+    gl = MakeRenderer(options);
+  } catch (const Error& error) {
+    SKIP_OR_FAIL(error.what());
+  }
+  options.backend = "soft";
+  soft = MakeRenderer(options);
+  gl->SetModel(views.model());
+  soft->SetModel(views.model());
+  for (int i = 0; i < 3; ++i) {
+    views.Next();
+    const double similar = Similarity(TakeOf(*gl, views.data(), views.view()).rgb,
+                                      TakeOf(*soft, views.data(), views.view()).rgb);
+    EXPECT_GE(similar, 0.9) << "view " << i;
+    if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
+      std::printf("%s: with shadows, similarity %.4f\n", GetParam().c_str(), similar);
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Models, SoftAgrees,
                          testing::Values("zoo", "ufactory_xarm7/scene.xml",
                                          "franka_emika_panda/scene.xml", "franka_fr3/scene.xml",
@@ -263,6 +290,43 @@ INSTANTIATE_TEST_SUITE_P(Models, SoftAgrees,
                          [](const auto& info) {
                            return info.param.substr(0, info.param.find('/'));
                          });
+
+constexpr RenderQuality kEffects{
+    .shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512};
+
+// A shadow map is kept while nothing in it has moved.
+TEST(SoftEffects, AreTheSameWhateverWasDrawnBefore) {
+  RandomViews views("");
+  const auto make = [&] {
+    auto renderer = MakeRenderer({.backend = "soft", .quality = kEffects});
+    renderer->SetModel(views.model());
+    return renderer;
+  };
+  const auto kept = make();
+  for (int i = 0; i < 4; ++i) {
+    views.Next();
+    for (int camera = 0; camera < 2; ++camera) {
+      OrbitCamera view = views.view();
+      view.azimuth += 40 * camera;
+      EXPECT_EQ(TakeOf(*kept, views.data(), view).rgb, TakeOf(*make(), views.data(), view).rgb)
+          << "state " << i << ", camera " << camera;
+    }
+  }
+}
+
+TEST(SoftEffects, AllocateNothingOnceWarm) {
+  RandomViews views("");
+  const auto soft = MakeRenderer({.backend = "soft", .quality = kEffects});
+  soft->SetModel(views.model());
+  views.Next();
+  SoftImages images;
+  const RenderRequest request{.camera = views.view(), .width = kAcross, .height = kDown};
+  const RenderOutputs outputs{.rgb = images.rgb, .depth = images.depth, .segmentation = images.ids};
+  soft->Render(views.data(), request, outputs);
+  const AllocationCount count;
+  soft->Render(views.data(), request, outputs);
+  EXPECT_EQ(count.allocations(), 0);
+}
 
 }  // namespace
 }  // namespace robocell

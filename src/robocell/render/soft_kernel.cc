@@ -12,7 +12,6 @@
 #include <hwy/highway.h>
 
 #include "robocell/render/soft_raster-inl.h"
-// Needs the one before.
 #include "robocell/render/soft_shade-inl.h"
 
 HWY_BEFORE_NAMESPACE();
