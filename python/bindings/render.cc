@@ -52,18 +52,25 @@ nb::dict Render(SceneRenderer& self, nb::handle camera, int width, int height, b
       .markers = markers};
   CheckImageSize(width, height);
   const size_t h = static_cast<size_t>(height), w = static_cast<size_t>(width);
-  std::vector<uint8_t> colour(rgb ? 3 * w * h : 0);
-  std::vector<float> metres(depth ? w * h : 0);
-  std::vector<int32_t> bodies(segmentation ? w * h : 0);
+  const size_t shape[] = {h, w, 3};
+  const auto image = [&]<class T>(bool wanted, size_t dimensions, std::span<T>& numbers) {
+    if (!wanted) return nb::object();
+    Unwritten made = NewUnwritten(nb::dtype<T>(), std::span(shape, dimensions));
+    numbers = {static_cast<T*>(made.numbers), dimensions == 3 ? 3 * h * w : h * w};
+    return std::move(made.array);
+  };
+  RenderOutputs outputs;
+  const nb::object colour = image(rgb, 3, outputs.rgb), metres = image(depth, 2, outputs.depth),
+                   bodies = image(segmentation, 2, outputs.segmentation);
   CameraModel model;
   {
     nb::gil_scoped_release release;
-    model = self.Render(request, {.rgb = colour, .depth = metres, .segmentation = bodies});
+    model = self.Render(request, outputs);
   }
   nb::dict out;
-  if (rgb) out["rgb"] = NewArray<uint8_t>(colour, {h, w, 3});
-  if (depth) out["depth"] = NewArray<float>(metres, {h, w});
-  if (segmentation) out["segmentation"] = NewArray<int32_t>(bodies, {h, w});
+  if (rgb) out["rgb"] = colour;
+  if (depth) out["depth"] = metres;
+  if (segmentation) out["segmentation"] = bodies;
   out["intrinsics"] = MatrixArray<3, 3>(model.intrinsics());
   out["extrinsics"] = MatrixArray<4, 4>(model.extrinsics());
   return out;

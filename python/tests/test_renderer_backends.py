@@ -33,7 +33,7 @@ def test_soft_draws_what_gl_draws(scene: rc.Scene):
 
 
 def test_an_unknown_back_end_lists_those_that_there_are(scene: rc.Scene):
-    with pytest.raises(rc.NotFoundError, match="no back end 'sofd'.*auto, gl, soft.*'soft'"):
+    with pytest.raises(rc.NotFoundError, match=r"no back end 'sofd'.*auto, gl, soft.*'soft'"):
         rc.Renderer(scene, backend="sofd")
 
 

@@ -1,7 +1,6 @@
 #include "robocell/render/soft_kernel.h"
 
 #include <algorithm>
-#include <cstring>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/render/soft_kernel.cc"
@@ -26,8 +25,11 @@ void Exact(const SoftPicture& picture, const SoftBuffer& buffer, float* metres, 
   ReadExactHere(picture, buffer, metres, bodies);
 }
 void Shade(const SoftPicture& picture, const SoftBuffer& buffer,
-           std::span<const SoftSample> samples, SoftIds* colours) {
-  ShadePictureHere(picture, buffer, samples, colours);
+           std::span<const SoftSample> samples, SoftIds* colours, uint8_t* rgb) {
+  ShadePictureHere(picture, buffer, samples, colours, rgb);
+}
+void Pack(const SoftBuffer& buffer, const SoftIds* colours, uint8_t* rgb) {
+  PackColoursHere(buffer, colours, rgb);
 }
 void Blend(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
            float alpha, SoftIds* colours) {
@@ -43,6 +45,7 @@ HWY_EXPORT(Instructions);
 HWY_EXPORT(Draw);
 HWY_EXPORT(Exact);
 HWY_EXPORT(Shade);
+HWY_EXPORT(Pack);
 HWY_EXPORT(Blend);
 
 std::string SoftInstructions() { return hwy::TargetName(HWY_DYNAMIC_DISPATCH(Instructions)()); }
@@ -88,7 +91,12 @@ void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<f
 
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
                   std::span<const SoftSample> samples, std::span<SoftIds> colours) {
-  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, samples, colours.data());
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, samples, colours.data(), nullptr);
+}
+
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
+                  std::span<const SoftSample> samples, std::span<uint8_t> rgb) {
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, samples, nullptr, rgb.data());
 }
 
 void BlendLayer(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
@@ -98,20 +106,7 @@ void BlendLayer(const SoftPicture& picture, const SoftBuffer& behind, const Soft
 
 void PackColours(const SoftBuffer& buffer, std::span<const SoftIds> colours,
                  std::span<uint8_t> rgb) {
-  for (int y = 0; y < buffer.height; ++y) {
-    const SoftIds* row = colours.data() + static_cast<size_t>(y / kSoftBlock) * buffer.columns;
-    uint8_t* to = rgb.data() + static_cast<size_t>(3 * y) * buffer.width;
-    int x = 0;
-    for (; x + kSoftBlock <= buffer.width; x += kSoftBlock, ++row, to += 12) {
-      const uint32_t* c = row->at + y % kSoftBlock * kSoftBlock;
-      const uint32_t words[3] = {c[0] | c[1] << 24, c[1] >> 8 | c[2] << 16, c[2] >> 16 | c[3] << 8};
-      std::memcpy(to, words, sizeof words);
-    }
-    for (; x < buffer.width; ++x, to += 3) {
-      const uint32_t c = row->at[y % kSoftBlock * kSoftBlock + x % kSoftBlock];
-      for (int k = 0; k < 3; ++k) to[k] = static_cast<uint8_t>(c >> (8 * k));
-    }
-  }
+  HWY_DYNAMIC_DISPATCH(Pack)(buffer, colours.data(), rgb.data());
 }
 
 }  // namespace robocell::internal

@@ -38,6 +38,9 @@ void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<f
 // edges of surfaces are smoothed.
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
                   std::span<const SoftSample> samples, std::span<SoftIds> colours);
+// The same into rows of 3 bytes a pixel.
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
+                  std::span<const SoftSample> samples, std::span<uint8_t> rgb);
 
 // Blends an instance that can be seen through over the colours, in front of what is in the buffer.
 // Its nearness and ids go into `layer`, which is cleared for it.

@@ -107,11 +107,12 @@ struct SoftRenderer::Impl {
     scene.DrawShadows(&scratch);
     DrawSamples();
     SoftPicture picture = scene.Picture();
+    const auto layers = scene.layers();
+    if (layers.empty()) return internal::ShadePicture(picture, opaque, samples, rgb);
     colours.resize(opaque.ids.size());
-    internal::ShadePicture(picture, opaque, samples, colours);
+    internal::ShadePicture(picture, opaque, samples, std::span<SoftIds>(colours));
     picture.shadows = false;  // what can be seen through receives none
     // As the engine does: from the front to the back, then from the back to the front.
-    const auto layers = scene.layers();
     const auto blend = [&](const internal::SoftScene::Layer& group) {
       internal::ClearBuffer(scene.view(), &layer);
       DrawLayer(group, &layer);

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include "robocell/render/soft_frame.h"
@@ -310,8 +311,27 @@ HWY_INLINE Colour WithSamples(const SoftPicture& picture, std::span<const SoftSa
   return {hn::Mul(share, sum.r), hn::Mul(share, sum.g), hn::Mul(share, sum.b)};
 }
 
+// A block's pixels as 3 bytes each to their place in an image of rows.
+HWY_INLINE void PutColours(const int32_t* pixels, int bx, int by, int width, int height,
+                           uint8_t* rgb) {
+  const int rows = std::min(kSoftBlock, height - kSoftBlock * by);
+  const int columns = std::min(kSoftBlock, width - kSoftBlock * bx);
+  uint8_t* to = rgb + 3 * (static_cast<size_t>(kSoftBlock * by) * width + kSoftBlock * bx);
+  for (int r = 0; r < rows; ++r, to += 3 * width) {
+    uint32_t c[kSoftBlock];
+    std::memcpy(c, pixels + kSoftBlock * r, sizeof c);
+    const uint32_t words[3] = {c[0] | c[1] << 24, c[1] >> 8 | c[2] << 16, c[2] >> 16 | c[3] << 8};
+    if (columns == kSoftBlock) {
+      std::memcpy(to, words, sizeof words);
+    } else {
+      std::memcpy(to, words, static_cast<size_t>(3 * columns));
+    }
+  }
+}
+
 inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffer,
-                             std::span<const SoftSample> samples, SoftIds* colours) {
+                             std::span<const SoftSample> samples, SoftIds* colours, uint8_t* rgb) {
+  alignas(64) int32_t pixels[kSoftPixels];
   for (int by = 0; by < buffer.rows; ++by) {
     for (int bx = 0; bx < buffer.columns; ++bx) {
       const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
@@ -325,8 +345,29 @@ inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffe
         if (!samples.empty()) {
           c = WithSamples(picture, samples, block, bx, by, part, ids, nearness, c);
         }
-        hn::Store(PackPixels(c), kInts, reinterpret_cast<int32_t*>(colours[block].at) + part);
+        hn::Store(PackPixels(c), kInts, pixels + part);
       }
+      if (rgb) {
+        PutColours(pixels, bx, by, picture.view->width, picture.view->height, rgb);
+      } else {
+        std::copy_n(pixels, kSoftPixels, reinterpret_cast<int32_t*>(colours[block].at));
+      }
+    }
+  }
+}
+
+// Puts a block's pixels to their place in an image of rows.
+template <class T>
+HWY_INLINE void PutBlock(const T* from, int bx, int by, int width, int height, T* image) {
+  static_assert(sizeof(T) == 4);
+  const int rows = std::min(kSoftBlock, height - kSoftBlock * by);
+  const int columns = std::min(kSoftBlock, width - kSoftBlock * bx);
+  T* to = image + static_cast<size_t>(kSoftBlock * by) * width + kSoftBlock * bx;
+  for (int r = 0; r < rows; ++r, to += width) {
+    if (columns == kSoftBlock) {
+      std::memcpy(to, from + kSoftBlock * r, kSoftBlock * sizeof(T));
+    } else {
+      std::copy_n(from + kSoftBlock * r, columns, to);
     }
   }
 }
@@ -334,56 +375,37 @@ inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffe
 inline void ReadExactHere(const SoftPicture& picture, const SoftBuffer& buffer, float* metres,
                           int32_t* bodies) {
   const SoftView& view = *picture.view;
+  const auto body_of = [&](uint32_t id) {
+    return id == kSoftNothing ? -1
+                              : picture.instances[picture.instance_of_run[id >> kSoftRunBits]].body;
+  };
   for (int by = 0; by < buffer.rows; ++by) {
-    const int rows = std::min(kSoftBlock, view.height - kSoftBlock * by);
     for (int bx = 0; bx < buffer.columns; ++bx) {
       const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
-      const int columns = std::min(kSoftBlock, view.width - kSoftBlock * bx);
-      const size_t first = static_cast<size_t>(kSoftBlock * by) * view.width + kSoftBlock * bx;
       const uint32_t* ids = buffer.ids[block].at;
       if (metres) {
         alignas(64) float depth[kSoftPixels];
         for (int part = 0; part < kSoftPixels; part += kLanes) {
-          const V q = hn::Load(kFloats, buffer.nearness[block].at + part);
-          const I id = hn::Load(kInts, reinterpret_cast<const int32_t*>(ids) + part);
+          const V q = LoadNearness(buffer, block, part);
           const V d = view.orthographic
                           ? hn::Sub(Num(view.far), hn::Mul(q, Num(view.far - view.near)))
                           : hn::Div(Num(1), q);
-          const M seen = hn::RebindMask(kFloats, hn::Gt(id, hn::Set(kInts, -1)));
+          const M seen =
+              hn::RebindMask(kFloats, hn::Gt(LoadIds(buffer, block, part), hn::Set(kInts, -1)));
           hn::Store(hn::IfThenElseZero(seen, d), kFloats, depth + part);
         }
-        for (int r = 0; r < rows; ++r) {
-          std::copy_n(depth + kSoftBlock * r, columns,
-                      metres + first + static_cast<size_t>(r) * view.width);
-        }
+        PutBlock(depth, bx, by, view.width, view.height, metres);
       }
       if (bodies) {
-        // Nearly all blocks show one body.
-        uint32_t run = ids[0] >> kSoftRunBits, others = 0;
-        for (int k = 1; k < kSoftPixels; ++k) others |= ids[k] >> kSoftRunBits ^ run;
-        int32_t body =
-            ids[0] == kSoftNothing ? -1 : picture.instances[picture.instance_of_run[run]].body;
-        if (others == 0) {
-          for (int r = 0; r < rows; ++r) {
-            std::fill_n(bodies + first + static_cast<size_t>(r) * view.width, columns, body);
-          }
-          continue;
+        alignas(64) int32_t body[kSoftPixels];
+        uint32_t others = 0;
+        for (int k = 1; k < kSoftPixels; ++k) others |= (ids[k] ^ ids[0]) >> kSoftRunBits;
+        if (others == 0) {  // one element, as in nearly all blocks
+          std::fill_n(body, kSoftPixels, body_of(ids[0]));
+        } else {
+          for (int k = 0; k < kSoftPixels; ++k) body[k] = body_of(ids[k]);
         }
-        for (int r = 0; r < rows; ++r) {
-          int32_t* to = bodies + first + static_cast<size_t>(r) * view.width;
-          for (int c = 0; c < columns; ++c) {
-            const uint32_t id = ids[kSoftBlock * r + c];
-            if (id == kSoftNothing) {
-              to[c] = -1;
-              continue;
-            }
-            if (id >> kSoftRunBits != run) {
-              run = id >> kSoftRunBits;
-              body = picture.instances[picture.instance_of_run[run]].body;
-            }
-            to[c] = body;
-          }
-        }
+        PutBlock(body, bx, by, view.width, view.height, bodies);
       }
     }
   }
@@ -412,6 +434,16 @@ inline void BlendLayerHere(const SoftPicture& picture, const SoftBuffer& behind,
             Mix(before, ShadePixels(picture, p, ids), hn::IfThenElseZero(seen, Num(alpha)));
         hn::Store(PackPixels(after), kInts, at);
       }
+    }
+  }
+}
+
+inline void PackColoursHere(const SoftBuffer& buffer, const SoftIds* colours, uint8_t* rgb) {
+  for (int by = 0; by < buffer.rows; ++by) {
+    for (int bx = 0; bx < buffer.columns; ++bx) {
+      const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
+      PutColours(reinterpret_cast<const int32_t*>(colours[block].at), bx, by, buffer.width,
+                 buffer.height, rgb);
     }
   }
 }
