@@ -40,7 +40,7 @@ struct Runner::State {
 
   Renderer* EnsureRenderer() {
     if (!renderer && !run.cameras.streams.empty())
-      renderer = MakeRenderer({.quality = run.cameras.quality});
+      renderer = MakeRenderer({.backend = run.cameras.renderer, .quality = run.cameras.quality});
     return renderer.get();
   }
   std::optional<std::string> advice;
