@@ -44,12 +44,12 @@ class Failure:
         from robocell import ArgumentError, Error, NotFoundError, SpecError
         from robocell.generate.run_source import is_of_users, place_of
 
-        if is_of_users(error):  # whatever its class: robocell raises in a user's code too
-            return cls("other", place_of(error))
-        if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
-            return cls("spec", str(error))
         kind: FailureKind = "io" if isinstance(error, OSError) else "other"
-        return cls(kind, str(error) if isinstance(error, Error | OSError) else place_of(error))
+        if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
+            kind = "spec"
+        # Whatever its class: robocell raises in a user's code too.
+        told = is_of_users(error) or not isinstance(error, Error | OSError)
+        return cls(kind, place_of(error) if told else str(error))
 
     def error(self) -> Exception:
         """An exception to raise in its stead: SpecError, IoError or Error."""

@@ -251,8 +251,9 @@ EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
   EpisodeReport report{.item = item, .robot = run.robot.config.name};
   const DatasetLock lock = state_->Enter();
   if (IsComplete(run, item)) {
-    report.committed = report.resumed = report.complete = true;
+    report.committed = report.resumed = true;
     report.success = LookForItem(run, item).success;
+    report.complete = report.success || run.keep == Keep::kFirst;
     return report;
   }
   EarlierAttempts earlier;
