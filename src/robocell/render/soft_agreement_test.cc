@@ -29,7 +29,7 @@ constexpr char kZoo[] = R"(<mujoco>
     <texture name="sky" type="skybox" builtin="gradient" rgb1=".3 .5 .7" rgb2="0 0 .2" width="64" height="384"/>
     <texture name="grid" type="2d" builtin="checker" rgb1=".2 .3 .4" rgb2=".7 .8 .9" width="128" height="128" mark="edge" markrgb=".9 .1 .1"/>
     <texture name="cube" type="cube" builtin="checker" rgb1=".8 .6 .4" rgb2=".4 .3 .2" width="64" height="64"/>
-    <material name="floor" texture="grid" texrepeat="3 3" texuniform="true"/>
+    <material name="floor" texture="grid" texrepeat="3 3" texuniform="true" reflectance=".3"/>
     <material name="wood" texture="cube" shininess=".2" specular=".2"/>
     <material name="wall" texture="grid" texrepeat="2 2"/>
     <hfield name="hills" nrow="12" ncol="14" size=".4 .3 .15 .05"/>
@@ -268,10 +268,11 @@ TEST_P(SoftAgrees, WithItselfOnEveryInstructionSet) {
   });
 }
 
-// Shadows are softer than OpenGL's, and lie where its lie.
-TEST_P(SoftAgrees, WithOpenGlOnShadows) {
+// Shadows and reflections. Shadows are softer than OpenGL's, and lie where its lie.
+TEST_P(SoftAgrees, WithOpenGlOnShadowsAndReflections) {
   RandomViews views(Path());
-  RendererOptions options{.quality = {.shadows = true, .multisamples = 4, .shadow_size = 2048}};
+  RendererOptions options{
+      .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 2048}};
   std::unique_ptr<Renderer> gl, soft;
   try {
     options.backend = "gl";
@@ -289,7 +290,7 @@ TEST_P(SoftAgrees, WithOpenGlOnShadows) {
                                       TakeOf(*soft, views.data(), views.view()).rgb);
     EXPECT_GE(similar, 0.9) << "view " << i;
     if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
-      std::printf("%s: with shadows, similarity %.4f\n", GetParam().c_str(), similar);
+      std::printf("%s: with effects, similarity %.4f\n", GetParam().c_str(), similar);
     }
   }
 }
