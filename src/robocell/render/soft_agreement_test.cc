@@ -1,9 +1,12 @@
 // What `soft` draws, beside OpenGL's exact pass, the engine's rays and other instruction sets.
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 #include <mujoco/mujoco.h>
 
 #include <cmath>
+#include <functional>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,7 +32,7 @@ constexpr char kZoo[] = R"(<mujoco>
     <texture name="sky" type="skybox" builtin="gradient" rgb1=".3 .5 .7" rgb2="0 0 .2" width="64" height="384"/>
     <texture name="grid" type="2d" builtin="checker" rgb1=".2 .3 .4" rgb2=".7 .8 .9" width="128" height="128" mark="edge" markrgb=".9 .1 .1"/>
     <texture name="cube" type="cube" builtin="checker" rgb1=".8 .6 .4" rgb2=".4 .3 .2" width="64" height="64"/>
-    <material name="floor" texture="grid" texrepeat="3 3" texuniform="true"/>
+    <material name="floor" texture="grid" texrepeat="3 3" texuniform="true" reflectance=".3"/>
     <material name="wood" texture="cube" shininess=".2" specular=".2"/>
     <material name="wall" texture="grid" texrepeat="2 2"/>
     <hfield name="hills" nrow="12" ncol="14" size=".4 .3 .15 .05"/>
@@ -251,27 +254,44 @@ TEST_P(SoftAgrees, WithTheEnginesRays) {
   }
 }
 
+// Calls `test` with SSE4 and nothing wider, which other kernels do not have.
+void OnSse4(const std::function<void()>& test) {
+  hwy::SetSupportedTargetsForTest(-HWY_SSE4);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  test();
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
 TEST_P(SoftAgrees, WithItselfOnEveryInstructionSet) {
   RandomViews views(Path());
   views.Next();
   std::unique_ptr<SoftImages> first;
-  OnEveryInstructionSet([&](const std::string& name) {
+  std::set<std::string> descriptions;
+  const auto draw = [&] {
     const std::unique_ptr<Renderer> soft = MakeRenderer(
         {.backend = "soft",
          .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512}});
+    descriptions.insert(soft->description());
     soft->SetModel(views.model());
     SoftImages images = TakeOf(*soft, views.data(), views.view());
     if (!first) first = std::make_unique<SoftImages>(images);
-    EXPECT_EQ(first->rgb, images.rgb) << name;
-    EXPECT_EQ(first->depth, images.depth) << name;
-    EXPECT_EQ(first->ids, images.ids) << name;
-  });
+    EXPECT_EQ(first->rgb, images.rgb) << soft->description();
+    EXPECT_EQ(first->depth, images.depth) << soft->description();
+    EXPECT_EQ(first->ids, images.ids) << soft->description();
+  };
+  OnEveryInstructionSet([&](const std::string&) { draw(); });
+  OnSse4(draw);
+  if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
+    for (const std::string& one : descriptions) std::printf("same bytes: %s\n", one.c_str());
+  }
 }
 
-// Shadows are softer than OpenGL's, and lie where its lie.
-TEST_P(SoftAgrees, WithOpenGlOnShadows) {
+// Shadows and reflections. Shadows are softer than OpenGL's, and lie where its lie.
+TEST_P(SoftAgrees, WithOpenGlOnShadowsAndReflections) {
   RandomViews views(Path());
-  RendererOptions options{.quality = {.shadows = true, .multisamples = 4, .shadow_size = 2048}};
+  RendererOptions options{
+      .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 2048}};
   std::unique_ptr<Renderer> gl, soft;
   try {
     options.backend = "gl";
@@ -289,7 +309,7 @@ TEST_P(SoftAgrees, WithOpenGlOnShadows) {
                                       TakeOf(*soft, views.data(), views.view()).rgb);
     EXPECT_GE(similar, 0.9) << "view " << i;
     if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
-      std::printf("%s: with shadows, similarity %.4f\n", GetParam().c_str(), similar);
+      std::printf("%s: with effects, similarity %.4f\n", GetParam().c_str(), similar);
     }
   }
 }

@@ -116,6 +116,8 @@ struct SoftSky {
   float haze_height = 0.5f;  // share of the elevation at which it is densest
 };
 
+struct SoftReflection;
+
 struct SoftPicture {
   const SoftView* view = nullptr;
   const SoftInstance* instances = nullptr;
@@ -125,6 +127,15 @@ struct SoftPicture {
   bool shadows = true;
   float ambient = 0;  // light without a source
   SoftSky sky;
+  const SoftReflection* reflection = nullptr;
+};
+
+// What a flat face shows of the rest: a picture of its own, seen through the face as a mirror.
+struct SoftReflection {
+  SoftPicture picture;
+  SoftBuffer buffer;
+  uint32_t first_id = 0;  // triangles of the face
+  int triangles = 0;
 };
 
 }  // namespace robocell::internal

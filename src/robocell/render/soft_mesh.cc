@@ -1,6 +1,7 @@
 #include "robocell/render/soft_mesh.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <utility>
@@ -37,6 +38,25 @@ SoftSurface SurfaceOf(const Eigen::Vector3d& first, const Eigen::Vector3d& u,
   for (int k = 0; k < 5; ++k) s.normals[k] = Word(n[2 * k], n[2 * k + 1]);
   s.flat = std::equal(n, n + 6, n + 3) ? 1 : 0;
   return s;
+}
+
+uint64_t Mixed(uint64_t x) {  // the finaliser of SplitMix64
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+  return x ^ x >> 31;
+}
+
+// Equal for vertices at one place.
+uint64_t KeyOf(const Eigen::Vector3f& p) {
+  uint64_t key = 0;
+  for (const float v : p) key = Mixed(key + std::bit_cast<uint32_t>(v + 0.0f) + 1);  // no -0
+  return key;
+}
+
+// Of an edge in one direction; the sum of both directions is 0.
+uint64_t EdgeSum(uint64_t from, uint64_t to) {
+  const uint64_t key = Mixed(std::min(from, to) + Mixed(std::max(from, to)));
+  return from < to ? key : uint64_t{0} - key;
 }
 
 }  // namespace
@@ -93,7 +113,12 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
   mesh.texture.resize(with_texture ? SoftMesh::kTexture * triangles : 0);
   mesh.corners.clear();
   mesh.corners.reserve(3 * triangles);
+  // In a closed mesh each edge is passed as often in one direction as in the other.
+  uint64_t edges = 0;
   for (size_t t = 0; t < triangles; ++t) {
+    uint64_t key[3];
+    for (size_t k = 0; k < 3; ++k) key[k] = KeyOf(vertices_[corners_[3 * t + k].vertex]);
+    for (int k = 0; k < 3; ++k) edges += EdgeSum(key[k], key[(k + 1) % 3]);
     const SoftCorner* corner = &corners_[3 * t];
     for (int k = 0; k < 3; ++k) mesh.corners.push_back(corner[k].vertex);
     const Eigen::Vector3d first = vertices_[corner[0].vertex].cast<double>();
@@ -114,6 +139,7 @@ void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
       to[2 * k + 1] = value.y();
     }
   }
+  mesh.closed = triangles > 0 && edges == 0;
   vertices_.clear();
   corners_.clear();
 }

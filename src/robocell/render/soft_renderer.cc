@@ -50,6 +50,7 @@ struct SoftRenderer::Impl {
   SoftBuffer all;     // for depth and segmentation, where something can be seen through
   SoftBuffer layer;
   std::vector<internal::SoftSample> samples;
+  internal::SoftReflection reflection;
   std::vector<SoftIds> colours;
   std::vector<float> depth;  // when only millimetres are wanted
 
@@ -107,6 +108,7 @@ struct SoftRenderer::Impl {
     scene.DrawShadows(&scratch);
     DrawSamples();
     SoftPicture picture = scene.Picture();
+    if (scene.DrawReflection(&scratch, &reflection)) picture.reflection = &reflection;
     const auto layers = scene.layers();
     if (layers.empty()) return internal::ShadePicture(picture, opaque, samples, rgb);
     colours.resize(opaque.ids.size());
@@ -148,6 +150,7 @@ CameraModel SoftRenderer::Render(const mjData* data, const RenderRequest& reques
   r.scene.Update(r.drawn.model(), *r.drawn.scene(), r.drawn.BodyOfId(), camera,
                  {.sky = r.options.visibility.skybox,
                   .shadows = quality.shadows && !outputs.rgb.empty(),
+                  .reflections = quality.reflections && !outputs.rgb.empty(),
                   .shadow_size = quality.shadow_size});
   internal::ClearBuffer(r.scene.view(), &r.opaque);
   for (const int i : r.scene.opaque()) {

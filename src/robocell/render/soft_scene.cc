@@ -4,9 +4,11 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 #include <Eigen/Geometry>
 
 #include "robocell/base/error.h"
+#include "robocell/render/soft_kernel.h"
 
 namespace robocell::internal {
 namespace {
@@ -69,6 +71,18 @@ bool IsBehind(const Vector3d& eye, const mjvGeom& g) {
          0;
 }
 
+// Whether no corner of the mesh's box is in front of a plane.
+bool IsBelow(const SoftMesh& mesh, const Affine3d& in_world, const Vector3d& point,
+             const Vector3d& normal) {
+  for (int k = 0; k < 8; ++k) {
+    const Vector3d corner(k & 1 ? mesh.low.x() : mesh.high.x(),
+                          k & 2 ? mesh.low.y() : mesh.high.y(),
+                          k & 4 ? mesh.low.z() : mesh.high.z());
+    if ((in_world * corner - point).dot(normal) > 1e-6) return false;
+  }
+  return true;
+}
+
 // Whether all corners of the mesh's box are outside of one side of the view.
 bool OutOfView(const SoftView& view, const SoftMesh& mesh, const Affine3d& to_view) {
   int outside[6] = {};
@@ -92,7 +106,8 @@ bool OutOfView(const SoftView& view, const SoftMesh& mesh, const Affine3d& to_vi
 }  // namespace
 
 void SoftScene::SetModel(const mjModel* model, const Visibility& visibility) {
-  instances_.clear();  // they point into the assets
+  now_.Clear();  // instances point into the assets
+  mirrored_.Clear();
   shadows_.Clear();
   own_.clear();
   own_.reserve(static_cast<size_t>(2 * (model->nskin + model->nflex) + 64));
@@ -122,21 +137,84 @@ void SoftScene::SetCamera(const CameraModel& camera) {
 void SoftScene::Update(const mjModel* model, const mjvScene& list, std::span<const int32_t> bodies,
                        const CameraModel& camera, const Effects& effects) {
   SetCamera(camera);
-  instances_.clear();
-  instance_of_run_.clear();
-  opaque_.clear();
-  layers_.clear();
+  now_.Clear();
   own_used_ = 0;
   with_shadows_ = effects.shadows;
   if (with_shadows_) shadows_.Begin(model, list, camera, effects.shadow_size);
   SetLights(list);
   sky_ = {};
   if (effects.sky) SetSky(model, list, camera);
+  mirror_ = {};
+  if (effects.reflections) FindMirror(list);
   for (int i = 0; i < list.ngeom; ++i) {
     const mjvGeom& geom = list.geoms[i];
+    const size_t before = now_.instances.size();
     const bool known = geom.segid >= 0 && static_cast<size_t>(geom.segid) < bodies.size();
     AddElement(model, list, geom, known ? bodies[static_cast<size_t>(geom.segid)] : -1);
+    if (i != mirror_.geom || now_.instances.size() == before) continue;
+    mirror_.in_view = true;
+    mirror_.first_id = now_.instances[before].first_id;
   }
+  if (mirror_.in_view) AddMirrored(model, list);
+}
+
+void SoftScene::Elements::Clear() {
+  instances.clear();
+  instance_of_run.clear();
+  opaque.clear();
+  layers.clear();
+  lights.clear();
+}
+
+// The first one that reflects, as the engine has it, if its face is turned to the camera.
+void SoftScene::FindMirror(const mjvScene& list) {
+  for (int i = 0; i < list.ngeom; ++i) {
+    const mjvGeom& geom = list.geoms[i];
+    const bool plane = geom.type == mjGEOM_PLANE;
+    if ((!plane && geom.type != mjGEOM_BOX) || geom.reflectance <= 0 || geom.rgba[3] < kOpaque ||
+        (plane && IsBehind(eye_, geom))) {
+      continue;
+    }
+    const Affine3d pose = PoseOf(geom);
+    const Vector3d normal = pose.linear().col(2);
+    const Vector3d point = pose.translation() + (plane ? 0.0 : geom.size[2]) * normal;
+    if ((eye_ - point).dot(normal) <= 0) return;
+    mirror_ = {.geom = i, .point = point, .normal = normal, .reflectance = geom.reflectance};
+    return;
+  }
+}
+
+void SoftScene::AddMirrored(const mjModel* model, const mjvScene& list) {
+  const Affine3d to_camera = to_camera_;
+  const Vector3d &n = mirror_.normal, &p = mirror_.point;
+  Affine3d across = Affine3d::Identity();
+  across.linear() -= 2 * n * n.transpose();
+  across.translation() = 2 * p.dot(n) * n;
+  std::swap(now_, mirrored_);
+  const bool shadows = std::exchange(with_shadows_, false);
+  to_camera_ = to_camera * across;
+  mirroring_ = true;
+  now_.Clear();
+  SetLights(list);
+  for (int i = 0; i < list.ngeom; ++i) {
+    if (i != mirror_.geom) AddElement(model, list, list.geoms[i], -1);
+  }
+  mirroring_ = false;
+  to_camera_ = to_camera;
+  with_shadows_ = shadows;
+  std::swap(now_, mirrored_);
+}
+
+bool SoftScene::DrawReflection(SoftScratch* scratch, SoftReflection* reflection) {
+  if (!mirror_.in_view) return false;
+  ClearBuffer(view_, &reflection->buffer);
+  for (const int i : mirrored_.opaque) {
+    DrawInstance(view_, mirrored_.instances[i], scratch, &reflection->buffer);
+  }
+  reflection->picture = PictureOf(mirrored_);
+  reflection->first_id = mirror_.first_id;
+  reflection->triangles = 2;  // of a plane all, of a box those of the upper face
+  return true;
 }
 
 void SoftScene::DrawShadows(SoftScratch* scratch) {
@@ -148,25 +226,30 @@ void SoftScene::AddMarkers(const mjModel* model, const mjvScene& list, int first
 }
 
 SoftPicture SoftScene::Picture() const {
-  SoftPicture picture;
-  picture.view = &view_;
-  picture.instances = instances_.data();
-  picture.instance_of_run = instance_of_run_.data();
-  picture.lights = lights_.data();
-  picture.light_count = static_cast<int>(lights_.size());
-  picture.ambient = ambient_;
+  SoftPicture picture = PictureOf(now_);
   picture.sky = sky_;
   return picture;
 }
 
+SoftPicture SoftScene::PictureOf(const Elements& elements) const {
+  SoftPicture picture;
+  picture.view = &view_;
+  picture.instances = elements.instances.data();
+  picture.instance_of_run = elements.instance_of_run.data();
+  picture.lights = elements.lights.data();
+  picture.light_count = static_cast<int>(elements.lights.size());
+  picture.ambient = ambient_;
+  return picture;
+}
+
 void SoftScene::SetLights(const mjvScene& list) {
-  lights_.clear();
-  lights_.reserve(mjMAXLIGHT);
+  now_.lights.clear();
+  now_.lights.reserve(mjMAXLIGHT);
   ambient_ = list.nlight > 0 ? 0.0f : 0.3f;
   for (int i = 0; i < std::min<int>(list.nlight, mjMAXLIGHT); ++i) {
     const mjvLight& from = list.lights[i];
     if (from.type == mjLIGHT_IMAGE) continue;
-    SoftLight& light = lights_.emplace_back();
+    SoftLight& light = now_.lights.emplace_back();
     light.directional = from.type == mjLIGHT_DIRECTIONAL;
     const Vector3d along = Eigen::Map<const Eigen::Vector3f>(from.dir).cast<double>().normalized();
     Store(Vector3d(to_camera_.linear() * (light.directional ? -along : along)), light.direction);
@@ -247,8 +330,9 @@ SoftMaterial SoftScene::MaterialOf(const mjvGeom& geom, bool behind) const {
 void SoftScene::AddElement(const mjModel* model, const mjvScene& list, const mjvGeom& geom,
                            int body) {
   const bool behind = geom.type == mjGEOM_PLANE && IsBehind(eye_, geom);
-  const SoftMaterial material = MaterialOf(geom, behind);
-  const auto first = static_cast<int>(instances_.size());
+  SoftMaterial material = MaterialOf(geom, behind);
+  for (int k = 0; k < 3 && mirroring_; ++k) material.rgba[k] *= mirror_.reflectance;
+  const auto first = static_cast<int>(now_.instances.size());
   body_ = body;
   bends_ = false;
   casts_ = geom.castshadow != 0 && geom.category != mjCAT_DECOR;
@@ -259,10 +343,10 @@ void SoftScene::AddElement(const mjModel* model, const mjvScene& list, const mjv
   } else {
     AddShapes(geom, material, behind);
   }
-  const auto end = static_cast<int>(instances_.size());
+  const auto end = static_cast<int>(now_.instances.size());
   if (first == end) return;
   if (geom.rgba[3] >= kOpaque && !behind) {
-    for (int i = first; i < end; ++i) opaque_.push_back(i);
+    for (int i = first; i < end; ++i) now_.opaque.push_back(i);
     return;
   }
   Layer layer{first, end, material.rgba[3], 1e10f};
@@ -272,9 +356,9 @@ void SoftScene::AddElement(const mjModel* model, const mjvScene& list, const mjv
   }
   // Few, and nearly in order: put at its place.
   const auto place =
-      std::upper_bound(layers_.begin(), layers_.end(), layer,
+      std::upper_bound(now_.layers.begin(), now_.layers.end(), layer,
                        [](const Layer& a, const Layer& b) { return a.distance < b.distance; });
-  layers_.insert(place, layer);
+  now_.layers.insert(place, layer);
 }
 
 void SoftScene::AddMesh(const SoftMesh* mesh, const Affine3d& in_world,
@@ -283,6 +367,7 @@ void SoftScene::AddMesh(const SoftMesh* mesh, const Affine3d& in_world,
   if (with_shadows_ && casts_) shadows_.AddCaster(mesh, in_world, bends_);
   const Affine3d to_view = to_camera_ * in_world;
   if (OutOfView(view_, *mesh, to_view)) return;
+  if (mirroring_ && IsBelow(*mesh, in_world, mirror_.point, mirror_.normal)) return;
   SoftInstance instance;
   instance.mesh = mesh;
   instance.side = side;
@@ -294,13 +379,20 @@ void SoftScene::AddMesh(const SoftMesh* mesh, const Affine3d& in_world,
   Store(view_.orthographic ? Vector3d(to_mesh.linear().col(2)) : Vector3d(to_mesh.translation()),
         instance.eye);
   instance.eye[3] = view_.orthographic ? 0 : 1;
-  instance.first_id = static_cast<uint32_t>(instance_of_run_.size()) << kSoftRunBits;
+  if (mirroring_) {  // turns the other way round on the image, but shows the same faces
+    for (float& part : instance.eye) part = -part;
+    if (side != SoftSide::kBoth) {
+      instance.side = side == SoftSide::kFront ? SoftSide::kBack : SoftSide::kFront;
+    }
+  }
+  instance.first_id = static_cast<uint32_t>(now_.instance_of_run.size()) << kSoftRunBits;
   const size_t runs = (static_cast<size_t>(mesh->triangles) >> kSoftRunBits) + 1;
-  if (instance_of_run_.size() + runs >= kMostRuns) {
+  if (now_.instance_of_run.size() + runs >= kMostRuns) {
     throw Error("the scene has too many elements for the renderer 'soft'; draw it with 'gl'");
   }
-  instance_of_run_.insert(instance_of_run_.end(), runs, static_cast<int32_t>(instances_.size()));
-  instances_.push_back(instance);
+  now_.instance_of_run.insert(now_.instance_of_run.end(), runs,
+                              static_cast<int32_t>(now_.instances.size()));
+  now_.instances.push_back(instance);
 }
 
 void SoftScene::AddShapes(const mjvGeom& g, const SoftMaterial& material, bool behind) {

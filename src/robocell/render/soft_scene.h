@@ -27,7 +27,7 @@ class SoftScene {
 
   struct Effects {
     bool sky = true;
-    bool shadows = false;
+    bool shadows = false, reflections = false;
     int shadow_size = 1024;
   };
   // `bodies`: of the list's segmentation ids.
@@ -41,16 +41,18 @@ class SoftScene {
   const SoftView& view() const { return view_; }
   // Of the present instances; valid until the next call.
   SoftPicture Picture() const;
-  std::span<const SoftInstance> instances() const { return instances_; }
+  // Draws what the scene's one mirror shows into `reflection`. False where there is none in view.
+  bool DrawReflection(SoftScratch* scratch, SoftReflection* reflection);
+  std::span<const SoftInstance> instances() const { return now_.instances; }
   // Indices of instances: those that hide what is behind them, and groups of those that can be seen
   // through, the nearest first. A group is one element of the list.
-  std::span<const int> opaque() const { return opaque_; }
+  std::span<const int> opaque() const { return now_.opaque; }
   struct Layer {
     int first = 0, end = 0;  // instances
     float alpha = 1;
     float distance = 0;
   };
-  std::span<const Layer> layers() const { return layers_; }
+  std::span<const Layer> layers() const { return now_.layers; }
 
  private:
   void SetCamera(const CameraModel& camera);
@@ -66,15 +68,36 @@ class SoftScene {
   SoftMaterial MaterialOf(const mjvGeom& geom, bool behind) const;
   SoftMesh* NextOwnMesh();
 
+  // What is drawn in one picture.
+  struct Elements {
+    std::vector<SoftInstance> instances;
+    std::vector<int32_t> instance_of_run;
+    std::vector<int> opaque;
+    std::vector<Layer> layers;
+    std::vector<SoftLight> lights;
+
+    void Clear();
+  };
+  // A flat face that reflects: a plane, or the upper face of a box.
+  struct Mirror {
+    int geom = -1;  // of the list
+    Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();  // world
+    float reflectance = 0;
+    uint32_t first_id = 0;
+    bool in_view = false;
+  };
+  void FindMirror(const mjvScene& list);
+  void AddMirrored(const mjModel* model, const mjvScene& list);
+  SoftPicture PictureOf(const Elements& elements) const;
+
   SoftAssets assets_;
   SoftView view_;
   Eigen::Affine3d to_camera_;
   Eigen::Vector3d eye_;
-  std::vector<SoftInstance> instances_;
-  std::vector<int32_t> instance_of_run_;
-  std::vector<int> opaque_;
-  std::vector<Layer> layers_;
-  std::vector<SoftLight> lights_;
+  Elements now_;       // the one that is being made, else that of the camera
+  Elements mirrored_;  // that of the mirror
+  Mirror mirror_;
+  bool mirroring_ = false;
   float ambient_ = 0;
   SoftSky sky_;
   SoftShadows shadows_;

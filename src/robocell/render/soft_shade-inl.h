@@ -278,6 +278,25 @@ HWY_INLINE V LoadNearness(const SoftBuffer& buffer, size_t block, int part) {
   return hn::Load(kFloats, buffer.nearness[block].at + part);
 }
 
+// Adds what a mirror shows, in front of which nothing is.
+HWY_INLINE Colour WithReflection(const SoftPicture& picture, size_t block, int bx, int by, int part,
+                                 I ids, V nearness, const Colour& c) {
+  const SoftReflection& r = *picture.reflection;
+  const I triangle = hn::Sub(ids, hn::Set(kInts, static_cast<int32_t>(r.first_id)));
+  const auto on_face =
+      hn::And(hn::Gt(triangle, hn::Set(kInts, -1)), hn::Lt(triangle, hn::Set(kInts, r.triangles)));
+  if (hn::AllFalse(kInts, on_face)) return c;
+  // Mirrored, what is in front of the face lies behind it.
+  const V near = LoadNearness(r.buffer, block, part);
+  const auto shown =
+      hn::And(on_face, hn::RebindMask(kInts, hn::Le(near, hn::Mul(nearness, Num(1.0001f)))));
+  const I other = hn::IfThenElse(shown, LoadIds(r.buffer, block, part), hn::Set(kInts, -1));
+  if (hn::AllFalse(kInts, hn::Gt(other, hn::Set(kInts, -1)))) return c;
+  const Colour of_mirror =
+      ShadePixels(r.picture, PixelsAt(*picture.view, bx, by, part, near), other);
+  return {hn::Add(c.r, of_mirror.r), hn::Add(c.g, of_mirror.g), hn::Add(c.b, of_mirror.b)};
+}
+
 // The mean over the samples of pixels whose centres have colour `c`. A sample of the same surface
 // has that colour too: edges are smoothed, textures and highlights are not.
 HWY_INLINE Colour WithSamples(const SoftPicture& picture, std::span<const SoftSample> samples,
@@ -340,7 +359,11 @@ inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffe
         const V nearness = LoadNearness(buffer, block, part);
         const Pixels p = PixelsAt(*picture.view, bx, by, part, nearness);
         const M nothing = hn::RebindMask(kFloats, hn::Lt(ids, hn::Zero(kInts)));
-        Colour c = WithSky(picture, p, nothing, ShadePixels(picture, p, ids));
+        Colour c = ShadePixels(picture, p, ids);
+        if (picture.reflection) {
+          c = WithReflection(picture, block, bx, by, part, ids, nearness, c);
+        }
+        c = WithSky(picture, p, nothing, c);
         c = {Clamp01(c.r), Clamp01(c.g), Clamp01(c.b)};
         if (!samples.empty()) {
           c = WithSamples(picture, samples, block, bx, by, part, ids, nearness, c);

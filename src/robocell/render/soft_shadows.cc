@@ -121,9 +121,15 @@ void SoftShadows::Draw(SoftScratch* scratch) {
     for (const Caster& caster : casters_) {
       SoftInstance instance;
       instance.mesh = caster.mesh;
-      instance.side = SoftSide::kBoth;  // all faces cast
       const Affine3d to_view = map.to_light * Loaded(caster.in_world);
       Store(to_view, instance.to_view);
+      // All faces cast; of a closed mesh those towards the light are the nearest.
+      instance.side = caster.mesh->closed ? SoftSide::kFront : SoftSide::kBoth;
+      const Affine3d to_mesh = to_view.inverse(Eigen::Affine);
+      const Vector3d eye =
+          view.orthographic ? Vector3d(to_mesh.linear().col(2)) : Vector3d(to_mesh.translation());
+      for (int k = 0; k < 3; ++k) instance.eye[k] = static_cast<float>(eye[k]);
+      instance.eye[3] = view.orthographic ? 0 : 1;
       DrawInstance(view, instance, scratch, &map.buffer);
     }
     map.drawn = true;
