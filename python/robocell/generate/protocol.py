@@ -39,8 +39,11 @@ class Failure:
     message: str
 
     @classmethod
-    def of(cls, error: BaseException) -> Failure:
-        """Sorts an exception; one of a user's code comes with class, file and line."""
+    def of(cls, error: BaseException, *, loading: bool = False) -> Failure:
+        """Sorts an exception; one of a user's code comes with class, file and line.
+
+        What is raised while a run is loaded says itself where in the run it is.
+        """
         from robocell import ArgumentError, Error, NotFoundError, SpecError
         from robocell.generate.run_source import is_of_users, place_of
 
@@ -48,7 +51,8 @@ class Failure:
         if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
             kind = "spec"
         # Whatever its class: robocell raises in a user's code too.
-        told = is_of_users(error) or not isinstance(error, Error | OSError)
+        in_code = kind != "io" and not loading and is_of_users(error)
+        told = in_code or not isinstance(error, Error | OSError)
         return cls(kind, place_of(error) if told else str(error))
 
     def error(self) -> Exception:

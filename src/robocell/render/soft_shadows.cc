@@ -74,7 +74,9 @@ bool SoftShadows::Caster::operator==(const Caster& other) const {
 }
 
 void SoftShadows::Clear() {
-  maps_.clear();
+  // Their memory stays: a model comes with every episode, and megabytes that go and come again with it
+  // leave holes in the heap.
+  for (Map& map : maps_) map.drawn = false;
   used_ = 0;
 }
 

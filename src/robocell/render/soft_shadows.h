@@ -22,7 +22,7 @@ namespace robocell::internal {
 
 class SoftShadows {
  public:
-  // Forgets all maps: meshes are others.
+  // Forgets what all maps show: meshes are others.
   void Clear();
 
   // Takes the lights of the list that cast shadows. `size`: side of a map in pixels.
