@@ -343,7 +343,7 @@ HWY_INLINE void PutColours(const int32_t* pixels, int bx, int by, int width, int
     if (columns == kSoftBlock) {
       std::memcpy(to, words, sizeof words);
     } else {
-      std::memcpy(to, words, static_cast<size_t>(3 * columns));
+      std::memcpy(to, words, 3 * static_cast<size_t>(columns));
     }
   }
 }

@@ -44,8 +44,7 @@ Robot OnlyRobot(const RunConfig& run) {
 class Search {
  public:
   explicit Search(const RunConfig& run)
-      : run_(run),
-        robot_(OnlyRobot(run)),
+      : robot_(OnlyRobot(run)),
         shape_(GripperShape::Of(robot_.config(), run.options, robot_.scene().timestep())),
         asked_(PickRunOf(run.task).value_or(PickRun{})),
         motion_(GraspMotionsToLift(asked_.lift_height)) {
@@ -148,7 +147,6 @@ class Search {
         asked_.base_height_noise[1], asked_.base_distance[0], asked_.base_distance[1]);
   }
 
-  const RunConfig& run_;
   Robot robot_;
   std::shared_ptr<const GripperShape> shape_;
   PickRun asked_;
