@@ -113,8 +113,27 @@ SCENES = (
             ("the engine reading it as XML", "the engine alone reads it as XML"),
         )
     ),
-    Floor("P11", "color, depth and segmentation, beside `mujoco.Renderer`", floor=20, aim=80),
-    Floor("P11", "the same, its quality turned off", floor=5, aim=18),
+    *(
+        Floor(
+            "P11",
+            f"colour, depth and segmentation, beside `mujoco.Renderer`, {how}",
+            "render",
+            "image of `soft`, {robot}",
+            f"`mujoco.Renderer`, {how}",
+            floor=floor,
+            aim=aim,
+        )
+        for how, floor, aim in (("default", 50, 120), ("effects off", 12, 28))
+    ),
+    Floor(
+        "P11",
+        "the same with shadows and 4 samples, beside `mujoco.Renderer`, default",
+        "render",
+        "image of `soft`, shadows and 4 samples, {robot}",
+        "`mujoco.Renderer`, default",
+        floor=20,
+        aim=40,
+    ),
 )
 EPISODES = (
     Floor(

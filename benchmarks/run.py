@@ -24,6 +24,7 @@ import episodes
 import ik
 import overlap
 import read_frames
+import render
 import reset
 import scene_again
 from instruction_set import instruction_set, with_avx2
@@ -45,6 +46,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "scene_again": scene_again.rows,
     "dataset_writer": dataset_writer.rows,
     "read_frames": read_frames.rows,
+    "render": render.rows,
     "overlap": overlap.rows,
     "episodes": episodes.rows,
 }

@@ -27,6 +27,9 @@ endforeach()
 if(ROBOCELL_SANITIZE)  # -O3 takes three times as long to compile the instrumented one, and gains nothing that is asked for
   set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/kinematics/pose_kernel.cc" PROPERTIES COMPILE_OPTIONS "")
 endif()
+# The same bytes with every instruction set: no multiplication and addition in one.
+set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/render/soft_kernel.cc" PROPERTIES
+  COMPILE_OPTIONS "-O3;-ffp-contract=off" SKIP_UNITY_BUILD_INCLUSION ON)
 # ThreadSanitizer gives every function something to clean up, which an exception of the engine cannot pass
 # (engine_exception.h). What it then does not tell is who called a function of these. (Tests: RobocellTests.cmake.)
 set(ROBOCELL_EXCEPTIONS_PASS "--param=tsan-instrument-func-entry-exit=0")

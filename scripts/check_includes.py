@@ -53,6 +53,13 @@ INTERNAL = (
     "robocell/spec/yaml_reader.h",
     "robocell/spec/yaml_writer.h",
 )
+# Of tasks and experts, what knows no concrete one: `rollout` and what stands above it know them by
+# their registries only.
+BY_REGISTRY = {
+    "task": {"task", "task_kind", "task_features", "refusal", "base_placement"},
+    "expert": {"expert_kind"},
+}
+KNOW_NO_TASK = ("rollout", "diagnose", "viewer")
 KDL_LAYERS = ("kinematics", "bindings")
 # What makes a header one that is not installed.
 HIDDEN = re.compile(r"^namespace robocell::internal\b", re.MULTILINE)
@@ -111,6 +118,13 @@ def reason_against(path: Path, header: str) -> str | None:
         return None if ok else f'"{header}": testing/ is for tests only'
     if target not in TABLE:
         return f'"{header}": there is no layer {target}/'
+    if not is_test and layer in KNOW_NO_TASK and target in BY_REGISTRY:
+        known = BY_REGISTRY[target]
+        if Path(header).stem not in known:
+            return (
+                f'{layer}/ may not include "{header}": it knows tasks and experts by their '
+                f"registries only ({', '.join(sorted(known))})"
+            )
     if layer in ("bindings", "umbrella", "testing") or target in allowed(layer):
         return None
     may = ", ".join(sorted(allowed(layer) - {layer})) or "nothing of ours"

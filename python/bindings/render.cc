@@ -2,6 +2,8 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 
+#include <optional>
+
 #include "arrays.h"
 #include "bindings.h"
 #include "cameras.h"
@@ -12,6 +14,7 @@
 #include "robocell/render/gl_context.h"
 #include "robocell/render/graphics_advice.h"
 #include "robocell/render/markers.h"
+#include "robocell/render/render_quality.h"
 #include "robocell/render/scene_renderer.h"
 
 namespace nb = nanobind;
@@ -49,18 +52,25 @@ nb::dict Render(SceneRenderer& self, nb::handle camera, int width, int height, b
       .markers = markers};
   CheckImageSize(width, height);
   const size_t h = static_cast<size_t>(height), w = static_cast<size_t>(width);
-  std::vector<uint8_t> colour(rgb ? 3 * w * h : 0);
-  std::vector<float> metres(depth ? w * h : 0);
-  std::vector<int32_t> bodies(segmentation ? w * h : 0);
+  const size_t shape[] = {h, w, 3};
+  const auto image = [&]<class T>(bool wanted, size_t dimensions, std::span<T>& numbers) {
+    if (!wanted) return nb::object();
+    Unwritten made = NewUnwritten(nb::dtype<T>(), std::span(shape, dimensions));
+    numbers = {static_cast<T*>(made.numbers), dimensions == 3 ? 3 * h * w : h * w};
+    return std::move(made.array);
+  };
+  RenderOutputs outputs;
+  const nb::object colour = image(rgb, 3, outputs.rgb), metres = image(depth, 2, outputs.depth),
+                   bodies = image(segmentation, 2, outputs.segmentation);
   CameraModel model;
   {
     nb::gil_scoped_release release;
-    model = self.Render(request, {.rgb = colour, .depth = metres, .segmentation = bodies});
+    model = self.Render(request, outputs);
   }
   nb::dict out;
-  if (rgb) out["rgb"] = NewArray<uint8_t>(colour, {h, w, 3});
-  if (depth) out["depth"] = NewArray<float>(metres, {h, w});
-  if (segmentation) out["segmentation"] = NewArray<int32_t>(bodies, {h, w});
+  if (rgb) out["rgb"] = colour;
+  if (depth) out["depth"] = metres;
+  if (segmentation) out["segmentation"] = bodies;
   out["intrinsics"] = MatrixArray<3, 3>(model.intrinsics());
   out["extrinsics"] = MatrixArray<4, 4>(model.extrinsics());
   return out;
@@ -115,18 +125,31 @@ void BindRender(nb::module_& m) {
       .def(
           "__init__",
           [](SceneRenderer* self, const Scene& scene, bool shadows, int multisamples,
-             bool reflections, int shadow_size, const std::string& gl) {
-            const RenderQuality quality{.shadows = shadows,
-                                        .reflections = reflections,
-                                        .multisamples = multisamples,
-                                        .shadow_size = shadow_size};
-            new (self) SceneRenderer(scene, {.gl = gl, .quality = quality});
+             bool reflections, int shadow_size, const std::string& gl, const std::string& backend,
+             const std::optional<std::string>& quality) {
+            RenderQuality chosen{.shadows = shadows,
+                                 .reflections = reflections,
+                                 .multisamples = multisamples,
+                                 .shadow_size = shadow_size};
+            if (quality) {
+              if (shadows || reflections || multisamples != 0) {
+                throw ArgumentError(
+                    "Renderer(): give `quality` or single effects (`shadows`, `multisamples`, "
+                    "`reflections`), not both");
+              }
+              chosen = NamedQuality(*quality);
+            }
+            new (self) SceneRenderer(scene, {.backend = backend, .gl = gl, .quality = chosen});
           },
           "scene"_a, "shadows"_a = false, "multisamples"_a = 0, "reflections"_a = false,
-          "shadow_size"_a = RenderQuality{}.shadow_size, "gl"_a = "auto",
-          nb::call_guard<nb::gil_scoped_release>(),
+          "shadow_size"_a = RenderQuality{}.shadow_size, "gl"_a = "auto", "backend"_a = "auto",
+          "quality"_a = nb::none(), nb::call_guard<nb::gil_scoped_release>(),
           "`shadow_size`: side of the shadow map in pixels; what is large or seen from near needs "
-          "more.")
+          "more.\n"
+          "`backend`: 'gl' (OpenGL), 'soft' (the processor alone), or 'auto': what the variable "
+          "ROBOCELL_RENDERER names, else\n"
+          "OpenGL where there is one. `quality`: 'fast', 'standard' or 'high' in the place of "
+          "single effects.")
       .def("render", &Render, "camera"_a.none(), "width"_a = 320, "height"_a = 240, "rgb"_a = true,
            "depth"_a = false, "segmentation"_a = false,
            "frames"_a = std::vector<std::pair<std::string, Pose>>{}, "frame_length"_a = 0.1,

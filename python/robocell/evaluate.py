@@ -26,9 +26,9 @@ from robocell.generate.protocol import Failure
 from robocell.generate.run_source import RunSource
 from robocell.generate.supervisor import Limits
 from robocell.generate.totals import Totals, Unmade
-from robocell.policy import EXPERT, RANDOM
+from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_starts
 
-__all__ = ["EXPERT", "RANDOM", "SEED", "Evaluation", "evaluate", "wilson_interval"]
+__all__ = ["EXPERT", "RANDOM", "REPLAY", "SEED", "Evaluation", "evaluate", "wilson_interval"]
 
 # Starts of evaluations are drawn from other seeds than those that datasets begin with.
 SEED = 1_000_003
@@ -106,9 +106,9 @@ def evaluate(
     source: str | Path,
     policy: str,
     *,
-    episodes: int = 100,
+    episodes: int | None = None,
     workers: int = 1,
-    seed: int = SEED,
+    seed: int | None = None,
     output: str | Path,
     cameras: bool = True,
     imports: Sequence[str] = (),
@@ -120,10 +120,11 @@ def evaluate(
     Args:
         source: A dataset, a run file, or `module:name` of a RunConfig.
         policy: `module:Class` or `file.py:Class` of a `robocell.policy.Policy`; `expert` for the
-            task's own expert; `random`.
-        episodes: How many starts.
+            task's own expert; `random`; `replay`, the recorded actions of the dataset.
+        episodes: How many starts: 100 unless given, or as many as the dataset has for `replay`.
         workers: Processes.
-        seed: Starts follow from it and from their number: the same for every policy.
+        seed: Starts follow from it and from their number: the same for every policy, and none of
+            a dataset's, unless given. For `replay` the dataset's own.
         output: Folder of the rollouts. The same evaluation again goes on there.
         cameras: False draws no image: for policies that need none, and no videos are kept.
         imports: Modules to import first, which register tasks.
@@ -133,6 +134,11 @@ def evaluate(
     Raises SpecError for what the run, the policy or the module says, and Error when no rollout
     could be made at all, with the reason; single ones that could not be made are in `errors`.
     """
+    if policy == REPLAY:
+        own_seed, own_episodes = replayed_starts(source)
+        seed, episodes = (own_seed if seed is None else seed), episodes or own_episodes
+    seed = SEED if seed is None else seed
+    episodes = 100 if episodes is None else episodes
     if episodes < 1:
         raise ArgumentError(f"episodes must be at least 1, got {episodes}")
     if workers < 1:

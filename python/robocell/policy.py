@@ -24,6 +24,8 @@ from numpy.typing import ArrayLike, NDArray
 from robocell._core import (
     ArgumentError,
     CellFeatures,
+    Dataset,
+    Episode,
     EpisodeStart,
     Expert,
     Feature,
@@ -244,22 +246,79 @@ def register_named_policy(name: str, folder: Path) -> None:
     register_policy(name, make, files)
 
 
-EXPERT, RANDOM = "expert", "random"
+EXPERT, RANDOM, REPLAY = "expert", "random", "replay"
 
 
-def expert_of_policy(policy: str) -> str:
-    """Makes a policy known by its name; what a run's `expert` says for it."""
+def expert_of_policy(policy: str, source: str | Path) -> str:
+    """Makes a policy known by its name; what a run's `expert` says for it.
+
+    `source` is the dataset that is replayed.
+    """
     if policy == EXPERT:
         return ""
     if policy == RANDOM:
         register_policy(RANDOM, RandomPolicy)
         return RANDOM
+    if policy == REPLAY:
+        replayed_starts(source)
+        register_policy(REPLAY, lambda _run: ReplayPolicy(source))
+        return REPLAY
     if ":" in policy:
         register_named_policy(policy, Path.cwd())
         return policy
     raise ArgumentError(
-        f"policy '{policy}': expected module:Class, file.py:Class, '{EXPERT}' or '{RANDOM}'"
+        f"policy '{policy}': expected module:Class, file.py:Class, '{EXPERT}', "
+        f"'{RANDOM}' or '{REPLAY}'"
     )
+
+
+def replayed_starts(source: str | Path) -> tuple[int, int]:
+    """The seed of a dataset's run, and its number of episodes."""
+    folder = Path(source)
+    if not (folder / "dataset.json").is_file():
+        raise ArgumentError(f"policy '{REPLAY}' needs a dataset whose actions it takes: '{folder}'")
+    dataset = Dataset(folder)
+    if not len(dataset):
+        raise ArgumentError(f"policy '{REPLAY}': '{folder}' has no episode to replay")
+    metadata: Any = dataset[0].metadata
+    return int(metadata["seed"]), len(dataset)
+
+
+class ReplayPolicy(Policy):
+    """Takes the recorded actions of the episode that began in the same state."""
+
+    def __init__(self, source: str | Path) -> None:
+        self._dataset = Dataset(Path(source))
+        self._episode: Episode | None = None
+        self._row = 0
+        self._names: list[str] = []
+
+    def reset(self, context: Context) -> None:
+        """Looks for the episode anew."""
+        self._episode, self._row = None, 0
+        actions = [f.name for f in context.features if f.role == "action"]
+        self._names = [name for name in actions if f"{name}_relative" in actions]
+
+    def act(self, observation: Observation) -> Action:
+        """The next recorded action; the last one again after the end."""
+        if self._episode is None:
+            self._episode = self._starting_at(observation)
+        row = min(self._row, len(self._episode) - 1)
+        self._row += 1
+        return {name: self._episode[name][row] for name in self._names}
+
+    def _starting_at(self, observation: Observation) -> Episode:
+        for episode in self._dataset:
+            state = [f.name for f in episode.features if f.role in ("observation", "privileged")]
+            if all(
+                name in observation and np.allclose(episode[name][0], observation[name], atol=1e-9)
+                for name in state
+            ):
+                return episode
+        raise NotFoundError(
+            f"policy '{REPLAY}': no episode of '{self._dataset.folder}' starts like this one. "
+            "Leave --seed out, so that its own starts are taken"
+        )
 
 
 class RandomPolicy(Policy):

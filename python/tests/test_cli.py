@@ -234,7 +234,7 @@ def test_a_dry_run_tells_what_there_is_to_do_and_does_nothing(tmp_path: Path):
     result = robocell_command("generate", write_run(tmp_path), "--dry-run", "--shard", "0/2")
     assert result.returncode == 0
     assert "episodes: 1, 0 of them made, 1 to do" in result.stdout
-    assert "takes about, after 1 without and 1 with cameras:" in result.stdout
+    assert "estimate from 1 episode, 1 of them with cameras:" in result.stdout
     for label in ("episodes:", "frames:", "size:", "time:", "memory:"):
         assert f"\n  {label} " in result.stdout
     assert not (tmp_path / "out").exists()

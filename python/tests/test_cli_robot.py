@@ -248,9 +248,12 @@ def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: 
     robot = write_suction(tmp_path)
     checked = robocell_command("check", robot)
     assert checked.returncode == 0, checked.stderr
-    undriven = "move_groups.cup: scene 'bob' / robot 'bob' / group 'cup' has no controller"
+    undriven = "move_groups.cup: 'suck' is "
     assert undriven in checked.stderr
-    assert "Without one nothing commands it" in checked.stderr
+    assert "moves no joint, so that there is no controller for it" in checked.stderr
+    assert "SetActuatorCtrl" in checked.stderr
+    # A suction cup is no arm.
+    assert "joint_impedance" not in checked.stderr
     assert "nothing found wrong" not in checked.stdout
     unfit = "has no gripper group"
     assert "note: no robot for pick tasks: " in checked.stdout

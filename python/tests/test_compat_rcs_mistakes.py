@@ -121,3 +121,15 @@ class TestMistakes:
         assert self.message(fr3, gripper_cfgs={"lfet": SimGripperConfig()}) == (
             "gripper_cfgs.lfet: no robot 'lfet'. Known robots: left, right"
         )
+
+
+def test_names_that_a_registry_does_not_have_are_told_with_the_nearest():
+    for name in ("SCENE_PATHS", "OBJECT_PATHS", "GRIPPER_PATHS", "CAMERA_PATHS"):
+        registry = getattr(rcs, name)
+        known = next(iter(registry))
+        with pytest.raises(KeyError) as error:
+            registry[known + "x"]
+        assert f"{name}: no '{known}x'. It has: {known}" in str(error.value)
+        assert f"Did you mean '{known}'?" in str(error.value)
+        assert registry.get(known + "x") is None
+        assert registry[known] == dict(registry)[known]

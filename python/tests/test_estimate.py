@@ -105,7 +105,7 @@ def test_an_estimate_is_near_what_two_episodes_take(tmp_path: Path):
     assert expected["bytes"] == pytest.approx(stored, rel=0.02)
     again = robocell_command("generate", run, "--dry-run").stdout
     assert "episodes: 2, 2 of them made, 0 to do" in again
-    assert "takes about" not in again
+    assert "estimate from" not in again
 
 
 def test_a_run_that_cannot_make_an_episode_is_told_so(tmp_path: Path):

@@ -55,7 +55,7 @@ def test_the_doctor_does_not_take_an_error_for_a_description(monkeypatch: pytest
 
 def machine_with_a_card(root: Path) -> str:
     """A machine's files: a card, and a driver without its graphics libraries."""
-    (root / "dev").mkdir()
+    (root / "dev").mkdir(parents=True)
     (root / "dev" / "nvidia0").touch()
     return str(root)
 
@@ -78,8 +78,11 @@ def test_software_on_a_machine_with_a_card_is_not_ok(tmp_path: Path):
 def test_a_run_with_cameras_says_once_that_a_card_is_idle(tmp_path: Path):
     run = rc.RunConfig.load(str(EXAMPLES / "demo.yaml"))
     assert run.cameras.streams
+    assert run.cameras.renderer == "soft"
+    root = machine_with_a_card(tmp_path / "card")
+    assert graphics_warnings(run, root) == []  # it uses no card on purpose
+    run.cameras.renderer = "auto"
     assert graphics_warnings(run, str(tmp_path)) == []
-    root = machine_with_a_card(tmp_path)
     drawing = describe().stdout.removeprefix("draws: ").strip()
     if "llvmpipe" in drawing:
         (warning,) = graphics_warnings(run, root)

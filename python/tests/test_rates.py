@@ -44,7 +44,7 @@ def test_a_rate_that_does_not_fit_names_the_nearest_and_the_timestep(tmp_path: P
     run = write_run(tmp_path, rates={"policy_ms": 33.3})
     text = " ".join(refused("generate", run, "--dry-run").split())
     assert "33.3 ms is not a multiple of control_ms (2 ms)" in text
-    assert "the nearest are 32 ms (31.25 Hz) and 34 ms (29.4118 Hz)" in text
+    assert "the nearest are 32 ms (31.25 Hz) and 34 ms (500/17 Hz)" in text
     assert "For exactly 30 Hz set policy_hz: 30 and sim_hz: 480" in text
 
 

@@ -63,4 +63,6 @@ class RecordedScene:
             shadows=quality.shadows,
             multisamples=quality.multisamples,
             reflections=quality.reflections,
+            shadow_size=quality.shadow_size,
+            backend=run.cameras.renderer,
         )

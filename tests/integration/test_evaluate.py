@@ -239,3 +239,20 @@ def test_other_weights_are_another_evaluation(dataset: Path, tmp_path: Path):
     (tmp_path / "weights.txt").write_text("2")
     with pytest.raises(rc.SpecError, match=r"weights\.txt: changed since then"):
         evaluate(dataset, f"{file}:Weighing", episodes=1, output=out)
+
+
+def test_a_dataset_replays_its_own_actions(dataset: Path, tmp_path: Path):
+    result = evaluate(dataset, "replay", output=tmp_path / "out", workers=2)
+    assert (result.successes, result.trials) == (2, 2)
+    for episode in rc.Dataset(dataset):
+        again = rc.Dataset(tmp_path / "out")[episode.id]
+        rows = len(again)  # a policy ends at success, an expert goes on to hold
+        for name in ("robots/rc7/arm/qpos", "objects/target/pose"):
+            assert np.array_equal(episode[name][:rows], again[name])
+    said = refusal("evaluate", DEMO, "--policy", "replay", "-o", tmp_path / "none")
+    assert "needs a dataset whose actions it takes" in said
+    said = robocell_command(
+        *("evaluate", dataset, "--policy", "replay", "--seed", "5", "-n", "1"),
+        *("-o", tmp_path / "other"),
+    )
+    assert "starts like this one" in said.stdout + said.stderr

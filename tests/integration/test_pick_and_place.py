@@ -18,7 +18,8 @@ RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
 def run_file(folder: Path, task: str) -> Path:
     text = EXAMPLE.read_text().replace("../models/robots/rc7/rc7.yaml", str(RC7))
     lines = [f"task: {task}" if line.startswith("task:") else line for line in text.splitlines()]
-    lines = [line for line in lines if not line.startswith("cameras:")]
+    # Without the block of the cameras.
+    lines = [line for line in lines if not line.startswith(("cameras:", "  "))]
     file = folder / "place.yaml"
     file.write_text("\n".join(lines) + "\n")
     return file

@@ -22,15 +22,21 @@ def evaluate(
         str,
         typer.Option(
             metavar="MODULE:CLASS",
-            help="module:Class or file.py:Class of a policy; expert; random.",
+            help="module:Class or file.py:Class of a policy; expert; random; replay.",
         ),
     ],
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="PATH", help="Folder of the rollouts.")
     ],
     episodes: Annotated[
-        int, typer.Option("--episodes", "-n", min=1, help="Rollouts, each from its own start.")
-    ] = 100,
+        int | None,
+        typer.Option(
+            "--episodes",
+            "-n",
+            min=1,
+            help="Rollouts, each from its own start: 100, or those of the dataset for replay.",
+        ),
+    ] = None,
     workers: Annotated[int, typer.Option(min=1, help="Worker processes.")] = 1,
     seed: Annotated[int | None, typer.Option(min=0, help="Of the starts.")] = None,
     no_cameras: Annotated[
@@ -40,14 +46,18 @@ def evaluate(
         list[str] | None,
         typer.Option("--import", metavar="MODULE", help="A module that registers tasks."),
     ] = None,
+    item_timeout: Annotated[
+        float,
+        typer.Option("--item-timeout", metavar="S", min=1.0, help="A rollout is ended after this."),
+    ] = 1800.0,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
     """Evaluate a policy. The same starts for every policy; the same command again goes on.
 
     Exit codes: 0 evaluated, 1 some rollouts could not be made, 2 wrong command or spec, 3 the disk.
     """
-    from robocell.evaluate import SEED
     from robocell.evaluate import evaluate as run
+    from robocell.generate.supervisor import Limits
 
     def told(done: int, of: int, success: bool) -> None:
         if not as_json and (done == of or done % 10 == 0):
@@ -58,11 +68,12 @@ def evaluate(
         policy,
         episodes=episodes,
         workers=workers,
-        seed=SEED if seed is None else seed,
+        seed=seed,
         output=output,
         cameras=not no_cameras,
         imports=imports or [],
         on_trial=told,
+        limits=Limits(item_timeout_s=item_timeout),
     )
     atomic_write(output / "evaluation.json", (result.to_json() + "\n").encode())
     if as_json:
@@ -81,7 +92,7 @@ def evaluate(
         print(f"rollouts: {output}")
     if result.unmade:
         print_warning(
-            f"{result.unmade} of {episodes} rollouts could not be made, see above; they count "
+            f"{result.unmade} rollouts could not be made, see above; they count "
             "neither as success nor as failure"
         )
         raise typer.Exit(ExitCode.INCOMPLETE)

@@ -212,7 +212,7 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
     if as_json:
         print(json.dumps({"event": "estimate", **found.to_json()}))
         return
-    print(f"what is to do takes about, after {found.tried} without and {found.seen} with cameras:")
+    print(f"estimate from {counted(found.tried, 'episode')}, {found.seen} of them with cameras:")
     for label, text in found.rows_of_text().items():
         print(f"  {label + ':':<10}{text}")
     if not found.successes:

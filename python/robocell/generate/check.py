@@ -101,6 +101,8 @@ def graphics_warnings(run: RunConfig, root: str = "/") -> list[str]:
 
     `root` is the folder that the machine's files are looked up in. Without a card nothing is drawn.
     """
+    if run.cameras.renderer == "soft":
+        return []
     if not run.cameras.streams or not _core.graphics_advice(SOFTWARE, root):
         return []
     try:

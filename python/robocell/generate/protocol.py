@@ -39,17 +39,21 @@ class Failure:
     message: str
 
     @classmethod
-    def of(cls, error: BaseException) -> Failure:
-        """Sorts an exception; one of a user's code comes with class, file and line."""
+    def of(cls, error: BaseException, *, loading: bool = False) -> Failure:
+        """Sorts an exception; one of a user's code comes with class, file and line.
+
+        What is raised while a run is loaded says itself where in the run it is.
+        """
         from robocell import ArgumentError, Error, NotFoundError, SpecError
         from robocell.generate.run_source import is_of_users, place_of
 
-        if is_of_users(error):  # whatever its class: robocell raises in a user's code too
-            return cls("other", place_of(error))
-        if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
-            return cls("spec", str(error))
         kind: FailureKind = "io" if isinstance(error, OSError) else "other"
-        return cls(kind, str(error) if isinstance(error, Error | OSError) else place_of(error))
+        if isinstance(error, (SpecError, NotFoundError, ArgumentError)):
+            kind = "spec"
+        # Whatever its class: robocell raises in a user's code too.
+        in_code = kind != "io" and not loading and is_of_users(error)
+        told = in_code or not isinstance(error, Error | OSError)
+        return cls(kind, place_of(error) if told else str(error))
 
     def error(self) -> Exception:
         """An exception to raise in its stead: SpecError, IoError or Error."""

@@ -68,7 +68,7 @@ class RunSource:
         if self.policy:
             from robocell.policy import expert_of_policy
 
-            run.expert = expert_of_policy(self.policy)
+            run.expert = expert_of_policy(self.policy, self.run)
             run.keep = Keep.FIRST
         return run
 

@@ -290,7 +290,7 @@ class Supervisor:
         if report.stopped:
             self._drop_item(worker, f"worker {worker.number} was told to stop by another process")
             return
-        if not report.complete:
+        if not (report.success or report.complete):
             self._give_up(item, report.why_unmade())
         self._decided(report)
         self._hand_next(worker)

@@ -72,7 +72,9 @@ def _work(
 def _tell_failure(replies: int, verb: str, error: Exception) -> int:
     with contextlib.suppress(OSError):  # the log may be on the very disk that is full
         traceback.print_exception(error)
-    _send(replies, {verb: Failure.of(error).to_json()})  # nobody may listen any more
+    _send(
+        replies, {verb: Failure.of(error, loading=verb == "refused").to_json()}
+    )  # nobody may listen any more
     return 1
 
 

@@ -103,9 +103,9 @@ fs::path ConfinedPath(const fs::path& root, std::string_view relative) {
 
 void RequireNoNul(std::string_view what, std::string_view path) {
   if (path.find('\0') == std::string_view::npos) return;
-  throw ArgumentError(fmt::format(
-      "{} '{}' contains a NUL byte, where the system would end it; remove that byte", what,
-      Shown(path)));
+  throw ArgumentError(
+      fmt::format("{} '{}' contains a NUL byte, where the system would end it; remove that byte",
+                  what, Shown(path)));
 }
 
 bool ValidFileName(std::string_view name) { return FileNameProblem(name).empty(); }

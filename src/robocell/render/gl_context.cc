@@ -152,9 +152,11 @@ std::unique_ptr<GlContext> GlContext::Create(GlBackend wanted) {
       install += std::string(install.empty() ? "" : "  or  ") + InstallHint(backend);
     }
   }
-  throw Error("no OpenGL for off-screen rendering. Tried:" + tried +
-              "\nInstall one of them (Debian, Ubuntu): " + install +
-              "\nROBOCELL_GL=egl or ROBOCELL_GL=osmesa chooses one.");
+  throw Error(
+      "no OpenGL for off-screen rendering. Tried:" + tried +
+      "\nInstall one of them (Debian, Ubuntu): " + install +
+      "\nROBOCELL_GL=egl or ROBOCELL_GL=osmesa chooses one. ROBOCELL_RENDERER=soft draws without "
+      "OpenGL.");
 }
 
 std::string DescribeGl(GlBackend backend) {

@@ -4,7 +4,7 @@
 
 #include "robocell/mujoco/forward.h"
 #include "robocell/mujoco/owners.h"
-#include "robocell/render/gl_drawing.h"
+#include "robocell/render/mjv_scene.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/scenes.h"
 

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
-#include "robocell/base/names.h"
-#include "robocell/render/gl_renderer.h"
 
 namespace robocell {
 namespace {
@@ -20,13 +18,6 @@ void CheckSize(const char* image, size_t have, const RenderRequest& request, siz
 }
 
 }  // namespace
-
-std::vector<std::string> RendererBackends() { return {"gl"}; }
-
-std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
-  if (options.backend == "gl") return std::make_unique<GlRenderer>(options);
-  throw NotFoundError(NoSuchName("renderer", "back end", options.backend, RendererBackends()));
-}
 
 void CheckImageSize(int width, int height) {
   if (width >= 1 && height >= 1 && width <= kLargest && height <= kLargest) return;

@@ -9,7 +9,7 @@
 //   segmentation   id of the body that is seen (0: the world's own geoms, e.g. the floor), -1 where
 //                  nothing is and for things of no body (tendons, flexes, skins)
 //
-//   std::unique_ptr<Renderer> renderer = MakeRenderer({.backend = "gl"});
+//   std::unique_ptr<Renderer> renderer = MakeRenderer({.backend = "soft"});
 //   renderer->SetModel(model);                                      // again after every compile
 //   const CameraView view = NamedCamera(model, "wrist", "robot 'left'");
 //   std::vector<uint8_t> rgb(640 * 480 * 3);
@@ -66,8 +66,8 @@ struct Visibility {
 };
 
 struct RendererOptions {
-  std::string backend = "gl";  // one of RendererBackends()
-  std::string gl = "auto";     // for backend gl: auto, egl, osmesa (render/gl_context.h)
+  std::string backend = "auto";  // or one of RendererBackends() (render/renderer_backends.h)
+  std::string gl = "auto";       // for backend gl: auto, egl, osmesa (render/gl_context.h)
   // Shadows, reflections and multisampling are off unless asked for: on a CPU they cost up to 19
   // times the rest.
   RenderQuality quality = {};
@@ -94,7 +94,8 @@ class Renderer {
 // Names for RendererOptions::backend.
 std::vector<std::string> RendererBackends();
 
-// NotFoundError for an unknown back end; Error when it does not work on this machine.
+// NotFoundError for an unknown back end; Error when it does not work on this machine. "auto" takes
+// what ROBOCELL_RENDERER names, else gl, or soft where there is no OpenGL.
 std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options = {});
 
 // ArgumentError for an image of no size, or of one that no back end draws.

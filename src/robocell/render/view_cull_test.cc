@@ -11,6 +11,7 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/render/gl_context.h"
 #include "robocell/render/gl_drawing.h"
+#include "robocell/render/mjv_scene.h"
 #include "robocell/testing/skip.h"
 
 namespace robocell {

@@ -489,6 +489,33 @@ void TellTcps(const Robot& robot, Problems& doubts) {
   }
 }
 
+// Whether its actuators act on bodies, sites or tendons: no controller is made for these, whatever
+// the robot's file says. The first of them is described.
+std::optional<std::string> ActsElsewhere(const Robot& robot, const MoveGroup& group) {
+  const mjModel* m = robot.scene().model();
+  std::optional<std::string> first;
+  for (const std::string& name : group.actuator_names()) {
+    const int id = FindId(m, mjOBJ_ACTUATOR, name);
+    if (id < 0 || ActsOnJoint(m, id)) return std::nullopt;
+    if (!first) first = fmt::format("'{}' is {}", name, DescribeActuator(m, id));
+  }
+  return first;
+}
+
+std::string AboutUndriven(const Robot& robot, const MoveGroup& group, const std::string& why) {
+  const std::string set = InBothLanguages("Scene::SetActuatorCtrl");
+  if (const auto first = ActsElsewhere(robot, group)) {
+    return fmt::format(
+        "{}, which moves no joint, so that there is no controller for it. Command "
+        "it by its actuator with {}; environments, experts and records leave it out",
+        *first, set);
+  }
+  return fmt::format(
+      "{}. Without one nothing commands it: environments, experts and records leave "
+      "it out, and its controls stay as at home unless you write them ({})",
+      why, set);
+}
+
 // Arms and grippers that nothing drives are errors (check_config.h).
 void TellUndriven(const Robot& robot, Problems& doubts) {
   for (const std::string& name : robot.group_names()) {
@@ -498,11 +525,7 @@ void TellUndriven(const Robot& robot, Problems& doubts) {
     try {
       robot.controller(name);
     } catch (const NotFoundError& error) {
-      doubts.AddAt("move_groups." + name,
-                   fmt::format("{}. Without one nothing commands it: environments, experts and "
-                               "records leave it out, and its controls stay as at home unless you "
-                               "write them ({})",
-                               error.what(), InBothLanguages("Scene::SetActuatorCtrl")));
+      doubts.AddAt("move_groups." + name, AboutUndriven(robot, group, error.what()));
     }
   }
 }

@@ -58,7 +58,8 @@ std::string FailingStreams(const RunConfig& run) {
 std::unique_ptr<Renderer> RendererFor(const RunConfig& run) {
   try {
     FfmpegVersion();
-    return MakeRenderer({.quality = run.cameras.quality,
+    return MakeRenderer({.backend = run.cameras.renderer,
+                         .quality = run.cameras.quality,
                          .visibility = {.geom_groups = {}, .sites = false, .skybox = false}});
   } catch (const IoError& error) {
     throw IoError(FailingStreams(run) + error.what());

@@ -60,7 +60,8 @@ RunEnv::RunEnv(RunConfig run) : state_(std::make_unique<State>()) {
   state_->run = std::move(run);
   state_->sampler = FindTaskKind(state_->run.task.kind())->MakeSampler(state_->run);
   if (!state_->run.cameras.streams.empty())
-    state_->renderer = MakeRenderer({.quality = state_->run.cameras.quality});
+    state_->renderer = MakeRenderer(
+        {.backend = state_->run.cameras.renderer, .quality = state_->run.cameras.quality});
 }
 RunEnv::~RunEnv() = default;
 RunEnv::RunEnv(RunEnv&&) noexcept = default;

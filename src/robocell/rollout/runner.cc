@@ -40,7 +40,7 @@ struct Runner::State {
 
   Renderer* EnsureRenderer() {
     if (!renderer && !run.cameras.streams.empty())
-      renderer = MakeRenderer({.quality = run.cameras.quality});
+      renderer = MakeRenderer({.backend = run.cameras.renderer, .quality = run.cameras.quality});
     return renderer.get();
   }
   std::optional<std::string> advice;
@@ -251,8 +251,9 @@ EpisodeReport Runner::Run(const PlanItem& item, const StopCheck& stop) {
   EpisodeReport report{.item = item, .robot = run.robot.config.name};
   const DatasetLock lock = state_->Enter();
   if (IsComplete(run, item)) {
-    report.committed = report.resumed = report.complete = true;
+    report.committed = report.resumed = true;
     report.success = LookForItem(run, item).success;
+    report.complete = report.success || run.keep == Keep::kFirst;
     return report;
   }
   EarlierAttempts earlier;

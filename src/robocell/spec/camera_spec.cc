@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 #include <Eigen/Geometry>
 
+#include "robocell/base/names.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -79,6 +81,9 @@ void CheckNotTooLarge(const CameraSystemConfig& cameras, const CameraConfig& str
 }  // namespace
 
 void CameraSystemConfig::Validate(Problems& problems) const {
+  const std::vector<std::string> renderers = {"auto", "gl", "soft"};
+  if (std::ranges::find(renderers, renderer) == renderers.end())
+    problems.AddAt("renderer", NoSuchName("", "renderer", renderer, renderers));
   for (size_t i = 0; i < streams.size(); ++i) {
     Problems::Scope list(problems, "streams");
     Problems::Scope item(problems, i);

@@ -108,6 +108,7 @@ struct RenderQuality {
 struct CameraSystemConfig {
   std::array<int, 2> resolution = {320, 240};
   List<CameraConfig> streams = {};
+  std::string renderer = "auto";
   RenderQuality quality = {};
 
   static constexpr const char* kTypeName = "CameraSystemConfig";
@@ -116,6 +117,10 @@ struct CameraSystemConfig {
     v("resolution", &CameraSystemConfig::resolution, "Width and height in pixels.",
       Check::kPositive);
     v("streams", &CameraSystemConfig::streams, "The image streams.");
+    v("renderer", &CameraSystemConfig::renderer,
+      "Who draws: `soft` (the processor; the same bytes on every machine), `gl` (OpenGL), or "
+      "`auto`: "
+      "what ROBOCELL_RENDERER names, else gl where there is one.");
     v("quality", &CameraSystemConfig::quality, "How images are drawn.");
   }
   int width(const CameraConfig& stream) const { return stream.width.value_or(resolution[0]); }

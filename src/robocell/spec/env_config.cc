@@ -8,6 +8,7 @@
 #include "robocell/base/names.h"
 #include "robocell/base/units.h"
 #include "robocell/spec/check_env_objects.h"
+#include "robocell/spec/locations.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -169,13 +170,27 @@ void CheckTask(const EnvConfig& env, Problems& problems) {
   if (const auto* place = env.task->If<PickAndPlaceTaskConfig>()) check.Check(*place);
 }
 
+// What an object's mass is matters only where it can move.
+void CheckVariedMass(const EnvObject& object, const ObjectVariation& range, Problems& problems) {
+  const ObjectVariation plain;
+  if (!object.fixed.value_or(false) || range.mass == plain.mass) return;
+  problems.AddAt("mass",
+                 "changes nothing of an object that is `fixed: true`; leave it out, or let the "
+                 "object move with `fixed: false`");
+}
+
 void CheckVariations(const EnvConfig& env, Problems& problems) {
   std::vector<std::string> known = env.root_frame_objects.keys();
   for (const std::string& id : env.world_frame_objects.keys()) known.push_back(id);
   Problems::Scope scope(problems, "variations");
-  for (const std::string& id : env.variations.keys()) {
-    if (std::find(known.begin(), known.end(), id) == known.end())
-      problems.AddAt(id, NoSuchName("", "object", id, known));
+  for (const auto& [id, range] : env.variations.entries()) {
+    Problems::Scope entry(problems, id);
+    const EnvObject* object = env.root_frame_objects.find(id);
+    if (!object) object = env.world_frame_objects.find(id);
+    if (object)
+      CheckVariedMass(*object, *range, problems);
+    else
+      problems.Add(NoSuchName("", "object", id, known));
   }
 }
 
@@ -239,7 +254,22 @@ Pose EnvConfig::robot_in_shared_base(const std::string& robot) const {
   return pose ? *pose : Pose();
 }
 
+namespace {
+
+// A list of one number is written as that number, too: its problems are called without an index.
+void NameSingleNumber(const std::vector<double>& list, const char* field, Problems& problems) {
+  if (list.size() != 1) return;
+  const std::string path = JoinPath(problems.path(), field), entry = path + "[0]";
+  problems.Amend(0, [&](Problem& problem) {
+    if (problem.path == entry) problem.path = path;
+  });
+}
+
+}  // namespace
+
 void EnvConfig::Validate(Problems& problems) const {
+  NameSingleNumber(max_relative_movement, "max_relative_movement", problems);
+  NameSingleNumber(max_target_lead, "max_target_lead", problems);
   CheckNotEmpty(name, "name", "environments are named in messages", problems);
   CheckNotEmpty(scene, "scene", "the base scene, for example empty_world", problems);
   if (robots.empty())

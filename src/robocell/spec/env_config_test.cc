@@ -15,6 +15,7 @@ namespace robocell {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::ParseError;
 using testing::ValidationError;
 
@@ -285,6 +286,38 @@ TEST(EnvConfig, VariationsAreOfObjectsThatAreThere) {
   EXPECT_EQ(Message(env),
             "it is not valid: variations.cub: no object 'cub'. Known objects: cube. Did you mean "
             "'cube'?");
+}
+
+TEST(EnvConfig, TheMassOfWhatIsFixedIsNotVaried) {
+  EnvConfig env = Duo();
+  env.world_frame_objects["cube"] = Thing();
+  env.variations["cube"] = {.mass = {1, 2}};
+  EXPECT_EQ(Message(env), "");
+  env.world_frame_objects["cube"].fixed = true;
+  EXPECT_THAT(Message(env), HasSubstr("variations.cube.mass: changes nothing of an object that is "
+                                      "`fixed: true`"));
+  env.variations["cube"] = {.friction = {1, 2}, .colour = 0.1};
+  EXPECT_EQ(Message(env), "");
+}
+
+TEST(EnvConfig, AListOfOneNumberIsCalledWithoutItsIndex) {
+  EnvConfig env = Duo();
+  env.control_mode = ControlMode::kJoints;
+  env.max_target_lead = {-0.5};
+  EXPECT_EQ(Message(env), "it is not valid: max_target_lead: -0.5 must be greater than 0");
+  env.control_mode = ControlMode::kCartesianTquat;
+  env.max_target_lead = {0.1, -0.5};
+  EXPECT_EQ(Message(env), "it is not valid: max_target_lead[1]: -0.5 must be greater than 0");
+}
+
+TEST(EnvConfig, ATimestepThatIsNoNumberIsToldOnce) {
+  try {
+    FromYamlUnchecked<SimSettings>("{timestep: 1/0, frequency: 30}");
+    FAIL() << "it was read";
+  } catch (const SpecError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("timestep: expected a number, found '1/0'"));
+    EXPECT_THAT(error.what(), Not(HasSubstr("frequency")));
+  }
 }
 
 TEST(EnvConfig, IsReadFromAFileWithItsRobots) {

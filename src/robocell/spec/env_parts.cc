@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "robocell/spec/timestep.h"
 #include "robocell/spec/validate.h"
 
@@ -61,7 +63,8 @@ void CameraAdderConfig::Validate(Problems& problems) const {
 
 void SimSettings::Validate(Problems& problems) const {
   CheckTimestep(timestep, 1, "timestep", problems);
-  if (frequency > 0 && timestep > 0 && frequency * timestep > 1) {
+  // What is no number is told where it is read.
+  if (frequency > 0 && timestep > 0 && std::isfinite(timestep) && frequency * timestep > 1) {
     problems.AddAt("frequency",
                    fmt::format("{:g} Hz is more often than the engine steps, every {:g} "
                                "s; at most {:g} Hz",

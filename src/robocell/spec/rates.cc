@@ -58,12 +58,22 @@ int Ticks(double whole_ms, double part_ms) {
   return times <= kMostTicks ? static_cast<int>(times) : 0;
 }
 
+// A number that is taken as it is written: "31.25", "500/17". A file may say fractions.
+std::string Exactly(double value) {
+  constexpr int64_t kLargest = 1'000'000;  // longer fractions are no help to a reader
+  std::string digits = fmt::format("{:.6g}", value);
+  if (std::stod(digits) == value) return digits;
+  if (!(value > 0) || value > kLargest) return fmt::format("{}", value);
+  const Ratio ratio = RatioOf(value);
+  return ratio.num <= kLargest && ratio.den <= kLargest ? ratio.Text() : fmt::format("{}", value);
+}
+
 // The time of `count` parts in the unit that the user chose, the other one behind it: "32 ms (31.25
 // Hz)".
 std::string Nearest(double ms, bool in_hz) {
   const double hz = 1000 / ms;
-  return in_hz ? fmt::format("{:.6g} Hz ({:.6g} ms)", hz, ms)
-               : fmt::format("{:.6g} ms ({:.6g} Hz)", ms, hz);
+  return in_hz ? fmt::format("{} Hz ({} ms)", Exactly(hz), Exactly(ms))
+               : fmt::format("{} ms ({} Hz)", Exactly(ms), Exactly(hz));
 }
 
 // The rate that the user means: the one given, or a whole number that the time is close to. 0 when
@@ -106,15 +116,15 @@ bool IsTaken(const Rates& rates) {
 }
 
 // ". For exactly 30 Hz set policy_hz: 30 and sim_hz: 480"; "" when no round rate was meant or no
-// timestep makes it. Numbers are written with all their digits, so that they can be copied.
+// timestep makes it. Numbers are exact, as digits or fractions, so that they can be copied.
 std::string HowToGet(const GivenTime& time, const Rates& rates) {
   const double hz = MeantHz(time);
   if (hz == 0) return "";
   const double sim_hz = SuitableSimHz(hz, 1000 / SimOf(rates).period_ms());
   if (!IsTaken({.policy_hz = hz, .sim_hz = sim_hz})) return "";
-  std::string text = fmt::format(". For exactly {} Hz set ", hz);
-  if (!time.hz) text += fmt::format("{}: {} and ", time.hz_field, hz);
-  text += fmt::format("sim_hz: {}", sim_hz);
+  std::string text = fmt::format(". For exactly {} Hz set ", Exactly(hz));
+  if (!time.hz) text += fmt::format("{}: {} and ", time.hz_field, Exactly(hz));
+  text += fmt::format("sim_hz: {}", Exactly(sim_hz));
   const GivenTime control = ControlOf(rates), sim = SimOf(rates);
   if (sim.ms) text += ", without sim_ms";
   if (control.is_given() && time.hz_field != control.hz_field)

@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <string>
+
 #include "robocell/base/error.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/testing/messages.h"
@@ -25,7 +28,7 @@ TEST(Rates, AreMultiplesOfEachOther) {
   EXPECT_EQ((Rates{.policy_ms = 0.3, .control_ms = 0.1, .sim_ms = 0.1}.control_ticks()), 3);
   EXPECT_EQ(ValidationError(Rates{.policy_ms = 65}),
             "it is not valid: policy_ms: 65 ms is not a multiple of control_ms (2 ms); the nearest "
-            "are 64 ms (15.625 Hz) and 66 ms (15.1515 Hz)");
+            "are 64 ms (15.625 Hz) and 66 ms (500/33 Hz)");
   EXPECT_EQ(ValidationError(Rates{.policy_ms = 0.066}),
             "it is not valid: policy_ms: 0.066 ms is not a multiple of control_ms (2 ms); the "
             "nearest are 2 ms (500 Hz) and 4 ms (250 Hz). Are these seconds? Then write 66");
@@ -58,6 +61,14 @@ TEST(Rates, InHertzAreExact) {
   EXPECT_EQ((Rates{.policy_hz = 31.25}.policy_rate()), (Ratio{125, 4}));
 }
 
+// The number that stands at a place of a message, which may be a fraction.
+double NumberAt(const std::string& text, size_t at) {
+  size_t end = 0;
+  const double number = std::stod(text.substr(at), &end);
+  if (text[at + end] != '/') return number;
+  return number / std::stod(text.substr(at + end + 1));
+}
+
 TEST(Rates, MayBeAnyRationalThatTheTimestepDivides) {
   for (int steps = 1; steps < 200; ++steps) {
     for (const double sim_hz : {480.0, 500.0, 999.0, 1000.0 / 3}) {
@@ -72,11 +83,11 @@ TEST(Rates, MayBeAnyRationalThatTheTimestepDivides) {
 TEST(Rates, ThatDoNotFitNameTheNearestAndHowToGetThem) {
   EXPECT_EQ(ValidationError(Rates{.policy_ms = 33.3}),
             "it is not valid: policy_ms: 33.3 ms is not a multiple of control_ms (2 ms); the "
-            "nearest are 32 ms (31.25 Hz) and 34 ms (29.4118 Hz). For exactly 30 Hz set "
+            "nearest are 32 ms (31.25 Hz) and 34 ms (500/17 Hz). For exactly 30 Hz set "
             "policy_hz: 30 and sim_hz: 480");
   EXPECT_EQ(ValidationError(Rates{.policy_hz = 30}),
             "it is not valid: policy_hz: 30 Hz is no whole number of control ticks of 2 ms; the "
-            "nearest are 31.25 Hz (32 ms) and 29.4118 Hz (34 ms). For exactly 30 Hz set sim_hz: "
+            "nearest are 31.25 Hz (32 ms) and 500/17 Hz (34 ms). For exactly 30 Hz set sim_hz: "
             "480");
   EXPECT_THAT(ValidationError(Rates{.policy_hz = 15, .control_ms = 2, .sim_ms = 2}),
               HasSubstr("For exactly 15 Hz set sim_hz: 480, without sim_ms, without control_ms"));
@@ -90,10 +101,35 @@ TEST(Rates, AsTheMessageSaysAreValid) {
     if (text.empty()) continue;
     const size_t at = text.find("sim_hz: ");
     ASSERT_NE(at, std::string::npos) << text;
-    const Rates rates{.policy_hz = hz, .sim_hz = std::stod(text.substr(at + 8))};
+    const Rates rates{.policy_hz = hz, .sim_hz = NumberAt(text, at + 8)};
     EXPECT_EQ(ValidationError(rates), "");
     EXPECT_EQ(rates.policy_rate(), RatioOf(hz)) << text;
   }
+}
+
+// As they are written: a fraction stands where digits would not be exact.
+TEST(Rates, ThatAreCalledTheNearestAreTaken) {
+  int tried = 0;
+  for (const double step_ms : {2.0, 1.0, 1000.0 / 480, 1000.0 / 999, 0.7}) {
+    for (double hz = 3.1; hz < 200; hz *= 1.07) {
+      const Rates by_hz{.policy_hz = hz, .control_ms = step_ms, .sim_ms = step_ms};
+      const Rates by_ms{.policy_ms = 1000 / hz, .control_ms = step_ms, .sim_ms = step_ms};
+      for (const Rates& rates : {by_hz, by_ms}) {
+        const std::string text = ValidationError(rates);
+        const size_t first = text.find("the nearest are "), second = text.find(" and ", first);
+        if (first == std::string::npos) continue;
+        for (const double number : {NumberAt(text, first + 16), NumberAt(text, second + 5)}) {
+          Rates advised = rates;
+          (rates.policy_hz ? advised.policy_hz : advised.policy_ms) = number;
+          ASSERT_EQ(ValidationError(advised), "") << text;
+          const double steps = (rates.policy_hz ? 1000 / number : number) / step_ms;
+          ASSERT_NEAR(steps, std::round(steps), 1e-9 * steps) << text;
+          ++tried;
+        }
+      }
+    }
+  }
+  EXPECT_GT(tried, 500);
 }
 
 TEST(Rates, AreAdvisedOnlyWhereTheAdviceIsTaken) {
@@ -104,7 +140,7 @@ TEST(Rates, AreAdvisedOnlyWhereTheAdviceIsTaken) {
     const size_t at = text.find("sim_hz: ");
     if (at == std::string::npos) continue;
     ++advised;
-    const Rates rates{.policy_hz = hz, .sim_hz = std::stod(text.substr(at + 8))};
+    const Rates rates{.policy_hz = hz, .sim_hz = NumberAt(text, at + 8)};
     EXPECT_EQ(ValidationError(rates), "") << text;
   }
   EXPECT_GE(advised, 4);
@@ -135,7 +171,7 @@ TEST(Rates, OfControllersFollowATimestepThatDoesNotDivideTheirDefault) {
   EXPECT_EQ((Rates{.policy_ms = 66, .sim_ms = 1}.sim_steps()), 2);
   EXPECT_THAT(ValidationError(Rates{.policy_hz = 30, .control_ms = 2, .sim_hz = 480}),
               HasSubstr("control_ms: 2 ms is not a multiple of sim_hz (480 Hz); the nearest are "
-                        "2.08333 ms (480 Hz) and 4.16667 ms (240 Hz)"));
+                        "25/12 ms (480 Hz) and 25/6 ms (240 Hz)"));
 }
 
 std::string ReadError(const std::string& text) {

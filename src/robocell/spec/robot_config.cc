@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
+#include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -15,14 +19,49 @@
 namespace robocell {
 namespace {
 
+// Names that end in numbers, "joint1" to "joint7": their common beginning, and the numbers.
+struct Numbered {
+  std::string stem;
+  std::set<int> numbers;
+};
+
+std::optional<Numbered> NumberedOf(const NameList& names) {
+  Numbered out;
+  for (const std::string& name : names.names) {
+    const size_t digits = name.find_last_not_of("0123456789") + 1;  // 0 when there is nothing else
+    const size_t count = name.size() - digits;
+    if (count == 0 || count > 4) return std::nullopt;
+    const std::string stem = name.substr(0, digits);
+    if (!out.numbers.empty() && stem != out.stem) return std::nullopt;
+    out.stem = stem;
+    out.numbers.insert(std::stoi(name.substr(digits)));
+  }
+  return out.numbers.empty() ? std::nullopt : std::optional(out);
+}
+
+// ". Is 'joint4' missing?" when the other list has a number that this one lacks; "" else.
+std::string WhatIsMissing(const NameList& shorter, const NameList& longer) {
+  const std::optional<Numbered> few = NumberedOf(shorter), many = NumberedOf(longer);
+  if (!few || !many) return "";
+  std::vector<std::string> missing;
+  for (const int number : many->numbers) {
+    if (!few->numbers.contains(number)) missing.push_back(fmt::format("{}{}", few->stem, number));
+  }
+  if (missing.size() != longer.size() - shorter.size()) return "";  // they are numbered otherwise
+  return fmt::format(". {} {} missing?", missing.size() == 1 ? "Is" : "Are", ListNames(missing));
+}
+
 void CheckArm(const MoveGroupConfig& group, Problems& problems) {
   if (group.joints.empty())
     problems.AddAt("joints", "an arm needs its joints, for example joint1..joint7");
   const bool both = !group.actuators.empty() && !group.joints.empty();
   if (both && group.actuators.size() != group.joints.size()) {
+    const bool fewer_joints = group.joints.size() < group.actuators.size();
     problems.AddAt("actuators",
-                   fmt::format("an arm has one actuator per joint: {} actuators for {} joints",
-                               group.actuators.size(), group.joints.size()));
+                   fmt::format("an arm has one actuator per joint: {} actuators for {} joints{}",
+                               group.actuators.size(), group.joints.size(),
+                               fewer_joints ? WhatIsMissing(group.joints, group.actuators)
+                                            : WhatIsMissing(group.actuators, group.joints)));
   }
 }
 

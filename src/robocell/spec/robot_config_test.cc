@@ -13,6 +13,7 @@ namespace robocell {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::ValidationError;
 
 RobotConfig ArmFile() {
@@ -100,6 +101,23 @@ TEST(RobotConfig, AGroupWithoutActuatorsSharesJointsAndStartsWhereTheOtherDoes) 
   EXPECT_EQ(ValidationError(robot),
             "it is not valid: home.wrist[0]: is 0.5 for joint 'b', which is 1 in home.arm; give "
             "both the same, or leave the one group out of `home`");
+}
+
+TEST(RobotConfig, AJointThatIsLeftOutOfANumberedListIsNamed) {
+  RobotConfig robot = ArmFile();
+  robot.home = {};
+  MoveGroupConfig& arm = robot.move_groups["arm"];
+  arm.joints = {"j1", "j2", "j4"};
+  arm.actuators = {"servo1", "servo2", "servo3", "servo4"};
+  EXPECT_THAT(ValidationError(robot), HasSubstr("4 actuators for 3 joints. Is j3 missing?"));
+  arm.joints = {"j1", "j2", "j3", "j4"};
+  arm.actuators = {"servo1", "servo2"};
+  EXPECT_THAT(ValidationError(robot), HasSubstr("4 joints. Are servo3, servo4 missing?"));
+  // Numbered otherwise, or not at all: nothing is guessed.
+  for (const std::string first : {"servo0", "shoulder", "7"}) {
+    arm.actuators = {first, "servo1", "servo2"};
+    EXPECT_THAT(ValidationError(robot), Not(HasSubstr("missing?"))) << first;
+  }
 }
 
 TEST(RobotConfig, AnArmHasOneActuatorPerJoint) {

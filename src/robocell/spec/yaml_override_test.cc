@@ -47,6 +47,16 @@ class OverrideTest : public ::testing::Test {
        ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
+TEST_F(OverrideTest, WhatAnEmptyFileLacksIsMissingInTheFile) {
+  Write("run.yaml", "");
+  const std::string error = Error({"output=elsewhere"});
+  EXPECT_THAT(error, HasSubstr("run.yaml: run: is required"));
+  EXPECT_THAT(error, ::testing::Not(HasSubstr("--set output")));
+  // What a part lacks that only the option made is the option's.
+  EXPECT_THAT(Error({"run=r", "cameras.streams=[{name: wrist}]"}),
+              HasSubstr("--set cameras.streams"));
+}
+
 TEST_F(OverrideTest, ReplacesWhatTheFileHas) {
   EXPECT_EQ(Load({"task.base_distance=[0.3, 0.5]"}).task.As<PickTaskConfig>().base_distance,
             (Vec2{0.3, 0.5}));

@@ -80,7 +80,9 @@ std::string Reader::At(const YAML::Node& node) const {
   const std::string& path = problems_.path();
   const bool made_up = node.Mark().is_null();  // stands for what the file does not have
   for (auto it = overrides_.rbegin(); it != overrides_.rend(); ++it) {
-    if (IsAtOrBelow(path, it->path) || (made_up && IsAtOrBelow(it->path, path))) {
+    // Of an empty file nothing but what was set is there: what else is missing is missing in the file.
+    const bool made_for_it = made_up && !path.empty() && IsAtOrBelow(it->path, path);
+    if (IsAtOrBelow(path, it->path) || made_for_it) {
       return "--set " + it->text;
     }
   }

@@ -1,4 +1,5 @@
-#include "robocell/render/gl_renderer.h"
+// What every back end of renderer.h promises.
+#include "robocell/render/renderer.h"
 
 #include <dlfcn.h>
 #include <gmock/gmock.h>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <set>
 #include <thread>
@@ -50,7 +52,7 @@ struct Images {
   }
 };
 
-class Rendering : public testing::Test {
+class Rendering : public testing::TestWithParam<std::string> {
  protected:
   Rendering() {
     SpecPtr spec = ParseXmlString(kSpheres);
@@ -58,18 +60,21 @@ class Rendering : public testing::Test {
     model_ = Compile(spec.get());
     data_ = MakeData(model_.get());
   }
-  static void TearDownTestSuite() { shared_.reset(); }
+  static void TearDownTestSuite() { shared_.clear(); }
   void SetUp() override {
     try {
-      if (!shared_) shared_ = MakeRenderer();  // making one takes 0.2 s
-      renderer_ = shared_.get();
+      auto& shared = shared_[GetParam()];
+      if (!shared) shared = MakeRenderer({.backend = GetParam()});  // OpenGL's takes 0.2 s
+      renderer_ = shared.get();
       renderer_->SetModel(model_.get());
     } catch (const Error& error) {
       SKIP_OR_FAIL(error.what());
     }
   }
   std::unique_ptr<Renderer> Make(const RendererOptions& options) {
-    auto renderer = MakeRenderer(options);
+    RendererOptions of_this = options;
+    of_this.backend = GetParam();
+    auto renderer = MakeRenderer(of_this);
     renderer->SetModel(model_.get());
     return renderer;
   }
@@ -93,10 +98,10 @@ class Rendering : public testing::Test {
   ModelPtr model_;
   DataPtr data_;
   Renderer* renderer_ = nullptr;
-  static inline std::unique_ptr<Renderer> shared_;
+  static inline std::map<std::string, std::unique_ptr<Renderer>> shared_;
 };
 
-TEST_F(Rendering, ShowsColourDepthAndBodiesOfTheSameScene) {
+TEST_P(Rendering, ShowsColourDepthAndBodiesOfTheSameScene) {
   const Images images = Take(*renderer_);
   const int ball = Pixel(images.camera, {0, 0, 1}), floor = (kH - 1) * kW, sky = 0;
   EXPECT_EQ(images.ids[ball], mj_name2id(model_.get(), mjOBJ_BODY, "ball"));
@@ -109,7 +114,7 @@ TEST_F(Rendering, ShowsColourDepthAndBodiesOfTheSameScene) {
   EXPECT_GT(images.rgb[2], 20);
 }
 
-TEST_F(Rendering, IsTheSameToTheByteWhateverWasRenderedBeforeAndBesides) {
+TEST_P(Rendering, IsTheSameToTheByteWhateverWasRenderedBeforeAndBesides) {
   const Images first = Take(*renderer_);
   EXPECT_EQ(Take(*renderer_), first);
   Take(*renderer_, 333, 201);  // a larger buffer, which stays
@@ -123,7 +128,7 @@ TEST_F(Rendering, IsTheSameToTheByteWhateverWasRenderedBeforeAndBesides) {
   EXPECT_EQ(elsewhere, first);
 }
 
-TEST_F(Rendering, IsTheSameInAContextThatOthersHaveUsed) {
+TEST_P(Rendering, IsTheSameInAContextThatOthersHaveUsed) {
   const Images first = Take(*renderer_);
   const RendererOptions fine{
       .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512},
@@ -134,7 +139,7 @@ TEST_F(Rendering, IsTheSameInAContextThatOthersHaveUsed) {
   }
 }
 
-TEST_F(Rendering, ImagesAreNeverAStepBehindTheState) {
+TEST_P(Rendering, ImagesAreNeverAStepBehindTheState) {
   data_->qvel[2] = 5;
   ASSERT_TRUE(Step(model_.get(), data_.get(), 50).ok());
   EXPECT_NE(data_->xpos[3 + 2], data_->qpos[2]);  // the engine's poses are behind
@@ -144,7 +149,7 @@ TEST_F(Rendering, ImagesAreNeverAStepBehindTheState) {
   EXPECT_EQ(after_step.ids[Pixel(after_step.camera, {0, 0, data_->qpos[2]})], 1);
 }
 
-TEST_F(Rendering, ReadsTheDataOnly) {
+TEST_P(Rendering, ReadsTheDataOnly) {
   DataPtr before = CopyData(model_.get(), data_.get());
   Take(*renderer_);
   std::vector<double> a(mj_stateSize(model_.get(), mjSTATE_INTEGRATION)), b(a.size());
@@ -154,7 +159,7 @@ TEST_F(Rendering, ReadsTheDataOnly) {
   EXPECT_TRUE(std::equal(data_->xpos, data_->xpos + 3 * model_->nbody, before->xpos));
 }
 
-TEST_F(Rendering, CollisionGeomsAndSitesAreHiddenUnlessAskedFor) {
+TEST_P(Rendering, CollisionGeomsAndSitesAreHiddenUnlessAskedFor) {
   const std::vector<int32_t> ids = Take(*renderer_).ids;
   RendererOptions options;
   options.visibility.sites = true;
@@ -164,7 +169,7 @@ TEST_F(Rendering, CollisionGeomsAndSitesAreHiddenUnlessAskedFor) {
   EXPECT_GT(std::count(all.begin(), all.end(), 2), 1.2 * std::count(ids.begin(), ids.end(), 2));
 }
 
-TEST_F(Rendering, QualityChangesColourOnly) {
+TEST_P(Rendering, QualityChangesColourOnly) {
   const Images plain = Take(*renderer_);
   RendererOptions options;
   options.quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512};
@@ -177,7 +182,7 @@ TEST_F(Rendering, QualityChangesColourOnly) {
   EXPECT_FALSE(renderer_->quality().shadows);
 }
 
-TEST_F(Rendering, AFloorWithNothingOnItHasNoShadows) {
+TEST_P(Rendering, AFloorWithNothingOnItHasNoShadows) {
   SpecPtr spec = ParseXmlString(R"(<mujoco>
     <worldbody>
       <light type="directional" pos="0.8 0.9 2.5" dir="-0.35 -0.4 -1"/>
@@ -195,7 +200,7 @@ TEST_F(Rendering, AFloorWithNothingOnItHasNoShadows) {
   EXPECT_EQ(darker, 0);
 }
 
-TEST_F(Rendering, WithNothingToShowTheImageIsEmpty) {
+TEST_P(Rendering, WithNothingToShowTheImageIsEmpty) {
   const Visibility nothing{.geom_groups = {}, .sites = false, .skybox = false};
   const Images images = Take(*Make({.visibility = nothing}));
   EXPECT_THAT(images.rgb, testing::Each(images.rgb.front()));
@@ -204,7 +209,7 @@ TEST_F(Rendering, WithNothingToShowTheImageIsEmpty) {
   EXPECT_EQ(images.camera.width, kW);
 }
 
-TEST_F(Rendering, ColoursAreReadFromTheModelEachTime) {
+TEST_P(Rendering, ColoursAreReadFromTheModelEachTime) {
   const Images red = Take(*renderer_);
   std::swap(model_->geom_rgba[4 * 1 + 0], model_->geom_rgba[4 * 1 + 1]);
   const Images green = Take(*renderer_);
@@ -213,7 +218,7 @@ TEST_F(Rendering, ColoursAreReadFromTheModelEachTime) {
   EXPECT_EQ(green.ids, red.ids);
 }
 
-TEST_F(Rendering, MarkersAreInColourOnly) {
+TEST_P(Rendering, MarkersAreInColourOnly) {
   const Images plain = Take(*renderer_);
   std::vector<Marker> markers;
   AddFrame(markers, Pose(Eigen::Vector3d(0, -1, 1)), 0.2);
@@ -234,7 +239,7 @@ TEST_F(Rendering, MarkersAreInColourOnly) {
   EXPECT_EQ(Take(*renderer_), plain);
 }
 
-TEST_F(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
+TEST_P(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
   SpecPtr spec = ParseXmlString(kSpheres);
   mjsBody* extra = mjs_addBody(mjs_findBody(spec.get(), "world"), nullptr);
   mjsGeom* geom = mjs_addGeom(extra, nullptr);
@@ -253,7 +258,7 @@ TEST_F(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
 
 // What was freed is not read: the new model has the signature of the old one, and may even have its
 // address.
-TEST_F(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
+TEST_P(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
   std::vector<uint8_t> rgb(3 * kW * kH);
   const RenderRequest request{.camera = ModelCamera{0}, .width = kW, .height = kH};
   const auto compile = [] { return Compile(ParseXmlString(kSpheres).get()); };
@@ -271,7 +276,7 @@ TEST_F(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
   renderer_->Render(data.get(), request, {.rgb = rgb});
 }
 
-TEST_F(Rendering, WrongBuffersAndSizesAreErrorsThatTell) {
+TEST_P(Rendering, WrongBuffersAndSizesAreErrorsThatTell) {
   std::vector<uint8_t> rgb(10);
   ExpectThrow<ArgumentError>(
       [&] { renderer_->Render(data_.get(), {.width = 640, .height = 480}, {.rgb = rgb}); },
@@ -280,13 +285,15 @@ TEST_F(Rendering, WrongBuffersAndSizesAreErrorsThatTell) {
       [&] { renderer_->Render(data_.get(), {.width = 0, .height = 480}, {}); },
       "an image of 0 x 480 pixels; each side must be between 1 and 16384");
   ExpectThrow<NotFoundError>([] { MakeRenderer({.backend = "vulkan"}); },
-                             "renderer: no back end 'vulkan'. Its back ends: gl.");
-  ExpectThrow<NotFoundError>([] { MakeRenderer({.gl = "elg"}); }, "Did you mean 'egl'?");
-  ExpectThrow<ArgumentError>([&] { MakeRenderer()->Render(data_.get(), {}, {}); },
-                             "call SetModel before Render");
+                             "renderer: no back end 'vulkan'. Its back ends: auto, gl, soft.");
+  ExpectThrow<NotFoundError>([] { MakeRenderer({.backend = "gl", .gl = "elg"}); },
+                             "Did you mean 'egl'?");
+  ExpectThrow<ArgumentError>(
+      [&] { MakeRenderer({.backend = GetParam()})->Render(data_.get(), {}, {}); },
+      "call SetModel before Render");
 }
 
-TEST_F(Rendering, AllocatesNothingOnceWarm) {
+TEST_P(Rendering, AllocatesNothingOnceWarm) {
   Images images = Take(*renderer_);
   std::vector<uint16_t> mm(kW * kH);
   const RenderRequest request{.camera = ModelCamera{0}, .width = kW, .height = kH};
@@ -310,7 +317,7 @@ int OpenFiles() {
 }
 
 // A leak grows the process in every round; the driver's own pools do so now and then.
-TEST_F(Rendering, RenderersComeAndGoWithoutLeaks) {
+TEST_P(Rendering, RenderersComeAndGoWithoutLeaks) {
   for (int i = 0; i < 2; ++i) Take(*Make({}), 16, 16);
   const int files = OpenFiles();
   long least_growth = std::numeric_limits<long>::max();
@@ -326,6 +333,9 @@ TEST_F(Rendering, RenderersComeAndGoWithoutLeaks) {
     EXPECT_LT(least_growth, 3 * 300'000);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(BackEnds, Rendering, testing::ValuesIn(RendererBackends()),
+                         [](const auto& info) { return info.param; });
 
 }  // namespace
 }  // namespace robocell

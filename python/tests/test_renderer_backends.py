@@ -1,0 +1,65 @@
+"""Renderers by name, from Python."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import robocell as rc
+
+BARE = """
+import robocell as rc
+scene = rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=True))
+print(rc.Renderer(scene).description)
+"""
+
+
+@pytest.fixture(scope="module")
+def scene() -> rc.Scene:
+    return rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=True))
+
+
+def test_soft_draws_what_gl_draws(scene: rc.Scene):
+    gl, soft = (
+        rc.Renderer(scene, backend=name).render("", 160, 120, depth=True, segmentation=True)
+        for name in ("gl", "soft")
+    )
+    assert np.mean(gl["segmentation"] != soft["segmentation"]) < 1e-3
+    assert np.abs(gl["rgb"].astype(int) - soft["rgb"]).mean() < 3
+
+
+def test_an_unknown_back_end_lists_those_that_there_are(scene: rc.Scene):
+    with pytest.raises(rc.NotFoundError, match=r"no back end 'sofd'.*auto, gl, soft.*'soft'"):
+        rc.Renderer(scene, backend="sofd")
+
+
+def test_a_quality_has_a_name_and_excludes_single_effects(scene: rc.Scene):
+    rc.Renderer(scene, backend="soft", quality="high")
+    with pytest.raises(rc.NotFoundError, match="Its qualities: fast, standard, high"):
+        rc.Renderer(scene, quality="best")
+    with pytest.raises(ValueError, match="not both"):
+        rc.Renderer(scene, quality="high", shadows=True)
+
+
+def description(**variables: str) -> str:
+    environment = {"PATH": os.environ["PATH"], "PYTHONPATH": os.pathsep.join(sys.path)}
+    return subprocess.run(
+        [sys.executable, "-c", BARE],
+        env={**environment, **variables},
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+
+
+def test_the_environment_chooses():
+    assert description(ROBOCELL_RENDERER="soft").startswith("soft: ")
+
+
+def test_without_egl_another_one_draws():
+    found = description(__EGL_VENDOR_LIBRARY_FILENAMES="/no")
+    assert found.startswith(("soft: ", "gl: osmesa"))  # OSMesa may be installed

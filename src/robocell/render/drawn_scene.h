@@ -1,0 +1,74 @@
+// What a renderer draws of a state: poses of its own, the engine's list of what is visible, and the
+// body of each element. The same for every back end, so that all show the same. Internal to
+// render/.
+//
+//   DrawnScene drawn({.visibility = options.visibility, .keep_unseen = quality.shadows});
+//   drawn.SetModel(model);                                 // again after every compile
+//   const CameraModel camera = drawn.Update(data, request);
+//   mjvScene* scene = drawn.scene();
+//
+// Errors: ArgumentError for data of another model, for a model that was freed and before SetModel;
+// EngineError. Threads: one at a time, any. No allocation of ours after SetModel.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "robocell/mujoco/model_watch.h"
+#include "robocell/mujoco/owners.h"
+#include "robocell/render/camera_model.h"
+#include "robocell/render/mjv_scene.h"
+#include "robocell/render/pedestal_feet.h"
+#include "robocell/render/renderer.h"
+#include "robocell/render/view_cull.h"
+
+namespace robocell {
+
+// Whether anything can be seen at all.
+bool ShowsAnything(const Visibility& visibility);
+
+class DrawnScene {
+ public:
+  struct Options {
+    Visibility visibility = {};
+    bool keep_unseen = false;  // elements out of view are needed for shadows and reflections
+  };
+  explicit DrawnScene(const Options& options);
+
+  void SetModel(const mjModel* model);
+  // Forgets the model. What was drawn last is not there any more.
+  void Clear();
+
+  // Brings the list to the state in `data`, seen through the request's camera. Markers are not in
+  // it.
+  CameraModel Update(const mjData* data, const RenderRequest& request);
+
+  const mjModel* model() const { return model_; }
+  mjvScene* scene() { return scene_->get(); }
+  // Adds markers to the list; Update removes them again.
+  void Add(std::span<const Marker> markers);
+  // The body of each segmentation id of the list, also of elements out of view; -1 for elements of
+  // no body.
+  std::span<const int32_t> BodyOfId();
+
+ private:
+  void Check(const mjData* data) const;
+  void UpdatePoses(const mjModel& view, const mjData* data);
+  void UpdateList(const mjModel& view, const CameraModel& camera);
+
+  Options options_;
+  mjvOption visible_;
+  const mjModel* model_ = nullptr;
+  ModelWatch watch_;        // of the model, which is the caller's
+  uint64_t signature_ = 0;  // the model's, which its data have too
+  DataPtr scratch_;         // poses for drawing
+  std::unique_ptr<MjvScene> scene_;
+  ViewCull cull_;
+  PedestalFeet feet_;
+  int ids_ = 0;  // segmentation ids of the present list, also of elements out of view
+  std::vector<int32_t> body_of_id_;
+};
+
+}  // namespace robocell

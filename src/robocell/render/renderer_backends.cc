@@ -1,0 +1,74 @@
+#include "robocell/render/renderer_backends.h"
+
+#include <cstdlib>
+#include <string>
+
+#include "robocell/base/error.h"
+#include "robocell/base/names.h"
+#include "robocell/render/egl_devices.h"
+#include "robocell/render/gl_context.h"
+#include "robocell/render/gl_renderer.h"
+#include "robocell/render/soft_renderer.h"
+
+namespace robocell {
+namespace {
+
+constexpr const char* kVariable = "ROBOCELL_RENDERER";
+constexpr const char* kAuto = "auto";
+
+template <class T>
+std::unique_ptr<Renderer> Make(const RendererOptions& options) {
+  return std::make_unique<T>(options);
+}
+
+constexpr RendererBackend kBackends[] = {
+    {"gl", "MuJoCo's own drawing with OpenGL, on a graphics card where there is one.",
+     &Make<GlRenderer>},
+    {"soft", "Drawing on the processor; needs no graphics library.", &Make<SoftRenderer>},
+};
+
+std::unique_ptr<Renderer> MakeByName(const std::string& place, const std::string& name,
+                                     const RendererOptions& options) {
+  for (const RendererBackend& backend : kBackends) {
+    if (name == backend.name) return backend.make(options);
+  }
+  std::vector<std::string> known = RendererBackends();
+  known.insert(known.begin(), kAuto);
+  throw NotFoundError(NoSuchName(place, "back end", name, known));
+}
+
+// Whether someone has said which OpenGL it is to be.
+bool GlIsChosen(const RendererOptions& options) {
+  const EglDeviceChoice device = EglDeviceChoice::FromEnvironment();
+  return GlBackendFromName(options.gl, "renderer") != GlBackend::kAuto ||
+         GlBackendFromEnvironment() != GlBackend::kAuto || !device.robocell_device.empty() ||
+         !device.mujoco_device.empty();
+}
+
+}  // namespace
+
+std::span<const RendererBackend> RendererBackendList() { return kBackends; }
+
+std::vector<std::string> RendererBackends() {
+  std::vector<std::string> names;
+  for (const RendererBackend& backend : kBackends) names.emplace_back(backend.name);
+  return names;
+}
+
+std::unique_ptr<Renderer> MakeRenderer(const RendererOptions& options) {
+  if (options.backend != kAuto) return MakeByName("renderer", options.backend, options);
+  const char* variable = std::getenv(kVariable);
+  if (variable && *variable && std::string(variable) != kAuto) {
+    return MakeByName(std::string("environment variable ") + kVariable, variable, options);
+  }
+  // A fork of a process that has drawn would draw something else than that process.
+  const bool fixed = GlIsChosen(options) || GlContext::InFork();
+  try {
+    return MakeByName("renderer", "gl", options);
+  } catch (const Error&) {
+    if (fixed) throw;
+    return MakeByName("renderer", "soft", options);
+  }
+}
+
+}  // namespace robocell

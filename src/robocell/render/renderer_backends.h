@@ -1,0 +1,28 @@
+// The back ends of renderer.h by name: "gl" (MuJoCo's own drawing with OpenGL) and "soft" (vector
+// instructions of the processor, no graphics library).
+//
+//   std::unique_ptr<Renderer> renderer = MakeRenderer({.backend = "soft"});
+//   for (const RendererBackend& backend : RendererBackendList()) fmt::print("{}\n", backend.name);
+//
+// "auto", the default, is what the environment variable ROBOCELL_RENDERER names. Where it names
+// none it is "gl", and "soft" on machines without OpenGL. An OpenGL that was chosen explicitly
+// (RendererOptions::gl, ROBOCELL_GL, MUJOCO_GL or a variable that chooses a device) is never
+// replaced. Threads: any.
+#pragma once
+
+#include <memory>
+#include <span>
+
+#include "robocell/render/renderer.h"
+
+namespace robocell {
+
+struct RendererBackend {
+  const char* name;
+  const char* purpose;  // one sentence
+  std::unique_ptr<Renderer> (*make)(const RendererOptions& options);
+};
+
+std::span<const RendererBackend> RendererBackendList();
+
+}  // namespace robocell

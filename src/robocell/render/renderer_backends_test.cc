@@ -1,0 +1,51 @@
+#include "robocell/render/renderer_backends.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/render/render_quality.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/scoped_env.h"
+
+namespace robocell {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(RendererBackends, AreKnownByName) {
+  EXPECT_THAT(RendererBackends(), ElementsAre("gl", "soft"));
+  for (const RendererBackend& backend : RendererBackendList()) {
+    EXPECT_THAT(backend.purpose, testing::EndsWith("."));
+  }
+  EXPECT_THAT(MakeRenderer({.backend = "soft"})->description(), StartsWith("soft: "));
+}
+
+TEST(RendererBackends, AnUnknownNameListsThoseThatThereAre) {
+  ExpectThrow<NotFoundError>([] { MakeRenderer({.backend = "sofd"}); },
+                             "renderer: no back end 'sofd'. Its back ends: auto, gl, soft. Did you "
+                             "mean 'soft'?");
+  const ScopedEnv chosen("ROBOCELL_RENDERER", "vulkan");
+  ExpectThrow<NotFoundError>([] { MakeRenderer(); },
+                             "environment variable ROBOCELL_RENDERER: no back end 'vulkan'");
+}
+
+TEST(RendererBackends, TheEnvironmentChoosesWhereTheCallerDoesNot) {
+  const ScopedEnv chosen("ROBOCELL_RENDERER", "soft");
+  EXPECT_THAT(MakeRenderer()->description(), StartsWith("soft: "));
+}
+
+TEST(RenderQuality, HasNames) {
+  EXPECT_FALSE(NamedQuality("fast").shadows);
+  EXPECT_TRUE(NamedQuality("standard").shadows);
+  EXPECT_EQ(NamedQuality("standard").multisamples, 4);
+  EXPECT_TRUE(NamedQuality("high").reflections);
+  ExpectThrow<NotFoundError>([] { NamedQuality("fats"); },
+                             "images: no quality 'fats'. Its qualities: fast, standard, high. Did "
+                             "you mean 'fast'?");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,47 @@
+// What the software renderer prepares of a model: meshes, planes, height fields, textures. Internal
+// to render/.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <vector>
+
+#include "robocell/render/renderer.h"
+#include "robocell/render/soft_mesh.h"
+#include "robocell/render/soft_shapes.h"
+#include "robocell/render/soft_texture.h"
+
+namespace robocell::internal {
+
+class SoftAssets {
+ public:
+  SoftAssets() = default;
+  // Takes the meshes that can be seen, and all textures.
+  SoftAssets(const mjModel* model, const Visibility& visibility);
+
+  const SoftShapes& shapes() const { return shapes_; }
+  // By mjvGeom::dataid. Null for what is not there.
+  const SoftMesh* Mesh(int data) const;
+  const SoftMesh* Plane(int data) const;
+  const SoftMesh* HeightField(int data) const;
+  // That colours this; null for none.
+  const SoftTexture* TextureOf(const mjvGeom& geom) const;
+  const SoftTexture* Sky() const;
+  // Whether the texture of this is sized in metres, and how often it repeats.
+  bool TextureIsUniform(const mjvGeom& geom) const;
+  void TextureRepeat(const mjvGeom& geom, float repeat[2]) const;
+
+ private:
+  struct Material {
+    int texture = -1;
+    bool uniform = false;
+    float repeat[2] = {1, 1};
+  };
+
+  SoftShapes shapes_;
+  std::vector<SoftMesh> meshes_, planes_, fields_;
+  std::vector<SoftTexture> textures_;
+  std::vector<Material> materials_;
+};
+
+}  // namespace robocell::internal

@@ -1,0 +1,141 @@
+// What the kernels of the software renderer read and write for one image. Internal to render/.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "robocell/render/soft_mesh.h"
+#include "robocell/render/soft_texture.h"
+
+namespace robocell::internal {
+
+// The camera. Pixels as in camera_model.h: the centre of the upper left one is (0, 0). View axes
+// are MuJoCo's camera axes. Nearness, which takes the place of depth in the buffers, is linear on
+// the image and grows towards the camera: 1 / depth of perspective cameras, the distance to the far
+// plane as a share of the range of orthographic ones.
+struct SoftView {
+  int width = 0, height = 0;
+  bool orthographic = false;
+  float fx = 0, fy = 0, cx = 0, cy = 0;
+  float near = 0, far = 0;
+  // Corners are rounded to this share of a pixel.
+  float steps = 256;
+};
+
+// Which way a triangle must be turned to be drawn.
+enum class SoftSide { kFront, kBack, kBoth };
+
+enum class SoftMapping { kNone, kMesh, kPlanar, kCube };
+
+struct SoftMaterial {
+  float rgba[4] = {1, 1, 1, 1};
+  float emission = 0, specular = 0, shininess = 0;
+  bool shines = false;
+  float least_shine = 0;  // square of the cosine below which no highlight is seen
+  const SoftTexture* texture = nullptr;
+  SoftMapping mapping = SoftMapping::kNone;
+  float scale[3] = {1, 1, 1};  // planar: of x and y; cube: of the position
+  float offset[2] = {0, 0};    // planar
+};
+
+// One mesh at one place.
+struct SoftInstance {
+  const SoftMesh* mesh = nullptr;
+  float to_view[12];  // rows of 4
+  float to_mesh[12];
+  float eye[4];  // the camera, or the direction to it with 0, in the mesh's axes
+  SoftSide side = SoftSide::kFront;
+  SoftMaterial material;
+  int body = -1;
+  int segment = -1;       // -1: in colour only
+  uint32_t first_id = 0;  // its triangles have the ids that follow
+};
+
+struct SoftShadow;
+
+struct SoftLight {
+  bool directional = false;
+  float direction[3];  // of directional ones: to the light, in view axes; of others: of the beam
+  float position[3];
+  float attenuation[3];
+  float cutoff_cosine = -1;  // -1: in all directions
+  float exponent = 0;
+  float ambient[3], diffuse[3], specular[3];
+  bool shines = false;
+  const SoftShadow* shadow = nullptr;
+};
+
+// 4 x 4 pixels lie together, row after row.
+inline constexpr int kSoftBlock = 4, kSoftPixels = 16;
+struct alignas(64) SoftNumbers {
+  float at[kSoftPixels];
+};
+struct alignas(64) SoftIds {
+  uint32_t at[kSoftPixels];
+};
+inline constexpr uint32_t kSoftNothing = 0xffffffffu;
+// Ids are handed out in runs of this many, so that an id tells its instance.
+inline constexpr int kSoftRunBits = 16;
+
+// What is seen in each pixel.
+struct SoftBuffer {
+  int width = 0, height = 0;  // pixels
+  int columns = 0, rows = 0;  // blocks
+  std::vector<SoftNumbers> nearness;
+  std::vector<SoftIds> ids;
+};
+
+// The same through points beside the pixels' centres, this many pixels away.
+struct SoftSample {
+  float right = 0, down = 0;
+  SoftBuffer buffer;
+};
+
+// A light's view, and how near to it the first surface is.
+struct SoftShadow {
+  SoftView view;
+  float from_view[12];  // rows of 4: from the camera's view axes to the light's
+  const SoftBuffer* map = nullptr;
+};
+
+// What is used while an instance is drawn.
+struct SoftScratch {
+  std::vector<float> x, y, nearness;  // of the vertices on the image
+  std::vector<int32_t> facing;        // triangles that are turned to the camera
+  std::vector<int32_t> cut;           // those that reach out of the drawable range
+};
+
+struct SoftSky {
+  const SoftTexture* texture = nullptr;
+  float from_view[9];  // rows; to world axes
+  float radius = 0;    // of the cylinder that the sky is painted on, around the camera
+  // Haze over the first infinite plane, below `elevation` metres of the camera; 0: none.
+  float elevation = 0;
+  float to_plane[9];  // rows; from view axes to the plane's
+  float haze = 0, haze_rgb[3];
+  float haze_height = 0.5f;  // share of the elevation at which it is densest
+};
+
+struct SoftReflection;
+
+struct SoftPicture {
+  const SoftView* view = nullptr;
+  const SoftInstance* instances = nullptr;
+  const int32_t* instance_of_run = nullptr;
+  const SoftLight* lights = nullptr;
+  int light_count = 0;
+  bool shadows = true;
+  float ambient = 0;  // light without a source
+  SoftSky sky;
+  const SoftReflection* reflection = nullptr;
+};
+
+// What a flat face shows of the rest: a picture of its own, seen through the face as a mirror.
+struct SoftReflection {
+  SoftPicture picture;
+  SoftBuffer buffer;
+  uint32_t first_id = 0;  // triangles of the face
+  int triangles = 0;
+};
+
+}  // namespace robocell::internal

@@ -1,0 +1,113 @@
+#include "robocell/render/soft_kernel.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "robocell/render/soft_kernel.cc"
+// As in kinematics/lane_kernel.cc, and SSE4: without vectors an image takes too long.
+#define HWY_DISABLED_TARGETS \
+  (HWY_SSSE3 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128)
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include "robocell/render/soft_raster-inl.h"
+#include "robocell/render/soft_shade-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace robocell::internal::HWY_NAMESPACE {
+
+int64_t Instructions() { return HWY_TARGET; }
+void Draw(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
+          SoftBuffer* buffer) {
+  DrawInstanceHere(view, instance, scratch, buffer);
+}
+void Exact(const SoftPicture& picture, const SoftBuffer& buffer, float* metres, int32_t* bodies) {
+  ReadExactHere(picture, buffer, metres, bodies);
+}
+void Shade(const SoftPicture& picture, const SoftBuffer& buffer,
+           std::span<const SoftSample> samples, SoftIds* colours, uint8_t* rgb) {
+  ShadePictureHere(picture, buffer, samples, colours, rgb);
+}
+void Pack(const SoftBuffer& buffer, const SoftIds* colours, uint8_t* rgb) {
+  PackColoursHere(buffer, colours, rgb);
+}
+void Blend(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
+           float alpha, SoftIds* colours) {
+  BlendLayerHere(picture, behind, layer, alpha, colours);
+}
+
+}  // namespace robocell::internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace robocell::internal {
+HWY_EXPORT(Instructions);
+HWY_EXPORT(Draw);
+HWY_EXPORT(Exact);
+HWY_EXPORT(Shade);
+HWY_EXPORT(Pack);
+HWY_EXPORT(Blend);
+
+std::string SoftInstructions() { return hwy::TargetName(HWY_DYNAMIC_DISPATCH(Instructions)()); }
+
+void ClearNearness(const SoftView& view, SoftBuffer* buffer) {
+  buffer->width = view.width;
+  buffer->height = view.height;
+  buffer->columns = (view.width + kSoftBlock - 1) / kSoftBlock;
+  buffer->rows = (view.height + kSoftBlock - 1) / kSoftBlock;
+  // What is farther than the far plane is not nearer than this.
+  SoftNumbers farthest;
+  std::fill_n(farthest.at, kSoftPixels, view.orthographic ? 0.0f : 1 / view.far);
+  buffer->nearness.assign(static_cast<size_t>(buffer->columns) * static_cast<size_t>(buffer->rows),
+                          farthest);
+}
+
+void ClearBuffer(const SoftView& view, SoftBuffer* buffer) {
+  ClearNearness(view, buffer);
+  SoftIds nothing;
+  std::fill_n(nothing.at, kSoftPixels, kSoftNothing);
+  buffer->ids.assign(buffer->nearness.size(), nothing);
+}
+
+void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
+                  SoftBuffer* buffer) {
+  const auto grow = [](auto& row, size_t size) {
+    if (row.size() < size) row.resize(size);
+  };
+  const size_t vertices = static_cast<size_t>(instance.mesh->vertices) + kSoftPadding,
+               triangles = static_cast<size_t>(instance.mesh->triangles) + 2 * kSoftPadding;
+  for (auto* row : {&scratch->x, &scratch->y, &scratch->nearness}) grow(*row, vertices);
+  grow(scratch->facing, triangles);
+  grow(scratch->cut, triangles);
+  HWY_DYNAMIC_DISPATCH(Draw)(view, instance, scratch, buffer);
+}
+
+void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<float> metres,
+               std::span<int32_t> bodies) {
+  HWY_DYNAMIC_DISPATCH(Exact)
+  (picture, buffer, metres.empty() ? nullptr : metres.data(),
+   bodies.empty() ? nullptr : bodies.data());
+}
+
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
+                  std::span<const SoftSample> samples, std::span<SoftIds> colours) {
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, samples, colours.data(), nullptr);
+}
+
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
+                  std::span<const SoftSample> samples, std::span<uint8_t> rgb) {
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, samples, nullptr, rgb.data());
+}
+
+void BlendLayer(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
+                float alpha, std::span<SoftIds> colours) {
+  HWY_DYNAMIC_DISPATCH(Blend)(picture, behind, layer, alpha, colours.data());
+}
+
+void PackColours(const SoftBuffer& buffer, std::span<const SoftIds> colours,
+                 std::span<uint8_t> rgb) {
+  HWY_DYNAMIC_DISPATCH(Pack)(buffer, colours.data(), rgb.data());
+}
+
+}  // namespace robocell::internal
+#endif

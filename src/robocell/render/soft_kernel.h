@@ -1,0 +1,54 @@
+// The inner loops of the software renderer, compiled for several instruction sets; the processor's
+// best is chosen at run time. All give the same bytes: no operation is contracted, approximated or
+// summed in another order. Internal to render/.
+//
+// Method: triangles are drawn at once into a buffer of 4 x 4 pixel blocks that holds nearness and
+// the id of the nearest triangle (a visibility buffer). Corners are rounded to 1/256 pixel, edge
+// functions are exact, so neighbours leave no gap and share no pixel. Small triangles, nearly all
+// of a robot's, are set up a register at a time. Colours are computed once for each pixel,
+// afterwards.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "robocell/render/soft_frame.h"
+
+namespace robocell::internal {
+
+// The instruction set that is used, e.g. "AVX2".
+std::string SoftInstructions();
+
+// Makes the buffer fit the view, with nothing in it.
+void ClearBuffer(const SoftView& view, SoftBuffer* buffer);
+
+// The same without ids.
+void ClearNearness(const SoftView& view, SoftBuffer* buffer);
+
+// Draws the instance into the buffer. One without ids gets nearness only.
+void DrawInstance(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
+                  SoftBuffer* buffer);
+
+// Metres and bodies of what is in the buffer; either may be empty.
+void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, std::span<float> metres,
+               std::span<int32_t> bodies);
+
+// Colours of what is in the buffer: red, green, blue from the lowest byte on. With samples the
+// edges of surfaces are smoothed.
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
+                  std::span<const SoftSample> samples, std::span<SoftIds> colours);
+// The same into rows of 3 bytes a pixel.
+void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer,
+                  std::span<const SoftSample> samples, std::span<uint8_t> rgb);
+
+// Blends an instance that can be seen through over the colours, in front of what is in the buffer.
+// Its nearness and ids go into `layer`, which is cleared for it.
+void BlendLayer(const SoftPicture& picture, const SoftBuffer& behind, const SoftBuffer& layer,
+                float alpha, std::span<SoftIds> colours);
+
+// Packs colours into rows of 3 bytes a pixel.
+void PackColours(const SoftBuffer& buffer, std::span<const SoftIds> colours,
+                 std::span<uint8_t> rgb);
+
+}  // namespace robocell::internal

@@ -1,0 +1,147 @@
+#include "robocell/render/soft_mesh.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <Eigen/Geometry>
+
+namespace robocell::internal {
+namespace {
+
+size_t Padded(size_t size) { return (size + kSoftPadding - 1) / kSoftPadding * kSoftPadding; }
+
+uint32_t Word(float low, float high) {
+  const auto half = [](float v) {
+    return static_cast<uint32_t>(static_cast<uint16_t>(
+        static_cast<int16_t>(std::lround(32767 * std::clamp(v, -1.0f, 1.0f)))));
+  };
+  return half(low) | half(high) << 16;
+}
+
+// The corners' normals are of unit length.
+SoftSurface SurfaceOf(const Eigen::Vector3d& first, const Eigen::Vector3d& u,
+                      const Eigen::Vector3d& v, const SoftCorner* corners) {
+  const Eigen::Vector3d normal = u.cross(v);
+  const Eigen::Vector3d to1 = v.cross(normal) / normal.squaredNorm(),
+                        to2 = normal.cross(u) / normal.squaredNorm();
+  SoftSurface s{};
+  for (int k = 0; k < 3; ++k) {
+    s.to1[k] = static_cast<float>(to1[k]);
+    s.to2[k] = static_cast<float>(to2[k]);
+  }
+  s.at1 = static_cast<float>(to1.dot(first));
+  s.at2 = static_cast<float>(to2.dot(first));
+  float n[10] = {};
+  for (int k = 0; k < 9; ++k) n[k] = corners[k / 3].normal[k % 3];
+  for (int k = 0; k < 5; ++k) s.normals[k] = Word(n[2 * k], n[2 * k + 1]);
+  s.flat = std::equal(n, n + 6, n + 3) ? 1 : 0;
+  return s;
+}
+
+uint64_t Mixed(uint64_t x) {  // the finaliser of SplitMix64
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+  return x ^ x >> 31;
+}
+
+// Equal for vertices at one place.
+uint64_t KeyOf(const Eigen::Vector3f& p) {
+  uint64_t key = 0;
+  for (const float v : p) key = Mixed(key + std::bit_cast<uint32_t>(v + 0.0f) + 1);  // no -0
+  return key;
+}
+
+// Of an edge in one direction; the sum of both directions is 0.
+uint64_t EdgeSum(uint64_t from, uint64_t to) {
+  const uint64_t key = Mixed(std::min(from, to) + Mixed(std::max(from, to)));
+  return from < to ? key : uint64_t{0} - key;
+}
+
+}  // namespace
+
+int SoftMeshBuilder::Vertex(const Eigen::Vector3f& position) {
+  vertices_.push_back(position);
+  return static_cast<int>(vertices_.size()) - 1;
+}
+
+void SoftMeshBuilder::Triangle(const SoftCorner& a, const SoftCorner& b, const SoftCorner& c) {
+  const Eigen::Vector3d first = vertices_[a.vertex].cast<double>();
+  const Eigen::Vector3d normal = (vertices_[b.vertex].cast<double>() - first)
+                                     .cross(vertices_[c.vertex].cast<double>() - first);
+  if (normal.squaredNorm() < 1e-60) return;
+  corners_.insert(corners_.end(), {a, b, c});
+}
+
+void SoftMeshBuilder::Triangle(int a, int b, int c) {
+  const Eigen::Vector3f normal =
+      (vertices_[b] - vertices_[a]).cross(vertices_[c] - vertices_[a]).normalized();
+  Triangle({a, normal}, {b, normal}, {c, normal});
+}
+
+void SoftMeshBuilder::Quad(int a, int b, int c, int d) {
+  Triangle(a, b, c);
+  Triangle(a, c, d);
+}
+
+SoftMesh SoftMeshBuilder::Build(bool with_texture) {
+  SoftMesh mesh;
+  Build(&mesh, with_texture);
+  return mesh;
+}
+
+void SoftMeshBuilder::Build(SoftMesh* out, bool with_texture) {
+  SoftMesh& mesh = *out;
+  const size_t vertices = vertices_.size(), triangles = corners_.size() / 3;
+  mesh.vertices = static_cast<int>(vertices);
+  mesh.triangles = static_cast<int>(triangles);
+  for (auto* row : {&mesh.x, &mesh.y, &mesh.z}) row->resize(Padded(vertices));
+  for (size_t i = 0; i < Padded(vertices); ++i) {
+    const Eigen::Vector3f& p = vertices_[std::min(i, vertices - 1)];
+    mesh.x[i] = p.x();
+    mesh.y[i] = p.y();
+    mesh.z[i] = p.z();
+  }
+  mesh.low = mesh.high = vertices > 0 ? vertices_[0] : Eigen::Vector3f::Zero();
+  for (const Eigen::Vector3f& p : vertices_) {
+    mesh.low = mesh.low.cwiseMin(p);
+    mesh.high = mesh.high.cwiseMax(p);
+  }
+  for (auto& row : mesh.facing) row.assign(Padded(triangles), 0.0f);
+  mesh.surface.resize(triangles);
+  mesh.texture.resize(with_texture ? SoftMesh::kTexture * triangles : 0);
+  mesh.corners.clear();
+  mesh.corners.reserve(3 * triangles);
+  // In a closed mesh each edge is passed as often in one direction as in the other.
+  uint64_t edges = 0;
+  for (size_t t = 0; t < triangles; ++t) {
+    uint64_t key[3];
+    for (size_t k = 0; k < 3; ++k) key[k] = KeyOf(vertices_[corners_[3 * t + k].vertex]);
+    for (int k = 0; k < 3; ++k) edges += EdgeSum(key[k], key[(k + 1) % 3]);
+    const SoftCorner* corner = &corners_[3 * t];
+    for (int k = 0; k < 3; ++k) mesh.corners.push_back(corner[k].vertex);
+    const Eigen::Vector3d first = vertices_[corner[0].vertex].cast<double>();
+    const Eigen::Vector3d u = vertices_[corner[1].vertex].cast<double>() - first;
+    const Eigen::Vector3d v = vertices_[corner[2].vertex].cast<double>() - first;
+    const Eigen::Vector3d normal = u.cross(v);
+    const double square = normal.squaredNorm();
+    const Eigen::Vector3d unit = normal / std::sqrt(square);
+    for (int k = 0; k < 3; ++k) mesh.facing[k][t] = static_cast<float>(unit[k]);
+    mesh.facing[3][t] = static_cast<float>(-unit.dot(first));
+    mesh.surface[t] = SurfaceOf(first, u, v, corner);
+    if (!with_texture) continue;
+    float* to = &mesh.texture[SoftMesh::kTexture * t];
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector2f value =
+          k == 0 ? corner[0].texture : Eigen::Vector2f(corner[k].texture - corner[0].texture);
+      to[2 * k] = value.x();
+      to[2 * k + 1] = value.y();
+    }
+  }
+  mesh.closed = triangles > 0 && edges == 0;
+  vertices_.clear();
+  corners_.clear();
+}
+
+}  // namespace robocell::internal

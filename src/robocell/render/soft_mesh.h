@@ -1,0 +1,63 @@
+// Triangle meshes as the software renderer reads them: what every frame needs of all triangles is
+// in rows of one number each, and what only visible triangles need is kept by triangle. Internal to
+// render/.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+#include <Eigen/Core>
+
+namespace robocell::internal {
+
+// What a visible triangle is coloured with; one line of the cache.
+struct alignas(64) SoftSurface {
+  // The weight of the second corner at a point is to1 . p - at1, that of the third to2 . p - at2.
+  float to1[3], at1, to2[3], at2;
+  // The normals at the corners, 9 numbers in 16 bits each, two in a word.
+  uint32_t normals[5];
+  uint32_t flat;  // 1: all three are the same
+  uint32_t unused[2];
+};
+
+struct SoftMesh {
+  // u and v at the first corner, then the differences to the second and to the third.
+  static constexpr int kTexture = 6;
+
+  int vertices = 0, triangles = 0;
+  bool closed = false;           // it has an inside, which no triangle shows
+  std::vector<float> x, y, z;    // padded with copies of the last vertex
+  std::vector<int32_t> corners;  // 3 a triangle, counter-clockwise from outside
+  std::vector<float> facing[4];  // plane of each triangle; padded with 0
+  std::vector<SoftSurface> surface;
+  std::vector<float> texture;  // kTexture a triangle, or empty
+  Eigen::Vector3f low = {0, 0, 0}, high = {0, 0, 0};
+};
+
+// Rows are padded to a multiple of this.
+inline constexpr int kSoftPadding = 16;
+
+struct SoftCorner {
+  int vertex = 0;
+  Eigen::Vector3f normal;
+  Eigen::Vector2f texture = Eigen::Vector2f::Zero();
+};
+
+class SoftMeshBuilder {
+ public:
+  int Vertex(const Eigen::Vector3f& position);
+  // Triangles without an area are left out.
+  void Triangle(const SoftCorner& a, const SoftCorner& b, const SoftCorner& c);
+  // A flat one.
+  void Triangle(int a, int b, int c);
+  void Quad(int a, int b, int c, int d);
+  // Replaces the mesh and empties the builder. What is built again at the same size allocates
+  // nothing.
+  void Build(SoftMesh* mesh, bool with_texture = false);
+  SoftMesh Build(bool with_texture = false);
+
+ private:
+  std::vector<Eigen::Vector3f> vertices_;
+  std::vector<SoftCorner> corners_;
+};
+
+}  // namespace robocell::internal

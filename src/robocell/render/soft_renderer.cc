@@ -1,0 +1,166 @@
+#include "robocell/render/soft_renderer.h"
+
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "robocell/render/drawn_scene.h"
+#include "robocell/render/image_convert.h"
+#include "robocell/render/soft_kernel.h"
+#include "robocell/render/soft_scene.h"
+
+namespace robocell {
+
+using internal::SoftBuffer;
+using internal::SoftIds;
+using internal::SoftPicture;
+
+namespace {
+
+// Where samples lie in a pixel: no two in a row or a column, so that edges of any slope are
+// smoothed.
+std::vector<internal::SoftSample> Samples(int wanted) {
+  if (wanted <= 1) return {};
+  const int count = wanted <= 4 ? 4 : wanted <= 8 ? 8 : 16;
+  // Columns of the rows, from the top; steps of 1 / count from the left edge.
+  static constexpr int kFour[] = {1, 3, 0, 2}, kEight[] = {3, 6, 1, 4, 7, 2, 5, 0},
+                       kSixteen[] = {7, 2, 12, 5, 15, 9, 0, 11, 4, 14, 6, 1, 10, 13, 3, 8};
+  const int* columns = count == 4 ? kFour : count == 8 ? kEight : kSixteen;
+  std::vector<internal::SoftSample> samples(static_cast<size_t>(count));
+  const auto place = [&](int step) {
+    return (static_cast<float>(step) + 0.5f) / static_cast<float>(count) - 0.5f;
+  };
+  for (int i = 0; i < count; ++i) {
+    samples[static_cast<size_t>(i)].right = place(columns[i]);
+    samples[static_cast<size_t>(i)].down = place(i);
+  }
+  return samples;
+}
+
+}  // namespace
+
+struct SoftRenderer::Impl {
+  RendererOptions options;
+  std::string description;
+  DrawnScene drawn;
+  internal::SoftScene scene;
+  internal::SoftScratch scratch;
+  SoftBuffer opaque;  // what hides what is behind it
+  SoftBuffer all;     // for depth and segmentation, where something can be seen through
+  SoftBuffer layer;
+  std::vector<internal::SoftSample> samples;
+  internal::SoftReflection reflection;
+  std::vector<SoftIds> colours;
+  std::vector<float> depth;  // when only millimetres are wanted
+
+  explicit Impl(const RendererOptions& chosen)
+      : options(chosen),
+        description("soft: " + internal::SoftInstructions()),
+        drawn({.visibility = chosen.visibility,
+               .keep_unseen = chosen.quality.shadows || chosen.quality.reflections}),
+        samples(Samples(chosen.quality.multisamples)) {}
+
+  void DrawSamples() {
+    for (internal::SoftSample& sample : samples) {
+      internal::SoftView view = scene.view();
+      view.cx -= sample.right;
+      view.cy -= sample.down;
+      internal::ClearBuffer(view, &sample.buffer);
+      for (const int i : scene.opaque()) {
+        internal::DrawInstance(view, scene.instances()[i], &scratch, &sample.buffer);
+      }
+    }
+  }
+
+  void DrawLayer(const internal::SoftScene::Layer& group, SoftBuffer* into) {
+    for (int i = group.first; i < group.end; ++i) {
+      internal::DrawInstance(scene.view(), scene.instances()[i], &scratch, into);
+    }
+  }
+
+  void DrawExact(const RenderOutputs& outputs) {
+    const SoftBuffer* seen = &opaque;
+    if (!scene.layers().empty()) {
+      all = opaque;
+      for (const auto& group : scene.layers()) DrawLayer(group, &all);
+      seen = &all;
+    }
+    std::span<float> metres = outputs.depth;
+    if (metres.empty() && !outputs.depth_mm.empty()) {
+      depth.resize(outputs.depth_mm.size());
+      metres = depth;
+    }
+    internal::ReadExact(scene.Picture(), *seen, metres, outputs.segmentation);
+    MetresToMillimetres(metres.first(outputs.depth_mm.size()), outputs.depth_mm);
+  }
+
+  void DrawColour(const RenderRequest& request, std::span<uint8_t> rgb) {
+    mjvScene* list = drawn.scene();
+    const int geoms = list->ngeom;
+    const size_t opaque_before = scene.opaque().size();
+    drawn.Add(request.markers);
+    scene.AddMarkers(drawn.model(), *list, geoms);
+    list->ngeom = geoms;
+    for (const int i : scene.opaque().subspan(opaque_before)) {
+      internal::DrawInstance(scene.view(), scene.instances()[i], &scratch, &opaque);
+    }
+    scene.DrawShadows(&scratch);
+    DrawSamples();
+    SoftPicture picture = scene.Picture();
+    if (scene.DrawReflection(&scratch, &reflection)) picture.reflection = &reflection;
+    const auto layers = scene.layers();
+    if (layers.empty()) return internal::ShadePicture(picture, opaque, samples, rgb);
+    colours.resize(opaque.ids.size());
+    internal::ShadePicture(picture, opaque, samples, std::span<SoftIds>(colours));
+    picture.shadows = false;  // what can be seen through receives none
+    // As the engine does: from the front to the back, then from the back to the front.
+    const auto blend = [&](const internal::SoftScene::Layer& group) {
+      internal::ClearBuffer(scene.view(), &layer);
+      DrawLayer(group, &layer);
+      internal::BlendLayer(picture, opaque, layer, group.alpha, colours);
+    };
+    for (auto group = layers.begin(); group != layers.end(); ++group) blend(*group);
+    for (auto group = layers.rbegin(); group != layers.rend(); ++group) blend(*group);
+    internal::PackColours(opaque, colours, rgb);
+  }
+};
+
+SoftRenderer::SoftRenderer(const RendererOptions& options)
+    : impl_(std::make_unique<Impl>(options)) {}
+
+SoftRenderer::~SoftRenderer() = default;
+
+const RenderQuality& SoftRenderer::quality() const { return impl_->options.quality; }
+
+const std::string& SoftRenderer::description() const { return impl_->description; }
+
+void SoftRenderer::SetModel(const mjModel* model) {
+  Impl& r = *impl_;
+  r.drawn.SetModel(model);
+  r.scene.SetModel(model, r.options.visibility);
+}
+
+CameraModel SoftRenderer::Render(const mjData* data, const RenderRequest& request,
+                                 const RenderOutputs& outputs) {
+  Impl& r = *impl_;
+  CheckOutputs(request, outputs);
+  const RenderQuality& quality = r.options.quality;
+  CameraModel camera = r.drawn.Update(data, request);
+  r.scene.Update(r.drawn.model(), *r.drawn.scene(), r.drawn.BodyOfId(), camera,
+                 {.sky = r.options.visibility.skybox,
+                  .shadows = quality.shadows && !outputs.rgb.empty(),
+                  .reflections = quality.reflections && !outputs.rgb.empty(),
+                  .shadow_size = quality.shadow_size});
+  internal::ClearBuffer(r.scene.view(), &r.opaque);
+  for (const int i : r.scene.opaque()) {
+    internal::DrawInstance(r.scene.view(), r.scene.instances()[i], &r.scratch, &r.opaque);
+  }
+  if (!outputs.depth.empty() || !outputs.depth_mm.empty() || !outputs.segmentation.empty()) {
+    r.DrawExact(outputs);
+  }
+  if (!outputs.rgb.empty()) r.DrawColour(request, outputs.rgb);
+  return camera;
+}
+
+}  // namespace robocell

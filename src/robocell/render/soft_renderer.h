@@ -1,0 +1,29 @@
+// The software back end of renderer.h: triangles drawn by the processor's vector registers, without
+// any graphics library. One pass gives colour, depth and segmentation.
+//
+// Same state, same bytes on any processor and any thread. The method: soft_kernel.h.
+#pragma once
+
+#include <memory>
+
+#include "robocell/render/renderer.h"
+
+namespace robocell {
+
+class SoftRenderer final : public Renderer {
+ public:
+  explicit SoftRenderer(const RendererOptions& options = {});
+  ~SoftRenderer() override;
+
+  void SetModel(const mjModel* model) override;
+  CameraModel Render(const mjData* data, const RenderRequest& request,
+                     const RenderOutputs& outputs) override;
+  const RenderQuality& quality() const override;
+  const std::string& description() const override;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace robocell

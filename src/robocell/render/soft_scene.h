@@ -1,0 +1,113 @@
+// The engine's list of what is visible, as the kernels of the software renderer take it. Internal
+// to render/.
+//
+//   SoftScene scene;
+//   scene.SetModel(model, visibility);
+//   scene.Update(model, list, bodies, camera, {.shadows = true});
+//
+// No allocation once the largest list has been taken.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "robocell/render/camera_model.h"
+#include "robocell/render/soft_assets.h"
+#include "robocell/render/soft_frame.h"
+#include "robocell/render/soft_shadows.h"
+
+namespace robocell::internal {
+
+class SoftScene {
+ public:
+  void SetModel(const mjModel* model, const Visibility& visibility);
+
+  struct Effects {
+    bool sky = true;
+    bool shadows = false, reflections = false;
+    int shadow_size = 1024;
+  };
+  // `bodies`: of the list's segmentation ids.
+  void Update(const mjModel* model, const mjvScene& list, std::span<const int32_t> bodies,
+              const CameraModel& camera, const Effects& effects);
+  // Before colours are computed.
+  void DrawShadows(SoftScratch* scratch);
+  // Adds the elements of the list from `first` on, in colour only.
+  void AddMarkers(const mjModel* model, const mjvScene& list, int first);
+
+  const SoftView& view() const { return view_; }
+  // Of the present instances; valid until the next call.
+  SoftPicture Picture() const;
+  // Draws what the scene's one mirror shows into `reflection`. False where there is none in view.
+  bool DrawReflection(SoftScratch* scratch, SoftReflection* reflection);
+  std::span<const SoftInstance> instances() const { return now_.instances; }
+  // Indices of instances: those that hide what is behind them, and groups of those that can be seen
+  // through, the nearest first. A group is one element of the list.
+  std::span<const int> opaque() const { return now_.opaque; }
+  struct Layer {
+    int first = 0, end = 0;  // instances
+    float alpha = 1;
+    float distance = 0;
+  };
+  std::span<const Layer> layers() const { return now_.layers; }
+
+ private:
+  void SetCamera(const CameraModel& camera);
+  void SetLights(const mjvScene& list);
+  void SetSky(const mjModel* model, const mjvScene& list, const CameraModel& camera);
+  void AddElement(const mjModel* model, const mjvScene& list, const mjvGeom& geom, int body);
+  void AddShapes(const mjvGeom& geom, const SoftMaterial& material, bool behind);
+  void AddMesh(const SoftMesh* mesh, const Eigen::Affine3d& in_world, const SoftMaterial& material,
+               SoftSide side = SoftSide::kFront);
+  void AddSkin(const mjModel* model, const mjvScene& list, const mjvGeom& geom,
+               const SoftMaterial& material);
+  void AddFlex(const mjvScene& list, const mjvGeom& geom, const SoftMaterial& material);
+  SoftMaterial MaterialOf(const mjvGeom& geom, bool behind) const;
+  SoftMesh* NextOwnMesh();
+
+  // What is drawn in one picture.
+  struct Elements {
+    std::vector<SoftInstance> instances;
+    std::vector<int32_t> instance_of_run;
+    std::vector<int> opaque;
+    std::vector<Layer> layers;
+    std::vector<SoftLight> lights;
+
+    void Clear();
+  };
+  // A flat face that reflects: a plane, or the upper face of a box.
+  struct Mirror {
+    int geom = -1;  // of the list
+    Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();  // world
+    float reflectance = 0;
+    uint32_t first_id = 0;
+    bool in_view = false;
+  };
+  void FindMirror(const mjvScene& list);
+  void AddMirrored(const mjModel* model, const mjvScene& list);
+  SoftPicture PictureOf(const Elements& elements) const;
+
+  SoftAssets assets_;
+  SoftView view_;
+  Eigen::Affine3d to_camera_;
+  Eigen::Vector3d eye_;
+  Elements now_;       // the one that is being made, else that of the camera
+  Elements mirrored_;  // that of the mirror
+  Mirror mirror_;
+  bool mirroring_ = false;
+  float ambient_ = 0;
+  SoftSky sky_;
+  SoftShadows shadows_;
+  bool with_shadows_ = false;
+  bool casts_ = false, bends_ = false;  // the element that is being added
+  int body_ = -1;                       // of the element that is being added
+  // Meshes that change with the state: of skins and flexes.
+  std::vector<SoftMesh> own_;
+  size_t own_used_ = 0;
+  SoftMeshBuilder builder_;
+};
+
+}  // namespace robocell::internal

@@ -1,0 +1,152 @@
+#include "robocell/render/soft_shadows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <numbers>
+
+#include "robocell/render/soft_kernel.h"
+
+namespace robocell::internal {
+namespace {
+
+using Eigen::Affine3d;
+using Eigen::Vector3d;
+
+constexpr float kWidestSpot = 160;  // degrees, as the engine has it
+
+void Store(const Affine3d& m, float* rows) {
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 4; ++c) rows[4 * r + c] = static_cast<float>(m(r, c));
+  }
+}
+
+Affine3d Loaded(const float* rows) {
+  Affine3d m = Affine3d::Identity();
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 4; ++c) m(r, c) = rows[4 * r + c];
+  }
+  return m;
+}
+
+// From the world to the axes of a camera at the light that looks along its beam.
+Affine3d ToLight(const mjvLight& light) {
+  const Vector3d z = -Eigen::Map<const Eigen::Vector3f>(light.dir).cast<double>().normalized();
+  const Vector3d other = std::abs(z.x()) < 0.5 ? Vector3d::UnitX() : Vector3d::UnitY();
+  const Vector3d x = other.cross(z).normalized();
+  Affine3d in_world = Affine3d::Identity();
+  in_world.linear() << x, z.cross(x), z;
+  in_world.translation() = Eigen::Map<const Eigen::Vector3f>(light.pos).cast<double>();
+  return in_world.inverse(Eigen::Isometry);
+}
+
+SoftView LightView(const mjModel* m, const mjvLight& light, const CameraModel& camera, int size) {
+  SoftView view;
+  view.width = view.height = size;
+  view.cx = view.cy = 0.5f * static_cast<float>(size - 1);
+  view.near = static_cast<float>(camera.near_m);
+  view.far = static_cast<float>(camera.far_m);
+  while (view.steps * static_cast<float>(size) > 0.5f * (1 << 20)) view.steps /= 2;
+  view.orthographic = light.type == mjLIGHT_DIRECTIONAL;
+  if (view.orthographic) {
+    const double reach = m->vis.map.shadowclip * m->stat.extent;
+    view.fx = static_cast<float>(0.5 * size / reach);
+  } else {
+    const float angle = std::min(2 * light.cutoff * m->vis.map.shadowscale, kWidestSpot);
+    view.fx =
+        0.5f * static_cast<float>(size) / std::tan(0.5f * angle * std::numbers::pi_v<float> / 180);
+  }
+  view.fy = view.fx;
+  return view;
+}
+
+bool Same(const SoftView& a, const SoftView& b) {
+  return a.width == b.width && a.orthographic == b.orthographic && a.fx == b.fx &&
+         a.near == b.near && a.far == b.far;
+}
+
+}  // namespace
+
+bool SoftShadows::Caster::operator==(const Caster& other) const {
+  return mesh == other.mesh && !bends && !other.bends &&
+         std::equal(in_world, in_world + 12, other.in_world);
+}
+
+void SoftShadows::Clear() {
+  // Their memory stays: a model comes with every episode, and megabytes that go and come again with it
+  // leave holes in the heap.
+  for (Map& map : maps_) map.drawn = false;
+  used_ = 0;
+}
+
+void SoftShadows::Begin(const mjModel* model, const mjvScene& list, const CameraModel& camera,
+                        int size) {
+  maps_.resize(std::max<size_t>(maps_.size(), 1));
+  maps_.reserve(mjMAXLIGHT);
+  used_ = 0;
+  casters_.clear();
+  for (int i = 0; i < list.nlight; ++i) {
+    const mjvLight& light = list.lights[i];
+    if (!light.castshadow || light.headlight || light.type == mjLIGHT_IMAGE) continue;
+    if (static_cast<size_t>(used_) == maps_.size()) maps_.emplace_back();
+    Map& map = maps_[static_cast<size_t>(used_++)];
+    map.light = i;
+    map.to_light = ToLight(light);
+    map.shadow.view = LightView(model, light, camera, size);
+    const Affine3d to_camera(Affine3d(Eigen::Translation3d(camera.camera_in_world.translation()) *
+                                      camera.camera_in_world.rotation())
+                                 .inverse(Eigen::Isometry));
+    Store(map.to_light * to_camera.inverse(Eigen::Isometry), map.shadow.from_view);
+    map.shadow.map = &map.buffer;
+  }
+}
+
+void SoftShadows::AddCaster(const SoftMesh* mesh, const Affine3d& in_world, bool bends) {
+  Caster& caster = casters_.emplace_back();
+  caster.mesh = mesh;
+  caster.bends = bends;
+  Store(in_world, caster.in_world);
+}
+
+void SoftShadows::Draw(SoftScratch* scratch) {
+  for (int i = 0; i < used_; ++i) {
+    Map& map = maps_[static_cast<size_t>(i)];
+    float to_light[12];
+    Store(map.to_light, to_light);
+    if (map.drawn && Same(map.shadow.view, map.drawn_view) &&
+        std::equal(to_light, to_light + 12, map.drawn_to_light) && casters_ == map.drawn_casters) {
+      continue;
+    }
+    const SoftView& view = map.shadow.view;
+    ClearNearness(view, &map.buffer);
+    for (const Caster& caster : casters_) {
+      SoftInstance instance;
+      instance.mesh = caster.mesh;
+      const Affine3d to_view = map.to_light * Loaded(caster.in_world);
+      Store(to_view, instance.to_view);
+      // All faces cast; of a closed mesh those towards the light are the nearest.
+      instance.side = caster.mesh->closed ? SoftSide::kFront : SoftSide::kBoth;
+      const Affine3d to_mesh = to_view.inverse(Eigen::Affine);
+      const Vector3d eye =
+          view.orthographic ? Vector3d(to_mesh.linear().col(2)) : Vector3d(to_mesh.translation());
+      for (int k = 0; k < 3; ++k) instance.eye[k] = static_cast<float>(eye[k]);
+      instance.eye[3] = view.orthographic ? 0 : 1;
+      DrawInstance(view, instance, scratch, &map.buffer);
+    }
+    map.drawn = true;
+    std::copy_n(to_light, 12, map.drawn_to_light);
+    map.drawn_view = view;
+    map.drawn_casters = casters_;
+  }
+}
+
+const SoftShadow* SoftShadows::Of(int light) const {
+  for (int i = 0; i < used_; ++i) {
+    const Map& map = maps_[static_cast<size_t>(i)];
+    if (map.light == light) return &map.shadow;
+  }
+  return nullptr;
+}
+
+}  // namespace robocell::internal

@@ -1,0 +1,61 @@
+// Shadow maps of the software renderer: how near to each light the first surface is. A map is drawn
+// anew only when its light or something that casts a shadow has moved; it does not depend on the
+// camera, so that several cameras share it. Internal to render/.
+//
+//   SoftShadows shadows;
+//   shadows.Begin(model, list, camera);
+//   shadows.AddCaster(mesh, in_world);            // everything that casts
+//   shadows.Draw(&scratch);
+//   const SoftShadow* shadow = shadows.Of(light);
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include <cstdint>
+#include <vector>
+#include <Eigen/Geometry>
+
+#include "robocell/render/camera_model.h"
+#include "robocell/render/soft_frame.h"
+
+namespace robocell::internal {
+
+class SoftShadows {
+ public:
+  // Forgets what all maps show: meshes are others.
+  void Clear();
+
+  // Takes the lights of the list that cast shadows. `size`: side of a map in pixels.
+  void Begin(const mjModel* model, const mjvScene& list, const CameraModel& camera, int size);
+  // `bends`: the mesh is another one than it was.
+  void AddCaster(const SoftMesh* mesh, const Eigen::Affine3d& in_world, bool bends);
+  void Draw(SoftScratch* scratch);
+
+  // That of a light of the list; null when it casts none.
+  const SoftShadow* Of(int light) const;
+
+ private:
+  struct Caster {
+    const SoftMesh* mesh = nullptr;
+    bool bends = false;
+    float in_world[12];
+    bool operator==(const Caster& other) const;
+  };
+  struct Map {
+    int light = -1;  // of the present list
+    SoftShadow shadow;
+    SoftBuffer buffer;
+    Eigen::Affine3d to_light;
+    // What it was drawn with.
+    bool drawn = false;
+    float drawn_to_light[12];
+    SoftView drawn_view;
+    std::vector<Caster> drawn_casters;
+  };
+
+  std::vector<Map> maps_;
+  int used_ = 0;
+  std::vector<Caster> casters_;
+};
+
+}  // namespace robocell::internal

@@ -1,0 +1,27 @@
+// The meshes that a model is drawn with: those of its assets, its planes and height fields, and
+// round shapes, tessellated as finely as its `visual/quality` says, as OpenGL draws them. Internal
+// to render/.
+#pragma once
+
+#include <mujoco/mujoco.h>
+
+#include "robocell/render/soft_mesh.h"
+
+namespace robocell::internal {
+
+// Of unit size. Capsules are an open cylinder and two half spheres.
+struct SoftShapes {
+  SoftMesh sphere, upper_half, lower_half;  // the halves are centred at z = 1 and z = -1
+  SoftMesh cylinder, open_cylinder;         // from z = -1 to z = 1
+  SoftMesh cone;                            // from z = 0 to z = 1
+  SoftMesh box, plane, triangle;
+
+  SoftShapes() = default;
+  SoftShapes(int slices, int stacks);
+};
+
+SoftMesh MeshOfModel(const mjModel* model, int mesh);
+SoftMesh PlaneOfModel(const mjModel* model, int geom);
+SoftMesh HeightFieldOfModel(const mjModel* model, int field);
+
+}  // namespace robocell::internal

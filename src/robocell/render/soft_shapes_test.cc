@@ -1,0 +1,59 @@
+#include "robocell/render/soft_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/mujoco/compile.h"
+
+namespace robocell::internal {
+namespace {
+
+// What the triangles enclose, by the divergence theorem: positive where they face outwards.
+double VolumeOf(const SoftMesh& mesh) {
+  double volume = 0;
+  for (int t = 0; t < mesh.triangles; ++t) {
+    Eigen::Matrix3d corners;
+    for (int k = 0; k < 3; ++k) {
+      const int v = mesh.corners[3 * t + k];
+      corners.row(k) << mesh.x[v], mesh.y[v], mesh.z[v];
+    }
+    volume += corners.determinant() / 6;
+  }
+  return volume;
+}
+
+TEST(SoftShapes, AreClosedAndFaceOutwards) {
+  const SoftShapes shapes(64, 32);
+  EXPECT_TRUE(shapes.sphere.closed);
+  EXPECT_NEAR(VolumeOf(shapes.sphere), 4.18879, 0.05);
+  EXPECT_TRUE(shapes.cylinder.closed);
+  EXPECT_NEAR(VolumeOf(shapes.cylinder), 6.28319, 0.05);
+  EXPECT_TRUE(shapes.cone.closed);
+  EXPECT_NEAR(VolumeOf(shapes.cone), 1.0472, 0.02);
+  EXPECT_TRUE(shapes.box.closed);
+  EXPECT_DOUBLE_EQ(VolumeOf(shapes.box), 8);
+}
+
+TEST(SoftShapes, OpenOnesAreOpen) {
+  const SoftShapes shapes(16, 8);
+  EXPECT_FALSE(shapes.open_cylinder.closed);
+  EXPECT_FALSE(shapes.upper_half.closed);
+  EXPECT_FALSE(shapes.plane.closed);
+}
+
+TEST(SoftShapes, MeshesAndHeightFieldsOfAModel) {
+  const ModelPtr model = Compile(ParseXmlString(R"(<mujoco><asset>
+      <mesh name="tetra" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/>
+      <hfield name="hills" nrow="3" ncol="4" size="1 2 .5 .25" elevation="0 0 0 0  0 1 1 0  0 0 0 0"/>
+    </asset></mujoco>)")
+                                     .get());
+  const SoftMesh tetra = MeshOfModel(model.get(), 0), hills = HeightFieldOfModel(model.get(), 0);
+  EXPECT_EQ(tetra.triangles, 4);
+  EXPECT_TRUE(tetra.closed);
+  EXPECT_NEAR(VolumeOf(tetra), 1.0 / 6, 1e-6);
+  EXPECT_GT(VolumeOf(hills), 2 * 4 * 0.25);  // more than its base
+  EXPECT_FLOAT_EQ(hills.high.z(), 0.5F);
+  EXPECT_FLOAT_EQ(hills.low.z(), -0.25F);
+}
+
+}  // namespace
+}  // namespace robocell::internal

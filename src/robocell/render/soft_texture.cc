@@ -1,0 +1,96 @@
+#include "robocell/render/soft_texture.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace robocell::internal {
+namespace {
+
+// The engine draws with colours as they are; those of an sRGB texture are made linear before.
+std::array<uint8_t, 256> LinearFromSrgb() {
+  std::array<uint8_t, 256> table{};
+  for (int i = 0; i < 256; ++i) {
+    const double c = i / 255.0;
+    const double linear = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+    table[static_cast<size_t>(i)] = static_cast<uint8_t>(std::lround(255 * linear));
+  }
+  return table;
+}
+
+}  // namespace
+
+SoftTexture::SoftTexture(const mjModel* m, int texture) {
+  const int channels = m->tex_nchannel[texture];
+  if (channels != 3 && channels != 4) return;  // encoded ones are for other renderers
+  sky = m->tex_type[texture] == mjTEXTURE_SKYBOX;
+  cube = m->tex_type[texture] != mjTEXTURE_2D;
+  width = m->tex_width[texture];
+  height = cube ? width : m->tex_height[texture];
+  const int faces = cube ? 6 : 1;
+  const bool one_face = cube && m->tex_width[texture] == m->tex_height[texture];
+  const bool linear = m->tex_colorspace[texture] == mjCOLORSPACE_SRGB && !cube;
+  const std::array<uint8_t, 256> table = LinearFromSrgb();
+  const size_t face_size = static_cast<size_t>(width) * static_cast<size_t>(height);
+  const mjtByte* data = m->tex_data + m->tex_adr[texture];
+  texels.reserve(face_size * static_cast<size_t>(faces) * 4 / 3 + 64);
+  for (int face = 0; face < faces; ++face) {
+    const mjtByte* from =
+        data +
+        (one_face ? 0 : static_cast<size_t>(face) * face_size * static_cast<size_t>(channels));
+    for (size_t i = 0; i < face_size; ++i, from += channels) {
+      uint32_t texel = channels == 4 ? static_cast<uint32_t>(from[3]) << 24 : 0xff000000u;
+      for (int c = 0; c < 3; ++c) {
+        texel |= static_cast<uint32_t>(linear ? table[from[c]] : from[c]) << (8 * c);
+      }
+      texels.push_back(texel);
+      if ((i + 1) % static_cast<size_t>(width) == 0) EndRow();
+    }
+  }
+  level_width = {width};
+  level_height = {height};
+  level_start = {0};
+  AddSmallerLevels(faces);
+  levels = static_cast<int>(level_width.size());
+}
+
+void SoftTexture::EndRow() {
+  const int row = level_width.empty() ? width : level_width.back();
+  texels.push_back(cube ? texels.back() : texels[texels.size() - static_cast<size_t>(row)]);
+}
+
+void SoftTexture::AddSmallerLevels(int faces) {
+  for (int w = width, h = height; w > 1 || h > 1;) {
+    const int from_w = w, from_h = h;
+    const auto from_start = static_cast<size_t>(level_start.back());
+    w = std::max(1, w / 2);
+    h = std::max(1, h / 2);
+    level_width.push_back(w);
+    level_height.push_back(h);
+    level_start.push_back(static_cast<int32_t>(texels.size()));
+    for (int face = 0; face < faces; ++face) {
+      const size_t from = from_start + static_cast<size_t>(face) * static_cast<size_t>(from_w + 1) *
+                                           static_cast<size_t>(from_h);
+      for (int y = 0; y < h; ++y) {
+        for (int x = 0; x < w; ++x) {
+          uint32_t sum[4] = {};
+          for (int k = 0; k < 4; ++k) {
+            const int sx = std::min(2 * x + (k & 1), from_w - 1),
+                      sy = std::min(2 * y + (k >> 1), from_h - 1);
+            const uint32_t texel =
+                texels[from + static_cast<size_t>(sy) * static_cast<size_t>(from_w + 1) +
+                       static_cast<size_t>(sx)];
+            for (int c = 0; c < 4; ++c) sum[c] += texel >> (8 * c) & 255;
+          }
+          uint32_t texel = 0;
+          for (int c = 0; c < 4; ++c) texel |= (sum[c] + 2) / 4 << (8 * c);
+          texels.push_back(texel);
+        }
+        EndRow();
+      }
+    }
+  }
+}
+
+}  // namespace robocell::internal
