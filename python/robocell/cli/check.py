@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 from rich.console import Console
 
-from robocell import ArgumentError, SpecError, check_config, why_no_picks
+from robocell import ArgumentError, EngineError, SpecError, check_config, why_no_picks
 from robocell.cli.common import fail, print_warning, print_wide, require_png
 from robocell.cli.robot_scene import RobotScene, load_robot
 
@@ -36,7 +36,7 @@ def check(
     try:
         loaded.scene.reset()
         summary = list(summary_lines(loaded))  # measures the grippers
-    except ArgumentError:  # what was found before may be why
+    except (ArgumentError, EngineError):  # what was found before may be why
         for warning in loaded.scene.warnings:
             print_warning(warning)
         raise

@@ -27,8 +27,6 @@ constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
 constexpr double kPatience = 1;
 // An absolute pose without a solution nearby is out of reach, unless it is within these, m and rad.
 constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
-constexpr double kWindow = 0.05;  // s, over which a gripper is watched
-constexpr double kStill = 1e-3;   // of its opening, within a window
 
 std::optional<Robot> RobotWithGripper(const EnvConfig& config, const Robot& robot) {
   if (config.has_mounted_gripper(robot.name()))
@@ -85,8 +83,8 @@ std::vector<double> ArmDriver::Memory::numbers() const {
   for (const std::vector<double>* q :
        {&sent_joints, &origin_joints, &commanded, &pending_joints, &seen_joints})
     out.insert(out.end(), q->begin(), q->end());
-  out.insert(out.end(), {sent_opening, commanded_opening, gripper_still ? 1.0 : 0.0, window_start,
-                         window_opening});
+  out.insert(out.end(), {sent_opening, commanded_opening, fingers.is_still ? 1.0 : 0.0,
+                         fingers.window_start, fingers.still_windows});
   for (const std::array<double, 3>* move : {&pending.shift, &pending.turn})
     out.insert(out.end(), move->begin(), move->end());
   return out;
@@ -114,9 +112,9 @@ ArmDriver::Memory ArmDriver::Memory::FromNumbers(size_t joints, std::span<const 
   const std::span<const double> rest = take(5);
   memory.sent_opening = rest[0];
   memory.commanded_opening = rest[1];
-  memory.gripper_still = rest[2] != 0;
-  memory.window_start = rest[3];
-  memory.window_opening = rest[4];
+  memory.fingers.is_still = rest[2] != 0;
+  memory.fingers.window_start = rest[3];
+  memory.fingers.still_windows = rest[4];
   for (std::array<double, 3>* move : {&memory.pending.shift, &memory.pending.turn})
     std::ranges::copy(take(3), move->begin());
   return memory;
@@ -144,6 +142,7 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       base_in_shared_(robot_.scene().shared_base_frame_to_world().inverse() *
                       robot_.base_in_world()),
       window_pos_(tolerances_.size()) {
+  if (gripper_) fingers_.emplace(*gripper_);
   watched_.fill(window_pos_);
   RequireJointPositions(config, robot_);
   for (const ChainJoint& joint : robot_.chain().joints()) {
@@ -163,9 +162,7 @@ void ArmDriver::Reset() {
   memory_.sent_joints = PositionsOf(controller_->commanded_joint_pos());
   memory_.sent = base_in_shared_ * robot_.FkFrame(memory_.sent_joints);
   if (gripper_) memory_.sent_opening = Opening(gripper_->controller(gripper()->name()).target()[0]);
-  memory_.gripper_still = false;
-  memory_.window_start = robot_.scene().time();
-  memory_.window_opening = gripper_ ? gripper()->opening() : 0;
+  if (fingers_) fingers_->Begin(robot_.scene().time());
   memory_.pending = {};
   memory_.pending_joints.assign(memory_.sent_joints.size(), 0);
   memory_.seen_joints = robot_.arm().joint_pos();
@@ -181,6 +178,7 @@ void ArmDriver::SetOriginToCurrent() {
 
 ArmDriver::Memory ArmDriver::memory() const {
   Memory memory = memory_;
+  if (fingers_) memory.fingers = fingers_->memory();
   memory.commanded = PositionsOf(robot_.controller(robot_.arm().name()).commanded_joint_pos());
   if (gripper_) memory.commanded_opening = gripper_->controller(gripper()->name()).target()[0];
   return memory;
@@ -188,6 +186,7 @@ ArmDriver::Memory ArmDriver::memory() const {
 
 void ArmDriver::Recall(const Memory& memory) {
   memory_ = memory;
+  if (fingers_) fingers_->Recall(memory.fingers);
   controller_ = robot_.shared_controller(robot_.arm().name());
   sent_ = {};
   WatchFromNow();
@@ -228,11 +227,7 @@ double ArmDriver::Opening(double value) const {
 
 void ArmDriver::SendGripper(double value, RobotAction& own) {
   const double opening = Opening(value);
-  if (opening != memory_.sent_opening) {
-    memory_.gripper_still = false;
-    memory_.window_start = robot_.scene().time();
-    memory_.window_opening = gripper()->opening();
-  }
+  if (opening != memory_.sent_opening) fingers_->Begin(robot_.scene().time());
   memory_.sent_opening = opening;
   const GroupCommand command = GroupCommand::Opening(opening);
   if (gripper_->name() == robot_.name()) {
@@ -350,15 +345,6 @@ bool ArmDriver::Send(std::span<const double> action) {
   WatchFromNow();
   if (gripper_) SendGripper(action[layout_.gripper_action], commands);
   return mode_ == ControlMode::kJoints ? SendJoints(own, commands) : SendPose(own, commands);
-}
-
-bool ArmDriver::GripperIsStill(double time) {
-  if (memory_.gripper_still || time - memory_.window_start < kWindow) return memory_.gripper_still;
-  const double opening = gripper()->opening();
-  memory_.gripper_still = std::abs(opening - memory_.window_opening) < kStill;
-  memory_.window_start = time;
-  memory_.window_opening = opening;
-  return memory_.gripper_still;
 }
 
 void ArmDriver::WatchFromNow() {

@@ -10,6 +10,7 @@
 
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env_layout.h"
+#include "robocell/env/finger_watch.h"
 #include "robocell/env/target_lead.h"
 #include "robocell/robot/robot.h"
 
@@ -47,8 +48,7 @@ class ArmDriver {
     std::vector<double> sent_joints, origin_joints;
     std::vector<double> commanded;  // joints that the arm's controller drives to
     double sent_opening = 1, commanded_opening = 1;
-    bool gripper_still = false;  // at the end of the last window
-    double window_start = 0, window_opening = 0;
+    FingerWatch::Memory fingers = {};
     // What was added to the target and the arm did not carry out yet, and where the arm was when
     // that was last seen.
     PendingMove pending = {};
@@ -56,6 +56,7 @@ class ArmDriver {
     Pose seen = {};
     std::vector<double> seen_joints = {};
 
+    // All but fingers.window, whose length is the gripper's.
     std::vector<double> numbers() const;
     // Of an arm with as many joints; takes its numbers from the front of what is given.
     static Memory FromNumbers(size_t joints, std::span<const double>& numbers);
@@ -121,7 +122,7 @@ class ArmDriver {
   // The TCP with the joints at `q`, in the shared base frame.
   Pose TcpAt(std::span<const double> q) const { return base_in_shared_ * robot_.FkFrame(q); }
   Pose NextPose(const Pose& last, const Pose& given) const;
-  bool GripperIsStill(double time);
+  bool GripperIsStill(double time) { return fingers_->IsStill(time, memory_.sent_opening); }
   const GripperGroup* gripper() const { return gripper_ ? &gripper_->gripper() : nullptr; }
 
   ControlMode mode_;
@@ -133,7 +134,8 @@ class ArmDriver {
   std::vector<double> tolerances_;  // within which each joint has arrived, rad or m
   std::vector<double> still_;       // zeros
   mutable std::vector<double> pos_, vel_, gravity_, resistance_, rest_, steady_;  // scratch
-  std::optional<Robot> gripper_;  // the robot that has the gripper
+  std::optional<Robot> gripper_;  // the robot that has the gripper ...
+  std::optional<FingerWatch> fingers_;
   RobotLayout layout_;
   std::vector<Interval> joint_limits_;
   std::vector<bool> turns_freely_;  // a joint without limits

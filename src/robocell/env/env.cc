@@ -10,6 +10,7 @@
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/robot/check_config.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/task_kind.h"
@@ -120,9 +121,21 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
   }
   const bool is_first = copy.value_or(0) == 0;  // what is to be said is said of the first
   if (is_first) {
-    for (const ArmDriver& arm : arms_) TellUndriven(arm.robot());
+    for (const ArmDriver& arm : arms_) {
+      TellUndriven(arm.robot());
+      RequireDistances(arm);
+    }
   }
   TryStart(is_first);
+}
+
+// Openings are shares of it, in actions and observations.
+void Env::RequireDistances(const ArmDriver& arm) const {
+  for (const Robot& robot : arm.robots()) {
+    Problems problems(robot.config().locations);
+    CheckDistances(robot, problems);
+    problems.Throw(fmt::format("{} / robot '{}'", place(), robot.name()));
+  }
 }
 
 void Env::TellUndriven(const Robot& robot) const {

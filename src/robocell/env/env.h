@@ -176,6 +176,7 @@ class Env {
   void ObserveTask();
   std::string place() const { return "environment '" + config_.name + "'"; }
   // Warns of arms and grippers that no action reaches.
+  void RequireDistances(const ArmDriver& arm) const;
   void TellUndriven(const Robot& robot) const;
 
   EnvConfig config_;

@@ -123,6 +123,7 @@ std::vector<double> EnvState::numbers() const {
     out.push_back(static_cast<double>(arm.commanded.size()));
     const std::vector<double> own = arm.numbers();
     out.insert(out.end(), own.begin(), own.end());
+    PutList(arm.fingers.window, out);
   }
   out.push_back(names_hash);
   return out;
@@ -146,6 +147,7 @@ EnvState EnvState::FromNumbers(std::span<const double> numbers) {
     const size_t joints = reader.Count();
     std::span<const double> own = reader.Take(ArmDriver::Memory::CountOfNumbers(joints));
     state.arms.push_back(ArmDriver::Memory::FromNumbers(joints, own));
+    state.arms.back().fingers.window = reader.List();
   }
   state.names_hash = reader.Take(1)[0];
   reader.RequireEnd();
@@ -171,8 +173,11 @@ void Env::CheckState(const EnvState& state) const {
               state.variations.size() == variations_.drawn().size() &&
               state.task.size() == (task_ ? task_->memory().size() : 0) &&
               state.physics.size() == scene_.state().size();
-  for (size_t i = 0; fits && i < arms_.size(); ++i)
-    fits = state.arms[i].commanded.size() == arms_[i].memory().commanded.size();
+  for (size_t i = 0; fits && i < arms_.size(); ++i) {
+    const ArmDriver::Memory own = arms_[i].memory();
+    fits = state.arms[i].commanded.size() == own.commanded.size() &&
+           state.arms[i].fingers.window.size() == own.fingers.window.size();
+  }
   if (!fits) {
     throw ArgumentError(place() +
                         ": the state is of another environment; states fit those of the same "

@@ -133,6 +133,54 @@ TEST_F(EnvTaskTest, PuttingItDownIsSuccessWhereverTheRootIs) {
   }
 }
 
+// Each is refused when the environment is made, since no episode could succeed.
+TEST_F(EnvTaskTest, GoalsThatCannotBeMetAreRefusedWithTheReason) {
+  const auto placing = [&](const Vec3& goal) {
+    EnvConfig config = Placing();
+    config.root_frame_objects["shelf"] = {.offset = Pose(Eigen::Vector3d(0.3, -0.3, 0.15)),
+                                          .fixed = true,
+                                          .shape = Shape::kBox,
+                                          .size = Vec3{0.1, 0.1, 0.15},
+                                          .mass = 1};
+    config.task->As<PickAndPlaceTaskConfig>().goal = goal;
+    config.task->As<PickAndPlaceTaskConfig>().goal_spread = {0.02, 0.02};
+    return config;
+  };
+  struct Case {
+    Vec3 goal;
+    std::string why;
+  };
+  for (const auto& [goal, why] :
+       {Case{{3, 0, 0.02}, "task.goal [3, 0, 0.02] is out of reach: it is 3.0"},
+        Case{{0.4, 0.2, -0.05},
+             "'cube' cannot come to rest at task.goal [0.4, 0.2, -0.05]: there "
+             "it is"},
+        Case{{0.3, -0.3, 0.15}, "inside 'shelf'"},
+        Case{{0.4, 0.2, 0.5}, "put down there it falls by"},
+        Case{{0.3, -0.3, 0.45}, "put down there it falls by"},
+        Case{{0.3, 0.3, 1.8}, "out of reach"}}) {
+    ExpectThrow<ArgumentError>([&] { Env env(placing(goal)); }, why);
+  }
+  for (const Vec3& goal : {Vec3{0.4, 0.2, 0.02}, Vec3{0.4, 0.2, 0}, Vec3{0.3, -0.3, 0.32},
+                           Vec3{0.41, -0.3, 0.32}, Vec3{0.3, -0.3, 0.345}})
+    EXPECT_NO_THROW(Env{placing(goal)}) << goal[0] << " " << goal[1] << " " << goal[2];
+}
+
+TEST_F(EnvTaskTest, GoalsOnAnObjectThatCannotBeMetAreRefused) {
+  EnvConfig config = Placing({}, true);
+  config.task->As<PickAndPlaceTaskConfig>().goal = Vec3{0, 0, 0.2};
+  ExpectThrow<ArgumentError>([&] { Env env(config); }, "in the frame of 'mat'");
+  config.task->As<PickAndPlaceTaskConfig>().goal.reset();
+  EXPECT_NO_THROW(Env{config});
+}
+
+TEST_F(EnvTaskTest, AnObjectThatStartsOutOfReachIsRefused) {
+  EnvConfig config = Picking();
+  config.root_frame_objects["ground"].offset = Pose(Eigen::Vector3d(2, 0, 0));
+  config.root_frame_objects["cube"].offset = Pose(Eigen::Vector3d(2.6, 0, 0.02));
+  ExpectThrow<SpecError>([&] { Env env(config); }, "'cube' is out of reach (it is 2.");
+}
+
 TEST_F(EnvTaskTest, WhatWasNeverLiftedWasNotPlaced) {
   EnvConfig config = Placing();
   Env env(config);

@@ -21,28 +21,31 @@ constexpr double kMostReach = 1.1;
 
 void CheckDistance(const ActuatedGripper& gripper, const GripperDistance& said,
                    Problems& problems) {
-  try {
-    const GripperDistance measured = gripper.Measure().distance;
-    if (std::abs(measured.closed - said.closed) <= kDistanceTolerance &&
-        std::abs(measured.open - said.open) <= kDistanceTolerance)
-      return;
-    problems.AddAt("distance",
-                   fmt::format("the fingers are {:.3f} m apart when closed and {:.3f} m when open, "
-                               "not {:.3f} and {:.3f}: correct it, or leave `distance` out to "
-                               "have it measured",
-                               measured.closed, measured.open, said.closed, said.open));
-  } catch (const Error& error) {  // it cannot be measured as it is configured
-    problems.Add(error.what());
-  }
+  const GripperDistance measured = gripper.Measure().distance;
+  if (std::abs(measured.closed - said.closed) <= kDistanceTolerance &&
+      std::abs(measured.open - said.open) <= kDistanceTolerance)
+    return;
+  problems.AddAt("distance",
+                 fmt::format("the fingers are {:.3f} m apart when closed and {:.3f} m when open, "
+                             "not {:.3f} and {:.3f}: correct it, or leave `distance` out to "
+                             "have it measured",
+                             measured.closed, measured.open, said.closed, said.open));
 }
 
-void CheckGrippers(const Robot& robot, Problems& problems) {
+// `failed` gets what says that a gripper cannot be measured as it is configured.
+template <class Failed>
+void CheckGrippers(const Robot& robot, Problems& problems, const Failed& failed) {
   Problems::Scope groups(problems, "move_groups");
   for (const auto& [name, config] : robot.config().move_groups.entries()) {
     if (!config->distance || !robot.has_group(name)) continue;
     const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot.group(name));
     Problems::Scope group(problems, name);
-    if (gripper) CheckDistance(*gripper, *config->distance, problems);
+    if (!gripper) continue;
+    try {
+      CheckDistance(*gripper, *config->distance, problems);
+    } catch (const Error& error) {
+      failed(error);
+    }
   }
 }
 
@@ -89,8 +92,12 @@ std::string PositionControls(const Robot& robot, const std::string& arm) {
 
 void CheckConfig(const Robot& robot, Problems& problems) {
   CheckReachField(robot, problems);
-  CheckGrippers(robot, problems);
+  CheckGrippers(robot, problems, [&](const Error& error) { problems.Add(error.what()); });
   CheckBaseSize(robot, problems);
+}
+
+void CheckDistances(const Robot& robot, Problems& problems) {
+  CheckGrippers(robot, problems, [](const Error&) {});
 }
 
 bool CheckHaveControllers(const Robot& robot, Problems& problems) {

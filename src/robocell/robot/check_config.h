@@ -15,6 +15,10 @@ namespace robocell {
 // Takes up to a second per gripper.
 void CheckConfig(const Robot& robot, Problems& problems);
 
+// Adds each gripper whose `distance` is not what its fingers do. Grippers that cannot be measured
+// are left alone: what the file says is all that is known.
+void CheckDistances(const Robot& robot, Problems& problems);
+
 // Adds each arm and gripper that no controller can drive: motors, where a run sends joint positions
 // and openings. False when there is one.
 bool CheckHaveControllers(const Robot& robot, Problems& problems);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
@@ -44,6 +45,30 @@ TEST(CheckConfig, AGripperThatCannotBeMeasuredAsItIsConfiguredIsTold) {
   std::swap(config.move_groups.find("gripper")->ctrl->open,
             config.move_groups.find("gripper")->ctrl->closed);
   EXPECT_THAT(Wrong(config), HasSubstr("open and closed are swapped"));
+}
+
+// What is noticed first is the gripper, which is measured.
+TEST(CheckConfig, MeasuringAGripperNamesTheGainThatItFailsBy) {
+  RobotConfig config = Rc7();
+  config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kp = 5e9});
+  EXPECT_THAT(Wrong(config),
+              HasSubstr("or is its joint too slow for its actuator? The simulation cannot follow a "
+                        "gain: "));
+  EXPECT_THAT(Wrong(config), HasSubstr("the gain 5e+09 of servo 'gripper' is too high for tendon "
+                                       "'finger_opening', which moves 0.32 kg"));
+  config = Rc7();
+  config.edits.push_back({.actuator = ElementRef{.name = "servo1"},
+                          .forcerange = Vec2{-1e9, 1e9},
+                          .kp = 5e9,
+                          .kv = 1});
+  EXPECT_THAT(Wrong(config),
+              HasSubstr("(engine warnings: 1 x bad number in qacc). The simulation cannot follow a "
+                        "gain: "));
+  EXPECT_THAT(Wrong(config), HasSubstr("rc7.xml:199: robot 'rc7': the gain 5e+09 of servo "
+                                       "'servo1' is too high for joint 'joint1'"));
+  config.move_groups.find("gripper")->distance.reset();
+  ExpectThrow<EngineError>([&] { RobotAlone(config).gripper().opening(); },
+                           "of servo 'servo1' is too high for joint 'joint1'");
 }
 
 TEST(CheckConfig, ABaseWiderThanTheReachIsTold) {

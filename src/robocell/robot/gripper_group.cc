@@ -12,6 +12,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/element_lookup.h"
+#include "robocell/scene/servo_stability.h"
 #include "robocell/spec/split_place.h"
 
 namespace robocell {
@@ -102,6 +103,24 @@ double At(const GripperCtrl& ctrl, double share) {
   return ctrl.closed + (ctrl.open - ctrl.closed) * share;
 }
 
+// The gains that a simulation of these robots cannot follow, as the scene's warnings tell them with
+// their places; "" without.
+std::string WhyUnstable(const Scene& scene) {
+  std::string why;
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    const int base = FindId(scene.model(), mjOBJ_BODY, robot.base_body);
+    for (const UnstableServo& servo : UnstableServos(scene.model(), base, robot.prefix)) {
+      const std::vector<std::string>& warnings = scene.compiled()->warnings();
+      const auto told = std::ranges::find_if(warnings, [&](const std::string& warning) {
+        return warning.find(servo.too_high) != std::string::npos;
+      });
+      why += why.empty() ? " The simulation cannot follow a gain: " : "; ";
+      why += told == warnings.end() ? servo.text() : *told;
+    }
+  }
+  return why;
+}
+
 }  // namespace
 
 ActuatedGripper::ActuatedGripper(const Scene& scene, GroupNames names, MoveGroupConfig config)
@@ -166,9 +185,9 @@ std::array<double, 2> ActuatedGripper::Settled(
   try {
     return SettledFingerDistances(core().scene(), Parts(), ctrl);
   } catch (const EngineError& error) {
-    throw EngineError(core().place() + ": " + error.what());
+    throw EngineError(core().place() + ": " + error.what() + "." + WhyUnstable(core().scene()));
   } catch (const ArgumentError& error) {
-    Fail("fingers", error.what());
+    Fail("fingers", error.what() + WhyUnstable(core().scene()));
   }
 }
 

@@ -32,6 +32,7 @@ class Inertia : public ::testing::Test {
     spec.robots.push_back({.path = model, .prefix = "r_"});
     return Scene::Build(spec);
   }
+  ModelFolder& folder() { return folder_; }
   static const std::vector<std::string>& Warnings(const Scene& scene) {
     return scene.compiled()->warnings();
   }
@@ -68,6 +69,65 @@ TEST_F(Inertia, AGainThatTheTimestepCannotFollowIsToldAtItsServo) {
                             "joint 'hip', which moves "),
                   HasSubstr("with a timestep of 0.002 s it blows up from "),
                   HasSubstr("Give it a lower one: edits: [{actuator: 'drive', kp: "))));
+}
+
+TEST_F(Inertia, AStiffnessOfTheRobotsFileIsToldThereOnce) {
+  SceneSpec spec = EmptyScene();
+  RobotConfig arm = ArmConfig(folder().Write("two", kTwoJointArm));
+  arm.stiffness = 5e9;
+  spec.robots.push_back({.name = "arm", .config = arm});
+  const Scene scene = Scene::Build(spec);
+  int told = 0;
+  for (const std::string& warning : Warnings(scene)) {
+    if (warning.find("is too high for") == std::string::npos) continue;
+    ++told;
+    EXPECT_THAT(warning, HasSubstr("robot 'arm': stiffness: the gain 5e+09 of servo 'servo"));
+    EXPECT_THAT(warning, HasSubstr("Write a lower one: `stiffness: "));
+  }
+  EXPECT_EQ(told, 1);
+}
+
+// Of a gripper, whose servo may be scaled and act on a tendon.
+TEST_F(Inertia, TheLimitOfATendonsGainIsTheEngines) {
+  const auto build = [&](double kp) {
+    const std::string model =
+        folder().Write(fmt::format("hand{}", kp), fmt::format(R"(
+      <worldbody><body name="base"><geom size="0.05" contype="0"/>
+      <body name="l"><joint name="l" type="slide" axis="0 1 0" damping="3"/>
+      <geom size="0.02" mass="0.1" contype="0" conaffinity="0"/></body>
+      <body name="r"><joint name="r" type="slide" axis="0 1 0" damping="1"/>
+      <geom size="0.02" mass="0.2" contype="0" conaffinity="0"/></body></body></worldbody>
+      <tendon><fixed name="split"><joint joint="l" coef="0.5"/><joint joint="r" coef="-1"/></fixed></tendon>
+      <actuator><general name="grip" tendon="split" gear="2" biastype="affine" gainprm="{}"
+        biasprm="0 {} -2"/></actuator>)",
+                                                              0.01 * kp, -kp));
+    SceneSpec spec = EmptyScene();
+    spec.robots.push_back({.path = model, .prefix = "r_"});
+    return Scene::Build(spec);
+  };
+  double limit = 0;
+  const Scene stiff = build(1e9);
+  for (const std::string& warning : Warnings(stiff)) {
+    const std::string mark = "servo 'grip' is too high for tendon 'split', which moves ";
+    if (warning.find(mark) == std::string::npos) continue;
+    EXPECT_THAT(warning, HasSubstr("Give it a lower one: edits: [{actuator: 'grip', kp: "));
+    const size_t at = warning.find("blows up from ") + 14;
+    limit = std::stod(warning.substr(at));
+  }
+  ASSERT_GT(limit, 0);
+  for (const double share : {0.85, 1.15}) {
+    Scene scene = build(share * limit);
+    scene.mutable_model()->opt.gravity[2] = 0;
+    scene.data()->qpos[0] = 1e-6;
+    scene.Forward();
+    double most = 0;
+    for (int i = 0; i < 2000 && scene.Step().ok(); ++i)
+      most = std::max(most, std::abs(scene.data()->qpos[0]));
+    EXPECT_EQ(most > 1e-3, share > 1) << share << " " << most;
+    EXPECT_EQ(
+        !Warnings(scene).empty() && Warnings(scene).back().find("is too high") != std::string::npos,
+        share > 1);
+  }
 }
 
 // The greatest gain is where the engine's own steps begin to overshoot more each time.

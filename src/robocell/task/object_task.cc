@@ -8,6 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/task/goal_check.h"
 #include "robocell/task/held.h"
 
 namespace robocell {
@@ -32,6 +33,14 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
   offset_ = offset == setting.objects.end() ? Pose() : offset->second;
   robots_.clear();
   for (const std::string& robot : setting.robots) robots_.push_back(Robot::Of(scene, robot));
+}
+
+std::optional<Refusal> ObjectTask::Arrange(Scene& scene, Rng& /*rng*/) {
+  constexpr double kMayFall = -std::numeric_limits<double>::infinity();
+  const std::string why =
+      WhyOutOfReach(robots_, ObjectInWorld(), kMayFall, RadiusOf(scene.model(), object_->id()));
+  if (why.empty()) return std::nullopt;
+  return Refusal{.reason = fmt::format("'{}' is out of reach", fields_.name), .detail = why};
 }
 
 void ObjectTask::Begin(const Scene& scene) {

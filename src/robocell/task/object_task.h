@@ -30,6 +30,8 @@ class ObjectTask : public Task {
   // ArgumentError when the object cannot move; NotFoundError without it. Begin binds a task that is
   // not bound, with all robots of the scene.
   void Bind(const Scene& scene, const TaskSetting& setting) override;
+  // Refuses starts that no robot can reach.
+  std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;
   void Begin(const Scene& scene) override;
   // The reward is 1 at success, else the progress, as far as it got.
   TaskVerdict Judge(const Scene& scene) override;
@@ -49,6 +51,7 @@ class ObjectTask : public Task {
   const BodyHandle& object() const { return *object_; }
   const Pose& root() const { return root_; }
   const std::string& place() const { return place_; }
+  const std::vector<Robot>& robots() const { return robots_; }
   Eigen::Vector3d ObjectInWorld() const { return object_->pose_in_world().translation(); }
 
   // Moves a place in the root frame by up to `spread`.

@@ -1,6 +1,7 @@
 #include "robocell/task/pick_and_place_task.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/motion/geom_extent.h"
+#include "robocell/task/goal_check.h"
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/held.h"
 
@@ -80,6 +82,54 @@ BodyPoses PickAndPlaceTask::Starts(Rng& rng) {
       fmt::format("{}: in {} tries '{}' was never {:g} m from its goal; widen task.spread or "
                   "task.goal_spread, or lower task.goal_distance",
                   place(), kTries, task_.object, task_.goal_distance));
+}
+
+std::optional<Refusal> PickAndPlaceTask::Arrange(Scene& scene, Rng& rng) {
+  if (auto refusal = ObjectTask::Arrange(scene, rng)) return refusal;
+  if (!is_possible_) RequirePossible(scene);
+  is_possible_ = true;
+  return std::nullopt;
+}
+
+// Those of this start and of others, in the frame that goal_ is in.
+std::vector<Eigen::Vector3d> PickAndPlaceTask::PossibleGoals() const {
+  std::vector<Eigen::Vector3d> goals = {goal_};
+  if (has_goal_object()) return goals;  // its place is of no importance
+  const Vec2& spread = task_.goal_spread;
+  for (const int x : {-1, 0, 1}) {
+    for (const int y : {-1, 0, 1})
+      goals.emplace_back(goal_offset_.translation() +
+                         Eigen::Vector3d(x * spread[0], y * spread[1], 0));
+  }
+  if (spread == Vec2{0, 0}) goals.resize(1);
+  return goals;
+}
+
+void PickAndPlaceTask::RequirePossible(const Scene& scene) {
+  Begin(scene);
+  const mjModel* m = scene.model();
+  const std::string goal = task_.goal ? fmt::format("task.goal [{}]", fmt::join(*task_.goal, ", "))
+                                      : fmt::format("the goal on top of '{}'", task_.goal_object);
+  const double spread = 2 * std::hypot(task_.goal_spread[0], task_.goal_spread[1]);
+  const double slack = RadiusOf(m, object().id()) + task_.goal_tolerance + spread;
+  const Eigen::Vector3d at = GoalInWorld();
+  if (const std::string why = WhyOutOfReach(robots(), at, at.z(), slack); !why.empty()) {
+    throw ArgumentError(fmt::format(
+        "{}: {} is out of reach: {}. Move the goal or the robot (robot_to_shared_base_frame)",
+        place(), goal, why));
+  }
+  std::vector<RestPlace> places;
+  for (const Eigen::Vector3d& at : PossibleGoals()) {
+    places.push_back(has_goal_object() ? RestPlace{goal_body_->id(), at}
+                                       : RestPlace{0, root() * at});
+  }
+  const std::string why = WhyNoRest(scene, object().id(), places, task_.goal_tolerance);
+  if (why.empty()) return;
+  throw ArgumentError(fmt::format(
+      "{}: '{}' cannot come to rest at {}: {}. Give the place of its root when it lies there, "
+      "within task.goal_tolerance ({:g} m){}",
+      place(), fields().name, goal, why, task_.goal_tolerance,
+      has_goal_object() ? ", in the frame of '" + task_.goal_object + "'" : ""));
 }
 
 void PickAndPlaceTask::Begin(const Scene& scene) {

@@ -32,6 +32,9 @@ class PickAndPlaceTask final : public ObjectTask {
   void Bind(const Scene& scene, const TaskSetting& setting) override;
   // ArgumentError when no start is as far from the goal as goal_distance asks for.
   BodyPoses Starts(Rng& rng) override;
+  // ArgumentError when the object can come to rest at no goal of this task, or no robot can bring it
+  // there: looked at once, with the first start.
+  std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;
   void Begin(const Scene& scene) override;
   std::string instruction() const override;
   std::vector<std::string> objects() const override { return all_objects_; }
@@ -48,6 +51,8 @@ class PickAndPlaceTask final : public ObjectTask {
   double Progress() const override;
   bool has_goal_object() const { return !task_.goal_object.empty(); }
   Eigen::Vector3d TopOfGoalObject(const Scene& scene) const;
+  void RequirePossible(const Scene& scene);
+  std::vector<Eigen::Vector3d> PossibleGoals() const;
   bool IsPutDown(const Scene& scene) const;
   bool IsAtRest(const Scene& scene) const;
 
@@ -59,6 +64,7 @@ class PickAndPlaceTask final : public ObjectTask {
   // In the root frame, or with goal_object in that object's frame.
   Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();
   bool was_lifted_ = false;
+  bool is_possible_ = false;  // as far as it was looked at
 };
 
 }  // namespace robocell

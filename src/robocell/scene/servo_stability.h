@@ -1,0 +1,33 @@
+// Which servos of a model are too stiff for what they move, so that the simulation blows up.
+//
+// A servo of stiffness k and damping c on a joint or tendon that moves the inertia M, integrated in
+// steps dt with implicit damping, is stable while k dt^2 < 4 M + 2 c dt: from there on it overshoots
+// more with every step.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "robocell/mujoco/forward.h"
+
+namespace robocell {
+
+struct UnstableServo {
+  int actuator = -1;
+  double gain = 0;       // its kp
+  double limit = 0;      // the kp from which on it blows up
+  std::string too_high;  // "the gain 5e+09 of servo 'x' is too high for joint 'y', which moves ..."
+  std::string remedy;    // "Give it a lower one: edits: [...]"
+
+  std::string text() const { return too_high + ". " + remedy; }
+};
+
+// Those of the subtree of a robot's base body. Names are told without `prefix`, the robot's.
+std::vector<UnstableServo> UnstableServos(const mjModel* model, int base_body,
+                                          std::string_view prefix);
+
+// A gain for advice, down to one digit: "2000", "0.05".
+std::string RoundedGain(double value);
+
+}  // namespace robocell
