@@ -156,7 +156,9 @@ TEST(TaskStartSampler, TheBaseStandsInItsRangeAroundATargetThatTheTaskMoved) {
       EXPECT_GE(distance, 0.35 - 0.01) << late;
       EXPECT_LE(distance, 0.40 + 0.01) << late;
     }
-    if (!late) EXPECT_EQ(accepted, 3);
+    if (!late) {
+      EXPECT_EQ(accepted, 3);
+    }
   }
 }
 
