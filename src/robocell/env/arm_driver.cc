@@ -256,20 +256,19 @@ bool ArmDriver::GetPresentTargets() const {
   return true;
 }
 
-Pose ArmDriver::LastPose(PendingMove& pending, Pose& seen) const {
-  if (!GetPresentTargets()) return memory_.sent;
+Pose ArmDriver::LastPose(const PendingMove& move, PendingMove& pending, Pose& seen) const {
   const Led<Pose> led = {seen, TcpAt(pos_), TcpAt(rest_), TcpAt(steady_)};
   seen = led.present;
-  return WithinLead(memory_.sent, led, lead_, pending);
+  return WithinLead(memory_.sent, led, lead_, pending, move);
 }
 
-std::vector<double> ArmDriver::LastJoints(std::vector<double>& pending,
+std::vector<double> ArmDriver::LastJoints(std::span<const double> move,
+                                          std::vector<double>& pending,
                                           std::vector<double>& seen) const {
   std::vector<double> last = memory_.sent_joints;
-  if (!GetPresentTargets()) return last;
   for (size_t i = 0; i < last.size(); ++i) {
     const Led<double> led = {seen[i], pos_[i], rest_[i], steady_[i]};
-    last[i] = WithinJointLead(last[i], led, joint_lead_[i], pending[i]);
+    last[i] = WithinJointLead(last[i], led, joint_lead_[i], pending[i], move[i]);
   }
   seen = pos_;
   return last;
@@ -278,7 +277,15 @@ std::vector<double> ArmDriver::LastJoints(std::vector<double>& pending,
 bool ArmDriver::SendJoints(std::span<const double> command, RobotAction& commands) {
   std::vector<double> q = PositionsOf(command), pending = memory_.pending_joints,
                       seen = memory_.seen_joints;
-  std::vector<double> last = LastJoints(pending, seen);
+  std::vector<double> last = memory_.sent_joints, move(q.size());
+  for (size_t i = 0; i < q.size(); ++i) {
+    const double wanted = relative_to_ == RelativeTo::kLastStep ? last[i] + q[i]
+                          : relative_to_ == RelativeTo::kConfiguredOrigin
+                              ? memory_.origin_joints[i] + q[i]
+                              : q[i];
+    move[i] = std::clamp(wanted - last[i], -limit_.rotation, limit_.rotation);
+  }
+  if (GetPresentTargets()) last = LastJoints(move, pending, seen);
   for (size_t i = 0; i < q.size(); ++i) {
     if (relative_to_ == RelativeTo::kLastStep) {
       if (q[i] == 0) {  // keeps its target
@@ -311,8 +318,12 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   const Pose given = PoseOfAction(mode_, command);
   const bool keeps = relative_to_ == RelativeTo::kLastStep && IsNoMotion(given);
   PendingMove pending = memory_.pending;
-  Pose seen = memory_.seen;
-  const Pose last = keeps ? memory_.sent : LastPose(pending, seen);
+  Pose seen = memory_.seen, last = memory_.sent;
+  if (!keeps && GetPresentTargets()) {
+    PendingMove move;
+    move.Add(last, NextPose(last, given));
+    last = LastPose(move, pending, seen);
+  }
   Pose next = keeps ? last : NextPose(last, given);
   const Pose target = base_in_shared_.inverse() * next;
   commands[arm] = GroupCommand::LeafPose(target);

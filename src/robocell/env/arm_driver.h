@@ -104,8 +104,10 @@ class ArmDriver {
   // The last target, without what is pending and leads the arm by more than max_target_lead: a
   // blocked arm does not pile up targets behind what blocks it. What the arm lags behind as it
   // moves and sags under gravity does not count, so that ramps go all the way.
-  Pose LastPose(PendingMove& pending, Pose& seen) const;
-  std::vector<double> LastJoints(std::vector<double>& pending, std::vector<double>& seen) const;
+  // `move`: what the action asks for, from the last target on. GetPresentTargets comes first.
+  Pose LastPose(const PendingMove& move, PendingMove& pending, Pose& seen) const;
+  std::vector<double> LastJoints(std::span<const double> move, std::vector<double>& pending,
+                                 std::vector<double>& seen) const;
   // Writes the target under which the arm at `q` goes on moving at `v`. False where it is unknown.
   bool GetSteadyTarget(std::span<const double> q, std::span<const double> v,
                        std::span<double> out) const;

@@ -194,16 +194,14 @@ Numbers RiseAfterPushing(EnvConfig config, bool batched, int pushes, double* ahe
 }
 
 // An arm lags behind its target also where nothing blocks it, so what it is compared with is
-// itself, free and at rest: one action goes into the lead, one into the tool that was pressed
-// askew.
+// itself, free and at rest.
 void ExpectToRiseAtOnce(const EnvConfig& config) {
   for (const bool batched : {false, true}) {
     const Numbers free = RiseAfterPushing(config, batched, 0);
     const Numbers rise = RiseAfterPushing(config, batched, 60);
-    for (size_t i = 0; i + 2 < rise.size(); ++i)
-      EXPECT_GT(rise[i + 2], free[i] - 0.005)
+    for (size_t i = 0; i < rise.size(); ++i)
+      EXPECT_GT(rise[i], free[i] - 0.005)
           << ::testing::PrintToString(rise) << " " << ::testing::PrintToString(free);
-    EXPECT_GT(rise.back(), 0.02) << ::testing::PrintToString(rise);
   }
 }
 

@@ -36,9 +36,12 @@ double AheadOf(double sent, std::initializer_list<double> places) {
   return sent - std::clamp(sent, std::min(places), std::max(places));
 }
 
+// What is left of the lead for an action that goes by so much along it.
+double LeadFor(double lead, double forth) { return std::max(0.0, lead + std::min(forth, 0.0)); }
+
 // All from where the arm is. Returns what is to be taken back, and takes it from `pending`.
 Vector3d TakeBack(const Vector3d& sent, const Led<Vector3d>& led, double lead,
-                  std::array<double, 3>& pending) {
+                  std::array<double, 3>& pending, const std::array<double, 3>& action) {
   Vector3d ahead, unexplained;
   for (Eigen::Index i = 0; i < 3; ++i) {
     double& sum = pending[static_cast<size_t>(i)];
@@ -47,7 +50,9 @@ Vector3d TakeBack(const Vector3d& sent, const Led<Vector3d>& led, double lead,
     unexplained[i] = Outstanding(sum, ahead[i]);
   }
   const double length = unexplained.norm();
-  const double excess = length > 0 ? ahead.dot(unexplained) / length - lead : 0;
+  if (!(length > 0)) return Vector3d::Zero();
+  const double forth = Eigen::Map<const Vector3d>(action.data()).dot(unexplained) / length;
+  const double excess = ahead.dot(unexplained) / length - LeadFor(lead, forth);
   if (!(excess > 0)) return Vector3d::Zero();
   const Vector3d back = std::min(1.0, excess / length) * unexplained;
   Eigen::Map<Vector3d>(pending.data()) -= back;
@@ -61,26 +66,29 @@ void PendingMove::Add(const Pose& from, const Pose& to) {
   Eigen::Map<Vector3d>(turn.data()) += TurnBetween(from, to);
 }
 
-Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead,
-                PendingMove& pending) {
-  const auto back_of = [&](const auto& between, double most, std::array<double, 3>& moves) {
+Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead, PendingMove& pending,
+                const PendingMove& action) {
+  const auto back_of = [&](const auto& between, double most, std::array<double, 3>& moves,
+                           const std::array<double, 3>& next) {
     const auto from_arm = [&](const Pose& to) -> Vector3d { return between(led.present, to); };
     const Led<Vector3d> own = {from_arm(led.before), Vector3d::Zero(), from_arm(led.rest),
                                from_arm(led.steady)};
-    return TakeBack(from_arm(sent), own, most, moves);
+    return TakeBack(from_arm(sent), own, most, moves, next);
   };
-  const Vector3d shift = back_of(ShiftBetween, lead.translation, pending.shift);
-  const Vector3d turn = back_of(TurnBetween, lead.rotation, pending.turn);
+  const Vector3d shift = back_of(ShiftBetween, lead.translation, pending.shift, action.shift);
+  const Vector3d turn = back_of(TurnBetween, lead.rotation, pending.turn, action.turn);
   if (shift.isZero(0) && turn.isZero(0)) return sent;
   const Pose back = Pose::FromRotvec(Vector3d::Zero(), -turn);
   return Pose(sent.translation() - shift, QuaternionProduct(back.quaternion(), sent.quaternion()));
 }
 
-double WithinJointLead(double sent, const Led<double>& led, double lead, double& pending) {
+double WithinJointLead(double sent, const Led<double>& led, double lead, double& pending,
+                       double action) {
   pending = Outstanding(WithPush(pending, led.present - led.before),
                         AheadOf(sent, {led.present, led.rest}));
   const double ahead = AheadOf(sent, {led.present, led.rest, led.steady});
-  const double unexplained = Outstanding(pending, ahead), excess = std::abs(ahead) - lead;
+  const double unexplained = Outstanding(pending, ahead);
+  const double excess = std::abs(ahead) - LeadFor(lead, std::copysign(action, action * ahead));
   if (!(excess > 0)) return sent;
   const double back = std::copysign(std::min(excess, std::abs(unexplained)), unexplained);
   pending -= back;

@@ -11,6 +11,9 @@
 // a load keeps its target. What a fast arm lags behind its target stays pending: it is lead from
 // the moment at which something stops the arm. So is what the arm moves against what is pending:
 // then something pushes it away.
+//
+// An action against the lead reduces it by as much as it asks for: so an arm that is pressed onto
+// something leaves with the first action back, and small actions still let go little by little.
 #pragma once
 
 #include <array>
@@ -34,13 +37,15 @@ struct Led {
   T before, present, rest, steady;
 };
 
-// `sent` without that part of `pending` by which it leads the arm by more than `lead`, along the
-// direction of `pending`. The arm counts as anywhere from where it is `present` to where it
-// is at `rest` and `steady`, along each axis. `pending` becomes what is still pending: no more than by what the target leads the arm at rest.
-Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead,
-                PendingMove& pending);
+// `sent` without that part of `pending` by which it leads the arm by more than `lead`, less what
+// `action` goes against it, along the direction of `pending`. The arm counts as anywhere from where
+// it is `present` to where it is at `rest` and `steady`, along each axis. `pending` becomes what is
+// still pending: no more than by what the target leads the arm at rest. `action` is what comes next.
+Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead, PendingMove& pending,
+                const PendingMove& action = {});
 
 // The same for a joint.
-double WithinJointLead(double sent, const Led<double>& led, double lead, double& pending);
+double WithinJointLead(double sent, const Led<double>& led, double lead, double& pending,
+                       double action = 0);
 
 }  // namespace robocell

@@ -64,6 +64,37 @@ TEST(TargetLead, WhatABlockedArmDidNotCarryOutIsTakenBackToTheLead) {
   }
 }
 
+TEST(TargetLead, AnActionAgainstTheLeadReducesItByAsMuch) {
+  Rng rng = Rng::Stream(5, "target lead");
+  for (int trial = 0; trial < 100; ++trial) {
+    const Pose arm = RandomPose(rng);
+    const Vector3d way = RandomVector(rng, 1).normalized();
+    const Pose sent = MovedBy(arm, Pose(0.3 * way));
+    const Vector3d along = (sent.translation() - arm.translation()).normalized();
+    for (const double back : {0.0, 0.001, 0.015, 0.05}) {
+      PendingMove pending, action;
+      pending.Add(arm, sent);
+      Eigen::Map<Vector3d>(action.shift.data()) = -back * along;
+      const Pose last = WithinLead(sent, Still(arm), kLead, pending, action);
+      EXPECT_NEAR(Distance(last, arm), std::max(0.0, kLead.translation - back), 1e-9) << back;
+    }
+    const Vector3d aside = along.cross(RandomVector(rng, 1)).normalized();
+    for (const Vector3d& other : {Vector3d(0.05 * along), Vector3d(0.05 * aside)}) {
+      PendingMove pending, action;
+      pending.Add(arm, sent);
+      Eigen::Map<Vector3d>(action.shift.data()) = other;
+      EXPECT_NEAR(Distance(WithinLead(sent, Still(arm), kLead, pending, action), arm),
+                  kLead.translation, 1e-9);
+    }
+    double joint = 0.5;
+    EXPECT_NEAR(WithinJointLead(0.5, StillAt(0), 0.1, joint, -0.04), 0.06, 1e-12);
+    joint = -0.5;
+    EXPECT_NEAR(WithinJointLead(-0.5, StillAt(0), 0.1, joint, 0.3), 0, 1e-12);
+    joint = 0.5;
+    EXPECT_NEAR(WithinJointLead(0.5, StillAt(0), 0.1, joint, 0.3), 0.1, 1e-12);
+  }
+}
+
 TEST(TargetLead, WhatIsNotPendingIsKept) {
   Rng rng = Rng::Stream(3, "target lead");
   for (int trial = 0; trial < 100; ++trial) {
