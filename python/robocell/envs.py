@@ -69,7 +69,10 @@ def from_dataset(
     Raises:
         NotFoundError: A name that the dataset has not, with the nearest; a task that is not
             registered.
-        SpecError: The cell here has other features than the dataset: the first difference.
+        SpecError: The task's code is not what the dataset was made with.
+
+    The first reset raises ArgumentError or NotFoundError, with the first difference, when the cell
+    here has other features than the dataset.
     """
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
     for module in imports:
@@ -93,9 +96,9 @@ def from_dataset(
 class DatasetEnv(gymnasium.Env[Any, Any]):
     """An environment made by `from_dataset`; `core` is the RunEnv itself.
 
-    `reset(seed=i)` goes to start i of the dataset's run, counted on by later resets: starts that
-    were in the dataset, unless `options={"seed": n}` draws them from another seed, as evaluations
-    do. The spaces have the ranges that the dataset's schema has.
+    `reset(seed=i)` goes to start i of the dataset's run, and later resets count on from there. The
+    first starts are those of the dataset's episodes; numbers beyond them are new ones. The spaces
+    have the ranges of the dataset's schema.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  (as in Gymnasium)

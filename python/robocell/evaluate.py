@@ -81,7 +81,7 @@ class Evaluation:
 
 
 class _Watching(Observer):
-    """Tells of rollouts as they end."""
+    """Calls back for each rollout that ends, and prints warnings."""
 
     def __init__(self, told: Callable[[int, int, bool], None] | None) -> None:
         self._told = told
