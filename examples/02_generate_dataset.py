@@ -36,9 +36,9 @@ def main(folder: Path) -> None:
     rc.prepare_dataset(run)
     runner = rc.Runner(run)
     for item in rc.make_plan(run):
-        report = runner.run(item)
-        outcome = "success" if report.success else "no success"
-        print(f"{item.id}: {outcome}, attempts: {report.attempts}, rows: {report.rows}")
+        result = runner.run(item)
+        outcome = "success" if result.success else "no success"
+        print(f"{item.id}: {outcome}, attempts: {result.attempts}, rows: {result.rows}")
 
     for episode in rc.Dataset(run.output):
         frames = episode.frames("wrist")

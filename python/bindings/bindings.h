@@ -43,5 +43,6 @@ void BindEpisode(nb::module_& m);     // episodes
 void BindDataset(nb::module_& m);     // datasets
 void BindData(nb::module_& m);        // their locks, their verification
 void BindRollout(nb::module_& m);     // plans and the runner
+void BindDiagnose(nb::module_& m);    // checks of robots and runs
 
 }  // namespace robocell::python

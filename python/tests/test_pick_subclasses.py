@@ -63,9 +63,9 @@ class Recorder(rc.PickTaskSampler):
         self.stages.append("propose_base_pose")
         return super().propose_base_pose(robot, support, target_in_world, placement, rng)
 
-    def check_base_pose(self, scene, robot, target_body):
-        self.stages.append("check_base_pose")
-        return super().check_base_pose(scene, robot, target_body)
+    def validate_base_pose(self, scene, robot, target_body):
+        self.stages.append("validate_base_pose")
+        return super().validate_base_pose(scene, robot, target_body)
 
     def make_task(self, target, kind, objects):
         self.stages.append("make_task")
@@ -79,7 +79,7 @@ STAGES = [
     "choose_base_placement",
     "place_objects",
     "propose_base_pose",
-    "check_base_pose",
+    "validate_base_pose",
     "make_task",
 ]
 
@@ -112,8 +112,8 @@ def test_every_stage_of_a_samplers_subclass_runs(tmp_path: Path):
 
 def test_episodes_carry_the_labels_of_a_subclass_of_pick_task(tmp_path: Path):
     run = load(tmp_path)
-    report = rc.Runner(run, sampler=Recorder).run(rc.make_plan(run)[0])
-    assert report.success
+    result = rc.Runner(run, sampler=Recorder).run(rc.make_plan(run)[0])
+    assert result.success
     episode = rc.Dataset(run.output)[0]
     assert episode.metadata["instruction"].startswith("do not pick up the ")
     assert (episode["reward"] >= 7).all()
@@ -144,21 +144,21 @@ def test_the_sample_of_a_subclass_runs_and_can_call_the_scripted_one(tmp_path: P
             return super().sample(request, rng)
 
     run = load(tmp_path)
-    report = rc.Runner(run, sampler=Second).run(rc.make_plan(run)[0])
-    assert report.success
-    assert dict(report.refusals)["camera constraint"] == 1
+    result = rc.Runner(run, sampler=Second).run(rc.make_plan(run)[0])
+    assert result.success
+    assert dict(result.refusals)["camera constraint"] == 1
 
 
 def test_refusals_of_a_stage_are_counted_with_the_places_tried(tmp_path: Path):
     class Picky(rc.PickTaskSampler):
-        def check_base_pose(self, scene, robot, target_body):
+        def validate_base_pose(self, scene, robot, target_body):
             return rc.Refusal(rc.RefusalReason.BASE_IN_COLLISION, "as told")
 
     run = load(tmp_path, max_attempts=2)
-    report = rc.Runner(run, sampler=Picky).run(rc.make_plan(run)[0])
+    result = rc.Runner(run, sampler=Picky).run(rc.make_plan(run)[0])
     reason = "no base pose is free of collisions"
-    assert (report.attempts, report.accepted, dict(report.refusals)) == (2, 0, {reason: 2})
-    assert dict(report.redrawn) == {reason: 2 * 7}  # of 8 places each, the last is the refusal
+    assert (result.attempts, result.accepted, dict(result.refusals)) == (2, 0, {reason: 2})
+    assert dict(result.redrawn) == {reason: 2 * 7}  # of 8 places each, the last is the refusal
 
 
 def test_the_scripted_expert_can_be_extended(tmp_path: Path):
@@ -221,7 +221,7 @@ def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
         def choose_base_placement(self, request, rng):
             return None
 
-        def check_base_pose(self, scene, robot, target_body):
+        def validate_base_pose(self, scene, robot, target_body):
             return "free"
 
     run = load(tmp_path)
@@ -229,7 +229,7 @@ def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
     with pytest.raises(TypeError, match=wanted):
         rc.Runner(run, sampler=Nowhere).run(rc.make_plan(run)[0])
     del Nowhere.choose_base_placement
-    wanted = r"Nowhere.check_base_pose\(\) must return a Refusal or None, got 'free'"
+    wanted = r"Nowhere.validate_base_pose\(\) must return a Refusal or None, got 'free'"
     with pytest.raises(TypeError, match=wanted):
         rc.Runner(run, sampler=Nowhere).run(rc.make_plan(run)[0])
 

@@ -50,7 +50,7 @@ def test_cubes_are_stacked_by_any_number_of_workers(run_file: Path, tmp_path: Pa
         assert episode.metadata["instruction"] == "put the red cube on the blue one"
         red, blue = episode["objects/red/pose"][-1], episode["objects/blue/pose"][-1]
         assert red[2] - blue[2] == pytest.approx(0.04, abs=0.003)
-        assert rc.check_replay(episode).ok
+        assert rc.verify_replay(episode).ok
     assert files_of(tmp_path / "two") == files_of(tmp_path / "one")
 
 

@@ -144,7 +144,7 @@ def test_runners_with_samplers_tasks_and_experts_of_python(tmp_path: Path):
     run = load(tmp_path, max_attempts=3)
     plan = rc.make_plan(run)
 
-    def work(number: int) -> rc.EpisodeReport:
+    def work(number: int) -> rc.ItemResult:
         expert = lambda run, start: Push(4)  # noqa: E731
         return rc.Runner(run, expert=expert, sampler=Impatient).run(plan[number])
 

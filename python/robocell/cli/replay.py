@@ -68,7 +68,7 @@ def _replay_dataset(dataset: Path, episode: str | None, env: str | None, toleran
     differing, unread, unplayed = 0, 0, 0
     for name in ids:
         try:
-            report = robocell.check_replay(episodes[name], tolerance)
+            result = robocell.verify_replay(episodes[name], tolerance)
         except robocell.IoError as error:
             print_error(str(error))
             unread += 1
@@ -76,8 +76,8 @@ def _replay_dataset(dataset: Path, episode: str | None, env: str | None, toleran
             print_error(f"{name} cannot be replayed: {error}")
             unplayed += 1
         else:
-            print(report, flush=True)
-            differing += not report.ok
+            print(result, flush=True)
+            differing += not result.ok
     _end(len(ids), differing=differing, unplayed=unplayed, unread=unread)
 
 
@@ -98,14 +98,14 @@ def _replay_record(file: Path, episode: str | None, env: str | None, tolerance: 
         config = load_cell(env)
         config.sim.realtime = False
         environment = robocell.Env(config)
-        report = environment.replay(record, tolerance=tolerance)
+        result = environment.replay(record, tolerance=tolerance)
     except robocell.Error as error:
         fail(f"{file} cannot be replayed: {error}")
     environment.close()
-    if report.same:
-        print(f"{file}: {counted(report.steps, 'step')}, all as recorded")
+    if result.same:
+        print(f"{file}: {counted(result.steps, 'step')}, all as recorded")
         return
-    print(f"{file}: {report.difference}")
+    print(f"{file}: {result.difference}")
     raise typer.Exit(ExitCode.INCOMPLETE)
 
 

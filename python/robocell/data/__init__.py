@@ -25,16 +25,16 @@ from robocell._core import (
     Episode,
     RepairResult,
     ReplayDifference,
-    ReplayReport,
+    ReplayResult,
     SegmentLabel,
     VerifyProblem,
-    VerifyReport,
-    check_replay,
+    VerifyResult,
     recorded_scene,
     release_idle_files,
     remove_leftovers,
     repair,
     verify,
+    verify_replay,
 )
 
 if TYPE_CHECKING:
@@ -49,12 +49,11 @@ __all__ = [
     "Episode",
     "RepairResult",
     "ReplayDifference",
-    "ReplayReport",
+    "ReplayResult",
     "SegmentLabel",
     "Steps",
     "VerifyProblem",
-    "VerifyReport",
-    "check_replay",
+    "VerifyResult",
     "recorded_scene",
     "release_idle_files",
     "remove_leftovers",
@@ -62,6 +61,7 @@ __all__ = [
     "rows",
     "torch_dataset",
     "verify",
+    "verify_replay",
 ]
 
 

@@ -51,7 +51,7 @@ class Builder {
   void AddSignals(const std::vector<TaskSignal>& signals) {
     out_.all_signals = {out_.observation.size(), 0};
     for (const TaskSignal& signal : signals) {
-      CheckSignal(signal);
+      RequireSignal(signal);
       const auto size = static_cast<int>(signal.lower.size());
       out_.signals.push_back({signal.name, {out_.observation.size(), size}});
       for (int i = 0; i < size; ++i) Append(out_.observation, signal.lower[i], signal.upper[i]);
@@ -62,7 +62,7 @@ class Builder {
   EnvLayout Take() { return std::move(out_); }
 
  private:
-  void CheckSignal(const TaskSignal& signal) const {
+  void RequireSignal(const TaskSignal& signal) const {
     bool is_range = signal.lower.size() == signal.upper.size() && !signal.lower.empty();
     for (size_t i = 0; is_range && i < signal.lower.size(); ++i)
       is_range = signal.lower[i] <= signal.upper[i];

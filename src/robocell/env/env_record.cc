@@ -11,7 +11,7 @@
 namespace robocell {
 namespace {
 
-void CheckRecord(const Env& env, const EnvRecord& record) {
+void RequireRecord(const Env& env, const EnvRecord& record) {
   const auto steps = static_cast<size_t>(record.steps());
   const auto action = static_cast<size_t>(env.layout().action.size());
   const auto seen = static_cast<size_t>(env.layout().observation.size());
@@ -68,7 +68,7 @@ std::string DifferenceOf(const Env& env, std::span<const double> row, double tol
 
 EnvReplay ReplayRecord(Env& env, const EnvRecord& record, StateFrame frame, double tolerance,
                        const std::function<void()>& poll) {
-  CheckRecord(env, record);
+  RequireRecord(env, record);
   env.SetState(record.start, frame);
   const auto row = [](const std::vector<double>& all, int i, int size) {
     return std::span(all).subspan(static_cast<size_t>(i) * size, size);

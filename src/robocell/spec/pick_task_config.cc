@@ -17,15 +17,15 @@ PickRun RunOf(const T& task) {
 }
 
 template <class T>
-void CheckRanges(const T& task, Problems& problems) {
-  CheckRange(task.base_distance, "base_distance", problems);
-  CheckRange(task.base_height_noise, "base_height_noise", problems);
+void ValidateRanges(const T& task, Problems& problems) {
+  ValidateRange(task.base_distance, "base_distance", problems);
+  ValidateRange(task.base_height_noise, "base_height_noise", problems);
 }
 
 }  // namespace
 
-void PickTaskConfig::Validate(Problems& problems) const { CheckRanges(*this, problems); }
-void PickAndPlaceTaskConfig::Validate(Problems& problems) const { CheckRanges(*this, problems); }
+void PickTaskConfig::Validate(Problems& problems) const { ValidateRanges(*this, problems); }
+void PickAndPlaceTaskConfig::Validate(Problems& problems) const { ValidateRanges(*this, problems); }
 
 std::optional<PickRun> PickRunOf(const TaskSpec& task) {
   if (const auto* pick = task.If<PickTaskConfig>()) return RunOf(*pick);

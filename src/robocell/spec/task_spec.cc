@@ -63,7 +63,7 @@ void ValidateTask(const TaskSpec& task, Problems& problems) {
   TaskFields& fields = *task.shared_fields();
   for (const TaskFieldRef& field : fields.refs()) {
     const Problems::Scope scope(problems, field.name);
-    std::visit([&](const auto* value) { ValidateValue(*value, field.check, problems); },
+    std::visit([&](const auto* value) { ValidateValue(*value, field.bound, problems); },
                field.value);
   }
   fields.Validate(problems);

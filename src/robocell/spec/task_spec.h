@@ -42,7 +42,7 @@ struct TaskFieldRef {
   std::string name;
   TaskField value;
   std::string doc;
-  Check check = Check::kNone;
+  Bound bound = Bound::kNone;
 };
 
 // The fields of one kind of task, their type hidden.
@@ -72,8 +72,8 @@ class TaskFieldsOf final : public TaskFields {
   }
   std::vector<TaskFieldRef> refs() override {
     std::vector<TaskFieldRef> refs;
-    ForEachField(value_, [&](const char* name, auto& value, const char* doc, Check check) {
-      refs.push_back({name, &value, doc, check});
+    ForEachField(value_, [&](const char* name, auto& value, const char* doc, Bound bound) {
+      refs.push_back({name, &value, doc, bound});
     });
     return refs;
   }

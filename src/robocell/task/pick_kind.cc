@@ -21,8 +21,8 @@ class KindOfPick : public TaskKindOf<Config, T> {
     return std::make_shared<Sampler>(run);
   }
   std::string expert() const override { return Config::kKind; }
-  void CheckFields(const RunConfig& run, Problems& problems) const override {
-    CheckKinds("task.objects", PickRunOf(run.task)->objects, ObjectKinds(), problems);
+  void ValidateRun(const RunConfig& run, Problems& problems) const override {
+    ValidateKinds("task.objects", PickRunOf(run.task)->objects, ObjectKinds(), problems);
   }
   // One of each kind that may be drawn, called as its kind.
   std::vector<SceneObject> Contents(const RunConfig& run) const override {
@@ -38,8 +38,8 @@ class KindOfPick : public TaskKindOf<Config, T> {
   }
 
  protected:
-  static void CheckKinds(const char* field, const NameList& chosen,
-                         const std::vector<std::string>& known, Problems& problems) {
+  static void ValidateKinds(const char* field, const NameList& chosen,
+                            const std::vector<std::string>& known, Problems& problems) {
     Problems::Scope scope(problems, field);
     for (size_t i = 0; i < chosen.size(); ++i) {
       if (std::ranges::find(known, chosen[i]) != known.end()) continue;
@@ -54,9 +54,10 @@ using PickKind = KindOfPick<PickTaskConfig, PickTask, PickTaskSampler>;
 class PickAndPlaceKind final
     : public KindOfPick<PickAndPlaceTaskConfig, PickAndPlaceTask, PickAndPlaceSampler> {
  public:
-  void CheckFields(const RunConfig& run, Problems& problems) const override {
-    KindOfPick::CheckFields(run, problems);
-    CheckKinds("task.goals", run.task.As<PickAndPlaceTaskConfig>().goals, AllGoalKinds(), problems);
+  void ValidateRun(const RunConfig& run, Problems& problems) const override {
+    KindOfPick::ValidateRun(run, problems);
+    ValidateKinds("task.goals", run.task.As<PickAndPlaceTaskConfig>().goals, AllGoalKinds(),
+                  problems);
   }
   std::vector<SceneObject> Contents(const RunConfig& run) const override {
     std::vector<SceneObject> contents = KindOfPick::Contents(run);

@@ -76,16 +76,16 @@ StartContents PickTaskSampler::AddContents(const SampleRequest& request, SceneSp
   return contents;
 }
 
-std::optional<Refusal> PickTaskSampler::CheckBasePose(Scene& scene, Robot& robot,
-                                                      const std::string& target_body) {
-  if (auto refusal = StartSampler::CheckBasePose(scene, robot, target_body)) return refusal;
-  return CheckGrasps(scene, robot, target_body);
+std::optional<Refusal> PickTaskSampler::ValidateBasePose(Scene& scene, Robot& robot,
+                                                         const std::string& target_body) {
+  if (auto refusal = StartSampler::ValidateBasePose(scene, robot, target_body)) return refusal;
+  return ValidateGrasps(scene, robot, target_body);
 }
 
 // The PickPlanner's question, but for the path. A robot with a gripper of the user's own kind comes
 // with an expert of its own, which knows better.
-std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Robot& robot,
-                                                    const std::string& target_body) {
+std::optional<Refusal> PickTaskSampler::ValidateGrasps(const Scene& scene, const Robot& robot,
+                                                       const std::string& target_body) {
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
   if (!shape()) shape() = GripperShape::Of(robot.config(), run().options, scene.timestep());
   PlanningScene planning(scene, robot, target_body, shape());
@@ -104,7 +104,7 @@ std::optional<Refusal> PickTaskSampler::CheckGrasps(const Scene& scene, const Ro
   for (int i = 0; i < kMostGrasps; ++i) {
     const std::optional<GraspMotion> motion = motions.Next();
     if (!motion) break;
-    of_no_use = CheckGrasp(scene, planning, *motion);
+    of_no_use = ValidateGrasp(scene, planning, *motion);
     if (!of_no_use) return std::nullopt;
     planning.Update();
   }

@@ -109,8 +109,8 @@ std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Supp
   return clear[rng.UniformInt(clear.size())];
 }
 
-std::optional<Refusal> StartSampler::CheckBasePose(Scene& scene, Robot& robot,
-                                                   const std::string& target_body) {
+std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot,
+                                                      const std::string& target_body) {
   const Eigen::Vector3d target = scene.body_pose(target_body).translation();
   const double distance = (target - robot.base_in_world().translation()).norm();
   if (distance > kReachShare * robot.reach()) {
@@ -131,7 +131,7 @@ struct StartSampler::Setup {
   Scene scene;
   Robot robot;
   std::string target_body;
-  StopCheck stop;
+  StopRequest stop;
   RefusalCounts redrawn = {};
 };
 
@@ -164,13 +164,13 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   setup.robot.base().SetPose(*base);
   setup.scene.Forward();
   if (auto refusal = ArrangeTask(setup.scene, rng)) return refusal;
-  if (auto refusal = CheckDistance(setup, target)) return refusal;
-  return CheckBasePose(setup.scene, setup.robot, setup.target_body);
+  if (auto refusal = ValidateDistance(setup, target)) return refusal;
+  return ValidateBasePose(setup.scene, setup.robot, setup.target_body);
 }
 
 // A task that moves its target once more may take it out of the range that it asked for.
-std::optional<Refusal> StartSampler::CheckDistance(const Setup& setup,
-                                                   const Pose& proposed_for) const {
+std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
+                                                      const Pose& proposed_for) const {
   const Eigen::Vector3d target = setup.scene.body_pose(setup.target_body).translation();
   if ((target - proposed_for.translation()).norm() < kSamePlace) return std::nullopt;
   const Vec2 range = base_range().distance;
@@ -202,7 +202,7 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& s
   if (auto why_not = Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
                             {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
     return Refusal{Refusal::kUnsettled, *why_not};
-  if (auto refusal = CheckBasePose(setup.scene, setup.robot, setup.target_body)) return refusal;
+  if (auto refusal = ValidateBasePose(setup.scene, setup.robot, setup.target_body)) return refusal;
   setup.scene.data()->time = 0;
   setup.scene.Forward();
   return std::nullopt;
