@@ -20,7 +20,7 @@ add_library(robocell::robocell ALIAS robocell)
 robocell_unity(robocell ${ROBOCELL_UNITY_FILES} ${ROBOCELL_SOURCES})
 # Kernels: compiled for every instruction set, or worth the better optimisation.
 foreach(kernel kinematics/lane_kernel kinematics/link_kernel kinematics/pose_kernel kinematics/start_table
-               control/leaf_kernel)
+               control/operational_space)
   set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/${kernel}.cc" PROPERTIES
     COMPILE_OPTIONS "-O3" SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()

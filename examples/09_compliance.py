@@ -41,8 +41,8 @@ def push(robot: rc.Robot, force: np.ndarray | list[float]) -> None:
     robot.scene.set_body_wrench("hand", force, [0, 0, 0])
 
 
-def felt(robot: rc.Robot) -> np.ndarray:
-    """The force that the sensor feels, N in the world."""
+def measured_force(robot: rc.Robot) -> np.ndarray:
+    """The measured force, N in the world frame."""
     return robot.ft_sensor_frame("wrist_ft").rotation @ robot.ft_sensor_wrench("wrist_ft")[:3]
 
 
@@ -102,20 +102,20 @@ def press(robot: rc.Robot) -> None:
         spring.pose = over_table(height)
         run(robot, 1)
         stretched = robot.tcp_in_world.translation[2] - table.translation[2] - height
-        force = felt(robot)[2]
+        force = measured_force(robot)[2]
         print(f"springs: stretched {1000 * stretched:.1f} mm they push with {force:.1f} N")
         assert abs(force - 500 * stretched) < 0.02 * force
 
 
 def give_way(robot: rc.Robot) -> None:
-    """Servos that follow what the sensor feels, as if the tool were a mass in oil."""
+    """Admittance control: the tool follows the measured force like a mass in oil."""
     cartesian = robot.set_controller("arm", "cartesian_pose")
     mass, oil, dt = 4.0, 100.0, robot.scene.timestep()  # kg, Ns/m, s
     goal, velocity = robot.tcp_in_world, np.zeros(3)
 
     def follow() -> None:
         nonlocal goal, velocity
-        velocity = velocity + dt / mass * (felt(robot) - oil * velocity)
+        velocity = velocity + dt / mass * (measured_force(robot) - oil * velocity)
         goal = rc.Pose(translation=dt * velocity) * goal
         cartesian.pose = robot.base_in_world.inverse() * goal
 

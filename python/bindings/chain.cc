@@ -8,8 +8,8 @@
 #include "arrays.h"
 #include "chain_batch.h"
 #include "ik_calls.h"
+#include "ik_objectives.h"
 #include "ik_solver.h"
-#include "ik_wishes.h"
 #include "kinematics.h"
 #include "signals.h"
 #include "values.h"
@@ -58,11 +58,12 @@ nb::object Limits(const Chain& chain) {
 }
 
 IkOptions OptionsFor(const Chain& chain, nb::handle seed, double tolerance, bool position_only,
-                     const std::vector<std::string>& locked_joints, const IkWishes& wishes) {
+                     const std::vector<std::string>& locked_joints,
+                     const IkObjectives& objectives) {
   IkOptions options{.tolerance = tolerance, .position_only = position_only};
   if (seed) options.seed = IkSeed(seed, chain);
   options.locked = LockJoints(chain, locked_joints);
-  wishes.Apply(&options);
+  objectives.Apply(&options);
   return options;
 }
 
@@ -171,7 +172,7 @@ void DefDynamics(nb::class_<Chain>& c) {
 
 #define ROBOCELL_CHAIN_IK_SIG                                             \
   "max_restarts: int = 100, max_iterations: int = 40, *, locked_joints: " \
-  "collections.abc.Sequence[str] = [], " ROBOCELL_IK_WISHES_SIG
+  "collections.abc.Sequence[str] = [], " ROBOCELL_IK_OBJECTIVES_SIG
 
 void DefIk(nb::class_<Chain>& c) {
   const std::vector<std::string> none;
@@ -214,7 +215,7 @@ void DefIk(nb::class_<Chain>& c) {
            nb::sig("def ik_solutions(self, target: Pose | numpy.typing.ArrayLike, seed: object | "
                    "None = None, tolerance: float = 1e-05, position_only: bool = False, starts: "
                    "int = 200, separation: float = 0.05, *, locked_joints: "
-                   "collections.abc.Sequence[str] = [], " ROBOCELL_IK_WISHES_SIG
+                   "collections.abc.Sequence[str] = [], " ROBOCELL_IK_OBJECTIVES_SIG
                    ") -> numpy.typing.NDArray[numpy.float64]"),
            "All solutions (S, n) that can be told apart, as Kinematics.ik_solutions; nearest to "
            "the seed first.")

@@ -127,8 +127,8 @@ void BindCartesianImpedance(nb::module_& m) {
   using C = CartesianImpedanceController;
   nb::class_<C, Controller> c(
       m, "CartesianImpedanceController",
-      "The leaf is held to its target by springs and dampers along and about the axes of the robot "
-      "base frame; joints to spare are drawn to a posture without the leaf feeling it.");
+      "Springs and dampers along and about the axes of the robot base frame hold the TCP at its "
+      "target; a null-space task pulls redundant joints towards a posture without moving the TCP.");
   DefPose(c);
   c.def_prop_rw(
        "stiffness", [](const C& self) { return Copy(self.stiffness()); },

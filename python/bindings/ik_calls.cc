@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "arrays.h"
-#include "ik_wishes.h"
+#include "ik_objectives.h"
 #include "kinematics.h"
 #include "signals.h"
 #include "values.h"

@@ -13,8 +13,8 @@
 #include "chain_batch.h"
 #include "handles.h"
 #include "ik_calls.h"
+#include "ik_objectives.h"
 #include "ik_solver.h"
-#include "ik_wishes.h"
 #include "scene_cycles.h"
 #include "signals.h"
 #include "values.h"
@@ -41,11 +41,12 @@ const Robot& RobotOf(const Robot& robot) { return robot; }
 const Robot& RobotOf(const Kinematics& k) { return k.robot; }
 
 IkOptions OptionsFor(const Robot& robot, nb::handle seed,
-                     const std::vector<std::string>& locked_groups, const IkWishes& wishes) {
+                     const std::vector<std::string>& locked_groups,
+                     const IkObjectives& objectives) {
   IkOptions options;
   options.seed = IkSeed(seed, robot.chain());
   options.locked = robot.LockGroups(locked_groups);
-  wishes.Apply(&options);
+  objectives.Apply(&options);
   return options;
 }
 
@@ -177,11 +178,11 @@ nb::object GravityFor(const Kinematics& k, nb::handle gravity) {
 #define ROBOCELL_IK_SOLVER_SIG                                                               \
   "def ik_solver(self, locked_groups: collections.abc.Sequence[str] = [], tolerance: float " \
   "= 1e-05, position_only: bool = False, max_restarts: int = 100, max_iterations: int = "    \
-  "40, *, " ROBOCELL_IK_WISHES_SIG ") -> IkSolver"
-#define ROBOCELL_IK_SIG                                                                  \
-  "Pose | numpy.typing.ArrayLike, seed: object | None = None, locked_groups: "           \
-  "collections.abc.Sequence[str] = [], tolerance: float = 1e-05, position_only: bool = " \
-  "False, max_restarts: int = 100, max_iterations: int = 40, *, " ROBOCELL_IK_WISHES_SIG \
+  "40, *, " ROBOCELL_IK_OBJECTIVES_SIG ") -> IkSolver"
+#define ROBOCELL_IK_SIG                                                                      \
+  "Pose | numpy.typing.ArrayLike, seed: object | None = None, locked_groups: "               \
+  "collections.abc.Sequence[str] = [], tolerance: float = 1e-05, position_only: bool = "     \
+  "False, max_restarts: int = 100, max_iterations: int = 40, *, " ROBOCELL_IK_OBJECTIVES_SIG \
   ") -> IkResult"
 
 void DefDynamics(nb::class_<Kinematics>& c) {
@@ -358,7 +359,7 @@ void BindKinematics(nb::module_& m) {
            nb::sig("def ik_batch(self, targets: object, seeds: object | None = None, "
                    "locked_groups: collections.abc.Sequence[str] = [], tolerance: float = 1e-05, "
                    "threads: int = 1, position_only: bool = False, max_restarts: int = 100, "
-                   "max_iterations: int = 40, *, " ROBOCELL_IK_WISHES_SIG
+                   "max_iterations: int = 40, *, " ROBOCELL_IK_OBJECTIVES_SIG
                    ") -> types.SimpleNamespace"),
            "Many poses at once, as many at a time as the processor has lanes.\n\n"
            "targets (B, 4, 4) in the robot base frame, or a list of poses; not to be written to by "
@@ -380,7 +381,7 @@ void BindKinematics(nb::module_& m) {
            nb::sig("def ik_solutions(self, target: Pose | numpy.typing.ArrayLike, seed: object | "
                    "None = None, locked_groups: collections.abc.Sequence[str] = [], tolerance: "
                    "float = 1e-05, position_only: bool = False, starts: int = 200, separation: "
-                   "float = 0.05, *, " ROBOCELL_IK_WISHES_SIG
+                   "float = 0.05, *, " ROBOCELL_IK_OBJECTIVES_SIG
                    ") -> numpy.typing.NDArray[numpy.float64]"),
            "All solutions (S, n) that `starts` searches find and that are more than `separation` "
            "rad apart in some joint, nearest to the seed first (or best first, by `prefer`).\n\n"

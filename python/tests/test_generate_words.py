@@ -43,7 +43,7 @@ def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
     def interrupted(*of: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules[cli.Job.__module__], "check_apart", interrupted)
+    monkeypatch.setattr(sys.modules[cli.Job.__module__], "check_in_child", interrupted)
     monkeypatch.setattr(sys, "argv", ["robocell", "generate", "run.yaml"])
     with pytest.raises(typer.Exit) as end:
         cli.generate(write_run(tmp_path))

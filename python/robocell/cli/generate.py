@@ -64,7 +64,7 @@ def generate(
         ),
     ] = None,
     workers: Annotated[int | None, typer.Option(min=1, help="Worker processes.")] = None,
-    # Text: an empty one would be the working folder as a path, and is nobody's wish.
+    # A string, since Path("") would silently mean the working folder.
     output: Annotated[
         str | None,
         typer.Option(metavar="PATH", help="Folder of the dataset, from the working folder on."),

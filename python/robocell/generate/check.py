@@ -1,6 +1,6 @@
 """Looks through a run before it starts, in a process of its own: a model may crash the engine.
 
-    for text in check_apart(RunSource("run.yaml"), ["workers=2"]).warnings:
+    for text in check_in_child(RunSource("run.yaml"), ["workers=2"]).warnings:
         print(text)
 
 The module is that process. The last line of its standard output is what it
@@ -47,7 +47,7 @@ class Found:
     environment: Mapping[str, str] = field(default_factory=dict)
 
 
-def check_apart(
+def check_in_child(
     source: RunSource, overrides: Sequence[str], longest_s: float = Limits.item_timeout_s
 ) -> Found:
     """Raises what `robocell.check_run` raises.

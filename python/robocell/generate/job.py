@@ -22,7 +22,7 @@ from robocell import (
     shard_plan,
 )
 from robocell.generate import work
-from robocell.generate.check import Found, check_apart
+from robocell.generate.check import Found, check_in_child
 from robocell.generate.disk import disk_trouble, flush, require_writable
 from robocell.generate.items import Item
 from robocell.generate.observer import Observer, Unfailing
@@ -111,7 +111,7 @@ class Job:
 
     def _look_through(self, longest_s: float) -> Found:
         require_writable(self.dataset, self._place_of_output())
-        found = check_apart(self.source, self.overrides, longest_s)
+        found = check_in_child(self.source, self.overrides, longest_s)
         check_dataset(self.run)
         return found
 

@@ -1,6 +1,6 @@
-// Cartesian impedance: the leaf of an arm is held to its target by springs and dampers along and
-// about the axes of the robot base frame; joints to spare are drawn to a posture without the leaf
-// feeling it.
+// Cartesian impedance: springs and dampers along and about the axes of the robot base frame hold the
+// TCP of an arm at its target; a null-space task pulls redundant joints towards a posture without
+// moving the TCP.
 //
 //   force  = stiffness * (target - pose) - damping * velocity
 //   torque = J^T force + N^T posture torque + gravity + Coriolis
@@ -18,7 +18,7 @@
 #include <array>
 #include <vector>
 
-#include "robocell/control/leaf_kernel.h"
+#include "robocell/control/operational_space.h"
 #include "robocell/control/pose_target.h"
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/controller.h"
@@ -71,7 +71,7 @@ class CartesianImpedanceController : public Controller {
 
   ArmGroup& arm_;
   PoseNumbers target_ = {};
-  LeafSprings springs_;
+  TcpSprings springs_;
   Gains feedforward_ = {};
   double damping_ratio_ = 1, posture_frequency_ = 5;
   std::vector<double> posture_;

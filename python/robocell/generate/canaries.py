@@ -1,9 +1,9 @@
-"""The items that a run makes first, spread over the plan: when none of them works, the run ends.
+"""Canaries: the items that a run makes first, spread over the plan. When all fail, the run ends.
 
-    scouts = Scouts(items)
-    pending = deque(scouts.first(items))
-    scouts.lost(unmade, "other")  # for each item that was given up for an error
-    if failure := scouts.verdict():
+    canaries = Canaries(items)
+    pending = deque(canaries.first(items))
+    canaries.lost(unmade, "other")  # for each item that was given up for an error
+    if failure := canaries.verdict():
         ...
 
 A robot that crashes the engine, or a field that no scene can satisfy, would otherwise cost some
@@ -23,12 +23,12 @@ from robocell.generate.totals import Unmade
 MOST = 5
 
 
-class Scouts:
-    """Some of the items that are to be made; see above.
+class Canaries:
+    """The first items of a run; see above.
 
     Args:
         items: All of them.
-        any_made: Others of the plan were made before: something works, and nobody is needed.
+        any_made: Others of the plan were made before, so that the run works and needs no canaries.
     """
 
     def __init__(self, items: Sequence[Item], *, any_made: bool = False) -> None:

@@ -1,4 +1,4 @@
-#include "robocell/data/apart.h"
+#include "robocell/data/isolated_reader.h"
 
 #include <poll.h>
 #include <sys/socket.h>
@@ -61,7 +61,7 @@ bool Receive(int socket, std::string& text) {
   return ReceiveBytes(socket, text.data(), size);
 }
 
-std::string TextOf(const ApartReader::Answer& answer, const std::string& question) {
+std::string TextOf(const IsolatedReader::Answer& answer, const std::string& question) {
   std::string text(1, kAnswered);
   try {
     for (const std::string& line : answer(question)) text += line + '\n';
@@ -86,7 +86,8 @@ void KeepOnly(int socket) {
 
 // The child's life: until nobody asks any more, or an answer takes so long that nobody can be
 // waiting for it.
-[[noreturn]] void Serve(int socket, const ApartReader::Answer& answer, std::chrono::seconds most) {
+[[noreturn]] void Serve(int socket, const IsolatedReader::Answer& answer,
+                        std::chrono::seconds most) {
   KeepOnly(socket);
   std::signal(SIGALRM, SIG_DFL);
   std::string question;
@@ -143,14 +144,14 @@ std::vector<std::string> LinesOrThrow(const std::string& text) {
 
 }  // namespace
 
-ApartReader::ApartReader(Answer answer, std::chrono::seconds most)
+IsolatedReader::IsolatedReader(Answer answer, std::chrono::seconds most)
     : answer_(std::move(answer)), most_(most) {}
 
-ApartReader::~ApartReader() {
+IsolatedReader::~IsolatedReader() {
   if (child_ > 0) End();
 }
 
-void ApartReader::Start() {
+void IsolatedReader::Start() {
   std::array<int, 2> ends{};
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
     throw IoError(fmt::format("cannot make a pipe: {}", std::strerror(errno)), errno);
@@ -166,7 +167,7 @@ void ApartReader::Start() {
   child_ = child;
 }
 
-std::optional<int> ApartReader::End() {
+std::optional<int> IsolatedReader::End() {
   // Not close alone: what others forked meanwhile may have a copy of this end.
   ::shutdown(socket_, SHUT_RDWR);
   ::close(std::exchange(socket_, -1));
@@ -178,13 +179,13 @@ std::optional<int> ApartReader::End() {
   return status;
 }
 
-ApartReader::Reply ApartReader::Exchange(std::string_view question, std::string& text) const {
+IsolatedReader::Reply IsolatedReader::Exchange(std::string_view question, std::string& text) const {
   if (!Send(socket_, question)) return Reply::kEnded;
   if (!SomethingComes(socket_, Clock::now() + most_)) return Reply::kLate;
   return Receive(socket_, text) ? Reply::kWhole : Reply::kEnded;
 }
 
-std::vector<std::string> ApartReader::Ask(const std::string& question) {
+std::vector<std::string> IsolatedReader::Ask(const std::string& question) {
   bool fresh = child_ < 0;
   if (fresh) Start();
   std::string text;

@@ -1,5 +1,5 @@
-// A chain with other links whose joints feel the same.
-#include "robocell/kinematics/felt_inertia.h"
+// Base inertial parameters leave the dynamics of the joints as they are.
+#include "robocell/kinematics/base_inertial_parameters.h"
 
 #include <gtest/gtest.h>
 
@@ -36,11 +36,11 @@ void ExpectNear(const std::vector<double>& got, const std::vector<double>& expec
   for (size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(got[k], expected[k], 1e-11) << k;
 }
 
-TEST(FeltInertia, LeavesMassesAndTorquesAsTheyAre) {
-  Rng rng = Rng::Stream(1, "felt inertia");
+TEST(BaseInertialParameters, LeavesMassesAndTorquesAsTheyAre) {
+  Rng rng = Rng::Stream(1, "base inertial parameters");
   for (int k = 0; k < 30; ++k) {
     const ChainModel chain = RandomChain(&rng, 1 + k % 10, 0.1 * (k % 4));
-    const LinkTable links = Tabulate(chain), felt = Tabulate(WithFeltInertias(chain));
+    const LinkTable links = Tabulate(chain), felt = Tabulate(WithBaseInertialParameters(chain));
     double q[kMaxChainJoints], qd[kMaxChainJoints], qdd[kMaxChainJoints], gravity[3];
     for (double* values : {q, qd, qdd})
       std::generate_n(values, chain.n, [&] { return rng.Normal(); });
@@ -53,9 +53,9 @@ TEST(FeltInertia, LeavesMassesAndTorquesAsTheyAre) {
   }
 }
 
-TEST(FeltInertia, OfAHingesLinkHasNothingThatLooksTheSameFromAllSides) {
-  Rng rng = Rng::Stream(2, "felt inertia");
-  const ChainModel chain = WithFeltInertias(RandomChain(&rng, 12, 0.3));
+TEST(BaseInertialParameters, OfAHingesLinkHasNothingThatLooksTheSameFromAllSides) {
+  Rng rng = Rng::Stream(2, "base inertial parameters");
+  const ChainModel chain = WithBaseInertialParameters(RandomChain(&rng, 12, 0.3));
   for (int i = 0; i < chain.n; ++i) {
     const LinkInertia& link = chain.joints[i].link;
     const bool slide = chain.joints[i].slide;

@@ -1,4 +1,4 @@
-// What inverse kinematics is asked for beyond a pose, as Python says it.
+// Objectives of inverse kinematics beyond a pose, as Python passes them.
 #pragma once
 
 #include "bindings.h"
@@ -7,7 +7,7 @@
 namespace robocell::python {
 
 // Keyword arguments of `ik`, `ik_batch` and `ik_solutions`; None where they were not given.
-struct IkWishes {
+struct IkObjectives {
   nb::handle position_weights, rotation_weights, axis;
   double cone = 0;
   nb::handle prefer, filter;
@@ -24,7 +24,7 @@ JointVector ToJointVector(std::span<const double> values, const char* name);
 JointVector IkSeed(nb::handle seed, const Chain& chain);
 
 // For nb::sig and docstrings of what takes them.
-#define ROBOCELL_IK_WISHES_SIG                                               \
+#define ROBOCELL_IK_OBJECTIVES_SIG                                           \
   "position_weights: numpy.typing.ArrayLike | None = None, "                 \
   "rotation_weights: numpy.typing.ArrayLike | None = None, "                 \
   "axis: numpy.typing.ArrayLike | None = None, cone: float = 0.0, "          \

@@ -15,11 +15,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kWished = 1e-5;
+constexpr double kTolerance = 1e-5;
 
 enum class Joints { kWithSlides, kTinyLimits, kLocked, kWholeTurns };
 
-struct Wish {
+struct Objective {
   std::string name;
   IkOptions options;
 };
@@ -27,10 +27,10 @@ struct Wish {
 // What the filters keep: about four of five configurations.
 bool FilterKeeps(std::span<const double> q) { return std::sin(3 * q[0] + 2 * q[1]) > -0.8; }
 
-class IkWishes : public testing::TestWithParam<std::tuple<int, Joints>> {
+class IkObjectives : public testing::TestWithParam<std::tuple<int, Joints>> {
  protected:
-  IkWishes()
-      : rng_(Rng::Stream(std::get<0>(GetParam()), "ik wishes",
+  IkObjectives()
+      : rng_(Rng::Stream(std::get<0>(GetParam()), "ik objectives",
                          static_cast<int>(std::get<1>(GetParam())))),
         model_(TestModel::FromXml(RandomChainXml(&rng_, Options()).Write())),
         chain_(model_.model(), "base", ChainTip::Site("tip")) {
@@ -49,14 +49,14 @@ class IkWishes : public testing::TestWithParam<std::tuple<int, Joints>> {
     return Vector3d(rng_.Normal(), rng_.Normal(), rng_.Normal()).normalized();
   }
 
-  std::vector<Wish> Wishes() {
+  std::vector<Objective> Objectives() {
     const JointVector posture = RandomJoints(chain_, &rng_);
     const Vector3d axis = RandomDirection();
     const IkFilter filter = [](std::span<const double> q, int count, std::span<uint8_t> keep) {
       const std::size_t n = q.size() / count;
       for (int k = 0; k < count; ++k) keep[k] = FilterKeeps(q.subspan(k * n, n));
     };
-    std::vector<Wish> wishes = {
+    std::vector<Objective> objectives = {
         {"position only", {.position_only = true}},
         {"axis", {.axis = axis}},
         {"cone", {.axis = axis, .cone = 0.4}},
@@ -76,11 +76,11 @@ class IkWishes : public testing::TestWithParam<std::tuple<int, Joints>> {
           .posture = posture,
           .filter = filter}},
     };
-    for (Wish& wish : wishes) wish.options.locked = locked_;
-    return wishes;
+    for (Objective& objective : objectives) objective.options.locked = locked_;
+    return objectives;
   }
 
-  // Targets that each wish can have, and seeds for them; locked joints as they have to be.
+  // Targets that each objective can have, and seeds for them; locked joints as they have to be.
   void MakeQuestions(int count) {
     targets_.clear();
     seeds_.clear();
@@ -122,8 +122,8 @@ class IkWishes : public testing::TestWithParam<std::tuple<int, Joints>> {
   }
 
   // Everything that an answer claims.
-  void Check(const Wish& wish, int b, std::span<const double> q, bool success) {
-    const std::string what = fmt::format("{}, question {}", wish.name, b);
+  void Check(const Objective& objective, int b, std::span<const double> q, bool success) {
+    const std::string what = fmt::format("{}, question {}", objective.name, b);
     for (int i = 0; i < chain_.n_joints(); ++i) {
       const ChainJoint& joint = chain_.joints()[i];
       if (locked_[i]) {
@@ -133,10 +133,10 @@ class IkWishes : public testing::TestWithParam<std::tuple<int, Joints>> {
       }
     }
     if (!success) return;
-    const auto [position, rotation] = ErrorsOf(targets_[b], q, wish.options);
-    EXPECT_LE(position, 1.0001 * kWished) << what;
-    EXPECT_LE(rotation, 1.0001 * kWished) << what;
-    if (wish.options.filter) {
+    const auto [position, rotation] = ErrorsOf(targets_[b], q, objective.options);
+    EXPECT_LE(position, 1.0001 * kTolerance) << what;
+    EXPECT_LE(rotation, 1.0001 * kTolerance) << what;
+    if (objective.options.filter) {
       EXPECT_TRUE(FilterKeeps(q)) << what;
     }
   }
@@ -148,62 +148,63 @@ class IkWishes : public testing::TestWithParam<std::tuple<int, Joints>> {
   std::vector<Pose> targets_;
   std::vector<double> seeds_;
 };
-INSTANTIATE_TEST_SUITE_P(Joints, IkWishes,
+INSTANTIATE_TEST_SUITE_P(Joints, IkObjectives,
                          testing::Combine(testing::Range(2, 13),
                                           testing::Values(Joints::kWithSlides, Joints::kTinyLimits,
                                                           Joints::kLocked, Joints::kWholeTurns)));
 
-TEST_P(IkWishes, AreMetAloneAndInBatches) {
+TEST_P(IkObjectives, AreMetAloneAndInBatches) {
   constexpr int kCount = 12;
-  for (const Wish& wish : Wishes()) {
+  for (const Objective& objective : Objectives()) {
     MakeQuestions(kCount);
-    const IkBatchResult batch = IkBatch(chain_, targets_, seeds_, {.ik = wish.options});
+    const IkBatchResult batch = IkBatch(chain_, targets_, seeds_, {.ik = objective.options});
     const IkBatchResult threaded =
-        IkBatch(chain_, targets_, seeds_, {.ik = wish.options, .threads = 2});
-    EXPECT_EQ(batch.q, threaded.q) << wish.name;
+        IkBatch(chain_, targets_, seeds_, {.ik = objective.options, .threads = 2});
+    EXPECT_EQ(batch.q, threaded.q) << objective.name;
     int singles = 0;
     for (int b = 0; b < kCount; ++b) {
-      Check(wish, b, batch.row(b), batch.success[b]);
-      const IkBatchResult alone = IkBatch(chain_, {&targets_[b], 1}, Seed(b), {.ik = wish.options});
-      EXPECT_TRUE(std::ranges::equal(alone.q, batch.row(b))) << wish.name;
-      IkOptions single = wish.options;
+      Check(objective, b, batch.row(b), batch.success[b]);
+      const IkBatchResult alone =
+          IkBatch(chain_, {&targets_[b], 1}, Seed(b), {.ik = objective.options});
+      EXPECT_TRUE(std::ranges::equal(alone.q, batch.row(b))) << objective.name;
+      IkOptions single = objective.options;
       single.seed = JointVector(Seed(b));
       const IkResult one = Ik(chain_, targets_[b], single);
-      Check(wish, b, one.q, one.success);
+      Check(objective, b, one.q, one.success);
       singles += one.success;
     }
-    EXPECT_GE(batch.solved(), kCount - 1) << wish.name;
-    EXPECT_GE(singles, kCount - 1) << wish.name;
+    EXPECT_GE(batch.solved(), kCount - 1) << objective.name;
+    EXPECT_GE(singles, kCount - 1) << objective.name;
   }
 }
 
-TEST_P(IkWishes, AreMetByAllSolutions) {
-  for (const Wish& wish : Wishes()) {
+TEST_P(IkObjectives, AreMetByAllSolutions) {
+  for (const Objective& objective : Objectives()) {
     MakeQuestions(2);
     for (int b = 0; b < 2; ++b) {
-      IkOptions options = wish.options;
+      IkOptions options = objective.options;
       options.seed = JointVector(Seed(b));
       for (const IkResult& found : IkSolutions(chain_, targets_[b], options))
-        Check(wish, b, found.q, found.success);
+        Check(objective, b, found.q, found.success);
     }
   }
 }
 
 // Nothing reaches there, whatever is asked for: said so, with the limits obeyed.
-TEST_P(IkWishes, OutOfReachAreToldAsSuch) {
-  for (const Wish& wish : Wishes()) {
-    const auto& w = wish.options.position_weights;
+TEST_P(IkObjectives, OutOfReachAreToldAsSuch) {
+  for (const Objective& objective : Objectives()) {
+    const auto& w = objective.options.position_weights;
     if (*std::min_element(w.begin(), w.end()) == 0) continue;  // anywhere on a line may be reached
     MakeQuestions(3);
     for (Pose& target : targets_) {
       const double far = 5 * chain_.model().reach_bound + 50;
       target = Pose(target.translation() + far * RandomDirection(), target.quaternion());
     }
-    const IkBatchResult batch = IkBatch(chain_, targets_, seeds_, {.ik = wish.options});
-    EXPECT_EQ(batch.solved(), 0) << wish.name;
+    const IkBatchResult batch = IkBatch(chain_, targets_, seeds_, {.ik = objective.options});
+    EXPECT_EQ(batch.solved(), 0) << objective.name;
     for (int b = 0; b < batch.size; ++b) {
-      Check(wish, b, batch.row(b), false);
-      EXPECT_TRUE(std::isfinite(batch.position_error[b])) << wish.name;
+      Check(objective, b, batch.row(b), false);
+      EXPECT_TRUE(std::isfinite(batch.position_error[b])) << objective.name;
     }
   }
 }

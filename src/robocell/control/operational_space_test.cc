@@ -1,6 +1,6 @@
 // What the leaf yields and how it is damped, against Eigen's factorisations, on every instruction
 // set; also where springs are absent or the arm is stretched out.
-#include "robocell/control/leaf_kernel.h"
+#include "robocell/control/operational_space.h"
 #include "robocell/kinematics/link_kernel.h"
 
 #include <gtest/gtest.h>
@@ -45,10 +45,10 @@ std::array<double, 21> Triangle(const MatrixXd& m) {
   return entries;
 }
 
-VectorXd ByEigenvectors(const VectorXd& stiffness, const MatrixXd& mobility,
+VectorXd ByEigenvectors(const VectorXd& stiffness, const MatrixXd& inverse_inertia,
                         const VectorXd& velocity) {
   const VectorXd root = stiffness.cwiseSqrt();
-  const Eigenpairs modes = EigenpairsOf(root.asDiagonal() * mobility * root.asDiagonal());
+  const Eigenpairs modes = EigenpairsOf(root.asDiagonal() * inverse_inertia * root.asDiagonal());
   const VectorXd along = modes.vectors.transpose() * root.cwiseProduct(velocity);
   VectorXd scaled(6);
   for (int k = 0; k < 6; ++k) {
@@ -58,9 +58,11 @@ VectorXd ByEigenvectors(const VectorXd& stiffness, const MatrixXd& mobility,
   return 2 * root.cwiseProduct(modes.vectors * scaled);
 }
 
-VectorXd Damping(const VectorXd& stiffness, const MatrixXd& mobility, const VectorXd& velocity) {
+VectorXd Damping(const VectorXd& stiffness, const MatrixXd& inverse_inertia,
+                 const VectorXd& velocity) {
   VectorXd force(6);
-  CriticalDamping(stiffness.data(), Triangle(mobility).data(), velocity.data(), force.data());
+  CriticalDamping(stiffness.data(), Triangle(inverse_inertia).data(), velocity.data(),
+                  force.data());
   return force;
 }
 
@@ -77,28 +79,29 @@ TEST(LeafKernel, DampsAsTheEigenvectorsSayFromEvenToNearlySingularMasses) {
     Rng rng = Rng::Stream(1, "damping");
     for (int k = 0; k < 300; ++k) {
       // Eigen's own error grows with the condition.
-      const MatrixXd mobility = RandomPositive(&rng, 6, std::pow(10, k % 6)) * rng.Uniform(0.1, 30);
+      const MatrixXd inverse_inertia =
+          RandomPositive(&rng, 6, std::pow(10, k % 6)) * rng.Uniform(0.1, 30);
       VectorXd stiffness(6);
       for (double& value : stiffness) value = std::pow(10, rng.Uniform(0, 4));
       const VectorXd velocity = RandomMatrix(&rng, 6, 1);
-      const VectorXd expected = ByEigenvectors(stiffness, mobility, velocity);
-      EXPECT_LT(Off(stiffness, Damping(stiffness, mobility, velocity), expected), 1e-4);
+      const VectorXd expected = ByEigenvectors(stiffness, inverse_inertia, velocity);
+      EXPECT_LT(Off(stiffness, Damping(stiffness, inverse_inertia, velocity), expected), 1e-4);
     }
   });
 }
 
-// Stretched out: a direction in which nothing moves has the least mobility there is.
+// Stretched out: a direction in which nothing moves has the least inverse_inertia there is.
 TEST(LeafKernel, DampsSingularPosesWithinItsTolerance) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(2, "damping");
     for (int k = 0; k < 100; ++k) {
       const MatrixXd some = RandomMatrix(&rng, 6, 1 + k % 5);
-      MatrixXd mobility = some * some.transpose();
-      mobility.diagonal().array() += kLeastMobility;
+      MatrixXd inverse_inertia = some * some.transpose();
+      inverse_inertia.diagonal().array() += kLeastInverseInertia;
       const VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
       const VectorXd velocity = some * RandomMatrix(&rng, some.cols(), 1);  // as it can move
-      const VectorXd expected = ByEigenvectors(stiffness, mobility, velocity);
-      EXPECT_LT(Off(stiffness, Damping(stiffness, mobility, velocity), expected), 1e-4);
+      const VectorXd expected = ByEigenvectors(stiffness, inverse_inertia, velocity);
+      EXPECT_LT(Off(stiffness, Damping(stiffness, inverse_inertia, velocity), expected), 1e-4);
     }
   });
 }
@@ -107,14 +110,14 @@ TEST(LeafKernel, LeavesAxesWithoutSpringsAloneAndDampsTheOthersAsIfThereWereNoMo
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(3, "damping");
     for (int k = 0; k < 50; ++k) {
-      const MatrixXd mobility = RandomPositive(&rng, 6, 100);
+      const MatrixXd inverse_inertia = RandomPositive(&rng, 6, 100);
       const VectorXd velocity = RandomMatrix(&rng, 6, 1);
       VectorXd stiffness{{400, 300, 200, 30, 20, 10}};
       for (int axis = 0; axis < 6; ++axis) {
         if (rng.Uniform() < 0.4) stiffness[axis] = 0;
       }
-      const VectorXd force = Damping(stiffness, mobility, velocity);
-      const VectorXd expected = ByEigenvectors(stiffness, mobility, velocity);
+      const VectorXd force = Damping(stiffness, inverse_inertia, velocity);
+      const VectorXd expected = ByEigenvectors(stiffness, inverse_inertia, velocity);
       EXPECT_LT(Off(stiffness, force, expected), 1e-4);
       for (int axis = 0; axis < 6; ++axis) {
         if (stiffness[axis] > 0) continue;
@@ -133,21 +136,21 @@ TEST(LeafKernel, TakesEnergyOutWhateverTheSprings) {
     for (int k = 0; k < 200; ++k) {
       VectorXd stiffness(6);
       for (double& value : stiffness) value = std::pow(10, rng.Uniform(-12, 6));
-      MatrixXd mobility = RandomPositive(&rng, 6, std::pow(10, k % 12));
-      mobility.diagonal().array() += kLeastMobility;
+      MatrixXd inverse_inertia = RandomPositive(&rng, 6, std::pow(10, k % 12));
+      inverse_inertia.diagonal().array() += kLeastInverseInertia;
       const VectorXd velocity = RandomMatrix(&rng, 6, 1);
-      const double power = velocity.dot(Damping(stiffness, mobility, velocity));
+      const double power = velocity.dot(Damping(stiffness, inverse_inertia, velocity));
       EXPECT_GT(power, 0);
-      const double most = 2 * std::sqrt(stiffness.maxCoeff() / kLeastMobility);
+      const double most = 2 * std::sqrt(stiffness.maxCoeff() / kLeastInverseInertia);
       EXPECT_LT(power, most * velocity.squaredNorm());
     }
   });
 }
 
 TEST(LeafKernel, IsCriticalForOneMassOnOneSpring) {
-  MatrixXd mobility = MatrixXd::Identity(6, 6) / 2.0;  // 2 kg
+  MatrixXd inverse_inertia = MatrixXd::Identity(6, 6) / 2.0;  // 2 kg
   const VectorXd stiffness{{800, 200, 50, 8, 2, 0.5}};
-  const VectorXd force = Damping(stiffness, mobility, VectorXd::Ones(6));
+  const VectorXd force = Damping(stiffness, inverse_inertia, VectorXd::Ones(6));
   for (int k = 0; k < 6; ++k)
     EXPECT_NEAR(force[k], 2 * std::sqrt(stiffness[k] * 2), 1e-4 * force[k]);
 }
@@ -176,12 +179,12 @@ struct LeafCase {
       for (int r = 0; r < kMaxChainJoints; ++r) arm.mass[r][c] = r < n && c < n ? m(r, c) : NAN;
     }
   }
-  MatrixXd Mobility() const {
-    return j * SolvePositive(m, j.transpose()) + kLeastMobility * MatrixXd::Identity(6, 6);
+  MatrixXd InverseInertia() const {
+    return j * SolvePositive(m, j.transpose()) + kLeastInverseInertia * MatrixXd::Identity(6, 6);
   }
 };
 
-LeafGoal GoalAt(const Transform& place) {
+TcpTarget GoalAt(const Transform& place) {
   return {place.translation.data(), place.rotation.data()};
 }
 
@@ -219,11 +222,11 @@ TEST(LeafKernel, KnowsWhatTheLeafYieldsForAnyNumberOfJoints) {
     for (int n = 1; n <= kMaxChainJoints; ++n) {
       Rng rng = Rng::Stream(n, "leaf");
       const LeafCase leaf(&rng, n);
-      std::array<double, 21> mobility;
-      ComputeMobility(n, leaf.arm, mobility.data());
-      const auto expected = Triangle(leaf.Mobility());
+      std::array<double, 21> inverse_inertia;
+      ComputeInverseInertia(n, leaf.arm, inverse_inertia.data());
+      const auto expected = Triangle(leaf.InverseInertia());
       for (int k = 0; k < 21; ++k)
-        EXPECT_NEAR(mobility[k], expected[k], 1e-11 * leaf.Mobility().norm()) << n;
+        EXPECT_NEAR(inverse_inertia[k], expected[k], 1e-11 * leaf.InverseInertia().norm()) << n;
     }
   });
 }
@@ -231,7 +234,7 @@ TEST(LeafKernel, KnowsWhatTheLeafYieldsForAnyNumberOfJoints) {
 TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
   OnEveryInstructionSet([](const std::string&) {
     for (const int n : {2, 5, 6, 7, 8, 9, 12, 16}) {
-      Rng rng = Rng::Stream(n, "felt");
+      Rng rng = Rng::Stream(n, "inertial_force");
       const LeafCase leaf(&rng, n);
       const VectorXd velocity = RandomMatrix(&rng, n, 1), wanted = RandomMatrix(&rng, n, 1);
       VectorXd stiffness{{400, 400, 400, 30, 30, 30}};
@@ -239,29 +242,30 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
       const Transform goal = ToTransform(RandomPose(rng));
       const VectorXd deviation = Numbers(ErrorTo(goal, leaf.leaf));
       const VectorXd push = RandomMatrix(&rng, 6, 1);
-      const LeafSprings springs = MakeLeafSprings(stiffness.data());
-      LeafAnswer answer;
-      ComputeLeaf({.n = n,
-                   .arm = &leaf.arm,
-                   .wanted = wanted.data(),
-                   .velocity = velocity.data(),
-                   .springs = &springs,
-                   .goal = GoalAt(goal),
-                   .feedforward = push.data(),
-                   .damping_ratio = 0.7},
-                  &answer);
-      const Eigen::Map<VectorXd> felt(answer.felt, 6);
+      const TcpSprings springs = MakeTcpSprings(stiffness.data());
+      OperationalSpaceResult answer;
+      ComputeOperationalSpace({.n = n,
+                               .arm = &leaf.arm,
+                               .wanted = wanted.data(),
+                               .velocity = velocity.data(),
+                               .springs = &springs,
+                               .goal = GoalAt(goal),
+                               .feedforward = push.data(),
+                               .damping_ratio = 0.7},
+                              &answer);
+      const Eigen::Map<VectorXd> inertial_force(answer.inertial_force, 6);
       const VectorXd moved = leaf.j * wanted;
-      // As small as of a solution that is right for a mobility off by rounding.
-      EXPECT_LT((leaf.Mobility() * felt - moved).norm(),
-                1e-14 * leaf.Mobility().norm() * felt.norm())
+      // As small as of a solution that is right for a inverse_inertia off by rounding.
+      EXPECT_LT((leaf.InverseInertia() * inertial_force - moved).norm(),
+                1e-14 * leaf.InverseInertia().norm() * inertial_force.norm())
           << n;
       // With fewer than six joints some directions hardly yield: there the forward error is larger.
-      const VectorXd expected = SolvePositive(leaf.Mobility(), moved);
-      EXPECT_LT((felt - expected).norm(), (n < 6 ? 1e-6 : 1e-8) * expected.norm()) << n;
-      const VectorXd damping = Damping(stiffness, leaf.Mobility(), leaf.j * velocity);
+      const VectorXd expected = SolvePositive(leaf.InverseInertia(), moved);
+      EXPECT_LT((inertial_force - expected).norm(), (n < 6 ? 1e-6 : 1e-8) * expected.norm()) << n;
+      const VectorXd damping = Damping(stiffness, leaf.InverseInertia(), leaf.j * velocity);
       EXPECT_LT((Eigen::Map<VectorXd>(answer.damping, 6) - damping).norm(), 1e-9 * damping.norm());
-      const VectorXd force = stiffness.cwiseProduct(deviation) - 0.7 * damping + push - felt;
+      const VectorXd force =
+          stiffness.cwiseProduct(deviation) - 0.7 * damping + push - inertial_force;
       const VectorXd needed = leaf.bias + leaf.m * wanted + leaf.j.transpose() * force;
       EXPECT_LT((Eigen::Map<VectorXd>(answer.torques, n) - needed).norm(), 1e-7 * needed.norm());
     }

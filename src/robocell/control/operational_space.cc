@@ -1,4 +1,4 @@
-#include "robocell/control/leaf_kernel.h"
+#include "robocell/control/operational_space.h"
 
 #include "robocell/kinematics/link_kernel.h"
 
@@ -9,7 +9,7 @@
 #include "robocell/kinematics/pose_error.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "robocell/control/leaf_kernel.cc"
+#define HWY_TARGET_INCLUDE "robocell/control/operational_space.cc"
 // As in lane_kernel.cc, but AVX-512 in its later form only (Zen 4, Ice Lake).
 #define HWY_WANT_AVX3_DL
 #define HWY_DISABLED_TARGETS \
@@ -88,15 +88,15 @@ HWY_INLINE void Turn(const Quad* from, const double* to, double* out) {
 }
 
 // Of the leaf from its goal; `out` has room for a seventh number.
-HWY_INLINE void MakeDeviation(const LinkAnswer& arm, const LeafGoal& goal, double* out) {
+HWY_INLINE void MakeDeviation(const LinkAnswer& arm, const TcpTarget& goal, double* out) {
   const Quad from[3] = {QuadAt(arm.tip[0]), QuadAt(arm.tip[1]), QuadAt(arm.tip[2])};
   PutAnywhere(Sub(ThreeAt(goal.position), QuadAt(arm.tip[3])), out);
   Turn(from, goal.axes, out + 3);
 }
 
 // Velocity and another motion of the leaf, with the joints'.
-HWY_INLINE void LeafMotions(const Columns& columns, const LeafQuery& query, double* velocity,
-                            double* wanted) {
+HWY_INLINE void LeafMotions(const Columns& columns, const OperationalSpaceQuery& query,
+                            double* velocity, double* wanted) {
   Quad sums[4];
   for (Quad& sum : sums) sum = ZeroQuad();
   for (int i = 0; i < query.n; ++i) {
@@ -157,8 +157,8 @@ HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, const Columns&
   }
 }
 
-HWY_INLINE void MobilityOf(int n, const LinkTable::Row* mass, const Columns& columns,
-                           Columns* eliminated, Halves& mobility) {
+HWY_INLINE void InverseInertiaOf(int n, const LinkTable::Row* mass, const Columns& columns,
+                                 Columns* eliminated, Halves& inverse_inertia) {
   double inverse[kMaxChainJoints];
   switch (n) {
     case 6:
@@ -175,7 +175,7 @@ HWY_INLINE void MobilityOf(int n, const LinkTable::Row* mass, const Columns& col
   Quad left[6], right[6];
 #pragma GCC unroll 3
   for (int r = 0; r < 3; ++r) {
-    left[r] = right[r + 3] = Times(kLeastMobility, QuadAt(kUnit[r]));
+    left[r] = right[r + 3] = Times(kLeastInverseInertia, QuadAt(kUnit[r]));
     left[r + 3] = ZeroQuad();
   }
   for (int k = 0; k < n; ++k) {
@@ -192,9 +192,9 @@ HWY_INLINE void MobilityOf(int n, const LinkTable::Row* mass, const Columns& col
   }
 #pragma GCC unroll 3
   for (int r = 0; r < 3; ++r) {
-    Put(left[r], mobility[r]);
-    Put(left[r + 3], mobility[r + 3]);
-    Put(right[r + 3], mobility[r + 3] + 4);
+    Put(left[r], inverse_inertia[r]);
+    Put(left[r + 3], inverse_inertia[r + 3]);
+    Put(right[r + 3], inverse_inertia[r + 3] + 4);
   }
 }
 
@@ -233,15 +233,15 @@ HWY_INLINE void MassTimesAny(int n, const LinkTable::Row* mass, const double* ve
 
 // What the leaf is damped and pushed with, before it is put together.
 struct Damped {
-  double determinant = 1;  // of the mobility
+  double determinant = 1;  // of the inverse_inertia
   double along[6] = {};
-  double felt[6] = {};
+  double inertial_force[6] = {};
 };
 
 // What damps and what is asked.
 struct Motion {
-  const LeafSprings& springs;
-  Halves& mobility;
+  const TcpSprings& springs;
+  Halves& inverse_inertia;
   double top;
   const double* velocity;
   const double* wanted;
@@ -268,7 +268,8 @@ HWY_NOINLINE void DampByPoles(D d, const Motion& motion, const InverseRoot& root
   for (int r = 0; r < 6; ++r) {
 #pragma GCC unroll 6
     for (int c = 0; c <= r; ++c) {
-      a[Entry(r, c)] = hn::Mul(hn::Mul(scale[r], scale[c]), hn::Set(d, At(motion.mobility, r, c)));
+      a[Entry(r, c)] =
+          hn::Mul(hn::Mul(scale[r], scale[c]), hn::Set(d, At(motion.inverse_inertia, r, c)));
     }
     a[Entry(r, r)] = hn::Add(a[Entry(r, r)], shift);
   }
@@ -277,7 +278,7 @@ HWY_NOINLINE void DampByPoles(D d, const Motion& motion, const InverseRoot& root
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
     out->along[k] += hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, b[k])));
-    out->felt[k] = LastOf(d, b[k]);
+    out->inertial_force[k] = LastOf(d, b[k]);
   }
 }
 
@@ -295,9 +296,9 @@ HWY_INLINE void DampBy(const Motion& motion, const InverseRoot& root, Damped* ou
   DampByRegisters(kFours, motion, root, out);
 }
 
-// What no eigenvalue is less than, of the mobility in coordinates in which all springs are alike:
+// What no eigenvalue is less than, of the inverse_inertia in coordinates in which all springs are alike:
 // the trace of its inverse is the sum of what is one over them. Of no axes but those with springs.
-HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility) {
+HWY_NOINLINE double LeastEigenvalue(const TcpSprings& springs, Halves& inverse_inertia) {
   alignas(64) constexpr double kUnit[6][8] = {{1},          {0, 1},          {0, 0, 1},
                                               {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
   constexpr int kLanes = hn::MaxLanes(kFours);
@@ -307,7 +308,7 @@ HWY_NOINLINE double LeastEigenvalue(const LeafSprings& springs, Halves& mobility
 #pragma GCC unroll 6
     for (int r = 0; r < 6; ++r) {
 #pragma GCC unroll 6
-      for (int c = 0; c <= r; ++c) a[Entry(r, c)] = hn::Set(kFours, At(mobility, r, c));
+      for (int c = 0; c <= r; ++c) a[Entry(r, c)] = hn::Set(kFours, At(inverse_inertia, r, c));
       b[r] = hn::Load(kFours, kUnit[r] + first);
     }
     SolveSix(hn::Set(kFours, 1.0), a, b);
@@ -331,15 +332,15 @@ HWY_INLINE const InverseRoot& RootFor(double range) {
 }
 
 // And the force that accelerates the leaf as wanted.
-HWY_INLINE void Damp(const LeafSprings& springs, Halves& mobility, const double* velocity,
-                     const double* wanted, double* damping, double* felt) {
+HWY_INLINE void Damp(const TcpSprings& springs, Halves& inverse_inertia, const double* velocity,
+                     const double* wanted, double* damping, double* inertial_force) {
   double trace = 0, stiffnesses = 1;
   for (int k = 0; k < 6; ++k) {
-    trace += springs.stiffness[k] * At(mobility, k, k);
+    trace += springs.stiffness[k] * At(inverse_inertia, k, k);
     stiffnesses *= springs.stiffness[k];
   }
   const double top = trace > 0 ? trace : 1;  // no springs: nothing is damped
-  const Motion motion{springs, mobility, top, velocity, wanted};
+  const Motion motion{springs, inverse_inertia, top, velocity, wanted};
   Damped damped;
   DampBy(motion, InverseRoots()[0], &damped);
   // No eigenvalue is less than what the others, as large as they can be together, leave of the
@@ -347,7 +348,7 @@ HWY_INLINE void Damp(const LeafSprings& springs, Halves& mobility, const double*
   const double share = 5 / top, share2 = share * share;
   const double least = damped.determinant * stiffnesses * share2 * share2 * share;
   if (!(top <= InverseRoots()[0].range * least) && trace > 0) {
-    const InverseRoot& root = RootFor(top / LeastEigenvalue(springs, mobility));
+    const InverseRoot& root = RootFor(top / LeastEigenvalue(springs, inverse_inertia));
     if (&root != InverseRoots()) {
       Damped widely;
       DampBy(motion, root, &widely);
@@ -357,20 +358,21 @@ HWY_INLINE void Damp(const LeafSprings& springs, Halves& mobility, const double*
   const double twice = 2 * std::sqrt(top);
   for (int k = 0; k < 6; ++k) {
     damping[k] = twice * springs.root[k] * damped.along[k];
-    felt[k] = damped.felt[k];
+    inertial_force[k] = damped.inertial_force[k];
   }
 }
 
 // `moving` is what the joints need to accelerate as wanted.
-HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, const double* deviation,
-                          const double* moving, LeafAnswer* out) {
+HWY_INLINE void TorquesOf(const OperationalSpaceQuery& query, const Columns& columns,
+                          const double* deviation, const double* moving,
+                          OperationalSpaceResult* out) {
   hn::Vec<One> force[6];
 #pragma GCC unroll 6
   for (int k = 0; k < 6; ++k) {
-    // What the joints to spare do is not to be felt.
+    // Redundant joints must not push the TCP.
     force[k] = hn::Set(kOne, query.springs->stiffness[k] * deviation[k] -
                                  query.damping_ratio * out->damping[k] + query.feedforward[k] -
-                                 out->felt[k]);
+                                 out->inertial_force[k]);
   }
   for (int i = 0; i < query.n; ++i) {
     auto linear = hn::Set(kOne, query.arm->torques[i]), angular = hn::Set(kOne, moving[i]);
@@ -383,46 +385,46 @@ HWY_INLINE void TorquesOf(const LeafQuery& query, const Columns& columns, const 
   }
 }
 
-void Leaf(const LeafQuery& query, LeafAnswer* out) {
+void Leaf(const OperationalSpaceQuery& query, OperationalSpaceResult* out) {
   const LinkAnswer& arm = *query.arm;
   Columns columns, eliminated;
   MakeColumns(query.n, arm.jacobian, &columns);
   double velocity[7], wanted[7], deviation[7];
   LeafMotions(columns, query, velocity, wanted);
   MakeDeviation(arm, query.goal, deviation);
-  alignas(32) Halves mobility;
-  MobilityOf(query.n, arm.mass, columns, &eliminated, mobility);
+  alignas(32) Halves inverse_inertia;
+  InverseInertiaOf(query.n, arm.mass, columns, &eliminated, inverse_inertia);
   double moving[kMaxChainJoints];
   MassTimesAny(query.n, arm.mass, query.wanted, moving);
-  Damp(*query.springs, mobility, velocity, wanted, out->damping, out->felt);
+  Damp(*query.springs, inverse_inertia, velocity, wanted, out->damping, out->inertial_force);
   TorquesOf(query, columns, deviation, moving, out);
 }
 
-void Deviation(const LinkAnswer& arm, const LeafGoal& goal, double* deviation) {
+void Deviation(const LinkAnswer& arm, const TcpTarget& goal, double* deviation) {
   double room[7];
   MakeDeviation(arm, goal, room);
   for (int k = 0; k < 6; ++k) deviation[k] = room[k];
 }
 
-void Mobility(int n, const LinkAnswer& arm, double* mobility) {
+void InverseInertia(int n, const LinkAnswer& arm, double* inverse_inertia) {
   Columns columns, eliminated;
   MakeColumns(n, arm.jacobian, &columns);
   alignas(32) Halves halves;
-  MobilityOf(n, arm.mass, columns, &eliminated, halves);
+  InverseInertiaOf(n, arm.mass, columns, &eliminated, halves);
   for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c <= r; ++c) mobility[Entry(r, c)] = At(halves, r, c);
+    for (int c = 0; c <= r; ++c) inverse_inertia[Entry(r, c)] = At(halves, r, c);
   }
 }
 
-void DampAlone(const double* stiffness, const double* mobility, const double* velocity,
+void DampAlone(const double* stiffness, const double* inverse_inertia, const double* velocity,
                double* out) {
   alignas(32) Halves halves;
   for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c <= r; ++c) At(halves, r, c) = mobility[Entry(r, c)];
+    for (int c = 0; c <= r; ++c) At(halves, r, c) = inverse_inertia[Entry(r, c)];
   }
   const double wanted[6] = {};
-  double felt[6];
-  Damp(MakeLeafSprings(stiffness), halves, velocity, wanted, out, felt);
+  double inertial_force[6];
+  Damp(MakeTcpSprings(stiffness), halves, velocity, wanted, out, inertial_force);
 }
 
 }  // namespace robocell::HWY_NAMESPACE
@@ -444,11 +446,11 @@ void FarTurn(const double (*from)[4], const double* to, double* out) {
 
 HWY_EXPORT(Leaf);
 HWY_EXPORT(Deviation);
-HWY_EXPORT(Mobility);
+HWY_EXPORT(InverseInertia);
 HWY_EXPORT(DampAlone);
 
-LeafSprings MakeLeafSprings(const double* stiffness) {
-  LeafSprings springs;
+TcpSprings MakeTcpSprings(const double* stiffness) {
+  TcpSprings springs;
   for (int k = 0; k < 6; ++k) {
     springs.stiffness[k] = stiffness[k];
     springs.root[k] = std::sqrt(stiffness[k]);
@@ -456,18 +458,18 @@ LeafSprings MakeLeafSprings(const double* stiffness) {
   return springs;
 }
 
-void ComputeLeaf(const LeafQuery& query, LeafAnswer* out) {
+void ComputeOperationalSpace(const OperationalSpaceQuery& query, OperationalSpaceResult* out) {
   HWY_DYNAMIC_DISPATCH(Leaf)(query, out);
 }
-void ComputeDeviation(const LinkAnswer& arm, const LeafGoal& goal, double* deviation) {
+void ComputeDeviation(const LinkAnswer& arm, const TcpTarget& goal, double* deviation) {
   HWY_DYNAMIC_DISPATCH(Deviation)(arm, goal, deviation);
 }
-void ComputeMobility(int n, const LinkAnswer& arm, double* mobility) {
-  HWY_DYNAMIC_DISPATCH(Mobility)(n, arm, mobility);
+void ComputeInverseInertia(int n, const LinkAnswer& arm, double* inverse_inertia) {
+  HWY_DYNAMIC_DISPATCH(InverseInertia)(n, arm, inverse_inertia);
 }
-void CriticalDamping(const double* stiffness, const double* mobility, const double* velocity,
+void CriticalDamping(const double* stiffness, const double* inverse_inertia, const double* velocity,
                      double* out) {
-  HWY_DYNAMIC_DISPATCH(DampAlone)(stiffness, mobility, velocity, out);
+  HWY_DYNAMIC_DISPATCH(DampAlone)(stiffness, inverse_inertia, velocity, out);
 }
 
 }  // namespace robocell

@@ -1,4 +1,4 @@
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 
 #include <fmt/format.h>
 
@@ -17,7 +17,7 @@ size_t HashPosition(const std::string& text) {
   const size_t key = text.rfind(kKey);
   if (key == std::string::npos) return key;
   const size_t begin = key + kKey.size();
-  return begin + kUnsigned.size() <= text.size() ? begin : std::string::npos;
+  return begin + kHashPlaceholder.size() <= text.size() ? begin : std::string::npos;
 }
 
 // Whether the text of an object ends before the object does.
@@ -28,12 +28,12 @@ bool IsCut(std::string_view text) {
 
 }  // namespace
 
-std::string SignJson(std::string text) {
+std::string InsertSelfHash(std::string text) {
   const size_t at = HashPosition(text);
-  if (at == std::string::npos || text.compare(at, kUnsigned.size(), kUnsigned) != 0) {
-    throw Error("a JSON text to be signed has no place for its hash");
+  if (at == std::string::npos || text.compare(at, kHashPlaceholder.size(), kHashPlaceholder) != 0) {
+    throw Error("a JSON text has no placeholder for its own hash");
   }
-  text.replace(at, kUnsigned.size(), Sha256(text));
+  text.replace(at, kHashPlaceholder.size(), Sha256(text));
   return text;
 }
 
@@ -44,8 +44,8 @@ std::optional<std::string> JsonDamage(const std::string& text) {
   if (at == std::string::npos)
     return "it carries no hash of itself: it was changed, or an early version of robocell wrote it";
   std::string unsigned_text = text;
-  const std::string hash = text.substr(at, kUnsigned.size());
-  unsigned_text.replace(at, kUnsigned.size(), kUnsigned);
+  const std::string hash = text.substr(at, kHashPlaceholder.size());
+  unsigned_text.replace(at, kHashPlaceholder.size(), kHashPlaceholder);
   if (Sha256(unsigned_text) == hash) return std::nullopt;
   return "its text is not what was written: its own hash does not fit";
 }

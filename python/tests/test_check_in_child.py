@@ -11,7 +11,7 @@ import pytest
 
 import robocell
 from command_line import refused, write_run
-from robocell.generate.check import Found, check_apart
+from robocell.generate.check import Found, check_in_child
 from robocell.generate.protocol import Failure
 from robocell.generate.run_source import RunSource
 
@@ -29,7 +29,7 @@ def test_a_crash_is_said_to_be_a_models(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, signal: str
 ):
     ends(tmp_path, monkeypatch, f"ulimit -c 0; kill -{signal} $$")
-    (crash,) = check_apart(RunSource("run.yaml"), []).warnings
+    (crash,) = check_in_child(RunSource("run.yaml"), []).warnings
     assert crash == (
         f"the process that looked through the run was killed by SIG{signal}: one of its models "
         "crashes the engine. Episodes that need it will be listed"
@@ -60,7 +60,7 @@ def test_any_other_end_is_no_models_fault_and_stops_the_run(
 ):
     ends(tmp_path, monkeypatch, script)
     with pytest.raises(robocell.IoError) as raised:
-        check_apart(RunSource("run.yaml"), [])
+        check_in_child(RunSource("run.yaml"), [])
     assert f"the process that looked through the run {said}" in str(raised.value)
     assert "model" not in str(raised.value)
     assert ("broken" in capsys.readouterr().err) == ("broken" in script)
@@ -74,24 +74,24 @@ def test_what_it_raised_is_raised_here_after_what_libraries_print(
     told.write_text(json.dumps({"failed": Failure.of(error("run.yaml:3:1: 'x'")).to_json()}))
     ends(tmp_path, monkeypatch, f"echo chatter; cat '{told}'; exit 1")
     with pytest.raises(error) as raised:
-        check_apart(RunSource("run.yaml"), [])
+        check_in_child(RunSource("run.yaml"), [])
     assert type(raised.value) is error
     assert str(raised.value) == "run.yaml:3:1: 'x'"
 
 
 def test_warnings_of_the_scene_are_said_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     ends(tmp_path, monkeypatch, """echo chatter; echo '{"warnings": ["a", "b"]}'""")
-    assert check_apart(RunSource("run.yaml"), []) == Found(["a", "b"])
+    assert check_in_child(RunSource("run.yaml"), []) == Found(["a", "b"])
     ends(tmp_path, monkeypatch, "true")
-    assert check_apart(RunSource("run.yaml"), []) == Found([])
+    assert check_in_child(RunSource("run.yaml"), []) == Found([])
 
 
 def test_what_ffmpeg_said_is_for_the_processes_to_come(tmp_path: Path):
     run = str(write_run(tmp_path))
-    ((name, answer),) = check_apart(RunSource(run), []).environment.items()
+    ((name, answer),) = check_in_child(RunSource(run), []).environment.items()
     assert name == "ROBOCELL_FFMPEG_ANSWER"
     assert answer.partition("\t")[2].startswith("ffmpeg version ")
-    assert check_apart(RunSource(run), ["cameras.streams=[]"]).environment == {}, (
+    assert check_in_child(RunSource(run), ["cameras.streams=[]"]).environment == {}, (
         "it is not asked for nothing"
     )
 
@@ -114,6 +114,6 @@ def test_a_model_that_stalls_the_engine_costs_the_given_time_and_not_the_run(
 ):
     ends(tmp_path, monkeypatch, "exec sleep 60")
     began = time.monotonic()
-    (slow,) = check_apart(RunSource("run.yaml"), [], 0.3).warnings
+    (slow,) = check_in_child(RunSource("run.yaml"), [], 0.3).warnings
     assert slow == "the run could not be looked through within 0.3 s: a model takes too long"
     assert time.monotonic() - began < 20

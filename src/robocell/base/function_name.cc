@@ -1,4 +1,4 @@
-#include "robocell/base/both_languages.h"
+#include "robocell/base/function_name.h"
 
 namespace robocell {
 namespace {
@@ -16,7 +16,7 @@ std::string SnakeCase(std::string_view name) {
 
 }  // namespace
 
-std::string InBothLanguages(std::string_view function) {
+std::string CppAndPythonName(std::string_view function) {
   constexpr std::string_view kOf = "::";
   const size_t of = function.rfind(kOf);
   std::string python;

@@ -1,4 +1,4 @@
-#include "robocell/robot/once_per_model.h"
+#include "robocell/robot/measurement_cache.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,12 @@
 namespace robocell {
 namespace {
 
-TEST(OncePerModel, AFrozenModelIsMeasuredOnceForAllItsScenes) {
+TEST(CachedMeasurement, AFrozenModelIsMeasuredOnceForAllItsScenes) {
   const auto compiled = CompileScene(SceneWith({.name = "rc7", .config = Rc7()}));
   int count = 0;
   const auto measure = [&](const std::string& what) {
-    return OncePerModel(*compiled, what, [&] { return std::vector<double>{1.0 * ++count}; })[0];
+    return CachedMeasurement(*compiled, what,
+                             [&] { return std::vector<double>{1.0 * ++count}; })[0];
   };
   EXPECT_EQ(measure("a"), 1);
   EXPECT_EQ(measure("a"), 2) << "it may have been written to";
@@ -22,10 +23,10 @@ TEST(OncePerModel, AFrozenModelIsMeasuredOnceForAllItsScenes) {
   EXPECT_EQ(measure("b"), 4);
   const auto other = CompileScene(SceneWith({.name = "rc7", .config = Rc7()}));
   other->Freeze();
-  EXPECT_EQ(OncePerModel(*other, "a", [] { return std::vector<double>{9}; })[0], 9);
+  EXPECT_EQ(CachedMeasurement(*other, "a", [] { return std::vector<double>{9}; })[0], 9);
 }
 
-TEST(OncePerModel, RobotsOnOneModelAreMeasuredAsRobotsAlone) {
+TEST(CachedMeasurement, RobotsOnOneModelAreMeasuredAsRobotsAlone) {
   RobotConfig config = Rc7();
   config.reach = std::nullopt;
   const Robot alone = RobotAlone(config);

@@ -1,4 +1,4 @@
-#include "robocell/data/apart.h"
+#include "robocell/data/isolated_reader.h"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -27,30 +27,30 @@ using Lines = std::vector<std::string>;
 TEST(Apart, GivesTheLinesOfAChild) {
   const pid_t here = getpid();
   bool changed = false;
-  ApartReader reader([&](const std::string& question) {
+  IsolatedReader reader([&](const std::string& question) {
     changed = true;
     return Lines{getpid() == here ? "here" : "elsewhere", question};
   });
   EXPECT_THAT(reader.Ask("two"), ElementsAre("elsewhere", "two"));
   EXPECT_FALSE(changed) << "memory is not shared";
-  EXPECT_THAT(ApartReader([](const std::string&) { return Lines(); }).Ask(""), IsEmpty());
+  EXPECT_THAT(IsolatedReader([](const std::string&) { return Lines(); }).Ask(""), IsEmpty());
 }
 
 TEST(Apart, OneChildAnswersManyQuestions) {
   int count = 0;
-  ApartReader reader([&](const std::string&) { return Lines{std::to_string(++count)}; });
+  IsolatedReader reader([&](const std::string&) { return Lines{std::to_string(++count)}; });
   EXPECT_THAT(reader.Ask(""), ElementsAre("1"));
   EXPECT_THAT(reader.Ask(""), ElementsAre("2"));
 }
 
 TEST(Apart, LongQuestionsAndAnswersComeWhole) {
   const std::string line(1 << 20, 'x');
-  ApartReader reader([](const std::string& question) { return Lines{question, question}; });
+  IsolatedReader reader([](const std::string& question) { return Lines{question, question}; });
   EXPECT_THAT(reader.Ask(line), ElementsAre(line, line));
 }
 
 TEST(Apart, WhatIsThrownThereIsThrownHere) {
-  ApartReader reader([](const std::string& question) -> Lines {
+  IsolatedReader reader([](const std::string& question) -> Lines {
     if (question == "closed") throw IoError("cannot read", EACCES);
     if (question == "empty") throw Error("no rows");
     return {};
@@ -72,7 +72,7 @@ void Crash() {
 }
 
 TEST(Apart, ACrashIsAnAnswerAndTheNextQuestionGetsItsOwn) {
-  ApartReader reader([](const std::string& question) {
+  IsolatedReader reader([](const std::string& question) {
     if (question == "bad") Crash();
     return Lines{question};
   });
@@ -84,7 +84,7 @@ TEST(Apart, ACrashIsAnAnswerAndTheNextQuestionGetsItsOwn) {
 
 TEST(Apart, NobodyAnswersForWhatAnotherBroke) {
   bool broken = false;
-  ApartReader reader([&](const std::string& question) {
+  IsolatedReader reader([&](const std::string& question) {
     if (broken) Crash();
     broken = question == "sly";  // it crashes at whatever is read next
     return Lines{question};
@@ -96,7 +96,7 @@ TEST(Apart, NobodyAnswersForWhatAnotherBroke) {
 TEST(Apart, KeepsNothingOpenThatOthersWaitFor) {
   int ends[2];
   ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
-  ApartReader reader([](const std::string& question) { return Lines{question}; });
+  IsolatedReader reader([](const std::string& question) { return Lines{question}; });
   EXPECT_THAT(reader.Ask("here"), ElementsAre("here"));
   close(ends[1]);
   pollfd ended{.fd = ends[0], .events = POLLIN, .revents = 0};
@@ -108,7 +108,7 @@ TEST(Apart, KeepsNothingOpenThatOthersWaitFor) {
 
 TEST(Apart, AProgramThatIgnoresItsChildrenGetsNoVerdict) {
   const auto before = std::signal(SIGCHLD, SIG_IGN);
-  ApartReader reader([](const std::string&) -> Lines {
+  IsolatedReader reader([](const std::string&) -> Lines {
     Crash();
     return {};
   });
@@ -118,7 +118,7 @@ TEST(Apart, AProgramThatIgnoresItsChildrenGetsNoVerdict) {
 
 // The errno of the IoError; 0 when there is none.
 int SystemError(const std::function<void()>& end, const std::string& text) {
-  ApartReader reader(
+  IsolatedReader reader(
       [&](const std::string&) {
         end();
         return Lines();

@@ -1,4 +1,4 @@
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,11 +10,12 @@ namespace robocell {
 namespace {
 
 std::string Text() {
-  return "{\"id\": \"pick\", \"run\": {\"json_sha256\": \"" + std::string(kUnsigned) + "\"}}\n";
+  return "{\"id\": \"pick\", \"run\": {\"json_sha256\": \"" + std::string(kHashPlaceholder) +
+         "\"}}\n";
 }
 
-TEST(SignedJson, EveryBitCounts) {
-  const std::string text = SignJson(Text());
+TEST(SelfHashedJson, EveryBitCounts) {
+  const std::string text = InsertSelfHash(Text());
   EXPECT_EQ(text.size(), Text().size());
   EXPECT_EQ(JsonDamage(text), std::nullopt);
   for (size_t bit = 0; bit < 8 * text.size(); ++bit) {
@@ -28,8 +29,8 @@ TEST(SignedJson, EveryBitCounts) {
   EXPECT_THAT(JsonDamage(text + " "), Optional(HasSubstr("its own hash does not fit")));
 }
 
-TEST(SignedJson, ATextWithoutAPlaceForItsHashIsRefused) {
-  ExpectThrow<Error>([] { SignJson("{}"); }, "no place for its hash");
+TEST(SelfHashedJson, ATextWithoutAPlaceForItsHashIsRefused) {
+  ExpectThrow<Error>([] { InsertSelfHash("{}"); }, "no placeholder for its own hash");
   EXPECT_THAT(JsonDamage("{\"id\": \"a"),
               ::testing::Optional(
                   std::string("it is cut short: its text ends after 9 bytes, in the middle")));

@@ -1,4 +1,4 @@
-#include "ik_wishes.h"
+#include "ik_objectives.h"
 
 #include <fmt/format.h>
 
@@ -125,7 +125,7 @@ nb::object MaskOf(CollisionFilter& filter, nb::handle q) {
 
 }  // namespace
 
-void IkWishes::Apply(IkOptions* options) const {
+void IkObjectives::Apply(IkOptions* options) const {
   ApplyWeights(position_weights, "position_weights", &options->position_weights);
   ApplyWeights(rotation_weights, "rotation_weights", &options->rotation_weights);
   if (axis && !axis.is_none()) {

@@ -1,4 +1,4 @@
-#include "robocell/kinematics/felt_inertia.h"
+#include "robocell/kinematics/base_inertial_parameters.h"
 
 #include "robocell/kinematics/chain_model.h"
 
@@ -18,7 +18,7 @@ LinkInertia RoundPart(const LinkInertia& link) {
 
 }  // namespace
 
-ChainModel WithFeltInertias(const ChainModel& chain) {
+ChainModel WithBaseInertialParameters(const ChainModel& chain) {
   ChainModel out = chain;
   for (int i = chain.n - 1; i >= 0; --i) {
     JointModel& joint = out.joints[i];

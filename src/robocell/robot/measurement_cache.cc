@@ -1,4 +1,4 @@
-#include "robocell/robot/once_per_model.h"
+#include "robocell/robot/measurement_cache.h"
 
 #include <cstdint>
 #include <map>
@@ -33,8 +33,8 @@ std::optional<std::vector<double>> KeptMeasurement(const MeasurementName& name) 
 
 }  // namespace
 
-std::vector<double> OncePerModel(const CompiledScene& compiled, const std::string& what,
-                                 const std::function<std::vector<double>()>& measure) {
+std::vector<double> CachedMeasurement(const CompiledScene& compiled, const std::string& what,
+                                      const std::function<std::vector<double>()>& measure) {
   if (!compiled.frozen()) return measure();
   const MeasurementName name(compiled.generation(), what);
   if (std::optional<std::vector<double>> kept = KeptMeasurement(name)) return *std::move(kept);
