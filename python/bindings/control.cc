@@ -82,7 +82,7 @@ void DefPose(nb::class_<C, Controller>& c) {
           [](C& self, nb::handle q) { self.SetPosture(ToRow(q, "posture")); },
           nb::for_getter(nb::sig("def posture(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def posture(self, value: object, /) -> None")),
-          "Joint positions (n,) that joints to spare go to; at first where the arm is.");
+          "Joint positions (n,) that redundant joints go to; at first where the arm is.");
 }
 
 void BindJointImpedance(nb::module_& m) {
@@ -139,7 +139,7 @@ void BindCartesianImpedance(nb::module_& m) {
       .def_prop_rw("damping_ratio", &C::damping_ratio, &C::SetDampingRatio, "1 is critical.")
       .def_prop_rw(
           "posture_frequency", &C::posture_frequency, &C::SetPostureFrequency,
-          "How fast joints to spare would swing around the posture, rad/s; 0 lets them go.")
+          "How fast redundant joints would swing around the posture, rad/s; 0 lets them go.")
       .def_prop_rw(
           "feedforward", [](const C& self) { return Copy(self.feedforward()); },
           [](C& self, nb::handle wrench) {
@@ -188,7 +188,7 @@ void BindDifferentialIk(nb::module_& m) {
           [](C& self, nb::handle q) { self.SetPosture(ToRow(q, "posture")); },
           nb::for_getter(nb::sig("def posture(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def posture(self, value: object, /) -> None")),
-          "Joint positions (n,) that joints to spare go to; at first where the arm is.")
+          "Joint positions (n,) that redundant joints go to; at first where the arm is.")
       .def_prop_rw("posture_rate", &C::posture_rate, &C::SetPostureRate,
                    "How fast they go there, a share of the way per second; 0 lets them rest.")
       .def_prop_ro("slower", &C::slower, "Whether the leaf could not do what it was last told.");

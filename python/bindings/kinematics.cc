@@ -342,7 +342,7 @@ void BindKinematics(nb::module_& m) {
            "the target counts; 0: any value will do. axis (3,): of the rotation only this "
            "direction in the TCP's frame has to point where the target's points, or off by at most "
            "`cone` rad. prefer: 'seed', 'limits' (away from them), 'manipulability' or a posture "
-           "(n,) that the solution is to be near to; joints to spare are moved there. Where there "
+           "(n,) that the solution is to be near to; redundant joints are moved there. Where there "
            "are "
            "none, starts go on beyond max_restarts until 256 in a row have led to no better "
            "solution; "
@@ -373,22 +373,23 @@ void BindKinematics(nb::module_& m) {
            "(B,). Limits are always obeyed. An answer does not depend on the batch it is in; "
            "processors with other instruction sets may find another solution. A filter is given "
            "the solutions of many targets at once. The other arguments are those of ik.")
-      .def("ik_solutions", &SolveAll, "target"_a, "seed"_a = nb::none(),
-           "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
-           "position_only"_a = false, "starts"_a = 200, "separation"_a = 0.05, nb::kw_only(),
-           "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
-           "axis"_a = nb::none(), "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none(),
-           nb::sig("def ik_solutions(self, target: Pose | numpy.typing.ArrayLike, seed: object | "
-                   "None = None, locked_groups: collections.abc.Sequence[str] = [], tolerance: "
-                   "float = 1e-05, position_only: bool = False, starts: int = 200, separation: "
-                   "float = 0.05, *, " ROBOCELL_IK_OBJECTIVES_SIG
-                   ") -> numpy.typing.NDArray[numpy.float64]"),
-           "All solutions (S, n) that `starts` searches find and that are more than `separation` "
-           "rad apart in some joint, nearest to the seed first (or best first, by `prefer`).\n\n"
-           "Of an arm with joints to spare these are samples of endlessly many; with `prefer` each "
-           "is the best of its kind. Of others all are wanted: searches go on until 600 in a row "
-           "have found nothing new (not where `starts` is below 48). The other arguments are "
-           "those of ik.")
+      .def(
+          "ik_solutions", &SolveAll, "target"_a, "seed"_a = nb::none(),
+          "locked_groups"_a = std::vector<std::string>{}, "tolerance"_a = 1e-5,
+          "position_only"_a = false, "starts"_a = 200, "separation"_a = 0.05, nb::kw_only(),
+          "position_weights"_a = nb::none(), "rotation_weights"_a = nb::none(),
+          "axis"_a = nb::none(), "cone"_a = 0.0, "prefer"_a = nb::none(), "filter"_a = nb::none(),
+          nb::sig("def ik_solutions(self, target: Pose | numpy.typing.ArrayLike, seed: object | "
+                  "None = None, locked_groups: collections.abc.Sequence[str] = [], tolerance: "
+                  "float = 1e-05, position_only: bool = False, starts: int = 200, separation: "
+                  "float = 0.05, *, " ROBOCELL_IK_OBJECTIVES_SIG
+                  ") -> numpy.typing.NDArray[numpy.float64]"),
+          "All solutions (S, n) that `starts` searches find and that are more than `separation` "
+          "rad apart in some joint, nearest to the seed first (or best first, by `prefer`).\n\n"
+          "Of an arm with redundant joints these are samples of endlessly many; with `prefer` each "
+          "is the best of its kind. Of others all are wanted: searches go on until 600 in a row "
+          "have found nothing new (not where `starts` is below 48). The other arguments are "
+          "those of ik.")
       .def("differential_ik", &SolveTwist, "q"_a, "twist"_a, "frame"_a = "base", "seconds"_a = 0.0,
            "max_speed"_a = nb::none(), "posture"_a = nb::none(), "posture_rate"_a = 1.0,
            "locked_groups"_a = std::vector<std::string>{},

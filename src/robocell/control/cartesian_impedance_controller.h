@@ -55,7 +55,7 @@ class CartesianImpedanceController : public Controller {
   void SetStiffness(const Gains& stiffness);
   double damping_ratio() const { return damping_ratio_; }
   void SetDampingRatio(double ratio);
-  // Where joints to spare are drawn to (rad or m), and how fast they would swing around it, rad/s;
+  // Where redundant joints are drawn to (rad or m), and how fast they would swing around it, rad/s;
   // 0 lets them go.
   std::span<const double> posture() const { return posture_; }
   void SetPosture(std::span<const double> q);

@@ -7,7 +7,7 @@
 //
 // Each tick DifferentialIk turns the twist into joint velocities at the commanded joint positions,
 // and these move on by them: near a singularity the leaf slows down, at a limit the other joints do
-// what they can. Joints to spare go to the posture. The commanded positions do not wait for an arm
+// what they can. Redundant joints go to the posture. The commanded positions do not wait for an arm
 // that is held up. No allocation in Compute.
 #pragma once
 
@@ -48,7 +48,7 @@ class DifferentialIkController : public Controller {
   // Of each joint, rad/s or m/s, above 0; at first pi.
   std::span<const double> max_speed() const { return options_.max_speed; }
   void SetMaxSpeed(std::span<const double> speed);
-  // Where joints to spare go, rad or m; at first where the arm is. And how fast, 1/s; 0 lets them
+  // Where redundant joints go, rad or m; at first where the arm is. And how fast, 1/s; 0 lets them
   // rest.
   std::span<const double> posture() const { return options_.posture; }
   void SetPosture(std::span<const double> q);

@@ -34,7 +34,7 @@ struct DifferentialIkOptions {
   double seconds = 0;
   // Largest speed of each joint, rad/s or m/s, above 0. Empty: any.
   JointVector max_speed{};
-  // Where joints to spare go, and how fast: a share of the way per second. Empty: they rest.
+  // Where redundant joints go, and how fast: a share of the way per second. Empty: they rest.
   JointVector posture{};
   double posture_rate = 1;
   // Joints that do not move.

@@ -1,4 +1,4 @@
-// Chains without joints to spare have solutions that can be counted: how long to look for all of
+// Chains without redundant joints have solutions that can be counted: how long to look for all of
 // them. For the solvers of this folder.
 #pragma once
 

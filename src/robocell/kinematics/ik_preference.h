@@ -1,4 +1,4 @@
-// Which of several answers to one question is the better one, and where joints to spare go. For the
+// Which of several answers to one question is the better one, and where redundant joints go. For the
 // solvers of this folder.
 #pragma once
 
@@ -22,7 +22,7 @@ class IkPreference {
   // sake (at most 1).
   double part(int i) const;
   double ease(int i) const { return squared_scale(i) / largest_squared_scale(); }
-  // Where joints to spare go from q.
+  // Where redundant joints go from q.
   JointVector GoalFrom(const JointVector& q, const JointVector& goal) const;
   // The less the better.
   double Cost(const JointVector& q, const JointVector& goal) const;
