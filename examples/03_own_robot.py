@@ -65,10 +65,10 @@ def main(folder: Path) -> None:
     reached = [pose for pose, success in zip(poses, found.success, strict=True) if success]
     frames = [("base", robot.base_in_world), ("tcp", robot.tcp_in_world)]
     frames += [("", robot.base_in_world * pose) for pose in reached]
-    renderer = rc.Renderer(scene, shadows=True, multisamples=4)
-    view = rc.OrbitCamera(lookat=(0.28, 0, 0.28), distance=1.2, azimuth=125, elevation=-25)
+    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
+    view = rc.render.OrbitCamera(lookat=(0.28, 0, 0.28), distance=1.2, azimuth=125, elevation=-25)
     image = renderer.render(view, 640, 480, frames=frames, frame_length=0.05)
-    rc.write_png(folder / "picture.png", image["rgb"])
+    rc.render.write_png(folder / "picture.png", image["rgb"])
 
 
 if __name__ == "__main__":

@@ -221,7 +221,7 @@ def test_a_shard_that_does_not_exist_is_refused(tmp_path: Path):
 
 def test_a_changed_configuration_is_refused_with_what_differs(tmp_path: Path):
     path = write_run(tmp_path)
-    robocell.prepare_dataset(robocell.RunConfig.load(path))
+    robocell.generate.prepare_dataset(robocell.RunConfig.load(path))
     assert robocell_command("generate", path, "--seed", 7, "--dry-run").returncode == 0
     (tmp_path / "out" / "s0000_e0000").mkdir()
     text = refused("generate", path, "--seed", 7)
@@ -242,7 +242,7 @@ def test_a_dry_run_tells_what_there_is_to_do_and_does_nothing(tmp_path: Path):
 
 def test_damaged_episodes_are_told_with_the_command_that_sets_them_aside(tmp_path: Path):
     path = write_run(tmp_path)
-    robocell.prepare_dataset(robocell.RunConfig.load(path))
+    robocell.generate.prepare_dataset(robocell.RunConfig.load(path))
     damaged = tmp_path / "out" / "s0000_e0000"
     damaged.mkdir()
     (damaged / "episode.json").write_text("{")
@@ -332,8 +332,8 @@ def test_the_doctor_names_versions_graphics_and_encoder():
 
 
 def test_the_doctor_names_known_defects_of_the_engine_and_the_guards_against_them():
-    defects = robocell.known_engine_defects()
-    assert (robocell.mujoco_version() == "4.0.0") == bool(defects)
+    defects = robocell.diagnose.known_engine_defects()
+    assert (robocell.diagnose.mujoco_version() == "4.0.0") == bool(defects)
     words = " ".join(robocell_command("doctor").stdout.split())
     for defect in defects:
         assert f"known mujoco: {defect.name} {defect.what}." in words

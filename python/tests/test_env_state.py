@@ -40,7 +40,7 @@ def test_a_state_goes_on_in_another_environment():
     act(env)
     state = pickle.loads(pickle.dumps(env.get_state()))
     then = act(env)
-    other.set_state(rc.EnvState(state.numbers))
+    other.set_state(rc.envs.EnvState(state.numbers))
     same(act(other), then)
     with pytest.raises(rc.ArgumentError, match="must be one of world, root, got 'rot'"):
         other.set_state(state, frame="rot")
@@ -54,7 +54,7 @@ def test_a_state_of_the_rig_elsewhere():
     same(act(other), act(env), 1e-5)
 
 
-def flat(record: rc.EnvRecord) -> list[np.ndarray]:
+def flat(record: rc.envs.EnvRecord) -> list[np.ndarray]:
     return [record.start.numbers, record.actions, record.observations, record.rewards]
 
 
@@ -73,23 +73,23 @@ def test_a_record_is_replayed_and_kept_in_a_file(tmp_path):
         rewards=record.rewards,
     )
     kept = dict(np.load(tmp_path / "record.npz"))
-    again = rc.EnvRecord(**(kept | {"start": rc.EnvState(kept["start"])}))
+    again = rc.envs.EnvRecord(**(kept | {"start": rc.envs.EnvState(kept["start"])}))
     other = rc.Env(config())
     replay = other.replay(again)
     assert (replay.same, replay.steps, replay.difference) == (True, 3, "")
     kept["actions"][1, 2] += 0.01
-    replay = other.replay(rc.EnvRecord(**(kept | {"start": record.start})))
+    replay = other.replay(rc.envs.EnvRecord(**(kept | {"start": record.start})))
     assert (replay.same, replay.steps) == (False, 2)
     assert replay.difference.startswith("after step 2: robot.tquat[")
     file = tmp_path / "record.npy"
     record.save(file)
     assert np.load(file).shape == (4 + sum(len(each.ravel()) for each in flat(record)),)
-    for same_again in (rc.EnvRecord.load(file), pickle.loads(pickle.dumps(record))):
+    for same_again in (rc.envs.EnvRecord.load(file), pickle.loads(pickle.dumps(record))):
         assert all(map(np.array_equal, flat(same_again), flat(record)))
         assert other.replay(same_again).same
     file.write_text("steps: 3")
     with pytest.raises(rc.IoError, match=r"record.npy' is no record of an environment: it is no"):
-        rc.EnvRecord.load(file)
+        rc.envs.EnvRecord.load(file)
     moved = rc.Env(config(root_frame_to_world=ELSEWHERE))
     assert moved.replay(again, frame="root", tolerance=1e-5).same
 
@@ -159,7 +159,7 @@ def test_states_that_are_no_numbers_change_nothing():
             numbers = whole.copy()
             numbers[i] = bad
             with pytest.raises(rc.ArgumentError) as told:
-                env.set_state(rc.EnvState(numbers))
+                env.set_state(rc.envs.EnvState(numbers))
             refused += f"'pick_cube': number {i} of the state is {bad}" in str(told.value)
             assert np.array_equal(env.get_state().numbers, whole)
     assert refused > len(indices)

@@ -154,7 +154,7 @@ config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
 spec.robots.append(rc.RobotSpec(name="arm", config=config))
 scene = rc.Scene.build(spec)
 try:
-    renderer = rc.Renderer(scene)
+    renderer = rc.render.Renderer(scene)
 except rc.Error as error:
     print("no GL:", error)
 else:

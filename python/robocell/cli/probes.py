@@ -101,7 +101,7 @@ def engine_defects() -> list[Finding]:
             State.KNOWN,
             f"{defect.what}. Guard: {defect.guard or 'none'}. Fixed in MuJoCo {defect.fixed_in}.",
         )
-        for defect in robocell.known_engine_defects()
+        for defect in robocell.diagnose.known_engine_defects()
     ]
 
 
@@ -154,7 +154,7 @@ def judged(graphics: Finding, root: str = "/") -> Finding:
 
 
 def _graphics(backend: str) -> Finding:
-    code = "import robocell; print(robocell.describe_gl())"
+    code = "import robocell; print(robocell.diagnose.describe_gl())"
     what = f"graphics: {backend}"
     try:
         child = subprocess.run(

@@ -68,7 +68,7 @@ def _replay_dataset(dataset: Path, episode: str | None, env: str | None, toleran
     differing, unread, unplayed = 0, 0, 0
     for name in ids:
         try:
-            report = robocell.check_replay(episodes[name], tolerance)
+            report = robocell.data.check_replay(episodes[name], tolerance)
         except robocell.IoError as error:
             print_error(str(error))
             unread += 1
@@ -91,7 +91,7 @@ def _replay_record(file: Path, episode: str | None, env: str | None, tolerance: 
             "--env with its configuration"
         )
     try:
-        record = robocell.EnvRecord.load(str(file))
+        record = robocell.envs.EnvRecord.load(str(file))
     except robocell.Error as error:
         fail(str(error), ExitCode.OUTPUT)
     try:

@@ -63,7 +63,7 @@ class RunReport:
 
     Attributes:
         run: Its name.
-        identity: SHA-256 of what identifies the run (`robocell.run_identity`).
+        identity: SHA-256 of what identifies the run (`robocell.generate.run_identity`).
         shard: (i, N) of 'i/N'.
         versions: Of the parts that make the episodes.
         commands: The oldest first. One that was killed is missing.

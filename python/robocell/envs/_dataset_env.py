@@ -1,10 +1,5 @@
 """Environments from datasets: the cell that a dataset was made in, with its schema.
 
-    env = from_dataset("out/picks", privileged=True)
-    row, info = env.reset(seed=0)
-    row["robots/rc7/arm/qpos"]  # as the dataset records it
-    row, reward, terminated, truncated, info = env.step({"robots/rc7/action/arm": target})
-
 A policy that was trained on the columns of the dataset acts here without a line of mapping. With
 `flat=True` observations and actions are vectors, in the order of the names that were chosen, as
 `robocell.data.rows(dataset, names)` has them.
@@ -18,7 +13,7 @@ from typing import Any
 
 from robocell._extras import needed_by
 
-with needed_by("robocell.envs", "envs", "Without it: robocell.RunEnv"):
+with needed_by("robocell.envs", "envs", "Without it: robocell.envs.RunEnv"):
     import gymnasium
     from gymnasium import spaces
 
