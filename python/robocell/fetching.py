@@ -114,7 +114,7 @@ def _pin(path: Path, robot: str, pin: Pin) -> None:
 
 
 def main_file(robot: str) -> str:
-    """Returns a robot's main model file. NotFoundError without the package or for an unknown robot."""
+    """Returns a robot's main model file; NotFoundError without the package or robot."""
     try:
         entry = _package().get(robot)
     except _package().MenagerieError as error:
