@@ -28,7 +28,7 @@ def scale() -> rc.RobotConfig:
     config.edits.append(rc.robots.Edit(add_site="wrist", body="hand", pos=[0, 0, 0]))
     config.edits.append(rc.robots.Edit(add_sensor="wrist_ft_force", site="wrist", type="force"))
     config.edits.append(rc.robots.Edit(add_sensor="wrist_ft_torque", site="wrist", type="torque"))
-    # Without the hand's own weight: what is left is what it holds.
+    # Without the hand's own weight, only the weight of what it holds remains.
     config.ft_sensors.append(rc.robots.ForceTorqueSensorSpec(name="wrist_ft", compensate_tool=True))
     return config
 

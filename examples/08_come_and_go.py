@@ -77,7 +77,7 @@ def main(folder: Path) -> None:
     print(f"the highest stands at {1000 * scene.body_pose('cube3').translation[2]:.0f} mm")
     picture()
 
-    # What cannot be is refused with the reason, and changes nothing.
+    # An invalid change is rejected with the reason, and changes nothing.
     try:
         scene.add_object(bottle)
     except rc.ArgumentError as error:

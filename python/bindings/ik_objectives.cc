@@ -53,8 +53,8 @@ void ApplyPreference(nb::handle value, IkOptions* options) {
                        "'." + DidYouMean(text, names));
 }
 
-// What a filter answered, as booleans. Numpy finds a truth in anything: in indices of rows, in
-// clearances, in names.
+// Converts the result of a filter to booleans. Numpy converts anything to booleans (indices of rows,
+// clearances, names), so other types are rejected.
 nb::object MaskFrom(const nb::object& answer, size_t rows) {
   const nb::object numpy = nb::module_::import_("numpy");
   const auto refuse = [&](const std::string& got) {
@@ -82,7 +82,7 @@ nb::object MaskFrom(const nb::object& answer, size_t rows) {
   return truth;
 }
 
-// Rows in, one truth for each out.
+// The filter takes rows and returns one boolean for each.
 void CallFilter(nb::handle filter, std::span<const double> q, int count, std::span<uint8_t> keep) {
   const nb::gil_scoped_acquire gil;
   const size_t rows = static_cast<size_t>(count);
@@ -165,11 +165,11 @@ JointVector IkSeed(nb::handle seed, const Chain& chain) {
 void BindCollisionFilter(nb::module_& m) {
   nb::class_<CollisionFilter>(
       m, "CollisionFilter",
-      "Which configurations of an arm touch nothing, by the engine's collision detection.\n\n"
-      "For `filter` of inverse kinematics, or called with q (k, n) for a mask (k,). Judged in a "
-      "copy of the scene's state as it was when the filter was made or at the last update(). "
-      "Threads may share one: they take turns. RuntimeError after objects were added to the scene "
-      "or removed: make the filter again.",
+      "Finds collision-free configurations of an arm with the engine's collision "
+      "detection.\n\nPass it as `filter` of inverse kinematics, or call it with q (k, n) for a "
+      "mask (k,). It uses a copy of the scene's state from when the filter was made or last "
+      "updated with update(). Threads that share a filter take turns. It raises RuntimeError after "
+      "objects were added to the scene or removed: make the filter again.",
       nb::type_slots(kHandleSlots<CollisionFilter, &VisitFilter>))
       .def(
           "__init__",
@@ -178,14 +178,15 @@ void BindCollisionFilter(nb::module_& m) {
             new (self) CollisionFilter(robot, {.clearance = clearance, .ignored = ignored});
           },
           "robot"_a, "clearance"_a = 0.0, "ignored"_a = std::vector<std::string>{},
-          "clearance: to everything that is not the robot, metres. ignored: bodies that may be "
-          "touched, with all that hangs on them, by full name.")
+          "clearance: least distance to everything that is not the robot, metres. ignored: bodies "
+          "that the robot may touch, with everything attached to them, by full name.")
       .def("update", &CollisionFilter::Update, nb::call_guard<nb::gil_scoped_release>(),
-           "Takes over the scene's present state.")
+           "Copies the scene's present state.")
       .def("__call__", &MaskOf, "q"_a,
            nb::sig("def __call__(self, q: numpy.typing.ArrayLike) -> "
                    "numpy.typing.NDArray[numpy.bool_]"),
-           "q (k, n) in chain order -> (k,), true where nothing is touched.");
+           "Takes q (k, n) in chain order and returns (k,), true for collision-free "
+           "configurations.");
 }
 
 }  // namespace robocell::python

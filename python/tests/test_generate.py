@@ -218,7 +218,7 @@ def test_the_same_command_again_makes_what_is_missing_only(reference: Path, tmp_
     assert contents(tmp_path / "out") == contents(reference)
     again = robocell_command("generate", run)
     assert again.returncode == 0
-    assert "2 of 2 (2 were there before)" in again.stdout
+    assert "2 of 2 (2 made before)" in again.stdout
 
 
 def test_the_summary_names_results_and_the_dataset(tmp_path: Path):

@@ -34,7 +34,7 @@ def test_repair_is_advised_only_where_it_helps(tmp_path: Path):
     assert cli.in_the_way(foreign, tmp_path).endswith(foreign)
     half = "'e2' is half an episode: episode.json is missing"
     told = cli.in_the_way(f"{foreign}\n{half}", tmp_path)
-    assert told.endswith(f"{half}\nSet damaged ones aside: robocell verify --repair {tmp_path}")
+    assert told.endswith(f"{half}\nTo set damaged ones aside: robocell verify --repair {tmp_path}")
 
 
 def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
@@ -50,7 +50,7 @@ def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
     assert end.value.exit_code == 130
     assert capsys.readouterr().err == (
         "warning: interrupted before an episode was begun.\n"
-        "This begins again: robocell generate run.yaml\n"
+        "To begin again: robocell generate run.yaml\n"
     )
 
 

@@ -72,7 +72,7 @@ def test_software_on_a_machine_with_a_card_is_not_ok(tmp_path: Path):
     lines = advice([found])
     assert lines[1].startswith("graphics: egl is slow: images are drawn on the processor (egl: llv")
     assert "(/dev/nvidia0). The driver's EGL library libEGL_nvidia.so.0 is missing." in lines[1]
-    assert lines[-1] == "everything that is needed to generate datasets is here"
+    assert lines[-1] == "this machine can generate datasets"
 
 
 def test_a_run_with_cameras_says_once_that_a_card_is_idle(tmp_path: Path):

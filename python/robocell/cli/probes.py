@@ -28,7 +28,7 @@ PACKAGES = ("numpy", "rich", "typer")
 PURPOSES = {
     "graphics: egl": "only one of the two is needed",
     "graphics: osmesa": "only one of the two is needed",
-    "menagerie": "for robots named `menagerie:...`; the built-in ones need it not",
+    "menagerie": "for robots named `menagerie:...`; built-in robots do not need it",
     "extra: envs": "for robocell.gym, robocell.lerobot and compat.rcs",
     "extra: plots": "for the pictures of `robocell reach`",
     "extra: sb3": "for robocell.sb3",

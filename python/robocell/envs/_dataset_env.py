@@ -1,8 +1,8 @@
 """Environments from datasets: the cell that a dataset was made in, with its schema.
 
-A policy that was trained on the columns of the dataset acts here without a line of mapping. With
-`flat=True` observations and actions are vectors, in the order of the names that were chosen, as
-`robocell.data.rows(dataset, names)` has them.
+A policy trained on the columns of the dataset acts here without any mapping. With `flat=True`
+observations and actions are vectors in the order of the chosen names, as in
+`robocell.data.rows(dataset, names)`.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from robocell.generate.run_source import import_module
 
 __all__ = ["DatasetEnv", "from_dataset"]
 
-# Episodes whose features are looked at: those that all of them have are observed.
+# Number of episodes whose features are compared: features that all of them have are observed.
 LOOKED_AT = 50
 
 
@@ -46,28 +46,29 @@ def from_dataset(
     flat: bool = False,
     imports: Sequence[str] = (),
 ) -> DatasetEnv:
-    """The environment that a dataset was made in: its cell, task, rates, cameras and schema.
+    """Makes the environment of a dataset: its cell, task, rates, cameras and schema.
 
     Args:
         dataset: A dataset, or its folder.
         observations: Names of columns and image streams to observe. Default: all columns that
-            every episode has and that are there outside of simulation too, and all streams.
+            every episode has and that exist outside of simulation too, and all streams.
         actions: Names of the action columns that a step takes. Default: the absolute target of each
             group.
-        privileged: Whether what only simulation knows, poses of objects, is observed by default.
-        cameras: False draws no images.
-        flat: Observations and actions as vectors of float64: columns one after another, in the
-            order of the names. Without images.
-        imports: Modules to import first, which register the task or features. Nothing is imported
-            because the dataset names it.
+        privileged: Whether the default includes columns that only simulation knows, such as poses
+            of objects.
+        cameras: False renders no images.
+        flat: Whether observations and actions are vectors of float64: columns one after another,
+            in the order of the names, without images.
+        imports: Modules to import first, which register the task or features. A dataset never
+            imports modules by itself.
 
     Raises:
-        NotFoundError: A name that the dataset has not, with the nearest; a task that is not
-            registered.
-        SpecError: The task's code is not what the dataset was made with.
+        NotFoundError: The dataset has no such name (the message has the nearest), or the task is
+            not registered.
+        SpecError: The task's code differs from the code that made the dataset.
 
-    The first reset raises ArgumentError or NotFoundError, with the first difference, when the cell
-    here has other features than the dataset.
+    The first reset raises ArgumentError or NotFoundError with the first difference if the cell has
+    other features than the dataset.
     """
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
     for module in imports:
@@ -89,11 +90,11 @@ def from_dataset(
 
 
 class DatasetEnv(gymnasium.Env[Any, Any]):
-    """An environment made by `from_dataset`; `core` is the RunEnv itself.
+    """An environment made by `from_dataset`; `core` is its RunEnv.
 
-    `reset(seed=i)` goes to start i of the dataset's run, and later resets count on from there. The
-    first starts are those of the dataset's episodes; numbers beyond them are new ones. The spaces
-    have the ranges of the dataset's schema.
+    `reset(seed=i)` goes to start i of the dataset's run, and later resets continue from there. The
+    first starts are those of the dataset's episodes; larger numbers are new starts. The spaces have
+    the ranges of the dataset's schema.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  (as in Gymnasium)
@@ -139,7 +140,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """To start number `seed`, or to the one after the last."""
+        """Resets to start number `seed`, or to the one after the last."""
         super().reset(seed=seed)
         if options:
             raise ArgumentError(f"reset takes no options here, got {', '.join(options)}")
@@ -174,7 +175,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         return np.concatenate([np.ravel(row[name]) for name in self.observations])
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """One action, one row; `info["is_success"]` says whether the task is done."""
+        """Makes one step, a row of a dataset; `info["is_success"]` says if the task is done."""
         if self._flat:
             action = self._split(np.asarray(action, dtype=np.float64))
         reward, terminated, truncated, info = self.core.act(dict(action))
