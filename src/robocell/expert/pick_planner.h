@@ -32,7 +32,7 @@ struct PickPlannerOptions {
   int attempts = 3;         // at a grasp
 };
 
-// Options of a run, or the planner of a run.
+// Returns the options of a run.
 PickPlannerOptions PickPlannerOptionsOf(const RunConfig& run);
 
 class PickPlanner : public Expert {
@@ -42,7 +42,7 @@ class PickPlanner : public Expert {
   // Names in the scene. `options` as in GripperShape::Of.
   PickPlanner(std::string robot, std::string target_object, SimOptions sim,
               const PickPlannerOptions& options = {});
-  // Options of a run, or the planner of a run.
+  // Makes the planner of a run.
   PickPlanner(const RunConfig& run, const EpisodeStart& start);
   ~PickPlanner() override;
 
