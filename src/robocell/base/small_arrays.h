@@ -37,7 +37,7 @@ inline void CopyLess(const void* from, size_t bytes, void* to) {
     static_cast<char*>(to)[at] = static_cast<const char*>(from)[at];
 }
 
-// Where the last pair begins, of 16 bytes or more.
+// Returns the offset of the last pair in 16 bytes or more.
 inline size_t LastPair(size_t bytes) { return bytes - sizeof(Pair); }
 
 }  // namespace small_arrays_internal

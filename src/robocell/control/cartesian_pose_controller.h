@@ -1,5 +1,5 @@
-// Cartesian pose through position servos: the leaf goes to its target on a straight line, turning
-// along the shortest arc, no faster than it is told to.
+// Cartesian pose through position servos: the leaf frame moves to its target on a straight line and
+// along the shortest rotation, within the speed limits.
 //
 //   robot.SetController("arm", "cartesian_pose");
 //   auto& cartesian = dynamic_cast<CartesianPoseController&>(robot.controller("arm"));
@@ -46,7 +46,7 @@ class CartesianPoseController : public Controller {
   double max_linear_speed() const { return max_linear_speed_; }
   double max_angular_speed() const { return max_angular_speed_; }
   void SetMaxSpeeds(double linear, double angular);
-  // Where redundant joints go, rad or m; at first where the arm is.
+  // Posture of redundant joints, rad or m; by default the arm's positions at the start.
   std::span<const double> posture() const { return posture_; }
   void SetPosture(std::span<const double> q);
 

@@ -5,7 +5,8 @@
 //   for (const std::string& file : files) Tell(file, reader.Ask(file));
 //
 // The child is forked from the calling thread for the first query, and again after a query that
-// ended it, since the fork of a large process takes tens of milliseconds. It keeps no file of this
+// ended it, because the fork of a large process takes tens of milliseconds. It keeps no file of
+// this
 // process open. The function that answers may open files and allocate; it must not touch Python,
 // the engine, GL or other threads.
 #pragma once
@@ -42,7 +43,7 @@ class IsolatedReader {
   enum class Reply { kWhole, kLate, kEnded };
 
   void Start();
-  std::optional<int> End();  // the child's status as of waitpid, where that tells
+  std::optional<int> End();  // the child's status as of waitpid, if available
   Reply Exchange(std::string_view question, std::string& text) const;
 
   Answer answer_;
