@@ -41,6 +41,8 @@
 #include "robocell/render/video_recorder.h"
 #include "robocell/robot/collision_filter.h"
 #include "robocell/robot/robot.h"
+#include "robocell/rollout/env_of_episode.h"
+#include "robocell/rollout/env_recorder.h"
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/recorded_scene.h"
 #include "robocell/rollout/replay.h"
