@@ -44,7 +44,7 @@ def test_twenty_picks_are_on_the_disk_and_intact(twenty: GeneratedRun):
         content = read_json(episode)
         assert content["success"] is True, episode.name
         assert content["warnings"] == [], episode.name
-    result = robocell.verify(twenty.dataset)
+    result = robocell.data.verify(twenty.dataset)
     assert result.ok, str(result)
     assert result.leftovers == []
 

@@ -90,7 +90,7 @@ class Storm:
         if not self.dataset.exists() or is_blank(self.dataset):
             assert not self.acknowledged
             return
-        result = robocell.verify(self.dataset)
+        result = robocell.data.verify(self.dataset)
         assert result.bad == [], str(result)
         assert self.acknowledged <= set(result.good)
 
@@ -107,7 +107,7 @@ class Storm:
         self.require_nothing_lost()
         logs = "".join(log.read_text(errors="replace") for log in self.dataset.glob(".logs/*.log"))
         assert "leaked" not in said + logs, "nanobind reports what Python does not let go"
-        result = robocell.verify(self.dataset)
+        result = robocell.data.verify(self.dataset)
         assert len(result.good) == EPISODES
         assert result.leftovers == [], "what the dead were writing is gone"
 

@@ -5,22 +5,22 @@
 #include <filesystem>
 #include <vector>
 
-#include "robocell/data/apart.h"
+#include "robocell/data/isolated_reader.h"
 #include "robocell/data/problem.h"
 
 namespace robocell {
 
 // A file is parsed only after its hash was found right, and HDF5 reads in a process of its own: who
-// signs a file may also have made it to hurt. With `decode` every frame of the videos is decoded.
+// hashes a file may also have made it to hurt. With `decode` every frame of the videos is decoded.
 class EpisodeVerifier {
  public:
   explicit EpisodeVerifier(bool decode);
 
-  std::vector<VerifyProblem> Verify(const std::filesystem::path& folder);
+  std::vector<VerifyProblem> Check(const std::filesystem::path& folder);
 
  private:
   bool decode_;
-  ApartReader columns_;
+  IsolatedReader columns_;
 };
 
 }  // namespace robocell
