@@ -116,7 +116,7 @@ from robocell._core import (
     Scene,
     SceneObject,
     SceneSource,
-    SceneSourceKind,
+    SceneSourceSpec,
     SceneSpec,
     SegmentLabel,
     Shape,
@@ -126,6 +126,7 @@ from robocell._core import (
     SpecError,
     SpecList,
     SpecMap,
+    StartConfig,
     StepOutcome,
     Stepper,
     StepResult,
@@ -187,7 +188,12 @@ from robocell._core import (
     write_png,
 )
 from robocell.features import register_feature
-from robocell.tasks import register_expert, register_task
+from robocell.tasks import (
+    register_expert,
+    register_sampler,
+    register_scene_source,
+    register_task,
+)
 
 __all__ = [
     "NO_SEGMENT",
@@ -297,7 +303,7 @@ __all__ = [
     "Scene",
     "SceneObject",
     "SceneSource",
-    "SceneSourceKind",
+    "SceneSourceSpec",
     "SceneSpec",
     "SegmentLabel",
     "Shape",
@@ -307,6 +313,7 @@ __all__ = [
     "SpecError",
     "SpecList",
     "SpecMap",
+    "StartConfig",
     "StepOutcome",
     "StepResult",
     "Stepper",
@@ -357,6 +364,8 @@ __all__ = [
     "recorded_scene",
     "register_expert",
     "register_feature",
+    "register_sampler",
+    "register_scene_source",
     "register_task",
     "release_idle_files",
     "remove_leftovers",
