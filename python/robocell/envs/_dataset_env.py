@@ -28,7 +28,7 @@ from robocell._core import (
     RunEnv,
 )
 from robocell.dataset_run import run_of_dataset
-from robocell.generate.run_source import import_module
+from robocell.generate.run_source import import_named
 
 __all__ = ["DatasetEnv", "from_dataset"]
 
@@ -72,7 +72,7 @@ def from_dataset(
     """
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
     for module in imports:
-        import_module(module, Path.cwd())
+        import_named(module, Path.cwd())
     run = run_of_dataset(opened.folder)
     if not cameras or flat:
         run.cameras.streams.clear()
