@@ -20,7 +20,7 @@ RUNS = (
     rc.RunConfig,
     rc.PickTaskConfig,
     rc.tasks.PickAndPlaceTaskConfig,
-    rc.StartConfig,
+    rc.tasks.StartConfig,
     rc.SceneSourceSpec,
     FilesScenes,
     rc.render.CameraSystemConfig,

@@ -55,7 +55,7 @@ from robocell._core import (
     Rng,
     SampleRequest,
     SceneSource,
-    Support,
+    StartConfig,
     Task,
     TaskFields,
     TaskSampler,
@@ -68,7 +68,6 @@ from robocell._core import (
     expert_kinds,
     object_kinds,
     sampler_kinds,
-    scene_source_kinds,
     task_kinds,
 )
 
@@ -87,8 +86,7 @@ __all__ = [
     "RefusalReason",
     "Rng",
     "SampleRequest",
-    "SceneSource",
-    "Support",
+    "StartConfig",
     "Task",
     "TaskFields",
     "TaskSampler",
@@ -98,10 +96,8 @@ __all__ = [
     "object_kinds",
     "register_expert",
     "register_sampler",
-    "register_scene_source",
     "register_task",
     "sampler_kinds",
-    "scene_source_kinds",
     "task_kinds",
 ]
 

@@ -21,7 +21,7 @@ from robocell.scenes import SceneAnnotations, SupportFace
 
 
 @rc.register_scene_source("desks")
-class Desks(rc.SceneSource):
+class Desks(rc.scenes.SceneSource):
     @dataclass
     class Fields:
         height: float = 0.4  # m
@@ -49,7 +49,7 @@ class Desks(rc.SceneSource):
         if not self.known:
             return None
         top = self.top(index)
-        face = rc.tasks.Support(rc.Pose(translation=[0, 0, top]), 0.3, 0.4, thickness=top)
+        face = rc.scenes.Support(rc.Pose(translation=[0, 0, top]), 0.3, 0.4, thickness=top)
         return SceneAnnotations(supports=[SupportFace(face, body="desk", free_area=0.48)])
 
 
