@@ -46,7 +46,7 @@ nb::object Stacked(EnvBatch& batch, size_t stream, std::vector<T> EnvFrame::*ima
   return NewArray<T>(all, std::move(shape));
 }
 
-// Of a stream of all copies: as a frame of one, with the copies in front.
+// The frame of a stream of all copies: as that of one, with the copies in front.
 nb::dict BatchFrame(EnvBatch& batch, size_t stream) {
   std::vector<double> intrinsics, extrinsics, time;
   for (int i = 0; i < batch.size(); ++i) {
@@ -139,7 +139,7 @@ nb::dict BatchMotions(EnvBatch& batch) {
   return robots;
 }
 
-// As of one environment.
+// The same as for one environment.
 int TraverseBatch(PyObject* self, visitproc visit, void* arg) {
   Py_VISIT(Py_TYPE(self));
   if (!nb::inst_ready(self)) return 0;

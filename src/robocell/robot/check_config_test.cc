@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// What is wrong with a configuration; "" when nothing is.
+// Returns the problems of a configuration; "" for none.
 std::string Wrong(const RobotConfig& config) {
   Problems problems(config.locations);
   CheckConfig(RobotAlone(config), problems);
@@ -47,7 +47,7 @@ TEST(CheckConfig, AGripperThatCannotBeMeasuredAsItIsConfiguredIsTold) {
   EXPECT_THAT(Wrong(config), HasSubstr("open and closed are swapped"));
 }
 
-// What is noticed first is the gripper, which is measured.
+// The gripper, which is measured, fails first.
 TEST(CheckConfig, MeasuringAGripperNamesTheGainThatItFailsBy) {
   RobotConfig config = Rc7();
   config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kp = 5e9});

@@ -81,7 +81,7 @@ class Robot::State : public SceneObserver {
   void RefreshChains();
   // State of the arm into the ports, and readings of the force-torque sensors.
   void ReadPorts();
-  // Where a teleport puts the arm beyond its limits the log says so, the first time.
+  // Logs, the first time, that a teleport puts the arm beyond its limits.
   void TellBeyondLimits(const ArmGroup& arm, std::span<const double> q);
   // ClosedError when its bodies were removed with an object of the scene.
   void RequireBodies() const {

@@ -113,7 +113,7 @@ void ScratchRobot::State::PairBox(int own) {
   }
 }
 
-// Of boxes that are apart, contacts of a margin tell other distances, or are missing.
+// Contacts with a margin report wrong distances of separated boxes, or miss them.
 void ScratchRobot::State::MeasureBoxes() {
   const double horizon = model.opt.o_margin;
   mjData* d = data.get();
