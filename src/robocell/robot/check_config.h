@@ -1,5 +1,5 @@
-// Finds contradictions between a robot's file and its model: configurations that are valid by
-// themselves, but fail in a copy of the simulation. `robocell check` and every run call it.
+// What a robot's file says although its model does otherwise: valid by itself, and found by trying
+// the robot in a copy of the simulation. Asked by `robocell check` and before every run.
 //
 //   Problems problems(config.locations);
 //   CheckConfig(robot, problems);            // move_groups.gripper.distance, base.size
@@ -23,8 +23,8 @@ void CheckDistances(const Robot& robot, Problems& problems);
 // and openings. False when there is one.
 bool CheckHaveControllers(const Robot& robot, Problems& problems);
 
-// Adds a problem if the controller of the first arm does not take joint positions, which the
-// scripted expert sends. Other experts may command something else. Arms have controllers.
+// Adds the first arm when its controller takes something else than joint positions, which the
+// scripted expert sends. Other experts may command other things. Arms have controllers.
 void CheckTakesJointPositions(const Robot& robot, Problems& problems);
 
 }  // namespace robocell

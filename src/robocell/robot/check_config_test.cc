@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// Returns the problems of a configuration; "" for none.
+// What is wrong with a configuration; "" when nothing is.
 std::string Wrong(const RobotConfig& config) {
   Problems problems(config.locations);
   CheckConfig(RobotAlone(config), problems);
@@ -47,7 +47,7 @@ TEST(CheckConfig, AGripperThatCannotBeMeasuredAsItIsConfiguredIsTold) {
   EXPECT_THAT(Wrong(config), HasSubstr("open and closed are swapped"));
 }
 
-// The gripper, which is measured, fails first.
+// What is noticed first is the gripper, which is measured.
 TEST(CheckConfig, MeasuringAGripperNamesTheGainThatItFailsBy) {
   RobotConfig config = Rc7();
   config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kp = 5e9});

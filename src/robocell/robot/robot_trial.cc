@@ -35,7 +35,7 @@ constexpr double kShareOfRange = 0.25;                      // that a step has a
 constexpr double kShareMissing = 0.2;                       // of a step, that need not be reached
 constexpr double kSaturated = 0.98;                         // of what a servo may push with
 constexpr double kSlow = 0.4;                               // a servo's time constant, seconds
-constexpr double kExplains = 0.5;  // share of the shortfall that makes a cause
+constexpr double kExplains = 0.5;                           // of what is missing, for a cause
 
 // Why a joint is not where it should be, and what to do about it.
 struct Cause {
@@ -142,7 +142,7 @@ class ArmTrial {
     return holds;
   }
 
-  // Controllers of torques or velocities take no positions, and those of poses may choose others.
+  // A controller of torques or velocities is told no positions, and one of poses may choose others.
   bool TakesPositions() const {
     const TargetKind kind = robot_.controller(arm_.name()).target_kind();
     return kind == TargetKind::kJointPositions || kind == TargetKind::kJointSteps;
@@ -329,7 +329,7 @@ class ArmTrial {
     return cause;
   }
 
-  // Names gravity or damping if they explain it; otherwise only the measurement.
+  // Gravity or damping where they explain it; else only what is measured is told.
   Cause TooSoft(size_t i, int servo, double gravity, double off) const {
     const int dof = model()->jnt_dofadr[joints_[i]];
     const mjtNum* bias = model()->actuator_biasprm + mjNBIAS * servo;
