@@ -127,7 +127,7 @@ bool IsName(const std::string& attribute) {
   return kNames.contains(attribute);
 }
 
-// Whether a text is a list of numbers, not all of them numbers.
+// Returns true if a text is a list of numbers, not all of them numbers.
 bool HasNan(const std::string& text) {
   bool found = false;
   std::istringstream words(text);

@@ -27,7 +27,7 @@ class SoftAssets {
   // That colours this; null for none.
   const SoftTexture* TextureOf(const mjvGeom& geom) const;
   const SoftTexture* Sky() const;
-  // Whether the texture of this is sized in metres, and how often it repeats.
+  // Returns true if the texture of the geom is sized in metres, and how often it repeats.
   bool TextureIsUniform(const mjvGeom& geom) const;
   void TextureRepeat(const mjvGeom& geom, float repeat[2]) const;
 

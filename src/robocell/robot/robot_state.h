@@ -159,7 +159,7 @@ class Robot::State : public SceneObserver {
   std::vector<GroupSlot*> OfKind(MoveGroupKind kind) const;
   // The body that the arm's last joint moves; -1 when it has no joints of the model.
   int LastLink(const GroupSlot& arm) const;
-  // Whether one of the gripper's joints hangs on the arm's last link.
+  // Returns true if one of the gripper's joints hangs on the arm's last link.
   bool Carries(const GroupSlot& arm, const GroupSlot& gripper) const;
   // The first arm that carries it; null for none.
   GroupSlot* CarrierOf(const GroupSlot& gripper) const;

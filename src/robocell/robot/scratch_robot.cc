@@ -17,7 +17,7 @@ namespace {
 
 bool IsStill(const mjModel* m, int body) { return m->body_dofnum[m->body_weldid[body]] == 0; }
 
-// Whether the engine looks for contacts of two geoms (its filters of mj_collision).
+// Returns true if the engine looks for contacts of two geoms (its filters of mj_collision).
 bool MayCollide(const mjModel* m, int a, int b) {
   if (!(m->geom_contype[a] & m->geom_conaffinity[b]) &&
       !(m->geom_contype[b] & m->geom_conaffinity[a]))

@@ -35,7 +35,8 @@ inline bool IsPositionServo(const mjsActuator* actuator) {
   return ActuatorKind(actuator) == CtrlMode::kPosition;
 }
 
-// Whether it acts on one joint, not through a tendon or at a site (as in mujoco/actuators.h).
+// Returns true if it acts on one joint, not through a tendon or at a site (as in
+// mujoco/actuators.h).
 bool ActsOnJoint(const mjsActuator* actuator);
 
 // "a motor", "a servo that integrates its control", "without effect, as its gear is 0"

@@ -103,7 +103,7 @@ class SceneCacheEntry {
     return Fingerprint(rest) + "\n" + rest;
   }
 
-  // Whether the text is whole.
+  // Returns true if the text is whole.
   static bool IsWhole(std::string_view text) {
     const std::string_view fingerprint = CutLine(text);
     return fingerprint == Fingerprint(text);

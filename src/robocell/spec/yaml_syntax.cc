@@ -170,7 +170,7 @@ std::string OutOfPlace(const std::vector<std::string_view>& lines, TextPlace at)
          "column, what belongs to a field further to the right";
 }
 
-// Whether a bracket stands directly behind a colon: a text to the parser, no value.
+// Returns true if a bracket stands directly behind a colon: a text to the parser, no value.
 bool IsBehindColon(const std::vector<std::string_view>& lines, TextPlace bracket) {
   const std::string_view line = LineAt(lines, bracket);
   const auto column = static_cast<size_t>(bracket.column);
