@@ -45,8 +45,7 @@ Schema ReadSchema() {
   return schema;
 }
 
-// What may have been meant instead of a file that is not there, beside it: " Did you mean
-// 'assets.xml'?"
+// Suggests files beside a missing one: " Did you mean 'assets.xml'?"
 std::string FilesBeside(const std::string& model, const std::string& missing) {
   namespace fs = std::filesystem;
   const fs::path wanted = fs::path(model).parent_path() / missing;

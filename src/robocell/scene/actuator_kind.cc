@@ -14,7 +14,7 @@
 namespace robocell {
 namespace {
 
-// What of an actuator says how it drives.
+// The parameters of an actuator that determine how it drives.
 struct DriveLaw {
   int gain_type, bias_type, dynamics, inputs;
   double gain;
