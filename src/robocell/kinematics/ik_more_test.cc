@@ -537,7 +537,7 @@ TEST(IkMoreOptions, MakeSense) {
   refused({.position_weights = {1, -1, 1}}, "position_weights holds -1; each must be 0 (any value");
   refused({.rotation_weights = {1, NAN, 1}}, "rotation_weights holds nan");
   refused({.position_weights = {0, 0, 0}, .rotation_weights = {0, 0, 0}},
-          "all weights are 0; nothing is asked for");
+          "all weights are 0, so that the target has no residual");
   refused({.position_only = true, .axis = Vector3d::UnitX()},
           "position_only and axis contradict each other; leave one out");
   refused({.rotation_weights = {1, 1, 0}, .axis = Vector3d::UnitX()},

@@ -161,7 +161,7 @@ std::string NanProblem(const std::string& file) {
   for (std::sregex_iterator at(xml.begin(), xml.end(), attribute), end; at != end; ++at) {
     if (IsName((*at)[1]) || !HasNan((*at)[2])) continue;
     const auto line = 1 + std::count(xml.begin(), xml.begin() + at->position(), '\n');
-    return fmt::format("{}{}=\"{}\" is no number. {}", Place(file, std::to_string(line)),
+    return fmt::format("{}{}=\"{}\" is not a number. {}", Place(file, std::to_string(line)),
                        (*at)[1].str(), (*at)[2].str(), next);
   }
   return fmt::format("{}a number of the model, or of a file that it includes, is NaN. {}",
