@@ -25,7 +25,7 @@ bool Means(const std::string& name, const fs::path& path) {
   }
 }
 
-// What the file would be called if it were a built-in one or of the Menagerie.
+// The names that the file would have as a built-in model or one of the Menagerie.
 std::vector<std::string> Candidates(const fs::path& path) {
   const std::string robot = path.parent_path().filename().string();
   const std::string file = path.filename().string();

@@ -5,8 +5,8 @@
 namespace robocell {
 namespace {
 
-// Sines of the angle between two axes. Below the first they are parallel: what is left is rounding.
-// Below the second their common normal is too far away.
+// Sines of the angle between two axes. Below the first they are parallel, up to rounding. Below the
+// second their common normal is too far away.
 constexpr double kParallel = 1e-14, kNearlyParallel = 0.02;
 
 double AngleOf(const Eigen::Vector3d& direction, const Transform& frame) {

@@ -277,7 +277,7 @@ TEST_F(CheckRobotFile, ControllersThatTakeNoJointPositionsAreToldWithThoseThatDo
         [&] { CheckRun(run); },
         fmt::format("{}robot.control.arm: the scripted expert sends the arm joint positions, and "
                     "'{}' takes {}; choose joint_position, relative_joint_position or "
-                    "joint_impedance (an expert of your own may command other things)",
+                    "joint_impedance (an expert of your own may use other commands)",
                     PlaceOf(control), control, takes));
     EXPECT_NO_THROW(CheckRun(run, {.scripted_expert = false}));
   }
