@@ -40,5 +40,6 @@ NB_MODULE(_core, m) {
   BindDataset(m);
   BindData(m);
   BindRollout(m);
+  BindEnvRecorder(m);
   ExplainArgumentErrors(m);
 }

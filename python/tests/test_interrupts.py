@@ -8,11 +8,13 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robocell as rc
+from robocell.data import EnvRecorder, replay_actions
 from robocell.gym import VectorGymEnv, pick_cube_config
 from test_experts import Idle, load
 from test_robot import cell
@@ -75,18 +77,19 @@ def test_waiting_for_real_time_ends():
     env.close()
 
 
-def test_a_replay_ends():
+def test_a_replay_ends(tmp_path: Path):
+    stay = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}}
+    quick = rc.Env(pick_cube_config())
+    with EnvRecorder(quick, tmp_path):
+        quick.reset(seed=0)
+        quick.step(stay)
+    quick.close()
     sim = {"async_control": True, "frequency": 1e-3, "on_collision": "report"}
     env = rc.Env(pick_cube_config(sim=sim))
-    env.reset(seed=0)
-    env.start_record()
-    nothing = env.stop_record()
-    stay = [[0, 0, 0, 0, 0, 0, 1, 1]]
-    record = rc.envs.EnvRecord(nothing.start, stay, np.tile(nothing.observations, (2, 1)), [0])
     with interrupted():
-        env.replay(record)
+        replay_actions(env, rc.Dataset(tmp_path)[0])
     with pytest.raises(rc.Error, match="call reset to go on"):
-        env.step({"robot": {"tquat": stay[0][:7], "gripper": 1}})
+        env.step(stay)
     env.close()
 
 

@@ -51,6 +51,8 @@
 #include "robocell/robot/collision_filter.h"
 #include "robocell/robot/robot.h"
 #include "robocell/rollout/check_run.h"
+#include "robocell/rollout/env_of_episode.h"
+#include "robocell/rollout/env_recorder.h"
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/recorded_scene.h"
 #include "robocell/rollout/replay.h"

@@ -158,6 +158,23 @@ DatasetLock DatasetLock::Writing(const fs::path& dataset) {
   return lock;
 }
 
+DatasetLock DatasetLock::Numbering(const fs::path& dataset, const std::string& prefix) {
+  DatasetLock lock = Writing(dataset);
+  const std::string name = kWhole + "." + prefix;
+  const fs::path path = dataset / name;
+  CreateIfMissing(path);
+  std::optional<FileLock> own = TryPatiently(path, LockKind::kExclusive);
+  if (!own) {
+    throw IoError(
+        fmt::format("episodes '{}-...' of '{}' are being written{}. Wait until that is "
+                    "over, or choose another prefix",
+                    prefix, dataset.string(), By(Holders(dataset, name))));
+  }
+  WriteOwner(path);
+  lock.held_.push_back(std::move(*own));
+  return lock;
+}
+
 DatasetLock DatasetLock::Alone(const fs::path& dataset) {
   DatasetLock lock(dataset);
   lock.held_.push_back(Take(dataset, kWriters, LockKind::kExclusive));

@@ -15,7 +15,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTolerance = 1e-5;
+constexpr double kObjectiveTolerance = 1e-5;
 
 enum class Joints { kWithSlides, kTinyLimits, kLocked, kWholeTurns };
 
@@ -134,8 +134,8 @@ class IkObjectives : public testing::TestWithParam<std::tuple<int, Joints>> {
     }
     if (!success) return;
     const auto [position, rotation] = ErrorsOf(targets_[b], q, objective.options);
-    EXPECT_LE(position, 1.0001 * kTolerance) << what;
-    EXPECT_LE(rotation, 1.0001 * kTolerance) << what;
+    EXPECT_LE(position, 1.0001 * kObjectiveTolerance) << what;
+    EXPECT_LE(rotation, 1.0001 * kObjectiveTolerance) << what;
     if (objective.options.filter) {
       EXPECT_TRUE(FilterKeeps(q)) << what;
     }

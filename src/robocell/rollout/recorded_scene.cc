@@ -131,6 +131,13 @@ SceneSpec RecordedScene(const Episode& episode) {
         "have one",
         episode.folder().string()));
   }
+  if (metadata.contains("environment") && metadata["environment"].value("saved_scene", false)) {
+    throw ArgumentError(fmt::format(
+        "episode '{}': its scene was a saved file (saved_scene), which the dataset does not keep; "
+        "replay it in an environment of that file: ReplayActions, env.replay(episode), or "
+        "`robocell replay --env FILE`",
+        episode.folder().string()));
+  }
   SceneSpec scene = FromYamlUnchecked<SceneSpec>(metadata["scene_spec"].get<std::string>());
   RestoreEngine(metadata, scene, fmt::format("episode '{}'", episode.folder().string()));
   const Models models(episode);
