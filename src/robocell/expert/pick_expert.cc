@@ -13,7 +13,7 @@
 #include "robocell/robot/unused_groups.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/spec/pick_task_config.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_candidates.h"
 

@@ -18,7 +18,7 @@
 #include "robocell/rollout/plan.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/support.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
 #include "robocell/spec/spec_bytes.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/sampler_kind.h"

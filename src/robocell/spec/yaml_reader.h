@@ -22,8 +22,8 @@
 #include <yaml-cpp/yaml.h>
 
 #include "robocell/base/names.h"
-#include "robocell/spec/any_key.h"
 #include "robocell/spec/element_ref.h"
+#include "robocell/spec/locations.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/task_spec.h"

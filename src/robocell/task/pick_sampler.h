@@ -14,6 +14,8 @@
 
 namespace robocell {
 
+class TaskKind;
+
 class PickTaskSampler : public StartSampler {
  public:
   // SpecError for a run of a task that picks nothing up.
@@ -45,5 +47,9 @@ class PickTaskSampler : public StartSampler {
 
   PickRun pick_;
 };
+
+// The kinds of tasks `pick` and `pick_and_place`, for the registry of kinds (task_kind.h).
+std::shared_ptr<const TaskKind> MakePickKind();
+std::shared_ptr<const TaskKind> MakePickAndPlaceKind();
 
 }  // namespace robocell

@@ -13,7 +13,7 @@
 #include "robocell/scenes/object_places.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/settle.h"
-#include "robocell/spec/problem_lines.h"
+#include "robocell/spec/problems.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/task_kind.h"
 

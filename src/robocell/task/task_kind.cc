@@ -8,7 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/names.h"
-#include "robocell/task/pick_kind.h"
+#include "robocell/task/pick_sampler.h"
 #include "robocell/task/start_sampler.h"
 
 namespace robocell {

@@ -1,4 +1,4 @@
-#include "robocell/data/lost_episodes.h"
+#include "robocell/data/dataset_reports.h"
 
 #include <algorithm>
 #include <set>
@@ -6,11 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/base/folder_names.h"
+#include "robocell/base/files.h"
+#include "robocell/base/hash.h"
 #include "robocell/base/real_file.h"
+#include "robocell/data/dataset.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
-#include "robocell/data/report_origin.h"
 #include "robocell/data/self_hashed_json.h"
 
 namespace robocell {
@@ -86,6 +87,23 @@ std::vector<std::string> LostEpisodes(const fs::path& dataset) {
   const Present present(dataset);
   std::erase_if(told, [&](const std::string& id) { return present.Has(id); });
   return {told.begin(), told.end()};
+}
+
+using nlohmann::json;
+
+std::optional<std::string> OtherRunOf(const std::string& report,
+                                      const std::filesystem::path& dataset) try {
+  const std::optional<std::string> manifest = ReadManifest(dataset);
+  if (!manifest) return std::nullopt;
+  const json account = json::parse(report), own = json::parse(*manifest);
+  if (!account.contains("identity") || !own.contains("identity")) return std::nullopt;
+  if (account.at("identity") == Sha256(own.at("identity").get<std::string>())) return std::nullopt;
+  const auto run = account.find("run");
+  return run != account.end() && run->is_string() ? run->get<std::string>() : "";
+} catch (const IoError&) {
+  return std::nullopt;
+} catch (const json::exception&) {
+  return std::nullopt;
 }
 
 }  // namespace robocell

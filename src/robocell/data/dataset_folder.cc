@@ -1,4 +1,4 @@
-#include "robocell/data/require_dataset.h"
+#include "robocell/data/dataset_folder.h"
 
 #include <fmt/format.h>
 
@@ -9,16 +9,59 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/folder_names.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/names.h"
+#include "robocell/base/real_file.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/data/model_store.h"
-#include "robocell/data/quarantine.h"
 
 namespace robocell {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool Is(const fs::path& path, std::initializer_list<fs::file_type> types) {
+  std::error_code ignored;
+  const fs::file_type type = fs::symlink_status(path, ignored).type();
+  for (const fs::file_type each : types) {
+    if (type == each) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+std::vector<ForeignThing> NotOwn(const fs::path& dataset) {
+  std::vector<ForeignThing> found;
+  const auto add = [&](const fs::path& path) {
+    found.push_back({path.lexically_relative(dataset).generic_string(), WhatIsAt(path)});
+  };
+  for (const std::string_view name : {kModelsFolder, kQuarantineFolder, kLogsFolder}) {
+    const fs::path folder = dataset / name;
+    if (!Is(folder, {fs::file_type::directory, fs::file_type::not_found})) add(folder);
+  }
+  if (!Is(dataset / kLogsFolder, {fs::file_type::directory})) return found;
+  std::error_code error;  // logs come and go beside us
+  for (fs::recursive_directory_iterator it(dataset / kLogsFolder, error), end; !error && it != end;
+       it.increment(error)) {
+    if (!Is(it->path(),
+            {fs::file_type::regular, fs::file_type::directory, fs::file_type::not_found}))
+      add(it->path());
+  }
+  return found;
+}
+
+void RequireOwnFolders(const fs::path& dataset) {
+  for (const ForeignThing& thing : NotOwn(dataset)) {
+    throw IoError(
+        fmt::format("cannot use '{}': it is {}, so what is written into it would leave the "
+                    "dataset. Remove it, or put what it leads to there itself",
+                    (dataset / thing.name).string(), thing.what));
+  }
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -60,6 +103,23 @@ void RequireDataset(const fs::path& folder) {
   throw ArgumentError(
       fmt::format("'{}' is no dataset: it has neither a dataset.json nor episodes, {}{}",
                   folder.string(), holds, NearestDataset(folder, names)));
+}
+
+namespace fs = std::filesystem;
+
+std::string Quarantine(const fs::path& dataset, const std::string& name) {
+  const fs::path folder = dataset / kQuarantineFolder;
+  std::error_code error;
+  RequireRealFolder(folder);
+  fs::create_directory(folder, error);
+  if (error) ThrowIoError("create", folder, error.value());
+  const std::string own = fs::path(name).filename().string();
+  std::string target = own;
+  for (int i = 1; fs::exists(fs::symlink_status(folder / target)); ++i)
+    target = fmt::format("{}.{}", own, i);
+  fs::rename(dataset / name, folder / target, error);
+  if (error) ThrowIoError("move aside", dataset / name, error.value());
+  return target;
 }
 
 }  // namespace robocell
