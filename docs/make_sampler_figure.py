@@ -25,10 +25,10 @@ def starts(run: rc.RunConfig) -> tuple[np.ndarray, np.ndarray, int]:
     places, headings, refused = [], [], 0
     for episode in range(STARTS):
         start = sampler.sample(
-            rc.SampleRequest(scene=0, episode=episode, attempt=0),
-            rc.Rng.stream(episode, "figure"),
+            rc.tasks.SampleRequest(scene=0, episode=episode, attempt=0),
+            rc.tasks.Rng.stream(episode, "figure"),
         )
-        if isinstance(start, rc.Refusal):
+        if isinstance(start, rc.tasks.Refusal):
             refused += 1
             continue
         target = start.scene.body_pose(body_of(start.scene, start.target_object))

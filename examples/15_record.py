@@ -53,7 +53,9 @@ def main() -> None:
     shutil.rmtree(dataset, ignore_errors=True)
     config = rc.EnvConfig.load(rc.models.cell_file("rc7"))
     config.cameras.resolution = [320, 240]
-    config.cameras.streams.append(rc.CameraConfig(name="exo", camera="robotrobot_exo_camera"))
+    config.cameras.streams.append(
+        rc.render.CameraConfig(name="exo", camera="robotrobot_exo_camera")
+    )
 
     for name in record(config, dataset):
         episode = rc.Dataset(dataset)[name]
@@ -61,12 +63,12 @@ def main() -> None:
         size = np.ptp(tool, axis=0)
         print(f"{name}: {len(episode)} steps, {episode.end_reason}")
         print(f"  the tool went {size[1]:.2f} m across and {size[2]:.2f} m up")
-        assert rc.check_replay(episode, 0).ok, "the controls give the same states"
+        assert rc.data.check_replay(episode, 0).ok, "the controls give the same states"
         assert replay_actions(env_of_episode(episode), episode).ok, "and the actions the same"
-    assert rc.verify(dataset).ok
+    assert rc.data.verify(dataset).ok
     print("replayed: the same to the bit")
     frames = [rc.Dataset(dataset)[0].frame("exo", i) for i in (0, STEPS // 4, STEPS // 2)]
-    rc.write_png(str(folder / "picture.png"), np.concatenate(frames, axis=1))
+    rc.render.write_png(str(folder / "picture.png"), np.concatenate(frames, axis=1))
 
 
 if __name__ == "__main__":

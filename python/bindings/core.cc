@@ -2,7 +2,7 @@
 // the package robocell, which re-exports it.
 #include "argument_errors.h"
 #include "bindings.h"
-#include "ik_wishes.h"
+#include "ik_objectives.h"
 #include "scene_cycles.h"
 #include "robocell/mujoco/version.h"
 

@@ -32,8 +32,8 @@ nb::object Method(nb::handle self, const char* name) {
               ClassName(self) + " does not");
 }
 
-// The numbers that a method returned. Of another shape they would mean something else, however many
-// they are; nothing is nothing in any shape.
+// Reads the numbers that a method returned. A wrong shape is an error, even with the right count;
+// an empty array is accepted in any shape.
 std::vector<double> NumbersOf(nb::handle self, const char* name, nb::handle numbers,
                               const std::vector<size_t>& expected) {
   std::vector<size_t> shape;
@@ -61,7 +61,7 @@ double Finite(nb::handle self, const char* name, double value) {
       fmt::format("{}.{}() must return a finite number, got {}", ClassName(self), name, value));
 }
 
-// What the method returned for these arguments.
+// Returns what the method returned for these arguments.
 template <class T, class... Args>
 T Ask(const WrittenInPython& group, const char* name, const Args&... args) {
   const nb::gil_scoped_acquire gil;
@@ -69,7 +69,7 @@ T Ask(const WrittenInPython& group, const char* name, const Args&... args) {
   return Returned<T>(self, name, Method(self, name)(args...));
 }
 
-// The same for numbers that C++ goes on with.
+// The same for numbers that C++ uses.
 template <class... Args>
 double AskNumber(const WrittenInPython& group, const char* name, const Args&... args) {
   const nb::gil_scoped_acquire gil;

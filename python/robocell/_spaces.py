@@ -1,4 +1,4 @@
-"""The schema of an environment as Gymnasium's spaces."""
+"""Converts the schema of an environment to Gymnasium's spaces."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from gymnasium import spaces
 
 from robocell._core import CameraConfig, EnvConfig, Feature
 
-FAR = 1e6  # nothing is farther, in pixels, metres or seconds
+FAR = 1e6  # upper bound for pixels, metres and seconds
 
 
 Part = tuple[tuple[str, ...], int, int]  # keys, first number, how many
@@ -19,7 +19,7 @@ Part = tuple[tuple[str, ...], int, int]  # keys, first number, how many
 def space_of(
     features: Sequence[Feature], parts: Sequence[Part], frames: spaces.Space[Any] | None = None
 ) -> spaces.Dict:
-    """Features as a space of dictionaries, which has each at its path."""
+    """Returns a space of dictionaries that has each feature at its path."""
     tree: dict[str, Any] = {}
     for feature, (path, _, _) in zip(features, parts, strict=True):
         at = tree
@@ -47,7 +47,7 @@ def _image(shape: tuple[int, ...], low: int, high: int, dtype: type) -> spaces.S
 
 
 def _frame_space(config: EnvConfig, stream: CameraConfig) -> spaces.Space[Any]:
-    """What a stream's part of an observation is; ``intrinsics`` are in pixels."""
+    """Returns the space of one stream; ``intrinsics`` are in pixels."""
     wide, high = config.cameras.resolution
     size = (stream.height or int(high), stream.width or int(wide))
     frame: dict[str, spaces.Space[Any]] = {"time": spaces.Box(0, FAR, (1,), np.float64)}
@@ -61,7 +61,7 @@ def _frame_space(config: EnvConfig, stream: CameraConfig) -> spaces.Space[Any]:
 
 
 def frame_space(config: EnvConfig) -> spaces.Space[Any] | None:
-    """What the streams' part of an observation is; None without streams."""
+    """Returns the space of all streams, None without any."""
     if not config.cameras.streams:
         return None
     return spaces.Dict({s.name: _frame_space(config, s) for s in config.cameras.streams})

@@ -1,4 +1,4 @@
-"""Tasks and experts of your own, known by a name: in run files, environments and on all workers.
+"""Registers tasks and experts of your own by name, for run files, environments and all workers.
 
     @register_task("stack")
     class Stack(Task):
@@ -30,17 +30,21 @@ from typing import Any, TypeVar
 
 from robocell._core import (
     ArgumentError,
+    BasePlacement,
     BaseRange,
     EpisodeStart,
     Expert,
     PickAndPlacePlanner,
     PickAndPlaceTaskConfig,
+    PickPlanner,
     PickTask,
     PickTaskConfig,
     PickTaskSampler,
     Refusal,
     RefusalReason,
+    Rng,
     SampleRequest,
+    Support,
     Task,
     TaskFields,
     TaskSampler,
@@ -49,27 +53,33 @@ from robocell._core import (
     _register_expert,
     _register_task,
     expert_kinds,
+    object_kinds,
     task_kinds,
 )
 
 __all__ = [
+    "BasePlacement",
     "BaseRange",
     "EpisodeStart",
     "Expert",
     "PickAndPlacePlanner",
     "PickAndPlaceTaskConfig",
+    "PickPlanner",
     "PickTask",
     "PickTaskConfig",
     "PickTaskSampler",
     "Refusal",
     "RefusalReason",
+    "Rng",
     "SampleRequest",
+    "Support",
     "Task",
     "TaskFields",
     "TaskSampler",
     "TaskSetting",
     "TaskVerdict",
     "expert_kinds",
+    "object_kinds",
     "register_expert",
     "register_task",
     "task_kinds",
@@ -82,17 +92,17 @@ ExpertClass = TypeVar("ExpertClass", bound=Callable[..., Expert])
 def register_task(
     kind: str, *, fields: type[Any] | None = None
 ) -> Callable[[TaskClass], TaskClass]:
-    """Makes a class known as a kind of task, for run files and environments of this process.
+    """Registers a class as a kind of task, for run files and environments of this process.
 
     Args:
-        kind: Its name in `task: {kind: ...}`.
+        kind: Name of the task in `task: {kind: ...}`.
         fields: A dataclass whose fields, all with defaults, the configuration may set: bools,
             numbers, texts, and lists of numbers or texts. Default: the class `Fields` inside the
             task's class; without one the task has no fields.
 
     The task is made as `cls(fields)`, or `cls()` without fields. Registering a name again replaces
-    it, as when a notebook's cell is run again; robocell's own kinds cannot be replaced
-    (ArgumentError). A function that returns a Task will do in the place of the class.
+    it, for example when a notebook's cell is run again. Replacing one of robocell's own kinds
+    raises ArgumentError. A function that returns a Task may stand in place of the class.
     """
     if not isinstance(kind, str) or not kind:
         raise ArgumentError("register_task: `kind` must be a name that is not empty")
@@ -113,11 +123,12 @@ def register_task(
 def register_expert(
     kind: str, *, files: Sequence[str | Path] = ()
 ) -> Callable[[ExpertClass], ExpertClass]:
-    """Makes a class known as the expert that demonstrates the task of this kind.
+    """Registers a class as the expert that demonstrates the task of this kind.
 
-    It is made as `cls(run, start)` for each rollout: the RunConfig and the EpisodeStart.
-    Registering a name again replaces it; robocell's own cannot be replaced (ArgumentError). `files`
-    are what it acts from beside its code, such as weights: a dataset remembers what they hold.
+    The expert is made as `cls(run, start)` for each rollout, from the RunConfig and the
+    EpisodeStart. Registering a name again replaces it; replacing one of robocell's own raises
+    ArgumentError. `files`: files that the expert uses beside its code, such as weights; a dataset
+    records their content.
     """
     if not isinstance(kind, str) or not kind:
         raise ArgumentError("register_expert: `kind` must be a name that is not empty")
@@ -137,14 +148,14 @@ def register_expert(
 def _maker(
     maker: Callable[..., Task], fields: type[Any] | None
 ) -> Callable[[dict[str, Any]], Task]:
-    """What C++ calls with the values of the fields."""
+    """Returns the function that C++ calls with the values of the fields."""
     if fields is None:
         return lambda _values: maker()
     return lambda values: maker(fields(**values))
 
 
 def _defaults(kind: str, fields: type[Any] | None) -> list[tuple[str, Any, str]]:
-    """Name, default and documentation of each field."""
+    """Returns name, default and documentation of each field."""
     if fields is None:
         return []
     if not dataclasses.is_dataclass(fields):
@@ -169,9 +180,9 @@ def _defaults(kind: str, fields: type[Any] | None) -> list[tuple[str, Any, str]]
 
 
 def code_of(maker: object, files: Sequence[str | Path] = ()) -> Callable[[], list[str]]:
-    """The files that define it, asked for when a dataset is begun or checked.
+    """Returns a function that lists the files of the code when a dataset is begun or checked.
 
-    `files` are others that it acts from, such as weights.
+    `files` are further files that it uses, such as weights.
     """
     while isinstance(maker, functools.partial):
         maker = maker.func
@@ -181,9 +192,9 @@ def code_of(maker: object, files: Sequence[str | Path] = ()) -> Callable[[], lis
 
 
 def own_sources(module: str | None) -> list[Path]:
-    """The source files of a module and of the modules that it imports, installed ones left out.
+    """Returns the source files of a module and its imports, except installed ones.
 
-    What is not installed is what a user edits: files outside of Python's own folders and
+    Not installed are the files that a user edits: outside of Python's own folders and
     site-packages. Imports anywhere in the sources count, and where values come from.
     """
     found: dict[Path, None] = {}
@@ -211,7 +222,7 @@ def own_sources(module: str | None) -> list[Path]:
 
 
 def _file_of(module: str) -> Path | None:
-    """Where a module is loaded from, or would be; None for what has no file."""
+    """Returns the file that a module is or would be loaded from; None without a file."""
     loaded = sys.modules.get(module)
     if loaded is not None:
         file = getattr(loaded, "__file__", None)
@@ -224,7 +235,7 @@ def _file_of(module: str) -> Path | None:
 
 
 def _imports_of(file: Path, name: str) -> list[str]:
-    """Names that a source imports, whether it does so at its top or in a function."""
+    """Returns the names that a source imports, at its top or in a function."""
     try:
         tree = ast.parse(file.read_bytes())
     except (SyntaxError, ValueError, OSError):

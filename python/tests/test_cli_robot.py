@@ -261,12 +261,14 @@ def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: 
     run = write_run(tmp_path, robot=str(robot))
     assert unfit in refused("generate", run)
     loaded = load_robot(robot)
-    reasons = robocell.why_no_picks(loaded.robot)
+    reasons = robocell.diagnose.why_no_picks(loaded.robot)
     assert len(reasons) == 1
     assert unfit in reasons[0]
     config = robocell.RunConfig.load(run)
     config.cameras.streams = []  # which are of rc7's cameras
-    robocell.check_run(config, scripted_expert=False, on_this_machine=False)  # is recorded without
+    robocell.generate.check_run(
+        config, scripted_expert=False, on_this_machine=False
+    )  # is recorded without
 
 
 def test_check_lists_keyframes(tmp_path: Path):

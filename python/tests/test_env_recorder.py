@@ -56,9 +56,9 @@ def test_an_episode_holds_what_was_seen_and_done(tmp_path: Path):
     features = {feature.name: feature for feature in episode.features}
     assert features["observation/robot/tquat"].frame == "shared base frame"
     assert features["action/robot/tquat"].role == "action"
-    assert rc.verify(tmp_path).ok
+    assert rc.data.verify(tmp_path).ok
     for each in dataset:
-        assert rc.check_replay(each, 0).ok
+        assert rc.data.check_replay(each, 0).ok
         assert replay_actions(env, each).ok
         assert replay_actions(env_of_episode(each), each).ok
     env.close()
@@ -122,7 +122,7 @@ def test_copies_of_a_vector_that_begin_anew_by_themselves(tmp_path: Path):
     alone = rc.Env(config())
     for episode in rc.Dataset(tmp_path):
         assert len(episode["time"]) == 2
-        assert rc.check_replay(episode, 0).ok
+        assert rc.data.check_replay(episode, 0).ok
         assert replay_actions(alone, episode).ok
     vector.close()
     alone.close()
@@ -204,8 +204,8 @@ def test_a_killed_process_leaves_whole_episodes_only(tmp_path: Path):
     )
     assert killed.returncode == -signal.SIGKILL
     assert rc.Dataset(tmp_path).ids == ["episode-000000"]
-    assert rc.verify(tmp_path).good == ["episode-000000"]
-    rc.remove_leftovers(tmp_path)
+    assert rc.data.verify(tmp_path).good == ["episode-000000"]
+    rc.data.remove_leftovers(tmp_path)
     env = rc.Env(config())
     with EnvRecorder(env, tmp_path) as recorder:
         env.reset()

@@ -40,7 +40,7 @@ def test_a_state_goes_on_in_another_environment():
     act(env)
     state = pickle.loads(pickle.dumps(env.get_state()))
     then = act(env)
-    other.set_state(rc.EnvState(state.numbers))
+    other.set_state(rc.envs.EnvState(state.numbers))
     same(act(other), then)
     with pytest.raises(rc.ArgumentError, match="must be one of world, root, got 'rot'"):
         other.set_state(state, frame="rot")
@@ -119,7 +119,7 @@ def test_states_that_are_no_numbers_change_nothing():
             numbers = whole.copy()
             numbers[i] = bad
             with pytest.raises(rc.ArgumentError) as told:
-                env.set_state(rc.EnvState(numbers))
+                env.set_state(rc.envs.EnvState(numbers))
             refused += f"'pick_cube': number {i} of the state is {bad}" in str(told.value)
             assert np.array_equal(env.get_state().numbers, whole)
     assert refused > len(indices)

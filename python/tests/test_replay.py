@@ -67,7 +67,7 @@ def test_the_first_difference_is_named_with_row_tick_and_joint(changed: Path):
 
 
 def test_the_difference_is_a_value_in_python(changed: Path):
-    report = robocell.check_replay(robocell.Dataset(changed)[IDS[1]])
+    report = robocell.data.check_replay(robocell.Dataset(changed)[IDS[1]])
     assert not report.ok
     assert (report.first.row, report.first.tick, report.first.column) == (9, 891, QPOS)
     assert report.first.recorded - report.first.replayed == pytest.approx(1e-6, rel=1e-3)
@@ -79,7 +79,7 @@ def test_the_difference_is_a_value_in_python(changed: Path):
 def test_the_scene_of_an_episode_is_read_with_the_folders_of_its_models(dataset: Path):
     # The demo's robot names its model relative to its own file.
     episode = robocell.Dataset(dataset)[IDS[0]]
-    scene = robocell.Scene.build(robocell.recorded_scene(episode))
+    scene = robocell.Scene.build(robocell.data.recorded_scene(episode))
     assert [robot.name for robot in scene.robots] == ["rc7"]
 
 

@@ -214,7 +214,7 @@ def test_a_command_with_nothing_to_do_is_not_listed(dataset: Path):
 
 
 def test_a_dataset_with_a_report_is_as_intact_as_one_without(dataset: Path):
-    verified = robocell.verify(dataset)
+    verified = robocell.data.verify(dataset)
     assert (verified.ok, verified.good, verified.others) == (
         True,
         IDS,
@@ -332,7 +332,7 @@ def test_a_run_that_fails_says_so_in_its_report(tmp_path: Path):
     (unmade,) = told.totals.unmade
     assert unmade.id == IDS[0]
     kind = reports.load(tmp_path / "out" / "report.json").episodes[IDS[0]].object_kind
-    assert kind in robocell.object_kinds()
+    assert kind in robocell.tasks.object_kinds()
     assert unmade.reason.startswith(f"robot 'rc7', object '{kind}': no success in ")
     assert unmade.reproduce.startswith("robocell generate ")
     assert "given up" in robocell_command("report", tmp_path / "out").stdout

@@ -37,7 +37,7 @@ def test_the_example_puts_objects_on_the_tray(tmp_path: Path):
         target = episode["objects/target/pose"][-1][:3]
         tray = episode["objects/goal/pose"][-1][:3]
         assert np.linalg.norm((target - tray)[:2]) < 0.03
-        assert rc.check_replay(episode).ok
+        assert rc.data.check_replay(episode).ok
     for file in sorted((tmp_path / "two").glob("s*/steps.h5")):
         assert file.read_bytes() == (tmp_path / "one" / file.parent.name / file.name).read_bytes()
 
@@ -56,7 +56,7 @@ def test_what_cannot_be_is_told_before_the_first_episode(tmp_path: Path, task: s
     assert message in refusal("generate", run_file(tmp_path, task), "--output", tmp_path / "out")
 
 
-class Counting(rc.PickAndPlacePlanner):
+class Counting(rc.tasks.PickAndPlacePlanner):
     """The built-in expert, counting its actions."""
 
     actions = 0
@@ -72,8 +72,8 @@ def test_the_expert_can_be_subclassed(tmp_path: Path):
     )
     run.output = str(tmp_path / "out")
     run.episodes_per_scene = 1
-    rc.prepare_dataset(run)
-    report = rc.Runner(run, expert=Counting).run(rc.make_plan(run)[0])
+    rc.generate.prepare_dataset(run)
+    report = rc.generate.Runner(run, expert=Counting).run(rc.generate.make_plan(run)[0])
     assert report.success
     assert Counting.actions >= len(rc.Dataset(run.output)[0]["phase"])
 

@@ -44,7 +44,7 @@ def test_twenty_picks_are_on_the_disk_and_intact(twenty: GeneratedRun):
         content = read_json(episode)
         assert content["success"] is True, episode.name
         assert content["warnings"] == [], episode.name
-    report = robocell.verify(twenty.dataset)
+    report = robocell.data.verify(twenty.dataset)
     assert report.ok, str(report)
     assert report.leftovers == []
 

@@ -184,7 +184,7 @@ def require_quarantine(
     """The good scenes' episodes are there, the others' are listed; the entries of those."""
     assert done.returncode == 1, done.stderr
     assert "Traceback" not in done.stderr
-    report = robocell.verify(folder / "out")
+    report = robocell.data.verify(folder / "out")
     assert report.ok, str(report)
     assert len(report.good) == len(GOOD)
     totals = json.loads((folder / "out/report.json").read_text())["commands"][0]["totals"]

@@ -90,12 +90,12 @@ def _environment(name: str) -> robocell.Env:
 
 
 def _report(
-    episode: robocell.Episode, tolerance: float, actions: bool, env: robocell.Env | None
-) -> robocell.ReplayReport:
+    episode: robocell.data.Episode, tolerance: float, actions: bool, env: robocell.Env | None
+) -> robocell.data.ReplayReport:
     if env is not None:
         return data.replay_actions(env, episode, tolerance=tolerance)
     if not actions:
-        return robocell.check_replay(episode, tolerance)
+        return robocell.data.check_replay(episode, tolerance)
     own = data.env_of_episode(episode)
     try:
         return data.replay_actions(own, episode, tolerance=tolerance)

@@ -41,7 +41,7 @@ class OnDisk:
     bytes: int
 
     @classmethod
-    def of(cls, episode: robocell.Episode) -> OnDisk:
+    def of(cls, episode: robocell.data.Episode) -> OnDisk:
         """Counts an episode."""
         described = cast(dict[str, Any], episode.json)
         files = sum(facts["bytes"] for facts in described["files"].values())

@@ -18,8 +18,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
-from robocell import Keep, NotFoundError, RunConfig, SpecError
+from robocell import NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file
+from robocell.generate import Keep
 
 
 @dataclass(frozen=True)

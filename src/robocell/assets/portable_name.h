@@ -10,7 +10,7 @@
 
 namespace robocell::assets {
 
-// Of a built-in model or one of the Menagerie, such that Resolve finds exactly this file.
+// Returns the name of a built-in or Menagerie model that Resolve maps to exactly this file.
 std::optional<std::string> PortableName(const std::string& path);
 
 }  // namespace robocell::assets

@@ -1,18 +1,17 @@
-// Where models are found. A model is named in one of these ways, tried in this order:
+// Finds models. A model is named in one of these ways, tried in this order:
 //   menagerie:ufactory_xarm7/xarm7.xml   the MuJoCo Menagerie (menagerie.h)
 //   /abs/path.xml                        that file
 //   relative/path.xml                    from the referring file's folder, then from the working
 //                                        folder, then below each root of ROBOCELL_MODEL_PATH
 //                                        (folders separated by ':')
 //   rc7, table, tabletop, ...            a built-in model by its name
-// A variable ROBOCELL_OVERRIDE_<NAME> puts a file of one's own in the place of the model of that
-// name (override.h).
+// A variable ROBOCELL_OVERRIDE_<NAME> replaces the model of that name by another file (override.h).
 //
 //   const std::string path = assets::Resolve("menagerie:ufactory_xarm7/xarm7.xml");
 //
-// A miss is a NotFoundError that lists where it was looked for and the command that fetches it.
-// Names below a root stay inside it: `..` and links that lead out are refused (ArgumentError).
-// Nothing is downloaded here. All functions read the file system and may be called from any thread.
+// NotFoundError lists where the search looked, and the command that fetches the model. Names below
+// a root stay inside it: `..` and links that lead out are rejected (ArgumentError). Nothing is
+// downloaded here. All functions read the file system and may be called from any thread.
 #pragma once
 
 #include <map>

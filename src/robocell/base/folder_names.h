@@ -1,4 +1,4 @@
-// What a folder holds, for telling about it and going through it.
+// Lists the entries of a folder, for messages and for iteration.
 #pragma once
 
 #include <filesystem>

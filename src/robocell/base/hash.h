@@ -22,7 +22,7 @@ class Sha256Stream {
   Sha256Stream& operator=(Sha256Stream&&) noexcept;
 
   void Update(std::string_view bytes);
-  // Of all bytes so far; more may follow.
+  // Returns the hash of all bytes so far; more may follow.
   std::string Hex() const;
 
  private:

@@ -1,4 +1,4 @@
-// Paths in commands that messages tell to run.
+// Quotes paths in the commands that messages contain.
 #pragma once
 
 #include <string>

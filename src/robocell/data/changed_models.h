@@ -15,8 +15,8 @@ namespace robocell {
 // without a readable dataset.json.
 std::map<std::string, std::string> ChangedModels(const std::filesystem::path& dataset);
 
-// Whether a stored model ("models/rc7-0123456789abcdef/rc7.xml") is there and has only files as
-// dataset.json lists them. False without a readable dataset.json.
+// Whether a stored model ("models/rc7-0123456789abcdef/rc7.xml") exists and has exactly the files
+// that dataset.json lists. False without a readable dataset.json.
 bool IsModelOfRun(const std::filesystem::path& dataset, const std::string& path);
 
 }  // namespace robocell

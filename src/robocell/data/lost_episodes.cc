@@ -11,7 +11,7 @@
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
 #include "robocell/data/report_origin.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 
 namespace robocell {
 namespace {

@@ -1,4 +1,4 @@
-// Episodes that somebody was told of, and that are gone: a copy that broke off, a removed folder.
+// Finds acknowledged episodes that are gone: an incomplete copy, a removed folder.
 #pragma once
 
 #include <filesystem>

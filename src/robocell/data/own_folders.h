@@ -14,7 +14,8 @@ struct ForeignThing {
   std::string what;  // "a link to '/etc'"
 };
 
-// What stands where robocell expects a folder of its own, or a log in it, and is none.
+// Lists entries that have the name of one of robocell's own folders, or of a log in it, but are
+// something else.
 std::vector<ForeignThing> NotOwn(const std::filesystem::path& dataset);
 
 // IoError names the first of them, what it is and the next step.

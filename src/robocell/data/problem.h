@@ -1,4 +1,4 @@
-// What is wrong with one file of a dataset.
+// A problem with one file of a dataset.
 #pragma once
 
 #include <exception>

@@ -1,4 +1,4 @@
-// Where a dataset keeps what is damaged, until somebody looks at it. Nothing is deleted.
+// Moves damaged files of a dataset to its quarantine folder. Nothing is deleted.
 #pragma once
 
 #include <filesystem>

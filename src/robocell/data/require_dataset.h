@@ -1,5 +1,5 @@
-// Is a folder a dataset? Before anything is read from it, so that one who gave the folder around
-// it, or one within it, is told which it is.
+// Checks that a folder is a dataset before anything is read from it. For a folder around or within
+// a dataset, the error names the dataset.
 #pragma once
 
 #include <filesystem>

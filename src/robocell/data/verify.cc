@@ -29,7 +29,7 @@
 #include "robocell/data/quarantine.h"
 #include "robocell/data/report_origin.h"
 #include "robocell/data/require_dataset.h"
-#include "robocell/data/signed_json.h"
+#include "robocell/data/self_hashed_json.h"
 #include "robocell/media/ffmpeg.h"
 
 namespace robocell {

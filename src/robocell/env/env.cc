@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/env/env_scene.h"
@@ -147,7 +147,7 @@ void Env::TellUndriven(const Robot& robot) const {
       "of each: {}, and no action or observation has them. Command them beside the steps with {}, "
       "or make each arm a robot of the environment, from one model with "
       "`alternative_combined_robot_mjcf`",
-      place(), robot.name(), unused, InBothLanguages("Robot::Apply")));
+      place(), robot.name(), unused, CppAndPythonName("Robot::Apply")));
 }
 
 void Env::Reset(const EnvResetOptions& options) {

@@ -291,7 +291,7 @@ TEST_P(IkPrefers, IsMetBetterThanByTheFirstSolution) {
   }
 }
 
-// Where the tip's task leaves joints to spare, nothing better is near: a step along any direction
+// Where the tip's task leaves redundant joints, nothing better is near: a step along any direction
 // that does not move the tip is no improvement.
 TEST_P(IkPrefersToSpare, IsMetAsWellAsTheJointsToSpareAllow) {
   for (const IkPrefer prefer : {IkPrefer::kPosture, IkPrefer::kAwayFromLimits}) {
@@ -496,7 +496,7 @@ TEST(IkSolutionsOfTwoLinks, AreBothElbows) {
   EXPECT_NEAR(Manipulability(chain, all[0].q), std::sqrt((j.transpose() * j).determinant()), 1e-12);
 }
 
-// One joint to spare: solutions all around the turn, which begins again half a turn from the seed.
+// One redundant joint: solutions all around the turn, which begins again half a turn from the seed.
 TEST(IkSolutionsOfThreeLinks, AreNotTheSameOnesATurnOn) {
   const TestModel t = TestModel::FromXml(
       "<mujoco><compiler angle='radian'/><worldbody><body name='base'><geom size='.1'/>"

@@ -161,7 +161,7 @@ TEST_P(ArmOfSixJoints, FindsAsManySolutionsAsAMuchLongerSearch) {
   EXPECT_EQ(missed, 0) << count;
 }
 
-// Without joints to spare the best is one of a few, and all of them are looked at.
+// Without redundant joints the best is one of a few, and all of them are looked at.
 TEST_P(ArmOfSixJoints, PrefersTheVeryNearestToTheSeedOrPosture) {
   int farther = 0;
   for (const Pose& target : Reached(100)) {

@@ -270,7 +270,7 @@ struct LaneStep {
     V3 linear, angular;
     V3 about;  // of a swing
     V distance2, turn2, cost;
-    V pull;  // on joints to spare
+    V pull;  // on redundant joints
   };
 
   template <bool kTask>

@@ -55,7 +55,7 @@ struct LaneTask {
   alignas(64) double to_axis[kMaxLanes] = {};
   // Joints take part in a step in proportion to this.
   double share[kMaxChainJoints] = {};
-  // What a joint to spare moves in a step: this part of the way to its goal. Where joints to spare
+  // What a redundant joint moves in a step: this part of the way to its goal. Where redundant joints
   // move, the others make up for it in proportion to `ease`, which compares a radian with a length.
   double part[kMaxChainJoints] = {}, ease[kMaxChainJoints] = {};
 
@@ -63,7 +63,7 @@ struct LaneTask {
   alignas(64) double linear[9][kMaxLanes] = {};
   alignas(64) double angular[9][kMaxLanes] = {};
   alignas(64) double goal[kMaxChainJoints][kMaxLanes] = {};
-  // 1 where joints to spare go to the goal, also after arrival; else 0.
+  // 1 where redundant joints go to the goal, also after arrival; else 0.
   alignas(64) double pull[kMaxLanes] = {};
 };
 

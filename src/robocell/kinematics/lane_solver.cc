@@ -11,7 +11,7 @@
 namespace robocell::internal {
 namespace {
 
-// Steps in which joints to spare go to their goal at most, and then at most to be at the target
+// Steps in which redundant joints go to their goal at most, and then at most to be at the target
 // again. Where the goal lies across the way that is open, the last part takes longest: after 20
 // steps one in ten is still on its way.
 constexpr int kStepsToGoal = 40, kStepsBack = 12;
@@ -26,7 +26,7 @@ struct Lane {
   int restarts_left = 0;
   bool goes_on = false;    // with more restarts than are allowed at first
   int age = 0, steps = 0;  // of this start, of all
-  bool settles = false;    // has arrived; its joints to spare are on their way
+  bool settles = false;    // has arrived; its redundant joints are on their way
   JointVector before;      // the last step of that
 };
 

@@ -33,12 +33,12 @@ class LaneQueue {
   virtual void Take(int number, const IkResult& answer) = 0;
   // Asked before a search starts again; false when no more answers are wanted.
   virtual bool GoesOn() { return true; }
-  // Before Take, where joints to spare were moved: the solution before that.
+  // Before Take, where redundant joints were moved: the solution before that.
   virtual void TakeUnmoved(int /*number*/, const IkResult& /*answer*/) {}
 };
 
 // Until the queue is empty and everything is answered. options.seed and options.filter have no
-// meaning here. With a preference, joints to spare go to its goal after arrival. Starts are those
+// meaning here. With a preference, redundant joints go to its goal after arrival. Starts are those
 // of lane_starts.h.
 void SolveLanes(const Chain& chain, const IkOptions& options, LaneQueue* queue);
 

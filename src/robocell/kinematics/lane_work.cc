@@ -129,7 +129,7 @@ void LaneWork::AskFor(int lane, int start) {
 }
 
 void LaneWork::Pull(int lane, const JointVector& goal) {
-  lane_task_->to_axis[lane] = 0;  // joints to spare may use the whole cone
+  lane_task_->to_axis[lane] = 0;  // redundant joints may use the whole cone
   for (int i = 0; i < chain_.n; ++i) lane_task_->goal[i][lane] = goal[i];
   lane_task_->pull[lane] = 1;
 }

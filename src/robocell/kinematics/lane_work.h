@@ -18,7 +18,7 @@ class LaneWork {
   const ChainModel& chain() const { return chain_; }
   const IkOptions& options() const { return options_; }
   const IkPreference& preference() const { return preference_; }
-  // Whether arrived lanes have joints to spare that go somewhere.
+  // Whether arrived lanes have redundant joints that go somewhere.
   bool settles() const { return settles_; }
 
   // The seed, or the middle of the limits without one; inside the limits but for locked joints.
@@ -39,7 +39,7 @@ class LaneWork {
   uint32_t Step(uint32_t busy) {
     return StepLanes(folded_, limits_, busy, &state_, lane_task_ ? &*lane_task_ : nullptr) & busy;
   }
-  // From now on the lane's joints to spare go to the preference's goal; or no longer.
+  // From now on the lane's redundant joints go to the preference's goal; or no longer.
   void Pull(int lane, const JointVector& goal);
   void LetGo(int lane) { lane_task_->pull[lane] = 0; }
   IkResult Judge(const Transform& target, const JointVector& q) const {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "robocell/kinematics/base_inertial_parameters.h"
 #include "robocell/kinematics/chain_model.h"
-#include "robocell/kinematics/felt_inertia.h"
 #include "robocell/kinematics/normal_frames.h"
 
 namespace robocell::internal {
@@ -59,7 +59,7 @@ bool IsPlain(const PoseTable& table) {
 }  // namespace
 
 PoseTable TabulatePoses(const ChainModel& chain) {
-  const ChainModel normal = WithFeltInertias(InNormalFrames(chain));
+  const ChainModel normal = WithBaseInertialParameters(InNormalFrames(chain));
   PoseTable table;
   table.n = normal.n;
   double mass = 0, weight = 0;

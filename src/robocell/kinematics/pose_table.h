@@ -33,7 +33,7 @@ struct PoseJoint {
   double translation[3] = {};
   double reference = 0;
   double turns = 1;  // 0 for a slide
-  // What is felt of the link (felt_inertia.h). Behind a hinge these are 0: both masses, z of both
+  // Base inertial parameters of the link (base_inertial_parameters.h). Behind a hinge these are 0: both masses, z of both
   // moments, and yy of the inertia, which is xx, yy, zz, xy, xz, yz.
   double mass = 0;
   double moment[3] = {};

@@ -13,7 +13,7 @@ namespace robocell::internal {
 namespace {
 
 // More are nearer and save steps, but what is read to rank them comes from farther memory. Without
-// joints to spare a pose has few solutions, and it takes more to have a start near each.
+// redundant joints a pose has few solutions, and it takes more to have a start near each.
 struct TableSize {
   int entries, cells_along_the_longest_side;
 };

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
 
@@ -95,7 +95,7 @@ int VideoRecorder::CameraId(std::string_view name) const {
 TrackingCamera VideoRecorder::TrackingAgain() const {
   if (tracked_.empty()) {
     throw ArgumentError(Place() + ": camera 'Tracking' has nothing to follow yet; " +
-                        InBothLanguages("SetTrackingCamera") + " says which body");
+                        CppAndPythonName("SetTrackingCamera") + " says which body");
   }
   TrackingCamera view = tracking_;
   view.body = RequireId(Model(), mjOBJ_BODY, tracked_, Place());

@@ -28,7 +28,7 @@ namespace robocell {
 class ActuatedGripper : public JointGroupOf<GripperGroup> {
  public:
   // `names.robot` is a robot of the scene; `config` uses names without its prefix. ArgumentError
-  // without an actuator or when the fingers cannot be told.
+  // without an actuator or if the fingers cannot be determined.
   ActuatedGripper(const Scene& scene, GroupNames names, MoveGroupConfig config);
 
   double opening() const override;
@@ -59,7 +59,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   // ArgumentError about a field of its configuration, with its place in the robot's file.
   [[noreturn]] void Fail(const char* field, const std::string& message) const;
   std::array<double, 2> Settled(const std::array<std::vector<double>, 2>& ctrl) const;
-  // Of each actuator, before measuring tells whether all are swapped.
+  // Control ends of each actuator, before measuring shows whether all are swapped.
   std::vector<GripperCtrl> Ends() const;
   // Of several actuators: which end of each brings the fingers farther apart, the others at home.
   // One that moves neither finger goes the way of the first that does.

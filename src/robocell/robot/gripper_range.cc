@@ -14,8 +14,8 @@
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/move_group.h"
-#include "robocell/robot/once_per_model.h"
 
 namespace robocell {
 namespace {
@@ -186,7 +186,7 @@ std::array<double, 2> SettledFingerDistances(const Scene& scene, const GripperPa
       "fingers of body {}: {}, {}; controls {}: {}, {}", parts.robot_body,
       FingerName(parts.pair.fingers[0]), FingerName(parts.pair.fingers[1]),
       fmt::join(parts.ctrl_addresses, " "), fmt::join(ctrl[0], " "), fmt::join(ctrl[1], " "));
-  const std::vector<double> distances = OncePerModel(*scene.compiled(), what, [&] {
+  const std::vector<double> distances = CachedMeasurement(*scene.compiled(), what, [&] {
     std::vector<double> ends;
     LookAtEnds(scene, parts, ctrl,
                [&](const mjModel*, const mjData*, double distance) { ends.push_back(distance); });

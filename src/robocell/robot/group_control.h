@@ -71,8 +71,8 @@ struct GroupControl : SceneObserver {
   void SettleFilters(std::span<const double> q);
   // Forgets what was commanded, and holds the group where it was put.
   void Reset();
-  // The group was teleported at this time of the scene: its actuators are told at once to hold it.
-  // What they apply is of the place before until the engine computes it anew.
+  // The group was teleported at this time of the scene: its actuators hold it there from now on.
+  // Their forces are those of the old place until the engine computes them again.
   void PlaceAt(double time);
   bool may_have_forces_of_before(double time) const { return placed_at_ == time; }
   // Calls `run` with this. A controller may replace itself meanwhile.
@@ -97,7 +97,7 @@ struct GroupControl : SceneObserver {
   void PutBack(Driven before);
 
  private:
-  // The group that is driven, where its servos can be told where they begin.
+  // The driven group, if the start of its servos can be set.
   ServoGroup* PositionServos() const;
   void Replace(std::shared_ptr<ControlledGroup> group, std::shared_ptr<Controller> next,
                MoveGroup* its_drive);

@@ -114,8 +114,8 @@ class GripperGroup : public MoveGroup {
   virtual double inter_finger_dist() const = 0;
   virtual Interval inter_finger_dist_range() const = 0;
   virtual bool is_open() const = 0;
-  // Both fingers touch `body` or parts of it (a full name); when empty, any one thing that can move
-  // and is not the robot. Contacts are those of the last step.
+  // Whether both fingers touch `body` or parts of it (a full name); if empty, any one body that can
+  // move and is not the robot. Contacts are those of the last step.
   virtual bool is_grasping(const std::string& body = "") const = 0;
 };
 

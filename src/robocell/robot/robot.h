@@ -163,10 +163,10 @@ class Robot {
   void SetJntVelCmd(std::span<const double> velocity);
   std::span<double> jnt_trq_cmd() const;
   void SetJntTrqCmd(std::span<const double> torque);
-  // Teleports the arm, re-seeds its port, tells its actuators to hold it there and updates the
-  // poses. Velocities stay. Positions beyond the limits are taken, for the limits are soft and push
-  // back: the log says so once. Without `call_forward` poses are updated when they are asked for,
-  // and all else by the next step.
+  // Teleports the arm, resets its port, lets its actuators hold it there and updates the poses.
+  // Velocities stay. Positions beyond the limits are accepted, because the limits are soft and push
+  // back; this is logged once. Without `call_forward` poses are updated on demand, and everything
+  // else by the next step.
   void SetJointPos(std::span<const double> q, bool call_forward = true);
 
   // Kinematics of the arm: from the root body (robot base frame) to the TCP. Made anew by a reset

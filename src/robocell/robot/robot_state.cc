@@ -8,8 +8,8 @@
 #include <set>
 #include <utility>
 
-#include "robocell/base/both_languages.h"
 #include "robocell/base/error.h"
+#include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
 #include "robocell/base/names.h"
 #include "robocell/mujoco/names.h"
@@ -433,13 +433,13 @@ GroupSlot& Robot::State::RequireKind(MoveGroupKind kind) {
   }
   const std::string next =
       is_of_chain()
-          ? "It was made of a chain by " + InBothLanguages("Robot::FromScene") +
+          ? "It was made of a chain by " + CppAndPythonName("Robot::FromScene") +
                 ", which makes an arm only: give the RobotSpec a `config` with this group, or "
                 "drive its actuators by their names with " +
-                InBothLanguages("Scene::SetActuatorCtrl")
+                CppAndPythonName("Scene::SetActuatorCtrl")
       : record.config.move_groups.empty()
           ? "Its configuration has none: declare one under `move_groups`, or use " +
-                InBothLanguages("Robot::FromScene")
+                CppAndPythonName("Robot::FromScene")
           : fmt::format("Declare one under `move_groups` with `kind: {}`", ToString(kind));
   throw NotFoundError(fmt::format("{}: has no {} group. Its groups: {}. {}", place(),
                                   ToString(kind), ListNames(group_names()), next));

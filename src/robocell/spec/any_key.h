@@ -1,5 +1,5 @@
-// Private to spec: how a SourceMap (locations.h) tells maps, whose keys are names of the user's,
-// from specs, whose fields are declared.
+// Private to spec: lets a SourceMap (locations.h) distinguish maps, whose keys are the user's
+// names, from specs, whose fields are declared.
 #pragma once
 
 #include <string_view>

@@ -1,6 +1,5 @@
-// Where the parts of a spec stood in its file. A spec that was read from a file carries its
-// locations, so that what turns out wrong later, when a scene is built, is told with
-// file:line:column.
+// The places of a spec's parts in its file. A spec that was read from a file carries its locations,
+// so that errors found later, when a scene is built, contain file:line:column.
 //
 //   robot.locations.At("move_groups.arm.joints[7]")  // "xarm7.yaml:11:28"
 #pragma once
