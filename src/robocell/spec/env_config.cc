@@ -275,7 +275,7 @@ void EnvConfig::Validate(Problems& problems) const {
     CheckNamePart(robot, "robots", problems);
     CheckNotEmpty(robot, "robots", "a name for each robot, found ''", problems);
   }
-  for (const char* taken : {"frames", "objects", "task"}) {
+  for (const char* taken : {"features", "frames", "objects", "task"}) {
     if (robots.contains(taken))
       problems.AddAt("robots", fmt::format("'{}' is a part of observations; give the robot another "
                                            "name",
